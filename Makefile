@@ -262,7 +262,7 @@ $(IMAGE_PARTS): $(BUILD)/%.o: %.cc | $(PACKAGES_STAMP)
 	$(say) "compile   $<"
 	$(Q)$(CXX) $(ALL_CXXFLAGS) -c -o $@ $<
 
-$(BUILD)/iftty-image: $(IMAGE_PARTS) $(CONFINED)
+$(BUILD)/iftty-image: $(IMAGE_PARTS) $(CONFINED) $(BUILD)/src/image/linear.o
 	$(say) "link      $@"
 	$(Q)$(CXX) -o $@ $^ $(ALL_LDFLAGS) $(OIIO_LIBS)
 

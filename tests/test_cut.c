@@ -481,7 +481,9 @@ STORY(a_picture_notes_what_is_cut_away_and_in_focus)
     CHECK(exr_read(&p, path, NULL) == OK);
     CHECK(!picture_find(&p, "iftty:cut"));
     const char *note = picture_find(&p, "iftty:view");
-    CHECK_TEXT(note ? note : "", "0 0 0 zoom 1500 size 64x64");
+    CHECK_TEXT(
+        note ? note : "",
+        "yaw 0 pitch 0 roll 0 degrees, zoom 1.5, 64x64 pixels, voxel 19.5,14.5,9.5 in the middle");
     picture_release(&p);
     must(&interp, "view right");
     must(&interp, "focus 0,0,0");
@@ -496,7 +498,8 @@ STORY(a_picture_notes_what_is_cut_away_and_in_focus)
     CHECK_TEXT(note ? note : "", "kept x 0-39 y 0-29 z 3-7 plane -1048576000000 0 0 from "
                                  "-20971520000000 box 1,2,3 6,5,4");
     note = picture_find(&p, "iftty:view");
-    CHECK_TEXT(note ? note : "", "270000 0 0 zoom 1500 size 64x64 focus -1277952 -950272 -622592");
+    CHECK_TEXT(note ? note : "",
+               "yaw 270 pitch 0 roll 0 degrees, zoom 1.5, 64x64 pixels, voxel 0,0,0 in the middle");
     picture_release(&p);
     interpreter_release(&interp);
 }

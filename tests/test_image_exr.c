@@ -9,6 +9,7 @@
 #include "base/buf.h"
 #include "base/file.h"
 #include "image/exr.h"
+#include "image/linear.h"
 
 static char folder[FOLDER_LENGTH];
 static char path[FILE_LENGTH];
@@ -81,6 +82,86 @@ STORY(every_level_and_every_plane_comes_back)
 {
     comes_back(256, 31, true);
     comes_back(640, 480, true);
+}
+
+/* ---- colours multiplied by alpha ---- */
+
+static double value_of(uint16_t half)
+{
+    const int exponent = half >> 10, mantissa = half & 1023;
+    return exponent ? ldexp(1024 + mantissa, exponent - 25) : ldexp(mantissa, -24);
+}
+
+/* Each is the half nearest to the product, none is that of another level, and each comes back. */
+STORY(every_level_comes_back_from_under_every_alpha)
+{
+    unsigned subnormal = 0, cases = 0;
+    for (unsigned alpha = 1; alpha < 256; alpha++)
+        for (unsigned level = 0; level < 256; level++, cases++) {
+            const uint16_t half = linear_associated((uint8_t)level, (uint8_t)alpha);
+            const double exact = value_of(linear_half[level]) * alpha / 255;
+            const double off = fabs(value_of(half) - exact);
+            CHECK(off <= fabs(value_of((uint16_t)(half + 1)) - exact));
+            CHECK(half == 0 || off <= fabs(value_of((uint16_t)(half - 1)) - exact));
+            CHECK(level == 0 || half > linear_associated((uint8_t)(level - 1), (uint8_t)alpha));
+            CHECK_INT(linear_straight(half, (uint8_t)alpha), level);
+            subnormal += half > 0 && half < 1024;
+        }
+    for (unsigned level = 0; level < 256; level++)
+        CHECK_INT(linear_associated((uint8_t)level, 255), linear_half[level]);
+    CHECK_INT(cases, 255 * 256);
+    CHECK_INT(subnormal, 188);
+}
+
+/* What another program makes of them: any half, of any alpha. */
+STORY(any_half_is_the_nearest_level)
+{
+    for (unsigned alpha = 0; alpha < 256; alpha += 5)
+        for (uint32_t half = 0; half <= UINT16_MAX; half += 7) {
+            const uint8_t level = linear_straight((uint16_t)half, (uint8_t)alpha);
+            if (alpha == 0 || half > 0x7c00) {
+                CHECK_INT(level, 0);
+                continue;
+            }
+            const int own = abs(linear_associated(level, (uint8_t)alpha) - (int)half);
+            CHECK(level == 0 ||
+                  own <= abs(linear_associated((uint8_t)(level - 1), (uint8_t)alpha) - (int)half));
+            CHECK(level == 255 ||
+                  own <= abs(linear_associated((uint8_t)(level + 1), (uint8_t)alpha) - (int)half));
+        }
+}
+
+/* All of them in one file, with the depths that compositors know, and where it was seen from. */
+STORY(a_file_of_associated_alpha_comes_back_too)
+{
+    for (int tiled = 0; tiled < 2; tiled++) {
+        struct picture p = sample(256, 255, true), q;
+        p.is_associated = true;
+        p.tiled = tiled;
+        p.space.eye_mm = 1234.5;
+        p.space.has_world = true;
+        for (size_t i = 0; i < (size_t)256 * 255; i++) {
+            memset(p.rgba + 4 * i, (int)(i % 256), 3);
+            p.rgba[4 * i + 3] = (uint8_t)(1 + i / 256);
+        }
+        CHECK_INT(exr_write(path, FILE_REPLACE, &p, NULL), OK);
+        CHECK_INT(exr_read(&q, path, NULL), OK);
+        CHECK(same(&p, &q) && q.is_associated);
+        picture_release(&p);
+        picture_release(&q);
+    }
+}
+
+STORY(what_nothing_covers_has_no_colour)
+{
+    struct picture p = sample(8, 8, false), q;
+    p.is_associated = true;
+    memcpy(p.rgba, (uint8_t[8]){9, 200, 255, 0, 9, 200, 255, 1}, 8);
+    CHECK_INT(exr_write(path, FILE_REPLACE, &p, NULL), OK);
+    CHECK_INT(exr_read(&q, path, NULL), OK);
+    CHECK(memcmp(q.rgba, (uint8_t[8]){0, 0, 0, 0, 9, 200, 255, 1}, 8) == 0);
+    picture_release(&p);
+    picture_release(&q);
 }
 
 STORY(a_picture_of_colours_alone_comes_back)
@@ -307,8 +388,10 @@ int main(void)
         return 1;
     snprintf(path, sizeof path, "%s/a.exr", folder);
     int status = RUN_STORIES(
-        TELL(every_level_and_every_plane_comes_back), TELL(a_picture_of_colours_alone_comes_back),
-        TELL(one_pixel_and_odd_sizes_come_back),
+        TELL(every_level_and_every_plane_comes_back),
+        TELL(every_level_comes_back_from_under_every_alpha), TELL(any_half_is_the_nearest_level),
+        TELL(a_file_of_associated_alpha_comes_back_too), TELL(what_nothing_covers_has_no_colour),
+        TELL(a_picture_of_colours_alone_comes_back), TELL(one_pixel_and_odd_sizes_come_back),
         TELL(a_block_that_deflate_cannot_shorten_comes_back),
         TELL(sizes_about_those_of_tiles_come_back), TELL(the_same_picture_gives_the_same_bytes),
         TELL(an_existing_file_is_kept_unless_told),
@@ -320,7 +403,7 @@ int main(void)
         TELL(damaged_files_never_do_harm));
     unlink(path);
     if (rmdir(folder) != 0) {
-        printf("not ok 17 - no_draft_is_left_behind\n");
+        printf("not ok 21 - no_draft_is_left_behind\n");
         status = 1;
     }
     return status;

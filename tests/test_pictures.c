@@ -1,12 +1,14 @@
 /* Pictures as commands make them: what they hold, and how they come to the disk. */
 #include <dirent.h>
 #include <limits.h>
+#include <math.h>
 #include <stdlib.h>
 #include <unistd.h>
 
 #include "base/file.h"
 #include "image/exr.h"
 #include "session/export.h"
+#include "session/seen_from.h"
 #include "tests/interpreting.h"
 #include "tests/folder.h"
 #include "tests/stopping.h"
@@ -125,11 +127,156 @@ STORY(a_picture_says_what_it_is_of)
         CHECK_TEXT(value ? value : note[i].name, note[i].value);
     }
     const char *view = picture_find(&p, "iftty:view");
-    CHECK_HAS(view ? view : "", "30000 20000 10000 zoom ");
+    CHECK_HAS(view ? view : "", "yaw 30 pitch 20 roll 10 degrees, zoom ");
     const char *look = picture_find(&p, "iftty:look");
-    CHECK_HAS(look ? look : "", "surface light ");
+    CHECK_HAS(look ? look : "", "surface, light -25 30 degrees, cue 30 %, ");
     picture_release(&p);
     interpreter_release(&interp);
+}
+
+/* Labels that are seen, with what they are called and the colours they have; and the scale. */
+STORY(a_picture_says_which_labels_it_shows)
+{
+    struct interpreter interp;
+    struct picture p;
+    begin_with_object(&interp);
+    must(&interp, "label 1 core #102030");
+    must(&interp, "label 2 unseen");
+    must(&interp, "zoom 2");
+    must(&interp, "render labels.exr");
+    CHECK_INT(exr_read(&p, "labels.exr", NULL), OK);
+    CHECK_TEXT(picture_find(&p, "iftty:labels"),
+               "{\"1\": {\"name\": \"core\", \"colour\": \"#102030\"}}");
+    CHECK_TEXT(picture_find(&p, "iftty:mm-per-pixel"), "0.5");
+    CHECK(p.is_associated);
+    picture_release(&p);
+    interpreter_release(&interp);
+}
+
+/* A journal made before writes what it wrote. */
+STORY(pictures_of_look_1_are_what_they_were)
+{
+    struct interpreter interp;
+    struct picture p;
+    begin_interpreter(&interp);
+    session_take_semantics(&interp.session, 5);
+    must(&interp, "open synth:geom:40x40x20");
+    must(&interp, "seed 20,20,10 1 radius=3");
+    must(&interp, "size 90 70");
+    must(&interp, "view 30 20 10");
+    must(&interp, "render before.exr");
+    CHECK_INT(exr_read(&p, "before.exr", NULL), OK);
+    CHECK(!p.is_associated && p.depth_mm);
+    CHECK_TEXT(picture_find(&p, "iftty:view"), "30000 20000 10000 zoom 1000 size 90x70");
+    CHECK_TEXT(picture_find(&p, "iftty:look"),
+               "surface light -25000 30000 cue 30 edges off samples 1");
+    CHECK(!picture_find(&p, "iftty:labels") && !picture_find(&p, "iftty:mm-per-pixel"));
+    picture_release(&p);
+    interpreter_release(&interp);
+}
+
+/* ---- where it was seen from ---- */
+
+static void by_matrix(double out[3], const double point[3], const float matrix[4][4])
+{
+    for (int i = 0; i < 3; i++) {
+        out[i] = (double)matrix[3][i];
+        for (int w = 0; w < 3; w++)
+            out[i] += point[w] * (double)matrix[w][i];
+    }
+}
+
+/* The voxel of a pixel lies where the pixel and its depth are: its middle to a voxel and a half,
+ * for surfaces are smoothed. Gives how many do. */
+static size_t check_places(const struct picture *p, const struct session *session)
+{
+    const struct grid *grid = &session->scene->grid;
+    const double scale = 1 / (seen_mm_per_pixel(session));
+    size_t seen = 0;
+    for (size_t i = 0; i < (size_t)p->width * p->height; i++) {
+        if (p->voxel[i] == UINT32_MAX)
+            continue;
+        const uint32_t v = p->voxel[i];
+        const uint32_t place[3] = {v % grid->size[0], v / grid->size[0] % grid->size[1],
+                                   v / grid->size[0] / grid->size[1]};
+        double point[3], camera[3], ndc[3];
+        geometry_point(&session->geometry, place, point);
+        by_matrix(camera, point, p->space.to_camera);
+        by_matrix(ndc, point, p->space.to_ndc);
+        const double depth = (double)p->depth_mm[i] + p->space.eye_mm;
+        CHECK(depth > 0 && fabs(camera[2] - depth) < 1.8);
+        CHECK(fabs(ndc[0] * p->width - (double)(i % p->width) - 0.5) < 1.5 * scale);
+        CHECK(fabs(ndc[1] * p->height - (double)(i / p->width) - 0.5) < 1.5 * scale);
+        seen++;
+    }
+    return seen;
+}
+
+/* A scene that lies obliquely in the world: 30 degrees about z, then 20 about x. */
+static const double oblique[3][4] = {{0.866025404, -0.5, 0, 17},
+                                     {0.469846310, 0.813797681, -0.342020143, -40},
+                                     {0.171010072, 0.296198133, 0.939692621, 900}};
+
+STORY(matrices_lead_from_the_world_to_the_pixel)
+{
+    static const char *const view[] = {"view front", "view 77 -31 140", "view bottom"};
+    struct interpreter interp;
+    struct picture p;
+    begin_with_object(&interp);
+    must(&interp, "clip axial 3-11");
+    for (int turned = 0; turned < 2; turned++) {
+        if (turned)
+            CHECK(geometry_place(&interp.session.geometry, oblique, ORIENTATION_SFORM));
+        for (size_t i = 0; i < sizeof view / sizeof view[0]; i++) {
+            must(&interp, view[i]);
+            must(&interp, "zoom 1.7 at=15,22,4");
+            must(&interp, "render");
+            CHECK_INT(export_picture(&p, &interp.session, NULL), OK);
+            CHECK(p.space.has_world);
+            CHECK(check_places(&p, &interp.session) > 500);
+            picture_release(&p);
+        }
+    }
+    interp.session.geometry.orientation = ORIENTATION_TOLD; /* axes, and no place */
+    CHECK_INT(export_picture(&p, &interp.session, NULL), OK);
+    CHECK(!p.space.has_world && p.space.eye_mm > 0);
+    picture_release(&p);
+    interpreter_release(&interp);
+}
+
+STORY(normals_of_an_oblique_scene_are_turned_with_it)
+{
+    static const int16_t normal[4][4] = {
+        {16384, 0, 0, 0}, {0, -16384, 0, 0}, {9459, 9459, 9459, 0}, {0, 0, 0, 0}};
+    struct geometry geometry = {.slope = 1};
+    float out[4][3];
+    CHECK(geometry_place(&geometry, oblique, ORIENTATION_SFORM));
+    seen_normals(out[0], normal[0], 4, &geometry);
+    for (int w = 0; w < 3; w++) {
+        CHECK(fabs((double)out[0][w] - oblique[w][0]) < 1e-6);
+        CHECK(fabs((double)out[1][w] + oblique[w][1]) < 1e-6);
+        const double sum = (oblique[w][0] + oblique[w][1] + oblique[w][2]) / sqrt(3);
+        CHECK(fabs((double)out[2][w] - sum) < 1e-6);
+        CHECK(out[3][w] == 0);
+    }
+}
+
+/* Of axes that are no right angles, a normal stays at right angles to the face that it is of. */
+STORY(normals_of_a_sheared_scene_stay_at_right_angles)
+{
+    static const double sheared[3][4] = {{2, 0.5, 0, 0}, {0, 1, 0.3, 0}, {0, 0, 3, 0}};
+    static const int16_t normal[4] = {16384, 0, 0, 0};
+    struct geometry geometry = {.slope = 1};
+    float n[3];
+    CHECK(geometry_place(&geometry, sheared, ORIENTATION_SFORM));
+    seen_normals(n, normal, 1, &geometry);
+    for (int a = 1; a < 3; a++) { /* the face is that of the other two axes */
+        double along = 0;
+        for (int w = 0; w < 3; w++)
+            along += (double)n[w] * sheared[w][a];
+        CHECK(fabs(along) < 1e-6);
+    }
+    CHECK(n[0] > 0);
 }
 
 /* ---- the turntable ---- */
@@ -178,8 +325,9 @@ STORY(a_turntable_shows_what_turning_shows)
 
 STORY(parts_of_a_turn_are_whole_thousandths)
 {
-    static const char *const angle[] = {"0 0 0 ",      "51429 0 0 ",  "102857 0 0 ", "154286 0 0 ",
-                                        "205714 0 0 ", "257143 0 0 ", "308571 0 0 "};
+    static const char *const angle[] = {"yaw 0 ",       "yaw 51.429 ",  "yaw 102.857 ",
+                                        "yaw 154.286 ", "yaw 205.714 ", "yaw 257.143 ",
+                                        "yaw 308.571 "};
     struct interpreter interp;
     struct picture p;
     char name[32];
@@ -416,6 +564,10 @@ int main(void)
     int status = RUN_STORIES(
         TELL(normals_are_turned_to_the_world), TELL(an_exr_in_tiles_holds_what_one_in_lines_holds),
         TELL(normals_are_unit_vectors_that_face_the_viewer), TELL(a_picture_says_what_it_is_of),
+        TELL(a_picture_says_which_labels_it_shows), TELL(pictures_of_look_1_are_what_they_were),
+        TELL(matrices_lead_from_the_world_to_the_pixel),
+        TELL(normals_of_an_oblique_scene_are_turned_with_it),
+        TELL(normals_of_a_sheared_scene_stay_at_right_angles),
         TELL(a_turntable_shows_what_turning_shows), TELL(parts_of_a_turn_are_whole_thousandths),
         TELL(an_animated_picture_has_every_frame), TELL(a_pattern_is_one_number_in_the_name),
         TELL(a_turntable_is_all_or_nothing), TELL(a_turntable_that_is_cancelled_leaves_nothing),

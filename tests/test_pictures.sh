@@ -40,7 +40,9 @@ exrheader tiled.exr >tiled.txt
 for name in A B G R; do
     grep -q "^    $name, 16-bit floating-point, sampling 1 1" lines.txt || fail "no channel $name"
 done
-grep -q '^    Z, 32-bit floating-point, sampling 1 1' lines.txt || fail "no channel Z"
+for name in Z depth; do
+    grep -q "^    $name, 32-bit floating-point, sampling 1 1" lines.txt || fail "no channel $name"
+done
 for name in label voxel; do
     grep -q "^    $name, 32-bit unsigned integer, sampling 1 1" lines.txt || fail "no channel $name"
 done
@@ -100,7 +102,8 @@ begin "other programs see a white background, and none behind a transparent pict
 {
     sed '/^render/d' script
     printf '%s\n' 'samples 2' 'background white' 'render white.png' 'background transparent' \
-        'render clear.png' 'render clear.tif' 'render clear.exr'
+        'render clear.png' 'render clear.tif' 'render clear.exr' 'background #808080' \
+        'render grey.png'
 } >backgrounds
 expect 0 "$iftty" run backgrounds
 for file in clear.png clear.tif; do
@@ -132,6 +135,24 @@ idiff -q mine.tif theirs.tif >/dev/null 2>&1 && fail "nothing is drawn"
 expect 0 "$iftty" info over.png
 out_has 'iftty:decorations: letters, scale, legend'
 expect 0 "$iftty" verify over.iftty
+close_story
+
+begin "a compositor that knows OpenEXR puts our picture over its own, and finds it in the world"
+# Edges too, up to what the mean of squares is off the mean of light.
+oiiotool clear.exr --ch R,G,B,A --create 150x110 4 \
+    --fill:color=0.21586,0.21586,0.21586,1 150x110+0+0 --over --ch R,G,B \
+    --colorconvert linear sRGB -d uint8 -o over.tif >err 2>&1 || fail "$(cat err)"
+expect 0 idiff -q -fail 0.04 -warn 1 over.tif grey.png
+oiiotool clear.exr --ch Z -o z.exr
+expect 0 oiiotool --stats z.exr
+! grep -q 'Stats Min: -' out || fail "what is seen lies behind the camera: $(grep Min out)"
+expect 0 "$iftty" -c 'open synth:geom:20x20x20; seed 9,9,9 1; run; label 1 core; render placed.exr'
+exrheader placed.exr >placed.txt
+for name in worldToCamera worldToNDC; do
+    grep -q "^$name (type m44f)" placed.txt || fail "no $name: $(cat placed.txt)"
+done
+same "$(attribute placed.exr iftty:alpha)" associated
+same "$(attribute placed.exr iftty:labels)" '{"1": {"name": "core", "colour": "#d6b296"}}'
 close_story
 
 begin "formats without loss agree with the PNG, pixel for pixel"

@@ -4,17 +4,26 @@
  * A file has one part under ZIP, of scan lines or (picture->tiled) of tiles of 64x64 pixels in one
  * level, data and display window from 0,0:
  *
- *     R G B A       half    linear light; A is 0..1; colours are not multiplied by A
- *     Z             float   depth_mm, +infinity where nothing is seen
+ *     R G B A       half    linear light; A is 0..1; colours are multiplied by A, as OpenEXR has it
+ *     Z             float   millimetres from the camera on; +infinity where nothing is seen
+ *     depth         float   depth_mm: the same from the plane through the scene's middle on
  *     label         uint
  *     voxel         uint    0xFFFFFFFF where nothing is seen
  *     N.X N.Y N.Z   float   normal, towards Right, Anterior, Superior; 0,0,0 where nothing is seen
  *
- * of which the last four are there when the picture has the plane. Each attribute of the picture
- * is a string attribute of its own name. exr_read gives back exactly what exr_write was given:
- * 8-bit sRGB goes through a table of 256 halves that all differ, and a half that is not in the
- * table (another program wrote it) comes back as the nearest entry. The same picture gives the same
- * bytes: no time, host or program is noted.
+ * of which all but the first are there when the picture has the plane. Z is what compositors know,
+ * and is not read back: depth is exact. The string attribute iftty:alpha is "associated", and
+ * worldToCamera and worldToNDC are OpenEXR's standard attributes, where the picture's space has a
+ * world: the camera looks along its +z, in millimetres.
+ *
+ * A picture that is not associated, as those of look 1 are, has no iftty:alpha: colours are not
+ * multiplied by A then, Z is depth_mm, and there is no channel depth. Readers go by the attribute.
+ *
+ * Each attribute of the picture is a string attribute of its own name. exr_read gives back exactly
+ * what exr_write was given, but for colours where alpha is 0, which are 0 in an associated file:
+ * 8-bit sRGB goes through a table of 256 halves that all differ, for each alpha another
+ * (image/linear.h), and a half that is not in the table (another program wrote it) comes back as
+ * the nearest entry. The same picture gives the same bytes: no time, host or program is noted.
  */
 #ifndef IMAGE_EXR_H
 #define IMAGE_EXR_H

@@ -10,18 +10,28 @@
 
 /* ---- the channels, one table for both ways ---- */
 
+enum { BOTH = EXR_STRAIGHT | EXR_ASSOCIATED };
+
 const struct channel exr_channel[EXR_CHANNELS] = {
-    {"R", PLANE_RGBA, 0, EXR_PIXEL_HALF, 2},      {"G", PLANE_RGBA, 1, EXR_PIXEL_HALF, 2},
-    {"B", PLANE_RGBA, 2, EXR_PIXEL_HALF, 2},      {"A", PLANE_RGBA, 3, EXR_PIXEL_HALF, 2},
-    {"Z", PLANE_DEPTH, 0, EXR_PIXEL_FLOAT, 4},    {"label", PLANE_LABEL, 0, EXR_PIXEL_UINT, 4},
-    {"voxel", PLANE_VOXEL, 0, EXR_PIXEL_UINT, 4}, {"N.X", PLANE_NORMAL, 0, EXR_PIXEL_FLOAT, 4},
-    {"N.Y", PLANE_NORMAL, 1, EXR_PIXEL_FLOAT, 4}, {"N.Z", PLANE_NORMAL, 2, EXR_PIXEL_FLOAT, 4},
+    {"R", BOTH, PLANE_RGBA, 0, EXR_PIXEL_HALF, 2},
+    {"G", BOTH, PLANE_RGBA, 1, EXR_PIXEL_HALF, 2},
+    {"B", BOTH, PLANE_RGBA, 2, EXR_PIXEL_HALF, 2},
+    {"A", BOTH, PLANE_RGBA, 3, EXR_PIXEL_HALF, 2},
+    {"Z", EXR_STRAIGHT, PLANE_DEPTH, 0, EXR_PIXEL_FLOAT, 4},
+    {"Z", EXR_ASSOCIATED, PLANE_EYE, 0, EXR_PIXEL_FLOAT, 4},
+    {"depth", EXR_ASSOCIATED, PLANE_DEPTH, 0, EXR_PIXEL_FLOAT, 4},
+    {"label", BOTH, PLANE_LABEL, 0, EXR_PIXEL_UINT, 4},
+    {"voxel", BOTH, PLANE_VOXEL, 0, EXR_PIXEL_UINT, 4},
+    {"N.X", BOTH, PLANE_NORMAL, 0, EXR_PIXEL_FLOAT, 4},
+    {"N.Y", BOTH, PLANE_NORMAL, 1, EXR_PIXEL_FLOAT, 4},
+    {"N.Z", BOTH, PLANE_NORMAL, 2, EXR_PIXEL_FLOAT, 4},
 };
 
-const struct channel *exr_channel_named(const char *name)
+const struct channel *exr_channel_named(const char *name, bool is_associated)
 {
+    const unsigned kind = is_associated ? EXR_ASSOCIATED : EXR_STRAIGHT;
     for (int i = 0; i < EXR_CHANNELS; i++)
-        if (strcmp(exr_channel[i].name, name) == 0)
+        if (exr_channel[i].kinds & kind && strcmp(exr_channel[i].name, name) == 0)
             return &exr_channel[i];
     return NULL;
 }
@@ -32,6 +42,7 @@ void *exr_plane_of(const struct picture *picture, enum plane plane)
     case PLANE_RGBA:
         return picture->rgba;
     case PLANE_DEPTH:
+    case PLANE_EYE:
         return picture->depth_mm;
     case PLANE_LABEL:
         return picture->label;
@@ -43,15 +54,23 @@ void *exr_plane_of(const struct picture *picture, enum plane plane)
     return NULL;
 }
 
-void exr_point(exr_coding_channel_info_t *info, const struct channel *channel,
-               const struct picture *picture, const struct block *block, uint16_t *halves)
+static bool goes_by_room(enum plane plane)
 {
-    const bool by_halves = channel->plane == PLANE_RGBA;
-    const int32_t pixel = by_halves ? 8 : channel->plane == PLANE_NORMAL ? 12 : 4;
-    const size_t line = (size_t)(by_halves ? block->width : picture->width) * (size_t)pixel;
-    uint8_t *at = by_halves ? (uint8_t *)halves
-                            : (uint8_t *)exr_plane_of(picture, channel->plane) + block->y * line +
-                                  block->x * (size_t)pixel;
+    return plane == PLANE_RGBA || plane == PLANE_EYE;
+}
+
+void exr_point(exr_coding_channel_info_t *info, const struct channel *channel,
+               const struct picture *picture, const struct block *block,
+               const struct exr_room *room)
+{
+    const enum plane plane = channel->plane;
+    const int32_t pixel = plane == PLANE_RGBA ? 8 : plane == PLANE_NORMAL ? 12 : 4;
+    const size_t line =
+        (size_t)(goes_by_room(plane) ? block->width : picture->width) * (size_t)pixel;
+    uint8_t *at = plane == PLANE_RGBA  ? (uint8_t *)room->halves
+                  : plane == PLANE_EYE ? (uint8_t *)room->eye
+                                       : (uint8_t *)exr_plane_of(picture, plane) + block->y * line +
+                                             block->x * (size_t)pixel;
     info->decode_to_ptr = at + channel->index * (size_t)channel->bytes;
     info->user_pixel_stride = pixel;
     info->user_line_stride = (int32_t)line;
@@ -79,6 +98,7 @@ bool exr_name_is_reserved(const char *name)
         "channels",           "chunkCount",         "compression", "dataWindow", "displayWindow",
         "lineOrder",          "maxSamplesPerPixel", "name",        "preview",    "pixelAspectRatio",
         "screenWindowCenter", "screenWindowWidth",  "tiles",       "type",       "version",
+        "worldToCamera",      "worldToNDC",         EXR_ALPHA,
     };
     for (size_t i = 0; i < sizeof reserved / sizeof reserved[0]; i++)
         if (strcmp(reserved[i], name) == 0)

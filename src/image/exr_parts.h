@@ -20,20 +20,30 @@ enum {
     EXR_TILE_MOST = 4096, /* of those that are read */
 };
 
-enum plane { PLANE_RGBA, PLANE_DEPTH, PLANE_LABEL, PLANE_VOXEL, PLANE_NORMAL };
+/* Of PLANE_EYE the file alone has pixels: the depth, from the camera on. */
+enum plane { PLANE_RGBA, PLANE_DEPTH, PLANE_EYE, PLANE_LABEL, PLANE_VOXEL, PLANE_NORMAL };
+
+/* Files whose colours are as they are, and those in which they are multiplied by alpha. */
+enum { EXR_STRAIGHT = 1, EXR_ASSOCIATED = 2 };
 
 struct channel {
     const char *name;
+    unsigned kinds; /* of files that have it */
     enum plane plane;
     unsigned index; /* within the plane's pixel */
     exr_pixel_type_t type;
     int bytes;
 };
 
-enum { EXR_CHANNELS = 10 };
+enum { EXR_CHANNELS = 12 };
 extern const struct channel exr_channel[EXR_CHANNELS];
 
-const struct channel *exr_channel_named(const char *name); /* or NULL */
+#define EXR_ALPHA       "iftty:alpha" /* the attribute that says so */
+#define EXR_ALPHA_VALUE "associated"
+
+/* The channel of a file of that kind, or NULL. */
+const struct channel *exr_channel_named(const char *name, bool is_associated);
+/* The plane of a picture that a channel is made of, or NULL. */
 void *exr_plane_of(const struct picture *picture, enum plane plane);
 
 /* The pixels that one block of the file packs: some lines, or a tile. */
@@ -41,10 +51,16 @@ struct block {
     uint32_t x, y, width, height;
 };
 
-/* Points the library at a channel's pixels of a block; RGBA goes by way of `halves`, 4 a pixel of
- * the block. */
+/* What goes by way of memory for a block: RGBA, 4 halves a pixel, and the depth from the camera. */
+struct exr_room {
+    uint16_t *halves;
+    float *eye; /* written only */
+};
+
+/* Points the library at a channel's pixels of a block. */
 void exr_point(exr_coding_channel_info_t *info, const struct channel *channel,
-               const struct picture *picture, const struct block *block, uint16_t *halves);
+               const struct picture *picture, const struct block *block,
+               const struct exr_room *room);
 
 /* Calls `each` for the blocks of `step` pixels (lines are as wide as the picture), in the order of
  * the file, until one fails. */

@@ -26,10 +26,20 @@ struct form {
     uint32_t step[2];
 };
 
+/* Whether the file says that its colours are multiplied by alpha. */
+static bool is_associated(exr_context_t context)
+{
+    static const char value[] = EXR_ALPHA_VALUE;
+    const exr_attribute_t *attribute;
+    return exr_get_attribute_by_name(context, 0, EXR_ALPHA, &attribute) == EXR_ERR_SUCCESS &&
+           attribute->type == EXR_ATTR_STRING && attribute->string->length == sizeof value - 1 &&
+           memcmp(attribute->string->str, value, sizeof value - 1) == 0;
+}
+
 /* Which of our channels the file has; refuses one of another type or sampling, and a lack of
  * colour. */
-static enum err find_channels(bool has[EXR_CHANNELS], exr_context_t context, size_t *pixel_bytes,
-                              struct fault *fault)
+static enum err find_channels(bool has[EXR_CHANNELS], exr_context_t context, bool associated,
+                              size_t *pixel_bytes, struct fault *fault)
 {
     const exr_attr_chlist_t *list;
     memset(has, 0, EXR_CHANNELS * sizeof *has);
@@ -38,7 +48,7 @@ static enum err find_channels(bool has[EXR_CHANNELS], exr_context_t context, siz
         return fault_set(fault, ERR_INPUT, "it has no channels; expected R, G, B and A");
     for (int i = 0; i < list->num_channels; i++) {
         const exr_attr_chlist_entry_t *entry = &list->entries[i];
-        const struct channel *channel = exr_channel_named(entry->name.str);
+        const struct channel *channel = exr_channel_named(entry->name.str, associated);
         if (entry->x_sampling != 1 || entry->y_sampling != 1)
             return fault_set(fault, ERR_INPUT, "a channel is sampled %d by %d; expected 1 by 1",
                              entry->x_sampling, entry->y_sampling);
@@ -132,9 +142,9 @@ static enum err make_planes(struct picture *out, const exr_attr_box2i_t *window,
     enum err err = picture_init(out, width, height, false, fault);
     bool fine = true;
     for (int i = 0; i < EXR_CHANNELS && !err; i++) {
-        if (!has[i] || exr_channel[i].plane == PLANE_RGBA)
-            continue;
         const enum plane plane = exr_channel[i].plane;
+        if (!has[i] || plane == PLANE_RGBA || plane == PLANE_EYE)
+            continue;
         if (!exr_plane_of(out, plane)) /* the first channel of it */
             keep_plane(out, plane, calloc(pixels * (plane == PLANE_NORMAL ? 3 : 1), 4));
         fine = fine && exr_plane_of(out, plane);
@@ -174,17 +184,22 @@ struct reader {
     exr_attr_box2i_t window;
     exr_decode_pipeline_t pipeline;
     bool begun;
-    uint16_t *halves;               /* 4 a pixel of the largest block */
+    struct exr_room room;           /* of the largest block */
     uint8_t level[2][HALF_ONE + 1]; /* of colours, of alpha */
 };
 
 static void take_halves(struct reader *r, const struct block *block)
 {
-    const uint16_t *half = r->halves;
+    const uint16_t *half = r->room.halves;
     for (uint32_t y = block->y; y < block->y + block->height; y++) {
         uint8_t *rgba = r->out->rgba + 4 * ((size_t)y * r->out->width + block->x);
-        for (size_t i = 0; i < 4 * (size_t)block->width; i++)
-            rgba[i] = linear_level(r->level[i % 4 == 3], *half++);
+        for (uint32_t x = 0; x < block->width; x++, rgba += 4, half += 4) {
+            rgba[3] = linear_level(r->level[1], half[3]);
+            const bool divides = r->out->is_associated && rgba[3] < 255;
+            for (int k = 0; k < 3; k++)
+                rgba[k] = divides ? linear_straight(half[k], rgba[3])
+                                  : linear_level(r->level[0], half[k]);
+        }
     }
 }
 
@@ -217,9 +232,10 @@ static exr_result_t get_block(void *context, const struct block *block)
     if (result)
         return result;
     for (int i = 0; i < pipeline->channel_count; i++) {
-        const struct channel *channel = exr_channel_named(pipeline->channels[i].channel_name);
-        if (channel)
-            exr_point(&pipeline->channels[i], channel, r->out, block, r->halves);
+        const struct channel *channel =
+            exr_channel_named(pipeline->channels[i].channel_name, r->out->is_associated);
+        if (channel && channel->plane != PLANE_EYE)
+            exr_point(&pipeline->channels[i], channel, r->out, block, &r->room);
     }
     if (!r->begun)
         result = exr_decoding_choose_default_routines(r->context, 0, pipeline);
@@ -252,8 +268,8 @@ static enum err get_pixels(struct reader *r, const struct stream *stream, struct
     const size_t largest = largest_block(r);
     if (!largest)
         return exr_library_fault("read", stream, EXR_ERR_INVALID_ATTR, fault);
-    r->halves = calloc(4 * largest, sizeof *r->halves);
-    if (!r->halves)
+    r->room.halves = calloc(4 * largest, sizeof *r->room.halves);
+    if (!r->room.halves)
         return fault_memory(fault, stream->path);
     linear_alpha(alpha);
     linear_invert(r->level[0], linear_half);
@@ -261,7 +277,7 @@ static enum err get_pixels(struct reader *r, const struct stream *stream, struct
     r->pipeline = (exr_decode_pipeline_t)EXR_DECODE_PIPELINE_INITIALIZER;
     const exr_result_t result = exr_each_block(r->out, r->form.step, get_block, r);
     exr_decoding_destroy(r->context, &r->pipeline);
-    free(r->halves);
+    free(r->room.halves);
     return result ? exr_library_fault("read", stream, result, fault) : OK;
 }
 
@@ -276,8 +292,9 @@ static enum err read_context(struct picture *out, exr_context_t context,
     r->context = context;
     r->out = out;
     enum err err = check_form(&r->form, context, fault);
+    const bool associated = is_associated(context);
     if (!err)
-        err = find_channels(has, context, &pixel_bytes, fault);
+        err = find_channels(has, context, associated, &pixel_bytes, fault);
     if (!err)
         err = find_window(context, &r->window, pixel_bytes, stream->bytes, fault);
     if (!err)
@@ -285,6 +302,7 @@ static enum err read_context(struct picture *out, exr_context_t context,
     if (!err)
         err = get_attributes(out, context, fault);
     out->tiled = r->form.tiled;
+    out->is_associated = associated;
     if (err)
         fault_prefix(fault, err, "%s", stream->path);
     else

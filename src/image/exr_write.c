@@ -26,6 +26,19 @@ static exr_result_t put_attributes(exr_context_t context, const struct picture *
     return result;
 }
 
+/* What a file of this kind says, and where it was seen from (OpenEXR's standard attributes). */
+static exr_result_t put_kind(exr_context_t context, const struct picture *picture)
+{
+    exr_attr_m44f_t camera, ndc;
+    exr_result_t result = exr_attr_set_string(context, 0, EXR_ALPHA, EXR_ALPHA_VALUE);
+    if (result || !picture->space.has_world)
+        return result;
+    memcpy(camera.m, picture->space.to_camera, sizeof camera.m);
+    memcpy(ndc.m, picture->space.to_ndc, sizeof ndc.m);
+    result = exr_attr_set_m44f(context, 0, "worldToCamera", &camera);
+    return result ? result : exr_attr_set_m44f(context, 0, "worldToNDC", &ndc);
+}
+
 static exr_result_t put_header(exr_context_t context, const struct picture *picture)
 {
     const exr_attr_box2i_t window = {
@@ -42,27 +55,37 @@ static exr_result_t put_header(exr_context_t context, const struct picture *pict
                                          EXR_TILE_ONE_LEVEL, EXR_TILE_ROUND_DOWN);
     if (!result)
         result = exr_set_zip_compression_level(context, part, ZIP_LEVEL);
+    const unsigned kind = picture->is_associated ? EXR_ASSOCIATED : EXR_STRAIGHT;
     for (int i = 0; i < EXR_CHANNELS && !result; i++)
-        if (exr_plane_of(picture, exr_channel[i].plane))
+        if (exr_channel[i].kinds & kind && exr_plane_of(picture, exr_channel[i].plane))
             result = exr_add_channel(context, part, exr_channel[i].name, exr_channel[i].type,
                                      EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
     if (!result)
         result = put_attributes(context, picture);
+    if (!result && picture->is_associated)
+        result = put_kind(context, picture);
     if (!result)
         result = exr_write_header(context);
     return result;
 }
 
-static void fill_halves(uint16_t *halves, const struct picture *picture, const struct block *block)
+static void fill_room(const struct exr_room *room, const struct picture *picture,
+                      const struct block *block)
 {
-    uint16_t alpha[256];
+    uint16_t alpha[256], *halves = room->halves;
+    float *eye = room->eye;
     linear_alpha(alpha);
     for (uint32_t y = block->y; y < block->y + block->height; y++) {
-        const uint8_t *rgba = picture->rgba + 4 * ((size_t)y * picture->width + block->x);
+        const size_t first = (size_t)y * picture->width + block->x;
+        const uint8_t *rgba = picture->rgba + 4 * first;
         for (uint32_t x = 0; x < block->width; x++, rgba += 4, halves += 4) {
+            const uint8_t covered = picture->is_associated ? rgba[3] : 255;
             for (size_t c = 0; c < 3; c++)
-                halves[c] = linear_half[rgba[c]];
+                halves[c] =
+                    covered == 255 ? linear_half[rgba[c]] : linear_associated(rgba[c], covered);
             halves[3] = alpha[rgba[3]];
+            if (picture->depth_mm)
+                *eye++ = (float)((double)picture->depth_mm[first + x] + picture->space.eye_mm);
         }
     }
 }
@@ -85,7 +108,7 @@ struct writer {
     const struct picture *picture;
     exr_encode_pipeline_t pipeline;
     exr_result_t (*compress)(exr_encode_pipeline_t *);
-    uint16_t *halves; /* 4 a pixel of the largest block */
+    struct exr_room room; /* of the largest block */
 };
 
 static exr_result_t put_block(void *context, const struct block *block)
@@ -104,10 +127,12 @@ static exr_result_t put_block(void *context, const struct block *block)
                        : exr_encoding_update(w->context, 0, &chunk, pipeline);
     if (result)
         return result;
-    fill_halves(w->halves, w->picture, block);
-    for (int i = 0; i < pipeline->channel_count; i++)
-        exr_point(&pipeline->channels[i], exr_channel_named(pipeline->channels[i].channel_name),
-                  w->picture, block, w->halves);
+    fill_room(&w->room, w->picture, block);
+    for (int i = 0; i < pipeline->channel_count; i++) {
+        const char *name = pipeline->channels[i].channel_name;
+        exr_point(&pipeline->channels[i], exr_channel_named(name, w->picture->is_associated),
+                  w->picture, block, &w->room);
+    }
     if (first) {
         result = exr_encoding_choose_default_routines(w->context, 0, pipeline);
         w->compress = pipeline->compress_fn;
@@ -118,9 +143,9 @@ static exr_result_t put_block(void *context, const struct block *block)
 }
 
 static exr_result_t put_pixels(exr_context_t context, const struct picture *picture,
-                               const uint32_t step[2], uint16_t *halves)
+                               const uint32_t step[2], const struct exr_room *room)
 {
-    struct writer w = {.context = context, .picture = picture, .halves = halves, .compress = NULL};
+    struct writer w = {.context = context, .picture = picture, .room = *room, .compress = NULL};
     w.pipeline = (exr_encode_pipeline_t)EXR_ENCODE_PIPELINE_INITIALIZER;
     const exr_result_t result = exr_each_block(picture, step, put_block, &w);
     exr_encoding_destroy(context, &w.pipeline);
@@ -143,7 +168,7 @@ static enum err check_names(const char *path, const struct picture *picture, boo
 }
 
 static exr_result_t write_stream(struct stream *stream, const struct picture *picture,
-                                 bool any_long, const uint32_t step[2], uint16_t *halves)
+                                 bool any_long, const uint32_t step[2], const struct exr_room *room)
 {
     const exr_context_initializer_t setup = exr_stream_setup(stream);
     exr_context_t context;
@@ -154,7 +179,7 @@ static exr_result_t write_stream(struct stream *stream, const struct picture *pi
     if (!result)
         result = put_header(context, picture);
     if (!result)
-        result = put_pixels(context, picture, step, halves);
+        result = put_pixels(context, picture, step, room);
     exr_result_t closed = exr_finish(&context); /* writes the table of chunks */
     return result ? result : closed;
 }
@@ -165,13 +190,16 @@ static enum err write_draft(const char *draft, const char *path, const struct pi
     struct stream stream = {.path = path};
     const uint32_t step[2] = {picture->tiled ? EXR_TILE_SIDE : picture->width,
                               picture->tiled ? EXR_TILE_SIDE : EXR_BLOCK_LINES};
-    uint16_t *halves = mem_array((size_t)step[0] * step[1] * 4, sizeof *halves);
-    if (!halves)
-        return fault_memory(fault, path);
-    stream.fd = file_step_open(draft, O_RDWR | O_CREAT | O_EXCL);
-    enum err err = stream.fd < 0 ? fault_errno(fault, "write", path) : OK;
+    const size_t pixels = (size_t)step[0] * step[1];
+    const struct exr_room room = {mem_array(pixels, 4 * sizeof *room.halves),
+                                  mem_array(pixels, sizeof *room.eye)};
+    enum err err = room.halves && room.eye ? OK : fault_memory(fault, path);
     if (!err) {
-        exr_result_t result = write_stream(&stream, picture, any_long, step, halves);
+        stream.fd = file_step_open(draft, O_RDWR | O_CREAT | O_EXCL);
+        err = stream.fd < 0 ? fault_errno(fault, "write", path) : OK;
+    }
+    if (!err) {
+        exr_result_t result = write_stream(&stream, picture, any_long, step, &room);
         if (close(stream.fd) != 0 && !stream.number)
             stream.number = errno;
         if (result || stream.number) {
@@ -179,7 +207,8 @@ static enum err write_draft(const char *draft, const char *path, const struct pi
             file_discard(draft);
         }
     }
-    free(halves);
+    free(room.halves);
+    free(room.eye);
     return err;
 }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <memory>
@@ -14,6 +13,9 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+extern "C" {
+#include "image/linear.h"
+}
 #include "image/wire.hh"
 
 namespace image
@@ -100,11 +102,15 @@ OIIO::ImageSpec spec_of(const Request &request, const std::vector<Note> &notes,
     return spec;
 }
 
-/* Linear light of the levels of sRGB (IEC 61966-2-1). */
+/* Linear light of a level of sRGB: the half of our table as a float, by its bits, so that no
+ * library's idea of a power decides a file's bytes. */
 float linear_of(uint8_t level)
 {
-    const float v = static_cast<float>(level) / 255.0f;
-    return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+    const uint32_t half = linear_half[level];
+    const uint32_t bits = half ? (half << 13) + ((127 - 15) << 23) : 0; /* none is subnormal */
+    float light;
+    std::memcpy(&light, &bits, sizeof light);
+    return light;
 }
 
 bool write_frame(OIIO::ImageOutput &out, const std::vector<uint8_t> &pixels)

@@ -61,3 +61,41 @@ uint8_t linear_level(const uint8_t level[HALF_ONE + 1], uint16_t half)
         return 0;
     return level[half < HALF_ONE ? half : HALF_ONE];
 }
+
+enum { MANTISSA_BITS = 10, MANTISSA_ONE = 1 << MANTISSA_BITS };
+
+/* Levels from 1 up are normal halves, m * 2^(exponent - 25). The product m * alpha / 255 is brought
+ * to 11 bits, or to the exponent of subnormal ones, and rounded; no half lies between two, for 255
+ * is odd. A mantissa that becomes 2^11 carries into the exponent, as it should. */
+uint16_t linear_associated(uint8_t level, uint8_t alpha)
+{
+    const uint32_t half = linear_half[level];
+    uint32_t exponent = half >> MANTISSA_BITS;
+    uint32_t product = (MANTISSA_ONE | (half & (MANTISSA_ONE - 1))) * alpha;
+    if (level == 0 || alpha == 0)
+        return 0;
+    while (product < 255 * MANTISSA_ONE && exponent > 1) {
+        product *= 2;
+        exponent--;
+    }
+    const uint32_t mantissa = (product + 127) / 255;
+    return (uint16_t)(((exponent - 1) << MANTISSA_BITS) + mantissa);
+}
+
+/* They rise with the level. */
+uint8_t linear_straight(uint16_t half, uint8_t alpha)
+{
+    unsigned low = 0, high = 255;
+    if (half & 0x8000 || half > 0x7c00 || alpha == 0) /* negative, or not a number */
+        return 0;
+    while (low < high) { /* the first level whose half is not below */
+        const unsigned middle = (low + high) / 2;
+        if (linear_associated((uint8_t)middle, alpha) < half)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    const int above = linear_associated((uint8_t)low, alpha) - half;
+    const int below = low ? half - linear_associated((uint8_t)(low - 1), alpha) : above + 1;
+    return (uint8_t)(below < above ? low - 1 : low);
+}

@@ -17,6 +17,13 @@ extern const uint16_t linear_half[256];
 /* The levels of alpha, which is linear already: the half nearest to level / 255. */
 void linear_alpha(uint16_t half[256]);
 
+/* The light of a level that covers alpha / 255 of a pixel: the half nearest to the product, which
+ * below 2^-14 is a subnormal one. For each alpha above 0 the 256 halves all differ. */
+uint16_t linear_associated(uint8_t level, uint8_t alpha);
+
+/* The way back: the level whose half for that alpha is nearest, and 0 for alpha 0. */
+uint8_t linear_straight(uint16_t half, uint8_t alpha);
+
 /* The way back from such a table: for each half from 0 to 1 the level whose half is nearest. */
 void linear_invert(uint8_t level[HALF_ONE + 1], const uint16_t half[256]);
 

@@ -21,6 +21,15 @@ struct attribute {
     char *value;
 };
 
+/* Where a picture was seen from, for formats that say it. Points are rows, as OpenEXR has them:
+ * (x, y, z, 1) times the matrix. */
+struct picture_space {
+    double eye_mm;         /* how far in front of depth 0 the camera is: nothing is nearer to it */
+    bool has_world;        /* and where that is in the world, millimetres: */
+    float to_camera[4][4]; /* right, up, ahead of it, millimetres */
+    float to_ndc[4][4];    /* 0,0 is the picture's upper left corner and 1,1 its lower right one */
+};
+
 struct picture {
     uint32_t width, height;
     uint8_t *rgba;   /* [height][width][4], sRGB, alpha 0 where no object is seen */
@@ -32,7 +41,10 @@ struct picture {
     uint32_t *voxel; /* [height][width] voxel index, 0xFFFFFFFF where nothing is seen; or NULL */
     float *normal;   /* [height][width][3] unit vector towards Right, Anterior, Superior, out of the
                         object; 0,0,0 where nothing is seen; or NULL */
-    bool tiled;      /* in tiles rather than lines, where the format knows them */
+    bool is_associated; /* OpenEXR: colours are multiplied by alpha, and the rest that goes with it
+                           (image/exr.h) */
+    struct picture_space space;
+    bool tiled;                  /* in tiles rather than lines, where the format knows them */
     struct attribute *attribute; /* names differ from one another */
     size_t attributes;
 };

@@ -185,8 +185,8 @@ static enum err add_own_exr(struct facts *f, const char *path, struct fault *fau
     enum err err = exr_read(&p, path, fault);
     if (err)
         return err;
-    buf_add_text(&channels, "R G B A half");
-    buf_add_text(&channels, p.depth_mm ? ", Z float" : "");
+    buf_add_text(&channels, p.is_associated ? "R G B A half, associated alpha" : "R G B A half");
+    buf_add_text(&channels, !p.depth_mm ? "" : p.is_associated ? ", Z depth float" : ", Z float");
     buf_add_text(&channels, p.label ? ", label uint" : "");
     buf_add_text(&channels, p.voxel ? ", voxel uint" : "");
     buf_add_text(&channels, p.normal ? ", N.X N.Y N.Z float" : "");

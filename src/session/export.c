@@ -6,10 +6,12 @@
 #include <string.h>
 
 #include "base/choice.h"
+#include "base/json.h"
 #include "base/mem.h"
 #include "engine/margin.h"
 #include "image/volume.h"
 #include "session/decorating.h"
+#include "session/seen_from.h"
 
 /* One pixel of depth in millimetres: crossings count 2^-24 pixels, four times. */
 static double depth_unit_mm(const struct camera *camera)
@@ -27,6 +29,39 @@ static void write_view(struct buf *out, const struct view *view)
     if (view->focus[0] || view->focus[1] || view->focus[2])
         buf_printf(out, " focus %lld %lld %lld", (long long)view->focus[0],
                    (long long)view->focus[1], (long long)view->focus[2]);
+}
+
+/* The same of look 2, with units, and the middle in voxels as they are numbered. */
+static void write_view_in_words(struct buf *out, const struct session *session)
+{
+    const struct view *view = &session->now.outlook.view;
+    buf_printf(out, "yaw %g pitch %g roll %g degrees, zoom %g, %ux%u pixels",
+               view->angle[0] / 1000.0, view->angle[1] / 1000.0, view->angle[2] / 1000.0,
+               view->zoom / 1000.0, view->width, view->height);
+    for (int a = 0; a < 3; a++)
+        buf_printf(out, "%s%.7g", a ? "," : ", voxel ",
+                   (session->scene->grid.size[a] - 1) / 2.0 +
+                       (double)view->focus[a] / (1 << VIEW_FOCUS_BITS));
+    buf_add_text(out, " in the middle");
+}
+
+static void write_look(struct buf *out, const struct outlook *outlook)
+{
+    const struct look *look = &outlook->look;
+    const struct choice mode = choice_at(SHADE_MODES, look->mode);
+    const bool is_first = look->number == LOOK_FIRST;
+    buf_add(out, mode.word, mode.length);
+    if (is_first)
+        buf_printf(out, " light %d %d cue %u", look->light[0], look->light[1], look->cue_percent);
+    else
+        buf_printf(out, ", light %g %g degrees, cue %u %%,", look->light[0] / 1000.0,
+                   look->light[1] / 1000.0, look->cue_percent);
+    buf_printf(out, " edges %s%s samples %u", look->edges ? "on" : "off", is_first ? "" : ",",
+               look->samples);
+    if (is_first)
+        return;
+    buf_add_text(out, ", background ");
+    background_write(out, outlook->background);
 }
 
 /* In voxels, as it is held (render/cut.h): "kept x 0-180 y 0-216 z 40-120 plane ... box ...". */
@@ -68,11 +103,16 @@ static enum err add_view_notes(struct picture *picture, const struct session *se
                                struct fault *fault)
 {
     const struct cut *away = &session->now.kept.cut;
-    struct buf seen = {0}, cut = {0}, opacity = {0};
-    write_view(&seen, &session->now.outlook.view);
+    const struct outlook *outlook = &session->now.outlook;
+    struct buf seen = {0}, cut = {0}, opacity = {0}, look = {0};
+    if (outlook->look.number == LOOK_FIRST)
+        write_view(&seen, &outlook->view);
+    else
+        write_view_in_words(&seen, session);
+    write_look(&look, outlook);
     write_cut(&cut, away, &session->scene->grid);
     export_opacity(&opacity, &session->now.kept);
-    const bool fits = !seen.failed && !cut.failed && !opacity.failed;
+    const bool fits = !seen.failed && !cut.failed && !opacity.failed && !look.failed;
     enum err err = fits ? OK : fault_memory(fault, "a note on a picture");
     if (!err)
         err = picture_note(picture, "iftty:view", buf_text(&seen), fault);
@@ -80,21 +120,58 @@ static enum err add_view_notes(struct picture *picture, const struct session *se
         err = picture_note(picture, "iftty:cut", buf_text(&cut), fault);
     if (!err && opacity.length)
         err = picture_note(picture, "iftty:opacity", buf_text(&opacity), fault);
+    if (!err)
+        err = picture_note(picture, "iftty:look", buf_text(&look), fault);
     buf_release(&seen);
     buf_release(&cut);
     buf_release(&opacity);
+    buf_release(&look);
+    return err;
+}
+
+/* {"1": {"name": "brain", "colour": "#d6b296"}, ...} of the labels that a picture shows. */
+static void write_labels(struct buf *out, const struct picture *picture, const struct kept *kept)
+{
+    struct json json = {.out = out};
+    bool shows[256] = {false};
+    char number[8];
+    for (size_t i = 0; i < (size_t)picture->width * picture->height; i++)
+        shows[picture->label[i] & 255] = true;
+    json_object(&json, NULL);
+    for (int label = 1; label < 256; label++) {
+        const uint8_t *rgb = kept->palette.rgb[label];
+        if (!shows[label])
+            continue;
+        snprintf(number, sizeof number, "%d", label);
+        json_object(&json, number);
+        if (*kept->label_name[label])
+            json_text(&json, "name", kept->label_name[label]);
+        json_format(&json, "colour", "#%02x%02x%02x", rgb[0], rgb[1], rgb[2]);
+        json_end(&json);
+    }
+    json_end(&json);
+    if (!out->failed)
+        out->data[--out->length] = '\0'; /* no line feed */
+}
+
+static enum err add_label_note(struct picture *picture, const struct session *session,
+                               struct fault *fault)
+{
+    struct buf labels = {0};
+    if (session->now.outlook.look.number == LOOK_FIRST || !picture->label)
+        return OK;
+    write_labels(&labels, picture, &session->now.kept);
+    const enum err err = labels.failed
+                             ? fault_memory(fault, "a note on a picture")
+                             : picture_note(picture, "iftty:labels", buf_text(&labels), fault);
+    buf_release(&labels);
     return err;
 }
 
 enum err export_notes(struct picture *picture, const struct session *session, struct fault *fault)
 {
-    char scene[32], shaded[96];
+    char scene[32];
     snprintf(scene, sizeof scene, "%016llx", (unsigned long long)session->scene_digest);
-    const struct look *look = &session->now.outlook.look;
-    const struct choice mode = choice_at(SHADE_MODES, look->mode);
-    snprintf(shaded, sizeof shaded, "%.*s light %d %d cue %u edges %s samples %u", (int)mode.length,
-             mode.word, look->light[0], look->light[1], look->cue_percent,
-             look->edges ? "on" : "off", look->samples);
     const enum orientation orientation = session->geometry.orientation;
     enum err err = picture_note(picture, "Software", "iftty " PROGRAM_VERSION, fault);
     if (!err && orientation == ORIENTATION_UNKNOWN)
@@ -108,7 +185,8 @@ enum err export_notes(struct picture *picture, const struct session *session, st
     if (!err)
         err = add_view_notes(picture, session, fault);
     if (!err)
-        err = picture_note(picture, "iftty:look", shaded, fault);
+        err = add_label_note(picture, session, fault);
+    picture->is_associated = session->now.outlook.look.number > LOOK_FIRST;
     return err;
 }
 
@@ -123,6 +201,17 @@ static enum err note_decorations(struct picture *picture, const struct session *
                              : picture_note(picture, "iftty:decorations", buf_text(&words), fault);
     buf_release(&words);
     return err;
+}
+
+/* Of a rendition; slices have a scale of their own. */
+static enum err add_scale_note(struct picture *picture, const struct session *session,
+                               struct fault *fault)
+{
+    char scale[32];
+    if (session->now.outlook.look.number == LOOK_FIRST || session->geometry.spacing_unknown)
+        return OK;
+    snprintf(scale, sizeof scale, "%.9g", seen_mm_per_pixel(session));
+    return picture_note(picture, "iftty:mm-per-pixel", scale, fault);
 }
 
 enum err export_picture(struct picture *picture, const struct session *session, struct fault *fault)
@@ -140,9 +229,12 @@ enum err export_picture(struct picture *picture, const struct session *session, 
         picture->label[i] = r->label[i];
         picture->voxel[i] = seen ? grid_voxel(&session->scene->grid, r->cell[i]) : CELL_NONE;
     }
+    seen_from(&picture->space, session);
     err = export_notes(picture, session, fault);
     if (!err && session->now.outlook.decorations)
         err = note_decorations(picture, session, fault);
+    if (!err)
+        err = add_scale_note(picture, session, fault);
     if (err)
         picture_release(picture);
     return err;
@@ -178,10 +270,12 @@ void export_normals_to_world(float *out, const int16_t *normal, size_t pixels,
 enum err export_normals(struct picture *picture, const struct session *session, struct fault *fault)
 {
     const struct rendition *r = session_frame(session);
+    const size_t pixels = (size_t)r->width * r->height;
     enum err err = picture_add_normals(picture, fault);
-    if (!err)
-        export_normals_to_world(picture->normal, r->normal, (size_t)r->width * r->height,
-                                session->scene);
+    if (!err && session->now.outlook.look.number > LOOK_FIRST)
+        seen_normals(picture->normal, r->normal, pixels, &session->geometry);
+    else if (!err)
+        export_normals_to_world(picture->normal, r->normal, pixels, session->scene);
     return err;
 }
 
