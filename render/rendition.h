@@ -8,6 +8,7 @@
  *
  * Invariant R1: `cube` is what any of the four gives, and the rest follows from it; a pixel that
  * shows nothing has DEPTH_NONE, CELL_NONE, and once it is shaded label 0, colour 0 and normal 0.
+ * Where the scene itself is put behind objects (render/mip.h), it has a colour.
  */
 #ifndef RENDER_RENDITION_H
 #define RENDER_RENDITION_H

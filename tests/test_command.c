@@ -1355,6 +1355,7 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"decorate scale", only_looks},
         {"samples 2", only_looks},
         {"background #405060", only_looks},
+        {"context mip", only_looks},
         {"render", NULL},
         {"shade scene", only_looks},
         {"render mode=sp", NULL},
@@ -2282,6 +2283,45 @@ STORY(edits_without_memory_leave_everything_as_it_was)
     interpreter_release(&interp);
 }
 
+STORY(the_context_lies_behind_objects_and_goes_by_the_window)
+{
+    struct interpreter interp;
+    char alone[128], words[128], other[128];
+    begin_with_scene(&interp);
+    must(&interp, "view 30 20");
+    record_of(alone, &interp, "render");
+    must(&interp, "context mip");
+    record_of(words, &interp, "render"); /* the scene alone */
+    CHECK(strcmp(words, alone) != 0);
+    CHECK_INT(session_frame(&interp.session)->rgba[4 * (256 * 512 + 256) + 3], 255);
+    must(&interp, "samples 2");
+    must(&interp, "samples 1");
+    record_of(other, &interp, "render");
+    CHECK_TEXT(other, words);
+    must(&interp, "window 0 50");
+    record_of(other, &interp, "render");
+    CHECK(strcmp(words, other) != 0);
+    must(&interp, "info");
+    CHECK_HAS(buf_text(&reply.text), ", context mip\n");
+    must(&interp, "context none");
+    record_of(other, &interp, "render");
+    CHECK_TEXT(other, alone);
+    must(&interp, "context mip");
+    must(&interp, "seed 1,1,1 1");
+    must(&interp, "seed 10,9,8 2");
+    must(&interp, "opacity 1 40");
+    record_of(words, &interp, "render mode=ii");
+    record_of(other, &interp, "render mode=ray");
+    CHECK_TEXT(other, words);
+    must(&interp, "clip axial 0-4");
+    record_of(other, &interp, "render");
+    CHECK(strcmp(words, other) != 0);
+    must(&interp, "undo");
+    record_of(other, &interp, "render");
+    CHECK_TEXT(other, words);
+    interpreter_release(&interp);
+}
+
 STORY(a_journal_that_cannot_begin_undoes_the_command)
 {
     struct interpreter interp;
@@ -2337,6 +2377,7 @@ int main(void)
         TELL(edits_without_memory_leave_everything_as_it_was),
         TELL(pictures_without_memory_leave_everything_as_it_was),
         TELL(opacity_is_a_setting_of_the_segmentation_and_one_picture_in_every_mode),
+        TELL(the_context_lies_behind_objects_and_goes_by_the_window),
         TELL(a_journal_that_cannot_begin_undoes_the_command));
     return status | end_folder();
 }

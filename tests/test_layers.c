@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
+#include "tests/ray_search.h"
 #include "tests/stage.h"
 
 static void set_label(struct stage *s, uint32_t x, uint32_t y, uint32_t z, uint8_t label)
@@ -27,44 +28,16 @@ static void draw(struct stage *s, uint32_t side)
 
 /* ---- which there are ---- */
 
-/* A cube that a ray goes through. */
-struct passed {
-    int64_t depth;
-    uint32_t cell;
-    uint8_t label; /* 0 where it is not shown */
-};
-
-static int by_depth(const void *a, const void *b)
-{
-    const struct passed *p = a, *q = b;
-    return p->depth < q->depth ? -1 : p->depth > q->depth;
-}
-
-/* All of them, the nearest first, each found by itself. */
+/* What a ray goes through, the nearest first, with the labels of what is shown. */
 static size_t pass(struct passed *out, const struct stage *s, uint32_t column, uint32_t row)
 {
-    const struct grid *grid = &s->scene->grid;
-    size_t count = 0;
-    for (uint32_t v = 0; v < grid->voxels; v++) {
-        const uint32_t x = v % grid->size[0], y = v / grid->size[0] % grid->size[1];
-        const uint32_t at[3] = {x, y, v / grid->size[0] / grid->size[1]};
-        int64_t first = INT64_MIN, last = INT64_MAX;
-        for (int a = 0; a < 3; a++) {
-            const int64_t n = s->camera.flip[a] ? (int64_t)grid->size[a] - 1 - at[a] : at[a];
-            const int64_t near = camera_crossing(&s->camera, a, n, column, row);
-            const int64_t far = camera_crossing(&s->camera, a, n + 1, column, row);
-            first = near > first ? near : first;
-            last = far < last ? far : last;
-        }
-        if (first >= last)
-            continue;
-        const uint32_t cell = grid_cell(grid, at[0], at[1], at[2]);
+    const size_t count = ray_search(out, &s->camera, column, row);
+    for (size_t i = 0; i < count; i++) {
+        const uint8_t label = s->scene->cell[out[i].cell].label;
         const bool shown =
-            s->border.visible[s->scene->cell[cell].label] && !cut_takes(&s->border.cut, grid, cell);
-        out[count++] =
-            (struct passed){first, cell, shown ? s->scene->cell[cell].label : (uint8_t)0};
+            s->border.visible[label] && !cut_takes(&s->border.cut, &s->scene->grid, out[i].cell);
+        out[i].label = shown ? label : 0;
     }
-    qsort(out, count, sizeof *out, by_depth);
     return count;
 }
 

@@ -54,6 +54,7 @@ enum err act_edges(const struct act *act);
 enum err act_samples(const struct act *act);
 enum err act_background(const struct act *act);
 enum err act_decorate(const struct act *act);
+enum err act_context(const struct act *act);
 
 /* act_picture.c */
 enum err act_render(const struct act *act);

@@ -191,6 +191,7 @@ static void write_look(struct buf *out, const struct outlook *outlook)
                (int)mode.length, mode.word, look->light[0] / 1000.0, look->light[1] / 1000.0,
                look->cue_percent, look->edges ? "on" : "off", look->samples);
     background_write(out, outlook->background);
+    buf_add_text(out, outlook->context == CONTEXT_MIP ? ", context mip" : "");
     buf_add_char(out, '\n');
     if (!outlook->decorations)
         return;

@@ -468,6 +468,14 @@ const struct command command_table[] = {
      "cross: the cross-hair, where its voxel is seen.",
 
      "decorate letters scale legend"},
+    {COMMAND("context", act_context, GROUP_LOOK, R | S),
+     {NEED("WHAT", VALUE_CHOICE, .choices = CONTEXTS)},
+     "the scene itself behind and around the objects",
+     "none is the default.\n"
+     "mip: a maximum intensity projection. Where no object is, a pixel is as bright as the "
+     "brightest voxel on its ray, within the `window` of slices; what is cut away is left out. "
+     "What is dark lets the background through.",
+     "context mip"},
     {COMMAND("clip", act_clip, GROUP_CUTS, R | S),
      {NEED("PLANE", VALUE_CHOICE, .choices = "axial|coronal|sagittal|none"),
       MAY("SLICES", VALUE_RANGE, .most = 65533)},

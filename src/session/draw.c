@@ -39,9 +39,16 @@ void session_take_camera(struct session *session, const struct camera *camera)
 
 /* ---- the rendition ---- */
 
-const struct rendition *session_frame(const struct session *session)
+/* Of objects alone. */
+static const struct rendition *objects_of(const struct session *session)
 {
     return session->now.outlook.look.samples > 1 ? &session->reduced : &session->rendition;
+}
+
+const struct rendition *session_frame(const struct session *session)
+{
+    const struct rendition *frame = &session->context.frame;
+    return session->now.outlook.context && frame->rgba ? frame : objects_of(session);
 }
 
 enum err session_show_frame(struct canvas *canvas, const struct session *session,
@@ -171,6 +178,8 @@ static enum err draw_border(struct session *session, struct border *border, enum
     } else {
         err = draw_bands(session, border, project, fault);
     }
+    if (!err)
+        err = context_put(session, objects_of(session), fault);
     return err ? err : watch_fault(session->watch, fault);
 }
 
@@ -206,7 +215,10 @@ void session_follow_rendition(struct session *session, enum rendered as,
         return;
     incremental_image(&session->rendition, &session->camera, border, changes,
                       shade_reach(&session->now.outlook.look, &session->camera));
-    session->rendered = session_colour(session, border, NULL) ? RENDERED_NOT : as;
+    enum err err = session_colour(session, border, NULL);
+    if (!err)
+        err = context_put(session, objects_of(session), NULL);
+    session->rendered = err ? RENDERED_NOT : as;
 }
 
 /* The shader's fields are those of the forest's border, or of this one, which goes. */

@@ -168,6 +168,15 @@ static enum err add_label_note(struct picture *picture, const struct session *se
     return err;
 }
 
+static enum err note_context(struct picture *picture, const struct session *session,
+                             struct fault *fault)
+{
+    char words[64];
+    const int32_t *window = session->context.mip.of.window;
+    snprintf(words, sizeof words, "mip, intensities %d to %d", window[0], window[1]);
+    return picture_note(picture, "iftty:context", words, fault);
+}
+
 enum err export_notes(struct picture *picture, const struct session *session, struct fault *fault)
 {
     char scene[32];
@@ -186,6 +195,8 @@ enum err export_notes(struct picture *picture, const struct session *session, st
         err = add_view_notes(picture, session, fault);
     if (!err)
         err = add_label_note(picture, session, fault);
+    if (!err && session->now.outlook.context)
+        err = note_context(picture, session, fault);
     picture->is_associated = session->now.outlook.look.number > LOOK_FIRST;
     return err;
 }

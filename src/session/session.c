@@ -25,6 +25,7 @@ void session_close_scene(struct session *session)
     session_settle(session);
     session_release_rendition(session);
     live_finish_drop(session);
+    context_release(&session->context);
     shader_release(&session->shader);
     label_measures_release(&session->measures);
     finished_release(&session->finished);
@@ -61,6 +62,7 @@ void session_release_rendition(struct session *session)
     free(session->decorated);
     session->decorated = NULL;
     session->decorated_pixels = 0;
+    context_forget(&session->context);
     session->rendered = RENDERED_NOT;
 }
 
@@ -81,7 +83,7 @@ size_t session_memory(const struct session *session)
     bytes += kept->mask ? packed_memory(kept->mask) : 0;
     bytes += kept->weight_map ? packed_memory(kept->weight_map) : 0;
     bytes += rendition_bytes(&session->rendition) + rendition_bytes(&session->reduced);
-    bytes += layers_bytes(&session->layers);
+    bytes += layers_bytes(&session->layers) + context_bytes(&session->context);
     bytes += 4 * session->decorated_pixels;
     return bytes + shader_bytes(&session->shader);
 }

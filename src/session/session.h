@@ -41,6 +41,7 @@
 #include "render/border.h"
 #include "render/layers.h"
 #include "render/rendition.h"
+#include "session/context.h"
 #include "session/map.h"
 #include "session/finished.h"
 #include "session/hinting.h"
@@ -97,6 +98,7 @@ struct session {
     struct camera camera; /* of the view, `look.samples` times as large; see session_draw_fitting */
     struct rendition rendition; /* of camera.view's size; no maps where its samples are too many to
                                    be stored */
+    struct context context;     /* what is behind it */
     struct layers layers;       /* the rendition's, where objects are translucent */
     struct rendition reduced;   /* to the view's size, where look.samples is above 1 */
     enum rendered rendered;     /* S2: what session_frame gives shows the present state */

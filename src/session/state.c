@@ -70,6 +70,7 @@ static const struct state_field outlook_field[] = {
     FIELD(outlook, look, MADE_CAMERA),
     FIELD(outlook, background, 0),
     FIELD(outlook, decorations, 0),
+    FIELD(outlook, context, MADE_COLOURS),
     FIELD(outlook, slices.cross, 0),
     FIELD(outlook, slices.zoom, 0),
     FIELD(outlook, slices.times, 0),
@@ -136,13 +137,14 @@ static bool hides_others(const uint8_t a[256], const uint8_t b[256])
     return false;
 }
 
-/* Polarities are heeded by one weight alone; the window of slices colours what is cut open. */
+/* Polarities are heeded by one weight alone; the window of slices colours what is cut open,
+ * and the context. */
 unsigned state_difference(const struct state *a, const struct state *b)
 {
     unsigned made = compare_kept(&a->kept, &b->kept) | compare_outlooks(&a->outlook, &b->outlook);
     if (made & MADE_BY_POLARITY && b->kept.weight.kind == WEIGHT_POLARITY)
         made |= MADE_WEIGHTS;
-    if (made & MADE_BY_WINDOW && !cut_is_none(&b->kept.cut))
+    if (made & MADE_BY_WINDOW && (!cut_is_none(&b->kept.cut) || b->outlook.context))
         made |= MADE_COLOURS;
     if (made & MADE_BY_OPACITY)
         made |= hides_others(a->kept.opacity, b->kept.opacity) ? MADE_BORDER : MADE_COLOURS;

@@ -69,6 +69,7 @@ struct outlook {
     struct look look;
     uint32_t decorations; /* of the rendition: bits of render/decoration.h */
     uint32_t background;  /* render/background.h */
+    uint32_t context;     /* enum context_kind (session/context.h) */
     struct slice_settings slices;
     bool runs_by_itself; /* "auto": each edit is run at once */
     bool shows_finished; /* pictures show labels as kept.finish leaves them */

@@ -1,0 +1,193 @@
+#include "render/mip.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "engine/gradient.h"
+#include "render/walk.h"
+
+enum { INTENSITIES = UINT16_MAX + 1, WHITE = 255 };
+
+void mip_release(struct mip *mip)
+{
+    free(mip->grey);
+    free(mip->brightness);
+    *mip = (struct mip){0};
+}
+
+size_t mip_bytes(const struct mip *mip)
+{
+    const size_t cells = mip->grey ? mip->of.scene->grid.cells : 0;
+    return cells + (size_t)mip->view.width * mip->view.height;
+}
+
+/* Work that a team shares. */
+struct drawing {
+    struct mip *mip;
+    const struct camera *camera;
+    struct team *team;
+    uint8_t grey_of[INTENSITIES];
+};
+
+/* ---- a byte for each voxel ---- */
+
+static void fill_greys(uint8_t grey_of[INTENSITIES], const int32_t window[2])
+{
+    const int64_t width = (int64_t)window[1] - window[0];
+    for (int64_t i = 0; i < INTENSITIES; i++) {
+        const int64_t grey = (i - window[0]) * WHITE / width;
+        grey_of[i] = (uint8_t)(grey < 0 ? 0 : grey > WHITE ? WHITE : grey);
+    }
+}
+
+static void fill_share(void *context, unsigned thread)
+{
+    const struct drawing *d = context;
+    const struct scene *scene = d->mip->of.scene;
+    const struct grid *grid = &scene->grid;
+    const struct share planes = team_share(d->team, thread, grid->size[2]);
+    struct task task = task_begin_part(scene->watch, "intensities", grid->voxels, thread);
+    for (uint32_t z = (uint32_t)planes.first; z < planes.end; z++)
+        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
+            const struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++)
+                d->mip->grey[c] = d->grey_of[scene->cell[c].intensity];
+        }
+}
+
+/* Blackens what is cut away. */
+static enum err cut_away(struct mip *mip, struct fault *fault)
+{
+    const size_t cells = mip->of.scene->grid.cells, words = cells / 64 + 1;
+    if (cut_is_none(&mip->of.cut))
+        return OK;
+    uint64_t *bits = mem_array(words, sizeof *bits);
+    if (!bits)
+        return fault_memory(fault, "what is cut away");
+    memset(bits, UINT8_MAX, words * sizeof *bits);
+    if (cut_clear(&mip->of.cut, mip->of.scene, bits))
+        for (size_t c = 0; c < cells; c++)
+            mip->grey[c] = bits[c / 64] >> (c % 64) & 1 ? mip->grey[c] : 0;
+    free(bits);
+    return OK;
+}
+
+static bool is_same_source(const struct mip_source *a, const struct mip_source *b)
+{
+    return a->scene == b->scene && a->digest == b->digest && a->window[0] == b->window[0] &&
+           a->window[1] == b->window[1] && memcmp(&a->cut, &b->cut, sizeof a->cut) == 0;
+}
+
+static enum err take_source(struct drawing *d, const struct mip_source *source, struct fault *fault)
+{
+    struct mip *mip = d->mip;
+    if (is_same_source(&mip->of, source))
+        return OK;
+    mip_release(mip);
+    mip->grey = mem_new(source->scene->grid.cells);
+    if (!mip->grey)
+        return fault_memory(fault, "the scene's brightness");
+    mip->of = *source;
+    fill_greys(d->grey_of, source->window);
+    team_run(d->team, fill_share, d);
+    const enum err err = cut_away(mip, fault);
+    return err ? err : watch_fault(source->scene->watch, fault);
+}
+
+/* ---- along the rays ---- */
+
+static uint8_t brightest(const struct mip *mip, const struct camera *camera, uint32_t x, uint32_t y)
+{
+    struct walk walk;
+    uint8_t most = 0;
+    bool is_inside = walk_begin(&walk, camera, x, y, INT64_MIN);
+    for (; is_inside && most < WHITE; is_inside = walk_on(&walk))
+        most = mip->grey[walk.cell] > most ? mip->grey[walk.cell] : most;
+    return most;
+}
+
+/* Rows in turn: those in the middle take the most time. */
+static void walk_share(void *context, unsigned thread)
+{
+    const struct drawing *d = context;
+    const struct view *view = &d->camera->view;
+    struct task task = task_begin_part(d->mip->of.scene->watch, "projection",
+                                       (uint64_t)view->width * view->height, thread);
+    for (uint32_t y = thread; y < view->height && task_advance(&task, view->width);
+         y += team_size(d->team))
+        for (uint32_t x = 0; x < view->width; x++)
+            d->mip->brightness[(size_t)y * view->width + x] = brightest(d->mip, d->camera, x, y);
+}
+
+static enum err take_view(struct drawing *d, struct fault *fault)
+{
+    struct mip *mip = d->mip;
+    const struct view *view = &d->camera->view;
+    if (memcmp(&mip->view, view, sizeof *view) == 0)
+        return OK;
+    free(mip->brightness);
+    mip->view = (struct view){0};
+    mip->brightness = mem_array((size_t)view->width * view->height, 1);
+    if (!mip->brightness)
+        return fault_memory(fault, "a projection");
+    team_run(d->team, walk_share, d);
+    mip->view = *view;
+    return watch_fault(mip->of.scene->watch, fault);
+}
+
+enum err mip_draw(struct mip *mip, const struct mip_source *source, const struct camera *camera,
+                  struct team *team, struct fault *fault)
+{
+    struct drawing d = {.mip = mip, .camera = camera, .team = team};
+    enum err err = take_source(&d, source, fault);
+    if (!err)
+        err = take_view(&d, fault);
+    if (err)
+        mip_release(mip);
+    return err;
+}
+
+/* ---- behind objects ---- */
+
+/* A colour and its alpha. */
+struct tone {
+    uint8_t level, alpha;
+};
+
+/* Below 64, shines through, and lighter by as much. */
+static struct tone tone_of(uint32_t brightness)
+{
+    const uint32_t alpha = brightness < 64 ? 4 * brightness : WHITE;
+    const uint32_t level =
+        alpha ? square_root(((uint64_t)WHITE * brightness * brightness + alpha / 2) / alpha) : 0;
+    return (struct tone){(uint8_t)level, (uint8_t)alpha};
+}
+
+static void put_behind(uint8_t out[4], const uint8_t rgba[4], struct tone tone)
+{
+    const uint32_t front = WHITE * (uint32_t)rgba[3],
+                   behind = (uint32_t)(WHITE - rgba[3]) * tone.alpha;
+    const uint32_t all = front + behind;
+    for (int k = 0; k < 3; k++) {
+        const uint64_t light =
+            (uint64_t)front * rgba[k] * rgba[k] + (uint64_t)behind * tone.level * tone.level;
+        out[k] = all ? (uint8_t)square_root(light / all) : 0;
+    }
+    out[3] = (uint8_t)((all + WHITE / 2) / WHITE);
+}
+
+void mip_put_behind(uint8_t *out, const uint8_t *rgba, const uint8_t *brightness, size_t count)
+{
+    struct tone tone[WHITE + 1];
+    for (uint32_t b = 0; b <= WHITE; b++)
+        tone[b] = tone_of(b);
+    for (size_t i = 0; i < count; i++, out += 4, rgba += 4) {
+        const struct tone t = tone[brightness[i]];
+        const uint8_t grey[4] = {t.level, t.level, t.level, t.alpha};
+        if (rgba[3] == 0 || rgba[3] == WHITE)
+            memcpy(out, rgba[3] ? rgba : grey, 4);
+        else
+            put_behind(out, rgba, t);
+    }
+}
