@@ -93,8 +93,7 @@ static enum err make_room(struct drawing *d, struct fault *fault)
     for (unsigned i = 0; i < team_size(d->team) && !err; i++)
         err = layers_take(&d->layers[i], &d->room[i], bands->border, &bands->shader->seams, fault);
     for (unsigned i = 0; i < team_size(d->team) && !err; i++)
-        err = rendition_refined(&d->room[i], look_is_refined(bands->look) && !d->room[i].layers,
-                                fault);
+        err = rendition_refined(&d->room[i], shade_refines(bands->look, bands->border), fault);
     return err;
 }
 

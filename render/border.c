@@ -17,7 +17,7 @@ enum err border_init(struct border *border, const struct scene *scene, struct fa
     for (int label = 1; label < 256; label++)
         border->visible[label] = true;
     memset(border->opacity, BORDER_OPAQUE, sizeof border->opacity);
-    border->solid = border->shown;
+    border->solid = border->whole = border->shown;
     border->hull = border->border;
     if (border->shown && border->border && border->marked && border->stale && border->changed)
         return OK;
@@ -31,9 +31,11 @@ static void drop_skin(struct border *border)
     if (border->has_skin) {
         mem_pages_free(border->solid, bytes);
         mem_pages_free(border->hull, bytes);
+        mem_pages_free(border->whole, bytes);
         mem_pages_free(border->open, bytes);
     }
     border->has_skin = false;
+    border->whole = border->shown;
     border->solid = border->shown;
     border->hull = border->border;
     border->open = NULL;
@@ -52,7 +54,7 @@ void border_release(struct border *border)
 
 size_t border_memory(const struct border *border)
 {
-    const size_t sets = border->has_skin ? 5 : 2;
+    const size_t sets = border->has_skin ? 6 : 2;
     return border->words * (sets * sizeof(uint64_t) + sizeof(uint32_t));
 }
 
@@ -78,6 +80,23 @@ static uint64_t solid_word(const struct border *border, size_t w)
         near |= border_shown_from(border, at - step) | border_shown_from(border, at + step);
     }
     return near & border->open[w];
+}
+
+/* Which voxels have a label that the view shows. False where the watch has stopped it. */
+static bool find_visible(const struct border *border, uint64_t *bits, struct task *task)
+{
+    const size_t cells = border->scene->grid.cells;
+    const struct labels labels = border->labels;
+    for (size_t w = 0; w + 1 < border->words; w++) {
+        uint64_t word = 0;
+        size_t end = w * 64 + 64 < cells ? w * 64 + 64 : cells;
+        for (size_t c = w * 64; c < end; c++)
+            word |= (uint64_t)border->visible[labels_at(&labels, (uint32_t)c)] << (c & 63);
+        bits[w] = word;
+        if (!task_advance(task, 64))
+            return false;
+    }
+    return true;
 }
 
 /* ---- the skin ---- */
@@ -118,45 +137,52 @@ enum err border_set_skin(struct border *border, bool has_skin, struct fault *fau
     drop_skin(border);
     if (!has_skin)
         return OK;
-    uint64_t *set[3] = {mem_pages(bytes), mem_pages(bytes), mem_pages(bytes)};
-    if (!set[0] || !set[1] || !set[2]) {
-        for (int i = 0; i < 3; i++)
+    uint64_t *set[4] = {mem_pages(bytes), mem_pages(bytes), mem_pages(bytes), mem_pages(bytes)};
+    if (!set[0] || !set[1] || !set[2] || !set[3]) {
+        for (int i = 0; i < 4; i++)
             mem_pages_free(set[i], bytes);
         return fault_memory(fault, "the border");
     }
     border->has_skin = true;
-    border->solid = set[0], border->hull = set[1], border->open = set[2];
-    struct task task = task_begin(border->scene->watch, "border", border->scene->grid.cells);
+    border->solid = set[0], border->hull = set[1], border->open = set[2], border->whole = set[3];
+    border->version++;
+    for (size_t w = 0; w < border->words; w++)
+        border->changed[w] = border->version;
+    struct task task = task_begin(border->scene->watch, "border", 2 * border->scene->grid.cells);
+    if (cut_is_none(&border->cut))
+        memcpy(border->whole, border->shown, bytes);
+    else if (!find_visible(border, border->whole, &task))
+        return OK;
     find_skin(border, &task);
     return OK;
 }
 
 /* ---- recounts ---- */
 
+/* Words that end up different count as changed. */
+static void take_words(struct border *border, uint64_t *set, const uint64_t *next,
+                       struct task *task)
+{
+    for (size_t w = 0; w + 1 < border->words && task_advance(task, 8); w++) {
+        if (next[w] != set[w])
+            border->changed[w] = border->version;
+        set[w] = next[w];
+    }
+}
+
 /* False where the watch has stopped it. `border`, which is made anew afterwards, holds what is to
  * be shown until the cut is made, so that only words that end up different count as changed. */
 static bool count_shown(struct border *border, struct task *task)
 {
-    const struct grid *grid = &border->scene->grid;
-    const struct labels labels = border->labels;
     uint64_t *next = border->border;
-    for (size_t w = 0; w + 1 < border->words; w++) {
-        uint64_t word = 0;
-        size_t end = w * 64 + 64 < grid->cells ? w * 64 + 64 : grid->cells;
-        for (size_t c = w * 64; c < end; c++)
-            word |= (uint64_t)border->visible[labels_at(&labels, (uint32_t)c)] << (c & 63);
-        next[w] = word;
-        if (!task_advance(task, 64))
-            return false;
-    }
-    if (!cut_clear(&border->cut, border->scene, next))
+    if (!find_visible(border, next, task))
         return false;
     border->unnoted = ++border->version;
-    for (size_t w = 0; w + 1 < border->words && task_advance(task, 8); w++) {
-        if (next[w] != border->shown[w])
-            border->changed[w] = border->version;
-        border->shown[w] = next[w];
-    }
+    if (border->has_skin)
+        take_words(border, border->whole, next, task);
+    if (!cut_clear(&border->cut, border->scene, next))
+        return false;
+    take_words(border, border->shown, next, task);
     return task_advance(task, 0);
 }
 
@@ -250,8 +276,13 @@ void border_update(struct border *border, const struct changes *changes)
         const uint32_t at = change->cell;
         if (notes_labels)
             border->changed[at >> 6] = border->version;
-        if (border->visible[change->label] == border->visible[change->former_label] ||
-            cut_takes(&border->cut, grid, at))
+        if (border->visible[change->label] == border->visible[change->former_label])
+            continue;
+        if (border->has_skin) {
+            border->whole[at >> 6] ^= UINT64_C(1) << (at & 63);
+            border->changed[at >> 6] = border->version;
+        }
+        if (cut_takes(&border->cut, grid, at))
             continue;
         border->shown[at >> 6] ^= UINT64_C(1) << (at & 63);
         border->changed[at >> 6] = border->version;

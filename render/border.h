@@ -12,7 +12,9 @@
  * shown voxels. The *skin* is where: voxels that are not shown, lie in the scene, are not cut away,
  * and have a shown face neighbour. With it, shown voxels are *solid* voxels, which are what is
  * projected, and solid voxels with a face neighbour that is not solid are the *hull*, which is what
- * border projection goes by. Without a skin, these two are `shown` and `border` themselves.
+ * border projection goes by. Without a skin, these two are `shown` and `border` themselves. Where
+ * something is cut away, the surface is cut too, and ends there as flat as the cut: so it is that
+ * of the *whole*, which would be shown were nothing cut away.
  *
  * Invariant B1: between calls all sets equal a recount from labels and cut; tests/border_check.h
  * checks it.
@@ -38,11 +40,12 @@ struct border {
 
     bool has_skin;
     uint64_t *solid, *hull; /* likewise; `shown` and `border` where there is no skin */
+    uint64_t *whole;        /* likewise: shown, were nothing cut away; `shown` without a skin */
     uint64_t *open;         /* with a skin, likewise: voxels of the scene that are not cut away */
 
-    /* For results that were made of `shown` and stored (render/field.h): every update and recount
-     * has a number, and each word that of the last one in which it changed. So do changes of the
-     * labels of shown voxels by updates, while something is translucent. */
+    /* For results that were made of `shown` or `whole` and stored (render/field.h): every update
+     * and recount has a number, and each word that of the last one in which either changed. So do
+     * changes of the labels of shown voxels by updates, while something is translucent. */
     uint32_t version;
     uint32_t *changed;    /* [words] */
     uint32_t unnoted;     /* the last version whose changes of shown labels are not in `changed` */
@@ -65,7 +68,7 @@ void border_release(struct border *border);
 size_t border_memory(const struct border *border); /* bytes, without the labels */
 
 /* From now on with a skin or without; a scan of the shown voxels where that changes. ERR_MEMORY:
- * as it was. Which words have changed stays as it was too: it is said of `shown`. */
+ * without one. */
 enum err border_set_skin(struct border *border, bool has_skin, struct fault *fault);
 
 /* After an edit of the forest. Also right after one whose changes are "everything". */

@@ -189,10 +189,10 @@ static void smooth_rows(struct row *row, int count, int step)
     }
 }
 
-/* The shown voxels of a row, bit 0 the first. */
-static inline unsigned row_bits(const struct border *border, size_t cell, unsigned inside)
+/* The voxels of a row that are in a set, bit 0 the first. */
+static inline unsigned row_bits(const uint64_t *set, size_t cell, unsigned inside)
 {
-    const uint64_t *word = border->shown + (cell >> 6);
+    const uint64_t *word = set + (cell >> 6);
     const unsigned shift = cell & 63;
     uint64_t bits = word[0] >> shift;
     if (shift > 64 - INPUT)
@@ -221,13 +221,14 @@ static void find_patterns(struct patterns *patterns, const struct field *field,
                           const struct input *input)
 {
     const struct border *border = field->border;
+    const uint64_t *set = field->kind == FIELD_SURFACE ? border->whole : border->shown;
     memset(patterns, 0, sizeof *patterns);
     for (int z = 0; z < INPUT; z++)
         for (int y = 0; y < INPUT; y++) {
             if (!has_row(input, y, z))
                 continue;
             const size_t cell = row_cell(&border->scene->grid, input, y, z);
-            const unsigned bits = row_bits(border, cell, input->inside[0]);
+            const unsigned bits = row_bits(set, cell, input->inside[0]);
             patterns->row[z][y] =
                 input->label ? labelled_bits(field, cell, bits, input->label) : bits;
         }
@@ -334,12 +335,13 @@ static void smooth_scene(struct values *values, const struct field *field,
 /* ---- gradients ---- */
 
 /* Eight gradients out of their parts, side by side. */
-static inline void put_gradients(struct gradient *out, lanes x, lanes y, lanes z, lanes inside)
+static inline void put_gradients(struct gradient *out, lanes x, lanes y, lanes z)
 {
+    const lanes none = {0};
     const lanes xy[2] = {__builtin_shufflevector(x, y, 0, 8, 1, 9, 2, 10, 3, 11),
                          __builtin_shufflevector(x, y, 4, 12, 5, 13, 6, 14, 7, 15)};
-    const lanes zn[2] = {__builtin_shufflevector(z, inside, 0, 8, 1, 9, 2, 10, 3, 11),
-                         __builtin_shufflevector(z, inside, 4, 12, 5, 13, 6, 14, 7, 15)};
+    const lanes zn[2] = {__builtin_shufflevector(z, none, 0, 8, 1, 9, 2, 10, 3, 11),
+                         __builtin_shufflevector(z, none, 4, 12, 5, 13, 6, 14, 7, 15)};
     for (int i = 0; i < 2; i++) {
         const lanes first = __builtin_shufflevector(xy[i], zn[i], 0, 1, 8, 9, 2, 3, 10, 11);
         const lanes last = __builtin_shufflevector(xy[i], zn[i], 4, 5, 12, 13, 6, 7, 14, 15);
@@ -350,8 +352,7 @@ static inline void put_gradients(struct gradient *out, lanes x, lanes y, lanes z
 
 /* Differences over two voxels, times 2^shift: such that those of two places differ by less than
  * 2^14. A tent over a step gives 7/16 of it at most. */
-static void fill_gradients(struct field_block *block, const struct values *values,
-                           const struct inside *inside, int shift)
+static void fill_gradients(struct field_block *block, const struct values *values, int shift)
 {
     enum { Y = ROW, Z = SAMPLES * ROW };
     int16_t value[SAMPLES * SAMPLES * ROW];
@@ -361,13 +362,13 @@ static void fill_gradients(struct field_block *block, const struct values *value
             const int16_t *v = value + (z + 1) * Z + (y + 1) * Y + 1;
             put_gradients(block->at[z][y], (lanes_at(v + 1) - lanes_at(v - 1)) << shift,
                           (lanes_at(v + Y) - lanes_at(v - Y)) << shift,
-                          (lanes_at(v + Z) - lanes_at(v - Z)) << shift, lanes_at(inside->at[z][y]));
+                          (lanes_at(v + Z) - lanes_at(v - Z)) << shift);
             v += FIELD_BLOCK;
             int16_t *last = block->at[z][y][FIELD_BLOCK].along;
             last[0] = (int16_t)((v[1] - v[-1]) * (1 << shift));
             last[1] = (int16_t)((v[Y] - v[-Y]) * (1 << shift));
             last[2] = (int16_t)((v[Z] - v[-Z]) * (1 << shift));
-            last[3] = inside->at[z][y][FIELD_BLOCK];
+            last[3] = 0;
         }
 }
 
@@ -375,17 +376,17 @@ static void make_block(struct field_block *block, const struct field *field,
                        const struct input *input)
 {
     struct values values;
-    struct inside inside;
-    if (field->kind == FIELD_SHOWN) {
-        struct patterns patterns;
-        find_patterns(&patterns, field, input);
-        smooth_shown(&values, field, &patterns);
-        inside_find(&inside, &values, &patterns);
-    } else {
+    struct patterns patterns;
+    if (field->kind == FIELD_SCENE) {
         smooth_scene(&values, field, input);
-        memset(&inside, 0, sizeof inside);
+        fill_gradients(block, &values, 1);
+        return;
     }
-    fill_gradients(block, &values, &inside, field->kind == FIELD_SHOWN ? 2 : 1);
+    find_patterns(&patterns, field, input);
+    smooth_shown(&values, field, &patterns);
+    fill_gradients(block, &values, 2);
+    if (field->kind == FIELD_SURFACE)
+        inside_find(block, &values, &patterns);
 }
 
 /* ---- blocks ---- */

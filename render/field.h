@@ -34,10 +34,10 @@ enum {
     FIELD_SIDE = FIELD_BLOCK + 1, /* places of a block along an axis: between two of them a point */
 };
 
-enum field_kind { FIELD_SHOWN, FIELD_SCENE };
+/* A surface is that of the whole (render/border.h), which knows how far inside a point is. */
+enum field_kind { FIELD_SHOWN, FIELD_SURFACE, FIELD_SCENE };
 
-/* Along x, y, z, in a unit of their own for each kind, less than 2^13. The fourth is 0, or of shown
- * voxels how far inside the point is: above 0 inside (render/inside.c), less than 2^14. */
+/* Along x, y, z; the fourth is 0. In a unit of their own for each kind, less than 2^13. */
 struct gradient {
     int16_t along[4];
 };
@@ -45,6 +45,8 @@ struct gradient {
 /* Gradients at voxel centres; place 0 of block b along an axis is voxel FIELD_BLOCK * b - 1. */
 struct field_block {
     struct gradient at[FIELD_SIDE][FIELD_SIDE][FIELD_SIDE]; /* [z][y][x] */
+    int16_t inside[FIELD_SIDE][FIELD_SIDE][FIELD_SIDE + 1]; /* likewise; above 0 inside, in
+                                                              FIELD_INSIDE_UNIT, less than 2^14 */
 };
 
 struct field {
@@ -104,10 +106,12 @@ static inline struct gradient field_of(const struct gradient *at, const int32_t 
     return out;
 }
 
-static inline struct gradient field_at(struct field_reader *reader, const int32_t point[3])
+/* Finds the block of a point, the first of the eight places around it, and how far it is from that
+ * to the next, of 256. */
+static inline void field_find(struct field_reader *reader, const int32_t point[3],
+                              uint32_t first[3], int32_t part[3])
 {
-    uint32_t number[3], first[3];
-    int32_t part[3];
+    uint32_t number[3];
     for (int a = 0; a < 3; a++) {
         const uint32_t from = (uint32_t)(point[a] + 256); /* from the centre of the rim's cell */
         number[a] = from / (256 * FIELD_BLOCK);
@@ -121,7 +125,30 @@ static inline struct gradient field_at(struct field_reader *reader, const int32_
         for (int a = 0; a < 3; a++)
             reader->number[a] = number[a];
     }
+}
+
+static inline struct gradient field_at(struct field_reader *reader, const int32_t point[3])
+{
+    uint32_t first[3];
+    int32_t part[3];
+    field_find(reader, point, first, part);
     return field_of(&reader->block->at[first[2]][first[1]][first[0]], part);
+}
+
+/* How far inside a point is; the reader's field is a FIELD_SURFACE. */
+static inline int32_t field_inside(struct field_reader *reader, const int32_t point[3])
+{
+    enum { Y = FIELD_SIDE + 1, Z = FIELD_SIDE * Y };
+    uint32_t first[3];
+    int32_t part[3], at_x[2];
+    field_find(reader, point, first, part);
+    const int16_t *at = &reader->block->inside[first[2]][first[1]][first[0]];
+    for (int x = 0; x < 2; x++) { /* 2^14 times 2^16 at most */
+        const int32_t low = at[x] * 256 + (at[x + Z] - at[x]) * part[2];
+        const int32_t high = at[x + Y] * 256 + (at[x + Y + Z] - at[x + Y]) * part[2];
+        at_x[x] = low + ((high - low) >> 8) * part[1];
+    }
+    return (at_x[0] + ((at_x[1] - at_x[0]) >> 8) * part[0]) >> 8;
 }
 
 #endif

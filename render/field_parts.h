@@ -1,6 +1,6 @@
 /*
- * What a block of the field of shown voxels is made of, and what its gradients and its fourth lane
- * are made of in turn: values at voxel centres, and the patterns of shown voxels around them.
+ * What a block of the field of shown voxels is made of, and what its gradients, and how far inside
+ * a place is, follow from: values at voxel centres, and the patterns of shown voxels around them.
  */
 #ifndef RENDER_FIELD_PARTS_H
 #define RENDER_FIELD_PARTS_H
@@ -41,11 +41,8 @@ static inline lanes lanes_at(const int16_t *at)
     return v;
 }
 
-/* How far inside each place of a block is (render/inside.c), [z][y][x]. */
-struct inside {
-    int16_t at[FIELD_SIDE][FIELD_SIDE][ROW];
-};
-void inside_find(struct inside *inside, const struct values *values,
+/* How far inside the places of a block are (render/inside.c). */
+void inside_find(struct field_block *block, const struct values *values,
                  const struct patterns *patterns);
 
 #endif

@@ -230,7 +230,7 @@ static inline lanes inside_of(const struct levels *levels, int i, lanes value, u
     return chosen(low < high, kept, inside);
 }
 
-void inside_find(struct inside *inside, const struct values *values,
+void inside_find(struct field_block *block, const struct values *values,
                  const struct patterns *patterns)
 {
     enum { FIRST = FIELD_RADIUS + 1 }; /* the voxel of place 0 */
@@ -239,11 +239,12 @@ void inside_find(struct inside *inside, const struct values *values,
     for (int z = 0; z < FIELD_SIDE; z++)
         for (int y = 0; y < FIELD_SIDE; y++) {
             const uint32_t shown = patterns->row[z + FIRST][y + FIRST] >> FIRST;
-            int16_t value[ROW + 8];
+            int16_t value[ROW + 8], row[ROW];
             memcpy(value, &values->row[z + 1][y + 1], ROW * sizeof *value);
             for (int x = 0; x < ROW; x += 8)
-                put(inside->at[z][y] + x, inside_of(&levels, (z * SAMPLES + y) * ROW + x,
-                                                    lanes_at(value + x + 1), shown >> x) *
-                                              FIELD_INSIDE_UNIT);
+                put(row + x, inside_of(&levels, (z * SAMPLES + y) * ROW + x,
+                                       lanes_at(value + x + 1), shown >> x) *
+                                 FIELD_INSIDE_UNIT);
+            memcpy(block->inside[z][y], row, sizeof block->inside[z][y]);
         }
 }

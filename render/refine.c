@@ -3,11 +3,13 @@
 #include "engine/gradient.h"
 
 enum {
-    STEP_BITS = 16,
     RATIO_BITS = 15,
-    FINER = STEP_BITS - LOCATOR_POINT_BITS,
-    FULL = 2,
-    NEARLY = 64 * FIELD_INSIDE_UNIT, /* inside */
+    FINER_BITS = 4, /* of the last bit of a point; */
+    FINEST_BITS = LOCATOR_POINT_BITS + FINER_BITS,
+    SHARE_BITS = 16,
+    NEARLY = 64 * FIELD_INSIDE_UNIT, /* inside; */
+    FAR = 1024 * FIELD_INSIDE_UNIT,  /* outside: the surface is a voxel away */
+    GAP = 8,                         /* steps: after more, cubes are gone through instead */
 };
 
 /* Half a voxel is half of the length, in voxels along all axes, that the ray goes in one along the
@@ -28,69 +30,77 @@ static int64_t pace_of(const struct camera *camera)
 
 void refiner_init(struct refiner *refiner, const struct camera *camera, const struct border *border)
 {
-    *refiner = (struct refiner){.camera = camera,
-                                .border = border,
-                                .pace = pace_of(camera),
-                                .cuts = !cut_is_none(&border->cut)};
-    for (int a = 0; a < 3; a++) {
-        const int64_t step = (refiner->pace << STEP_BITS) / camera->T[a];
+    const int64_t half = pace_of(camera);
+    *refiner =
+        (struct refiner){.camera = camera, .border = border, .cuts = !cut_is_none(&border->cut)};
+    for (int a = 0; a < 3; a++)
         refiner->locator[a] = locator_of(camera, a);
-        refiner->step[a] = camera->flip[a] ? -step : step;
+    for (int pace = REFINE_QUARTER; pace <= REFINE_WHOLE; pace++) {
+        refiner->depth[pace] = (half << pace) / 2;
+        for (int a = 0; a < 3; a++) {
+            const int64_t step = (half << pace << FINEST_BITS) / 2 / camera->T[a];
+            refiner->step[pace][a] = (int32_t)(camera->flip[a] ? -step : step);
+        }
     }
 }
 
 /* ---- along a ray ---- */
 
-/* A point on a ray, in 2^-16 voxels, and what is there. */
+/* A point on a ray, in 2^-FINEST_BITS voxels, the voxel in whose cube it lies, and what is there;
+ * the low bits of its depth are those of a crossing, or REFINE_WITHIN. */
 struct sample {
-    int64_t depth, at[3];
-    int32_t inside;
+    int64_t depth;
+    int32_t at[3], inside;
+    uint32_t cell; /* CELL_NONE outside the scene */
 };
 
-static void look(struct sample *sample, struct refiner *refiner)
+static inline void look(struct sample *sample, struct refiner *refiner)
 {
-    int32_t point[3];
-    for (int a = 0; a < 3; a++)
-        point[a] = (int32_t)(sample->at[a] >> FINER);
-    sample->inside = field_at(&refiner->shown, point).along[3];
+    const int32_t point[3] = {sample->at[0] >> FINER_BITS, sample->at[1] >> FINER_BITS,
+                              sample->at[2] >> FINER_BITS};
+    sample->inside = field_inside(&refiner->shown, point);
 }
 
-static struct sample sample_at(struct refiner *refiner, uint32_t x, uint32_t y, int64_t depth)
-{
-    struct sample sample = {.depth = depth};
-    for (int a = 0; a < 3; a++)
-        sample.at[a] = (int64_t)locator_point(&refiner->locator[a], depth, x, y) * (1 << FINER);
-    look(&sample, refiner);
-    return sample;
-}
-
-/* The cell of the voxel in whose cube a point lies, or CELL_NONE outside the scene. */
-static uint32_t cell_at(const struct grid *grid, const int64_t at[3])
+static inline uint32_t cell_at(const struct grid *grid, const int32_t at[3])
 {
     uint32_t place[3];
     for (int a = 0; a < 3; a++) {
-        const int64_t p = (at[a] + (1 << (STEP_BITS - 1))) >> STEP_BITS;
-        if (p < 0 || p >= grid->size[a])
+        place[a] = (uint32_t)((at[a] + (1 << (FINEST_BITS - 1))) >> FINEST_BITS);
+        if (place[a] >= grid->size[a])
             return CELL_NONE;
-        place[a] = (uint32_t)p;
     }
     return grid_cell(grid, place[0], place[1], place[2]);
 }
 
+/* Further along the ray; what is there is not looked at yet. */
+static inline void go_on(struct sample *to, const struct refiner *refiner,
+                         const struct sample *from, enum refine_pace pace)
+{
+    to->depth = (from->depth + refiner->depth[pace]) | REFINE_WITHIN;
+    for (int a = 0; a < 3; a++)
+        to->at[a] = from->at[a] + refiner->step[pace][a];
+    to->cell = cell_at(&refiner->camera->scene->grid, to->at);
+}
+
+static inline bool is_solid(const struct refiner *refiner, uint32_t cell)
+{
+    return cell != CELL_NONE && border_is_solid(refiner->border, cell);
+}
+
 /* The shown voxel that a point in a solid one belongs to: it, or its shown neighbour whose centre
  * is nearest to the point. */
-static uint32_t owner_of(const struct refiner *refiner, uint32_t cell, const int64_t at[3])
+static uint32_t owner_of(const struct refiner *refiner, uint32_t cell, const int32_t at[3])
 {
     const struct grid *grid = &refiner->camera->scene->grid;
     if (border_shows(refiner->border, cell))
         return cell;
     const struct place p = grid_place(grid, cell);
-    const int64_t centre[3] = {p.x, p.y, p.z};
+    const int32_t centre[3] = {(int32_t)p.x, (int32_t)p.y, (int32_t)p.z};
     uint32_t owner = cell;
-    int64_t nearest = INT64_MIN;
+    int32_t nearest = INT32_MIN;
     for (int i = 0; i < 6; i++) {
         const int a = i / 2, sign = i % 2 ? 1 : -1;
-        const int64_t toward = sign * (at[a] - (centre[a] << STEP_BITS));
+        const int32_t toward = sign * (at[a] - centre[a] * (1 << FINEST_BITS));
         const uint32_t beside = cell + (uint32_t)(sign * grid->step[a]);
         if (toward > nearest && border_shows(refiner->border, beside)) {
             nearest = toward;
@@ -100,36 +110,20 @@ static uint32_t owner_of(const struct refiner *refiner, uint32_t cell, const int
     return owner;
 }
 
-/* What is found on a ray; the low bits of its depth are those of a crossing, or REFINE_WITHIN. */
-struct found {
-    int64_t depth;
-    uint32_t cell;
-};
-
 /* Where the ray comes inside between two samples of which the latter is. */
-static struct found found_between(const struct refiner *refiner, const struct sample *before,
-                                  const struct sample *after, uint32_t cell_after)
+static void find_surface(struct sample *surface, const struct refiner *refiner,
+                         const struct sample *before, const struct sample *after)
 {
-    const int32_t rise = after->inside - before->inside;
-    const int32_t share = before->inside < 0 ? -before->inside : 0;
-    struct sample surface = {.depth =
-                                 before->depth + (after->depth - before->depth) * share / rise};
+    const uint32_t rise = (uint32_t)(after->inside - before->inside);
+    const uint32_t lacks = before->inside < 0 ? (uint32_t)-before->inside : 0;
+    const int64_t share = (lacks << SHARE_BITS) / rise;
+    const int64_t beyond = (after->depth - before->depth) * share >> SHARE_BITS;
+    surface->depth = (before->depth + beyond) | REFINE_WITHIN;
     for (int a = 0; a < 3; a++)
-        surface.at[a] = before->at[a] + (after->at[a] - before->at[a]) * share / rise;
-    const uint32_t cell = cell_at(&refiner->camera->scene->grid, surface.at);
-    const bool is_solid = cell != CELL_NONE && border_is_solid(refiner->border, cell);
-    return (struct found){surface.depth | REFINE_WITHIN,
-                          owner_of(refiner, is_solid ? cell : cell_after, surface.at)};
-}
-
-/* `share` of FULL of the way to the next sample. */
-static struct sample sample_after(const struct refiner *refiner, const struct sample *before,
-                                  int share)
-{
-    struct sample after = {.depth = before->depth + refiner->pace * share / FULL};
-    for (int a = 0; a < 3; a++)
-        after.at[a] = before->at[a] + refiner->step[a] * share / FULL;
-    return after;
+        surface->at[a] =
+            before->at[a] + (int32_t)((after->at[a] - before->at[a]) * share >> SHARE_BITS);
+    const uint32_t cell = cell_at(&refiner->camera->scene->grid, surface->at);
+    surface->cell = owner_of(refiner, is_solid(refiner, cell) ? cell : after->cell, surface->at);
 }
 
 /* What is thinner than a step may lie between two samples that are both nearly inside. */
@@ -138,53 +132,78 @@ static bool lies_between(struct sample *middle, struct refiner *refiner,
 {
     if (before->inside < -NEARLY || after->inside < -NEARLY)
         return false;
-    *middle = sample_after(refiner, before, FULL / 2);
+    go_on(middle, refiner, before, REFINE_QUARTER);
+    middle->cell = after->cell;
     look(middle, refiner);
     return middle->inside > 0;
 }
 
-/* Follows a ray from a solid cube on as long as it is in solid voxels. True where it comes inside;
- * otherwise `found` is where it has left them. */
-static bool follow(struct found *found, struct refiner *refiner, uint32_t x, uint32_t y)
+/* Follows a ray from a solid voxel on, through solid ones and small gaps. True where it comes
+ * inside, at `out`, or leaves the scene; false where cubes are to be gone through from there. */
+static bool follow(struct sample *out, struct refiner *refiner, const struct sample *first)
 {
-    const struct grid *grid = &refiner->camera->scene->grid;
-    struct sample before = sample_at(refiner, x, y, found->depth), after, middle;
-    if (before.inside > 0) {
-        found->cell = owner_of(refiner, found->cell, before.at);
-        return true;
+    struct sample room[2] = {*first}, middle;
+    struct sample *here = &room[0], *next = &room[1];
+    for (int gap = 0; gap <= GAP;) {
+        const bool is_far = gap == 0 && here->inside < -FAR;
+        go_on(next, refiner, here, is_far ? REFINE_WHOLE : REFINE_HALF);
+        if (!is_solid(refiner, next->cell)) {
+            gap = refiner->cuts ? GAP + 1 : gap + 1;
+        } else {
+            if (gap > 0)
+                look(here, refiner);
+            gap = 0;
+            look(next, refiner);
+            const bool is_between = next->inside <= 0 && lies_between(&middle, refiner, here, next);
+            if (next->inside > 0 || is_between) {
+                find_surface(out, refiner, here, is_between ? &middle : next);
+                return true;
+            }
+        }
+        struct sample *former = here;
+        here = next;
+        next = former;
+        if (here->cell == CELL_NONE)
+            break;
     }
-    for (;; before = after) {
-        after = sample_after(refiner, &before, FULL);
-        const uint32_t cell = cell_at(grid, after.at);
-        found->depth = after.depth | REFINE_WITHIN;
-        if (cell == CELL_NONE || !border_is_solid(refiner->border, cell))
-            return false;
-        look(&after, refiner);
-        if (after.inside <= 0 && !lies_between(&middle, refiner, &before, &after))
-            continue;
-        *found = found_between(refiner, &before, after.inside > 0 ? &after : &middle, cell);
-        return true;
-    }
+    out->depth = here->depth;
+    out->cell = here->cell;
+    return here->cell == CELL_NONE;
 }
 
-/* Whether a ray comes into a voxel through a face that is cut open. */
-static bool is_cut_open(const struct refiner *refiner, const struct found *found)
+/* Whether a ray comes into a cube from one that is cut away. */
+static bool is_cut_open(const struct refiner *refiner, const struct sample *ray)
 {
-    return refiner->cuts && (found->depth & 3) != REFINE_WITHIN &&
-           border_shows(refiner->border, found->cell) &&
-           border_is_cut(refiner->border,
-                         found->cell + (uint32_t)refiner->camera->toward[found->depth & 3]);
+    if (!refiner->cuts || (ray->depth & 3) == REFINE_WITHIN)
+        return false;
+    const uint32_t beside = ray->cell + (uint32_t)refiner->camera->toward[ray->depth & 3];
+    return !border_is_open(refiner->border, beside) &&
+           !(refiner->camera->scene->cell[beside].flags & CELL_RIM);
+}
+
+/* What a ray that comes into a cube shows of it or of what is beyond. True where that is all. */
+static bool refine(struct sample *ray, struct refiner *refiner, uint32_t x, uint32_t y)
+{
+    struct sample first = {.depth = ray->depth, .cell = ray->cell};
+    for (int a = 0; a < 3; a++)
+        first.at[a] = locator_point(&refiner->locator[a], ray->depth, x, y) * (1 << FINER_BITS);
+    look(&first, refiner);
+    if (first.inside <= 0)
+        return follow(ray, refiner, &first);
+    if (!is_cut_open(refiner, ray))
+        ray->depth |= REFINE_WITHIN;
+    ray->cell = owner_of(refiner, ray->cell, first.at);
+    return true;
 }
 
 void refine_pixel(struct rendition *r, struct refiner *refiner, uint32_t x, uint32_t y)
 {
     const size_t pixel = (size_t)y * r->width + x;
-    struct found found = {r->cube.depth[pixel], r->cube.cell[pixel]};
-    while (found.cell != CELL_NONE && !is_cut_open(refiner, &found) &&
-           !follow(&found, refiner, x, y))
-        if (!raycast_pixel(refiner->camera, refiner->border, x, y, found.depth, &found.depth,
-                           &found.cell))
-            found = (struct found){DEPTH_NONE, CELL_NONE};
-    r->depth[pixel] = found.depth;
-    r->cell[pixel] = found.cell;
+    struct sample ray = {.depth = r->cube.depth[pixel], .cell = r->cube.cell[pixel]};
+    while (ray.cell != CELL_NONE && !refine(&ray, refiner, x, y))
+        if (!raycast_pixel(refiner->camera, refiner->border, x, y, ray.depth, &ray.depth,
+                           &ray.cell))
+            ray.cell = CELL_NONE;
+    r->depth[pixel] = ray.cell == CELL_NONE ? DEPTH_NONE : ray.depth;
+    r->cell[pixel] = ray.cell;
 }

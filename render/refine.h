@@ -3,8 +3,9 @@
  *
  * The surface is where the field of shown voxels comes inside (render/field.h), between centres
  * too, so that it is curved where cubes are not. It lies in solid voxels (render/border.h) alone:
- * from the first cube on, the ray is followed in steps of half a voxel until it is inside, and on
- * from the next solid cube where it leaves them before. A face that is cut open stays flat.
+ * from the first cube on, the ray is followed in steps of half a voxel, or of a whole one where
+ * that cannot be too far, until it is inside in a solid voxel. Where
+ * the whole is cut open, the ray is inside at once, on the face of a cube.
  *
  * So what is seen is a pure function of the map of cubes, of shown and solid voxels and of the
  * view: where the four ways agree in cubes, they agree in what is seen.
@@ -20,16 +21,18 @@
  * voxels on its ray. */
 enum { REFINE_REACH = FIELD_REACH };
 
-/* In the low two bits of a depth: not on the face of a cube. */
+/* In the low two bits of a depth: not on a face that is cut open. */
 enum { REFINE_WITHIN = 3 };
+
+enum refine_pace { REFINE_QUARTER, REFINE_HALF, REFINE_WHOLE };
 
 struct refiner {
     const struct camera *camera;
     const struct border *border;
     struct locator locator[3];
-    int64_t pace;    /* crossings of half a voxel */
-    int64_t step[3]; /* that along each axis, in 2^-16 voxels */
-    bool cuts;       /* something is cut away */
+    int64_t depth[REFINE_WHOLE + 1];   /* crossings of such a part of a voxel, */
+    int32_t step[REFINE_WHOLE + 1][3]; /* and that along each axis, in 2^-12 voxels */
+    bool cuts;                         /* something is cut away */
     struct field_reader shown;
 };
 

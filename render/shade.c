@@ -56,10 +56,13 @@ static bool draws_edges(const struct look *look)
 }
 
 /* Whether a pixel shows a face of its voxel beyond which an object was cut away. */
-static bool is_cut_open(const struct shading *s, uint32_t cell, int64_t depth)
+static bool is_cut_open(const struct rendition *r, const struct shading *s, size_t pixel)
 {
-    return s->cuts && (depth & 3) != REFINE_WITHIN &&
-           border_is_cut(s->border, cell + (uint32_t)s->camera->toward[depth & 3]);
+    const unsigned axis = r->depth[pixel] & 3;
+    if (!s->cuts || axis == REFINE_WITHIN)
+        return false;
+    return rendition_is_refined(r) ||
+           border_is_cut(s->border, r->cell[pixel] + (uint32_t)s->camera->toward[axis]);
 }
 
 /* The scene there: as bright from every side, so that it reads like a slice. */
@@ -106,7 +109,7 @@ static void shade_pixels(struct rendition *r, struct shading *s, const struct ti
         const uint8_t rgba[4] = {lit.colour[0][i], lit.colour[1][i], lit.colour[2][i], 255};
         memcpy(r->normal + 4 * pixel, normal, sizeof normal);
         memcpy(r->rgba + 4 * pixel, rgba, sizeof rgba);
-        if (is_cut_open(s, r->cell[pixel], r->depth[pixel]))
+        if (is_cut_open(r, s, pixel))
             shade_cut_face(r->rgba + 4 * pixel, s, r->cell[pixel], s->palette->rgb[r->label[pixel]],
                            lit.cue[i]);
     }
@@ -308,7 +311,7 @@ static enum shade_mode mode_of(const struct look *look, const struct border *bor
 static enum err prepare(struct field *field, bool *has, const struct border *border,
                         enum field_kind kind, unsigned threads, struct fault *fault)
 {
-    if (*has && field_fits(field, border, threads))
+    if (*has && field->kind == kind && field_fits(field, border, threads))
         return OK;
     if (*has)
         field_release(field);
@@ -321,11 +324,14 @@ enum err shader_prepare(struct shader *shader, unsigned threads, const struct bo
                         const struct look *look, struct fault *fault)
 {
     const enum shade_mode mode = mode_of(look, border);
+    const bool is_refined = shade_refines(look, border);
     const unsigned most = team_size(shader->team);
     enum err err = OK;
     for (unsigned i = 0; i < threads && !err; i++) {
         struct shader_part *part = shader->part + i;
-        if (mode != SHADE_DEPTH || look_is_refined(look))
+        if (is_refined)
+            err = prepare(&part->shown, &part->has_shown, border, FIELD_SURFACE, most, fault);
+        else if (mode != SHADE_DEPTH)
             err = prepare(&part->shown, &part->has_shown, border, FIELD_SHOWN, most, fault);
         part->shown.seams = &shader->seams;
         if (!err && mode == SHADE_SCENE)
@@ -427,7 +433,7 @@ enum err shade(struct rendition *r, const struct camera *camera, const struct bo
     struct sharing sharing = {r, &s, shader, team};
     enum err err = shader_prepare(shader, team_size(team), border, look, fault);
     if (!err)
-        err = rendition_refined(r, look_is_refined(look) && !r->layers, fault);
+        err = rendition_refined(r, shade_refines(look, border), fault);
     if (err)
         return err;
     shading_init(&s, camera, border, palette, look, shader);
@@ -438,6 +444,11 @@ enum err shade(struct rendition *r, const struct camera *camera, const struct bo
 bool look_is_refined(const struct look *look)
 {
     return look->number >= 2 && look->mode != SHADE_CUBES;
+}
+
+bool shade_refines(const struct look *look, const struct border *border)
+{
+    return look_is_refined(look) && border->has_skin && !border_is_translucent(border);
 }
 
 struct shade_reach shade_reach(const struct look *look, const struct camera *camera)

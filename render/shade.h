@@ -38,8 +38,10 @@ struct look {
 struct look look_default(uint32_t number);
 
 /* Whether it shows surfaces between voxel centres (render/refine.h), for which a border has a skin:
- * what is not of cubes, from look 2 on. Translucent objects are shown as cubes. */
+ * what is not of cubes, from look 2 on. Translucent objects are shown as cubes, and so is what the
+ * border has no skin for. */
 bool look_is_refined(const struct look *look);
+bool shade_refines(const struct look *look, const struct border *border);
 
 /* What shading stores between one picture and the next, so that the next is made faster; each
  * thread has its own. */

@@ -33,7 +33,10 @@ static inline bool border_check_hull(const struct border *border, uint32_t at)
     for (int a = 0; a < 3; a++)
         inside = inside && border_should_be_solid(border, at - (uint32_t)grid->step[a]) &&
                  border_should_be_solid(border, at + (uint32_t)grid->step[a]);
-    return border_is_solid(border, at) == solid && border_is_hull(border, at) == (solid && !inside);
+    const bool whole = border->has_skin ? border->visible[labels_at(&border->labels, at)]
+                                        : border_should_show(border, at);
+    return (border->whole[at >> 6] >> (at & 63) & 1) == whole &&
+           border_is_solid(border, at) == solid && border_is_hull(border, at) == (solid && !inside);
 }
 
 /* `why` names the first voxel where it does not hold. */

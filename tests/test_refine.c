@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "render/refine.h"
 #include "tests/stage.h"
 
 /* Whether the voxel at this place from the middle of the scene is part of a shape. */
@@ -207,6 +208,24 @@ STORY(a_silhouette_is_curved)
     stage_release(&s);
 }
 
+/* Where a ball is cut open, 12.5 voxels above its middle, the scene is shown in a circle. */
+STORY(a_face_that_is_cut_open_ends_where_the_surface_does)
+{
+    struct stage s;
+    size_t open = 0;
+    stage_shape(&s, 85, is_ball);
+    s.border.cut.last[2] = 54;
+    border_recount(&s.border);
+    draw(&s, 4000, (const int32_t[]){0, 90000});
+    const struct rendition *r = &s.rendition;
+    for (size_t i = 0; i < (size_t)r->width * r->height; i++)
+        open += r->cell[i] != CELL_NONE && (r->depth[i] & 3) != REFINE_WITHIN;
+    const double radius = sqrt((double)open / 3.14159265358979) / 4;
+    if (!CHECK(fabs(radius - sqrt(1600 - 12.5 * 12.5)) < 0.15))
+        printf("# radius %.3f\n", radius);
+    stage_release(&s);
+}
+
 /* Whether all pixels up to `reach` around one show a cube. */
 static bool is_within(const struct rendition *r, uint32_t x, uint32_t y, uint32_t reach)
 {
@@ -264,5 +283,6 @@ int main(void)
 {
     return RUN_STORIES(TELL(the_silhouette_of_a_ball_is_as_large_as_the_ball),
                        TELL(a_silhouette_is_curved),
+                       TELL(a_face_that_is_cut_open_ends_where_the_surface_does),
                        TELL(what_is_thin_has_no_holes_and_does_not_vanish));
 }
