@@ -63,10 +63,11 @@ static const struct program program[] = {
      .words = "[TEXT]",
      .most = 1,
      .option = {JSON},
-     .summary = "frames by one thread and by all",
+     .summary = "frames by one thread and by all, a turntable; VTK beside them",
      .detail = "Whole frames and incremental images of ch2 with brain and cerebellum, of several "
-               "sizes and samples, by one thread and by all of them in turn; or those alone "
-               "with TEXT in their names.",
+               "sizes and samples, by one thread and by all of them in turn; a turntable of 36 "
+               "large pictures, and the memory for it; VTK where it is installed. With TEXT, "
+               "those alone that have it in their names.",
      .run = run_frames},
     {.name = "journal",
      .words = "[JOURNAL]",

@@ -35,6 +35,17 @@ enum err run_looks(const struct options *options, struct fault *fault);
 /* Brain, cerebellum and medulla, as a person segmented them. */
 enum err bench_segment(struct interpreter *interp, struct fault *fault);
 
+/* What VTK takes for the same labels, one JSON object a line (tests/peers/vtk_render.py); nothing
+ * where it is not here. */
+enum err bench_vtk(const struct session *session, struct buf *lines, struct fault *fault);
+
+/* What a process of iftty took that carries out examples/brain.iftty, and then commands, each with
+ * its line feed, in a folder of its own that is removed. */
+struct bench_process {
+    double seconds, of_processors, megabytes; /* elapsed; of processors; held at most */
+};
+enum err bench_turntable(struct bench_process *process, const char *commands, struct fault *fault);
+
 /* A session of many commands on 7 million voxels, and how long going on with its journal takes: the
  * least of three times. ERR_CHECK where what is resumed is not what was left. */
 struct bench_resume {

@@ -1,6 +1,6 @@
 /*
  * What a frame takes at the sizes at which people wait for it, by one thread and by all: elapsed,
- * and of processors, which other work on the machine changes less.
+ * and of processors, which other work on the machine changes less. Then a whole turntable, and VTK.
  */
 #include "tests/bench/bench.h"
 
@@ -33,6 +33,9 @@ struct table {
     int rows;
     struct team *team; /* all threads */
     const char *text;  /* in the names of what is timed, or NULL for all */
+    bool has_turntable;
+    struct bench_process turntable[2]; /* the session without it, and with it */
+    struct buf vtk;                    /* what bench_vtk says */
 };
 
 /* ---- times ---- */
@@ -196,6 +199,45 @@ static enum err time_edits(struct session *session, struct table *table, const c
     return err;
 }
 
+/* ---- the whole of it, and VTK ---- */
+
+static enum err time_turntable(struct table *table, struct fault *fault)
+{
+    if (table->text && !strstr("turntable", table->text))
+        return OK;
+    table->has_turntable = true;
+    const enum err err = bench_turntable(&table->turntable[0], "", fault);
+    return err ? err
+               : bench_turntable(&table->turntable[1],
+                                 "size 2048 2048\nzoom 8\nsamples 4\nspin 36 turn%02d.png\n",
+                                 fault);
+}
+
+static void print_turntable(FILE *out, const struct table *t)
+{
+    const struct bench_process *without = &t->turntable[0], *with = &t->turntable[1];
+    if (t->has_turntable)
+        fprintf(out,
+                "\nA turntable of 36 pictures of 2048x2048 pixels, zoom 8, 4x4 samples, as PNG:\n"
+                "%.1f s, of processors %.1f s; held at most %.0f MB, of which the session without "
+                "it %.0f MB.\n",
+                with->seconds - without->seconds, with->of_processors - without->of_processors,
+                with->megabytes, without->megabytes);
+}
+
+static void print_vtk(FILE *out, struct table *t)
+{
+    if (t->vtk.length)
+        fprintf(out, "\nVTK in software, the same labels, 512x512, one core:\n");
+    for (char *line = t->vtk.length ? strtok(t->vtk.data, "\n") : NULL; line;
+         line = strtok(NULL, "\n")) {
+        char what[60];
+        const char *ms = strstr(line, "\"median_ms\": ");
+        if (ms && sscanf(line, "{\"what\": \"%59[^\"]\"", what) == 1)
+            fprintf(out, "%-60s %9.2f\n", what, strtod(ms + strlen("\"median_ms\": "), NULL));
+    }
+}
+
 /* ---- tables ---- */
 
 static void print_table(FILE *out, struct table *t)
@@ -211,6 +253,8 @@ static void print_table(FILE *out, struct table *t)
         }
         fputc('\n', out);
     }
+    print_turntable(out, t);
+    print_vtk(out, t);
 }
 
 static void print_json(FILE *out, struct table *t)
@@ -232,6 +276,14 @@ static void print_json(FILE *out, struct table *t)
         json_end(&json);
     }
     json_end(&json);
+    if (t->has_turntable) {
+        const struct bench_process *without = &t->turntable[0], *with = &t->turntable[1];
+        json_fixed(&json, "turntable_s", with->seconds - without->seconds, 2);
+        json_fixed(&json, "turntable_processors_s", with->of_processors - without->of_processors,
+                   2);
+        json_fixed(&json, "turntable_mb", with->megabytes, 0);
+        json_fixed(&json, "session_mb", without->megabytes, 0);
+    }
     json_end(&json);
     fputs(buf_text(&text), out);
     buf_release(&text);
@@ -258,8 +310,14 @@ enum err run_frames(const struct options *o, struct fault *fault)
         err =
             time_edits(session, table, "incremental image, 512x512, zoom 1, 4x4 samples", 4, fault);
     if (!err)
+        err = time_turntable(table, fault);
+    if (!err && !table->text)
+        err = bench_vtk(session, &table->vtk, fault);
+    if (!err)
         (o->json ? print_json : print_table)(stdout, table);
     interpreter_release(&interp);
+    if (table)
+        buf_release(&table->vtk);
     free(table);
     return err;
 }

@@ -467,11 +467,9 @@ static void read_line(struct table *table, const char *line)
     row->only_ms = strtod(ms + strlen("\"median_ms\": "), NULL);
 }
 
-static enum err time_vtk(const struct session *session, struct table *table, struct fault *fault)
+enum err bench_vtk(const struct session *session, struct buf *lines, struct fault *fault)
 {
-    struct buf script = {0}, told = {0}, folder = {0}, labels = {0};
-    snprintf(table->vtk, sizeof table->vtk,
-             "VTK is not here to compare with: it takes Debian's python3-vtk9 and xvfb");
+    struct buf script = {0}, folder = {0}, labels = {0};
     const struct labels forest = labels_of_forest(session->scene);
     enum err err = OK;
     if (bench_find_in_tree(&script, "tests/peers/vtk_render.py") &&
@@ -480,15 +478,25 @@ static enum err time_vtk(const struct session *session, struct table *table, str
         err = labels.failed
                   ? fault_memory(fault, "a path")
                   : export_map(session, MAP_LABELS, &forest, buf_text(&labels), FILE_KEEP, fault);
-        if (!err && run_script(&told, buf_text(&script), buf_text(&labels)))
-            for (char *line = strtok(told.data, "\n"); line; line = strtok(NULL, "\n"))
-                read_line(table, line);
+        if (!err && !run_script(lines, buf_text(&script), buf_text(&labels)))
+            buf_clear(lines);
         folder_discard(buf_text(&folder));
     }
     buf_release(&script);
-    buf_release(&told);
     buf_release(&folder);
     buf_release(&labels);
+    return err;
+}
+
+static enum err time_vtk(const struct session *session, struct table *table, struct fault *fault)
+{
+    struct buf told = {0};
+    snprintf(table->vtk, sizeof table->vtk,
+             "VTK is not here to compare with: it takes Debian's python3-vtk9 and xvfb");
+    const enum err err = bench_vtk(session, &told, fault);
+    for (char *line = told.length ? strtok(told.data, "\n") : NULL; line; line = strtok(NULL, "\n"))
+        read_line(table, line);
+    buf_release(&told);
     return err;
 }
 

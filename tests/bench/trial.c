@@ -294,6 +294,8 @@ enum err trial_run(struct trial *trial, struct session *session, const struct se
     memcpy(trial->size, session->scene->grid.size, sizeof trial->size);
     view.angle[0] = 30000, view.angle[1] = 15000; /* from in front, a little aside and above */
     view.width = view.height = TRIAL_SIDE;
+    session->now.outlook.look =
+        look_default(LOOK_FIRST); /* faces of voxels, as the paper has them */
     enum err err = session_set_view(session, &view, fault);
     if (!err)
         err = work_new(&work, session, fault);

@@ -14,6 +14,8 @@ Without --png, each line printed is one JSON object:
      "surface_ms": ..., "rounds": N, "triangles": N}
     {"what": "label change, marching cubes", ...}
     {"what": "rotation", ...}
+    {"what": "label change, smoothed, with normals", ...}
+    {"what": "rotation, smoothed, with normals", ...}
 
 A label change gives the voxels of a ball of radius 3 at the surface another label, or takes that
 back; timed is all that follows until the picture is finished: the surface of every label, and the
@@ -21,8 +23,10 @@ picture. `surface_ms` is the median of the surface alone. A rotation is three de
 the picture alone. Times are of the wall clock, on the cores that the process may run on
 (taskset -c 0 makes it one).
 
-With --png the surfaces are smoothed (windowed sinc, 20 iterations, pass band 0.1), shaded by
-Phong's model with iftty's coefficients, and written to FILE; nothing is timed.
+Surfaces are as they come out of the filter in the first three rows. In the last two, and with
+--png, they are those of flying edges, smoothed (windowed sinc, 20 iterations, pass band 0.1) and
+with normals. With --png they are shaded by Phong's model with iftty's coefficients, and written to
+FILE; nothing is timed.
 
 Debian 12 has VTK 9.1 as python3-vtk9, which /usr/bin/python3 sees. Its windows are those of X even
 off the screen, so this runs itself again under xvfb-run where there is no DISPLAY: packages
@@ -315,8 +319,10 @@ def told(what, times, **more):
     }
 
 
-def time_changes(stage, what, kind, labels, image, values, rounds):
+def time_changes(stage, what, kind, labels, image, values, rounds, is_smoothed=False):
     surface = surface_filter(kind, image, values)
+    if is_smoothed:
+        surface = smoothed(surface)
     change = Change(labels, image, (rounds + 1) // 2)
     stage.show(surface)
     stage.draw()
@@ -339,7 +345,7 @@ def time_changes(stage, what, kind, labels, image, values, rounds):
     )
 
 
-def time_rotation(stage, rounds):
+def time_rotation(stage, what, rounds):
     camera = stage.renderer.GetActiveCamera()
     times = []
     for _ in range(rounds):
@@ -347,7 +353,7 @@ def time_rotation(stage, rounds):
         begin = time.perf_counter()
         stage.draw()
         times.append((time.perf_counter() - begin) * 1e3)
-    return told("rotation", times)
+    return told(what, times)
 
 
 # ---- the program ----
@@ -411,7 +417,11 @@ def run(options):
     ):
         what = "label change, " + name
         lines.append(time_changes(stage, what, kind, labels, image, values, options.rounds))
-    lines.append(time_rotation(stage, options.rounds))
+    lines.append(time_rotation(stage, "rotation", options.rounds))
+    kind = "vtkDiscreteFlyingEdges3D"
+    what = "label change, smoothed, with normals"
+    lines.append(time_changes(stage, what, kind, labels, image, values, options.rounds, True))
+    lines.append(time_rotation(stage, "rotation, smoothed, with normals", options.rounds))
     for line in [stage.versions()] + lines:
         print(json.dumps(line), flush=True)
 

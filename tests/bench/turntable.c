@@ -1,0 +1,80 @@
+/* A turntable of large pictures, by the program itself, in a process of its own. */
+#include "tests/bench/bench.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "base/folder.h"
+#include "program/bench.h"
+
+/* The commands of a journal, and what comes after them. */
+static bool write_script(const char *path, const char *journal, const char *more)
+{
+    char *line = NULL;
+    size_t room = 0;
+    FILE *in = fopen(journal, "r"), *out = fopen(path, "w");
+    while (in && out && getline(&line, &room, in) >= 0)
+        if (strncmp(line, "= ", 2) != 0 && strncmp(line, "golden", 6) != 0 &&
+            strncmp(line, "save", 4) != 0)
+            fputs(line, out);
+    if (out)
+        fputs(more, out);
+    free(line);
+    if (in)
+        fclose(in);
+    return in && out && fclose(out) == 0;
+}
+
+static double seconds_of(struct timeval t)
+{
+    return (double)t.tv_sec + (double)t.tv_usec * 1e-6;
+}
+
+/* Runs `iftty run script` in a folder. */
+static bool run(struct bench_process *out, const char *program, const char *folder)
+{
+    struct rusage used;
+    int status = -1;
+    fflush(NULL);
+    const uint64_t begin = clock_ns();
+    const pid_t child = fork();
+    if (child == 0) {
+        if (chdir(folder) == 0 && freopen("/dev/null", "w", stdout))
+            execl(program, program, "run", "script", (char *)NULL);
+        _exit(127);
+    }
+    if (child < 0 || wait4(child, &status, 0, &used) != child)
+        return false;
+    *out = (struct bench_process){.seconds = (double)(clock_ns() - begin) * 1e-9,
+                                  .of_processors =
+                                      seconds_of(used.ru_utime) + seconds_of(used.ru_stime),
+                                  .megabytes = (double)used.ru_maxrss / 1024};
+    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+enum err bench_turntable(struct bench_process *out, const char *commands, struct fault *fault)
+{
+    struct buf journal = {0}, program = {0}, folder = {0}, script = {0};
+    enum err err = folder_fresh(&folder, NULL, fault);
+    if (!err) {
+        buf_printf(&script, "%s/script", buf_text(&folder));
+        if (!bench_find_in_tree(&journal, "examples/brain.iftty") ||
+            !bench_find_in_tree(&program, "iftty") || script.failed ||
+            !write_script(buf_text(&script), buf_text(&journal), commands) ||
+            !run(out, buf_text(&program), buf_text(&folder)))
+            err = fault_set(fault, ERR_IO,
+                            "the turntable of examples/brain.iftty cannot be made: expected iftty "
+                            "and its image helper above this program; `make` builds them");
+        folder_discard(buf_text(&folder));
+    }
+    buf_release(&journal);
+    buf_release(&program);
+    buf_release(&folder);
+    buf_release(&script);
+    return err;
+}
