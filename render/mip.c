@@ -9,17 +9,27 @@
 
 enum { INTENSITIES = UINT16_MAX + 1, WHITE = 255 };
 
+static uint32_t blocks_along(const struct grid *grid, int a)
+{
+    return (grid->size[a] + MIP_BLOCK - 1) / MIP_BLOCK;
+}
+
+static size_t blocks_in(const struct grid *grid)
+{
+    return (size_t)blocks_along(grid, 0) * blocks_along(grid, 1) * blocks_along(grid, 2);
+}
+
 void mip_release(struct mip *mip)
 {
     free(mip->grey);
+    free(mip->most);
     free(mip->brightness);
     *mip = (struct mip){0};
 }
 
 size_t mip_bytes(const struct mip *mip)
 {
-    const size_t cells = mip->grey ? mip->of.scene->grid.cells : 0;
-    return cells + (size_t)mip->view.width * mip->view.height;
+    return mip->bytes + (size_t)mip->view.width * mip->view.height;
 }
 
 /* Work that a team shares. */
@@ -73,6 +83,23 @@ static enum err cut_away(struct mip *mip, struct fault *fault)
     return OK;
 }
 
+/* Planes of blocks are shared. */
+static void find_most(void *context, unsigned thread)
+{
+    const struct drawing *d = context;
+    const struct grid *grid = &d->mip->of.scene->grid;
+    const uint32_t across = blocks_along(grid, 0), down = blocks_along(grid, 1);
+    const struct share planes = team_share(d->team, thread, blocks_along(grid, 2));
+    for (uint32_t z = (uint32_t)planes.first * MIP_BLOCK;
+         z < planes.end * MIP_BLOCK && z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            const uint8_t *grey = d->mip->grey + grid_row(grid, y, z).first;
+            uint8_t *most = d->mip->most + ((size_t)z / MIP_BLOCK * down + y / MIP_BLOCK) * across;
+            for (uint32_t x = 0; x < grid->size[0]; x++)
+                most[x / MIP_BLOCK] = grey[x] > most[x / MIP_BLOCK] ? grey[x] : most[x / MIP_BLOCK];
+        }
+}
+
 static bool is_same_source(const struct mip_source *a, const struct mip_source *b)
 {
     return a->scene == b->scene && a->digest == b->digest && a->window[0] == b->window[0] &&
@@ -86,25 +113,84 @@ static enum err take_source(struct drawing *d, const struct mip_source *source, 
         return OK;
     mip_release(mip);
     mip->grey = mem_new(source->scene->grid.cells);
-    if (!mip->grey)
+    mip->most = mem_new(blocks_in(&source->scene->grid));
+    if (!mip->grey || !mip->most)
         return fault_memory(fault, "the scene's brightness");
+    mip->bytes = source->scene->grid.cells + blocks_in(&source->scene->grid);
     mip->of = *source;
     fill_greys(d->grey_of, source->window);
     team_run(d->team, fill_share, d);
     const enum err err = cut_away(mip, fault);
+    team_run(d->team, find_most, d);
     return err ? err : watch_fault(source->scene->watch, fault);
 }
 
 /* ---- along the rays ---- */
 
+/* A ray's way from block to block: as render/walk.h goes from cube to cube. */
+struct block_walk {
+    int64_t at;      /* the crossing by which the ray has come into the block */
+    int64_t next[3]; /* crossings of the blocks' planes ahead; beyond the scene at its far end */
+    int64_t left[3]; /* blocks of each axis ahead, and this one */
+    int64_t step[3]; /* from block to block in mip->most */
+    size_t block;
+};
+
+static bool begin_blocks(struct block_walk *blocks, const struct camera *camera, uint32_t x,
+                         uint32_t y)
+{
+    const struct grid *grid = &camera->scene->grid;
+    struct walk walk;
+    int64_t step = 1;
+    if (!walk_begin(&walk, camera, x, y, INT64_MIN))
+        return false;
+    *blocks = (struct block_walk){.at = walk.at};
+    for (int a = 0; a < 3; a++) {
+        const int64_t size = grid->size[a], n = size - walk.left[a]; /* flipped */
+        const int64_t block = (camera->flip[a] ? size - 1 - n : n) / MIP_BLOCK;
+        const int64_t plane = camera->flip[a] ? size - block * MIP_BLOCK : (block + 1) * MIP_BLOCK;
+        blocks->next[a] = camera_crossing(camera, a, plane, x, y);
+        blocks->left[a] = camera->flip[a] ? block + 1 : blocks_along(grid, a) - block;
+        blocks->step[a] = camera->flip[a] ? -step : step;
+        blocks->block += (size_t)(block * step);
+        step *= blocks_along(grid, a);
+    }
+    return true;
+}
+
+/* The axis across which the ray leaves the block. */
+static int way_out(const struct block_walk *blocks)
+{
+    const int a = blocks->next[0] < blocks->next[1] ? 0 : 1;
+    return blocks->next[a] < blocks->next[2] ? a : 2;
+}
+
+/* The greatest of `most` and of the voxels of a block, which the ray leaves at `end`. */
+static uint8_t look_into(const struct mip *mip, struct walk walk, int64_t end, uint8_t most)
+{
+    do
+        most = mip->grey[walk.cell] > most ? mip->grey[walk.cell] : most;
+    while (walk_on(&walk) && walk.at < end);
+    return most;
+}
+
 static uint8_t brightest(const struct mip *mip, const struct camera *camera, uint32_t x, uint32_t y)
 {
+    struct block_walk blocks;
     struct walk walk;
     uint8_t most = 0;
-    bool is_inside = walk_begin(&walk, camera, x, y, INT64_MIN);
-    for (; is_inside && most < WHITE; is_inside = walk_on(&walk))
-        most = mip->grey[walk.cell] > most ? mip->grey[walk.cell] : most;
-    return most;
+    if (!begin_blocks(&blocks, camera, x, y))
+        return 0;
+    for (;;) {
+        const int a = way_out(&blocks);
+        if (mip->most[blocks.block] > most && walk_begin(&walk, camera, x, y, blocks.at))
+            most = look_into(mip, walk, blocks.next[a], most);
+        if (most == WHITE || --blocks.left[a] == 0)
+            return most;
+        blocks.at = blocks.next[a];
+        blocks.next[a] += MIP_BLOCK * camera->T[a];
+        blocks.block += (size_t)blocks.step[a];
+    }
 }
 
 /* Rows in turn: those in the middle take the most time. */

@@ -4,7 +4,8 @@
  * It shows the scene itself behind and around the objects. Brightness is that of slices: 0 at the
  * black end of the window, 255 at the white one. What is cut away is left out; what objects there
  * are is of no consequence, so an edit leaves it as it is. It is stored with what it was made of:
- * the same again takes no time, another view one walk of its rays through a byte for each voxel.
+ * the same again takes no time, another view one walk of its rays from block to block of voxels,
+ * and from voxel to voxel in blocks alone that have a brighter one than was met before.
  *
  * What is dark shines through: over black a pixel of brightness b is the grey b, and over any
  * other background air does not hide that.
@@ -16,6 +17,8 @@
 #include "render/cut.h"
 #include "render/view.h"
 
+enum { MIP_BLOCK = 8 };
+
 /* What it shows. */
 struct mip_source {
     const struct scene *scene;
@@ -26,9 +29,11 @@ struct mip_source {
 };
 
 struct mip {
-    struct mip_source of; /* scene is NULL where nothing is stored */
+    struct mip_source of; /* scene is NULL where nothing is stored; it may have gone since */
+    size_t bytes;         /* of the two maps that follow from it alone */
     struct view view;     /* of the map; of width 0 where there is none */
     uint8_t *grey;        /* [grid.cells]; 0 in the rim, and where the scene is cut away */
+    uint8_t *most;        /* of each block of MIP_BLOCK voxels a side, by x, y, z: its greatest */
     uint8_t *brightness;  /* [height][width] */
 };
 

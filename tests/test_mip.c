@@ -20,7 +20,7 @@ static void stage_at_random(struct stage *s, uint64_t *random)
 {
     uint32_t size[3];
     for (int a = 0; a < 3; a++)
-        size[a] = 1 + check_below(random, 9);
+        size[a] = 1 + check_below(random, check_below(random, 4) ? 9 : 30);
     CHECK(stage_init(s, size, 6, NULL) == OK);
     for (size_t c = 0; c < s->scene->grid.cells; c++)
         if (!(s->scene->cell[c].flags & CELL_RIM))
