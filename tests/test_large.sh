@@ -52,6 +52,24 @@ else
 fi
 close_story
 
+begin "a scene takes less than 20 bytes a voxel at the peak, and info prints what else there is"
+if [ "${free_gb:-0}" -le 2 ]; then
+    skip "this machine has less than 2 GB of memory free"
+elif needs python3; then
+    printf '%s\n' 'open synth:geom:400x400x340' 'seed 200,200,170 1 radius=3' 'seed 1,1,1 0' \
+        'seed 50,50,50 2 radius=4' 'seed 300,300,300 3' run 'remove 200,200,170' run \
+        'seed 200,200,170 1 radius=9' run info 'size 256 256' render info >script
+    python3 -c 'import resource, subprocess, sys
+subprocess.run(sys.argv[1:], stdout=open("out", "w"), stderr=subprocess.DEVNULL, check=True)
+print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)' "$iftty" run script >peak
+    # The program itself takes some 10 MB.
+    [ "$(cat peak)" -lt $((20 * 400 * 400 * 340 + 20000000)) ] || fail "at most $(cat peak) bytes"
+    out_has '; pictures 0.0; and '
+    grep -qE 'scene [0-9.]+, 1[0-9]\.[0-9] bytes a voxel' out || fail "$(grep memory out)"
+    grep -qE 'pictures [1-9][0-9]*\.[0-9]; and ' out || fail "$(grep memory out)"
+fi
+close_story
+
 begin "how far things are stands on a terminal, and is gone afterwards"
 if needs script; then
     line="$iftty -c 'open synth:geom:360x360x360; seed 180,180,180 1; seed 1,1,1 0; run'"

@@ -217,6 +217,21 @@ static void write_part(struct buf *out, const struct map_part *part)
     buf_add_char(out, '\n');
 }
 
+/* The scene's bytes a voxel are what README promises; the rest does not depend on its voxels, but
+ * for answers, which are made when they are asked for. */
+static void write_memory(struct buf *out, const struct act *act)
+{
+    const struct session_memory parts = session_memory_parts(act->session);
+    buf_printf(out, "memory    %.1f MB: scene %.1f, %.1f bytes a voxel; seeds %.1f; pictures %.1f",
+               (double)session_memory(act->session) / 1e6, (double)parts.scene / 1e6,
+               (double)parts.scene / (double)act->session->scene->grid.voxels,
+               (double)parts.seeds / 1e6, (double)parts.pictures / 1e6);
+    if (parts.answers)
+        buf_printf(out, "; answers %.1f", (double)parts.answers / 1e6);
+    buf_printf(out, "; and %.1f MB for what can be undone\n",
+               (double)history_memory(&act->interp->history) / 1e6);
+}
+
 enum err act_info(const struct act *act)
 {
     struct session *session = act->session;
@@ -274,10 +289,7 @@ enum err act_info(const struct act *act)
     buf_release(&cut);
     buf_add_text(out, "slices    ");
     act_write_slices(out, session);
-    buf_printf(out, "memory    %.1f MB, %.1f bytes a voxel; %.1f MB for what can be undone\n",
-               (double)session_memory(session) / 1e6,
-               (double)session_memory(session) / (double)scene->grid.voxels,
-               (double)history_memory(&act->interp->history) / 1e6);
+    write_memory(out, act);
     return OK;
 }
 

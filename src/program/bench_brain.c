@@ -220,7 +220,8 @@ static void print_table(FILE *out, struct figures *f)
                     times_quantile(t->ms, t->count, 1) * scale,
                     table_rows[i].is_by_voxel ? "ns" : "ms");
     }
-    fprintf(out, "%-44s %9.2f %9s %9s  bytes a voxel\n", "memory", f->bytes_per_voxel, "", "");
+    fprintf(out, "%-44s %9.2f %9s %9s  bytes a voxel\n", "memory of the scene", f->bytes_per_voxel,
+            "", "");
 }
 
 static void print_json(FILE *out, struct figures *f)
@@ -293,7 +294,8 @@ static enum err time_session(struct session *session, struct figures *figures, s
         err = time_frames(session, figures, fault);
     figures->voxels = session->scene->grid.voxels;
     figures->border_voxels = border_count(&session->border);
-    figures->bytes_per_voxel = (double)session_memory(session) / (double)figures->voxels;
+    figures->bytes_per_voxel =
+        (double)session_memory_parts(session).scene / (double)figures->voxels;
     return err;
 }
 

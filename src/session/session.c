@@ -66,26 +66,38 @@ void session_release_rendition(struct session *session)
     session->rendered = RENDERED_NOT;
 }
 
-size_t session_memory(const struct session *session)
+/* Cells and what follows from them, and what else has a value for each voxel. */
+static size_t scene_memory(const struct session *session)
 {
     const struct kept *kept = &session->now.kept;
-    size_t bytes = sizeof *session + edit_lists_memory(&session->now.lists) +
-                   markers_memory(&session->markers);
-    if (!session->has_scene)
-        return bytes;
-    bytes += session->scene->grid.cells * sizeof(struct cell);
+    size_t bytes = session->scene->grid.cells * sizeof(struct cell);
     bytes += forest_memory(session->forest) + session->weight_work.capacity;
     bytes += border_memory(&session->border);
-    bytes += hinting_memory(&session->hinting);
-    bytes += session->finished.cells + live_finish_memory(&session->live);
-    bytes += label_measures_memory(&session->measures);
     bytes += session->mask_room ? mask_bytes(&session->scene->grid) : 0;
     bytes += kept->mask ? packed_memory(kept->mask) : 0;
-    bytes += kept->weight_map ? packed_memory(kept->weight_map) : 0;
-    bytes += rendition_bytes(&session->rendition) + rendition_bytes(&session->reduced);
-    bytes += layers_bytes(&session->layers) + context_bytes(&session->context);
-    bytes += 4 * session->decorated_pixels;
-    return bytes + shader_bytes(&session->shader);
+    return bytes + (kept->weight_map ? packed_memory(kept->weight_map) : 0);
+}
+
+struct session_memory session_memory_parts(const struct session *session)
+{
+    struct session_memory parts = {.seeds = sizeof *session +
+                                            edit_lists_memory(&session->now.lists) +
+                                            markers_memory(&session->markers)};
+    if (!session->has_scene)
+        return parts;
+    parts.scene = scene_memory(session);
+    parts.answers = hinting_memory(&session->hinting) + session->finished.cells +
+                    live_finish_memory(&session->live) + label_measures_memory(&session->measures);
+    parts.pictures = rendition_bytes(&session->rendition) + rendition_bytes(&session->reduced) +
+                     layers_bytes(&session->layers) + context_bytes(&session->context) +
+                     4 * session->decorated_pixels + shader_bytes(&session->shader);
+    return parts;
+}
+
+size_t session_memory(const struct session *session)
+{
+    const struct session_memory parts = session_memory_parts(session);
+    return parts.scene + parts.seeds + parts.pictures + parts.answers;
 }
 
 struct map_place session_map_place(const struct session *session, bool resample)

@@ -133,6 +133,14 @@ void session_take_semantics(struct session *session, unsigned semantics);
 void session_release(struct session *session);
 size_t session_memory(const struct session *session); /* bytes held now */
 
+/* The same by what holds them: the scene with its forest, border, masks and weights; seeds and
+ * markers, and the state that they are in; renditions, and what shading stores; finished labels,
+ * statistics and hints. */
+struct session_memory {
+    size_t scene, seeds, pictures, answers;
+};
+struct session_memory session_memory_parts(const struct session *session);
+
 /* ---- all or nothing ---- */
 
 /* A command that the watch stopped leaves what it was about unfinished, until session_rollback has
