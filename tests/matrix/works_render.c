@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "render/cut.h"
+#include "render/decoration.h"
 #include "render/mosaic.h"
 #include "render/slice.h"
 #include "render/text.h"
@@ -200,6 +201,7 @@ static void slices(struct stage *s)
                                             .notes = SLICE_LETTERS | SLICE_SCALE | SLICE_COLOURS,
                                             .title = title[i % 3]};
         style.overlay = (enum slice_overlay)(i / 3 % 3);
+        style.marks_rims = i >= 9;
         must(slice_draw(&canvas, s->scene, &choice, &style, &fault), &fault, "a slice");
         tell(canvas_digest(&canvas), "slice/%d", i);
     }
@@ -208,8 +210,53 @@ static void slices(struct stage *s)
     must(mosaic_draw(&canvas, s->scene, &s->rendition, &mosaic, &style, &fault), &fault,
          "a mosaic");
     tell(canvas_digest(&canvas), "mosaic");
+    struct mosaic_choice bright = mosaic;
+    bright.background = BACKGROUND_WHITE;
+    must(mosaic_draw(&canvas, s->scene, &s->rendition, &bright, &style, &fault), &fault,
+         "a mosaic");
+    tell(canvas_digest(&canvas), "mosaic/white");
     text_draw(&canvas, -3, 5, 2, "The quick brown fox\n0123 {|}~ \x7f", (uint8_t[]){9, 200, 30});
     tell(canvas_digest(&canvas), "text");
+    canvas_release(&canvas);
+}
+
+/* What is drawn over a picture of four times the size, from some sides. */
+static void decorations(struct stage *s)
+{
+    static const struct legend_line line[] = {{2, "brain", "1.43 l"}, {3, "a label", "202 ml"}};
+    struct canvas canvas;
+    struct fault fault;
+    rendition_release(&s->rendition);
+    s->view.width = 4 * WIDTH;
+    s->view.height = 4 * HEIGHT;
+    s->view.zoom *= 4;
+    must(rendition_init(&s->rendition, s->view.width, s->view.height, &fault), &fault,
+         "a rendition");
+    must(canvas_init(&canvas, s->view.width, s->view.height, false, &fault), &fault, "a canvas");
+    for (int i = 0; i < 8; i++) {
+        s->view.angle[0] = i * 51000;
+        s->view.angle[1] = i * 13000;
+        look_from(s);
+        must(stage_fit_border(s), &fault, "a border");
+        splat_border(&s->rendition, &s->camera, &s->border);
+        colour(s);
+        memcpy(canvas.rgba, s->rendition.rgba, (size_t)4 * canvas.width * canvas.height);
+        const uint32_t seen =
+            s->rendition.cell[canvas.width * (canvas.height / 2) + canvas.width / 2];
+        const struct decoration d = {.parts = DECORATE_ALL,
+                                     .frame = &s->rendition,
+                                     .camera = &s->camera,
+                                     .samples = 1,
+                                     .palette = &s->palette,
+                                     .is_bright = i % 2,
+                                     .line = line,
+                                     .lines = 2,
+                                     .eliminator = &seen,
+                                     .eliminators = seen != CELL_NONE,
+                                     .cross = seen == CELL_NONE ? 0 : seen};
+        must(decoration_draw(&canvas, &d, &fault), &fault, "decorations");
+        tell(canvas_digest(&canvas), "decorated/%d", i);
+    }
     canvas_release(&canvas);
 }
 
@@ -223,5 +270,6 @@ void works_render(void)
     cuts(&stage);
     incremental(&stage);
     slices(&stage);
+    decorations(&stage);
     stage_release(&stage);
 }
