@@ -114,9 +114,8 @@ static uint32_t owner_of(const struct refiner *refiner, uint32_t cell, const int
 static void find_surface(struct sample *surface, const struct refiner *refiner,
                          const struct sample *before, const struct sample *after)
 {
-    const uint32_t rise = (uint32_t)(after->inside - before->inside);
-    const uint32_t lacks = before->inside < 0 ? (uint32_t)-before->inside : 0;
-    const int64_t share = (lacks << SHARE_BITS) / rise;
+    const int64_t lacks = before->inside < 0 ? -before->inside : 0; /* after a gap it may not */
+    const int64_t share = lacks ? (lacks << SHARE_BITS) / (after->inside + lacks) : 0;
     const int64_t beyond = (after->depth - before->depth) * share >> SHARE_BITS;
     surface->depth = (before->depth + beyond) | REFINE_WITHIN;
     for (int a = 0; a < 3; a++)
