@@ -109,6 +109,22 @@ rm seen.golden/first.png # nothing needs it
 expect 0 "$iftty" verify --strict seen.iftty
 close_story
 
+begin "the PNG is over the background of its time, or has alpha; another background shows"
+printf '%s\n' 'open s.nii' 'seed 2,3,4 1' run 'size 60 50' 'view 30 20' 'samples 4' 'golden grey' \
+    'background white' 'golden page' 'background transparent' 'golden clear' \
+    'decorate letters' 'golden named' 'background black' 'golden all of=mosaic' >script
+expect 0 "$iftty" run script --journal ground.iftty
+expect 0 "$iftty" verify --strict ground.iftty
+out_has "5 golden images"
+for other in grey clear; do
+    rm -rf seen.golden
+    cp -r ground.golden seen.golden
+    cp ground.iftty seen.iftty
+    cp ground.golden/page.png seen.golden/$other.png
+    weak_png "strict: seen.golden/$other.png shows another picture than the golden image beside it"
+done
+close_story
+
 begin "a recorded word that no command gives fails always"
 copy word
 rewrite word.iftty 4 "$(words_of j.iftty 4) flavour=sweet"
