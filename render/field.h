@@ -9,10 +9,10 @@
  * The field of one label is that of the shown voxels which have it.
  *
  * It is made where it is needed, in blocks of FIELD_BLOCK voxels a side, of which a bounded number
- * is stored: making one costs some 3 us, a picture needs some hundreds, and the next picture from
- * another side needs mostly the same. A stored block is made again where a word of the border's
- * `shown` that it was made of has changed since (border->changed). So the field is a pure function
- * of what is shown, in whatever order points are asked for.
+ * is stored: making one costs some 3 us, of a surface 5, a picture needs some hundreds, and the
+ * next one from another side needs mostly the same. A stored block is made again where a word of
+ * the border's sets that it was made of has changed since (border->changed). So the field is a pure
+ * function of what is shown, in whatever order points are asked for.
  *
  * Points are in 1/256 voxels along the scene's axes from the centre of voxel 0,0,0, and lie at most
  * half a voxel outside the scene: from -256 on, and before 256 times the voxels of an axis.

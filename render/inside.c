@@ -146,6 +146,7 @@ static inline void spread(struct map *map, choice *extreme)
 {
     enum { Y = ROW, Z = SAMPLES * ROW };
     int16_t *at = map->at;
+    memset(at + PLACES, 0, sizeof map->at - PLACES * sizeof *at);
     for (int i = 0; i < PLACES; i += 8)
         put(at + i, extreme(lanes_at(at + i), extreme(lanes_at(at + i + 1), lanes_at(at + i + 2))));
     for (int i = 0; i < PLACES - 2 * Y; i += 8)
@@ -239,7 +240,7 @@ void inside_find(struct field_block *block, const struct values *values,
     for (int z = 0; z < FIELD_SIDE; z++)
         for (int y = 0; y < FIELD_SIDE; y++) {
             const uint32_t shown = patterns->row[z + FIRST][y + FIRST] >> FIRST;
-            int16_t value[ROW + 8], row[ROW];
+            int16_t value[ROW + 8] = {0}, row[ROW];
             memcpy(value, &values->row[z + 1][y + 1], ROW * sizeof *value);
             for (int x = 0; x < ROW; x += 8)
                 put(row + x, inside_of(&levels, (z * SAMPLES + y) * ROW + x,
