@@ -39,7 +39,7 @@ void background_at(uint8_t rgb[3], uint32_t background, uint32_t row, uint32_t h
                 (uint8_t)((gradient_top[k] * (last - row) + gradient_bottom[k] * row + last / 2) /
                           last);
         else
-            rgb[k] = kind == BACKGROUND_PLAIN ? (uint8_t)(background >> (16 - 8 * k)) : 0;
+            rgb[k] = (uint8_t)(kind == BACKGROUND_PLAIN ? background >> (16 - 8 * k) : 0);
     }
 }
 

@@ -143,7 +143,7 @@ STORY(every_size_has_what_fits)
     begin(&s, &random);
     for (int i = 0; i < 255; i++) {
         line[i].label = (uint8_t)(i + 1);
-        snprintf(line[i].name, sizeof line[i].name, "a name of thirty-one letters..%d", i % 10);
+        snprintf(line[i].name, sizeof line[i].name, "a name of thirty letters.....%d", i % 10);
         snprintf(line[i].amount, sizeof line[i].amount, "12.3 ml");
     }
     for (size_t i = 0; i < sizeof side / sizeof *side; i++)
@@ -163,6 +163,7 @@ STORY(every_size_has_what_fits)
                                          .palette = &s.palette,
                                          .line = line,
                                          .lines = lines,
+                                         .cross = grid_cell(&s.scene->grid, 1, 2, 3),
                                          .is_bright = lines % 2};
             CHECK(decoration_draw(&canvas, &d, NULL) == OK);
             size_t drawn = 0;

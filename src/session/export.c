@@ -134,7 +134,7 @@ static void write_labels(struct buf *out, const struct picture *picture, const s
 {
     struct json json = {.out = out};
     bool shows[256] = {false};
-    char number[8];
+    char number[12];
     for (size_t i = 0; i < (size_t)picture->width * picture->height; i++)
         shows[picture->label[i] & 255] = true;
     json_object(&json, NULL);

@@ -224,6 +224,7 @@ static void slices(struct stage *s)
 static void decorations(struct stage *s)
 {
     static const struct legend_line line[] = {{2, "brain", "1.43 l"}, {3, "a label", "202 ml"}};
+    const uint32_t middle = grid_cell(&s->scene->grid, 20, 19, 15);
     struct canvas canvas;
     struct fault fault;
     rendition_release(&s->rendition);
@@ -253,7 +254,7 @@ static void decorations(struct stage *s)
                                      .lines = 2,
                                      .eliminator = &seen,
                                      .eliminators = seen != CELL_NONE,
-                                     .cross = seen == CELL_NONE ? 0 : seen};
+                                     .cross = seen == CELL_NONE ? middle : seen};
         must(decoration_draw(&canvas, &d, &fault), &fault, "decorations");
         tell(canvas_digest(&canvas), "decorated/%d", i);
     }
