@@ -31,8 +31,11 @@ struct row {
 struct table {
     struct row row[ROWS_MOST];
     int rows;
-    struct team *team; /* all threads */
-    const char *text;  /* in the names of what is timed, or NULL for all */
+    struct team *team;           /* all threads */
+    struct shader shader[TEAMS]; /* what one thread stores, and what all do; that of `which` is in
+                                    the session */
+    int which;
+    const char *text; /* in the names of what is timed, or NULL for all */
     bool has_turntable;
     struct bench_process turntable[2]; /* the session without it, and with it */
     struct buf vtk;                    /* what bench_vtk says */
@@ -70,6 +73,15 @@ static struct row *add_row(struct table *table, const char *what)
     struct row *row = &table->row[table->rows++];
     row->what = what;
     return row;
+}
+
+/* From now on one thread draws, or all of them. */
+static void take_team(struct table *table, struct session *session, int which)
+{
+    table->shader[table->which] = session->shader;
+    session->shader = table->shader[which];
+    session->team = which ? table->team : NULL;
+    table->which = which;
 }
 
 /* ---- frames ---- */
@@ -116,14 +128,13 @@ static enum err time_frames(struct session *session, struct table *table, const 
     if (!err)
         err = session_draw(session, f->mode, fault); /* room is made, and fields */
     for (int i = 0; !err && i < TEAMS * f->count; i++) {
-        session->team = i % TEAMS ? table->team : NULL;
+        take_team(table, session, i % TEAMS);
         err = look_with(session, f, i / TEAMS, fault);
         session->rendered = RENDERED_NOT;
         const struct moment begin = moment_now();
         err = err ? err : session_draw(session, f->mode, fault);
         add_since(&row->times[i % TEAMS], begin);
     }
-    session->team = table->team;
     return err;
 }
 
@@ -189,12 +200,11 @@ static enum err time_edits(struct session *session, struct table *table, const c
             pixel = (pixel + 12347) % ((size_t)frame->width * frame->height);
         while (frame->cell[pixel] == CELL_NONE);
         make_ball(ball, session->scene, frame->cell[pixel]);
-        session->team = i % TEAMS ? table->team : NULL;
+        take_team(table, session, i % TEAMS);
         err = follow(session, ball->seed, ball->count, &row->times[i % TEAMS], fault);
         if (!err)
             err = follow(session, ball->undo, ball->count, &row->times[i % TEAMS], fault);
     }
-    session->team = table->team;
     free(ball);
     return err;
 }
@@ -301,7 +311,7 @@ enum err run_frames(const struct options *o, struct fault *fault)
     if (!err)
         err = bench_segment(&interp, fault);
     if (!err)
-        table->team = session->team, table->text = o->words ? o->word[0] : NULL;
+        table->team = session->team, table->which = 1, table->text = o->words ? o->word[0] : NULL;
     for (size_t i = 0; !err && i < sizeof frames / sizeof frames[0]; i++)
         err = time_frames(session, table, &frames[i], fault);
     if (!err)
@@ -315,6 +325,10 @@ enum err run_frames(const struct options *o, struct fault *fault)
         err = bench_vtk(session, &table->vtk, fault);
     if (!err)
         (o->json ? print_json : print_table)(stdout, table);
+    if (!err) {
+        take_team(table, session, 1);
+        shader_release(&table->shader[0]);
+    }
     interpreter_release(&interp);
     if (table)
         buf_release(&table->vtk);
