@@ -37,6 +37,18 @@ static void render(struct stage *s, struct rendition *r, projection *project)
     colour(s, r);
 }
 
+/* Whatever the surface, what is seen is a voxel that is shown, of the label that the pixel has. */
+static bool shows_voxels(const struct stage *s, const struct rendition *r)
+{
+    for (size_t i = 0; i < (size_t)r->width * r->height; i++) {
+        const uint32_t cell = r->cell[i];
+        const uint8_t label = cell == CELL_NONE ? 0 : labels_at(&s->border.labels, cell);
+        if ((cell != CELL_NONE && !border_shows(&s->border, cell)) || r->label[i] != label)
+            return false;
+    }
+    return true;
+}
+
 /* `kept` has gone through every edit as an incremental image, and so has what its shader keeps; the
  * others are shaded from nothing. */
 static bool modes_agree(struct stage *s, struct rendition *kept)
@@ -49,6 +61,7 @@ static bool modes_agree(struct stage *s, struct rendition *kept)
     CHECK(rendition_init(&bp, s->view.width, s->view.height, NULL) == OK);
     CHECK(rendition_init(&other, s->view.width, s->view.height, NULL) == OK);
     render(s, &bp, splat_border);
+    CHECK(shows_voxels(s, &bp));
     render(s, &other, splat_scene);
     bool same = CHECK(same_maps(&bp, &other, "scene projection"));
     render(s, &other, raycast);
