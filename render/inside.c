@@ -215,6 +215,9 @@ static void find_levels(struct levels *levels, const struct values *values,
         ask(&levels->outside, values, thin.gaps, above, greater, half);
 }
 
+/* Lanes beyond the block may hold anything, of which sums and products may wrap. */
+typedef uint16_t wraps __attribute__((vector_size(sizeof(lanes))));
+
 /* Eight places from `i` on, whose values and shown voxels these are. */
 static inline lanes inside_of(const struct levels *levels, int i, lanes value, uint32_t shown)
 {
@@ -225,10 +228,15 @@ static inline lanes inside_of(const struct levels *levels, int i, lanes value, u
         low = lesser(low, asked_at(&levels->inside, i, lesser, half));
     if (levels->outside.is_any)
         high = greater(high, asked_at(&levels->outside, i, greater, half));
-    const lanes inside = value - (low + high - half);
+    const lanes inside = (lanes)((wraps)value - ((wraps)low + (wraps)high - (wraps)half));
     const lanes little = (lesser(value, DEEP - value) >> 4) + 1;
     const lanes kept = chosen(lanes_of(shown), greater(inside, little), lesser(inside, -little));
     return chosen(low < high, kept, inside);
+}
+
+static inline lanes times_unit(lanes inside)
+{
+    return (lanes)((wraps)inside * FIELD_INSIDE_UNIT);
 }
 
 void inside_find(struct field_block *block, const struct values *values,
@@ -243,9 +251,8 @@ void inside_find(struct field_block *block, const struct values *values,
             int16_t value[ROW + 8] = {0}, row[ROW];
             memcpy(value, &values->row[z + 1][y + 1], ROW * sizeof *value);
             for (int x = 0; x < ROW; x += 8)
-                put(row + x, inside_of(&levels, (z * SAMPLES + y) * ROW + x,
-                                       lanes_at(value + x + 1), shown >> x) *
-                                 FIELD_INSIDE_UNIT);
+                put(row + x, times_unit(inside_of(&levels, (z * SAMPLES + y) * ROW + x,
+                                                  lanes_at(value + x + 1), shown >> x)));
             memcpy(block->inside[z][y], row, sizeof block->inside[z][y]);
         }
 }

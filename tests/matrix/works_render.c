@@ -4,8 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/hash.h"
 #include "render/cut.h"
 #include "render/decoration.h"
+#include "render/mip.h"
 #include "render/mosaic.h"
 #include "render/slice.h"
 #include "render/text.h"
@@ -57,6 +59,8 @@ static void tell_picture(struct stage *s, const char *name, int number)
     for (int i = 0; i < 3; i++) {
         shader_release(&s->shader);
         must(stage_fit_border(s), &(struct fault){0}, "a border");
+        must(layers_take(&s->layers, &s->rendition, &s->border, &s->shader.seams, NULL),
+             &(struct fault){0}, "layers");
         way[i](&s->rendition, &s->camera, &s->border);
         colour(s);
         digest[i] = rendition_digest(&s->rendition);
@@ -155,6 +159,31 @@ static void cuts(struct stage *s)
     }
     s->border.cut = cut_none();
     border_recount(&s->border);
+}
+
+/* Translucent objects, and the scene behind them. */
+static void translucent(struct stage *s)
+{
+    struct mip mip = {0};
+    uint8_t *opacity = s->border.opacity;
+    for (uint32_t i = 0; i < 12; i++) {
+        for (uint32_t label = 1; label < 8; label++)
+            opacity[label] = (uint8_t)(100 - (label * 29 + i * 17) % 100);
+        s->look.edges = i % 2;
+        s->look.mode = (enum shade_mode)(i / 2 % 3);
+        tell_picture(s, "translucent", (int)i);
+    }
+    memset(opacity, BORDER_OPAQUE, sizeof s->border.opacity);
+    s->look = look_default(LOOK_PRESENT);
+    for (int i = 0; i < 4; i++) {
+        struct mip_source source = {s->scene, 0, {i * 40, 255 - i * 70}, cut_none()};
+        uint64_t digest = 0;
+        must(mip_draw(&mip, &source, &s->camera, NULL, NULL), &(struct fault){0}, "a projection");
+        for (size_t pixel = 0; pixel < (size_t)WIDTH * HEIGHT; pixel++)
+            digest += hash_mix_at(pixel, mip.brightness[pixel]);
+        tell(digest, "mip/%d", i);
+    }
+    mip_release(&mip);
 }
 
 /* The picture follows edits, and stays what one from nothing would be. */
@@ -269,6 +298,7 @@ void works_render(void)
     looks(&stage);
     samples(&stage);
     cuts(&stage);
+    translucent(&stage);
     incremental(&stage);
     slices(&stage);
     decorations(&stage);
