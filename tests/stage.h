@@ -63,6 +63,29 @@ static inline void stage_opacities(struct stage *s, uint64_t *random)
             (uint8_t)(translucent && check_below(random, 3) ? 1 + check_below(random, 100) : 100);
 }
 
+/* Any look, any angles, and any of so many modes of shading, the first ones. */
+static inline void stage_look_at_random(struct stage *s, uint32_t modes, uint64_t *random)
+{
+    s->look.number = LOOK_FIRST + check_below(random, LOOK_PRESENT - LOOK_FIRST + 1);
+    s->look.mode = (enum shade_mode)check_below(random, modes);
+    s->look.edges = check_below(random, 2);
+    s->look.samples = 1u << check_below(random, 3);
+    stage_opacities(s, random);
+    for (int i = 0; i < 3; i++)
+        s->view.angle[i] = (int32_t)check_below(random, VIEW_TURN);
+}
+
+/* The stage's picture of what is shown, by its view. */
+static inline void stage_draw(struct stage *s)
+{
+    CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
+    CHECK(rendition_init(&s->rendition, s->view.width, s->view.height, NULL) == OK);
+    CHECK(stage_fit_border(s) == OK);
+    splat_border(&s->rendition, &s->camera, &s->border);
+    CHECK(shade(&s->rendition, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) ==
+          OK);
+}
+
 /* Has a rendition of what is shown the stage's layers where it needs them. */
 static inline void stage_take_layers(struct stage *s, struct rendition *rendition)
 {

@@ -60,13 +60,7 @@ static void stage_at_random(struct stage *s, uint64_t *random)
 /* `samples` samples a pixel, both ways; the camera and the view are those of the samples. */
 static void look_at_random(struct stage *s, uint64_t *random)
 {
-    s->look.number = LOOK_FIRST + check_below(random, LOOK_PRESENT - LOOK_FIRST + 1);
-    s->look.mode = (enum shade_mode)check_below(random, 4);
-    s->look.edges = check_below(random, 2);
-    s->look.samples = 1u << check_below(random, 3);
-    stage_opacities(s, random);
-    for (int i = 0; i < 3; i++)
-        s->view.angle[i] = (int32_t)check_below(random, VIEW_TURN);
+    stage_look_at_random(s, 4, random);
     s->view.width = s->look.samples * (1 + check_below(random, 30));
     s->view.height = s->look.samples * (1 + check_below(random, 90));
     s->view.zoom = s->look.samples * (300 + check_below(random, 6000));

@@ -29,12 +29,7 @@ static void draw(struct stage *s, uint32_t zoom, const int32_t angle[2])
     rendition_release(&s->rendition);
     s->view = (struct view){.angle = {angle[0], angle[1]}, .zoom = zoom};
     s->view.width = s->view.height = side;
-    CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
-    CHECK(rendition_init(&s->rendition, side, side, NULL) == OK);
-    CHECK(stage_fit_border(s) == OK);
-    splat_border(&s->rendition, &s->camera, &s->border);
-    CHECK(shade(&s->rendition, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) ==
-          OK);
+    stage_draw(s);
 }
 
 static size_t seen(const struct rendition *r)

@@ -37,13 +37,7 @@ static void stage_at_random(struct stage *s, uint64_t *random)
     s->shader.window[1] = 4000;
     s->border.cut.last[2] = size[2] - check_below(random, 10);
     border_recount(&s->border);
-    s->look.number = LOOK_FIRST + check_below(random, LOOK_PRESENT - LOOK_FIRST + 1);
-    s->look.mode = (enum shade_mode)check_below(random, 3);
-    s->look.edges = check_below(random, 2);
-    s->look.samples = 1u << check_below(random, 3);
-    stage_opacities(s, random);
-    for (int i = 0; i < 3; i++)
-        s->view.angle[i] = (int32_t)check_below(random, VIEW_TURN);
+    stage_look_at_random(s, 3, random);
     s->view.width = s->look.samples * (60 + check_below(random, 60));
     s->view.height = s->look.samples * (60 + check_below(random, 60));
     s->view.zoom = s->look.samples * (1000 + check_below(random, 2000));

@@ -41,12 +41,7 @@ static void draw(struct stage *s, uint32_t side, uint32_t zoom, int32_t yaw, int
     s->view.width = s->view.height = side;
     s->view.zoom = zoom;
     s->view.angle[0] = yaw, s->view.angle[1] = pitch;
-    CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
-    CHECK(rendition_init(&s->rendition, side, side, NULL) == OK);
-    CHECK(stage_fit_border(s) == OK);
-    splat_border(&s->rendition, &s->camera, &s->border);
-    CHECK(shade(&s->rendition, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) ==
-          OK);
+    stage_draw(s);
 }
 
 /* ---- the field ---- */
