@@ -8,9 +8,9 @@
 
 enum {
     SLOTS_LEAST = 256,         /* 1.9 MB of blocks, */
-    SLOTS_MOST = 2048,         /* 15 MB, */
-    LAYERS_TIMES = 8,          /* and so many times that where objects are translucent, */
-    VOXELS_A_SLOT = 6500,      /* and about a byte for each voxel of the scene */
+    SLOTS_MOST = 4096,         /* 30 MB, */
+    LAYERS_TIMES = 4,          /* and so many times that where objects are translucent, */
+    VOXELS_A_SLOT = 1625,      /* and at most five bytes for each voxel of the scene */
     BEFORE = 2 + FIELD_RADIUS, /* the first of them lies so many before the block */
     PART_BITS = 6,             /* voxels of a row that are looked up at once */
     PARTS = (INPUT + PART_BITS - 1) / PART_BITS,
