@@ -24,7 +24,7 @@ pick 256 256 of=axial
 stats
 EOF
 expect 0 "$iftty" run unplaced.txt
-grep -v 'if you know which sides\|^ok ' "$work/out" >answers
+grep -v 'if you know which sides\|^ok ' "$work/out" | sed 's/background//' >answers
 grep -E "$sides|[0-9] mm| ml" answers >named && fail "$(cat named)"
 out_has "orientation unknown: no picture or answer names a side of the patient"
 out_has "voxels of unknown size, orientation unknown"
