@@ -139,8 +139,8 @@ def painter_stories(stage):
 
 # ---- the prompt ----
 
-SCENE = ("open synth:geom:64x64x64", "size 240 180", "label 1 ball", "seed 32,32,32 ball radius=5",
-         "seed 2,2,2 0", "zoom fit")
+SCENE = ("open synth:geom:64x64x64", "auto on", "size 240 180", "label 1 ball",
+         "seed 32,32,32 ball radius=5", "seed 2,2,2 0", "zoom fit")
 SHADES_APART = 16  # of 255: a rendition's shades are rounded to those of a palette,
 COLOURS_APART = 60  # and what is laid over slices to fewer
 
