@@ -58,7 +58,7 @@ static enum err make(struct session *session, struct fault *fault)
 static bool border_fits(const struct live_finish *live, const struct kept *kept)
 {
     for (int label = 0; label < 256; label++)
-        if (live->border.visible[label] != (kept->visible[label] && kept->opacity[label]))
+        if (live->border.visible[label] != kept_shows(kept, label))
             return false;
     return memcmp(&live->border.cut, &kept->cut, sizeof kept->cut) == 0;
 }

@@ -25,7 +25,7 @@ struct state state_default(unsigned semantics)
 void kept_show(const struct kept *kept, struct border *border)
 {
     for (int label = 0; label < 256; label++)
-        border->visible[label] = kept->visible[label] && kept->opacity[label];
+        border->visible[label] = kept_shows(kept, label);
     memcpy(border->opacity, kept->opacity, sizeof border->opacity);
     border->cut = kept->cut;
 }

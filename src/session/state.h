@@ -84,6 +84,12 @@ struct state {
 /* As a session of this semantics begins. */
 struct state state_default(unsigned semantics);
 
+/* Whether renditions show the voxels of a label, where they are not cut away. */
+static inline bool kept_shows(const struct kept *kept, int label)
+{
+    return kept->visible[label] && kept->opacity[label];
+}
+
 /* Has a border show what these settings do; a recount is up to the caller. */
 void kept_show(const struct kept *kept, struct border *border);
 
