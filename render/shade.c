@@ -360,7 +360,7 @@ static void shading_init(struct shading *s, const struct camera *camera,
 /* The fields of a thread are its own. */
 static void take_fields(struct shading *s, struct shader_part *part)
 {
-    normals_init(&s->normals, s->camera, mode_of(s->look, s->border), s->look->number >= 2,
+    normals_init(&s->normals, s->camera, mode_of(s->look, s->border), s->look->number > LOOK_FIRST,
                  &part->shown, &part->scene);
     s->refiner.shown.field = &part->shown;
 }
@@ -443,7 +443,7 @@ enum err shade(struct rendition *r, const struct camera *camera, const struct bo
 
 bool look_is_refined(const struct look *look)
 {
-    return look->number >= 2 && look->mode != SHADE_CUBES;
+    return look->number > LOOK_FIRST && look->mode != SHADE_CUBES;
 }
 
 bool shade_refines(const struct look *look, const struct border *border)
@@ -455,7 +455,7 @@ struct shade_reach shade_reach(const struct look *look, const struct camera *cam
 {
     /* One step in any case: a face may be cut open, or no more so; a surface belongs to the voxel
      * beside. */
-    const int field = look->number >= 2 ? NORMAL_REACH : FIELD_REACH;
+    const int field = look->number > LOOK_FIRST ? NORMAL_REACH : FIELD_REACH;
     const int fit = look->mode == SHADE_DEPTH ? NORMAL_FIT_STEPS * (int)normal_stride(camera) : 0;
     const int depth = look_is_refined(look) ? REFINE_REACH : 1;
     struct shade_reach reach = {look->mode == SHADE_DEPTH ? depth : field, look_is_refined(look),

@@ -34,13 +34,13 @@ enum err act_samples(const struct act *act)
     return act_go(act);
 }
 
-/* Black in look 1 is what it has always been. */
 enum err act_context(const struct act *act)
 {
     act->next->outlook.context = (uint32_t)act->value[0].number;
     return act_go(act);
 }
 
+/* Black in look 1 is what it has always been. */
 enum err act_background(const struct act *act)
 {
     struct outlook *outlook = &act->next->outlook;
