@@ -308,10 +308,14 @@ enum err run_frames(const struct options *o, struct fault *fault)
     struct session *session = &interp.session;
     if (!err && !table)
         err = fault_memory(fault, "a benchmark");
+    if (!err) {
+        table->text = o->words ? o->word[0] : NULL;
+        err = time_turntable(table, fault); /* a process counts what the one it forked from held */
+    }
     if (!err)
         err = bench_segment(&interp, fault);
     if (!err)
-        table->team = session->team, table->which = 1, table->text = o->words ? o->word[0] : NULL;
+        table->team = session->team, table->which = 1;
     for (size_t i = 0; !err && i < sizeof frames / sizeof frames[0]; i++)
         err = time_frames(session, table, &frames[i], fault);
     if (!err)
@@ -319,8 +323,6 @@ enum err run_frames(const struct options *o, struct fault *fault)
     if (!err)
         err =
             time_edits(session, table, "incremental image, 512x512, zoom 1, 4x4 samples", 4, fault);
-    if (!err)
-        err = time_turntable(table, fault);
     if (!err && !table->text)
         err = bench_vtk(session, &table->vtk, fault);
     if (!err)
