@@ -1,12 +1,15 @@
-/* Renditions in every mode, look, view and cut; slices and mosaics with their words. */
+/* Renditions in every mode, look, view and cut, fitted, translucent and with what is behind them;
+ * slices and mosaics with their words. */
 #include "tests/matrix/works.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/hash.h"
+#include "render/background.h"
 #include "render/cut.h"
 #include "render/decoration.h"
+#include "render/fit.h"
 #include "render/mip.h"
 #include "render/mosaic.h"
 #include "render/slice.h"
@@ -50,6 +53,15 @@ static void colour(struct stage *s)
          &fault, "shading");
 }
 
+/* Nothing kept of other pictures, and layers where something is translucent. */
+static void begin_picture(struct stage *s)
+{
+    shader_release(&s->shader);
+    must(stage_fit_border(s), &(struct fault){0}, "a border");
+    must(layers_take(&s->layers, &s->rendition, &s->border, &s->shader.seams, NULL),
+         &(struct fault){0}, "layers");
+}
+
 /* The one digest that all ways of making the picture have. */
 static void tell_picture(struct stage *s, const char *name, int number)
 {
@@ -57,10 +69,7 @@ static void tell_picture(struct stage *s, const char *name, int number)
                                const struct border *) = {splat_border, splat_scene, raycast};
     uint64_t digest[3];
     for (int i = 0; i < 3; i++) {
-        shader_release(&s->shader);
-        must(stage_fit_border(s), &(struct fault){0}, "a border");
-        must(layers_take(&s->layers, &s->rendition, &s->border, &s->shader.seams, NULL),
-             &(struct fault){0}, "layers");
+        begin_picture(s);
         way[i](&s->rendition, &s->camera, &s->border);
         colour(s);
         digest[i] = rendition_digest(&s->rendition);
@@ -112,30 +121,38 @@ static void looks(struct stage *s)
     s->look = look_default(LOOK_PRESENT);
 }
 
+/* Another number of pixels, with the same view otherwise. */
+static void resize(struct stage *s, uint32_t width, uint32_t height)
+{
+    struct fault fault;
+    rendition_release(&s->rendition);
+    s->view.width = width;
+    s->view.height = height;
+    must(rendition_init(&s->rendition, width, height, &fault), &fault, "a rendition");
+    look_from(s);
+}
+
+/* The picture, of n x n samples a pixel. */
+static void sample(struct stage *s, struct rendition *reduced, const char *name, uint32_t n)
+{
+    struct fault fault;
+    must(rendition_init(reduced, WIDTH / n, HEIGHT / n, &fault), &fault, "a rendition");
+    resize(s, WIDTH / n * n, HEIGHT / n * n);
+    s->look.samples = n;
+    tell_picture(s, name, (int)n);
+    rendition_reduce(reduced, &s->rendition, n);
+    tell(rendition_digest(reduced), "rendition/%s/reduced/%u", name, n);
+}
+
 static void samples(struct stage *s)
 {
     for (uint32_t n = 2; n <= SHADE_SAMPLES_MOST; n += 2) {
-        struct fault fault;
         struct rendition reduced;
-        must(rendition_init(&reduced, WIDTH / n, HEIGHT / n, &fault), &fault, "a rendition");
-        rendition_release(&s->rendition);
-        s->view.width = WIDTH / n * n;
-        s->view.height = HEIGHT / n * n;
-        must(rendition_init(&s->rendition, s->view.width, s->view.height, &fault), &fault,
-             "a rendition");
-        look_from(s);
-        s->look.samples = n;
-        tell_picture(s, "fine", (int)n);
-        rendition_reduce(&reduced, &s->rendition, n);
-        tell(rendition_digest(&reduced), "rendition/reduced/%u", n);
+        sample(s, &reduced, "fine", n);
         rendition_release(&reduced);
     }
-    rendition_release(&s->rendition);
-    s->view.width = WIDTH;
-    s->view.height = HEIGHT;
     s->look = look_default(LOOK_PRESENT);
-    must(rendition_init(&s->rendition, WIDTH, HEIGHT, NULL), &(struct fault){0}, "a rendition");
-    look_from(s);
+    resize(s, WIDTH, HEIGHT);
 }
 
 static void cuts(struct stage *s)
@@ -186,14 +203,99 @@ static void translucent(struct stage *s)
     mip_release(&mip);
 }
 
+/* The scene behind objects that are translucent, or cover pixels in part. */
+static void put_mip_behind(struct stage *s, struct rendition *picture)
+{
+    const struct mip_source source = {s->scene, 0, {30, 200}, cut_none()};
+    const struct view fine = s->view;
+    const size_t pixels = (size_t)picture->width * picture->height;
+    uint8_t objects[WIDTH * HEIGHT][4];
+    struct mip mip = {0};
+    struct fault fault;
+    s->view.width = picture->width;
+    s->view.height = picture->height;
+    s->view.zoom /= fine.width / picture->width;
+    look_from(s);
+    must(mip_draw(&mip, &source, &s->camera, NULL, &fault), &fault, "a projection");
+    memcpy(objects, picture->rgba, 4 * pixels);
+    mip_put_behind(picture->rgba, objects[0], mip.brightness, pixels);
+    tell(rendition_digest(picture), "context/%u", picture->width);
+    mip_release(&mip);
+    s->view = fine;
+}
+
+static void put_backgrounds(const struct rendition *picture, const char *name)
+{
+    static const uint32_t background[] = {BACKGROUND_FADE,  BACKGROUND_PLAIN,
+                                          BACKGROUND_WHITE, BACKGROUND_PLAIN | 0x3080c0,
+                                          BACKGROUND_CLEAR, BACKGROUND_GRADIENT};
+    uint8_t rgba[WIDTH * HEIGHT][4];
+    const size_t bytes = (size_t)4 * picture->width * picture->height;
+    for (size_t i = 0; i < sizeof background / sizeof background[0]; i++) {
+        memcpy(rgba, picture->rgba, bytes);
+        background_put(rgba[0], picture->width, picture->height, background[i]);
+        tell(bytes_digest(rgba, bytes), "background/%s/%u/%zu", name, picture->width, i);
+    }
+}
+
+/* What is behind objects: each background, and the scene before it or not. */
+static void behind(struct stage *s)
+{
+    s->border.opacity[2] = 40;
+    s->border.opacity[3] = 75;
+    for (uint32_t n = 2; n <= SHADE_SAMPLES_MOST; n += 2) {
+        struct rendition reduced;
+        sample(s, &reduced, "behind", n);
+        put_backgrounds(&reduced, "objects");
+        put_mip_behind(s, &reduced);
+        put_backgrounds(&reduced, "context");
+        rendition_release(&reduced);
+    }
+    memset(s->border.opacity, BORDER_OPAQUE, sizeof s->border.opacity);
+    s->look = look_default(LOOK_PRESENT);
+    resize(s, WIDTH, HEIGHT);
+}
+
+/* The zoom and the place at which what is shown fits; some labels, a part of them, and nothing. */
+static void fits(struct stage *s)
+{
+    const struct view former = s->view;
+    for (uint32_t i = 0; i < 12; i++) {
+        struct fit fit;
+        struct fault fault;
+        uint32_t place[3];
+        for (uint32_t label = 2; label < 6; label++)
+            s->border.visible[label] = i < 11 && (i % 4 == 3 || label == 2 + i % 4);
+        s->border.cut.last[2] = i % 3 ? UINT32_MAX : 14;
+        border_recount(&s->border);
+        s->view.angle[0] = (int32_t)i * 39000;
+        s->view.angle[1] = (int32_t)i * 17000;
+        s->view.angle[2] = (int32_t)i * 5000;
+        must(fit_init(&fit, &s->border, &fault), &fault, "what is to fit");
+        fit_place(&fit, &s->view, place);
+        s->view.zoom = fit_zoom(&fit, &s->view, place, 1 + i % 4);
+        fit_release(&fit);
+        view_focus_on(&s->view, s->scene, place);
+        look_from(s);
+        tell(s->view.zoom, "fit/zoom/%u", i);
+        tell(grid_cell(&s->scene->grid, place[0], place[1], place[2]), "fit/place/%u", i);
+        tell_picture(s, "fit", (int)i);
+    }
+    for (uint32_t label = 2; label < 6; label++)
+        s->border.visible[label] = true;
+    s->border.cut = cut_none();
+    border_recount(&s->border);
+    s->view = former;
+    look_from(s);
+}
+
 /* The picture follows edits, and stays what one from nothing would be. */
 static void incremental(struct stage *s)
 {
     struct edit edit[WORKS_SEEDS];
     struct fault fault;
     works_edits(edit, s->scene, 29);
-    shader_release(&s->shader);
-    must(stage_fit_border(s), &fault, "a border");
+    begin_picture(s);
     splat_border(&s->rendition, &s->camera, &s->border);
     colour(s);
     for (int i = 0; i < 20; i++) {
@@ -205,7 +307,9 @@ static void incremental(struct stage *s)
         colour(s);
         tell(rendition_digest(&s->rendition), "rendition/incremental/%d", i);
     }
+    const uint64_t followed = rendition_digest(&s->rendition);
     tell_picture(s, "incremental-whole", 19);
+    must_hold(rendition_digest(&s->rendition) == followed, "a picture that followed edits");
 }
 
 static void slices(struct stage *s)
@@ -256,18 +360,14 @@ static void decorations(struct stage *s)
     const uint32_t middle = grid_cell(&s->scene->grid, 20, 19, 15);
     struct canvas canvas;
     struct fault fault;
-    rendition_release(&s->rendition);
-    s->view.width = 4 * WIDTH;
-    s->view.height = 4 * HEIGHT;
     s->view.zoom *= 4;
-    must(rendition_init(&s->rendition, s->view.width, s->view.height, &fault), &fault,
-         "a rendition");
+    resize(s, 4 * WIDTH, 4 * HEIGHT);
     must(canvas_init(&canvas, s->view.width, s->view.height, false, &fault), &fault, "a canvas");
     for (int i = 0; i < 8; i++) {
         s->view.angle[0] = i * 51000;
         s->view.angle[1] = i * 13000;
         look_from(s);
-        must(stage_fit_border(s), &fault, "a border");
+        begin_picture(s);
         splat_border(&s->rendition, &s->camera, &s->border);
         colour(s);
         memcpy(canvas.rgba, s->rendition.rgba, (size_t)4 * canvas.width * canvas.height);
@@ -299,6 +399,8 @@ void works_render(void)
     samples(&stage);
     cuts(&stage);
     translucent(&stage);
+    behind(&stage);
+    fits(&stage);
     incremental(&stage);
     slices(&stage);
     decorations(&stage);
