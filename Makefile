@@ -133,7 +133,7 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
         test-matrix \
         test-matrix-short test-terminals fuzz fuzzers demo bench-peers bench-chafa bench-paper \
         bench-growth bench-render bench-frames bench-journal bench-keys bench-looks bench-effort \
-        bench-series bench-files help clean packages
+        bench-series bench-files bench-beside help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -229,6 +229,10 @@ bench-effort: $(BENCH) $(BUILD)/tests/peers/itk_worker
 bench-chafa: all build/.packages-chafa
 	@$(PYTHON) -B tests/bench/chafa.py $(ARGS) $(BUILD)
 
+## bench-beside: the pictures of examples/ beside VTK's, in build/beside; ARGS="--only brain"
+bench-beside: all build/.packages-beside
+	@$(PYTHON) -B tests/bench/beside.py $(ARGS) $(BUILD)
+
 ## bench-series: how long a DICOM series of 400 slices takes to open; ARGS="--slices 100"
 bench-series: all build/.packages-test
 	@$(PYTHON) -B -W ignore tests/bench/series.py $(ARGS) $(BUILD)
@@ -318,6 +322,10 @@ build/.packages-analyse: Makefile | $(PACKAGES_STAMP)
 
 build/.packages-chafa: Makefile | $(PACKAGES_STAMP)
 	@.ci/packages chafa --
+	@touch $@
+
+build/.packages-beside: Makefile | $(PACKAGES_STAMP)
+	@.ci/packages python3-vtk9 xvfb python3-pil $(SCENES) --
 	@touch $@
 
 build/.packages-bench-files: Makefile | $(PACKAGES_STAMP)

@@ -2,10 +2,12 @@
 changed, what a turn takes, and the same labels as a picture.
 
     vtk_render.py LABELS.nii[.gz] [--size W H] [--angles YAW PITCH ROLL] [--zoom PIXELS]
-                  [--rounds N] [--colours 1=#d6b296,2=#56b4e9] [--png FILE]
+                  [--rounds N] [--colours 1=#d6b296,2=#56b4e9] [--opacity 1=25,2=50] [--at X,Y,Z]
+                  [--background #ffffff|gradient] [--smooth TIMES BAND] [--png FILE]
 
-LABELS is what `save labels FILE` writes. Size, angles (degrees) and zoom (pixels to a voxel of the
-finest spacing) are those of iftty's `size`, `view` and `zoom`, and so is the light.
+LABELS is what `save labels FILE` writes. Size, angles (degrees), zoom (pixels to a voxel of the
+finest spacing) and at (the voxel in the middle) are those of iftty's `size`, `view` and `zoom`, and
+so are opacity (percent), background and light.
 
 Without --png, each line printed is one JSON object:
 
@@ -24,9 +26,9 @@ the picture alone. Times are of the wall clock, on the cores that the process ma
 (taskset -c 0 makes it one).
 
 Surfaces are as they come out of the filter in the first three rows. In the last two, and with
---png, they are those of flying edges, smoothed (windowed sinc, 20 iterations, pass band 0.1) and
-with normals. With --png they are shaded by Phong's model with iftty's coefficients, and written to
-FILE; nothing is timed.
+--png, they are those of flying edges, smoothed (windowed sinc, 20 iterations, pass band 0.1, or
+what --smooth says) and with normals. With --png they are shaded by Phong's model with iftty's
+coefficients, what is translucent by depth peeling, and written to FILE; nothing is timed.
 
 Debian 12 has VTK 9.1 as python3-vtk9, which /usr/bin/python3 sees. Its windows are those of X even
 off the screen, so this runs itself again under xvfb-run where there is no DISPLAY: packages
@@ -49,6 +51,8 @@ RADIUS = 3  # of the ball that a label change is about, voxels
 PALETTE = ["#d6b296", "#56b4e9", "#f0c842", "#009e73", "#cc79a7", "#e68228", "#8282dc", "#bebebe"]
 AMBIENT, DIFFUSE, SPECULAR, SHINE = 0.2, 0.8, 70 / 255, 32
 LIGHT_YAW, LIGHT_PITCH = -25, 30  # to the viewer's right, and above him
+GRADIENT = "#3e4652", "#14161a"  # at the top, at the bottom
+PEELS = 30  # of what is translucent, at most
 
 
 class Broken(Exception):
@@ -91,7 +95,8 @@ def nearest_axes(affine):
 
 
 def read_labels(path):
-    """Labels [superior][anterior][right], and the spacing along right, anterior, superior in mm."""
+    """Labels [superior][anterior][right], the spacing along right, anterior, superior in mm, and
+    the voxel axis that runs along each of them, and whether forwards."""
     import numpy
 
     opener = gzip.open if path.endswith(".gz") else open
@@ -114,7 +119,8 @@ def read_labels(path):
     axes = nearest_axes(affine_of(data, order))
     labels = labels.transpose([2 - axes[world][0] for world in (2, 1, 0)])
     labels = labels[tuple(slice(None, None, 1 if axes[w][1] else -1) for w in (2, 1, 0))]
-    return numpy.ascontiguousarray(labels), [abs(pixdim[1 + axes[w][0]]) for w in range(3)]
+    spacing = [abs(pixdim[1 + axis]) for axis, _ in axes]
+    return numpy.ascontiguousarray(labels), spacing, axes
 
 
 # ---- the scene in VTK ----
@@ -144,13 +150,13 @@ def surface_filter(kind, image, values):
     return surface
 
 
-def smoothed(surface):
+def smoothed(surface, times, band):
     from vtkmodules.vtkFiltersCore import vtkPolyDataNormals, vtkWindowedSincPolyDataFilter
 
     smooth = vtkWindowedSincPolyDataFilter()
     smooth.SetInputConnection(surface.GetOutputPort())
-    smooth.SetNumberOfIterations(20)
-    smooth.SetPassBand(0.1)
+    smooth.SetNumberOfIterations(times)
+    smooth.SetPassBand(band)
     smooth.BoundarySmoothingOff()
     smooth.NonManifoldSmoothingOn()
     smooth.NormalizeCoordinatesOn()
@@ -160,7 +166,11 @@ def smoothed(surface):
     return normals
 
 
-def colour_table(colours):
+def rgb_of(text):
+    return [int(text[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+
+
+def colour_table(colours, opacity):
     from vtkmodules.vtkCommonCore import vtkLookupTable
 
     table = vtkLookupTable()
@@ -168,7 +178,7 @@ def colour_table(colours):
     table.SetTableRange(0, 255)
     for label in range(256):
         text = colours.get(label, PALETTE[(label - 1) % len(PALETTE)])
-        table.SetTableValue(label, *(int(text[i : i + 2], 16) / 255 for i in (1, 3, 5)), 1)
+        table.SetTableValue(label, *rgb_of(text), opacity.get(label, 100) / 100)
     return table
 
 
@@ -184,9 +194,9 @@ def look_from(camera, angles):
 
 
 class Stage:
-    """A window off the screen, with the labels in it."""
+    """A window off the screen, with the labels in it; `middle` is a place in the image."""
 
-    def __init__(self, labels, spacing, options):
+    def __init__(self, middle, spacing, options):
         import vtkmodules.vtkRenderingOpenGL2  # pylint: disable=unused-import
         from vtkmodules import vtkRenderingCore as core
 
@@ -195,10 +205,15 @@ class Stage:
         self.window.SetMultiSamples(0)
         self.window.SetSize(options.size)
         self.renderer = core.vtkRenderer()
-        self.renderer.SetBackground(0, 0, 0)
+        self.put_background(options.background)
+        if options.opacity:
+            self.window.SetAlphaBitPlanes(1)
+            self.renderer.UseDepthPeelingOn()
+            self.renderer.SetMaximumNumberOfPeels(PEELS)
+            self.renderer.SetOcclusionRatio(0)
         self.window.AddRenderer(self.renderer)
         self.mapper = core.vtkPolyDataMapper()
-        self.mapper.SetLookupTable(colour_table(options.colours))
+        self.mapper.SetLookupTable(colour_table(options.colours, options.opacity))
         self.mapper.SetColorModeToMapScalars()  # bytes would be taken for grey
         self.mapper.SetScalarRange(0, 255)
         actor = core.vtkActor()
@@ -213,10 +228,15 @@ class Stage:
         self.add_light(core.vtkLight())
         camera = self.renderer.GetActiveCamera()
         camera.ParallelProjectionOn()
-        shape = labels.shape
-        camera.SetFocalPoint([(shape[2 - a] - 1) / 2 * spacing[a] for a in range(3)])
+        camera.SetFocalPoint(middle)
         camera.SetParallelScale(options.size[1] / 2 / options.zoom * min(spacing))
         look_from(camera, options.angles)
+
+    def put_background(self, background):
+        top, bottom = GRADIENT if background == "gradient" else (background, background)
+        self.renderer.SetGradientBackground(True)
+        self.renderer.SetBackground(rgb_of(bottom))
+        self.renderer.SetBackground2(rgb_of(top))
 
     def add_light(self, light):
         yaw, pitch = math.radians(LIGHT_YAW), math.radians(LIGHT_PITCH)
@@ -319,10 +339,10 @@ def told(what, times, **more):
     }
 
 
-def time_changes(stage, what, kind, labels, image, values, rounds, is_smoothed=False):
+def time_changes(stage, what, kind, labels, image, values, rounds, smooth=None):
     surface = surface_filter(kind, image, values)
-    if is_smoothed:
-        surface = smoothed(surface)
+    if smooth:
+        surface = smoothed(surface, *smooth)
     change = Change(labels, image, (rounds + 1) // 2)
     stage.show(surface)
     stage.draw()
@@ -359,15 +379,40 @@ def time_rotation(stage, what, rounds):
 # ---- the program ----
 
 
-def colour_list(text):
-    colours = {}
-    for part in filter(None, text.split(",")):
-        label, _, colour = part.partition("=")
-        if not label.isdigit() or len(colour) != 7 or colour[0] != "#":
-            raise argparse.ArgumentTypeError("expected LABEL=#rrggbb,..., not %s" % part)
-        int(colour[1:], 16)
-        colours[int(label)] = colour
-    return colours
+def colour(text):
+    if len(text) != 7 or text[0] != "#":
+        raise ValueError(text)
+    int(text[1:], 16)
+    return text
+
+
+def background(text):
+    return text if text == "gradient" else colour(text)
+
+
+def place(text):
+    x, y, z = (float(part) for part in text.split(","))
+    return x, y, z
+
+
+def of_labels(kind):
+    """What argparse reads LABEL=VALUE,... by: a dictionary."""
+
+    def values(text):
+        pairs = (part.split("=") for part in filter(None, text.split(",")))
+        return {int(label): kind(value) for label, value in pairs}
+
+    return values
+
+
+def middle_of(labels, spacing, axes, at):
+    """The place of a voxel of the file, or of the middle, in the image."""
+    size = labels.shape[::-1]
+    voxel = [(n - 1) / 2 for n in size]
+    if at:
+        forth = [at[axis] for axis, _ in axes]
+        voxel = [v if axes[w][1] else size[w] - 1 - v for w, v in enumerate(forth)]
+    return [v * mm for v, mm in zip(voxel, spacing)]
 
 
 def parse():
@@ -377,11 +422,16 @@ def parse():
     parser.add_argument("--angles", nargs=3, type=float, default=[0, 0, 0])
     parser.add_argument("--zoom", type=float, default=1)
     parser.add_argument("--rounds", type=int, default=11)
-    parser.add_argument("--colours", type=colour_list, default={})
+    parser.add_argument("--colours", type=of_labels(colour), default={})
+    parser.add_argument("--opacity", type=of_labels(float), default={})
+    parser.add_argument("--at", type=place)
+    parser.add_argument("--background", type=background, default="#000000")
+    parser.add_argument("--smooth", nargs=2, type=float, default=[20, 0.1])
     parser.add_argument("--png")
     options = parser.parse_args()
     if min(options.size) < 1 or options.zoom <= 0 or options.rounds < 1:
         parser.error("size, zoom and rounds are above 0")
+    options.smooth[0] = int(options.smooth[0])
     return options
 
 
@@ -399,15 +449,16 @@ def begin_display():
 def run(options):
     import numpy
 
-    labels, spacing = read_labels(options.labels)
+    labels, spacing, axes = read_labels(options.labels)
     values = [int(v) for v in numpy.unique(labels) if v]
     if not values:
         raise Broken("%s holds no object" % options.labels)
     labels = labels.copy()
     image = image_of(labels, spacing)
-    stage = Stage(labels, spacing, options)
+    stage = Stage(middle_of(labels, spacing, axes, options.at), spacing, options)
     if options.png:
-        stage.show(smoothed(surface_filter("vtkDiscreteFlyingEdges3D", image, values)))
+        surface = surface_filter("vtkDiscreteFlyingEdges3D", image, values)
+        stage.show(smoothed(surface, *options.smooth))
         stage.write(options.png)
         return
     lines = []
@@ -420,7 +471,9 @@ def run(options):
     lines.append(time_rotation(stage, "rotation", options.rounds))
     kind = "vtkDiscreteFlyingEdges3D"
     what = "label change, smoothed, with normals"
-    lines.append(time_changes(stage, what, kind, labels, image, values, options.rounds, True))
+    lines.append(
+        time_changes(stage, what, kind, labels, image, values, options.rounds, options.smooth)
+    )
     lines.append(time_rotation(stage, "rotation, smoothed, with normals", options.rounds))
     for line in [stage.versions()] + lines:
         print(json.dumps(line), flush=True)
