@@ -60,10 +60,11 @@ static void fade(uint8_t rgb[3], const uint8_t rgba[4])
         rgb[k] = (uint8_t)((rgba[k] * rgba[3] + 127) / 255);
 }
 
-void background_put(uint8_t *rgba, uint32_t width, uint32_t height, uint32_t background)
+void background_put_rows(uint8_t *rgba, uint32_t width, uint32_t top, uint32_t rows,
+                         uint32_t height, uint32_t background)
 {
     uint8_t behind[3];
-    for (uint32_t y = 0; y < height && background != BACKGROUND_CLEAR; y++) {
+    for (uint32_t y = top; y < top + rows && background != BACKGROUND_CLEAR; y++) {
         background_at(behind, background, y, height);
         for (uint32_t x = 0; x < width; x++, rgba += 4) {
             if (rgba[3] == 255)
@@ -75,4 +76,9 @@ void background_put(uint8_t *rgba, uint32_t width, uint32_t height, uint32_t bac
             rgba[3] = 255;
         }
     }
+}
+
+void background_put(uint8_t *rgba, uint32_t width, uint32_t height, uint32_t background)
+{
+    background_put_rows(rgba, width, 0, height, height, background);
 }

@@ -45,5 +45,8 @@ void background_over(uint8_t rgb[3], const uint8_t rgba[4], const uint8_t behind
 /* Puts the background behind a picture [height][width][4], which is opaque afterwards unless that
  * is clear. */
 void background_put(uint8_t *rgba, uint32_t width, uint32_t height, uint32_t background);
+/* The same of `rows` rows from row `top` on, which begin at `rgba`. */
+void background_put_rows(uint8_t *rgba, uint32_t width, uint32_t top, uint32_t rows,
+                         uint32_t height, uint32_t background);
 
 #endif

@@ -2,7 +2,9 @@
 
 #include "render/layers.h"
 
-enum { SAMPLES_HIGH = 64 }; /* at least: less of them are drawn twice, and more leave the caches */
+/* At least. Voxels that lie across two bands are drawn twice, which takes no time that one could
+ * measure; rows around a band do, so that where there are such, bands are higher. */
+enum { SAMPLES_HIGH = 32, SAMPLES_HIGH_WITH_ROWS_AROUND = 64 };
 
 static uint32_t round_up(uint32_t rows)
 {
@@ -18,7 +20,8 @@ static uint32_t reach_of(const struct bands *bands)
 static uint32_t rows_of(const struct bands *bands)
 {
     const uint32_t reach = reach_of(bands);
-    const uint32_t high = reach > SAMPLES_HIGH ? reach : SAMPLES_HIGH;
+    const uint32_t least = reach ? SAMPLES_HIGH_WITH_ROWS_AROUND : SAMPLES_HIGH;
+    const uint32_t high = reach > least ? reach : least;
     return bands->rows ? bands->rows : round_up(high / bands->look->samples);
 }
 
@@ -40,14 +43,31 @@ static struct band band_at(const struct bands *bands, uint32_t number)
     return band;
 }
 
-static void draw_band(struct rendition *out, const struct bands *bands, struct band band,
-                      const struct rendition *room, unsigned thread)
+struct drawing {
+    const struct bands *bands;
+    struct rendition *out; /* or NULL */
+    struct team *team;
+    struct rendition room[TEAM_MOST], pixels[TEAM_MOST]; /* for each thread */
+    struct layers layers[TEAM_MOST];
+};
+
+/* Pixels of a band, from its first row on, where nobody else has them. */
+static struct rendition pixels_of(const struct drawing *d, struct band band, unsigned thread)
 {
+    const uint32_t samples = d->bands->look->samples;
+    return d->out ? rendition_rows(d->out, band.top / samples, band.height / samples)
+                  : rendition_rows(&d->pixels[thread], 0, band.height / samples);
+}
+
+static void draw_band(const struct drawing *d, struct band band, unsigned thread)
+{
+    const struct bands *bands = d->bands;
+    const struct rendition *room = &d->room[thread];
     const uint32_t samples = bands->look->samples, above = band.top - band.drawn_top;
     const struct camera camera = camera_rows(bands->camera, band.drawn_top, band.drawn_height);
     struct rendition drawn = rendition_rows(room, 0, band.drawn_height);
     struct rendition fine = rendition_rows(room, above, band.height);
-    struct rendition pixels = rendition_rows(out, band.top / samples, band.height / samples);
+    struct rendition pixels = pixels_of(d, band, thread);
     if (bands->project == splat_border)
         splat_border_quietly(&drawn, &camera, bands->border);
     else
@@ -55,15 +75,9 @@ static void draw_band(struct rendition *out, const struct bands *bands, struct b
     shade_rows(&drawn, above / TILE, above / TILE + fine.tiles_y, &camera, bands->border,
                bands->palette, bands->look, bands->shader, thread);
     rendition_reduce(&pixels, &fine, samples);
+    if (bands->take)
+        bands->take(bands->context, &pixels, band.top / samples);
 }
-
-struct drawing {
-    const struct bands *bands;
-    struct rendition *out;
-    struct team *team;
-    struct rendition room[TEAM_MOST]; /* for each thread */
-    struct layers layers[TEAM_MOST];
-};
 
 static void draw_share(void *context, unsigned thread)
 {
@@ -71,10 +85,10 @@ static void draw_share(void *context, unsigned thread)
     const struct camera *camera = d->bands->camera;
     struct task task = task_begin_part(camera->scene->watch, "rendition",
                                        (uint64_t)camera->view.width * camera->view.height, thread);
-    const uint32_t most = rows_of(d->bands);
-    for (uint32_t i = thread; i * most < d->out->height; i += team_size(d->team)) {
+    const uint32_t most = rows_of(d->bands) * d->bands->look->samples;
+    for (uint32_t i = thread; i * most < camera->view.height; i += team_size(d->team)) {
         const struct band band = band_at(d->bands, i);
-        draw_band(d->out, d->bands, band, &d->room[thread], thread);
+        draw_band(d, band, thread);
         if (!task_advance(&task, (uint64_t)band.height * camera->view.width))
             return;
     }
@@ -83,13 +97,16 @@ static void draw_share(void *context, unsigned thread)
 static enum err make_room(struct drawing *d, struct fault *fault)
 {
     const struct bands *bands = d->bands;
-    const uint32_t most = rows_of(bands) * bands->look->samples + 2 * reach_of(bands);
+    const uint32_t samples = bands->look->samples, width = bands->camera->view.width;
+    const uint32_t most = rows_of(bands) * samples + 2 * reach_of(bands);
     const uint32_t all = bands->camera->view.height;
+    const uint32_t height = most < all ? most : all;
     enum err err =
         shader_prepare(bands->shader, team_size(d->team), bands->border, bands->look, fault);
     for (unsigned i = 0; i < team_size(d->team) && !err; i++)
-        err =
-            rendition_init(&d->room[i], bands->camera->view.width, most < all ? most : all, fault);
+        err = rendition_init(&d->room[i], width, height, fault);
+    for (unsigned i = 0; i < team_size(d->team) && !d->out && !err; i++)
+        err = rendition_init(&d->pixels[i], width / samples, rows_of(bands), fault);
     for (unsigned i = 0; i < team_size(d->team) && !err; i++)
         err = layers_take(&d->layers[i], &d->room[i], bands->border, &bands->shader->seams, fault);
     for (unsigned i = 0; i < team_size(d->team) && !err; i++)
@@ -107,6 +124,7 @@ enum err bands_draw(struct rendition *out, const struct bands *bands, struct fau
         team_run(d.team, draw_share, &d);
     for (int i = 0; i < TEAM_MOST; i++) {
         rendition_release(&d.room[i]);
+        rendition_release(&d.pixels[i]);
         layers_release(&d.layers[i]);
     }
     return err;

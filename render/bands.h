@@ -7,12 +7,18 @@
  * pixels near by (shade_reach): so many rows more are drawn on both sides, and only looked at.
  * What comes out is the whole drawn at once and reduced, bit for bit.
  *
- * Threads have bands in turn, and nothing in common but what they read.
+ * Threads have bands in turn, and nothing in common but what they read. What is made of a picture
+ * need not be stored: whoever wants no more than colours takes those of each band, and the rest of
+ * it is drawn over by the next.
  */
 #ifndef RENDER_BANDS_H
 #define RENDER_BANDS_H
 
 #include "render/shade.h"
+
+/* Rows of the picture from row `top` on, as they are drawn: by any thread, in any order, and each
+ * once. They are gone afterwards. */
+typedef void take_rows(void *context, const struct rendition *rows, uint32_t top);
 
 typedef void projection(struct rendition *rendition, const struct camera *camera,
                         const struct border *border);
@@ -24,11 +30,13 @@ struct bands {
     const struct palette *palette;
     const struct look *look;
     struct shader *shader;
-    uint32_t rows; /* of the picture, in a band; a multiple of TILE, or 0 for what is fast */
+    uint32_t rows;   /* of the picture, in a band; a multiple of TILE, or 0 for what is fast */
+    take_rows *take; /* or NULL */
+    void *context;
 };
 
-/* Draws into `out`, of the picture's size, under the scene's watch. ERR_MEMORY, with pixels of no
- * meaning. */
+/* Draws into `out`, of the picture's size, or where that is NULL for `take` alone, under the
+ * scene's watch. ERR_MEMORY, with pixels of no meaning. */
 enum err bands_draw(struct rendition *out, const struct bands *bands, struct fault *fault);
 
 #endif

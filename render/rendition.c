@@ -144,16 +144,27 @@ void rendition_mark_stale(struct rendition *r, struct footprint f, int pixels)
                (size_t)(f.right / TILE - f.left / TILE + 1));
 }
 
-uint64_t rendition_digest(const struct rendition *r)
+uint64_t rendition_digest_begin(uint32_t width, uint32_t height)
 {
-    uint64_t sum = hash_mix_at(r->width, r->height);
+    return hash_mix_at(width, height);
+}
+
+uint64_t rendition_digest_rows(const struct rendition *r, uint32_t top)
+{
+    const size_t first = (size_t)top * r->width;
+    uint64_t sum = 0;
     for (size_t i = 0; i < (size_t)r->width * r->height; i++) {
         const uint8_t *c = r->rgba + 4 * i;
         if (r->cell[i] == CELL_NONE && !c[3])
             continue;
         uint64_t colour = (uint64_t)c[0] << 24 | (uint64_t)c[1] << 16 | (uint64_t)c[2] << 8 | c[3];
         uint64_t seen = hash_mix_at(r->cell[i], (uint64_t)r->depth[i]);
-        sum += hash_mix_at(i, seen ^ hash_mix(colour << 8 | r->label[i]));
+        sum += hash_mix_at(first + i, seen ^ hash_mix(colour << 8 | r->label[i]));
     }
     return sum;
+}
+
+uint64_t rendition_digest(const struct rendition *r)
+{
+    return rendition_digest_begin(r->width, r->height) + rendition_digest_rows(r, 0);
 }

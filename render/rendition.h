@@ -153,5 +153,9 @@ size_t rendition_mean(uint8_t rgba[4], const struct rendition *rendition, uint32
 
 /* A sum mod 2^64 over pixels of a mix of everything the rendition holds. */
 uint64_t rendition_digest(const struct rendition *rendition);
+/* What the digest of a picture of this size is the sum of: this, and what its rows add to it; these
+ * are those from row `top` on. */
+uint64_t rendition_digest_begin(uint32_t width, uint32_t height);
+uint64_t rendition_digest_rows(const struct rendition *rows, uint32_t top);
 
 #endif

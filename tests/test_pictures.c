@@ -323,6 +323,55 @@ STORY(a_turntable_shows_what_turning_shows)
     interpreter_release(&interp);
 }
 
+/* Whether two files hold the same bytes; then the second is taken away. */
+static bool same_file(const char *one, const char *other)
+{
+    struct buf a = {0}, b = {0};
+    const bool are_read =
+        file_read(&a, one, 1 << 24, NULL) == OK && file_read(&b, other, 1 << 24, NULL) == OK;
+    const bool same =
+        are_read && a.length == b.length && memcmp(buf_text(&a), buf_text(&b), a.length) == 0;
+    buf_release(&a);
+    buf_release(&b);
+    unlink(other);
+    return CHECK(same);
+}
+
+/* Pictures of which colours alone are drawn, and those of which there is more, have the bytes that
+ * one after the other has, notes too. */
+STORY(files_of_a_turntable_are_those_that_turning_writes)
+{
+    static const char *const settings[] = {
+        "samples 4",        "samples 1",          "edges on",
+        "background white", "samples 2",          "background transparent",
+        "decorate all",     "decorate none",      "context mip",
+        "context none",     "opacity 1 40",       "shade depth",
+        "samples 4",        "cut 0,0,0 20,20,10", "shade cubes",
+        "opacity 1 100"};
+    static const char *const endings[] = {"png", "tif", "jpg", "exr", "bmp"};
+    struct interpreter interp;
+    char line[80], name[2][32];
+    begin_with_object(&interp);
+    must(&interp, "label 1 core");
+    for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
+        const char *ending = endings[i % 5];
+        must(&interp, settings[i]);
+        snprintf(line, sizeof line, "spin 3 file%%d.%s", i % 2 ? ending : "png");
+        must(&interp, line);
+        for (unsigned turn = 0; turn < 3; turn++) {
+            snprintf(name[0], sizeof name[0], "file%u.%s", turn, i % 2 ? ending : "png");
+            snprintf(name[1], sizeof name[1], "alone.%s", i % 2 ? ending : "png");
+            snprintf(line, sizeof line, "render %s", name[1]);
+            must(&interp, line);
+            if (!same_file(name[0], name[1]))
+                printf("# %s after %s\n", name[0], settings[i]);
+            unlink(name[0]);
+            must(&interp, "turn 120 0");
+        }
+    }
+    interpreter_release(&interp);
+}
+
 STORY(parts_of_a_turn_are_whole_thousandths)
 {
     static const char *const angle[] = {"yaw 0 ",       "yaw 51.429 ",  "yaw 102.857 ",
@@ -568,9 +617,11 @@ int main(void)
         TELL(matrices_lead_from_the_world_to_the_pixel),
         TELL(normals_of_an_oblique_scene_are_turned_with_it),
         TELL(normals_of_a_sheared_scene_stay_at_right_angles),
-        TELL(a_turntable_shows_what_turning_shows), TELL(parts_of_a_turn_are_whole_thousandths),
-        TELL(an_animated_picture_has_every_frame), TELL(a_pattern_is_one_number_in_the_name),
-        TELL(a_turntable_is_all_or_nothing), TELL(a_turntable_that_is_cancelled_leaves_nothing),
+        TELL(a_turntable_shows_what_turning_shows),
+        TELL(files_of_a_turntable_are_those_that_turning_writes),
+        TELL(parts_of_a_turn_are_whole_thousandths), TELL(an_animated_picture_has_every_frame),
+        TELL(a_pattern_is_one_number_in_the_name), TELL(a_turntable_is_all_or_nothing),
+        TELL(a_turntable_that_is_cancelled_leaves_nothing),
         TELL(a_turntable_is_the_same_when_replayed),
         TELL(at_a_prompt_a_picture_is_written_beside_the_session),
         TELL(what_is_there_is_left_alone_at_once), TELL(what_is_not_recorded_is_not_written),

@@ -62,8 +62,13 @@ static void colour(struct stage *s, struct rendition *fine, struct rendition *ou
 static void draw(struct stage *s, struct team *team, uint64_t digest[3])
 {
     struct rendition fine, out;
-    const struct bands bands = {splat_border, &s->camera, &s->border, &s->palette,
-                                &s->look,     &s->shader, TILE};
+    const struct bands bands = {.project = splat_border,
+                                .camera = &s->camera,
+                                .border = &s->border,
+                                .palette = &s->palette,
+                                .look = &s->look,
+                                .shader = &s->shader,
+                                .rows = TILE};
     begin(s, &fine, &out);
     s->shader.team = team;
     splat_border_shared(&fine, &s->camera, &s->border, team);

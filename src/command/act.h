@@ -227,10 +227,15 @@ bool act_write_cut(struct buf *out, const struct session *session);
 enum err act_note_picture(const struct act *act, const struct labels *labels,
                           struct picture *picture);
 
-/* The rendition, which shows these labels, as a picture with all notes, for a file of that name (or
- * NULL), which says whether it holds normals. */
+/* The rendition, which shows these labels, as a picture with all notes, for a file of that name,
+ * which says what of it the file holds; or NULL, for a golden image. */
 enum err act_take_picture(const struct act *act, const struct labels *labels, const char *name,
                           struct picture *picture);
+
+/* The same of one that is yet to be drawn, for a file that holds colours alone, and its digest
+ * (export_drawn). */
+enum err act_draw_picture(const struct act *act, const struct labels *labels,
+                          struct picture *picture, uint64_t *digest);
 
 /* Runs the edits that wait, and makes the rendition, finished where that is asked for, of whose
  * labels *labels is. */

@@ -35,14 +35,33 @@ enum err act_note_picture(const struct act *act, const struct labels *labels,
     return err ? err : picture_note(picture, "iftty:chain", journal_chain(journal), act->fault);
 }
 
+/* Goldens are both: an OpenEXR file, and a picture for people. */
+static enum err take_all(const struct act *act, bool is_golden, struct picture *picture)
+{
+    enum err err = export_picture(picture, act->session, act->fault);
+    if (!err && is_golden)
+        err = export_background(picture, act->session, act->fault);
+    else if (!err)
+        err = export_normals(picture, act->session, act->fault);
+    return err;
+}
+
 enum err act_take_picture(const struct act *act, const struct labels *labels, const char *name,
                           struct picture *picture)
 {
-    enum err err = export_picture(picture, act->session, act->fault);
-    if (!err && name && exr_is_named(name))
-        err = export_normals(picture, act->session, act->fault);
-    else if (!err)
-        err = export_background(picture, act->session, act->fault);
+    enum err err = name && !exr_is_named(name) ? export_colours(picture, act->session, act->fault)
+                                               : take_all(act, !name, picture);
+    if (!err)
+        err = act_note_picture(act, labels, picture);
+    if (err)
+        picture_release(picture);
+    return err;
+}
+
+enum err act_draw_picture(const struct act *act, const struct labels *labels,
+                          struct picture *picture, uint64_t *digest)
+{
+    enum err err = export_drawn(picture, act->session, labels, digest, act->fault);
     if (!err)
         err = act_note_picture(act, labels, picture);
     if (err)

@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/least.h"
+#include "image/exr.h"
 #include "image/helper.h"
 #include "render/fit.h"
 #include "session/decorating.h"
@@ -56,54 +57,73 @@ struct spin {
     const struct act *act;
     struct labels labels; /* that are shown */
     struct pattern pattern;
+    bool needs_maps;                 /* more than the colours of the pictures */
     unsigned axis[3], axes;          /* one turn about each of these angles of a view */
     unsigned count, total, delay_ms; /* pictures of a turn, and of all */
     enum file_mode mode;
-    struct image_movie movie; /* where the pattern does not count */
+    struct image_movie movie; /* the file that the image helper has not finished */
     struct buf name, path, first;
     uint64_t digest;
 };
 
-static enum err write_frame(struct spin *spin, unsigned number, const struct picture *picture)
+/* ---- files ---- */
+
+static bool is_exr(const struct spin *spin)
+{
+    return exr_is_named(spin->pattern.name);
+}
+
+/* Waits until the image helper has finished its file. */
+static enum err finish_file(struct spin *spin)
+{
+    return spin->movie.helper ? image_movie_end(&spin->movie, spin->act->fault) : OK;
+}
+
+/* The next file, or the only one. */
+static enum err begin_file(struct spin *spin, const struct picture *like)
 {
     const char *path = buf_text(&spin->path);
     struct interpreter *interp = spin->act->interp;
     struct fault *fault = spin->act->fault;
-    enum err err = OK;
+    const bool counts = spin->pattern.counts;
+    const enum err err = interpreter_will_write(interp, path, spin->mode, fault);
+    return err ? err
+               : image_movie_begin(&spin->movie, interp->helper, path, spin->mode, like,
+                                   counts ? 1 : spin->total, counts ? 0 : spin->delay_ms, fault);
+}
+
+/* Where picture `number` goes; nowhere, where replay writes none. */
+static enum err find_path(struct spin *spin, unsigned number)
+{
+    const struct act *act = spin->act;
+    write_name(&spin->name, &spin->pattern, number);
+    if (spin->name.failed)
+        return fault_memory(act->fault, "a file name");
+    const enum err err =
+        interpreter_output_path(act->interp, buf_text(&spin->name), &spin->path, act->fault);
     if (number == 0)
-        err = interpreter_will_write(interp, path, spin->mode, fault);
-    if (!err && number == 0)
-        err = image_movie_begin(&spin->movie, interp->helper, path, spin->mode, picture,
-                                spin->total, spin->delay_ms, fault);
-    if (!err)
-        err = image_movie_add(&spin->movie, picture, fault);
-    if (!err && number + 1 == spin->total)
-        err = image_movie_end(&spin->movie, fault);
+        buf_add_text(&spin->first, buf_text(&spin->path));
     return err;
 }
 
-/* The rendition as the file, or part of one, that it is to be; nothing where replay writes none. */
-static enum err write_picture(struct spin *spin, unsigned number)
+/* A picture as the file, or part of one, that it is to be. The image helper compresses it while the
+ * next one is drawn. */
+static enum err write_picture(struct spin *spin, unsigned number, const struct picture *picture)
 {
     const struct act *act = spin->act;
-    struct picture picture;
-    write_name(&spin->name, &spin->pattern, number);
-    const char *name = buf_text(&spin->name);
-    enum err err = spin->name.failed ? fault_memory(act->fault, "a file name") : OK;
-    if (!err && (number == 0 || spin->pattern.counts))
-        err = interpreter_output_path(act->interp, name, &spin->path, act->fault);
+    const bool begins = number == 0 || spin->pattern.counts;
+    enum err err = begins ? finish_file(spin) : OK;
+    if (!err && begins)
+        err = find_path(spin, number);
     if (err || !spin->path.length)
         return err;
-    if (number == 0)
-        buf_add_text(&spin->first, buf_text(&spin->path));
-    err = act_take_picture(act, &spin->labels, name, &picture);
-    if (!err && spin->pattern.counts)
-        err = act_write_now(act->interp, buf_text(&spin->path), spin->mode, &picture, act->fault);
-    else if (!err)
-        err = write_frame(spin, number, &picture);
-    picture_release(&picture);
-    return err;
+    if (is_exr(spin))
+        return act_write_now(act->interp, buf_text(&spin->path), spin->mode, picture, act->fault);
+    err = begins ? begin_file(spin, picture) : OK;
+    return err ? err : image_movie_add(&spin->movie, picture, act->fault);
 }
+
+/* ---- pictures ---- */
 
 /* Of picture `number`: the angle of its turn is a part of one beyond where it was, to the nearest
  * thousandth. */
@@ -140,19 +160,35 @@ static enum err fit_turns(const struct spin *spin, struct view *from)
     return watch_fault(session->watch, spin->act->fault);
 }
 
-static enum err turn_to(struct spin *spin, const struct view *from, unsigned number)
+/* With all maps of the rendition, for what looks at them. */
+static enum err draw_whole(struct spin *spin, struct picture *picture, uint64_t *digest)
 {
     struct session *session = spin->act->session;
     struct fault *fault = spin->act->fault;
-    const struct view view = view_of(spin, from, number);
-    enum err err = session_set_view(session, &view, fault);
-    if (!err)
-        err = session_draw_labels(session, &spin->labels, RENDER_ONCE, fault);
+    enum err err = session_draw_labels(session, &spin->labels, RENDER_ONCE, fault);
     if (!err)
         err = session_decorate(session, &spin->labels, fault);
-    const struct rendition picture = session_picture(session);
+    if (err)
+        return err;
+    const struct rendition drawn = session_picture(session);
+    *digest = rendition_digest(&drawn);
+    return act_take_picture(spin->act, &spin->labels, spin->pattern.name, picture);
+}
+
+static enum err show_turned(struct spin *spin, const struct view *from, unsigned number)
+{
+    struct session *session = spin->act->session;
+    const struct view view = view_of(spin, from, number);
+    struct picture picture = {0};
+    uint64_t digest = 0;
+    enum err err = session_set_view(session, &view, spin->act->fault);
     if (!err)
-        spin->digest += hash_mix_at(number, rendition_digest(&picture));
+        err = spin->needs_maps ? draw_whole(spin, &picture, &digest)
+                               : act_draw_picture(spin->act, &spin->labels, &picture, &digest);
+    if (!err)
+        err = write_picture(spin, number, &picture);
+    spin->digest += hash_mix_at(number, digest);
+    picture_release(&picture);
     return err;
 }
 
@@ -170,10 +206,10 @@ static enum err turn_around(struct spin *spin)
         err = fit_turns(spin, &from);
     for (unsigned i = 0; i < spin->total && !err; i++) {
         watch_poll(session->watch, "turntable", i, spin->total);
-        err = turn_to(spin, &from, i);
-        if (!err)
-            err = write_picture(spin, i);
+        err = show_turned(spin, &from, i);
     }
+    if (!err)
+        err = finish_file(spin);
     if (!err)
         err = session_set_view(session, &before, fault);
     if (!err && rendered)
@@ -234,6 +270,7 @@ static enum err prepare(struct spin *spin)
                          "name that ends in .gif or .tif; not %s",
                          value[NAME].text);
     const enum err err = read_axes(spin, &value[AXIS]);
+    spin->needs_maps = is_exr(spin) || !session_draws_colours(spin->act->session);
     spin->total = spin->count * spin->axes;
     if (!err && spin->total > IMAGE_FRAMES_MOST)
         return fault_set(fault, ERR_USAGE, "%u turns of %u pictures: at most %d pictures in all",

@@ -157,6 +157,12 @@ enum err image_movie_begin(struct image_movie *movie, struct image_helper *helpe
                            unsigned delay_ms, struct fault *fault)
 {
     const bool has_alpha = like->is_clear && file_is_named(path, ".png|.tif|.tiff");
+    const char *dot = strrchr(file_name(path), '.');
+    if (!dot || dot == file_name(path) || dot[1] == '\0')
+        return fault_set(fault, ERR_USAGE,
+                         "cannot write %s: its name says no format; expected for instance .png, "
+                         ".exr, .tif or .jpg",
+                         path);
     *movie = (struct image_movie){
         .helper = helper, .path = path, .mode = mode, .channels = has_alpha ? 4 : 3};
     enum err err = file_draft(&movie->draft, path, mode, fault);
@@ -206,15 +212,9 @@ void image_movie_abandon(struct image_movie *movie)
 enum err image_write(struct image_helper *helper, const char *path, enum file_mode mode,
                      const struct picture *picture, struct fault *fault)
 {
-    const char *dot = strrchr(file_name(path), '.');
     struct image_movie movie;
     if (exr_is_named(path))
         return exr_write(path, mode, picture, fault);
-    if (!dot || dot == file_name(path) || dot[1] == '\0')
-        return fault_set(fault, ERR_USAGE,
-                         "cannot write %s: its name says no format; expected for instance .png, "
-                         ".exr, .tif or .jpg",
-                         path);
     enum err err = image_movie_begin(&movie, helper, path, mode, picture, 1, 0, fault);
     if (!err)
         err = image_movie_add(&movie, picture, fault);

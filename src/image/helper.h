@@ -64,11 +64,13 @@ enum err image_check_png(const char *path, struct fault *fault);
 enum err image_write_png(const char *path, const struct picture *picture, struct fault *fault);
 
 /*
- * An animated picture: several pictures of one size in one file, in turn.
+ * A file by the image helper, step by step: of one picture, or an animated one, of several of one
+ * size in turn.
  *
- * Frames go to the image helper as they are made, so no more than one is held. The file appears
- * whole, with all its frames, or not at all. Every viewer shows GIF, which has 256 colours for each
- * frame; TIFF has every colour, as pages.
+ * Frames go to the helper as they are made, so no more than one is held. The file appears whole,
+ * with all its frames, or not at all. The helper compresses what it has got while the caller does
+ * something else; image_movie_end waits for it. Every viewer shows GIF, which has 256 colours for
+ * each frame; TIFF has every colour, as pages.
  */
 enum { IMAGE_FRAMES_MOST = 1000 };
 struct image_movie {

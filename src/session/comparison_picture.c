@@ -159,7 +159,7 @@ static enum err note(struct picture *picture, const struct session *session,
                report->comparison->overlap.differing, report->comparison->overlap.voxels, place[0],
                place[1], place[2]);
     enum err err = words.failed ? fault_memory(fault, "a note on a picture")
-                                : export_notes(picture, session, fault);
+                                : export_notes(picture, session, NULL, fault);
     if (!err)
         err = picture_note(picture, "iftty:differ", buf_text(&words), fault);
     buf_release(&words);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "render/bands.h"
+#include "session/drawn_colours.h"
 #include "session/decorating.h"
 #include "session/window.h"
 
@@ -109,6 +110,8 @@ static enum err make_room(struct session *session, enum render_mode mode, struct
 {
     const struct view *view = &session->now.outlook.view, *fine = &session->camera.view;
     enum err err = OK;
+    if (session->drawn)
+        return OK;
     if (stores_samples(session, mode))
         err = make_rendition(session, &session->rendition, fine->width, fine->height, fault);
     else
@@ -150,9 +153,11 @@ static enum err draw_bands(struct session *session, const struct border *border,
                                 .border = border,
                                 .palette = &now->kept.palette,
                                 .look = &now->outlook.look,
-                                .shader = &session->shader};
+                                .shader = &session->shader,
+                                .take = session->drawn ? drawn_colours_take : NULL,
+                                .context = session->drawn};
     prepare_shader(session);
-    return bands_draw(&session->reduced, &bands, fault);
+    return bands_draw(session->drawn ? NULL : &session->reduced, &bands, fault);
 }
 
 /* Of the voxels that a border shows, from nothing, into memory that is there. */
@@ -175,6 +180,8 @@ static enum err draw_border(struct session *session, struct border *border, enum
         else
             project(&session->rendition, &session->camera, border);
         err = session_colour(session, border, fault);
+        if (!err && session->drawn)
+            drawn_colours_take(session->drawn, &session->rendition, 0);
     } else {
         err = draw_bands(session, border, project, fault);
     }

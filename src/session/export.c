@@ -11,6 +11,7 @@
 #include "engine/margin.h"
 #include "image/volume.h"
 #include "session/decorating.h"
+#include "session/drawn_colours.h"
 #include "session/seen_from.h"
 
 /* One pixel of depth in millimetres: crossings count 2^-24 pixels, four times. */
@@ -130,19 +131,16 @@ static enum err add_view_notes(struct picture *picture, const struct session *se
 }
 
 /* {"1": {"name": "brain", "colour": "#d6b296"}, ...} of the labels that a picture shows. */
-static void write_labels(struct buf *out, const struct picture *picture, const struct kept *kept)
+static void write_labels(struct buf *out, const struct label_set *shown, const struct kept *kept)
 {
     struct json json = {.out = out};
-    bool shows[256] = {false};
     char number[12];
-    for (size_t i = 0; i < (size_t)picture->width * picture->height; i++)
-        shows[picture->label[i] & 255] = true;
     json_object(&json, NULL);
-    for (int label = 1; label < 256; label++) {
+    for (unsigned label = 1; label < 256; label++) {
         const uint8_t *rgb = kept->palette.rgb[label];
-        if (!shows[label])
+        if (!label_set_has(shown, label))
             continue;
-        snprintf(number, sizeof number, "%d", label);
+        snprintf(number, sizeof number, "%u", label);
         json_object(&json, number);
         if (*kept->label_name[label])
             json_text(&json, "name", kept->label_name[label]);
@@ -155,12 +153,12 @@ static void write_labels(struct buf *out, const struct picture *picture, const s
 }
 
 static enum err add_label_note(struct picture *picture, const struct session *session,
-                               struct fault *fault)
+                               const struct label_set *shown, struct fault *fault)
 {
     struct buf labels = {0};
-    if (session->now.outlook.look.number == LOOK_FIRST || !picture->label)
+    if (session->now.outlook.look.number == LOOK_FIRST || !shown)
         return OK;
-    write_labels(&labels, picture, &session->now.kept);
+    write_labels(&labels, shown, &session->now.kept);
     const enum err err = labels.failed
                              ? fault_memory(fault, "a note on a picture")
                              : picture_note(picture, "iftty:labels", buf_text(&labels), fault);
@@ -177,7 +175,8 @@ static enum err note_context(struct picture *picture, const struct session *sess
     return picture_note(picture, "iftty:context", words, fault);
 }
 
-enum err export_notes(struct picture *picture, const struct session *session, struct fault *fault)
+enum err export_notes(struct picture *picture, const struct session *session,
+                      const struct label_set *shown, struct fault *fault)
 {
     char scene[32];
     snprintf(scene, sizeof scene, "%016llx", (unsigned long long)session->scene_digest);
@@ -194,7 +193,7 @@ enum err export_notes(struct picture *picture, const struct session *session, st
     if (!err)
         err = add_view_notes(picture, session, fault);
     if (!err)
-        err = add_label_note(picture, session, fault);
+        err = add_label_note(picture, session, shown, fault);
     if (!err && session->now.outlook.context)
         err = note_context(picture, session, fault);
     picture->is_associated = session->now.outlook.look.number > LOOK_FIRST;
@@ -225,12 +224,28 @@ static enum err add_scale_note(struct picture *picture, const struct session *se
     return picture_note(picture, "iftty:mm-per-pixel", scale, fault);
 }
 
+/* What a picture of a rendition says of itself. After an error it is released. */
+static enum err describe_rendition(struct picture *picture, const struct session *session,
+                                   const struct label_set *shown, struct fault *fault)
+{
+    enum err err = export_notes(picture, session, shown, fault);
+    if (!err && session->now.outlook.decorations)
+        err = note_decorations(picture, session, fault);
+    if (!err)
+        err = add_scale_note(picture, session, fault);
+    if (err)
+        picture_release(picture);
+    return err;
+}
+
 enum err export_picture(struct picture *picture, const struct session *session, struct fault *fault)
 {
     const struct rendition shown = session_picture(session), *r = &shown;
+    struct label_set labels = {{0}};
     enum err err = picture_init(picture, r->width, r->height, true, fault);
     if (err)
         return err;
+    label_set_add(&labels, r);
     const double unit_mm = depth_unit_mm(&session->camera);
     for (size_t i = 0; i < (size_t)r->width * r->height; i++) {
         bool seen = r->cell[i] != CELL_NONE;
@@ -241,14 +256,40 @@ enum err export_picture(struct picture *picture, const struct session *session, 
         picture->voxel[i] = seen ? grid_voxel(&session->scene->grid, r->cell[i]) : CELL_NONE;
     }
     seen_from(&picture->space, session);
-    err = export_notes(picture, session, fault);
-    if (!err && session->now.outlook.decorations)
-        err = note_decorations(picture, session, fault);
-    if (!err)
-        err = add_scale_note(picture, session, fault);
+    return describe_rendition(picture, session, &labels, fault);
+}
+
+enum err export_colours(struct picture *picture, const struct session *session, struct fault *fault)
+{
+    const struct rendition shown = session_picture(session), *r = &shown;
+    struct label_set labels = {{0}};
+    const enum err err = picture_init(picture, r->width, r->height, false, fault);
     if (err)
+        return err;
+    label_set_add(&labels, r);
+    memcpy(picture->rgba, r->rgba, (size_t)4 * r->width * r->height);
+    background_put(picture->rgba, r->width, r->height, session_behind_colours(session));
+    picture->is_clear = session->now.outlook.background == BACKGROUND_CLEAR;
+    return describe_rendition(picture, session, &labels, fault);
+}
+
+enum err export_drawn(struct picture *picture, struct session *session, const struct labels *labels,
+                      uint64_t *digest, struct fault *fault)
+{
+    const struct view *view = &session->now.outlook.view;
+    enum err err = picture_init(picture, view->width, view->height, false, fault);
+    if (err)
+        return err;
+    struct drawn_colours colours = {.rgba = picture->rgba};
+    err = session_draw_colours(session, labels, &colours, fault);
+    if (err) {
         picture_release(picture);
-    return err;
+        return err;
+    }
+    *digest = colours.digest;
+    const struct label_set shown = drawn_labels(&colours);
+    picture->is_clear = session->now.outlook.background == BACKGROUND_CLEAR;
+    return describe_rendition(picture, session, &shown, fault);
 }
 
 enum err export_background(struct picture *picture, const struct session *session,

@@ -9,12 +9,14 @@
 #include "base/file.h"
 #include "image/picture.h"
 #include "image/volume.h"
+#include "session/drawn_colours.h"
 #include "session/session.h"
 
 #define PROGRAM_VERSION "0.1"
 
-/* What every picture says of itself: program, scene, view. */
-enum err export_notes(struct picture *picture, const struct session *session, struct fault *fault);
+/* What every picture says of itself: program, scene, view; and the labels shown, or NULL. */
+enum err export_notes(struct picture *picture, const struct session *session,
+                      const struct label_set *shown, struct fault *fault);
 
 /* "100 %, 30 % of label 1": the usual opacity, and that of others; nothing where all are opaque. */
 void export_opacity(struct buf *out, const struct kept *kept);
@@ -25,7 +27,16 @@ void export_opacity(struct buf *out, const struct kept *kept);
 enum err export_picture(struct picture *picture, const struct session *session,
                         struct fault *fault);
 
-/* What is behind it, for files that hold colours alone. */
+/* The same for files that hold colours alone: `rgba` is what they show, over what is behind it. */
+enum err export_colours(struct picture *picture, const struct session *session,
+                        struct fault *fault);
+
+/* The same of a picture that is yet to be drawn, of these labels, and its digest: in place, and no
+ * rendition is stored afterwards. Not where more than colours is needed (session_draws_colours). */
+enum err export_drawn(struct picture *picture, struct session *session, const struct labels *labels,
+                      uint64_t *digest, struct fault *fault);
+
+/* What is behind a picture of all planes, for those who look at it: as `shown`. */
 enum err export_background(struct picture *picture, const struct session *session,
                            struct fault *fault);
 

@@ -101,8 +101,10 @@ struct session {
     struct context context;     /* what is behind it */
     struct layers layers;       /* the rendition's, where objects are translucent */
     struct rendition reduced;   /* to the view's size, where look.samples is above 1 */
-    enum rendered rendered;     /* S2: what session_frame gives shows the present state */
-    uint8_t *decorated;         /* colours of the frame with what is drawn over them */
+    struct drawn_colours
+        *drawn;             /* that are being drawn instead (session/drawn_colours.h), or NULL */
+    enum rendered rendered; /* S2: what session_frame gives shows the present state */
+    uint8_t *decorated;     /* colours of the frame with what is drawn over them */
     size_t decorated_pixels;
     struct shader shader;
     bool knows_window; /* what follows from the scene, once somebody has asked: */
