@@ -194,7 +194,7 @@ is_stopped() {
 }
 
 begin "replay and -c stop as well"
-is_stopped replay whole.iftty || [ "$(grep -c '^ok' out)" = "$commands" ] ||
+is_stopped replay whole.iftty --out replayed || [ "$(grep -c '^ok' out)" = "$commands" ] ||
     fail "replay: status $got"
 for _ in 1 2 3 4 5 6 7 8 9 10; do
     is_stopped -c 'open synth:geom:300x300x300; info' --keep-going && break
