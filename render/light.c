@@ -93,12 +93,13 @@ static inline int64_t dot(const int16_t a[3], const int32_t b[3])
 }
 
 void light_surface(uint8_t rgba[4], const struct light *light, const uint8_t colour[3],
-                   const int16_t normal[3], int64_t cue)
+                   const int16_t normal[3], int64_t open, int64_t cue)
 {
     const int64_t lit = dot(normal, light->toward), mirror = dot(normal, light->half);
     const int64_t cosine = lit < 0 ? 0 : lit >> (2 * NORMAL_BITS - LIGHT_UNIT_BITS);
     const int64_t shine = mirror < 0 ? 0 : mirror >> (2 * NORMAL_BITS - LIGHT_GLOSS_BITS);
-    colour_pixel(rgba, colour, AMBIENT + (DIFFUSE * cosine >> LIGHT_UNIT_BITS),
+    const int64_t bright = AMBIENT + (DIFFUSE * cosine >> LIGHT_UNIT_BITS);
+    colour_pixel(rgba, colour, bright * open >> LIGHT_UNIT_BITS,
                  light->gloss[shine > LIGHT_GLOSSES ? LIGHT_GLOSSES : shine], cue);
 }
 
@@ -133,7 +134,8 @@ WIDE void light_surfaces(struct lit *lit, const struct light *light,
     for (int i = 0; i < NORMALISED; i++) {
         const int32_t cosine =
             (toward[i] < 0 ? 0 : toward[i]) >> (2 * NORMAL_BITS - LIGHT_UNIT_BITS);
-        toward[i] = AMBIENT + (DIFFUSE * cosine >> LIGHT_UNIT_BITS);
+        const int32_t bright = AMBIENT + (DIFFUSE * cosine >> LIGHT_UNIT_BITS);
+        toward[i] = bright * lit->open[i] >> LIGHT_UNIT_BITS;
     }
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < NORMALISED; i++) {

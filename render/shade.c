@@ -24,11 +24,12 @@ void shader_release(struct shader *shader)
         shader->part[i] = (struct shader_part){0};
     }
     seams_release(&shader->seams);
+    bricks_release(&shader->bricks);
 }
 
 size_t shader_bytes(const struct shader *shader)
 {
-    size_t bytes = seams_bytes(&shader->seams);
+    size_t bytes = seams_bytes(&shader->seams) + bricks_bytes(&shader->bricks);
     for (int i = 0; i < TEAM_MOST; i++)
         bytes += field_bytes(&shader->part[i].shown) + field_bytes(&shader->part[i].scene);
     return bytes;
@@ -45,6 +46,8 @@ struct shading {
     struct refiner refiner; /* where the rendition is refined */
     struct normals normals;
     struct light light;
+    struct occluder occluder;
+    bool occludes;     /* light is occluded, by these bricks */
     bool cuts;         /* something is cut away, */
     int32_t window[2]; /* and where it was, these intensities are black and white */
 };
@@ -88,6 +91,18 @@ static uint16_t cue_of(const struct rendition *r, const struct shading *s, uint3
     return (uint16_t)cue;
 }
 
+static void occlude_pixels(struct lit *lit, const struct rendition *r, const struct shading *s,
+                           const struct tile_pixels *pixels, const struct directions *normals)
+{
+    for (unsigned i = 0; i < pixels->count; i++) {
+        const uint32_t x = pixels->x[i], y = pixels->y[i];
+        const int16_t normal[3] = {normals->along[0][i], normals->along[1][i],
+                                   normals->along[2][i]};
+        lit->open[i] =
+            occluder_leaves(&s->occluder, normal, r->depth[(size_t)y * r->width + x], x, y);
+    }
+}
+
 /* Pixels that show something. */
 static void shade_pixels(struct rendition *r, struct shading *s, const struct tile_pixels *pixels)
 {
@@ -99,9 +114,12 @@ static void shade_pixels(struct rendition *r, struct shading *s, const struct ti
     for (unsigned i = 0; i < pixels->count; i++) {
         const size_t pixel = (size_t)pixels->y[i] * r->width + pixels->x[i];
         lit.cue[i] = cue_of(r, s, pixels->x[i], pixels->y[i]);
+        lit.open[i] = LIGHT_UNIT;
         for (int k = 0; k < 3; k++)
             lit.colour[k][i] = s->palette->rgb[r->label[pixel]][k];
     }
+    if (s->occludes)
+        occlude_pixels(&lit, r, s, pixels, &normals);
     light_surfaces(&lit, &s->light, &normals);
     for (unsigned i = 0; i < pixels->count; i++) {
         const size_t pixel = (size_t)pixels->y[i] * r->width + pixels->x[i];
@@ -306,7 +324,13 @@ static enum shade_mode mode_of(const struct look *look, const struct border *bor
     return look->mode == SHADE_DEPTH && !knows_depths ? SHADE_SURFACE : look->mode;
 }
 
-/* ---- fields ---- */
+/* ---- fields and bricks ---- */
+
+/* Translucent objects let the light in. */
+static bool occludes(const struct look *look, const struct border *border)
+{
+    return look->ao_percent > 0 && !border_is_translucent(border);
+}
 
 static enum err prepare(struct field *field, bool *has, const struct border *border,
                         enum field_kind kind, unsigned threads, struct fault *fault)
@@ -337,7 +361,7 @@ enum err shader_prepare(struct shader *shader, unsigned threads, const struct bo
         if (!err && mode == SHADE_SCENE)
             err = prepare(&part->scene, &part->has_scene, border, FIELD_SCENE, most, fault);
     }
-    return err;
+    return !err && occludes(look, border) ? bricks_take(&shader->bricks, border, fault) : err;
 }
 
 /* ---- pictures ---- */
@@ -350,11 +374,14 @@ static void shading_init(struct shading *s, const struct camera *camera,
                           .border = border,
                           .look = look,
                           .palette = palette,
+                          .occludes = occludes(look, border),
                           .cuts = !cut_is_none(&border->cut),
                           .window = {shader->window[0], shader->window[1]}};
     light_init(&s->light, camera, look->light, look->cue_percent);
     if (look_is_refined(look))
         refiner_init(&s->refiner, camera, border);
+    if (s->occludes)
+        occluder_init(&s->occluder, &shader->bricks, camera, look->ao_percent);
 }
 
 /* The fields of a thread are its own. */
@@ -460,6 +487,8 @@ struct shade_reach shade_reach(const struct look *look, const struct camera *cam
     const int depth = look_is_refined(look) ? REFINE_REACH : 1;
     struct shade_reach reach = {look->mode == SHADE_DEPTH ? depth : field, look_is_refined(look),
                                 fit};
+    if (look->ao_percent > 0 && occlusion_reach(camera->scene) > reach.voxels)
+        reach.voxels = occlusion_reach(camera->scene);
     if (draws_edges(look))
         reach.pixels += edge_reach(camera, look->samples);
     else if (look->edges && fit == 0)

@@ -14,6 +14,7 @@
 #include "base/team.h"
 #include "render/field.h"
 #include "render/normal.h"
+#include "render/occlusion.h"
 #include "render/palette.h"
 #include "render/rendition.h"
 #include "render/seams.h"
@@ -32,6 +33,8 @@ struct look {
     uint32_t cue_percent; /* how much darker the far end of the scene is, 0..100 */
     uint32_t edges;       /* 0 or 1; all of a look is 32 bits wide, so looks are compared whole */
     uint32_t samples;     /* a pixel is the mean of samples x samples: 1, 2 or 4 */
+    uint32_t ao_percent;  /* of ambient occlusion (render/occlusion.h), 0..100; of no consequence
+                             where something is translucent */
 };
 
 /* Surface; the light over the viewer's left shoulder. */
@@ -54,7 +57,8 @@ struct shader {
                           white on faces cut open; they differ, and either may be the greater */
     struct team *team; /* to be set: the threads that share the work, or NULL */
     struct shader_part part[TEAM_MOST];
-    struct seams seams; /* for layers (render/layers.h) */
+    struct seams seams;   /* for layers (render/layers.h) */
+    struct bricks bricks; /* for ambient occlusion */
 };
 
 /* Frees what is stored; the shader, whose window and team stay, may be used again. A new one is

@@ -63,6 +63,12 @@ static inline void stage_opacities(struct stage *s, uint64_t *random)
             (uint8_t)(translucent && check_below(random, 3) ? 1 + check_below(random, 100) : 100);
 }
 
+/* Half of the time, none. */
+static inline uint32_t stage_occlusion(uint64_t *random)
+{
+    return check_below(random, 2) ? 1 + check_below(random, 100) : 0;
+}
+
 /* Any look, any angles, and any of so many modes of shading, the first ones. */
 static inline void stage_look_at_random(struct stage *s, uint32_t modes, uint64_t *random)
 {
@@ -70,6 +76,7 @@ static inline void stage_look_at_random(struct stage *s, uint32_t modes, uint64_
     s->look.mode = (enum shade_mode)check_below(random, modes);
     s->look.edges = check_below(random, 2);
     s->look.samples = 1u << check_below(random, 3);
+    s->look.ao_percent = stage_occlusion(random);
     stage_opacities(s, random);
     for (int i = 0; i < 3; i++)
         s->view.angle[i] = (int32_t)check_below(random, VIEW_TURN);

@@ -113,7 +113,8 @@ STORY(many_surfaces_at_once_are_lit_as_each_of_them_is)
             for (int k = 0; k < 3; k++)
                 colour[k] = lit.colour[k][i] = (uint8_t)check_below(&random, 256);
             lit.cue[i] = (uint16_t)check_below(&random, LIGHT_UNIT + 1);
-            light_surface(rgba[i], &light, colour, normal, lit.cue[i]);
+            lit.open[i] = (uint16_t)check_below(&random, LIGHT_UNIT + 1);
+            light_surface(rgba[i], &light, colour, normal, lit.open[i], lit.cue[i]);
         }
         light_surfaces(&lit, &light, &d);
         for (int i = 0; i < NORMALISED; i++)

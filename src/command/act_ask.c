@@ -187,9 +187,12 @@ static void write_look(struct buf *out, const struct outlook *outlook)
 {
     const struct look *look = &outlook->look;
     const struct choice mode = choice_at(SHADE_MODES, look->mode);
-    buf_printf(out, "look      shade %.*s, light %g %g, cue %u, edges %s, samples %u, background ",
-               (int)mode.length, mode.word, look->light[0] / 1000.0, look->light[1] / 1000.0,
-               look->cue_percent, look->edges ? "on" : "off", look->samples);
+    buf_printf(out, "look      shade %.*s", (int)mode.length, mode.word);
+    if (look->ao_percent)
+        buf_printf(out, " ao=%u", look->ao_percent);
+    buf_printf(out, ", light %g %g, cue %u, edges %s, samples %u, background ",
+               look->light[0] / 1000.0, look->light[1] / 1000.0, look->cue_percent,
+               look->edges ? "on" : "off", look->samples);
     background_write(out, outlook->background);
     buf_add_text(out, outlook->context == CONTEXT_MIP ? ", context mip" : "");
     buf_add_char(out, '\n');

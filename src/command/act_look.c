@@ -6,6 +6,7 @@
 enum err act_shade(const struct act *act)
 {
     act->next->outlook.look.mode = (enum shade_mode)act->value[0].number;
+    act->next->outlook.look.ao_percent = (uint32_t)act->value[1].number;
     return act_go(act);
 }
 

@@ -411,13 +411,17 @@ const struct command command_table[] = {
      "object out of renditions; slices still show it.",
      "opacity 1 30"},
     {COMMAND("shade", act_shade, GROUP_LOOK, R | S),
-     {NEED("NORMALS", VALUE_CHOICE, .choices = SHADE_MODES)},
+     {NEED("NORMALS", VALUE_CHOICE, .choices = SHADE_MODES),
+      KEYED("ao", VALUE_NUMBER, .most = 100, .form = "PERCENT")},
      "where the normals of a surface come from",
      "surface, the default: the shown objects, smoothed.\n"
      "scene: the gradient of the intensities, with finer detail where objects end at an edge of "
      "the scene.\n"
      "depth: the depths around a pixel.\n"
-     "cubes: as surface, on the faces of voxels. The others show a smooth surface between them.",
+     "cubes: as surface, on the faces of voxels. The others show a smooth surface between them.\n"
+     "ao: ambient occlusion; 0, the default, is none. Sulci and other hollows, which little light "
+     "comes into, are darker by up to so much. Not while an object is translucent, nor on faces "
+     "that are cut open.",
      "shade scene"},
     {COMMAND("light", act_light, GROUP_LOOK, R | S),
      {NEED("YAW", VALUE_DECIMAL, .least = -VIEW_TURN / 2, .most = VIEW_TURN / 2),

@@ -52,6 +52,9 @@ static void write_look(struct buf *out, const struct outlook *outlook)
     const struct choice mode = choice_at(SHADE_MODES, look->mode);
     const bool is_first = look->number == LOOK_FIRST;
     buf_add(out, mode.word, mode.length);
+    if (look->ao_percent)
+        buf_printf(out, "%s ambient occlusion %u%s", is_first ? "" : ",", look->ao_percent,
+                   is_first ? "" : " %");
     if (is_first)
         buf_printf(out, " light %d %d cue %u", look->light[0], look->light[1], look->cue_percent);
     else

@@ -1,0 +1,294 @@
+#include "render/occlusion.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "render/light.h"
+#include "render/normal.h"
+
+enum {
+    COARSEST = 16,  /* smallest spacings to the unit of the points' distances, at most */
+    FULL_BITS = 4,  /* BRICK_FULL to the 4096 of a brick */
+    GRADUAL = 6000, /* of LIGHT_UNIT: what is occluded less than that shows less of it */
+};
+
+/* The points along the normal, from the nearest on: how far away they are, in quarters of a brick;
+ * what a flat surface has there at most, of 4096; and how much of LIGHT_UNIT a full one would
+ * occlude. How full it is on the surface says how hollow this is there; what is across a sulcus is
+ * seen by those further out. */
+static const struct {
+    int32_t away, flat, weight;
+} points[OCCLUSION_POINTS] = {{0, 2112, 24000}, {3, 896, 40000}, {7, 130, 50000}};
+
+/* ---- the bricks ---- */
+
+static uint64_t smallest_spacing(const struct scene *scene)
+{
+    uint64_t least = scene->spacing_nm[0];
+    for (int a = 1; a < 3; a++)
+        least = scene->spacing_nm[a] < least ? scene->spacing_nm[a] : least;
+    return least;
+}
+
+/* So that it is at most six smallest spacings long. */
+static unsigned brick_bits(const struct scene *scene, int a)
+{
+    const uint64_t least = smallest_spacing(scene);
+    unsigned bits = BRICK_BITS;
+    while (bits > 0 && (uint64_t)scene->spacing_nm[a] << bits > 6 * least)
+        bits--;
+    return bits;
+}
+
+static size_t in_plane(const struct bricks *bricks)
+{
+    return (size_t)bricks->size[0] * bricks->size[1];
+}
+
+void bricks_release(struct bricks *bricks)
+{
+    free(bricks->count);
+    free(bricks->full);
+    free(bricks->room);
+    free(bricks->stale);
+    *bricks = (struct bricks){0};
+}
+
+size_t bricks_bytes(const struct bricks *bricks)
+{
+    return in_plane(bricks) * (bricks->size[2] * 3 + 2 * sizeof *bricks->room) + bricks->size[2];
+}
+
+static enum err make_room(struct bricks *bricks, const struct border *border, struct fault *fault)
+{
+    bricks_release(bricks);
+    for (int a = 0; a < 3; a++) {
+        bricks->bits[a] = brick_bits(border->scene, a);
+        bricks->size[a] =
+            ((border->scene->grid.size[a] - 1) >> bricks->bits[a]) + 2 + 2 * BRICK_RIM;
+    }
+    const size_t all = in_plane(bricks) * bricks->size[2];
+    bricks->count = mem_new(all);
+    bricks->full = mem_new(all * sizeof *bricks->full);
+    bricks->room = mem_new(2 * in_plane(bricks) * sizeof *bricks->room);
+    bricks->stale = mem_new(bricks->size[2]);
+    if (bricks->count && bricks->full && bricks->room && bricks->stale)
+        return OK;
+    bricks_release(bricks);
+    return fault_memory(fault, "ambient occlusion");
+}
+
+/* The planes of voxels that a plane of bricks is made of. */
+static struct span planes_of(const struct bricks *bricks, uint32_t z)
+{
+    const uint32_t side = 1u << bricks->bits[2], all = bricks->border->scene->grid.size[2];
+    const uint32_t first = (z - BRICK_RIM) * side;
+    return (struct span){first, all - first < side ? all : first + side};
+}
+
+/* Whether a word of any of its voxels has changed since. */
+static bool is_stale(const struct bricks *bricks, uint32_t z)
+{
+    const struct border *border = bricks->border;
+    const struct grid *grid = &border->scene->grid;
+    const struct span planes = planes_of(bricks, z);
+    const size_t first = grid_row(grid, 0, planes.first).first >> 6;
+    const size_t last = grid_row(grid, grid->size[1] - 1, planes.end - 1).end >> 6;
+    for (size_t w = first; w <= last; w++)
+        if (border->changed[w] > bricks->version)
+            return true;
+    return false;
+}
+
+/* How many of each 2^bits bits side by side are 1, in their place. */
+static inline uint64_t sums_of(uint64_t word, unsigned bits)
+{
+    if (bits > 0)
+        word = (word & UINT64_C(0x5555555555555555)) + (word >> 1 & UINT64_C(0x5555555555555555));
+    if (bits > 1)
+        word = (word & UINT64_C(0x3333333333333333)) + (word >> 2 & UINT64_C(0x3333333333333333));
+    return word;
+}
+
+/* Adds what a row of voxels shows to a row of bricks. */
+static void count_row(uint8_t *count, const struct border *border, struct span row, unsigned bits)
+{
+    const unsigned side = 1u << bits;
+    for (uint32_t c = row.first; c < row.end; c += 64) {
+        uint64_t word = border_shown_from(border, (ptrdiff_t)c);
+        if (row.end - c < 64)
+            word &= ~(UINT64_MAX << (row.end - c));
+        word = sums_of(word, bits);
+        for (uint8_t *brick = count; word; word >>= side, brick++)
+            *brick = (uint8_t)(*brick + (word & ((1u << side) - 1)));
+        count += 64 >> bits;
+    }
+}
+
+static void count_plane(struct bricks *bricks, uint32_t z)
+{
+    const struct grid *grid = &bricks->border->scene->grid;
+    const struct span planes = planes_of(bricks, z);
+    uint8_t *plane = bricks->count + z * in_plane(bricks);
+    memset(plane, 0, in_plane(bricks));
+    for (uint32_t k = planes.first; k < planes.end; k++)
+        for (uint32_t j = 0; j < grid->size[1]; j++) {
+            const size_t row = BRICK_RIM + (j >> bricks->bits[1]);
+            count_row(plane + row * bricks->size[0] + BRICK_RIM, bricks->border,
+                      grid_row(grid, j, k), bricks->bits[0]);
+        }
+}
+
+/* 1 2 1 along each axis, over rows end to end: the rim around what is counted is empty. */
+static void smooth_plane(struct bricks *bricks, uint32_t z)
+{
+    const size_t n = in_plane(bricks), row = bricks->size[0];
+    const unsigned full = 3 * BRICK_BITS - bricks->bits[0] - bricks->bits[1] - bricks->bits[2];
+    const uint8_t *count = bricks->count + z * n;
+    uint16_t *along_z = bricks->room, *along_x = bricks->room + n, *out = bricks->full + z * n;
+    for (size_t i = 0; i < n; i++)
+        along_z[i] = (uint16_t)((*(count + i - n) + 2 * count[i] + count[i + n]) << full);
+    for (size_t i = 1; i + 1 < n; i++)
+        along_x[i] = (uint16_t)(along_z[i - 1] + 2 * along_z[i] + along_z[i + 1]);
+    for (size_t i = row; i + row < n; i++)
+        out[i] = (uint16_t)(along_x[i - row] + 2 * along_x[i] + along_x[i + row]);
+}
+
+/* Bricks of the rim are never stale, but are smoothed. */
+static void follow(struct bricks *bricks)
+{
+    const uint32_t end = bricks->size[2] - BRICK_RIM - 1;
+    memset(bricks->stale, 0, bricks->size[2]);
+    for (uint32_t z = BRICK_RIM; z < end; z++) {
+        bricks->stale[z] = is_stale(bricks, z);
+        if (bricks->stale[z])
+            count_plane(bricks, z);
+    }
+    for (uint32_t z = BRICK_RIM - 1; z <= end; z++)
+        if (bricks->stale[z - 1] | bricks->stale[z] | bricks->stale[z + 1])
+            smooth_plane(bricks, z);
+    bricks->version = bricks->border->version;
+}
+
+enum err bricks_take(struct bricks *bricks, const struct border *border, struct fault *fault)
+{
+    if (bricks->border != border) {
+        const enum err err = make_room(bricks, border, fault);
+        if (err)
+            return err;
+        bricks->border = border;
+    }
+    if (bricks->version != border->version)
+        follow(bricks);
+    return OK;
+}
+
+/* ---- around points ---- */
+
+static inline int32_t between(int32_t from, int32_t to, int32_t part)
+{
+    return from * 256 + (to - from) * part;
+}
+
+uint32_t bricks_around(const struct bricks *bricks, const int32_t point[3])
+{
+    const size_t row = bricks->size[0], plane = in_plane(bricks);
+    int32_t part[3], at_z[2];
+    size_t first[3];
+    for (int a = 0; a < 3; a++) {
+        const unsigned bits = bricks->bits[a];
+        const int64_t centre = ((int64_t)128 << bits) - 128; /* of brick 0 */
+        const int64_t from = point[a] - centre + ((int64_t)(256 * BRICK_RIM) << bits);
+        const int64_t most = ((int64_t)(bricks->size[a] - 1) << (8 + bits)) - 1;
+        const int64_t at = from < 0 ? 0 : from > most ? most : from;
+        first[a] = (size_t)(at >> (8 + bits));
+        part[a] = (int32_t)(at >> bits & 255);
+    }
+    const uint16_t *at = bricks->full + first[2] * plane + first[1] * row + first[0];
+    for (int z = 0; z < 2; z++, at += plane) {
+        const int32_t low = between(at[0], at[1], part[0]);
+        const int32_t high = between(at[row], at[row + 1], part[0]);
+        at_z[z] = between(low, high, part[1]) >> 8;
+    }
+    return (uint32_t)(between(at_z[0], at_z[1], part[2]) >> (16 - FULL_BITS));
+}
+
+/* ---- of pixels ---- */
+
+/* A quarter of the longest side of a brick, which is no less than that of any other, in smallest
+ * spacings times 256. */
+static uint64_t unit_of(const struct scene *scene)
+{
+    const uint64_t least = smallest_spacing(scene);
+    uint64_t unit = 256;
+    for (int a = 0; a < 3; a++) {
+        const uint64_t own =
+            (256 * (uint64_t)scene->spacing_nm[a] << brick_bits(scene, a)) / (least << BRICK_BITS);
+        unit = own > unit ? own : unit;
+    }
+    return unit < COARSEST * 256 ? unit : COARSEST * 256;
+}
+
+/* How far a point is from the surface along an axis, in 1/256 voxels. */
+static int32_t away_along(const struct scene *scene, int point, int a)
+{
+    const uint64_t spacings = unit_of(scene) * (uint64_t)points[point].away;
+    return (int32_t)(spacings * smallest_spacing(scene) / scene->spacing_nm[a]);
+}
+
+void occluder_init(struct occluder *occluder, const struct bricks *bricks,
+                   const struct camera *camera, uint32_t percent)
+{
+    *occluder = (struct occluder){.bricks = bricks, .percent = percent};
+    for (int a = 0; a < 3; a++) {
+        occluder->locator[a] = locator_of(camera, a);
+        for (int i = 0; i < OCCLUSION_POINTS; i++)
+            occluder->away[i][a] = away_along(camera->scene, i, a);
+    }
+}
+
+static int64_t sum_at(const struct occluder *occluder, const int16_t normal[3],
+                      const int32_t point[3])
+{
+    int64_t sum = 0;
+    for (int i = 0; i < OCCLUSION_POINTS; i++) {
+        int32_t at[3];
+        for (int a = 0; a < 3; a++)
+            at[a] = point[a] + (int32_t)((int64_t)normal[a] * occluder->away[i][a] >> NORMAL_BITS);
+        const int64_t full = bricks_around(occluder->bricks, at);
+        sum += (full - (points[i].flat << FULL_BITS)) * points[i].weight;
+    }
+    return sum / BRICK_FULL;
+}
+
+/* Of LIGHT_UNIT. */
+static int64_t occluded(int64_t sum)
+{
+    if (sum <= 0)
+        return 0;
+    const int64_t part = sum < GRADUAL ? sum * sum / (2 * GRADUAL) : sum - GRADUAL / 2;
+    return part < LIGHT_UNIT ? part : LIGHT_UNIT;
+}
+
+uint16_t occluder_leaves(const struct occluder *occluder, const int16_t normal[3], int64_t depth,
+                         uint32_t x, uint32_t y)
+{
+    int32_t point[3];
+    for (int a = 0; a < 3; a++)
+        point[a] = locator_point(&occluder->locator[a], depth, x, y);
+    const int64_t lost = occluded(sum_at(occluder, normal, point)) * occluder->percent / 100;
+    return (uint16_t)(LIGHT_UNIT - lost);
+}
+
+int occlusion_reach(const struct scene *scene)
+{
+    int reach = 0;
+    for (int a = 0; a < 3; a++) {
+        /* From its centre, a brick that counts is at most two and a half of its sides away. */
+        const int away = away_along(scene, OCCLUSION_POINTS - 1, a) / 256 + 1;
+        const int own = away + (5 << brick_bits(scene, a)) / 2 + 1;
+        reach = own > reach ? own : reach;
+    }
+    return reach;
+}
