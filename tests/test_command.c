@@ -454,8 +454,10 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"seed 1,1,1 256", "expected a label 0..255"},
         {"seed 1,1,1 -1", "expected a label 0..255"},
         {"seed 1,1,1 1x", "not 1x"},
-        {"hide 0", "expected a label 1..255"},
-        {"hide background", "expected a label 1..255"},
+        {"hide 0", "LABEL: expected all, a label 1..255 or the name of one, not 0; name one"},
+        {"hide background", "expected all, a label 1..255"},
+        {"show al", "the name of one, not al; did you mean all?"},
+        {"opacity alll 3", "the name of one, not alll; did you mean all?"},
         {"adjacency 18", "COUNT: expected 6|26, not 18"},
         {"auto yes", "STATE: expected on|off, not yes"},
         {"auto o", "STATE: expected on|off, not o"},
@@ -804,6 +806,7 @@ STORY(completion_offers_what_may_stand_there)
     completes(&interp, "seed 1,1,1 7 r", "radius=\nrange=\n", 13);
     completes(&interp, "seed-file x.nii label=c", "cerebellum\ncortex\n", 22);
     completes(&interp, "hide cor", "cortex\n", 5);
+    completes(&interp, "show a", "all\n", 5);
     completes(&interp, "view b", "back\nbottom\n", 5);
     completes(&interp, "zoom f", "fit\n", 5);
     completes(&interp, "adjacency ", "6\n26\n", 10);
@@ -1324,6 +1327,11 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"hide 2", NULL},
         {"render", NULL},
         {"show 2", NULL},
+        {"render", NULL},
+        {"hide all", NULL},
+        {"show 3", NULL},
+        {"render", NULL},
+        {"show all", NULL},
         {"render", NULL},
         {"opacity 2 40", NULL},
         {"render", NULL},
@@ -2236,7 +2244,7 @@ STORY(opacity_is_a_setting_of_the_segmentation_and_one_picture_in_every_mode)
     record_of(other, &interp, "render");
     CHECK_TEXT(other, words);
     is_refused(&interp, "opacity 1 101", "expected a number 0..100");
-    is_refused(&interp, "opacity 0 50", "expected a label 1..255");
+    is_refused(&interp, "opacity 0 50", "expected all, a label 1..255");
     interpreter_release(&interp);
 }
 

@@ -686,7 +686,7 @@ STORY(what_is_shown)
     CHECK_TEXT(type("e"), "hide 1\n");
     hidden[1] = hidden[7] = true;
     CHECK_TEXT(type("e"), "show 1\n");
-    CHECK_TEXT(type("E"), "show 1\nshow 7\n");
+    CHECK_TEXT(type("E"), "show all\n");
     memset(hidden, 0, sizeof hidden);
     CHECK_TEXT(type("E"), "");
     CHECK_TEXT(type("s0e"), ""); /* the background is in no picture */

@@ -149,10 +149,19 @@ void act_write_view(struct buf *out, const struct session *session)
     buf_add_text(out, unknown ? " up; orientation unknown\n" : " up\n");
 }
 
+/* One label, or where a word is given, all of them. */
+static enum err set_visible(const struct act *act, bool is_visible)
+{
+    const struct value *label = &act->value[0];
+    const int first = label->text ? 1 : (int)label->number;
+    for (int i = first; i <= (label->text ? 255 : first); i++)
+        act->next->kept.visible[i] = is_visible;
+    return act_go(act);
+}
+
 enum err act_hide(const struct act *act)
 {
-    act->next->kept.visible[act->value[0].number] = false;
-    return act_go(act);
+    return set_visible(act, false);
 }
 
 enum err act_opacity(const struct act *act)
@@ -168,6 +177,5 @@ enum err act_opacity(const struct act *act)
 
 enum err act_show(const struct act *act)
 {
-    act->next->kept.visible[act->value[0].number] = true;
-    return act_go(act);
+    return set_visible(act, true);
 }

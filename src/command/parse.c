@@ -180,12 +180,15 @@ static enum err read_label(struct value *value, const struct parameter *p, const
             value->number = label;
             return OK;
         }
+    const char *choices = p->choices ? p->choices : "";
     struct near near = near_to(word);
+    near_try_choices(&near, choices);
     for (int label = (int)p->least; label < 256; label++)
         near_try(&near, session->now.kept.label_name[label],
                  strlen(session->now.kept.label_name[label]));
-    fault_set(fault, ERR_USAGE, "%s: expected a label %d..255 or the name of one, not %s%s",
-              p->name, (int)p->least, word, near.count ? "" : "; name one with `label N NAME`");
+    fault_set(fault, ERR_USAGE, "%s: expected %s%sa label %d..255 or the name of one, not %s%s",
+              p->name, choices, *choices ? ", " : "", (int)p->least, word,
+              near.count ? "" : "; name one with `label N NAME`");
     near_append(&near, "", fault);
     return ERR_USAGE;
 }

@@ -390,16 +390,16 @@ const struct command command_table[] = {
 
      "size 512 512"},
     {COMMAND("hide", act_hide, GROUP_VIEW, R | S),
-     {NEED("LABEL", VALUE_LABEL, .least = 1, .most = 255)},
+     {NEED("LABEL", VALUE_LABEL, .choices = "all", .least = 1, .most = 255)},
      "do not show an object",
 
-     "In pictures and in `save border`; the labels themselves do not change.",
-
+     "In pictures and in `save border`; the labels themselves do not change.\n"
+     "all: labels to come are hidden too, until `show` names them.",
      "hide 2"},
     {COMMAND("show", act_show, GROUP_VIEW, R | S),
-     {NEED("LABEL", VALUE_LABEL, .least = 1, .most = 255)},
+     {NEED("LABEL", VALUE_LABEL, .choices = "all", .least = 1, .most = 255)},
      "show an object again",
-     NULL,
+     "all: every object. After `hide all`, one that is named is shown alone.",
      "show 2"},
     {COMMAND("opacity", act_opacity, GROUP_VIEW, R | S),
      {NEED("LABEL", VALUE_LABEL, .choices = "all", .least = 1, .most = 255),

@@ -714,10 +714,12 @@ void pilot_hide(struct press *p)
 
 void pilot_show_all(struct press *p)
 {
-    for (unsigned label = 1; label < LABELS; label++)
-        if (p->host->is_hidden(p->host->context, label))
-            buf_printf(p->line, "show %u\n", label);
-    buf_add_text(p->message, p->line->length ? "all labels are shown" : "no label is hidden");
+    unsigned label = 1;
+    while (label < LABELS && !p->host->is_hidden(p->host->context, label))
+        label++;
+    if (label < LABELS)
+        buf_add_text(p->line, "show all\n");
+    buf_add_text(p->message, label < LABELS ? "all labels are shown" : "no label is hidden");
 }
 
 void pilot_turn(struct press *p)

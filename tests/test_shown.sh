@@ -1,0 +1,144 @@
+#!/bin/sh
+# What is shown, as users meet it: hide, show, opacity and context are recorded and gone on with,
+# and all but context undone; pictures follow, and a journal that was made with them verifies.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+
+cat >scene <<'END'
+open synth:geom:40x36x30
+label 1 shell
+label 2 core
+seed 20,18,15 1 radius=8
+seed 20,18,15 2 radius=4
+seed 2,2,2 0
+run
+size 60 60
+view 30 20
+zoom 1.4
+END
+
+# picture COMMANDS...: the digest of the rendition after the scene and these
+picture() {
+    { cat scene; printf '%s\n' "$@" render; } >one
+    rm -f one.iftty
+    expect 0 "$iftty" run one --journal one.iftty
+    last_word picture one.iftty
+}
+differ() { # two texts
+    [ "$1" != "$2" ] || fail "'$1' twice"
+}
+# says JOURNAL RECORD PATTERN: what info prints after that record of \(..\) in a line of its own
+says() {
+    cp "$1" asked.iftty
+    "$iftty" -c "goto $2; info" --journal asked.iftty 2>err | sed -n "s/^    $3/\1/p"
+}
+
+whole=$(picture)
+without_shell=$(picture 'hide 1')
+nothing=$(picture 'hide 1' 'hide 2')
+
+begin "hide all and show all are those of every label, of those to come too"
+differ "$whole" "$nothing"
+same "$(picture 'hide all')" "$nothing"
+same "$(picture 'hide all' 'show all')" "$whole"
+same "$(picture 'hide all' 'show core')" "$without_shell"
+same "$(picture 'hide all' 'seed 8,8,8 3 radius=3' run)" "$nothing"
+differ "$(picture 'hide all' 'seed 8,8,8 3 radius=3' run 'show 3')" "$nothing"
+cp one.iftty hidden.iftty
+[ "$(grep -cxE 'hide all|show 3' hidden.iftty)" = 2 ] || fail "$(grep -v '^= ' hidden.iftty)"
+expect 0 "$iftty" verify hidden.iftty
+expect 0 "$iftty" -c 'goto 13; stats' --journal hidden.iftty
+[ "$(grep -c ', hidden$' out)" = 3 ] || fail "$(cat out)"
+expect 0 "$iftty" -c 'undo 3; stats' --journal hidden.iftty
+[ "$(grep -c ', hidden$' out)" = 0 ] || fail "$(cat out)"
+close_story
+
+begin "opacity is a setting of each label, or of all, that info prints and undo takes back"
+{ cat scene; printf '%s\n' 'opacity shell 30' 'opacity 2 55' 'opacity all 40' 'opacity all 100'
+} >script
+rm -f j.iftty
+expect 0 "$iftty" run script --journal j.iftty
+opacity='opacity   \(.*\)'
+same "$(says j.iftty 10 "$opacity")" ""
+same "$(says j.iftty 11 "$opacity")" "100 %, 30 % of label 1"
+same "$(says j.iftty 12 "$opacity")" "100 %, 30 % of label 1, 55 % of label 2"
+same "$(says j.iftty 13 "$opacity")" "40 %"
+same "$(says j.iftty 14 "$opacity")" ""
+expect 0 "$iftty" -c 'undo; undo; info; redo; info' --journal j.iftty
+out_has "opacity   100 %, 30 % of label 1, 55 % of label 2"
+out_has "opacity   40 %"
+grep -qx 'opacity 1 30' j.iftty || fail "a name is recorded as its number: $(grep opac j.iftty)"
+close_story
+
+begin "what shines through changes the picture, and no label; 0 leaves an object out"
+through=$(picture 'opacity 1 30')
+differ "$through" "$whole"
+differ "$through" "$without_shell"
+same "$(last_word labels one.iftty)" "$(last_word labels j.iftty)"
+same "$(picture 'opacity 1 100')" "$whole"
+same "$(picture 'opacity all 0')" "$nothing"
+{ cat scene; printf '%s\n' 'opacity 1 30' 'render mode=sp' 'render mode=ray' 'golden through'
+} >script
+rm -f t.iftty
+expect 0 "$iftty" run script --journal t.iftty
+same "$(sed -n 's/.* picture=\([0-9a-f]*\).*/\1/p' t.iftty | sort -u)" "$through"
+for threads in 1 3; do
+    IFTTY_THREADS=$threads expect 0 "$iftty" verify --strict t.iftty
+done
+expect 0 "$iftty" replay t.iftty --out replayed
+# One percent more is another picture, which its record tells.
+sed 's/^opacity 1 30$/opacity 1 31/' t.iftty >changed
+chain_anew changed t.iftty
+expect 1 "$iftty" verify t.iftty
+out_has "picture"
+close_story
+
+begin "context is a setting of what one looks at, which the window belongs to"
+around=$(picture 'context mip')
+differ "$around" "$whole"
+same "$(picture 'context mip' 'context none')" "$whole"
+same "$(picture 'context mip' 'hide 1' undo)" "$around" # how one looks is not undone
+differ "$(picture 'context mip' 'window 100 120')" "$around"
+same "$(picture 'context mip' 'window 100 120' 'window auto')" "$around"
+same "$(picture 'window 100 120')" "$whole"
+differ "$(picture 'context mip' 'hide all')" "$nothing"
+differ "$(picture 'context mip' 'clip axial 0-14')" "$(picture 'clip axial 0-14')"
+rm -f c.iftty
+{ cat scene; printf '%s\n' 'context mip' 'opacity 1 50' 'golden around'; } >script
+expect 0 "$iftty" run script --journal c.iftty
+same "$(says c.iftty 11 'look .*, \(context mip\)')" "context mip"
+same "$(says c.iftty 10 'look .*, \(context mip\)')" "context mip"
+for threads in 1 3; do
+    IFTTY_THREADS=$threads expect 0 "$iftty" verify --strict c.iftty
+done
+expect 0 "$iftty" -c 'info; hide 2; render' --journal c.iftty
+out_has "context mip"
+expect 0 "$iftty" verify c.iftty
+expect 0 "$iftty" info c.golden/around.png
+out_has "iftty:context: mip, intensities "
+close_story
+
+begin "what is none of them is named, and nothing is recorded"
+refused() { # COMMAND WORDS
+    rm -f n.iftty
+    expect 2 "$iftty" -c "open synth:geom:9x9x9; $1" --journal n.iftty
+    err_has "$2"
+    same "$(grep -c '^= ' n.iftty)" 1
+}
+refused 'hide 0' "LABEL: expected all, a label 1..255 or the name of one, not 0"
+refused 'show 256' "LABEL: expected all, a label 1..255 or the name of one, not 256"
+refused 'show al' "not al; did you mean all?"
+refused 'hide' "missing: LABEL; usage: hide all|LABEL"
+refused 'opacity 0 50' "LABEL: expected all, a label 1..255"
+refused 'opacity 1' "missing: PERCENT; usage: opacity all|LABEL PERCENT"
+refused 'opacity 1 101' "PERCENT: expected a number 0..100, not 101"
+refused 'opacity 1 0.5' "PERCENT: expected a number 0..100, not 0.5"
+refused 'context' "missing: WHAT; usage: context none|mip"
+refused 'context max' "WHAT: expected none|mip, not max"
+for command in 'hide all' 'opacity 1 30' 'context mip'; do
+    expect 2 "$iftty" -c "$command"
+    err_has "${command%% *} needs a scene; open one first"
+done
+close_story
+
+finish
