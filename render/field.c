@@ -200,12 +200,14 @@ static inline unsigned row_bits(const uint64_t *set, size_t cell, unsigned insid
     return (unsigned)bits & inside;
 }
 
-/* Those of them that have a label: runs of them have the same between two seams. */
+/* Those of them that have a label: runs of them have the same between two seams, which are known of
+ * what is not cut away. */
 static unsigned labelled_bits(const struct field *field, size_t cell, unsigned bits, uint8_t label)
 {
     const struct seams *seams = field->seams;
     const uint64_t after = border_bits_from(seams->between[0], seams->words, (ptrdiff_t)cell);
-    const unsigned begins = bits & (~(bits << 1) | (unsigned)after << 1);
+    const bool has_seams = field->kind != FIELD_SURFACE || cut_is_none(&field->border->cut);
+    const unsigned begins = has_seams ? bits & (~(bits << 1) | (unsigned)after << 1) : bits;
     unsigned found = 0;
     for (unsigned left = begins; left; left &= left - 1) {
         const unsigned first = left & -left, next = left & (left - 1);
@@ -385,7 +387,7 @@ static void make_block(struct field_block *block, const struct field *field,
     find_patterns(&patterns, field, input);
     smooth_shown(&values, field, &patterns);
     fill_gradients(block, &values, 2);
-    if (field->kind == FIELD_SURFACE)
+    if (field->kind == FIELD_SURFACE && !input->label)
         inside_find(block, &values, &patterns);
 }
 

@@ -6,7 +6,8 @@
  * centres is interpolated. The direction in which the field falls is the normal of the surface.
  * The field of the scene itself (FIELD_SCENE) is the same of its intensities, smoothed less.
  *
- * The field of one label is that of the shown voxels which have it.
+ * The field of one label is that of the shown voxels which have it; nothing says how far inside of
+ * that a point is.
  *
  * It is made where it is needed, in blocks of FIELD_BLOCK voxels a side, of which a bounded number
  * is stored: making one costs some 3 us, of a surface 5, a picture needs some hundreds, and the
@@ -77,7 +78,7 @@ const struct field_block *field_block(struct field *field, const uint32_t number
 /* Where a block was last found, so that points close together need not look it up. */
 struct field_reader {
     struct field *field;
-    uint8_t label; /* FIELD_SHOWN: of which to read the field; 0: of all that is shown */
+    uint8_t label; /* of which to read the field; 0: of all that is shown */
     uint32_t number[3];
     uint8_t block_label;
     const struct field_block *block; /* NULL at first */

@@ -236,7 +236,7 @@ void normals_of(struct directions *out, struct normals *normals, const struct re
         const int64_t depth = r->depth[(size_t)y * r->width + x];
         if (normals->mode == SHADE_DEPTH)
             depth_normal(&points.normal, i, r, normals, x, y);
-        points.label[i] = r->layers ? r->label[(size_t)y * r->width + x] : 0;
+        points.label[i] = r->layers || normals->creases ? r->label[(size_t)y * r->width + x] : 0;
         for (int a = 0; a < 3; a++)
             points.at[i][a] = locator_point(&normals->locator[a], depth, x, y);
     }

@@ -11,6 +11,9 @@
  *   depth     the plane that fits the depths around the pixel best
  *   cubes     as surface; what is seen are the faces of voxels, as all of look 1 has them
  *
+ * The first and the last go by all that is shown, or by the pixel's object alone: then there is a
+ * crease where two objects touch.
+ *
  * A normal lies along voxel axes, and its length in the world is 2^NORMAL_BITS.
  */
 #ifndef RENDER_NORMAL_H
@@ -34,6 +37,7 @@ enum shade_mode { SHADE_SURFACE, SHADE_SCENE, SHADE_DEPTH, SHADE_CUBES };
 struct normals {
     const struct camera *camera;
     enum shade_mode mode;
+    bool creases;   /* each object has normals of its own, as if it touched no other */
     bool looks_out; /* slopes of the field are read before the surface, as look 2 has them */
     struct locator locator[3];
     int32_t viewer[3];

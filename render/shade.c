@@ -361,6 +361,8 @@ enum err shader_prepare(struct shader *shader, unsigned threads, const struct bo
         if (!err && mode == SHADE_SCENE)
             err = prepare(&part->scene, &part->has_scene, border, FIELD_SCENE, most, fault);
     }
+    if (!err && look->creases)
+        err = seams_count(&shader->seams, border, fault);
     return !err && occludes(look, border) ? bricks_take(&shader->bricks, border, fault) : err;
 }
 
@@ -389,6 +391,7 @@ static void take_fields(struct shading *s, struct shader_part *part)
 {
     normals_init(&s->normals, s->camera, mode_of(s->look, s->border), s->look->number > LOOK_FIRST,
                  &part->shown, &part->scene);
+    s->normals.creases = s->look->creases;
     s->refiner.shown.field = &part->shown;
 }
 
@@ -487,6 +490,8 @@ struct shade_reach shade_reach(const struct look *look, const struct camera *cam
     const int depth = look_is_refined(look) ? REFINE_REACH : 1;
     struct shade_reach reach = {look->mode == SHADE_DEPTH ? depth : field, look_is_refined(look),
                                 fit};
+    if (look->creases)
+        reach.labels = field;
     if (look->ao_percent > 0 && occlusion_reach(camera->scene) > reach.voxels)
         reach.voxels = occlusion_reach(camera->scene);
     if (draws_edges(look))

@@ -33,6 +33,8 @@ struct look {
     uint32_t cue_percent; /* how much darker the far end of the scene is, 0..100 */
     uint32_t edges;       /* 0 or 1; all of a look is 32 bits wide, so looks are compared whole */
     uint32_t samples;     /* a pixel is the mean of samples x samples: 1, 2 or 4 */
+    uint32_t creases;     /* 0 or 1: whether each object has normals of its own, so that a crease is
+                             seen where two touch; translucent ones always have */
     uint32_t ao_percent;  /* of ambient occlusion (render/occlusion.h), 0..100; of no consequence
                              where something is translucent */
 };
@@ -57,7 +59,7 @@ struct shader {
                           white on faces cut open; they differ, and either may be the greater */
     struct team *team; /* to be set: the threads that share the work, or NULL */
     struct shader_part part[TEAM_MOST];
-    struct seams seams;   /* for layers (render/layers.h) */
+    struct seams seams;   /* for layers (render/layers.h) and creases */
     struct bricks bricks; /* for ambient occlusion */
 };
 

@@ -77,6 +77,7 @@ static inline void stage_look_at_random(struct stage *s, uint32_t modes, uint64_
     s->look.edges = check_below(random, 2);
     s->look.samples = 1u << check_below(random, 3);
     s->look.ao_percent = stage_occlusion(random);
+    s->look.creases = check_below(random, 2);
     stage_opacities(s, random);
     for (int i = 0; i < 3; i++)
         s->view.angle[i] = (int32_t)check_below(random, VIEW_TURN);

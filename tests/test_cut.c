@@ -143,6 +143,8 @@ static void stage_at_random(struct stage *s, uint64_t *random)
     s->look.number = LOOK_FIRST + check_below(random, LOOK_PRESENT);
     s->look.mode = (enum shade_mode)check_below(random, 4);
     s->look.edges = check_below(random, 2);
+    s->look.ao_percent = stage_occlusion(random);
+    s->look.creases = check_below(random, 2);
     for (size_t i = 0; i < s->scene->grid.cells; i++)
         if (!(s->scene->cell[i].flags & CELL_RIM)) {
             s->scene->cell[i].weight = (uint16_t)check_below(random, 6);

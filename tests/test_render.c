@@ -105,6 +105,7 @@ static void random_look(struct stage *s, uint64_t *random)
     s->look.light[1] = (int32_t)check_below(random, 180001) - 90000;
     s->look.cue_percent = check_below(random, 101);
     s->look.ao_percent = stage_occlusion(random);
+    s->look.creases = check_below(random, 2);
     s->look.edges = check_below(random, 2);
     s->look.samples = 1u << check_below(random, 3); /* so wide are edges */
     stage_opacities(s, random);

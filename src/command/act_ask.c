@@ -190,6 +190,7 @@ static void write_look(struct buf *out, const struct outlook *outlook)
     buf_printf(out, "look      shade %.*s", (int)mode.length, mode.word);
     if (look->ao_percent)
         buf_printf(out, " ao=%u", look->ao_percent);
+    buf_add_text(out, look->creases ? " creases=yes" : "");
     buf_printf(out, ", light %g %g, cue %u, edges %s, samples %u, background ",
                look->light[0] / 1000.0, look->light[1] / 1000.0, look->cue_percent,
                look->edges ? "on" : "off", look->samples);

@@ -7,6 +7,7 @@ enum err act_shade(const struct act *act)
 {
     act->next->outlook.look.mode = (enum shade_mode)act->value[0].number;
     act->next->outlook.look.ao_percent = (uint32_t)act->value[1].number;
+    act->next->outlook.look.creases = act_is_yes(&act->value[2]);
     return act_go(act);
 }
 

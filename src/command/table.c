@@ -412,7 +412,8 @@ const struct command command_table[] = {
      "opacity 1 30"},
     {COMMAND("shade", act_shade, GROUP_LOOK, R | S),
      {NEED("NORMALS", VALUE_CHOICE, .choices = SHADE_MODES),
-      KEYED("ao", VALUE_NUMBER, .most = 100, .form = "PERCENT")},
+      KEYED("ao", VALUE_NUMBER, .most = 100, .form = "PERCENT"),
+      KEYED("creases", VALUE_CHOICE, .choices = "yes|no")},
      "where the normals of a surface come from",
      "surface, the default: the shown objects, smoothed.\n"
      "scene: the gradient of the intensities, with finer detail where objects end at an edge of "
@@ -421,7 +422,10 @@ const struct command command_table[] = {
      "cubes: as surface, on the faces of voxels. The others show a smooth surface between them.\n"
      "ao: ambient occlusion; 0, the default, is none. Sulci and other hollows, which little light "
      "comes into, are darker by up to so much. Not while an object is translucent, nor on faces "
-     "that are cut open.",
+     "that are cut open.\n"
+     "creases: yes shades each object as if it were alone, so that a crease is seen where two "
+     "touch; "
+     "else one surface runs across both. Not by depths.",
      "shade scene"},
     {COMMAND("light", act_light, GROUP_LOOK, R | S),
      {NEED("YAW", VALUE_DECIMAL, .least = -VIEW_TURN / 2, .most = VIEW_TURN / 2),

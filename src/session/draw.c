@@ -220,6 +220,8 @@ void session_follow_rendition(struct session *session, enum rendered as,
     session->rendered = RENDERED_NOT;
     if (!session->rendition.depth)
         return;
+    if (session->now.outlook.look.creases && !session->rendition.layers)
+        seams_follow(&session->shader.seams, border, changes, NULL); /* else shading counts them */
     incremental_image(&session->rendition, &session->camera, border, changes,
                       shade_reach(&session->now.outlook.look, &session->camera));
     enum err err = session_colour(session, border, NULL);

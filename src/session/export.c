@@ -55,6 +55,8 @@ static void write_look(struct buf *out, const struct outlook *outlook)
     if (look->ao_percent)
         buf_printf(out, "%s ambient occlusion %u%s", is_first ? "" : ",", look->ao_percent,
                    is_first ? "" : " %");
+    if (look->creases)
+        buf_add_text(out, is_first ? " creases" : ", creases");
     if (is_first)
         buf_printf(out, " light %d %d cue %u", look->light[0], look->light[1], look->cue_percent);
     else

@@ -89,7 +89,7 @@ static const struct state_field outlook_field[] = {
 _Static_assert(sizeof(struct weight_choice) == 2 * sizeof(uint32_t), "no padding");
 _Static_assert(sizeof(struct finish_list) == (1 + 4 * FINISH_STEPS_MOST) * sizeof(uint32_t),
                "no padding");
-_Static_assert(sizeof(struct look) == 8 * sizeof(uint32_t), "no padding");
+_Static_assert(sizeof(struct look) == 9 * sizeof(uint32_t), "no padding");
 _Static_assert(sizeof(struct view) == 6 * sizeof(uint32_t) + 3 * sizeof(int64_t), "no padding");
 _Static_assert(sizeof(struct cut) == 8 * sizeof(uint32_t) +
                                          CUT_PLANES_MOST * sizeof(struct cut_plane) +

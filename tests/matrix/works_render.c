@@ -118,6 +118,7 @@ static void looks(struct stage *s)
         s->look.light[1] = i * 3456 - 40000;
         tell_picture(s, "look", i);
         s->look.ao_percent = (uint32_t)(100 - i);
+        s->look.creases = 1;
         tell_picture(s, "occluded", i);
     }
     s->look = look_default(LOOK_PRESENT);

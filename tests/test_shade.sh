@@ -1,6 +1,6 @@
 #!/bin/sh
-# Ambient occlusion as users meet it: a word of `shade` that is recorded and stands when edits are
-# undone, is kept with golden images, and printed by `info` and in pictures.
+# Ambient occlusion and creases as users meet them: words of `shade` that are recorded, stand when
+# edits are undone, are kept with golden images, and printed by `info` and in pictures.
 . tests/lib.sh
 cd "$work" || exit 1
 
@@ -8,7 +8,7 @@ cat >script <<'END'
 open synth:geom:60x60x60
 seed 2,2,2 0
 seed 16,24,30 1 radius=4
-seed 40,24,30 1 radius=4
+seed 40,24,30 2 radius=4
 run
 size 120 120
 zoom fit
@@ -24,9 +24,14 @@ info
 golden undone
 shade surface ao=0
 golden off
+shade surface creases=yes
+golden creases
+shade surface ao=60 creases=yes
+info
+golden both
 shade surface ao=60
 shade scene
-opacity 1 50
+opacity all 50
 shade scene ao=60
 golden through
 shade scene
@@ -37,26 +42,31 @@ picture() { # NAME: the digest of a golden image
     sed -n "/^golden $1\$/{n;s/.* picture=\\([0-9a-f]*\\).*/\\1/p;}" a.iftty
 }
 
-begin "ambient occlusion is recorded, stands when edits are undone, and is printed"
+begin "words of shade are recorded, stand when edits are undone, and are printed"
 expect 0 "$iftty" run script --journal a.iftty
 out_has "look      shade surface, light"
 out_has "look      shade surface ao=60, light"
 same "$(grep -c 'shade surface ao=60, light' "$work/out")" 2
 has_line a.iftty "shade surface ao=60"
+out_has "look      shade surface ao=60 creases=yes, light"
+has_line a.iftty "shade surface ao=60 creases=yes"
 expect 0 "$iftty" info a.golden/dark.png
 out_has "surface, ambient occlusion 60 %, light"
 expect 0 "$iftty" info a.golden/off.png
 out_has "surface, light"
+expect 0 "$iftty" info a.golden/both.png
+out_has "surface, ambient occlusion 60 %, creases, light"
 close_story
 
-begin "without it, and where objects are translucent, pictures are as they were"
+begin "without them, and where objects are translucent, pictures are as they were"
 same "$(picture plain)" "$(picture off)"
 same "$(picture dark)" "$(picture undone)"
 same "$(picture through)" "$(picture clear)"
 [ "$(picture plain)" != "$(picture dark)" ] || fail "nothing is darker"
+same "$(for name in plain dark creases both; do picture $name; done | sort -u | grep -c .)" 4
 close_story
 
-begin "a journal with it verifies, for any number of threads, and resumes"
+begin "a journal with them verifies, for any number of threads, and resumes"
 for threads in 1 2 5; do
     IFTTY_THREADS=$threads expect 0 "$iftty" verify a.iftty
 done
@@ -67,15 +77,17 @@ out_has "look      shade scene ao=7, light"
 expect 0 "$iftty" verify a.iftty
 close_story
 
-begin "what is no percentage is refused"
+begin "what is no percentage, and neither yes nor no, is refused"
 for wrong in ao=101 ao=-1 ao=half ao=; do
     expect 2 "$iftty" -c "open synth:geom:20x20x20; shade surface $wrong"
     err_has "ao: expected a number 0..100"
 done
 for wrong in 40 oa=40; do
     expect 2 "$iftty" -c "open synth:geom:20x20x20; shade surface $wrong"
-    err_has "usage: shade surface|scene|depth|cubes [ao=PERCENT]"
+    err_has "usage: shade surface|scene|depth|cubes [ao=PERCENT] [creases=yes|no]"
 done
+expect 2 "$iftty" -c "open synth:geom:20x20x20; shade surface creases=on"
+err_has "creases: expected yes|no, not on"
 close_story
 
 finish

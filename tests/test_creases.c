@@ -1,0 +1,192 @@
+/* Creases: where two objects touch, each is shaded as if it were alone. */
+#include "interpreting.h"
+
+#include <stdlib.h>
+
+#include "tests/stage.h"
+
+static unsigned scaled(unsigned count)
+{
+    const char *factor = getenv("IFTTY_TEST_SCALE");
+    return factor ? count * (unsigned)atoi(factor) : count;
+}
+
+static void draw(struct stage *s, struct rendition *out)
+{
+    CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
+    CHECK(rendition_init(out, s->view.width, s->view.height, NULL) == OK);
+    CHECK(stage_fit_border(s) == OK);
+    splat_border(out, &s->camera, &s->border);
+    CHECK(shade(out, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) == OK);
+}
+
+static const int16_t *normal_at(const struct rendition *r, size_t pixel)
+{
+    return r->normal + 4 * pixel;
+}
+
+/* ---- each object by itself ---- */
+
+/* Blocks of four labels side by side, some of them cut open. */
+static void stage_at_random(struct stage *s, uint64_t *random)
+{
+    uint32_t size[3];
+    for (int a = 0; a < 3; a++)
+        size[a] = 4 + check_below(random, 36);
+    CHECK(stage_init(s, size, 6, NULL) == OK);
+    for (size_t i = 0; i < s->scene->grid.cells; i++)
+        s->scene->cell[i].intensity = (uint16_t)check_below(random, 4000);
+    for (int i = 0; i < 30; i++) {
+        const struct grid *grid = &s->scene->grid;
+        const uint8_t label = (uint8_t)check_below(random, 5);
+        uint32_t from[3], end[3];
+        for (int a = 0; a < 3; a++) {
+            from[a] = check_below(random, size[a]);
+            end[a] = from[a] + 1 + check_below(random, size[a] - from[a]);
+        }
+        for (uint32_t z = from[2]; z < end[2]; z++)
+            for (uint32_t y = from[1]; y < end[1]; y++)
+                for (uint32_t x = from[0]; x < end[0]; x++)
+                    s->scene->cell[grid_cell(grid, x, y, z)].label = label;
+    }
+    if (check_below(random, 2))
+        s->border.cut.last[check_below(random, 3)] = check_below(random, size[0]);
+    s->shader.window[1] = 4000;
+    border_recount(&s->border);
+    stage_look_at_random(s, 4, random);
+    memset(s->border.opacity, BORDER_OPAQUE, sizeof s->border.opacity);
+    s->look.mode =
+        (enum shade_mode[]){SHADE_SURFACE, SHADE_SCENE, SHADE_CUBES}[check_below(random, 3)];
+    s->look.creases = 1;
+    s->view.width = s->view.height = 90;
+    s->view.zoom = 1000 + check_below(random, 2000);
+}
+
+static void show_alone(struct stage *s, int label)
+{
+    for (int other = 1; other < 256; other++)
+        s->border.visible[other] = label == 0 || other == label;
+    border_recount(&s->border);
+}
+
+/* How many pixels show the same point of an object in both; they have the same normal then. */
+static size_t compare(const struct rendition *all, const struct rendition *alone, bool *agree)
+{
+    size_t same = 0;
+    for (size_t i = 0; i < (size_t)all->width * all->height; i++) {
+        if (alone->cell[i] == CELL_NONE || all->cell[i] != alone->cell[i] ||
+            all->depth[i] != alone->depth[i])
+            continue;
+        same++;
+        *agree = *agree && memcmp(normal_at(all, i), normal_at(alone, i), 4 * sizeof(int16_t)) == 0;
+    }
+    return same;
+}
+
+STORY(an_object_among_others_has_the_normals_that_it_has_alone)
+{
+    size_t same = 0;
+    for (unsigned number = 0; number < scaled(100) && check_failures == 0; number++) {
+        uint64_t random = number;
+        struct stage s;
+        struct rendition all, alone;
+        bool agree = true;
+        stage_at_random(&s, &random);
+        draw(&s, &all);
+        for (int label = 1; label < 5; label++) {
+            show_alone(&s, label);
+            draw(&s, &alone);
+            same += compare(&all, &alone, &agree);
+            rendition_release(&alone);
+        }
+        show_alone(&s, 0);
+        draw(&s, &alone);
+        CHECK(rendition_digest(&all) == rendition_digest(&alone));
+        if (!CHECK(agree))
+            printf("# number %u: look %u mode %d\n", number, s.look.number, (int)s.look.mode);
+        rendition_release(&alone);
+        rendition_release(&all);
+        stage_release(&s);
+    }
+    CHECK(same > 1000);
+}
+
+/* ---- a crease ---- */
+
+/* A wall whose halves are two objects, seen from the front. */
+static void stage_wall(struct stage *s)
+{
+    CHECK(stage_init(s, (uint32_t[]){40, 20, 40}, 6, NULL) == OK);
+    for (uint32_t z = 0; z < 40; z++)
+        for (uint32_t y = 0; y < 10; y++)
+            for (uint32_t x = 0; x < 40; x++)
+                s->scene->cell[grid_cell(&s->scene->grid, x, y, z)].label = x < 20 ? 1 : 2;
+    border_recount(&s->border);
+    CHECK(view_by_name("front", s->view.angle));
+    s->view.width = s->view.height = 40;
+    s->view.zoom = 1000;
+}
+
+STORY(there_is_a_crease_where_two_objects_touch_and_nowhere_else)
+{
+    struct stage s;
+    struct rendition smooth, creased;
+    stage_wall(&s);
+    draw(&s, &smooth);
+    s.look.creases = 1;
+    draw(&s, &creased);
+    for (uint32_t x = 8; x < 32; x++) {
+        const size_t pixel = 20 * 40 + x;
+        const int across = normal_at(&creased, pixel)[0], far = x < 20 ? 19 - (int)x : (int)x - 20;
+        CHECK_INT(normal_at(&smooth, pixel)[0], 0);
+        CHECK(smooth.depth[pixel] == creased.depth[pixel]);
+        if (far > 6)
+            CHECK_INT(across, 0);
+        else if (far < 2) /* it looks at the other one */
+            CHECK(creased.label[pixel] == 1 ? across > 4000 : across < -4000);
+    }
+    rendition_release(&smooth);
+    rendition_release(&creased);
+    stage_release(&s);
+}
+
+/* ---- in a session ---- */
+
+static uint64_t digest_after(struct interpreter *interp, const char *line)
+{
+    must(interp, line);
+    return rendition_digest(session_frame(&interp->session));
+}
+
+STORY(creases_follow_each_edit_of_a_session)
+{
+    struct interpreter interp;
+    uint64_t random = 3;
+    begin_interpreter(&interp);
+    must(&interp, "open synth:geom:40x40x40");
+    must(&interp, "auto on");
+    must(&interp, "size 90 90");
+    must(&interp, "zoom 2");
+    must(&interp, "view 30 20");
+    must(&interp, "shade surface creases=yes ao=50");
+    for (int i = 0; i < 40 && check_failures == 0; i++) {
+        char line[80];
+        snprintf(line, sizeof line, "seed %u,%u,%u %u radius=3", check_below(&random, 40),
+                 check_below(&random, 40), check_below(&random, 40), check_below(&random, 5));
+        must(&interp, i % 5 == 4 ? "undo" : line);
+        if (i % 10 == 6)
+            must(&interp, i % 20 == 6 ? "clip axial 0-20" : "clip none");
+        const uint64_t repaired = digest_after(&interp, "render mode=ii");
+        CHECK_INT(digest_after(&interp, i % 2 ? "render mode=ray" : "render mode=sp"), repaired);
+    }
+    interpreter_release(&interp);
+}
+
+int main(void)
+{
+    const int status = RUN_STORIES(TELL(an_object_among_others_has_the_normals_that_it_has_alone),
+                                   TELL(there_is_a_crease_where_two_objects_touch_and_nowhere_else),
+                                   TELL(creases_follow_each_edit_of_a_session));
+    reply_release(&reply);
+    return status;
+}
