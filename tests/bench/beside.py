@@ -5,7 +5,8 @@ Each row of PICTURES is a golden image of a journal in examples/, or what more c
 iftty carries the journal's commands out, draws the picture, and saves the labels; VTK draws them by
 tests/peers/vtk_render.py: the same view, zoom, size, colours, opacities, background and samples;
 each label has a surface of its own, smoothed (windowed sinc, 40 times, pass band 0.01: what 3D
-Slicer begins with) and with normals. What iftty hides or cuts away has label 0 for VTK.
+Slicer begins with) and with normals. What iftty hides or cuts away has label 0 for VTK. Where a
+picture has ambient occlusion, VTK's is that of the screen.
 
 FOLDER/NAME.png has both, iftty on the left, and below each the part that is most telling, four
 times as large. Nothing is compared: people look.
@@ -25,6 +26,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 EXAMPLES = os.path.join(HERE, "..", "..", "examples")
 VTK = os.path.join(HERE, "..", "peers", "vtk_render.py")
 SMOOTH = "40", "0.01"
+OCCLUSION_MM = "10"
 MAGNIFIED, GAP = 4, 6
 # Written files, and pictures, are none of the picture's making.
 IDLE = "golden", "render", "save", "mosaic", "slice", "spin", "stats", "export"
@@ -37,6 +39,8 @@ PICTURES = {
     "head-brain": ("head", "brain", [LARGE, "zoom 2.68"], (0.6, 0.45)),
     "atlas": ("atlas", "left", [LARGE, "zoom 2.622"], (0.4, 0.4)),
     "atlas-8": ("atlas", "left", [LARGE, "zoom 8"], (0.5, 0.5)),
+    "sulci": ("sulci", "left", [LARGE, "zoom 2.68"], (0.45, 0.35)),
+    "sulci-8": ("sulci", "left", [LARGE, "zoom 8"], (0.5, 0.5)),
     "print": ("print", "page", [LARGE, "zoom 2.948", "decorate none"], (0.55, 0.45)),
     "shells": ("shells", "whole", [LARGE, "zoom 5.896"], (0.15, 0.25)),
     "shells-open": ("shells", "open", [LARGE, "zoom 5.98"], (0.85, 0.45)),
@@ -72,7 +76,9 @@ def script_of(iftty, journal, golden, more):
     for line in lines.splitlines():
         words = line.split()
         if words[:2] == ["golden", golden]:
-            return "\n".join(kept + more + ["render iftty.png", "save labels labels.nii.gz", ""])
+            finished = "yes" if "finished on" in kept else "no"
+            save = "save labels labels.nii.gz finished=" + finished
+            return "\n".join(kept + more + ["render iftty.png", save, ""])
         if words and words[0] not in IDLE:
             kept.append(line)
     raise Broken("%s.iftty has no golden image %s" % (journal, golden))
@@ -134,9 +140,11 @@ def draw_by_vtk(folder, notes):
     size = re.search(r"(\d+)x(\d+) pixels", view).groups()
     at = re.search(r"voxel (\S+) in the middle", view)
     labels = json.loads(notes["labels"])
+    is_occluded = "ambient occlusion" in look
     run([sys.executable, VTK, "labels.nii.gz", "--png", "vtk.png",
          "--size", *(str(int(side) * samples) for side in size), "--zoom", str(zoom * samples),
          "--angles", *angles, *(["--at", at[1]] if at else []), "--smooth", *SMOOTH,
+         *(["--occlusion", OCCLUSION_MM] if is_occluded else []),
          "--background", {"white": "#ffffff", "black": "#000000"}.get(background, background),
          "--opacity", opacities(notes),
          "--colours", ",".join("%s=%s" % (n, label["colour"]) for n, label in labels.items())],
