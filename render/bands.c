@@ -2,9 +2,9 @@
 
 #include "render/layers.h"
 
-/* At least. Voxels that lie across two bands are drawn twice, which takes no time that one could
- * measure; rows around a band do, so that where there are such, bands are higher. */
-enum { SAMPLES_HIGH = 32, SAMPLES_HIGH_WITH_ROWS_AROUND = 64 };
+/* More leave the caches. Of less, voxels and rows around that lie across two bands are drawn twice:
+ * of voxels it takes 2 % more time to have half as many, which wide pictures spare memory by. */
+enum { SAMPLES_HIGH = 64, SAMPLES_LEAST_HIGH = 32, SAMPLES_A_BAND = 1 << 18 };
 
 static uint32_t round_up(uint32_t rows)
 {
@@ -20,8 +20,9 @@ static uint32_t reach_of(const struct bands *bands)
 static uint32_t rows_of(const struct bands *bands)
 {
     const uint32_t reach = reach_of(bands);
-    const uint32_t least = reach ? SAMPLES_HIGH_WITH_ROWS_AROUND : SAMPLES_HIGH;
-    const uint32_t high = reach > least ? reach : least;
+    uint32_t high = reach > SAMPLES_HIGH ? reach : SAMPLES_HIGH;
+    if (!reach && SAMPLES_A_BAND / bands->camera->view.width < high)
+        high = SAMPLES_LEAST_HIGH;
     return bands->rows ? bands->rows : round_up(high / bands->look->samples);
 }
 
@@ -51,6 +52,12 @@ struct drawing {
     struct layers layers[TEAM_MOST];
 };
 
+/* Else pixels are what is drawn. */
+static bool is_reduced(const struct drawing *d)
+{
+    return d->out || d->bands->look->samples > 1;
+}
+
 /* Pixels of a band, from its first row on, where nobody else has them. */
 static struct rendition pixels_of(const struct drawing *d, struct band band, unsigned thread)
 {
@@ -67,14 +74,15 @@ static void draw_band(const struct drawing *d, struct band band, unsigned thread
     const struct camera camera = camera_rows(bands->camera, band.drawn_top, band.drawn_height);
     struct rendition drawn = rendition_rows(room, 0, band.drawn_height);
     struct rendition fine = rendition_rows(room, above, band.height);
-    struct rendition pixels = pixels_of(d, band, thread);
     if (bands->project == splat_border)
         splat_border_quietly(&drawn, &camera, bands->border);
     else
         bands->project(&drawn, &camera, bands->border);
     shade_rows(&drawn, above / TILE, above / TILE + fine.tiles_y, &camera, bands->border,
                bands->palette, bands->look, bands->shader, thread);
-    rendition_reduce(&pixels, &fine, samples);
+    struct rendition pixels = is_reduced(d) ? pixels_of(d, band, thread) : fine;
+    if (is_reduced(d))
+        rendition_reduce(&pixels, &fine, samples);
     if (bands->take)
         bands->take(bands->context, &pixels, band.top / samples);
 }
@@ -105,7 +113,7 @@ static enum err make_room(struct drawing *d, struct fault *fault)
         shader_prepare(bands->shader, team_size(d->team), bands->border, bands->look, fault);
     for (unsigned i = 0; i < team_size(d->team) && !err; i++)
         err = rendition_init(&d->room[i], width, height, fault);
-    for (unsigned i = 0; i < team_size(d->team) && !d->out && !err; i++)
+    for (unsigned i = 0; i < team_size(d->team) && !d->out && is_reduced(d) && !err; i++)
         err = rendition_init(&d->pixels[i], width / samples, rows_of(bands), fault);
     for (unsigned i = 0; i < team_size(d->team) && !err; i++)
         err = layers_take(&d->layers[i], &d->room[i], bands->border, &bands->shader->seams, fault);

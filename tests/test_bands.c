@@ -244,7 +244,7 @@ static bool takes_small_arrays(size_t bytes)
  * is. */
 static enum err spin_without_maps(struct interpreter *interp, const char *line)
 {
-    most_bytes = (size_t)512 * 2048;
+    most_bytes = (size_t)256 * 4096;
     mem_allows = takes_small_arrays;
     const enum err err = execute(interp, line);
     mem_allows = NULL;
@@ -262,7 +262,7 @@ STORY(a_turntable_for_files_of_colours_stores_no_map_of_its_pictures)
     must(&interp, "run");
     for (int samples = 1; samples <= 4; samples *= 2) {
         must(&interp, samples == 1 ? "samples 1" : samples == 2 ? "samples 2" : "samples 4");
-        must(&interp, "size 512 2048");
+        must(&interp, "size 256 4096");
         CHECK_INT(spin_without_maps(&interp, "spin 2 turn%d.png"), OK);
         buf_add(&told.words, buf_text(&reply.words), reply.words.length);
         CHECK_INT(spin_without_maps(&interp, "spin 2 turn%d.exr"), ERR_MEMORY);

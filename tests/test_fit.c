@@ -173,7 +173,7 @@ STORY(fit_is_recorded_as_what_it_comes_to)
     struct interpreter interp;
     begin_with_object(&interp);
     must(&interp, "zoom fit"); /* the seed waits: no object yet */
-    CHECK_HAS(buf_text(&reply.text), "no object is shown: the scene fits");
+    CHECK_HAS(buf_text(&reply.text), "no object is shown before `run`: the scene fits");
     const uint32_t whole = interp.session.now.outlook.view.zoom;
     must(&interp, "run");
     must(&interp, "clip axial 5-12");
@@ -192,6 +192,9 @@ STORY(fit_is_recorded_as_what_it_comes_to)
     CHECK(memcmp(&interp.session.now.outlook.view, &fitted, sizeof fitted) == 0);
     CHECK_INT(execute(&interp, "zoom fit at=1,1,1"), ERR_USAGE);
     CHECK_HAS(fault.text, "fit finds the place");
+    must(&interp, "hide 1");
+    must(&interp, "zoom fit");
+    CHECK_HAS(buf_text(&reply.text), "no object is shown: the scene fits");
     interpreter_release(&interp);
 }
 
