@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "tests/border_check.h"
+#include "tests/scarce_memory.h"
 #include "tests/stage.h"
 
 static unsigned scaled(unsigned count)
@@ -450,6 +451,38 @@ STORY(translucent_objects_let_the_light_in)
     stage_release(&s);
 }
 
+STORY(memory_that_runs_out_is_an_error_and_the_next_picture_is_right)
+{
+    struct stage s;
+    size_t failed = 0;
+    CHECK(stage_init(&s, (uint32_t[]){60, 60, 60}, 6, NULL) == OK);
+    s.view.width = s.view.height = 60;
+    put(&s, is_in_block);
+    s.look.ao_percent = 100;
+    s.look.creases = 1;
+    stage_draw(&s);
+    const uint64_t expected = rendition_digest(&s.rendition);
+    for (size_t left = 0; check_failures == 0; left++) {
+        struct shader shader = {.window = {0, 4000}};
+        struct fault fault = {0};
+        memset(s.rendition.stale, TILE_STALE, (size_t)s.rendition.tiles_x * s.rendition.tiles_y);
+        allow_allocations(left);
+        const enum err err =
+            shade(&s.rendition, &s.camera, &s.border, &s.palette, &s.look, &shader, &fault);
+        mem_allows = NULL;
+        CHECK(err == OK || err == ERR_MEMORY);
+        if (err)
+            failed++;
+        colour(&s, &s.rendition, &shader);
+        CHECK(rendition_digest(&s.rendition) == expected);
+        shader_release(&shader);
+        if (!err)
+            break;
+    }
+    CHECK(failed > 4); /* of the bricks alone */
+    stage_release(&s);
+}
+
 int main(void)
 {
     return RUN_STORIES(TELL(bricks_are_what_is_counted_and_follow_edits_cuts_and_what_is_hidden),
@@ -457,5 +490,6 @@ int main(void)
                        TELL(what_is_flat_or_convex_stays_as_it_is),
                        TELL(a_groove_is_darker_than_its_rim_and_no_darker_than_the_look_says),
                        TELL(four_ways_agree_and_the_incremental_image_follows_edits),
-                       TELL(translucent_objects_let_the_light_in));
+                       TELL(translucent_objects_let_the_light_in),
+                       TELL(memory_that_runs_out_is_an_error_and_the_next_picture_is_right));
 }
