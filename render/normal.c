@@ -77,6 +77,25 @@ static void slope_further(struct points *points, unsigned i, struct normals *nor
     }
 }
 
+/* Few take less one by one. */
+static void normalise_points(struct points *points)
+{
+    enum { FEW = 12 };
+    const struct gradients *outward = &points->outward;
+    if (points->count > FEW) {
+        normalise_all(&points->normal, outward);
+        return;
+    }
+    for (unsigned i = 0; i < points->count; i++) {
+        const int64_t gradient[3] = {outward->along[0][i], outward->along[1][i],
+                                     outward->along[2][i]};
+        int16_t normal[3] = {0};
+        normalise_one(normal, gradient);
+        for (int a = 0; a < 3; a++)
+            points->normal.along[a][i] = normal[a];
+    }
+}
+
 static void slopes_before(struct points *points, struct normals *normals)
 {
     for (unsigned i = 0; i < points->count; i++) {
@@ -85,7 +104,7 @@ static void slopes_before(struct points *points, struct normals *normals)
         for (int a = 0; a < 3; a++)
             points->outward.along[a][i] = -points->near[i].along[a];
     }
-    normalise_all(&points->normal, &points->outward);
+    normalise_points(points);
     for (unsigned i = 0; i < points->count; i++) {
         normals->shown.label = points->label[i];
         slope_further(points, i, normals);
@@ -132,7 +151,7 @@ static void field_normals(struct points *points, struct normals *normals)
         slopes_at(points, normals);
     for (unsigned i = 0; i < points->count && normals->mode == SHADE_SCENE; i++)
         add_scene(outward, i, normals, points->at[i]);
-    normalise_all(&points->normal, outward);
+    normalise_points(points);
     for (unsigned i = 0; i < points->count; i++) {
         if (!(outward->along[0][i] | outward->along[1][i] | outward->along[2][i]))
             face_viewer(&points->normal, i, normals); /* as thick as thin: it shows no side */

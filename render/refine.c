@@ -170,26 +170,39 @@ static bool follow(struct sample *out, struct refiner *refiner, const struct sam
     return here->cell == CELL_NONE;
 }
 
-/* Whether a ray comes into a cube from one that is cut away. */
-static bool is_cut_open(const struct refiner *refiner, const struct sample *ray)
+bool refine_is_cut_open(const struct refiner *refiner, int64_t depth, uint32_t cell)
 {
-    if (!refiner->cuts || (ray->depth & 3) == REFINE_WITHIN)
+    if (!refiner->cuts || (depth & 3) == REFINE_WITHIN)
         return false;
-    const uint32_t beside = ray->cell + (uint32_t)refiner->camera->toward[ray->depth & 3];
+    const uint32_t beside = cell + (uint32_t)refiner->camera->toward[depth & 3];
     return !border_is_open(refiner->border, beside) &&
            !(refiner->camera->scene->cell[beside].flags & CELL_RIM);
+}
+
+static void find_point(int32_t at[3], const struct refiner *refiner, int64_t depth, uint32_t x,
+                       uint32_t y)
+{
+    for (int a = 0; a < 3; a++)
+        at[a] = locator_point(&refiner->locator[a], depth, x, y) * (1 << FINER_BITS);
+}
+
+uint32_t refine_voxel_at(const struct refiner *refiner, int64_t depth, uint32_t x, uint32_t y)
+{
+    int32_t at[3];
+    find_point(at, refiner, depth, x, y);
+    const uint32_t cell = cell_at(&refiner->camera->scene->grid, at);
+    return is_solid(refiner, cell) ? owner_of(refiner, cell, at) : CELL_NONE;
 }
 
 /* What a ray that comes into a cube shows of it or of what is beyond. True where that is all. */
 static bool refine(struct sample *ray, struct refiner *refiner, uint32_t x, uint32_t y)
 {
     struct sample first = {.depth = ray->depth, .cell = ray->cell};
-    for (int a = 0; a < 3; a++)
-        first.at[a] = locator_point(&refiner->locator[a], ray->depth, x, y) * (1 << FINER_BITS);
+    find_point(first.at, refiner, ray->depth, x, y);
     look(&first, refiner);
     if (first.inside <= 0)
         return follow(ray, refiner, &first);
-    if (!is_cut_open(refiner, ray))
+    if (!refine_is_cut_open(refiner, ray->depth, ray->cell))
         ray->depth |= REFINE_WITHIN;
     ray->cell = owner_of(refiner, ray->cell, first.at);
     return true;

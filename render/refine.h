@@ -40,6 +40,13 @@ struct refiner {
 void refiner_init(struct refiner *refiner, const struct camera *camera,
                   const struct border *border);
 
+/* Whether a ray that comes into a cube at this depth comes from one that is cut away. */
+bool refine_is_cut_open(const struct refiner *refiner, int64_t depth, uint32_t cell);
+
+/* The shown voxel that the point of a surface belongs to which a pixel shows at this depth;
+ * CELL_NONE where no surface can lie. */
+uint32_t refine_voxel_at(const struct refiner *refiner, int64_t depth, uint32_t x, uint32_t y);
+
 /* What is seen of a pixel, whose maps of cubes are made. */
 void refine_pixel(struct rendition *rendition, struct refiner *refiner, uint32_t x, uint32_t y);
 

@@ -6,6 +6,7 @@
 #include "render/layers.h"
 #include "render/light.h"
 #include "render/normal.h"
+#include "render/patch.h"
 #include "render/refine.h"
 
 enum { EDGE = LIGHT_UNIT * 35 / 100 }; /* what an edge leaves of a colour */
@@ -44,6 +45,7 @@ struct shading {
     const struct look *look;
     const struct palette *palette;
     struct refiner refiner; /* where the rendition is refined */
+    bool has_patches;       /* with patches */
     struct normals normals;
     struct light light;
     struct occluder occluder;
@@ -103,14 +105,28 @@ static void occlude_pixels(struct lit *lit, const struct rendition *r, const str
     }
 }
 
-/* Pixels that show something. */
-static void shade_pixels(struct rendition *r, struct shading *s, const struct tile_pixels *pixels)
+/* Normals of pixels, of which those from `known` on have theirs. */
+static void take_normals(struct directions *normals, const struct rendition *r, struct shading *s,
+                         struct tile_pixels *pixels, unsigned known)
+{
+    const unsigned all = pixels->count;
+    pixels->count = known;
+    if (known > 0)
+        normals_of(normals, &s->normals, r, pixels);
+    pixels->count = all;
+    for (unsigned i = known; i < all; i++)
+        for (unsigned a = 0; a < 3; a++)
+            normals->along[a][i] =
+                r->normal[4 * ((size_t)pixels->y[i] * r->width + pixels->x[i]) + a];
+}
+
+/* Pixels that show something; those from `known` on have their normals. */
+static void shade_pixels(struct rendition *r, struct shading *s, struct tile_pixels *pixels,
+                         unsigned known)
 {
     struct directions normals;
     struct lit lit = {0};
-    if (pixels->count == 0)
-        return;
-    normals_of(&normals, &s->normals, r, pixels);
+    take_normals(&normals, r, s, pixels, known);
     for (unsigned i = 0; i < pixels->count; i++) {
         const size_t pixel = (size_t)pixels->y[i] * r->width + pixels->x[i];
         lit.cue[i] = cue_of(r, s, pixels->x[i], pixels->y[i]);
@@ -204,24 +220,51 @@ static void darken(uint8_t rgba[4])
         rgba[k] = (uint8_t)(rgba[k] * EDGE >> LIGHT_UNIT_BITS);
 }
 
-static void shade_tile(struct rendition *r, struct shading *s, struct tile tile)
+static void take_pixels(struct tile_pixels *pixels, const struct rendition *r, struct tile tile,
+                        tile_mask mask)
+{
+    for (uint32_t y = tile.top; y < tile.bottom; y++)
+        for (uint32_t x = tile.left; x < tile.right; x++)
+            if (mask >> ((y - tile.top) * TILE + x - tile.left) & 1 &&
+                r->cell[(size_t)y * r->width + x] != CELL_NONE) {
+                pixels->x[pixels->count] = x;
+                pixels->y[pixels->count++] = y;
+            }
+}
+
+/* The pixels of a mask have their normals. */
+static void shade_tile(struct rendition *r, struct shading *s, struct tile tile,
+                       tile_mask has_normal)
 {
     struct tile_pixels pixels;
     pixels.count = 0;
-    for (uint32_t y = tile.top; y < tile.bottom; y++)
-        for (uint32_t x = tile.left; x < tile.right; x++)
-            if (r->cell[(size_t)y * r->width + x] != CELL_NONE) {
-                pixels.x[pixels.count] = x;
-                pixels.y[pixels.count++] = y;
-            }
-    shade_pixels(r, s, &pixels);
+    take_pixels(&pixels, r, tile, ~has_normal);
+    const unsigned known = pixels.count;
+    take_pixels(&pixels, r, tile, has_normal);
+    if (pixels.count)
+        shade_pixels(r, s, &pixels, known);
 }
 
-static void refine_tile(struct rendition *r, struct refiner *refiner, struct tile tile)
+/* Whether no ray of a tile comes to a cube. */
+static bool is_bare(const struct rendition *r, struct tile tile)
 {
     for (uint32_t y = tile.top; y < tile.bottom; y++)
         for (uint32_t x = tile.left; x < tile.right; x++)
-            refine_pixel(r, refiner, x, y);
+            if (r->cube.cell[(size_t)y * r->width + x] != CELL_NONE)
+                return false;
+    return true;
+}
+
+/* Which pixels have their normals then. */
+static tile_mask refine_tile(struct rendition *r, struct shading *s, struct tile tile)
+{
+    if (s->has_patches && !is_bare(r, tile) && tile.right - tile.left == TILE &&
+        tile.bottom - tile.top == TILE)
+        return patches_refine(r, &s->refiner, &s->normals, tile.left, tile.top);
+    for (uint32_t y = tile.top; y < tile.bottom; y++)
+        for (uint32_t x = tile.left; x < tile.right; x++)
+            refine_pixel(r, &s->refiner, x, y);
+    return 0;
 }
 
 /* Where objects are translucent: layer by layer, from the nearest on. Edges are those of the layers
@@ -231,7 +274,7 @@ static void blend_tile(struct rendition *r, struct shading *s, struct tile tile)
     struct blend blend;
     blend_begin(&blend, r, s->border, footprint_of(tile));
     while (blend_next(&blend)) {
-        shade_tile(&r->layers->pass, s, tile);
+        shade_tile(&r->layers->pass, s, tile, 0);
         blend_add(&blend, r);
     }
     blend_end(&blend, r);
@@ -248,24 +291,6 @@ static bool looks_around(const struct look *look)
     return look->edges || look->mode == SHADE_DEPTH;
 }
 
-/* Whether no ray of a tile comes to a cube. */
-static bool is_bare(const struct rendition *r, struct tile tile)
-{
-    for (uint32_t y = tile.top; y < tile.bottom; y++)
-        for (uint32_t x = tile.left; x < tile.right; x++)
-            if (r->cube.cell[(size_t)y * r->width + x] != CELL_NONE)
-                return false;
-    return true;
-}
-
-/* What a tile shows; true where that is nothing. */
-static bool find_tile(struct rendition *r, struct shading *s, struct tile tile)
-{
-    if (rendition_is_refined(r))
-        refine_tile(r, &s->refiner, tile);
-    return label_tile(r, s->border, tile);
-}
-
 /* Refined tiles wait until they are shaded, where they may: fields are at hand then. */
 static bool waits(const struct rendition *r, const struct shading *s)
 {
@@ -278,7 +303,11 @@ static void label_tiles(struct rendition *r, size_t first, size_t end, struct sh
     for (size_t i = rendition_tile(r, first, end, TILE_STALE); i < end;
          i = rendition_tile(r, i + 1, end, TILE_STALE)) {
         const struct tile tile = tile_at(r, i);
-        if ((!waits(r, s) || is_bare(r, tile)) && find_tile(r, s, tile))
+        if (waits(r, s) && !is_bare(r, tile))
+            continue;
+        if (rendition_is_refined(r))
+            refine_tile(r, s, tile);
+        if (label_tile(r, s->border, tile))
             r->stale[i] = TILE_EMPTY;
     }
 }
@@ -291,12 +320,15 @@ static void shade_tiles(struct rendition *r, size_t first, size_t end, struct sh
          i < end && task_advance(task, TILE * TILE);
          i = rendition_tile(r, i + 1, end, TILE_STALE)) {
         const struct tile tile = tile_at(r, i);
-        if (waits(r, s))
-            find_tile(r, s, tile);
+        tile_mask has_normal = 0;
+        if (waits(r, s)) {
+            has_normal = refine_tile(r, s, tile);
+            label_tile(r, s->border, tile);
+        }
         if (r->layers)
             blend_tile(r, s, tile);
         else
-            shade_tile(r, s, tile);
+            shade_tile(r, s, tile, has_normal);
         r->stale[i] = (uint8_t)next;
     }
 }
@@ -384,6 +416,7 @@ static void shading_init(struct shading *s, const struct camera *camera,
         refiner_init(&s->refiner, camera, border);
     if (s->occludes)
         occluder_init(&s->occluder, &shader->bricks, camera, look->ao_percent);
+    s->has_patches = look->number > LOOK_SECOND && !looks_around(look);
 }
 
 /* The fields of a thread are its own. */

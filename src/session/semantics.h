@@ -20,7 +20,7 @@
 #include "engine/forest.h"
 
 /* The number of new journals, and the highest that can be gone on with. */
-enum { SEMANTICS = 6 };
+enum { SEMANTICS = 7 };
 
 /* One row each. */
 enum meaning {
@@ -34,6 +34,7 @@ enum meaning {
     MEANING_PLACES,
     MEANING_OPEN_WEIGHT,
     MEANING_LOOK,
+    MEANING_PATCHES,
     MEANINGS
 };
 

@@ -1,0 +1,147 @@
+/* Patches: pictures with them beside those in which each pixel is refined by itself. */
+#include "check.h"
+
+#include <stdlib.h>
+
+#include "render/patch.h"
+#include "tests/stage.h"
+
+enum { SIDE = 40, OBJECTS = 4 };
+
+/* Balls of several objects that touch and overlap; some thin, as shells. */
+static void stage_balls(struct stage *s, uint64_t *random)
+{
+    CHECK(stage_init(s, (uint32_t[]){SIDE, SIDE, SIDE}, 6, NULL) == OK);
+    const struct grid *grid = &s->scene->grid;
+    for (int i = 0; i < OBJECTS; i++) {
+        const int middle[3] = {8 + (int)check_below(random, 24), 8 + (int)check_below(random, 24),
+                               8 + (int)check_below(random, 24)};
+        const int radius = 4 + (int)check_below(random, 10);
+        const int hollow = check_below(random, 2) ? radius - 1 : 0;
+        for (uint32_t cell = 0; cell < SIDE * SIDE * SIDE; cell++) {
+            const uint32_t x = cell % SIDE, y = cell / SIDE % SIDE, z = cell / SIDE / SIDE;
+            const int dx = (int)x - middle[0], dy = (int)y - middle[1], dz = (int)z - middle[2];
+            const int square = dx * dx + dy * dy + dz * dz;
+            if (square <= radius * radius && square >= hollow * hollow)
+                s->scene->cell[grid_cell(grid, x, y, z)].label = (uint8_t)(1 + i);
+        }
+    }
+    border_recount(&s->border);
+}
+
+static void look_at_random(struct stage *s, uint64_t *random)
+{
+    s->view = (struct view){.width = 256, .height = 200, .zoom = 4000};
+    s->view.zoom <<= check_below(random, 4);
+    for (int i = 0; i < 3; i++)
+        s->view.angle[i] = (int32_t)check_below(random, VIEW_TURN);
+    for (int a = 0; a < 3; a++)
+        s->view.focus[a] = ((int64_t)check_below(random, 20) - 10) * (1 << VIEW_FOCUS_BITS);
+}
+
+static void draw(struct stage *s, uint32_t look)
+{
+    rendition_release(&s->rendition);
+    s->look.number = look;
+    stage_draw(s);
+}
+
+/* How two pictures differ, counted in pixels. */
+struct difference {
+    size_t shown, silhouette, depth, label, normal, colour;
+};
+
+static int64_t apart(int64_t one, int64_t other)
+{
+    return one < other ? other - one : one - other;
+}
+
+static bool turns(const int16_t *one, const int16_t *other)
+{
+    int32_t cosine = 0;
+    for (int a = 0; a < 3; a++)
+        cosine += one[a] * other[a];
+    return cosine < 0.95 * (1 << 28);
+}
+
+static void compare(struct difference *d, const struct rendition *one,
+                    const struct rendition *other, int64_t voxel)
+{
+    for (size_t i = 0; i < (size_t)one->width * one->height; i++) {
+        const bool shows[2] = {one->cell[i] != CELL_NONE, other->cell[i] != CELL_NONE};
+        d->shown += shows[0];
+        d->silhouette += shows[0] != shows[1];
+        if (!shows[0] || !shows[1])
+            continue;
+        d->depth += apart(one->depth[i], other->depth[i]) > voxel / 4;
+        d->label += one->label[i] != other->label[i];
+        d->normal += turns(one->normal + 4 * i, other->normal + 4 * i);
+        for (int k = 0; k < 3; k++)
+            if (apart(one->rgba[4 * i + (size_t)k], other->rgba[4 * i + (size_t)k]) > 16) {
+                d->colour++;
+                break;
+            }
+    }
+}
+
+STORY(patches_look_as_pixels_by_themselves_do)
+{
+    uint64_t random = 7;
+    struct difference d = {0};
+    for (int i = 0; i < 60; i++) {
+        struct stage s;
+        struct rendition single;
+        stage_balls(&s, &random);
+        look_at_random(&s, &random);
+        draw(&s, LOOK_SECOND);
+        single = s.rendition;
+        s.rendition = (struct rendition){0};
+        draw(&s, LOOK_PRESENT);
+        compare(&d, &single, &s.rendition, normal_stride(&s.camera) << 26);
+        rendition_release(&single);
+        stage_release(&s);
+    }
+    if (!CHECK(d.shown > 500000 && d.silhouette * 2000 < d.shown && d.depth * 500 < d.shown &&
+               d.label * 1000 < d.shown && d.normal * 500 < d.shown && d.colour * 500 < d.shown))
+        printf("# of %zu pixels differ: %zu in silhouette, %zu in depth, %zu in label, %zu in "
+               "normal, %zu in colour\n",
+               d.shown, d.silhouette, d.depth, d.label, d.normal, d.colour);
+}
+
+/* What a patch may not be: over a hole, over a silhouette, or wider than a voxel. */
+STORY(most_pixels_of_a_smooth_surface_are_in_patches)
+{
+    static const uint32_t zoom[] = {2000, 4000, 8000, 16000};
+    static const double least[] = {0, 0.4, 0.4, 0.6};
+    struct stage s;
+    uint64_t random = 3;
+    stage_balls(&s, &random);
+    for (int i = 0; i < 4; i++) {
+        s.view = (struct view){.width = 512, .height = 512, .zoom = zoom[i]};
+        draw(&s, LOOK_PRESENT);
+        struct shader_part *part = &s.shader.part[0];
+        struct refiner refiner;
+        struct normals normals;
+        size_t shown = 0, between = 0;
+        refiner_init(&refiner, &s.camera, &s.border);
+        refiner.shown.field = &part->shown;
+        normals_init(&normals, &s.camera, SHADE_SURFACE, true, &part->shown, NULL);
+        for (uint32_t y = 0; y < 512; y += TILE)
+            for (uint32_t x = 0; x < 512; x += TILE) {
+                const tile_mask mask = patches_refine(&s.rendition, &refiner, &normals, x, y);
+                between += (size_t)__builtin_popcountll(mask);
+            }
+        for (size_t p = 0; p < 512 * 512; p++)
+            shown += s.rendition.cell[p] != CELL_NONE;
+        const double share = (double)between / (double)shown;
+        if (!CHECK(share >= least[i] && share <= 1))
+            printf("# zoom %u: %.3f of %zu pixels\n", zoom[i], share, shown);
+    }
+    stage_release(&s);
+}
+
+int main(void)
+{
+    return RUN_STORIES(TELL(patches_look_as_pixels_by_themselves_do),
+                       TELL(most_pixels_of_a_smooth_surface_are_in_patches));
+}
