@@ -32,6 +32,7 @@ MAGNIFIED, GAP = 4, 6
 IDLE = "golden", "render", "save", "mosaic", "slice", "spin", "stats", "export"
 
 LARGE = "size 512 512"
+CREASES = "shade surface creases=yes"
 
 # Name: journal, golden image, commands after it, middle of what is magnified in parts of the sides.
 PICTURES = {
@@ -39,6 +40,8 @@ PICTURES = {
     "head-brain": ("head", "brain", [LARGE, "zoom 2.68"], (0.6, 0.45)),
     "atlas": ("atlas", "left", [LARGE, "zoom 2.622"], (0.4, 0.4)),
     "atlas-8": ("atlas", "left", [LARGE, "zoom 8"], (0.5, 0.5)),
+    "creases": ("atlas", "left", [LARGE, "zoom 2.622", CREASES], (0.4, 0.4)),
+    "creases-8": ("atlas", "left", [LARGE, "zoom 8", CREASES], (0.5, 0.5)),
     "sulci": ("sulci", "left", [LARGE, "zoom 2.68"], (0.45, 0.35)),
     "sulci-8": ("sulci", "left", [LARGE, "zoom 8"], (0.5, 0.5)),
     "print": ("print", "page", [LARGE, "zoom 2.948", "decorate none"], (0.55, 0.45)),
