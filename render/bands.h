@@ -17,7 +17,7 @@
 #include "render/shade.h"
 
 /* Rows of the picture from row `top` on, as they are drawn: by any thread, in any order, and each
- * once. They are gone afterwards. */
+ * once. They are gone afterwards, so colours may be changed. */
 typedef void take_rows(void *context, const struct rendition *rows, uint32_t top);
 
 typedef void projection(struct rendition *rendition, const struct camera *camera,

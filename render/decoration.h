@@ -37,7 +37,8 @@ struct legend_line {
 
 struct decoration {
     uint32_t parts;
-    const struct rendition *frame; /* the picture, of which the canvas has the colours */
+    const struct rendition *frame; /* the picture, of which the canvas has the colours; for seeds
+                                      and the cross-hair alone */
     const struct camera *camera;   /* of its samples, */
     uint32_t samples;              /* so many a side for a pixel */
     const struct palette *palette;

@@ -260,6 +260,7 @@ STORY(a_turntable_for_files_of_colours_stores_no_map_of_its_pictures)
     must(&interp, "open synth:geom:20x20x20");
     must(&interp, "seed 10,10,10 1 radius=3");
     must(&interp, "run");
+    must(&interp, "decorate letters scale legend");
     for (int samples = 1; samples <= 4; samples *= 2) {
         must(&interp, samples == 1 ? "samples 1" : samples == 2 ? "samples 2" : "samples 4");
         must(&interp, "size 256 4096");

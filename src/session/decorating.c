@@ -7,6 +7,7 @@
 #include "base/choice.h"
 #include "base/mem.h"
 #include "render/decoration.h"
+#include "session/session_parts.h"
 
 void decorating_write(struct buf *out, uint32_t decorations)
 {
@@ -135,22 +136,25 @@ static uint32_t *list_eliminators(const struct session *session, size_t *count)
     return cell;
 }
 
-static enum err draw(struct session *session, const struct legend_line *line, size_t lines,
-                     struct fault *fault)
+/* Over this canvas; the frame only where seeds or the cross-hair are among the parts. */
+static enum err draw(struct session *session, const struct labels *labels,
+                     const struct canvas *canvas, const struct camera *camera,
+                     const struct rendition *frame, struct fault *fault)
 {
     const struct outlook *outlook = &session->now.outlook;
     const uint32_t *cross = outlook->slices.cross;
-    const struct rendition *frame = session_frame(session);
-    size_t eliminators;
+    struct legend_line line[255];
+    size_t lines = 0, eliminators;
+    enum err err = outlook->decorations & DECORATE_LEGEND
+                       ? list_labels(line, &lines, session, labels, fault)
+                       : OK;
+    if (err)
+        return err;
     uint32_t *eliminator = list_eliminators(session, &eliminators);
-    const struct canvas canvas = {.width = frame->width,
-                                  .height = frame->height,
-                                  .stride = frame->width,
-                                  .rgba = session->decorated};
     const struct decoration decoration = {
         .parts = outlook->decorations,
         .frame = frame,
-        .camera = &session->camera,
+        .camera = camera,
         .samples = outlook->look.samples,
         .palette = &session->now.kept.palette,
         .is_bright = is_bright(session),
@@ -159,22 +163,41 @@ static enum err draw(struct session *session, const struct legend_line *line, si
         .eliminator = eliminator,
         .eliminators = eliminators,
         .cross = grid_cell(&session->scene->grid, cross[0], cross[1], cross[2])};
-    const enum err err = eliminators && !eliminator
-                             ? fault_memory(fault, "the marks of a rendition")
-                             : decoration_draw(&canvas, &decoration, fault);
+    err = eliminators && !eliminator ? fault_memory(fault, "the marks of a rendition")
+                                     : decoration_draw(canvas, &decoration, fault);
     free(eliminator);
     return err;
 }
 
 enum err session_decorate(struct session *session, const struct labels *labels, struct fault *fault)
 {
-    const uint32_t parts = session->now.outlook.decorations;
-    struct legend_line line[255];
-    size_t lines = 0;
-    if (!parts || session->skims)
+    const struct rendition *frame = session_frame(session);
+    if (!session->now.outlook.decorations || session->skims)
         return OK;
-    enum err err = copy_colours(session, fault);
-    if (!err && parts & DECORATE_LEGEND)
-        err = list_labels(line, &lines, session, labels, fault);
-    return err ? err : draw(session, line, lines, fault);
+    const enum err err = copy_colours(session, fault);
+    const struct canvas canvas = {.width = frame->width,
+                                  .height = frame->height,
+                                  .stride = frame->width,
+                                  .rgba = session->decorated};
+    return err ? err : draw(session, labels, &canvas, &session->camera, frame, fault);
+}
+
+bool session_decorates_ahead(const struct session *session)
+{
+    return !(session->now.outlook.decorations & (DECORATE_SEEDS | DECORATE_CROSS));
+}
+
+enum err session_decorate_ahead(struct session *session, const struct labels *labels, uint8_t *rgba,
+                                struct fault *fault)
+{
+    const struct outlook *outlook = &session->now.outlook;
+    const struct canvas canvas = {.width = outlook->view.width,
+                                  .height = outlook->view.height,
+                                  .stride = outlook->view.width,
+                                  .rgba = rgba};
+    struct camera camera;
+    if (!outlook->decorations)
+        return OK;
+    const enum err err = session_aim(session, outlook, &camera, fault);
+    return err ? err : draw(session, labels, &canvas, &camera, NULL, fault);
 }

@@ -2,12 +2,12 @@
 
 #include <string.h>
 
+#include "session/decorating.h"
 #include "session/session_parts.h"
 
 bool session_draws_colours(const struct session *session)
 {
-    const struct outlook *outlook = &session->now.outlook;
-    return !outlook->decorations && outlook->context == CONTEXT_NONE;
+    return session->now.outlook.context == CONTEXT_NONE && session_decorates_ahead(session);
 }
 
 uint32_t session_behind_colours(const struct session *session)
@@ -28,18 +28,26 @@ struct label_set drawn_labels(const struct drawn_colours *colours)
     return (struct label_set){{labels[0], labels[1], labels[2], labels[3]}};
 }
 
+/* Both are what is drawn, with decorations over it that are in the picture already. */
+static void unite(uint8_t *picture, uint8_t *drawn, size_t pixels)
+{
+    for (size_t i = 0; i < 4 * pixels; i += 4)
+        if (picture[i + 3])
+            memcpy(drawn + i, picture + i, 4);
+        else
+            memcpy(picture + i, drawn + i, 4);
+}
+
 void drawn_colours_take(void *context, const struct rendition *rows, uint32_t top)
 {
     struct drawn_colours *colours = context;
+    uint8_t *rgba = colours->rgba + (size_t)4 * top * rows->width;
     struct label_set labels = {{0}};
     label_set_add(&labels, rows);
     for (int i = 0; i < 4; i++)
         colours->labels[i] |= labels.bits[i];
+    unite(rgba, rows->rgba, (size_t)rows->height * rows->width);
     colours->digest += rendition_digest_rows(rows, top);
-    if (!colours->rgba)
-        return;
-    uint8_t *rgba = colours->rgba + (size_t)4 * top * rows->width;
-    memcpy(rgba, rows->rgba, (size_t)4 * rows->height * rows->width);
     background_put_rows(rgba, rows->width, top, rows->height, colours->height, colours->background);
 }
 
@@ -55,8 +63,10 @@ enum err session_draw_colours(struct session *session, const struct labels *labe
     if (session->now.outlook.look.samples > 1)
         session_release_rendition(session);
     session->rendered = RENDERED_NOT;
+    enum err err = session_decorate_ahead(session, labels, colours->rgba, fault);
     session->drawn = colours;
-    const enum err err = session_draw_labels(session, labels, RENDER_ONCE, fault);
+    if (!err)
+        err = session_draw_labels(session, labels, RENDER_ONCE, fault);
     session->drawn = NULL;
     session->rendered = RENDERED_NOT;
     return err;

@@ -36,8 +36,8 @@ struct drawn_colours {
     uint32_t height, background;
 };
 
-/* Whether they are enough for a picture of the session as it is: what is drawn over it, and the
- * context, look at more than colours. */
+/* Whether they are enough for a picture of the session as it is: context, and marks of seeds, look
+ * at more than colours. */
 bool session_draws_colours(const struct session *session);
 
 /* What is behind the objects in them; clear, where the file's format decides how that is shown. */
