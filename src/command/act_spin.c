@@ -99,11 +99,19 @@ static enum err find_path(struct spin *spin, unsigned number)
     write_name(&spin->name, &spin->pattern, number);
     if (spin->name.failed)
         return fault_memory(act->fault, "a file name");
-    const enum err err =
-        interpreter_output_path(act->interp, buf_text(&spin->name), &spin->path, act->fault);
-    if (number == 0)
-        buf_add_text(&spin->first, buf_text(&spin->path));
-    return err;
+    return interpreter_output_path(act->interp, buf_text(&spin->name), &spin->path, act->fault);
+}
+
+/* Has the image helper, if there is something for it to do, load its libraries while the first
+ * picture is drawn. */
+static enum err begin_files(struct spin *spin)
+{
+    const struct act *act = spin->act;
+    const enum err err = find_path(spin, 0);
+    buf_add_text(&spin->first, buf_text(&spin->path));
+    return err || !spin->path.length || is_exr(spin)
+               ? err
+               : image_helper_start(act->interp->helper, act->fault);
 }
 
 /* A picture as the file, or part of one, that it is to be. The image helper compresses it while the
@@ -204,6 +212,8 @@ static enum err turn_around(struct spin *spin)
         err = act_take_shown(spin->act, &spin->act->value[SHOWN], &spin->labels);
     if (!err && act_is_yes(&spin->act->value[FIT]))
         err = fit_turns(spin, &from);
+    if (!err)
+        err = begin_files(spin);
     for (unsigned i = 0; i < spin->total && !err; i++) {
         watch_poll(session->watch, "turntable", i, spin->total);
         err = show_turned(spin, &from, i);

@@ -52,7 +52,7 @@ void image_helper_free(struct image_helper *helper)
     free(helper);
 }
 
-static enum err start(struct image_helper *helper, struct fault *fault)
+enum err image_helper_start(struct image_helper *helper, struct fault *fault)
 {
     helper->process.patience_ms = image_helper_patience_ms;
     helper->process.memory = image_helper_memory_most ? image_helper_memory_most : mem_available();
@@ -140,7 +140,7 @@ static enum err request_writing(const struct image_movie *movie, const struct pi
     char line[COPROCESS_LINE];
     enum err err = check_request("write", path, like, fault);
     if (!err)
-        err = start(helper, fault);
+        err = image_helper_start(helper, fault);
     if (err)
         return err;
     int length =
@@ -297,7 +297,7 @@ static enum err ask(struct image_helper *helper, const char *request, const char
     char line[COPROCESS_LINE];
     enum err err = check_request("read", path, NULL, fault);
     if (!err)
-        err = start(helper, fault);
+        err = image_helper_start(helper, fault);
     if (err)
         return err;
     int length = snprintf(line, COPROCESS_LINE, "%s %zu\n", request, strlen(path));

@@ -46,6 +46,10 @@ struct image_helper;
  * running program; which is not started yet. */
 enum err image_helper_new(struct image_helper **helper, const char *program, struct fault *fault);
 
+/* Starts it, unless it runs, for the caller who will need it soon: it takes some 160 ms to load its
+ * libraries, beside whatever else is done. Every request does so by itself. */
+enum err image_helper_start(struct image_helper *helper, struct fault *fault);
+
 /* Ends the helper, if it runs, and waits for it. */
 void image_helper_free(struct image_helper *helper);
 
