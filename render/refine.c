@@ -9,6 +9,7 @@ enum {
     SHARE_BITS = 16,
     NEARLY = 64 * FIELD_INSIDE_UNIT, /* inside; */
     FAR = 1024 * FIELD_INSIDE_UNIT,  /* outside: the surface is a voxel away */
+    BACK = 4,                        /* steps of half a voxel before the first solid one */
     GAP = 8,                         /* steps: after more, cubes are gone through instead */
 };
 
@@ -194,6 +195,27 @@ uint32_t refine_voxel_at(const struct refiner *refiner, int64_t depth, uint32_t 
     return is_solid(refiner, cell) ? owner_of(refiner, cell, at) : CELL_NONE;
 }
 
+/* Where a ray came inside that is inside as it comes to its first solid voxel: the ground of a pit
+ * may lie further outside than the skin. Where it was inside for longer, that voxel is seen. */
+static void go_back(struct sample *ray, struct refiner *refiner, const struct sample *first)
+{
+    struct sample after = *first, before = *first;
+    for (int i = 0; i < BACK; i++) {
+        before.depth = after.depth - refiner->depth[REFINE_HALF];
+        for (int a = 0; a < 3; a++)
+            before.at[a] = after.at[a] - refiner->step[REFINE_HALF][a];
+        const uint32_t cell = cell_at(&refiner->camera->scene->grid, before.at);
+        if (cell == CELL_NONE || !border_is_open(refiner->border, cell))
+            return;
+        look(&before, refiner);
+        if (before.inside <= 0) {
+            find_surface(ray, refiner, &before, &after);
+            return;
+        }
+        after = before;
+    }
+}
+
 /* What a ray that comes into a cube shows of it or of what is beyond. True where that is all. */
 static bool refine(struct sample *ray, struct refiner *refiner, uint32_t x, uint32_t y)
 {
@@ -202,9 +224,12 @@ static bool refine(struct sample *ray, struct refiner *refiner, uint32_t x, uint
     look(&first, refiner);
     if (first.inside <= 0)
         return follow(ray, refiner, &first);
-    if (!refine_is_cut_open(refiner, ray->depth, ray->cell))
+    const bool is_open = refine_is_cut_open(refiner, ray->depth, ray->cell);
+    if (!is_open)
         ray->depth |= REFINE_WITHIN;
     ray->cell = owner_of(refiner, ray->cell, first.at);
+    if (!is_open && refiner->goes_back)
+        go_back(ray, refiner, &first);
     return true;
 }
 

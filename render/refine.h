@@ -5,7 +5,9 @@
  * too, so that it is curved where cubes are not. It lies in solid voxels (render/border.h) alone:
  * from the first cube on, the ray is followed in steps of half a voxel, or of a whole one where
  * that cannot be too far, until it is inside in a solid voxel. Where
- * the whole is cut open, the ray is inside at once, on the face of a cube.
+ * the whole is cut open, the ray is inside at once, on the face of a cube. In a pit it is inside as
+ * it comes to its first solid voxel, since the ground there lies further out; from look 3 on it is
+ * followed back to where it came inside, at most two voxels, and else seen at that face.
  *
  * So what is seen is a pure function of the map of cubes, of shown and solid voxels and of the
  * view: where the four ways agree in cubes, they agree in what is seen.
@@ -33,6 +35,7 @@ struct refiner {
     int64_t depth[REFINE_WHOLE + 1];   /* crossings of such a part of a voxel, */
     int32_t step[REFINE_WHOLE + 1][3]; /* and that along each axis, in 2^-12 voxels */
     bool cuts;                         /* something is cut away */
+    bool goes_back;                    /* surfaces may lie before the first solid voxel */
     struct field_reader shown;
 };
 

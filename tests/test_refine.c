@@ -127,6 +127,14 @@ static bool is_rod_of_3(const double at[3])
 {
     return fabs(at[1]) <= 1 && fabs(at[2]) <= 1;
 }
+/* Pits of 2x2 to 4x5 voxels in a block. */
+static bool is_pitted(const double at[3])
+{
+    const int x = (int)(at[0] + 100) % 12, y = (int)(at[1] + 100) % 12;
+    const int wide = 1 + (int)(at[0] + 100) / 12 % 3, long_ = 1 + (int)(at[1] + 100) / 12 % 4;
+    const bool is_block = fabs(at[0]) < 15 && fabs(at[1]) < 15 && at[2] < 0 && at[2] > -12;
+    return is_block && (x > wide || y > long_ || at[2] < -4);
+}
 
 static const struct thing {
     const char *name;
@@ -274,10 +282,40 @@ STORY(what_is_thin_has_no_holes_and_does_not_vanish)
     }
 }
 
+/* Pixels that show the face by which their ray comes to its first solid voxel. */
+static size_t seen_at_faces(const struct rendition *r)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < (size_t)r->width * r->height; i++)
+        count += r->cell[i] != CELL_NONE && r->depth[i] == (r->cube.depth[i] | REFINE_WITHIN);
+    return count;
+}
+
+/* In a pit the field comes inside further out than a face neighbour of what is shown. */
+STORY(the_ground_of_a_pit_is_no_face_of_a_voxel)
+{
+    struct stage s;
+    size_t former = 0;
+    stage_shape(&s, 35, is_pitted);
+    for (int i = 0; i < SIDES; i++) {
+        s.look.number = LOOK_SECOND;
+        draw(&s, 8000, side[i]);
+        former += seen_at_faces(&s.rendition);
+        s.look.number = LOOK_PRESENT;
+        draw(&s, 8000, side[i]);
+        const size_t faces = seen_at_faces(&s.rendition);
+        if (!CHECK(faces * 10000 < seen(&s.rendition)))
+            printf("# view %d: %zu of %zu pixels\n", i, faces, seen(&s.rendition));
+    }
+    CHECK(former > 100); /* look 2 shows them */
+    stage_release(&s);
+}
+
 int main(void)
 {
     return RUN_STORIES(TELL(the_silhouette_of_a_ball_is_as_large_as_the_ball),
                        TELL(a_silhouette_is_curved),
                        TELL(a_face_that_is_cut_open_ends_where_the_surface_does),
-                       TELL(what_is_thin_has_no_holes_and_does_not_vanish));
+                       TELL(what_is_thin_has_no_holes_and_does_not_vanish),
+                       TELL(the_ground_of_a_pit_is_no_face_of_a_voxel));
 }

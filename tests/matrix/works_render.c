@@ -109,8 +109,8 @@ static void views(struct stage *s)
 
 static void looks(struct stage *s)
 {
-    for (int i = 0; i < 48; i++) {
-        s->look = look_default(i < 24 ? LOOK_FIRST : LOOK_PRESENT);
+    for (int i = 0; i < 72; i++) {
+        s->look = look_default(LOOK_FIRST + (uint32_t)i / 24);
         s->look.mode = (enum shade_mode)(i % 24 % 4);
         s->look.edges = (uint32_t)i / 3 % 2;
         s->look.cue_percent = (uint32_t)(i % 24 * 4);
