@@ -26,6 +26,7 @@ struct patch {
     uint32_t x, y, side;    /* within the tile */
     size_t corner[CORNERS]; /* pixels: left and right above, then below */
     int64_t depth[CORNERS];
+    int64_t between[TILE][TILE]; /* depths of all its pixels, [y][x], once is_in_front */
 };
 
 /* Of SIDE - 1 steps from one corner to the next, in 2^-SHARE_BITS. */
@@ -120,7 +121,7 @@ static bool is_flat(struct patches *p, const struct patch *patch)
 
 /* Whether the rays between the corners come to cubes about as long before the surface as those do,
  * and to none that is cut open. */
-static bool is_in_front(const struct patches *p, const struct patch *patch)
+static bool is_in_front(const struct patches *p, struct patch *patch)
 {
     const struct cube_maps *cube = &p->r->cube;
     int64_t most = 0;
@@ -135,7 +136,8 @@ static bool is_in_front(const struct patches *p, const struct patch *patch)
             if (cube->cell[row + x] == CELL_NONE ||
                 refine_is_cut_open(p->refiner, cube->depth[row + x], cube->cell[row + x]))
                 return false;
-            const int64_t behind = depth_at(patch, x, y) - cube->depth[row + x];
+            patch->between[y][x] = depth_at(patch, x, y);
+            const int64_t behind = patch->between[y][x] - cube->depth[row + x];
             if (behind < 0 || behind > most)
                 return false;
         }
@@ -237,7 +239,7 @@ static void fill(struct patches *p, const struct patch *patch)
         mix(right, corner[1], corner[3], share[y]);
         for (uint32_t x = 0; x < patch->side; x++) {
             mix(normal, left, right, share[x]);
-            fill_pixel(p, patch->x + x, patch->y + y, depth_at(patch, x, y), voxel, normal);
+            fill_pixel(p, patch->x + x, patch->y + y, patch->between[y][x], voxel, normal);
         }
     }
 }
@@ -260,7 +262,7 @@ static void fill_empty(struct patches *p, const struct patch *patch)
         }
 }
 
-static bool is_smooth(struct patches *p, const struct patch *patch)
+static bool is_smooth(struct patches *p, struct patch *patch)
 {
     return is_flat(p, patch) && is_in_front(p, patch) && has_one_side(p, patch);
 }
@@ -282,7 +284,8 @@ static bool fill_whole(struct patches *p, struct patch *patch)
 
 static void refine_patch(struct patches *p, uint32_t x, uint32_t y, uint32_t side)
 {
-    struct patch patch = {.x = x, .y = y, .side = side};
+    struct patch patch;
+    patch.x = x, patch.y = y, patch.side = side;
     if (!fill_whole(p, &patch) && side > LEAST)
         for (unsigned i = 0; i < 4; i++)
             refine_patch(p, x + (i & 1) * side / 2, y + (i >> 1) * side / 2, side / 2);

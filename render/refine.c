@@ -62,15 +62,22 @@ static inline void look(struct sample *sample, struct refiner *refiner)
     sample->inside = field_inside(&refiner->shown, point);
 }
 
-static inline uint32_t cell_at(const struct grid *grid, const int32_t at[3])
+/* The voxel in whose cube a point lies, and how far along each axis it is; false outside the
+ * scene. */
+static inline bool place_at(uint32_t place[3], const struct grid *grid, const int32_t at[3])
 {
-    uint32_t place[3];
     for (int a = 0; a < 3; a++) {
         place[a] = (uint32_t)((at[a] + (1 << (FINEST_BITS - 1))) >> FINEST_BITS);
         if (place[a] >= grid->size[a])
-            return CELL_NONE;
+            return false;
     }
-    return grid_cell(grid, place[0], place[1], place[2]);
+    return true;
+}
+
+static inline uint32_t cell_at(const struct grid *grid, const int32_t at[3])
+{
+    uint32_t place[3];
+    return place_at(place, grid, at) ? grid_cell(grid, place[0], place[1], place[2]) : CELL_NONE;
 }
 
 /* Further along the ray; what is there is not looked at yet. */
@@ -88,20 +95,17 @@ static inline bool is_solid(const struct refiner *refiner, uint32_t cell)
     return cell != CELL_NONE && border_is_solid(refiner->border, cell);
 }
 
-/* The shown voxel that a point in a solid one belongs to: it, or its shown neighbour whose centre
- * is nearest to the point. */
-static uint32_t owner_of(const struct refiner *refiner, uint32_t cell, const int32_t at[3])
+/* The shown voxel that a point in a solid one at a place belongs to: it, or its shown neighbour
+ * whose centre is nearest to the point. */
+static uint32_t owner_beside(const struct refiner *refiner, uint32_t cell, const uint32_t place[3],
+                             const int32_t at[3])
 {
     const struct grid *grid = &refiner->camera->scene->grid;
-    if (border_shows(refiner->border, cell))
-        return cell;
-    const struct place p = grid_place(grid, cell);
-    const int32_t centre[3] = {(int32_t)p.x, (int32_t)p.y, (int32_t)p.z};
     uint32_t owner = cell;
     int32_t nearest = INT32_MIN;
     for (int i = 0; i < 6; i++) {
         const int a = i / 2, sign = i % 2 ? 1 : -1;
-        const int32_t toward = sign * (at[a] - centre[a] * (1 << FINEST_BITS));
+        const int32_t toward = sign * (at[a] - (int32_t)place[a] * (1 << FINEST_BITS));
         const uint32_t beside = cell + (uint32_t)(sign * grid->step[a]);
         if (toward > nearest && border_shows(refiner->border, beside)) {
             nearest = toward;
@@ -109,6 +113,28 @@ static uint32_t owner_of(const struct refiner *refiner, uint32_t cell, const int
         }
     }
     return owner;
+}
+
+/* The same by the voxel alone, whose place takes divisions. */
+static uint32_t owner_of(const struct refiner *refiner, uint32_t cell, const int32_t at[3])
+{
+    if (border_shows(refiner->border, cell))
+        return cell;
+    const struct place p = grid_place(&refiner->camera->scene->grid, cell);
+    return owner_beside(refiner, cell, (const uint32_t[]){p.x, p.y, p.z}, at);
+}
+
+/* And by the point alone; CELL_NONE where it lies in no solid voxel. */
+static uint32_t owner_at(const struct refiner *refiner, const int32_t at[3])
+{
+    const struct grid *grid = &refiner->camera->scene->grid;
+    uint32_t place[3];
+    if (!place_at(place, grid, at))
+        return CELL_NONE;
+    const uint32_t cell = grid_cell(grid, place[0], place[1], place[2]);
+    if (!border_is_solid(refiner->border, cell))
+        return CELL_NONE;
+    return border_shows(refiner->border, cell) ? cell : owner_beside(refiner, cell, place, at);
 }
 
 /* Where the ray comes inside between two samples of which the latter is. */
@@ -122,8 +148,9 @@ static void find_surface(struct sample *surface, const struct refiner *refiner,
     for (int a = 0; a < 3; a++)
         surface->at[a] =
             before->at[a] + (int32_t)((after->at[a] - before->at[a]) * share >> SHARE_BITS);
-    const uint32_t cell = cell_at(&refiner->camera->scene->grid, surface->at);
-    surface->cell = owner_of(refiner, is_solid(refiner, cell) ? cell : after->cell, surface->at);
+    surface->cell = owner_at(refiner, surface->at);
+    if (surface->cell == CELL_NONE)
+        surface->cell = owner_of(refiner, after->cell, surface->at);
 }
 
 /* What is thinner than a step may lie between two samples that are both nearly inside. */
@@ -191,8 +218,7 @@ uint32_t refine_voxel_at(const struct refiner *refiner, int64_t depth, uint32_t 
 {
     int32_t at[3];
     find_point(at, refiner, depth, x, y);
-    const uint32_t cell = cell_at(&refiner->camera->scene->grid, at);
-    return is_solid(refiner, cell) ? owner_of(refiner, cell, at) : CELL_NONE;
+    return owner_at(refiner, at);
 }
 
 /* Where a ray came inside that is inside as it comes to its first solid voxel: the ground of a pit

@@ -177,11 +177,13 @@ static struct tile tile_at(const struct rendition *r, size_t number)
 /* Voxels beside each other in a picture lie far apart in memory. */
 static void fetch_cells(const struct rendition *r, const struct scene *scene, struct tile tile)
 {
+    uint32_t last = CELL_NONE;
     for (uint32_t y = tile.top; y < tile.bottom; y++)
         for (uint32_t x = tile.left; x < tile.right; x++) {
             const uint32_t cell = r->cell[(size_t)y * r->width + x];
-            if (cell != CELL_NONE)
+            if (cell != CELL_NONE && cell != last)
                 __builtin_prefetch(scene->cell + cell);
+            last = cell;
         }
 }
 
@@ -196,6 +198,8 @@ static bool label_tile(struct rendition *r, const struct border *border, struct 
 {
     const struct labels *labels = &border->labels;
     bool is_empty = true;
+    uint32_t last = CELL_NONE;
+    uint8_t label = 0;
     if (r->layers)
         return layers_pick(r, border, footprint_of(tile));
     fetch_cells(r, labels->scene, tile);
@@ -204,7 +208,10 @@ static bool label_tile(struct rendition *r, const struct border *border, struct 
         for (size_t pixel = row + tile.left; pixel < row + tile.right; pixel++) {
             const uint32_t cell = r->cell[pixel];
             is_empty = is_empty && cell == CELL_NONE;
-            r->label[pixel] = cell == CELL_NONE ? 0 : labels_at(labels, cell);
+            if (cell != last)
+                label = cell == CELL_NONE ? 0 : labels_at(labels, cell);
+            last = cell;
+            r->label[pixel] = label;
             if (cell != CELL_NONE)
                 continue;
             memset(r->rgba + 4 * pixel, 0, 4);
@@ -255,11 +262,26 @@ static bool is_bare(const struct rendition *r, struct tile tile)
     return true;
 }
 
+/* Nothing is seen of such a tile. */
+static void empty_tile(struct rendition *r, struct tile tile)
+{
+    const size_t width = tile.right - tile.left;
+    for (uint32_t y = tile.top; y < tile.bottom; y++) {
+        const size_t row = (size_t)y * r->width + tile.left;
+        for (size_t pixel = row; pixel < row + width; pixel++) {
+            r->depth[pixel] = DEPTH_NONE;
+            r->cell[pixel] = CELL_NONE;
+        }
+        memset(r->label + row, 0, width);
+        memset(r->rgba + 4 * row, 0, 4 * width);
+        memset(r->normal + 4 * row, 0, 4 * width * sizeof *r->normal);
+    }
+}
+
 /* Which pixels have their normals then. */
 static tile_mask refine_tile(struct rendition *r, struct shading *s, struct tile tile)
 {
-    if (s->has_patches && !is_bare(r, tile) && tile.right - tile.left == TILE &&
-        tile.bottom - tile.top == TILE)
+    if (s->has_patches && tile.right - tile.left == TILE && tile.bottom - tile.top == TILE)
         return patches_refine(r, &s->refiner, &s->normals, tile.left, tile.top);
     for (uint32_t y = tile.top; y < tile.bottom; y++)
         for (uint32_t x = tile.left; x < tile.right; x++)
@@ -303,11 +325,14 @@ static void label_tiles(struct rendition *r, size_t first, size_t end, struct sh
     for (size_t i = rendition_tile(r, first, end, TILE_STALE); i < end;
          i = rendition_tile(r, i + 1, end, TILE_STALE)) {
         const struct tile tile = tile_at(r, i);
-        if (waits(r, s) && !is_bare(r, tile))
+        const bool bare = rendition_is_refined(r) && is_bare(r, tile);
+        if (bare)
+            empty_tile(r, tile);
+        else if (waits(r, s))
             continue;
-        if (rendition_is_refined(r))
+        else if (rendition_is_refined(r))
             refine_tile(r, s, tile);
-        if (label_tile(r, s->border, tile))
+        if (bare || label_tile(r, s->border, tile))
             r->stale[i] = TILE_EMPTY;
     }
 }
