@@ -97,8 +97,8 @@ static enum corners find_corners(struct patches *p, struct patch *patch)
         least = patch->depth[i] < least ? patch->depth[i] : least;
         most = patch->depth[i] > most ? patch->depth[i] : most;
     }
-    if (empty == CORNERS)
-        return CORNERS_EMPTY;
+    if (empty > 0)
+        return empty == CORNERS ? CORNERS_EMPTY : CORNERS_APART;
     const bool is_steep = most - least > (int64_t)(STEEPEST * last) << PIXEL_BITS;
     return surfaces == CORNERS && !is_steep ? CORNERS_SURFACE : CORNERS_APART;
 }
@@ -115,8 +115,10 @@ static bool is_flat(struct patches *p, const struct patch *patch)
     const int64_t most = (p->voxel << PIXEL_BITS) / FLAT_PART;
     const uint32_t half = patch->side / 2;
     const size_t middle = refine_middle(p, patch);
+    if (!is_within(p, middle))
+        return false;
     const int64_t off = p->r->depth[middle] - depth_at(patch, half, half);
-    return is_within(p, middle) && off <= most && off >= -most;
+    return off <= most && off >= -most;
 }
 
 /* Whether the rays between the corners come to cubes about as long before the surface as those do,
