@@ -10,6 +10,7 @@ enum {
     NEARLY = 64 * FIELD_INSIDE_UNIT, /* inside; */
     FAR = 1024 * FIELD_INSIDE_UNIT,  /* outside: the surface is a voxel away */
     BACK = 4,                        /* steps of half a voxel before the first solid one */
+    HALVINGS = 6,                    /* of a step, to where it leaves what is solid */
     GAP = 8,                         /* steps: after more, cubes are gone through instead */
 };
 
@@ -165,6 +166,24 @@ static bool lies_between(struct sample *middle, struct refiner *refiner,
     return middle->inside > 0;
 }
 
+/* Where something is cut away, a ray may leave it on a step in which it has come inside: at `last`,
+ * the last point between two samples that is solid, of which the former is. */
+static bool leaves_inside(struct sample *last, struct refiner *refiner, const struct sample *before,
+                          const struct sample *after)
+{
+    struct sample end = *after, middle = *after;
+    *last = *before;
+    for (int i = 0; i < HALVINGS; i++) {
+        middle.depth = (last->depth + end.depth) / 2;
+        for (int a = 0; a < 3; a++)
+            middle.at[a] = (last->at[a] + end.at[a]) / 2;
+        middle.cell = cell_at(&refiner->camera->scene->grid, middle.at);
+        *(is_solid(refiner, middle.cell) ? last : &end) = middle;
+    }
+    look(last, refiner);
+    return last->inside > 0;
+}
+
 /* Follows a ray from a solid voxel on, through solid ones and small gaps. True where it comes
  * inside, at `out`, or leaves the scene; false where cubes are to be gone through from there. */
 static bool follow(struct sample *out, struct refiner *refiner, const struct sample *first)
@@ -175,6 +194,10 @@ static bool follow(struct sample *out, struct refiner *refiner, const struct sam
         const bool is_far = gap == 0 && here->inside < -FAR;
         go_on(next, refiner, here, is_far ? REFINE_WHOLE : REFINE_HALF);
         if (!is_solid(refiner, next->cell)) {
+            if (refiner->cuts && refiner->is_close && leaves_inside(&middle, refiner, here, next)) {
+                find_surface(out, refiner, here, &middle);
+                return true;
+            }
             gap = refiner->cuts ? GAP + 1 : gap + 1;
         } else {
             if (gap > 0)
@@ -254,7 +277,7 @@ static bool refine(struct sample *ray, struct refiner *refiner, uint32_t x, uint
     if (!is_open)
         ray->depth |= REFINE_WITHIN;
     ray->cell = owner_of(refiner, ray->cell, first.at);
-    if (!is_open && refiner->goes_back)
+    if (!is_open && refiner->is_close)
         go_back(ray, refiner, &first);
     return true;
 }

@@ -7,7 +7,8 @@
  * that cannot be too far, until it is inside in a solid voxel. Where
  * the whole is cut open, the ray is inside at once, on the face of a cube. In a pit it is inside as
  * it comes to its first solid voxel, since the ground there lies further out; from look 3 on it is
- * followed back to where it came inside, at most two voxels, and else seen at that face.
+ * followed back to where it came inside, at most two voxels, and else seen at that face. Rims of
+ * what is cut open are clean lines from look 3 on too.
  *
  * So what is seen is a pure function of the map of cubes, of shown and solid voxels and of the
  * view: where the four ways agree in cubes, they agree in what is seen.
@@ -35,7 +36,7 @@ struct refiner {
     int64_t depth[REFINE_WHOLE + 1];   /* crossings of such a part of a voxel, */
     int32_t step[REFINE_WHOLE + 1][3]; /* and that along each axis, in 2^-12 voxels */
     bool cuts;                         /* something is cut away */
-    bool goes_back;                    /* surfaces may lie before the first solid voxel */
+    bool is_close;                     /* from look 3 on: pits, and rims of what is cut open */
     struct field_reader shown;
 };
 

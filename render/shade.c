@@ -439,7 +439,7 @@ static void shading_init(struct shading *s, const struct camera *camera,
     light_init(&s->light, camera, look->light, look->cue_percent);
     if (look_is_refined(look))
         refiner_init(&s->refiner, camera, border);
-    s->refiner.goes_back = look->number > LOOK_SECOND;
+    s->refiner.is_close = look->number > LOOK_SECOND;
     if (s->occludes)
         occluder_init(&s->occluder, &shader->bricks, camera, look->ao_percent);
     s->has_patches = look->number > LOOK_SECOND && !looks_around(look);

@@ -24,7 +24,7 @@ enum { SHADE_SAMPLES_MOST = 4, LIGHT_PITCH_MOST = 90000 };
 /* Looks have numbers: what is drawn under one stays as it is, so that images that were made under
  * it can be made again. A session draws under that of its journal's semantics. From look 2 on
  * surfaces are smooth; from look 3 on most of their pixels lie in patches (render/patch.h), and
- * rays into pits are followed back to the ground (render/refine.h). */
+ * pits and rims of cuts are looked at closely (render/refine.h). */
 enum { LOOK_FIRST = 1, LOOK_SECOND, LOOK_PRESENT };
 
 struct look {

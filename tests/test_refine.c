@@ -311,11 +311,52 @@ STORY(the_ground_of_a_pit_is_no_face_of_a_voxel)
     stage_release(&s);
 }
 
+/* The first row of a column that shows something. */
+static uint32_t top_of(const struct rendition *r, uint32_t x)
+{
+    uint32_t y = 0;
+    while (y < r->height && r->cell[(size_t)y * r->width + x] == CELL_NONE)
+        y++;
+    return y;
+}
+
+/* Columns whose top lies a pixel off the middle of those beside it. */
+static unsigned count_teeth(const struct rendition *r)
+{
+    unsigned teeth = 0;
+    for (uint32_t x = r->width / 4; x < r->width * 3 / 4; x++) {
+        const int64_t off = 2 * (int64_t)top_of(r, x) - top_of(r, x - 1) - top_of(r, x + 1);
+        teeth += off > 1 || off < -1;
+    }
+    return teeth;
+}
+
+/* A ball without its upper half, from below: rays come out of it where it is cut. */
+STORY(the_rim_of_a_cut_is_a_line)
+{
+    struct stage s;
+    unsigned former = 0;
+    stage_shape(&s, 85, is_ball);
+    s.border.cut.last[2] = 42;
+    border_recount(&s.border);
+    for (int32_t pitch = -70000; pitch <= 70000; pitch += 20000) {
+        s.look.number = LOOK_SECOND;
+        draw(&s, 8000, (const int32_t[]){20000, pitch});
+        former += count_teeth(&s.rendition);
+        s.look.number = LOOK_PRESENT;
+        draw(&s, 8000, (const int32_t[]){20000, pitch});
+        if (!CHECK(count_teeth(&s.rendition) <= 1))
+            printf("# pitch %d: %u teeth\n", pitch, count_teeth(&s.rendition));
+    }
+    CHECK(former > 100); /* look 2 has them */
+    stage_release(&s);
+}
+
 int main(void)
 {
-    return RUN_STORIES(TELL(the_silhouette_of_a_ball_is_as_large_as_the_ball),
-                       TELL(a_silhouette_is_curved),
-                       TELL(a_face_that_is_cut_open_ends_where_the_surface_does),
-                       TELL(what_is_thin_has_no_holes_and_does_not_vanish),
-                       TELL(the_ground_of_a_pit_is_no_face_of_a_voxel));
+    return RUN_STORIES(
+        TELL(the_silhouette_of_a_ball_is_as_large_as_the_ball), TELL(a_silhouette_is_curved),
+        TELL(a_face_that_is_cut_open_ends_where_the_surface_does),
+        TELL(what_is_thin_has_no_holes_and_does_not_vanish),
+        TELL(the_ground_of_a_pit_is_no_face_of_a_voxel), TELL(the_rim_of_a_cut_is_a_line));
 }
