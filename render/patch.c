@@ -7,7 +7,6 @@ enum {
     LEAST = 4,        /* pixels a side; three quarters of fewer would be corners */
     SHARE_BITS = 8,   /* of the way from one corner to the next */
     PIXEL_BITS = 26,  /* of a depth: 4 * 2^24 to a pixel */
-    STEEPEST = 4,     /* pixels of depth to a pixel */
     FLAT_PART = 8,    /* of a voxel: so far from the plane of the others may a pixel lie */
     SLACK = 2,        /* voxels by which what is seen may lie deeper in cubes than at corners */
     ALIKE = 15 << 24, /* cosine of normals, where 2^28 is 1: 20 degrees */
@@ -81,11 +80,10 @@ static bool is_within(const struct patches *p, size_t pixel)
 
 enum corners { CORNERS_APART, CORNERS_EMPTY, CORNERS_SURFACE };
 
-/* Refines the corners: whether nothing is seen at any, or all lie on what may be one surface. */
+/* Refines the corners: whether nothing is seen at any, or a surface at all. */
 static enum corners find_corners(struct patches *p, struct patch *patch)
 {
     const uint32_t last = patch->side - 1;
-    int64_t least = INT64_MAX, most = INT64_MIN;
     unsigned surfaces = 0, empty = 0;
     for (unsigned i = 0; i < CORNERS; i++) {
         const uint32_t x = patch->x + (i & 1) * last, y = patch->y + (i >> 1) * last;
@@ -94,13 +92,8 @@ static enum corners find_corners(struct patches *p, struct patch *patch)
         patch->depth[i] = p->r->depth[pixel];
         surfaces += is_within(p, pixel);
         empty += p->r->cell[pixel] == CELL_NONE;
-        least = patch->depth[i] < least ? patch->depth[i] : least;
-        most = patch->depth[i] > most ? patch->depth[i] : most;
     }
-    if (empty > 0)
-        return empty == CORNERS ? CORNERS_EMPTY : CORNERS_APART;
-    const bool is_steep = most - least > (int64_t)(STEEPEST * last) << PIXEL_BITS;
-    return surfaces == CORNERS && !is_steep ? CORNERS_SURFACE : CORNERS_APART;
+    return empty == CORNERS ? CORNERS_EMPTY : surfaces == CORNERS ? CORNERS_SURFACE : CORNERS_APART;
 }
 
 static size_t refine_middle(struct patches *p, const struct patch *patch)
