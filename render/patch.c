@@ -225,7 +225,9 @@ static void fill(struct patches *p, const struct patch *patch)
 {
     const int16_t *share = shares[patch->side == TILE];
     const uint32_t voxel = common_voxel(p, patch);
+    const uint32_t half = patch->side / 2;
     int16_t corner[CORNERS][4];
+    p->is_refined &= ~bit_of(patch->x + half, patch->y + half); /* no dot among the others */
     for (int i = 0; i < CORNERS; i++)
         memcpy(corner[i], p->r->normal + 4 * patch->corner[i], sizeof corner[i]);
     for (uint32_t y = 0; y < patch->side; y++) {

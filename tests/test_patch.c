@@ -140,8 +140,42 @@ STORY(most_pixels_of_a_smooth_surface_are_in_patches)
     stage_release(&s);
 }
 
+/* Whether a pixel is brighter than all four beside it, or darker. */
+static bool is_dot(const struct rendition *r, size_t pixel)
+{
+    const size_t beside[4] = {pixel - 1, pixel + 1, pixel - r->width, pixel + r->width};
+    const int own = r->rgba[4 * pixel + 1];
+    int above = 0, below = 0;
+    for (int i = 0; i < 4; i++) {
+        above += own > r->rgba[4 * beside[i] + 1];
+        below += own < r->rgba[4 * beside[i] + 1];
+    }
+    return above == 4 || below == 4;
+}
+
+/* What is refined by itself in the middle of a patch does not stand out. */
+STORY(no_pixel_of_a_patch_is_a_dot)
+{
+    struct stage s;
+    uint64_t random = 3;
+    size_t dots = 0, middles = 0;
+    stage_balls(&s, &random);
+    s.view = (struct view){.width = 512, .height = 512, .zoom = 8000};
+    draw(&s, LOOK_PRESENT);
+    for (uint32_t y = 1; y < 511; y++)
+        for (uint32_t x = 1; x < 511; x++)
+            if (is_dot(&s.rendition, (size_t)y * 512 + x)) {
+                dots++;
+                middles += x % TILE == TILE / 2 && y % TILE == TILE / 2;
+            }
+    if (!CHECK(middles * 8 < dots))
+        printf("# %zu dots, %zu of them in the middle of tiles\n", dots, middles);
+    stage_release(&s);
+}
+
 int main(void)
 {
     return RUN_STORIES(TELL(patches_look_as_pixels_by_themselves_do),
-                       TELL(most_pixels_of_a_smooth_surface_are_in_patches));
+                       TELL(most_pixels_of_a_smooth_surface_are_in_patches),
+                       TELL(no_pixel_of_a_patch_is_a_dot));
 }
