@@ -196,17 +196,23 @@ static uint32_t common_voxel(const struct patches *p, const struct patch *patch)
     return cell;
 }
 
-/* A pixel with a depth is not seen there yet: the point must belong to a voxel. */
+static bool meets_at_corner(const struct patches *p, const struct patch *patch)
+{
+    const uint32_t last = patch->side - 1;
+    for (unsigned i = 0; i < CORNERS; i++)
+        if (refine_meets_at(p->refiner, patch->depth[i], p->left + patch->x + (i & 1) * last,
+                            p->top + patch->y + (i >> 1) * last))
+            return true;
+    return false;
+}
+
+/* Of the middle too, or it would be a dot among the others. */
 static void fill_pixel(struct patches *p, uint32_t x, uint32_t y, int64_t depth, uint32_t voxel,
                        const int16_t normal[4])
 {
     const size_t pixel = pixel_of(p, x, y);
     const tile_mask bit = bit_of(x, y);
-    if (p->is_refined & bit)
-        return;
-    if (voxel == CELL_NONE)
-        voxel = refine_voxel_at(p->refiner, depth, p->left + x, p->top + y);
-    if (voxel == CELL_NONE)
+    if (p->has_normal & bit || voxel == CELL_NONE)
         return;
     p->r->depth[pixel] = depth;
     p->r->cell[pixel] = voxel;
@@ -221,13 +227,23 @@ static inline void mix(int16_t out[4], const int16_t from[4], const int16_t to[4
         out[a] = (int16_t)(from[a] + ((to[a] - from[a]) * share >> SHARE_BITS));
 }
 
+/* Between two vectors of a length there are shorter ones: as long again, by a step of Newton's. */
+static inline void lengthen(int16_t normal[4])
+{
+    int32_t square = 0;
+    for (int a = 0; a < 3; a++)
+        square += normal[a] * normal[a] >> NORMAL_BITS;
+    const int32_t longer = ((3 << NORMAL_BITS) - square) / 2;
+    for (int a = 0; a < 3; a++)
+        normal[a] = (int16_t)(normal[a] * longer >> NORMAL_BITS);
+}
+
 static void fill(struct patches *p, const struct patch *patch)
 {
     const int16_t *share = shares[patch->side == TILE];
     const uint32_t voxel = common_voxel(p, patch);
-    const uint32_t half = patch->side / 2;
+    const bool meets = voxel == CELL_NONE && meets_at_corner(p, patch);
     int16_t corner[CORNERS][4];
-    p->is_refined &= ~bit_of(patch->x + half, patch->y + half); /* no dot among the others */
     for (int i = 0; i < CORNERS; i++)
         memcpy(corner[i], p->r->normal + 4 * patch->corner[i], sizeof corner[i]);
     for (uint32_t y = 0; y < patch->side; y++) {
@@ -236,7 +252,14 @@ static void fill(struct patches *p, const struct patch *patch)
         mix(right, corner[1], corner[3], share[y]);
         for (uint32_t x = 0; x < patch->side; x++) {
             mix(normal, left, right, share[x]);
-            fill_pixel(p, patch->x + x, patch->y + y, patch->between[y][x], voxel, normal);
+            lengthen(normal);
+            const int64_t depth = patch->between[y][x];
+            const uint32_t column = patch->x + x, row = patch->y + y;
+            const uint32_t own =
+                voxel != CELL_NONE
+                    ? voxel
+                    : refine_voxel_at(p->refiner, depth, p->left + column, p->top + row, meets);
+            fill_pixel(p, column, row, depth, own, normal);
         }
     }
 }

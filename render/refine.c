@@ -1,6 +1,9 @@
 #include "render/refine.h"
 
+#include <string.h>
+
 #include "engine/gradient.h"
+#include "render/meeting.h"
 
 enum {
     RATIO_BITS = 15,
@@ -13,6 +16,8 @@ enum {
     HALVINGS = 6,                    /* of a step, to where it leaves what is solid */
     GAP = 8,                         /* steps: after more, cubes are gone through instead */
 };
+
+_Static_assert((int)FINEST_BITS == (int)MEETING_BITS, "points of meetings are those of samples");
 
 /* Half a voxel is half of the length, in voxels along all axes, that the ray goes in one along the
  * axis of which it crosses the most planes. */
@@ -237,11 +242,20 @@ static void find_point(int32_t at[3], const struct refiner *refiner, int64_t dep
         at[a] = locator_point(&refiner->locator[a], depth, x, y) * (1 << FINER_BITS);
 }
 
-uint32_t refine_voxel_at(const struct refiner *refiner, int64_t depth, uint32_t x, uint32_t y)
+uint32_t refine_voxel_at(const struct refiner *refiner, int64_t depth, uint32_t x, uint32_t y,
+                         bool meets)
 {
     int32_t at[3];
     find_point(at, refiner, depth, x, y);
-    return owner_at(refiner, at);
+    const uint32_t owner = owner_at(refiner, at);
+    return owner != CELL_NONE && meets ? meeting_voxel(refiner->border, at, owner) : owner;
+}
+
+bool refine_meets_at(const struct refiner *refiner, int64_t depth, uint32_t x, uint32_t y)
+{
+    int32_t at[3];
+    find_point(at, refiner, depth, x, y);
+    return refiner->meets && meeting_is_at(refiner->border, at);
 }
 
 /* Where a ray came inside that is inside as it comes to its first solid voxel: the ground of a pit
@@ -277,6 +291,7 @@ static bool refine(struct sample *ray, struct refiner *refiner, uint32_t x, uint
     if (!is_open)
         ray->depth |= REFINE_WITHIN;
     ray->cell = owner_of(refiner, ray->cell, first.at);
+    memcpy(ray->at, first.at, sizeof ray->at);
     if (!is_open && refiner->is_close)
         go_back(ray, refiner, &first);
     return true;
@@ -290,6 +305,8 @@ void refine_pixel(struct rendition *r, struct refiner *refiner, uint32_t x, uint
         if (!raycast_pixel(refiner->camera, refiner->border, x, y, ray.depth, &ray.depth,
                            &ray.cell))
             ray.cell = CELL_NONE;
+    if (refiner->meets && ray.cell != CELL_NONE && (ray.depth & 3) == REFINE_WITHIN)
+        ray.cell = meeting_voxel(refiner->border, ray.at, ray.cell);
     r->depth[pixel] = ray.cell == CELL_NONE ? DEPTH_NONE : ray.depth;
     r->cell[pixel] = ray.cell;
 }

@@ -37,6 +37,7 @@ struct refiner {
     int32_t step[REFINE_WHOLE + 1][3]; /* and that along each axis, in 2^-12 voxels */
     bool cuts;                         /* something is cut away */
     bool is_close;                     /* from look 3 on: pits, and rims of what is cut open */
+    bool meets; /* where objects meet, a point's voxel is that of render/meeting.h */
     struct field_reader shown;
 };
 
@@ -47,9 +48,12 @@ void refiner_init(struct refiner *refiner, const struct camera *camera,
 /* Whether a ray that comes into a cube at this depth comes from one that is cut away. */
 bool refine_is_cut_open(const struct refiner *refiner, int64_t depth, uint32_t cell);
 
-/* The shown voxel that the point of a surface belongs to which a pixel shows at this depth;
- * CELL_NONE where no surface can lie. */
-uint32_t refine_voxel_at(const struct refiner *refiner, int64_t depth, uint32_t x, uint32_t y);
+/* The shown voxel that the point of a surface belongs to which a pixel shows at this depth, by
+ * meeting_voxel where objects meet; CELL_NONE where no surface can lie. */
+uint32_t refine_voxel_at(const struct refiner *refiner, int64_t depth, uint32_t x, uint32_t y,
+                         bool meets);
+/* Whether that is to be looked at there. */
+bool refine_meets_at(const struct refiner *refiner, int64_t depth, uint32_t x, uint32_t y);
 
 /* What is seen of a pixel, whose maps of cubes are made. */
 void refine_pixel(struct rendition *rendition, struct refiner *refiner, uint32_t x, uint32_t y);

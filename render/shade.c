@@ -5,11 +5,15 @@
 #include "render/edge.h"
 #include "render/layers.h"
 #include "render/light.h"
+#include "render/meeting.h"
 #include "render/normal.h"
 #include "render/patch.h"
 #include "render/refine.h"
 
-enum { EDGE = LIGHT_UNIT * 35 / 100 }; /* what an edge leaves of a colour */
+enum {
+    EDGE = LIGHT_UNIT * 35 / 100, /* what an edge leaves of a colour */
+    STAIRS_SEEN = 4,              /* pixels to a voxel, from which on faces of voxels are stairs */
+};
 
 struct look look_default(uint32_t number)
 {
@@ -440,6 +444,7 @@ static void shading_init(struct shading *s, const struct camera *camera,
     if (look_is_refined(look))
         refiner_init(&s->refiner, camera, border);
     s->refiner.is_close = look->number > LOOK_SECOND;
+    s->refiner.meets = look->number > LOOK_SECOND && normal_stride(camera) >= STAIRS_SEEN;
     if (s->occludes)
         occluder_init(&s->occluder, &shader->bricks, camera, look->ao_percent);
     s->has_patches = look->number > LOOK_SECOND && !looks_around(look);
@@ -547,8 +552,9 @@ struct shade_reach shade_reach(const struct look *look, const struct camera *cam
     const int field = look->number > LOOK_FIRST ? NORMAL_REACH : FIELD_REACH;
     const int fit = look->mode == SHADE_DEPTH ? NORMAL_FIT_STEPS * (int)normal_stride(camera) : 0;
     const int depth = look_is_refined(look) ? REFINE_REACH : 1;
-    struct shade_reach reach = {look->mode == SHADE_DEPTH ? depth : field, look_is_refined(look),
-                                fit};
+    const int label = look->number > LOOK_SECOND ? MEETING_REACH : 1;
+    struct shade_reach reach = {look->mode == SHADE_DEPTH ? depth : field,
+                                look_is_refined(look) ? label : 0, fit};
     if (look->creases)
         reach.labels = field;
     if (look->ao_percent > 0 && occlusion_reach(camera->scene) > reach.voxels)
