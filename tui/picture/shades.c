@@ -279,7 +279,14 @@ static void look_around(const struct image_view *view, const uint32_t *hue, unsi
 }
 
 /* More than 64 greys, or much the same of any hue, the table could not distinguish. */
-enum { GREYS_LEAST = 8, RUNGS_MOST = 56 };
+enum { GREYS_LEAST = 8, RUNGS_MOST = 56, RUNGS_FEW = 8 };
+
+/* Whether so many hues are left that each would have but a few levels: bands of colour would be
+ * seen. */
+static bool are_crowded(const struct shades *s)
+{
+    return s->hues * RUNGS_FEW > SHADES_MOST - 1 - ACCENTS - GREYS_LEAST;
+}
 
 static void fill_palette(struct shades *s)
 {
@@ -291,6 +298,7 @@ static void fill_palette(struct shades *s)
     const unsigned gloss = (most - tints) / 4;
     s->count = 0;
     s->is_laddered = true;
+    s->is_suited = false;
     add_colour(s, 0);
     for (unsigned i = 0; i < ACCENTS; i++)
         add_colour(s, accent[i]);
@@ -304,35 +312,71 @@ static void fill_palette(struct shades *s)
     forget_places(s);
 }
 
-/* ---- no hues are known ---- */
+/* ---- no hues are known, or too many ---- */
+
+/* By how much the colours of about 32 x 32 pixels are off: the mean of the worst channels, times
+ * 16. */
+static uint32_t look_how_far(struct shades *s, const struct image_view *view)
+{
+    const uint32_t across = view->width / 32 + 1, down = view->height / 32 + 1;
+    uint32_t seen = 0, sum = 0;
+    for (uint32_t y = down / 2; y < view->height; y += down)
+        for (uint32_t x = across / 2; x < view->width; x += across) {
+            const uint32_t colour = image_view_colour(view, (size_t)y * view->width + x);
+            const uint32_t shown = s->colour[place_of(s, colour)];
+            uint32_t most = 0;
+            for (unsigned k = 0; k < 3; k++) {
+                const uint32_t one = channel(colour, k), other = channel(shown, k);
+                const uint32_t apart = one < other ? other - one : one - other;
+                most = apart > most ? apart : most;
+            }
+            sum += 16 * most;
+            seen++;
+        }
+    return seen ? sum / seen : 0;
+}
 
 static bool take_colours(struct shades *s, const struct image_view *view)
 {
     struct colour_table table;
-    if (!colour_table_reduce(&table, view, SHADES_MOST - 2))
+    if (!colour_table_reduce(&table, view, SHADES_MOST - 2 - ACCENTS))
         return false;
     s->count = 0;
     s->is_laddered = false;
+    s->is_suited = true;
     add_colour(s, 0);
     add_colour(s, 0xFFFFFF);
+    for (unsigned i = 0; i < ACCENTS && view->hue; i++)
+        add_colour(s, accent[i]);
     for (unsigned i = 0; i < table.count; i++)
         add_colour(s, table.colour[i]);
     forget_places(s);
+    s->off = look_how_far(s, view);
     return true;
 }
 
 /* ---- the palette ---- */
 
-static void choose_ladders(struct shades *s, const struct image_view *view)
+/* Whether the colours that suited another picture suit this one too. */
+static bool are_near(struct shades *s, const struct image_view *view)
+{
+    enum { FURTHER = 2 * 16 };
+    return look_how_far(s, view) <= s->off + s->off / 2 + FURTHER;
+}
+
+static bool choose_colours(struct shades *s, const struct image_view *view)
 {
     bool has_greys, has_tints;
     const bool is_new = take_hues(s, view);
+    if (are_crowded(s))
+        return (!is_new && s->is_suited && are_near(s, view)) || take_colours(s, view);
     look_around(view, s->hue, s->hues, &has_greys, &has_tints);
     if (!is_new && s->is_laddered && s->has_greys == has_greys && s->has_tints == has_tints)
-        return;
+        return true;
     s->has_greys = has_greys;
     s->has_tints = has_tints;
     fill_palette(s);
+    return true;
 }
 
 bool shades_take_exact(struct shades *s, const struct image_view *view)
@@ -342,7 +386,7 @@ bool shades_take_exact(struct shades *s, const struct image_view *view)
     memcpy(former, s->colour, sizeof former);
     begin_exact(s);
     if (apply_exact(s, view, NULL, 0)) {
-        s->is_laddered = false;
+        s->is_laddered = s->is_suited = false;
         return true;
     }
     s->is_exact = false;
@@ -357,10 +401,7 @@ bool shades_choose(struct shades *s, const struct image_view *view)
         return false;
     if (shades_take_exact(s, view))
         return true;
-    if (!view->hue)
-        return take_colours(s, view);
-    choose_ladders(s, view);
-    return true;
+    return view->hue ? choose_colours(s, view) : take_colours(s, view);
 }
 
 bool shades_serve(const struct shades *s, const struct image_view *view)
@@ -368,17 +409,19 @@ bool shades_serve(const struct shades *s, const struct image_view *view)
     const unsigned given = view->hues < SHADES_HUES_MOST ? view->hues : SHADES_HUES_MOST;
     if (s->is_exact)
         return true;
-    if (s->count == 0 || s->is_laddered != (view->hue != NULL))
+    if (s->count == 0 || (s->is_laddered && !view->hue))
         return false;
-    return !view->hue ||
-           (given == s->givens && memcmp(s->given, view->hue, given * sizeof *s->given) == 0);
+    return !view->hue || ((are_crowded(s) ? s->is_suited : s->is_laddered) && given == s->givens &&
+                          memcmp(s->given, view->hue, given * sizeof *s->given) == 0);
 }
 
-bool shades_lack(const struct shades *s, const struct image_view *view)
+bool shades_lack(struct shades *s, const struct image_view *view)
 {
     bool has_greys, has_tints;
-    if (!s->is_laddered)
+    if (s->is_exact)
         return false;
+    if (s->is_suited)
+        return view->hue && !are_near(s, view);
     look_around(view, s->hue, s->hues, &has_greys, &has_tints);
     return (has_greys && !s->has_greys) || (has_tints && !s->has_tints);
 }

@@ -17,7 +17,8 @@
  *
  * Many hues share what entries there are: those that are but darker versions of another have its
  * levels. Tints get levels only where a look at every so manieth pixel finds some. Where no hues
- * are known, the colours are those that suit the picture best (tui/picture/colour_table.h).
+ * are known, or so many that each would have but a few levels, the colours are those that suit the
+ * picture best (tui/picture/colour_table.h), until another picture has others.
  */
 #ifndef TUI_PICTURE_SHADES_H
 #define TUI_PICTURE_SHADES_H
@@ -33,6 +34,7 @@ struct shades {
     uint32_t colour[SHADES_MOST]; /* 0xRRGGBB */
     unsigned count;
     bool is_exact, is_laddered;
+    bool is_suited;      /* the colours are those that suited a picture */
     uint16_t slot[1024]; /* exact: a place + 1, by a hash of the colour */
     uint8_t *place;      /* otherwise: a place + 1, by colour; 0 where it was not sought yet */
 
@@ -40,6 +42,8 @@ struct shades {
     uint32_t given[SHADES_HUES_MOST], hue[SHADES_HUES_MOST];
     unsigned givens, hues;
     bool has_greys, has_tints;
+    uint32_t off; /* by how much colours of the picture that it was made for are off, where it has
+                     no ladders: the mean of looks */
 };
 
 /* `struct shades s = {0}` is ready. */
@@ -56,8 +60,9 @@ bool shades_choose(struct shades *shades, const struct image_view *view);
 /* Whether the palette is for the hues of a view. */
 bool shades_serve(const struct shades *shades, const struct image_view *view);
 
-/* Whether a view has greys or tints, and the palette, which serves it, few or none. */
-bool shades_lack(const struct shades *shades, const struct image_view *view);
+/* Whether a view has greys or tints, or colours of other regions, and the palette, which serves it,
+ * few or none. */
+bool shades_lack(struct shades *shades, const struct image_view *view);
 
 /* Whether a view has a palette, however many colours it has: always in some protocols; in the
  * others not where it is smooth, or has no hues. */
