@@ -18,7 +18,7 @@ struct patches {
     struct normals *normals;
     int64_t voxel; /* how wide one is at least, in pixels */
     uint32_t left, top;
-    tile_mask is_refined, has_normal, is_between;
+    tile_mask is_refined, has_normal;
 };
 
 struct patch {
@@ -39,6 +39,17 @@ static inline tile_mask bit_of(uint32_t x, uint32_t y)
 static inline size_t pixel_of(const struct patches *p, uint32_t x, uint32_t y)
 {
     return (size_t)(p->top + y) * p->r->width + p->left + x;
+}
+
+/* A pixel of a tile. */
+struct spot {
+    uint32_t x, y;
+};
+
+static inline struct spot corner_of(const struct patch *patch, unsigned corner)
+{
+    const uint32_t last = patch->side - 1;
+    return (struct spot){patch->x + (corner & 1) * last, patch->y + (corner >> 1) * last};
 }
 
 /* ---- pixels by themselves ---- */
@@ -83,12 +94,11 @@ enum corners { CORNERS_APART, CORNERS_EMPTY, CORNERS_SURFACE };
 /* Refines the corners: whether nothing is seen at any, or a surface at all. */
 static enum corners find_corners(struct patches *p, struct patch *patch)
 {
-    const uint32_t last = patch->side - 1;
     unsigned surfaces = 0, empty = 0;
     for (unsigned i = 0; i < CORNERS; i++) {
-        const uint32_t x = patch->x + (i & 1) * last, y = patch->y + (i >> 1) * last;
-        refine_one(p, x, y);
-        const size_t pixel = patch->corner[i] = pixel_of(p, x, y);
+        const struct spot at = corner_of(patch, i);
+        refine_one(p, at.x, at.y);
+        const size_t pixel = patch->corner[i] = pixel_of(p, at.x, at.y);
         patch->depth[i] = p->r->depth[pixel];
         surfaces += is_within(p, pixel);
         empty += p->r->cell[pixel] == CELL_NONE;
@@ -145,17 +155,16 @@ static void find_normals(struct patches *p, const struct patch *patch)
 {
     struct tile_pixels pixels;
     struct directions found;
-    const uint32_t last = patch->side - 1;
     pixels.count = 0;
     for (unsigned i = 0; i < CORNERS; i++) {
-        const uint32_t x = patch->x + (i & 1) * last, y = patch->y + (i >> 1) * last;
-        if (p->has_normal & bit_of(x, y))
+        const struct spot at = corner_of(patch, i);
+        if (p->has_normal & bit_of(at.x, at.y))
             continue;
-        p->has_normal |= bit_of(x, y);
+        p->has_normal |= bit_of(at.x, at.y);
         const size_t pixel = patch->corner[i];
         p->r->label[pixel] = labels_at(&p->refiner->border->labels, p->r->cell[pixel]);
-        pixels.x[pixels.count] = p->left + x;
-        pixels.y[pixels.count++] = p->top + y;
+        pixels.x[pixels.count] = p->left + at.x;
+        pixels.y[pixels.count++] = p->top + at.y;
     }
     normals_of(&found, p->normals, p->r, &pixels);
     for (unsigned i = 0; i < pixels.count; i++) {
@@ -198,11 +207,11 @@ static uint32_t common_voxel(const struct patches *p, const struct patch *patch)
 
 static bool meets_at_corner(const struct patches *p, const struct patch *patch)
 {
-    const uint32_t last = patch->side - 1;
-    for (unsigned i = 0; i < CORNERS; i++)
-        if (refine_meets_at(p->refiner, patch->depth[i], p->left + patch->x + (i & 1) * last,
-                            p->top + patch->y + (i >> 1) * last))
+    for (unsigned i = 0; i < CORNERS; i++) {
+        const struct spot at = corner_of(patch, i);
+        if (refine_meets_at(p->refiner, patch->depth[i], p->left + at.x, p->top + at.y))
             return true;
+    }
     return false;
 }
 
