@@ -110,17 +110,6 @@ static inline void reduce_row(struct rendition *out, size_t to, uint32_t count,
     }
 }
 
-static void empty_row(struct rendition *out, size_t to, uint32_t count)
-{
-    for (uint32_t x = 0; x < count; x++) {
-        out->depth[to + x] = DEPTH_NONE;
-        out->cell[to + x] = CELL_NONE;
-    }
-    memset(out->label + to, 0, count);
-    memset(out->rgba + COLOURS * to, 0, (size_t)COLOURS * count);
-    memset(out->normal + 4 * to, 0, 4 * sizeof *out->normal * count);
-}
-
 static inline void reduce_tile(struct rendition *out, const struct rendition *fine, size_t tile,
                                uint32_t samples)
 {
@@ -131,7 +120,7 @@ static inline void reduce_tile(struct rendition *out, const struct rendition *fi
     for (uint32_t y = top; y < top + side && y < out->height; y++) {
         const size_t to = (size_t)y * out->width + left;
         if (is_empty)
-            empty_row(out, to, width);
+            rendition_empty(out, to, width);
         else
             reduce_row(out, to, width, fine, ((size_t)y * fine->width + left) * samples, samples);
     }

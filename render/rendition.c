@@ -128,6 +128,17 @@ void rendition_clear(struct rendition *r)
     memset(r->stale, TILE_STALE, (size_t)r->tiles_x * r->tiles_y);
 }
 
+void rendition_empty(struct rendition *r, size_t first, size_t count)
+{
+    for (size_t pixel = first; pixel < first + count; pixel++) {
+        r->depth[pixel] = DEPTH_NONE;
+        r->cell[pixel] = CELL_NONE;
+    }
+    memset(r->label + first, 0, count);
+    memset(r->rgba + 4 * first, 0, 4 * count);
+    memset(r->normal + 4 * first, 0, 4 * count * sizeof *r->normal);
+}
+
 static int32_t within(int32_t v, uint32_t size)
 {
     return v < 0 ? 0 : v >= (int32_t)size ? (int32_t)size - 1 : v;

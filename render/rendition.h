@@ -83,6 +83,9 @@ static inline bool rendition_is_refined(const struct rendition *rendition)
 /* Nothing is seen, and every tile is stale; labels, colours and normals are for shading to make. */
 void rendition_clear(struct rendition *rendition);
 
+/* Shaded pixels of which nothing is seen: `count` of them, from number `first` on. */
+void rendition_empty(struct rendition *rendition, size_t first, size_t count);
+
 /* Scene projection and border projection; the rendition has the camera's size. These, the ray walk
  * and shading are done under the scene's watch: what ends early is of no use. */
 void splat_scene(struct rendition *rendition, const struct camera *camera,

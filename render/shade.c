@@ -269,17 +269,8 @@ static bool is_bare(const struct rendition *r, struct tile tile)
 /* Nothing is seen of such a tile. */
 static void empty_tile(struct rendition *r, struct tile tile)
 {
-    const size_t width = tile.right - tile.left;
-    for (uint32_t y = tile.top; y < tile.bottom; y++) {
-        const size_t row = (size_t)y * r->width + tile.left;
-        for (size_t pixel = row; pixel < row + width; pixel++) {
-            r->depth[pixel] = DEPTH_NONE;
-            r->cell[pixel] = CELL_NONE;
-        }
-        memset(r->label + row, 0, width);
-        memset(r->rgba + 4 * row, 0, 4 * width);
-        memset(r->normal + 4 * row, 0, 4 * width * sizeof *r->normal);
-    }
+    for (uint32_t y = tile.top; y < tile.bottom; y++)
+        rendition_empty(r, (size_t)y * r->width + tile.left, tile.right - tile.left);
 }
 
 /* Which pixels have their normals then. */
