@@ -25,7 +25,7 @@ enum { SHADE_SAMPLES_MOST = 4, LIGHT_PITCH_MOST = 90000 };
  * it can be made again. A session draws under that of its journal's semantics. From look 2 on
  * surfaces are smooth; from look 3 on most of their pixels lie in patches (render/patch.h), and
  * pits and rims of cuts are looked at closely (render/refine.h). */
-enum { LOOK_FIRST = 1, LOOK_SECOND, LOOK_PRESENT };
+enum { LOOK_FIRST = 1, LOOK_SECOND, LOOK_THIRD, LOOK_PRESENT };
 
 struct look {
     uint32_t number; /* LOOK_FIRST..LOOK_PRESENT */

@@ -20,7 +20,7 @@
 #include "engine/forest.h"
 
 /* The number of new journals, and the highest that can be gone on with. */
-enum { SEMANTICS = 7 };
+enum { SEMANTICS = 8 };
 
 /* One row each. */
 enum meaning {
@@ -35,6 +35,7 @@ enum meaning {
     MEANING_OPEN_WEIGHT,
     MEANING_LOOK,
     MEANING_PATCHES,
+    MEANING_SKINS,
     MEANINGS
 };
 

@@ -6,9 +6,9 @@
 
 struct state state_default(unsigned semantics)
 {
-    const uint32_t look = semantics_has(semantics, MEANING_PATCHES) ? LOOK_PRESENT
-                          : semantics_has(semantics, MEANING_LOOK)  ? LOOK_SECOND
-                                                                    : LOOK_FIRST;
+    const uint32_t look = LOOK_FIRST + (uint32_t)semantics_has(semantics, MEANING_LOOK) +
+                          (uint32_t)semantics_has(semantics, MEANING_PATCHES) +
+                          (uint32_t)semantics_has(semantics, MEANING_SKINS);
     struct state state = {.kept = {.cut = cut_none(), .adjacency = 6, .weight = {WEIGHT_MORPH, 1}},
                           .outlook = {.look = look_default(look),
                                       .background = background_default(look),
