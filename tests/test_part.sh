@@ -44,7 +44,7 @@ out_has '1 region'
 # What else the user said of the scene's file is not said of the map's.
 tail -c +353 s.nii >s.raw
 raw='raw:s.raw size=24,20,16 type=uint8'
-for more in '' spacing=1,1,1 series=2; do
+for more in '' spacing=1,1,1; do
     rm -f part.nii
     expect 0 "$iftty" -c "open $raw $crop $more; seed 2,8,5 1; mask whole.nii regions=1; run
     save labels part.nii"
@@ -112,5 +112,25 @@ for word in series=1 data=x missing=blank spacing=1,1,2 huge=yes; do
     printf 'open synth:geom:9x9x9 %s\n' "$word" >recorded # before it was refused
     expect 0 "$iftty" replay recorded
 done
+close_story
+
+begin "words for other formats are refused, and left out of records that have them"
+raw='raw:s.raw size=24,20,16 type=uint8'
+for word in series=1 missing=blank data=x; do
+    expect 2 "$iftty" -c "open s.nii $word"
+    err_has "s.nii: ${word%%=*}="
+    err_has "and this is nifti-1: leave it out"
+    expect 2 "$iftty" -c "open $raw $word"
+    err_has "and this is raw: leave it out"
+    for file in s.nii "$raw"; do
+        printf 'open %s %s\n' "$file" "$word" >recorded # before it was refused
+        expect 0 "$iftty" replay recorded
+        out_has "${word%%=*}="
+        out_has ": left out"
+    done
+done
+expect 2 "$iftty" -c "open s.nii series=2"
+err_has "series=N is for series of DICOM in a folder"
+expect 0 "$iftty" -c "open s.nii volume=0 huge=yes" # which are true of it
 close_story
 finish

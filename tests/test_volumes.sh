@@ -162,6 +162,25 @@ expect 2 "$iftty" -c "open a.vtk spacing=0.5,0.5,2"
 err_has "the file says that its voxels are 0.9x1.1x2.5 mm apart"
 expect 2 "$iftty" -c "open raw:plain.raw"
 err_has "expected its layout"
+while read -r format words; do
+    expect 2 "$iftty" -c "open $words"
+    err_has "and this is $format: leave it out"
+done <<'END'
+DICOM ct data=/grey
+DICOM ct/SECRETNAME_IM0000.dcm data=/grey
+HDF5 two.h5 data=/grey series=1
+HDF5 a.h5 missing=blank
+NRRD LPS-short.nrrd series=2
+TIFF stack.tif missing=blank
+END
+expect 2 "$iftty" -c "open fine missing=blank"
+err_has "missing=blank is for a series of DICOM, and this is TIFF slices: leave it out"
+expect 2 "$iftty" -c "open minc2_4d.mnc data=/grey"
+err_has "and this is MINC: leave it out; volume=N chooses one of its volumes"
+# What is said of the scene's file is not said of a map's.
+expect 0 "$iftty" -c "open two.h5 data=/grey; seed 3,3,3 1; run; save labels $work/all.nii"
+expect 0 "$iftty" -c "open two.h5 data=/grey crop=2-9,3-12,0-5; seed-file $work/all.nii"
+out_has "1 region"
 expect 0 "$iftty" -c "open spm2.hdr; info"
 out_has "its orient byte, 0, is not to be relied on"
 out_has "its values are multiplied by 0.25, then 0 is added"

@@ -100,6 +100,7 @@ enum err act_open(const struct act *act)
     struct volume_choice choice;
     const char *name;
     enum err err = opening_choice(&choice, &name, act->value, act->fault);
+    choice.as_recorded = act->interp->mode != MODE_LIVE;
     if (!err)
         err = check_words(act, name);
     if (!err)

@@ -188,6 +188,31 @@ static enum err take_spacing(struct volume_header *header, struct fault *fault)
     return OK;
 }
 
+/* What is chosen from files of one format alone. */
+static enum err check_words(struct volume_header *header, struct fault *fault)
+{
+    const struct volume_choice *choice = &header->choice;
+    const struct {
+        bool given;
+        const char *word, *format, *of;
+    } row[] = {
+        {choice->series > 0, "series=N", "DICOM", "series of DICOM in a folder"},
+        {choice->fills_gaps, "missing=blank", "DICOM", "a series of DICOM"},
+        {choice->data != NULL, "data=NAME", "HDF5", "data sets of HDF5"},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        if (!row[i].given || strcmp(header->format, row[i].format) == 0)
+            continue;
+        if (!choice->as_recorded)
+            return fault_set(fault, ERR_USAGE, "%s is for %s, and this is %s: leave it out%s",
+                             row[i].word, row[i].of, header->format,
+                             header->volumes > 1 ? "; volume=N chooses one of its volumes" : "");
+        volume_note(header->notes, "%s is for %s, and this is %s: left out", row[i].word, row[i].of,
+                    header->format);
+    }
+    return OK;
+}
+
 /* Refuses voxels that cannot be read, and a choice that does not fit. */
 static enum err check_choice(struct volume_header *header, struct fault *fault)
 {
@@ -211,7 +236,9 @@ enum err volume_choose(struct volume_reader *reader, const struct volume_choice 
     struct volume_header *header = &reader->header;
     if (choice)
         header->choice = *choice;
-    enum err err = take_spacing(header, fault);
+    enum err err = check_words(header, fault);
+    if (!err)
+        err = take_spacing(header, fault);
     if (!err)
         err = check_choice(header, fault);
     return err ? fault_prefix(fault, err, "%s", reader->path) : OK;

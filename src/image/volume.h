@@ -62,6 +62,8 @@ struct volume_choice {
     struct raw_layout raw; /* of voxels without a header */
     uint32_t spacing_nm[3]; /* of a file that does not say it; 0: none */
     bool huge;              /* the user knows that the file swells as no scene does */
+    bool as_recorded; /* series, fills_gaps and data are left out, and this is noted, where the
+                         format has no such thing; else refused */
 };
 
 struct volume {
