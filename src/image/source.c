@@ -161,7 +161,7 @@ static enum err pass_helped(struct volume_source *source, uint64_t offset, struc
 /* As far as the inflater gets, and the watch lets it. */
 static void pass_inflated(struct volume_source *source, uint64_t offset)
 {
-    const uint64_t piece_most = 1 << 20;
+    const size_t piece_most = 1 << 20;
     struct task task = task_begin(source->watch, "reading", offset - source->at);
     for (size_t n = 1; source->at < offset && n > 0 && task_advance(&task, n);) {
         const uint64_t left = offset - source->at;

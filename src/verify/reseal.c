@@ -89,7 +89,7 @@ static enum err write_record(struct resealing *r, const char *bytes, const struc
         is_left || (record->has_result && all_are_given(record->result, buf_text(&reply->words)) &&
                     (r->accept || !record_lacks_digest(record->result, buf_text(&reply->words))));
     const bool has_note = r->accept && r->accept->note.length;
-    buf_add(&comments, bytes + record->offset, record->command_offset - record->offset);
+    buf_add(&comments, bytes + record->offset, (size_t)(record->command_offset - record->offset));
     if (!is_sound || !is_same || has_note) {
         add_mark(r, &comments, record);
         r->marked++;
