@@ -20,6 +20,26 @@ expect 0 "$iftty" info "a.golden/labels-$digest.nii.gz"
 out_has "uint16"
 close_story
 
+begin "of an atlas the answer is a line, and the labels of most pieces"
+seeds='seed 0,0,0 0' label=1
+while [ $label -lt 21 ]; do # label 20 in two pieces
+    at=$((label % 5 * 4 + 2)),$((label / 5 * 4 + 2)),8
+    seeds="$seeds; seed $at $((label == 7 ? 20 : label))"
+    label=$((label + 1))
+done
+"$iftty" -c "open s.nii; $seeds; run; save labels atlas.nii" >/dev/null || fail "cannot segment"
+expect 0 "$iftty" -c 'open s.nii; label 20 cortex; labels atlas.nii erode=0; run; stats' \
+    --journal atlas.iftty
+out_has "atlas.nii: 19 labels and the background, 21 markers, "
+out_has "label 20 cortex: 2 markers"
+out_has "10 more labels, of as many markers or fewer; after \`run\`, \`stats\` lists all"
+same "$(grep -c '^ *label [0-9a-z ]*: [12] marker' "$work/out")" 10
+same "$(grep -c '^ *label .*seeds\?, ' "$work/out")" 20
+expect 0 "$iftty" verify atlas.iftty
+expect 0 "$iftty" -c 'open s.nii; labels atlas.nii regions=3 erode=0'
+out_has "atlas.nii: 1 label, 1 marker, "
+close_story
+
 begin "a replay, a resumed session and another file's journal need the map no more"
 mv model.nii elsewhere.nii
 expect 0 "$iftty" verify a.iftty

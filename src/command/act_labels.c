@@ -14,7 +14,7 @@
 /* The places of the parameters in the table. */
 enum { FILE_NAME, REGIONS, AS, LABEL, ERODE, COPY, RESAMPLE };
 
-enum { ERODE_USUAL = 2 };
+enum { ERODE_USUAL = 2, LISTED_MOST = 10 };
 
 /* ---- the copy beside the journal ---- */
 
@@ -147,16 +147,48 @@ static enum err read_labels(struct volume *map, const struct act *act)
 
 /* ---- markers ---- */
 
+static void write_label_pieces(const struct act *act, unsigned label, uint32_t pieces)
+{
+    struct buf *out = &act->reply->text;
+    buf_add_text(out, "label ");
+    act_write_label(out, act->session, label);
+    buf_printf(out, ": %u marker%s\n", pieces, plural(pieces));
+}
+
+/* Of labels with so many pieces each: the one with most, of equals the lower number. */
+static unsigned label_of_most(const uint32_t pieces[256])
+{
+    unsigned most = 0;
+    for (unsigned label = 1; label < 256; label++)
+        if (pieces[label] > pieces[most])
+            most = label;
+    return most;
+}
+
+/* All labels in a line, and those of most pieces, which are noise in the map more often. */
 static void write_pieces(const struct act *act, const struct piece_seeds *seeds, size_t planted)
 {
     struct buf *out = &act->reply->text;
+    const bool has_background = seeds->labels[0] > 0;
+    uint32_t left[256];
+    unsigned labels = 0;
+    memcpy(left, seeds->labels, sizeof left);
     for (unsigned label = 0; label < 256; label++)
-        if (seeds->labels[label]) {
-            buf_add_text(out, "label ");
-            act_write_label(out, act->session, label);
-            buf_printf(out, ": %u marker%s\n", seeds->labels[label], plural(seeds->labels[label]));
-        }
-    buf_printf(out, "%zu seed%s\n", planted, plural(planted));
+        labels += left[label] > 0;
+    buf_add_safe_text(out, act->value[FILE_NAME].text);
+    buf_printf(out, ": %u label%s%s, %zu marker%s, %zu seed%s\n", labels - has_background,
+               plural(labels - has_background), has_background ? " and the background" : "",
+               seeds->pieces, plural(seeds->pieces), planted, plural(planted));
+    for (unsigned i = 0; i < labels && i < LISTED_MOST; i++) {
+        const unsigned label = label_of_most(left);
+        write_label_pieces(act, label, left[label]);
+        left[label] = 0;
+    }
+    if (labels > LISTED_MOST)
+        buf_printf(out,
+                   "%u more label%s, of as many markers or fewer; after `run`, `stats` lists "
+                   "all\n",
+                   labels - LISTED_MOST, plural(labels - LISTED_MOST));
     if (seeds->small)
         buf_printf(out, "%zu piece%s too small for the erosion: the innermost voxels alone\n",
                    seeds->small, plural(seeds->small));
