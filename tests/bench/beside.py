@@ -18,9 +18,10 @@ import gzip
 import json
 import os
 import re
-import subprocess
 import sys
 import tempfile
+
+from programs import Broken, leave_by, run
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 EXAMPLES = os.path.join(HERE, "..", "..", "examples")
@@ -55,28 +56,14 @@ PICTURES = {
 }
 
 
-class Broken(Exception):
-    pass
-
-
-def run(command, folder):
-    try:
-        done = subprocess.run(command, cwd=folder, stdin=subprocess.DEVNULL, capture_output=True)
-    except OSError as error:
-        raise Broken("%s: %s" % (command[0], error.strerror)) from None
-    if done.returncode:
-        raise Broken("%s: %s" % (" ".join(command), done.stderr.decode(errors="replace").strip()))
-    return done.stdout.decode()
-
-
 # ---- iftty ----
 
 
 def script_of(iftty, journal, golden, more):
     """The commands up to a golden image, and then to its picture and labels."""
-    lines = run([iftty, "log", "--script", os.path.join(EXAMPLES, journal + ".iftty")], ".")
+    lines = run([iftty, "log", "--script", os.path.join(EXAMPLES, journal + ".iftty")])
     kept = []
-    for line in lines.splitlines():
+    for line in lines.decode().splitlines():
         words = line.split()
         if words[:2] == ["golden", golden]:
             finished = "yes" if "finished on" in kept else "no"
@@ -200,10 +187,8 @@ def main():
                 samples = draw_by_vtk(folder, notes)
                 put_together(folder, samples, middle, path)
         except Broken as error:
-            print("beside.py: %s: %s" % (name, error), file=sys.stderr)
-            return 3
+            raise Broken("%s: %s" % (name, error)) from None
         print(path)
-    return 0
 
 
-sys.exit(main())
+leave_by(main)

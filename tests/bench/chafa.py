@@ -13,30 +13,17 @@ import os
 import shutil
 import statistics
 import struct
-import subprocess
 import sys
 import tempfile
 import time
 import zlib
 
+from programs import Broken, leave_by, run
+
 EXAMPLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "examples")
 ROUNDS = 7
 SIDES = {"rendition": 512, "mosaic": 640}
 FORMATS = {"kitty": "kitty", "sixel": "sixels", "iterm": "iterm", "blocks": "symbols"}
-
-
-class Broken(Exception):
-    pass
-
-
-def run(command, folder):
-    try:
-        done = subprocess.run(command, cwd=folder, stdin=subprocess.DEVNULL, capture_output=True)
-    except OSError as error:
-        raise Broken(f"{command[0]}: {error.strerror}") from None
-    if done.returncode:
-        raise Broken(f"{' '.join(command)}: {done.stderr.decode(errors='replace').strip()}")
-    return done.stdout
 
 
 def draw(build, folder):
@@ -100,21 +87,15 @@ def measure(build):
 
 
 def main():
-    build = sys.argv[-1]
-    try:
-        figures = measure(build)
-    except Broken as error:
-        print(f"chafa.py: {error}", file=sys.stderr)
-        return 3
+    figures = measure(sys.argv[-1])
     if "--json" in sys.argv[1:-1]:
         print(json.dumps(figures))
-        return 0
+        return
     print(" " * 20 + "".join(f"{protocol:>16}" for protocol in FORMATS))
     print(" " * 20 + f"{'kB':>9} {'ms':>6}" * len(FORMATS))
     for name, by in figures.items():
         words = (f"{f['bytes'] / 1000:9.2f} {f['ms']:6.2f}" for f in by.values())
         print(f"chafa: {name:<13}" + "".join(words))
-    return 0
 
 
-sys.exit(main())
+leave_by(main)
