@@ -24,6 +24,11 @@ struct Request {
     std::string refusal;   /* why it cannot be written, or none */
 };
 
+/* Words that a picture carries; at most name_most and value_most bytes. */
+struct Note {
+    std::string name, value;
+};
+
 /* Each sends the answer. Libraries may throw before its first byte. */
 void write_image(const Request &request); /* takes the notes and the frames first */
 void read_image(const Request &request);

@@ -20,10 +20,6 @@ using namespace wire;
 
 constexpr size_t fact_most = 4096;
 
-struct Note {
-    std::string name, value;
-};
-
 std::vector<Note> notes_of(const OIIO::ImageSpec &spec)
 {
     std::vector<Note> notes;

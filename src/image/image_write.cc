@@ -27,10 +27,6 @@ using namespace wire;
  * more, and a multiple of 16: of the last row it reads what lies after the picture. */
 constexpr uint64_t read_beyond = 256;
 
-struct Note {
-    std::string name, value;
-};
-
 std::vector<Note> receive_notes(uint64_t count)
 {
     std::vector<Note> notes;
