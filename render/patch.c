@@ -10,30 +10,38 @@ enum {
     FLAT_PART = 8,    /* of a voxel: so far from the plane of the others may a pixel lie */
     SLACK = 2,        /* voxels by which what is seen may lie deeper in cubes than at corners */
     ALIKE = 15 << 24, /* cosine of normals, where 2^28 is 1: 20 degrees */
-};
-
-struct patches {
-    struct rendition *r;
-    struct refiner *refiner;
-    struct normals *normals;
-    int64_t voxel; /* how wide one is at least, in pixels */
-    uint32_t left, top;
-    tile_mask is_refined, has_normal;
+    EVEN = (1 << 28) - (1 << 18), /* the same of a normal in the middle of several tiles and that
+                                     between the corners: 2.5 degrees */
+    SIDE_MOST = PATCH_TILES * TILE,
 };
 
 struct patch {
-    uint32_t x, y, side;    /* within the tile */
+    uint32_t x, y, side;    /* within the block */
     size_t corner[CORNERS]; /* pixels: left and right above, then below */
     int64_t depth[CORNERS];
-    int64_t between[TILE][TILE]; /* depths of all its pixels, [y][x], once is_in_front */
 };
 
-/* Of SIDE - 1 steps from one corner to the next, in 2^-SHARE_BITS. */
-static const int16_t shares[2][TILE] = {{0, 85, 171, 256}, {0, 37, 73, 110, 146, 183, 219, 256}};
+/* Of side - 1 steps from one corner to the next, in 2^-SHARE_BITS. */
+static inline int32_t share_of(const struct patch *patch, uint32_t step)
+{
+    const uint32_t last = patch->side - 1;
+    return (int32_t)(((step << (SHARE_BITS + 1)) + last) / (2 * last));
+}
 
 static inline tile_mask bit_of(uint32_t x, uint32_t y)
 {
-    return (tile_mask)1 << (y * TILE + x);
+    return (tile_mask)1 << (y % TILE * TILE + x % TILE);
+}
+
+static inline struct patched *tile_of(struct patches *p, uint32_t x, uint32_t y)
+{
+    return &p->tile[y / TILE][x / TILE];
+}
+
+/* In pixels, at least 1. */
+static inline int64_t voxel_of(const struct patches *p)
+{
+    return p->normals->stride;
 }
 
 static inline size_t pixel_of(const struct patches *p, uint32_t x, uint32_t y)
@@ -41,7 +49,7 @@ static inline size_t pixel_of(const struct patches *p, uint32_t x, uint32_t y)
     return (size_t)(p->top + y) * p->r->width + p->left + x;
 }
 
-/* A pixel of a tile. */
+/* A pixel of a block. */
 struct spot {
     uint32_t x, y;
 };
@@ -56,9 +64,10 @@ static inline struct spot corner_of(const struct patch *patch, unsigned corner)
 
 static void refine_one(struct patches *p, uint32_t x, uint32_t y)
 {
-    if (p->is_refined & bit_of(x, y))
+    struct patched *tile = tile_of(p, x, y);
+    if (tile->is_refined & bit_of(x, y))
         return;
-    p->is_refined |= bit_of(x, y);
+    tile->is_refined |= bit_of(x, y);
     refine_pixel(p->r, p->refiner, p->left + x, p->top + y);
 }
 
@@ -76,12 +85,26 @@ static inline int64_t between(int64_t from, int64_t to, int64_t share)
     return from + ((to - from) * share >> SHARE_BITS);
 }
 
+/* Depths of a row of a patch, at both its ends. */
+struct ends {
+    int64_t left, right;
+};
+
+static inline struct ends ends_of(const struct patch *patch, uint32_t y)
+{
+    const int32_t share = share_of(patch, y);
+    return (struct ends){between(patch->depth[0], patch->depth[2], share),
+                         between(patch->depth[1], patch->depth[3], share)};
+}
+
+static inline int64_t depth_between(struct ends ends, int32_t share)
+{
+    return between(ends.left, ends.right, share) | REFINE_WITHIN;
+}
+
 static int64_t depth_at(const struct patch *patch, uint32_t x, uint32_t y)
 {
-    const int16_t *share = shares[patch->side == TILE];
-    const int64_t left = between(patch->depth[0], patch->depth[2], share[y]);
-    const int64_t right = between(patch->depth[1], patch->depth[3], share[y]);
-    return between(left, right, share[x]) | REFINE_WITHIN;
+    return depth_between(ends_of(patch, y), share_of(patch, x));
 }
 
 static bool is_within(const struct patches *p, size_t pixel)
@@ -115,7 +138,7 @@ static size_t refine_middle(struct patches *p, const struct patch *patch)
 
 static bool is_flat(struct patches *p, const struct patch *patch)
 {
-    const int64_t most = (p->voxel << PIXEL_BITS) / FLAT_PART;
+    const int64_t most = (voxel_of(p) << PIXEL_BITS) / FLAT_PART;
     const uint32_t half = patch->side / 2;
     const size_t middle = refine_middle(p, patch);
     if (!is_within(p, middle))
@@ -124,44 +147,61 @@ static bool is_flat(struct patches *p, const struct patch *patch)
     return off <= most && off >= -most;
 }
 
-/* Whether the rays between the corners come to cubes about as long before the surface as those do,
- * and to none that is cut open. */
-static bool is_in_front(const struct patches *p, struct patch *patch)
+/* How long before the surface rays may come to cubes. */
+struct lead {
+    int64_t least, most;
+};
+
+/* About as long as those of the corners; where these come to the ground of a pit, some come to
+ * cubes after it. */
+static struct lead lead_of(const struct patches *p, const struct patch *patch)
+{
+    const int64_t voxel = voxel_of(p) << PIXEL_BITS;
+    struct lead lead = {0, 0};
+    for (int i = 0; i < CORNERS; i++) {
+        const int64_t before = patch->depth[i] - p->r->cube.depth[patch->corner[i]];
+        lead.most = before > lead.most ? before : lead.most;
+        lead.least = before < lead.least ? before : lead.least;
+    }
+    lead.most += SLACK * voxel;
+    lead.least = lead.least < 0 && p->sees_pits ? lead.least - voxel / 2 : 0;
+    return lead;
+}
+
+/* Whether all rays between the corners do, and come to no cube that is cut open. */
+static bool is_in_front(const struct patches *p, const struct patch *patch)
 {
     const struct cube_maps *cube = &p->r->cube;
-    int64_t most = 0;
-    for (int i = 0; i < CORNERS; i++) {
-        const int64_t behind = patch->depth[i] - cube->depth[patch->corner[i]];
-        most = behind > most ? behind : most;
-    }
-    most += p->voxel * SLACK << PIXEL_BITS;
+    const struct lead lead = lead_of(p, patch);
+    int32_t share[SIDE_MOST];
+    for (uint32_t x = 0; x < patch->side; x++)
+        share[x] = share_of(patch, x);
     for (uint32_t y = 0; y < patch->side; y++) {
         const size_t row = pixel_of(p, patch->x, patch->y + y);
+        const struct ends ends = ends_of(patch, y);
         for (uint32_t x = 0; x < patch->side; x++) {
-            if (cube->cell[row + x] == CELL_NONE ||
-                refine_is_cut_open(p->refiner, cube->depth[row + x], cube->cell[row + x]))
-                return false;
-            patch->between[y][x] = depth_at(patch, x, y);
-            const int64_t behind = patch->between[y][x] - cube->depth[row + x];
-            if (behind < 0 || behind > most)
+            const int64_t depth = depth_between(ends, share[x]), first = cube->depth[row + x];
+            if (first > depth - lead.least || first < depth - lead.most ||
+                refine_is_cut_open(p->refiner, first, cube->cell[row + x]))
                 return false;
         }
     }
     return true;
 }
 
-/* Normals of the corners, where they are not known yet; those of an object depend on its label. */
-static void find_normals(struct patches *p, const struct patch *patch)
+/* Normals of pixels, where they are not known yet; those of an object depend on its label. */
+static void find_normals(struct patches *p, const struct spot *spot, unsigned count)
 {
     struct tile_pixels pixels;
     struct directions found;
     pixels.count = 0;
-    for (unsigned i = 0; i < CORNERS; i++) {
-        const struct spot at = corner_of(patch, i);
-        if (p->has_normal & bit_of(at.x, at.y))
+    for (unsigned i = 0; i < count; i++) {
+        const struct spot at = spot[i];
+        const size_t pixel = pixel_of(p, at.x, at.y);
+        struct patched *tile = tile_of(p, at.x, at.y);
+        if (tile->has_normal & bit_of(at.x, at.y))
             continue;
-        p->has_normal |= bit_of(at.x, at.y);
-        const size_t pixel = patch->corner[i];
+        tile->has_normal |= bit_of(at.x, at.y);
         p->r->label[pixel] = labels_at(&p->refiner->border->labels, p->r->cell[pixel]);
         pixels.x[pixels.count] = p->left + at.x;
         pixels.y[pixels.count++] = p->top + at.y;
@@ -175,25 +215,78 @@ static void find_normals(struct patches *p, const struct patch *patch)
     }
 }
 
-static bool are_alike(const int16_t *one, const int16_t *other)
+static bool are_alike(const int16_t *one, const int16_t *other, int32_t least)
 {
     int32_t cosine = 0;
     for (int a = 0; a < 3; a++)
         cosine += one[a] * other[a];
-    return cosine >= ALIKE;
+    return cosine >= least;
 }
 
 static bool has_one_side(struct patches *p, const struct patch *patch)
 {
     const int16_t *normal = p->r->normal;
     const size_t *corner = patch->corner;
-    find_normals(p, patch);
-    return are_alike(normal + 4 * corner[0], normal + 4 * corner[3]) &&
-           are_alike(normal + 4 * corner[1], normal + 4 * corner[2]) &&
-           are_alike(normal + 4 * corner[0], normal + 4 * corner[1]);
+    const struct spot spot[CORNERS] = {corner_of(patch, 0), corner_of(patch, 1),
+                                       corner_of(patch, 2), corner_of(patch, 3)};
+    find_normals(p, spot, CORNERS);
+    return are_alike(normal + 4 * corner[0], normal + 4 * corner[3], ALIKE) &&
+           are_alike(normal + 4 * corner[1], normal + 4 * corner[2], ALIKE) &&
+           are_alike(normal + 4 * corner[0], normal + 4 * corner[1], ALIKE);
 }
 
 /* ---- what lies between ---- */
+
+static inline void mix(int16_t out[4], const int16_t from[4], const int16_t to[4], int32_t share)
+{
+    for (int a = 0; a < 4; a++)
+        out[a] = (int16_t)(from[a] + ((to[a] - from[a]) * share >> SHARE_BITS));
+}
+
+/* Between two vectors of a length there are shorter ones: as long again, by a step of Newton's. */
+static inline void lengthen(int16_t normal[4])
+{
+    int32_t square = 0;
+    for (int a = 0; a < 3; a++)
+        square += normal[a] * normal[a] >> NORMAL_BITS;
+    const int32_t longer = ((3 << NORMAL_BITS) - square) / 2;
+    for (int a = 0; a < 3; a++)
+        normal[a] = (int16_t)(normal[a] * longer >> NORMAL_BITS);
+}
+
+/* What is known of a row of a patch at both its ends. */
+struct row {
+    struct ends ends;
+    int16_t left[4], right[4];
+};
+
+static inline struct row row_at(const struct patches *p, const struct patch *patch, uint32_t y)
+{
+    const int16_t *normal = p->r->normal;
+    struct row row = {.ends = ends_of(patch, y)};
+    const int32_t share = share_of(patch, y);
+    mix(row.left, normal + 4 * patch->corner[0], normal + 4 * patch->corner[2], share);
+    mix(row.right, normal + 4 * patch->corner[1], normal + 4 * patch->corner[3], share);
+    return row;
+}
+
+static inline void normal_between(int16_t normal[4], const struct row *row, int32_t share)
+{
+    mix(normal, row->left, row->right, share);
+    lengthen(normal);
+}
+
+/* Whether the normal in the middle is the one between those of the corners. */
+static bool is_even(struct patches *p, const struct patch *patch)
+{
+    const uint32_t half = patch->side / 2;
+    const struct spot middle = {patch->x + half, patch->y + half};
+    const struct row row = row_at(p, patch, half);
+    int16_t normal[4];
+    find_normals(p, &middle, 1);
+    normal_between(normal, &row, share_of(patch, half));
+    return are_alike(normal, p->r->normal + 4 * pixel_of(p, middle.x, middle.y), EVEN);
+}
 
 /* The voxel that all corners show, or CELL_NONE where they show several. */
 static uint32_t common_voxel(const struct patches *p, const struct patch *patch)
@@ -221,56 +314,135 @@ static void fill_pixel(struct patches *p, uint32_t x, uint32_t y, int64_t depth,
 {
     const size_t pixel = pixel_of(p, x, y);
     const tile_mask bit = bit_of(x, y);
-    if (p->has_normal & bit || voxel == CELL_NONE)
+    struct patched *tile = tile_of(p, x, y);
+    if (tile->has_normal & bit || voxel == CELL_NONE)
         return;
     p->r->depth[pixel] = depth;
     p->r->cell[pixel] = voxel;
     memcpy(p->r->normal + 4 * pixel, normal, 4 * sizeof *normal);
-    p->is_refined |= bit;
-    p->has_normal |= bit;
+    tile->is_refined |= bit;
+    tile->has_normal |= bit;
 }
 
-static inline void mix(int16_t out[4], const int16_t from[4], const int16_t to[4], int32_t share)
+/* Whose voxels a patch shows: that of all, or those of its points. */
+struct owners {
+    uint32_t voxel; /* or CELL_NONE */
+    bool meets;
+};
+
+static struct owners owners_of(const struct patches *p, const struct patch *patch)
 {
-    for (int a = 0; a < 4; a++)
-        out[a] = (int16_t)(from[a] + ((to[a] - from[a]) * share >> SHARE_BITS));
+    const uint32_t voxel = common_voxel(p, patch);
+    return (struct owners){voxel, voxel == CELL_NONE && meets_at_corner(p, patch)};
 }
 
-/* Between two vectors of a length there are shorter ones: as long again, by a step of Newton's. */
-static inline void lengthen(int16_t normal[4])
+static inline uint32_t owner_at(const struct patches *p, const struct owners *owners, int64_t depth,
+                                uint32_t x, uint32_t y)
 {
-    int32_t square = 0;
-    for (int a = 0; a < 3; a++)
-        square += normal[a] * normal[a] >> NORMAL_BITS;
-    const int32_t longer = ((3 << NORMAL_BITS) - square) / 2;
-    for (int a = 0; a < 3; a++)
-        normal[a] = (int16_t)(normal[a] * longer >> NORMAL_BITS);
+    return owners->voxel != CELL_NONE
+               ? owners->voxel
+               : refine_voxel_at(p->refiner, depth, p->left + x, p->top + y, owners->meets);
 }
 
 static void fill(struct patches *p, const struct patch *patch)
 {
-    const int16_t *share = shares[patch->side == TILE];
-    const uint32_t voxel = common_voxel(p, patch);
-    const bool meets = voxel == CELL_NONE && meets_at_corner(p, patch);
-    int16_t corner[CORNERS][4];
-    for (int i = 0; i < CORNERS; i++)
-        memcpy(corner[i], p->r->normal + 4 * patch->corner[i], sizeof corner[i]);
+    const struct owners owners = owners_of(p, patch);
+    /* Corners have their normals, so rows that are filled do not change them. */
     for (uint32_t y = 0; y < patch->side; y++) {
-        int16_t left[4], right[4], normal[4];
-        mix(left, corner[0], corner[2], share[y]);
-        mix(right, corner[1], corner[3], share[y]);
+        const struct row row = row_at(p, patch, y);
         for (uint32_t x = 0; x < patch->side; x++) {
-            mix(normal, left, right, share[x]);
-            lengthen(normal);
-            const int64_t depth = patch->between[y][x];
-            const uint32_t column = patch->x + x, row = patch->y + y;
-            const uint32_t own =
-                voxel != CELL_NONE
-                    ? voxel
-                    : refine_voxel_at(p->refiner, depth, p->left + column, p->top + row, meets);
-            fill_pixel(p, column, row, depth, own, normal);
+            const int32_t share = share_of(patch, x);
+            const int64_t depth = depth_between(row.ends, share);
+            const uint32_t column = patch->x + x, line = patch->y + y;
+            int16_t normal[4];
+            normal_between(normal, &row, share);
+            fill_pixel(p, column, line, depth, owner_at(p, &owners, depth, column, line), normal);
         }
     }
+}
+
+/* ---- pixels of which one sample stands for all ---- */
+
+enum { STANDING_MOST = TILE * TILE }; /* of a block: its pixels */
+
+/* The samples that would stand for the pixels of a patch, row by row. */
+struct standing {
+    unsigned count;
+    uint32_t voxel[STANDING_MOST];
+    uint8_t label; /* of them all */
+};
+
+static bool corners_show(const struct patches *p, const struct patch *patch, uint8_t label)
+{
+    for (unsigned i = 0; i < CORNERS; i++)
+        if (labels_at(&p->refiner->border->labels, p->r->cell[patch->corner[i]]) != label)
+            return false;
+    return true;
+}
+
+/* False where they do not all show one object. */
+static bool find_standing(struct standing *standing, const struct patches *p,
+                          const struct patch *patch)
+{
+    const struct labels *labels = &p->refiner->border->labels;
+    const struct owners owners = owners_of(p, patch);
+    const uint32_t samples = p->samples;
+    standing->count = 0;
+    standing->label = labels_at(labels, p->r->cell[patch->corner[0]]);
+    if (!corners_show(p, patch, standing->label))
+        return false;
+    for (uint32_t y = samples / 2; y < patch->side; y += samples) {
+        const struct ends ends = ends_of(patch, y);
+        for (uint32_t x = samples / 2; x < patch->side; x += samples) {
+            const int64_t depth = depth_between(ends, share_of(patch, x));
+            const uint32_t voxel = owner_at(p, &owners, depth, patch->x + x, patch->y + y);
+            if (voxel == CELL_NONE || labels_at(labels, voxel) != standing->label)
+                return false;
+            standing->voxel[standing->count++] = voxel;
+        }
+    }
+    return true;
+}
+
+tile_mask patches_covered(tile_mask stands, uint32_t samples)
+{
+    const uint32_t first = samples / 2 * (TILE + 1);
+    tile_mask covered = stands >> first;
+    for (uint32_t wide = 1; wide < samples; wide *= 2)
+        covered |= covered << wide;
+    for (uint32_t high = 1; high < samples; high *= 2)
+        covered |= covered << (high * TILE);
+    return covered;
+}
+
+static void stand(struct patches *p, const struct patch *patch, const struct standing *standing)
+{
+    const uint32_t samples = p->samples;
+    const uint32_t *voxel = standing->voxel;
+    for (uint32_t y = samples / 2; y < patch->side; y += samples) {
+        const struct row row = row_at(p, patch, y);
+        for (uint32_t x = samples / 2; x < patch->side; x += samples) {
+            const uint32_t column = patch->x + x, line = patch->y + y;
+            const int32_t share = share_of(patch, x);
+            int16_t normal[4];
+            normal_between(normal, &row, share);
+            fill_pixel(p, column, line, depth_between(row.ends, share), *voxel++, normal);
+            p->r->label[pixel_of(p, column, line)] = standing->label;
+            struct patched *tile = tile_of(p, column, line);
+            tile->stands |= bit_of(column, line);
+            tile->is_refined |= patches_covered(bit_of(column, line), samples);
+        }
+    }
+}
+
+/* True where one sample stands for each pixel of a smooth patch then. */
+static bool stand_for_pixels(struct patches *p, const struct patch *patch)
+{
+    struct standing standing;
+    if (p->samples == 1 || !find_standing(&standing, p, patch))
+        return false;
+    stand(p, patch, &standing);
+    return true;
 }
 
 /* ---- patches ---- */
@@ -278,7 +450,7 @@ static void fill(struct patches *p, const struct patch *patch)
 /* Nothing that is seen is narrower than half a voxel. */
 static bool is_empty(struct patches *p, const struct patch *patch)
 {
-    return 2 * patch->side <= p->voxel && p->r->cell[refine_middle(p, patch)] == CELL_NONE;
+    return 2 * patch->side <= voxel_of(p) && p->r->cell[refine_middle(p, patch)] == CELL_NONE;
 }
 
 static void fill_empty(struct patches *p, const struct patch *patch)
@@ -287,11 +459,11 @@ static void fill_empty(struct patches *p, const struct patch *patch)
         for (uint32_t x = patch->x; x < patch->x + patch->side; x++) {
             p->r->depth[pixel_of(p, x, y)] = DEPTH_NONE;
             p->r->cell[pixel_of(p, x, y)] = CELL_NONE;
-            p->is_refined |= bit_of(x, y);
+            tile_of(p, x, y)->is_refined |= bit_of(x, y);
         }
 }
 
-static bool is_smooth(struct patches *p, struct patch *patch)
+static bool is_smooth(struct patches *p, const struct patch *patch)
 {
     return is_flat(p, patch) && is_in_front(p, patch) && has_one_side(p, patch);
 }
@@ -299,15 +471,17 @@ static bool is_smooth(struct patches *p, struct patch *patch)
 /* True where the patch is filled, but for pixels that are to be refined. */
 static bool fill_whole(struct patches *p, struct patch *patch)
 {
-    if (patch->side > p->voxel)
+    if (patch->side > voxel_of(p))
         return false;
     const enum corners corners = find_corners(p, patch);
-    if (corners == CORNERS_EMPTY && is_empty(p, patch))
+    if (corners == CORNERS_EMPTY && is_empty(p, patch)) {
         fill_empty(p, patch);
-    else if (corners == CORNERS_SURFACE && is_smooth(p, patch))
-        fill(p, patch);
-    else
+        return true;
+    }
+    if (corners != CORNERS_SURFACE || !is_smooth(p, patch))
         return false;
+    if (!stand_for_pixels(p, patch))
+        fill(p, patch);
     return true;
 }
 
@@ -321,15 +495,23 @@ static void refine_patch(struct patches *p, uint32_t x, uint32_t y, uint32_t sid
     refine_all(p, &patch);
 }
 
-tile_mask patches_refine(struct rendition *rendition, struct refiner *refiner,
-                         struct normals *normals, uint32_t left, uint32_t top)
+void patches_refine_tile(struct patches *p, uint32_t x, uint32_t y)
 {
-    struct patches p = {.r = rendition,
-                        .refiner = refiner,
-                        .normals = normals,
-                        .voxel = normals->stride,
-                        .left = left,
-                        .top = top};
-    refine_patch(&p, 0, 0, TILE);
-    return p.has_normal;
+    refine_patch(p, x, y, TILE);
+}
+
+bool patches_refine_square(struct patches *p, uint32_t x, uint32_t y, uint32_t side)
+{
+    struct patch patch;
+    patch.x = x, patch.y = y, patch.side = side;
+    return find_corners(p, &patch) == CORNERS_SURFACE && is_smooth(p, &patch) &&
+           is_even(p, &patch) && stand_for_pixels(p, &patch);
+}
+
+uint32_t patches_side(int64_t voxel, uint32_t samples)
+{
+    uint32_t side = samples;
+    while (side > 1 && side * TILE > voxel)
+        side /= 2;
+    return side;
 }

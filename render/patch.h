@@ -8,9 +8,12 @@
  * and then each pixel is refined by itself. Voxels, and so labels, are of each pixel's own point in
  * any case.
  *
+ * From look 4 on, blocks of several tiles are tried first; and where a patch shows one object, a
+ * sample in the middle of each pixel of the reduced picture stands for all samples of that pixel.
+ *
  * A patch is no wider than a voxel, nothing may lie in front of it, and it has no silhouette. It
- * lies within a tile, and follows from the tile's maps of cubes: what is seen stays a pure function
- * of these.
+ * lies within a block, and follows from the block's maps of cubes: what is seen stays a pure
+ * function of these.
  */
 #ifndef RENDER_PATCH_H
 #define RENDER_PATCH_H
@@ -18,12 +21,42 @@
 #include "render/normal.h"
 #include "render/refine.h"
 
-/* The pixels of a tile: bit y * TILE + x. */
+enum { PATCH_TILES = 4 }; /* of a block, along each side, at most */
+
+/* The samples of a tile: bit y * TILE + x. */
 typedef uint64_t tile_mask;
 
-/* Refines the pixels of the whole tile at this place, and gives back those that have their normal
- * too. The maps of cubes are made. */
-tile_mask patches_refine(struct rendition *rendition, struct refiner *refiner,
-                         struct normals *normals, uint32_t left, uint32_t top);
+/* What is known of a tile's samples. */
+struct patched {
+    tile_mask is_refined; /* depth and voxel are made, or another one stands for it; */
+    tile_mask has_normal; /* the normal is, too */
+    tile_mask stands;     /* and the label: it stands for its pixel, of which the others are not */
+};
+
+/* A block of tiles, whose first pixel is this one. */
+struct patches {
+    struct rendition *r;
+    struct refiner *refiner;
+    struct normals *normals;
+    uint32_t left, top;
+    uint32_t samples; /* a pixel of the reduced picture has samples x samples, of which one may
+                         stand for all; 1 where none does */
+    bool sees_pits;   /* patches lie on the ground of pits, too: from look 4 on */
+    struct patched tile[PATCH_TILES][PATCH_TILES]; /* [y][x]; nothing is known at first */
+};
+
+/* The tiles of a block along each side: no more than samples, and than a voxel has, in pixels. */
+uint32_t patches_side(int64_t voxel, uint32_t samples);
+
+/* Refines a square of 2 or 4 tiles a side within a block, from pixel x, y of it on, as one patch.
+ * True where one sample stands for each of its pixels then; else they are still to be refined. The
+ * maps of cubes are made. */
+bool patches_refine_square(struct patches *patches, uint32_t x, uint32_t y, uint32_t side);
+
+/* Refines all pixels of a tile, but those that others stand for. */
+void patches_refine_tile(struct patches *patches, uint32_t x, uint32_t y);
+
+/* The samples of all pixels that one of these stands for. */
+tile_mask patches_covered(tile_mask stands, uint32_t samples);
 
 #endif

@@ -5,7 +5,7 @@
 enum {
     COLOURS = 4,
     PAIR = 2 * COLOURS,
-    NOT_FRESH = TILE_STALE | TILE_LIT | TILE_SHADED | TILE_EMPTY,
+    NOT_FRESH = TILE_STALE | TILE_LIT | TILE_SHADED | TILE_EMPTY | TILE_STANDS,
     TILES_SHARED = 1024, /* from so many on it is worth waking another thread */
 };
 
@@ -110,19 +110,38 @@ static inline void reduce_row(struct rendition *out, size_t to, uint32_t count,
     }
 }
 
+/* Of `count` pixels beside each other the samples that stand for them, the first of which is here.
+ */
+static inline void take_row(struct rendition *out, size_t to, uint32_t count,
+                            const struct rendition *fine, size_t first, uint32_t samples)
+{
+    for (uint32_t x = 0; x < count; x++) {
+        const size_t from = first + (size_t)x * samples;
+        out->depth[to + x] = fine->depth[from];
+        out->cell[to + x] = fine->cell[from];
+        out->label[to + x] = fine->label[from];
+        memcpy(out->normal + 4 * (to + x), fine->normal + 4 * from, 4 * sizeof *out->normal);
+        memcpy(out->rgba + COLOURS * (to + x), fine->rgba + COLOURS * from, COLOURS);
+    }
+}
+
 static inline void reduce_tile(struct rendition *out, const struct rendition *fine, size_t tile,
                                uint32_t samples)
 {
     const uint32_t side = TILE / samples, left = (uint32_t)(tile % fine->tiles_x) * side;
     const uint32_t top = (uint32_t)(tile / fine->tiles_x) * side;
     const uint32_t width = out->width - left < side ? out->width - left : side;
-    const bool is_empty = fine->stale[tile] == TILE_EMPTY;
+    const enum tile_state state = (enum tile_state)fine->stale[tile];
+    const size_t stands = (samples / 2) * ((size_t)fine->width + 1);
     for (uint32_t y = top; y < top + side && y < out->height; y++) {
         const size_t to = (size_t)y * out->width + left;
-        if (is_empty)
+        const size_t first = ((size_t)y * fine->width + left) * samples;
+        if (state == TILE_EMPTY)
             rendition_empty(out, to, width);
+        else if (state == TILE_STANDS)
+            take_row(out, to, width, fine, first + stands, samples);
         else
-            reduce_row(out, to, width, fine, ((size_t)y * fine->width + left) * samples, samples);
+            reduce_row(out, to, width, fine, first, samples);
     }
 }
 

@@ -30,7 +30,9 @@ enum tile_state {
     TILE_STALE = 1,  /* waits to be shaded; */
     TILE_LIT = 2,    /* then for its edges, where it has any; */
     TILE_SHADED = 4, /* then, where it is of samples, to be reduced, */
-    TILE_EMPTY = 8,  /* as does one that shows nothing */
+    TILE_EMPTY = 8,  /* as does one that shows nothing, */
+    TILE_STANDS = 16 /* or of which one sample of each pixel is made alone, and stands for all: that
+                        after half of them, to the right and down (render/patch.h) */
 };
 
 /* Maps of all pixels, [height][width]. */

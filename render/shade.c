@@ -49,7 +49,9 @@ struct shading {
     const struct look *look;
     const struct palette *palette;
     struct refiner refiner; /* where the rendition is refined */
-    bool has_patches;       /* with patches */
+    bool has_patches;       /* with patches; */
+    uint32_t samples;       /* of which one may stand for samples x samples; */
+    uint32_t block;         /* and in blocks of so many tiles a side */
     struct normals normals;
     struct light light;
     struct occluder occluder;
@@ -243,15 +245,15 @@ static void take_pixels(struct tile_pixels *pixels, const struct rendition *r, s
             }
 }
 
-/* The pixels of a mask have their normals. */
-static void shade_tile(struct rendition *r, struct shading *s, struct tile tile,
+/* Some pixels, of which some have their normals. */
+static void shade_tile(struct rendition *r, struct shading *s, struct tile tile, tile_mask mask,
                        tile_mask has_normal)
 {
     struct tile_pixels pixels;
     pixels.count = 0;
-    take_pixels(&pixels, r, tile, ~has_normal);
+    take_pixels(&pixels, r, tile, mask & ~has_normal);
     const unsigned known = pixels.count;
-    take_pixels(&pixels, r, tile, has_normal);
+    take_pixels(&pixels, r, tile, mask & has_normal);
     if (pixels.count)
         shade_pixels(r, s, &pixels, known);
 }
@@ -259,11 +261,13 @@ static void shade_tile(struct rendition *r, struct shading *s, struct tile tile,
 /* Whether no ray of a tile comes to a cube. */
 static bool is_bare(const struct rendition *r, struct tile tile)
 {
-    for (uint32_t y = tile.top; y < tile.bottom; y++)
-        for (uint32_t x = tile.left; x < tile.right; x++)
-            if (r->cube.cell[(size_t)y * r->width + x] != CELL_NONE)
-                return false;
-    return true;
+    uint32_t all = CELL_NONE; /* which has all bits set */
+    for (uint32_t y = tile.top; y < tile.bottom; y++) {
+        const uint32_t *cell = r->cube.cell + (size_t)y * r->width + tile.left;
+        for (uint32_t x = 0; x < tile.right - tile.left; x++)
+            all &= cell[x];
+    }
+    return all == CELL_NONE;
 }
 
 /* Nothing is seen of such a tile. */
@@ -273,15 +277,79 @@ static void empty_tile(struct rendition *r, struct tile tile)
         rendition_empty(r, (size_t)y * r->width + tile.left, tile.right - tile.left);
 }
 
-/* Which pixels have their normals then. */
-static tile_mask refine_tile(struct rendition *r, struct shading *s, struct tile tile)
+static struct patches patches_at(struct rendition *r, struct shading *s, struct tile tile)
 {
-    if (s->has_patches && tile.right - tile.left == TILE && tile.bottom - tile.top == TILE)
-        return patches_refine(r, &s->refiner, &s->normals, tile.left, tile.top);
+    return (struct patches){.r = r,
+                            .refiner = &s->refiner,
+                            .normals = &s->normals,
+                            .left = tile.left,
+                            .top = tile.top,
+                            .samples = s->samples,
+                            .sees_pits = s->look->number > LOOK_THIRD};
+}
+
+static bool is_whole(struct tile tile)
+{
+    return tile.right - tile.left == TILE && tile.bottom - tile.top == TILE;
+}
+
+static void refine_pixels(struct rendition *r, struct shading *s, struct tile tile)
+{
     for (uint32_t y = tile.top; y < tile.bottom; y++)
         for (uint32_t x = tile.left; x < tile.right; x++)
             refine_pixel(r, &s->refiner, x, y);
-    return 0;
+}
+
+static struct patched *patched_at(struct patches *p, struct tile tile)
+{
+    return &p->tile[(tile.top - p->top) / TILE][(tile.left - p->left) / TILE];
+}
+
+/* What a map has of samples that stand for pixels, for all samples of these. */
+static void spread(void *map, size_t each, const struct rendition *r, struct tile tile,
+                   tile_mask stands, uint32_t samples)
+{
+    char *first = (char *)map + ((size_t)tile.top * r->width + tile.left) * each;
+    for (; stands; stands &= stands - 1) {
+        const unsigned bit = (unsigned)__builtin_ctzll(stands);
+        const char *from = first + (bit / TILE * (size_t)r->width + bit % TILE) * each;
+        const uint32_t left = bit % TILE / samples * samples, top = bit / TILE / samples * samples;
+        for (uint32_t y = top; y < top + samples; y++)
+            for (uint32_t x = left; x < left + samples; x++)
+                memmove(first + (y * (size_t)r->width + x) * each, from, each);
+    }
+}
+
+/* A tile of patches, of which this is known: the state that it is in then. */
+static enum tile_state shade_patched(struct rendition *r, struct shading *s, struct tile tile,
+                                     const struct patched *known)
+{
+    const tile_mask covered = patches_covered(known->stands, s->samples);
+    if (!~covered) {
+        shade_tile(r, s, tile, known->stands, known->has_normal);
+        return TILE_STANDS;
+    }
+    spread(r->depth, sizeof *r->depth, r, tile, known->stands, s->samples);
+    spread(r->cell, sizeof *r->cell, r, tile, known->stands, s->samples);
+    label_tile(r, s->border, tile);
+    shade_tile(r, s, tile, ~covered | known->stands, known->has_normal);
+    spread(r->normal, 4 * sizeof *r->normal, r, tile, known->stands, s->samples);
+    spread(r->rgba, 4, r, tile, known->stands, s->samples);
+    return TILE_SHADED;
+}
+
+/* Refines a tile and shades it. */
+static enum tile_state refine_tile(struct rendition *r, struct shading *s, struct tile tile,
+                                   struct patches *p)
+{
+    if (s->has_patches && is_whole(tile)) {
+        patches_refine_tile(p, tile.left - p->left, tile.top - p->top);
+        return shade_patched(r, s, tile, patched_at(p, tile));
+    }
+    refine_pixels(r, s, tile);
+    label_tile(r, s->border, tile);
+    shade_tile(r, s, tile, ~(tile_mask)0, 0);
+    return TILE_SHADED;
 }
 
 /* Where objects are translucent: layer by layer, from the nearest on. Edges are those of the layers
@@ -291,7 +359,7 @@ static void blend_tile(struct rendition *r, struct shading *s, struct tile tile)
     struct blend blend;
     blend_begin(&blend, r, s->border, footprint_of(tile));
     while (blend_next(&blend)) {
-        shade_tile(&r->layers->pass, s, tile, 0);
+        shade_tile(&r->layers->pass, s, tile, ~(tile_mask)0, 0);
         blend_add(&blend, r);
     }
     blend_end(&blend, r);
@@ -321,12 +389,14 @@ static void label_tiles(struct rendition *r, size_t first, size_t end, struct sh
          i = rendition_tile(r, i + 1, end, TILE_STALE)) {
         const struct tile tile = tile_at(r, i);
         const bool bare = rendition_is_refined(r) && is_bare(r, tile);
-        if (bare)
+        if (bare && s->samples == 1)
             empty_tile(r, tile);
+        else if (bare) /* is not looked at */
+            ;
         else if (waits(r, s))
             continue;
         else if (rendition_is_refined(r))
-            refine_tile(r, s, tile);
+            refine_pixels(r, s, tile);
         if (bare || label_tile(r, s->border, tile))
             r->stale[i] = TILE_EMPTY;
     }
@@ -340,17 +410,121 @@ static void shade_tiles(struct rendition *r, size_t first, size_t end, struct sh
          i < end && task_advance(task, TILE * TILE);
          i = rendition_tile(r, i + 1, end, TILE_STALE)) {
         const struct tile tile = tile_at(r, i);
-        tile_mask has_normal = 0;
         if (waits(r, s)) {
-            has_normal = refine_tile(r, s, tile);
-            label_tile(r, s->border, tile);
+            struct patches p = patches_at(r, s, tile);
+            r->stale[i] = (uint8_t)refine_tile(r, s, tile, &p);
+            continue;
         }
         if (r->layers)
             blend_tile(r, s, tile);
         else
-            shade_tile(r, s, tile, has_normal);
+            shade_tile(r, s, tile, ~(tile_mask)0, 0);
         r->stale[i] = (uint8_t)next;
     }
+}
+
+/* ---- blocks of tiles, of which all are stale where one is ---- */
+
+/* Tiles of a picture: side x side of them. */
+struct square {
+    uint32_t x, y, side;
+};
+
+static bool is_all(const struct rendition *r, struct square square, enum tile_state state)
+{
+    if ((square.x + square.side) * TILE > r->width || (square.y + square.side) * TILE > r->height)
+        return false;
+    for (uint32_t y = square.y; y < square.y + square.side; y++)
+        for (uint32_t x = square.x; x < square.x + square.side; x++)
+            if (r->stale[(size_t)y * r->tiles_x + x] != state)
+                return false;
+    return true;
+}
+
+/* In which one sample stands for each pixel. */
+static void shade_standing(struct rendition *r, struct shading *s, struct patches *p,
+                           struct square square)
+{
+    struct tile_pixels pixels;
+    pixels.count = 0;
+    for (uint32_t y = square.y; y < square.y + square.side; y++)
+        for (uint32_t x = square.x; x < square.x + square.side; x++) {
+            const size_t number = (size_t)y * r->tiles_x + x;
+            const struct tile tile = tile_at(r, number);
+            take_pixels(&pixels, r, tile, patched_at(p, tile)->stands);
+            r->stale[number] = TILE_STANDS;
+        }
+    shade_pixels(r, s, &pixels, 0);
+}
+
+/* As one patch; where it is none, by its quarters. */
+static void shade_square(struct rendition *r, struct shading *s, struct patches *p,
+                         struct square square)
+{
+    const uint32_t half = square.side / 2;
+    if (square.x >= r->tiles_x || square.y >= r->tiles_y)
+        return;
+    if (square.side == 1) {
+        const size_t number = (size_t)square.y * r->tiles_x + square.x;
+        if (r->stale[number] == TILE_STALE)
+            r->stale[number] = (uint8_t)refine_tile(r, s, tile_at(r, number), p);
+        return;
+    }
+    if (is_all(r, square, TILE_STALE) &&
+        patches_refine_square(p, square.x * TILE - p->left, square.y * TILE - p->top,
+                              square.side * TILE)) {
+        shade_standing(r, s, p, square);
+        return;
+    }
+    for (unsigned i = 0; i < 4; i++)
+        shade_square(r, s, p,
+                     (struct square){square.x + (i & 1) * half, square.y + (i >> 1) * half, half});
+}
+
+/* Rows of tiles, which begin with a row of blocks. */
+static void shade_blocks(struct rendition *r, uint32_t first, uint32_t end, struct shading *s,
+                         struct task *task)
+{
+    struct square block = {.side = s->block};
+    for (block.y = first; block.y < end; block.y += block.side)
+        for (block.x = 0; block.x < r->tiles_x; block.x += block.side) {
+            const struct tile tile = {.left = block.x * TILE, .top = block.y * TILE};
+            struct patches p = patches_at(r, s, tile);
+            shade_square(r, s, &p, block);
+            if (!task_advance(task, (uint64_t)TILE * TILE * block.side * block.side))
+                return;
+        }
+}
+
+static void mark_blocks(struct rendition *r, uint32_t side)
+{
+    const size_t all = (size_t)r->tiles_x * r->tiles_y;
+    for (size_t i = rendition_tile(r, 0, all, TILE_STALE); i < all;
+         i = rendition_tile(r, i + 1, all, TILE_STALE)) {
+        const uint32_t x = (uint32_t)(i % r->tiles_x) / side * side;
+        const uint32_t y = (uint32_t)(i / r->tiles_x) / side * side;
+        const uint32_t wide = r->tiles_x - x < side ? r->tiles_x - x : side;
+        for (uint32_t j = y; j < y + side && j < r->tiles_y; j++)
+            memset(r->stale + (size_t)j * r->tiles_x + x, TILE_STALE, wide);
+    }
+}
+
+/* The first row of blocks that begins with this tile or after it. */
+static uint32_t block_row(const struct rendition *r, size_t tile, uint32_t side)
+{
+    const size_t row = (size_t)r->tiles_x * side;
+    const size_t y = (tile + row - 1) / row * side;
+    return y < r->tiles_y ? (uint32_t)y : r->tiles_y;
+}
+
+/* Tiles that have waited for it; of blocks those which begin there. */
+static void shade_some(struct rendition *r, size_t first, size_t end, struct shading *s,
+                       struct task *task)
+{
+    if (s->block == 1 || !waits(r, s))
+        shade_tiles(r, first, end, s, task);
+    else
+        shade_blocks(r, block_row(r, first, s->block), block_row(r, end, s->block), s, task);
 }
 
 /* Edges look at normals of pixels around, so they come once all are there. */
@@ -439,6 +613,8 @@ static void shading_init(struct shading *s, const struct camera *camera,
     if (s->occludes)
         occluder_init(&s->occluder, &shader->bricks, camera, look->ao_percent);
     s->has_patches = look->number > LOOK_SECOND && !looks_around(look);
+    s->samples = s->has_patches && look->number > LOOK_THIRD ? look->samples : 1;
+    s->block = patches_side(normal_stride(camera), s->samples);
 }
 
 /* The fields of a thread are its own. */
@@ -463,7 +639,7 @@ void shade_rows(struct rendition *r, uint32_t first, uint32_t end, const struct 
     if (draws_edges(look)) /* which look at rows around */
         shade_tiles(r, 0, all, &s, &task);
     else
-        shade_tiles(r, (size_t)first * r->tiles_x, (size_t)end * r->tiles_x, &s, &task);
+        shade_some(r, (size_t)first * r->tiles_x, (size_t)end * r->tiles_x, &s, &task);
     draw_edges(r, (size_t)first * r->tiles_x, (size_t)end * r->tiles_x, &s);
 }
 
@@ -501,7 +677,7 @@ static void shade_share(void *context, unsigned thread)
     const struct share tiles = team_share(team, thread, rendition_count(r, TILE_STALE));
     const size_t first = tile_after(r, tiles.first), end = tile_after(r, tiles.end);
     team_wait(team);
-    shade_tiles(r, first, end, &s, &task);
+    shade_some(r, first, end, &s, &task);
     team_wait(team);
     draw_edges(r, first, end, &s);
 }
@@ -522,6 +698,8 @@ enum err shade(struct rendition *r, const struct camera *camera, const struct bo
     if (err)
         return err;
     shading_init(&s, camera, border, palette, look, shader);
+    if (s.block > 1 && waits(r, &s))
+        mark_blocks(r, s.block);
     team_run(team, shade_share, &sharing);
     return OK;
 }

@@ -24,7 +24,8 @@ enum { SHADE_SAMPLES_MOST = 4, LIGHT_PITCH_MOST = 90000 };
 /* Looks have numbers: what is drawn under one stays as it is, so that images that were made under
  * it can be made again. A session draws under that of its journal's semantics. From look 2 on
  * surfaces are smooth; from look 3 on most of their pixels lie in patches (render/patch.h), and
- * pits and rims of cuts are looked at closely (render/refine.h). */
+ * pits and rims of cuts are looked at closely (render/refine.h); from look 4 on one sample stands
+ * for a pixel where a patch shows one object, and blocks of tiles are patches. */
 enum { LOOK_FIRST = 1, LOOK_SECOND, LOOK_THIRD, LOOK_PRESENT };
 
 struct look {
@@ -73,8 +74,10 @@ size_t shader_bytes(const struct shader *shader);
 /* How far colours depend on what is around. */
 struct shade_reach shade_reach(const struct look *look, const struct camera *camera);
 
-/* Shades every stale tile and marks it shaded or empty. ERR_MEMORY, with tiles still stale. Where
- * the look is refined and was not before, or the other way round, all tiles are stale. */
+/* Shades every stale tile and marks it shaded or empty, or such that one sample stands for each
+ * pixel. ERR_MEMORY, with tiles still stale. Where the look is refined and was not before, or the
+ * other way round, all tiles are stale. With several samples a pixel, what is seen of empty tiles
+ * is for rendition_reduce to make. */
 enum err shade(struct rendition *rendition, const struct camera *camera,
                const struct border *border, const struct palette *palette, const struct look *look,
                struct shader *shader, struct fault *fault);

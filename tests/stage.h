@@ -7,6 +7,8 @@
 #ifndef TESTS_STAGE_H
 #define TESTS_STAGE_H
 
+#include <string.h>
+
 #include "render/border.h"
 #include "engine/forest.h"
 #include "render/layers.h"
@@ -83,6 +85,28 @@ static inline void stage_look_at_random(struct stage *s, uint32_t modes, uint64_
         s->view.angle[i] = (int32_t)check_below(random, VIEW_TURN);
 }
 
+/* All samples of a rendition that shading leaves out where it is to be reduced: those that another
+ * one stands for, and those of tiles that show nothing. */
+static inline void stage_fill(struct rendition *r, uint32_t samples)
+{
+    for (uint32_t y = 0; y < r->height; y++)
+        for (uint32_t x = 0; x < r->width; x++) {
+            const size_t here = (size_t)y * r->width + x;
+            const uint8_t state = r->stale[(size_t)(y / TILE) * r->tiles_x + x / TILE];
+            const size_t from = (size_t)(y / samples * samples + samples / 2) * r->width +
+                                x / samples * samples + samples / 2;
+            if (state == TILE_EMPTY)
+                rendition_empty(r, here, 1);
+            if (state != TILE_STANDS || from == here)
+                continue;
+            r->depth[here] = r->depth[from];
+            r->cell[here] = r->cell[from];
+            r->label[here] = r->label[from];
+            memcpy(r->rgba + 4 * here, r->rgba + 4 * from, 4);
+            memcpy(r->normal + 4 * here, r->normal + 4 * from, 4 * sizeof *r->normal);
+        }
+}
+
 /* The stage's picture of what is shown, by its view. */
 static inline void stage_draw(struct stage *s)
 {
@@ -92,6 +116,7 @@ static inline void stage_draw(struct stage *s)
     splat_border(&s->rendition, &s->camera, &s->border);
     CHECK(shade(&s->rendition, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) ==
           OK);
+    stage_fill(&s->rendition, s->look.samples);
 }
 
 /* Has a rendition of what is shown the stage's layers where it needs them. */

@@ -64,7 +64,7 @@ static void look_at_random(struct stage *s, uint64_t *random)
     stage_look_at_random(s, 4, random);
     s->view.width = s->look.samples * (1 + check_below(random, 30));
     s->view.height = s->look.samples * (1 + check_below(random, 90));
-    s->view.zoom = s->look.samples * (300 + check_below(random, 6000));
+    s->view.zoom = s->look.samples * (300 + check_below(random, 10000));
     CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
     CHECK(stage_fit_border(s) == OK);
 }

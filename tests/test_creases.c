@@ -18,6 +18,7 @@ static void draw(struct stage *s, struct rendition *out)
     CHECK(stage_fit_border(s) == OK);
     splat_border(out, &s->camera, &s->border);
     CHECK(shade(out, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) == OK);
+    stage_fill(out, s->look.samples);
 }
 
 static const int16_t *normal_at(const struct rendition *r, size_t pixel)

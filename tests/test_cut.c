@@ -238,6 +238,7 @@ static bool same(const struct rendition *a, const struct rendition *b, const cha
 static void paint(struct stage *s, struct rendition *r)
 {
     CHECK(shade(r, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) == OK);
+    stage_fill(r, s->look.samples);
 }
 
 typedef void projection(struct rendition *, const struct camera *, const struct border *);

@@ -159,7 +159,8 @@ STORY(an_outline_shows_against_black_and_against_white)
                 CHECK(red_at(&s.rendition, x + samples + i, y) < 80);
             }
         }
-        CHECK_INT(red_at(&lined, 20, 32), red_at(&plain, 20, 32));
+        /* Without lines it has patches (render/patch.h). */
+        CHECK(abs(red_at(&lined, 20, 32) - red_at(&plain, 20, 32)) <= 1);
         rendition_release(&plain);
         rendition_release(&lined);
     }

@@ -352,6 +352,7 @@ static bool same(const struct rendition *a, const struct rendition *b)
 static void colour(struct stage *s, struct rendition *r, struct shader *shader)
 {
     CHECK(shade(r, &s->camera, &s->border, &s->palette, &s->look, shader, NULL) == OK);
+    stage_fill(r, s->look.samples);
 }
 
 /* From nothing, in three ways, by a shader that knows nothing yet. */

@@ -106,6 +106,74 @@ STORY(patches_look_as_pixels_by_themselves_do)
                d.shown, d.silhouette, d.depth, d.label, d.normal, d.length);
 }
 
+/* A picture of several samples a pixel, which the caller releases. */
+static struct rendition draw_reduced(struct stage *s, uint32_t number)
+{
+    struct rendition out;
+    const uint32_t samples = s->look.samples;
+    s->look.number = number;
+    draw(s, true);
+    CHECK(rendition_init(&out, s->view.width / samples, s->view.height / samples, NULL) == OK);
+    rendition_reduce(&out, &s->rendition, samples);
+    return out;
+}
+
+/* Pixels in which two pictures differ: in how much is covered, in label, and by so much in colour
+ * that one sees it. */
+static void compare_reduced(struct difference *d, const struct rendition *one,
+                            const struct rendition *other)
+{
+    for (size_t i = 0; i < (size_t)one->width * one->height; i++) {
+        const uint8_t *of[2] = {one->rgba + 4 * i, other->rgba + 4 * i};
+        d->shown += of[0][3] > 0;
+        d->silhouette += apart(of[0][3], of[1][3]) > 255 / 16;
+        d->label += one->label[i] != other->label[i];
+        d->normal += apart(of[0][1], of[1][1]) > 12;
+    }
+}
+
+/* Each sample is in a patch of look 3, or refined. */
+STORY(one_sample_stands_for_a_pixel_only_where_all_look_alike)
+{
+    uint64_t random = 11;
+    struct difference d = {0};
+    for (int i = 0; i < 40; i++) {
+        struct stage s;
+        stage_balls(&s, &random);
+        look_at_random(&s, &random);
+        s.look.samples = 2u << i % 2;
+        s.view.width *= 2, s.view.height *= 2;
+        struct rendition one = draw_reduced(&s, LOOK_PRESENT);
+        struct rendition other = draw_reduced(&s, LOOK_THIRD);
+        compare_reduced(&d, &one, &other);
+        rendition_release(&one);
+        rendition_release(&other);
+        stage_release(&s);
+    }
+    if (!CHECK(d.shown > 100000 && d.silhouette * 2000 < d.shown && d.label * 1000 < d.shown &&
+               d.normal * 500 < d.shown))
+        printf("# of %zu pixels differ: %zu in silhouette, %zu in label, %zu in colour\n", d.shown,
+               d.silhouette, d.label, d.normal);
+}
+
+/* Whole blocks are patches where a voxel is as wide. */
+STORY(blocks_of_tiles_are_patches_where_voxels_are_wide)
+{
+    struct stage s;
+    uint64_t random = 3;
+    stage_balls(&s, &random);
+    s.look.samples = 4;
+    s.view = (struct view){.width = 1024, .height = 1024, .zoom = 32000};
+    draw(&s, true);
+    size_t standing = 0, shown = 0;
+    for (size_t i = 0; i < 128 * 128; i++) {
+        standing += s.rendition.stale[i] == TILE_STANDS;
+        shown += s.rendition.stale[i] != TILE_EMPTY;
+    }
+    CHECK(standing * 10 > shown * 7);
+    stage_release(&s);
+}
+
 /* What a patch may not be: over a hole, over a silhouette, or wider than a voxel. */
 STORY(most_pixels_of_a_smooth_surface_are_in_patches)
 {
@@ -126,8 +194,14 @@ STORY(most_pixels_of_a_smooth_surface_are_in_patches)
         normals_init(&normals, &s.camera, SHADE_SURFACE, true, &part->shown, NULL);
         for (uint32_t y = 0; y < 512; y += TILE)
             for (uint32_t x = 0; x < 512; x += TILE) {
-                const tile_mask mask = patches_refine(&s.rendition, &refiner, &normals, x, y);
-                between += (size_t)__builtin_popcountll(mask);
+                struct patches patches = {.r = &s.rendition,
+                                          .refiner = &refiner,
+                                          .normals = &normals,
+                                          .left = x,
+                                          .top = y,
+                                          .samples = 1};
+                patches_refine_tile(&patches, 0, 0);
+                between += (size_t)__builtin_popcountll(patches.tile[0][0].has_normal);
             }
         for (size_t p = 0; p < 512 * 512; p++)
             shown += s.rendition.cell[p] != CELL_NONE;
@@ -174,6 +248,8 @@ STORY(no_pixel_of_a_patch_is_a_dot)
 int main(void)
 {
     return RUN_STORIES(TELL(patches_look_as_pixels_by_themselves_do),
+                       TELL(one_sample_stands_for_a_pixel_only_where_all_look_alike),
+                       TELL(blocks_of_tiles_are_patches_where_voxels_are_wide),
                        TELL(most_pixels_of_a_smooth_surface_are_in_patches),
                        TELL(no_pixel_of_a_patch_is_a_dot));
 }

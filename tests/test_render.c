@@ -27,6 +27,7 @@ typedef void projection(struct rendition *, const struct camera *, const struct 
 static void colour(struct stage *s, struct rendition *r)
 {
     CHECK(shade(r, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) == OK);
+    stage_fill(r, s->look.samples);
 }
 
 static void render(struct stage *s, struct rendition *r, projection *project)
