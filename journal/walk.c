@@ -53,6 +53,9 @@ static bool line_is_comment(const struct line *line)
     return line->length == 0 || *line->text == '#';
 }
 
+/* The smallest block that a disk writes whole. */
+enum { SECTOR = 512 };
+
 /* ---- the beginning --------------------------------------------------------------------------- */
 
 static size_t length_without_zeros(const char *bytes, size_t length)
@@ -60,6 +63,17 @@ static size_t length_without_zeros(const char *bytes, size_t length)
     while (length > 0 && bytes[length - 1] == '\0')
         length--;
     return length;
+}
+
+/* A file of another kind: in a long one, what it begins with shows that it is no text. */
+static enum err check_script(const struct walk *walk, struct fault *fault)
+{
+    const char *zero = memchr(walk->bytes, '\0', walk->length < SECTOR ? walk->length : SECTOR);
+    return zero ? fault_set(fault, ERR_INPUT,
+                            "this is neither a journal, which begins with a header, nor a script, "
+                            "which is text: byte %zu is zero",
+                            (size_t)(zero - walk->bytes))
+                : OK;
 }
 
 /* Finds out what the bytes are, and steps over the header of a journal. */
@@ -72,7 +86,7 @@ static enum err read_header(struct walk *walk, struct fault *fault)
     const bool is_begun =
         !feed && (length ? record_header_is_begun(walk->bytes, length) : walk->length > 0);
     if (!is_begun && !record_header_is_meant(walk->bytes, first))
-        return OK;
+        return check_script(walk, fault);
     walk->is_journal = true;
     walk->ends_in_zeros = length < walk->length;
     walk->length = length;
@@ -147,9 +161,6 @@ static enum walk_step end_torn(struct walk *walk)
               walk->records + 1, walk->line, walk->offset);
     return end_walk(walk, WALK_TORN, walk->offset, walk->line);
 }
-
-/* The smallest block that a disk writes whole. */
-enum { SECTOR = 512 };
 
 /* Zeros stand only where sectors were not written: from a sector's beginning, or the end of what
  * was written before, to a sector's end or the last byte. No writer writes single zero bytes. */

@@ -46,8 +46,8 @@ struct walk {
 };
 
 /* Begins a walk over `length` bytes, which must stay until walk_release. ERR_INPUT for a header
- * that is malformed or of a format we do not know, ERR_MEMORY; then there is nothing to
- * release, and walk_release is fine too. */
+ * that is malformed or of a format we do not know, and for no header before bytes that are no text,
+ * ERR_MEMORY; then there is nothing to release, and walk_release is fine too. */
 enum err walk_begin(struct walk *walk, const char *bytes, size_t length, struct fault *fault);
 
 /* The next record; its texts stay until the next call. At WALK_TORN and WALK_DAMAGED `record`

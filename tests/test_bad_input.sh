@@ -342,6 +342,25 @@ done
 rm script
 close_story
 
+begin "a file of another kind is called what it is not"
+neither="this is neither a journal, which begins with a header, nor a script, which is text"
+for program in log "log --graph" verify replay "diff good.nii" "log --anonymise"; do
+    # shellcheck disable=SC2086
+    refused 3 "$neither" "$iftty" $program good.nii
+done
+refused 1 "$neither" "$iftty" log --check good.nii
+! grep -q 'record 0' "$work/both" || fail "$(cat "$work/both")"
+echo 'open good.nii' >words.iftty
+: >empty.iftty
+for name in words.iftty empty.iftty; do
+    refused 3 "$name has no header of a journal; \`iftty run $name\`" "$iftty" $name </dev/null
+    refused 3 "$name is named as a journal, and \`open\` takes a scene" "$iftty" -c "open $name"
+    refused 3 "it is no picture of a format that is known here" "$iftty" info $name
+done
+refused 3 "it is no picture of a format that is known here" "$iftty" show good.nii
+rm words.iftty empty.iftty
+close_story
+
 # ---- journals ----
 
 begin "journals that are none"

@@ -52,6 +52,10 @@ static enum err find_scene(const struct act *act, const char *name, struct buf *
                          "%s is a journal, and `open` takes a scene; `iftty %s` in a shell goes on "
                          "with it; nothing was opened",
                          name, name);
+    if (!err && file_is_named(name, ".iftty") && act->interp->mode == MODE_LIVE)
+        return fault_set(act->fault, ERR_INPUT,
+                         "%s is named as a journal, and `open` takes a scene; nothing was opened",
+                         name);
     if (err && file_is_named(name, ".iftty") && !interpreter_is_wary(act->interp))
         return fault_set(act->fault, err,
                          "there is no journal %s here, and `open` takes a scene; `iftty JOURNAL` "

@@ -65,7 +65,10 @@ std::unique_ptr<OIIO::ImageInput> open_image(const std::string &path)
     wish.attribute("oiio:UnassociatedAlpha", 1);
     std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::open(path, &wish);
     if (!in) {
-        answer_error(OIIO::geterror());
+        const std::string words = OIIO::geterror();
+        const bool is_known = OIIO::ImageInput::create(path) != nullptr;
+        OIIO::geterror();
+        answer_error(is_known ? words : "it is no picture of a format that is known here");
         return in;
     }
     const OIIO::ImageSpec &spec = in->spec();

@@ -7,6 +7,7 @@
 #include "journal/graph.h"
 #include "journal/journal.h"
 #include "journal/log.h"
+#include "journal/walk.h"
 #include "program/anonymise.h"
 #include "program/console.h"
 #include "program/programs.h"
@@ -45,6 +46,8 @@ static enum err print_written(enum err (*write)(struct buf *out, const char *byt
     enum err err = read_journal(&bytes, o, fault);
     if (!err)
         err = write(&text, buf_text(&bytes), bytes.length, fault);
+    if (err && bytes.length)
+        fault_prefix(fault, err, "%s", o->word[0]);
     if (!err && text.failed)
         err = fault_memory(fault, "what a journal says");
     print_safe(&text);
@@ -53,9 +56,14 @@ static enum err print_written(enum err (*write)(struct buf *out, const char *byt
     return err;
 }
 
+/* As it is, intact or not; a scene that was meant to be opened is no text. */
 static enum err copy(struct buf *out, const char *bytes, size_t length, struct fault *fault)
 {
-    (void)fault;
+    struct walk walk;
+    const enum err err = walk_begin(&walk, bytes, length, fault);
+    walk_release(&walk);
+    if (err && !walk.is_journal)
+        return err;
     buf_add(out, bytes, length);
     return OK;
 }

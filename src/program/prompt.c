@@ -282,6 +282,11 @@ static enum err check(const struct options *o, const struct prompt *prompt, stru
         return fault_set(fault, ERR_IO,
                          "there is no journal %s; `iftty SCENE --journal FILE` begins one",
                          prompt->first);
+    if (prompt->first && file_is_named(prompt->first, ".iftty") && !prompt->resumes)
+        return fault_set(fault, ERR_INPUT,
+                         "%s has no header of a journal; `iftty run %s` carries out the commands "
+                         "of a script, and `iftty SCENE --journal FILE` begins a journal",
+                         prompt->first, prompt->first);
     if (prompt->resumes && o->journal)
         return fault_set(fault, ERR_USAGE, "%s is a journal itself and goes on in its own file",
                          prompt->first);

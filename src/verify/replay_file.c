@@ -93,7 +93,9 @@ void replay_describe(struct buf *text, const struct replay_report *report,
     }
     if (report->outcome == REPLAY_SAME)
         return;
-    buf_printf(text, "# record %zu, line %zu: ", report->number, report->line);
+    buf_add_text(text, "# ");
+    if (report->number) /* what is wrong may come before the first */
+        buf_printf(text, "record %zu, line %zu: ", report->number, report->line);
     if (report->outcome == REPLAY_DIVERGED)
         buf_add_text(text, "the first command that gives another result\n");
     else
