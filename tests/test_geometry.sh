@@ -62,6 +62,7 @@ expect 0 "$iftty" run - --journal told.iftty </dev/null
 expect 3 "$iftty" -c 'open unplaced.nii.gz; orient LPX'
 err_has "three letters for the sides that the axes run towards"
 expect 3 "$iftty" -c 'open unplaced.nii.gz; orient sform'
+err_has "HOW: the file has no sform; nothing has changed"
 expect 3 "$iftty" -c 'open synth:geom:9x8x7; orient LAS'
 err_has "the file says that its axes run towards RAS; where that is wrong, correct the file"
 close_story

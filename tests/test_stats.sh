@@ -98,4 +98,16 @@ expect 2 "$iftty" -c "open scene.nii; stats report=x.txt"
 err_has "report: expected a name that ends in .json or .csv"
 close_story
 
+begin "what is answered of labels says which edits are not in it"
+"$iftty" -c 'open scene.nii; seed 7,12,10 1; seed 2,2,2 2; run; save labels map.nii' >/dev/null ||
+    fail "cannot segment"
+for question in stats hints 'why 7,12,10' 'compare map.nii'; do
+    expect 0 "$iftty" -c "open scene.nii; seed 7,12,10 1; $question; seed 2,2,2 0; $question"
+    same "$(grep -c 'without the edit that waits for `run`' "$work/out")" 1
+    same "$(grep -c 'without the 2 edits that wait for `run`' "$work/out")" 1
+    expect 0 "$iftty" -c "open scene.nii; seed 7,12,10 1; seed 2,2,2 0; run; $question"
+    ! grep -q 'without the' "$work/out" || fail "$(cat "$work/out")"
+done
+close_story
+
 finish

@@ -293,6 +293,9 @@ enum err act_take_slices(const struct act *act, enum slice_kind kind, const stru
 /* "2 cerebellum", or "2" where the label has no name. */
 void act_write_label(struct buf *out, const struct session *session, unsigned label);
 
+/* A line where edits wait for `run`: what was answered of the labels is without them. */
+void act_write_waiting(const struct act *act);
+
 /* " of 1x1x1.5 mm" or " of unknown size"; "axes towards RAS". */
 void act_write_spacing(struct buf *out, const struct session *session);
 void act_write_axes(struct buf *out, const struct geometry *geometry);

@@ -39,6 +39,15 @@ void act_write_label(struct buf *out, const struct session *session, unsigned la
     buf_printf(out, "%u%s%s", label, *name ? " " : "", name);
 }
 
+void act_write_waiting(const struct act *act)
+{
+    const size_t waits = session_pendings(act->session);
+    if (waits == 1)
+        buf_add_text(&act->reply->text, "without the edit that waits for `run`\n");
+    else if (waits > 1)
+        buf_printf(&act->reply->text, "without the %zu edits that wait for `run`\n", waits);
+}
+
 /* The weight of the voxel; where weights are those of steps, of the step from its predecessor. */
 static void write_voxel_weight(struct buf *out, const struct session *session,
                                const struct cell *cell)
@@ -127,6 +136,7 @@ enum err act_why(const struct act *act)
     struct way way = {0};
     act_write_voxel(&act->reply->text, session, place);
     act_write_refusal(&act->reply->text, session, place);
+    act_write_waiting(act);
     if (!cell_is_reached(cell))
         return OK;
     buf_printf(&act->reply->text, "cost %u, %u step%s since it last rose\n", key_cost(cell->key),

@@ -131,7 +131,6 @@ static enum err answer(const struct act *act, const struct compared *compared,
                        const struct comparison *comparison)
 {
     const struct session *session = act->session;
-    const size_t waits = session_pendings(session);
     const char *name =
         act_is_yes(&act->value[FINISHED]) ? "the labels here, finished" : "the labels here";
     const struct comparison_report report = {comparison,
@@ -144,9 +143,8 @@ static enum err answer(const struct act *act, const struct compared *compared,
         err = write_picture(act, compared, &report);
     if (!err)
         comparison_write_text(&act->reply->text, &report);
-    if (!err && waits)
-        buf_printf(&act->reply->text, "%zu edit%s waiting for `run` not in it\n", waits,
-                   plural(waits));
+    if (!err)
+        act_write_waiting(act);
     return err;
 }
 

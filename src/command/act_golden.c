@@ -180,7 +180,8 @@ enum err act_golden(const struct act *act)
         return err;
     if (!interp->home.length && interp->mode == MODE_LIVE)
         buf_add_text(&act->reply->text,
-                     "not stored: there is no journal that it could belong to\n");
+                     "not stored: there is no journal that it could belong to; `--journal FILE` "
+                     "records one from the beginning\n");
     else if (interp->mode == MODE_LIVE || (interp->judge && can_be_drawn))
         err = settle_golden(act, name, &picture);
     picture_release(&picture);

@@ -152,6 +152,8 @@ enum err act_hints(const struct act *act)
                                        : "no labels meet: there is no border to be uncertain of\n");
     else if (!err)
         buf_printf(out, "%zu place%s in all; `hint N` leads to one\n", wanted, plural(wanted));
+    if (!err)
+        act_write_waiting(act);
     return err;
 }
 

@@ -141,7 +141,11 @@ static enum err check_orient(const struct session *session, const char *how, str
     const struct geometry *said = &session->said;
     struct geometry oriented = *said;
     char towards[4];
-    if (!geometry_orient(&oriented, how))
+    const bool is_form = strcmp(how, "sform") == 0 || strcmp(how, "qform") == 0;
+    const bool is_known = geometry_orient(&oriented, how);
+    if (!is_known && is_form)
+        return fault_set(fault, ERR_INPUT, "HOW: the file has no %s; nothing has changed", how);
+    if (!is_known)
         return fault_set(fault, ERR_INPUT,
                          "HOW: expected file, sform or qform where the file has that, or three "
                          "letters for the sides that the axes run towards, as in RAS, not %s; "

@@ -123,9 +123,11 @@ static enum err answer(const struct act *act, const struct label_stats *stats,
         if (label)
             label_report_write_text(&act->reply->text, &report, label, 4);
     }
-    if (!err)
-        write_forest(act);
-    return err;
+    if (err)
+        return err;
+    write_forest(act);
+    act_write_waiting(act);
+    return OK;
 }
 
 enum err act_stats(const struct act *act)
