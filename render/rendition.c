@@ -18,7 +18,8 @@ enum err rendition_init(struct rendition *r, uint32_t width, uint32_t height, st
     r->rgba = mem_array(pixels, 4);
     r->normal = mem_array(pixels, 4 * sizeof *r->normal);
     r->stale = mem_array((size_t)r->tiles_x * r->tiles_y, 1);
-    if (!r->depth || !r->cell || !r->label || !r->rgba || !r->normal || !r->stale) {
+    r->blank = mem_new((size_t)r->tiles_x * r->tiles_y * sizeof *r->blank);
+    if (!r->depth || !r->cell || !r->label || !r->rgba || !r->normal || !r->stale || !r->blank) {
         rendition_release(r);
         return fault_memory(fault, "a rendition");
     }
@@ -42,6 +43,7 @@ enum err rendition_refined(struct rendition *r, bool is_refined, struct fault *f
     if (is_refined == rendition_is_refined(r))
         return OK;
     drop_refined(r);
+    memset(r->blank, 0, (size_t)r->tiles_x * r->tiles_y * sizeof *r->blank);
     if (!is_refined)
         return OK;
     int64_t *depth = mem_array(pixels, sizeof *depth);
@@ -65,6 +67,7 @@ void rendition_release(struct rendition *r)
     free(r->rgba);
     free(r->normal);
     free(r->stale);
+    free(r->blank);
     *r = (struct rendition){0};
 }
 
@@ -73,7 +76,8 @@ size_t rendition_bytes(const struct rendition *r)
     const size_t map = sizeof *r->depth + sizeof *r->cell;
     const size_t maps = rendition_is_refined(r) ? 2 * map : map;
     const size_t a_pixel = maps + 1 + 4 + 4 * sizeof *r->normal;
-    return (size_t)r->width * r->height * a_pixel + (size_t)r->tiles_x * r->tiles_y;
+    const size_t a_tile = sizeof *r->stale + sizeof *r->blank;
+    return (size_t)r->width * r->height * a_pixel + (size_t)r->tiles_x * r->tiles_y * a_tile;
 }
 
 /* After an edit most tiles are fresh: they are passed over eight at a time. */
@@ -113,6 +117,7 @@ struct rendition rendition_rows(const struct rendition *r, uint32_t top, uint32_
     rows.rgba += 4 * first;
     rows.normal += 4 * first;
     rows.stale += (size_t)(top / TILE) * r->tiles_x;
+    rows.blank += (size_t)(top / TILE) * r->tiles_x;
     rows.tiles_y = (height + TILE - 1) / TILE;
     rows.layers = top ? NULL : r->layers;
     return rows;

@@ -54,6 +54,8 @@ struct rendition {
     int16_t *normal; /* [height][width][4], outward along voxel axes, length 2^14 in the world; the
                         fourth is 0, as is all where nothing is seen */
     uint8_t *stale;  /* [tiles_y][tiles_x], enum tile_state */
+    bool *blank;     /* likewise: all but the maps of cubes are as rendition_empty leaves them, also
+                        while the tile is stale */
     uint32_t tiles_x, tiles_y;
     struct layers *layers; /* borrowed; NULL where all objects are opaque (render/layers.h) */
 };
@@ -82,7 +84,8 @@ static inline bool rendition_is_refined(const struct rendition *rendition)
     return rendition->depth != rendition->cube.depth;
 }
 
-/* Nothing is seen, and every tile is stale; labels, colours and normals are for shading to make. */
+/* Nothing is seen, and every tile is stale; labels, colours and normals are for shading to make,
+ * but where they are blank. */
 void rendition_clear(struct rendition *rendition);
 
 /* Shaded pixels of which nothing is seen: `count` of them, from number `first` on. */

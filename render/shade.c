@@ -382,20 +382,25 @@ static bool waits(const struct rendition *r, const struct shading *s)
     return rendition_is_refined(r) && !looks_around(s->look);
 }
 
+/* Surfaces of samples: then what is empty is not looked at (render/reduce.c). */
+static bool is_reduced(const struct rendition *r, const struct shading *s)
+{
+    return rendition_is_refined(r) && s->samples > 1;
+}
+
 /* Tiles have numbers, row by row: those from `first` to before `end`. */
 static void label_tiles(struct rendition *r, size_t first, size_t end, struct shading *s)
 {
     for (size_t i = rendition_tile(r, first, end, TILE_STALE); i < end;
          i = rendition_tile(r, i + 1, end, TILE_STALE)) {
         const struct tile tile = tile_at(r, i);
-        const bool bare = rendition_is_refined(r) && is_bare(r, tile);
-        if (bare && s->samples == 1)
+        const bool bare = !r->layers && is_bare(r, tile);
+        if (bare && !is_reduced(r, s) && !r->blank[i])
             empty_tile(r, tile);
-        else if (bare) /* is not looked at */
-            ;
-        else if (waits(r, s))
+        r->blank[i] = bare && (r->blank[i] || !is_reduced(r, s));
+        if (!bare && waits(r, s))
             continue;
-        else if (rendition_is_refined(r))
+        if (!bare && rendition_is_refined(r))
             refine_pixels(r, s, tile);
         if (bare || label_tile(r, s->border, tile))
             r->stale[i] = TILE_EMPTY;

@@ -28,14 +28,19 @@ struct label_set drawn_labels(const struct drawn_colours *colours)
     return (struct label_set){{labels[0], labels[1], labels[2], labels[3]}};
 }
 
-/* Both are what is drawn, with decorations over it that are in the picture already. */
-static void unite(uint8_t *picture, uint8_t *drawn, size_t pixels)
+/* Both are what is drawn, with decorations over it that are in the picture already: whether there
+ * are any. */
+static bool unite(uint8_t *picture, uint8_t *drawn, size_t pixels)
 {
+    bool is_decorated = false;
     for (size_t i = 0; i < 4 * pixels; i += 4)
-        if (picture[i + 3])
+        if (picture[i + 3]) {
             memcpy(drawn + i, picture + i, 4);
-        else
+            is_decorated = true;
+        } else {
             memcpy(picture + i, drawn + i, 4);
+        }
+    return is_decorated;
 }
 
 void drawn_colours_take(void *context, const struct rendition *rows, uint32_t top)
@@ -46,7 +51,8 @@ void drawn_colours_take(void *context, const struct rendition *rows, uint32_t to
     label_set_add(&labels, rows);
     for (int i = 0; i < 4; i++)
         colours->labels[i] |= labels.bits[i];
-    unite(rgba, rows->rgba, (size_t)rows->height * rows->width);
+    if (unite(rgba, rows->rgba, (size_t)rows->height * rows->width))
+        memset(rows->blank, 0, (size_t)rows->tiles_x * rows->tiles_y * sizeof *rows->blank);
     colours->digest += rendition_digest_rows(rows, top);
     background_put_rows(rgba, rows->width, top, rows->height, colours->height, colours->background);
 }

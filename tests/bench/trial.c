@@ -71,6 +71,7 @@ static void copy_rendition(struct rendition *to, const struct rendition *from)
     memcpy(to->rgba, from->rgba, pixels * 4);
     memcpy(to->normal, from->normal, pixels * 4 * sizeof *to->normal);
     memcpy(to->stale, from->stale, (size_t)from->tiles_x * from->tiles_y);
+    memcpy(to->blank, from->blank, (size_t)from->tiles_x * from->tiles_y * sizeof *to->blank);
 }
 
 /* ---- one experiment ---- */
