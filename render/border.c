@@ -3,6 +3,22 @@
 #include <string.h>
 
 #include "base/mem.h"
+#include "render/walk.h"
+
+enum { BLOCK = 1 << BORDER_BLOCK_BITS };
+
+static uint32_t blocks_along(const struct border *border, int a)
+{
+    return walk_blocks(&border->scene->grid, a, BORDER_BLOCK_BITS);
+}
+
+/* None of a border that is zeroed. */
+static size_t blocks_in(const struct border *border)
+{
+    if (!border->scene)
+        return 0;
+    return (size_t)blocks_along(border, 0) * blocks_along(border, 1) * blocks_along(border, 2);
+}
 
 enum err border_init(struct border *border, const struct scene *scene, struct fault *fault)
 {
@@ -14,12 +30,14 @@ enum err border_init(struct border *border, const struct scene *scene, struct fa
     border->marked = mem_pages((words / 64 + 1) * sizeof *border->marked);
     border->stale = mem_pages(words * sizeof *border->stale);
     border->changed = mem_pages(words * sizeof *border->changed);
+    border->occupied = mem_pages(blocks_in(border));
     for (int label = 1; label < 256; label++)
         border->visible[label] = true;
     memset(border->opacity, BORDER_OPAQUE, sizeof border->opacity);
     border->solid = border->whole = border->shown;
     border->hull = border->border;
-    if (border->shown && border->border && border->marked && border->stale && border->changed)
+    if (border->shown && border->border && border->marked && border->stale && border->changed &&
+        border->occupied)
         return OK;
     border_release(border);
     return fault_memory(fault, "the border");
@@ -49,13 +67,14 @@ void border_release(struct border *border)
     mem_pages_free(border->marked, (border->words / 64 + 1) * sizeof *border->marked);
     mem_pages_free(border->stale, border->words * sizeof *border->stale);
     mem_pages_free(border->changed, border->words * sizeof *border->changed);
+    mem_pages_free(border->occupied, blocks_in(border));
     *border = (struct border){0};
 }
 
 size_t border_memory(const struct border *border)
 {
     const size_t sets = border->has_skin ? 6 : 2;
-    return border->words * (sets * sizeof(uint64_t) + sizeof(uint32_t));
+    return border->words * (sets * sizeof(uint64_t) + sizeof(uint32_t)) + blocks_in(border);
 }
 
 /* Which of the 64 cells of word `w` of a set are in it, and not all six neighbours are. */
@@ -97,6 +116,36 @@ static bool find_visible(const struct border *border, uint64_t *bits, struct tas
             return false;
     }
     return true;
+}
+
+/* ---- blocks ---- */
+
+static inline uint8_t *block_of(const struct border *border, struct place p)
+{
+    const size_t x = p.x >> BORDER_BLOCK_BITS, y = p.y >> BORDER_BLOCK_BITS;
+    const size_t z = p.z >> BORDER_BLOCK_BITS;
+    return border->occupied + (z * blocks_along(border, 1) + y) * blocks_along(border, 0) + x;
+}
+
+/* Of solid voxels as they are. */
+static void find_blocks(struct border *border)
+{
+    const struct grid *grid = &border->scene->grid;
+    memset(border->occupied, 0, blocks_in(border));
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            const uint32_t first = grid_row(grid, y, z).first;
+            uint8_t *block = block_of(border, (struct place){0, y, z});
+            for (uint32_t x = 0; x < grid->size[0]; x += BLOCK) /* or a few of the next row */
+                *block++ |=
+                    (border_solid_from(border, (ptrdiff_t)(first + x)) & ((1 << BLOCK) - 1)) != 0;
+        }
+}
+
+/* A voxel is solid from now on. */
+static void add_block(struct border *border, uint32_t cell)
+{
+    *block_of(border, grid_place(&border->scene->grid, cell)) = true;
 }
 
 /* ---- the skin ---- */
@@ -154,6 +203,7 @@ enum err border_set_skin(struct border *border, bool has_skin, struct fault *fau
     else if (!find_visible(border, border->whole, &task))
         return OK;
     find_skin(border, &task);
+    find_blocks(border);
     return OK;
 }
 
@@ -204,6 +254,7 @@ void border_recount(struct border *border)
         border->border[w] = edge_word(border, border->shown, w);
     if (border->has_skin)
         find_skin(border, &task);
+    find_blocks(border);
 }
 
 /* ---- updates ---- */
@@ -245,6 +296,8 @@ static void follow_marks(struct border *border, struct task *task)
         border->border[w] = edge_word(border, border->shown, w);
         const uint64_t solid = border->has_skin ? solid_word(border, w) : 0;
         if (border->has_skin && solid != border->solid[w]) {
+            for (uint64_t more = solid & ~border->solid[w]; more; more &= more - 1)
+                add_block(border, w * 64 + (uint32_t)__builtin_ctzll(more));
             border->solid[w] = solid;
             mark_around(border, w);
         }
@@ -286,6 +339,8 @@ void border_update(struct border *border, const struct changes *changes)
             continue;
         border->shown[at >> 6] ^= UINT64_C(1) << (at & 63);
         border->changed[at >> 6] = border->version;
+        if (border_shows(border, at))
+            add_block(border, at);
         for (int a = 0; a < 3; a++) {
             mark(border, at - (uint32_t)step[a]);
             mark(border, at + (uint32_t)step[a]);

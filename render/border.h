@@ -16,8 +16,8 @@
  * something is cut away, the surface is cut too, and ends there as flat as the cut: so it is that
  * of the *whole*, which would be shown were nothing cut away.
  *
- * Invariant B1: between calls all sets equal a recount from labels and cut; tests/border_check.h
- * checks it.
+ * Invariant B1: between calls all sets equal a recount from labels and cut, and a block that holds
+ * a solid voxel is occupied; tests/border_check.h checks it.
  */
 #ifndef RENDER_BORDER_H
 #define RENDER_BORDER_H
@@ -29,7 +29,10 @@
 #include "engine/labels.h"
 #include "render/cut.h"
 
-enum { BORDER_OPAQUE = 100 }; /* percent */
+enum {
+    BORDER_OPAQUE = 100,   /* percent */
+    BORDER_BLOCK_BITS = 3, /* of the voxels a side of a block */
+};
 
 struct border {
     const struct scene *scene;
@@ -42,6 +45,8 @@ struct border {
     uint64_t *solid, *hull; /* likewise; `shown` and `border` where there is no skin */
     uint64_t *whole;        /* likewise: shown, were nothing cut away; `shown` without a skin */
     uint64_t *open;         /* with a skin, likewise: voxels of the scene that are not cut away */
+    uint8_t *occupied; /* blocks in which a voxel may be solid, as render/walk.h has numbers for
+                               them; until a recount also those in which one has been */
 
     /* For results that were made of `shown` or `whole` and stored (render/field.h): every update
      * and recount has a number, and each word that of the last one in which either changed. So do

@@ -159,7 +159,7 @@ static void walk_pixel(struct layers *l, const struct camera *camera, const stru
     uint64_t before = 0;
     const uint32_t column = (uint32_t)(pixel % l->width), row = (uint32_t)(pixel / l->width);
     clear_pixel(l, pixel);
-    if (!walk_begin(&walk, camera, column, row, INT64_MIN))
+    if (!walk_begin(&walk, camera, 0, column, row, INT64_MIN))
         return;
     do {
         const uint8_t label =

@@ -11,7 +11,7 @@ enum { INTENSITIES = UINT16_MAX + 1, WHITE = 255 };
 
 static uint32_t blocks_along(const struct grid *grid, int a)
 {
-    return (grid->size[a] + MIP_BLOCK - 1) / MIP_BLOCK;
+    return walk_blocks(grid, a, MIP_BLOCK_BITS);
 }
 
 static size_t blocks_in(const struct grid *grid)
@@ -127,44 +127,6 @@ static enum err take_source(struct drawing *d, const struct mip_source *source, 
 
 /* ---- along the rays ---- */
 
-/* A ray's way from block to block: as render/walk.h goes from cube to cube. */
-struct block_walk {
-    int64_t at;      /* the crossing by which the ray has come into the block */
-    int64_t next[3]; /* crossings of the blocks' planes ahead; beyond the scene at its far end */
-    int64_t left[3]; /* blocks of each axis ahead, and this one */
-    int64_t step[3]; /* from block to block in mip->most */
-    size_t block;
-};
-
-static bool begin_blocks(struct block_walk *blocks, const struct camera *camera, uint32_t x,
-                         uint32_t y)
-{
-    const struct grid *grid = &camera->scene->grid;
-    struct walk walk;
-    int64_t step = 1;
-    if (!walk_begin(&walk, camera, x, y, INT64_MIN))
-        return false;
-    *blocks = (struct block_walk){.at = walk.at};
-    for (int a = 0; a < 3; a++) {
-        const int64_t size = grid->size[a], n = size - walk.left[a]; /* flipped */
-        const int64_t block = (camera->flip[a] ? size - 1 - n : n) / MIP_BLOCK;
-        const int64_t plane = camera->flip[a] ? size - block * MIP_BLOCK : (block + 1) * MIP_BLOCK;
-        blocks->next[a] = camera_crossing(camera, a, plane, x, y);
-        blocks->left[a] = camera->flip[a] ? block + 1 : blocks_along(grid, a) - block;
-        blocks->step[a] = camera->flip[a] ? -step : step;
-        blocks->block += (size_t)(block * step);
-        step *= blocks_along(grid, a);
-    }
-    return true;
-}
-
-/* The axis across which the ray leaves the block. */
-static int way_out(const struct block_walk *blocks)
-{
-    const int a = blocks->next[0] < blocks->next[1] ? 0 : 1;
-    return blocks->next[a] < blocks->next[2] ? a : 2;
-}
-
 /* The greatest of `most` and of the voxels of a block, which the ray leaves at `end`. */
 static uint8_t look_into(const struct mip *mip, struct walk walk, int64_t end, uint8_t most)
 {
@@ -176,21 +138,15 @@ static uint8_t look_into(const struct mip *mip, struct walk walk, int64_t end, u
 
 static uint8_t brightest(const struct mip *mip, const struct camera *camera, uint32_t x, uint32_t y)
 {
-    struct block_walk blocks;
-    struct walk walk;
+    struct walk blocks, walk;
     uint8_t most = 0;
-    if (!begin_blocks(&blocks, camera, x, y))
+    if (!walk_begin(&blocks, camera, MIP_BLOCK_BITS, x, y, INT64_MIN))
         return 0;
-    for (;;) {
-        const int a = way_out(&blocks);
-        if (mip->most[blocks.block] > most && walk_begin(&walk, camera, x, y, blocks.at))
-            most = look_into(mip, walk, blocks.next[a], most);
-        if (most == WHITE || --blocks.left[a] == 0)
-            return most;
-        blocks.at = blocks.next[a];
-        blocks.next[a] += MIP_BLOCK * camera->T[a];
-        blocks.block += (size_t)blocks.step[a];
-    }
+    do
+        if (mip->most[blocks.cell] > most && walk_begin(&walk, camera, 0, x, y, blocks.at))
+            most = look_into(mip, walk, walk_leaves(&blocks), most);
+    while (most < WHITE && walk_on(&blocks));
+    return most;
 }
 
 /* Rows in turn: those in the middle take the most time. */

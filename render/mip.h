@@ -17,7 +17,7 @@
 #include "render/cut.h"
 #include "render/view.h"
 
-enum { MIP_BLOCK = 8 };
+enum { MIP_BLOCK_BITS = 3, MIP_BLOCK = 1 << MIP_BLOCK_BITS };
 
 /* What it shows. */
 struct mip_source {

@@ -1,18 +1,32 @@
 #include "render/layers.h"
 #include "render/walk.h"
 
+/* To the first solid voxel before the ray comes to a crossing. */
+static bool find_solid(struct walk *walk, const struct border *border, int64_t end)
+{
+    do
+        if (border_is_solid(border, walk->cell))
+            return true;
+    while (walk_on(walk) && walk->at < end);
+    return false;
+}
+
+/* Most blocks of voxels on its way are empty. */
 bool raycast_pixel(const struct camera *camera, const struct border *border, uint32_t column,
                    uint32_t row, int64_t from, int64_t *depth, uint32_t *cell)
 {
-    struct walk walk;
-    if (!walk_begin(&walk, camera, column, row, from))
+    struct walk blocks, walk;
+    if (!walk_begin(&blocks, camera, BORDER_BLOCK_BITS, column, row, from))
         return false;
-    while (!border_is_solid(border, walk.cell))
-        if (!walk_on(&walk))
-            return false;
-    *depth = walk.at;
-    *cell = walk.cell;
-    return true;
+    do {
+        if (border->occupied[blocks.cell] && walk_begin(&walk, camera, 0, column, row, blocks.at) &&
+            find_solid(&walk, border, walk_leaves(&blocks))) {
+            *depth = walk.at;
+            *cell = walk.cell;
+            return true;
+        }
+    } while (walk_on(&blocks));
+    return false;
 }
 
 void raycast(struct rendition *r, const struct camera *camera, const struct border *border)

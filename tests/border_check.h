@@ -3,6 +3,7 @@
 #define TESTS_BORDER_CHECK_H
 
 #include "render/border.h"
+#include "render/walk.h"
 
 static inline bool border_should_show(const struct border *border, uint32_t cell)
 {
@@ -39,6 +40,17 @@ static inline bool border_check_hull(const struct border *border, uint32_t at)
            border_is_solid(border, at) == solid && border_is_hull(border, at) == (solid && !inside);
 }
 
+static inline bool border_check_block(const struct border *border, uint32_t x, uint32_t y,
+                                      uint32_t z)
+{
+    const struct grid *grid = &border->scene->grid;
+    const uint32_t across = walk_blocks(grid, 0, BORDER_BLOCK_BITS);
+    const uint32_t down = walk_blocks(grid, 1, BORDER_BLOCK_BITS);
+    const size_t plane = (size_t)(z >> BORDER_BLOCK_BITS) * down + (y >> BORDER_BLOCK_BITS);
+    return border->occupied[plane * across + (x >> BORDER_BLOCK_BITS)] ||
+           !border_is_solid(border, grid_cell(grid, x, y, z));
+}
+
 /* `why` names the first voxel where it does not hold. */
 static inline bool border_check(const struct border *border, struct fault *why)
 {
@@ -53,6 +65,7 @@ static inline bool border_check(const struct border *border, struct fault *why)
                     inside = inside && border_should_show(border, at - (uint32_t)grid->step[a]) &&
                              border_should_show(border, at + (uint32_t)grid->step[a]);
                 if (border_shows(border, at) != shown || !border_check_hull(border, at) ||
+                    !border_check_block(border, x, y, z) ||
                     border_holds(border, at) != (shown && !inside)) {
                     fault_set(why, ERR_CHECK, "voxel %u,%u,%u: B1: the border is not a recount", x,
                               y, z);
