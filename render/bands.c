@@ -109,16 +109,18 @@ static enum err make_room(struct drawing *d, struct fault *fault)
     const uint32_t most = rows_of(bands) * samples + 2 * reach_of(bands);
     const uint32_t all = bands->camera->view.height;
     const uint32_t height = most < all ? most : all;
-    enum err err =
-        shader_prepare(bands->shader, team_size(d->team), bands->border, bands->look, fault);
+    enum err err = shader_prepare(bands->shader, team_size(d->team), bands->camera, bands->border,
+                                  bands->look, fault);
     for (unsigned i = 0; i < team_size(d->team) && !err; i++)
         err = rendition_init(&d->room[i], width, height, fault);
     for (unsigned i = 0; i < team_size(d->team) && !d->out && is_reduced(d) && !err; i++)
         err = rendition_init(&d->pixels[i], width / samples, rows_of(bands), fault);
     for (unsigned i = 0; i < team_size(d->team) && !err; i++)
-        err = layers_take(&d->layers[i], &d->room[i], bands->border, &bands->shader->seams, fault);
+        err = layers_take(&d->layers[i], &d->room[i], bands->border, &bands->shader->seams,
+                          shade_refines_layers(bands->look, bands->camera), fault);
     for (unsigned i = 0; i < team_size(d->team) && !err; i++)
-        err = rendition_refined(&d->room[i], shade_refines(bands->look, bands->border), fault);
+        err = rendition_refined(&d->room[i],
+                                shade_refines(bands->look, bands->camera, bands->border), fault);
     return err;
 }
 

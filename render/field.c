@@ -206,7 +206,7 @@ static unsigned labelled_bits(const struct field *field, size_t cell, unsigned b
 {
     const struct seams *seams = field->seams;
     const uint64_t after = border_bits_from(seams->between[0], seams->words, (ptrdiff_t)cell);
-    const bool has_seams = field->kind != FIELD_SURFACE || cut_is_none(&field->border->cut);
+    const bool has_seams = field->kind == FIELD_SHOWN || cut_is_none(&field->border->cut);
     const unsigned begins = has_seams ? bits & (~(bits << 1) | (unsigned)after << 1) : bits;
     unsigned found = 0;
     for (unsigned left = begins; left; left &= left - 1) {
@@ -223,7 +223,7 @@ static void find_patterns(struct patterns *patterns, const struct field *field,
                           const struct input *input)
 {
     const struct border *border = field->border;
-    const uint64_t *set = field->kind == FIELD_SURFACE ? border->whole : border->shown;
+    const uint64_t *set = field->kind == FIELD_SHOWN ? border->shown : border->whole;
     memset(patterns, 0, sizeof *patterns);
     for (int z = 0; z < INPUT; z++)
         for (int y = 0; y < INPUT; y++) {
@@ -387,7 +387,7 @@ static void make_block(struct field_block *block, const struct field *field,
     find_patterns(&patterns, field, input);
     smooth_shown(&values, field, &patterns);
     fill_gradients(block, &values, 2);
-    if (field->kind == FIELD_SURFACE && !input->label)
+    if (field->kind == FIELD_SURFACES || (field->kind == FIELD_SURFACE && !input->label))
         inside_find(block, &values, &patterns);
 }
 

@@ -6,8 +6,8 @@
  * centres is interpolated. The direction in which the field falls is the normal of the surface.
  * The field of the scene itself (FIELD_SCENE) is the same of its intensities, smoothed less.
  *
- * The field of one label is that of the shown voxels which have it; nothing says how far inside of
- * that a point is.
+ * The field of one label is that of the shown voxels which have it. How far inside of that a point
+ * is is known in fields of FIELD_SURFACES alone.
  *
  * It is made where it is needed, in blocks of FIELD_BLOCK voxels a side, of which a bounded number
  * is stored: making one costs some 3 us, of a surface 5, a picture needs some hundreds, and the
@@ -35,8 +35,9 @@ enum {
     FIELD_SIDE = FIELD_BLOCK + 1, /* places of a block along an axis: between two of them a point */
 };
 
-/* A surface is that of the whole (render/border.h), which knows how far inside a point is. */
-enum field_kind { FIELD_SHOWN, FIELD_SURFACE, FIELD_SCENE };
+/* A surface is that of the whole (render/border.h), which knows how far inside a point is; surfaces
+ * are those of labels too. */
+enum field_kind { FIELD_SHOWN, FIELD_SURFACE, FIELD_SURFACES, FIELD_SCENE };
 
 /* Along x, y, z; the fourth is 0. In a unit of their own for each kind, less than 2^13. */
 struct gradient {
@@ -75,7 +76,8 @@ size_t field_bytes(const struct field *field);
  * valid until the next one is asked for. */
 const struct field_block *field_block(struct field *field, const uint32_t number[3], uint8_t label);
 
-/* Where a block was last found, so that points close together need not look it up. */
+/* Where a block was last found, so that points close together need not look it up. A field has one
+ * reader: what another one asks for may take the place of the block. */
 struct field_reader {
     struct field *field;
     uint8_t label; /* of which to read the field; 0: of all that is shown */
@@ -136,7 +138,7 @@ static inline struct gradient field_at(struct field_reader *reader, const int32_
     return field_of(&reader->block->at[first[2]][first[1]][first[0]], part);
 }
 
-/* How far inside a point is; the reader's field is a FIELD_SURFACE. */
+/* How far inside a point is; the reader's field is of surfaces. */
 static inline int32_t field_inside(struct field_reader *reader, const int32_t point[3])
 {
     enum { Y = FIELD_SIDE + 1, Z = FIELD_SIDE * Y };

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
+#include "render/normal.h"
 
 /* Pixels whose voxel has disappeared, with the depth from which the ray goes on. */
 struct holes {
@@ -77,24 +78,35 @@ static bool follow_voxel(struct holes *holes, struct rendition *r, const struct 
     return follow_skin(holes, r, camera, border, cell, appears);
 }
 
+/* How far around a change colours change. Layers have fields of their labels, whatever changes. */
+static int reach_of(const struct rendition *r, struct shade_reach reach, bool appears_or_goes)
+{
+    if (r->layers)
+        return reach.voxels > NORMAL_REACH ? reach.voxels : NORMAL_REACH;
+    return appears_or_goes ? reach.voxels : reach.labels;
+}
+
 void incremental_image(struct rendition *r, const struct camera *camera,
                        const struct border *border, const struct changes *changes,
                        struct shade_reach reach)
 {
-    if (r->layers) {
+    if (layers_are_projected(r)) {
         layers_follow(r, camera, border, changes, reach);
         return;
     }
     struct holes holes = {0};
     bool fits = !changes->everything;
+    if (r->layers)
+        seams_follow(r->layers->seams, border, changes, NULL); /* else shading counts them */
     struct task task = task_begin(camera->scene->watch, "rendition", changes->count);
     for (size_t i = 0; fits && i < changes->count && task_advance(&task, 1); i++) {
         const struct change *c = changes->item + i;
         const bool before = border->visible[c->former_label];
         const bool now = border->visible[c->label];
-        const int around = before == now ? reach.labels : reach.voxels;
         if (before || now)
-            rendition_mark_stale(r, splat_footprint(camera, c->cell, around), reach.pixels);
+            rendition_mark_stale(
+                r, splat_footprint(camera, c->cell, reach_of(r, reach, before != now)),
+                reach.pixels);
         if (before != now)
             fits = follow_voxel(&holes, r, camera, border, c->cell, now);
     }

@@ -70,7 +70,7 @@ static enum err make_room(struct layers *l, uint32_t width, uint32_t height, str
 }
 
 enum err layers_take(struct layers *l, struct rendition *r, const struct border *border,
-                     struct seams *seams, struct fault *fault)
+                     struct seams *seams, bool are_refined, struct fault *fault)
 {
     r->layers = NULL;
     if (!border_is_translucent(border))
@@ -79,6 +79,7 @@ enum err layers_take(struct layers *l, struct rendition *r, const struct border 
     if (!err)
         err = seams_count(seams, border, fault);
     l->seams = seams;
+    l->are_refined = are_refined && border->has_skin;
     if (!err)
         r->layers = l->pass.layers = l;
     return err;
@@ -98,7 +99,7 @@ struct layers layers_rows(const struct layers *l, uint32_t top)
     return rows;
 }
 
-static void clear_pixel(struct layers *l, size_t pixel)
+void layers_put_none(struct layers *l, size_t pixel)
 {
     l->last_depth[pixel] = DEPTH_NONE;
     l->last_cell[pixel] = CELL_NONE;
@@ -111,7 +112,7 @@ static void clear(struct rendition *r)
 {
     rendition_clear(r);
     for (size_t pixel = 0; pixel < (size_t)r->width * r->height; pixel++)
-        clear_pixel(r->layers, pixel);
+        layers_put_none(r->layers, pixel);
 }
 
 /* ---- layers of a pixel ---- */
@@ -141,6 +142,15 @@ static void put_among(struct layers *l, size_t pixel, int64_t depth, uint32_t ce
     l->label[first + n] = label;
 }
 
+void layers_put(struct layers *l, size_t pixel, int64_t depth, uint32_t cell, uint8_t label,
+                bool is_opaque)
+{
+    if (!is_opaque)
+        put_among(l, pixel, depth, cell, label);
+    else if (depth < l->last_depth[pixel])
+        put_last(l, pixel, depth, cell, label);
+}
+
 /* ---- the ray walk: what layers are ---- */
 
 /* Labels of the cubes that a ray has been in, the latest in the lowest byte. */
@@ -158,7 +168,7 @@ static void walk_pixel(struct layers *l, const struct camera *camera, const stru
     struct walk walk;
     uint64_t before = 0;
     const uint32_t column = (uint32_t)(pixel % l->width), row = (uint32_t)(pixel / l->width);
-    clear_pixel(l, pixel);
+    layers_put_none(l, pixel);
     if (!walk_begin(&walk, camera, 0, column, row, INT64_MIN))
         return;
     do {
@@ -388,13 +398,7 @@ static uint32_t share_of(uint32_t left, unsigned opacity)
     return left - share < LIGHT_LEAST ? left : share;
 }
 
-struct layer {
-    int64_t depth;
-    uint32_t cell;
-    uint8_t label; /* 0: the pixel has no layer of that number */
-};
-
-static struct layer layer_at(const struct layers *l, size_t pixel, unsigned number)
+struct layer layers_at(const struct layers *l, size_t pixel, unsigned number)
 {
     const size_t at = pixel * LAYERS_MOST + number;
     if (number < l->count[pixel] && l->depth[at] < l->last_depth[pixel])
@@ -404,11 +408,11 @@ static struct layer layer_at(const struct layers *l, size_t pixel, unsigned numb
 
 static struct layer pick(const struct layers *l, const uint8_t opacity[256], size_t pixel)
 {
-    struct layer found = layer_at(l, pixel, 0);
+    struct layer found = layers_at(l, pixel, 0);
     uint32_t left = LIGHT_ALL, most = found.label ? share_of(left, opacity[found.label]) : left;
     left -= most;
     for (unsigned number = 1; left > most; number++) {
-        const struct layer layer = layer_at(l, pixel, number);
+        const struct layer layer = layers_at(l, pixel, number);
         if (!layer.label)
             break;
         const uint32_t share = share_of(left, opacity[layer.label]);
@@ -468,7 +472,7 @@ bool blend_next(struct blend *blend)
             const size_t pixel = (size_t)y * l->width + (size_t)x;
             const unsigned i = within_tile(blend->tile, x, y);
             const struct layer none = {DEPTH_NONE, CELL_NONE, 0};
-            const struct layer layer = blend->left[i] ? layer_at(l, pixel, blend->number) : none;
+            const struct layer layer = blend->left[i] ? layers_at(l, pixel, blend->number) : none;
             pass->depth[pixel] = layer.depth;
             pass->cell[pixel] = layer.cell;
             pass->label[pixel] = layer.label;

@@ -11,6 +11,11 @@
  * (render/view.h), so the layers are a function of what is shown and of the view; splatting the
  * faces in whatever order, walking the rays and repairing former layers give the same.
  *
+ * Where a voxel is large, from look 4 on, layers are refined: they are where the smooth surface of
+ * each object is (render/refine.h). The rendition is projected as if all objects were opaque, and
+ * from its maps of cubes on each ray is walked through the scene, as the tile that it belongs to is
+ * shaded (layers_refine). So these layers too are a function of what is shown and of the view.
+ *
  * Colour. Each layer is shaded as the one surface of an opaque picture would be, with the normal
  * that the object has by itself. From the nearest on it takes its share of the light that is left;
  * shares of squared colours add up, which is near to what light does, until less than a 256th is
@@ -33,6 +38,7 @@ enum {
 
 struct layers {
     struct seams *seams;    /* borrowed; of the border that is shown */
+    bool are_refined;       /* and made of maps of cubes, tile by tile, as tiles are shaded */
     uint32_t width, height; /* 0 where there is no memory yet */
 
     /* [height][width]: the first opaque layer; DEPTH_NONE, CELL_NONE and 0 where there is none */
@@ -57,9 +63,17 @@ size_t layers_bytes(const struct layers *layers);
 
 /* To be called before a rendition is made of what a border shows: where an object is translucent,
  * the rendition takes these layers, which are its own from now on; else it has none. Both outlive
- * it, and so do the seams, which are made those of the border. ERR_MEMORY. */
+ * it, and so do the seams, which are made those of the border. They are refined where the border
+ * has a skin and `are_refined` says so. ERR_MEMORY. */
 enum err layers_take(struct layers *layers, struct rendition *rendition,
-                     const struct border *border, struct seams *seams, struct fault *fault);
+                     const struct border *border, struct seams *seams, bool are_refined,
+                     struct fault *fault);
+
+/* Whether a rendition has layers, and they are what is projected. */
+static inline bool layers_are_projected(const struct rendition *rendition)
+{
+    return rendition->layers && !rendition->layers->are_refined;
+}
 
 /* Those of the rows of the rendition from one on, to be splatted into; borrows the maps. */
 struct layers layers_rows(const struct layers *layers, uint32_t top);
@@ -75,7 +89,28 @@ void layers_follow(struct rendition *rendition, const struct camera *camera,
                    const struct border *border, const struct changes *changes,
                    struct shade_reach reach);
 
+/* ---- layers of a pixel ---- */
+
+void layers_put_none(struct layers *layers, size_t pixel);
+
+struct layer {
+    int64_t depth;
+    uint32_t cell;
+    uint8_t label; /* 0: the pixel has no layer of that number */
+};
+
+/* From the nearest on, number 0, to the opaque one, which is the last. */
+struct layer layers_at(const struct layers *layers, size_t pixel, unsigned number);
+
+/* One more: the opaque one, if it is nearer than that so far, or one of the others. */
+void layers_put(struct layers *layers, size_t pixel, int64_t depth, uint32_t cell, uint8_t label,
+                bool is_opaque);
+
 /* ---- shading ---- */
+
+/* Where layers are refined: those of the pixels of a footprint, whose maps of cubes are made. */
+struct refiner;
+void layers_refine(struct rendition *rendition, struct refiner *refiner, struct footprint tile);
 
 /* Depths, voxels and labels of the pixels of a footprint, which is a tile; true where none of them
  * shows anything. */

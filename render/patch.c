@@ -107,6 +107,13 @@ static int64_t depth_at(const struct patch *patch, uint32_t x, uint32_t y)
     return depth_between(ends_of(patch, y), share_of(patch, x));
 }
 
+int64_t patch_between(const int64_t corner[4], uint32_t side, uint32_t x, uint32_t y)
+{
+    const struct patch patch = {.side = side,
+                                .depth = {corner[0], corner[1], corner[2], corner[3]}};
+    return depth_at(&patch, x, y);
+}
+
 static bool is_within(const struct patches *p, size_t pixel)
 {
     return p->r->cell[pixel] != CELL_NONE && (p->r->depth[pixel] & 3) == REFINE_WITHIN;

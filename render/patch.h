@@ -59,4 +59,8 @@ void patches_refine_tile(struct patches *patches, uint32_t x, uint32_t y);
 /* The samples of all pixels that one of these stands for. */
 tile_mask patches_covered(tile_mask stands, uint32_t samples);
 
+/* Of four depths, at the left and right corner above, then below, of a square of pixels: what lies
+ * at one of them between. */
+int64_t patch_between(const int64_t corner[4], uint32_t side, uint32_t x, uint32_t y);
+
 #endif

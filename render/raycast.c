@@ -31,7 +31,7 @@ bool raycast_pixel(const struct camera *camera, const struct border *border, uin
 
 void raycast(struct rendition *r, const struct camera *camera, const struct border *border)
 {
-    if (r->layers) {
+    if (layers_are_projected(r)) {
         layers_raycast(r, camera, border);
         return;
     }

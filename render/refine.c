@@ -15,6 +15,7 @@ enum {
     BACK = 4,                        /* steps of half a voxel before the first solid one */
     HALVINGS = 6,                    /* of a step, to where it leaves what is solid */
     GAP = 8,                         /* steps: after more, cubes are gone through instead */
+    END = 8,                         /* steps at most to where a ray leaves an object */
 };
 
 _Static_assert((int)FINEST_BITS == (int)MEETING_BITS, "points of meetings are those of samples");
@@ -65,7 +66,7 @@ static inline void look(struct sample *sample, struct refiner *refiner)
 {
     const int32_t point[3] = {sample->at[0] >> FINER_BITS, sample->at[1] >> FINER_BITS,
                               sample->at[2] >> FINER_BITS};
-    sample->inside = field_inside(&refiner->shown, point);
+    sample->inside = field_inside(refiner->shown, point);
 }
 
 /* The voxel in whose cube a point lies, and how far along each axis it is; false outside the
@@ -96,9 +97,28 @@ static inline void go_on(struct sample *to, const struct refiner *refiner,
     to->cell = cell_at(&refiner->camera->scene->grid, to->at);
 }
 
+/* Whether a surface that is looked for may be that of a voxel. */
+static inline bool shows(const struct refiner *refiner, uint32_t cell)
+{
+    const uint8_t label = refiner->label;
+    return border_shows(refiner->border, cell) &&
+           (label == 0 || labels_at(&refiner->border->labels, cell) == label);
+}
+
+/* Whether a voxel or a face neighbour has the label whose surface is looked for. */
+static bool is_solid_for_label(const struct refiner *refiner, uint32_t cell)
+{
+    const ptrdiff_t *step = refiner->camera->scene->grid.step;
+    bool is_solid = shows(refiner, cell);
+    for (int i = 0; i < 6 && !is_solid && seams_is_edge(refiner->seams, cell); i++)
+        is_solid = shows(refiner, cell + (uint32_t)(i % 2 ? step[i / 2] : -step[i / 2]));
+    return is_solid;
+}
+
 static inline bool is_solid(const struct refiner *refiner, uint32_t cell)
 {
-    return cell != CELL_NONE && border_is_solid(refiner->border, cell);
+    return cell != CELL_NONE && border_is_solid(refiner->border, cell) &&
+           (refiner->label == 0 || is_solid_for_label(refiner, cell));
 }
 
 /* The shown voxel that a point in a solid one at a place belongs to: it, or its shown neighbour
@@ -113,7 +133,7 @@ static uint32_t owner_beside(const struct refiner *refiner, uint32_t cell, const
         const int a = i / 2, sign = i % 2 ? 1 : -1;
         const int32_t toward = sign * (at[a] - (int32_t)place[a] * (1 << FINEST_BITS));
         const uint32_t beside = cell + (uint32_t)(sign * grid->step[a]);
-        if (toward > nearest && border_shows(refiner->border, beside)) {
+        if (toward > nearest && shows(refiner, beside)) {
             nearest = toward;
             owner = beside;
         }
@@ -124,7 +144,7 @@ static uint32_t owner_beside(const struct refiner *refiner, uint32_t cell, const
 /* The same by the voxel alone, whose place takes divisions. */
 static uint32_t owner_of(const struct refiner *refiner, uint32_t cell, const int32_t at[3])
 {
-    if (border_shows(refiner->border, cell))
+    if (shows(refiner, cell))
         return cell;
     const struct place p = grid_place(&refiner->camera->scene->grid, cell);
     return owner_beside(refiner, cell, (const uint32_t[]){p.x, p.y, p.z}, at);
@@ -138,9 +158,9 @@ static uint32_t owner_at(const struct refiner *refiner, const int32_t at[3])
     if (!place_at(place, grid, at))
         return CELL_NONE;
     const uint32_t cell = grid_cell(grid, place[0], place[1], place[2]);
-    if (!border_is_solid(refiner->border, cell))
+    if (!is_solid(refiner, cell))
         return CELL_NONE;
-    return border_shows(refiner->border, cell) ? cell : owner_beside(refiner, cell, place, at);
+    return shows(refiner, cell) ? cell : owner_beside(refiner, cell, place, at);
 }
 
 /* Where the ray comes inside between two samples of which the latter is. */
@@ -283,6 +303,7 @@ static void go_back(struct sample *ray, struct refiner *refiner, const struct sa
 static bool refine(struct sample *ray, struct refiner *refiner, uint32_t x, uint32_t y)
 {
     struct sample first = {.depth = ray->depth, .cell = ray->cell};
+    refiner->shown->label = refiner->label;
     find_point(first.at, refiner, ray->depth, x, y);
     look(&first, refiner);
     if (first.inside <= 0)
@@ -295,6 +316,57 @@ static bool refine(struct sample *ray, struct refiner *refiner, uint32_t x, uint
     if (!is_open && refiner->is_close)
         go_back(ray, refiner, &first);
     return true;
+}
+
+bool refine_label(struct refiner *refiner, uint8_t label, uint32_t x, uint32_t y, int64_t *depth,
+                  uint32_t *cell)
+{
+    struct sample ray = {.depth = *depth, .cell = *cell};
+    refiner->label = label;
+    const bool is_found = refine(&ray, refiner, x, y) && ray.cell != CELL_NONE;
+    refiner->label = 0;
+    *depth = ray.depth;
+    *cell = ray.cell;
+    return is_found;
+}
+
+uint32_t refine_label_voxel(struct refiner *refiner, uint8_t label, int64_t depth, uint32_t x,
+                            uint32_t y)
+{
+    refiner->label = label;
+    const uint32_t voxel = refine_voxel_at(refiner, depth, x, y, false);
+    refiner->label = 0;
+    return voxel;
+}
+
+/* On, or back, by half a voxel. */
+static void go(struct sample *to, struct refiner *refiner, const struct sample *from, int sign)
+{
+    to->depth = from->depth + sign * refiner->depth[REFINE_HALF];
+    for (int a = 0; a < 3; a++)
+        to->at[a] = from->at[a] + sign * refiner->step[REFINE_HALF][a];
+    to->cell = cell_at(&refiner->camera->scene->grid, to->at);
+}
+
+int64_t refine_end(struct refiner *refiner, uint8_t label, uint32_t x, uint32_t y, int64_t depth)
+{
+    struct sample here = {.depth = depth}, next;
+    find_point(here.at, refiner, depth, x, y);
+    refiner->shown->label = label;
+    look(&here, refiner);
+    const bool is_inside = here.inside > 0;
+    for (int i = 0; i < END; i++) {
+        go(&next, refiner, &here, is_inside ? 1 : -1);
+        if (next.cell == CELL_NONE)
+            break;
+        look(&next, refiner);
+        if ((next.inside > 0) != is_inside) {
+            const int64_t apart = (int64_t)here.inside - next.inside;
+            return here.depth + (next.depth - here.depth) * here.inside / apart;
+        }
+        here = next;
+    }
+    return here.depth;
 }
 
 void refine_pixel(struct rendition *r, struct refiner *refiner, uint32_t x, uint32_t y)

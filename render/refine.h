@@ -10,6 +10,9 @@
  * followed back to where it came inside, at most two voxels, and else seen at that face. Rims of
  * what is cut open are clean lines from look 3 on too.
  *
+ * The ray may be followed to the surface of one label instead, through the voxels that have it and
+ * their face neighbours, which are solid for it.
+ *
  * So what is seen is a pure function of the map of cubes, of shown and solid voxels and of the
  * view: where the four ways agree in cubes, they agree in what is seen.
  */
@@ -38,10 +41,12 @@ struct refiner {
     bool cuts;                         /* something is cut away */
     bool is_close;                     /* from look 3 on: pits, and rims of what is cut open */
     bool meets; /* where objects meet, a point's voxel is that of render/meeting.h */
-    struct field_reader shown;
+    struct field_reader *shown; /* the one reader that there is of that field */
+    uint8_t label;              /* whose surface is looked for; 0: of all that is shown */
+    const struct seams *seams;  /* to be set where it is of a label: the border's */
 };
 
-/* The border outlives this; shown.field, that of shown voxels, is for the caller to set. */
+/* The border outlives this; `shown`, of the field of shown voxels, is for the caller to set. */
 void refiner_init(struct refiner *refiner, const struct camera *camera,
                   const struct border *border);
 
@@ -54,6 +59,27 @@ uint32_t refine_voxel_at(const struct refiner *refiner, int64_t depth, uint32_t 
                          bool meets);
 /* Whether that is to be looked at there. */
 bool refine_meets_at(const struct refiner *refiner, int64_t depth, uint32_t x, uint32_t y);
+
+/* Follows the ray of a pixel from where it comes into a cube that is solid for a label: true where
+ * it comes inside of what has the label, at that depth and voxel; else to this depth there is
+ * nothing of it. */
+bool refine_label(struct refiner *refiner, uint8_t label, uint32_t x, uint32_t y, int64_t *depth,
+                  uint32_t *cell);
+
+/* The voxel with that label that a point of the label's surface belongs to, which a pixel shows at
+ * this depth; CELL_NONE where no surface can lie. */
+uint32_t refine_label_voxel(struct refiner *refiner, uint8_t label, int64_t depth, uint32_t x,
+                            uint32_t y);
+
+/* Where that ray, which is inside of what has the label at some point within a voxel or two of this
+ * depth, or is not any more, leaves it. */
+int64_t refine_end(struct refiner *refiner, uint8_t label, uint32_t x, uint32_t y, int64_t depth);
+
+/* A voxel's width along the ray, as a difference of depths. */
+static inline int64_t refine_width(const struct refiner *refiner)
+{
+    return refiner->depth[REFINE_WHOLE];
+}
 
 /* What is seen of a pixel, whose maps of cubes are made. */
 void refine_pixel(struct rendition *rendition, struct refiner *refiner, uint32_t x, uint32_t y);

@@ -6,12 +6,13 @@ void seams_release(struct seams *seams)
 {
     for (int a = 0; a < 3; a++)
         mem_pages_free(seams->between[a], seams->words * sizeof(uint64_t));
+    mem_pages_free(seams->edge, seams->words * sizeof(uint64_t));
     *seams = (struct seams){0};
 }
 
 size_t seams_bytes(const struct seams *seams)
 {
-    return 3 * seams->words * sizeof(uint64_t);
+    return 4 * seams->words * sizeof(uint64_t);
 }
 
 static enum err make_room(struct seams *seams, size_t words, struct fault *fault)
@@ -22,7 +23,8 @@ static enum err make_room(struct seams *seams, size_t words, struct fault *fault
     seams->words = words;
     for (int a = 0; a < 3; a++)
         seams->between[a] = mem_pages(words * sizeof(uint64_t));
-    if (seams->between[0] && seams->between[1] && seams->between[2])
+    seams->edge = mem_pages(words * sizeof(uint64_t));
+    if (seams->between[0] && seams->between[1] && seams->between[2] && seams->edge)
         return OK;
     seams_release(seams);
     return fault_memory(fault, "faces between objects");
@@ -46,20 +48,36 @@ static void count_word(struct seams *seams, const struct border *border, size_t 
     }
 }
 
+/* Of the faces of a word, and those before it. */
+static uint64_t edge_word(const struct seams *seams, const struct border *border, size_t w)
+{
+    const ptrdiff_t at = (ptrdiff_t)w * 64;
+    const uint64_t own = border->shown[w];
+    uint64_t found = 0;
+    for (int a = 0; a < 3; a++) {
+        const ptrdiff_t step = border->scene->grid.step[a];
+        found |= own ^ border_shown_from(border, at + step);
+        found |= own ^ border_shown_from(border, at - step);
+        found |= seams_toward(seams, w, a, step) | seams_toward(seams, w, a, -step);
+    }
+    return found;
+}
+
 enum err seams_count(struct seams *seams, const struct border *border, struct fault *fault)
 {
     if (seams->border == border && seams->version == border->version)
         return OK;
     seams->border = NULL;
     const enum err err = make_room(seams, border->words, fault);
-    struct task task = task_begin(border->scene->watch, "border", border->scene->grid.cells);
+    struct task task = task_begin(border->scene->watch, "border", 2 * border->scene->grid.cells);
     if (err)
         return err;
-    for (size_t w = 0; w + 1 < border->words; w++) {
-        if (!task_advance(&task, 64))
-            return OK;
+    for (size_t w = 0; w + 1 < border->words && task_advance(&task, 64); w++)
         count_word(seams, border, w);
-    }
+    for (size_t w = 0; w + 1 < border->words && task_advance(&task, 64); w++)
+        seams->edge[w] = edge_word(seams, border, w);
+    if (!task_advance(&task, 0))
+        return OK;
     seams->border = border;
     seams->version = border->version;
     return OK;
@@ -76,18 +94,33 @@ static void judge(struct seams *seams, const struct border *border, uint32_t cel
     *word = is_seam ? *word | bit : *word & ~bit;
 }
 
+/* Around a cell, once its faces are known: in words of its own and of its neighbours. */
+static void follow_edges(struct seams *seams, const struct border *border, uint32_t cell)
+{
+    const ptrdiff_t *step = border->scene->grid.step;
+    const size_t own = cell >> 6;
+    seams->edge[own] = edge_word(seams, border, own);
+    for (int i = 0; i < 6; i++) {
+        const size_t w = (cell + (uint32_t)(i % 2 ? step[i / 2] : -step[i / 2])) >> 6;
+        if (w != own)
+            seams->edge[w] = edge_word(seams, border, w);
+    }
+}
+
 enum err seams_follow(struct seams *seams, const struct border *border,
                       const struct changes *changes, struct fault *fault)
 {
     if (changes->everything || seams->border != border || seams->version + 1 != border->version)
         return seams_count(seams, border, fault);
-    struct task task = task_begin(border->scene->watch, "border", changes->count);
+    struct task task = task_begin(border->scene->watch, "border", 2 * changes->count);
     for (size_t i = 0; i < changes->count && task_advance(&task, 1); i++)
         for (int a = 0; a < 3; a++) {
             const uint32_t cell = changes->item[i].cell;
             judge(seams, border, cell, a);
             judge(seams, border, cell - (uint32_t)border->scene->grid.step[a], a);
         }
+    for (size_t i = 0; i < changes->count && task_advance(&task, 1); i++)
+        follow_edges(seams, border, changes->item[i].cell);
     seams->version = border->version;
     if (watch_stops(border->scene->watch))
         seams->border = NULL;

@@ -2,11 +2,14 @@
  * The seams: the faces at which two shown objects touch.
  *
  * An opaque picture never shows such a face, so the border (render/border.h) knows nothing of them;
- * where objects are translucent it does. They are held as one bit per cell and axis.
+ * where objects are translucent it does. They are held as one bit per cell and axis. One more says
+ * of each cell whether anything is to be seen there: a ray through cells without it stays in what
+ * it is in.
  *
  * Invariant: once seams_follow or seams_count was the last to be called, bit c % 64 of word c / 64
  * of between[a] says that cell c and its neighbour one step along axis a are both shown, and have
- * different labels.
+ * different labels; and that of `edge` that one of its six neighbours is shown and it is not, or it
+ * is and one of them is not, or has another label.
  */
 #ifndef RENDER_SEAMS_H
 #define RENDER_SEAMS_H
@@ -16,7 +19,7 @@
 struct seams {
     const struct border *border; /* whose they are as of its version; NULL: of none */
     uint32_t version;
-    uint64_t *between[3]; /* [words] each */
+    uint64_t *between[3], *edge; /* [words] each */
     size_t words;
 };
 
@@ -31,6 +34,16 @@ enum err seams_count(struct seams *seams, const struct border *border, struct fa
 /* The same after an edit, of which the border has just been told, in time proportional to it. */
 enum err seams_follow(struct seams *seams, const struct border *border,
                       const struct changes *changes, struct fault *fault);
+
+/* Whether a cell and the next one along axis `a` have such a face between them. */
+static inline bool seams_is_between(const struct seams *seams, uint32_t cell, int a)
+{
+    return seams->between[a][cell >> 6] >> (cell & 63) & 1;
+}
+static inline bool seams_is_edge(const struct seams *seams, uint32_t cell)
+{
+    return seams->edge[cell >> 6] >> (cell & 63) & 1;
+}
 
 /* Which of the 64 cells of word `w` have such a face on the side to which `step` leads, along axis
  * `a`. */

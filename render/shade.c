@@ -48,6 +48,7 @@ struct shading {
     const struct border *border;
     const struct look *look;
     const struct palette *palette;
+    bool is_refined;
     struct refiner refiner; /* where the rendition is refined */
     bool has_patches;       /* with patches; */
     uint32_t samples;       /* of which one may stand for samples x samples; */
@@ -72,7 +73,7 @@ static bool is_cut_open(const struct rendition *r, const struct shading *s, size
     const unsigned axis = r->depth[pixel] & 3;
     if (!s->cuts || axis == REFINE_WITHIN)
         return false;
-    return rendition_is_refined(r) ||
+    return s->is_refined ||
            border_is_cut(s->border, r->cell[pixel] + (uint32_t)s->camera->toward[axis]);
 }
 
@@ -295,6 +296,10 @@ static bool is_whole(struct tile tile)
 
 static void refine_pixels(struct rendition *r, struct shading *s, struct tile tile)
 {
+    if (r->layers) {
+        layers_refine(r, &s->refiner, footprint_of(tile));
+        return;
+    }
     for (uint32_t y = tile.top; y < tile.bottom; y++)
         for (uint32_t x = tile.left; x < tile.right; x++)
             refine_pixel(r, &s->refiner, x, y);
@@ -415,10 +420,14 @@ static void shade_tiles(struct rendition *r, size_t first, size_t end, struct sh
          i < end && task_advance(task, TILE * TILE);
          i = rendition_tile(r, i + 1, end, TILE_STALE)) {
         const struct tile tile = tile_at(r, i);
-        if (waits(r, s)) {
+        if (waits(r, s) && !r->layers) {
             struct patches p = patches_at(r, s, tile);
             r->stale[i] = (uint8_t)refine_tile(r, s, tile, &p);
             continue;
+        }
+        if (waits(r, s)) {
+            refine_pixels(r, s, tile);
+            label_tile(r, s->border, tile);
         }
         if (r->layers)
             blend_tile(r, s, tile);
@@ -575,24 +584,26 @@ static enum err prepare(struct field *field, bool *has, const struct border *bor
     return err;
 }
 
-enum err shader_prepare(struct shader *shader, unsigned threads, const struct border *border,
-                        const struct look *look, struct fault *fault)
+enum err shader_prepare(struct shader *shader, unsigned threads, const struct camera *camera,
+                        const struct border *border, const struct look *look, struct fault *fault)
 {
     const enum shade_mode mode = mode_of(look, border);
-    const bool is_refined = shade_refines(look, border);
+    const bool is_refined = shade_refines(look, camera, border);
+    const bool has_layers = is_refined && border_is_translucent(border);
+    const enum field_kind surface = has_layers ? FIELD_SURFACES : FIELD_SURFACE;
     const unsigned most = team_size(shader->team);
     enum err err = OK;
     for (unsigned i = 0; i < threads && !err; i++) {
         struct shader_part *part = shader->part + i;
         if (is_refined)
-            err = prepare(&part->shown, &part->has_shown, border, FIELD_SURFACE, most, fault);
+            err = prepare(&part->shown, &part->has_shown, border, surface, most, fault);
         else if (mode != SHADE_DEPTH)
             err = prepare(&part->shown, &part->has_shown, border, FIELD_SHOWN, most, fault);
         part->shown.seams = &shader->seams;
         if (!err && mode == SHADE_SCENE)
             err = prepare(&part->scene, &part->has_scene, border, FIELD_SCENE, most, fault);
     }
-    if (!err && look->creases)
+    if (!err && (look->creases || has_layers))
         err = seams_count(&shader->seams, border, fault);
     return !err && occludes(look, border) ? bricks_take(&shader->bricks, border, fault) : err;
 }
@@ -604,6 +615,7 @@ static void shading_init(struct shading *s, const struct camera *camera,
                          const struct look *look, struct shader *shader)
 {
     *s = (struct shading){.camera = camera,
+                          .is_refined = shade_refines(look, camera, border),
                           .border = border,
                           .look = look,
                           .palette = palette,
@@ -613,11 +625,13 @@ static void shading_init(struct shading *s, const struct camera *camera,
     light_init(&s->light, camera, look->light, look->cue_percent);
     if (look_is_refined(look))
         refiner_init(&s->refiner, camera, border);
+    s->refiner.seams = &shader->seams;
     s->refiner.is_close = look->number > LOOK_SECOND;
     s->refiner.meets = look->number > LOOK_SECOND && normal_stride(camera) >= STAIRS_SEEN;
     if (s->occludes)
         occluder_init(&s->occluder, &shader->bricks, camera, look->ao_percent);
-    s->has_patches = look->number > LOOK_SECOND && !looks_around(look);
+    s->has_patches =
+        look->number > LOOK_SECOND && !looks_around(look) && !border_is_translucent(border);
     s->samples = s->has_patches && look->number > LOOK_THIRD ? look->samples : 1;
     s->block = patches_side(normal_stride(camera), s->samples);
 }
@@ -628,7 +642,7 @@ static void take_fields(struct shading *s, struct shader_part *part)
     normals_init(&s->normals, s->camera, mode_of(s->look, s->border), s->look->number > LOOK_FIRST,
                  &part->shown, &part->scene);
     s->normals.creases = s->look->creases;
-    s->refiner.shown.field = &part->shown;
+    s->refiner.shown = &s->normals.shown;
 }
 
 void shade_rows(struct rendition *r, uint32_t first, uint32_t end, const struct camera *camera,
@@ -697,9 +711,9 @@ enum err shade(struct rendition *r, const struct camera *camera, const struct bo
     struct shading s;
     struct team *team = rendition_count(r, TILE_STALE) < TILES_SHARED ? NULL : shader->team;
     struct sharing sharing = {r, &s, shader, team};
-    enum err err = shader_prepare(shader, team_size(team), border, look, fault);
+    enum err err = shader_prepare(shader, team_size(team), camera, border, look, fault);
     if (!err)
-        err = rendition_refined(r, shade_refines(look, border), fault);
+        err = rendition_refined(r, shade_refines(look, camera, border), fault);
     if (err)
         return err;
     shading_init(&s, camera, border, palette, look, shader);
@@ -714,9 +728,17 @@ bool look_is_refined(const struct look *look)
     return look->number > LOOK_FIRST && look->mode != SHADE_CUBES;
 }
 
-bool shade_refines(const struct look *look, const struct border *border)
+bool shade_refines_layers(const struct look *look, const struct camera *camera)
 {
-    return look_is_refined(look) && border->has_skin && !border_is_translucent(border);
+    return look->number > LOOK_THIRD && look_is_refined(look) &&
+           normal_stride(camera) >= STAIRS_SEEN;
+}
+
+bool shade_refines(const struct look *look, const struct camera *camera,
+                   const struct border *border)
+{
+    return look_is_refined(look) && border->has_skin &&
+           (!border_is_translucent(border) || shade_refines_layers(look, camera));
 }
 
 struct shade_reach shade_reach(const struct look *look, const struct camera *camera)

@@ -25,7 +25,8 @@ enum { SHADE_SAMPLES_MOST = 4, LIGHT_PITCH_MOST = 90000 };
  * it can be made again. A session draws under that of its journal's semantics. From look 2 on
  * surfaces are smooth; from look 3 on most of their pixels lie in patches (render/patch.h), and
  * pits and rims of cuts are looked at closely (render/refine.h); from look 4 on one sample stands
- * for a pixel where a patch shows one object, and blocks of tiles are patches. */
+ * for a pixel where a patch shows one object, blocks of tiles are patches, and layers of
+ * translucent objects are smooth too where voxels are large (render/layers.h). */
 enum { LOOK_FIRST = 1, LOOK_SECOND, LOOK_THIRD, LOOK_PRESENT };
 
 struct look {
@@ -46,10 +47,13 @@ struct look {
 struct look look_default(uint32_t number);
 
 /* Whether it shows surfaces between voxel centres (render/refine.h), for which a border has a skin:
- * what is not of cubes, from look 2 on. Translucent objects are shown as cubes, and so is what the
- * border has no skin for. */
+ * what is not of cubes, from look 2 on. What the border has no skin for is shown as cubes, and so
+ * are translucent objects where their layers are not refined. */
 bool look_is_refined(const struct look *look);
-bool shade_refines(const struct look *look, const struct border *border);
+bool shade_refines(const struct look *look, const struct camera *camera,
+                   const struct border *border);
+/* Whether layers are refined where objects are translucent and the border has a skin. */
+bool shade_refines_layers(const struct look *look, const struct camera *camera);
 
 /* What shading stores between one picture and the next, so that the next is made faster; each
  * thread has its own. */
@@ -86,8 +90,8 @@ enum err shade(struct rendition *rendition, const struct camera *camera,
  * need, which may be ERR_MEMORY. Then thread `number` shades tiles of a rendition of its own, from
  * row `first` of tiles to before row `end`, and only looks at the others; it ends early where the
  * watch has stopped, but does not poll it. */
-enum err shader_prepare(struct shader *shader, unsigned threads, const struct border *border,
-                        const struct look *look, struct fault *fault);
+enum err shader_prepare(struct shader *shader, unsigned threads, const struct camera *camera,
+                        const struct border *border, const struct look *look, struct fault *fault);
 void shade_rows(struct rendition *rendition, uint32_t first, uint32_t end,
                 const struct camera *camera, const struct border *border,
                 const struct palette *palette, const struct look *look, struct shader *shader,

@@ -50,7 +50,7 @@ static inline void sweep_splat(struct sweep *sweep, struct rendition *r, uint32_
 
 void splat_scene(struct rendition *r, const struct camera *camera, const struct border *border)
 {
-    if (r->layers) {
+    if (layers_are_projected(r)) {
         layers_splat_scene(r, camera, border);
         return;
     }
@@ -95,7 +95,7 @@ static void splat_border_word(struct sweep *sweep, struct rendition *r, const st
 static void splat_under(struct task *task, struct rendition *r, const struct camera *camera,
                         const struct border *border)
 {
-    if (r->layers) {
+    if (layers_are_projected(r)) {
         layers_splat_border(task, r, camera, border);
         return;
     }

@@ -119,10 +119,12 @@ static inline void stage_draw(struct stage *s)
     stage_fill(&s->rendition, s->look.samples);
 }
 
-/* Has a rendition of what is shown the stage's layers where it needs them. */
+/* Has a rendition of what is shown the stage's layers where it needs them; the camera is made. */
 static inline void stage_take_layers(struct stage *s, struct rendition *rendition)
 {
-    CHECK(layers_take(&s->layers, rendition, &s->border, &s->shader.seams, NULL) == OK);
+    CHECK(stage_fit_border(s) == OK);
+    CHECK(layers_take(&s->layers, rendition, &s->border, &s->shader.seams,
+                      shade_refines_layers(&s->look, &s->camera), NULL) == OK);
 }
 
 static inline void stage_release(struct stage *s)

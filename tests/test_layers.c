@@ -1,6 +1,7 @@
 /* Layers of translucent objects: which there are, what they come to, and what of them counts. */
 #include "check.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #include "base/mem.h"
@@ -20,7 +21,6 @@ static void draw(struct stage *s, uint32_t side)
     CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
     CHECK(rendition_init(&s->rendition, side, side, NULL) == OK);
     stage_take_layers(s, &s->rendition);
-    CHECK(stage_fit_border(s) == OK);
     splat_border(&s->rendition, &s->camera, &s->border);
     CHECK(shade(&s->rendition, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) ==
           OK);
@@ -219,34 +219,136 @@ STORY(an_opaque_object_is_seen_however_many_are_before_it)
     stage_release(&s);
 }
 
-/* A tumour in a brain in a head. A ray through the brain comes into the head a second time. */
+/* A ball of this radius in the middle of a scene of 61x61x61. */
+static void put_ball(struct stage *s, int radius, uint8_t label)
+{
+    for (int z = -30; z <= 30; z++)
+        for (int y = -30; y <= 30; y++)
+            for (int x = -30; x <= 30; x++)
+                if (x * x + y * y + z * z <= radius * radius)
+                    set_label(s, (uint32_t)(x + 30), (uint32_t)(y + 30), (uint32_t)(z + 30), label);
+}
+
+/* A tumour in a brain in a head, as cubes and with smooth surfaces. A ray through the brain comes
+ * into the head a second time. */
 STORY(each_of_three_balls_within_each_other_is_seen)
 {
     struct stage s;
     CHECK(stage_init(&s, (uint32_t[]){61, 61, 61}, 6, NULL) == OK);
-    for (int z = -30; z <= 30; z++)
-        for (int y = -30; y <= 30; y++)
-            for (int x = -30; x <= 30; x++) {
-                const int square = x * x + y * y + z * z;
-                const uint8_t label = square > 28 * 28   ? 0
-                                      : square > 18 * 18 ? 1
-                                      : square > 64      ? 2
-                                                         : 3;
-                set_label(&s, (uint32_t)(x + 30), (uint32_t)(y + 30), (uint32_t)(z + 30), label);
-            }
+    put_ball(&s, 28, 1);
+    put_ball(&s, 18, 2);
+    put_ball(&s, 8, 3);
     s.border.opacity[1] = 20, s.border.opacity[2] = 40;
-    s.view.zoom = VIEW_ZOOM_ONE;
-    draw(&s, 61);
     static const struct {
         uint32_t column;
         uint8_t label, alpha;
     } seen[] = {{30, 3, 255}, {44, 2, 157}, {53, 1, 51}, {60, 0, 0}};
-    for (size_t i = 0; i < sizeof seen / sizeof *seen; i++) {
-        const size_t pixel = 30 * 61 + seen[i].column;
-        CHECK_INT(s.rendition.label[pixel], seen[i].label);
-        CHECK_INT(s.rendition.rgba[4 * pixel + 3], seen[i].alpha);
+    for (uint32_t times = 1; times <= 10; times += 3) {
+        s.view.zoom = times * VIEW_ZOOM_ONE;
+        draw(&s, 61 * times);
+        for (size_t i = 0; i < sizeof seen / sizeof *seen; i++) {
+            const size_t pixel = ((size_t)30 * 61 * times + seen[i].column) * times;
+            CHECK_INT(s.rendition.label[pixel], seen[i].label);
+            CHECK_INT(s.rendition.rgba[4 * pixel + 3], seen[i].alpha);
+        }
     }
     stage_release(&s);
+}
+
+/* ---- refined ---- */
+
+/* As wide as a disc of as many pixels, in voxels. */
+static double radius_seen(const struct stage *s, uint32_t times)
+{
+    size_t pixels = 0;
+    for (size_t i = 0; i < (size_t)s->view.width * s->view.height; i++)
+        pixels += s->rendition.rgba[4 * i + 3] > 0;
+    return sqrt((double)pixels / M_PI) / times;
+}
+
+STORY(a_translucent_ball_is_as_wide_as_its_surface)
+{
+    struct stage s;
+    CHECK(stage_init(&s, (uint32_t[]){61, 61, 61}, 6, NULL) == OK);
+    put_ball(&s, 25, 1);
+    s.border.opacity[1] = 50;
+    for (int turn = 0; turn < 3; turn++) {
+        s.view.angle[0] = turn * 31000, s.view.angle[1] = turn * 17000;
+        for (uint32_t times = 4; times <= 8; times += 4) {
+            s.view.zoom = times * VIEW_ZOOM_ONE;
+            draw(&s, 61 * times);
+            const double radius = radius_seen(&s, times);
+            if (!CHECK(radius > 24.85 && radius < 25.1))
+                printf("# %u pixels to a voxel, turn %d: %.3f\n", times, turn, radius);
+        }
+    }
+    s.look.mode = SHADE_CUBES;
+    draw(&s, 61 * 8);
+    CHECK(radius_seen(&s, 8) > 25.3);
+    stage_release(&s);
+}
+
+/* Two plates of one label: as far apart as a ray along a rough surface leaves it, they are one. */
+STORY(what_lies_close_behind_the_same_object_is_the_same_layer)
+{
+    struct stage s;
+    for (uint32_t times = 1; times <= 8; times += 7)
+        for (uint32_t gap = 1; gap <= 9; gap++) {
+            CHECK(stage_init(&s, (uint32_t[]){SIDE, 40, SIDE}, 6, NULL) == OK);
+            for (uint32_t i = 0; i < SIDE * SIDE; i++)
+                for (uint32_t y = 0; y < 3; y++) {
+                    set_label(&s, i % SIDE, 30 - y, i / SIDE, 1);
+                    set_label(&s, i % SIDE, 27 - gap - y, i / SIDE, 1);
+                }
+            s.border.opacity[1] = 50;
+            s.view.zoom = times * VIEW_ZOOM_ONE;
+            draw(&s, SIDE * times);
+            const size_t pixel = ((size_t)SIDE * times / 2) * SIDE * times + SIDE * times / 2;
+            if (!CHECK(s.rendition.rgba[4 * pixel + 3] == (gap > LAYERS_GAP ? 191 : 128)))
+                printf("# %u pixels to a voxel, %u voxels between\n", times, gap);
+            stage_release(&s);
+        }
+}
+
+/* ---- seams ---- */
+
+static bool are_same_seams(const struct seams *a, const struct seams *b)
+{
+    bool same = memcmp(a->edge, b->edge, a->words * sizeof *a->edge) == 0;
+    for (int axis = 0; axis < 3; axis++)
+        same = same &&
+               memcmp(a->between[axis], b->between[axis], a->words * sizeof *a->between[axis]) == 0;
+    return same;
+}
+
+STORY(seams_that_follow_edits_are_as_counted_ones)
+{
+    uint64_t random = 11;
+    for (int i = 0; i < 40 && check_failures == 0; i++) {
+        struct stage s;
+        struct seams kept = {0};
+        const uint32_t side = 2 + check_below(&random, 14);
+        CHECK(stage_init(&s, (uint32_t[]){side, side, 1 + side / 2}, 6, NULL) == OK);
+        s.border.visible[3] = false;
+        border_recount(&s.border);
+        CHECK(seams_count(&kept, &s.border, NULL) == OK);
+        for (int step = 0; step < 8; step++) {
+            struct seams counted = {0};
+            const struct edit edit = {grid_cell(&s.scene->grid, check_below(&random, side),
+                                                check_below(&random, side),
+                                                check_below(&random, 1 + side / 2)),
+                                      (int16_t)check_below(&random, 4), 0};
+            CHECK(forest_edit(s.forest, &edit, 1, NULL) == OK);
+            const struct changes changes = forest_changes(s.forest);
+            border_update(&s.border, &changes);
+            CHECK(seams_follow(&kept, &s.border, &changes, NULL) == OK);
+            CHECK(seams_count(&counted, &s.border, NULL) == OK);
+            CHECK(are_same_seams(&kept, &counted));
+            seams_release(&counted);
+        }
+        seams_release(&kept);
+        stage_release(&s);
+    }
 }
 
 int main(void)
@@ -255,5 +357,8 @@ int main(void)
                        TELL(shares_of_squares_add_up_from_the_front),
                        TELL(what_has_the_largest_share_is_what_a_pixel_shows),
                        TELL(an_opaque_object_is_seen_however_many_are_before_it),
-                       TELL(each_of_three_balls_within_each_other_is_seen));
+                       TELL(each_of_three_balls_within_each_other_is_seen),
+                       TELL(a_translucent_ball_is_as_wide_as_its_surface),
+                       TELL(what_lies_close_behind_the_same_object_is_the_same_layer),
+                       TELL(seams_that_follow_edits_are_as_counted_ones));
 }

@@ -190,7 +190,7 @@ STORY(most_pixels_of_a_smooth_surface_are_in_patches)
         struct normals normals;
         size_t shown = 0, between = 0;
         refiner_init(&refiner, &s.camera, &s.border);
-        refiner.shown.field = &part->shown;
+        refiner.shown = &(struct field_reader){.field = &part->shown};
         normals_init(&normals, &s.camera, SHADE_SURFACE, true, &part->shown, NULL);
         for (uint32_t y = 0; y < 512; y += TILE)
             for (uint32_t x = 0; x < 512; x += TILE) {

@@ -33,7 +33,6 @@ static void colour(struct stage *s, struct rendition *r)
 static void render(struct stage *s, struct rendition *r, projection *project)
 {
     stage_take_layers(s, r);
-    CHECK(stage_fit_border(s) == OK);
     project(r, &s->camera, &s->border);
     colour(s, r);
 }

@@ -171,8 +171,9 @@ static enum err draw_border(struct session *session, struct border *border, enum
     if (err)
         return err;
     if (session->rendition.depth) {
-        err = layers_take(&session->layers, &session->rendition, border, &session->shader.seams,
-                          fault);
+        err =
+            layers_take(&session->layers, &session->rendition, border, &session->shader.seams,
+                        shade_refines_layers(&session->now.outlook.look, &session->camera), fault);
         if (err)
             return err;
         if (project == splat_border)
