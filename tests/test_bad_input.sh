@@ -350,6 +350,10 @@ for program in log "log --graph" verify replay "diff good.nii" "log --anonymise"
 done
 refused 1 "$neither" "$iftty" log --check good.nii
 ! grep -q 'record 0' "$work/both" || fail "$(cat "$work/both")"
+printf '<!DOCTYPE html>\n<html>404 Not Found</html>\n' >refused.nii.gz
+scene_refused "a web page, as a download that was refused leaves it; fetch the file again" \
+    refused.nii.gz
+rm refused.nii.gz
 echo 'open good.nii' >words.iftty
 : >empty.iftty
 for name in words.iftty empty.iftty; do

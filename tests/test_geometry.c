@@ -236,6 +236,25 @@ STORY(shear_is_measured)
     CHECK(fabs(geometry_shear(&geometry) - 45) < 1e-6);
 }
 
+STORY(a_tilt_is_the_angle_of_an_axis_and_the_side_that_names_it)
+{
+    for (unsigned i = 0; i < 48; i++) {
+        begin();
+        put_sform(towards(i), 0);
+        read_it();
+        CHECK(geometry_tilt(&geometry) < 1e-6);
+    }
+    begin();
+    put_sform("RAS", 0);
+    header.srow[0][0] = header.srow[1][1] = cos(acos(-1) / 6); /* 30 degrees about z */
+    header.srow[1][0] = 0.5;
+    header.srow[0][1] = -0.5;
+    read_it();
+    CHECK(fabs(geometry_tilt(&geometry) - 30) < 1e-6);
+    geometry.orientation = ORIENTATION_UNKNOWN;
+    CHECK(geometry_tilt(&geometry) < 1e-6);
+}
+
 /* ---- what the user tells ---- */
 
 STORY(letters_tell_axes_and_no_place)
@@ -438,6 +457,7 @@ int main(void)
         TELL(a_form_that_cannot_be_used_is_said_and_the_other_holds),
         TELL(a_distance_that_is_none_is_unknown_or_the_sforms),
         TELL(lengths_are_by_pixdim_where_the_sform_is_a_templates), TELL(shear_is_measured),
+        TELL(a_tilt_is_the_angle_of_an_axis_and_the_side_that_names_it),
         TELL(letters_tell_axes_and_no_place), TELL(a_derived_grid_lies_where_its_voxels_did),
         TELL(a_derived_grid_has_spacing_that_can_be_told),
         TELL(a_map_may_be_off_by_half_a_voxel_and_no_more),

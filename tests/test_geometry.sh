@@ -50,6 +50,31 @@ out_has "iftty:orientation: as told by the user"
 out_has "iftty:slice: axial through "
 close_story
 
+begin "what is odd of a place is said by open and info, and what is plain is not"
+make_scene plain.nii 12 10 8
+expect 0 "$iftty" -c 'open plain.nii'
+cp "$work/out" plain
+cp plain.nii tilted.nii
+put tilted.nii 252 '\000\000\001\000' # the sform alone: 37 degrees about z
+put tilted.nii 280 '\315\314\114\077\232\231\031\277\000\000\000\000'
+put tilted.nii 296 '\232\231\031\077\315\314\114\077\000\000\000\000'
+put tilted.nii 312 '\000\000\000\000\000\000\000\000\000\000\200\077'
+put tilted.nii 123 '\000'
+printf '1234567' >>tilted.nii
+expect 0 "$iftty" -c 'open tilted.nii'
+grep '^  ' "$work/out" | tail -n +2 | sed 's/^ *//' >said
+out_has "its axes are oblique: up to 37 degrees off the sides of the patient that name them"
+out_has "it does not say the unit of its lengths: taken as millimetres"
+out_has "7 of its bytes come after the voxels; does its header say all of its volumes?"
+expect 0 "$iftty" info tilted.nii
+sed -n 's/^note *//p' "$work/out" >noted
+same_files said noted
+expect 0 "$iftty" info --json tilted.nii
+same "$(python3 -c 'import json, sys; print(*json.load(sys.stdin)["open_notes"], sep="\n")' \
+    <"$work/out")" "$(cat said)"
+! grep -q 'oblique\|come after' plain || fail "$(cat plain)"
+close_story
+
 begin "what the user tells is recorded, undone, and shown as told"
 expect 0 "$iftty" -c 'open unplaced.nii.gz; orient LPI; info; undo; info; redo; info' \
     --journal told.iftty

@@ -549,13 +549,22 @@ STORY(units_of_length_are_honoured)
     static const struct {
         uint8_t units;
         uint32_t spacing_nm;
-    } unit[] = {{0, 1000000}, {1, 1000000000}, {2, 1000000}, {3, 1000}, {3 | 8, 1000}};
+        const char *note;
+    } unit[] = {
+        {0, 1000000, "it does not say the unit of its lengths: taken as millimetres\n"},
+        {1, 1000000000, ""},
+        {2, 1000000, ""},
+        {3, 1000, ""},
+        {3 | 8, 1000, ""},
+        {5 | 8, 1000000, "the unit of its lengths is 5, which is none: taken as millimetres\n"}};
     for (size_t i = 0; i < sizeof unit / sizeof unit[0]; i++) {
         struct made m = make(2, false);
         m.bytes[UNITS] = unit[i].units;
         struct volume v = read_made(&m);
         CHECK_INT(v.geometry.spacing_nm[0], unit[i].spacing_nm);
         CHECK(fabs(v.geometry.to_mm[0][0] * 1e6 - unit[i].spacing_nm) < 1e-3);
+        CHECK_HAS(v.notes, unit[i].note);
+        CHECK(*unit[i].note || !strstr(v.notes, "unit"));
         volume_release(&v);
     }
 }
@@ -1271,9 +1280,7 @@ int main(void)
         TELL(a_false_length_at_the_end_of_a_gzip_is_told),
         TELL(extensions_are_skipped_and_two_dimensions_are_a_slice),
         TELL(further_dimensions_of_one_are_let_pass), TELL(nifti_2_is_read_in_both_byte_orders),
-        TELL(further_dimensions_of_one_are_let_pass), TELL(a_pair_is_what_the_single_file_is),
-        TELL(further_dimensions_of_one_are_let_pass),
-        TELL(analyze_says_no_place_whatever_stands_there),
+        TELL(a_pair_is_what_the_single_file_is), TELL(analyze_says_no_place_whatever_stands_there),
         TELL(further_dimensions_of_one_are_let_pass), TELL(types_and_scales_of_spm_are_read),
         TELL(without_codes_the_axes_are_those_of_the_world), TELL(the_sform_goes_before_the_qform),
         TELL(the_qform_is_a_rotation_with_a_flip),

@@ -7,7 +7,8 @@
 #define UNPACK "; unpack it, and open what is in it"
 #define BY_BIO_FORMATS                                                                             \
     ", which is not read: `bfconvert FILE A.ome.tif` (Bio-Formats) makes a TIFF of it"
-#define PICTURE "; a scene is a volume, or a folder of slices as TIFF, PNG or DICOM"
+#define WEB_PAGE "a web page, as a download that was refused leaves it; fetch the file again"
+#define PICTURE  "; a scene is a volume, or a folder of slices as TIFF, PNG or DICOM"
 
 /* By its bytes; a name alone where there are none. */
 static const struct foreign {
@@ -52,6 +53,9 @@ static const struct foreign {
     {".hdr", 0, 4, "ENVI",
      "the header of an ENVI, which is not read: `open raw:FILE.img size=X,Y,Z type=T` may do"},
     {".hdr|.pic", 0, 10, "#?RADIANCE", "a Radiance picture" PICTURE},
+    {"", 0, 9, "<!DOCTYPE", WEB_PAGE},
+    {"", 0, 9, "<!doctype", WEB_PAGE},
+    {"", 0, 5, "<html", WEB_PAGE},
     {"", 0, 5, "<?xml", "an XML file; a scene is a volume, or a folder of slices"},
     {".ima|.rda", 0, 0, NULL,
      "a file of a Siemens scanner that is not read: `dcm2niix FOLDER` may make a NIfTI of it"},

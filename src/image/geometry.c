@@ -233,6 +233,17 @@ double geometry_shear(const struct geometry *geometry)
     return asin(most < 1 ? most : 1) * 180 / acos(-1);
 }
 
+double geometry_tilt(const struct geometry *geometry)
+{
+    double axis[3][3], least = 1;
+    if (geometry->orientation == ORIENTATION_UNKNOWN ||
+        !unit_axes(axis, (const double(*)[4])geometry->to_mm))
+        return 0;
+    for (int a = 0; a < 3; a++)
+        least = fmin(least, fabs(axis[a][geometry->world_axis[a]]));
+    return acos(least) * 180 / acos(-1);
+}
+
 void geometry_presume(struct geometry *geometry)
 {
     geometry->spacing_unknown = false;

@@ -121,6 +121,10 @@ double geometry_half_voxel(const struct geometry *geometry);
 /* The largest angle, in degrees, by which two axes are off a right angle. */
 double geometry_shear(const struct geometry *geometry);
 
+/* The largest angle, in degrees, of an axis and the side of the patient that names it; 0 where no
+ * side does. Words and letters for sides are off by as much. */
+double geometry_tilt(const struct geometry *geometry);
+
 /* How a session of semantics below MEANING_ORIENTATION takes what a file does not say: the sform if
  * it can be used, else the qform, else the plain axes; all of it as known. */
 void geometry_presume(struct geometry *geometry);

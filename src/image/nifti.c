@@ -153,8 +153,10 @@ static enum err read_layout(struct volume_header *out, struct nifti_header *head
     if (err)
         return err;
     err = voxels_check(out, source, fault);
-    if (header->kind == NIFTI_SINGLE)
+    if (header->kind == NIFTI_SINGLE) {
+        voxels_note_rest(out, source, "does its header say all of its volumes?");
         return err;
+    }
     out->bytes = source->bytes;
     voxels_note_rest(out, source, "is this .img the one of this .hdr?");
     return err ? fault_prefix(fault, err, "its .img") : OK;

@@ -192,6 +192,16 @@ static double unit_mm(const struct nifti_header *header)
     }
 }
 
+static void note_unit(char *notes, const struct nifti_header *header)
+{
+    const unsigned unit = (unsigned)header->xyzt_units & 7;
+    if (unit == 0)
+        volume_note(notes, "it does not say the unit of its lengths: taken as millimetres");
+    else if (unit > 3)
+        volume_note(notes, "the unit of its lengths is %u, which is none: taken as millimetres",
+                    unit);
+}
+
 /* The matrix of the quaternion (a, b, c, d), whose a >= 0 the file leaves out; nifti1.h, method 2.
  * Numbers that are no rotation come out as NaN or singular and are refused by geometry_place. */
 static void matrix_of_qform(double to_mm[3][4], const struct nifti_header *header,
@@ -328,6 +338,7 @@ void nifti_header_geometry(struct geometry *geometry, char notes[VOLUME_NOTES_BY
     const double unit = unit_mm(header);
     double spacing_mm[3];
     *geometry = (struct geometry){.slope = 1, .fields = fields_of(header)};
+    note_unit(notes, header);
     read_spacing(geometry, spacing_mm, notes, header);
     struct geometry_form *sform = &geometry->sform, *qform = &geometry->qform;
     sform->code = usable_code(header->sform_code);

@@ -150,6 +150,16 @@ static void note_shear(struct volume_header *header)
                     degrees);
 }
 
+static void note_tilt(struct volume_header *header)
+{
+    const double degrees = geometry_tilt(&header->geometry);
+    if (degrees >= 1)
+        volume_note(header->notes,
+                    "its axes are oblique: up to %.2g degrees off the sides of the patient that "
+                    "name them",
+                    degrees);
+}
+
 enum err volume_begin(struct volume_reader *reader, const char *path,
                       const struct volume_choice *choice, struct watch *watch, struct fault *fault)
 {
@@ -164,8 +174,10 @@ enum err volume_begin(struct volume_reader *reader, const char *path,
     err = find_format(&reader->format, &reader->source, &header->choice, fault);
     if (!err)
         err = reader->format->read_header(header, &reader->source, fault);
-    if (!err)
+    if (!err) {
+        note_tilt(header);
         note_shear(header);
+    }
     return err ? fault_prefix(fault, err, "%s", path) : OK;
 }
 

@@ -268,6 +268,27 @@ static enum err add_histogram(struct facts *f, const char *path, struct fault *f
     return OK;
 }
 
+/* What `open` says of the file, a line each. */
+static void add_open_notes(struct facts *f, const char *notes)
+{
+    struct buf line = {0};
+    if (f->is_json)
+        json_array(&f->json, "open_notes");
+    for (size_t n; *notes; notes += n + 1) {
+        n = strcspn(notes, "\n");
+        buf_clear(&line);
+        buf_add(&line, notes, n);
+        if (f->is_json)
+            json_text(&f->json, NULL, buf_text(&line));
+        else
+            add_text(f, "note", buf_text(&line));
+    }
+    if (f->is_json)
+        json_end(&f->json);
+    f->out->failed |= line.failed;
+    buf_release(&line);
+}
+
 static enum err add_scene(struct facts *f, const char *path, struct fault *fault)
 {
     struct volume_header facts;
@@ -285,6 +306,7 @@ static enum err add_scene(struct facts *f, const char *path, struct fault *fault
     add_spacing(f, &facts.geometry);
     add_text(f, "axes", oriented ? towards : "unknown");
     add_text(f, "order", facts.big_endian ? "big-endian" : "little-endian");
+    add_open_notes(f, facts.notes);
     return f->wants_histogram ? add_histogram(f, path, fault) : OK;
 }
 
