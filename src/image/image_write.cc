@@ -86,8 +86,13 @@ OIIO::ImageSpec spec_of(const Request &request, const std::vector<Note> &notes,
         spec.attribute("Compression", "lossless");
     /* These put the time of writing in where none is given. PNG leaves out what is no time; the
      * others, which would store even that, get the beginning of all of them. */
-    if (format == "png")
+    if (format == "png") {
         spec.attribute("DateTime", "none");
+        /* Each row less the one above, which zlib makes smaller in a third of the time than it
+         * takes by default. */
+        spec.attribute("png:filter", 0x20);
+        spec.attribute("png:compressionLevel", 4);
+    }
     if (format == "tiff" || format == "dpx" || format == "rla")
         spec.attribute("DateTime", "1970:01:01 00:00:00");
     if (request.frames > 1 && request.delay_ms > 0) {
