@@ -1,6 +1,7 @@
 #include "render/bands.h"
 
 #include "render/layers.h"
+#include "render/patch.h"
 
 /* More leave the caches. Of less, voxels and rows around that lie across two bands are drawn twice:
  * of voxels it takes 2 % more time to have half as many, which wide pictures spare memory by. */
@@ -17,13 +18,16 @@ static uint32_t reach_of(const struct bands *bands)
     return round_up((uint32_t)shade_reach(bands->look, bands->camera).pixels);
 }
 
+/* Of whole blocks of patches. */
 static uint32_t rows_of(const struct bands *bands)
 {
     const uint32_t reach = reach_of(bands);
     uint32_t high = reach > SAMPLES_HIGH ? reach : SAMPLES_HIGH;
     if (!reach && SAMPLES_A_BAND / bands->camera->view.width < high)
         high = SAMPLES_LEAST_HIGH;
-    return bands->rows ? bands->rows : round_up(high / bands->look->samples);
+    if (bands->rows)
+        high = bands->rows * bands->look->samples;
+    return (high + PATCH_SIDE - 1) / PATCH_SIDE * PATCH_SIDE / bands->look->samples;
 }
 
 /* Rows of samples: those of a band, and what is drawn for it. */

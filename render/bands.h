@@ -30,7 +30,7 @@ struct bands {
     const struct palette *palette;
     const struct look *look;
     struct shader *shader;
-    uint32_t rows;   /* of the picture, in a band; a multiple of TILE, or 0 for what is fast */
+    uint32_t rows;   /* of the picture, in a band, or some more; 0 for what is fast */
     take_rows *take; /* or NULL */
     void *context;
 };

@@ -7,24 +7,36 @@ enum {
     LEAST = 4,        /* pixels a side; three quarters of fewer would be corners */
     SHARE_BITS = 8,   /* of the way from one corner to the next */
     PIXEL_BITS = 26,  /* of a depth: 4 * 2^24 to a pixel */
-    FLAT_PART = 8,    /* of a voxel: so far from the plane of the others may a pixel lie */
+    FLAT_PART = 8,    /* of a voxel: so far from the plane of the others may a pixel lie; */
+    FLAT_PIXEL = 2,   /* a sample from that of the others of a pixel */
     SLACK = 2,        /* voxels by which what is seen may lie deeper in cubes than at corners */
     ALIKE = 15 << 24, /* cosine of normals, where 2^28 is 1: 20 degrees */
     EVEN = (1 << 28) - (1 << 18), /* the same of a normal in the middle of several tiles and that
                                      between the corners: 2.5 degrees */
-    SIDE_MOST = PATCH_TILES * TILE,
 };
 
 struct patch {
     uint32_t x, y, side;    /* within the block */
+    uint32_t last[2];       /* steps from one corner to the next, along x and y */
     size_t corner[CORNERS]; /* pixels: left and right above, then below */
     int64_t depth[CORNERS];
 };
 
-/* Of side - 1 steps from one corner to the next, in 2^-SHARE_BITS. */
-static inline int32_t share_of(const struct patch *patch, uint32_t step)
+/* Where there is one beside it in the block, that begins with the last corners of this one. */
+static struct patch patch_at(const struct patches *p, uint32_t x, uint32_t y, uint32_t side)
 {
-    const uint32_t last = patch->side - 1;
+    const bool has_next = p->has_lattice && x + side < p->side && p->left + x + side < p->r->width;
+    const bool has_below = p->has_lattice && y + side < p->side && p->top + y + side < p->r->height;
+    struct patch patch;
+    patch.x = x, patch.y = y, patch.side = side;
+    patch.last[0] = has_next ? side : side - 1;
+    patch.last[1] = has_below ? side : side - 1;
+    return patch;
+}
+
+/* Of the steps from one corner to the next, in 2^-SHARE_BITS. */
+static inline int32_t share_of(uint32_t step, uint32_t last)
+{
     return (int32_t)(((step << (SHARE_BITS + 1)) + last) / (2 * last));
 }
 
@@ -56,8 +68,8 @@ struct spot {
 
 static inline struct spot corner_of(const struct patch *patch, unsigned corner)
 {
-    const uint32_t last = patch->side - 1;
-    return (struct spot){patch->x + (corner & 1) * last, patch->y + (corner >> 1) * last};
+    return (struct spot){patch->x + (corner & 1) * patch->last[0],
+                         patch->y + (corner >> 1) * patch->last[1]};
 }
 
 /* ---- pixels by themselves ---- */
@@ -92,7 +104,7 @@ struct ends {
 
 static inline struct ends ends_of(const struct patch *patch, uint32_t y)
 {
-    const int32_t share = share_of(patch, y);
+    const int32_t share = share_of(y, patch->last[1]);
     return (struct ends){between(patch->depth[0], patch->depth[2], share),
                          between(patch->depth[1], patch->depth[3], share)};
 }
@@ -104,12 +116,12 @@ static inline int64_t depth_between(struct ends ends, int32_t share)
 
 static int64_t depth_at(const struct patch *patch, uint32_t x, uint32_t y)
 {
-    return depth_between(ends_of(patch, y), share_of(patch, x));
+    return depth_between(ends_of(patch, y), share_of(x, patch->last[0]));
 }
 
 int64_t patch_between(const int64_t corner[4], uint32_t side, uint32_t x, uint32_t y)
 {
-    const struct patch patch = {.side = side,
+    const struct patch patch = {.last = {side - 1, side - 1},
                                 .depth = {corner[0], corner[1], corner[2], corner[3]}};
     return depth_at(&patch, x, y);
 }
@@ -143,15 +155,21 @@ static size_t refine_middle(struct patches *p, const struct patch *patch)
     return pixel_of(p, x, y);
 }
 
+/* Whether the surface lies there in the middle where it is between the corners. */
 static bool is_flat(struct patches *p, const struct patch *patch)
 {
-    const int64_t most = (voxel_of(p) << PIXEL_BITS) / FLAT_PART;
     const uint32_t half = patch->side / 2;
+    const int64_t depth = depth_at(patch, half, half);
+    const int64_t voxel = voxel_of(p) << PIXEL_BITS;
+    if (p->has_lattice) {
+        /* Within a pixel a surface is seen as flat if it is continuous. */
+        const int64_t most = voxel / (patch->side == p->samples ? FLAT_PIXEL : FLAT_PART);
+        return refine_crosses(p->refiner, depth - most, depth + most, p->left + patch->x + half,
+                              p->top + patch->y + half);
+    }
     const size_t middle = refine_middle(p, patch);
-    if (!is_within(p, middle))
-        return false;
-    const int64_t off = p->r->depth[middle] - depth_at(patch, half, half);
-    return off <= most && off >= -most;
+    const int64_t off = p->r->depth[middle] - depth;
+    return is_within(p, middle) && off <= voxel / FLAT_PART && off >= -(voxel / FLAT_PART);
 }
 
 /* How long before the surface rays may come to cubes. */
@@ -171,7 +189,7 @@ static struct lead lead_of(const struct patches *p, const struct patch *patch)
         lead.least = before < lead.least ? before : lead.least;
     }
     lead.most += SLACK * voxel;
-    lead.least = lead.least < 0 && p->sees_pits ? lead.least - voxel / 2 : 0;
+    lead.least = lead.least < 0 && p->has_lattice ? lead.least - voxel / 2 : 0;
     return lead;
 }
 
@@ -180,9 +198,9 @@ static bool is_in_front(const struct patches *p, const struct patch *patch)
 {
     const struct cube_maps *cube = &p->r->cube;
     const struct lead lead = lead_of(p, patch);
-    int32_t share[SIDE_MOST];
+    int32_t share[PATCH_SIDE];
     for (uint32_t x = 0; x < patch->side; x++)
-        share[x] = share_of(patch, x);
+        share[x] = share_of(x, patch->last[0]);
     for (uint32_t y = 0; y < patch->side; y++) {
         const size_t row = pixel_of(p, patch->x, patch->y + y);
         const struct ends ends = ends_of(patch, y);
@@ -271,7 +289,7 @@ static inline struct row row_at(const struct patches *p, const struct patch *pat
 {
     const int16_t *normal = p->r->normal;
     struct row row = {.ends = ends_of(patch, y)};
-    const int32_t share = share_of(patch, y);
+    const int32_t share = share_of(y, patch->last[1]);
     mix(row.left, normal + 4 * patch->corner[0], normal + 4 * patch->corner[2], share);
     mix(row.right, normal + 4 * patch->corner[1], normal + 4 * patch->corner[3], share);
     return row;
@@ -290,8 +308,11 @@ static bool is_even(struct patches *p, const struct patch *patch)
     const struct spot middle = {patch->x + half, patch->y + half};
     const struct row row = row_at(p, patch, half);
     int16_t normal[4];
+    refine_one(p, middle.x, middle.y);
+    if (!is_within(p, pixel_of(p, middle.x, middle.y)))
+        return false;
     find_normals(p, &middle, 1);
-    normal_between(normal, &row, share_of(patch, half));
+    normal_between(normal, &row, share_of(half, patch->last[0]));
     return are_alike(normal, p->r->normal + 4 * pixel_of(p, middle.x, middle.y), EVEN);
 }
 
@@ -346,9 +367,10 @@ static struct owners owners_of(const struct patches *p, const struct patch *patc
 static inline uint32_t owner_at(const struct patches *p, const struct owners *owners, int64_t depth,
                                 uint32_t x, uint32_t y)
 {
+    const struct refine_owner how = {owners->meets, p->has_lattice};
     return owners->voxel != CELL_NONE
                ? owners->voxel
-               : refine_voxel_at(p->refiner, depth, p->left + x, p->top + y, owners->meets);
+               : refine_voxel_at(p->refiner, depth, p->left + x, p->top + y, how);
 }
 
 static void fill(struct patches *p, const struct patch *patch)
@@ -358,7 +380,7 @@ static void fill(struct patches *p, const struct patch *patch)
     for (uint32_t y = 0; y < patch->side; y++) {
         const struct row row = row_at(p, patch, y);
         for (uint32_t x = 0; x < patch->side; x++) {
-            const int32_t share = share_of(patch, x);
+            const int32_t share = share_of(x, patch->last[0]);
             const int64_t depth = depth_between(row.ends, share);
             const uint32_t column = patch->x + x, line = patch->y + y;
             int16_t normal[4];
@@ -401,7 +423,7 @@ static bool find_standing(struct standing *standing, const struct patches *p,
     for (uint32_t y = samples / 2; y < patch->side; y += samples) {
         const struct ends ends = ends_of(patch, y);
         for (uint32_t x = samples / 2; x < patch->side; x += samples) {
-            const int64_t depth = depth_between(ends, share_of(patch, x));
+            const int64_t depth = depth_between(ends, share_of(x, patch->last[0]));
             const uint32_t voxel = owner_at(p, &owners, depth, patch->x + x, patch->y + y);
             if (voxel == CELL_NONE || labels_at(labels, voxel) != standing->label)
                 return false;
@@ -430,7 +452,7 @@ static void stand(struct patches *p, const struct patch *patch, const struct sta
         const struct row row = row_at(p, patch, y);
         for (uint32_t x = samples / 2; x < patch->side; x += samples) {
             const uint32_t column = patch->x + x, line = patch->y + y;
-            const int32_t share = share_of(patch, x);
+            const int32_t share = share_of(x, patch->last[0]);
             int16_t normal[4];
             normal_between(normal, &row, share);
             fill_pixel(p, column, line, depth_between(row.ends, share), *voxel++, normal);
@@ -494,8 +516,7 @@ static bool fill_whole(struct patches *p, struct patch *patch)
 
 static void refine_patch(struct patches *p, uint32_t x, uint32_t y, uint32_t side)
 {
-    struct patch patch;
-    patch.x = x, patch.y = y, patch.side = side;
+    struct patch patch = patch_at(p, x, y, side);
     if (!fill_whole(p, &patch) && side > LEAST)
         for (unsigned i = 0; i < 4; i++)
             refine_patch(p, x + (i & 1) * side / 2, y + (i >> 1) * side / 2, side / 2);
@@ -509,16 +530,7 @@ void patches_refine_tile(struct patches *p, uint32_t x, uint32_t y)
 
 bool patches_refine_square(struct patches *p, uint32_t x, uint32_t y, uint32_t side)
 {
-    struct patch patch;
-    patch.x = x, patch.y = y, patch.side = side;
+    struct patch patch = patch_at(p, x, y, side);
     return find_corners(p, &patch) == CORNERS_SURFACE && is_smooth(p, &patch) &&
            is_even(p, &patch) && stand_for_pixels(p, &patch);
-}
-
-uint32_t patches_side(int64_t voxel, uint32_t samples)
-{
-    uint32_t side = samples;
-    while (side > 1 && side * TILE > voxel)
-        side /= 2;
-    return side;
 }

@@ -8,8 +8,9 @@
  * and then each pixel is refined by itself. Voxels, and so labels, are of each pixel's own point in
  * any case.
  *
- * From look 4 on, blocks of several tiles are tried first; and where a patch shows one object, a
- * sample in the middle of each pixel of the reduced picture stands for all samples of that pixel.
+ * From look 4 on, squares of several tiles are tried first, patches side by side in a block share
+ * corners, and the middle is not refined, but the field looked at there. Where a patch shows one
+ * object, a sample in the middle of each pixel of the reduced picture stands for all of them.
  *
  * A patch is no wider than a voxel, nothing may lie in front of it, and it has no silhouette. It
  * lies within a block, and follows from the block's maps of cubes: what is seen stays a pure
@@ -21,7 +22,10 @@
 #include "render/normal.h"
 #include "render/refine.h"
 
-enum { PATCH_TILES = 4 }; /* of a block, along each side, at most */
+enum {
+    PATCH_TILES = 4, /* of a block, along each side, at most */
+    PATCH_SIDE = PATCH_TILES * TILE,
+};
 
 /* The samples of a tile: bit y * TILE + x. */
 typedef uint64_t tile_mask;
@@ -33,20 +37,19 @@ struct patched {
     tile_mask stands;     /* and the label: it stands for its pixel, of which the others are not */
 };
 
-/* A block of tiles, whose first pixel is this one. */
+/* A block of tiles. */
 struct patches {
     struct rendition *r;
     struct refiner *refiner;
     struct normals *normals;
-    uint32_t left, top;
+    uint32_t left, top, side; /* of the block, in pixels; PATCH_SIDE at most */
     uint32_t samples; /* a pixel of the reduced picture has samples x samples, of which one may
                          stand for all; 1 where none does */
-    bool sees_pits;   /* patches lie on the ground of pits, too: from look 4 on */
+    bool
+        has_lattice; /* patches side by side in a block share corners, and lie on the ground of pits
+                         too: from look 4 on */
     struct patched tile[PATCH_TILES][PATCH_TILES]; /* [y][x]; nothing is known at first */
 };
-
-/* The tiles of a block along each side: no more than samples, and than a voxel has, in pixels. */
-uint32_t patches_side(int64_t voxel, uint32_t samples);
 
 /* Refines a square of 2 or 4 tiles a side within a block, from pixel x, y of it on, as one patch.
  * True where one sample stands for each of its pixels then; else they are still to be refined. The

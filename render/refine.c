@@ -262,13 +262,30 @@ static void find_point(int32_t at[3], const struct refiner *refiner, int64_t dep
         at[a] = locator_point(&refiner->locator[a], depth, x, y) * (1 << FINER_BITS);
 }
 
+/* As owner_at; of the next solid voxel on the ray, where the point lies in none. */
+static uint32_t owner_from(const struct refiner *refiner, const int32_t at[3])
+{
+    struct sample next;
+    memcpy(next.at, at, sizeof next.at);
+    for (int i = 0; i < BACK; i++) {
+        for (int a = 0; a < 3; a++)
+            next.at[a] += refiner->step[REFINE_HALF][a];
+        next.cell = cell_at(&refiner->camera->scene->grid, next.at);
+        if (is_solid(refiner, next.cell))
+            return owner_of(refiner, next.cell, at);
+    }
+    return CELL_NONE;
+}
+
 uint32_t refine_voxel_at(const struct refiner *refiner, int64_t depth, uint32_t x, uint32_t y,
-                         bool meets)
+                         struct refine_owner how)
 {
     int32_t at[3];
     find_point(at, refiner, depth, x, y);
-    const uint32_t owner = owner_at(refiner, at);
-    return owner != CELL_NONE && meets ? meeting_voxel(refiner->border, at, owner) : owner;
+    uint32_t owner = owner_at(refiner, at);
+    if (owner == CELL_NONE && how.goes_on)
+        owner = owner_from(refiner, at);
+    return owner != CELL_NONE && how.meets ? meeting_voxel(refiner->border, at, owner) : owner;
 }
 
 bool refine_meets_at(const struct refiner *refiner, int64_t depth, uint32_t x, uint32_t y)
@@ -276,6 +293,19 @@ bool refine_meets_at(const struct refiner *refiner, int64_t depth, uint32_t x, u
     int32_t at[3];
     find_point(at, refiner, depth, x, y);
     return refiner->meets && meeting_is_at(refiner->border, at);
+}
+
+bool refine_crosses(struct refiner *refiner, int64_t from, int64_t to, uint32_t x, uint32_t y)
+{
+    struct sample before, after;
+    refiner->shown->label = refiner->label;
+    find_point(before.at, refiner, from, x, y);
+    look(&before, refiner);
+    if (before.inside > 0)
+        return false;
+    find_point(after.at, refiner, to, x, y);
+    look(&after, refiner);
+    return after.inside > 0;
 }
 
 /* Where a ray came inside that is inside as it comes to its first solid voxel: the ground of a pit
@@ -334,7 +364,8 @@ uint32_t refine_label_voxel(struct refiner *refiner, uint8_t label, int64_t dept
                             uint32_t y)
 {
     refiner->label = label;
-    const uint32_t voxel = refine_voxel_at(refiner, depth, x, y, false);
+    const uint32_t voxel =
+        refine_voxel_at(refiner, depth, x, y, (struct refine_owner){false, false});
     refiner->label = 0;
     return voxel;
 }

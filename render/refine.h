@@ -54,9 +54,13 @@ void refiner_init(struct refiner *refiner, const struct camera *camera,
 bool refine_is_cut_open(const struct refiner *refiner, int64_t depth, uint32_t cell);
 
 /* The shown voxel that the point of a surface belongs to which a pixel shows at this depth, by
- * meeting_voxel where objects meet; CELL_NONE where no surface can lie. */
+ * meeting_voxel where objects meet. Where the point lies in no solid voxel, CELL_NONE, or if it
+ * `goes_on` that of the next solid voxel within two voxels on the ray. */
+struct refine_owner {
+    bool meets, goes_on;
+};
 uint32_t refine_voxel_at(const struct refiner *refiner, int64_t depth, uint32_t x, uint32_t y,
-                         bool meets);
+                         struct refine_owner how);
 /* Whether that is to be looked at there. */
 bool refine_meets_at(const struct refiner *refiner, int64_t depth, uint32_t x, uint32_t y);
 
@@ -80,6 +84,9 @@ static inline int64_t refine_width(const struct refiner *refiner)
 {
     return refiner->depth[REFINE_WHOLE];
 }
+
+/* Whether a pixel's ray is outside at one depth, and inside at another. */
+bool refine_crosses(struct refiner *refiner, int64_t from, int64_t to, uint32_t x, uint32_t y);
 
 /* What is seen of a pixel, whose maps of cubes are made. */
 void refine_pixel(struct rendition *rendition, struct refiner *refiner, uint32_t x, uint32_t y);

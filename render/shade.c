@@ -285,8 +285,9 @@ static struct patches patches_at(struct rendition *r, struct shading *s, struct 
                             .normals = &s->normals,
                             .left = tile.left,
                             .top = tile.top,
+                            .side = s->block * TILE,
                             .samples = s->samples,
-                            .sees_pits = s->look->number > LOOK_THIRD};
+                            .has_lattice = s->look->number > LOOK_THIRD};
 }
 
 static bool is_whole(struct tile tile)
@@ -484,7 +485,8 @@ static void shade_square(struct rendition *r, struct shading *s, struct patches 
             r->stale[number] = (uint8_t)refine_tile(r, s, tile_at(r, number), p);
         return;
     }
-    if (is_all(r, square, TILE_STALE) &&
+    if (square.side <= s->samples && square.side * TILE <= s->normals.stride &&
+        is_all(r, square, TILE_STALE) &&
         patches_refine_square(p, square.x * TILE - p->left, square.y * TILE - p->top,
                               square.side * TILE)) {
         shade_standing(r, s, p, square);
@@ -633,7 +635,9 @@ static void shading_init(struct shading *s, const struct camera *camera,
     s->has_patches =
         look->number > LOOK_SECOND && !looks_around(look) && !border_is_translucent(border);
     s->samples = s->has_patches && look->number > LOOK_THIRD ? look->samples : 1;
-    s->block = patches_side(normal_stride(camera), s->samples);
+    s->block = look->number > LOOK_THIRD && s->has_patches && normal_stride(camera) >= TILE
+                   ? PATCH_TILES
+                   : 1;
 }
 
 /* The fields of a thread are its own. */

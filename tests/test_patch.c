@@ -199,6 +199,7 @@ STORY(most_pixels_of_a_smooth_surface_are_in_patches)
                                           .normals = &normals,
                                           .left = x,
                                           .top = y,
+                                          .side = TILE,
                                           .samples = 1};
                 patches_refine_tile(&patches, 0, 0);
                 between += (size_t)__builtin_popcountll(patches.tile[0][0].has_normal);
