@@ -348,7 +348,7 @@ other='open s.nii; seed 2,3,4 3; run'
 for command in "save labels l.nii.gz" "save labels l.nii.gz replace=no" \
     "render p.exr" "render p.png"; do
     expect 3 "$iftty" -c "$other; $command"
-    err_has "exists already and was left alone"
+    err_has "exists already and was left alone; replace=yes writes over it"
 done
 same_files l.nii.gz l.kept && same_files p.exr p.kept && same_files p.png q.kept
 expect 0 "$iftty" -c "$other; save labels l.nii.gz replace=yes; render p.exr replace=yes"

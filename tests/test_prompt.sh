@@ -130,7 +130,7 @@ see '^s> half a li$'
 press C-u
 [ -s prompt.png ] || fail "no prompt.png"
 enter "render prompt.png"
-see '^error: prompt\.png exists already and was left alone$'
+see '^error: prompt\.png exists already and was left alone; replace=yes writes over it$'
 see '^s>$'
 press C-l
 close_story

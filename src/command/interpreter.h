@@ -170,6 +170,11 @@ enum err interpreter_output_path(struct interpreter *interp, const char *name, s
 
 /* ---- files that go with a command (outputs.c) ---- */
 
+/* FILE_KEEP: ERR_IO where a command that is new would find a file there, with the word that lets it
+ * replace it. In a replay the writer refuses. */
+enum err interpreter_check_new(const struct interpreter *interp, const char *path,
+                               enum file_mode mode, struct fault *fault);
+
 /* Says that the command at hand is about to write `path`: where the command fails or cannot be
  * recorded, a file that was not there goes again, and one that is replaced comes back. */
 enum err interpreter_will_write(struct interpreter *interp, const char *path, enum file_mode mode,

@@ -14,6 +14,16 @@ static bool has_made(const struct interpreter *interp, const char *path)
     return at < end;
 }
 
+enum err interpreter_check_new(const struct interpreter *interp, const char *path,
+                               enum file_mode mode, struct fault *fault)
+{
+    if (mode != FILE_KEEP || interp->mode != MODE_LIVE || !file_exists(path) ||
+        file_is_folder(path))
+        return OK;
+    return fault_set(fault, ERR_IO,
+                     "%s exists already and was left alone; replace=yes writes over it", path);
+}
+
 enum err interpreter_will_write(struct interpreter *interp, const char *path, enum file_mode mode,
                                 struct fault *fault)
 {
@@ -25,6 +35,8 @@ enum err interpreter_will_write(struct interpreter *interp, const char *path, en
         picture_writer_wait(interp->writer, NULL, NULL); /* one after the other */
     if (interp->journal && interp->mode == MODE_LIVE)
         err = journal_catch_up(interp->journal, fault); /* what led to it is on the disk */
+    if (!err)
+        err = interpreter_check_new(interp, path, mode, fault);
     if (err)
         return err;
     if (file_exists(path)) {
