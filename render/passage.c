@@ -24,8 +24,6 @@ static void put(struct passage *p, uint8_t label, int64_t depth, uint32_t cell)
 static void come_to(struct passage *p, const struct walk *walk, uint8_t label)
 {
     struct run *run = &p->run[label];
-    if (run->last == p->cube)
-        return;
     if (run->last < p->first)
         *run = (struct run){.until = INT64_MIN, .least = INT64_MIN};
     else if (run->last + 1 < p->cube && run->is_found && run->until < walk->at)
@@ -42,22 +40,40 @@ static void come_to(struct passage *p, const struct walk *walk, uint8_t label)
         put(p, label, depth, cell);
 }
 
-/* All labels for which a voxel is solid: its own, and those of its neighbours. */
-static void come_to_all(struct passage *p, const struct walk *walk)
+static void add_label(struct solid *solid, uint8_t label)
 {
-    const struct border *border = p->refiner->border;
-    const struct seams *seams = p->refiner->seams;
-    const uint32_t cell = walk->cell;
-    const bool is_shown = border_shows(border, cell);
-    if (is_shown)
-        come_to(p, walk, labels_at(&border->labels, cell));
+    for (int i = 0; i < solid->labels; i++)
+        if (solid->label[i] == label)
+            return;
+    solid->label[solid->labels++] = label;
+}
+
+static void find_labels(struct solid *solid, const struct border *border, uint32_t cell)
+{
+    *solid = (struct solid){.cell = cell};
+    if (border_shows(border, cell))
+        add_label(solid, labels_at(&border->labels, cell));
     for (int i = 0; i < 6; i++) {
         const ptrdiff_t step = border->scene->grid.step[i / 2];
         const uint32_t beside = cell + (uint32_t)(i % 2 ? step : -step);
-        const bool differs = !is_shown || seams_is_between(seams, i % 2 ? cell : beside, i / 2);
-        if (differs && border_shows(border, beside))
-            come_to(p, walk, labels_at(&border->labels, beside));
+        if (border_shows(border, beside))
+            add_label(solid, labels_at(&border->labels, beside));
     }
+}
+
+static const struct solid *solid_at(struct passage *p, uint32_t cell)
+{
+    struct solid *solid = &p->solid[(cell * UINT32_C(2654435769) >> 16) % PASSAGE_SOLIDS];
+    if (solid->cell != cell)
+        find_labels(solid, p->refiner->border, cell);
+    return solid;
+}
+
+static void come_to_all(struct passage *p, const struct walk *walk)
+{
+    const struct solid *solid = solid_at(p, walk->cell);
+    for (int i = 0; i < solid->labels; i++)
+        come_to(p, walk, solid->label[i]);
 }
 
 /* What the ray has come through without an edge was all of one label, if that of anything. */
@@ -74,12 +90,14 @@ static void come_from(struct passage *p, const struct walk *walk)
 /* To the next voxel that is an edge, maybe this one; false where the ray leaves the scene. */
 static bool go_to_edge(struct passage *p, struct walk *walk)
 {
-    while (!seams_is_edge(p->refiner->seams, walk->cell)) {
+    struct walk here = *walk; /* in registers */
+    bool is_within = true;
+    while (is_within && !seams_is_edge(p->refiner->seams, here.cell)) {
         p->cube++;
-        if (!walk_on(walk))
-            return false;
+        is_within = walk_on(&here);
     }
-    return true;
+    *walk = here;
+    return is_within;
 }
 
 void passage_walk(struct passage *p, uint32_t x, uint32_t y, int64_t from)

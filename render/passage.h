@@ -23,6 +23,14 @@ struct run {
     int64_t least; /* to the next layer */
 };
 
+/* The labels for which a voxel is solid: its own, and those of its neighbours. */
+struct solid {
+    uint32_t cell; /* 0: of none */
+    uint8_t labels, label[7];
+};
+
+enum { PASSAGE_SOLIDS = 256 }; /* voxels whose labels are stored: rays side by side meet the same */
+
 struct passage {
     struct layers *layers;
     struct refiner *refiner;
@@ -30,6 +38,7 @@ struct passage {
     uint32_t first, cube; /* numbers: of the pixel's first cube, and of this one */
     int64_t opaque;       /* where the ray ends, as far as is known */
     struct run run[256];
+    struct solid solid[PASSAGE_SOLIDS];
 };
 
 /* Layers of a pixel, whose first cube is at this depth. A new passage is zeroed but for layers and

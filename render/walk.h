@@ -66,6 +66,13 @@ static inline int64_t walk_leaves(const struct walk *walk)
     return next < walk->next[2] ? next : walk->next[2];
 }
 
+static inline void walk_cross(struct walk *walk, int a, int64_t at)
+{
+    const int64_t is_crossed = -(int64_t)(walk->next[a] == at);
+    walk->next[a] += walk->apart[a] & is_crossed;
+    walk->cell += walk->step[a] & (uint32_t)is_crossed;
+}
+
 /* To the next cube; false where the ray leaves the scene. Nobody can foresee across which axis, so
  * there is no branch for it. */
 static inline bool walk_on(struct walk *walk)
@@ -74,11 +81,9 @@ static inline bool walk_on(struct walk *walk)
     if (at == walk->end)
         return false;
     walk->at = at;
-    for (int a = 0; a < 3; a++) {
-        const bool is_crossed = walk->next[a] == at;
-        walk->next[a] += is_crossed ? walk->apart[a] : 0;
-        walk->cell += is_crossed ? walk->step[a] : 0;
-    }
+    walk_cross(walk, 0, at);
+    walk_cross(walk, 1, at);
+    walk_cross(walk, 2, at);
     return true;
 }
 
