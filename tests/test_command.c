@@ -435,6 +435,33 @@ STORY(millimetres_lead_to_the_nearest_voxel)
 
 /* ---- lines that are wrong ---- */
 
+STORY(what_others_call_a_command_leads_to_it_alone)
+{
+    static char said[4096]; /* "|exit|bye|" */
+    struct interpreter interp;
+    begin_with_scene(&interp);
+    strcpy(said, "|");
+    for (unsigned i = 0; i < command_count; i++) {
+        const char *also = command_table[i].also ? command_table[i].also : "";
+        struct choice word;
+        while (choice_next(&word, &also)) {
+            char line[64], key[66], words[160];
+            struct call call = {0};
+            snprintf(line, sizeof line, "%.*s", (int)word.length, word.word);
+            snprintf(key, sizeof key, "|%s|", line);
+            snprintf(words, sizeof words, "unknown command %s; did you mean %s?", line,
+                     command_table[i].name);
+            CHECK_INT(command_parse(&call, line, &interp.session, &fault), ERR_USAGE);
+            CHECK_TEXT(fault.text, words);
+            CHECK(!strstr(said, key));
+            strcat(said, key + 1);
+            call_release(&call);
+        }
+    }
+    CHECK_HAS(said, "|exit|");
+    interpreter_release(&interp);
+}
+
 STORY(a_wrong_line_is_told_what_was_expected)
 {
     static const struct {
@@ -444,6 +471,9 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"xylophone 1", "unknown command xylophone; `help` lists them"},
         {"Seed 1,1,1 1", "unknown command Seed; did you mean seed?"},
         {"interp 2 2 2", "unknown command interp; did you mean interpolate?"},
+        {"exit", "unknown command exit; did you mean quit?"},
+        {"load a.nii", "unknown command load; did you mean open?"},
+        {"help erase", "erase; did you mean remove?"},
         {"see 1,1,1 1", "unknown command see; did you mean seed or seed-file?"},
         {"s", "unknown command s; `help` lists them"},
         {"\"\"", "unknown command"},
@@ -2357,6 +2387,7 @@ int main(void)
         TELL(help_names_every_command_and_parameter), TELL(help_fits_80_columns),
         TELL(a_random_line_and_its_canonical_form_mean_the_same),
         TELL(a_radius_is_written_with_all_its_digits), TELL(millimetres_lead_to_the_nearest_voxel),
+        TELL(what_others_call_a_command_leads_to_it_alone),
         TELL(a_wrong_line_is_told_what_was_expected), TELL(an_error_tells_where_in_the_line_it_is),
         TELL(without_a_scene_only_what_needs_none_works), TELL(comments_and_empty_lines_do_nothing),
         TELL(garbage_is_parsed_or_refused_in_one_plain_line),

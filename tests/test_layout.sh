@@ -117,7 +117,7 @@ close_story
 # Programs of the command line (src/main.c) may share a name with a command; they are not commands.
 # A key of JSON may be the same word.
 begin "the name of a command is written in the table alone"
-names=$(sed -n 's/^    {COMMAND("\([a-z-]*\)",.*/\1/p' src/command/table.c)
+names=$(sed -n 's/^    {C[A-Z]*("\([a-z-]*\)",.*/\1/p' src/command/table.c)
 [ "$(printf '%s\n' "$names" | wc -l)" -gt 15 ] || fail "the table was not understood: $names"
 pattern=$(printf '%s\n' "$names" | sed 's/.*/"&"/' | paste -sd '|' -)
 for file in $(sources src/command src/session | grep -v '/table\.c$'); do

@@ -18,6 +18,7 @@
 #include "base/buf.h"
 #include "base/err.h"
 #include "base/polyline.h"
+#include "command/near.h"
 
 struct interpreter;
 struct session;
@@ -112,6 +113,7 @@ enum command_group {
 
 struct command {
     const char *name;
+    const char *also; /* "exit|bye": other words for it, which lead to it; or NULL */
     enum err (*act)(const struct act *act);
     enum command_group group;
     unsigned flags;                                  /* enum command_flag */
@@ -135,6 +137,9 @@ extern const struct command command_table[];
 extern const unsigned command_count;
 
 const struct command *command_find(const char *name);
+
+/* Tries the names of all, and what else they are called. */
+void command_try_names(struct near *near);
 
 /* Parses a line against the table: ERR_USAGE for one longer than a journal holds. Positions and
  * labels are looked up in `session` (which may have no scene: then positions are refused, and label

@@ -84,6 +84,16 @@ void near_try_choices(struct near *near, const char *choices)
         near_try(near, choice.word, choice.length);
 }
 
+void near_lead(struct near *near, const char *choices, const char *known)
+{
+    if (choice_find(choices, near->word) < 0)
+        return;
+    near->mistakes = 0;
+    near->count = 1;
+    near->found[0].word = known;
+    near->found[0].length = strlen(known);
+}
+
 static void near_add(const struct near *near, const char *ending, struct buf *out)
 {
     if (near->count == 0 || near->count > NEAR_MOST)

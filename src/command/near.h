@@ -35,6 +35,9 @@ struct near near_to(const char *word);
 void near_try(struct near *near, const char *known, size_t length);
 void near_try_choices(struct near *near, const char *choices); /* "a|b|c" */
 
+/* Where the word is one of the choices, `known` was meant, and nothing else that is tried. */
+void near_lead(struct near *near, const char *choices, const char *known);
+
 /* Adds "; did you mean a, b or c?" to the words of a fault, each word followed by `ending`: "=" for
  * keys; nothing where no word is near, or too many. Returns its code. */
 enum err near_append(const struct near *near, const char *ending, struct fault *fault);

@@ -22,11 +22,20 @@ const struct command *command_find(const char *name)
 
 /* The error for a name that command_find does not know: "WHAT sede; did you mean seed?", or "WHAT
  * xyz; `help` lists them". */
+void command_try_names(struct near *near)
+{
+    for (unsigned i = 0; i < command_count; i++) {
+        const struct command *command = &command_table[i];
+        near_try(near, command->name, strlen(command->name));
+        if (command->also)
+            near_lead(near, command->also, command->name);
+    }
+}
+
 static enum err unknown(struct fault *fault, const char *what, const char *word)
 {
     struct near near = near_to(word);
-    for (unsigned i = 0; i < command_count; i++)
-        near_try(&near, command_table[i].name, strlen(command_table[i].name));
+    command_try_names(&near);
     if (near.count == 0 || near.count > NEAR_MOST)
         return fault_set(fault, ERR_USAGE, "%s %s; `help` lists them", what, word);
     fault_set(fault, ERR_USAGE, "%s %s", what, word);

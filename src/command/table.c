@@ -45,7 +45,8 @@
     "refused where that is not free."
 
 /* What every row begins with, on one line. */
-#define COMMAND(NAME, ACT, GROUP, FLAGS) NAME, ACT, GROUP, FLAGS
+#define COMMAND(NAME, ACT, GROUP, FLAGS)      NAME, NULL, ACT, GROUP, FLAGS
+#define CALLED(NAME, ALSO, ACT, GROUP, FLAGS) NAME, ALSO, ACT, GROUP, FLAGS
 
 /* Parameters: name, type, and what the type needs of .choices, .least and .most. */
 #define NEED(...)                                                                                  \
@@ -119,7 +120,7 @@ const char *const command_group_name[] = {
 };
 
 const struct command command_table[] = {
-    {COMMAND("open", act_open, GROUP_SCENE, R),
+    {CALLED("open", "load|read|import", act_open, GROUP_SCENE, R),
      {NEED("FILE", VALUE_FILE), KEYED("volume", VALUE_NUMBER, .most = 65535),
       KEYED("crop", VALUE_LIST, .most = 65533, .form = "A-B,C-D,E-F"),
       KEYED("reduce", VALUE_NUMBER, .least = 2, .most = REDUCE_MOST),
@@ -172,7 +173,7 @@ const struct command command_table[] = {
      "neighbours of a voxel: by faces, or by corners too",
      "6 is the default.",
      "adjacency 26"},
-    {COMMAND("mask", act_mask, GROUP_WEIGHT, R | S | E),
+    {CALLED("mask", "roi", act_mask, GROUP_WEIGHT, R | S | E),
      {NEED("FILE", VALUE_FILE, .choices = "none"),
       KEYED("regions", VALUE_RANGE, .most = REGION_MOST), RESAMPLE},
      "restrict trees to the voxels of a map",
@@ -187,7 +188,7 @@ const struct command command_table[] = {
      "No tree grows where the intensity, as `why` prints it, is below LOW or above HIGH. With a "
      "`mask`, both hold.",
      "range 40 1200.5"},
-    {COMMAND("label", act_label, GROUP_SEEDS, R),
+    {CALLED("label", "name|colour|color", act_label, GROUP_SEEDS, R),
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("NAME", VALUE_WORD),
       MAY("COLOUR", VALUE_COLOUR)},
      "name a label, and give it a colour",
@@ -203,7 +204,7 @@ const struct command command_table[] = {
      "regions: the entries, as the values of an atlas.\n"
      "as: the labels that they are for, one for each of `regions`.",
      "label-file aal.nii.txt regions=1-90"},
-    {COMMAND("seed", act_seed, GROUP_SEEDS, R | S | E | P | K),
+    {CALLED("seed", "plant|paint|foreground", act_seed, GROUP_SEEDS, R | S | E | P | K),
      {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255),
       KEYED("radius", VALUE_RADIUS, .most = BRUSH_HOLLOW_REACH_MOST), WITHIN,
       KEYED("to", VALUE_LINE), KEYED("joined", VALUE_CHOICE, .choices = "yes"), HOLLOW,
@@ -258,7 +259,7 @@ const struct command command_table[] = {
      "each: how many seeds are drawn at random from what is left of a region; all unless given.\n"
      "generator: the number that the drawing starts from; 1 unless given." RESAMPLE_NOTE,
      "seed-file aal.nii.gz label=1 regions=1-90 erode=2 each=3"},
-    {COMMAND("labels", act_labels, GROUP_SEEDS, R | S | E | P),
+    {CALLED("labels", "atlas|segmentation", act_labels, GROUP_SEEDS, R | S | E | P),
      {NEED("FILE", VALUE_FILE), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
       KEYED("as", VALUE_LIST, .most = 255), KEYED("label", VALUE_LABEL, .least = 1, .most = 255),
       KEYED("erode", VALUE_NUMBER, .most = PIECE_ERODE_MOST),
@@ -276,7 +277,7 @@ const struct command command_table[] = {
      "copy: the journal has its own copy of the labels, beside it, and adds the digest here: it "
      "needs FILE no more." RESAMPLE_NOTE,
      "labels model.nii.gz erode=3"},
-    {COMMAND("object", act_object, GROUP_SEEDS, R | S | E | P),
+    {CALLED("object", "threshold|grow|flood", act_object, GROUP_SEEDS, R | S | E | P),
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("HOW", VALUE_CHOICE, .choices = "threshold"),
       NEED("RANGE", VALUE_INTERVAL, .least = -REAL_MOST, .most = REAL_MOST),
       KEYED("from", VALUE_POSITION)},
@@ -287,7 +288,7 @@ const struct command command_table[] = {
      "leaks. Each object may have a range of its own.\n"
      "from: begin with this voxel instead of the label's seeds.",
      "object 2 threshold 226..3071"},
-    {COMMAND("remove", act_remove, GROUP_SEEDS, R | S | E | P),
+    {CALLED("remove", "delete|erase|eliminate|rm", act_remove, GROUP_SEEDS, R | S | E | P),
      {NEED("PLACE", VALUE_POSITION), BRUSH, KEYED("of", VALUE_CHOICE, .choices = "marker|tree")},
      "eliminator: remove the marker of this voxel",
      "A marker is all that one command has planted: a ball, a stroke, a region of a file. Its "
@@ -349,7 +350,7 @@ const struct command command_table[] = {
      "left is on your right from the front, as in coronal slices, and from the bottom, as in axial "
      "ones; from the back and the top it is on your left. `info` prints it for every view.",
      "view 30 15 0"},
-    {COMMAND("turn", act_turn, GROUP_VIEW, R | S),
+    {CALLED("turn", "rotate", act_turn, GROUP_VIEW, R | S),
      {NEED("YAW", VALUE_DECIMAL, .least = -TURNS, .most = TURNS),
       MAY("PITCH", VALUE_DECIMAL, .least = -TURNS, .most = TURNS),
       MAY("ROLL", VALUE_DECIMAL, .least = -TURNS, .most = TURNS)},
@@ -504,7 +505,7 @@ const struct command command_table[] = {
      "cut a box out of what is shown",
      "Between two corners, both included. Up to 8 boxes; `none` removes them.",
      "cut 100,100,50 199,199,99"},
-    {COMMAND("render", act_render, GROUP_RENDITION, R | S | E),
+    {CALLED("render", "draw|picture|screenshot|snapshot", act_render, GROUP_RENDITION, R | S | E),
      {MAY("FILE", VALUE_FILE), KEYED("mode", VALUE_CHOICE, .choices = "sp|bp|ii|ray"),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no"),
       KEYED("layout", VALUE_CHOICE, .choices = "lines|tiled"), FINISHED},
@@ -515,7 +516,7 @@ const struct command command_table[] = {
      "All modes give the same pixels: sp splats every object voxel, bp border voxels, ray walks "
      "the rays, ii repairs the last rendition." SHOWN_NOTE,
      "render brain.png"},
-    {COMMAND("spin", act_spin, GROUP_RENDITION, R | S | E),
+    {CALLED("spin", "turntable|movie|animate", act_spin, GROUP_RENDITION, R | S | E),
      {NEED("N", VALUE_NUMBER, .least = 2, .most = IMAGE_FRAMES_MOST), NEED("FILE", VALUE_FILE),
       KEYED("axis", VALUE_WORD, .choices = "yaw|pitch|roll", .form = "AXIS,AXIS"),
       KEYED("fit", VALUE_CHOICE, .choices = "yes|no"),
@@ -541,7 +542,7 @@ const struct command command_table[] = {
      "the cross-hair goes to a place that `hints` lists",
      "By its number there. The journal has the `cross` that it comes to.",
      "hint 1"},
-    {COMMAND("window", act_window, GROUP_SLICES, R | S),
+    {CALLED("window", "contrast|brightness|level", act_window, GROUP_SLICES, R | S),
      {NEED("LOW", VALUE_DECIMAL, .choices = "auto", .least = -REAL_MOST, .most = REAL_MOST),
       PAIRED("HIGH", VALUE_DECIMAL, .least = -REAL_MOST, .most = REAL_MOST)},
      "which intensities are black and white in slices",
@@ -587,7 +588,7 @@ const struct command command_table[] = {
      "zoom: pixels per voxel of the smallest spacing, around the cross-hair, with voxels as "
      "squares. It stays until zoom=fit, which shows the whole slice in smooth greys." SHOWN_NOTE,
      "slice axial 90 axial.png"},
-    {COMMAND("mosaic", act_mosaic, GROUP_SLICES, R | S),
+    {CALLED("mosaic", "planes|slices", act_mosaic, GROUP_SLICES, R | S),
      {MAY("FILE", VALUE_FILE), KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
      "three slices and the rendition in one picture",
      "Coronal, sagittal and axial through the cross-hair at one scale, and the rendition of the "
@@ -600,7 +601,7 @@ const struct command command_table[] = {
      "The rendition, or a slice or mosaic as it would be shown now. `iftty verify` compares it "
      "pixel for pixel. It is stored in a folder beside the journal." SHOWN_NOTE,
      "golden front-1"},
-    {COMMAND("finish", act_finish, GROUP_KEPT, R | S),
+    {CALLED("finish", "smooth|relax|clean", act_finish, GROUP_KEPT, R | S),
      {MAY("STEP", VALUE_CHOICE, .choices = FINISH_KINDS "|none"),
       KEYED("radius", VALUE_RADIUS, .most = FINISH_RADIUS_MOST),
       KEYED("voxels", VALUE_NUMBER, .least = 1, .most = 1000000000),
@@ -622,7 +623,7 @@ const struct command command_table[] = {
      "soon as they are made. Maps, surfaces and reports are finished where `finished=yes` asks for "
      "it. off by default.",
      "finished on"},
-    {COMMAND("save", act_save, GROUP_KEPT, R | S | E),
+    {CALLED("save", "export|write", act_save, GROUP_KEPT, R | S | E),
      {NEED("MAP", VALUE_CHOICE, .choices = MAPS "|seeds|names|surface"), NEED("FILE", VALUE_FILE),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED,
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255),
@@ -689,7 +690,7 @@ const struct command command_table[] = {
      "another label or on the edge of the scene, whatever is shown. It searches up to 100 mm and "
      "up to 100 voxels.",
      "pick 256 256"},
-    {COMMAND("measure", act_measure, GROUP_QUESTIONS, S),
+    {CALLED("measure", "distance|ruler|length", act_measure, GROUP_QUESTIONS, S),
      {NEED("PLACE", VALUE_POSITION), NEED("OTHER", VALUE_POSITION), MAY("THIRD", VALUE_POSITION)},
      "the distance of two voxels, or the angle of three",
      "Between their centres, in millimetres and in voxels. With a THIRD, also the angle at OTHER.",
@@ -727,12 +728,12 @@ const struct command command_table[] = {
      "label: places at the border of that label alone.\n"
      "report: all of them as FILE.json.",
      "hints 5"},
-    {COMMAND("info", act_info, GROUP_QUESTIONS, 0),
+    {CALLED("info", "status|header|histogram", act_info, GROUP_QUESTIONS, 0),
      {{0}},
      "the scene, the view, the journal, the memory",
      NULL,
      "info"},
-    {COMMAND("stats", act_stats, GROUP_QUESTIONS, S),
+    {CALLED("stats", "statistics|volume|volumes|components|count", act_stats, GROUP_QUESTIONS, S),
      {KEYED("report", VALUE_FILE), KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
      "voxels, volume, surface and intensities of labels",
      "Of each label: seeds, voxels and volume; components, which hang together by faces, and "
@@ -742,7 +743,7 @@ const struct command command_table[] = {
      "deviation is that of a sample.\n"
      "report: the same as FILE.json or FILE.csv." FINISHED_NOTE,
      "stats"},
-    {COMMAND("compare", act_compare, GROUP_QUESTIONS, S),
+    {CALLED("compare", "dice|overlap", act_compare, GROUP_QUESTIONS, S),
      {NEED("FILE", VALUE_FILE), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
       KEYED("as", VALUE_LIST, .least = 1, .most = 255),
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255), KEYED("at", VALUE_POSITION),
@@ -777,7 +778,7 @@ const struct command command_table[] = {
      "this list, all about one command, or the keys",
      "keys: those of the prompt.",
      "help seed"},
-    {COMMAND("quit", act_quit, GROUP_QUESTIONS, 0),
+    {CALLED("quit", "exit|bye|q|logout", act_quit, GROUP_QUESTIONS, 0),
      {{0}},
      "leave; the journal has everything",
      NULL,

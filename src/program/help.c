@@ -143,8 +143,7 @@ void program_add_overview(struct buf *out, const struct program_table *table)
 static enum err refuse_name(const char *name, struct fault *fault)
 {
     struct near near = near_to(name);
-    for (unsigned i = 0; i < command_count; i++)
-        near_try(&near, command_table[i].name, strlen(command_table[i].name));
+    command_try_names(&near);
     program_try_names(&program_table, &near);
     fault_set(fault, ERR_USAGE, "there is no command or program %s%s", name,
               near.count ? "" : "; see `iftty help` and `iftty --help`");
