@@ -38,6 +38,7 @@ CREASES = "shade surface creases=yes"
 # Name: journal, golden image, commands after it, middle of what is magnified in parts of the sides.
 PICTURES = {
     "head": ("head", "three-layers", [LARGE, "zoom 2.454"], (0.45, 0.45)),
+    "head-8": ("head", "three-layers", [LARGE, "zoom 8"], (0.5, 0.5)),
     "head-brain": ("head", "brain", [LARGE, "zoom 2.68"], (0.6, 0.45)),
     "atlas": ("atlas", "left", [LARGE, "zoom 2.622"], (0.4, 0.4)),
     "atlas-8": ("atlas", "left", [LARGE, "zoom 8"], (0.5, 0.5)),
