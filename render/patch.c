@@ -8,9 +8,11 @@ enum {
     SHARE_BITS = 8,   /* of the way from one corner to the next */
     PIXEL_BITS = 26,  /* of a depth: 4 * 2^24 to a pixel */
     FLAT_PART = 8,    /* of a voxel: so far from the plane of the others may a pixel lie; */
-    FLAT_PIXEL = 2,   /* a sample from that of the others of a pixel */
+    FLAT_PIXEL = 2,   /* a sample from that of the others of a pixel; */
+    STEEP_PART = 4,   /* and by such a part of what its corners differ by */
     SLACK = 2,        /* voxels by which what is seen may lie deeper in cubes than at corners */
     ALIKE = 15 << 24, /* cosine of normals, where 2^28 is 1: 20 degrees */
+    FOLDED = 8 << 24, /* 60 degrees */
     EVEN = (1 << 28) - (1 << 18), /* the same of a normal in the middle of several tiles and that
                                      between the corners: 2.5 degrees */
 };
@@ -155,21 +157,38 @@ static size_t refine_middle(struct patches *p, const struct patch *patch)
     return pixel_of(p, x, y);
 }
 
+/* Whether a patch is a single pixel of the reduced picture: what is within it is only seen as a
+ * mean. */
+static inline bool is_pixel(const struct patches *p, const struct patch *patch)
+{
+    return p->has_lattice && patch->side == p->samples;
+}
+
+/* How far from the plane of the corners the middle may lie. */
+static int64_t most_off(const struct patches *p, const struct patch *patch)
+{
+    const int64_t voxel = voxel_of(p) << PIXEL_BITS;
+    int64_t least = patch->depth[0], most = patch->depth[0];
+    if (!is_pixel(p, patch))
+        return voxel / FLAT_PART;
+    for (int i = 1; i < CORNERS; i++) {
+        least = patch->depth[i] < least ? patch->depth[i] : least;
+        most = patch->depth[i] > most ? patch->depth[i] : most;
+    }
+    return voxel / FLAT_PIXEL + (most - least) / STEEP_PART;
+}
+
 /* Whether the surface lies there in the middle where it is between the corners. */
 static bool is_flat(struct patches *p, const struct patch *patch)
 {
     const uint32_t half = patch->side / 2;
-    const int64_t depth = depth_at(patch, half, half);
-    const int64_t voxel = voxel_of(p) << PIXEL_BITS;
-    if (p->has_lattice) {
-        /* Within a pixel a surface is seen as flat if it is continuous. */
-        const int64_t most = voxel / (patch->side == p->samples ? FLAT_PIXEL : FLAT_PART);
+    const int64_t depth = depth_at(patch, half, half), most = most_off(p, patch);
+    if (p->has_lattice)
         return refine_crosses(p->refiner, depth - most, depth + most, p->left + patch->x + half,
                               p->top + patch->y + half);
-    }
     const size_t middle = refine_middle(p, patch);
     const int64_t off = p->r->depth[middle] - depth;
-    return is_within(p, middle) && off <= voxel / FLAT_PART && off >= -(voxel / FLAT_PART);
+    return is_within(p, middle) && off <= most && off >= -most;
 }
 
 /* How long before the surface rays may come to cubes. */
@@ -193,23 +212,39 @@ static struct lead lead_of(const struct patches *p, const struct patch *patch)
     return lead;
 }
 
+/* Whether pixels of a row do, where the corners' depths are between these ends. */
+static inline bool row_is_in_front(const struct patch *patch, const int64_t *first,
+                                   struct ends ends, const int32_t *share, struct lead lead)
+{
+    bool is_off = false;
+    for (uint32_t x = 0; x < patch->side; x++) {
+        const int64_t depth = depth_between(ends, share[x]);
+        is_off |= first[x] > depth - lead.least || first[x] < depth - lead.most;
+    }
+    return !is_off;
+}
+
+static bool row_is_cut_open(const struct patches *p, const struct patch *patch, size_t row)
+{
+    const struct cube_maps *cube = &p->r->cube;
+    for (uint32_t x = 0; x < patch->side && p->refiner->cuts; x++)
+        if (refine_is_cut_open(p->refiner, cube->depth[row + x], cube->cell[row + x]))
+            return true;
+    return false;
+}
+
 /* Whether all rays between the corners do, and come to no cube that is cut open. */
 static bool is_in_front(const struct patches *p, const struct patch *patch)
 {
-    const struct cube_maps *cube = &p->r->cube;
     const struct lead lead = lead_of(p, patch);
     int32_t share[PATCH_SIDE];
     for (uint32_t x = 0; x < patch->side; x++)
         share[x] = share_of(x, patch->last[0]);
     for (uint32_t y = 0; y < patch->side; y++) {
         const size_t row = pixel_of(p, patch->x, patch->y + y);
-        const struct ends ends = ends_of(patch, y);
-        for (uint32_t x = 0; x < patch->side; x++) {
-            const int64_t depth = depth_between(ends, share[x]), first = cube->depth[row + x];
-            if (first > depth - lead.least || first < depth - lead.most ||
-                refine_is_cut_open(p->refiner, first, cube->cell[row + x]))
-                return false;
-        }
+        if (!row_is_in_front(patch, p->r->cube.depth + row, ends_of(patch, y), share, lead) ||
+            row_is_cut_open(p, patch, row))
+            return false;
     }
     return true;
 }
@@ -248,16 +283,17 @@ static bool are_alike(const int16_t *one, const int16_t *other, int32_t least)
     return cosine >= least;
 }
 
-static bool has_one_side(struct patches *p, const struct patch *patch)
+/* Whether the normals at the corners differ by no more than this. */
+static bool has_one_side(struct patches *p, const struct patch *patch, int32_t least)
 {
     const int16_t *normal = p->r->normal;
     const size_t *corner = patch->corner;
     const struct spot spot[CORNERS] = {corner_of(patch, 0), corner_of(patch, 1),
                                        corner_of(patch, 2), corner_of(patch, 3)};
     find_normals(p, spot, CORNERS);
-    return are_alike(normal + 4 * corner[0], normal + 4 * corner[3], ALIKE) &&
-           are_alike(normal + 4 * corner[1], normal + 4 * corner[2], ALIKE) &&
-           are_alike(normal + 4 * corner[0], normal + 4 * corner[1], ALIKE);
+    return are_alike(normal + 4 * corner[0], normal + 4 * corner[3], least) &&
+           are_alike(normal + 4 * corner[1], normal + 4 * corner[2], least) &&
+           are_alike(normal + 4 * corner[0], normal + 4 * corner[1], least);
 }
 
 /* ---- what lies between ---- */
@@ -492,9 +528,9 @@ static void fill_empty(struct patches *p, const struct patch *patch)
         }
 }
 
-static bool is_smooth(struct patches *p, const struct patch *patch)
+static bool is_continuous(struct patches *p, const struct patch *patch)
 {
-    return is_flat(p, patch) && is_in_front(p, patch) && has_one_side(p, patch);
+    return is_flat(p, patch) && is_in_front(p, patch);
 }
 
 /* True where the patch is filled, but for pixels that are to be refined. */
@@ -507,9 +543,12 @@ static bool fill_whole(struct patches *p, struct patch *patch)
         fill_empty(p, patch);
         return true;
     }
-    if (corners != CORNERS_SURFACE || !is_smooth(p, patch))
+    if (corners != CORNERS_SURFACE || !is_continuous(p, patch))
         return false;
-    if (!stand_for_pixels(p, patch))
+    const bool is_smooth = has_one_side(p, patch, ALIKE);
+    if (!is_smooth && !(is_pixel(p, patch) && has_one_side(p, patch, FOLDED)))
+        return false;
+    if (!is_smooth || !stand_for_pixels(p, patch))
         fill(p, patch);
     return true;
 }
@@ -531,6 +570,6 @@ void patches_refine_tile(struct patches *p, uint32_t x, uint32_t y)
 bool patches_refine_square(struct patches *p, uint32_t x, uint32_t y, uint32_t side)
 {
     struct patch patch = patch_at(p, x, y, side);
-    return find_corners(p, &patch) == CORNERS_SURFACE && is_smooth(p, &patch) &&
-           is_even(p, &patch) && stand_for_pixels(p, &patch);
+    return find_corners(p, &patch) == CORNERS_SURFACE && is_continuous(p, &patch) &&
+           has_one_side(p, &patch, ALIKE) && is_even(p, &patch) && stand_for_pixels(p, &patch);
 }

@@ -10,7 +10,8 @@
  *
  * From look 4 on, squares of several tiles are tried first, patches side by side in a block share
  * corners, and the middle is not refined, but the field looked at there. Where a patch shows one
- * object, a sample in the middle of each pixel of the reduced picture stands for all of them.
+ * object, a sample in the middle of each pixel of the reduced picture stands for all of them. A
+ * patch that is one pixel may be more curved and folded, since only its mean is seen.
  *
  * A patch is no wider than a voxel, nothing may lie in front of it, and it has no silhouette. It
  * lies within a block, and follows from the block's maps of cubes: what is seen stays a pure
