@@ -33,7 +33,8 @@ const struct meaning_row meaning_table[MEANINGS] = {
     [MEANING_LOOK] = {"look", 6, "pictures have look 1, and `zoom fit` shows the whole scene",
                       "pictures have look 2, and `zoom fit` shows what is shown", NULL},
     [MEANING_PATCHES] = {"patches", 7, "pictures have look 2", "pictures have look 3", NULL},
-    [MEANING_SKINS] = {"skins", 8, "pictures have look 3", "pictures have look 4", NULL},
+    [MEANING_SMOOTH_LAYERS] = {"smooth-layers", 8, "pictures have look 3", "pictures have look 4",
+                               NULL},
 };
 
 bool semantics_has(unsigned semantics, enum meaning meaning)

@@ -8,7 +8,7 @@ struct state state_default(unsigned semantics)
 {
     const uint32_t look = LOOK_FIRST + (uint32_t)semantics_has(semantics, MEANING_LOOK) +
                           (uint32_t)semantics_has(semantics, MEANING_PATCHES) +
-                          (uint32_t)semantics_has(semantics, MEANING_SKINS);
+                          (uint32_t)semantics_has(semantics, MEANING_SMOOTH_LAYERS);
     struct state state = {.kept = {.cut = cut_none(), .adjacency = 6, .weight = {WEIGHT_MORPH, 1}},
                           .outlook = {.look = look_default(look),
                                       .background = background_default(look),
