@@ -43,6 +43,13 @@ enum err fault_prefix(struct fault *fault, enum err code, const char *format, ..
     return fault->code;
 }
 
+void fault_append(struct fault *fault, const char *words)
+{
+    const size_t used = fault ? strlen(fault->text) : 0, length = strlen(words);
+    if (fault && used + length < sizeof fault->text)
+        memcpy(fault->text + used, words, length + 1);
+}
+
 enum err fault_errno(struct fault *fault, const char *what, const char *path)
 {
     return fault_set(fault, ERR_IO, "cannot %s %s: %s", what, path, strerror(errno));

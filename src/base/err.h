@@ -44,6 +44,9 @@ enum err fault_set(struct fault *fault, enum err code, const char *format, ...)
 enum err fault_prefix(struct fault *fault, enum err code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* Puts words after those in `fault` (which may be NULL), where there is room for all of them. */
+void fault_append(struct fault *fault, const char *words);
+
 /* The words of errno after `what` on `path`: "cannot open ch2.nii: No such file or directory". */
 enum err fault_errno(struct fault *fault, const char *what, const char *path);
 

@@ -107,9 +107,8 @@ static enum err prepare_job(const struct act *act, const char *path, enum file_m
     struct interpreter *interp = act->interp;
     if (picture_writer_holds(interp->writer, path))
         picture_writer_wait(interp->writer, NULL, NULL); /* for what it finds there */
-    enum err err = interpreter_check_new(interp, path, mode, act->fault);
-    if (!err)
-        err = picture_job_new(&interp->job, path, mode, picture, act->fault);
+    interpreter_note_kept(interp, path, mode);
+    const enum err err = picture_job_new(&interp->job, path, mode, picture, act->fault);
     if (!err)
         act_write_file_line("writing ", path, act->reply);
     return err;

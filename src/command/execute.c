@@ -74,8 +74,11 @@ static enum err carry_out(struct interpreter *interp, const struct call *call, c
 {
     struct watch *watch = interp->session.watch;
     enum err err = watch_fault(watch, fault);
+    interp->keeps = false;
     if (!err)
         err = act(interp, call, reply, fault);
+    if (err == ERR_IO && interp->keeps)
+        fault_append(fault, "; replace=yes writes over it");
     if (err && fault)
         command_point_at(call, line, fault);
     if (!err || (watch && watch->stopped)) /* what ended early may have found fault with anything */

@@ -72,6 +72,7 @@ struct interpreter {
     bool has_blocks;     /* charts are drawn with the blocks of UTF-8 */
     void (*add_keys)(struct buf *out); /* what `help keys` says here, or NULL */
     enum interpreter_wish wish;
+    bool keeps;          /* the command at hand has found a file that it may not replace */
     bool shows_picture;  /* the last command made a picture to be shown inline: */
     struct canvas shown; /* it; no pixels stand for the session's rendition */
 };
@@ -170,10 +171,9 @@ enum err interpreter_output_path(struct interpreter *interp, const char *name, s
 
 /* ---- files that go with a command (outputs.c) ---- */
 
-/* FILE_KEEP: ERR_IO where a command that is new would find a file there, with the word that lets it
- * replace it. In a replay the writer refuses. */
-enum err interpreter_check_new(const struct interpreter *interp, const char *path,
-                               enum file_mode mode, struct fault *fault);
+/* Notes whether a command that is new finds a file in its way, which its writer refuses to replace:
+ * its error then ends in the word that replaces it. */
+void interpreter_note_kept(struct interpreter *interp, const char *path, enum file_mode mode);
 
 /* Says that the command at hand is about to write `path`: where the command fails or cannot be
  * recorded, a file that was not there goes again, and one that is replaced comes back. */

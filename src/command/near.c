@@ -113,9 +113,8 @@ enum err near_append(const struct near *near, const char *ending, struct fault *
     if (!fault)
         return ERR_USAGE;
     near_add(near, ending, &words);
-    const size_t used = strlen(fault->text);
-    if (!words.failed && used + words.length < sizeof fault->text)
-        memcpy(fault->text + used, buf_text(&words), words.length + 1);
+    if (!words.failed)
+        fault_append(fault, buf_text(&words));
     buf_release(&words);
     return fault->code;
 }

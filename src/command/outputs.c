@@ -14,14 +14,10 @@ static bool has_made(const struct interpreter *interp, const char *path)
     return at < end;
 }
 
-enum err interpreter_check_new(const struct interpreter *interp, const char *path,
-                               enum file_mode mode, struct fault *fault)
+void interpreter_note_kept(struct interpreter *interp, const char *path, enum file_mode mode)
 {
-    if (mode != FILE_KEEP || interp->mode != MODE_LIVE || !file_exists(path) ||
-        file_is_folder(path))
-        return OK;
-    return fault_set(fault, ERR_IO,
-                     "%s exists already and was left alone; replace=yes writes over it", path);
+    interp->keeps = mode == FILE_KEEP && interp->mode == MODE_LIVE && file_exists(path) &&
+                    !file_is_folder(path);
 }
 
 enum err interpreter_will_write(struct interpreter *interp, const char *path, enum file_mode mode,
@@ -35,10 +31,9 @@ enum err interpreter_will_write(struct interpreter *interp, const char *path, en
         picture_writer_wait(interp->writer, NULL, NULL); /* one after the other */
     if (interp->journal && interp->mode == MODE_LIVE)
         err = journal_catch_up(interp->journal, fault); /* what led to it is on the disk */
-    if (!err)
-        err = interpreter_check_new(interp, path, mode, fault);
     if (err)
         return err;
+    interpreter_note_kept(interp, path, mode);
     if (file_exists(path)) {
         if (mode == FILE_KEEP)
             return OK; /* the writer refuses */
