@@ -28,6 +28,17 @@ out_has '1008 seeds'
 expect 0 "$iftty" -c "open s.nii; seed-file atlas.nii $chosen; label-file atlas.nii.txt $chosen
 seed-file atlas.nii $chosen"
 same "$(grep -c "their names: .label-file atlas.nii.txt $chosen." out)" 1
+expect 0 "$iftty" -c "open s.nii; labels atlas.nii $chosen; undo; label-file atlas.nii.txt $chosen
+labels atlas.nii $chosen"
+same "$(grep -c "their names: .label-file atlas.nii.txt $chosen." out)" 1
+printf '1 one\n2 two\n' >own.nii.txt
+expect 0 "$iftty" -c 'open s.nii; seed 1,1,1 0; seed 9,9,9 1; run; save labels own.nii'
+for command in labels seed-file; do
+    expect 0 "$iftty" -c "open s.nii; $command own.nii; $command own.nii label=3"
+    same "$(grep 'their names' out)" '    their names: `label-file own.nii.txt`'
+done
+expect 0 "$iftty" -c 'open s.nii; labels own.nii regions=0'
+! grep -q 'their names' out || fail "$(cat out)"
 grep -qx "seed-file atlas.nii regions=2001,9170 as=4,9 erode=1" j.iftty || fail "$(cat j.iftty)"
 expect 2 "$iftty" -c 'open s.nii; seed-file atlas.nii regions=1,2 as=1'
 err_has 'as: expected a label for each of `regions`; from 2 on there is none'

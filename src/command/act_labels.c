@@ -1,5 +1,6 @@
 /* The command `labels`: markers out of a segmentation that is there already. */
 #include "command/act.h"
+#include "command/atlas_names.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -194,6 +195,14 @@ static void write_pieces(const struct act *act, const struct piece_seeds *seeds,
                    seeds->small, plural(seeds->small));
 }
 
+static void advise_names(const struct act *act, const struct piece_seeds *seeds)
+{
+    bool has[256];
+    for (unsigned label = 0; label < 256; label++)
+        has[label] = seeds->labels[label] > 0;
+    atlas_advise_names(act, has, &act->value[REGIONS], &act->value[AS]);
+}
+
 static enum err plant(const struct act *act, const struct piece_seeds *seeds)
 {
     struct planting planting = act_begin_planting(act->session, &(const struct value){0});
@@ -209,6 +218,8 @@ static enum err plant(const struct act *act, const struct piece_seeds *seeds)
     if (err)
         return err;
     write_pieces(act, seeds, planting.planted);
+    if (!act->value[LABEL].given)
+        advise_names(act, seeds);
     buf_printf(&act->reply->words, "file=%016llx added=%zu", (unsigned long long)digest,
                planting.planted);
     act_add_markers(act);

@@ -1,5 +1,6 @@
 /* Seeds out of a file. */
 #include "command/act.h"
+#include "command/atlas_names.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +9,7 @@
 #include "session/label_table.h"
 #include "session/seed_file.h"
 
-enum { LIST_BYTES_MOST = 64 << 20, TABLE_BYTES_MOST = 1 << 20, LISTED_MOST = 12 };
+enum { LIST_BYTES_MOST = 64 << 20, LISTED_MOST = 12 };
 
 /* The places of the parameters in the table. */
 enum { FILE_NAME, LABEL, RANGE, REGIONS, AS, ERODE, EACH, GENERATOR, RESAMPLE };
@@ -98,28 +99,6 @@ static enum err read_map(struct seeds *seeds, const struct act *act,
     return err;
 }
 
-/* The name of the table that lies beside an atlas: "aal.nii.txt" beside "aal.nii.gz". */
-static void name_table(struct buf *out, const char *atlas)
-{
-    buf_add(out, atlas, strlen(atlas) - (file_is_named(atlas, ".gz") ? 3 : 0));
-    buf_add_text(out, ".txt");
-}
-
-/* That table; empty where there is none that can be read, or where files of others are not looked
- * for. */
-static struct label_table table_beside(const struct act *act, const char *atlas)
-{
-    struct label_table table = {0};
-    struct buf path = {0}, text = {0};
-    name_table(&path, atlas);
-    if (!interpreter_is_wary(act->interp) && file_exists(buf_text(&path)) &&
-        file_read(&text, buf_text(&path), TABLE_BYTES_MOST, NULL) == OK)
-        label_table_read(&table, buf_text(&text), text.length, NULL);
-    buf_release(&text);
-    buf_release(&path);
-    return table;
-}
-
 /* "region 2001 Precentral_L is label 1, 13 seeds" */
 static void write_region(const struct act *act, const struct label_table *table, uint32_t region,
                          unsigned label, size_t count)
@@ -137,23 +116,11 @@ static void write_region(const struct act *act, const struct label_table *table,
     buf_printf(out, ", %zu seed%s\n", count, plural(count));
 }
 
-/* How labels get the names that a table has for them. */
-static void advise_names(const struct act *act)
-{
-    struct buf *out = &act->reply->text, name = {0};
-    name_table(&name, act->value[FILE_NAME].text);
-    buf_add_text(out, "their names: `label-file ");
-    buf_add_safe_text(out, buf_text(&name));
-    buf_printf(out, " regions=%s as=%s`\n", act->value[REGIONS].text, act->value[AS].text);
-    buf_release(&name);
-}
-
 /* Where the user has said which labels they become: which did. `end` is where each ends. */
 static void write_regions(const struct act *act, const char *atlas, const uint16_t *as,
                           const size_t *end)
 {
-    struct label_table table = table_beside(act, atlas);
-    bool is_nameless = false;
+    struct label_table table = atlas_table(act, atlas);
     unsigned count = 0;
     size_t begin = 0;
     for (uint32_t r = 0; r <= REGION_MOST; begin = end[r++]) {
@@ -161,14 +128,23 @@ static void write_regions(const struct act *act, const char *atlas, const uint16
             continue;
         if (count++ < LISTED_MOST)
             write_region(act, &table, r, as[r], end[r] - begin);
-        is_nameless |= !*act->session->now.kept.label_name[as[r]];
     }
     if (count > LISTED_MOST)
         buf_printf(&act->reply->text, "%u more region%s\n", count - LISTED_MOST,
                    plural(count - LISTED_MOST));
-    if (is_nameless && table.count)
-        advise_names(act);
     label_table_release(&table);
+}
+
+/* Where labels of an atlas have no names yet. */
+static void advise_names(const struct act *act, const struct region_choice *choice,
+                         const size_t *end)
+{
+    bool has[256] = {false};
+    size_t begin = 0;
+    for (uint32_t r = 0; r <= REGION_MOST; begin = end[r++])
+        if (end[r] > begin && region_label(choice, r) < 256) /* beyond: groups of a list */
+            has[region_label(choice, r)] = true;
+    atlas_advise_names(act, has, &act->value[REGIONS], &act->value[AS]);
 }
 
 /* Those of a list may end within a distance. */
@@ -204,6 +180,8 @@ static enum err plant(const struct act *act, const struct seeds *seeds, const ch
         err = plant_region(act, planting, seeds, choice, r, cell + begin, end[r] - begin);
     if (!err && act->value[AS].given)
         write_regions(act, path, choice->as, end);
+    if (!err && !act->value[LABEL].given)
+        advise_names(act, choice, end);
     free(end);
     free(cell);
     return err;
