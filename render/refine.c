@@ -69,31 +69,29 @@ static inline void look(struct sample *sample, struct refiner *refiner)
     sample->inside = field_inside(refiner->shown, point);
 }
 
-/* The voxel in whose cube a point lies, and how far along each axis it is; false outside the
- * scene. */
-static inline bool place_at(uint32_t place[3], const struct grid *grid, const int32_t at[3])
+/* The place along an axis of the cube in which a point lies; before the scene one far beyond it. */
+static inline uint32_t along_axis(int32_t at)
 {
-    for (int a = 0; a < 3; a++) {
-        place[a] = (uint32_t)((at[a] + (1 << (FINEST_BITS - 1))) >> FINEST_BITS);
-        if (place[a] >= grid->size[a])
-            return false;
-    }
-    return true;
+    return (uint32_t)((at + (1 << (FINEST_BITS - 1))) >> FINEST_BITS);
 }
 
+/* The voxel in whose cube a point lies; CELL_NONE outside the scene. */
 static inline uint32_t cell_at(const struct grid *grid, const int32_t at[3])
 {
-    uint32_t place[3];
-    return place_at(place, grid, at) ? grid_cell(grid, place[0], place[1], place[2]) : CELL_NONE;
+    const uint32_t x = along_axis(at[0]), y = along_axis(at[1]), z = along_axis(at[2]);
+    const bool is_within = (x < grid->size[0]) & (y < grid->size[1]) & (z < grid->size[2]);
+    return is_within ? grid_cell(grid, x, y, z) : CELL_NONE;
 }
 
 /* Further along the ray; what is there is not looked at yet. */
 static inline void go_on(struct sample *to, const struct refiner *refiner,
                          const struct sample *from, enum refine_pace pace)
 {
+    const int32_t *step = refiner->step[pace];
     to->depth = (from->depth + refiner->depth[pace]) | REFINE_WITHIN;
-    for (int a = 0; a < 3; a++)
-        to->at[a] = from->at[a] + refiner->step[pace][a];
+    to->at[0] = from->at[0] + step[0];
+    to->at[1] = from->at[1] + step[1];
+    to->at[2] = from->at[2] + step[2];
     to->cell = cell_at(&refiner->camera->scene->grid, to->at);
 }
 
@@ -122,21 +120,23 @@ static inline bool is_solid(const struct refiner *refiner, uint32_t cell)
 }
 
 /* The shown voxel that a point in a solid one at a place belongs to: it, or its shown neighbour
- * whose centre is nearest to the point. */
+ * whose centre is nearest to the point. Which one is not to be foreseen: so nothing branches. */
 static uint32_t owner_beside(const struct refiner *refiner, uint32_t cell, const uint32_t place[3],
                              const int32_t at[3])
 {
     const struct grid *grid = &refiner->camera->scene->grid;
     uint32_t owner = cell;
     int32_t nearest = INT32_MIN;
-    for (int i = 0; i < 6; i++) {
-        const int a = i / 2, sign = i % 2 ? 1 : -1;
-        const int32_t toward = sign * (at[a] - (int32_t)place[a] * (1 << FINEST_BITS));
-        const uint32_t beside = cell + (uint32_t)(sign * grid->step[a]);
-        if (toward > nearest && shows(refiner, beside)) {
-            nearest = toward;
-            owner = beside;
-        }
+    for (int a = 0; a < 3; a++) {
+        const int32_t beyond = at[a] - (int32_t)(place[a] << FINEST_BITS);
+        const uint32_t before = cell - (uint32_t)grid->step[a];
+        const uint32_t after = cell + (uint32_t)grid->step[a];
+        const bool is_before = (-beyond > nearest) & shows(refiner, before);
+        owner = is_before ? before : owner;
+        nearest = is_before ? -beyond : nearest;
+        const bool is_after = (beyond > nearest) & shows(refiner, after);
+        owner = is_after ? after : owner;
+        nearest = is_after ? beyond : nearest;
     }
     return owner;
 }
@@ -153,14 +153,13 @@ static uint32_t owner_of(const struct refiner *refiner, uint32_t cell, const int
 /* And by the point alone; CELL_NONE where it lies in no solid voxel. */
 static uint32_t owner_at(const struct refiner *refiner, const int32_t at[3])
 {
-    const struct grid *grid = &refiner->camera->scene->grid;
-    uint32_t place[3];
-    if (!place_at(place, grid, at))
-        return CELL_NONE;
-    const uint32_t cell = grid_cell(grid, place[0], place[1], place[2]);
+    const uint32_t cell = cell_at(&refiner->camera->scene->grid, at);
     if (!is_solid(refiner, cell))
         return CELL_NONE;
-    return shows(refiner, cell) ? cell : owner_beside(refiner, cell, place, at);
+    if (shows(refiner, cell))
+        return cell;
+    const uint32_t place[3] = {along_axis(at[0]), along_axis(at[1]), along_axis(at[2])};
+    return owner_beside(refiner, cell, place, at);
 }
 
 /* Where the ray comes inside between two samples of which the latter is. */
