@@ -420,6 +420,25 @@ static uint32_t slot_for(const struct field *field, const uint32_t number[3], ui
     return pair + which;
 }
 
+void field_fetch(const struct field_reader *reader, const int32_t point[3])
+{
+    const struct field *field = reader->field;
+    uint32_t number[3], first[3];
+    int32_t part[3];
+    for (int a = 0; a < 3; a++)
+        number[a] = field_along(point[a], &first[a], &part[a]);
+    const uint32_t pair = pair_of(field, number, reader->label);
+    for (uint32_t i = pair; i < pair + 2; i++) {
+        const struct field_block *block = field->block + i;
+        for (uint32_t z = first[2];
+             z < first[2] + 2 && holds(field->slot + i, number, reader->label); z++) {
+            __builtin_prefetch(&block->inside[z][first[1]][first[0]]);
+            __builtin_prefetch(&block->at[z][first[1]][first[0]]);
+            __builtin_prefetch(&block->at[z][first[1] + 1][first[0]]);
+        }
+    }
+}
+
 const struct field_block *field_block(struct field *field, const uint32_t number[3], uint8_t label)
 {
     const struct border *border = field->border;

@@ -90,6 +90,9 @@ struct field_reader {
     const struct field_block *block; /* NULL at first */
 };
 
+/* Has what is stored of the field around a point come to the caches. */
+void field_fetch(const struct field_reader *reader, const int32_t point[3]);
+
 /* Two gradients side by side. */
 typedef int16_t field_pair __attribute__((vector_size(2 * sizeof(struct gradient))));
 

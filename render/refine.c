@@ -399,6 +399,23 @@ int64_t refine_end(struct refiner *refiner, uint8_t label, uint32_t x, uint32_t 
     return here.depth;
 }
 
+/* Every other pixel of a row will do. */
+void refine_fetch(const struct refiner *refiner, const struct rendition *r, struct footprint pixels)
+{
+    for (int32_t y = pixels.top; y <= pixels.bottom; y++)
+        for (int32_t x = pixels.left; x <= pixels.right; x += 2) {
+            const size_t pixel = (size_t)y * r->width + (size_t)x;
+            int32_t at[3];
+            if (r->cube.cell[pixel] == CELL_NONE)
+                continue;
+            __builtin_prefetch(refiner->border->solid + (r->cube.cell[pixel] >> 6));
+            for (int a = 0; a < 3; a++)
+                at[a] = locator_point(&refiner->locator[a], r->cube.depth[pixel], (uint32_t)x,
+                                      (uint32_t)y);
+            field_fetch(refiner->shown, at);
+        }
+}
+
 void refine_pixel(struct rendition *r, struct refiner *refiner, uint32_t x, uint32_t y)
 {
     const size_t pixel = (size_t)y * r->width + x;

@@ -88,6 +88,11 @@ static inline int64_t refine_width(const struct refiner *refiner)
 /* Whether a pixel's ray is outside at one depth, and inside at another. */
 bool refine_crosses(struct refiner *refiner, int64_t from, int64_t to, uint32_t x, uint32_t y);
 
+/* Has what the pixels of a footprint will look at first come to the caches: voxels and blocks of
+ * the field that lie beside each other in a picture lie far apart in memory. */
+void refine_fetch(const struct refiner *refiner, const struct rendition *rendition,
+                  struct footprint pixels);
+
 /* What is seen of a pixel, whose maps of cubes are made. */
 void refine_pixel(struct rendition *rendition, struct refiner *refiner, uint32_t x, uint32_t y);
 

@@ -413,6 +413,14 @@ static void label_tiles(struct rendition *r, size_t first, size_t end, struct sh
     }
 }
 
+/* Has what the next tile to be refined looks at come to the caches meanwhile. */
+static void fetch_next(const struct rendition *r, const struct shading *s, size_t tile, size_t end)
+{
+    const size_t next = rendition_tile(r, tile + 1, end, TILE_STALE);
+    if (next < end)
+        refine_fetch(&s->refiner, r, footprint_of(tile_at(r, next)));
+}
+
 static void shade_tiles(struct rendition *r, size_t first, size_t end, struct shading *s,
                         struct task *task)
 {
@@ -423,6 +431,7 @@ static void shade_tiles(struct rendition *r, size_t first, size_t end, struct sh
         const struct tile tile = tile_at(r, i);
         if (waits(r, s) && !r->layers) {
             struct patches p = patches_at(r, s, tile);
+            fetch_next(r, s, i, end);
             r->stale[i] = (uint8_t)refine_tile(r, s, tile, &p);
             continue;
         }

@@ -35,26 +35,34 @@ static inline int32_t sweep_within(int64_t v, int64_t least, int64_t most)
     return (int32_t)(v < least ? least : v > most ? most : v);
 }
 
+enum { SWEEP_ROUND_UP = (1 << 30) - 1 };
+
+/* The pixels between two places each way, of which the former are rounded up. */
+static inline struct footprint footprint_between(const struct camera *camera, int64_t left,
+                                                 int64_t top, int64_t right, int64_t bottom)
+{
+    const int64_t w = camera->view.width, h = camera->view.height;
+    return (struct footprint){sweep_within(left >> 30, 0, w), sweep_within(top >> 30, 0, h),
+                              sweep_within(right >> 30, -1, w - 1),
+                              sweep_within(bottom >> 30, -1, h - 1)};
+}
+
 /* Pixels within `reach` of a place in the picture. */
 static inline struct footprint footprint_at(const struct camera *camera, int64_t x, int64_t y,
                                             const int64_t reach[2])
 {
-    const int64_t round_up = (INT64_C(1) << 30) - 1;
-    const int64_t w = camera->view.width, h = camera->view.height;
-    return (struct footprint){sweep_within((x - reach[0] + round_up) >> 30, 0, w),
-                              sweep_within((y - reach[1] + round_up) >> 30, 0, h),
-                              sweep_within((x + reach[0]) >> 30, -1, w - 1),
-                              sweep_within((y + reach[1]) >> 30, -1, h - 1)};
+    return footprint_between(camera, x - reach[0] + SWEEP_ROUND_UP, y - reach[1] + SWEEP_ROUND_UP,
+                             x + reach[0], y + reach[1]);
 }
 
 /* ---- rows of voxels ---- */
 
-/* The near faces of a cube that may be seen, bit a for that across axis a, and where their
- * footprint lies from the cube's centre. */
+/* The near faces of a cube that may be seen, bit a for that across axis a, and from where to where
+ * their footprint lies, from the cube's centre. */
 enum { NEAR_FACES = 3, FACE_SETS = 1 << NEAR_FACES };
 
 struct face_set {
-    int64_t from_centre[2], reach[2];
+    int64_t from[2], to[2]; /* the former is rounded up */
 };
 
 /* A face is a parallelogram: half a cube nearer along its axis, and half a cube each way along the
@@ -74,8 +82,9 @@ static inline struct face_set face_set_of(const struct camera *camera, unsigned 
             left = middle - reach < left ? middle - reach : left;
             right = middle + reach > right ? middle + reach : right;
         }
-        set.from_centre[k] = left + (right - left) / 2;
-        set.reach[k] = (right - left) / 2 + 1;
+        const int64_t middle = left + (right - left) / 2, reach = (right - left) / 2 + 1;
+        set.from[k] = middle - reach + SWEEP_ROUND_UP;
+        set.to[k] = middle + reach;
     }
     return set;
 }
@@ -85,6 +94,7 @@ struct sweep {
     const struct camera *camera;
     struct face_set set[FACE_SETS];
     uint32_t first, end;    /* cells of the row at hand, from voxel 0 to after its last, */
+    bool is_within;         /* whether all pixels that its cubes may cover are in the picture, */
     struct projection seen; /* and what is seen of its voxel 0 */
     struct projection along_x, along_y; /* what one voxel along x or y adds */
 };
@@ -106,6 +116,21 @@ static inline void sweep_init(struct sweep *sweep, const struct camera *camera)
         sweep->set[faces] = face_set_of(camera, faces);
 }
 
+/* Whether the picture holds all pixels that cubes of the row at hand may cover. */
+static inline bool sweep_holds(const struct sweep *sweep)
+{
+    const uint32_t extent[2] = {sweep->camera->view.width, sweep->camera->view.height};
+    const int64_t last = (int64_t)(sweep->end - sweep->first) - 1;
+    bool holds = true;
+    for (int k = 0; k < 2; k++) {
+        const int64_t a = sweep->seen.centre[k], b = a + last * sweep->along_x.centre[k];
+        const int64_t reach = sweep->camera->reach[k] + 2; /* a face's is rounded up */
+        holds = holds && (a < b ? a : b) - reach >= 0 &&
+                (a > b ? a : b) + reach < ((int64_t)extent[k] - 1) << 30;
+    }
+    return holds;
+}
+
 /* Most rows with something to show lie beside the one before: then nothing is divided. */
 static inline void sweep_to_row(struct sweep *sweep, uint32_t cell)
 {
@@ -122,6 +147,7 @@ static inline void sweep_to_row(struct sweep *sweep, uint32_t cell)
         sweep->seen = project(sweep->camera, (struct place){0, p.y, p.z});
     }
     sweep->end = sweep->first + grid->size[0];
+    sweep->is_within = sweep_holds(sweep);
 }
 
 /* Which pixels the cell's faces may cover; all of them are the cube. `near` is where the three near
@@ -137,8 +163,14 @@ static inline struct footprint sweep_to(struct sweep *sweep, uint32_t cell, unsi
     near[0] = row->near[0] + x * along->near[0];
     near[1] = row->near[1];
     near[2] = row->near[2];
-    return footprint_at(sweep->camera, row->centre[0] + x * along->centre[0] + set->from_centre[0],
-                        row->centre[1] + x * along->centre[1] + set->from_centre[1], set->reach);
+    const int64_t column = row->centre[0] + x * along->centre[0];
+    const int64_t line = row->centre[1] + x * along->centre[1];
+    const int64_t left = column + set->from[0], right = column + set->to[0];
+    const int64_t top = line + set->from[1], bottom = line + set->to[1];
+    if (!sweep->is_within)
+        return footprint_between(sweep->camera, left, top, right, bottom);
+    return (struct footprint){(int32_t)(left >> 30), (int32_t)(top >> 30), (int32_t)(right >> 30),
+                              (int32_t)(bottom >> 30)};
 }
 
 /* Whether the picture may show any of the cells from one to another one of the row at hand. */
@@ -166,7 +198,8 @@ static inline uint64_t sweep_take_row(struct sweep *sweep, size_t w, uint64_t *w
     const uint64_t beyond = sweep->end < at + 64 ? ~UINT64_C(0) << (sweep->end - at) : 0;
     const uint64_t row = *word & ~beyond;
     *word &= beyond;
-    return sweep_sees(sweep, first, at + 63 - (uint32_t)__builtin_clzll(row)) ? row : 0;
+    const uint32_t last = at + 63 - (uint32_t)__builtin_clzll(row);
+    return sweep->is_within || sweep_sees(sweep, first, last) ? row : 0;
 }
 
 /* ---- cubes ---- */
