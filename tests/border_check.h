@@ -3,7 +3,6 @@
 #define TESTS_BORDER_CHECK_H
 
 #include "render/border.h"
-#include "render/walk.h"
 
 static inline bool border_should_show(const struct border *border, uint32_t cell)
 {
@@ -44,8 +43,8 @@ static inline bool border_check_block(const struct border *border, uint32_t x, u
                                       uint32_t z)
 {
     const struct grid *grid = &border->scene->grid;
-    const uint32_t across = walk_blocks(grid, 0, BORDER_BLOCK_BITS);
-    const uint32_t down = walk_blocks(grid, 1, BORDER_BLOCK_BITS);
+    const uint32_t across = ((grid->size[0] - 1) >> BORDER_BLOCK_BITS) + 1;
+    const uint32_t down = ((grid->size[1] - 1) >> BORDER_BLOCK_BITS) + 1;
     const size_t plane = (size_t)(z >> BORDER_BLOCK_BITS) * down + (y >> BORDER_BLOCK_BITS);
     return border->occupied[plane * across + (x >> BORDER_BLOCK_BITS)] ||
            !border_is_solid(border, grid_cell(grid, x, y, z));
