@@ -90,6 +90,20 @@ static void splat_border_word(struct sweep *sweep, struct rendition *r, const st
         splat_faces(sweep, r, border, (ptrdiff_t)w * 64, sweep_take_row(sweep, w, &word));
 }
 
+/* Words that lie in two planes are splatted with both, which changes nothing. */
+static void splat_plane(struct sweep *sweep, struct rendition *r, const struct border *border,
+                        uint32_t z)
+{
+    const struct grid *grid = &border->scene->grid;
+    const size_t first = grid_cell(grid, 0, 0, z) >> 6;
+    const size_t last = grid_cell(grid, grid->size[0] - 1, grid->size[1] - 1, z) >> 6;
+    for (size_t i = first; i <= last; i++) {
+        const size_t w = sweep->camera->flip[2] ? last - (i - first) : i;
+        if (border->hull[w])
+            splat_border_word(sweep, r, border, w);
+    }
+}
+
 /* What is nearer comes first, as far as planes of voxels go: then most of what is hidden is found
  * to be so by one comparison. */
 static void splat_under(struct task *task, struct rendition *r, const struct camera *camera,
@@ -102,10 +116,12 @@ static void splat_under(struct task *task, struct rendition *r, const struct cam
     struct sweep sweep;
     sweep_init(&sweep, camera);
     rendition_clear(r);
-    for (size_t i = 0; i < border->words && task_advance(task, 64); i++) {
-        const size_t w = camera->flip[2] ? border->words - 1 - i : i;
-        if (border->hull[w])
-            splat_border_word(&sweep, r, border, w);
+    const struct grid *grid = &border->scene->grid;
+    const uint32_t planes = grid->size[2];
+    for (uint32_t i = 0; i < planes && task_advance(task, (uint64_t)grid->step[2]); i++) {
+        const uint32_t z = camera->flip[2] ? planes - 1 - i : i;
+        if (sweep_sees_plane(&sweep, z))
+            splat_plane(&sweep, r, border, z);
     }
 }
 

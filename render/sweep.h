@@ -188,6 +188,25 @@ static inline bool sweep_sees(const struct sweep *sweep, uint32_t from, uint32_t
     return true;
 }
 
+/* Whether the picture may show any voxel of plane z. */
+static inline bool sweep_sees_plane(const struct sweep *sweep, uint32_t z)
+{
+    const struct camera *camera = sweep->camera;
+    const uint32_t *size = camera->scene->grid.size;
+    const int64_t extent[2] = {camera->view.width, camera->view.height};
+    const struct projection corner = project(camera, (struct place){0, 0, z});
+    for (int k = 0; k < 2; k++) {
+        const int64_t x = (int64_t)(size[0] - 1) * sweep->along_x.centre[k];
+        const int64_t y = (int64_t)(size[1] - 1) * sweep->along_y.centre[k];
+        const int64_t low = corner.centre[k] + (x < 0 ? x : 0) + (y < 0 ? y : 0);
+        const int64_t high = corner.centre[k] + (x > 0 ? x : 0) + (y > 0 ? y : 0);
+        const int64_t reach = camera->reach[k] + 2; /* a face's is rounded up */
+        if (high + reach < 0 || low - reach > extent[k] << 30)
+            return false;
+    }
+    return true;
+}
+
 /* Takes the cells of the first row there are out of a word of them, which is not 0, the sweep to
  * that row, and gives those back; 0 where the picture shows none, as it may be a part of one. */
 static inline uint64_t sweep_take_row(struct sweep *sweep, size_t w, uint64_t *word)
