@@ -51,6 +51,7 @@ static void colour(struct stage *s)
     struct fault fault;
     must(shade(&s->rendition, &s->camera, &s->border, &s->palette, &s->look, &s->shader, &fault),
          &fault, "shading");
+    stage_fill(&s->rendition, s->look.samples);
 }
 
 /* Nothing kept of other pictures, and layers where something is translucent. */
@@ -187,13 +188,18 @@ static void translucent(struct stage *s)
 {
     struct mip mip = {0};
     uint8_t *opacity = s->border.opacity;
+    const uint32_t zoom = s->view.zoom;
     for (uint32_t i = 0; i < 12; i++) {
+        s->view.zoom = i % 4 < 2 ? zoom : 5 * VIEW_ZOOM_ONE; /* voxels are small, or large */
+        look_from(s);
         for (uint32_t label = 1; label < 8; label++)
             opacity[label] = (uint8_t)(100 - (label * 29 + i * 17) % 100);
         s->look.edges = i % 2;
         s->look.mode = (enum shade_mode)(i / 2 % 3);
         tell_picture(s, "translucent", (int)i);
     }
+    s->view.zoom = zoom;
+    look_from(s);
     memset(opacity, BORDER_OPAQUE, sizeof s->border.opacity);
     s->look = look_default(LOOK_PRESENT);
     for (int i = 0; i < 4; i++) {
