@@ -307,17 +307,24 @@ bool refine_crosses(struct refiner *refiner, int64_t from, int64_t to, uint32_t 
     return after.inside > 0;
 }
 
+/* On, or back, by half a voxel. */
+static void go(struct sample *to, const struct refiner *refiner, const struct sample *from,
+               int sign)
+{
+    to->depth = from->depth + sign * refiner->depth[REFINE_HALF];
+    for (int a = 0; a < 3; a++)
+        to->at[a] = from->at[a] + sign * refiner->step[REFINE_HALF][a];
+    to->cell = cell_at(&refiner->camera->scene->grid, to->at);
+}
+
 /* Where a ray came inside that is inside as it comes to its first solid voxel: the ground of a pit
  * may lie further outside than the skin. Where it was inside for longer, that voxel is seen. */
 static void go_back(struct sample *ray, struct refiner *refiner, const struct sample *first)
 {
     struct sample after = *first, before = *first;
     for (int i = 0; i < BACK; i++) {
-        before.depth = after.depth - refiner->depth[REFINE_HALF];
-        for (int a = 0; a < 3; a++)
-            before.at[a] = after.at[a] - refiner->step[REFINE_HALF][a];
-        const uint32_t cell = cell_at(&refiner->camera->scene->grid, before.at);
-        if (cell == CELL_NONE || !border_is_open(refiner->border, cell))
+        go(&before, refiner, &after, -1);
+        if (before.cell == CELL_NONE || !border_is_open(refiner->border, before.cell))
             return;
         look(&before, refiner);
         if (before.inside <= 0) {
@@ -325,6 +332,7 @@ static void go_back(struct sample *ray, struct refiner *refiner, const struct sa
             return;
         }
         after = before;
+        after.cell = first->cell; /* the surface is that of a solid voxel */
     }
 }
 
@@ -367,15 +375,6 @@ uint32_t refine_label_voxel(struct refiner *refiner, uint8_t label, int64_t dept
         refine_voxel_at(refiner, depth, x, y, (struct refine_owner){false, false});
     refiner->label = 0;
     return voxel;
-}
-
-/* On, or back, by half a voxel. */
-static void go(struct sample *to, struct refiner *refiner, const struct sample *from, int sign)
-{
-    to->depth = from->depth + sign * refiner->depth[REFINE_HALF];
-    for (int a = 0; a < 3; a++)
-        to->at[a] = from->at[a] + sign * refiner->step[REFINE_HALF][a];
-    to->cell = cell_at(&refiner->camera->scene->grid, to->at);
 }
 
 int64_t refine_end(struct refiner *refiner, uint8_t label, uint32_t x, uint32_t y, int64_t depth)
