@@ -7,15 +7,15 @@
  * of voxels it takes 2 % more time to have half as many, which wide pictures spare memory by. */
 enum { SAMPLES_HIGH = 64, SAMPLES_LEAST_HIGH = 32, SAMPLES_A_BAND = 1 << 18 };
 
-static uint32_t round_up(uint32_t rows)
+static uint32_t round_up(uint32_t rows, uint32_t unit)
 {
-    return (rows + TILE - 1) / TILE * TILE;
+    return (rows + unit - 1) / unit * unit;
 }
 
 /* Rows of samples that are drawn on both sides of a band. */
 static uint32_t reach_of(const struct bands *bands)
 {
-    return round_up((uint32_t)shade_reach(bands->look, bands->camera).pixels);
+    return round_up((uint32_t)shade_reach(bands->look, bands->camera).pixels, TILE);
 }
 
 /* Of whole blocks of patches. */
@@ -27,7 +27,7 @@ static uint32_t rows_of(const struct bands *bands)
         high = SAMPLES_LEAST_HIGH;
     if (bands->rows)
         high = bands->rows * bands->look->samples;
-    return (high + PATCH_SIDE - 1) / PATCH_SIDE * PATCH_SIDE / bands->look->samples;
+    return round_up(high, PATCH_SIDE) / bands->look->samples;
 }
 
 /* Rows of samples: those of a band, and what is drawn for it. */
