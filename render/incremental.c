@@ -3,7 +3,6 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
-#include "render/normal.h"
 
 /* Pixels whose voxel has disappeared, with the depth from which the ray goes on. */
 struct holes {
@@ -78,14 +77,6 @@ static bool follow_voxel(struct holes *holes, struct rendition *r, const struct 
     return follow_skin(holes, r, camera, border, cell, appears);
 }
 
-/* How far around a change colours change. Layers have fields of their labels, whatever changes. */
-static int reach_of(const struct rendition *r, struct shade_reach reach, bool appears_or_goes)
-{
-    if (r->layers)
-        return reach.voxels > NORMAL_REACH ? reach.voxels : NORMAL_REACH;
-    return appears_or_goes ? reach.voxels : reach.labels;
-}
-
 void incremental_image(struct rendition *r, const struct camera *camera,
                        const struct border *border, const struct changes *changes,
                        struct shade_reach reach)
@@ -103,10 +94,11 @@ void incremental_image(struct rendition *r, const struct camera *camera,
         const struct change *c = changes->item + i;
         const bool before = border->visible[c->former_label];
         const bool now = border->visible[c->label];
+        const int around = r->layers       ? layers_reach(reach)
+                           : before == now ? reach.labels
+                                           : reach.voxels;
         if (before || now)
-            rendition_mark_stale(
-                r, splat_footprint(camera, c->cell, reach_of(r, reach, before != now)),
-                reach.pixels);
+            rendition_mark_stale(r, splat_footprint(camera, c->cell, around), reach.pixels);
         if (before != now)
             fits = follow_voxel(&holes, r, camera, border, c->cell, now);
     }

@@ -241,13 +241,10 @@ static void splat_faces(struct layers *l, struct sweep *sweep, const struct bord
             const int64_t first = most_of(near0, near1, near2);
             if (first < l->last_depth[pixel] &&
                 first < least_of(near0 + T[0], near1 + T[1], near2 + T[2]) &&
-                faces.axes >> (first & 3) & 1) {
-                if (is_opaque)
-                    put_last(l, pixel, first, faces.cell, faces.label);
-                else if (!is_near_run(camera, border, &faces,
-                                      (const int64_t[]){near0, near1, near2}, x, y))
-                    put_among(l, pixel, first, faces.cell, faces.label);
-            }
+                faces.axes >> (first & 3) & 1 &&
+                (is_opaque || !is_near_run(camera, border, &faces,
+                                           (const int64_t[]){near0, near1, near2}, x, y)))
+                layers_put(l, pixel, first, faces.cell, faces.label, is_opaque);
             near0 += A[0], near1 += A[1], near2 += A[2];
         }
     }
@@ -360,6 +357,11 @@ static bool note_pixels(struct pixels *pixels, struct layers *l, struct footprin
     return true;
 }
 
+int layers_reach(struct shade_reach reach)
+{
+    return reach.voxels > NORMAL_REACH ? reach.voxels : NORMAL_REACH;
+}
+
 /* A layer depends on the labels on both sides of its face alone, which the ray goes through: rays
  * that meet a voxel of another label are walked again, and no other. */
 void layers_follow(struct rendition *r, const struct camera *camera, const struct border *border,
@@ -367,7 +369,7 @@ void layers_follow(struct rendition *r, const struct camera *camera, const struc
 {
     struct layers *l = r->layers;
     struct pixels pixels = {0};
-    const int around = reach.voxels > NORMAL_REACH ? reach.voxels : NORMAL_REACH;
+    const int around = layers_reach(reach);
     bool fits = !changes->everything && !seams_follow(l->seams, border, changes, NULL);
     struct task task = task_begin(camera->scene->watch, "rendition", changes->count);
     for (size_t i = 0; fits && i < changes->count && task_advance(&task, 1); i++) {

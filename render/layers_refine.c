@@ -11,9 +11,8 @@
 
 enum {
     CORNERS = 4,
-    LEAST = 4,       /* pixels a side of a patch */
-    PIXEL_BITS = 26, /* of a depth: 4 * 2^24 to a pixel */
-    FLAT_PART = 8,   /* of a voxel: so far from its corners' plane may the middle be */
+    LEAST = 4,     /* pixels a side of a patch */
+    FLAT_PART = 8, /* of a voxel: so far from its corners' plane may the middle be */
 };
 
 struct refining {
@@ -98,7 +97,7 @@ static bool take_surface(const struct refining *f, struct patch *patch, const st
     }
     surface->label = middle->label;
     surface->is_opaque = f->passage.refiner->border->opacity[middle->label] == BORDER_OPAQUE;
-    const int64_t most = (f->voxel << PIXEL_BITS) / FLAT_PART;
+    const int64_t most = (f->voxel << CROSSING_PIXEL_BITS) / FLAT_PART;
     const uint32_t half = patch->side / 2;
     const int64_t off = middle->depth - patch_between(surface->depth, patch->side, half, half);
     return off <= most && off >= -most;

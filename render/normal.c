@@ -4,11 +4,10 @@
 #include "render/fixed.h"
 
 enum {
-    CROSSING_PIXEL_BITS = 26, /* of a depth: 4 * 2^24 to a pixel */
-    BEFORE = 154,             /* 0.6 voxels: where the slope is read before the surface, */
-    FURTHER = 384,            /* 1.5 voxels: and further out, */
-    FURTHER_WEIGHT = 4,       /* which counts so much more */
-    BARELY = 64,              /* of a normal's length: what it faces the viewer by at least */
+    BEFORE = 154,       /* 0.6 voxels: where the slope is read before the surface, */
+    FURTHER = 384,      /* 1.5 voxels: and further out, */
+    FURTHER_WEIGHT = 4, /* which counts so much more */
+    BARELY = 64,        /* of a normal's length: what it faces the viewer by at least */
 };
 
 /* ---- from fields ---- */

@@ -6,7 +6,6 @@ enum {
     CORNERS = 4,
     LEAST = 4,        /* pixels a side; three quarters of fewer would be corners */
     SHARE_BITS = 8,   /* of the way from one corner to the next */
-    PIXEL_BITS = 26,  /* of a depth: 4 * 2^24 to a pixel */
     FLAT_PART = 8,    /* of a voxel: so far from the plane of the others may a pixel lie; */
     FLAT_PIXEL = 2,   /* a sample from that of the others of a pixel; */
     STEEP_PART = 4,   /* and by such a part of what its corners differ by */
@@ -167,7 +166,7 @@ static inline bool is_pixel(const struct patches *p, const struct patch *patch)
 /* How far from the plane of the corners the middle may lie. */
 static int64_t most_off(const struct patches *p, const struct patch *patch)
 {
-    const int64_t voxel = voxel_of(p) << PIXEL_BITS;
+    const int64_t voxel = voxel_of(p) << CROSSING_PIXEL_BITS;
     int64_t least = patch->depth[0], most = patch->depth[0];
     if (!is_pixel(p, patch))
         return voxel / FLAT_PART;
@@ -200,7 +199,7 @@ struct lead {
  * cubes after it. */
 static struct lead lead_of(const struct patches *p, const struct patch *patch)
 {
-    const int64_t voxel = voxel_of(p) << PIXEL_BITS;
+    const int64_t voxel = voxel_of(p) << CROSSING_PIXEL_BITS;
     struct lead lead = {0, 0};
     for (int i = 0; i < CORNERS; i++) {
         const int64_t before = patch->depth[i] - p->r->cube.depth[patch->corner[i]];

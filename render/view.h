@@ -38,7 +38,8 @@ enum {
     VIEW_ZOOM_ONE = 1000, /* zoom is in thousandths: pixels per smallest voxel spacing */
     VIEW_ZOOM_LEAST = 10,
     VIEW_ZOOM_MOST = 64000,
-    VIEW_FOCUS_BITS = 16, /* of a voxel; a pixel is a 256th of one at least */
+    VIEW_FOCUS_BITS = 16,     /* of a voxel; a pixel is a 256th of one at least */
+    CROSSING_PIXEL_BITS = 26, /* of a depth: 4 * 2^24 to a pixel */
 };
 
 struct view {
