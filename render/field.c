@@ -11,6 +11,7 @@ enum {
     SLOTS_MOST = 4096,         /* 30 MB, */
     LAYERS_TIMES = 4,          /* and so many times that where objects are translucent, */
     VOXELS_A_SLOT = 1625,      /* and at most five bytes for each voxel of the scene */
+    WAYS = 4,                  /* slots that may hold a block */
     BEFORE = 2 + FIELD_RADIUS, /* the first of them lies so many before the block */
     PART_BITS = 6,             /* voxels of a row that are looked up at once */
     PARTS = (INPUT + PART_BITS - 1) / PART_BITS,
@@ -18,10 +19,9 @@ enum {
 };
 
 struct field_slot {
-    uint32_t number[3];      /* of the block */
-    uint8_t label;           /* whose it is; 0: of all that is shown */
-    uint32_t version;        /* of the border, for which it is known to be right */
-    bool is_made, is_latest; /* of the two of its pair, the one asked for last */
+    uint64_t key;     /* of the block; 0 where none is made */
+    uint32_t version; /* of the border, for which it is known to be right */
+    uint32_t asked;   /* when it was asked for last */
 };
 
 /* What each pattern of a part of a row adds to the row smoothed along x. */
@@ -55,7 +55,7 @@ static uint32_t slots_for(const struct border *border, unsigned threads)
     const struct grid *grid = &border->scene->grid;
     const unsigned times = border_is_translucent(border) ? LAYERS_TIMES : 1;
     uint64_t blocks = times, most = times * (grid->voxels / VOXELS_A_SLOT) / threads;
-    uint32_t slots = 2;
+    uint32_t slots = WAYS;
     for (int a = 0; a < 3; a++)
         blocks *= blocks_along(grid, a);
     const uint64_t limit = (uint64_t)times * SLOTS_MOST;
@@ -393,31 +393,33 @@ static void make_block(struct field_block *block, const struct field *field,
 
 /* ---- blocks ---- */
 
-/* Two slots side by side may hold a block. Blocks close together in space mostly have pairs of
- * their own. */
-static uint32_t pair_of(const struct field *field, const uint32_t number[3], uint8_t label)
+/* A block's number, and whose it is. */
+static uint64_t key_of(const struct field *field, const uint32_t number[3], uint8_t label)
 {
-    const uint32_t place = number[0] + number[1] * 13 + number[2] * 157 + label * 5u;
-    return 2 * (place & (field->slots / 2 - 1));
+    const struct grid *grid = &field->border->scene->grid;
+    const uint32_t row = number[1] + number[2] * blocks_along(grid, 1);
+    return ((uint64_t)label << 32 | (number[0] + row * blocks_along(grid, 0))) + 1;
 }
 
-static bool holds(const struct field_slot *slot, const uint32_t number[3], uint8_t label)
+/* The first of the slots that may hold it. Blocks of a surface, and of several labels, have numbers
+ * at regular distances: the product spreads them. */
+static uint32_t set_of(const struct field *field, uint64_t key)
 {
-    return slot->is_made && slot->label == label &&
-           memcmp(slot->number, number, sizeof slot->number) == 0;
+    const uint64_t mixed = key * UINT64_C(0x9e3779b97f4a7c15);
+    return (uint32_t)(mixed >> 40) & (field->slots - 1) & ~(uint32_t)(WAYS - 1);
 }
 
-/* Where a block is, or is to be made: where the other one was asked for last. */
-static uint32_t slot_for(const struct field *field, const uint32_t number[3], uint8_t label)
+/* Where a block is, or is to be made: of the slots that may hold it, that of the one which was
+ * asked for longest ago. */
+static struct field_slot *slot_for(struct field *field, uint64_t key)
 {
-    const uint32_t pair = pair_of(field, number, label);
-    struct field_slot *slot = field->slot + pair;
-    const uint32_t which = holds(slot, number, label)       ? 0
-                           : holds(slot + 1, number, label) ? 1
-                                                            : slot[0].is_latest;
-    slot[which].is_latest = true;
-    slot[!which].is_latest = false;
-    return pair + which;
+    struct field_slot *set = field->slot + set_of(field, key), *oldest = set;
+    for (int i = 0; i < WAYS; i++) {
+        if (set[i].key == key)
+            return set + i;
+        oldest = field->asked - set[i].asked > field->asked - oldest->asked ? set + i : oldest;
+    }
+    return oldest;
 }
 
 void field_fetch(const struct field_reader *reader, const int32_t point[3])
@@ -427,11 +429,11 @@ void field_fetch(const struct field_reader *reader, const int32_t point[3])
     int32_t part[3];
     for (int a = 0; a < 3; a++)
         number[a] = field_along(point[a], &first[a], &part[a]);
-    const uint32_t pair = pair_of(field, number, reader->label);
-    for (uint32_t i = pair; i < pair + 2; i++) {
+    const uint64_t key = key_of(field, number, reader->label);
+    const uint32_t set = set_of(field, key);
+    for (uint32_t i = set; i < set + WAYS; i++) {
         const struct field_block *block = field->block + i;
-        for (uint32_t z = first[2];
-             z < first[2] + 2 && holds(field->slot + i, number, reader->label); z++) {
+        for (uint32_t z = first[2]; z < first[2] + 2 && field->slot[i].key == key; z++) {
             __builtin_prefetch(&block->inside[z][first[1]][first[0]]);
             __builtin_prefetch(&block->at[z][first[1]][first[0]]);
             __builtin_prefetch(&block->at[z][first[1] + 1][first[0]]);
@@ -442,19 +444,17 @@ void field_fetch(const struct field_reader *reader, const int32_t point[3])
 const struct field_block *field_block(struct field *field, const uint32_t number[3], uint8_t label)
 {
     const struct border *border = field->border;
-    const uint32_t index = slot_for(field, number, label);
-    struct field_slot *slot = field->slot + index;
-    struct field_block *block = field->block + index;
-    const bool is_here = holds(slot, number, label);
+    const uint64_t key = key_of(field, number, label);
+    struct field_slot *slot = slot_for(field, key);
+    struct field_block *block = field->block + (slot - field->slot);
+    const bool is_here = slot->key == key;
+    slot->asked = field->asked++;
     if (is_here && (slot->version == border->version || field->kind == FIELD_SCENE))
         return block;
     const struct input input = input_of(&border->scene->grid, number, label);
-    if (!is_here || !is_still_right(border, &input, slot->version)) {
+    if (!is_here || !is_still_right(border, &input, slot->version))
         make_block(block, field, &input);
-        memcpy(slot->number, number, sizeof slot->number);
-        slot->label = label;
-        slot->is_made = true;
-    }
+    slot->key = key;
     slot->version = border->version;
     return block;
 }

@@ -60,7 +60,8 @@ struct field {
     const struct seams *seams; /* to be set where fields of labels are asked for: the border's */
     enum field_kind kind;
     int brighter;   /* FIELD_SCENE: intensities are shifted left by this, to 12 bits */
-    uint32_t slots; /* a power of 2 */
+    uint32_t slots; /* of blocks, a power of 2 */
+    uint32_t asked; /* how often blocks were asked for */
     struct field_block *block;
     struct field_slot *slot;
     struct field_tables *tables;
