@@ -152,6 +152,23 @@ class Room:
                      "LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "llvmpipe",
                      "ENV": "", "PS1": "$ "}, **more)
 
+    def is_busy(self):
+        """Whether a thread in the room runs, or would if others let it: on a machine that is busy
+        elsewhere, what it has to say may be long in coming."""
+        room = os.path.realpath(self.folder)
+        for number in filter(str.isdigit, os.listdir("/proc")):
+            process = "/proc/" + number
+            try:
+                where = os.readlink(process + "/cwd")
+                threads = os.listdir(process + "/task") if where.startswith(room) else []
+                for thread in threads:
+                    with open("%s/task/%s/stat" % (process, thread)) as stat:
+                        if stat.read().rpartition(")")[2].split()[0] in "RD":
+                            return True
+            except OSError:  # ended, or somebody else's
+                pass
+        return False
+
     def need_x(self):
         if self.display:
             return
@@ -329,9 +346,9 @@ class Terminal:
             time.sleep(0.05)
 
     def settled(self, quiet=0.3):
-        """A screenshot that has not changed for `quiet` seconds."""
-        last, patience = self.screenshot(), Patience(quiet)
-        while not patience.over():
+        """A screenshot that has not changed for `quiet` seconds, when all in the room sleep."""
+        last, patience, most = self.screenshot(), Patience(quiet), Patience()
+        while not patience.over() or (self.room.is_busy() and not most.over()):
             self.alive()
             time.sleep(0.05)
             now = self.screenshot()
