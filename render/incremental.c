@@ -1,96 +1,47 @@
 #include "render/layers.h"
 
-#include <stdlib.h>
-
-#include "base/mem.h"
-
-/* Pixels whose voxel has disappeared, with the depth from which the ray goes on. */
-struct holes {
-    struct hole {
-        uint32_t column, row;
-        int64_t depth;
-    } * item;
-    size_t count, capacity;
-};
-
-/* Empties the pixels that show a voxel which has disappeared. False when memory runs out. */
-static bool open_holes(struct holes *holes, struct rendition *r, const struct camera *camera,
-                       uint32_t cell)
+/* A voxel that is shown from now on: with a skin, face neighbours may come to be solid. */
+static void splat_fresh(struct rendition *r, const struct camera *camera,
+                        const struct border *border, uint32_t cell)
 {
-    struct footprint f = splat_footprint(camera, cell, 0);
-    for (int32_t y = f.top; y <= f.bottom; y++)
-        for (int32_t x = f.left; x <= f.right; x++) {
-            size_t pixel = (size_t)y * r->width + (size_t)x;
-            if (r->cube.cell[pixel] != cell)
-                continue;
-            if (!mem_grow(&holes->item, &holes->capacity, holes->count + 1, sizeof *holes->item))
-                return false;
-            holes->item[holes->count++] =
-                (struct hole){(uint32_t)x, (uint32_t)y, r->cube.depth[pixel]};
-            r->cube.depth[pixel] = DEPTH_NONE;
-            r->cube.cell[pixel] = CELL_NONE;
-        }
-    return true;
-}
-
-/* Continues the ray after the voxel that has disappeared; one that has appeared nearer stays. */
-static void fill_hole(struct rendition *r, const struct camera *camera, const struct border *border,
-                      const struct hole *hole)
-{
-    size_t pixel = (size_t)hole->row * r->width + hole->column;
-    int64_t depth;
-    uint32_t cell;
-    if (raycast_pixel(camera, border, hole->column, hole->row, hole->depth, &depth, &cell) &&
-        depth < r->cube.depth[pixel]) {
-        r->cube.depth[pixel] = depth;
-        r->cube.cell[pixel] = cell;
-    }
-}
-
-/* With a skin, what the neighbours of a voxel are follows from it too. Those that are shown are
- * solid whatever becomes of it. */
-static bool follow_skin(struct holes *holes, struct rendition *r, const struct camera *camera,
-                        const struct border *border, uint32_t cell, bool appears)
-{
+    if (border_is_hull(border, cell))
+        splat_voxel(r, camera, cell);
     for (int i = 0; border->has_skin && i < 6; i++) {
         const ptrdiff_t step = border->scene->grid.step[i / 2];
         const uint32_t beside = cell + (uint32_t)(i % 2 ? step : -step);
-        if (border_shows(border, beside) || !border_is_open(border, beside))
-            continue;
-        if (appears && border_is_hull(border, beside))
+        if (border_is_hull(border, beside) && !border_shows(border, beside))
             splat_voxel(r, camera, beside);
-        else if (!appears && !border_is_solid(border, beside) &&
-                 !open_holes(holes, r, camera, beside))
-            return false;
     }
-    return true;
 }
 
-/* A voxel that was shown, or is from now on, and not both. */
-static bool follow_voxel(struct holes *holes, struct rendition *r, const struct camera *camera,
-                         const struct border *border, uint32_t cell, bool appears)
+/* Where a pixel of a tile shows a voxel that has disappeared, its ray goes on from there; one that
+ * has appeared nearer is what it shows by now. */
+static void fill_holes(struct rendition *r, const struct camera *camera,
+                       const struct border *border, size_t tile)
 {
-    if (appears && border_is_hull(border, cell))
-        splat_voxel(r, camera, cell);
-    else if (!appears && !border_is_solid(border, cell) && !open_holes(holes, r, camera, cell))
-        return false;
-    return follow_skin(holes, r, camera, border, cell, appears);
+    const uint32_t left = (uint32_t)(tile % r->tiles_x) * TILE;
+    const uint32_t top = (uint32_t)(tile / r->tiles_x) * TILE;
+    for (uint32_t y = top; y < top + TILE && y < r->height; y++)
+        for (uint32_t x = left; x < left + TILE && x < r->width; x++) {
+            const size_t pixel = (size_t)y * r->width + x;
+            int64_t *depth = r->cube.depth + pixel;
+            uint32_t *cell = r->cube.cell + pixel;
+            if (*cell == CELL_NONE || border_is_solid(border, *cell) ||
+                raycast_pixel(camera, border, x, y, *depth, depth, cell))
+                continue;
+            *depth = DEPTH_NONE;
+            *cell = CELL_NONE;
+        }
 }
 
-void incremental_image(struct rendition *r, const struct camera *camera,
-                       const struct border *border, const struct changes *changes,
-                       struct shade_reach reach)
+/* Splats what has appeared, and marks tiles. True where something has disappeared, of which all
+ * pixels lie in those: voxels beside it, too, come to be no longer solid. */
+static bool follow_voxels(struct rendition *r, const struct camera *camera,
+                          const struct border *border, const struct changes *changes,
+                          struct shade_reach reach, struct task *task)
 {
-    if (layers_are_projected(r)) {
-        layers_follow(r, camera, border, changes, reach);
-        return;
-    }
-    struct holes holes = {0};
-    bool fits = !changes->everything;
-    if (r->layers)
-        seams_follow(r->layers->seams, border, changes, NULL); /* else shading counts them */
-    struct task task = task_begin(camera->scene->watch, "rendition", changes->count);
-    for (size_t i = 0; fits && i < changes->count && task_advance(&task, 1); i++) {
+    bool disappear = false;
+    for (size_t i = 0; i < changes->count && task_advance(task, 1); i++) {
         const struct change *c = changes->item + i;
         const bool before = border->visible[c->former_label];
         const bool now = border->visible[c->label];
@@ -99,12 +50,33 @@ void incremental_image(struct rendition *r, const struct camera *camera,
                                            : reach.voxels;
         if (before || now)
             rendition_mark_stale(r, splat_footprint(camera, c->cell, around), reach.pixels);
-        if (before != now)
-            fits = follow_voxel(&holes, r, camera, border, c->cell, now);
+        if (now && !before)
+            splat_fresh(r, camera, border, c->cell);
+        disappear = disappear || (before && !now);
     }
-    for (size_t i = 0; fits && i < holes.count && task_advance(&task, 1); i++)
-        fill_hole(r, camera, border, &holes.item[i]);
-    if (!fits)
+    return disappear;
+}
+
+void incremental_image(struct rendition *r, const struct camera *camera,
+                       const struct border *border, const struct changes *changes,
+                       struct shade_reach reach)
+{
+    const size_t tiles = (size_t)r->tiles_x * r->tiles_y;
+    if (layers_are_projected(r)) {
+        layers_follow(r, camera, border, changes, reach);
+        return;
+    }
+    if (r->layers)
+        seams_follow(r->layers->seams, border, changes, NULL); /* else shading counts them */
+    if (changes->everything) {
         splat_border(r, camera, border);
-    free(holes.item);
+        return;
+    }
+    struct task task = task_begin(camera->scene->watch, "rendition", changes->count);
+    if (!follow_voxels(r, camera, border, changes, reach, &task))
+        return;
+    for (size_t i = rendition_tile(r, 0, tiles, TILE_STALE);
+         i < tiles && task_advance(&task, TILE * TILE);
+         i = rendition_tile(r, i + 1, tiles, TILE_STALE))
+        fill_holes(r, camera, border, i);
 }

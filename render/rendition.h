@@ -121,7 +121,8 @@ struct footprint splat_footprint(const struct camera *camera, uint32_t cell, int
 void rendition_mark_stale(struct rendition *rendition, struct footprint footprint, int pixels);
 
 /* How far around a voxel whose label changes colours may change: by so many voxels where it
- * appears or disappears, or only changes its object, and by so many pixels more. */
+ * appears or disappears, which is 1 at least, or only changes its object, and by so many pixels
+ * more. */
 struct shade_reach {
     int voxels, labels, pixels;
 };
@@ -138,8 +139,8 @@ bool raycast_pixel(const struct camera *camera, const struct border *border, uin
  * The incremental image: `rendition` is that of the labels before the edit, by the same camera, and
  * `border` is up to date. Repairs it in time proportional to the changes, and marks the tiles whose
  * colours may change: `reach` says how far around a change they do. Changes that are "everything"
- * are splatted from nothing. Where memory runs out the rendition is splatted from nothing too, so
- * it is always right.
+ * are splatted from nothing. Of a stale tile all pixels are looked at for what has disappeared: by
+ * voxel, most would be looked at several times.
  */
 void incremental_image(struct rendition *rendition, const struct camera *camera,
                        const struct border *border, const struct changes *changes,
