@@ -19,7 +19,9 @@ enum err rendition_init(struct rendition *r, uint32_t width, uint32_t height, st
     r->normal = mem_array(pixels, 4 * sizeof *r->normal);
     r->stale = mem_array((size_t)r->tiles_x * r->tiles_y, 1);
     r->blank = mem_new((size_t)r->tiles_x * r->tiles_y * sizeof *r->blank);
-    if (!r->depth || !r->cell || !r->label || !r->rgba || !r->normal || !r->stale || !r->blank) {
+    r->uncovered = mem_array(height * rendition_words(r), sizeof *r->uncovered);
+    if (!r->depth || !r->cell || !r->label || !r->rgba || !r->normal || !r->stale || !r->blank ||
+        !r->uncovered) {
         rendition_release(r);
         return fault_memory(fault, "a rendition");
     }
@@ -68,6 +70,7 @@ void rendition_release(struct rendition *r)
     free(r->normal);
     free(r->stale);
     free(r->blank);
+    free(r->uncovered);
     *r = (struct rendition){0};
 }
 
@@ -77,7 +80,8 @@ size_t rendition_bytes(const struct rendition *r)
     const size_t maps = rendition_is_refined(r) ? 2 * map : map;
     const size_t a_pixel = maps + 1 + 4 + 4 * sizeof *r->normal;
     const size_t a_tile = sizeof *r->stale + sizeof *r->blank;
-    return (size_t)r->width * r->height * a_pixel + (size_t)r->tiles_x * r->tiles_y * a_tile;
+    return (size_t)r->width * r->height * a_pixel + (size_t)r->tiles_x * r->tiles_y * a_tile +
+           r->height * rendition_words(r) * sizeof *r->uncovered;
 }
 
 /* After an edit most tiles are fresh: they are passed over eight at a time. */
@@ -118,6 +122,7 @@ struct rendition rendition_rows(const struct rendition *r, uint32_t top, uint32_
     rows.normal += 4 * first;
     rows.stale += (size_t)(top / TILE) * r->tiles_x;
     rows.blank += (size_t)(top / TILE) * r->tiles_x;
+    rows.uncovered += top * rendition_words(r);
     rows.tiles_y = (height + TILE - 1) / TILE;
     rows.layers = top ? NULL : r->layers;
     return rows;

@@ -56,6 +56,8 @@ struct rendition {
     uint8_t *stale;  /* [tiles_y][tiles_x], enum tile_state */
     bool *blank;     /* likewise: all but the maps of cubes are as rendition_empty leaves them, also
                         while the tile is stale */
+    uint64_t *uncovered; /* of border projection (render/cover.h): bit x % 64 of word x / 64 of a
+                            row where pixel x shows nothing yet */
     uint32_t tiles_x, tiles_y;
     struct layers *layers; /* borrowed; NULL where all objects are opaque (render/layers.h) */
 };
@@ -63,6 +65,12 @@ struct rendition {
 enum err rendition_init(struct rendition *rendition, uint32_t width, uint32_t height,
                         struct fault *fault);
 void rendition_release(struct rendition *rendition);
+
+/* Words of a row of `uncovered`. */
+static inline size_t rendition_words(const struct rendition *rendition)
+{
+    return (rendition->width + 63) / 64;
+}
 
 size_t rendition_bytes(const struct rendition *rendition);
 

@@ -1,3 +1,4 @@
+#include "render/cover.h"
 #include "render/layers.h"
 #include "render/sweep.h"
 
@@ -40,14 +41,6 @@ void splat_voxel(struct rendition *r, const struct camera *camera, uint32_t cell
 
 /* ---- whole sets of voxels ---- */
 
-static inline void sweep_splat(struct sweep *sweep, struct rendition *r, uint32_t cell,
-                               unsigned faces)
-{
-    int64_t near[3];
-    const struct footprint f = sweep_to(sweep, cell, faces, near);
-    splat_cube(r, sweep->camera, cell, near, f);
-}
-
 void splat_scene(struct rendition *r, const struct camera *camera, const struct border *border)
 {
     if (layers_are_projected(r)) {
@@ -59,70 +52,21 @@ void splat_scene(struct rendition *r, const struct camera *camera, const struct 
     rendition_clear(r);
     struct task task = task_begin(border->scene->watch, "rendition", border->scene->grid.cells);
     for (size_t w = 0; w < border->words && task_advance(&task, 64); w++)
-        for (uint64_t word = border->solid[w]; word; word &= word - 1)
-            sweep_splat(&sweep, r, (uint32_t)(w * 64) + (uint32_t)__builtin_ctzll(word),
-                        FACE_SETS - 1);
+        for (uint64_t word = border->solid[w]; word; word &= word - 1) {
+            const uint32_t cell = (uint32_t)(w * 64) + (uint32_t)__builtin_ctzll(word);
+            int64_t near[3];
+            const struct footprint f = sweep_to(&sweep, cell, FACE_SETS - 1, near);
+            splat_cube(r, camera, cell, near, f);
+        }
 }
 
-/* A pixel shows a face whose neighbour is not solid: one of the three towards us. So voxels without
- * such a face are left out, and of the others, such faces are splatted alone. */
-static void splat_faces(struct sweep *sweep, struct rendition *r, const struct border *border,
-                        ptrdiff_t at, uint64_t word)
-{
-    const ptrdiff_t *toward = sweep->camera->toward;
-    const uint64_t open0 = ~border_solid_from(border, at + toward[0]);
-    const uint64_t open1 = ~border_solid_from(border, at + toward[1]);
-    const uint64_t open2 = ~border_solid_from(border, at + toward[2]);
-    word &= open0 | open1 | open2;
-    for (; word; word &= word - 1) {
-        const unsigned bit = (unsigned)__builtin_ctzll(word);
-        const uint64_t faces =
-            (open0 >> bit & 1) | (open1 >> bit & 1) << 1 | (open2 >> bit & 1) << 2;
-        sweep_splat(sweep, r, (uint32_t)at + bit, (unsigned)faces);
-    }
-}
-
-/* The hull voxels of a word, row by row: of large pictures only a part may be drawn. */
-static void splat_border_word(struct sweep *sweep, struct rendition *r, const struct border *border,
-                              size_t w)
-{
-    for (uint64_t word = border->hull[w]; word;)
-        splat_faces(sweep, r, border, (ptrdiff_t)w * 64, sweep_take_row(sweep, w, &word));
-}
-
-/* Words that lie in two planes are splatted with both, which changes nothing. */
-static void splat_plane(struct sweep *sweep, struct rendition *r, const struct border *border,
-                        uint32_t z)
-{
-    const struct grid *grid = &border->scene->grid;
-    const size_t first = grid_cell(grid, 0, 0, z) >> 6;
-    const size_t last = grid_cell(grid, grid->size[0] - 1, grid->size[1] - 1, z) >> 6;
-    for (size_t i = first; i <= last; i++) {
-        const size_t w = sweep->camera->flip[2] ? last - (i - first) : i;
-        if (border->hull[w])
-            splat_border_word(sweep, r, border, w);
-    }
-}
-
-/* What is nearer comes first, as far as planes of voxels go: then most of what is hidden is found
- * to be so by one comparison. */
 static void splat_under(struct task *task, struct rendition *r, const struct camera *camera,
                         const struct border *border)
 {
-    if (layers_are_projected(r)) {
+    if (layers_are_projected(r))
         layers_splat_border(task, r, camera, border);
-        return;
-    }
-    struct sweep sweep;
-    sweep_init(&sweep, camera);
-    rendition_clear(r);
-    const struct grid *grid = &border->scene->grid;
-    const uint32_t planes = grid->size[2];
-    for (uint32_t i = 0; i < planes && task_advance(task, (uint64_t)grid->step[2]); i++) {
-        const uint32_t z = camera->flip[2] ? planes - 1 - i : i;
-        if (sweep_sees_plane(&sweep, z))
-            splat_plane(&sweep, r, border, z);
-    }
+    else
+        cover_by_border(task, r, camera, border);
 }
 
 void splat_border(struct rendition *r, const struct camera *camera, const struct border *border)

@@ -3,7 +3,8 @@
  * their cells.
  *
  * What is seen of a voxel is linear in its place, so most of it follows from the voxel before by
- * additions. Splatting puts the result into depth buffers (render/splat.c, render/layers.c).
+ * additions. Splatting puts the result into depth buffers (render/splat.c, render/cover.c,
+ * render/layers.c).
  */
 #ifndef RENDER_SWEEP_H
 #define RENDER_SWEEP_H
@@ -131,6 +132,16 @@ static inline bool sweep_holds(const struct sweep *sweep)
     return holds;
 }
 
+/* To the row of voxels (., y, z). */
+static inline void sweep_at_row(struct sweep *sweep, uint32_t y, uint32_t z)
+{
+    const struct span row = grid_row(&sweep->camera->scene->grid, y, z);
+    sweep->first = row.first;
+    sweep->end = row.end;
+    sweep->seen = project(sweep->camera, (struct place){0, y, z});
+    sweep->is_within = sweep_holds(sweep);
+}
+
 /* Most rows with something to show lie beside the one before: then nothing is divided. */
 static inline void sweep_to_row(struct sweep *sweep, uint32_t cell)
 {
@@ -141,13 +152,12 @@ static inline void sweep_to_row(struct sweep *sweep, uint32_t cell)
         sweep->seen.near[1] += sweep->along_y.near[1];
         for (int k = 0; k < 2; k++)
             sweep->seen.centre[k] += sweep->along_y.centre[k];
+        sweep->end = sweep->first + grid->size[0];
+        sweep->is_within = sweep_holds(sweep);
     } else {
         const struct place p = grid_place(grid, cell);
-        sweep->first = cell - p.x;
-        sweep->seen = project(sweep->camera, (struct place){0, p.y, p.z});
+        sweep_at_row(sweep, p.y, p.z);
     }
-    sweep->end = sweep->first + grid->size[0];
-    sweep->is_within = sweep_holds(sweep);
 }
 
 /* Which pixels the cell's faces may cover; all of them are the cube. `near` is where the three near
@@ -183,25 +193,6 @@ static inline bool sweep_sees(const struct sweep *sweep, uint32_t from, uint32_t
         const int64_t b = first + (int64_t)(to - sweep->first) * along;
         const int64_t reach = sweep->camera->reach[k] + 2; /* a face's is rounded up */
         if ((a > b ? a : b) + reach < 0 || (a < b ? a : b) - reach > ((int64_t)extent[k] << 30))
-            return false;
-    }
-    return true;
-}
-
-/* Whether the picture may show any voxel of plane z. */
-static inline bool sweep_sees_plane(const struct sweep *sweep, uint32_t z)
-{
-    const struct camera *camera = sweep->camera;
-    const uint32_t *size = camera->scene->grid.size;
-    const int64_t extent[2] = {camera->view.width, camera->view.height};
-    const struct projection corner = project(camera, (struct place){0, 0, z});
-    for (int k = 0; k < 2; k++) {
-        const int64_t x = (int64_t)(size[0] - 1) * sweep->along_x.centre[k];
-        const int64_t y = (int64_t)(size[1] - 1) * sweep->along_y.centre[k];
-        const int64_t low = corner.centre[k] + (x < 0 ? x : 0) + (y < 0 ? y : 0);
-        const int64_t high = corner.centre[k] + (x > 0 ? x : 0) + (y > 0 ? y : 0);
-        const int64_t reach = camera->reach[k] + 2; /* a face's is rounded up */
-        if (high + reach < 0 || low - reach > extent[k] << 30)
             return false;
     }
     return true;
