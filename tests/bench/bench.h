@@ -32,8 +32,8 @@ enum err run_keys(const struct options *options, struct fault *fault);
 enum err run_effort(const struct options *options, struct fault *fault);
 enum err run_looks(const struct options *options, struct fault *fault);
 
-/* Brain, cerebellum and medulla, as a person segmented them. */
-enum err bench_segment(struct interpreter *interp, struct fault *fault);
+/* What the commands of a journal of examples/ segment; nothing is written. */
+enum err bench_segment(struct interpreter *interp, const char *journal, struct fault *fault);
 
 /* What VTK takes for the same labels, one JSON object a line (tests/peers/vtk_render.py); nothing
  * where it is not here. */

@@ -16,7 +16,7 @@
 #include "program/console.h"
 #include "session/session_parts.h"
 
-enum { TIMES_MOST = 48, ROWS_MOST = 16, TEAMS = 2 };
+enum { TIMES_MOST = 48, ROWS_MOST = 24, TEAMS = 2 };
 
 struct times {
     double ms[TIMES_MOST], of_processors[TIMES_MOST];
@@ -299,23 +299,9 @@ static void print_json(FILE *out, struct table *t)
     buf_release(&text);
 }
 
-enum err run_frames(const struct options *o, struct fault *fault)
+static enum err time_brain(struct session *session, struct table *table, struct fault *fault)
 {
-    struct interpreter interp;
-    struct table *table = mem_new(sizeof *table);
-    console_handle_interrupts();
-    enum err err = interpreter_init(&interp, fault);
-    struct session *session = &interp.session;
-    if (!err && !table)
-        err = fault_memory(fault, "a benchmark");
-    if (!err) {
-        table->text = o->words ? o->word[0] : NULL;
-        err = time_turntable(table, fault); /* a process counts what the one it forked from held */
-    }
-    if (!err)
-        err = bench_segment(&interp, fault);
-    if (!err)
-        table->team = session->team, table->which = 1;
+    enum err err = OK;
     for (size_t i = 0; !err && i < sizeof frames / sizeof frames[0]; i++)
         err = time_frames(session, table, &frames[i], fault);
     if (!err)
@@ -323,17 +309,73 @@ enum err run_frames(const struct options *o, struct fault *fault)
     if (!err)
         err =
             time_edits(session, table, "incremental image, 512x512, zoom 1, 4x4 samples", 4, fault);
-    if (!err && !table->text)
-        err = bench_vtk(session, &table->vtk, fault);
+    return err || table->text ? err : bench_vtk(session, &table->vtk, fault);
+}
+
+static enum err set_opacity(struct session *session, uint8_t head, uint8_t brain,
+                            struct fault *fault)
+{
+    struct state next = session->now;
+    next.kept.opacity[1] = head;
+    next.kept.opacity[2] = brain;
+    return session_go(session, &next, NULL, 0, fault);
+}
+
+/* Ventricles in a brain in a head: opaque, and as three layers. */
+static enum err time_head(struct session *session, struct table *table, struct fault *fault)
+{
+    static const char *const what[][2] = {
+        {"a head, zoom 1, opaque", "a head, zoom 1, three layers"},
+        {"a head, zoom 2, opaque", "a head, zoom 2, three layers"},
+        {"a head, zoom 4, opaque", "a head, zoom 4, three layers"},
+        {"a head, zoom 8, opaque", "a head, zoom 8, three layers"}};
+    enum err err = OK;
+    for (uint32_t i = 0; !err && i < 8; i++) {
+        const struct frames f = {what[i / 2][i % 2], LOOK_PRESENT, 1, 512, 1000u << i / 2, 24,
+                                 RENDER_BORDER};
+        err = i % 2 ? set_opacity(session, 25, 45, fault)
+                    : set_opacity(session, BORDER_OPAQUE, BORDER_OPAQUE, fault);
+        if (!err)
+            err = time_frames(session, table, &f, fault);
+    }
+    return err;
+}
+
+/* In a session of its own, of what a journal segments. */
+static enum err time_session(const char *journal, struct table *table,
+                             enum err (*time)(struct session *, struct table *, struct fault *),
+                             struct fault *fault)
+{
+    struct interpreter interp;
+    enum err err = interpreter_init(&interp, fault);
     if (!err)
-        (o->json ? print_json : print_table)(stdout, table);
+        err = bench_segment(&interp, journal, fault);
     if (!err) {
-        take_team(table, session, 1);
+        table->team = interp.session.team, table->which = 1;
+        err = time(&interp.session, table, fault);
+        take_team(table, &interp.session, 1);
         shader_release(&table->shader[0]);
     }
     interpreter_release(&interp);
-    if (table)
-        buf_release(&table->vtk);
+    return err;
+}
+
+enum err run_frames(const struct options *o, struct fault *fault)
+{
+    struct table *table = mem_new(sizeof *table);
+    console_handle_interrupts();
+    if (!table)
+        return fault_memory(fault, "a benchmark");
+    table->text = o->words ? o->word[0] : NULL;
+    enum err err =
+        time_turntable(table, fault); /* a process counts what the one it forked from held */
+    if (!err)
+        err = time_session("examples/brain.iftty", table, time_brain, fault);
+    if (!err)
+        err = time_session("examples/head.iftty", table, time_head, fault);
+    if (!err)
+        (o->json ? print_json : print_table)(stdout, table);
+    buf_release(&table->vtk);
     free(table);
     return err;
 }

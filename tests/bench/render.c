@@ -579,14 +579,14 @@ static enum err carry_out(struct interpreter *interp, const char *path, struct f
     return err;
 }
 
-enum err bench_segment(struct interpreter *interp, struct fault *fault)
+enum err bench_segment(struct interpreter *interp, const char *journal, struct fault *fault)
 {
     struct buf path = {0};
     enum err err = OK;
-    if (!bench_find_in_tree(&path, "examples/brain.iftty"))
+    if (!bench_find_in_tree(&path, journal))
         err = fault_set(fault, ERR_IO,
-                        "bench render works on what examples/brain.iftty segments, and that does "
-                        "not lie beside the program");
+                        "this works on what %s segments, and that does not lie beside the program",
+                        journal);
     if (!err)
         err = carry_out(interp, buf_text(&path), fault);
     buf_release(&path);
@@ -604,7 +604,7 @@ enum err run_render(const struct options *o, struct fault *fault)
     if (!err && !table)
         err = fault_memory(fault, "a benchmark");
     if (!err)
-        err = bench_segment(&interp, fault);
+        err = bench_segment(&interp, "examples/brain.iftty", fault);
     for (uint32_t zoom = 1; !err && zoom <= 2; zoom++)
         err = time_turn(session, table, zoom * VIEW_ZOOM_ONE, fault);
     if (!err)
