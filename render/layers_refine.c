@@ -177,7 +177,9 @@ static void refine_patch(struct refining *f, uint32_t left, uint32_t top, uint32
 void layers_refine(struct rendition *r, struct refiner *refiner, struct footprint tile)
 {
     struct refining f = {.r = r,
-                         .passage = {.layers = r->layers, .refiner = refiner},
+                         .passage = {.layers = r->layers,
+                                     .refiner = refiner,
+                                     .leap = leap_of(refiner->camera, SEAMS_NEAR)},
                          .left = (uint32_t)tile.left,
                          .top = (uint32_t)tile.top,
                          .voxel = normal_stride(refiner->camera)};

@@ -1,7 +1,5 @@
 #include "render/passage.h"
 
-#include "render/walk.h"
-
 /* Once the ray has been in a cube that is not solid for the label. */
 static void begin_again(struct passage *p, struct run *run, uint8_t label)
 {
@@ -90,11 +88,12 @@ static void come_from(struct passage *p, const struct walk *walk)
 /* To the next voxel that is an edge, maybe this one; false where the ray leaves the scene. */
 static bool go_to_edge(struct passage *p, struct walk *walk)
 {
+    const struct seams *seams = p->refiner->seams;
     struct walk here = *walk; /* in registers */
     bool is_within = true;
-    while (is_within && !seams_is_edge(p->refiner->seams, here.cell)) {
+    while (is_within && !seams_is_edge(seams, here.cell)) {
         p->cube++;
-        is_within = walk_on(&here);
+        is_within = seams_is_near(seams, here.cell) ? walk_on(&here) : walk_leap(&here, &p->leap);
     }
     *walk = here;
     return is_within;

@@ -6,13 +6,15 @@
  * followed to where it comes inside of what has the label: that is a layer, unless the ray has left
  * the same label at most LAYERS_GAP and a half voxels before. Where it does not come inside, it is
  * followed again from where that ended, and else once it has been in a voxel that is not solid for
- * the label. In voxels that are no edge (render/seams.h) nothing begins.
+ * the label. In voxels that are no edge (render/seams.h) nothing begins, and where none is near the
+ * ray goes on by several voxels at once.
  */
 #ifndef RENDER_PASSAGE_H
 #define RENDER_PASSAGE_H
 
 #include "render/layers.h"
 #include "render/refine.h"
+#include "render/walk.h"
 
 /* What is known of a label along the ray. */
 struct run {
@@ -34,6 +36,7 @@ enum { PASSAGE_SOLIDS = 256 }; /* voxels whose labels are stored: rays side by s
 struct passage {
     struct layers *layers;
     struct refiner *refiner;
+    struct leap leap;
     uint32_t x, y;
     uint32_t first, cube; /* numbers: of the pixel's first cube, and of this one */
     int64_t opaque;       /* where the ray ends, as far as is known */
@@ -42,7 +45,7 @@ struct passage {
 };
 
 /* Layers of a pixel, whose first cube is at this depth. A new passage is zeroed but for layers and
- * refiner, which outlive it. */
+ * refiner, which outlive it, and the leap, of SEAMS_NEAR planes. */
 void passage_walk(struct passage *passage, uint32_t x, uint32_t y, int64_t from);
 
 #endif

@@ -1,5 +1,7 @@
 #include "render/seams.h"
 
+#include <string.h>
+
 #include "base/mem.h"
 
 void seams_release(struct seams *seams)
@@ -7,12 +9,13 @@ void seams_release(struct seams *seams)
     for (int a = 0; a < 3; a++)
         mem_pages_free(seams->between[a], seams->words * sizeof(uint64_t));
     mem_pages_free(seams->edge, seams->words * sizeof(uint64_t));
+    mem_pages_free(seams->near, seams->words * sizeof(uint64_t));
     *seams = (struct seams){0};
 }
 
 size_t seams_bytes(const struct seams *seams)
 {
-    return 4 * seams->words * sizeof(uint64_t);
+    return 5 * seams->words * sizeof(uint64_t);
 }
 
 static enum err make_room(struct seams *seams, size_t words, struct fault *fault)
@@ -24,7 +27,8 @@ static enum err make_room(struct seams *seams, size_t words, struct fault *fault
     for (int a = 0; a < 3; a++)
         seams->between[a] = mem_pages(words * sizeof(uint64_t));
     seams->edge = mem_pages(words * sizeof(uint64_t));
-    if (seams->between[0] && seams->between[1] && seams->between[2] && seams->edge)
+    seams->near = mem_pages(words * sizeof(uint64_t));
+    if (seams->between[0] && seams->between[1] && seams->between[2] && seams->edge && seams->near)
         return OK;
     seams_release(seams);
     return fault_memory(fault, "faces between objects");
@@ -68,6 +72,7 @@ enum err seams_count(struct seams *seams, const struct border *border, struct fa
     if (seams->border == border && seams->version == border->version)
         return OK;
     seams->border = NULL;
+    seams->has_near = false;
     const enum err err = make_room(seams, border->words, fault);
     struct task task = task_begin(border->scene->watch, "border", 2 * border->scene->grid.cells);
     if (err)
@@ -82,6 +87,45 @@ enum err seams_count(struct seams *seams, const struct border *border, struct fa
     seams->version = border->version;
     return OK;
 }
+
+/* ---- what is near an edge ---- */
+
+/* Each cell gets what is up to SEAMS_NEAR steps after it, and before it. */
+static void spread(uint64_t *set, size_t words, ptrdiff_t step)
+{
+    _Static_assert(SEAMS_NEAR == 1 + 2 + 4, "the steps of three passes");
+    for (ptrdiff_t apart = step; apart <= 4 * step; apart *= 2) {
+        for (size_t w = 0; w + 1 < words; w++)
+            set[w] |= border_bits_from(set, words, (ptrdiff_t)w * 64 + apart);
+        for (size_t w = words - 1; w-- > 0;)
+            set[w] |= border_bits_from(set, words, (ptrdiff_t)w * 64 - apart);
+    }
+}
+
+void seams_find_near(struct seams *seams)
+{
+    if (seams->has_near || !seams->border)
+        return;
+    memcpy(seams->near, seams->edge, seams->words * sizeof *seams->near);
+    for (int a = 0; a < 3; a++)
+        spread(seams->near, seams->words, seams->border->scene->grid.step[a]);
+    seams->has_near = true;
+}
+
+/* A cell's own faces or those of its neighbours may have become edges. */
+static void follow_near(struct seams *seams, const struct grid *grid, uint32_t cell)
+{
+    enum { REACH = SEAMS_NEAR + 1 };
+    for (ptrdiff_t z = -REACH; z <= REACH; z++)
+        for (ptrdiff_t y = -REACH; y <= REACH; y++) {
+            const ptrdiff_t middle = cell + y * grid->step[1] + z * grid->step[2];
+            for (ptrdiff_t at = middle - REACH; at <= middle + REACH; at++)
+                if (at >= 0 && (size_t)at < grid->cells)
+                    seams->near[at >> 6] |= UINT64_C(1) << (at & 63);
+        }
+}
+
+/* ---- after an edit ---- */
 
 /* The face between a cell and the next along an axis. */
 static void judge(struct seams *seams, const struct border *border, uint32_t cell, int a)
@@ -112,7 +156,7 @@ enum err seams_follow(struct seams *seams, const struct border *border,
 {
     if (changes->everything || seams->border != border || seams->version + 1 != border->version)
         return seams_count(seams, border, fault);
-    struct task task = task_begin(border->scene->watch, "border", 2 * changes->count);
+    struct task task = task_begin(border->scene->watch, "border", 3 * changes->count);
     for (size_t i = 0; i < changes->count && task_advance(&task, 1); i++)
         for (int a = 0; a < 3; a++) {
             const uint32_t cell = changes->item[i].cell;
@@ -121,6 +165,8 @@ enum err seams_follow(struct seams *seams, const struct border *border,
         }
     for (size_t i = 0; i < changes->count && task_advance(&task, 1); i++)
         follow_edges(seams, border, changes->item[i].cell);
+    for (size_t i = 0; seams->has_near && i < changes->count && task_advance(&task, 1); i++)
+        follow_near(seams, &border->scene->grid, changes->item[i].cell);
     seams->version = border->version;
     if (watch_stops(border->scene->watch))
         seams->border = NULL;

@@ -4,22 +4,26 @@
  * An opaque picture never shows such a face, so the border (render/border.h) knows nothing of them;
  * where objects are translucent it does. They are held as one bit per cell and axis. One more says
  * of each cell whether anything is to be seen there: a ray through cells without it stays in what
- * it is in.
+ * it is in. Yet another says that this is far away, so that such rays take many cells at once.
  *
  * Invariant: once seams_follow or seams_count was the last to be called, bit c % 64 of word c / 64
  * of between[a] says that cell c and its neighbour one step along axis a are both shown, and have
  * different labels; and that of `edge` that one of its six neighbours is shown and it is not, or it
- * is and one of them is not, or has another label.
+ * is and one of them is not, or has another label. Where `has_near`, that of `near` says that there
+ * is an edge at most SEAMS_NEAR steps away along each axis, or until a recount, that there was one.
  */
 #ifndef RENDER_SEAMS_H
 #define RENDER_SEAMS_H
 
 #include "render/border.h"
 
+enum { SEAMS_NEAR = 7 };
+
 struct seams {
     const struct border *border; /* whose they are as of its version; NULL: of none */
     uint32_t version;
-    uint64_t *between[3], *edge; /* [words] each */
+    uint64_t *between[3], *edge, *near; /* [words] each */
+    bool has_near;
     size_t words;
 };
 
@@ -35,6 +39,9 @@ enum err seams_count(struct seams *seams, const struct border *border, struct fa
 enum err seams_follow(struct seams *seams, const struct border *border,
                       const struct changes *changes, struct fault *fault);
 
+/* Finds what is near, of a border's seams, once. */
+void seams_find_near(struct seams *seams);
+
 /* Whether a cell and the next one along axis `a` have such a face between them. */
 static inline bool seams_is_between(const struct seams *seams, uint32_t cell, int a)
 {
@@ -43,6 +50,10 @@ static inline bool seams_is_between(const struct seams *seams, uint32_t cell, in
 static inline bool seams_is_edge(const struct seams *seams, uint32_t cell)
 {
     return seams->edge[cell >> 6] >> (cell & 63) & 1;
+}
+static inline bool seams_is_near(const struct seams *seams, uint32_t cell)
+{
+    return seams->near[cell >> 6] >> (cell & 63) & 1;
 }
 
 /* Which of the 64 cells of word `w` have such a face on the side to which `step` leads, along axis

@@ -616,6 +616,8 @@ enum err shader_prepare(struct shader *shader, unsigned threads, const struct ca
     }
     if (!err && (look->creases || has_layers))
         err = seams_count(&shader->seams, border, fault);
+    if (!err && has_layers)
+        seams_find_near(&shader->seams);
     return !err && occludes(look, border) ? bricks_take(&shader->bricks, border, fault) : err;
 }
 
