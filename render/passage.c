@@ -1,13 +1,24 @@
 #include "render/passage.h"
 
 /* Once the ray has been in a cube that is not solid for the label. */
-static void begin_again(struct passage *p, struct run *run, uint8_t label)
+static void begin_again(const struct passage *p, struct run *run)
 {
-    const int64_t voxel = refine_width(p->refiner), inside = run->until + voxel / 4;
-    const int64_t end =
-        refine_end(p->refiner, label, p->x, p->y, run->at > inside ? run->at : inside);
+    const int64_t inside = run->until + refine_width(p->refiner) / 4;
     run->is_found = false;
-    run->least = (end > run->until ? end : run->until) + LAYERS_GAP * voxel + voxel / 2;
+    run->has_layer = true;
+    run->layer = run->until;
+    run->left = run->at > inside ? run->at : inside;
+}
+
+/* Whether a surface is further than a gap from where the ray has left the same label. That is
+ * looked for where it may matter alone. */
+static bool is_layer(struct passage *p, const struct run *run, uint8_t label, int64_t depth)
+{
+    const int64_t voxel = refine_width(p->refiner), gap = LAYERS_GAP * voxel + voxel / 2;
+    if (!run->has_layer || depth > run->left + REFINE_END * voxel + gap)
+        return true;
+    return depth > run->layer + gap &&
+           depth > refine_end(p->refiner, label, p->x, p->y, run->left) + gap;
 }
 
 static void put(struct passage *p, uint8_t label, int64_t depth, uint32_t cell)
@@ -23,9 +34,9 @@ static void come_to(struct passage *p, const struct walk *walk, uint8_t label)
 {
     struct run *run = &p->run[label];
     if (run->last < p->first)
-        *run = (struct run){.until = INT64_MIN, .least = INT64_MIN};
+        *run = (struct run){.until = INT64_MIN};
     else if (run->last + 1 < p->cube && run->is_found && run->until < walk->at)
-        begin_again(p, run, label);
+        begin_again(p, run);
     run->last = p->cube;
     run->at = walk->at;
     if (run->is_found || walk->at <= run->until)
@@ -34,42 +45,13 @@ static void come_to(struct passage *p, const struct walk *walk, uint8_t label)
     uint32_t cell = walk->cell;
     run->is_found = refine_label(p->refiner, label, p->x, p->y, &depth, &cell);
     run->until = depth;
-    if (run->is_found && depth > run->least)
+    if (run->is_found && is_layer(p, run, label, depth))
         put(p, label, depth, cell);
-}
-
-static void add_label(struct solid *solid, uint8_t label)
-{
-    for (int i = 0; i < solid->labels; i++)
-        if (solid->label[i] == label)
-            return;
-    solid->label[solid->labels++] = label;
-}
-
-static void find_labels(struct solid *solid, const struct border *border, uint32_t cell)
-{
-    *solid = (struct solid){.cell = cell};
-    if (border_shows(border, cell))
-        add_label(solid, labels_at(&border->labels, cell));
-    for (int i = 0; i < 6; i++) {
-        const ptrdiff_t step = border->scene->grid.step[i / 2];
-        const uint32_t beside = cell + (uint32_t)(i % 2 ? step : -step);
-        if (border_shows(border, beside))
-            add_label(solid, labels_at(&border->labels, beside));
-    }
-}
-
-static const struct solid *solid_at(struct passage *p, uint32_t cell)
-{
-    struct solid *solid = &p->solid[(cell * UINT32_C(2654435769) >> 16) % PASSAGE_SOLIDS];
-    if (solid->cell != cell)
-        find_labels(solid, p->refiner->border, cell);
-    return solid;
 }
 
 static void come_to_all(struct passage *p, const struct walk *walk)
 {
-    const struct solid *solid = solid_at(p, walk->cell);
+    const struct solid *solid = refine_solid(p->refiner, walk->cell);
     for (int i = 0; i < solid->labels; i++)
         come_to(p, walk, solid->label[i]);
 }

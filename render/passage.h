@@ -18,20 +18,13 @@
 
 /* What is known of a label along the ray. */
 struct run {
-    uint32_t last; /* number of the latest cube that is solid for it, */
-    int64_t at;    /* and where the ray comes into that; */
-    int64_t until; /* to this depth the label's surface has been looked for, */
-    bool is_found; /* and it is there */
-    int64_t least; /* to the next layer */
+    uint32_t last;       /* number of the latest cube that is solid for it, */
+    int64_t at;          /* and where the ray comes into that; */
+    int64_t until;       /* to this depth the label's surface has been looked for, */
+    bool is_found;       /* and it is there; */
+    bool has_layer;      /* there is a layer before it, */
+    int64_t layer, left; /* here, and the ray leaves it near here */
 };
-
-/* The labels for which a voxel is solid: its own, and those of its neighbours. */
-struct solid {
-    uint32_t cell; /* 0: of none */
-    uint8_t labels, label[7];
-};
-
-enum { PASSAGE_SOLIDS = 256 }; /* voxels whose labels are stored: rays side by side meet the same */
 
 struct passage {
     struct layers *layers;
@@ -41,7 +34,6 @@ struct passage {
     uint32_t first, cube; /* numbers: of the pixel's first cube, and of this one */
     int64_t opaque;       /* where the ray ends, as far as is known */
     struct run run[256];
-    struct solid solid[PASSAGE_SOLIDS];
 };
 
 /* Layers of a pixel, whose first cube is at this depth. A new passage is zeroed but for layers and

@@ -15,7 +15,7 @@ enum {
     BACK = 4,                        /* steps of half a voxel before the first solid one */
     HALVINGS = 6,                    /* of a step, to where it leaves what is solid */
     GAP = 8,                         /* steps: after more, cubes are gone through instead */
-    END = 8,                         /* steps at most to where a ray leaves an object */
+    END = 2 * REFINE_END,            /* steps at most to where a ray leaves an object */
 };
 
 _Static_assert((int)FINEST_BITS == (int)MEETING_BITS, "points of meetings are those of samples");
@@ -103,13 +103,45 @@ static inline bool shows(const struct refiner *refiner, uint32_t cell)
            (label == 0 || labels_at(&refiner->border->labels, cell) == label);
 }
 
-/* Whether a voxel or a face neighbour has the label whose surface is looked for. */
+/* ---- what is solid for a label ---- */
+
+static void add_label(struct solid *solid, uint8_t label)
+{
+    for (int i = 0; i < solid->labels; i++)
+        if (solid->label[i] == label)
+            return;
+    solid->label[solid->labels++] = label;
+}
+
+static void find_labels(struct solid *solid, const struct refiner *refiner, uint32_t cell)
+{
+    const struct border *border = refiner->border;
+    *solid = (struct solid){.cell = cell};
+    if (border_shows(border, cell))
+        add_label(solid, labels_at(&border->labels, cell));
+    for (int i = 0; i < 6 && seams_is_edge(refiner->seams, cell); i++) {
+        const ptrdiff_t step = border->scene->grid.step[i / 2];
+        const uint32_t beside = cell + (uint32_t)(i % 2 ? step : -step);
+        if (border_shows(border, beside))
+            add_label(solid, labels_at(&border->labels, beside));
+    }
+}
+
+const struct solid *refine_solid(const struct refiner *refiner, uint32_t cell)
+{
+    const uint32_t place = (cell * UINT32_C(2654435769) >> 16) % REFINE_SOLIDS;
+    struct solid *solid = &refiner->solids->at[place];
+    if (solid->cell != cell)
+        find_labels(solid, refiner, cell);
+    return solid;
+}
+
 static bool is_solid_for_label(const struct refiner *refiner, uint32_t cell)
 {
-    const ptrdiff_t *step = refiner->camera->scene->grid.step;
-    bool is_solid = shows(refiner, cell);
-    for (int i = 0; i < 6 && !is_solid && seams_is_edge(refiner->seams, cell); i++)
-        is_solid = shows(refiner, cell + (uint32_t)(i % 2 ? step[i / 2] : -step[i / 2]));
+    const struct solid *solid = refine_solid(refiner, cell);
+    bool is_solid = false;
+    for (int i = 0; i < solid->labels; i++)
+        is_solid |= solid->label[i] == refiner->label;
     return is_solid;
 }
 

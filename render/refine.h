@@ -32,6 +32,18 @@ enum { REFINE_WITHIN = 3 };
 
 enum refine_pace { REFINE_QUARTER, REFINE_HALF, REFINE_WHOLE };
 
+/* The labels for which a voxel is solid: its own, and those of its neighbours. */
+struct solid {
+    uint32_t cell; /* 0: of none */
+    uint8_t labels, label[7];
+};
+
+/* Those of voxels that were looked at: rays side by side meet the same. A new one is zeroed. */
+enum { REFINE_SOLIDS = 1024 };
+struct solids {
+    struct solid at[REFINE_SOLIDS];
+};
+
 struct refiner {
     const struct camera *camera;
     const struct border *border;
@@ -43,7 +55,8 @@ struct refiner {
     bool meets; /* where objects meet, a point's voxel is that of render/meeting.h */
     struct field_reader *shown; /* the one reader that there is of that field */
     uint8_t label;              /* whose surface is looked for; 0: of all that is shown */
-    const struct seams *seams;  /* to be set where it is of a label: the border's */
+    const struct seams *seams;  /* to be set where it is of a label: the border's, */
+    struct solids *solids;      /* and these, of one thread */
 };
 
 /* The border outlives this; `shown`, of the field of shown voxels, is for the caller to set. */
@@ -64,6 +77,8 @@ uint32_t refine_voxel_at(const struct refiner *refiner, int64_t depth, uint32_t 
 /* Whether that is to be looked at there. */
 bool refine_meets_at(const struct refiner *refiner, int64_t depth, uint32_t x, uint32_t y);
 
+const struct solid *refine_solid(const struct refiner *refiner, uint32_t cell);
+
 /* Follows the ray of a pixel from where it comes into a cube that is solid for a label: true where
  * it comes inside of what has the label, at that depth and voxel; else to this depth there is
  * nothing of it. */
@@ -76,7 +91,8 @@ uint32_t refine_label_voxel(struct refiner *refiner, uint8_t label, int64_t dept
                             uint32_t y);
 
 /* Where that ray, which is inside of what has the label at some point within a voxel or two of this
- * depth, or is not any more, leaves it. */
+ * depth, or is not any more, leaves it: at most REFINE_END voxels further on. */
+enum { REFINE_END = 4 };
 int64_t refine_end(struct refiner *refiner, uint8_t label, uint32_t x, uint32_t y, int64_t depth);
 
 /* A voxel's width along the ray, as a difference of depths. */

@@ -49,7 +49,8 @@ struct shading {
     const struct look *look;
     const struct palette *palette;
     bool is_refined;
-    struct refiner refiner; /* where the rendition is refined */
+    struct refiner refiner; /* where the rendition is refined, */
+    struct solids solids;   /* what it stores */
     bool has_patches;       /* with patches; */
     uint32_t samples;       /* of which one may stand for samples x samples; */
     uint32_t block;         /* and in blocks of so many tiles a side */
@@ -658,6 +659,7 @@ static void take_fields(struct shading *s, struct shader_part *part)
                  &part->shown, &part->scene);
     s->normals.creases = s->look->creases;
     s->refiner.shown = &s->normals.shown;
+    s->refiner.solids = &s->solids;
 }
 
 void shade_rows(struct rendition *r, uint32_t first, uint32_t end, const struct camera *camera,
