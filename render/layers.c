@@ -446,74 +446,71 @@ bool layers_pick(struct rendition *r, const struct border *border, struct footpr
 
 /* ---- blending ---- */
 
+/* The pixel of a tile that has this number in it. */
+static inline size_t pixel_at(const struct blend *blend, unsigned number)
+{
+    const size_t x = (size_t)blend->tile.left + number % TILE;
+    const size_t y = (size_t)blend->tile.top + number / TILE;
+    return y * blend->layers->width + x;
+}
+
 void blend_begin(struct blend *blend, struct rendition *r, const struct border *border,
                  struct footprint tile)
 {
-    blend->layers = r->layers;
-    blend->border = border;
-    blend->tile = tile;
-    blend->number = 0;
+    *blend = (struct blend){.layers = r->layers, .border = border, .tile = tile};
+    for (int32_t y = tile.top; y <= tile.bottom; y++)
+        for (int32_t x = tile.left; x <= tile.right; x++) {
+            const tile_mask is_shown = r->label[(size_t)y * r->width + (size_t)x] != 0;
+            blend->shown |= is_shown << ((y - tile.top) * TILE + x - tile.left);
+        }
+    blend->goes_on = blend->shown;
     for (int i = 0; i < TILE * TILE; i++)
         blend->left[i] = LIGHT_ALL;
-    memset(blend->sum, 0, sizeof blend->sum);
 }
 
-/* The number of a pixel in the tile. */
-static unsigned within_tile(struct footprint tile, int32_t x, int32_t y)
+tile_mask blend_next(struct blend *blend)
 {
-    return (unsigned)((y - tile.top) * TILE + x - tile.left);
-}
-
-bool blend_next(struct blend *blend)
-{
-    struct layers *l = blend->layers;
-    struct rendition *pass = &l->pass;
-    bool any = false;
-    for (int32_t y = blend->tile.top; y <= blend->tile.bottom; y++)
-        for (int32_t x = blend->tile.left; x <= blend->tile.right; x++) {
-            const size_t pixel = (size_t)y * l->width + (size_t)x;
-            const unsigned i = within_tile(blend->tile, x, y);
-            const struct layer none = {DEPTH_NONE, CELL_NONE, 0};
-            const struct layer layer = blend->left[i] ? layers_at(l, pixel, blend->number) : none;
-            pass->depth[pixel] = layer.depth;
-            pass->cell[pixel] = layer.cell;
-            pass->label[pixel] = layer.label;
-            blend->opacity[i] = layer.label ? blend->border->opacity[layer.label] : 0;
-            any = any || layer.label;
-        }
+    struct rendition *pass = &blend->layers->pass;
+    for (tile_mask pixels = blend->goes_on; pixels; pixels &= pixels - 1) {
+        const size_t pixel = pixel_at(blend, (unsigned)__builtin_ctzll(pixels));
+        const struct layer layer = layers_at(blend->layers, pixel, blend->number);
+        pass->depth[pixel] = layer.depth;
+        pass->cell[pixel] = layer.cell;
+        pass->label[pixel] = layer.label;
+        if (!layer.label)
+            blend->goes_on ^= pixels & -pixels;
+    }
     blend->number++;
-    return any;
+    return blend->goes_on;
 }
 
 void blend_add(struct blend *blend, struct rendition *r)
 {
     const struct rendition *pass = &blend->layers->pass;
-    for (int32_t y = blend->tile.top; y <= blend->tile.bottom; y++)
-        for (int32_t x = blend->tile.left; x <= blend->tile.right; x++) {
-            const size_t pixel = (size_t)y * r->width + (size_t)x;
-            const unsigned i = within_tile(blend->tile, x, y);
-            const uint32_t share = share_of(blend->left[i], blend->opacity[i]);
-            if (!blend->opacity[i])
-                continue;
-            for (int k = 0; k < 3; k++) {
-                const uint32_t level = pass->rgba[4 * pixel + (size_t)k];
-                blend->sum[i][k] += share * level * level;
-            }
-            blend->left[i] -= share;
-            if (pass->depth[pixel] == r->depth[pixel])
-                memcpy(r->normal + 4 * pixel, pass->normal + 4 * pixel, 4 * sizeof *r->normal);
+    for (tile_mask pixels = blend->goes_on; pixels; pixels &= pixels - 1) {
+        const unsigned i = (unsigned)__builtin_ctzll(pixels);
+        const size_t pixel = pixel_at(blend, i);
+        const uint32_t share = share_of(blend->left[i], blend->border->opacity[pass->label[pixel]]);
+        for (int k = 0; k < 3; k++) {
+            const uint32_t level = pass->rgba[4 * pixel + (size_t)k];
+            blend->sum[i][k] += share * level * level;
         }
+        blend->left[i] -= share;
+        if (pass->depth[pixel] == r->depth[pixel])
+            memcpy(r->normal + 4 * pixel, pass->normal + 4 * pixel, 4 * sizeof *r->normal);
+        if (!blend->left[i])
+            blend->goes_on ^= pixels & -pixels;
+    }
 }
 
 void blend_end(const struct blend *blend, struct rendition *r)
 {
-    for (int32_t y = blend->tile.top; y <= blend->tile.bottom; y++)
-        for (int32_t x = blend->tile.left; x <= blend->tile.right; x++) {
-            uint8_t *rgba = r->rgba + 4 * ((size_t)y * r->width + (size_t)x);
-            const unsigned i = within_tile(blend->tile, x, y);
-            const uint32_t taken = LIGHT_ALL - blend->left[i];
-            for (int k = 0; k < 3; k++)
-                rgba[k] = taken ? blend->layers->root[blend->sum[i][k] / taken] : 0;
-            rgba[3] = (uint8_t)((taken * 255 + LIGHT_ALL / 2) / LIGHT_ALL);
-        }
+    for (tile_mask pixels = blend->shown; pixels; pixels &= pixels - 1) {
+        const unsigned i = (unsigned)__builtin_ctzll(pixels);
+        const uint32_t taken = LIGHT_ALL - blend->left[i];
+        uint8_t *rgba = r->rgba + 4 * pixel_at(blend, i);
+        for (int k = 0; k < 3; k++)
+            rgba[k] = taken ? blend->layers->root[blend->sum[i][k] / taken] : 0;
+        rgba[3] = (uint8_t)((taken * 255 + LIGHT_ALL / 2) / LIGHT_ALL);
+    }
 }

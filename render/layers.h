@@ -126,16 +126,17 @@ struct blend {
     const struct border *border;
     struct footprint tile;
     unsigned number;              /* of the next layer */
+    tile_mask shown, goes_on;     /* pixels of which something is seen, and those with more of it */
     uint32_t left[TILE * TILE];   /* of the light of each pixel, of 2^16 */
     uint32_t sum[TILE * TILE][3]; /* of shares of squares */
-    uint8_t opacity[TILE * TILE]; /* of the layer at hand, percent; 0: the pixel has none */
 };
 
+/* Labels of the tile are made. */
 void blend_begin(struct blend *blend, struct rendition *rendition, const struct border *border,
                  struct footprint tile);
-/* Puts the next layer into layers->pass, of which the caller shades the tile; false after the
- * last. */
-bool blend_next(struct blend *blend);
+/* Puts the next layer into layers->pass, and gives back which pixels have one, for the caller to
+ * shade them; none after the last. */
+tile_mask blend_next(struct blend *blend);
 /* After that: adds the colours, and takes the normal where it is the pixel's. */
 void blend_add(struct blend *blend, struct rendition *rendition);
 void blend_end(const struct blend *blend, struct rendition *rendition);

@@ -28,9 +28,6 @@ enum {
     PATCH_SIDE = PATCH_TILES * TILE,
 };
 
-/* The samples of a tile: bit y * TILE + x. */
-typedef uint64_t tile_mask;
-
 /* What is known of a tile's samples. */
 struct patched {
     tile_mask is_refined; /* depth and voxel are made, or another one stands for it; */

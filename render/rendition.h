@@ -24,6 +24,9 @@
 
 enum { TILE = 8 }; /* side, in pixels, of the squares that are marked stale and shaded at once */
 
+/* Some pixels of a tile, or samples: bit y * TILE + x. */
+typedef uint64_t tile_mask;
+
 /* One bit each, so that one can ask for several. */
 enum tile_state {
     TILE_FRESH = 0,

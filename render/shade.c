@@ -238,13 +238,15 @@ static void darken(uint8_t rgba[4])
 static void take_pixels(struct tile_pixels *pixels, const struct rendition *r, struct tile tile,
                         tile_mask mask)
 {
-    for (uint32_t y = tile.top; y < tile.bottom; y++)
-        for (uint32_t x = tile.left; x < tile.right; x++)
-            if (mask >> ((y - tile.top) * TILE + x - tile.left) & 1 &&
-                r->cell[(size_t)y * r->width + x] != CELL_NONE) {
-                pixels->x[pixels->count] = x;
-                pixels->y[pixels->count++] = y;
-            }
+    const tile_mask wide = (1u << (tile.right - tile.left)) - 1;
+    for (uint32_t y = tile.top; y < tile.bottom; y++, mask >>= TILE)
+        for (tile_mask row = mask & wide; row; row &= row - 1) {
+            const uint32_t x = tile.left + (uint32_t)__builtin_ctzll(row);
+            if (r->cell[(size_t)y * r->width + x] == CELL_NONE)
+                continue;
+            pixels->x[pixels->count] = x;
+            pixels->y[pixels->count++] = y;
+        }
 }
 
 /* Some pixels, of which some have their normals. */
@@ -365,8 +367,8 @@ static void blend_tile(struct rendition *r, struct shading *s, struct tile tile)
 {
     struct blend blend;
     blend_begin(&blend, r, s->border, footprint_of(tile));
-    while (blend_next(&blend)) {
-        shade_tile(&r->layers->pass, s, tile, ~(tile_mask)0, 0);
+    for (tile_mask pixels = blend_next(&blend); pixels; pixels = blend_next(&blend)) {
+        shade_tile(&r->layers->pass, s, tile, pixels, 0);
         blend_add(&blend, r);
     }
     blend_end(&blend, r);
