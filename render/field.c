@@ -213,7 +213,7 @@ static unsigned labelled_bits(const struct field *field, size_t cell, unsigned b
         const unsigned first = left & -left, next = left & (left - 1);
         const unsigned to_next = (next & -next) - first; /* all from the first on, where it is 0 */
         const uint32_t at = (uint32_t)cell + (uint32_t)__builtin_ctz(first);
-        if (labels_at(&field->border->labels, at) == label)
+        if (seams_label(seams, at) == label)
             found |= bits & to_next;
     }
     return found;

@@ -206,8 +206,9 @@ struct faces {
 
 /* Whether the ray of a pixel, before it comes into a cube with these near crossings, was in one of
  * the label at most LAYERS_GAP cubes before. */
-static bool is_near_run(const struct camera *camera, const struct border *border,
-                        const struct faces *faces, const int64_t crossing[3], int32_t x, int32_t y)
+static bool is_near_run(const struct layers *l, const struct camera *camera,
+                        const struct border *border, const struct faces *faces,
+                        const int64_t crossing[3], int32_t x, int32_t y)
 {
     int64_t near[3] = {crossing[0], crossing[1], crossing[2]};
     uint32_t cell = faces->cell;
@@ -218,7 +219,7 @@ static bool is_near_run(const struct camera *camera, const struct border *border
         if (near[a] < camera_crossing(camera, a, 0, x, y))
             return false;
         cell += (uint32_t)camera->toward[a];
-        if (border_shows(border, cell) && labels_at(&border->labels, cell) == faces->label)
+        if (border_shows(border, cell) && seams_label(l->seams, cell) == faces->label)
             return true;
     }
     return false;
@@ -242,7 +243,7 @@ static void splat_faces(struct layers *l, struct sweep *sweep, const struct bord
             if (first < l->last_depth[pixel] &&
                 first < least_of(near0 + T[0], near1 + T[1], near2 + T[2]) &&
                 faces.axes >> (first & 3) & 1 &&
-                (is_opaque || !is_near_run(camera, border, &faces,
+                (is_opaque || !is_near_run(l, camera, border, &faces,
                                            (const int64_t[]){near0, near1, near2}, x, y)))
                 layers_put(l, pixel, first, faces.cell, faces.label, is_opaque);
             near0 += A[0], near1 += A[1], near2 += A[2];
@@ -281,13 +282,6 @@ void layers_splat_scene(struct rendition *r, const struct camera *camera,
         }
 }
 
-/* Labels of voxels of a word lie in as many cache lines. */
-static void fetch_cells(const struct scene *scene, size_t w, uint64_t word)
-{
-    for (; word; word &= word - 1)
-        __builtin_prefetch(scene->cell + w * 64 + (size_t)__builtin_ctzll(word));
-}
-
 static void splat_row(struct layers *l, struct sweep *sweep, const struct border *border, size_t w,
                       uint64_t row, const uint64_t begins[3])
 {
@@ -297,7 +291,7 @@ static void splat_row(struct layers *l, struct sweep *sweep, const struct border
         const uint64_t axes =
             (begins[0] >> bit & 1) | (begins[1] >> bit & 1) << 1 | (begins[2] >> bit & 1) << 2;
         splat_faces(l, sweep, border,
-                    (struct faces){cell, (unsigned)axes, labels_at(&border->labels, cell)});
+                    (struct faces){cell, (unsigned)axes, seams_label(l->seams, cell)});
     }
 }
 
@@ -313,7 +307,6 @@ static void splat_word(struct rendition *r, struct sweep *sweep, const struct bo
     }
     for (uint64_t word = border->shown[w] & (begins[0] | begins[1] | begins[2]); word;) {
         const uint64_t row = sweep_take_row(sweep, w, &word);
-        fetch_cells(border->scene, w, row);
         splat_row(r->layers, sweep, border, w, row, begins);
     }
 }

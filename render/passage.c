@@ -63,7 +63,7 @@ static void come_from(struct passage *p, const struct walk *walk)
     const uint32_t before = walk->cell + (uint32_t)p->refiner->camera->toward[walk->at & 3];
     if (!border_shows(border, before))
         return;
-    struct run *run = &p->run[labels_at(&border->labels, before)];
+    struct run *run = &p->run[seams_label(p->refiner->seams, before)];
     run->last = p->cube - 1;
 }
 

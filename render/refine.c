@@ -100,7 +100,7 @@ static inline bool shows(const struct refiner *refiner, uint32_t cell)
 {
     const uint8_t label = refiner->label;
     return border_shows(refiner->border, cell) &&
-           (label == 0 || labels_at(&refiner->border->labels, cell) == label);
+           (label == 0 || seams_label(refiner->seams, cell) == label);
 }
 
 /* ---- what is solid for a label ---- */
@@ -118,12 +118,12 @@ static void find_labels(struct solid *solid, const struct refiner *refiner, uint
     const struct border *border = refiner->border;
     *solid = (struct solid){.cell = cell};
     if (border_shows(border, cell))
-        add_label(solid, labels_at(&border->labels, cell));
+        add_label(solid, seams_label(refiner->seams, cell));
     for (int i = 0; i < 6 && seams_is_edge(refiner->seams, cell); i++) {
         const ptrdiff_t step = border->scene->grid.step[i / 2];
         const uint32_t beside = cell + (uint32_t)(i % 2 ? step : -step);
         if (border_shows(border, beside))
-            add_label(solid, labels_at(&border->labels, beside));
+            add_label(solid, seams_label(refiner->seams, beside));
     }
 }
 

@@ -10,12 +10,13 @@ void seams_release(struct seams *seams)
         mem_pages_free(seams->between[a], seams->words * sizeof(uint64_t));
     mem_pages_free(seams->edge, seams->words * sizeof(uint64_t));
     mem_pages_free(seams->near, seams->words * sizeof(uint64_t));
+    mem_pages_free(seams->label, seams->words * 64);
     *seams = (struct seams){0};
 }
 
 size_t seams_bytes(const struct seams *seams)
 {
-    return 5 * seams->words * sizeof(uint64_t);
+    return seams->words * (5 * sizeof(uint64_t) + 64);
 }
 
 static enum err make_room(struct seams *seams, size_t words, struct fault *fault)
@@ -28,7 +29,9 @@ static enum err make_room(struct seams *seams, size_t words, struct fault *fault
         seams->between[a] = mem_pages(words * sizeof(uint64_t));
     seams->edge = mem_pages(words * sizeof(uint64_t));
     seams->near = mem_pages(words * sizeof(uint64_t));
-    if (seams->between[0] && seams->between[1] && seams->between[2] && seams->edge && seams->near)
+    seams->label = mem_pages(words * 64);
+    if (seams->between[0] && seams->between[1] && seams->between[2] && seams->edge && seams->near &&
+        seams->label)
         return OK;
     seams_release(seams);
     return fault_memory(fault, "faces between objects");
@@ -44,8 +47,7 @@ static void count_word(struct seams *seams, const struct border *border, size_t 
         both &= border_shown_from(border, at + step);
         for (; both; both &= both - 1) {
             const uint32_t cell = (uint32_t)at + (uint32_t)__builtin_ctzll(both);
-            const bool differ = labels_at(&border->labels, cell) !=
-                                labels_at(&border->labels, cell + (uint32_t)step);
+            const bool differ = seams->label[cell] != seams->label[cell + (uint32_t)step];
             found |= differ ? both & -both : 0;
         }
         seams->between[a][w] = found;
@@ -77,6 +79,7 @@ enum err seams_count(struct seams *seams, const struct border *border, struct fa
     struct task task = task_begin(border->scene->watch, "border", 2 * border->scene->grid.cells);
     if (err)
         return err;
+    labels_copy(&border->labels, seams->label, NULL);
     for (size_t w = 0; w + 1 < border->words && task_advance(&task, 64); w++)
         count_word(seams, border, w);
     for (size_t w = 0; w + 1 < border->words && task_advance(&task, 64); w++)
@@ -133,7 +136,7 @@ static void judge(struct seams *seams, const struct border *border, uint32_t cel
     const uint32_t next = cell + (uint32_t)border->scene->grid.step[a];
     const uint64_t bit = UINT64_C(1) << (cell & 63);
     const bool is_seam = border_shows(border, cell) && border_shows(border, next) &&
-                         labels_at(&border->labels, cell) != labels_at(&border->labels, next);
+                         seams->label[cell] != seams->label[next];
     uint64_t *word = &seams->between[a][cell >> 6];
     *word = is_seam ? *word | bit : *word & ~bit;
 }
@@ -157,6 +160,8 @@ enum err seams_follow(struct seams *seams, const struct border *border,
     if (changes->everything || seams->border != border || seams->version + 1 != border->version)
         return seams_count(seams, border, fault);
     struct task task = task_begin(border->scene->watch, "border", 3 * changes->count);
+    for (size_t i = 0; i < changes->count; i++)
+        seams->label[changes->item[i].cell] = labels_at(&border->labels, changes->item[i].cell);
     for (size_t i = 0; i < changes->count && task_advance(&task, 1); i++)
         for (int a = 0; a < 3; a++) {
             const uint32_t cell = changes->item[i].cell;

@@ -4,7 +4,8 @@
  * An opaque picture never shows such a face, so the border (render/border.h) knows nothing of them;
  * where objects are translucent it does. They are held as one bit per cell and axis. One more says
  * of each cell whether anything is to be seen there: a ray through cells without it stays in what
- * it is in. Yet another says that this is far away, so that such rays take many cells at once.
+ * it is in. Yet another says that this is far away, so that such rays take many cells at once. And
+ * labels are copied, a byte each: cells that are looked at here and there lie closer together then.
  *
  * Invariant: once seams_follow or seams_count was the last to be called, bit c % 64 of word c / 64
  * of between[a] says that cell c and its neighbour one step along axis a are both shown, and have
@@ -24,6 +25,7 @@ struct seams {
     uint32_t version;
     uint64_t *between[3], *edge, *near; /* [words] each */
     bool has_near;
+    uint8_t *label; /* [64 * words]; of all cells */
     size_t words;
 };
 
@@ -41,6 +43,11 @@ enum err seams_follow(struct seams *seams, const struct border *border,
 
 /* Finds what is near, of a border's seams, once. */
 void seams_find_near(struct seams *seams);
+
+static inline uint8_t seams_label(const struct seams *seams, uint32_t cell)
+{
+    return seams->label[cell];
+}
 
 /* Whether a cell and the next one along axis `a` have such a face between them. */
 static inline bool seams_is_between(const struct seams *seams, uint32_t cell, int a)

@@ -318,6 +318,42 @@ static bool are_same_seams(const struct seams *a, const struct seams *b)
     for (int axis = 0; axis < 3; axis++)
         same = same &&
                memcmp(a->between[axis], b->between[axis], a->words * sizeof *a->between[axis]) == 0;
+    return same && memcmp(a->label, b->label, a->border->scene->grid.cells) == 0;
+}
+
+/* What was near an edge before is so until a recount. */
+static bool are_near(const struct seams *kept, const struct seams *counted)
+{
+    bool are = kept->has_near && counted->has_near;
+    for (size_t w = 0; w < counted->words; w++)
+        are = are && !(counted->near[w] & ~kept->near[w]);
+    return are;
+}
+
+static bool all_near(const struct seams *seams, const struct grid *grid, struct place p)
+{
+    enum { AROUND = 2 * SEAMS_NEAR + 1 };
+    bool all = true;
+    for (int i = 0; i < AROUND * AROUND * AROUND; i++) {
+        const int64_t x = (int64_t)p.x + i % AROUND - SEAMS_NEAR;
+        const int64_t y = (int64_t)p.y + i / AROUND % AROUND - SEAMS_NEAR;
+        const int64_t z = (int64_t)p.z + i / AROUND / AROUND - SEAMS_NEAR;
+        all = all && (!grid_contains(grid, x, y, z) ||
+                      seams_is_near(seams, grid_cell(grid, (uint32_t)x, (uint32_t)y, (uint32_t)z)));
+    }
+    return all;
+}
+
+/* Around each edge. */
+static bool is_near_as_seen(const struct seams *seams, const struct grid *grid)
+{
+    bool same = true;
+    for (uint32_t v = 0; v < grid->voxels; v++) {
+        const struct place p = {v % grid->size[0], v / grid->size[0] % grid->size[1],
+                                v / grid->size[0] / grid->size[1]};
+        const bool is_edge = seams_is_edge(seams, grid_cell(grid, p.x, p.y, p.z));
+        same = same && (!is_edge || all_near(seams, grid, p));
+    }
     return same;
 }
 
@@ -327,28 +363,58 @@ STORY(seams_that_follow_edits_are_as_counted_ones)
     for (int i = 0; i < 40 && check_failures == 0; i++) {
         struct stage s;
         struct seams kept = {0};
-        const uint32_t side = 2 + check_below(&random, 14);
-        CHECK(stage_init(&s, (uint32_t[]){side, side, 1 + side / 2}, 6, NULL) == OK);
+        const uint32_t side = 2 + check_below(&random, 24);
+        CHECK(stage_init(&s, (uint32_t[]){side, side, side}, 6, NULL) == OK);
         s.border.visible[3] = false;
         border_recount(&s.border);
         CHECK(seams_count(&kept, &s.border, NULL) == OK);
+        seams_find_near(&kept);
         for (int step = 0; step < 8; step++) {
             struct seams counted = {0};
             const struct edit edit = {grid_cell(&s.scene->grid, check_below(&random, side),
                                                 check_below(&random, side),
-                                                check_below(&random, 1 + side / 2)),
+                                                check_below(&random, side)),
                                       (int16_t)check_below(&random, 4), 0};
             CHECK(forest_edit(s.forest, &edit, 1, NULL) == OK);
             const struct changes changes = forest_changes(s.forest);
             border_update(&s.border, &changes);
             CHECK(seams_follow(&kept, &s.border, &changes, NULL) == OK);
             CHECK(seams_count(&counted, &s.border, NULL) == OK);
+            seams_find_near(&kept); /* which an edit of everything has taken away */
+            seams_find_near(&counted);
             CHECK(are_same_seams(&kept, &counted));
+            CHECK(are_near(&kept, &counted));
+            CHECK(step > 0 || is_near_as_seen(&counted, &s.scene->grid));
             seams_release(&counted);
         }
         seams_release(&kept);
         stage_release(&s);
     }
+}
+
+STORY(around_a_voxel_that_changes_all_is_near)
+{
+    struct stage s;
+    struct seams kept = {0}, counted = {0};
+    CHECK(stage_init(&s, (uint32_t[]){40, 40, 40}, 6, NULL) == OK);
+    for (uint32_t v = 0; v < s.scene->grid.voxels; v++)
+        set_label(&s, v % 40, v / 40 % 40, v / 1600, 1);
+    border_recount(&s.border);
+    CHECK(seams_count(&kept, &s.border, NULL) == OK);
+    seams_find_near(&kept);
+    const struct change change = {grid_cell(&s.scene->grid, 20, 20, 20), 1, 2};
+    const struct changes changes = {.count = 1, .item = &change, .listed = 1, .voxels = 1};
+    CHECK(!seams_is_near(&kept, change.cell));
+    set_label(&s, 20, 20, 20, 2);
+    border_update(&s.border, &changes);
+    CHECK(seams_follow(&kept, &s.border, &changes, NULL) == OK);
+    CHECK(seams_count(&counted, &s.border, NULL) == OK);
+    seams_find_near(&counted);
+    CHECK(are_near(&kept, &counted) && is_near_as_seen(&kept, &s.scene->grid));
+    CHECK(!seams_is_near(&kept, grid_cell(&s.scene->grid, 20, 20, 10)));
+    seams_release(&kept);
+    seams_release(&counted);
+    stage_release(&s);
 }
 
 int main(void)
@@ -360,5 +426,6 @@ int main(void)
                        TELL(each_of_three_balls_within_each_other_is_seen),
                        TELL(a_translucent_ball_is_as_wide_as_its_surface),
                        TELL(what_lies_close_behind_the_same_object_is_the_same_layer),
-                       TELL(seams_that_follow_edits_are_as_counted_ones));
+                       TELL(seams_that_follow_edits_are_as_counted_ones),
+                       TELL(around_a_voxel_that_changes_all_is_near));
 }
