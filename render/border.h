@@ -121,6 +121,13 @@ static inline uint64_t border_bits_from(const uint64_t *words, size_t count, ptr
     return words[word] >> shift | words[word + 1] << 1 << (63 - shift);
 }
 
+/* The same from the bit of a cell on: its word has one after it. */
+static inline uint64_t border_bits_at(const uint64_t *words, uint32_t cell)
+{
+    const uint64_t *word = words + (cell >> 6);
+    return word[0] >> (cell & 63) | word[1] << 1 << (63 - (cell & 63));
+}
+
 /* Which of the 64 cells from `at` on are shown, bit 0 the first. `at` may lie up to a row and a
  * plane before the first cell or after the last: none of those cells is shown. */
 static inline uint64_t border_shown_from(const struct border *border, ptrdiff_t at)

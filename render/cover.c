@@ -89,8 +89,8 @@ static void cover_row(struct covering *c, struct place first, uint32_t cell, uns
     const struct camera *camera = c->sweep.camera;
     unsigned open[3], left = 0;
     for (int a = 0; a < 3; a++) {
-        const uint64_t solid = border_solid_from(c->border, cell + camera->toward[a]);
-        open[a] = hull & ~(unsigned)solid;
+        const uint32_t beside = cell + (uint32_t)camera->toward[a];
+        open[a] = hull & ~(unsigned)border_bits_at(c->border->solid, beside);
         left |= open[a];
     }
     if (left)
@@ -117,25 +117,38 @@ static struct footprint footprint_of(const struct camera *camera, struct place f
     return footprint_at(camera, seen.centre[0], seen.centre[1], reach);
 }
 
+/* Whether it does not even touch the edge of the picture. */
+static bool is_within(const struct camera *camera, struct footprint f)
+{
+    const int32_t right = (int32_t)camera->view.width - 1,
+                  bottom = (int32_t)camera->view.height - 1;
+    return f.left > 0 && f.top > 0 && f.right < right && f.bottom < bottom;
+}
+
+static uint32_t voxels_along(const struct grid *grid, int a, uint32_t first)
+{
+    return grid->size[a] - first < SIDE ? grid->size[a] - first : SIDE;
+}
+
 static void cover_block(struct covering *c, struct place first)
 {
     const struct camera *camera = c->sweep.camera;
     const struct grid *grid = &camera->scene->grid;
-    const uint32_t wide = grid->size[0] - first.x;
-    const unsigned within = (1u << (wide < SIDE ? wide : SIDE)) - 1;
-    if (is_covered(c, footprint_of(camera, first)))
+    const struct footprint f = footprint_of(camera, first);
+    if (is_covered(c, f))
         return;
-    for (uint32_t i = 0; i < SIDE * SIDE; i++) {
-        const struct place p = {first.x, first.y + in_order(camera, 1, i % SIDE, SIDE),
-                                first.z + in_order(camera, 2, i / SIDE, SIDE)};
-        if (p.y >= grid->size[1] || p.z >= grid->size[2])
-            continue;
-        const uint32_t cell = grid_cell(grid, p.x, p.y, p.z);
-        const unsigned hull =
-            (unsigned)border_bits_from(c->border->hull, c->border->words, cell) & within;
-        if (hull)
-            cover_row(c, p, cell, hull);
-    }
+    c->sweep.is_within = is_within(camera, f);
+    const uint32_t rows = voxels_along(grid, 1, first.y), planes = voxels_along(grid, 2, first.z);
+    const unsigned all = (1u << voxels_along(grid, 0, first.x)) - 1;
+    for (uint32_t k = 0; k < planes; k++)
+        for (uint32_t j = 0; j < rows; j++) {
+            const struct place p = {first.x, first.y + in_order(camera, 1, j, rows),
+                                    first.z + in_order(camera, 2, k, planes)};
+            const uint32_t cell = grid_cell(grid, p.x, p.y, p.z);
+            const unsigned hull = (unsigned)border_bits_at(c->border->hull, cell) & all;
+            if (hull)
+                cover_row(c, p, cell, hull);
+        }
 }
 
 /* ---- all of them ---- */

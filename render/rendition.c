@@ -131,10 +131,9 @@ struct rendition rendition_rows(const struct rendition *r, uint32_t top, uint32_
 void rendition_clear(struct rendition *r)
 {
     size_t pixels = (size_t)r->width * r->height;
-    for (size_t i = 0; i < pixels; i++) {
+    for (size_t i = 0; i < pixels; i++)
         r->cube.depth[i] = DEPTH_NONE;
-        r->cube.cell[i] = CELL_NONE;
-    }
+    memset(r->cube.cell, UINT8_MAX, pixels * sizeof *r->cube.cell); /* CELL_NONE */
     memset(r->stale, TILE_STALE, (size_t)r->tiles_x * r->tiles_y);
 }
 

@@ -132,14 +132,13 @@ static inline bool sweep_holds(const struct sweep *sweep)
     return holds;
 }
 
-/* To the row of voxels (., y, z). */
+/* To the row of voxels (., y, z), all but whether it is within the picture. */
 static inline void sweep_at_row(struct sweep *sweep, uint32_t y, uint32_t z)
 {
     const struct span row = grid_row(&sweep->camera->scene->grid, y, z);
     sweep->first = row.first;
     sweep->end = row.end;
     sweep->seen = project(sweep->camera, (struct place){0, y, z});
-    sweep->is_within = sweep_holds(sweep);
 }
 
 /* Most rows with something to show lie beside the one before: then nothing is divided. */
@@ -149,15 +148,15 @@ static inline void sweep_to_row(struct sweep *sweep, uint32_t cell)
     const uint32_t next = sweep->first + (uint32_t)grid->step[1];
     if (cell >= next && cell < next + grid->size[0] && sweep->first) {
         sweep->first = next;
+        sweep->end = next + grid->size[0];
         sweep->seen.near[1] += sweep->along_y.near[1];
         for (int k = 0; k < 2; k++)
             sweep->seen.centre[k] += sweep->along_y.centre[k];
-        sweep->end = sweep->first + grid->size[0];
-        sweep->is_within = sweep_holds(sweep);
     } else {
         const struct place p = grid_place(grid, cell);
         sweep_at_row(sweep, p.y, p.z);
     }
+    sweep->is_within = sweep_holds(sweep);
 }
 
 /* Which pixels the cell's faces may cover; all of them are the cube. `near` is where the three near
