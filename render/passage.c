@@ -51,9 +51,9 @@ static void come_to(struct passage *p, const struct walk *walk, uint8_t label)
 
 static void come_to_all(struct passage *p, const struct walk *walk)
 {
-    const struct solid *solid = refine_solid(p->refiner, walk->cell);
-    for (int i = 0; i < solid->labels; i++)
-        come_to(p, walk, solid->label[i]);
+    const struct solid solid = refine_solid(p->refiner, walk->cell);
+    for (int i = 0; i < solid.labels; i++)
+        come_to(p, walk, solid.label[i]);
 }
 
 /* What the ray has come through without an edge was all of one label, if that of anything. */

@@ -127,21 +127,21 @@ static void find_labels(struct solid *solid, const struct refiner *refiner, uint
     }
 }
 
-const struct solid *refine_solid(const struct refiner *refiner, uint32_t cell)
+struct solid refine_solid(const struct refiner *refiner, uint32_t cell)
 {
     const uint32_t place = (cell * UINT32_C(2654435769) >> 16) % REFINE_SOLIDS;
     struct solid *solid = &refiner->solids->at[place];
     if (solid->cell != cell)
         find_labels(solid, refiner, cell);
-    return solid;
+    return *solid;
 }
 
 static bool is_solid_for_label(const struct refiner *refiner, uint32_t cell)
 {
-    const struct solid *solid = refine_solid(refiner, cell);
+    const struct solid solid = refine_solid(refiner, cell);
     bool is_solid = false;
-    for (int i = 0; i < solid->labels; i++)
-        is_solid |= solid->label[i] == refiner->label;
+    for (int i = 0; i < solid.labels; i++)
+        is_solid |= solid.label[i] == refiner->label;
     return is_solid;
 }
 

@@ -77,7 +77,7 @@ uint32_t refine_voxel_at(const struct refiner *refiner, int64_t depth, uint32_t 
 /* Whether that is to be looked at there. */
 bool refine_meets_at(const struct refiner *refiner, int64_t depth, uint32_t x, uint32_t y);
 
-const struct solid *refine_solid(const struct refiner *refiner, uint32_t cell);
+struct solid refine_solid(const struct refiner *refiner, uint32_t cell);
 
 /* Follows the ray of a pixel from where it comes into a cube that is solid for a label: true where
  * it comes inside of what has the label, at that depth and voxel; else to this depth there is

@@ -121,7 +121,7 @@ static void follow_near(struct seams *seams, const struct grid *grid, uint32_t c
     enum { REACH = SEAMS_NEAR + 1 };
     for (ptrdiff_t z = -REACH; z <= REACH; z++)
         for (ptrdiff_t y = -REACH; y <= REACH; y++) {
-            const ptrdiff_t middle = cell + y * grid->step[1] + z * grid->step[2];
+            const ptrdiff_t middle = (ptrdiff_t)cell + y * grid->step[1] + z * grid->step[2];
             for (ptrdiff_t at = middle - REACH; at <= middle + REACH; at++)
                 if (at >= 0 && (size_t)at < grid->cells)
                     seams->near[at >> 6] |= UINT64_C(1) << (at & 63);
