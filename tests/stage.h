@@ -107,24 +107,24 @@ static inline void stage_fill(struct rendition *r, uint32_t samples)
         }
 }
 
-/* The stage's picture of what is shown, by its view. */
-static inline void stage_draw(struct stage *s)
-{
-    CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
-    CHECK(rendition_init(&s->rendition, s->view.width, s->view.height, NULL) == OK);
-    CHECK(stage_fit_border(s) == OK);
-    splat_border(&s->rendition, &s->camera, &s->border);
-    CHECK(shade(&s->rendition, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) ==
-          OK);
-    stage_fill(&s->rendition, s->look.samples);
-}
-
 /* Has a rendition of what is shown the stage's layers where it needs them; the camera is made. */
 static inline void stage_take_layers(struct stage *s, struct rendition *rendition)
 {
     CHECK(stage_fit_border(s) == OK);
     CHECK(layers_take(&s->layers, rendition, &s->border, &s->shader.seams,
                       shade_refines_layers(&s->look, &s->camera), NULL) == OK);
+}
+
+/* The stage's picture of what is shown, by its view. */
+static inline void stage_draw(struct stage *s)
+{
+    CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
+    CHECK(rendition_init(&s->rendition, s->view.width, s->view.height, NULL) == OK);
+    stage_take_layers(s, &s->rendition);
+    splat_border(&s->rendition, &s->camera, &s->border);
+    CHECK(shade(&s->rendition, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) ==
+          OK);
+    stage_fill(&s->rendition, s->look.samples);
 }
 
 static inline void stage_release(struct stage *s)

@@ -18,12 +18,7 @@ static void draw(struct stage *s, uint32_t side)
     rendition_release(&s->rendition);
     s->view.width = s->view.height = side;
     border_recount(&s->border);
-    CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
-    CHECK(rendition_init(&s->rendition, side, side, NULL) == OK);
-    stage_take_layers(s, &s->rendition);
-    splat_border(&s->rendition, &s->camera, &s->border);
-    CHECK(shade(&s->rendition, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) ==
-          OK);
+    stage_draw(s);
 }
 
 /* ---- which there are ---- */

@@ -105,18 +105,6 @@ static void look(struct stage *s, uint32_t number, const struct way *way)
     border_recount(&s->border);
 }
 
-static void draw(struct stage *s)
-{
-    rendition_release(&s->rendition);
-    CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
-    CHECK(rendition_init(&s->rendition, SIDE, SIDE, NULL) == OK);
-    stage_take_layers(s, &s->rendition);
-    splat_border(&s->rendition, &s->camera, &s->border);
-    CHECK(shade(&s->rendition, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) ==
-          OK);
-    stage_fill(&s->rendition, s->look.samples);
-}
-
 /* A sum of the digests of pictures from some sides. */
 static uint64_t digest_of(struct stage *s, int turns)
 {
@@ -124,7 +112,8 @@ static uint64_t digest_of(struct stage *s, int turns)
     for (int turn = 0; turn < turns; turn++) {
         for (int a = 0; a < 3; a++)
             s->view.angle[a] = turn * (31000 + 17000 * a) % VIEW_TURN;
-        draw(s);
+        rendition_release(&s->rendition);
+        stage_draw(s);
         digest += rendition_digest(&s->rendition);
     }
     return digest;
