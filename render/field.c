@@ -189,19 +189,8 @@ static void smooth_rows(struct row *row, int count, int step)
     }
 }
 
-/* The voxels of a row that are in a set, bit 0 the first. */
-static inline unsigned row_bits(const uint64_t *set, size_t cell, unsigned inside)
-{
-    const uint64_t *word = set + (cell >> 6);
-    const unsigned shift = cell & 63;
-    uint64_t bits = word[0] >> shift;
-    if (shift > 64 - INPUT)
-        bits |= word[1] << (64 - shift);
-    return (unsigned)bits & inside;
-}
-
-/* Those of them that have a label: runs of them have the same between two seams, which are known of
- * what is not cut away. */
+/* Those of some voxels of a row, bit 0 the first, that have a label: runs of them have the same
+ * between two seams, which are known of what is not cut away. */
 static unsigned labelled_bits(const struct field *field, size_t cell, unsigned bits, uint8_t label)
 {
     const struct seams *seams = field->seams;
@@ -230,7 +219,7 @@ static void find_patterns(struct patterns *patterns, const struct field *field,
             if (!has_row(input, y, z))
                 continue;
             const size_t cell = row_cell(&border->scene->grid, input, y, z);
-            const unsigned bits = row_bits(set, cell, input->inside[0]);
+            const unsigned bits = (unsigned)border_bits_at(set, cell) & input->inside[0];
             patterns->row[z][y] =
                 input->label ? labelled_bits(field, cell, bits, input->label) : bits;
         }
