@@ -86,6 +86,21 @@ for name in unplaced contrary; do
 done
 close_story
 
+begin "seeds of a file that wait are drawn by voxels in journals of semantics 3, by regions since"
+cp "$journals/scene.nii.gz" "$journals/waiting.csv" .
+take 3-waiting
+expect 0 "$iftty" verify j.iftty
+expect 0 "$iftty" -c 'undo 2; slice coronal 9; seed-file waiting.csv; mosaic' --journal j.iftty
+expect 0 "$iftty" verify j.iftty
+sed '1s/semantics .*/semantics 4/' j.iftty >before
+chain_anew before other.iftty
+cp -r j.golden other.golden
+expect 1 "$iftty" verify other.iftty
+out_has "command  slice axial"
+out_has "differs  picture"
+expect 0 "$iftty" verify --from 13 --until 16 other.iftty # nothing waits any more: all is the same
+close_story
+
 begin "the record of open has the weight that it means, and one without it means morph"
 cp "$journals/scene.nii.gz" .
 weights_of() { # JOURNAL: of record 1

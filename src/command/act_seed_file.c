@@ -173,11 +173,15 @@ static enum err plant(const struct act *act, const struct seeds *seeds, const ch
                       const struct region_choice *choice, struct planting *planting)
 {
     uint32_t *cell = NULL;
+    struct session *session = act->session;
     size_t *end = mem_array(REGION_MOST + 1, sizeof *end), begin = 0;
-    enum err err = end ? seeds_by_region(seeds, &cell, end, act->session->watch, act->fault)
+    const size_t pendings = session_pendings(session);
+    enum err err = end ? seeds_by_region(seeds, &cell, end, session->watch, act->fault)
                        : fault_memory(act->fault, "the seeds of regions");
     for (uint32_t r = 0; !err && r <= REGION_MOST; begin = end[r++])
         err = plant_region(act, planting, seeds, choice, r, cell + begin, end[r] - begin);
+    if (!err && !semantics_has(session->semantics, MEANING_SEED_ORDER))
+        session_sort_pendings(session, pendings);
     if (!err && act->value[AS].given)
         write_regions(act, path, choice->as, end);
     if (!err && !act->value[LABEL].given)

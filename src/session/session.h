@@ -207,6 +207,12 @@ static inline size_t session_pendings(const struct session *session)
     return edits_count(&session->now.lists.pending);
 }
 
+/* Those from the `first` on wait in the order of their voxels. */
+static inline void session_sort_pendings(struct session *session, size_t first)
+{
+    edits_sort_from(&session->now.lists.pending, first);
+}
+
 /* Puts up a marker: seeds of a label, that wait for a run; or, for EDIT_ERASE, that are to go. */
 enum err session_plant(struct session *session, const uint32_t *cell, size_t count, int16_t label,
                        struct fault *fault);
