@@ -85,6 +85,29 @@ mv gone study/a.iftty
 rm -r study/new.iftty study/new.golden
 close_story
 
+begin "bytes after the last record, which no chain covers, are none of that journal"
+expect 0 "$iftty" verify --lock "$lock" --update-lock
+cp study/a.iftty sound
+chain=$(last_word chain study/a.iftty)
+for tail in '# reviewed by Dr X, all well\n' '\n' 'seed 1,1,1 1' '\0\0\0'; do
+    cp sound study/a.iftty
+    # shellcheck disable=SC2059
+    printf "$tail" >>study/a.iftty
+    expect 0 "$iftty" verify study/a.iftty
+    for part in "" "--until 3"; do
+        # shellcheck disable=SC2086
+        expect 1 "$iftty" verify study/a.iftty --expect "$chain" $part
+        out_has "# --expect: it ends with an unfinished record, at byte $(file_bytes sound)"
+    done
+    locked 1 "not ok 1 - study/a.iftty" "ok 2 - " \
+        "# --lock: it ends with an unfinished record, at byte $(file_bytes sound), which no chain"
+    expect 1 "$iftty" verify --lock "$lock" --update-lock
+    err_has "$lock is left alone: "
+done
+cp sound study/a.iftty
+locked 0
+close_story
+
 begin "a journal made anew from end to end, with a golden image to match, is another one"
 expect 0 "$iftty" verify --lock "$lock" --update-lock
 record other.iftty 5

@@ -90,7 +90,7 @@ static enum err add_facts(struct buf *out, struct walk *walk, const char *path, 
     return err;
 }
 
-enum err lock_facts(struct buf *out, const char *path, struct fault *fault)
+enum err lock_facts(struct buf *out, uint64_t *torn, const char *path, struct fault *fault)
 {
     struct buf bytes = {0};
     struct walk walk;
@@ -99,6 +99,7 @@ enum err lock_facts(struct buf *out, const char *path, struct fault *fault)
         err = walk_begin(&walk, buf_text(&bytes), bytes.length, fault);
         if (!err)
             err = add_facts(out, &walk, path, fault);
+        *torn = !err && walk.over == WALK_TORN ? walk.offset : 0;
         walk_release(&walk);
     }
     buf_release(&bytes);

@@ -19,6 +19,15 @@ static enum err judge_semantics(const struct strictness *s, struct fault *fault)
     return OK;
 }
 
+enum err strict_refuse_torn(uint64_t offset, const char *who, struct fault *fault)
+{
+    return fault_set(fault, ERR_CHECK,
+                     "%s: it ends with an unfinished record, at byte %" PRIu64
+                     ", which no chain covers: going on with the journal, or iftty log --repair, "
+                     "cuts that off",
+                     who, offset);
+}
+
 enum err strict_judge(const struct strictness *s, struct fault *fault)
 {
     const struct replay_report *report = s->report;
@@ -26,10 +35,7 @@ enum err strict_judge(const struct strictness *s, struct fault *fault)
     if (err)
         return err;
     if (report->is_torn)
-        return fault_set(fault, ERR_CHECK,
-                         "strict: it ends with an unfinished record, at byte %" PRIu64
-                         ": going on with the journal, or iftty log --repair, cuts that off",
-                         report->torn_offset);
+        return strict_refuse_torn(report->torn_offset, "strict", fault);
     if (!report->executed)
         return fault_set(fault, ERR_CHECK, "strict: it has a header and no records");
     if (report->bare)

@@ -32,4 +32,8 @@ struct strictness {
 /* OK, or ERR_CHECK with the first of the above. */
 enum err strict_judge(const struct strictness *strictness, struct fault *fault);
 
+/* ERR_CHECK in words for an unfinished record at that byte. --expect and a lock ask for it as well:
+ * they say that it is that journal, whole, and no chain covers such bytes. `who` asks. */
+enum err strict_refuse_torn(uint64_t offset, const char *who, struct fault *fault);
+
 #endif

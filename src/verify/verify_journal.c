@@ -135,13 +135,16 @@ static enum err judge_facts(const struct verify_options *options, size_t number,
     const char *path = options->path[number];
     if (!options->expect && !options->plan)
         return OK;
-    enum err err = lock_facts(&result->facts, path, fault);
+    uint64_t torn = 0;
+    enum err err = lock_facts(&result->facts, &torn, path, fault);
     const char *chain = lock_facts_chain(buf_text(&result->facts));
     if (err || !chain)
         return err;
     if (!options->last && !result->err &&
         strncmp(chain, buf_text(&result->chain), result->chain.length) != 0)
         return fault_set(fault, ERR_CHECK, "it was changed while it was verified");
+    if (torn)
+        return strict_refuse_torn(torn, options->expect ? "--expect" : "--lock", fault);
     err = judge_expected(options, chain, fault);
     return err ? err : judge_pinned(options->plan, number, result, fault);
 }
