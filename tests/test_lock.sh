@@ -43,12 +43,13 @@ begin "a lock pins the journals of a folder and of those below it"
 expect 0 "$iftty" verify --lock "$lock" --update-lock
 out_has "# new in the lock: a.iftty"
 out_has "# new in the lock: deep/c.iftty"
-same "$(head -n 6 "$lock")" "# iftty lock 1
+same "$(head -n 7 "$lock")" "# iftty lock 2
 journal a.iftty
 chain $chain
 records 6
 scene $(last_word scene study/a.iftty)
-golden first $(sha256sum study/a.golden/first.exr | cut -c 1-64)"
+golden first $(sha256sum study/a.golden/first.exr | cut -c 1-64)
+png first $(sha256sum study/a.golden/first.png | cut -c 1-64)"
 locked 0 "ok 1 - study/a.iftty" "ok 3 - study/deep/c.iftty" "# 3 verified, 0 failed"
 cp "$lock" kept
 expect 0 "$iftty" verify --lock "$lock" --update-lock
@@ -118,6 +119,38 @@ locked 1 "not ok 2 - study/b.iftty" "#   pinned   golden first: " "and it is $(s
     study/b.golden/first.exr | cut -c 1-64) now"
 close_story
 
+begin "the PNG that people look at is pinned: gone, added, or other bytes of the same pixels"
+expect 0 "$iftty" verify --lock "$lock" --update-lock
+mv study/a.golden/first.png .
+expect 0 "$iftty" verify --strict study/a.iftty
+locked 1 "not ok 1 - study/a.iftty" "#   pinned   png first: $(sha256sum first.png |
+    cut -c 1-64), and there is none now"
+oiiotool first.png --compression zip:1 -o study/a.golden/first.png 2>/dev/null ||
+    cp first.exr study/a.golden/first.png
+locked 1 "#   pinned   png first: "
+cp first.png study/a.golden
+locked 0
+close_story
+
+begin "a lock of version 1, which pins no PNG, is valid as it was, and says so"
+cp "$lock" kept
+sed '1s/2/1/; /^png /d' kept >"$lock"
+locked 0 "# $lock is of the form before, and does not pin its PNGs; --update-lock does"
+rm study/a.golden/first.png
+locked 0
+cp study/b.golden/first.png study/a.golden # that is another picture
+locked 1 ": study/a.golden/first.png: it shows another picture than the golden image beside it"
+cp first.png study/a.golden
+expect 2 "$iftty" verify --lock "$lock" --update-lock study/a.iftty
+err_has "$lock is of the form before, which pins no PNGs: --update-lock with no journals named"
+sed '1s/2/1/' kept >"$lock" # a line that version 1 has not
+expect 3 "$iftty" verify --lock "$lock"
+err_has "$lock: line 7: expected "
+sed '1s/2/1/; /^png /d' kept >"$lock"
+expect 0 "$iftty" verify --lock "$lock" --update-lock
+same_files "$lock" kept
+close_story
+
 begin "a lock is written where all verify, by a person, and only then"
 cp "$lock" kept
 cp study/b.golden/first.exr study/a.golden/first.exr
@@ -146,7 +179,9 @@ bad() { # LINE SED-SCRIPT
     err_has "$lock: line $1: expected "
     [ ! -s out ] || fail "$2: it verified something"
 }
-bad 1 '1s/1$/2/'
+bad 1 '1s/2$/3/'
+bad 1 '1s/2$/0/'
+bad 1 '1s/$/ /'
 bad 1 '1d'
 bad 2 '2s/a.iftty/..\/a.iftty/'
 bad 2 '2s/a.iftty/\/a.iftty/'
@@ -163,8 +198,11 @@ bad 5 '5s/ / 	/'
 bad 6 '5p'
 bad 6 '6s/first/..\/first/'
 bad 7 '6p'
-bad 12 '7s/b/z/'
 bad 8 '7p'
+bad 7 '7s/first/..\/first/'
+bad 7 '6{h;d;};7G' # in another order
+bad 14 '8s/b/z/'
+bad 9 '8p'
 bad 7 '6s/$/\n/'
 printf 'journal x' >>"$lock"
 cat kept >"$lock"

@@ -66,6 +66,31 @@ same "$(attribute lines.exr Software)" "$("$iftty" --version)"
 [ -n "$(attribute lines.exr iftty:chain)" ] || fail "no chain"
 close_story
 
+begin "no folder's name is in a picture, and under private=yes not even the file's or the journal's"
+mkdir -p Smith_John
+cp s.nii Smith_John/scan.nii
+for private in "" " private=yes"; do
+    rm -rf study.* private-*
+    printf '%s\n' "open Smith_John/scan.nii$private" 'label 1 liver' 'seed 2,3,4 1' run \
+        'size 60 50' 'render private-a.exr' 'render private-a.png' 'render private-a.tif' \
+        'slice axial 2 private-s.png' 'mosaic private-m.png' 'spin 2 private-t.gif' \
+        'golden private' 'save labels private-l.nii' 'save labels private-l.nrrd' \
+        'save surface private-s.stl label=1' 'save surface private-s.ply label=1' \
+        'stats report=private-r.json' 'compare private-l.nii picture=private-c.png' >private-script
+    expect 0 "$iftty" run private-script --journal study.iftty
+    rm private-script
+    ! grep -ral Smith_John private-* study.golden || fail "a folder's name travels"
+    names=$(grep -al 'scan.nii\|study.iftty' private-* study.golden/* | wc -l)
+    [ "$names" = "$([ "$private" ] && echo 0 || echo 8)" ] || fail "$names files with a name"
+    expect 0 "$iftty" verify --strict study.iftty
+    cp study.iftty elsewhere.iftty
+    cp -r study.golden elsewhere.golden
+    expect 0 "$iftty" verify --strict elsewhere.iftty --scene s.nii # by another name
+    rm -r elsewhere.*
+done
+same "$(sed -n 2p study.iftty)" "open Smith_John/scan.nii private=yes weight=morph"
+close_story
+
 begin "info says what exrheader and oiiotool say"
 for file in lines.exr tiled.exr a.png a.tif a.jpg; do
     expect 0 "$iftty" info $file

@@ -90,23 +90,124 @@ for number in 1 2; do
 done
 close_story
 
-begin "a PNG that shows something else than the golden image beside it"
+begin "a PNG that shows something else than the golden image beside it fails always"
 copy seen
 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; size 40 30; golden first' --journal o.iftty >/dev/null
 cp o.golden/first.png seen.golden/first.png
-weak_png() { # WORDS
-    expect 0 "$iftty" verify seen.iftty
-    expect 1 "$iftty" verify --strict seen.iftty
-    out_has "$1"
+bad_png() { # WORDS [NAME]
+    for how in "" --no-strict "--expect $(last_word chain seen.iftty)"; do
+        # shellcheck disable=SC2086
+        expect 1 "$iftty" verify $how seen.iftty
+        out_has "golden ${2:-first}: seen.golden/${2:-first}.png: $1"
+        out_has "; delete it, and \`golden\` draws it again"
+    done
 }
-weak_png "strict: seen.golden/first.png shows another picture than the golden image beside it, in "
+bad_png "it shows another picture than the golden image beside it, in "
 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; size 40 31; golden first' --journal p.iftty >/dev/null
 cp p.golden/first.png seen.golden/first.png
-weak_png "strict: seen.golden/first.png has another size than the golden image beside it"
-head -c 100 j.golden/first.png >seen.golden/first.png
-weak_png "strict: seen.golden/first.png cannot be read: "
-rm seen.golden/first.png # nothing needs it
+bad_png "it has another size"
+for bytes in 0 7 8 30 100 $(($(file_bytes j.golden/first.png) - 1)); do
+    head -c "$bytes" j.golden/first.png >seen.golden/first.png
+    expect 1 "$iftty" verify seen.iftty
+    out_has ": seen.golden/first.png: it is "
+done
+rm seen.golden/first.png # one that is not there shows nothing
 expect 0 "$iftty" verify --strict seen.iftty
+close_story
+
+begin "a PNG with the right pixels and other words, or what changes how pixels are shown"
+# put_chunk TYPE HEXADECIMAL [TYPE]: into the PNG, before the first chunk of that type (IDAT)
+put_chunk() {
+    /usr/bin/python3 - "$1" "$2" "${3:-IDAT}" <<'END'
+import struct, sys, zlib
+kind, data, before = sys.argv[1].encode(), bytes.fromhex(sys.argv[2]), sys.argv[3].encode()
+png = open("j.golden/first.png", "rb").read()
+at = png.index(before) - 4
+chunk = struct.pack(">I", len(data)) + kind + data
+chunk += struct.pack(">I", zlib.crc32(chunk[4:]))
+open("seen.golden/first.png", "wb").write(png[:at] + chunk + png[at:])
+END
+}
+hex() { printf "$1" | od -An -v -tx1 | tr -d ' \n'; }
+put_chunk tEXt "$(hex 'Comment\0reviewed by Dr X, all well')"
+bad_png "it has a text that the golden image beside it has not: Comment: reviewed by Dr X, all well"
+put_chunk tEXt "$(hex 'iftty:scene\00000000000000000')"
+bad_png "two texts in it have one name"
+sed 's/iftty:scene-name/iftty:scene-file/' j.golden/first.png >seen.golden/first.png
+bad_png "a checksum in it is wrong"
+for part in tIME:07ea0101000000 gAMA:00000001 iTXt:"$(hex 'a\0\0\0\0\0b')" tRNS:000000000000 \
+    acTL:0000000200000000 'eXIf:4d4d' iCCP:6100 bKGD:000000000000; do
+    put_chunk "${part%%:*}" "${part#*:}"
+    bad_png "it has a part ${part%%:*} that iftty does not write there"
+done
+put_chunk tEXt "$(hex 'Comment\0after')" IEND
+bad_png "something follows its pixels"
+cat j.golden/first.png s.nii >seen.golden/first.png
+bad_png "something follows its pixels"
+/usr/bin/python3 - <<'END' # the same pixels by another writer: every filter, two IDAT
+import struct, zlib
+png, at, rows = open("j.golden/first.png", "rb").read(), 8, b""
+while at < len(png):
+    length, kind = struct.unpack(">I4s", png[at:at + 8])
+    rows += png[at + 8:at + 8 + length] if kind == b"IDAT" else b""
+    at += length + 12
+rows, wide, up = zlib.decompress(rows), 3 * 40, bytes(3 * 40)
+def paeth(a, b, c):
+    return min((abs(b - c), 0, a), (abs(a - c), 1, b), (abs(a + b - 2 * c), 2, c))[2]
+def guess(kind, row, up, i):
+    a, b, c = row[i - 3] if i > 2 else 0, up[i], up[i - 3] if i > 2 else 0
+    return (0, a, b, (a + b) // 2, paeth(a, b, c))[kind]
+packed = b""
+for y in range(30):
+    line, row = rows[y * (wide + 1):(y + 1) * (wide + 1)], bytearray(wide)
+    for i in range(wide):
+        row[i] = (line[1 + i] + guess(line[0], row, up, i)) & 255
+    packed += bytes([y % 5]) + bytes((row[i] - guess(y % 5, row, up, i)) & 255 for i in range(wide))
+    up = row
+def chunk(kind, data):
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+packed = zlib.compress(packed)
+open("seen.golden/first.png", "wb").write(png[:33] + chunk(b"IDAT", packed[:99]) +
+    chunk(b"IDAT", packed[99:]) + chunk(b"IEND", b""))
+END
+expect 0 "$iftty" verify seen.iftty
+close_story
+
+begin "a golden image says what the one that is drawn would, and its PNG says the same"
+# note NAME VALUE: both files carry it, with the checksum of the PNG right
+note() {
+    /usr/bin/python3 - "$1" "$2" <<'END'
+import re, struct, sys, zlib
+name, value = sys.argv[1].encode(), sys.argv[2].encode()
+exr = open("j.golden/first.exr", "rb").read()
+former = re.search(name + b"\\0string\\0(....)", exr, re.S)
+length = struct.unpack("<I", former.group(1))[0]
+value = value.ljust(length, b".")[:length]
+exr = exr[:former.end()] + value + exr[former.end() + length:]
+open("seen.golden/first.exr", "wb").write(exr)
+png = open("j.golden/first.png", "rb").read()
+at = png.index(b"tEXt" + name + b"\0")
+length = struct.unpack(">I", png[at - 4:at])[0]
+chunk = b"tEXt" + name + b"\0" + value
+assert len(chunk) == length + 4
+png = png[:at] + chunk + struct.pack(">I", zlib.crc32(chunk)) + png[at + length + 8:]
+open("seen.golden/first.png", "wb").write(png)
+END
+}
+for name in iftty:scene-name iftty:scene iftty:view iftty:look iftty:chain Software; do
+    note $name "all is well"
+    expect 1 "$iftty" verify seen.iftty
+    out_has "golden image first: its note $name is all "
+done
+cp j.golden/first.* seen.golden
+expect 0 "$iftty" verify seen.iftty
+cp s.nii t.nii
+expect 0 "$iftty" verify --strict --scene t.nii seen.iftty
+sed '1s/semantics .*/semantics 8/' seen.iftty >before # as it was before that was asked
+chain_anew before seen.iftty
+note iftty:view "all is well"
+expect 0 "$iftty" verify seen.iftty
+out_has "1 golden image"
 close_story
 
 begin "the PNG is over the background of its time, or has alpha; another background shows"
@@ -121,7 +222,7 @@ for other in grey clear; do
     cp -r ground.golden seen.golden
     cp ground.iftty seen.iftty
     cp ground.golden/page.png seen.golden/$other.png
-    weak_png "strict: seen.golden/$other.png shows another picture than the golden image beside it"
+    bad_png "it shows another picture than the golden image beside it" $other
 done
 close_story
 

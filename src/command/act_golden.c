@@ -1,5 +1,6 @@
 /* The command `golden`: stores a picture beside the journal, and compares it in a replay. */
 #include "command/act.h"
+#include "command/golden_notes.h"
 
 #include <string.h>
 
@@ -29,9 +30,10 @@ static enum err read_golden(struct interpreter *interp, struct picture *expected
     return fault ? fault_set(fault, ERR_CHECK, "%s", fault->text) : ERR_CHECK;
 }
 
-static enum err compare_planes(const struct picture *expected, const struct picture *actual,
-                               const char *name, struct golden_difference *difference,
-                               struct fault *fault)
+/* And what they say of themselves, where that has a meaning. */
+static enum err compare_pictures(const struct picture *expected, const struct picture *actual,
+                                 const char *name, const struct interpreter *interp,
+                                 struct golden_difference *difference, struct fault *fault)
 {
     struct buf words = {0};
     const struct golden_planes e = planes_of(expected), a = planes_of(actual);
@@ -39,6 +41,10 @@ static enum err compare_planes(const struct picture *expected, const struct pict
     if (!err && !difference->is_same) {
         golden_tell(&words, difference);
         err = fault_set(fault, ERR_CHECK, "golden image %s: %s", name, buf_text(&words));
+    } else if (!err && semantics_has(interp->session.semantics, MEANING_NOTES)) {
+        err = golden_compare_notes(expected, actual, !interp->scene_path, fault);
+        if (err)
+            fault_prefix(fault, err, "golden image %s", name);
     }
     buf_release(&words);
     return err;
@@ -55,7 +61,7 @@ static enum err compare_golden(struct interpreter *interp, const char *name, con
     enum err err = read_golden(interp, &expected, name, source, fault);
     const bool is_read = !err;
     if (is_read)
-        err = compare_planes(&expected, actual, name, &difference, fault);
+        err = compare_pictures(&expected, actual, name, interp, &difference, fault);
     if (is_read && err == ERR_CHECK) /* for people, who look at both */
         export_background(&expected, &interp->session, NULL);
     const struct golden_finding finding = {name, path, actual, is_read ? &expected : NULL,

@@ -19,20 +19,27 @@ static enum err note_finish(const struct act *act, struct picture *picture)
     return err;
 }
 
+static enum err note_journal(const struct act *act, struct picture *picture)
+{
+    struct buf path = {0};
+    file_real(&path, journal_path(act->interp->journal));
+    const enum err err = path.failed ? fault_memory(act->fault, "a note on a picture")
+                                     : picture_note(picture, "iftty:journal",
+                                                    file_name(buf_text(&path)), act->fault);
+    buf_release(&path);
+    return err;
+}
+
 enum err act_note_picture(const struct act *act, const struct labels *labels,
                           struct picture *picture)
 {
     const struct journal *journal = act->interp->journal;
     enum err err = labels->finished ? note_finish(act, picture) : OK;
-    if (err || !journal)
-        return err;
-    struct buf path = {0};
-    file_real(&path, journal_path(journal));
-    err = path.failed
-              ? fault_memory(act->fault, "a note on a picture")
-              : picture_note(picture, "iftty:journal", file_name(buf_text(&path)), act->fault);
-    buf_release(&path);
-    return err ? err : picture_note(picture, "iftty:chain", journal_chain(journal), act->fault);
+    if (!err && journal && !act->session->is_private)
+        err = note_journal(act, picture);
+    return err || !journal
+               ? err
+               : picture_note(picture, "iftty:chain", journal_chain(journal), act->fault);
 }
 
 /* Goldens are both: an OpenEXR file, and a picture for people. */

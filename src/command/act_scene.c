@@ -3,6 +3,7 @@
 #include "command/near.h"
 #include "command/opening.h"
 
+#include <stdio.h>
 #include <ctype.h>
 #include <string.h>
 
@@ -97,6 +98,16 @@ static enum err take_first_weight(const struct act *act)
     return OK;
 }
 
+/* What pictures say that it is called: the last part of the name that the command gives, wherever
+ * the file was found. The name of a folder is often a patient's. */
+static void name_scene(const struct act *act, const char *name, const char *path)
+{
+    struct session *session = act->session;
+    session->is_private = act_is_yes(&act->value[OPEN_PRIVATE]);
+    const bool is_said = !session->is_private && !file_is_folder(path);
+    snprintf(session->scene_file, sizeof session->scene_file, "%s", is_said ? file_name(name) : "");
+}
+
 enum err act_open(const struct act *act)
 {
     struct buf path = {0};
@@ -113,6 +124,8 @@ enum err act_open(const struct act *act)
         err = find_scene(act, name, &path);
     if (!err)
         err = session_open(session, buf_text(&path), &choice, act->fault);
+    if (!err)
+        name_scene(act, name, buf_text(&path));
     buf_release(&path);
     if (!err)
         write_scene(act);

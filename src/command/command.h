@@ -70,7 +70,7 @@ struct value {
                                     there */
 };
 
-enum { PARAMETERS_MOST = 14 };
+enum { PARAMETERS_MOST = 15 };
 
 enum command_flag {
     COMMAND_RECORDED = 1, /* goes into the journal */

@@ -49,8 +49,8 @@ bool golden_is_leftover(const char *path, const char *journal_path, const char *
     file_real(&real, journal_path);
     const char *journal = picture_find(&picture, "iftty:journal"),
                *chain = picture_find(&picture, "iftty:chain");
-    const bool is_leftover = journal && chain && strcmp(journal, file_name(buf_text(&real))) == 0 &&
-                             is_followed_by_no_golden(chain, bytes, length);
+    const bool is_ours = !journal || strcmp(journal, file_name(buf_text(&real))) == 0;
+    const bool is_leftover = is_ours && chain && is_followed_by_no_golden(chain, bytes, length);
     picture_release(&picture);
     buf_release(&real);
     return is_leftover;

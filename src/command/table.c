@@ -29,6 +29,9 @@
     "missing: blank puts a blank slice where one of a DICOM series is missing.\n"                  \
     "size, type, endian, offset: of raw:FILE, in voxels, x fastest, and bytes before them.\n"      \
     "spacing: of voxels, X,Y,Z in mm, where the file does not say it.\n"                           \
+    "private: yes leaves out of pictures what the scene's file and the journal are called. "       \
+    "Folders "                                                                                     \
+    "are named in none.\n"                                                                         \
     "weight: that it begins with, morph unless given, as in weight=gauss:1.5 (`help weight`). A "  \
     "new record has it in any case, and means the same when another one is the default."
 #define VOLUME_SERIES_NOTE "volume: which one of a series, as 4-D files hold, counted from 0.\n"
@@ -132,6 +135,7 @@ const struct command command_table[] = {
       KEYED("offset", VALUE_NUMBER, .most = INT64_C(1) << 40, .form = "BYTES"),
       KEYED("spacing", VALUE_WORD, .form = "X,Y,Z"),
       KEYED("huge", VALUE_CHOICE, .choices = "yes|no"),
+      KEYED("private", VALUE_CHOICE, .choices = "yes|no"),
       KEYED("weight", VALUE_WORD, .form = "NAME[:NUMBER]")},
      "load a scene, or synth:geom[:XYZ|:SIZE]",
      VOLUME_FORMATS(VOLUME_NOTE) SYNTHETIC_NOTE "\n" VOLUME_SERIES_NOTE PART_NOTE "\n" OPENING_NOTE,

@@ -191,7 +191,7 @@ enum err export_notes(struct picture *picture, const struct session *session,
         err = picture_note(picture, "iftty:orientation", "unknown", fault);
     if (!err && orientation == ORIENTATION_TOLD)
         err = picture_note(picture, "iftty:orientation", "as told by the user", fault);
-    if (!err)
+    if (!err && *session->scene_file)
         err = picture_note(picture, "iftty:scene-name", session->scene_file, fault);
     if (!err)
         err = picture_note(picture, "iftty:scene", scene, fault);

@@ -38,6 +38,8 @@ const struct meaning_row meaning_table[MEANINGS] = {
     [MEANING_PATCHES] = {"patches", 7, "pictures have look 2", "pictures have look 3", NULL},
     [MEANING_SMOOTH_LAYERS] = {"smooth-layers", 8, "pictures have look 3", "pictures have look 4",
                                NULL},
+    [MEANING_NOTES] = {"notes", 9, "notes of golden images are not compared",
+                       "notes of golden images say what was drawn", NULL},
 };
 
 bool semantics_has(unsigned semantics, enum meaning meaning)

@@ -20,7 +20,7 @@
 #include "engine/forest.h"
 
 /* The number of new journals, and the highest that can be gone on with. */
-enum { SEMANTICS = 8 };
+enum { SEMANTICS = 9 };
 
 /* One row each. */
 enum meaning {
@@ -37,6 +37,7 @@ enum meaning {
     MEANING_LOOK,
     MEANING_PATCHES,
     MEANING_SMOOTH_LAYERS,
+    MEANING_NOTES,
     MEANINGS
 };
 

@@ -72,7 +72,9 @@ struct session {
 
     bool has_scene;
     struct scene *scene;
-    char scene_file[FILE_WORDS_BYTES]; /* what to call it: without its folder; a long name is cut */
+    char scene_file[FILE_WORDS_BYTES]; /* what pictures call it: without its folder, "" for nothing;
+                                          a long name is cut */
+    bool is_private;                   /* they say neither that nor of which journal they are */
     struct geometry said;              /* what the file says of its geometry, */
     struct geometry geometry;          /* and what follows from it and from what `orient` says */
     struct map_part part;              /* of its file, where it is no more than that */

@@ -93,7 +93,7 @@ static enum err count(void *context, struct interpreter *interp,
     const struct picture *actual = finding->actual;
     collector->goldens++;
     collector->pixels += (uint64_t)actual->width * actual->height;
-    return collector->checks_png ? golden_png_check(interp, finding->path, actual, fault) : OK;
+    return golden_png_check(interp, finding, fault);
 }
 
 struct golden_judge evidence_judge(struct evidence_collector *collector)

@@ -26,7 +26,6 @@ void evidence_release(struct evidence *evidence);
 struct evidence_collector {
     const char *folder;        /* for JOURNAL.NAME.actual.exr and .difference.png; NULL: none */
     struct evidence *evidence; /* for a report; or NULL */
-    bool checks_png;           /* the PNG beside a golden image has to show the same */
     uint64_t goldens, pixels;  /* golden images that are the same, and their pixels */
 };
 

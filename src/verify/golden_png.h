@@ -1,17 +1,18 @@
 /*
- * The PNG beside a golden image, which people look at: it has to show what the golden image does,
- * pixel by pixel, its colours over their background. It is decoded by the image helper, in a
- * confined process, since whoever changed it chose its bytes; that takes some 0.2 s for the first
- * of a journal, so it is asked of strict verifications alone.
+ * The PNG beside a golden image, which people look at: what is shown has to be what was compared.
+ * Each pixel is that of the golden image, its colours over their background; each text is a note of
+ * the golden image; and nothing else is in it (image/png_read.h). Every verification asks for that,
+ * so what proves the golden image, a lock or a signature of the journal, proves the PNG.
+ *
+ * One that is not there shows nothing: only a lock, which pins its bytes, asks for it.
  */
 #ifndef VERIFY_GOLDEN_PNG_H
 #define VERIFY_GOLDEN_PNG_H
 
 #include "command/interpreter.h"
 
-/* OK where it shows `picture`, or is not there: nothing needs it. ERR_CHECK where it shows
- * something else, or cannot be read. `exr` is the path of the golden image. */
-enum err golden_png_check(struct interpreter *interp, const char *exr,
-                          const struct picture *picture, struct fault *fault);
+/* OK, or ERR_CHECK. The finding is of a golden image that is the same as what is drawn. */
+enum err golden_png_check(struct interpreter *interp, const struct golden_finding *finding,
+                          struct fault *fault);
 
 #endif

@@ -9,11 +9,12 @@
 #include "journal/golden.h"
 #include "journal/record.h"
 
-static const char header[] = "# iftty lock 1\n";
+static const char before_version[] = "# iftty lock ";
 
 /* What a line begins with, in the order in which lines stand. */
-enum kind { KIND_JOURNAL, KIND_CHAIN, KIND_RECORDS, KIND_SCENE, KIND_GOLDEN, KINDS };
-static const char *const kind_word[KINDS] = {"journal ", "chain ", "records ", "scene ", "golden "};
+enum kind { KIND_JOURNAL, KIND_CHAIN, KIND_RECORDS, KIND_SCENE, KIND_GOLDEN, KIND_PNG, KINDS };
+static const char *const kind_word[KINDS] = {"journal ", "chain ",  "records ",
+                                             "scene ",   "golden ", "png "};
 
 /* ---- names ---- */
 
@@ -114,7 +115,7 @@ void lock_release(struct lock *lock)
 
 void lock_write(struct buf *out, const struct lock *lock)
 {
-    buf_add_text(out, header);
+    buf_printf(out, "%s%u\n", before_version, lock->version);
     for (size_t i = 0; i < lock->count; i++)
         buf_printf(out, "journal %s\n%s", lock->entry[i].name, lock->entry[i].facts);
 }
@@ -202,10 +203,13 @@ static enum err refuse(const struct reading *r, const char *expected, struct fau
 
 static enum err read_line(struct reading *r, const char *line, struct fault *fault)
 {
-    const enum kind kind = kind_of(line);
+    enum kind kind = kind_of(line);
+    if (kind == KIND_PNG && r->lock->version < LOCK_WITH_PNG)
+        kind = KINDS;
     if (kind == KINDS || !is_value(kind, line + strlen(kind_word[kind])))
         return refuse(
-            r, "`journal`, `chain`, `records`, `scene` or `golden`, and what belongs to it", fault);
+            r, "`journal`, `chain`, `records`, `scene`, `golden` or `png`, and what belongs to it",
+            fault);
     if (!may_follow(kind, line, r->before, buf_text(&r->former)))
         return refuse(r, "lines in their order, each once", fault);
     if (kind == KIND_JOURNAL) {
@@ -247,9 +251,11 @@ static enum err read_lines(struct reading *r, const char *at, const char *end, s
 enum err lock_read(struct lock *lock, const char *bytes, size_t length, struct fault *fault)
 {
     struct reading r = {.lock = lock, .before = KINDS, .number = 1};
-    const size_t begin = sizeof header - 1;
-    if (length < begin || memcmp(bytes, header, begin) != 0)
-        return refuse(&r, "`# iftty lock 1`", fault);
+    const size_t before = sizeof before_version - 1, begin = before + 2;
+    if (length >= begin && memcmp(bytes, before_version, before) == 0 && bytes[before + 1] == '\n')
+        lock->version = (unsigned)(bytes[before] - '0');
+    if (lock->version < 1 || lock->version > LOCK_VERSION)
+        return refuse(&r, "`# iftty lock 2`, or 1", fault);
     enum err err = read_lines(&r, bytes + begin, bytes + length, fault);
     if (!err && (r.before == KIND_JOURNAL || r.before == KIND_CHAIN))
         err = refuse(&r, "the rest of a journal's lines", fault);
@@ -263,11 +269,12 @@ enum err lock_read(struct lock *lock, const char *bytes, size_t length, struct f
 
 /* ---- comparing ---- */
 
-/* How much of a line says what is pinned: "chain", "scene 01..ef", "golden left". */
+/* How much of a line says what is pinned: "chain", "scene 01..ef", "golden left", "png left". */
 static size_t subject_of(const char *line)
 {
     const size_t word = strcspn(line, " \n");
-    return strncmp(line, "golden ", 7) == 0  ? word + 1 + strcspn(line + word + 1, " \n")
+    const bool has_name = strncmp(line, "golden ", 7) == 0 || strncmp(line, "png ", 4) == 0;
+    return has_name                          ? word + 1 + strcspn(line + word + 1, " \n")
            : strncmp(line, "scene ", 6) == 0 ? strcspn(line, "\n")
                                              : word;
 }
@@ -299,7 +306,7 @@ static void tell(struct buf *lines, const char *line, const char *what, const ch
     buf_add_char(lines, '\n');
 }
 
-bool lock_differs(struct buf *lines, const char *pinned, const char *now)
+bool lock_differs(struct buf *lines, unsigned version, const char *pinned, const char *now)
 {
     bool differs = false;
     for (const char *at = pinned; *at; at += strcspn(at, "\n"), at += *at == '\n') {
@@ -311,7 +318,7 @@ bool lock_differs(struct buf *lines, const char *pinned, const char *now)
         differs = true;
     }
     for (const char *at = now; *at; at += strcspn(at, "\n"), at += *at == '\n')
-        if (!find_line(pinned, at)) {
+        if (!find_line(pinned, at) && (version >= LOCK_WITH_PNG || kind_of(at) != KIND_PNG)) {
             tell(lines, at, "which the lock has not", NULL);
             differs = true;
         }

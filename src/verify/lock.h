@@ -1,12 +1,13 @@
 /*
  * A lock: a text that pins the journals of a folder, by custom named iftty.lock.
  *
- *     # iftty lock 1
+ *     # iftty lock 2
  *     journal brain/mine.iftty
  *     chain 5d41402abc4b2a76b9719d911017c592
  *     records 494
  *     scene 8c1f0e52a7b3d946
  *     golden left 2c26b46b68ffc68ff99b453c1d30413413422d706483bfa0f98a5e886266e7ae
+ *     png left fcde2b2edba56bf408601fb721fe9b5c338d10ee429ea04fae5511b68fbf8fb9
  *
  * journal/FORMAT.md describes it. A journal shows that it was changed, but not that another one
  * lies in its place, that its end is gone, or that it is gone itself: its chain holds no secret,
@@ -28,7 +29,11 @@
 
 enum { LOCK_BYTES_MAX = 64 << 20, LOCK_NAME_MAX = 4000 };
 
+/* Version 1 has no lines `png`: it does not say which PNGs lie beside golden images. */
+enum { LOCK_WITH_PNG = 2, LOCK_VERSION = 2 };
+
 struct lock {
+    unsigned version; /* 1..LOCK_VERSION */
     struct lock_entry {
         char *name, *facts;
     } * entry; /* in the order of their names */
@@ -53,8 +58,8 @@ bool lock_set(struct lock *lock, const char *name, const char *facts);
 void lock_remove(struct lock *lock, const char *name);
 void lock_release(struct lock *lock);
 
-/* Adds a line "#   pinned   ..." for each fact that differs, is gone or is new; false where none
- * does. Safe to print. */
-bool lock_differs(struct buf *lines, const char *pinned, const char *now);
+/* Adds a line "#   pinned   ..." for each fact that differs, is gone or is new, of those that a
+ * lock of this version has; false where none does. Safe to print. */
+bool lock_differs(struct buf *lines, unsigned version, const char *pinned, const char *now);
 
 #endif

@@ -11,16 +11,18 @@
 
 enum { GOLDEN_BYTES_MAX = 1 << 30 };
 
-/* "golden NAME SHA-256", where the file can be read. */
-static bool add_golden(struct name_list *lines, const char *path, const char *name)
+/* "golden NAME SHA-256", or of its PNG "png NAME SHA-256", where the file can be read. */
+static bool add_file(struct name_list *lines, const char *path, const char *name, bool is_png)
 {
     struct buf file = {0}, bytes = {0}, line = {0};
     char hex[SHA256_HEX];
     bool fine = true;
-    if (!golden_path(&file, path, name, NULL) &&
-        !file_read(&bytes, buf_text(&file), GOLDEN_BYTES_MAX, NULL)) {
+    const bool is_named = !golden_path(&file, path, name, NULL);
+    if (is_named && is_png)
+        memcpy(file.data + file.length - 3, "png", 3);
+    if (is_named && !file_read(&bytes, buf_text(&file), GOLDEN_BYTES_MAX, NULL)) {
         sha256_bytes_hex(hex, buf_text(&bytes), bytes.length);
-        buf_printf(&line, "golden %s %s", name, hex);
+        buf_printf(&line, "%s %s %s", is_png ? "png" : "golden", name, hex);
         fine = !line.failed && name_list_add(lines, buf_text(&line));
     }
     buf_release(&file);
@@ -78,8 +80,8 @@ static enum err add_facts(struct buf *out, struct walk *walk, const char *path, 
     struct name_list scenes = {0}, goldens = {0}, lines = {0};
     enum err err = walk_through(walk, &scenes, &goldens);
     bool fine = !err;
-    for (size_t i = 0; fine && i < goldens.count; i++)
-        fine = add_golden(&lines, path, goldens.name[i]);
+    for (size_t i = 0; fine && i < 2 * goldens.count; i++)
+        fine = add_file(&lines, path, goldens.name[i % goldens.count], i >= goldens.count);
     buf_printf(out, "chain %s\nrecords %zu\n", walk->chain.hex, walk->records);
     add_lines(out, &scenes);
     add_lines(out, &lines);

@@ -1,6 +1,7 @@
 /*
  * What a lock says of a journal (lock.h), read from its bytes and from its golden images; no
- * command is carried out. Of the goldens, the SHA-256 of each file that the journal names.
+ * command is carried out. Of the goldens, the SHA-256 of each file that the journal names, and of
+ * the PNG beside it.
  */
 #ifndef VERIFY_LOCK_FACTS_H
 #define VERIFY_LOCK_FACTS_H

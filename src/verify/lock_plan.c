@@ -158,8 +158,10 @@ static enum err make_paths(struct lock_plan *plan, struct fault *fault)
 static enum err read_lock(struct lock_plan *plan, struct fault *fault)
 {
     struct buf bytes = {0};
+    plan->lock.version = LOCK_VERSION;
     if (plan->updates && !file_exists(plan->path))
         return OK;
+    plan->lock.version = 0;
     enum err err = file_read(&bytes, plan->path, LOCK_BYTES_MAX, fault);
     if (!err) {
         err = lock_read(&plan->lock, buf_text(&bytes), bytes.length, fault);
@@ -175,6 +177,11 @@ enum err lock_plan_make(struct lock_plan *plan, const char *path, bool updates, 
 {
     *plan = (struct lock_plan){.path = path, .updates = updates, .is_whole = count == 0};
     enum err err = read_lock(plan, fault);
+    if (!err && updates && !plan->is_whole && plan->lock.version < LOCK_VERSION)
+        err = fault_set(fault, ERR_USAGE,
+                        "%s is of the form before, which pins no PNGs: --update-lock with no "
+                        "journals named writes all of it anew",
+                        path);
     if (!err)
         err = count ? take_named(plan, named, count, fault) : take_all(plan, fault);
     name_list_sort(&plan->name);
@@ -226,6 +233,9 @@ enum err lock_plan_write(struct lock_plan *plan, const char *const *facts, struc
     struct buf text = {0};
     const size_t before = lines->length;
     bool fine = true;
+    if (plan->lock.version < LOCK_VERSION)
+        tell(lines, "in the present form, which pins PNGs too:", plan->path);
+    plan->lock.version = LOCK_VERSION;
     if (plan->is_whole)
         drop_missing(plan, lines);
     for (size_t i = 0; fine && i < plan->name.count; i++) {

@@ -11,7 +11,6 @@
  *     no records         a header and no more
  *     bare record        one without a digest, of a command that gives one
  *     no golden image    no pixel was compared; asked of whole journals alone
- *     another PNG        the one beside a golden image shows something else (golden_png.h)
  *
  * What cannot be seen in a journal itself is that its last records are gone, with the digests of
  * all others in place: for that there are --expect and --lock. A recorded word that this build does

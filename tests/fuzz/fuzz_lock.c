@@ -29,8 +29,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
         HOLDS(written.length == length && memcmp(written.data, bytes, length) == 0);
     }
     for (size_t i = 0; i + 1 < lock.count; i++) {
-        HOLDS(!lock_differs(&lines, lock.entry[i].facts, lock.entry[i].facts));
-        lock_differs(&lines, lock.entry[i].facts, lock.entry[i + 1].facts);
+        HOLDS(!lock_differs(&lines, lock.version, lock.entry[i].facts, lock.entry[i].facts));
+        lock_differs(&lines, lock.version, lock.entry[i].facts, lock.entry[i + 1].facts);
     }
     lock_release(&lock);
     buf_release(&written);
