@@ -288,4 +288,31 @@ err_has "a script, not a journal"
 expect 3 "$iftty" log --repair none.iftty
 close_story
 
+begin "the folder of a replay that is killed goes with the next one; those of others stay"
+mkdir tmp few
+printf '%s\n' 'open s.nii' 'seed 2,3,4 1' run 'save labels few.nii' >script
+expect 0 "$iftty" run script --journal few.iftty
+for i in $(seq 300); do printf 'undo\nredo\nsave cost %s.nii\n' "$i"; done >>script
+expect_in few 0 "$iftty" run ../script --journal ../many.iftty
+has_written() { ls tmp/iftty-*/1.nii; }
+TMPDIR=$work/tmp "$iftty" replay many.iftty >/dev/null 2>&1 &
+replay=$!
+comes_true has_written >/dev/null 2>&1
+kill -STOP $replay
+killed=$(ls tmp)
+expect 0 env TMPDIR="$work/tmp" "$iftty" replay few.iftty # which leaves its file
+same "$(ls tmp | wc -l | tr -d ' ')" 2
+[ -e "tmp/$killed/1.nii" ] || fail "what a process still writes is gone"
+kill -KILL $replay
+wait $replay 2>/dev/null
+mkdir tmp/iftty-mine tmp/iftty-abcdef
+ln -s "$work/few" tmp/iftty-linked
+expect 0 env TMPDIR="$work/tmp" "$iftty" replay few.iftty
+[ ! -e "tmp/$killed" ] || fail "it is there still: $(ls -A tmp/$killed | head)"
+same "$(ls tmp | wc -l | tr -d ' ')" 5
+same "$(ls tmp/iftty-*/few.nii | wc -l | tr -d ' ')" 3
+[ -e few/1.nii ] || fail "what a link leads to is gone"
+[ -z "$(ls -A tmp/iftty-*/.iftty* 2>/dev/null)" ] || fail "$(ls -A tmp/*)"
+close_story
+
 finish

@@ -202,6 +202,47 @@ STORY(folders_of_processes_that_have_ended_go_with_what_is_in_them)
     buf_release(&fresh);
 }
 
+/* The process ends as if it was killed. */
+static void leave_held(void)
+{
+    struct buf path = {0};
+    const bool fine = file_hold_folder(&path, folder, NULL) == OK;
+    _exit(fine && file_write(file_in(buf_text(&path), "a"), "x", 1, FILE_KEEP, NULL) == OK ? 0 : 1);
+}
+
+STORY(a_folder_that_is_held_goes_with_a_process_that_was_killed_and_stays_else)
+{
+    struct buf kept = {0}, empty = {0}, live = {0}, next = {0};
+    int status = -1;
+    CHECK(file_hold_folder(&kept, folder, NULL) == OK);
+    CHECK(file_write(file_in(buf_text(&kept), "a"), "x", 1, FILE_KEEP, NULL) == OK);
+    CHECK(file_release_folder(buf_text(&kept)));
+    CHECK(file_hold_folder(&empty, folder, NULL) == OK);
+    CHECK(!file_release_folder(buf_text(&empty)) && !file_exists(buf_text(&empty)));
+    CHECK(file_hold_folder(&live, folder, NULL) == OK);
+    CHECK(mkdir(file_in(folder, "iftty-others"), 0700) == 0); /* it says nothing */
+    CHECK(symlink(buf_text(&kept), file_in(folder, "iftty-link")) == 0);
+    fflush(stdout);
+    const pid_t child = fork();
+    if (child == 0)
+        leave_held();
+    CHECK(waitpid(child, &status, 0) == child && status == 0);
+    CHECK_INT(files_in_folder(), 5);
+    CHECK(file_hold_folder(&next, folder, NULL) == OK);
+    CHECK_INT(files_in_folder(), 5); /* one more, and the one of the process that has ended gone */
+    CHECK(holds(file_in(buf_text(&kept), "a"), "x") && file_is_folder(buf_text(&live)));
+    CHECK(file_is_folder(file_in(folder, "iftty-others")));
+    CHECK(!file_release_folder(buf_text(&live)) && !file_release_folder(buf_text(&next)));
+    folder_remove(buf_text(&kept));
+    folder_remove(file_in(folder, "iftty-others"));
+    folder_remove(file_in(folder, "iftty-link"));
+    CHECK_INT(files_in_folder(), 0);
+    buf_release(&kept);
+    buf_release(&empty);
+    buf_release(&live);
+    buf_release(&next);
+}
+
 /* Writing into a folder clears it; a loss of power leaves what another start of the machine did. */
 STORY(drafts_of_a_former_start_go_and_those_of_another_machine_after_a_day)
 {
@@ -260,11 +301,13 @@ int main(void)
 {
     if (!make_folder(folder, "publish"))
         return 1;
-    return RUN_STORIES(TELL(files_are_published_by_what_a_file_system_has),
-                       TELL(drafts_of_processes_that_have_ended_go_and_others_stay),
-                       TELL(folders_of_processes_that_have_ended_go_with_what_is_in_them),
-                       TELL(drafts_of_a_former_start_go_and_those_of_another_machine_after_a_day),
-                       TELL(a_name_of_any_length_can_be_written),
-                       TELL(the_word_of_a_process_says_whether_it_lives)) |
+    return RUN_STORIES(
+               TELL(files_are_published_by_what_a_file_system_has),
+               TELL(drafts_of_processes_that_have_ended_go_and_others_stay),
+               TELL(folders_of_processes_that_have_ended_go_with_what_is_in_them),
+               TELL(a_folder_that_is_held_goes_with_a_process_that_was_killed_and_stays_else),
+               TELL(drafts_of_a_former_start_go_and_those_of_another_machine_after_a_day),
+               TELL(a_name_of_any_length_can_be_written),
+               TELL(the_word_of_a_process_says_whether_it_lives)) |
            remove_folder(folder);
 }

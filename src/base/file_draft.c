@@ -141,6 +141,93 @@ enum err file_draft_folder(struct buf *draft, const char *folder, struct fault *
     return fault_errno(fault, "make a folder below", folder);
 }
 
+/* ---- folders that are held ---- */
+
+#define HELD_PREFIX "iftty-"
+#define HOLDER_TAIL "holder"
+
+/* The empty file that says who holds the folder, if there is one: its path, and what has become of
+ * that process. */
+static bool find_holder(struct buf *path, enum owner_state *state, const char *folder)
+{
+    bool found = false;
+    DIR *listing = opendir(folder);
+    for (const struct dirent *entry; listing && !found && (entry = readdir(listing));) {
+        struct stat status;
+        const char *tail = strrchr(entry->d_name, '-');
+        if (!read_name(entry->d_name, state) || strcmp(tail + 1, HOLDER_TAIL) != 0)
+            continue;
+        buf_clear(path);
+        buf_printf(path, "%s/%s", folder, entry->d_name);
+        found = !path->failed && lstat(buf_text(path), &status) == 0 && S_ISREG(status.st_mode) &&
+                status.st_size == 0;
+    }
+    if (listing)
+        closedir(listing);
+    return found;
+}
+
+static void sweep_held(const char *path)
+{
+    struct buf held = {0}, holder = {0};
+    DIR *folder = opendir(path);
+    for (const struct dirent *entry; folder && (entry = readdir(folder));) {
+        enum owner_state state;
+        struct stat status;
+        if (strncmp(entry->d_name, HELD_PREFIX, sizeof HELD_PREFIX - 1) != 0)
+            continue;
+        buf_clear(&held);
+        buf_printf(&held, "%s/%s", path, entry->d_name);
+        if (!held.failed && lstat(buf_text(&held), &status) == 0 && S_ISDIR(status.st_mode) &&
+            status.st_uid == geteuid() && find_holder(&holder, &state, buf_text(&held)) &&
+            is_forgotten(state, &status))
+            folder_remove(buf_text(&held));
+    }
+    if (folder)
+        closedir(folder);
+    buf_release(&held);
+    buf_release(&holder);
+}
+
+static enum err hold(const char *folder, struct fault *fault)
+{
+    struct buf path = {0};
+    buf_printf(&path, "%s/", folder);
+    write_name(&path, HOLDER_TAIL);
+    const int fd = path.failed ? -1 : open(buf_text(&path), O_WRONLY | O_CREAT | O_EXCL, 0600);
+    enum err err = path.failed ? fault_memory(fault, "a path") : OK;
+    if (!err && fd < 0)
+        err = fault_errno(fault, "make", buf_text(&path));
+    if (fd >= 0)
+        close(fd);
+    buf_release(&path);
+    return err;
+}
+
+enum err file_hold_folder(struct buf *path, const char *folder, struct fault *fault)
+{
+    sweep_held(folder);
+    enum err err = folder_fresh(path, folder, fault);
+    if (err)
+        return err;
+    err = hold(buf_text(path), fault);
+    if (err) {
+        rmdir(buf_text(path));
+        buf_clear(path);
+    }
+    return err;
+}
+
+bool file_release_folder(const char *path)
+{
+    struct buf holder = {0};
+    enum owner_state state;
+    if (find_holder(&holder, &state, path))
+        unlink(buf_text(&holder));
+    buf_release(&holder);
+    return rmdir(path) != 0 && (errno == ENOTEMPTY || errno == EEXIST);
+}
+
 void file_discard(const char *draft)
 {
     const int number = errno;

@@ -36,6 +36,15 @@ enum err file_draft(struct buf *draft, const char *path, enum file_mode mode, st
  * failure `draft` is empty. */
 enum err file_draft_folder(struct buf *draft, const char *folder, struct fault *fault);
 
+/* Makes a folder `iftty-XXXXXX` in `folder`, for its owner alone, that is to stay if anything is in
+ * it when the process is done: until file_release_folder it has an empty file in it whose name says
+ * which process holds it. Clears away those there whose processes were killed before (D3). On
+ * failure `path` is empty. */
+enum err file_hold_folder(struct buf *path, const char *folder, struct fault *fault);
+
+/* From now on it stays, unless it is empty: then it goes. True where it stays. */
+bool file_release_folder(const char *path);
+
 /* Syncs the draft and gives it its name. On failure there is no draft. */
 enum err file_publish(const char *draft, const char *path, enum file_mode mode,
                       struct fault *fault);

@@ -123,6 +123,11 @@ enum err folder_passing(struct buf *path, const char *below, struct fault *fault
     return file_draft_folder(path, below ? below : usual_place(), fault);
 }
 
+enum err folder_held(struct buf *path, struct fault *fault)
+{
+    return file_hold_folder(path, usual_place(), fault);
+}
+
 enum err folder_fresh(struct buf *path, const char *below, struct fault *fault)
 {
     below = below ? below : usual_place();

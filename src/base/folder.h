@@ -23,6 +23,10 @@ enum err folder_make_private(const char *path, struct fault *fault);
  * no other user can open. On failure `path` is empty. */
 enum err folder_fresh(struct buf *path, const char *below, struct fault *fault);
 
+/* The same of one that stays if anything is in it when file_release_folder is called; where this
+ * process is killed before, a later one that makes such a folder removes it. */
+enum err folder_held(struct buf *path, struct fault *fault);
+
 /* The same for what is only passing, and is to be removed: where this process is killed before, a
  * later one that makes such a folder there does that (base/file_draft.h). */
 enum err folder_passing(struct buf *path, const char *below, struct fault *fault);

@@ -1,9 +1,7 @@
 /* `iftty replay`: a journal carried out again, every command shown. */
-#include <errno.h>
 #include <stdio.h>
-#include <string.h>
-#include <unistd.h>
 
+#include "base/file_draft.h"
 #include "base/folder.h"
 #include "program/begin.h"
 #include "program/console.h"
@@ -26,7 +24,7 @@ static enum err replay_into(const struct options *o, const char *folder, struct 
 static void settle_folder(const char *folder)
 {
     struct buf text = {0};
-    if (rmdir(folder) == 0 || (errno != ENOTEMPTY && errno != EEXIST))
+    if (!file_release_folder(folder))
         return;
     buf_add_safe_text(&text, folder);
     console_erase_progress();
@@ -37,7 +35,7 @@ static void settle_folder(const char *folder)
 enum err run_replay(const struct options *o, struct fault *fault)
 {
     struct buf fresh = {0};
-    enum err err = o->out ? file_make_folder(o->out, fault) : folder_fresh(&fresh, NULL, fault);
+    enum err err = o->out ? file_make_folder(o->out, fault) : folder_held(&fresh, fault);
     if (err)
         return err;
     const char *folder = o->out ? o->out : buf_text(&fresh);
