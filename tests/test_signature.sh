@@ -68,6 +68,99 @@ if can_sign; then
 fi
 close_story
 
+begin "of a signer that is a pattern nothing is known but the key"
+if can_sign; then
+    rm -f j.iftty.sig
+    expect 0 "$iftty" log --sign alice j.iftty
+    key="ED25519 key $(ssh-keygen -lf alice.pub | cut -d ' ' -f 2)"
+    for pattern in '*' '*@example.org' 'alic?'; do
+        { printf '# the staff, whoever ssh-ed25519 they are\n* namespaces="file" '; cat bob.pub
+            printf '%s namespaces="a ssh-rsa b,iftty-journal" ' "$pattern"
+            sed 's/alice$/Alice \o033[2J (home)/' alice.pub; } >wide
+        expect 0 "$iftty" verify j.iftty --allowed-signers wide
+        out_has "# signed by $key, Alice \\033[2J (home), one that wide has for $pattern"
+        ! grep -q "signed by \*" out || fail "$(cat out)"
+    done
+    { printf '* '; sed 's/ alice$//' alice.pub; } >wide
+    expect 0 "$iftty" verify j.iftty --allowed-signers wide
+    out_has "# signed by $key, no comment, one that wide has for *"
+fi
+close_story
+
+begin "a key that is revoked, by a list or by ssh-keygen's KRL"
+if can_sign; then
+    ssh-keygen -q -k -f krl alice.pub
+    ssh-keygen -q -k -f others bob.pub
+    cat bob.pub >list
+    for revoked in others list; do
+        expect 0 "$iftty" verify j.iftty --allowed-signers allowed --revoked $revoked
+        out_has "# signed by alice@example.org with "
+    done
+    cat alice.pub >>list
+    head -c 500 /dev/urandom >noise
+    for revoked in krl list noise .; do
+        expect 1 "$iftty" verify j.iftty --allowed-signers allowed --revoked $revoked
+        out_has "not ok 1 - j.iftty"
+        out_has "# its signature is by a key that $revoked revokes, or that is no list of keys"
+        ! grep -q 'signed by' out || fail "$(cat out)"
+    done
+    expect 3 "$iftty" verify j.iftty --allowed-signers allowed --revoked nothing
+    out_has "there is no file of revoked keys nothing"
+    expect 2 "$iftty" verify j.iftty --revoked krl
+    err_has "--allowed-signers FILE asks for signatures"
+    cp j.iftty kept # revoked or not: what was changed is not called revoked
+    "$iftty" -c 'label 1 liver' --journal j.iftty >/dev/null
+    expect 1 "$iftty" verify j.iftty --allowed-signers allowed --revoked krl
+    out_has "# its signature does not hold for alice@example.org"
+    cp kept j.iftty
+fi
+close_story
+
+begin "no signature says when: a key is judged as of now, or of a moment that the user knows"
+if can_sign; then
+    for times in 'valid-before="20200101Z"' 'valid-after="20200101Z"' \
+        'valid-after="20150101Z",valid-before="20200101Z"'; do
+        printf 'alice@example.org %s %s\n' "$times" "$(cat alice.pub)" >timed
+        now=1 then=0
+        [ "$times" != 'valid-after="20200101Z"' ] || now=0 then=1
+        expect $now "$iftty" verify j.iftty --allowed-signers timed
+        [ $now = 0 ] || out_has "key has expired: verify time"
+        [ $now = 1 ] || out_has "# when, no signature says: the key was judged as of now"
+        expect $then "$iftty" verify j.iftty --allowed-signers timed --signed-at 20190101Z
+        [ $then = 0 ] || out_has "key is not yet valid: verify time"
+        [ $then = 1 ] ||
+            out_has "# when, no signature says: the key was judged as of 20190101Z"
+        expect $then "$iftty" verify j.iftty --allowed-signers timed --signed-at 20190101120000Z
+    done
+    for wrong in 2019 20190101z now -1 201901011 '20190101Z;x' ''; do
+        expect 2 "$iftty" verify j.iftty --allowed-signers timed --signed-at "$wrong"
+    done
+    expect 2 "$iftty" verify j.iftty --signed-at 20190101Z
+    rm j.iftty.sig
+fi
+close_story
+
+begin "a signature covers what is seen: golden images, their words and their PNGs"
+if can_sign; then
+    expect 0 "$iftty" log --sign alice j.iftty
+    "$iftty" -c 'open s.nii; seed 9,9,4 1; run; size 40 30; golden first' --journal k.iftty \
+        >/dev/null || fail "no other journal"
+    cp -r j.golden kept.golden
+    for other in exr png; do
+        cp k.golden/first.$other j.golden
+        expect 1 "$iftty" verify j.iftty --allowed-signers allowed
+        out_has "golden first: "
+        cp kept.golden/first.$other j.golden
+    done
+    sed 's/40x30 pixels/12x34 pixels/' kept.golden/first.exr >j.golden/first.exr
+    expect 1 "$iftty" verify j.iftty --allowed-signers allowed
+    out_has "golden image first: its note iftty:view is yaw 0 pitch 0 roll 0 degrees, "
+    cp kept.golden/first.exr j.golden
+    expect 0 "$iftty" verify j.iftty --allowed-signers allowed
+    rm j.iftty.sig
+fi
+close_story
+
 begin "a signature that is there stays, and a journal that is not sound is not signed"
 if can_sign; then
     echo precious >j.iftty.sig

@@ -27,7 +27,7 @@ struct options {
     int words;
     const char *commands, *journal, *scene, *out;
     const char *junit, *html, *accept, *with, *export, *picture;
-    const char *expect, *lock, *sign, *allowed_signers, *shard;
+    const char *expect, *lock, *sign, *allowed_signers, *revoked, *signed_at, *shard;
     const char *regions, *as;
     const char *limit_memory, *limit_time, *limit_output;
     size_t processes, from, until; /* 0: not given */

@@ -27,6 +27,8 @@ enum {
     LOCK,
     UPDATE_LOCK,
     ALLOWED_SIGNERS,
+    REVOKED,
+    SIGNED_AT,
     SHARD,
     FAIL_FAST,
     TIMINGS,
@@ -132,6 +134,15 @@ static const struct option option[] = {
                          "fail unless JOURNAL.sig is a signature of each by somebody whom this "
                          "file names, as ssh-keygen has it",
                          TEXT(allowed_signers)},
+    [REVOKED] =
+        {"--revoked", "FILE",
+         "fail where the key of a signature is in this file: ssh-keygen's KRL, or a list of "
+         "public keys",
+         TEXT(revoked)},
+    [SIGNED_AT] = {"--signed-at", "TIME",
+                   "judge valid-after and valid-before of allowed signers as of YYYYMMDD[HHMM[SS]]"
+                   "[Z], which you know, since no signature says when; now where it is not given",
+                   TEXT(signed_at)},
     [SHARD] = {"--shard", "K/N",
                "verify the Kth of N parts; a journal stays in its part when others are added",
                TEXT(shard)},
@@ -225,9 +236,10 @@ static const struct program program[] = {
      .words = "JOURNAL...",
      .least = 0,
      .most = FILES_MOST,
-     .option = {PROCESSES, FROM, UNTIL, STRICT, NO_STRICT, EXPECT, LOCK, UPDATE_LOCK,
-                ALLOWED_SIGNERS, SHARD, FAIL_FAST, TIMINGS, REMOVE_ORPHANS, JSON, JUNIT, HTML,
-                EVIDENCE_OUT, SCENE, LIMIT_OPTIONS},
+     .option = {PROCESSES,    FROM,        UNTIL,           STRICT,  NO_STRICT, EXPECT,
+                LOCK,         UPDATE_LOCK, ALLOWED_SIGNERS, REVOKED, SIGNED_AT, SHARD,
+                FAIL_FAST,    TIMINGS,     REMOVE_ORPHANS,  JSON,    JUNIT,     HTML,
+                EVIDENCE_OUT, SCENE,       LIMIT_OPTIONS},
      .summary = "the same quietly, with golden images; TAP",
      .detail = "Each journal is carried out in a process of its own, by the rules of `replay`. "
                "Nothing is written but what these options name.",

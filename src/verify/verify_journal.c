@@ -159,16 +159,19 @@ static enum err judge_signature(const struct verify_options *options, const char
                                 struct verify_result *result, char sha256[SHA256_HEX],
                                 struct fault *fault)
 {
+    const struct signature_rules rules = {options->allowed_signers, options->revoked,
+                                          options->signed_at};
     struct buf bytes = {0};
-    if (!options->allowed_signers)
+    if (!rules.allowed)
         return OK;
     enum err err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
     sha256_bytes_hex(sha256, buf_text(&bytes), bytes.length);
     if (!err)
-        err = signature_check(&result->signer, path, &bytes, options->allowed_signers,
-                              options->watch, fault);
+        err = signature_check(&result->signer, path, &bytes, &rules, options->watch, fault);
     if (!err)
-        buf_printf(&result->lines, "# signed by %s\n", buf_text(&result->signer));
+        buf_printf(&result->lines,
+                   "# signed by %s\n# when, no signature says: the key was judged as of %s\n",
+                   buf_text(&result->signer), rules.signed_at ? rules.signed_at : "now");
     buf_release(&bytes);
     return err;
 }
