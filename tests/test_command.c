@@ -1027,8 +1027,9 @@ STORY(a_hint_is_the_rest_of_the_usage)
           "X,Y,Z LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] "
           "[joined=yes] [shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
     hints("\"seed", "");
-    hints("run", "");
-    hints("run ", "");
+    hints("run", " [for=QUESTION]");
+    hints("quit", "");
+    hints("quit ", "");
     hints("nonsense ", "");
     hints("# seed ", "");
     hints("seed \"1\"2 ", "");
@@ -1625,6 +1626,10 @@ STORY(what_the_door_recorded_is_the_same_when_replayed)
         {"run", NULL},
         {"slice coronal 3 zoom=5", NULL},
         {"golden near of=coronal", "replay.golden/near.exr"},
+        {"seed 8,6,7 2", NULL},
+        {"why 8,6,7", NULL},
+        {"seed 8,6,8 2", NULL},
+        {"golden applied of=coronal", "replay.golden/applied.exr"},
     };
     all_fail_then_work(&interp, deeds, sizeof deeds / sizeof deeds[0]);
     interpreter_release(&interp);

@@ -173,7 +173,8 @@ STORY(fit_is_recorded_as_what_it_comes_to)
     struct interpreter interp;
     begin_with_object(&interp);
     must(&interp, "zoom fit"); /* the seed waits: no object yet */
-    CHECK_HAS(buf_text(&reply.text), "no object is shown before `run`: the scene fits");
+    CHECK_TEXT(buf_text(&reply.text), "no object is shown: the scene fits\n"
+                                      "without the 257 edits that wait for `run`\n");
     const uint32_t whole = interp.session.now.outlook.view.zoom;
     must(&interp, "run");
     must(&interp, "clip axial 5-12");

@@ -136,7 +136,6 @@ enum err act_why(const struct act *act)
     struct way way = {0};
     act_write_voxel(&act->reply->text, session, place);
     act_write_refusal(&act->reply->text, session, place);
-    act_write_waiting(act);
     if (!cell_is_reached(cell))
         return OK;
     buf_printf(&act->reply->text, "cost %u, %u step%s since it last rose\n", key_cost(cell->key),

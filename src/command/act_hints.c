@@ -152,8 +152,6 @@ enum err act_hints(const struct act *act)
                                        : "no labels meet: there is no border to be uncertain of\n");
     else if (!err)
         buf_printf(out, "%zu place%s in all; `hint N` leads to one\n", wanted, plural(wanted));
-    if (!err)
-        act_write_waiting(act);
     return err;
 }
 
@@ -177,6 +175,7 @@ enum err act_hint(const struct act *act)
     const struct hint *hint = hints->item + number - 1;
     const struct place p = place_of(act, hint->cell);
     err = write_hint(act, hint, number);
+    act_write_waiting(act);
     memcpy(act->next->outlook.slices.cross, (uint32_t[]){p.x, p.y, p.z}, 3 * sizeof(uint32_t));
     buf_clear(&act->reply->canonical);
     buf_printf(&act->reply->canonical, "cross %u,%u,%u", p.x, p.y, p.z);

@@ -76,6 +76,7 @@ enum err act_pick(const struct act *act)
     if (cell == CELL_NONE) {
         buf_printf(&act->reply->text, "pixel %u,%u shows %s\n", column, row,
                    is_slice ? "no voxel" : "no object");
+        act_write_waiting(act);
         return OK;
     }
     act_write_voxel(&act->reply->text, session, cell);
@@ -86,5 +87,6 @@ enum err act_pick(const struct act *act)
         act_write_label(&act->reply->text, session, labels_at(&labels, cell));
         buf_add_char(&act->reply->text, '\n');
     }
+    act_write_waiting(act);
     return watch_fault(session->watch, act->fault);
 }

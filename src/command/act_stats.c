@@ -126,7 +126,6 @@ static enum err answer(const struct act *act, const struct label_stats *stats,
     if (err)
         return err;
     write_forest(act);
-    act_write_waiting(act);
     return OK;
 }
 

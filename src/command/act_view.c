@@ -48,9 +48,8 @@ static enum err fit_shown(const struct act *act)
     view->zoom = fit_zoom(&fit, view, place, act->next->outlook.look.samples);
     view_focus_on(view, act->session->scene, place);
     if (fit.is_scene)
-        buf_add_text(&act->reply->text, session_pendings(act->session)
-                                            ? "no object is shown before `run`: the scene fits\n"
-                                            : "no object is shown: the scene fits\n");
+        buf_add_text(&act->reply->text, "no object is shown: the scene fits\n");
+    act_write_waiting(act);
     fit_release(&fit);
     buf_clear(&act->reply->canonical);
     buf_printf(&act->reply->canonical, "zoom %g at=%u,%u,%u", view->zoom / 1000.0, place[0],

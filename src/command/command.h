@@ -78,6 +78,7 @@ enum command_flag {
     COMMAND_EDITS = 4,    /* changes what `run` computes: its digests are recorded */
     COMMAND_SKETCHED = 8, /* can be carried out to be seen and no more */
     COMMAND_PLANTS = 16,  /* seeds or eliminators, which may change far more than they say */
+    COMMAND_ANSWERS = 32, /* shows, writes or answers from labels: what waits is applied first */
 };
 
 /* What a command answers: text for the user, "key=value" words for the journal. */

@@ -35,26 +35,58 @@ enum err act_go(const struct act *act)
     return session_go(act->session, act->next, NULL, 0, act->fault);
 }
 
+/* How many edits wait that a command applies before anything else, so that it tells of what the
+ * user has planted and of nothing less. One that is recorded does so whenever its record is carried
+ * out again; a question only when it is asked: the record of its own `run` does it then. */
+static size_t edits_to_apply(const struct interpreter *interp, const struct command *command)
+{
+    const struct session *session = &interp->session;
+    const bool applies = command->flags & COMMAND_RECORDED
+                             ? semantics_has(session->semantics, MEANING_APPLIED)
+                             : interp->mode == MODE_LIVE;
+    return command->flags & COMMAND_ANSWERS && applies ? session_pendings(session) : 0;
+}
+
+static enum err apply(const struct interpreter *interp, struct session *session,
+                      struct reply *reply, struct fault *fault)
+{
+    if (interp->applied == 1)
+        buf_add_text(&reply->text, "the edit that waited is applied, as by `run`\n");
+    else
+        buf_printf(&reply->text, "the %zu edits that waited are applied, as by `run`\n",
+                   interp->applied);
+    enum err err = session_run(session, fault);
+    if (!err &&
+        interp->mode == MODE_LIVE) /* what the answer says of the last edit is of this one */
+        err = session_count_labels(session, fault);
+    return err;
+}
+
 static enum err act(struct interpreter *interp, const struct call *call, struct reply *reply,
                     struct fault *fault)
 {
     const struct command *command = call->command;
     struct session *session = &interp->session;
-    struct state next = session->now;
     uint64_t begin = clock_ns();
     if (command->flags & COMMAND_NEEDS_SCENE && !session->has_scene)
         return fault_set(fault, ERR_USAGE, "%s needs a scene; open one first", command->name);
-    const bool edits = command->flags & COMMAND_EDITS,
+    interp->applied = edits_to_apply(interp, command);
+    const bool edits = command->flags & COMMAND_EDITS || interp->applied,
                reports = edits && interp->mode == MODE_LIVE && !session->skims;
     enum err err = command->flags & COMMAND_NEEDS_SCENE ? session_complete(session, fault) : OK;
     if (!err && reports)
         err = session_count_before(session, fault);
+    if (!err && interp->applied)
+        err = apply(interp, session, reply, fault);
+    struct state next = session->now;
     if (!err)
         err = command->act(&(struct act){interp, session, call->value, &next, reply, fault});
     const bool waits =
         !session->now.outlook.runs_by_itself || interp->history.goes_to != POINT_NONE;
     if (!err && edits && !waits)
         err = session_run(session, fault);
+    if (!(command->flags & COMMAND_RECORDED)) /* what there is to record is a run */
+        buf_clear(&reply->words);
     if (!err && edits)
         execute_add_digests(reply, session);
     const bool edited = reports && (session->edited || session->regrown);
@@ -62,8 +94,8 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
         err = session_count_labels(session, fault);
     if (!err && edited)
         volumes_write(&reply->text, session, clock_ns() - begin);
-    if (!err && edited && command->flags & COMMAND_PLANTS)
-        surprise_write(&reply->text, session, command->name);
+    if (!err && edited && (command->flags & COMMAND_PLANTS || interp->applied))
+        surprise_write(&reply->text, session, interp->applied ? "run" : command->name);
     if (!err && (reply->text.failed || reply->words.failed || reply->canonical.failed))
         err = fault_memory(fault, "an answer");
     return err;
@@ -75,6 +107,7 @@ static enum err carry_out(struct interpreter *interp, const struct call *call, c
     struct watch *watch = interp->session.watch;
     enum err err = watch_fault(watch, fault);
     interp->keeps = false;
+    interp->applied = 0;
     if (!err)
         err = act(interp, call, reply, fault);
     if (err == ERR_IO && interp->keeps)
@@ -113,9 +146,10 @@ static bool only_looks(const struct interpreter *interp, const struct reply *rep
            kept_equals(&session->now.kept, &session->former.kept);
 }
 
-static enum err append(struct interpreter *interp, const struct reply *reply, struct fault *fault)
+static enum err append(struct interpreter *interp, const char *command, const struct reply *reply,
+                       struct fault *fault)
 {
-    const char *command = buf_text(&reply->canonical), *words = buf_text(&reply->words);
+    const char *words = buf_text(&reply->words);
     const bool may_wait = only_looks(interp, reply);
     enum err err = OK;
     if (interp->journal && may_wait)
@@ -129,14 +163,30 @@ static enum err append(struct interpreter *interp, const struct reply *reply, st
 }
 
 /* In the history, and in the journal where commands are new. */
-static enum err record(struct interpreter *interp, struct reply *reply, struct fault *fault)
+static enum err record_as(struct interpreter *interp, const char *command, struct reply *reply,
+                          struct fault *fault)
 {
-    enum err err =
-        history_note(&interp->history, &interp->session, buf_text(&reply->canonical), fault);
+    enum err err = history_note(&interp->history, &interp->session, command, fault);
     if (err || interp->mode != MODE_LIVE)
         return err;
     err = begin_journal(interp, &reply->text, fault);
-    return err ? err : append(interp, reply, fault);
+    return err ? err : append(interp, command, reply, fault);
+}
+
+/* Of a question that has applied what waited, the run. */
+static enum err record(struct interpreter *interp, const struct command *command,
+                       struct reply *reply, struct fault *fault)
+{
+    struct buf run = {0};
+    const bool is_question = !(command->flags & COMMAND_RECORDED);
+    if (is_question)
+        buf_printf(&run, RUN_FOR "%s", command->name);
+    const enum err err =
+        run.failed
+            ? fault_memory(fault, "a record")
+            : record_as(interp, buf_text(is_question ? &run : &reply->canonical), reply, fault);
+    buf_release(&run);
+    return err;
 }
 
 /* ---- settled ---- */
@@ -157,6 +207,7 @@ static void settle(struct interpreter *interp, bool stands)
     }
     session_rollback(&interp->session);
     interp->shows_picture = false;
+    canvas_release(&interp->shown);
     interp->wish = WISH_NONE;
 }
 
@@ -170,14 +221,15 @@ enum err interpreter_execute(struct interpreter *interp, const char *line, struc
     enum err err = command_parse(&call, line, &interp->session, fault);
     if (err || !call.command)
         return err;
-    const bool recorded = call.command->flags & COMMAND_RECORDED;
+    bool recorded = call.command->flags & COMMAND_RECORDED;
     command_write(&reply->canonical, &call);
     err = interpreter_drop_sketch(interp, fault);
     if (!err) {
         session_mark(&interp->session);
         err = carry_out(interp, &call, line, reply, fault);
+        recorded |= interp->applied > 0;
         if (!err && recorded)
-            err = record(interp, reply, fault);
+            err = record(interp, call.command, reply, fault);
         settle(interp, err == OK);
     }
     if (!err)

@@ -67,6 +67,7 @@ struct interpreter {
     struct picture_job *job;       /* of the command at hand, for the writer once it is recorded */
 
     struct sketch sketch;
+    size_t applied;      /* edits that the command at hand has applied before it answered */
     size_t acknowledged; /* the record of the command that stood last; 0 where it has none */
     bool has_pilot;      /* `pilot` can be had here */
     bool has_blocks;     /* charts are drawn with the blocks of UTF-8 */
@@ -87,7 +88,11 @@ enum err interpreter_write_beside(struct interpreter *interp, struct fault *faul
 /* ---- the one way in (execute.c) ---- */
 
 /* Carries one line out. `reply` is cleared first. An empty line or a comment does nothing, and
- * leaves reply->canonical empty. On error nothing has changed. */
+ * leaves reply->canonical empty. On error nothing has changed.
+ *
+ * What shows, writes or answers from labels (COMMAND_ANSWERS) first applies the edits that wait. A
+ * question, which has no record, then has that of a run, RUN_FOR and its name. */
+#define RUN_FOR "run for="
 enum err interpreter_execute(struct interpreter *interp, const char *line, struct reply *reply,
                              struct fault *fault);
 void reply_release(struct reply *reply);

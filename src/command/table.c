@@ -102,6 +102,7 @@ enum {
     E = COMMAND_EDITS,
     K = COMMAND_SKETCHED,
     P = COMMAND_PLANTS,
+    A = COMMAND_ANSWERS,
     TURNS = 10 * VIEW_TURN, /* angles may be given beyond one turn; they are reduced */
     PANS = 1000 * VIEW_SIDE_MOST,
 };
@@ -303,10 +304,13 @@ const struct command command_table[] = {
      "With a radius: all markers, or trees, that have a voxel in the ball.",
      "remove 100,100,50"},
     {COMMAND("run", act_run, GROUP_SEEDS, R | S | E | P),
-     {{0}},
+     {KEYED("for", VALUE_COMMAND, .form = "QUESTION")},
      "apply the waiting edits as one",
-     "Edits wait while `auto` is off, as it is in scripts. `render`, `spin`, `save` and `golden` "
-     "of a rendition apply them too; slices show waiting edits.",
+     "Edits wait while `auto` is off, as it is in scripts. All that shows, writes or answers from "
+     "labels applies them first: `render`, `spin`, `slice`, `mosaic`, `golden`, `save`, `stats`, "
+     "`compare`, `hints`, `why` and `profile`. `pick`, `hint` and `zoom fit` go by what was last "
+     "shown, and say which edits are not in it.\n"
+     "for: the question that applied them; the journal has it so, since a question has no record.",
      "run"},
     {COMMAND("undo", act_undo, GROUP_SEEDS, R | S | E),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},
@@ -340,7 +344,8 @@ const struct command command_table[] = {
      {NEED("STATE", VALUE_CHOICE, .choices = "on|off")},
      "whether each edit runs at once",
      "off in scripts, on at the prompt. What waits is applied by the next command that edits, with "
-     "what that does, or by `run`. Turning it on applies nothing, nor do undo, redo and goto: the "
+     "what that does, or that shows labels or answers from them, or by `run`. Turning it on "
+     "applies nothing, nor do undo, redo and goto: the "
      "edits that wait in the segmentation that they lead to still wait.",
      "auto on"},
     {COMMAND("view", act_view, GROUP_VIEW, R | S),
@@ -509,7 +514,8 @@ const struct command command_table[] = {
      "cut a box out of what is shown",
      "Between two corners, both included. Up to 8 boxes; `none` removes them.",
      "cut 100,100,50 199,199,99"},
-    {CALLED("render", "draw|picture|screenshot|snapshot", act_render, GROUP_RENDITION, R | S | E),
+    {CALLED("render", "draw|picture|screenshot|snapshot", act_render, GROUP_RENDITION,
+            R | S | E | A),
      {MAY("FILE", VALUE_FILE), KEYED("mode", VALUE_CHOICE, .choices = "sp|bp|ii|ray"),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no"),
       KEYED("layout", VALUE_CHOICE, .choices = "lines|tiled"), FINISHED},
@@ -520,7 +526,7 @@ const struct command command_table[] = {
      "All modes give the same pixels: sp splats every object voxel, bp border voxels, ray walks "
      "the rays, ii repairs the last rendition." SHOWN_NOTE,
      "render brain.png"},
-    {CALLED("spin", "turntable|movie|animate", act_spin, GROUP_RENDITION, R | S | E),
+    {CALLED("spin", "turntable|movie|animate", act_spin, GROUP_RENDITION, R | S | E | A),
      {NEED("N", VALUE_NUMBER, .least = 2, .most = IMAGE_FRAMES_MOST), NEED("FILE", VALUE_FILE),
       KEYED("axis", VALUE_WORD, .choices = "yaw|pitch|roll", .form = "AXIS,AXIS"),
       KEYED("fit", VALUE_CHOICE, .choices = "yes|no"),
@@ -574,10 +580,10 @@ const struct command command_table[] = {
      "cross: the cross-hair.\n"
      "marks: a dot for a seed in the slice, of seeds side by side for the outermost alone; an x "
      "for "
-     "an eliminator of the last run; a white rim means that it waits for a run.\n"
+     "an eliminator of the last run; in the pilot, a white rim means that it waits for a run.\n"
      "words: the title, letters for the patient's sides, the scale bar, the grey bar.",
      "overlay tint cross=off"},
-    {COMMAND("slice", act_slice, GROUP_SLICES, R | S),
+    {COMMAND("slice", act_slice, GROUP_SLICES, R | S | A),
      {NEED("PLANE", VALUE_CHOICE, .choices = SLICE_WORDS), MAY("N", VALUE_NUMBER, .most = 65533),
       MAY("FILE", VALUE_FILE),
       KEYED("zoom", VALUE_DECIMAL, .choices = "fit", .least = VIEW_ZOOM_LEAST,
@@ -592,13 +598,13 @@ const struct command command_table[] = {
      "zoom: pixels per voxel of the smallest spacing, around the cross-hair, with voxels as "
      "squares. It stays until zoom=fit, which shows the whole slice in smooth greys." SHOWN_NOTE,
      "slice axial 90 axial.png"},
-    {CALLED("mosaic", "planes|slices", act_mosaic, GROUP_SLICES, R | S),
+    {CALLED("mosaic", "planes|slices", act_mosaic, GROUP_SLICES, R | S | A),
      {MAY("FILE", VALUE_FILE), KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
      "three slices and the rendition in one picture",
      "Coronal, sagittal and axial through the cross-hair at one scale, and the rendition of the "
      "view at half its size." SHOWN_NOTE,
      "mosaic brain.png"},
-    {COMMAND("golden", act_golden, GROUP_KEPT, R | S | E),
+    {COMMAND("golden", act_golden, GROUP_KEPT, R | S | E | A),
      {NEED("NAME", VALUE_GOLDEN), KEYED("of", VALUE_CHOICE, .choices = "rendition|" SLICE_KINDS),
       FINISHED},
      "store a picture as a golden image",
@@ -627,7 +633,7 @@ const struct command command_table[] = {
      "soon as they are made. Maps, surfaces and reports are finished where `finished=yes` asks for "
      "it. off by default.",
      "finished on"},
-    {CALLED("save", "export|write", act_save, GROUP_KEPT, R | S | E),
+    {CALLED("save", "export|write", act_save, GROUP_KEPT, R | S | E | A),
      {NEED("MAP", VALUE_CHOICE, .choices = MAPS "|seeds|names|surface"), NEED("FILE", VALUE_FILE),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED,
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255),
@@ -699,7 +705,7 @@ const struct command command_table[] = {
      "the distance of two voxels, or the angle of three",
      "Between their centres, in millimetres and in voxels. With a THIRD, also the angle at OTHER.",
      "measure 10,20,30 40,20,30"},
-    {COMMAND("profile", act_profile, GROUP_QUESTIONS, S),
+    {COMMAND("profile", act_profile, GROUP_QUESTIONS, S | A),
      {NEED("PLACE", VALUE_POSITION), NEED("OTHER", VALUE_POSITION),
       KEYED("values", VALUE_CHOICE, .choices = "yes|no")},
      "the intensities along a straight way",
@@ -708,14 +714,14 @@ const struct command command_table[] = {
      "several voxels, it has their mean.\n"
      "values=yes: each voxel in a line: its distance, its place, its intensity and its label.",
      "profile 10,20,30 40,20,30"},
-    {COMMAND("why", act_why, GROUP_QUESTIONS, S),
+    {COMMAND("why", act_why, GROUP_QUESTIONS, S | A),
      {NEED("PLACE", VALUE_POSITION)},
      "how a voxel came to its label",
      "The seed that the path comes from, its cost, and where along it the cost rose, the strongest "
      "edge first: a leak comes through there, and a seed or a shell there stops it. And the label "
      "that would come next, with what its path would cost.",
      "why 100,100,50"},
-    {COMMAND("hints", act_hints, GROUP_QUESTIONS, S),
+    {COMMAND("hints", act_hints, GROUP_QUESTIONS, S | A),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = HINTS_MOST),
       KEYED("label", VALUE_LABEL, .most = 255), KEYED("report", VALUE_FILE),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no")},
@@ -737,7 +743,8 @@ const struct command command_table[] = {
      "the scene, the view, the journal, the memory",
      NULL,
      "info"},
-    {CALLED("stats", "statistics|volume|volumes|components|count", act_stats, GROUP_QUESTIONS, S),
+    {CALLED("stats", "statistics|volume|volumes|components|count", act_stats, GROUP_QUESTIONS,
+            S | A),
      {KEYED("report", VALUE_FILE), KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
      "voxels, volume, surface and intensities of labels",
      "Of each label: seeds, voxels and volume; components, which hang together by faces, and "
@@ -747,7 +754,7 @@ const struct command command_table[] = {
      "deviation is that of a sample.\n"
      "report: the same as FILE.json or FILE.csv." FINISHED_NOTE,
      "stats"},
-    {CALLED("compare", "dice|overlap", act_compare, GROUP_QUESTIONS, S),
+    {CALLED("compare", "dice|overlap", act_compare, GROUP_QUESTIONS, S | A),
      {NEED("FILE", VALUE_FILE), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
       KEYED("as", VALUE_LIST, .least = 1, .most = 255),
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255), KEYED("at", VALUE_POSITION),

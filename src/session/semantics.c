@@ -40,6 +40,8 @@ const struct meaning_row meaning_table[MEANINGS] = {
                                NULL},
     [MEANING_NOTES] = {"notes", 9, "notes of golden images are not compared",
                        "notes of golden images say what was drawn", NULL},
+    [MEANING_APPLIED] = {"applied", 9, "slices and mosaics showed labels without edits that wait",
+                         "they apply them first, as renditions do", NULL},
 };
 
 bool semantics_has(unsigned semantics, enum meaning meaning)
