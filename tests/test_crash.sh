@@ -1,7 +1,8 @@
 #!/bin/sh
 # The program is killed while it works, golden images, renditions, maps and surfaces among it: what
 # it acknowledged is in the journal, the journal verifies and resumes, and so does one cut at any
-# byte. No draft and no golden image without a record stays.
+# byte. No draft and no golden image without a record stays. A run that was killed goes on where it
+# was when it is repeated, and its journal is in the end that of one which was not, byte for byte.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 make_scene s.nii 24 20 16
@@ -149,6 +150,38 @@ for cut in $cuts; do
         fail "cut at $cut: what was sound has changed"
 done
 goes_on c.iftty
+close_story
+
+begin "a run that was killed goes on when it is repeated, to the same bytes"
+trial=0 early=0
+for after in 1 2 3 9 25 40 60 90 130 170 196; do
+    trial=$((trial + 1)) journal=again$trial.iftty
+    : >acks
+    "$iftty" run script --journal $journal >acks 2>errors &
+    victim=$!
+    tries=0
+    until [ "$(grep -c '^ok' acks)" -ge "$after" ] || [ $((tries += 1)) -gt 40000 ]; do :; done
+    kill -9 "$victim" 2>/dev/null
+    wait "$victim" 2>/dev/null
+    [ ! -s errors ] || fail "trial $trial: $(cat errors)"
+    had=$(grep -c '^= .*chain=[0-9a-f]*$' $journal)
+    [ "$had" -lt 200 ] && early=$((early + 1))
+    expect 0 "$iftty" run script --journal $journal
+    same "$(grep -c '^ok ' out)" 200
+    cmp -s $journal whole.iftty || fail "trial $trial: $(diff $journal whole.iftty | head -4)"
+    expect 0 "$iftty" verify $journal
+done
+[ "$early" -gt 5 ] || fail "only $early of $trial were killed in the middle"
+echo "# $trial times, $early of them in the middle"
+close_story
+
+begin "cut at any byte, and run again: the same bytes"
+for cut in $cuts; do
+    rm -rf again.iftty* again.golden
+    head -c "$cut" whole.iftty >again.iftty
+    expect 0 "$iftty" run script --journal again.iftty
+    same_files again.iftty whole.iftty
+done
 close_story
 
 begin "a torn tail is told, kept aside, and left alone by readers"

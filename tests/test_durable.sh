@@ -43,11 +43,11 @@ err_has "--read-only"
 cp a.iftty a.kept
 expect 0 "$iftty" -c 'stats; seed 9,9,9 2; journal; journal mine.iftty; seed 8,8,8 3' --read-only \
     --journal a.iftty
-out_has "3 records, read-only: nothing is written"
+out_has "4 records, read-only: nothing is written" # a question has applied the seed
 err_has "a.iftty is open read-only"
 same_files a.iftty a.kept
 expect 0 "$iftty" verify mine.iftty
-out_has "4 commands, 4 results with "
+out_has "5 commands, 5 results with "
 echo 'golden g' >script
 expect 2 "$iftty" run script --read-only --journal a.iftty
 err_has "open read-only"

@@ -141,7 +141,7 @@ while read -r name; do
     tail -n "$(wc -l <own)" out | cmp -s - own || fail "help $name: $(cat out)"
 done <programs
 expect 0 "$iftty" help run # a command as well
-same "$(sed -n 1p out)" run
+same "$(sed -n 1p out)" "run [for=QUESTION]"
 out_has "iftty run FILE|-"
 expect 2 "$iftty" help verfy
 err_has "there is no command or program verfy; did you mean verify?"
@@ -449,10 +449,11 @@ out_has "ok 6 seed 1,1,1 1"
 close_story
 
 begin "what is acknowledged has the number of its record, or says that it has none"
-expect 0 "$iftty" -c "open synth:geom:20x20x20; info; seed 1,1,1 1; why 1,1,1; run; undo" \
+expect 0 "$iftty" -c "open synth:geom:20x20x20; info; seed 1,1,1 1; measure 1,1,1 2,2,2
+    run; undo" \
     --journal numbers.iftty
 same "$(sed -n 's/^ok \([-0-9]* [a-z]*\).*/\1/p' out | tr '\n' ';')" \
-    "1 open;- info;2 seed;- why;3 run;4 undo;"
+    "1 open;- info;2 seed;- measure;3 run;4 undo;"
 out_has "    undone: 3 run"
 expect 0 "$iftty" -c "info; seed 2,2,2 1" --journal numbers.iftty
 same "$(sed -n 's/^ok \([-0-9]* [a-z]*\).*/\1/p' out | tr '\n' ';')" "- info;5 seed;"

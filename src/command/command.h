@@ -51,6 +51,7 @@ struct parameter {
     enum value_type type;
     bool optional, keyed;
     bool paired; /* given where the one before it is none of its choices, and only there */
+    bool added;  /* keyed; the record has it where the line had not */
     int64_t least, most;
     const char *choices; /* words that it may be instead, "a|b|c", or NULL */
     const char *form;    /* what stands for it in usage; NULL for what its type has */
@@ -114,7 +115,9 @@ enum command_group {
 
 struct command {
     const char *name;
-    const char *also; /* "exit|bye": other words for it, which lead to it; or NULL */
+    const char *also;     /* "exit|bye": other words for it, which lead to it; or NULL */
+    const char *comes_to; /* the command that its record is; where that is itself, only if its first
+                             value is one of the choices; or NULL */
     enum err (*act)(const struct act *act);
     enum command_group group;
     unsigned flags;                                  /* enum command_flag */

@@ -10,7 +10,7 @@ void reply_release(struct reply *reply)
     buf_release(&reply->canonical);
 }
 
-static void reply_clear(struct reply *reply)
+void reply_clear(struct reply *reply)
 {
     buf_clear(&reply->text);
     buf_clear(&reply->words);
@@ -95,7 +95,7 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
     if (!err && edited)
         volumes_write(&reply->text, session, clock_ns() - begin);
     if (!err && edited && (command->flags & COMMAND_PLANTS || interp->applied))
-        surprise_write(&reply->text, session, interp->applied ? "run" : command->name);
+        surprise_write(&reply->text, session, interp->applied ? NULL : command->name);
     if (!err && (reply->text.failed || reply->words.failed || reply->canonical.failed))
         err = fault_memory(fault, "an answer");
     return err;

@@ -95,6 +95,7 @@ enum err interpreter_write_beside(struct interpreter *interp, struct fault *faul
 #define RUN_FOR "run for="
 enum err interpreter_execute(struct interpreter *interp, const char *line, struct reply *reply,
                              struct fault *fault);
+void reply_clear(struct reply *reply);
 void reply_release(struct reply *reply);
 
 /* ---- sketches (execute.c) ---- */

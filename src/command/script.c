@@ -2,11 +2,11 @@
 
 #include <string.h>
 
+#include "command/recorded.h"
+
 enum { LINE_BYTES_MOST = 65536 };
 
-/* One line without its line feed; false at the end. Of a line that is too long for any command so
- * much is read that it stays too long. */
-static bool read_line(FILE *input, struct buf *line)
+bool script_read_line(FILE *input, struct buf *line)
 {
     int c;
     buf_clear(line);
@@ -46,14 +46,10 @@ static void warn(const struct printer *printer, const char *name, size_t line,
     buf_release(&text);
 }
 
-/* A script's comments and blank lines go into the journal with the command that follows. */
-static enum err store_comment(struct interpreter *interp, const char *line, struct fault *fault)
+bool script_is_comment(const char *line)
 {
-    bool is_comment = *line == '#' || *line == '\0';
-    bool is_header = strncmp(line, RECORD_HEADER, sizeof RECORD_HEADER - 1) == 0;
-    return interp->journal && is_comment && !is_header
-               ? journal_comment(interp->journal, line, fault)
-               : OK;
+    const bool is_header = strncmp(line, RECORD_HEADER, sizeof RECORD_HEADER - 1) == 0;
+    return (*line == '#' || *line == '\0') && !is_header;
 }
 
 /* The next line; false at the end, or where the watch stops. */
@@ -62,37 +58,122 @@ static bool next_line(const struct interpreter *interp, FILE *input, struct buf 
 {
     if (printer->waits)
         printer->waits(printer->context, true);
-    const bool is_there = !watch_stops(interp->session.watch) && read_line(input, line);
+    const bool is_there = !watch_stops(interp->session.watch) && script_read_line(input, line);
     if (printer->waits)
         printer->waits(printer->context, false);
     return is_there;
 }
 
+/* ---- what is recorded already ---- */
+
+/* A run of a script, with what of it the journal has. */
+struct run {
+    struct interpreter *interp;
+    const char *name;
+    const struct printer *printer;
+    struct recorded recorded;
+    size_t records; /* of the journal, before the first line */
+    bool goes_on;   /* a line was carried out that the journal does not have */
+};
+
+/* Which line the run goes on with; 0 for none. */
+static void say_what_is_left(const struct run *run, size_t line)
+{
+    const size_t other = run->recorded.other_comment;
+    struct buf text = {0};
+    buf_add_safe_text(&text, journal_path(run->interp->journal));
+    if (line)
+        buf_printf(&text, " has what stands before line %zu of ", line);
+    else
+        buf_add_text(&text, " has all of ");
+    buf_add_safe_text(&text, run->name);
+    buf_printf(&text, ", %zu record%s", run->records, plural(run->records));
+    buf_add_text(&text, line ? ": the run goes on there\n" : ": nothing is left to do\n");
+    if (other)
+        buf_printf(
+            &text,
+            "the comments before its record %zu are others than those of the script; they stay\n",
+            other);
+    run->printer->warn(run->printer->context, buf_text(&text));
+    buf_release(&text);
+}
+
+/* A question after the last record, whose file the run that was interrupted has written. */
+static bool was_answered(const struct run *run, const char *line)
+{
+    struct interpreter *interp = run->interp;
+    struct call call;
+    if (run->recorded.mode != RECORDED_ENDS || !interp->keeps ||
+        journal_count(interp->journal) > run->records ||
+        command_parse(&call, line, &interp->session, NULL) != OK)
+        return false;
+    const bool is_question = call.command && !(call.command->flags & COMMAND_RECORDED);
+    call_release(&call);
+    return is_question;
+}
+
+/* Carries it out, unless that is recorded already: then *taken. */
+static enum err run_line(struct run *run, const char *line, size_t number, bool *taken,
+                         struct reply *reply, struct fault *fault)
+{
+    struct interpreter *interp = run->interp;
+    const bool is_comment = script_is_comment(line);
+    enum err err = recorded_take(&run->recorded, interp, line, taken, reply, fault);
+    if (err || *taken)
+        return err;
+    if (run->recorded.mode == RECORDED_ENDS && !is_comment && !run->goes_on) {
+        run->goes_on = true;
+        say_what_is_left(run, number);
+    }
+    if (interp->journal && is_comment)
+        err = journal_comment(interp->journal, line, fault);
+    if (!err)
+        err = interpreter_execute(interp, line, reply, fault);
+    if (err == ERR_IO && was_answered(run, line)) {
+        warn(run->printer, run->name, number, fault);
+        err = OK;
+        reply_clear(reply);
+    }
+    return err;
+}
+
+static enum err end_run(const struct run *run, size_t number, struct fault *fault)
+{
+    const enum err err = recorded_end(&run->recorded, run->interp, fault);
+    if (err)
+        warn(run->printer, run->name, number, fault);
+    else if (run->recorded.mode == RECORDED_ENDS && !run->goes_on)
+        say_what_is_left(run, 0);
+    return err;
+}
+
 enum err script_run(struct interpreter *interp, FILE *input, const char *name, bool keep_going,
                     const struct printer *printer, size_t *stopped, struct fault *fault)
 {
+    struct run run = {.interp = interp,
+                      .name = name,
+                      .printer = printer,
+                      .records = interp->journal ? journal_count(interp->journal) : 0};
     struct buf line = {0};
     struct reply reply = {0};
-    enum err first = OK;
+    enum err first = recorded_begin(&run.recorded, interp, input, fault);
+    bool ends = first != OK;
     size_t number;
     *stopped = 0;
-    for (number = 1; interp->wish != WISH_QUIT && next_line(interp, input, &line, printer);
+    for (number = 1; !ends && interp->wish != WISH_QUIT && next_line(interp, input, &line, printer);
          number++) {
+        bool taken;
         if (*buf_text(&line) == '=')
             continue;
-        enum err err = store_comment(interp, buf_text(&line), fault);
-        if (!err)
-            err = interpreter_execute(interp, buf_text(&line), &reply, fault);
+        const enum err err = run_line(&run, buf_text(&line), number, &taken, &reply, fault);
         if (err) {
             warn(printer, name, number, fault);
             first = first ? first : err;
-            if (!keep_going || err == ERR_CANCELLED) {
-                *stopped = number;
-                break;
-            }
+            ends = !keep_going || err == ERR_CANCELLED;
+            *stopped = ends && !taken ? number : 0;
         } else if (reply.canonical.length) {
             script_acknowledge(interp, &reply, printer);
-            if (interp->shows_picture && printer->show)
+            if (!taken && interp->shows_picture && printer->show)
                 printer->show(printer->context, interp);
         }
     }
@@ -102,7 +183,11 @@ enum err script_run(struct interpreter *interp, FILE *input, const char *name, b
         *stopped = number;
         first = fault_set(fault, ERR_CANCELLED, "cancelled before this line");
         warn(printer, name, number, fault);
+    } else if (!ends) {
+        const enum err left = end_run(&run, number, fault);
+        first = first ? first : left;
     }
+    recorded_release(&run.recorded);
     if (!first && ferror(input))
         return fault_set(fault, ERR_IO, "cannot read %s", name);
     return first;

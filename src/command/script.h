@@ -10,6 +10,14 @@
 
 #include "command/interpreter.h"
 
+/* One line without its line feed; false at the end. Of a line that is too long for any command so
+ * much is read that it stays too long. */
+bool script_read_line(FILE *input, struct buf *line);
+
+/* Whether a line goes into the journal with the command that follows: a comment or a blank line,
+ * but no header of a journal. */
+bool script_is_comment(const char *line);
+
 struct printer {
     void *context;
     void (*print)(void *context, const char *text);          /* whole lines, to standard output */

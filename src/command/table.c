@@ -48,8 +48,9 @@
     "refused where that is not free."
 
 /* What every row begins with, on one line. */
-#define COMMAND(NAME, ACT, GROUP, FLAGS)      NAME, NULL, ACT, GROUP, FLAGS
-#define CALLED(NAME, ALSO, ACT, GROUP, FLAGS) NAME, ALSO, ACT, GROUP, FLAGS
+#define COMMAND(NAME, ACT, GROUP, FLAGS)        NAME, NULL, NULL, ACT, GROUP, FLAGS
+#define CALLED(NAME, ALSO, ACT, GROUP, FLAGS)   NAME, ALSO, NULL, ACT, GROUP, FLAGS
+#define COMES_TO(WHAT, NAME, ACT, GROUP, FLAGS) NAME, NULL, WHAT, ACT, GROUP, FLAGS
 
 /* Parameters: name, type, and what the type needs of .choices, .least and .most. */
 #define NEED(...)                                                                                  \
@@ -137,7 +138,7 @@ const struct command command_table[] = {
       KEYED("spacing", VALUE_WORD, .form = "X,Y,Z"),
       KEYED("huge", VALUE_CHOICE, .choices = "yes|no"),
       KEYED("private", VALUE_CHOICE, .choices = "yes|no"),
-      KEYED("weight", VALUE_WORD, .form = "NAME[:NUMBER]")},
+      KEYED("weight", VALUE_WORD, .form = "NAME[:NUMBER]", .added = true)},
      "load a scene, or synth:geom[:XYZ|:SIZE]",
      VOLUME_FORMATS(VOLUME_NOTE) SYNTHETIC_NOTE "\n" VOLUME_SERIES_NOTE PART_NOTE "\n" OPENING_NOTE,
      "open synth:geom"},
@@ -268,7 +269,7 @@ const struct command command_table[] = {
      {NEED("FILE", VALUE_FILE), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
       KEYED("as", VALUE_LIST, .most = 255), KEYED("label", VALUE_LABEL, .least = 1, .most = 255),
       KEYED("erode", VALUE_NUMBER, .most = PIECE_ERODE_MOST),
-      KEYED("copy", VALUE_WORD, .form = "DIGEST"), RESAMPLE},
+      KEYED("copy", VALUE_WORD, .form = "DIGEST", .added = true), RESAMPLE},
      "begin with a segmentation, and correct it",
      "FILE is a label map on the scene's grid, of whatever program. Each piece of each label "
      "becomes a marker, the background's too, all of them one undo. Borders are found anew, as far "
@@ -368,7 +369,7 @@ const struct command command_table[] = {
      "Added to the angles of the view, which `info` prints.",
 
      "turn 15 -5"},
-    {COMMAND("zoom", act_zoom, GROUP_VIEW, R | S),
+    {COMES_TO("zoom", "zoom", act_zoom, GROUP_VIEW, R | S),
      {NEED("FACTOR", VALUE_DECIMAL, .choices = "fit", .least = VIEW_ZOOM_LEAST,
            .most = VIEW_ZOOM_MOST),
       KEYED("at", VALUE_POSITION)},
@@ -547,7 +548,7 @@ const struct command command_table[] = {
      "the cross-hair: the voxel where the slices meet",
      "After `open`, the centre of the scene.",
      "cross 90,108,90"},
-    {COMMAND("hint", act_hint, GROUP_SLICES, R | S),
+    {COMES_TO("cross", "hint", act_hint, GROUP_SLICES, R | S),
      {NEED("N", VALUE_NUMBER, .least = 1, .most = HINTS_MOST)},
      "the cross-hair goes to a place that `hints` lists",
      "By its number there. The journal has the `cross` that it comes to.",

@@ -74,7 +74,10 @@ void surprise_write(struct buf *out, const struct session *session, const char *
     struct surprise surprise;
     if (!session_find_surprise(&surprise, session))
         return;
-    buf_printf(out, "this `%s` took ", command);
+    if (command)
+        buf_printf(out, "this `%s` took ", command);
+    else
+        buf_add_text(out, "what waited took ");
     act_write_extent(out, session, surprise.voxels);
     buf_add_text(out, " of label ");
     act_write_label(out, session, surprise.label);

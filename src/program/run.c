@@ -3,6 +3,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "command/recorded.h"
 #include "command/script.h"
 #include "program/begin.h"
 #include "program/console.h"
@@ -36,10 +37,13 @@ static void add_argument(struct buf *out, const char *word)
     buf_add_text(out, is_plain ? "" : "'");
 }
 
-/* After lines that were stopped: what the journal has, and what to type. */
-static void say_how_to_go_on(const struct options *o, const struct journal *journal, size_t line)
+/* After lines that were stopped: what the journal has, and what to type. A script that opens its
+ * scene goes on by itself (command/recorded.h); of another one, the rest does. */
+static void say_how_to_go_on(const struct options *o, const struct journal *journal, FILE *input,
+                             size_t line)
 {
     struct buf text = {0};
+    bool knows;
     if (!journal || !line || journal_only_looks(journal))
         return;
     buf_add_safe_text(&text, journal_path(journal));
@@ -47,12 +51,16 @@ static void say_how_to_go_on(const struct options *o, const struct journal *jour
                " holds %zu record%s, up to what stands before line %zu; to go on there:\n    ",
                journal_count(journal), plural(journal_count(journal)), line);
     const bool is_file = !o->commands && strcmp(o->word[0], "-") != 0;
-    if (is_file) {
+    const bool is_whole =
+        is_file && fseek(input, 0, SEEK_SET) == 0 && recorded_opens_scene(input, &knows);
+    if (is_file && !is_whole) {
         buf_printf(&text, "tail -n +%zu ", line);
         add_argument(&text, o->word[0]);
         buf_add_text(&text, " | ");
     }
-    buf_add_text(&text, "iftty run - --journal ");
+    buf_add_text(&text, "iftty run ");
+    add_argument(&text, is_whole ? o->word[0] : "-");
+    buf_add_text(&text, " --journal ");
     add_argument(&text, journal_path(journal));
     buf_add_char(&text, '\n');
     console_warn(NULL, buf_text(&text));
@@ -75,7 +83,7 @@ static enum err run_lines(const struct options *o, FILE *input, const char *name
         size_t stopped;
         err = script_run(&interp, input, name, o->keep_going, &printer, &stopped, fault);
         fault->text[0] = '\0'; /* printed with its line */
-        say_how_to_go_on(o, interp.journal, stopped);
+        say_how_to_go_on(o, interp.journal, input, stopped);
     }
     err = end_journal(&interp, err, fault);
     interpreter_release(&interp);

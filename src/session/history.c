@@ -151,6 +151,14 @@ enum err history_find(const struct history *history, const char *name, uint32_t 
     return OK;
 }
 
+const struct kept_settings *history_settings_after(const struct history *history, size_t record)
+{
+    if (!history->points)
+        return NULL;
+    const size_t since = record < history->first ? 0 : record - history->first;
+    return history->point[since < history->ats ? history->at[since] : 0].settings;
+}
+
 static uint32_t depth(const struct history *history, uint32_t point)
 {
     uint32_t steps = 0;

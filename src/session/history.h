@@ -100,6 +100,10 @@ enum err history_after(const struct history *history, size_t *count, uint32_t *p
 enum err history_find(const struct history *history, const char *name, uint32_t *point,
                       uint32_t *branch, struct fault *fault);
 
+/* The settings that this record left, where that is since the scene was opened; else those that it
+ * was opened with, or NULL without a scene. */
+const struct kept_settings *history_settings_after(const struct history *history, size_t record);
+
 /* Whether the present point is the tip of its branch. */
 bool history_is_at_tip(const struct history *history);
 

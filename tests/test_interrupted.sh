@@ -1,0 +1,158 @@
+#!/bin/sh
+# A run that was interrupted is repeated: it goes on after the last record where script and journal
+# are of one run, and adds nothing where they are not. tests/test_crash.sh kills it.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+
+begin "an interrupted run goes on after its last record, whatever that was"
+mkdir again
+
+cat >again/script <<'END'
+# begins with a comment
+
+open synth:geom:30x24x20
+label 2 liver
+# where it is bright
+seed 7,12,10 liver
+seed 2,2,2 1
+stats
+label 2 spleen
+"seed" 3,3,3   spleen
+zoom fit
+render
+hint 1
+
+labels map.nii label=3 regions=1
+orient file
+seed 4.2,3,8mm 0
+undo
+save labels map2.nii replace=yes
+END
+expect_in again 0 "$iftty" -c 'open synth:geom:30x24x20; seed 3,3,3 1; seed 20,20,15 2
+    save labels map.nii'
+expect_in again 0 "$iftty" run script --journal whole.iftty
+records=$(grep -c '^= ' again/whole.iftty)
+same "$records" 15
+numbers=$(seq 1 "$records" | tr '\n' ' ')
+head_of() { # of the whole, so many records
+    awk -v last="$1" '{ print } /^= / && $2 == last { exit }' again/whole.iftty >again/k.iftty
+}
+for made in $(seq 1 "$records"); do
+    for way in 'run script' 'run -' 'run pipe'; do
+        rm -rf again/k.*
+        cp -r again/whole.golden again/k.golden
+        head_of "$made"
+        case $way in
+        'run script') expect_in again 0 "$iftty" run script --journal k.iftty ;;
+        'run -') expect_in again 0 "$iftty" run - --journal k.iftty <again/script ;;
+        *)
+            rm -f again/pipe
+            mkfifo again/pipe
+            cat again/script >again/pipe &
+            expect_in again 0 "$iftty" run pipe --journal k.iftty
+            wait
+            ;;
+        esac
+        same_files again/k.iftty again/whole.iftty
+        same "$(sed -n 's/^ok \([0-9]*\) .*/\1/p' out | tr '\n' ' ')" "$numbers"
+        if [ "$made" = "$records" ]; then
+            err_has "k.iftty has all of "
+            err_has ", $records records: nothing is left to do"
+        else
+            err_has "k.iftty has what stands before line "
+            err_has ", $made record"
+        fi
+    done
+done
+close_story
+
+begin "one that is another than the script is named, and nothing is added to it"
+beginning() {
+    rm -rf again/k.*
+    head_of "$1"
+    cp again/k.iftty again/former
+}
+differs() { # WORDS: this line, and this record
+    expect_in again 3 "$iftty" run other --journal k.iftty
+    err_has "$1"
+    err_has "the journal has another run, or was gone on with; nothing was added to it"
+    same "$(wc -l <err | tr -d ' ')" 1
+    same_files again/k.iftty again/former
+}
+beginning 5
+sed 's/seed 2,2,2 1/seed 2,2,2 1 radius=1/' again/script >again/other
+differs 'other:7: this line is `seed 2,2,2 1 radius=1`, and record 4 of k.iftty is `seed 2,2,2 1`'
+sed '/^seed 2,2,2/d' again/script >again/other
+differs 'other:8: this line is `label 2 spleen`, and record 4 of k.iftty is `seed 2,2,2 1`'
+sed '6a label 9 more' again/script >again/other
+differs 'other:7: this line is `label 9 more`, and record 4'
+sed '6a labell 9 more' again/script >again/other
+differs 'other:7: this line is `labell 9 more`, and record 4'
+sed 6q again/script >again/other
+differs 'other:7: the script ends, and record 4 of k.iftty is `seed 2,2,2 1`'
+sed 's/30x24x20/20x20x20/' again/script >again/other
+differs 'other:3: this line is `open synth:geom:20x20x20`, and record 1 of k.iftty is `open '
+beginning 7
+cp again/script again/other
+sed -i 's/zoom fit/zoom 2/' again/script
+beginning 8
+mv again/script again/changed
+mv again/other again/script
+cp again/changed again/other
+differs 'other:11: this line is `zoom 2`, and record 8 of k.iftty is `zoom '
+beginning 5
+for line in 'undo' 'branch other' 'seed 9,9,9 1'; do # somebody went on by hand
+    beginning 4
+    expect_in again 0 "$iftty" -c "$line" --journal k.iftty
+    cp again/k.iftty again/former
+    cp again/script again/other
+    differs "and record 5 of k.iftty is \`$line\`"
+done
+close_story
+
+begin "comments of the script that were changed stay as they are in the journal, which is said"
+beginning 5
+sed 's/# where/# and where/' again/script >again/other
+expect_in again 0 "$iftty" run other --journal k.iftty
+err_has "the comments before its record 3 are others than those of the script; they stay"
+same_files again/k.iftty again/whole.iftty
+close_story
+
+begin "lines that failed under --keep-going have no record, and fail again"
+rm -rf again/k.*
+sed '6a seed 99,99,99 1' again/script >again/other
+expect_in again 3 "$iftty" run other --journal k.iftty --keep-going
+same_files again/k.iftty again/whole.iftty
+for made in 2 3 9; do
+    beginning $made
+    expect_in again 3 "$iftty" run other --journal k.iftty --keep-going
+    same_files again/k.iftty again/whole.iftty
+done
+close_story
+
+begin "a question after the last record is asked again, and its report is left alone"
+rm -rf again/k.*
+{ sed '$d' again/script; echo run; echo 'stats report=report.csv'; } >again/other
+expect_in again 0 "$iftty" run other --journal k.iftty
+cp again/k.iftty again/former
+expect_in again 0 "$iftty" run other --journal k.iftty
+err_has "other:20: report.csv exists already and was left alone"
+same_files again/k.iftty again/former
+close_story
+
+begin "a script that opens no scene adds to the journal, as ever"
+beginning 5
+printf '# more\nlabel 7 seven\nseed 1,1,1 7\n' >again/other
+for times in 1 2; do
+    expect_in again 0 "$iftty" run other --journal k.iftty
+    expect_in again 0 "$iftty" run - --journal k.iftty <again/other
+done
+same "$(grep -c '^= ' again/k.iftty)" 13
+same "$(grep -c '^# more' again/k.iftty)" 4
+rm -rf again/k.*
+expect_in again 0 "$iftty" -c 'label 7 seven' --journal k.iftty # without a scene yet
+expect_in again 0 "$iftty" run script --journal k.iftty
+same "$(grep -c '^= ' again/k.iftty)" 16
+close_story
+
+finish
