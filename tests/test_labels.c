@@ -333,7 +333,13 @@ STORY(an_object_is_what_hangs_together_with_a_seed_within_the_range)
     CHECK_HAS(buf_text(&reply.text), words);
     CHECK_INT(seeds_of(&interp.session, 2), expected);
     CHECK_HAS(buf_text(&reply.words), "marker=1");
+    CHECK_HAS(buf_text(&reply.text), "nothing holds label 2 cerebellum back, and a run gives it "
+                                     "all of the scene\n");
     must(&interp, "undo");
+    must(&interp, "range 100 255");
+    must(&interp, "object 2 threshold 100..255 from=11,10,9");
+    CHECK_HAS(buf_text(&reply.text), "all of the region of interest\n");
+    must(&interp, "undo 2");
     CHECK_INT(forest_seeds(interp.session.forest), 0);
     must(&interp, "seed 11,10,9 2");
     must(&interp, "object 2 threshold 100..255");
@@ -349,6 +355,7 @@ STORY(seeds_of_another_label_stay_and_let_nothing_through)
     must(&interp, "box 3,0,0 3,10,9 1");
     must(&interp, "seed 0,0,0 2"); /* all of x < 3 lies in the range, and of x > 3 */
     must(&interp, "object 2 threshold 0..1000");
+    CHECK(!strstr(buf_text(&reply.text), "nothing holds"));
     CHECK_INT(seeds_of(&interp.session, 2), 3 * 11 * 10);
     CHECK_INT(seeds_of(&interp.session, 1), 11 * 10);
     must(&interp, "object 1 threshold 0..1000 from=9,9,9"); /* which has a range of its own */
@@ -365,6 +372,9 @@ STORY(edits_that_wait_count_as_seeds)
     const size_t waits = session_pendings(&interp.session);
     must(&interp, "run");
     CHECK_INT(forest_seeds(interp.session.forest), waits - 1); /* one of them twice */
+    must(&interp, "seed 9,9,9 0"); /* what waits holds an object back, too */
+    must(&interp, "object 2 threshold 0..8.5");
+    CHECK(!strstr(buf_text(&reply.text), "nothing holds"));
     interpreter_release(&interp);
 }
 

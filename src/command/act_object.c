@@ -131,6 +131,24 @@ static enum err refuse_nothing(const struct search *s)
         s->label);
 }
 
+/* An object ends where trees of another label begin, and nowhere else. */
+static void warn_of_no_other(const struct search *s)
+{
+    const struct session *session = s->act->session;
+    const struct markers *markers = &session->markers;
+    struct buf *out = &s->act->reply->text;
+    for (size_t i = 0; i < markers->count; i++)
+        if (markers->marker[i].stands && markers->marker[i].label != EDIT_ERASE &&
+            markers->marker[i].label != s->label)
+            return;
+    buf_add_text(out, "no other label has a seed: nothing holds label ");
+    act_write_label(out, session, (unsigned)s->label);
+    buf_printf(out,
+               " back, and a run gives it all of the %s\nthat its trees reach; seeds of the "
+               "background hold it, as `seed X,Y,Z 0`, or a shell or a box around it\n",
+               roi_is_none(&session->roi) ? "scene" : "region of interest");
+}
+
 static enum err plant(struct search *s)
 {
     const struct act *act = s->act;
@@ -143,6 +161,7 @@ static enum err plant(struct search *s)
                plural(s->planting.planted));
     act_write_label(&act->reply->text, act->session, (unsigned)s->label);
     buf_add_char(&act->reply->text, '\n');
+    warn_of_no_other(s);
     buf_printf(&act->reply->words, "added=%zu", s->planting.planted);
     act_add_markers(act);
     return OK;

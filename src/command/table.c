@@ -291,7 +291,8 @@ const struct command command_table[] = {
      "One marker of all voxels whose intensity, as `why` prints it, is in the range, and that "
      "hang together by faces with a seed of the label which lies in it. Voxels with seeds of other "
      "labels are left out, and let nothing through: a stroke of the background cuts off what "
-     "leaks. Each object may have a range of its own.\n"
+     "leaks. Each object may have a range of its own. Its trees grow on beyond the range, until "
+     "they meet those of other labels.\n"
      "from: begin with this voxel instead of the label's seeds.",
      "object 2 threshold 226..3071"},
     {CALLED("remove", "delete|erase|eliminate|rm", act_remove, GROUP_SEEDS, R | S | E | P),
