@@ -61,11 +61,13 @@ ITK_IO        = NRRD Meta MINC MRC LSM TIFF PNG VTK GIPL GE IPL Siemens Bruker S
 VOLUME_FLAGS  = -isystem /usr/include/$(ITK) -isystem $(wildcard /usr/include/gdcm-*) \
                 $(patsubst -I%,-isystem %,$(shell pkg-config --cflags hdf5 2>/dev/null)) \
                 -fno-sanitize=vptr
-VOLUME_LIBS   = $(addsuffix $(ITK:ITK%=%),$(ITK_IO:%=-lITKIO%) -lITKCommon -litksys -litkvnl) \
+VOLUME_LIBS   = $(addsuffix $(ITK:ITK%=%),$(ITK_IO:%=-lITKIO%) -lITKMetaIO -lITKCommon -litksys \
+                  -litkvnl) \
                 -lgdcmMSFF -lgdcmDSED -lgdcmCommon $(shell pkg-config --libs hdf5 2>/dev/null)
 
 # Both helpers: how they are confined.
-CONFINED      = $(BUILD)/src/base/confine.o $(BUILD)/src/base/confine_calls.o
+CONFINED      = $(BUILD)/src/base/beneath.o $(BUILD)/src/base/confine.o \
+                $(BUILD)/src/base/confine_calls.o
 
 IMAGE_PARTS   = $(patsubst %.cc,$(BUILD)/%.o,src/image/iftty-image.cc \
                   $(wildcard src/image/image_*.cc))

@@ -11,6 +11,7 @@ make_scene s.nii 24 20 16
 printf 'ObjectType = Image\nNDims = 3\n' >v.mha
 printf 'NRRD0004\n' >v.nrrd
 printf '\211PNG\r\n' >p.png
+: >n.txt
 mkdir slices
 cp p.png slices
 
@@ -47,7 +48,7 @@ if is_confined; then
         refused opening "$probed" info $scene
     done
     cp v.mha "$work/there/beside.mha"
-    expect 3 "$probed" -c "open beside.mha" # a header of voxels in other files beside it
+    expect 3 "$probed" -c "open beside.mha" # a header that names s.nii beside it
     err_has "opening: let through: open-beside"
     same "$(wc -w <"$work/err" | tr -d ' ')" 6
     rm beside.mha

@@ -10,6 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/beneath.h"
 #include "base/confine.h"
 #include "base/file.h"
 #include "base/hash.h"
@@ -190,46 +191,46 @@ STORY(a_name_is_found_below_its_folder_and_nowhere_else)
 {
     static const struct {
         const char *name;
-        enum trust_answer answer, stepwise;
+        enum beneath answer, stepwise;
     } expected[] = {
-        {"a", TRUST_FINE, TRUST_FINE},
-        {"./a", TRUST_FINE, TRUST_FINE},
-        {"deep/b", TRUST_FINE, TRUST_FINE},
-        {"deep//b", TRUST_FINE, TRUST_FINE},
-        {"..c", TRUST_FINE, TRUST_FINE},
-        {"inner", TRUST_FINE, TRUST_OUTSIDE}, /* where no link is followed, none is trusted */
-        {"deep", TRUST_FOLDER, TRUST_FOLDER},
-        {"pipe", TRUST_NO_FILE, TRUST_NO_FILE},
-        {"none", TRUST_MISSING, TRUST_MISSING},
-        {"a/b", TRUST_MISSING, TRUST_MISSING},
-        {"dangling", TRUST_MISSING, TRUST_OUTSIDE},
-        {"", TRUST_OUTSIDE, TRUST_OUTSIDE},
-        {"/etc/passwd", TRUST_OUTSIDE, TRUST_OUTSIDE},
-        {"..", TRUST_OUTSIDE, TRUST_OUTSIDE},
-        {"../out/secret", TRUST_OUTSIDE, TRUST_OUTSIDE},
-        {"deep/../../out/secret", TRUST_OUTSIDE, TRUST_OUTSIDE},
-        {"deep/..", TRUST_OUTSIDE, TRUST_OUTSIDE},
-        {"up", TRUST_OUTSIDE, TRUST_OUTSIDE},
-        {"folder/secret", TRUST_OUTSIDE, TRUST_OUTSIDE},
-        {"zero", TRUST_OUTSIDE, TRUST_OUTSIDE},
-        {"round", TRUST_OUTSIDE, TRUST_OUTSIDE},
-        {"deep/c", TRUST_OUTSIDE, TRUST_OUTSIDE},
+        {"a", BENEATH_FINE, BENEATH_FINE},
+        {"./a", BENEATH_FINE, BENEATH_FINE},
+        {"deep/b", BENEATH_FINE, BENEATH_FINE},
+        {"deep//b", BENEATH_FINE, BENEATH_FINE},
+        {"..c", BENEATH_FINE, BENEATH_FINE},
+        {"inner", BENEATH_FINE, BENEATH_OUTSIDE}, /* where no link is followed, none is trusted */
+        {"deep", BENEATH_FOLDER, BENEATH_FOLDER},
+        {"pipe", BENEATH_NO_FILE, BENEATH_NO_FILE},
+        {"none", BENEATH_MISSING, BENEATH_MISSING},
+        {"a/b", BENEATH_MISSING, BENEATH_MISSING},
+        {"dangling", BENEATH_MISSING, BENEATH_OUTSIDE},
+        {"", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
+        {"/etc/passwd", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
+        {"..", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
+        {"../out/secret", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
+        {"deep/../../out/secret", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
+        {"deep/..", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
+        {"up", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
+        {"folder/secret", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
+        {"zero", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
+        {"round", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
+        {"deep/c", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
     };
     CHECK(make_top());
     char folder[200];
     snprintf(folder, sizeof folder, "%s", below_top("in"));
     for (size_t i = 0; i < sizeof expected / sizeof *expected; i++) {
-        trust_without_openat2 = false;
-        const enum trust_answer answer = trust_look(folder, expected[i].name);
-        trust_without_openat2 = true;
-        const enum trust_answer stepwise = trust_look(folder, expected[i].name);
+        beneath_without_openat2 = false;
+        const enum beneath answer = beneath_look(folder, expected[i].name);
+        beneath_without_openat2 = true;
+        const enum beneath stepwise = beneath_look(folder, expected[i].name);
         if (answer != expected[i].answer || stepwise != expected[i].stepwise)
             printf("# %s: %d and %d\n", expected[i].name, answer, stepwise);
         /* a kernel without openat2 answers as if step by step */
         CHECK(answer == expected[i].answer || answer == expected[i].stepwise);
         CHECK(stepwise == expected[i].stepwise);
     }
-    trust_without_openat2 = false;
+    beneath_without_openat2 = false;
     CHECK(remove_folder(top) == 0);
 }
 

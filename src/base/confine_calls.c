@@ -41,10 +41,10 @@ static const uint32_t for_facts[] = {SYS_getrandom, SYS_getpid,           SYS_ge
                                      SYS_sysinfo,   SYS_sched_getaffinity};
 static const uint32_t to_open[] = {
 #ifdef SYS_open /* on older processors the same has two names */
-    SYS_open,       SYS_stat,       SYS_lstat, SYS_access,    SYS_readlink,
+    SYS_open,       SYS_stat,       SYS_lstat,      SYS_access, SYS_readlink,
 #endif
-    SYS_openat,     SYS_newfstatat, SYS_statx, SYS_faccessat, SYS_faccessat2,
-    SYS_readlinkat, SYS_getdents64, SYS_getcwd};
+    SYS_openat,     SYS_openat2,    SYS_newfstatat, SYS_statx,  SYS_faccessat,
+    SYS_faccessat2, SYS_readlinkat, SYS_getdents64, SYS_getcwd};
 static const uint32_t to_change[] = {
 #ifdef SYS_open
     SYS_rename,    SYS_unlink, SYS_mkdir,    SYS_rmdir,

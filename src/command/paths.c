@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/beneath.h"
 #include "sandbox/trust.h"
 
 static const char default_scenes[] = "/usr/share/mricron/templates";
@@ -48,7 +49,7 @@ static enum err find(const struct interpreter *interp, const char *name, struct 
         buf_add_text(path, name);
         found = true;
     }
-    for (const char *list = interpreter_scenes(); !found && trust_is_inside(name) && *list;) {
+    for (const char *list = interpreter_scenes(); !found && beneath_is_inside(name) && *list;) {
         size_t length = strcspn(list, ":");
         found = length && try_folder(path, list, length, name);
         list += length + (list[length] == ':');
@@ -67,7 +68,7 @@ enum err interpreter_find_scene(const struct interpreter *interp, const char *na
 {
     const bool synthetic = strncmp(name, "synth:", 6) == 0;
     if (!synthetic && !interp->scene_path) {
-        const bool is_elsewhere = interpreter_is_wary(interp) && !trust_is_inside(name);
+        const bool is_elsewhere = interpreter_is_wary(interp) && !beneath_is_inside(name);
         const enum err err = find(interp, is_elsewhere ? file_name(name) : name, path, "scene",
                                   "was opened", true, fault);
         if (err && is_elsewhere)
@@ -82,7 +83,7 @@ enum err interpreter_find_scene(const struct interpreter *interp, const char *na
 enum err interpreter_find_file(const struct interpreter *interp, const char *name, struct buf *path,
                                struct fault *fault)
 {
-    const bool is_elsewhere = interpreter_is_wary(interp) && !trust_is_inside(name);
+    const bool is_elsewhere = interpreter_is_wary(interp) && !beneath_is_inside(name);
     const enum err err = find(interp, is_elsewhere ? file_name(name) : name, path, "file",
                               "has changed", false, fault);
     return err && is_elsewhere ? fault_prefix(fault, err, "the journal may not read %s", name)
@@ -98,14 +99,15 @@ enum err interpreter_may_read(const struct interpreter *interp, const char *path
     file_folder(&goldens, path);
     file_folder(&folder, buf_text(&goldens));
     const char *name = path + (file_name(buf_text(&goldens)) - buf_text(&goldens));
-    const enum trust_answer answer =
-        goldens.failed || folder.failed ? TRUST_OUTSIDE : trust_look(buf_text(&folder), name);
+    const enum beneath answer =
+        goldens.failed || folder.failed ? BENEATH_OUTSIDE : beneath_look(buf_text(&folder), name);
     buf_release(&goldens);
     buf_release(&folder);
-    if (answer == TRUST_FINE || answer == TRUST_MISSING)
+    if (answer == BENEATH_FINE || answer == BENEATH_MISSING)
         return OK; /* the reader says that it is missing */
     return fault_set(fault, ERR_INPUT, "the journal may not read %s, which %s", path,
-                     answer == TRUST_OUTSIDE ? "leads out of its folder" : "is not a regular file");
+                     answer == BENEATH_OUTSIDE ? "leads out of its folder"
+                                               : "is not a regular file");
 }
 
 /* ---- files that are written ---- */

@@ -3,10 +3,12 @@
  *
  * One request comes on standard input, of one file or folder; what is in it goes to standard
  * output; volume_helper.h has the protocol byte for byte. Before the first byte of a file is read,
- * the process takes from itself all but reading that file (or that folder, and the folder of a
- * header whose voxels lie beside it). A decoder that crashes takes only this process along.
+ * the process takes from itself all but reading that file (or that folder, and the files that a
+ * header names, or that may lie beside it). A decoder that crashes takes only this process along.
  *
  *     volume_answer.cc   the answers, and how reading ends
+ *     volume_names.cc    files that headers of text name
+ *     volume_sources.cc  files that data sets of HDF5 name
  *     volume_itk.cc      the formats of ITK
  *     volume_hdf5.cc     data sets of HDF5
  *     volume_slice.cc    what DICOM says of a slice
@@ -37,26 +39,25 @@ constexpr rlim_t reading_s = 3600;
 
 /* ---- confinement ---- */
 
-std::string folder_of(const std::string &path)
-{
-    const size_t slash = path.find_last_of('/');
-    return slash == std::string::npos ? "." : path.substr(0, slash + 1);
-}
-
 /* From here on this process reads what it was asked for, and nothing else: of a header whose voxels
- * lie in other files, those of its folder. Which headers are such, they say themselves; they are
- * looked into with no more than that. */
+ * lie in other files, those that it names, which are looked at with no more than its folder. What
+ * lies beside an HDF5 file, or one that no first bytes tell, only its library can say: then it is
+ * the folder. */
 void confine_to_request(const Request &request, const Files &files)
 {
     const std::string folder = folder_of(request.path);
     const struct confine_place own = {request.path.c_str(), CONFINE_READ};
+    const bool is_header = request.kind == "nrrd" || request.kind == "meta";
+    std::vector<std::string> named;
     Needs needs;
     needs.places = {own, {folder.c_str(), CONFINE_READ}};
-    if (request.kind == "nrrd" || request.kind == "meta")
+    if (is_header) {
         confine_to(needs.places.data(), needs.places.size());
-    if (!may_name_others(request))
+        named = named_files(request);
+    }
+    if (request.kind != "hdf5" && request.kind != "any")
         needs.places = {own};
-    for (const std::string &name : files.targets)
+    for (const std::string &name : is_header ? named : files.targets)
         needs.places.push_back({name.c_str(), CONFINE_READ});
     needs.calls = CONFINE_OPEN;
     needs.seconds = reading_s;

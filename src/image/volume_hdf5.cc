@@ -1,42 +1,23 @@
 /* HDF5: data sets of other programs, by the library itself; those of ITK and MINC by ITK. */
+#include "image/volume_hdf5.hh"
 #include "image/volume_parts.hh"
 
 #include <algorithm>
 #include <map>
 #include <memory>
 
-#include <hdf5.h>
-
 namespace volume
 {
-
-/* Closes what it holds. */
-class Handle
-{
-  public:
-    Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close)
-    {
-    }
-    ~Handle()
-    {
-        if (id_ >= 0)
-            close_(id_);
-    }
-    Handle(const Handle &) = delete;
-    Handle &operator=(const Handle &) = delete;
-    operator hid_t() const
-    {
-        return id_;
-    }
-
-  private:
-    hid_t id_;
-    herr_t (*close_)(hid_t);
-};
 
 struct DataSet {
     std::string name, type;
     std::vector<hsize_t> side;
+    std::string wrong; /* why its values cannot be read */
+};
+
+struct Sets {
+    std::vector<DataSet> list;
+    const std::string &path;
 };
 
 std::string hdf_type(hid_t set)
@@ -61,16 +42,20 @@ hid_t hdf_memory_type(const std::string &type)
     return types.at(type);
 }
 
-bool describe_set(DataSet &set, hid_t file, const char *name)
+/* Where values lie elsewhere, the library may look there for the sides already. */
+bool describe_set(DataSet &set, hid_t file, const char *name, const std::string &path)
 {
     Handle id(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
     if (id < 0)
         return false;
+    set.name = name;
+    set.wrong = wrong_with_sources(id, path);
+    if (!set.wrong.empty())
+        return true;
     Handle space(H5Dget_space(id), H5Sclose);
     const int rank = H5Sget_simple_extent_ndims(space);
     if (rank < 3 || rank > 5)
         return false;
-    set.name = name;
     set.type = hdf_type(id);
     set.side.resize(static_cast<size_t>(rank));
     H5Sget_simple_extent_dims(space, set.side.data(), nullptr);
@@ -79,11 +64,11 @@ bool describe_set(DataSet &set, hid_t file, const char *name)
 
 herr_t visit(hid_t file, const char *name, const H5O_info_t *info, void *list)
 {
-    auto &sets = *static_cast<std::vector<DataSet> *>(list);
+    auto &sets = *static_cast<Sets *>(list);
     DataSet set;
-    if (info->type == H5O_TYPE_DATASET && describe_set(set, file, name))
-        sets.push_back(set);
-    return sets.size() < 1000 ? 0 : 1;
+    if (info->type == H5O_TYPE_DATASET && describe_set(set, file, name, sets.path))
+        sets.list.push_back(set);
+    return sets.list.size() < 1000 ? 0 : 1;
 }
 
 /* "/t0/channel0 (400x512x512 uint16)", in letters that are safe to print. */
@@ -95,11 +80,13 @@ std::string listed(const std::vector<DataSet> &sets)
         std::string name = "/" + set.name.substr(0, 60);
         for (char &c : name)
             c = c > ' ' && c < 127 ? c : '?';
+        if (!set.wrong.empty())
+            name += " (in other files";
         for (size_t a = set.side.size(); a-- > 0;)
             name += (a + 1 == set.side.size() ? " (" : "x") + std::to_string(set.side[a]);
         if (count++ == 4)
             return list + words_of(", and %zu more", sets.size() - 4);
-        list += (list.empty() ? "" : ", ") + name + " " + set.type + ")";
+        list += (list.empty() ? "" : ", ") + name + (set.type.empty() ? "" : " ") + set.type + ")";
     }
     return list;
 }
@@ -167,12 +154,22 @@ void open_hdf5(Volume &volume, const Request &request)
     const std::shared_ptr<Handle> file = std::make_shared<Handle>(id, H5Fclose);
     for (const char *group : {"/ITKImage", "/minc-2.0"})
         if (H5Lexists(*file, group, H5P_DEFAULT) > 0) {
+            const std::string wrong = wrong_with_any(*file, request.path);
+            if (!wrong.empty())
+                refuse("%s", wrong.c_str());
             open_by_itk(volume, request, group[1] == 'I' ? "itk-hdf5" : "minc");
             return;
         }
-    std::vector<DataSet> sets;
+    Sets sets = {{}, request.path};
     H5Ovisit(*file, H5_INDEX_NAME, H5_ITER_INC, visit, &sets);
-    const DataSet chosen = choose_set(sets, request.data);
+    if (sets.list.empty()) { /* it may all be elsewhere */
+        const std::string wrong = wrong_with_any(*file, request.path);
+        if (!wrong.empty())
+            refuse("%s", wrong.c_str());
+    }
+    const DataSet chosen = choose_set(sets.list, request.data);
+    if (!chosen.wrong.empty())
+        refuse("%s", chosen.wrong.c_str());
     const size_t rank = chosen.side.size();
     for (size_t a = 0; a < 3; a++)
         volume.size[a] = chosen.side[rank - 1 - a];
@@ -186,9 +183,13 @@ void open_hdf5(Volume &volume, const Request &request)
     uint64_t rest = request.volume;
     for (size_t a = rank - 3; a-- > 0; rest /= chosen.side[a])
         from[a] = rest % chosen.side[a];
+    Handle access(looking_beside(), H5Pclose);
     const std::shared_ptr<Handle> set =
-        std::make_shared<Handle>(H5Dopen2(*file, chosen.name.c_str(), H5P_DEFAULT), H5Dclose);
+        std::make_shared<Handle>(H5Dopen2(*file, chosen.name.c_str(), access), H5Dclose);
     place_set(volume, *set);
+    const std::string from_none = note_of_sources(*set);
+    if (!from_none.empty())
+        note(volume, from_none);
     volume.send = [&volume, file, set, rank, from]() { send_set(volume, *set, rank, from); };
 }
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/confine.h"
 #include "base/folder.h"
 #include "base/mem.h"
 #include "base/scan.h"
@@ -42,6 +43,7 @@ const char *volume_helper_program;
 int volume_helper_patience_ms = 60000;
 uint64_t volume_helper_memory_most;
 bool volume_helper_is_wary;
+bool volume_helper_needs_landlock;
 
 struct volume_helper {
     struct coprocess process;
@@ -322,6 +324,10 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
         return fault_set(fault, ERR_INPUT, "packed by gzip; `gunzip` it first");
     if (strlen(source->path) > PATH_MOST)
         return fault_set(fault, ERR_INPUT, "a path of more than %d bytes", PATH_MOST);
+    if (volume_helper_needs_landlock && !confine_version())
+        return fault_set(fault, ERR_INPUT,
+                         "its reader is a library, and this kernel has no Landlock to keep it to "
+                         "this file; `--unconfined` has it read all the same");
     enum err err = begin(&helper, source->watch, fault);
     source->helper = helper;
     if (!err)

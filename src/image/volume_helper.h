@@ -56,6 +56,9 @@ extern int volume_helper_patience_ms;
 extern uint64_t volume_helper_memory_most;
 extern bool volume_helper_is_wary;
 
+/* Whether nothing is read where the kernel does not confine the helper. */
+extern bool volume_helper_needs_landlock;
+
 /* The path of iftty-volume beside the running program. */
 struct buf;
 enum err volume_helper_default_program(struct buf *out, struct fault *fault);

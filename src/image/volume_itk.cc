@@ -27,6 +27,7 @@
 #include <itkStimulateImageIO.h>
 #include <itkTIFFImageIO.h>
 #include <itkVTKImageIO.h>
+#include <metaImage.h>
 
 #include "image/volume_parts.hh"
 
@@ -256,20 +257,6 @@ unsigned known_by_meta(const std::string &path)
     return known;
 }
 
-bool may_name_others(const Request &request)
-{
-    if (request.kind == "nrrd") {
-        const auto fields = fields_of(request.path, ':', "");
-        return fields.count("data file") || fields.count("datafile");
-    }
-    if (request.kind == "meta") {
-        const auto fields = fields_of(request.path, '=', "elementdatafile");
-        const auto data = fields.find("elementdatafile");
-        return data == fields.end() || data->second.find("LOCAL") == std::string::npos;
-    }
-    return request.kind == "any";
-}
-
 /* ---- the formats of ITK ---- */
 
 template <typename Reader> itk::ImageIOBase::Pointer make()
@@ -325,7 +312,13 @@ void open_by_itk(Volume &volume, const Request &request, const std::string &name
     io->SetFileName(request.path);
     if (!io->CanReadFile(request.path.c_str()))
         refuse("its first bytes are of a %s file, and the rest of its header is not", kind->format);
+    if (name == "any")
+        check_stimulate(request);
     io->ReadImageInformation();
+    if (name == "meta")
+        check_meta(
+            request,
+            static_cast<itk::MetaImageIO &>(*io).GetMetaImagePointer()->ElementDataFileName());
     volume.format = kind->format;
     volume.known = name == "nrrd"   ? known_by_nrrd(request.path)
                    : name == "meta" ? known_by_meta(request.path)

@@ -2,8 +2,8 @@
  * What the parts of iftty-volume share: what is asked, what is answered, and how reading ends.
  *
  * What files say in words (names, numbers and dates of patients, the messages of libraries, which
- * quote them) never leaves the process: what it says itself are words and numbers of its own, and
- * the names of data sets in an HDF5 file.
+ * quote them) never leaves the process: what it says itself are words and numbers of its own, the
+ * names of data sets in an HDF5 file, and those of files that a header names and that are not read.
  */
 #ifndef IMAGE_VOLUME_PARTS_HH
 #define IMAGE_VOLUME_PARTS_HH
@@ -107,8 +107,26 @@ struct Files {
 /* The regular files below a folder, hidden ones left out, in the order of their names. */
 void walk(Files &files, const std::string &folder, bool follows_links, size_t depth);
 
-/* Whether the voxels may lie in files beside this one, which is a header then. */
-bool may_name_others(const Request &request);
+/* ---- files that others name (volume_names.cc, volume_sources.cc) ---- */
+
+/* "./" where the path has none; else with its slash. */
+std::string folder_of(const std::string &path);
+
+/* What a file names is read where it is a regular file below the folder of that file: no absolute
+ * name, no "..", no link that leads out, no pipe and no device. Whatever the kernel confines, this
+ * is looked at before a library is given the file. "" where all is well, or why it is not. */
+std::string wrong_with(const std::string &header, const std::string &name);
+
+/* A name in letters that are safe to print. */
+std::string shown(const std::string &name);
+
+/* The paths of the files that the header of a NRRD or MetaImage names; none where the voxels are in
+ * it. Refuses those that are not sound, and lists of too few. */
+std::vector<std::string> named_files(const Request &request);
+
+/* That the library has read the same name in a MetaImage; and the name in a Stimulate. */
+void check_meta(const Request &request, const std::string &read_by_library);
+void check_stimulate(const Request &request);
 
 void open_by_itk(Volume &volume, const Request &request, const std::string &name);
 void open_hdf5(Volume &volume, const Request &request);

@@ -83,6 +83,7 @@ enum err begin_confined(const struct options *o, const char *journal, const char
     if (!err) {
         trust_confine(&places);
         limits_begin(&limits);
+        volume_helper_needs_landlock = !o->unconfined;
     }
     buf_release(&images);
     buf_release(&volumes);

@@ -34,10 +34,11 @@ struct options {
     struct graphics_wish graphics; /* {0}: the terminal decides */
     bool help, read_only, keep_going, smooth, json, histogram, csv, binary, resample, anonymise;
     bool strict, no_strict, update_lock, fail_fast, timings, remove_orphans;
+    bool unconfined;
     bool is_form; /* one that only says which form is meant */
 };
 
-enum { PROGRAM_OPTIONS_MOST = 24 };
+enum { PROGRAM_OPTIONS_MOST = 26 };
 
 struct program {
     const char *name;  /* NULL: of a command line that names none */

@@ -48,6 +48,7 @@ enum {
     LIMIT_MEMORY,
     LIMIT_TIME,
     LIMIT_OUTPUT,
+    UNCONFINED,
     NO_NAMES,
     /* what says which form is meant */
     COMMANDS,
@@ -180,6 +181,10 @@ static const struct option option[] = {
                     TEXT(limit_time)},
     [LIMIT_OUTPUT] = {"--limit-output", "SIZE", "the most bytes of files written, as 500M (4G)",
                       TEXT(limit_output)},
+    [UNCONFINED] = {"--unconfined", NULL,
+                    "have libraries read the journal's files though this kernel has no Landlock, "
+                    "which would keep them to those files",
+                    FLAG(unconfined)},
     [NO_NAMES] = {"--anonymise", NULL, "without comments and the names of files", FLAG(anonymise)},
 
     [COMMANDS] = {"-c", "'COMMAND; COMMAND'", "", TEXT(commands)},
@@ -206,7 +211,7 @@ enum { FILES_MOST = 1 << 20 };
 #define TWO(what)       .words = what, .least = 2, .most = 2
 #define AT_MOST_1(what) .words = what, .least = 0, .most = 1
 #define SESSION_OPTIONS JOURNAL, READ_ONLY, SCENE, OUT, GRAPHICS, SMOOTH
-#define LIMIT_OPTIONS   LIMIT_MEMORY, LIMIT_TIME, LIMIT_OUTPUT
+#define LIMIT_OPTIONS   LIMIT_MEMORY, LIMIT_TIME, LIMIT_OUTPUT, UNCONFINED
 
 static const struct program program[] = {
     {AT_MOST_1("[SCENE|JOURNAL]"), .option = {SESSION_OPTIONS},

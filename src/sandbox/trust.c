@@ -1,135 +1,37 @@
 #include "sandbox/trust.h"
 
-#include <errno.h>
-#include <fcntl.h>
-#include <linux/openat2.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
-#include <unistd.h>
 
+#include "base/beneath.h"
 #include "base/confine.h"
 #include "base/file.h"
 #include "image/pair.h"
 
-/* Headers that name the file with the voxels, which is to lie beside them. */
-static const char HEADERS_ALONE[] = ".mhd|.nhdr";
-
-bool trust_without_openat2;
-
-bool trust_is_inside(const char *name)
-{
-    if (*name == '/' || *name == '\0')
-        return false;
-    for (const char *at = name; *at; at += strcspn(at, "/"), at += *at == '/')
-        if (strncmp(at, "..", 2) == 0 && (at[2] == '/' || at[2] == '\0'))
-            return false;
-    return true;
-}
-
-/* ---- one name below one folder ---- */
-
-/* Opened without side effects: O_PATH touches no device and waits for no pipe. */
-static int open_beneath(int folder, const char *name)
-{
-    const struct open_how how = {.flags = O_PATH | O_CLOEXEC,
-                                 .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
-    if (trust_without_openat2) {
-        errno = ENOSYS;
-        return -1;
-    }
-    return (int)syscall(SYS_openat2, folder, name, &how, sizeof how);
-}
-
-static bool is_link(int fd)
-{
-    struct stat status;
-    return fstat(fd, &status) == 0 && S_ISLNK(status.st_mode);
-}
-
-/* The same without openat2: every step by itself, and no link is followed at all. */
-static int open_stepwise(int folder, const char *name)
-{
-    char step[256];
-    int at = dup(folder);
-    while (at >= 0 && *name) {
-        const size_t n = strcspn(name, "/");
-        int next = -1;
-        if (n >= sizeof step) {
-            errno = ENAMETOOLONG;
-        } else {
-            memcpy(step, name, n);
-            step[n] = '\0';
-            next = openat(at, n ? step : ".", O_PATH | O_CLOEXEC | O_NOFOLLOW);
-            if (name[n] && next >= 0 && is_link(next)) {
-                close(next);
-                next = -1;
-                errno = ELOOP;
-            }
-        }
-        const int number = errno;
-        close(at);
-        errno = number;
-        at = next;
-        name += n + (name[n] == '/');
-    }
-    return at;
-}
-
-static enum trust_answer judge(int fd)
-{
-    struct stat status;
-    if (fd < 0)
-        return errno == EXDEV || errno == ELOOP ? TRUST_OUTSIDE : TRUST_MISSING;
-    if (fstat(fd, &status) != 0)
-        return TRUST_MISSING;
-    if (S_ISLNK(status.st_mode)) /* only where none is followed */
-        return TRUST_OUTSIDE;
-    return S_ISREG(status.st_mode)   ? TRUST_FINE
-           : S_ISDIR(status.st_mode) ? TRUST_FOLDER
-                                     : TRUST_NO_FILE;
-}
-
-enum trust_answer trust_look(const char *folder, const char *name)
-{
-    if (!trust_is_inside(name))
-        return TRUST_OUTSIDE;
-    const int at = open(folder, O_PATH | O_DIRECTORY | O_CLOEXEC);
-    if (at < 0)
-        return TRUST_MISSING;
-    int fd = open_beneath(at, name);
-    if (fd < 0 && (errno == ENOSYS || errno == EPERM || errno == EINVAL))
-        fd = open_stepwise(at, name);
-    const enum trust_answer answer = judge(fd);
-    if (fd >= 0)
-        close(fd);
-    close(at);
-    return answer;
-}
+/* Files that may name others with their voxels, which are to lie beside them. */
+static const char HEADERS_ALONE[] = ".mhd|.nhdr|.h5|.hdf5|.hdf|.ims";
 
 /* ---- a name that a journal gives ---- */
 
-static enum trust_answer look_in(struct buf *path, const char *folder, size_t length,
-                                 const char *name)
+static enum beneath look_in(struct buf *path, const char *folder, size_t length, const char *name)
 {
     buf_clear(path);
     buf_add(path, folder, length);
-    const enum trust_answer answer =
-        path->failed ? TRUST_MISSING : trust_look(buf_text(path), name);
+    const enum beneath answer = path->failed ? BENEATH_MISSING : beneath_look(buf_text(path), name);
     buf_printf(path, "/%s", name);
     return answer;
 }
 
 /* The first place that has something of this name decides: a link that leads out is an error, and
  * no reason to search a folder of scenes. */
-static enum trust_answer look_everywhere(struct buf *path, const char *home, const char *scenes,
-                                         const char *name)
+static enum beneath look_everywhere(struct buf *path, const char *home, const char *scenes,
+                                    const char *name)
 {
     struct buf folder = {0};
     file_folder(&folder, home);
-    enum trust_answer answer = look_in(path, buf_text(&folder), folder.length, name);
-    while (answer == TRUST_MISSING && *scenes) {
+    enum beneath answer = look_in(path, buf_text(&folder), folder.length, name);
+    while (answer == BENEATH_MISSING && *scenes) {
         const size_t length = strcspn(scenes, ":");
         if (length)
             answer = look_in(path, scenes, length, name);
@@ -141,23 +43,23 @@ static enum trust_answer look_everywhere(struct buf *path, const char *home, con
 }
 
 /* OK where the answer is that of a file that may be read, or of a folder where that is taken. */
-static enum err refuse(enum trust_answer answer, const char *name, const char *kind,
-                       const char *undone, bool takes_folders, struct fault *fault)
+static enum err refuse(enum beneath answer, const char *name, const char *kind, const char *undone,
+                       bool takes_folders, struct fault *fault)
 {
     switch (answer) {
-    case TRUST_FINE:
+    case BENEATH_FINE:
         return OK;
-    case TRUST_OUTSIDE:
+    case BENEATH_OUTSIDE:
         return fault_set(fault, ERR_INPUT,
                          "the journal may not read %s, which leads out of its folder; nothing %s",
                          name, undone);
-    case TRUST_FOLDER:
+    case BENEATH_FOLDER:
         if (takes_folders)
             return OK;
         __attribute__((fallthrough));
-    case TRUST_NO_FILE:
+    case BENEATH_NO_FILE:
         return fault_set(fault, ERR_INPUT, "%s is not a regular file; nothing %s", name, undone);
-    case TRUST_MISSING:
+    case BENEATH_MISSING:
         break;
     }
     return fault_set(fault, ERR_IO,
@@ -176,7 +78,7 @@ static enum err check_other(const struct buf *path, const char *name, const char
     buf_add(&folder, path->data, length);
     if (pair_other(&other, buf_text(path)) && !folder.failed) {
         const char *other_name = buf_text(&other) + length + 1;
-        err = refuse(trust_look(buf_text(&folder), other_name), other_name, kind, undone, false,
+        err = refuse(beneath_look(buf_text(&folder), other_name), other_name, kind, undone, false,
                      fault);
     }
     err = folder.failed || other.failed ? fault_memory(fault, "a path") : err;
@@ -188,11 +90,11 @@ static enum err check_other(const struct buf *path, const char *name, const char
 enum err trust_find(struct buf *path, const char *home, const char *scenes, const char *name,
                     const char *kind, const char *undone, bool takes_folders, struct fault *fault)
 {
-    const enum trust_answer answer = look_everywhere(path, home, scenes, name);
+    const enum beneath answer = look_everywhere(path, home, scenes, name);
     if (path->failed)
         return fault_memory(fault, "a path");
-    return answer == TRUST_FINE ? check_other(path, name, kind, undone, fault)
-                                : refuse(answer, name, kind, undone, takes_folders, fault);
+    return answer == BENEATH_FINE ? check_other(path, name, kind, undone, fault)
+                                  : refuse(answer, name, kind, undone, takes_folders, fault);
 }
 
 /* ---- confinement ---- */

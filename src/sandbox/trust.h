@@ -29,20 +29,6 @@
 #include "base/buf.h"
 #include "base/err.h"
 
-enum trust_answer {
-    TRUST_FINE,    /* a regular file */
-    TRUST_MISSING, /* there is none, or it cannot be reached */
-    TRUST_OUTSIDE, /* the name, or a link on the way, leads out of the folder */
-    TRUST_FOLDER,
-    TRUST_NO_FILE, /* a device, pipe or socket */
-};
-
-/* True for a relative name without ".." in it. */
-bool trust_is_inside(const char *name);
-
-/* What `name` below `folder` is. */
-enum trust_answer trust_look(const char *folder, const char *name);
-
 /* path = the file `name` (or the folder, if that is taken too) below the folder of the journal
  * `home`, or of a folder of `scenes` (separated by colons), the first that has it. `kind` and
  * `undone` are for the words: "scene", "was opened". ERR_INPUT for a name that leads out or is no
@@ -65,8 +51,5 @@ struct trust_places {
 /* Confines the process to these places until it ends. False, and nothing is confined, where the
  * kernel cannot, or where they are more than some 250 folders. */
 bool trust_confine(const struct trust_places *places);
-
-/* For tests: true goes step by step though the kernel has openat2. */
-extern bool trust_without_openat2;
 
 #endif

@@ -125,6 +125,7 @@ std::vector<Attempt> all(const std::string &path, bool may_write, bool may_threa
         {"open-file", [] { return opens("/etc/passwd", O_RDONLY); }},
         {"open-folder", [] { return opens("/", O_RDONLY | O_DIRECTORY); }},
         {"open-beside", [=] { return opens(folder + "s.nii", O_RDONLY); }},
+        {"open-neighbour", [=] { return opens(folder + "n.txt", O_RDONLY); }},
         {"open-program", [] { return opens("/proc/self/exe", O_RDONLY); }},
         {"open-terminal", [] { return opens("/dev/tty", O_RDWR); }},
         {"make-file", [=] { return opens(folder + "made", O_WRONLY | O_CREAT); }},

@@ -21,9 +21,17 @@ void walk(Files &, const std::string &, bool, size_t)
 {
 }
 
-bool may_name_others(const Request &request)
+std::string folder_of(const std::string &path)
 {
-    return request.path.find("beside") != std::string::npos;
+    return path.substr(0, path.find_last_of('/') + 1) + "./";
+}
+
+/* A header that names one file beside it. */
+std::vector<std::string> named_files(const Request &request)
+{
+    if (request.path.find("beside") == std::string::npos)
+        return {};
+    return {folder_of(request.path) + "s.nii"};
 }
 
 static void probe(const Request &request)

@@ -1,0 +1,349 @@
+/* Names inside headers of text, NRRD and MetaImage: which files the voxels lie in. */
+#include "image/volume_parts.hh"
+
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+extern "C" {
+#include "base/beneath.h"
+}
+
+namespace volume
+{
+
+constexpr size_t header_most = 1 << 20; /* bytes; lists of names with it */
+constexpr uint64_t files_most = 100000;
+
+/* ---- one name ---- */
+
+std::string folder_of(const std::string &path)
+{
+    const size_t slash = path.find_last_of('/');
+    return slash == std::string::npos ? "./" : path.substr(0, slash + 1);
+}
+
+std::string shown(const std::string &name)
+{
+    std::string text = name.substr(0, 80);
+    for (char &c : text)
+        c = c >= ' ' && c < 127 ? c : '?';
+    return text.empty() ? "a file without a name" : text;
+}
+
+std::string wrong_with(const std::string &header, const std::string &name)
+{
+    const char *is = "";
+    switch (beneath_look(folder_of(header).c_str(), name.c_str())) {
+    case BENEATH_FINE:
+        return "";
+    case BENEATH_MISSING:
+        is = "which is not there";
+        break;
+    case BENEATH_OUTSIDE:
+        is = "which is not below the folder of the header";
+        break;
+    case BENEATH_FOLDER:
+    case BENEATH_NO_FILE:
+        is = "which is not a regular file";
+        break;
+    }
+    return words_of("voxels of it are in %s, %s; nothing else is read in its place",
+                    shown(name).c_str(), is);
+}
+
+/* The path of a file that a header names, which is sound. */
+std::string take_name(const std::string &header, const std::string &name)
+{
+    const std::string wrong = wrong_with(header, name);
+    if (!wrong.empty())
+        refuse("%s", wrong.c_str());
+    return folder_of(header) + name;
+}
+
+/* ---- headers of text ---- */
+
+struct Text {
+    std::string bytes;
+    bool is_whole;
+};
+
+Text begin_of(const std::string &path)
+{
+    Text text = {std::string(header_most, '\0'), false};
+    std::ifstream file(path, std::ios::binary);
+    file.read(&text.bytes[0], header_most);
+    text.bytes.resize(static_cast<size_t>(file.gcount()));
+    text.is_whole = text.bytes.size() < header_most;
+    return text;
+}
+
+[[noreturn]] void refuse_header()
+{
+    refuse("its header says in no way that is read here which files its voxels are in");
+}
+
+std::vector<std::string> words_in(const std::string &text)
+{
+    std::istringstream stream(text);
+    std::vector<std::string> words;
+    for (std::string word; stream >> word;)
+        words.push_back(word);
+    return words;
+}
+
+/* The number that a word is, of at most nine digits. */
+long number_of(const std::string &word)
+{
+    const size_t sign = word[0] == '-';
+    if (word.size() == sign || word.size() > 9 ||
+        word.find_first_not_of("0123456789", sign) != std::string::npos)
+        refuse_header();
+    return std::stol(word);
+}
+
+/* "%03d": where the only conversion begins, and where it ends; a header may hold any other for its
+ * reader to stumble over. */
+std::pair<size_t, size_t> conversion_in(const std::string &pattern)
+{
+    const size_t begin = pattern.find('%');
+    const size_t end = pattern.find_first_not_of("0123456789", begin + 1);
+    if (end == std::string::npos || pattern[end] != 'd' || end - begin > 4 ||
+        pattern.find('%', end) != std::string::npos)
+        refuse_header();
+    return {begin, end + 1};
+}
+
+/* Names that are counted: "slice%03d.raw" with the first number, the last and the step. */
+std::vector<std::string> count_names(const std::string &pattern, long first, long last, long step)
+{
+    std::vector<std::string> names;
+    const auto [begin, end] = conversion_in(pattern);
+    const std::string digits = pattern.substr(begin + 1, end - begin - 2);
+    const size_t width = digits.empty() ? 0 : static_cast<size_t>(number_of(digits));
+    const char fill = digits[0] == '0' ? '0' : ' ';
+    if (step == 0 || first < 0 || (last - first) / step < 0)
+        refuse_header();
+    for (long i = first; step > 0 ? i <= last : i >= last; i += step) {
+        std::string number = std::to_string(i);
+        if (names.size() >= files_most || i < 0)
+            refuse_header();
+        if (number.size() < width)
+            number.insert(0, width - number.size(), fill);
+        names.push_back(pattern.substr(0, begin) + number + pattern.substr(end));
+    }
+    return names;
+}
+
+/* A line from `at` on, without its end, and `at` behind it. */
+std::string next_line(const std::string &text, size_t &at)
+{
+    const size_t end = std::min(text.find('\n', at), text.size());
+    std::string line = text.substr(at, end - at);
+    at = std::min(end + 1, text.size());
+    if (!line.empty() && line.back() == '\r')
+        line.pop_back();
+    if (line.find('\r') != std::string::npos || line.find('\0') != std::string::npos)
+        refuse_header();
+    return line;
+}
+
+/* ---- NRRD ---- */
+
+bool is_data_file(std::string field)
+{
+    std::transform(field.begin(), field.end(), field.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return field == "data file" || field == "datafile";
+}
+
+/* Whether its reader takes the value for a pattern: the first % of which there are not two. */
+bool is_pattern(const std::string &value)
+{
+    size_t at = value.find('%');
+    while (at != std::string::npos && at + 1 < value.size() && value[at + 1] == '%')
+        at = value.find('%', at + 2);
+    if (at == std::string::npos)
+        return false;
+    at = value.find_first_not_of("0123456789", at + 1);
+    return at != std::string::npos && (value[at] == 'd' || value[at] == 'u');
+}
+
+std::vector<std::string> names_in_nrrd(const Text &text)
+{
+    std::vector<std::string> names;
+    bool named = false;
+    for (size_t at = 0; at < text.bytes.size();) {
+        const std::string line = next_line(text.bytes, at);
+        const size_t colon = line.find(": ");
+        if (line.empty())
+            return names;
+        if (colon == std::string::npos || line[0] == '#' || !is_data_file(line.substr(0, colon)))
+            continue;
+        const size_t begin = line.find_first_not_of(" \t", colon + 2);
+        const std::string value = begin == std::string::npos ? "" : line.substr(begin);
+        if (named)
+            refuse_header();
+        named = true;
+        if (value.compare(0, 4, "LIST") == 0) { /* up to the end of the header */
+            for (std::string name; at < text.bytes.size();) {
+                name = next_line(text.bytes, at);
+                if (name.empty())
+                    return names;
+                names.push_back(name);
+            }
+        } else if (is_pattern(value)) {
+            const std::vector<std::string> word = words_in(value);
+            if (word.size() < 4)
+                refuse_header();
+            names =
+                count_names(word[0], number_of(word[1]), number_of(word[2]), number_of(word[3]));
+        } else {
+            names.push_back(value);
+        }
+    }
+    if (!text.is_whole) /* it would go on where nobody has looked */
+        refuse_header();
+    return names;
+}
+
+/* ---- MetaImage ---- */
+
+const char meta_field[] = "ElementDataFile";
+
+/* The value of the field that begins at `at`, and the line behind it. */
+std::string meta_value(const std::string &text, size_t &at)
+{
+    const std::string line = next_line(text, at);
+    const size_t begin = line.find_first_not_of(" \t=:", line.find_first_of("=:"));
+    const size_t end = line.find_last_not_of(" \t");
+    return begin == std::string::npos ? "" : line.substr(begin, end + 1 - begin);
+}
+
+/* The sides that the header gives, the fastest first. */
+std::vector<long> meta_sides(const std::string &text)
+{
+    std::vector<long> sides;
+    for (size_t at = 0; at < text.size();) {
+        if (text.compare(at, 7, "DimSize") == 0) {
+            for (const std::string &word : words_in(meta_value(text, at)))
+                sides.push_back(number_of(word));
+            break;
+        }
+        at = std::min(text.find('\n', at), text.size() - 1) + 1;
+    }
+    return sides;
+}
+
+/* One file for each piece of so many dimensions: a list that is too short would leave zeros. */
+void check_number(size_t files, const std::vector<long> &sides, size_t dimensions)
+{
+    uint64_t pieces = 1;
+    for (size_t a = dimensions; a < sides.size(); a++)
+        if (sides[a] < 1 || (pieces *= static_cast<uint64_t>(sides[a])) > files_most)
+            refuse_header();
+    if (files != pieces)
+        refuse("its header names %s, and says that it has %s", plural_of(files, "file").c_str(),
+               plural_of(pieces, "piece").c_str());
+}
+
+std::vector<std::string> names_in_list(const std::string &text, size_t at)
+{
+    std::vector<std::string> names;
+    while (at < text.size()) {
+        std::string name = next_line(text, at);
+        name.erase(name.find_last_not_of(" \t") + 1);
+        names.push_back(name);
+    }
+    while (!names.empty() && names.back().empty())
+        names.pop_back();
+    return names;
+}
+
+/* Its reader takes the last word of the header's fields to be this one, and stops there. */
+std::string meta_says(const Text &text, size_t &at)
+{
+    at = text.bytes.find(meta_field);
+    if (at == std::string::npos) {
+        if (!text.is_whole)
+            refuse_header();
+        return "";
+    }
+    const size_t begin = text.bytes.find_last_not_of(" \t", at ? at - 1 : 0);
+    if (at > 0 && begin != std::string::npos && text.bytes[begin] != '\n')
+        refuse_header();
+    return meta_value(text.bytes, at);
+}
+
+bool is_local(const std::string &value)
+{
+    return value == "LOCAL" || value == "Local" || value == "local";
+}
+
+std::vector<std::string> names_in_meta(const Text &text, const std::string &path)
+{
+    size_t at;
+    const std::string value = meta_says(text, at);
+    if (at == std::string::npos || is_local(value))
+        return {};
+    if (!text.is_whole || value.empty() || text.bytes.find(meta_field, at) != std::string::npos)
+        refuse_header();
+    const std::vector<long> sides = meta_sides(text.bytes);
+    const std::vector<std::string> word = words_in(value);
+    if (value.compare(0, 4, "LIST") == 0) {
+        const size_t given = word.size() > 1 ? static_cast<size_t>(number_of(word[1])) : 0;
+        const std::vector<std::string> names = names_in_list(text.bytes, at);
+        check_number(names.size(), sides,
+                     given < 1 || given > sides.size() ? sides.size() - 1 : given);
+        return names;
+    }
+    if (value.find('%') != std::string::npos) {
+        if (word.size() != 4 || sides.empty())
+            refuse_header();
+        const std::vector<std::string> names =
+            count_names(word[0], number_of(word[1]), number_of(word[2]), number_of(word[3]));
+        check_number(names.size(), sides, sides.size() - 1);
+        return names;
+    }
+    for (const char *ending : {"", ".gz", ".Z"}) /* which its reader tries in turn */
+        if (beneath_look(folder_of(path).c_str(), (value + ending).c_str()) != BENEATH_MISSING)
+            return {value + ending};
+    return {value};
+}
+
+/* ---- the whole ---- */
+
+std::vector<std::string> named_files(const Request &request)
+{
+    std::vector<std::string> names, paths;
+    if (request.kind == "nrrd")
+        names = names_in_nrrd(begin_of(request.path));
+    else if (request.kind == "meta")
+        names = names_in_meta(begin_of(request.path), request.path);
+    for (const std::string &name : names)
+        paths.push_back(take_name(request.path, name));
+    return paths;
+}
+
+void check_meta(const Request &request, const std::string &read_by_library)
+{
+    size_t at;
+    if (meta_says(begin_of(request.path), at) != read_by_library)
+        refuse_header();
+}
+
+void check_stimulate(const Request &request)
+{
+    static const char field[] = "stimFileName:";
+    const std::string text = begin_of(request.path).bytes;
+    for (size_t at = text.find(field); at != std::string::npos; at = text.find(field, at)) {
+        const std::string line = next_line(text, at += sizeof field - 1);
+        const size_t begin = line.find_first_not_of(' ');
+        if (begin != std::string::npos)
+            take_name(request.path, line.substr(begin, line.find_last_not_of(' ') + 1 - begin));
+    }
+}
+
+} // namespace volume

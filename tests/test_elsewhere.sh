@@ -1,0 +1,126 @@
+#!/bin/sh
+# Volumes that name other files: those below their folder are read, everything else is refused by
+# name, on every kernel; nothing is made up for what is missing, and nothing waited for in vain.
+. "$(dirname "$0")/lib.sh"
+PYTHON=/usr/bin/python3
+unset IFTTY_SCENES
+loose() { # COMMAND...: as on a kernel without Landlock
+    "$PYTHON" "$top/tests/volumes/without_landlock.py" "$@"
+}
+mkdir "$work/v" "$work/secret"
+
+begin "files that name others are made"
+"$PYTHON" -W ignore "$top/tests/volumes/elsewhere.py" "$work/v" >"$work/made" 2>&1 ||
+    fail "$(tail -n 3 "$work/made")"
+[ "$failures" = 0 ] || { close_story; finish; }
+close_story
+cd "$work/v" || exit 1
+
+scene_of() { # COMMAND...: the digest of the scene that it opens
+    rm -f "$work/j.iftty"
+    expect 0 "$@" --journal "$work/j.iftty"
+    last_word scene "$work/j.iftty"
+}
+whole=$(scene_of "$iftty" -c 'open twin.nii')
+gap=cc7312228db948da
+
+# sound NAME...: each opens as its twin does, confined or not
+sound() {
+    for name; do
+        same "$name $(scene_of "$iftty" -c "open $name")" "$name $whole"
+        same "$name $(scene_of loose "$iftty" -c "open $name")" "$name $whole"
+    done
+}
+# refused WORDS NAME...: by `open` and `info`, with and without Landlock, and by the replay of a
+# stranger's journal that has been let read without; at once, and nothing is written
+refused() {
+    words=$1
+    shift
+    for name; do
+        expect 3 timeout 30 "$iftty" -c "open $name"
+        err_has "$words"
+        expect 3 timeout 30 "$iftty" info "$name"
+        err_has "$words"
+        expect 3 loose timeout 30 "$iftty" -c "open $name"
+        err_has "$words"
+        printf 'open %s\nslice axial 0 secret.png\n' "$name" >j
+        expect 3 loose timeout 30 "$iftty" replay j --unconfined --out "$work/pictures"
+        err_has "$words"
+        same "$(ls "$work/pictures")" ""
+        expect 3 timeout 30 "$iftty" verify j
+        out_has "$words"
+    done
+}
+
+begin "voxels beside a header are read, by a name, a list or a count; so are those of HDF5"
+sound plain.mhd inner.mhd counted.mhd list.mhd
+sound plain.nhdr inner.nhdr counted.nhdr list.nhdr percent.nhdr
+sound virtual.h5 virtual-own.h5 external-plain.h5
+for name in virtual.h5 external-plain.h5 list.mhd list.nhdr; do
+    expect_in / 0 "$iftty" -c "open $work/v/$name"
+done
+close_story
+
+begin "a name that leads out of the folder of its header is refused, on every kernel"
+refused "../secret/v.raw, which is not below the folder of the header" parent.mhd parent.nhdr \
+    external-parent.h5 small.mhd many.nhdr
+refused "secret/v.raw, which is not below the folder" absolute.mhd absolute.nhdr \
+    external-absolute.h5
+refused "away.raw, which is not below the folder" away.mhd away.nhdr external-away.h5
+refused "folder/v.raw, which is not below the folder" folder.mhd folder.nhdr
+refused "zero.raw, which is not below the folder" zero.mhd zero.nhdr
+refused "../secret/s01.raw, which is not below" counted-parent.mhd counted-parent.nhdr
+refused "../secret/s02.raw, which is not below" list-parent.mhd list-parent.nhdr
+refused "../secret/v.h5, which is not below" virtual-parent.h5
+refused "secret/v.h5, which is not below" virtual-absolute.h5
+refused "away.h5, which is not below" virtual-away.h5
+refused "a part of it is in another file, ../secret/v.h5" link.h5 itk.h5
+refused "the data set d of linked.h5, which is not there" virtual-linked.h5
+close_story
+
+begin "a header that its library might read otherwise is refused"
+refused "which files its voxels are in" swallowed.mhd twice.nhdr late.nhdr counted-twice.mhd \
+    counted-twice.nhdr
+close_story
+
+begin "a pipe is not waited for"
+refused "pipe.raw, which is not a regular file" pipe.mhd pipe.nhdr list-pipe.mhd list-pipe.nhdr \
+    virtual-pipe.h5 external-pipe.h5
+refused "deep, which is not a regular file" here.mhd here.nhdr
+close_story
+
+begin "what is missing is named, and no zeros are made of it"
+refused "none.raw, which is not there" none.mhd none.nhdr list-none.mhd list-none.nhdr \
+    external-none.h5
+refused "s05.raw, which is not there" counted-none.mhd counted-none.nhdr
+refused "its header names 3 files, and says that it has 4 pieces" list-short.mhd
+refused "none.h5, which is not there" virtual-none.h5 virtual-nested.h5
+refused "d of less.h5, in which voxels of it are, is of another size" virtual-less.h5
+refused "bad.h5, which is no HDF5 file, or is damaged" virtual-bad.h5
+refused "cut short: short.raw" external-short.h5
+same "$(scene_of "$iftty" -c 'open virtual-gap.h5')" $gap
+out_has "30 of the 120 values of the data set are in none of the files that it is made of"
+close_story
+
+begin "without Landlock the files of a journal are read by our own readers, or with a yes"
+for name in twin.nii plain.mhd virtual.h5; do
+    expect 0 "$iftty" -c "open $name; seed 1,1,1 1; run" --journal "$name.iftty"
+    expect 0 "$iftty" verify "$name.iftty"
+    expect 0 loose "$iftty" verify --unconfined "$name.iftty"
+    expect 0 loose "$iftty" replay --unconfined "$name.iftty"
+    for program in verify replay; do
+        case $name in
+        *.nii) expect 0 loose "$iftty" $program "$name.iftty" ;;
+        *)
+            expect 3 loose "$iftty" $program "$name.iftty"
+            cat "$work/out" >>"$work/err"
+            err_has "this kernel has no Landlock to keep it to this file; \`--unconfined\` has it"
+            ;;
+        esac
+    done
+done
+expect 0 loose "$iftty" info
+out_has "landlock  none"
+close_story
+
+finish
