@@ -112,6 +112,37 @@ expect 0 "$iftty" -c "open q.mha crop=2-19,0-9,1-15 reduce=2; info"
 out_has '9x5x7 voxels'
 close_story
 
+begin "FreeSurfer's files, as nibabel reads them: the voxels and the place of the same NIfTI"
+maps='labels cost border distance margin'
+# shellcheck disable=SC2086
+expect 0 "$iftty" -c "open p.nii; $start; $(printf "save %s f-%s.nii; save %s f-%s.mgz; " \
+    $(for m in $maps; do echo $m $m $m $m; done)) save cost f.mgh"
+# shellcheck disable=SC2086
+/usr/bin/python3 - $maps 2>err <<'END' || fail "$(cat err)"
+import gzip, nibabel, numpy, sys
+for name in sys.argv[1:]:
+    a, b = nibabel.load("f-%s.nii" % name), nibabel.load("f-%s.mgz" % name)
+    p, q = numpy.asarray(a.dataobj), numpy.asarray(b.dataobj)
+    assert p.shape == q.shape and (p == q).all(), name
+    assert numpy.abs(a.affine - b.affine).max() < 1e-5, (name, a.affine, b.affine)
+    assert q.dtype == (">u1" if name in ("labels", "border") else ">i4"), (name, q.dtype)
+assert gzip.open("f-cost.mgz").read() == open("f.mgh", "rb").read()
+END
+same "$(seen_as f-labels.mgz)" "$(seen_as f-labels.nii)"
+same "$(seen_as f-cost.mgz)" "$(seen_as f-cost.nii)"
+expect 2 "$iftty" -c "open p.nii; $start; save root r.mgz"
+err_has "FreeSurfer's files hold no numbers up to 4294967295; expected .nii.gz, .nrrd or .mha"
+expect 0 "$iftty" -c "open s.nii; $start; save labels s.mgz"
+out_has 'where it lies is as unknown in it as in the scene'
+expect 0 "$iftty" -c "open s.nii; seed-file s.mgz"
+expect 0 "$iftty" -c "open f-cost.mgz; save labels again.mgz" # a scene and its map: bit for bit
+/usr/bin/python3 - 2>err <<'END' || fail "$(cat err)"
+import gzip
+a, b = (gzip.open(name).read()[30:90] for name in ("f-cost.mgz", "again.mgz"))
+assert a == b, (a, b)
+END
+close_story
+
 begin "the same map gives the same bytes, and none are left of one that fails"
 save="save labels l.seg.nrrd replace=yes; save labels m.seg.nrrd"
 expect 0 "$iftty" -c "open p.nii; $start; $save"

@@ -67,6 +67,28 @@ expect 0 "$iftty" -c "open an-byte.img crop=2-9,3-12,0-5 reduce=2"
 out_has "4x5x3 voxels"
 close_story
 
+begin "MGH of FreeSurfer: five types, packed, several volumes, and without a place"
+for name in byte.mgh short.mgz int.mgz float.mgh ushort.mgh nowhere.mgh; do
+    opened_as $name $name.twin.nii
+done
+opened_as series.mgz series.mgz.twin.nii volume=0
+expect 0 "$iftty" info series.mgz
+out_has "volumes   2"
+expect 0 "$iftty" info nowhere.mgh
+out_has "its goodRASFlag is 0: it says neither how far apart its voxels are nor how they lie"
+out_has "spacing   unknown"
+expect 0 "$iftty" -c "open nowhere.mgh spacing=1,1,2; orient RAS; seed 3,3,3 1; run"
+expect 3 "$iftty" -c "open rgb.mgh"
+err_has "its voxels are rgb (type 9); \`mri_convert --out_data_type float\` makes real numbers"
+own=$("$PYTHON" -c "import nibabel, os; print(os.path.dirname(nibabel.__file__))")/tests/data/test.mgz
+expect 0 "$iftty" -c "open $own volume=1; save labels $work/own.mgz"
+"$PYTHON" - "$own" "$work/own.mgz" 2>"$work/err" <<'END' || fail "$(cat "$work/err")"
+import nibabel, sys
+a, b = (nibabel.load(name) for name in sys.argv[1:])
+assert (a.affine == b.affine).all() and b.shape == a.shape[:3], (a.affine, b.affine)
+END
+close_story
+
 begin "NRRD: eight types, two spaces, packed, beside its header"
 for name in short byte float char int uint ushort double; do
     opened_as LPS-$name.nrrd LPS-$name.nrrd.twin.nii

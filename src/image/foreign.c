@@ -31,8 +31,6 @@ static const struct foreign {
     {"", 0, 4, "\x76\x2f\x31\x01", "an OpenEXR picture" PICTURE},
     {"", 4, 4, "jP  ", "a JPEG 2000 picture" PICTURE},
     {"", 0, 4, "%PDF", "a PDF document" PICTURE},
-    {".mgh|.mgz", 0, 4, "\0\0\0\1",
-     "a volume of FreeSurfer, which is not read: `mri_convert FILE A.nii.gz` makes a NIfTI of it"},
     {".head|.brik|.brik.gz", 0, 0, NULL,
      "a data set of AFNI, which is not read: `3dAFNItoNIFTI FILE` makes a NIfTI of it"},
     {".par|.rec", 0, 0, NULL,

@@ -7,8 +7,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* "a FreeSurfer volume, which is not read: `mri_convert FILE A.nii.gz` makes a NIfTI of it"; NULL
- * for what is not known. `begin` is what a file begins with, inflated where it is gzip; by_name:
+/* "a data set of AFNI, which is not read: `3dAFNItoNIFTI FILE` makes a NIfTI of it"; NULL for what
+ * is not known. `begin` is what a file begins with, inflated where it is gzip; by_name:
  * whether its name alone is enough. */
 const char *foreign_advice(const char *path, const uint8_t *begin, size_t length, bool by_name);
 

@@ -36,6 +36,7 @@
     ROW(nifti_format, "NIfTI is .nii or .nii.gz of any whole or real numbers. ")                   \
     ROW(pair_format,                                                                               \
         "ANALYZE and NIfTI in two files, .hdr and .img or .gz, are named by either. ")             \
+    ROW(mgh_format, "FreeSurfer's .mgh and .mgz are read and written, too. ")                      \
     ROW(nrrd_format, "")                                                                           \
     ROW(metaimage_format, "")                                                                      \
     ROW(raw_format, "")                                                                            \

@@ -1,9 +1,14 @@
 #include "tests/fuzz/fuzz.h"
 
 #include <fcntl.h>
+#include <string.h>
 #include <sys/mman.h>
 
+#include "image/regrid.h"
+#include "image/volume.h"
 #include "tests/folder.h"
+
+enum { VOXELS_MOST = 1 << 20 }; /* more are fine, and take too long here */
 
 static void fill(int descriptor, const uint8_t *bytes, size_t length)
 {
@@ -48,4 +53,33 @@ const char *fuzz_pair(const uint8_t *header, size_t header_length, const uint8_t
     fill(descriptor[0], header, header_length);
     fill(descriptor[1], voxels, voxels_length);
     return file_in(folder, "A.hdr");
+}
+
+void fuzz_volume(const char *path)
+{
+    struct volume_header facts;
+    struct volume volume;
+    struct fault fault = {.text = ""};
+    enum err err = volume_about(&facts, path, &fault);
+    HOLDS(!err || (fault.text[0] && !strpbrk(fault.text, "\n\r\033")));
+    if (err || (uint64_t)facts.size[0] * facts.size[1] * facts.size[2] > VOXELS_MOST)
+        return;
+    const struct volume_choice last = {.has_volume = facts.volumes > 1,
+                                       .volume = facts.volumes - 1};
+    err = volume_read(&volume, path, &last, NULL, &fault);
+    HOLDS(!err == (volume.intensity != NULL));
+    HOLDS(err || memcmp(volume.size, facts.size, sizeof volume.size) == 0);
+    if (!err) {
+        const uint32_t size[3] = {5, 4, 3};
+        struct geometry place = {.slope = 1};
+        geometry_place_plain(&place, (const double[3]){1, 1, 1});
+        geometry_orient(&place, "LPS");
+        place.orientation = ORIENTATION_FILE;
+        const enum err placed = regrid(&volume, size, &place, true, NULL, &fault);
+        HOLDS(placed || memcmp(volume.size, size, sizeof size) == 0);
+    }
+    volume_release(&volume);
+    err = volume_read(&volume, path, &(struct volume_choice){.reduce = 2}, NULL, &fault);
+    HOLDS(!err == (volume.intensity != NULL));
+    volume_release(&volume);
 }

@@ -4,11 +4,7 @@
 
 #include <string.h>
 
-#include "image/volume.h"
 #include "image/nifti_header.h"
-#include "image/regrid.h"
-
-enum { VOXELS_MOST = 1 << 20 }; /* more are fine, and take too long here */
 
 static void decode(const uint8_t *bytes, size_t length)
 {
@@ -29,35 +25,6 @@ static void decode(const uint8_t *bytes, size_t length)
     nifti_header_encode(&header, again);
 }
 
-static void read_all(const char *path)
-{
-    struct volume_header facts;
-    struct volume volume;
-    struct fault fault = {.text = ""};
-    enum err err = volume_about(&facts, path, &fault);
-    HOLDS(!err || (fault.text[0] && !strpbrk(fault.text, "\n\r\033")));
-    if (err || (uint64_t)facts.size[0] * facts.size[1] * facts.size[2] > VOXELS_MOST)
-        return;
-    const struct volume_choice last = {.has_volume = facts.volumes > 1,
-                                       .volume = facts.volumes - 1};
-    err = volume_read(&volume, path, &last, NULL, &fault);
-    HOLDS(!err == (volume.intensity != NULL));
-    HOLDS(err || memcmp(volume.size, facts.size, sizeof volume.size) == 0);
-    if (!err) { /* a map of a scene that lies elsewhere */
-        const uint32_t size[3] = {5, 4, 3};
-        struct geometry place = {.slope = 1};
-        geometry_place_plain(&place, (const double[3]){1, 1, 1});
-        geometry_orient(&place, "LPS");
-        place.orientation = ORIENTATION_FILE;
-        const enum err placed = regrid(&volume, size, &place, true, NULL, &fault);
-        HOLDS(placed || memcmp(volume.size, size, sizeof size) == 0);
-    }
-    volume_release(&volume);
-    err = volume_read(&volume, path, &(struct volume_choice){.reduce = 2}, NULL, &fault);
-    HOLDS(!err == (volume.intensity != NULL));
-    volume_release(&volume);
-}
-
 /* The bytes as a pair, where their header is that of one: the rest is in another file. */
 static void read_pair(const uint8_t *bytes, size_t length)
 {
@@ -65,13 +32,13 @@ static void read_pair(const uint8_t *bytes, size_t length)
     if (length < NIFTI_LEAST_BYTES || nifti_header_recognise(&header, bytes, NULL) ||
         header.kind == NIFTI_SINGLE || length < header.bytes)
         return;
-    read_all(fuzz_pair(bytes, header.bytes, bytes + header.bytes, length - header.bytes));
+    fuzz_volume(fuzz_pair(bytes, header.bytes, bytes + header.bytes, length - header.bytes));
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
 {
     decode(bytes, length);
-    read_all(fuzz_file(bytes, length));
+    fuzz_volume(fuzz_file(bytes, length));
     read_pair(bytes, length);
     return 0;
 }

@@ -94,6 +94,26 @@ def make_pairs(folder):
                     SPACING)
 
 
+def make_mgh(folder):
+    """By nibabel; uint16, and no place, by a byte of their headers changed."""
+    for name, kind in (("byte.mgh", "uint8"), ("short.mgz", "int16"), ("int.mgz", "int32"),
+                       ("float.mgh", "float32"), ("series.mgz", "int16")):
+        data = voxels(kind)
+        path = os.path.join(folder, name)
+        saved = numpy.stack([data, data + 5], 3) if name == "series.mgz" else data
+        nibabel.save(nibabel.MGHImage(saved, PLACE), path)
+        save_twin(path, data, nibabel.load(path).affine)
+    data = voxels("int16")
+    nibabel.save(nibabel.MGHImage(data, PLACE), os.path.join(folder, "from.mgh"))
+    with open(os.path.join(folder, "from.mgh"), "rb") as file:
+        whole = file.read()
+    for name, at, byte in (("ushort.mgh", 23, 10), ("nowhere.mgh", 29, 0), ("rgb.mgh", 23, 9)):
+        with open(os.path.join(folder, name), "wb") as file:
+            file.write(whole[:at] + bytes([byte]) + whole[at + 1:])
+    save_twin(os.path.join(folder, "ushort.mgh"), data.view("uint16"), PLACE)
+    save_plain_twin(os.path.join(folder, "nowhere.mgh"), data)
+
+
 def make_by_plastimatch(folder):
     """GIPL; and the head of Debian's mricron, and an oblique scene, as DICOM."""
     head = "/usr/share/mricron/templates/ch2.nii.gz"
@@ -357,8 +377,8 @@ def main():
         same(sys.argv[2], sys.argv[3])
         return
     folder = sys.argv[1]
-    for make in (make_pairs, make_by_plastimatch, make_nrrd, make_meta, make_mrc, make_vtk,
-                 make_pictures, make_hdf5, make_minc, make_dicom):
+    for make in (make_pairs, make_mgh, make_by_plastimatch, make_nrrd, make_meta, make_mrc,
+                 make_vtk, make_pictures, make_hdf5, make_minc, make_dicom):
         make(folder)
 
 

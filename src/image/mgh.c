@@ -1,0 +1,287 @@
+/*
+ * MGH: the volumes of FreeSurfer, .mgh, or .mgz as gzip; scenes in, and maps out.
+ *
+ * Big-endian. A header of 284 bytes, of which 90 say something, and the voxels of one volume after
+ * another, x fastest; what follows (how it was scanned, the commands that made it) is left alone.
+ *
+ *     byte  0  int32      version, 1
+ *           4  int32[4]   width, height, depth, volumes
+ *          20  int32      type: 0 uint8, 1 int32, 3 float32, 4 int16, 10 uint16
+ *          24  int32      degrees of freedom, of no use here
+ *          28  int16      goodRASFlag: whether the file says what comes now
+ *          30  float32[3] distances of voxels, millimetres
+ *          42  float32[9] directions of the three axes: to the right, the front and the head
+ *          78  float32[3] where voxel width/2, height/2, depth/2 lies: the middle of the volume
+ *
+ * Without the flag neither distances nor the place are known: readers of FreeSurfer then take them
+ * to be 1 mm, and coronal, which is a guess.
+ *
+ * Written: maps of bytes as uint8, of 16 bits as int32, since uint16 is younger than many readers.
+ * Numbers of 32 bits without a sign have no type there.
+ *
+ * From: https://surfer.nmr.mgh.harvard.edu/fswiki/FsTutorial/MghFormat
+ */
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "engine/grid.h"
+#include "image/voxels.h"
+
+enum {
+    VERSION_AT = 0,
+    SIZE_AT = 4,
+    TYPE_AT = 20,
+    FLAG_AT = 28,
+    SPACING_AT = 30,
+    HEADER_BYTES = 284
+};
+enum { VERSION = 1, NUMBERS = 15 /* floats after the flag: */, AXES = 3, MIDDLE = 12 };
+enum { UINT8 = 0, INT32 = 1 /* types that are written */ };
+
+/* ---- numbers ---- */
+
+static int32_t get_int(const uint8_t *at)
+{
+    return (int32_t)((uint32_t)at[0] << 24 | (uint32_t)at[1] << 16 | (uint32_t)at[2] << 8 | at[3]);
+}
+
+static double get_real(const uint8_t *at)
+{
+    const int32_t bits = get_int(at);
+    float real;
+    memcpy(&real, &bits, sizeof real);
+    return (double)real;
+}
+
+static void put_int(uint8_t *at, int32_t value)
+{
+    for (int i = 0; i < 4; i++)
+        at[i] = (uint8_t)((uint32_t)value >> (24 - 8 * i));
+}
+
+static void put_real(uint8_t *at, double value)
+{
+    const float real = (float)value;
+    int32_t bits;
+    memcpy(&bits, &real, sizeof bits);
+    put_int(at, bits);
+}
+
+/* ---- reading ---- */
+
+static const struct type {
+    const char *name;
+    int32_t code;
+    int type; /* enum voxel_type, or UNREAD */
+} types[] = {
+    {"uint8", UINT8, VOXEL_UINT8},
+    {"int32", INT32, VOXEL_INT32},
+    {"float32", 3, VOXEL_FLOAT32},
+    {"int16", 4, VOXEL_INT16},
+    {"uint16", 10, VOXEL_UINT16},
+    {"int64", 2, -1},
+    {"bitmap", 5, -1},
+    {"tensor", 6, -1},
+    {"complex64", 7, -1},
+    {"complex128", 8, -1},
+    {"rgb", 9, -1},
+};
+
+static const struct type *type_of(int32_t code)
+{
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
+        if (types[i].code == code)
+            return &types[i];
+    return NULL;
+}
+
+/* Four bytes of a version alone would be too few to know it by. */
+static bool recognises(const uint8_t *begin, size_t length)
+{
+    if (length < HEADER_BYTES || get_int(begin + VERSION_AT) != VERSION)
+        return false;
+    for (int a = 0; a < 4; a++)
+        if (get_int(begin + SIZE_AT + 4 * a) < 1)
+            return false;
+    return type_of(get_int(begin + TYPE_AT)) != NULL;
+}
+
+static enum err read_size(struct volume_header *out, const uint8_t *bytes, struct fault *fault)
+{
+    static const char *const name[] = {"width", "height", "depth", "number of volumes"};
+    for (int a = 0; a < 4; a++) {
+        const int32_t is = get_int(bytes + SIZE_AT + 4 * a);
+        if (is < 1)
+            return fault_set(fault, ERR_INPUT, "its %s is %" PRId32 "; expected at least 1",
+                             name[a], is);
+        if (a < 3 && is > GRID_SIDE_MOST)
+            return fault_set(fault, ERR_LIMIT, "its %s is %" PRId32 "; expected at most %d voxels",
+                             name[a], is, GRID_SIDE_MOST);
+        *(a < 3 ? &out->size[a] : &out->volumes) = (uint32_t)is;
+    }
+    return OK;
+}
+
+/* The distances that it says, or where directions are none of unit length, those of its matrix. */
+static void read_spacing(struct geometry *geometry, const double spacing_mm[3],
+                         const double to_mm[3][4], char *notes)
+{
+    const struct geometry placed = {.to_mm = {{to_mm[0][0], to_mm[0][1], to_mm[0][2]},
+                                              {to_mm[1][0], to_mm[1][1], to_mm[1][2]},
+                                              {to_mm[2][0], to_mm[2][1], to_mm[2][2]}}};
+    for (int a = 0; a < 3; a++) {
+        const double step = geometry_step_mm(&placed, a);
+        const bool same = fabs(step - spacing_mm[a]) <= 1e-6 * step;
+        if (geometry_spacing(&geometry->spacing_nm[a], same ? spacing_mm[a] : step))
+            continue;
+        volume_note(notes, "its voxels are said to be %g mm apart; expected 1 nm to 4 m", step);
+        geometry->spacing_unknown = true;
+    }
+    for (int a = 0; a < 3 && geometry->spacing_unknown; a++)
+        geometry->spacing_nm[a] = 1000000;
+}
+
+static void read_place(struct volume_header *out, const uint8_t *bytes)
+{
+    struct geometry *geometry = &out->geometry;
+    double number[NUMBERS], to_mm[3][4];
+    for (int i = 0; i < NUMBERS; i++)
+        number[i] = get_real(bytes + SPACING_AT + 4 * i);
+    for (int w = 0; w < 3; w++) {
+        to_mm[w][3] = number[MIDDLE + w];
+        for (int a = 0; a < 3; a++) {
+            to_mm[w][a] = number[AXES + 3 * a + w] * number[a];
+            to_mm[w][3] -= to_mm[w][a] * out->size[a] / 2;
+        }
+    }
+    read_spacing(geometry, number, (const double(*)[4])to_mm, out->notes);
+    if (!geometry->spacing_unknown &&
+        geometry_place(geometry, (const double(*)[4])to_mm, ORIENTATION_FILE))
+        return;
+    geometry_place_spaced(geometry);
+    volume_note(out->notes, "where it says that its voxels lie is no place that they can have");
+}
+
+static void read_geometry(struct volume_header *out, const uint8_t *bytes)
+{
+    struct geometry *geometry = &out->geometry;
+    *geometry = (struct geometry){.slope = 1, .spacing_nm = {1000000, 1000000, 1000000}};
+    if (bytes[FLAG_AT] < 0x80 && (bytes[FLAG_AT] || bytes[FLAG_AT + 1])) {
+        read_place(out, bytes);
+        return;
+    }
+    geometry->spacing_unknown = true;
+    geometry_place_spaced(geometry);
+    volume_note(out->notes,
+                "its goodRASFlag is 0: it says neither how far apart its voxels are nor how they "
+                "lie in the patient; if you know it, open it with spacing=X,Y,Z and type `orient`");
+}
+
+static enum err read_header(struct volume_header *out, struct volume_source *source,
+                            struct fault *fault)
+{
+    uint8_t bytes[HEADER_BYTES];
+    enum err err = source_read(source, bytes, sizeof bytes, "the header", NULL, fault);
+    if (err)
+        return err;
+    const int32_t version = get_int(bytes + VERSION_AT), code = get_int(bytes + TYPE_AT);
+    if (version != VERSION)
+        return fault_set(fault, ERR_INPUT,
+                         "no volume of FreeSurfer: its version is %" PRId32 "; expected 1",
+                         version);
+    err = read_size(out, bytes, fault);
+    if (err)
+        return err;
+    const struct type *type = type_of(code);
+    snprintf(out->format, sizeof out->format, "mgh");
+    snprintf(out->type_name, sizeof out->type_name, "%s", type ? type->name : "unknown");
+    out->big_endian = true;
+    out->offset = HEADER_BYTES;
+    read_geometry(out, bytes);
+    if (!type || type->type < 0) {
+        snprintf(out->refusal, sizeof out->refusal,
+                 "its voxels are %s (type %" PRId32 "); `mri_convert --out_data_type float` makes "
+                 "real numbers of them",
+                 out->type_name, code);
+        return OK;
+    }
+    out->type = (enum voxel_type)type->type;
+    return voxels_check(out, source, fault);
+}
+
+/* ---- writing ---- */
+
+/* In single precision: spacing as it was read, where that is what the matrix says. */
+static double step_mm(const struct geometry *geometry, int a)
+{
+    const double step = geometry_step_mm(geometry, a), said = geometry->spacing_nm[a] / 1e6;
+    return (double)(float)(fabs(step - said) <= 1e-6 * step ? said : step);
+}
+
+static void put_place(uint8_t *bytes, const struct geometry *geometry, const uint32_t size[3])
+{
+    double number[NUMBERS] = {0};
+    for (int a = 0; a < 3; a++)
+        number[a] = step_mm(geometry, a);
+    for (int w = 0; w < 3; w++) {
+        number[MIDDLE + w] = geometry->to_mm[w][3];
+        for (int a = 0; a < 3; a++) {
+            number[AXES + 3 * a + w] = geometry->to_mm[w][a] / number[a];
+            number[MIDDLE + w] += geometry->to_mm[w][a] * size[a] / 2;
+        }
+    }
+    bytes[FLAG_AT + 1] = geometry_has_place(geometry);
+    for (int i = 0; i < NUMBERS && geometry_has_place(geometry); i++)
+        put_real(bytes + SPACING_AT + 4 * i, number[i]);
+}
+
+/* A row of 16 bits as one of 32, whose bytes are turned round: voxels_write is little-endian. */
+static void widen_row(void *context, uint32_t y, uint32_t z, void *values)
+{
+    const struct volume_map *map = context;
+    const uint16_t *narrow = values;
+    uint32_t *wide = values;
+    map->row(map->context, y, z, values);
+    for (uint32_t x = map->size[0]; x-- > 0;) {
+        uint16_t value;
+        memcpy(&value, narrow + x, sizeof value);
+        memcpy(wide + x, &(uint32_t){__builtin_bswap32(value)}, sizeof *wide);
+    }
+}
+
+static enum err write(const char *path, enum file_mode mode, const struct volume_map *map,
+                      struct watch *watch, struct fault *fault)
+{
+    uint8_t bytes[HEADER_BYTES] = {0};
+    struct volume_map written = *map, narrow = *map;
+    if (map->type == VOXEL_UINT32)
+        return fault_set(fault, ERR_USAGE,
+                         "cannot write %s: FreeSurfer's files hold no numbers up to 4294967295; "
+                         "expected .nii.gz, .nrrd or .mha for this map",
+                         path);
+    if (map->type == VOXEL_UINT16) {
+        written.type = VOXEL_INT32;
+        written.row = widen_row;
+        written.context = &narrow;
+    }
+    put_int(bytes + VERSION_AT, VERSION);
+    for (int a = 0; a < 4; a++)
+        put_int(bytes + SIZE_AT + 4 * a, a < 3 ? (int32_t)map->size[a] : 1);
+    put_int(bytes + TYPE_AT, map->type == VOXEL_UINT8 ? UINT8 : INT32);
+    put_place(bytes, map->geometry, map->size);
+    return voxels_write(path, mode, bytes, sizeof bytes,
+                        file_is_named(path, ".mgh") ? PACKED_NOT : PACKED_WHOLE, &written, watch,
+                        fault);
+}
+
+extern const struct volume_format mgh_format;
+const struct volume_format mgh_format = {
+    .name = "MGH of FreeSurfer",
+    .endings = ".mgh|.mgz|.mgh.gz",
+    .recognises = recognises,
+    .read_header = read_header,
+    .read_voxels = voxels_read,
+    .write = write,
+};
