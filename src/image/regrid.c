@@ -34,13 +34,81 @@ static bool is_the_grid(const uint32_t map_size[3], const struct geometry *map,
                                    : same_spacing(map, scene);
 }
 
+/* ---- other orders of axes ---- */
+
+/* The map's way to the world in that order; nothing else of `out` is filled. */
+static void put_in_order(struct geometry *out, const struct geometry *map,
+                         const uint32_t map_size[3], const struct regrid_order *order)
+{
+    for (int w = 0; w < 3; w++) {
+        out->to_mm[w][3] = map->to_mm[w][3];
+        for (int a = 0; a < 3; a++) {
+            const double step = map->to_mm[w][order->axis[a]];
+            out->to_mm[w][a] = order->is_reversed[a] ? -step : step;
+            if (order->is_reversed[a])
+                out->to_mm[w][3] += step * (map_size[order->axis[a]] - 1);
+        }
+    }
+}
+
+bool regrid_find_order(struct regrid_order *order, const uint32_t map_size[3],
+                       const struct geometry *map, const uint32_t size[3],
+                       const struct geometry *scene)
+{
+    static const int8_t axes[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
+                                      {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    double least = geometry_half_voxel(scene);
+    bool found = false;
+    for (int i = 0; i < 6 * 8 && have_places(map, scene); i++) {
+        struct regrid_order tried;
+        struct geometry placed;
+        bool fits = true;
+        for (int a = 0; a < 3; a++) {
+            tried.axis[a] = axes[i / 8][a];
+            tried.is_reversed[a] = i >> a & 1;
+            fits &= map_size[tried.axis[a]] == size[a];
+        }
+        if (!fits)
+            continue;
+        put_in_order(&placed, map, map_size, &tried);
+        const double apart = geometry_apart(&placed, scene, size);
+        if (!(apart <= least) || (found && apart == least))
+            continue;
+        *order = tried;
+        least = apart;
+        found = true;
+    }
+    return found;
+}
+
+static void reorder(uint16_t *out, const struct volume *map, const uint32_t size[3],
+                    const struct regrid_order *order, struct watch *watch)
+{
+    const size_t stride[3] = {1, map->size[0], (size_t)map->size[0] * map->size[1]};
+    struct task task = task_begin(watch, "reordering", (uint64_t)size[0] * size[1] * size[2]);
+    size_t first = 0, step[3];
+    for (int a = 0; a < 3; a++) {
+        const size_t along = stride[order->axis[a]];
+        first += order->is_reversed[a] ? along * (size[a] - 1) : 0;
+        step[a] = order->is_reversed[a] ? 0 - along : along; /* modulo 2^64 */
+    }
+    for (uint32_t z = 0; z < size[2]; z++)
+        for (uint32_t y = 0; y < size[1] && task_advance(&task, size[0]); y++) {
+            size_t at = first + z * step[2] + y * step[1];
+            for (uint32_t x = 0; x < size[0]; x++, at += step[0])
+                *out++ = map->intensity[at];
+        }
+}
+
 enum err regrid_check(const uint32_t map_size[3], const struct geometry *map,
                       const uint32_t size[3], const struct geometry *scene, bool resample,
                       struct fault *fault)
 {
     const uint32_t *is = map_size;
     const bool have = have_places(map, scene);
-    if (is_the_grid(map_size, map, size, scene) || (resample && have))
+    struct regrid_order order;
+    if (is_the_grid(map_size, map, size, scene) || (resample && have) ||
+        regrid_find_order(&order, map_size, map, size, scene))
         return OK;
     const char *remedy = have ? "resample=yes takes its nearest voxels"
                               : "it cannot be resampled, since one of both does not say where it "
@@ -163,10 +231,39 @@ static void take(struct volume *map, uint16_t *intensity, const uint32_t size[3]
     map->geometry.intercept = intercept;
 }
 
+static enum err resample_map(struct volume *map, uint16_t *out, const uint32_t size[3],
+                             const struct geometry *scene, struct watch *watch, struct fault *fault)
+{
+    struct way way;
+    if (!find_way(&way, &map->geometry, size, scene))
+        return fault_set(fault, ERR_INPUT,
+                         "the map and the scene lie too far apart, or their voxels differ too much "
+                         "in size, to be resampled; nothing has changed");
+    const enum err err = resample_all(map, out, size, &way, watch, fault);
+    volume_note(map->notes, "resampled from %ux%ux%u voxels by the nearest", map->size[0],
+                map->size[1], map->size[2]);
+    return err;
+}
+
+static enum err reorder_map(struct volume *map, uint16_t *out, const uint32_t size[3],
+                            const struct geometry *scene, const struct regrid_order *order,
+                            struct watch *watch, struct fault *fault)
+{
+    char is[4], becomes[4];
+    geometry_axes(is, &map->geometry);
+    geometry_axes(becomes, scene);
+    reorder(out, map, size, order, watch);
+    volume_note(map->notes,
+                "its axes run towards %s and the scene's towards %s: taken voxel by voxel, in the "
+                "scene's order",
+                is, becomes);
+    return watch_fault(watch, fault);
+}
+
 enum err regrid(struct volume *map, const uint32_t size[3], const struct geometry *scene,
                 bool resample, struct watch *watch, struct fault *fault)
 {
-    struct way way;
+    struct regrid_order order;
     enum err err = regrid_check(map->size, &map->geometry, size, scene, resample, fault);
     if (err)
         return err;
@@ -174,18 +271,17 @@ enum err regrid(struct volume *map, const uint32_t size[3], const struct geometr
         take(map, NULL, size, scene);
         return OK;
     }
-    if (!find_way(&way, &map->geometry, size, scene))
-        return fault_set(fault, ERR_INPUT,
-                         "the map and the scene lie too far apart, or their voxels differ too much "
-                         "in size, to be resampled; nothing has changed");
+    const bool is_ordered =
+        !resample && regrid_find_order(&order, map->size, &map->geometry, size, scene);
     uint16_t *out = mem_array((size_t)size[0] * size[1] * size[2], sizeof *out);
-    err = out ? resample_all(map, out, size, &way, watch, fault) : fault_memory(fault, "a map");
+    if (!out)
+        return fault_memory(fault, "a map");
+    err = is_ordered ? reorder_map(map, out, size, scene, &order, watch, fault)
+                     : resample_map(map, out, size, scene, watch, fault);
     if (err) {
         free(out);
         return err;
     }
-    volume_note(map->notes, "resampled from %ux%ux%u voxels by the nearest", map->size[0],
-                map->size[1], map->size[2]);
     take(map, out, size, scene);
     return OK;
 }

@@ -32,6 +32,57 @@ enum err map_check_axes(const struct volume *map, const struct geometry *place, 
     return OK;
 }
 
+/* How many voxels of the file are one of the part along an axis. */
+static uint32_t part_step(const struct map_part *part, int a)
+{
+    const struct volume_choice *choice = &part->choice;
+    const uint32_t count =
+        choice->has_crop ? choice->last[a] - choice->first[a] + 1 : part->whole[a];
+    return choice->reduce > 1 && count >= choice->reduce ? choice->reduce : 1;
+}
+
+/* The order in which a map has the voxels of the file of which the scene is a part; their own order
+ * where that cannot be compared. False where it has other voxels. */
+static bool find_order(struct regrid_order *order, const struct map_place *place,
+                       const struct volume_header *header)
+{
+    const struct map_part *part = place->part;
+    struct geometry whole = *place->geometry;
+    double first[3], step[3];
+    for (int a = 0; a < 3; a++) { /* from the part's voxels to those of the file */
+        const uint32_t blocks = part_step(part, a);
+        step[a] = 1.0 / blocks;
+        first[a] = -(part->choice.first[a] + (blocks - 1) / 2.0) * step[a];
+    }
+    if (!place->as_before && geometry_derive(&whole, first, step) &&
+        regrid_find_order(order, header->size, &header->geometry, part->whole, &whole))
+        return true;
+    *order = (struct regrid_order){.axis = {0, 1, 2}};
+    return same_size(header->size, part->whole);
+}
+
+/* Chooses from such a map, in that order, the part that the scene is. */
+static enum err choose_part(struct volume_choice *choice, const struct map_part *part,
+                            const struct regrid_order *order, struct fault *fault)
+{
+    choice->has_crop = true;
+    choice->reduce = part->choice.reduce;
+    for (int a = 0; a < 3; a++) {
+        const uint32_t step = part_step(part, a), begin = part->choice.first[a];
+        const uint32_t end = begin + part->size[a] * step;
+        const bool turned = order->is_reversed[a];
+        if (turned && step % 2 == 0)
+            return fault_set(fault, ERR_INPUT,
+                             "its axes run the other way than the scene's, of which each voxel is "
+                             "%u along an axis of the file: the one in the middle is another one "
+                             "then; give it the axes of the scene's file; nothing has changed",
+                             step);
+        choice->first[order->axis[a]] = turned ? part->whole[a] - end : begin;
+        choice->last[order->axis[a]] = (turned ? part->whole[a] - begin : end) - 1;
+    }
+    return OK;
+}
+
 /* What to read of a map: all of it, or the part that the scene is of its own file. Whatever else
  * was said of that file is not said of the map's. */
 static enum err choose(struct volume_reader *reader, const struct map_place *place,
@@ -43,15 +94,15 @@ static enum err choose(struct volume_reader *reader, const struct map_place *pla
     const bool is_shifted = place->resample && geometry_has_place(&header->geometry) &&
                             geometry_has_place(place->geometry); /* then all of it is needed */
     struct volume_choice choice = {.nearest = true};
-    if (part && !is_shifted && same_size(size, part->size) && !same_size(header->size, size) &&
-        same_size(header->size, part->whole)) {
-        choice.has_crop = part->choice.has_crop;
-        memcpy(choice.first, part->choice.first, sizeof choice.first);
-        memcpy(choice.last, part->choice.last, sizeof choice.last);
-        choice.reduce = part->choice.reduce;
-    }
-    choice.huge = same_size(header->size, size); /* the scene was opened, and takes more */
-    return volume_choose(reader, &choice, fault);
+    struct regrid_order order;
+    enum err err = OK;
+    if (part && !is_shifted && same_size(size, part->size) &&
+        regrid_check(header->size, &header->geometry, size, place->geometry, false, NULL) &&
+        find_order(&order, place, header))
+        err = choose_part(&choice, part, &order, fault);
+    const uint64_t voxels = (uint64_t)size[0] * size[1] * size[2]; /* the scene takes more */
+    choice.huge = (uint64_t)header->size[0] * header->size[1] * header->size[2] == voxels;
+    return err ? err : volume_choose(reader, &choice, fault);
 }
 
 /* A map of a file of which the scene is a part, and of neither size. */
@@ -70,12 +121,13 @@ static enum err check(const struct map_place *place, const struct volume_header 
                       struct fault *fault)
 {
     const uint32_t *size = header->size;
-    if (!place->resample && place->part && place->part->whole[0] &&
-        !same_size(size, place->grid->size))
-        return refuse_size(place, size, fault);
-    return place->as_before ? map_check_size(size, place->grid, fault)
-                            : regrid_check(size, &header->geometry, place->grid->size,
-                                           place->geometry, place->resample, fault);
+    const bool names_file = !place->resample && place->part && place->part->whole[0] &&
+                            !same_size(size, place->grid->size);
+    struct fault *own = names_file ? NULL : fault;
+    const enum err err = place->as_before ? map_check_size(size, place->grid, own)
+                                          : regrid_check(size, &header->geometry, place->grid->size,
+                                                         place->geometry, place->resample, own);
+    return err && names_file ? refuse_size(place, size, fault) : err;
 }
 
 static enum err bring(struct volume *map, const struct map_place *place, struct watch *watch,
