@@ -10,6 +10,7 @@
  *     volume_names.cc    files that headers of text name
  *     volume_sources.cc  files that data sets of HDF5 name
  *     volume_itk.cc      the formats of ITK
+ *     volume_bytes.cc    whether a file has the bytes that its header promises
  *     volume_hdf5.cc     data sets of HDF5
  *     volume_slice.cc    what DICOM says of a slice
  *     volume_series.cc   the slices of a series, and their pixels

@@ -1,4 +1,5 @@
 /* Folders: a series of DICOM, or slices as TIFF or PNG in the order of their names. */
+#include "image/volume_bytes.hh"
 #include "image/volume_itk.hh"
 #include "image/volume_parts.hh"
 
@@ -176,6 +177,10 @@ void note_gaps(Volume &volume, const std::vector<std::string> &path)
 void stack_pictures(Volume &volume, std::vector<std::string> path, const std::string &kind)
 {
     std::sort(path.begin(), path.end(), is_before);
+    for (size_t z = 0; z < path.size(); z++)
+        count_parts(
+            kind, path[z],
+            words_of("slice %zu of %zu, %s, is ", z + 1, path.size(), shown(path[z]).c_str()));
     const itk::ImageIOBase::Pointer io = open_picture(kind, path[0], 1, path.size());
     if (io->GetNumberOfComponents() != 1)
         refuse("slice 1 of %zu has %u values a pixel (colour); expected one", path.size(),

@@ -1,5 +1,6 @@
 /* HDF5: data sets of other programs, by the library itself; those of ITK and MINC by ITK. */
 #include "image/volume_hdf5.hh"
+#include "image/volume_bytes.hh"
 #include "image/volume_parts.hh"
 
 #include <algorithm>
@@ -145,9 +146,36 @@ const DataSet &choose_set(const std::vector<DataSet> &sets, const std::string &w
            listed(sets).c_str());
 }
 
+/* Pieces that were never written are the fill value of the data set, which is 0 mostly. */
+void count_stored(Volume &volume, hid_t file, const std::string &name)
+{
+    Handle set(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
+    if (set < 0)
+        return;
+    Handle plan(H5Dget_create_plist(set), H5Pclose), space(H5Dget_space(set), H5Sclose);
+    const H5D_layout_t layout = H5Pget_layout(plan);
+    hsize_t side[H5S_MAX_RANK], piece[H5S_MAX_RANK], pieces = 1, stored = 0;
+    if (layout != H5D_VIRTUAL && H5Dget_storage_size(set) == 0)
+        refuse("nothing of the data set was written: it holds no voxel");
+    if (layout != H5D_CHUNKED)
+        return;
+    const int rank = H5Sget_simple_extent_dims(space, side, nullptr);
+    if (rank < 1 || H5Pget_chunk(plan, rank, piece) != rank ||
+        H5Dget_num_chunks(set, space, &stored) < 0)
+        refuse("the data set is damaged, or packed in a way that is not known here");
+    for (int a = 0; a < rank; a++)
+        pieces *= (side[a] + piece[a] - 1) / piece[a];
+    if (stored < pieces)
+        note(volume, words_of("%llu of the %llu pieces of the data set are not in the file: voxels "
+                              "there have the value that fills it up",
+                              static_cast<unsigned long long>(pieces - stored),
+                              static_cast<unsigned long long>(pieces)));
+}
+
 void open_hdf5(Volume &volume, const Request &request)
 {
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+    count_parts("hdf5", request.path, "");
     const hid_t id = H5Fopen(request.path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
     if (id < 0)
         refuse("its first bytes are of an HDF5 file, and the rest of it is damaged");
@@ -157,6 +185,8 @@ void open_hdf5(Volume &volume, const Request &request)
             const std::string wrong = wrong_with_any(*file, request.path);
             if (!wrong.empty())
                 refuse("%s", wrong.c_str());
+            count_stored(volume, *file,
+                         group[1] == 'I' ? "/ITKImage/0/VoxelData" : "/minc-2.0/image/0/image");
             open_by_itk(volume, request, group[1] == 'I' ? "itk-hdf5" : "minc");
             return;
         }
@@ -177,6 +207,7 @@ void open_hdf5(Volume &volume, const Request &request)
         volume.volumes *= chosen.side[a];
     if (volume.volumes < 1 || volume.volumes > number_most)
         refuse("the data set holds no volume, or more than a million");
+    count_stored(volume, *file, chosen.name);
     volume.format = "HDF5";
     volume.type = chosen.type;
     std::vector<hsize_t> from(rank, 0);

@@ -29,6 +29,7 @@
 #include <itkVTKImageIO.h>
 #include <metaImage.h>
 
+#include "image/volume_bytes.hh"
 #include "image/volume_parts.hh"
 
 namespace volume
@@ -310,6 +311,7 @@ void open_by_itk(Volume &volume, const Request &request, const std::string &name
         refuse("it is of no format that is known here");
     itk::ImageIOBase::Pointer io = kind->make();
     io->SetFileName(request.path);
+    count_parts(kind->name, request.path, "");
     if (!io->CanReadFile(request.path.c_str()))
         refuse("its first bytes are of a %s file, and the rest of its header is not", kind->format);
     if (name == "any")
@@ -324,6 +326,7 @@ void open_by_itk(Volume &volume, const Request &request, const std::string &name
                    : name == "meta" ? known_by_meta(request.path)
                                     : kind->known;
     describe(volume, io, request, volume.known & ORIENTATION ? kind->world : World::NONE);
+    count_voxels(volume, kind->name, request.path, *io);
     if (name == "tiff" || name == "png")
         note_resolution(volume, *io);
     if (name == "mrc")

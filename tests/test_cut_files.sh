@@ -1,0 +1,159 @@
+#!/bin/sh
+# Files of every format that were cut: at a quarter, a half, 99 of 100, and by one byte. ITK's, teem's
+# and other people's writers made them (volumes/cut.py). Each is refused, and the words name the file,
+# the bytes that it has and those that it should have; nothing is filled up.
+. "$(dirname "$0")/lib.sh"
+PYTHON=/usr/bin/python3
+unset IFTTY_SCENES
+
+begin "files of other programs are made, and copies of them cut"
+mkdir "$work/v"
+"$PYTHON" -B -W ignore "$top/tests/volumes/cut.py" "$work/v" >"$work/cuts" 2>"$work/made" ||
+    fail "$(tail -n 3 "$work/made")"
+[ "$failures" = 0 ] || { close_story; finish; }
+close_story
+cd "$work/v" || exit 1
+
+begin "whole, they open"
+sed 's|.*/cut/[^/]*/||; s/ .*//' "$work/cuts" | sort -u >"$work/names"
+while read -r name; do
+    case $name in
+    stack.lsm) continue ;; # no writer of LSM to be had: a TIFF of that name is none
+    list.mhd | count.mhd) more=volume=1 ;;
+    *) more= ;;
+    esac
+    rm -f j.iftty
+    expect 0 "$iftty" -c "open $name $more" --journal j.iftty
+    last_word sha256 j.iftty >"$work/digest-$name"
+done <"$work/names"
+for name in packed.mha packed.mhd itk.mhd text.mha itk.nrrd LPS-short.nrrd packed.nhdr unu.nrrd \
+    itk.gipl itk.vtk unu.vtk itk.h5; do
+    same "$name $(cat "$work/digest-$name")" "$name $(cat "$work/digest-itk.mha")"
+done
+close_story
+
+# refused COMMAND FILE COUNTING LEFT MOST: in words that tell how much is missing
+refused() {
+    expect 3 "$iftty" -c "$1" || { fail "$1"; return; }
+    same "$1: $(wc -l <"$work/err" | tr -d ' ') line" "$1: 1 line"
+    err_has "cut short"
+    has=$(sed -n 's/.*: it has \([0-9]*\) .*/\1/p' "$work/err")
+    promised=$(sed -n 's/.*[^-]promises \([0-9]*\); fetch.*/\1/p' "$work/err")
+    case $3 in
+    plain | parts) ;;
+    *) # within the header it is a matter of bytes, later of what they stand for
+        has=${has:-$(sed -n 's/.* voxels \([0-9]*\) bytes can be had.*/\1/p' "$work/err")}
+        [ "$3" = text ] || [ -z "$promised" ] || same "$1: $promised" "$1: $unpacked"
+        [ -n "$has" ] || fail "$1: $(cat "$work/err")"
+        return
+        ;;
+    esac
+    case $1 in # by the bytes of its header, or what NIfTI's own reader says
+    *.nii | *.mgh | *.hdr) err_has "but $4 bytes hold at most $4" ;;
+    *)
+        same "$1: $has" "$1: $4"
+        [ "$promised" -gt "$4" ] && [ "$promised" -le "$5" ] || fail "$1: $promised of $5"
+        [ "$3" = parts ] || same "$1: $promised" "$1: $5"
+        ;;
+    esac
+    case $1 in */"$2"*) ;; *.hdr) err_has "its .img: " ;; *) err_has "$2" ;; esac
+}
+begin "cut, each is refused with the bytes that it has, and that it needs"
+while read -r name file counting left most; do
+    unpacked=16016
+    case $name in */RAS-byte.nrrd) unpacked=8008 ;; esac
+    refused "open $name" "$file" "$counting" "$left" "$most"
+done <"$work/cuts"
+same "$(wc -l <"$work/cuts" | tr -d ' ')" 120
+close_story
+
+begin "a mask, seeds, a start or weights that were cut are refused, too; and info refuses a header"
+cp itk.mha whole.mha
+while read -r name file counting left most; do
+    case $name in */itk.mha | */itk.gipl | */tiny.mnc) ;; *) continue ;; esac
+    for command in mask seed-file labels weight; do
+        expect 3 "$iftty" -c "open whole.mha; $command $name"
+        err_has "cut short: it has $left bytes, and its header promises"
+    done
+    expect 3 "$iftty" info "$name"
+    err_has "cut short: it has $left bytes"
+done <"$work/cuts"
+close_story
+
+begin "voxels that never came: after LOCAL, in a file that is empty, none or in no list"
+sed '/^ElementDataFile/q' itk.mha >empty.mha
+expect 3 "$iftty" -c "open empty.mha"
+err_has "empty.mha: cut short: it has $(file_bytes empty.mha) bytes, and its header promises"
+: >itk.raw
+expect 3 "$iftty" -c "open itk.mhd"
+err_has "its voxels are in itk.raw, which is cut short: it has 0 bytes, and its header promises 16016"
+rm itk.raw list2.raw
+for name in itk.mhd list.mhd; do
+    expect 3 "$iftty" -c "open $name volume=1"
+done
+sed -i '$d' list.mhd
+expect 3 "$iftty" -c "open list.mhd volume=1"
+err_has "its header names 1 file with voxels, and they are 2"
+expect 3 "$iftty" -c "open loose.mha"
+err_has "its voxels are packed, and its header lacks CompressedDataSize"
+close_story
+
+begin "a bit of packed voxels that turned over"
+for name in packed.mha RAS-byte.nrrd; do
+    "$PYTHON" - "$name" turned-$name <<'END'
+import sys
+data = bytearray(open(sys.argv[1], "rb").read())
+data[-40] ^= 4
+open(sys.argv[2], "wb").write(data)
+END
+    expect 3 "$iftty" -c "open turned-$name"
+    err_has "cut short or damaged: of its packed voxels"
+done
+close_story
+
+begin "HDF5: a data set of which nothing was written is refused, and of a part that is said"
+"$PYTHON" - <<'END'
+import h5py, numpy
+with h5py.File("part.h5", "w") as file:
+    file.create_dataset("a", (8, 9, 10), "i2", chunks=(2, 9, 10))[:2] = 3
+with h5py.File("none.h5", "w") as file:
+    file.create_dataset("a", (8, 9, 10), "i2")
+with h5py.File("all.h5", "w") as file:
+    file.create_dataset("a", data=numpy.ones((8, 9, 10), "i2"), chunks=(3, 4, 4))
+END
+expect 3 "$iftty" -c "open none.h5"
+err_has "nothing of the data set was written: it holds no voxel"
+expect 0 "$iftty" -c "open part.h5"
+out_has "3 of the 4 pieces of the data set are not in the file: voxels there have the value"
+expect 0 "$iftty" -c "open all.h5"
+! grep -q pieces "$work/out" || fail "$(cat "$work/out")"
+close_story
+
+begin "a TIFF whose pages lead back to one another ends at once"
+"$PYTHON" - <<'END'
+import struct
+data = bytearray(open("stack.tif", "rb").read())
+order = "<" if data[:2] == b"II" else ">"
+first = struct.unpack_from(order + "I", data, 4)[0]
+count = struct.unpack_from(order + "H", data, first)[0]
+struct.pack_into(order + "I", data, first + 2 + 12 * count, first)
+open("round.tif", "wb").write(data)
+END
+expect 3 timeout 20 "$iftty" -c "open round.tif"
+err_has "its pages lead back to one another"
+close_story
+
+begin "bytes that are left over change nothing"
+while read -r name; do
+    case $name in
+    *slices | stack.lsm | *.mhd | *.nhdr | *.hdr | *.nii | *.h5 | itk.mnc) continue ;;
+    esac
+    mkdir -p more
+    { cat "$name"; printf ' 1234567'; } >"more/$name"
+    rm -f j.iftty
+    expect 0 "$iftty" -c "open more/$name" --journal j.iftty
+    same "$name $(last_word sha256 j.iftty)" "$name $(cat "$work/digest-$name")"
+done <"$work/names"
+close_story
+
+finish
