@@ -147,11 +147,64 @@ for picture in m s; do
 done
 close_story
 
+begin "single files of DICOM are what pydicom makes of them; a preamble says nothing"
+for name in CT_small MR_small MR_small_RLE MR_small_bigendian MR_small_expb MR_small_implicit \
+    MR_small_padded MR_small_jp2klossless MR_small_jpeg_ls_lossless rtdose rtdose_expb rtdose_rle \
+    image_dfl tiff nifti words twelve dose-absolute dose-downwards; do
+    opened_as one/$name.dcm one/$name.dcm.twin.nii
+done
+for name in rtdose_1frame rtdose_expb_1frame rtdose_rle_1frame; do # it says its thickness nowhere
+    rm -f "$work"/[ab].iftty
+    expect 0 "$iftty" -c "open one/$name.dcm" --journal "$work/a.iftty"
+    out_has "distances of voxels unknown"
+    expect 0 "$iftty" -c "open one/$name.dcm.twin.nii" --journal "$work/b.iftty"
+    for key in scene sha256; do
+        same "$name $(last_word $key "$work/a.iftty")" "$name $(last_word $key "$work/b.iftty")"
+    done
+done
+expect 0 "$iftty" -c "open one/rtdose_expb.dcm; info"
+out_has "values    8e-06 * intensity +0.795" # a dose of 1e-6 a number
+expect 0 "$iftty" -c "open one/MR_small_padded.dcm"
+out_has "bytes come after the pixels of 1 file, up to 128: left out"
+expect 0 "$iftty" -c "open one/badVR.dcm" # which does not say how many frames there are
+out_has "bytes come after the pixels of 1 file, up to 5600: left out"
+expect 0 "$iftty" -c "open one/dose-uneven.dcm"
+out_has "slices are not evenly spaced: 4 to 6 mm apart"
+expect 0 "$iftty" -c "open one/dose-few.dcm"
+out_has "distances of voxels unknown"
+close_story
+
 refused() { # WORDS COMMAND: in one line
     expect 3 "$iftty" -c "$2"
     err_has "$1"
     same "$2: $(wc -l <"$work/err" | tr -d ' ') line" "$2: 1 line"
 }
+begin "pixels that are missing are no zeros: the file, and what of it is there"
+refused "one/MR_truncated.dcm: cut short: 8130 of 8192 bytes of pixels are there" \
+    "open one/MR_truncated.dcm"
+expect 3 "$iftty" info one/MR_truncated.dcm
+err_has "8130 of 8192 bytes"
+refused "SECRETNAME_IM0021.dcm: cut short: 700 of 1144 bytes of pixels are there; and so are \
+others, 2 in all" "open one/cut-slice"
+refused "cut short: 5000 of 6000 bytes of pixels are there" "open one/cut-plain.dcm"
+refused "cut short: 5330 of 8192 bytes of pixels are there" "open one/cut-big.dcm"
+refused "of 262144 bytes of pixels are there" "open one/cut-deflated.dcm"
+refused "cut short: the last piece of its packed pixels has 6538 of 6830 bytes" \
+    "open one/cut-jpeg.dcm"
+for name in cut-jpeg-ls cut-jpeg-2000 cut-rle; do
+    refused "cut short: the last piece of its packed pixels has" "open one/$name.dcm"
+done
+for name in few-jpeg short-jpeg few-jpeg-ls short-jpeg-ls; do
+    refused "cut short: 2 of 3 frames of its packed pixels are whole" "open one/$name.dcm"
+done
+refused "cut short: 14 of 15 frames" "open one/few-rle.dcm"
+expect 0 "$iftty" -c "open one/whole-jpeg.dcm"
+expect 0 "$iftty" -c "open one/whole-jpeg-ls.dcm"
+refused "one/bomb.dcm: a deflated DICOM file of more than 256 MB when it is inflated; \`dcmconv" \
+    "open one/bomb.dcm"
+refused "its pixels have colours" "open one/SC_rgb_rle.dcm"
+close_story
+
 begin "what a file leaves open is asked, and what is wrong with it is said"
 refused "it holds 2 series; choose one with series=N: 1: 14 slices of 26x22, CT; 2: 5 slices" \
     "open mixed"

@@ -13,7 +13,8 @@
  *     volume_bytes.cc    whether a file has the bytes that its header promises
  *     volume_hdf5.cc     data sets of HDF5
  *     volume_slice.cc    what DICOM says of a slice
- *     volume_series.cc   the slices of a series, and their pixels
+ *     volume_pixels.cc   the pixels of a file
+ *     volume_series.cc   the slices of a series
  *     volume_folder.cc   folders of slices
  */
 #include <cstdlib>

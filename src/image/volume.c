@@ -38,20 +38,25 @@ void volume_note(char notes[VOLUME_NOTES_BYTES], const char *format, ...)
 
 /* ---- which format ---- */
 
+/* Before its mark, a DICOM file may hold any bytes: those of a TIFF, for programs that know no DICOM.
+ */
+enum { DICOM_MARK_AT = 128, DICOM_MARK_BYTES = 4 };
+static bool is_dicom(const uint8_t *begin, size_t length)
+{
+    return length >= DICOM_MARK_AT + DICOM_MARK_BYTES &&
+           memcmp(begin + DICOM_MARK_AT, "DICM", DICOM_MARK_BYTES) == 0;
+}
+
 bool volume_may_name_a_patient(const char *path)
 {
-    static const struct {
-        char bytes[4];
-        uint64_t at;
-    } mark = {"DICM", 128};
-    char bytes[sizeof mark.bytes] = {0};
+    uint8_t begin[DICOM_MARK_AT + DICOM_MARK_BYTES];
     uint64_t length;
     int fd;
     if (file_open(&fd, &length, path, O_RDONLY, NULL))
         return false;
-    const ssize_t n = file_read_at(fd, bytes, sizeof bytes, mark.at);
+    const ssize_t n = file_read_at(fd, begin, sizeof begin, 0);
     close(fd);
-    return n == sizeof bytes && memcmp(bytes, mark.bytes, sizeof bytes) == 0;
+    return n > 0 && is_dicom(begin, (size_t)n);
 }
 
 /* Some formats are written and not read, and others the reverse. */
@@ -112,6 +117,8 @@ static const struct volume_format *format_taking(unsigned what)
 
 static const struct volume_format *format_recognising(const uint8_t *begin, size_t length)
 {
+    if (is_dicom(begin, length))
+        return format_taking(TAKES_FOLDERS);
     for (int i = 0; i < FORMATS; i++)
         if (can(formats[i], false) && formats[i]->recognises(begin, length))
             return formats[i];

@@ -77,13 +77,13 @@ struct kind {
 };
 
 static const struct kind kinds[] = {
+    {"dicom", ".dcm|.dicom", 128, 4, "DICM"}, /* first: what stands before it is anything */
     {"nrrd", ".nrrd|.nhdr", 0, 7, "NRRD000"},
     {"meta", ".mha|.mhd", 0, 10, "ObjectType"},
     {"meta", ".mha|.mhd", 0, 5, "NDims"},
     {"minc", ".mnc|.mnc2", 0, 3, "CDF"},
     {"hdf5", ".h5|.hdf5|.hdf|.mnc|.mnc2|.ims", 0, 4, "\x89HDF"},
     {"mrc", ".mrc|.map|.rec|.st", 208, 4, "MAP "},
-    {"dicom", ".dcm|.dicom", 128, 4, "DICM"},
     {"lsm", ".lsm", 0, 4, "II*"},
     {"tiff", "", 0, 4, "II*"},
     {"tiff", "", 0, 4, "MM\0*"},

@@ -11,8 +11,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <iosfwd>
+#include <memory>
 #include <string>
 #include <vector>
+
+namespace gdcm
+{
+class TransferSyntax;
+}
 
 namespace volume
 {
@@ -86,12 +93,30 @@ struct Slice {
     double slope = 1, intercept = 0;
     int series_number = 0, instance = 0, acquisition = 0, time = 0, echo = 0;
     double along = 0; /* its place on the normal of its plane */
+    /* of the pixels of its file */
+    uint64_t pixels_at = 0, rest = 0; /* the first byte; how many come after the last frame */
+    bool is_packed = false, is_big = false, is_of_bytes = false;
+    unsigned stored = 0, high = 0; /* bits of a number, and its highest; 0 stored: not said */
+    std::string lack;              /* what is missing, in words of ours; "" for nothing */
 };
 
 using Series = std::vector<Slice>;
 
 /* The slices of a file; false where it is no DICOM. One without pixels adds none. */
 bool scan(std::vector<Slice> &slices, const std::string &path);
+
+/* A file of DICOM as it is read: what is deflated, inflated. */
+std::unique_ptr<std::istream> open_bytes(const std::string &path);
+
+/* Where the pixels of a file lie, and what is missing of them. `in` is where its header ends. */
+void find_pixels(Slice &slice, std::istream &in, const gdcm::TransferSyntax &syntax);
+
+/* Refuses slices of which pixels are missing, by the name of the first such file. */
+void check_pixels(Volume &volume, const std::vector<Slice> &slices, const Request &request);
+
+/* The pixels of all frames of its file, in the order of this machine; false where they cannot be
+ * had. */
+bool read_pixels(std::vector<char> &bytes, const Slice &slice);
 
 void normal_of(double normal[3], const double axis[6]);
 

@@ -1,16 +1,13 @@
 /* DICOM: the slices of a series, in their places. ITK sorts too, but says nothing of gaps, doubled
- * slices and uneven distances. GDCM decodes. */
+ * slices and uneven distances. */
 #include "image/volume_parts.hh"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <memory>
 #include <set>
 #include <tuple>
 #include <utility>
-
-#include <gdcmImageReader.h>
 
 namespace volume
 {
@@ -348,50 +345,16 @@ class Decoder
     const char *decode(const Slice &slice)
     {
         const size_t frame = size_t{slice.columns} * slice.rows * (slice.bits / 8);
-        if (slice.path != path_ && !read(slice, frame))
-            return nullptr;
+        if (slice.path != path_) {
+            path_.clear();
+            if (!read_pixels(bytes_, slice))
+                return nullptr;
+            path_ = slice.path;
+        }
         return &bytes_[frame * slice.frame];
     }
 
   private:
-    bool read(const Slice &slice, size_t frame)
-    {
-        gdcm::ImageReader reader;
-        path_.clear();
-        reader.SetFileName(slice.path.c_str());
-        if (!reader.Read())
-            return false;
-        const gdcm::Image &image = reader.GetImage();
-        const gdcm::PixelFormat &format = image.GetPixelFormat();
-        if (image.GetDimension(0) != slice.columns || image.GetDimension(1) != slice.rows ||
-            format.GetBitsAllocated() != slice.bits || format.GetSamplesPerPixel() != 1 ||
-            image.GetBufferLength() != frame * slice.frames)
-            return false;
-        bytes_.resize(frame * slice.frames);
-        if (!image.GetBuffer(bytes_.data()))
-            return false;
-        path_ = slice.path;
-        clear_unused(format);
-        return true;
-    }
-
-    /* Bits above those that are stored held overlays once, and are no part of the number. */
-    void clear_unused(const gdcm::PixelFormat &format)
-    {
-        const unsigned bits = format.GetBitsAllocated(), stored = format.GetBitsStored();
-        if (bits != 16 || stored >= bits || format.GetHighBit() + 1U != stored)
-            return;
-        const unsigned mask = (1U << stored) - 1, sign = 1U << (stored - 1);
-        const bool is_signed = format.GetPixelRepresentation() == 1;
-        for (size_t i = 0; i + 1 < bytes_.size(); i += 2) {
-            uint16_t value;
-            std::memcpy(&value, &bytes_[i], sizeof value);
-            const unsigned kept = value & mask;
-            value = static_cast<uint16_t>(is_signed ? (kept ^ sign) - sign : kept);
-            std::memcpy(&bytes_[i], &value, sizeof value);
-        }
-    }
-
     std::string path_;
     std::vector<char> bytes_;
 };
@@ -480,6 +443,7 @@ void stack_series(Volume &volume, Series series, const Request &request)
         note(volume, plural_of(copies, "file") + (copies == 1 ? " is a copy" : " are copies") +
                          " of others, and left out");
     settle_type(volume, *stack);
+    check_pixels(volume, stack->slice, request);
     volume.format = "DICOM";
     volume.size[0] = stack->slice[0].columns;
     volume.size[1] = stack->slice[0].rows;

@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <set>
 
 #include <gdcmReader.h>
 #include <gdcmSequenceOfItems.h>
@@ -140,7 +139,12 @@ void take_pixels(Slice &slice, const gdcm::DataSet &set)
     take_binary(slice.samples, set, gdcm::Tag(0x0028, 0x0002));
     take_binary(slice.bits, set, gdcm::Tag(0x0028, 0x0100));
     take_binary(is_signed, set, gdcm::Tag(0x0028, 0x0103));
+    take_binary(slice.stored, set, gdcm::Tag(0x0028, 0x0101));
+    take_binary(slice.high, set, gdcm::Tag(0x0028, 0x0102));
     slice.is_signed = is_signed == 1;
+    int frames = 1;
+    take_integer(frames, set, frames_tag);
+    slice.frames = static_cast<unsigned>(std::min(std::max(frames, 1), 65535));
     const std::string colours = text_of(set, gdcm::Tag(0x0028, 0x0004));
     slice.is_inverse = colours == "MONOCHROME1";
     if (!colours.empty() && colours.compare(0, 10, "MONOCHROME") != 0)
@@ -205,38 +209,13 @@ bool may_be_dicom(const std::string &path)
 
 bool scan(std::vector<Slice> &slices, const std::string &path)
 {
-    static const std::set<gdcm::Tag> wanted = {gdcm::Tag(0x0008, 0x0018),
-                                               gdcm::Tag(0x0008, 0x0060),
-                                               gdcm::Tag(0x0018, 0x0050),
-                                               gdcm::Tag(0x0018, 0x0086),
-                                               gdcm::Tag(0x0018, 0x0088),
-                                               gdcm::Tag(0x0020, 0x000e),
-                                               gdcm::Tag(0x0020, 0x0011),
-                                               gdcm::Tag(0x0020, 0x0012),
-                                               gdcm::Tag(0x0020, 0x0013),
-                                               gdcm::Tag(0x0020, 0x0032),
-                                               gdcm::Tag(0x0020, 0x0037),
-                                               gdcm::Tag(0x0020, 0x0100),
-                                               gdcm::Tag(0x0028, 0x0002),
-                                               gdcm::Tag(0x0028, 0x0004),
-                                               frames_tag,
-                                               gdcm::Tag(0x0028, 0x0010),
-                                               gdcm::Tag(0x0028, 0x0011),
-                                               gdcm::Tag(0x0028, 0x0030),
-                                               gdcm::Tag(0x0028, 0x0100),
-                                               gdcm::Tag(0x0028, 0x0103),
-                                               gdcm::Tag(0x0028, 0x1052),
-                                               gdcm::Tag(0x0028, 0x1053),
-                                               detector_tag,
-                                               offsets_tag,
-                                               gdcm::Tag(0x3004, 0x000e),
-                                               shared_tag,
-                                               each_tag};
+    static const gdcm::Tag pixels(0x7fe0, 0x0010);
     if (!may_be_dicom(path))
         return false;
+    const auto in = open_bytes(path);
     gdcm::Reader reader;
-    reader.SetFileName(path.c_str());
-    if (!reader.ReadSelectedTags(wanted))
+    reader.SetStream(*in);
+    if (!reader.ReadUpToTag(pixels, {pixels}))
         return false;
     const gdcm::DataSet &set = reader.GetFile().GetDataSet();
     Slice slice;
@@ -247,9 +226,7 @@ bool scan(std::vector<Slice> &slices, const std::string &path)
     take_order(slice, set);
     take_place(slice, set);
     take_place(slice, item_of(set, detector_tag, 0));
-    int frames = 1;
-    take_integer(frames, set, frames_tag);
-    slice.frames = static_cast<unsigned>(std::min(std::max(frames, 1), 65535));
+    find_pixels(slice, *in, reader.GetFile().GetHeader().GetDataSetTransferSyntax());
     if (slice.frames > 1 || set.FindDataElement(each_tag))
         add_frames(slices, slice, set);
     else

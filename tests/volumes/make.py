@@ -15,6 +15,7 @@ import nibabel
 import numpy
 import pydicom
 import pydicom.data
+import pydicom.encaps
 import pydicom.uid
 
 SIZE = (26, 22, 14)  # x, y, z
@@ -366,6 +367,138 @@ def make_dicom(folder):
     save_twin(os.path.join(folder, "pet"), real, PLACE)
 
 
+# ---- single files of DICOM, of pydicom's own tests ----
+
+
+def dicom(name):
+    return pydicom.dcmread(pydicom.data.get_testdata_file(name))
+
+
+def save_dicom_twin(path, one):
+    """By pydicom: voxels, their scale and their place. Of a dose, the place of the first frame."""
+    data = numpy.atleast_3d(one.pixel_array.T).astype(one.pixel_array.dtype.newbyteorder("="))
+    slope = one.get("DoseGridScaling", one.get("RescaleSlope", 1))
+    scale = float(slope), float(one.get("RescaleIntercept", 0))
+    offsets = one.get("GridFrameOffsetVector")
+    if "ImagePositionPatient" not in one:
+        save_plain_twin(path, data)
+        return
+    axes = numpy.array(one.ImageOrientationPatient, float).reshape(2, 3)
+    step = float(offsets[1]) - float(offsets[0]) if offsets else float(one.SliceThickness)
+    place = numpy.eye(4)
+    place[:3, 0] = axes[0] * float(one.PixelSpacing[1])
+    place[:3, 1] = axes[1] * float(one.PixelSpacing[0])
+    place[:3, 2] = numpy.cross(axes[0], axes[1]) * step
+    place[:3, 3] = one.ImagePositionPatient
+    if offsets and data.shape[2] == 1:  # which are no spacing, and all is taken for 1 mm
+        place[:3, :3] /= numpy.linalg.norm(place[:3, :3], axis=0)
+    save_twin(path, data, LPS @ place, *scale)
+
+
+def make_dicom_files(folder):
+    folder = os.path.join(folder, "one")
+    os.mkdir(folder)
+    for name in ("CT_small MR_small MR_small_RLE MR_small_bigendian MR_small_expb "
+                 "MR_small_implicit MR_small_padded rtdose rtdose_expb rtdose_rle rtdose_1frame "
+                 "rtdose_expb_1frame rtdose_rle_1frame image_dfl").split():
+        path = os.path.join(folder, name + ".dcm")
+        shutil.copy(pydicom.data.get_testdata_file(name + ".dcm"), path)
+        save_dicom_twin(path, dicom(name + ".dcm"))
+    for name in ("MR_small_jp2klossless", "MR_small_jpeg_ls_lossless"):
+        path = os.path.join(folder, name + ".dcm")
+        shutil.copy(pydicom.data.get_testdata_file(name + ".dcm"), path)
+        save_dicom_twin(path, dicom("MR_small.dcm"))
+    for name in "MR_truncated SC_rgb_rle liver_1frame badVR".split():
+        shutil.copy(pydicom.data.get_testdata_file(name + ".dcm"), folder)
+    # A preamble that is the beginning of a TIFF, or of a NIfTI, for programs that know these.
+    for name, begin in (("tiff", b"II*\0\x08\0\0\0"), ("nifti", (348).to_bytes(4, "little"))):
+        one = dicom("rtdose.dcm")
+        one.preamble = begin.ljust(128, b"\0")
+        one.save_as(os.path.join(folder, name + ".dcm"))
+        save_dicom_twin(os.path.join(folder, name + ".dcm"), one)
+    # Of 8 bits in words of 16, both orders; 12 of 16 bits, signed, with others above them.
+    one = dicom("MR_small_expb.dcm")
+    bytes_ = numpy.arange(64 * 64, dtype="u1").reshape(64, 64)
+    one.BitsAllocated = one.BitsStored = 8
+    one.HighBit, one.PixelRepresentation = 7, 0
+    one.PixelData = bytes_.reshape(-1, 2)[:, ::-1].tobytes()
+    one["PixelData"].VR = "OW"
+    one.save_as(os.path.join(folder, "words.dcm"))
+    plain = dicom("MR_small.dcm")
+    save_twin_of(os.path.join(folder, "words.dcm"), plain, bytes_)
+    twelve = (numpy.arange(64 * 64) - 2048).astype("i2").reshape(64, 64)
+    one = dicom("MR_small.dcm")
+    one.BitsStored, one.HighBit = 12, 11
+    one.PixelData = ((twelve & 0xfff) | 0x5000).astype("<i2").tobytes()
+    one.save_as(os.path.join(folder, "twelve.dcm"))
+    save_twin_of(os.path.join(folder, "twelve.dcm"), plain, twelve)
+    # Offsets of a dose that are places, the other way round, uneven and too few.
+    one = dicom("rtdose.dcm")
+    for name, offsets in (("absolute", [-761.87 + 5 * z for z in range(15)]),
+                          ("downwards", [-5 * z for z in range(15)]),
+                          ("uneven", [5 * z + z % 2 for z in range(15)]),
+                          ("few", [5 * z for z in range(14)])):
+        one.GridFrameOffsetVector = offsets
+        one.save_as(os.path.join(folder, "dose-%s.dcm" % name))
+    shutil.copy(os.path.join(folder, "rtdose.dcm.twin.nii"),
+                os.path.join(folder, "dose-absolute.dcm.twin.nii"))
+    down = nibabel.load(os.path.join(folder, "rtdose.dcm.twin.nii"))
+    place = down.affine @ numpy.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, -14], [0, 0, 0, 1.0]])
+    data = one.pixel_array.T[:, :, ::-1].astype("u4")
+    save_twin(os.path.join(folder, "dose-downwards.dcm"), data, place, 1e-6, 0)
+    make_cut(folder)
+
+
+def save_twin_of(path, one, data):
+    plain = pydicom.dataset.Dataset(one)
+    plain.file_meta = one.file_meta
+    plain.is_little_endian, plain.is_implicit_VR = True, False
+    save_dicom_twin(path, plain)
+    place = nibabel.load(path + ".twin.nii").affine
+    save_twin(path, data.T[:, :, None], place)
+
+
+def make_cut(folder):
+    """Pixels of which some are missing, in every way that a file can say how many there are."""
+    def cut(name, source, bytes_):
+        with open(pydicom.data.get_testdata_file(source), "rb") as file:
+            data = file.read()
+        with open(os.path.join(folder, name), "wb") as file:
+            file.write(data[:-bytes_])
+    cut("cut-plain.dcm", "rtdose.dcm", 1000)
+    cut("cut-big.dcm", "MR_small_expb.dcm", 3000)
+    cut("cut-deflated.dcm", "image_dfl.dcm", 3000)
+    cut("cut-jpeg.dcm", "JPEG-lossy.dcm", 300)
+    cut("cut-jpeg-ls.dcm", "MR_small_jpeg_ls_lossless.dcm", 300)
+    cut("cut-jpeg-2000.dcm", "MR_small_jp2klossless.dcm", 300)
+    cut("cut-rle.dcm", "rtdose_rle.dcm", 500)
+    for name, source in (("jpeg", "JPEG-lossy"), ("jpeg-ls", "MR_small_jpeg_ls_lossless")):
+        one = dicom(source + ".dcm")
+        frame = pydicom.encaps.defragment_data(one.PixelData)
+        for kind, frames in (("few", [frame, frame]), ("short", [frame, frame, frame[:-300]]),
+                             ("whole", [frame, frame, frame])):
+            one.PixelData = pydicom.encaps.encapsulate(frames, 2 if name == "jpeg" else 1)
+            one.NumberOfFrames = 3
+            one.save_as(os.path.join(folder, "%s-%s.dcm" % (kind, name)))
+    one = dicom("rtdose_rle.dcm")
+    frames = list(pydicom.encaps.generate_pixel_data_frame(one.PixelData, 15))
+    one.PixelData = pydicom.encaps.encapsulate(frames[:14])
+    one.save_as(os.path.join(folder, "few-rle.dcm"))
+    with open(pydicom.data.get_testdata_file("image_dfl.dcm"), "rb") as file:
+        data = file.read()
+    bomb = zlib.compressobj(9, zlib.DEFLATED, -15)
+    with open(os.path.join(folder, "bomb.dcm"), "wb") as file:
+        file.write(data[:144 + int.from_bytes(data[140:144], "little")])
+        for _ in range(257):
+            file.write(bomb.compress(bytes(1 << 20)))
+        file.write(bomb.flush())
+    folder = os.path.join(folder, "cut-slice")
+    slices = slices_of(voxels(), PLACE)
+    for z in (3, 8):
+        slices[z].PixelData = slices[z].PixelData[:700]
+    save_series(folder, slices)
+
+
 def same(a, b):
     p, q = nibabel.load(a).affine, nibabel.load(b).affine
     if numpy.abs(p - q).max() > 1e-3:
@@ -378,7 +511,7 @@ def main():
         return
     folder = sys.argv[1]
     for make in (make_pairs, make_mgh, make_by_plastimatch, make_nrrd, make_meta, make_mrc,
-                 make_vtk, make_pictures, make_hdf5, make_minc, make_dicom):
+                 make_vtk, make_pictures, make_hdf5, make_minc, make_dicom, make_dicom_files):
         make(folder)
 
 
