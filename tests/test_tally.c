@@ -3,14 +3,24 @@
 #include "tests/small_scene.h"
 #include "tests/stopping.h"
 
+#include <math.h>
+
 #include "session/tally.h"
 
 /* ---- volumes ---- */
 
+static struct geometry spaced(uint32_t x_nm, uint32_t y_nm, uint32_t z_nm)
+{
+    struct geometry geometry = {.spacing_nm = {x_nm, y_nm, z_nm}};
+    geometry_place_spaced(&geometry);
+    return geometry;
+}
+
 static void is_told(uint32_t nm, uint64_t voxels, const char *expected)
 {
     struct buf out = {0};
-    tally_write_volume(&out, (const uint32_t[]){nm, nm, nm}, voxels);
+    const struct geometry geometry = spaced(nm, nm, nm);
+    tally_write_volume(&out, &geometry, voxels);
     CHECK_TEXT(buf_text(&out), expected);
     buf_release(&out);
 }
@@ -45,8 +55,26 @@ STORY(volumes_are_told_to_three_digits_in_a_unit_that_fits)
 STORY(each_axis_has_a_spacing_of_its_own)
 {
     struct buf out = {0};
-    tally_write_volume(&out, (const uint32_t[]){1000000, 1500000, 2000000}, 500);
+    const struct geometry geometry = spaced(1000000, 1500000, 2000000);
+    tally_write_volume(&out, &geometry, 500);
     CHECK_TEXT(buf_text(&out), "1.5 ml");
+    buf_release(&out);
+}
+
+/* Sheared by 30 degrees: the cosine is 0.866. */
+STORY(voxels_of_sheared_axes_take_less_than_boxes)
+{
+    struct buf out = {0};
+    struct geometry geometry = spaced(1000000, 1000000, 2000000);
+    geometry.to_mm[1][2] = 1;
+    geometry.to_mm[2][2] = sqrt(3);
+    tally_write_volume(&out, &geometry, 500);
+    CHECK_TEXT(buf_text(&out), "866 mm3");
+    CHECK(fabs(tally_voxel_mm3(&geometry) - sqrt(3)) < 1e-8);
+    buf_clear(&out);
+    geometry.as_boxes = true; /* of an older journal */
+    tally_write_volume(&out, &geometry, 500);
+    CHECK_TEXT(buf_text(&out), "1 ml");
     buf_release(&out);
 }
 
@@ -251,8 +279,8 @@ STORY(an_edit_is_answered_with_what_it_changed)
     struct interpreter interp;
     begin_with_scene(&interp);
     must(&interp, "auto on");
-    must(&interp, "seed 9,9,8 1"); /* 12 x 11 x 10 voxels of 1 x 1.5 x 2 mm, oblique */
-    CHECK_TEXT(answer(), "1320 voxels changed, label 1: 3.96 ml");
+    must(&interp, "seed 9,9,8 1"); /* 12 x 11 x 10 voxels of 1 x 1.5 x 2 mm, sheared */
+    CHECK_TEXT(answer(), "1320 voxels changed, label 1: 3.91 ml");
     must(&interp, "seed 1,1,1 2");
     const uint64_t one = interp.session.tally.voxels[1];
     const uint64_t two = interp.session.tally.voxels[2];
@@ -262,7 +290,7 @@ STORY(an_edit_is_answered_with_what_it_changed)
     CHECK_HAS(answer(), ", label 2 cerebellum: ");
     CHECK_HAS(buf_text(&reply.text), " ms\n");
     must(&interp, "remove 1,1,1");
-    CHECK_HAS(answer(), ", label 1: 3.96 ml (+");
+    CHECK_HAS(answer(), ", label 1: 3.91 ml (+");
     must(&interp, "undo");
     CHECK_HAS(answer(), ", label 2 cerebellum: ");
     must(&interp, "seed 1,1,1 2"); /* is there already */
@@ -293,8 +321,8 @@ int main(void)
     make_scene();
     const int status = RUN_STORIES(
         TELL(volumes_are_told_to_three_digits_in_a_unit_that_fits),
-        TELL(each_axis_has_a_spacing_of_its_own), TELL(counts_follow_whatever_is_done),
-        TELL(measures_follow_whatever_is_done),
+        TELL(each_axis_has_a_spacing_of_its_own), TELL(voxels_of_sheared_axes_take_less_than_boxes),
+        TELL(counts_follow_whatever_is_done), TELL(measures_follow_whatever_is_done),
         TELL(counts_are_right_after_a_command_was_cancelled),
         TELL(a_journal_that_is_resumed_is_counted_when_somebody_asks),
         TELL(an_edit_is_answered_with_what_it_changed), TELL(of_many_labels_the_largest_are_told));

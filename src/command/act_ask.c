@@ -227,7 +227,7 @@ static void write_part(struct buf *out, const struct map_part *part)
                whole[1], whole[2]);
     if (n > 1)
         buf_printf(out, ", the mean of each %ux%ux%u", n, n, n);
-    buf_add_char(out, '\n');
+    buf_add_text(out, choice->straightens ? ", straightened\n" : "\n");
 }
 
 /* The scene's bytes a voxel are what README promises; the rest does not depend on its voxels, but

@@ -136,8 +136,7 @@ static enum err answer(const struct act *act, const struct compared *compared,
     const struct comparison_report report = {comparison,
                                              {name, act->value[FILE_NAME].text},
                                              session->now.kept.label_name,
-                                             session->scene->spacing_nm,
-                                             session->geometry.spacing_unknown};
+                                             &session->geometry};
     enum err err = write_report(act, &report);
     if (!err)
         err = write_picture(act, compared, &report);

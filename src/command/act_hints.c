@@ -34,7 +34,7 @@ static void write_size(struct buf *out, const struct session *session, uint32_t 
     if (session->geometry.spacing_unknown)
         return;
     buf_add_text(out, ", ");
-    tally_write_volume(out, session->scene->spacing_nm, voxels);
+    tally_write_volume(out, &session->geometry, voxels);
 }
 
 /* "3  at 93,40,61: 812 voxels, 0.81 ml; label 1 brain at a cost of 12, label 0 at 12, an edge of 2
@@ -78,8 +78,7 @@ static enum err add_hint(struct json *json, const struct act *act, const struct 
     json_format(json, "place", "%u,%u,%u", p.x, p.y, p.z);
     json_count(json, "voxels", hint->voxels);
     if (!session->geometry.spacing_unknown)
-        json_real(json, "volume_mm3", hint->voxels * tally_voxel_mm3(session->scene->spacing_nm),
-                  9);
+        json_real(json, "volume_mm3", hint->voxels * tally_voxel_mm3(&session->geometry), 9);
     json_count(json, "label", hint->label);
     json_count(json, "cost", cost);
     json_count(json, "next_label", hint->other);

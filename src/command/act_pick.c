@@ -56,6 +56,8 @@ static void write_distance(struct buf *out, const struct session *session, uint3
     act_write_label(out, session, scene->cell[cell].label);
     if (border.found && border.squared)
         buf_printf(out, ", at %u,%u,%u", at.x, at.y, at.z);
+    if (border.squared && geometry_fill(&session->geometry) < 1)
+        buf_add_text(out, ", as if axes were not sheared");
     buf_add_char(out, '\n');
 }
 

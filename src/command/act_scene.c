@@ -70,11 +70,12 @@ static enum err check_words(const struct act *act, const char *name)
 {
     if (strncmp(name, "synth:", 6) != 0 || act->interp->mode != MODE_LIVE)
         return OK;
-    for (int i = OPEN_SERIES; i <= OPEN_HUGE; i++)
+    for (int i = OPEN_SERIES; i <= OPEN_STRAIGHTEN; i++)
         if (act->value[i].given)
             return fault_set(act->fault, ERR_USAGE,
-                             "series, data, missing, spacing and huge are about a file, and a "
-                             "synthetic scene is made as it is to be; nothing was opened");
+                             "series, data, missing, spacing, huge and straighten are about a "
+                             "file, and a synthetic scene is made as it is to be; nothing was "
+                             "opened");
     return OK;
 }
 

@@ -38,7 +38,7 @@ static enum err count(struct counts *counts, const struct act *act)
 static void write_counts(const struct act *act, const struct counts *counts, unsigned label)
 {
     const struct session *session = act->session;
-    const double ml = tally_voxel_mm3(session->scene->spacing_nm) / 1000.0;
+    const double ml = tally_voxel_mm3(&session->geometry) / 1000.0;
     struct buf *out = &act->reply->text;
     buf_add_text(out, "label ");
     act_write_label(out, session, label);
@@ -102,7 +102,7 @@ static enum err answer(const struct act *act, const struct label_stats *stats,
     const struct tally *tally = &session->tally;
     const bool knows_moves = tally->knows_moves && !labels->finished;
     struct area_weights area;
-    area_weights_init(&area, session->scene->spacing_nm);
+    area_weights_init(&area, &session->geometry);
     const struct label_report report = {
         .stats = stats,
         .area = &area,

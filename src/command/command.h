@@ -71,7 +71,7 @@ struct value {
                                     there */
 };
 
-enum { PARAMETERS_MOST = 15 };
+enum { PARAMETERS_MOST = 18 };
 
 enum command_flag {
     COMMAND_RECORDED = 1, /* goes into the journal */

@@ -68,6 +68,7 @@ enum err opening_choice(struct volume_choice *choice, const char **name, const s
         .data = value[OPEN_DATA].given ? value[OPEN_DATA].text : NULL,
         .fills_gaps = value[OPEN_MISSING].given,
         .huge = value[OPEN_HUGE].given && value[OPEN_HUGE].number == 0,
+        .straightens = value[OPEN_STRAIGHTEN].given && value[OPEN_STRAIGHTEN].number == 0,
     };
     if (value[OPEN_REDUCE].given)
         choice->reduce = (uint32_t)value[OPEN_REDUCE].number;

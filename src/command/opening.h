@@ -23,6 +23,7 @@ enum opening {
     OPEN_SPACING,
     OPEN_HUGE,
     OPEN_PRIVATE,
+    OPEN_STRAIGHTEN,
     OPEN_WEIGHT
 };
 #define OPEN_TYPES "int8|uint8|int16|uint16|int32|uint32|int64|uint64|float32|float64"

@@ -30,8 +30,9 @@
     "size, type, endian, offset: of raw:FILE, in voxels, x fastest, and bytes before them.\n"      \
     "spacing: of voxels, X,Y,Z in mm, where the file does not say it.\n"                           \
     "private: yes leaves out of pictures what the scene's file and the journal are called. "       \
-    "Folders "                                                                                     \
-    "are named in none.\n"                                                                         \
+    "Folders are named in none.\n"                                                                 \
+    "straighten: yes shifts slices that are sheared, as of a gantry that leans, in their planes, " \
+    "until axes stand at right angles; after crop and reduce.\n"                                   \
     "weight: that it begins with, morph unless given, as in weight=gauss:1.5 (`help weight`). A "  \
     "new record has it in any case, and means the same when another one is the default."
 #define VOLUME_SERIES_NOTE "volume: which one of a series, as 4-D files hold, counted from 0.\n"
@@ -138,6 +139,7 @@ const struct command command_table[] = {
       KEYED("spacing", VALUE_WORD, .form = "X,Y,Z"),
       KEYED("huge", VALUE_CHOICE, .choices = "yes|no"),
       KEYED("private", VALUE_CHOICE, .choices = "yes|no"),
+      KEYED("straighten", VALUE_CHOICE, .choices = "yes|no"),
       KEYED("weight", VALUE_WORD, .form = "NAME[:NUMBER]", .added = true)},
      "load a scene, or synth:geom[:XYZ|:SIZE]",
      VOLUME_FORMATS(VOLUME_NOTE) SYNTHETIC_NOTE "\n" VOLUME_SERIES_NOTE PART_NOTE "\n" OPENING_NOTE,

@@ -10,7 +10,7 @@ void act_write_extent(struct buf *out, const struct session *session, uint64_t v
     if (session->geometry.spacing_unknown)
         buf_printf(out, "%llu voxel%s", (unsigned long long)voxels, plural(voxels));
     else if (voxels)
-        tally_write_volume(out, session->scene->spacing_nm, voxels);
+        tally_write_volume(out, &session->geometry, voxels);
     else
         buf_add_text(out, "0 ml");
 }

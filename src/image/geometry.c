@@ -233,6 +233,25 @@ double geometry_shear(const struct geometry *geometry)
     return asin(most < 1 ? most : 1) * 180 / acos(-1);
 }
 
+double geometry_fill(const struct geometry *geometry)
+{
+    double axis[3][3];
+    if (geometry->as_boxes || !unit_axes(axis, (const double(*)[4])geometry->to_mm))
+        return 1;
+    const double part = floor(fabs(volume(axis)) * 1e9 + 0.5) / 1e9;
+    return part < 1 - 1e-6 ? part : 1;
+}
+
+void geometry_steps(const struct geometry *geometry, double step_mm[3][3])
+{
+    double axis[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    if (geometry_fill(geometry) < 1)
+        unit_axes(axis, (const double(*)[4])geometry->to_mm);
+    for (int a = 0; a < 3; a++)
+        for (int w = 0; w < 3; w++)
+            step_mm[a][w] = axis[a][w] * (geometry->spacing_nm[a] / 1e6);
+}
+
 double geometry_tilt(const struct geometry *geometry)
 {
     double axis[3][3], least = 1;

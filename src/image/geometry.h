@@ -52,6 +52,7 @@ struct geometry {
     uint32_t spacing_nm[3];  /* distance of voxel centres along i, j, k, nanometres, 1.. */
     bool spacing_unknown;    /* the file does not say it along every axis: it is 1 mm then */
     double presumed_mm[3];   /* what geometry_presume takes for it; 0 for the same */
+    bool as_boxes;           /* volumes are those of boxes, as before MEANING_SHEAR */
     enum orientation orientation;
     int8_t world_axis[3]; /* the world axis (0, 1, 2) nearest to each voxel axis; a permutation */
     int8_t world_sign[3]; /* +1 or -1: with or against it */
@@ -120,6 +121,14 @@ double geometry_half_voxel(const struct geometry *geometry);
 
 /* The largest angle, in degrees, by which two axes are off a right angle. */
 double geometry_shear(const struct geometry *geometry);
+
+/* What part of a box with the spacings for sides a voxel takes: 1, or less where axes are sheared
+ * (by a millionth, 0.08 degrees, and more). */
+double geometry_fill(const struct geometry *geometry);
+
+/* How far apart in the world two neighbours along an axis are, in millimetres. Voxel axes are world
+ * axes where none are sheared. */
+void geometry_steps(const struct geometry *geometry, double step_mm[3][3]);
 
 /* The largest angle, in degrees, of an axis and the side of the patient that names it; 0 where no
  * side does. Words and letters for sides are off by as much. */

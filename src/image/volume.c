@@ -13,6 +13,7 @@
 #include "image/foreign.h"
 #include "image/pair.h"
 #include "image/part.h"
+#include "image/straighten.h"
 #include "image/swelling.h"
 #include "image/voxels.h"
 
@@ -38,8 +39,7 @@ void volume_note(char notes[VOLUME_NOTES_BYTES], const char *format, ...)
 
 /* ---- which format ---- */
 
-/* Before its mark, a DICOM file may hold any bytes: those of a TIFF, for programs that know no DICOM.
- */
+/* Before its mark, a DICOM file may hold any bytes, as those of a TIFF, for other programs. */
 enum { DICOM_MARK_AT = 128, DICOM_MARK_BYTES = 4 };
 static bool is_dicom(const uint8_t *begin, size_t length)
 {
@@ -150,10 +150,11 @@ static enum err find_format(const struct volume_format **format, struct volume_s
 static void note_shear(struct volume_header *header)
 {
     const double degrees = geometry_shear(&header->geometry);
-    if (degrees >= 0.1)
+    if (degrees >= 0.1 && !header->choice.straightens)
         volume_note(header->notes,
-                    "its axes are sheared: %.2g degrees off a right angle; pictures, lengths and "
-                    "volumes are as if they were not",
+                    "its axes are sheared: %.2g degrees off a right angle; volumes, surfaces and "
+                    "`measure` allow for it, and pictures, radii and distances do not: "
+                    "straighten=yes brings them to right angles",
                     degrees);
 }
 
@@ -260,6 +261,9 @@ enum err volume_choose(struct volume_reader *reader, const struct volume_choice 
         err = take_spacing(header, fault);
     if (!err)
         err = check_choice(header, fault);
+    memcpy(header->made, header->size, sizeof header->made);
+    if (!err && header->choice.straightens)
+        err = straighten_size(header->made, header->size, &header->geometry, fault);
     return err ? fault_prefix(fault, err, "%s", reader->path) : OK;
 }
 
@@ -307,6 +311,8 @@ enum err volume_take(struct volume *out, struct volume_reader *reader, struct fa
     if (!err)
         err =
             reader->format->read_voxels(out, header, &reader->source, reader->source.watch, fault);
+    if (!err && header->choice.straightens)
+        err = straighten(out, reader->source.watch, fault);
     if (err)
         volume_release(out);
     return err ? fault_prefix(fault, err, "%s", reader->path) : OK;

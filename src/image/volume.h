@@ -57,6 +57,7 @@ struct volume_choice {
     uint32_t first[3], last[3];
     uint32_t reduce;       /* 0 and 1: voxels as they are */
     bool nearest;          /* reduce: take the middle of each block, for labels */
+    bool straightens;      /* of sheared axes, the part on a straight grid (image/straighten.h) */
     uint32_t series;       /* of the series of DICOM in a folder, counted from 1; 0: the only one */
     bool fills_gaps;       /* blank slices take the place of those that are missing */
     const char *data;      /* the name of a data set of HDF5; NULL: the only one. Not owned */
@@ -106,6 +107,7 @@ struct volume_header {
     struct volume_choice choice; /* for read_voxels: of what there is; and what follows from it: */
     uint32_t whole[3];           /* the size in the file; `size` is that of the part */
     uint32_t begin[3], step[3];  /* of the part, in voxels of the file */
+    uint32_t made[3];            /* the size of what volume_take makes of it */
 };
 
 /* How a label of a map is called and shown. */

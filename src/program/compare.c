@@ -145,11 +145,8 @@ static enum err compare(struct pair *pair, struct team *team, struct fault *faul
 {
     static const char no_name[256][LABEL_NAME_BYTES];
     const struct options *o = pair->options;
-    const struct comparison_report report = {&pair->comparison,
-                                             {o->word[0], o->word[1]},
-                                             no_name,
-                                             pair->compared.spacing_nm,
-                                             pair->geometry.spacing_unknown};
+    const struct comparison_report report = {
+        &pair->comparison, {o->word[0], o->word[1]}, no_name, &pair->geometry};
     enum err err = read_maps(pair, fault);
     if (!err)
         err = comparison_make(&pair->comparison, &pair->compared, team, console_watch(), fault);

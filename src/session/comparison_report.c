@@ -27,7 +27,7 @@ static struct figures figures_of(const struct comparison_report *report, unsigne
 {
     const struct overlap_counts n = comparison_counts(report->comparison, label);
     const struct label_distances *d = &report->comparison->distance[label];
-    const double mm3 = tally_voxel_mm3(report->spacing_nm);
+    const double mm3 = tally_voxel_mm3(report->geometry);
     const double difference = (double)n.a - (double)n.b;
     struct figures f = {.count = 0};
     figures_add(&f, "voxels_a", (double)n.a);
@@ -76,6 +76,8 @@ void comparison_write_json(struct buf *out, const struct comparison_report *repo
     json_text(&json, "b", report->name[1]);
     json_count(&json, "voxels", c->overlap.voxels);
     json_count(&json, "differing", c->overlap.differing);
+    if (geometry_fill(report->geometry) < 1) /* for which distances do not allow */
+        json_real(&json, "shear_degrees", geometry_shear(report->geometry), 4);
     json_object(&json, "all");
     add_figures(&json, report, 0);
     json_end(&json);
@@ -126,13 +128,13 @@ static void add_number(struct buf *out, int columns, int decimals, double value)
         buf_printf(out, " %*.*f", columns, decimals, value);
 }
 
-static void add_volume(struct buf *out, int columns, const char *sign, const uint32_t *spacing_nm,
-                       uint64_t voxels)
+static void add_volume(struct buf *out, int columns, const char *sign,
+                       const struct geometry *geometry, uint64_t voxels)
 {
     struct buf words = {0};
     buf_add_text(&words, voxels ? sign : "");
     if (voxels)
-        tally_write_volume(&words, spacing_nm, voxels);
+        tally_write_volume(&words, geometry, voxels);
     else
         buf_add_char(&words, '0');
     buf_printf(out, " %*s", columns, buf_text(&words));
@@ -152,9 +154,8 @@ static void write_row(struct buf *out, const struct comparison_report *report, u
     buf_release(&name);
     add_number(out, 6, 4, dice(&n));
     add_number(out, 7, 4, jaccard(&n));
-    add_volume(out, 9, "", report->spacing_nm, n.a);
-    add_volume(out, 9, n.a > n.b ? "+" : "-", report->spacing_nm,
-               n.a > n.b ? n.a - n.b : n.b - n.a);
+    add_volume(out, 9, "", report->geometry, n.a);
+    add_volume(out, 9, n.a > n.b ? "+" : "-", report->geometry, n.a > n.b ? n.a - n.b : n.b - n.a);
     add_number(out, 9, 2, d->has_hausdorff ? d->hausdorff_mm : NAN);
     add_number(out, 6, 2, d->has_surfaces ? d->percentile_95_mm : NAN);
     add_number(out, 6, 2, d->has_surfaces ? d->mean_mm : NAN);
@@ -201,7 +202,10 @@ void comparison_write_text(struct buf *out, const struct comparison_report *repo
     if (c->labels != 1)
         write_row(out, report, 0);
     write_notes(out, c);
-    if (report->spacing_unknown)
+    if (report->geometry->spacing_unknown)
         buf_add_text(out, "the file does not say how large voxels are; 1 mm is assumed\n");
+    if (geometry_fill(report->geometry) < 1)
+        buf_printf(out, "axes are sheared by %.2g degrees: distances are as if they were not\n",
+                   geometry_shear(report->geometry));
     write_farthest(out, c);
 }

@@ -8,6 +8,7 @@
 #define SESSION_COMPARISON_REPORT_H
 
 #include "base/buf.h"
+#include "image/geometry.h"
 #include "session/comparison.h"
 #include "session/state.h"
 
@@ -16,8 +17,7 @@ struct comparison_report {
     const struct comparison *comparison;
     const char *name[2];                        /* of A and B, as files are called: any bytes */
     const char (*label_name)[LABEL_NAME_BYTES]; /* [256] */
-    const uint32_t *spacing_nm;                 /* [3] */
-    bool spacing_unknown;                       /* and so taken for 1 mm, along an axis */
+    const struct geometry *geometry;            /* its spacing unknown: taken for 1 mm */
 };
 
 /* Lines; a row for each label, and one for all where there are several. */

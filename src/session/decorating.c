@@ -64,7 +64,7 @@ static void write_amount(char out[32], const struct session *session, uint64_t v
     if (session->scene->spacing_unknown)
         buf_printf(&words, "%llu voxel%s", (unsigned long long)voxels, voxels == 1 ? "" : "s");
     else
-        tally_write_volume(&words, session->scene->spacing_nm, voxels);
+        tally_write_volume(&words, &session->geometry, voxels);
     snprintf(out, 32, "%s", words.failed ? "" : buf_text(&words));
     buf_release(&words);
 }

@@ -39,7 +39,7 @@ static void make_long(double v[3], double length)
 }
 
 /* Steps 0..2 along each axis, with each choice of signs that gives another pair. */
-static void list_pairs(struct squares *s, const double step_mm[3])
+static void list_pairs(struct squares *s, double step_mm[3][3])
 {
     for (int kind = 1; kind < PAIR_KINDS; kind++) {
         const int steps[3] = {kind % 3, kind / 3 % 3, kind / 9};
@@ -50,7 +50,8 @@ static void list_pairs(struct squares *s, const double step_mm[3])
                 is_new &= steps[a] || !(signs >> a & 1);
             double *pair = s->pair_mm[kind][s->pairs[kind]];
             for (int a = 0; a < 3 && is_new; a++)
-                pair[a] = (signs >> a & 1 ? -1 : 1) * steps[a] * step_mm[a];
+                for (int w = 0; w < 3; w++)
+                    pair[w] += (signs >> a & 1 ? -1 : 1) * steps[a] * step_mm[a][w];
             s->pairs[kind] += is_new;
         }
     }
@@ -108,32 +109,38 @@ static void add_normal(struct squares *s, const double normal[3], double share)
     }
 }
 
-/* In all directions, by the solid angles around them: of one octant, for kinds are the same in
- * all. Returns the sum of their shares. */
-static double add_normals(struct squares *s)
+/* In all directions, by the solid angles around them: of as many octants as kinds are not the same
+ * in, 1 or, of sheared axes, 4. Returns the sum of their shares. */
+static double add_normals(struct squares *s, int octants)
 {
     double sum = 0;
-    for (int a = 0; a < 3; a++)
-        for (int i = 0; i < NORMALS_A_SIDE; i++)
-            for (int j = 0; j < NORMALS_A_SIDE; j++) {
-                double normal[3];
-                normal[a] = 1;
-                normal[(a + 1) % 3] = (i + 0.5) / NORMALS_A_SIDE;
-                normal[(a + 2) % 3] = (j + 0.5) / NORMALS_A_SIDE;
-                const double share = pow(dot(normal, normal), -1.5);
-                make_long(normal, 1);
-                add_normal(s, normal, share);
-                sum += share;
-            }
+    for (int n = 0; n < octants * 3 * NORMALS_A_SIDE * NORMALS_A_SIDE; n++) {
+        const int octant = n % octants, a = n / octants % 3, side = n / octants / 3;
+        double normal[3];
+        normal[a] = 1;
+        normal[(a + 1) % 3] = (side / NORMALS_A_SIDE + 0.5) / NORMALS_A_SIDE;
+        normal[(a + 2) % 3] = (side % NORMALS_A_SIDE + 0.5) / NORMALS_A_SIDE;
+        const double share = pow(dot(normal, normal), -1.5);
+        normal[0] *= octant & 1 ? -1 : 1;
+        normal[1] *= octant & 2 ? -1 : 1;
+        make_long(normal, 1);
+        add_normal(s, normal, share);
+        sum += share;
+    }
     return sum;
 }
 
-static void add_axes(struct squares *s, double share)
+/* The planes that two axes lie in. */
+static void add_axes(struct squares *s, double step_mm[3][3], double share)
 {
-    static const double axis[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    double normal[3][3];
     for (int a = 0; a < 3; a++) {
-        add_plane(s, axis[a], share);
-        add_edge(s, axis[a], axis[(a + 1) % 3], share);
+        cross(normal[a], step_mm[(a + 1) % 3], step_mm[(a + 2) % 3]);
+        make_long(normal[a], 1);
+    }
+    for (int a = 0; a < 3; a++) {
+        add_plane(s, normal[a], share);
+        add_edge(s, normal[a], normal[(a + 1) % 3], share);
     }
 }
 
@@ -158,20 +165,23 @@ static void solve(struct squares *s, double weight[PAIR_KINDS])
     weight[0] = 0;
 }
 
-void area_weights_init(struct area_weights *weights, const uint32_t spacing_nm[3])
+void area_weights_init(struct area_weights *weights, const struct geometry *geometry)
 {
-    struct squares s = {.voxel_mm3 = 1, .step_mm = 1};
+    const double fill = geometry_fill(geometry);
+    struct squares s = {.voxel_mm3 = fill, .step_mm = 1};
     uint32_t step[3];
-    double step_mm[3];
-    label_pairs_step(step, spacing_nm);
+    double step_mm[3][3];
+    label_pairs_step(step, geometry->spacing_nm);
+    geometry_steps(geometry, step_mm);
     for (int a = 0; a < 3; a++) {
-        step_mm[a] = step[a] * (spacing_nm[a] / 1e6);
-        s.voxel_mm3 *= spacing_nm[a] / 1e6;
-        s.step_mm *= step_mm[a];
+        for (int w = 0; w < 3; w++)
+            step_mm[a][w] *= step[a];
+        s.voxel_mm3 *= geometry->spacing_nm[a] / 1e6;
+        s.step_mm *= step[a] * (geometry->spacing_nm[a] / 1e6);
     }
     s.step_mm = cbrt(s.step_mm);
     list_pairs(&s, step_mm);
-    add_axes(&s, axis_share * add_normals(&s));
+    add_axes(&s, step_mm, axis_share * add_normals(&s, fill < 1 ? 4 : 1));
     solve(&s, weights->mm2);
 }
 

@@ -16,7 +16,7 @@ static void add_three(struct figures *figures, const char *const name[3], const 
 
 static double voxel_mm3(const struct geometry *geometry)
 {
-    return geometry->spacing_unknown ? NAN : tally_voxel_mm3(geometry->spacing_nm);
+    return geometry->spacing_unknown ? NAN : tally_voxel_mm3(geometry);
 }
 
 static double surface_mm2(const struct label_report *report, unsigned label)
@@ -122,6 +122,8 @@ void label_report_write_json(struct buf *out, const struct label_report *report)
 {
     struct json json = {.out = out};
     json_object(&json, NULL);
+    if (geometry_fill(report->geometry) < 1) /* surfaces are rough there */
+        json_real(&json, "shear_degrees", geometry_shear(report->geometry), 4);
     json_array(&json, "by_label");
     for (unsigned label = 1; label < 256; label++) {
         if (!report->stats[label].sums.voxels)
@@ -207,7 +209,7 @@ static void write_change(struct buf *out, const struct label_report *report, uns
     if (report->geometry->spacing_unknown)
         buf_printf(out, "%.0f voxel%s", fabs(voxels), fabs(voxels) == 1 ? "" : "s");
     else
-        tally_write_volume(out, report->geometry->spacing_nm, (uint64_t)fabs(voxels));
+        tally_write_volume(out, report->geometry, (uint64_t)fabs(voxels));
 }
 
 static void write_last_edit(struct buf *out, const struct label_report *report, unsigned label,
@@ -234,8 +236,9 @@ void label_report_write_text(struct buf *out, const struct label_report *report,
     buf_printf(out, "%*s%u component%s, %u hole%s", blanks, "", s->components,
                plural(s->components), s->holes, plural(s->holes));
     if (!isnan(mm2))
-        buf_printf(out, ", surface %.4g %s", mm2 < 1e4 ? mm2 : mm2 / 100,
-                   mm2 < 1e4 ? "mm2" : "cm2");
+        buf_printf(out, ", surface %.4g %s%s", mm2 < 1e4 ? mm2 : mm2 / 100,
+                   mm2 < 1e4 ? "mm2" : "cm2",
+                   geometry_fill(report->geometry) < 1 ? " roughly, of sheared axes" : "");
     buf_printf(out, "\n%*s", blanks, "");
     write_places(out, report, label);
     buf_printf(out, "%*s", blanks, "");

@@ -123,6 +123,7 @@ void session_place(struct session *session, const struct kept *kept)
     *geometry = session->said;
     if (*kept->orient)
         geometry_orient(geometry, kept->orient);
+    geometry->as_boxes = !semantics_has(session->semantics, MEANING_SHEAR);
     memcpy(scene->spacing_nm, geometry->spacing_nm, sizeof scene->spacing_nm);
     memcpy(scene->world_axis, geometry->world_axis, sizeof scene->world_axis);
     memcpy(scene->world_sign, geometry->world_sign, sizeof scene->world_sign);
@@ -141,7 +142,7 @@ static enum err open_file(struct session *session, const char *path,
     if (!err)
         err = check_swelling(&reader.header, path, fault);
     if (!err)
-        err = check_memory(reader.header.size,
+        err = check_memory(reader.header.made,
                            "a part of it is opened with crop=A-B,C-D,E-F or reduce=2; nothing was "
                            "opened",
                            session->watch, fault);

@@ -42,6 +42,9 @@ const struct meaning_row meaning_table[MEANINGS] = {
                        "notes of golden images say what was drawn", NULL},
     [MEANING_APPLIED] = {"applied", 9, "slices and mosaics showed labels without edits that wait",
                          "they apply them first, as renditions do", NULL},
+    [MEANING_SHEAR] = {"shear", 9, "volumes are products of the spacings",
+                       "volumes are what voxels take in the world, less where axes are sheared",
+                       NULL},
 };
 
 bool semantics_has(unsigned semantics, enum meaning meaning)

@@ -39,6 +39,7 @@ enum meaning {
     MEANING_SMOOTH_LAYERS,
     MEANING_NOTES,
     MEANING_APPLIED,
+    MEANING_SHEAR,
     MEANINGS
 };
 

@@ -100,10 +100,12 @@ bool tally_check(const struct tally *tally, const struct scene *scene)
 
 /* ---- volumes ---- */
 
-/* The volume of voxels of nm[0] x nm[1] x nm[2], to the nearest um3; 10^19 for more. */
-static uint64_t cubic_um(const uint32_t nm[3], uint64_t voxels)
+/* To the nearest um3; 10^19 for more. */
+static uint64_t cubic_um(const struct geometry *geometry, uint64_t voxels)
 {
-    const double um3 = floor((double)voxels * nm[0] * nm[1] * nm[2] / 1e9 + 0.5);
+    const uint32_t *nm = geometry->spacing_nm;
+    const double boxes = (double)voxels * nm[0] * nm[1] * nm[2] / 1e9;
+    const double um3 = floor(boxes * geometry_fill(geometry) + 0.5);
     return um3 < 1e19 ? (uint64_t)um3 : UINT64_C(10000000000000000000);
 }
 
@@ -116,7 +118,7 @@ static void write_rounded(struct buf *out, uint64_t value, uint64_t unit)
     buf_printf(out, "%g", (double)((value + step / 2) / step) / (double)(unit / step));
 }
 
-void tally_write_volume(struct buf *out, const uint32_t spacing_nm[3], uint64_t voxels)
+void tally_write_volume(struct buf *out, const struct geometry *geometry, uint64_t voxels)
 {
     static const struct {
         uint64_t least_um3, um3;
@@ -126,7 +128,7 @@ void tally_write_volume(struct buf *out, const uint32_t spacing_nm[3], uint64_t 
         {UINT64_C(1000000000000), UINT64_C(1000000000000), "ml"},
         {10000000, 1000000000, "mm3"},
     };
-    const uint64_t um3 = cubic_um(spacing_nm, voxels);
+    const uint64_t um3 = cubic_um(geometry, voxels);
     for (size_t i = 0; i < sizeof unit / sizeof *unit; i++)
         if (um3 >= unit[i].least_um3) {
             write_rounded(out, um3, unit[i].um3);
@@ -136,7 +138,8 @@ void tally_write_volume(struct buf *out, const uint32_t spacing_nm[3], uint64_t 
     buf_printf(out, "%llu um3", (unsigned long long)um3);
 }
 
-double tally_voxel_mm3(const uint32_t spacing_nm[3])
+double tally_voxel_mm3(const struct geometry *geometry)
 {
-    return spacing_nm[0] / 1e6 * (spacing_nm[1] / 1e6) * (spacing_nm[2] / 1e6);
+    const uint32_t *nm = geometry->spacing_nm;
+    return nm[0] / 1e6 * (nm[1] / 1e6) * (nm[2] / 1e6) * geometry_fill(geometry);
 }

@@ -20,6 +20,7 @@
 #include "base/buf.h"
 #include "base/team.h"
 #include "engine/forest.h"
+#include "image/geometry.h"
 
 struct tally {
     bool stale;
@@ -44,9 +45,9 @@ bool tally_check(const struct tally *tally, const struct scene *scene);
 
 /* Adds "1.24 l", "142 ml", "9.5 mm3" or "800 um3": what so many voxels take, to three digits,
  * halves rounded up; for more than 10 000 l, 10 000 l. */
-void tally_write_volume(struct buf *out, const uint32_t spacing_nm[3], uint64_t voxels);
+void tally_write_volume(struct buf *out, const struct geometry *geometry, uint64_t voxels);
 
 /* What one voxel takes, for reports: cubic millimetres. */
-double tally_voxel_mm3(const uint32_t spacing_nm[3]);
+double tally_voxel_mm3(const struct geometry *geometry);
 
 #endif

@@ -1,0 +1,272 @@
+#include "image/straighten.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "engine/grid.h"
+
+enum { FRACTION_BITS = 30, WEIGHT_BITS = 15, SWELLS_MOST = 8 };
+#define WHOLE (INT64_C(1) << FRACTION_BITS)
+
+static const double SAME = 1e-6; /* cosines of angles, of files in single precision */
+
+/* The axes in their order: `first` and `second` stay in their plane. A voxel i of the volume lies
+ * at second + by_third * third along the second axis, and at first + first_by_second * second +
+ * first_by_third * third along the first, in 2^-30 voxels, of what comes out; which begins there
+ * at `begin`, in voxels. */
+struct shear {
+    int first, second, third;
+    int64_t first_by_second, first_by_third, second_by_third;
+    int64_t begin[3];
+    uint32_t size[3];
+};
+
+static double product(const double to_mm[3][4], int a, int b)
+{
+    return to_mm[0][a] * to_mm[0][b] + to_mm[1][a] * to_mm[1][b] + to_mm[2][a] * to_mm[2][b];
+}
+
+static double cosine(const double to_mm[3][4], int a, int b)
+{
+    return fabs(product(to_mm, a, b)) / sqrt(product(to_mm, a, a) * product(to_mm, b, b));
+}
+
+/* False where it is more than integers hold. */
+static bool take(int64_t *out, double voxels, double most)
+{
+    *out = (int64_t)floor(ldexp(fabs(voxels) <= most ? voxels : 0, FRACTION_BITS) + 0.5);
+    return fabs(voxels) <= most;
+}
+
+/* Columns of the way to the world, of the same places: those of the second and the third axis less
+ * what they have of those before them. */
+static void unshear(double to_mm[3][4], const struct shear *s)
+{
+    for (int w = 0; w < 3; w++) {
+        double *row = to_mm[w];
+        row[s->second] -= ldexp((double)s->first_by_second, -FRACTION_BITS) * row[s->first];
+        row[s->third] -= ldexp((double)s->second_by_third, -FRACTION_BITS) * row[s->second] +
+                         ldexp((double)s->first_by_third, -FRACTION_BITS) * row[s->first];
+    }
+}
+
+/* The size along an axis whose `count` voxels are shifted by `low`, 0 or less, to `high`. */
+static void spread(struct shear *s, int axis, uint32_t count, int64_t low, int64_t high)
+{
+    s->begin[axis] = -((WHOLE - 1 - low) / WHOLE);
+    s->size[axis] = (uint32_t)((int64_t)count + (high + WHOLE - 1) / WHOLE - s->begin[axis]);
+}
+
+static int64_t below_zero(int64_t n)
+{
+    return n < 0 ? n : 0;
+}
+
+static bool find_shear(struct shear *s, const uint32_t size[3], const struct geometry *geometry)
+{
+    double m[3][4];
+    memcpy(m, geometry->to_mm, sizeof m);
+    *s = (struct shear){.first = 0, .second = 1, .third = 2};
+    const double(*of)[4] = (const double(*)[4])m;
+    const double room = 65534;
+    if (cosine(of, 0, 2) + SAME < cosine(of, s->first, s->second))
+        s->second = 2, s->third = 1;
+    if (cosine(of, 1, 2) + SAME < cosine(of, s->first, s->second))
+        s->first = 1, s->second = 2, s->third = 0;
+    const int a = s->first, b = s->second, c = s->third;
+    bool fits = take(&s->first_by_second, product(of, a, b) / product(of, a, a), 4);
+    fits &= take(&s->first_by_third, product(of, a, c) / product(of, a, a), room / size[c]);
+    struct shear only = *s; /* what is known so far: the second axis made perpendicular */
+    only.first_by_third = 0;
+    unshear(m, &only);
+    fits &= take(&s->second_by_third, product(of, b, c) / product(of, b, b), room / size[c]);
+    const int64_t along_b = s->second_by_third * (size[c] - 1);
+    const int64_t by_b = s->first_by_second * (size[b] - 1);
+    const int64_t by_c = s->first_by_third * (size[c] - 1);
+    spread(s, a, size[a], below_zero(by_b) + below_zero(by_c),
+           by_b + by_c - below_zero(by_b) - below_zero(by_c));
+    spread(s, b, size[b], below_zero(along_b), along_b - below_zero(along_b));
+    spread(s, c, size[c], 0, 0);
+    return fits;
+}
+
+static bool is_sheared(const struct geometry *geometry)
+{
+    return geometry_shear(geometry) >= 0.1;
+}
+
+static enum err plan(struct shear *s, const uint32_t size[3], const struct geometry *geometry,
+                     struct fault *fault)
+{
+    struct grid grid;
+    const bool fits = find_shear(s, size, geometry);
+    const double voxels = (double)size[0] * size[1] * size[2];
+    if (!fits || (double)s->size[0] * s->size[1] * s->size[2] > SWELLS_MOST * voxels)
+        return fault_set(fault, ERR_LIMIT,
+                         "straighten: its axes are %.2g degrees off a right angle: straightened, "
+                         "it would be more than %d times as large",
+                         geometry_shear(geometry), SWELLS_MOST);
+    return grid_init(&grid, s->size, fault);
+}
+
+enum err straighten_size(uint32_t out[3], const uint32_t size[3], const struct geometry *geometry,
+                         struct fault *fault)
+{
+    struct shear s;
+    memcpy(out, size, 3 * sizeof *out);
+    if (!is_sheared(geometry))
+        return OK;
+    const enum err err = plan(&s, size, geometry, fault);
+    if (!err)
+        memcpy(out, s.size, sizeof s.size);
+    return err;
+}
+
+/* ---- voxels ---- */
+
+struct work {
+    const struct shear *shear;
+    const uint16_t *from;
+    uint16_t *to;
+    const uint32_t *size;
+    size_t from_step[3], to_step[3]; /* voxels between neighbours */
+    uint16_t beyond;                 /* what stands where nothing is */
+    size_t count;                    /* of such */
+};
+
+/* The two voxels of `count` that a place lies between, and the weight of the second. False half a
+ * voxel off them all, and more. */
+static bool between(int64_t voxel[2], uint32_t *weight, int64_t at, uint32_t count)
+{
+    const int64_t last = ((int64_t)count - 1) * WHOLE;
+    if (at < -WHOLE / 2 || at >= last + WHOLE / 2)
+        return false;
+    at = at < 0 ? 0 : at > last ? last : at;
+    voxel[0] = at >> FRACTION_BITS;
+    voxel[1] = voxel[0] < (int64_t)count - 1 ? voxel[0] + 1 : voxel[0];
+    *weight = (uint32_t)((at & (WHOLE - 1)) >> (FRACTION_BITS - WEIGHT_BITS));
+    return true;
+}
+
+/* All along the first axis, at those places along the others of what comes out. */
+static void straighten_row(struct work *work, int64_t second, int64_t third)
+{
+    const struct shear *s = work->shear;
+    const int a = s->first, b = s->second, c = s->third;
+    const int64_t at_b = second * WHOLE - s->second_by_third * third;
+    const int64_t whole = at_b >> FRACTION_BITS, part = at_b & (WHOLE - 1);
+    const int64_t lean =
+        s->first_by_second * whole + ((s->first_by_second * part) >> FRACTION_BITS);
+    int64_t at_a = s->begin[a] * WHOLE - lean - s->first_by_third * third;
+    int64_t row[2] = {0, 0}, voxel[2];
+    uint32_t by_b = 0, by_a;
+    const bool is_inside = between(row, &by_b, at_b, work->size[b]);
+    const uint16_t *slice = work->from + (size_t)third * work->from_step[c];
+    const uint16_t *near = slice + (size_t)row[0] * work->from_step[b];
+    const uint16_t *far = slice + (size_t)row[1] * work->from_step[b];
+    uint16_t *to = work->to + (size_t)(second - s->begin[b]) * work->to_step[b] +
+                   (size_t)third * work->to_step[c];
+    for (uint32_t i = 0; i < s->size[a]; i++, at_a += WHOLE, to += work->to_step[a]) {
+        if (!is_inside || !between(voxel, &by_a, at_a, work->size[a])) {
+            *to = work->beyond;
+            work->count++;
+            continue;
+        }
+        const uint32_t one = 1U << WEIGHT_BITS;
+        const size_t p = (size_t)voxel[0] * work->from_step[a];
+        const size_t q = (size_t)voxel[1] * work->from_step[a];
+        const uint64_t n = (uint64_t)near[p] * (one - by_a) + (uint64_t)near[q] * by_a;
+        const uint64_t f = (uint64_t)far[p] * (one - by_a) + (uint64_t)far[q] * by_a;
+        const uint64_t sum = n * (one - by_b) + f * by_b;
+        *to = (uint16_t)((sum + (UINT64_C(1) << (2 * WEIGHT_BITS - 1))) >> (2 * WEIGHT_BITS));
+    }
+}
+
+static void set_steps(size_t step[3], const uint32_t size[3])
+{
+    step[0] = 1;
+    step[1] = size[0];
+    step[2] = (size_t)size[0] * size[1];
+}
+
+/* The intensity of the least real value. */
+static uint16_t least_of(const struct volume *volume)
+{
+    const size_t count = (size_t)volume->size[0] * volume->size[1] * volume->size[2];
+    const bool falls = volume->geometry.slope < 0;
+    uint16_t least = volume->intensity[0];
+    for (size_t i = 0; i < count; i++) {
+        const uint16_t is = volume->intensity[i];
+        least = (falls ? is > least : is < least) ? is : least;
+    }
+    return least;
+}
+
+/* The same places, by the voxels of what comes out. False, and nothing changes, where these would
+ * be no distance apart. */
+static bool place(struct geometry *geometry, const struct shear *s)
+{
+    const double begin[3] = {(double)s->begin[0], (double)s->begin[1], (double)s->begin[2]};
+    const double as_it_is[3] = {1, 1, 1};
+    struct geometry next = *geometry;
+    unshear(next.to_mm, s);
+    unshear(next.sform.to_mm, s);
+    unshear(next.qform.to_mm, s);
+    for (int a = 0; a < 3; a++) {
+        const double shorter = geometry_step_mm(&next, a) / geometry_step_mm(geometry, a);
+        if (!geometry_spacing(&next.spacing_nm[a], geometry->spacing_nm[a] / 1e6 * shorter))
+            return false;
+    }
+    if (!geometry_derive(&next, begin, as_it_is) ||
+        !geometry_place(&next, (const double(*)[4])next.to_mm, next.orientation))
+        return false;
+    *geometry = next;
+    return true;
+}
+
+enum err straighten(struct volume *volume, struct watch *watch, struct fault *fault)
+{
+    struct shear s;
+    const double degrees = geometry_shear(&volume->geometry);
+    if (!is_sheared(&volume->geometry)) {
+        volume_note(volume->notes,
+                    volume->geometry.orientation == ORIENTATION_UNKNOWN
+                        ? "it does not say how its axes lie: they are not straightened"
+                        : "its axes stand at right angles: nothing to straighten");
+        return OK;
+    }
+    const enum err err = plan(&s, volume->size, &volume->geometry, fault);
+    if (err)
+        return err;
+    uint16_t *out = mem_array((size_t)s.size[0] * s.size[1] * s.size[2], sizeof *out);
+    if (!out)
+        return fault_memory(fault, "a straightened volume");
+    struct work work = {.shear = &s,
+                        .from = volume->intensity,
+                        .to = out,
+                        .size = volume->size,
+                        .beyond = least_of(volume)};
+    set_steps(work.from_step, volume->size);
+    set_steps(work.to_step, s.size);
+    const uint32_t rows = s.size[s.second];
+    struct task task = task_begin(watch, "straightening", (uint64_t)rows * s.size[s.third]);
+    for (uint32_t third = 0; third < s.size[s.third]; third++)
+        for (uint32_t y = 0; y < rows && task_advance(&task, 1); y++)
+            straighten_row(&work, s.begin[s.second] + y, third);
+    if (watch_stops(watch) || !place(&volume->geometry, &s)) {
+        free(out);
+        return watch_stops(watch) ? watch_fault(watch, fault)
+                                  : fault_set(fault, ERR_INPUT,
+                                              "straighten: its voxels would be no distance apart");
+    }
+    free(volume->intensity);
+    volume->intensity = out;
+    memcpy(volume->size, s.size, sizeof s.size);
+    volume_note(volume->notes,
+                "straightened: its axes were %.2g degrees off a right angle; slices are shifted in "
+                "their planes, values linear between pixels; %zu voxels beyond them are %g",
+                degrees, work.count, geometry_value(&volume->geometry, work.beyond));
+    return OK;
+}
