@@ -168,7 +168,7 @@ static inline void fits_its_state(const struct session *session)
     CHECK(forest_arcs(session->forest)->kind == weight_arcs(kept->weight.kind));
     CHECK(!kept->weight_map == (kept->weight.kind != WEIGHT_FILE));
     if (kept->has_range)
-        roi_range(&roi, &session->geometry, kept->range_thousandths);
+        roi_range(&roi, &session->geometry, session->levels, kept->range);
     CHECK(session->roi.low == roi.low && session->roi.high == roi.high);
     CHECK(!session->roi.mask == !kept->mask);
     uint64_t *bits = kept->mask ? malloc(packed_length(kept->mask)) : NULL;

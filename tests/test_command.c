@@ -278,8 +278,11 @@ static void add_value(struct buf *out, const struct parameter *p)
         buf_printf(out, below(2) ? "%u" : "%u.%03umm",
                    (uint32_t)p->least + below((uint32_t)(p->most - p->least) + 1), below(1000));
         break;
+    case VALUE_REAL:
+        buf_printf(out, "%d.%03ue%d", (int)below(50) - 25, below(1000), (int)below(30) - 15);
+        break;
     case VALUE_INTERVAL:
-        buf_printf(out, "%d.%03u..%u.5", -(int)below(50), below(1000), 1 + below(300));
+        buf_printf(out, "%d.%03u..%u.5e%u", -(int)below(50), below(1000), 1 + below(300), below(9));
         break;
     case VALUE_COLOUR:
         buf_printf(out, "#%06x", below(1u << 24));
@@ -337,8 +340,8 @@ static bool same_values(const struct call *a, const struct call *b)
     for (int i = 0; i < PARAMETERS_MOST; i++) {
         const struct value *x = &a->value[i], *y = &b->value[i];
         same &= x->given == y->given && x->number == y->number && !x->text == !y->text &&
-                x->high == y->high && x->in_mm == y->in_mm && !x->line == !y->line &&
-                memcmp(x->place, y->place, sizeof x->place) == 0;
+                memcmp(x->real, y->real, sizeof x->real) == 0 && x->in_mm == y->in_mm &&
+                !x->line == !y->line && memcmp(x->place, y->place, sizeof x->place) == 0;
         if (x->text && y->text)
             same &= strcmp(x->text, y->text) == 0;
         if (x->line && y->line)

@@ -72,7 +72,8 @@ STORY(a_brush_is_what_the_pilot_has)
     take("brush 3 2.5mm range=-40.5..80");
     CHECK_TEXT(buf_text(&config.words), "");
     CHECK(brush->label == 3 && brush->in_mm && brush->radius == 5);
-    CHECK(brush->has_range && brush->range[0] == -40500 && brush->range[1] == 80000);
+    CHECK(brush->has_range && decimal_value(&brush->range[0]) == -40.5 &&
+          decimal_value(&brush->range[1]) == 80);
     take("brush 4 range=1..2");
     CHECK(brush->label == 4 && !brush->in_mm && brush->radius == 3 && brush->has_range);
     take("brush 4 32mm");

@@ -244,7 +244,7 @@ STORY(a_range_holds_on_and_files_of_the_grid_refuse)
     struct session session;
     struct fault fault = {0};
     begin(&session);
-    CHECK(session_set_range(&session, (const int64_t[]){100000, 240000}, NULL) == OK);
+    CHECK(session_set_range(&session, (const struct decimal[]){{1, 2, 1}, {24, 1, 1}}, NULL) == OK);
     session_mark(&session);
     const struct trace before = trace_of(&session);
     const struct roi_tally tally = session.roi_tally;
@@ -263,7 +263,7 @@ STORY(a_range_holds_on_and_files_of_the_grid_refuse)
     session_release(&session);
 
     begin(&session);
-    CHECK(session_set_range(&session, (const int64_t[]){100000, 240000}, NULL) == OK);
+    CHECK(session_set_range(&session, (const struct decimal[]){{1, 2, 1}, {24, 1, 1}}, NULL) == OK);
     session_mark(&session);
     CHECK(session_interpolate(&session, 4, NULL) == OK);
     session_rollback(&session);

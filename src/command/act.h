@@ -175,14 +175,15 @@ enum err act_check_name(const char *name, size_t room, bool blanks, struct fault
 void act_add_markers(const struct act *act);
 
 /* What a command plants: how many voxels it was, and how many not, for being outside the region of
- * interest, or beyond the intensities low..high, or, for a shell, of an object that is neither the
+ * interest, or beyond the intensities `within`, or, for a shell, of an object that is neither the
  * one inside nor the shell's own label. */
 struct planting {
-    uint16_t low, high;
+    struct interval within;
     uint16_t reach; /* of the seeds (forest_add_reach), or 0 */
     bool is_shell;
     uint8_t inside; /* the label of the object inside a shell */
     size_t planted, outside, beyond, others;
+    size_t unsure; /* taken or not, of levels that the range splits */
 };
 
 /* `range` is the parameter of that name, given or not. */
@@ -191,6 +192,10 @@ struct planting act_begin_planting(const struct session *session, const struct v
 /* Plants one more marker, of those of the cells that may be planted, which come to the front. */
 enum err act_plant(const struct act *act, struct planting *planting, uint32_t *cell, size_t count,
                    int16_t label);
+
+/* Of so many voxels, the level stands for values on both sides of an end of a range: says so, and
+ * how large a level is; nothing of none. */
+void act_write_unsure(const struct act *act, size_t voxels);
 
 /* Says what was left out; ERR_INPUT where that was all. */
 enum err act_write_planting(const struct act *act, const struct planting *planting);

@@ -75,7 +75,9 @@ void act_write_voxel(struct buf *out, const struct session *session, uint32_t at
     buf_printf(out, "voxel %u,%u,%u", p.x, p.y, p.z);
     if (geometry_has_place(&session->geometry))
         buf_printf(out, " at %.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
-    buf_printf(out, ": intensity %g, ", geometry_value(&session->geometry, cell->intensity));
+    buf_add_text(out, ": intensity ");
+    levels_write(out, &session->geometry, session->levels, cell->intensity);
+    buf_add_text(out, ", ");
     write_voxel_weight(out, session, cell);
     if (!cell_is_reached(cell)) {
         buf_add_text(out, cell->flags & CELL_OUTSIDE ? "outside the region of interest\n"
@@ -274,8 +276,9 @@ enum err act_info(const struct act *act)
     act_write_axes(out, &session->geometry);
     buf_printf(out, ", digest %016llx\n", (unsigned long long)session->scene_digest);
     write_part(out, &session->part);
-    buf_printf(out, "values    %g * intensity %+g\n", session->geometry.slope,
-               session->geometry.intercept);
+    buf_printf(out, "values    %g * intensity %+.*g\n", session->geometry.slope,
+               geometry_digits(&session->geometry), session->geometry.intercept);
+    levels_write_scale(out, session->levels, "          ");
     buf_printf(out, "forest    %zu seed%s, %zu edit%s waiting, adjacency %u, weight ",
                forest_seeds(session->forest), plural(forest_seeds(session->forest)),
                session_pendings(session), plural(session_pendings(session)),

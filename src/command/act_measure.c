@@ -152,10 +152,11 @@ static void list(struct buf *out, const struct profile *p)
         uint32_t at[3];
         const struct cell *cell = cell_at(p, i, at);
         const struct way way = way_between(p->session, p->from, at);
-        buf_printf(out, "%8.2f %s  %u,%u,%u  %g  ",
+        buf_printf(out, "%8.2f %s  %u,%u,%u  ",
                    sqrt(measures ? product(way.mm, way.mm) : product(way.voxels, way.voxels)),
-                   measures ? "mm" : "voxels", at[0], at[1], at[2],
-                   geometry_value(&p->session->geometry, cell->intensity));
+                   measures ? "mm" : "voxels", at[0], at[1], at[2]);
+        levels_write(out, &p->session->geometry, p->session->levels, cell->intensity);
+        buf_add_text(out, "  ");
         if (cell_is_reached(cell))
             act_write_label(out, p->session, cell->label);
         buf_add_text(out, cell_is_reached(cell) ? "\n" : "no seed reaches it\n");
@@ -176,8 +177,10 @@ enum err act_profile(const struct act *act)
     buf_printf(out, "%lld voxel%s", (long long)p.steps + 1, plural((uint64_t)p.steps + 1));
     if (p.steps >= p.columns)
         buf_printf(out, ", %.2g in a column", (double)(p.steps + 1) / p.columns);
-    buf_printf(out, "; values %g to %g, mean %.6g\n", p.least, p.most,
+    const int digits = geometry_digits(&p.session->geometry);
+    buf_printf(out, "; values %.*g to %.*g, mean %.*g\n", digits, p.least, digits, p.most, digits,
                p.sum / (double)(p.steps + 1));
+    levels_write_scale(out, p.session->levels, "");
     if (act_is_yes(&value[2]))
         list(out, &p);
     return OK;

@@ -17,7 +17,8 @@ struct search {
     const struct act *act;
     int16_t label;
     struct planting planting;
-    uint8_t *may; /* [grid.cells], 0 or 1 */
+    size_t unsure; /* voxels of the scene, of levels that the range splits */
+    uint8_t *may;  /* [grid.cells], 0 or 1 */
     struct components found;
     bool *is_taken; /* by component */
     struct voxels voxels;
@@ -37,8 +38,7 @@ static void search_release(struct search *s)
 static bool may_belong(const struct search *s, uint32_t cell)
 {
     const struct cell *at = s->act->session->scene->cell + cell;
-    if (at->intensity < s->planting.low || at->intensity > s->planting.high ||
-        at->flags & CELL_OUTSIDE)
+    if (!interval_holds(&s->planting.within, at->intensity) || at->flags & CELL_OUTSIDE)
         return false;
     const int16_t seed = markers_seed(&s->act->session->markers, cell);
     return seed == EDIT_ERASE || seed == s->label;
@@ -53,8 +53,11 @@ static enum err find_pieces(struct search *s)
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
             const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++)
+            for (uint32_t c = row.first; c < row.end; c++) {
                 s->may[c] = may_belong(s, c);
+                s->unsure +=
+                    interval_splits(&s->planting.within, session->scene->cell[c].intensity);
+            }
         }
     const enum err err = watch_fault(session->watch, s->act->fault);
     return err ? err : components_find(&s->found, grid, s->may, session->watch, s->act->fault);
@@ -108,16 +111,19 @@ static enum err refuse_place(const struct search *s)
     const uint32_t cell = grid_cell(&session->scene->grid, place[0], place[1], place[2]);
     const struct cell *at = session->scene->cell + cell;
     const char *why = "a seed of another label";
-    char intensity[64];
-    if (at->intensity < s->planting.low || at->intensity > s->planting.high) {
-        snprintf(intensity, sizeof intensity, "the intensity %g, beyond the range",
-                 geometry_value(&session->geometry, at->intensity));
-        why = intensity;
+    struct buf intensity = {0};
+    if (!interval_holds(&s->planting.within, at->intensity)) {
+        buf_add_text(&intensity, "the intensity ");
+        levels_write(&intensity, &session->geometry, session->levels, at->intensity);
+        buf_add_text(&intensity, ", beyond the range");
+        why = buf_text(&intensity);
     } else if (at->flags & CELL_OUTSIDE) {
         why = "no part in the region of interest";
     }
-    return fault_set(s->act->fault, ERR_INPUT, "from: voxel %u,%u,%u has %s; nothing was planted",
-                     place[0], place[1], place[2], why);
+    fault_set(s->act->fault, ERR_INPUT, "from: voxel %u,%u,%u has %s; nothing was planted",
+              place[0], place[1], place[2], why);
+    buf_release(&intensity);
+    return ERR_INPUT;
 }
 
 static enum err refuse_nothing(const struct search *s)
@@ -162,6 +168,7 @@ static enum err plant(struct search *s)
     act_write_label(&act->reply->text, act->session, (unsigned)s->label);
     buf_add_char(&act->reply->text, '\n');
     warn_of_no_other(s);
+    act_write_unsure(act, s->unsure);
     buf_printf(&act->reply->words, "added=%zu", s->planting.planted);
     act_add_markers(act);
     return OK;

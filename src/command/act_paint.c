@@ -5,16 +5,15 @@
 
 #include "engine/gradient.h"
 #include "session/paint.h"
-#include "session/roi_check.h"
 
 /* ---- what may be planted ---- */
 
 struct planting act_begin_planting(const struct session *session, const struct value *range)
 {
-    struct roi values = roi_none();
-    if (range->given)
-        roi_range(&values, &session->geometry, (int64_t[]){range->number, range->high});
-    return (struct planting){.low = values.low, .high = values.high};
+    static const struct interval all = {0, UINT16_MAX, {-1, -1}};
+    return (struct planting){
+        .within =
+            range->given ? levels_within(&session->geometry, session->levels, range->real) : all};
 }
 
 /* A shell cuts no object but the one that it encloses. Trees that are refused at a shell by their
@@ -33,7 +32,8 @@ enum err act_plant(const struct act *act, struct planting *planting, uint32_t *c
     size_t kept = 0;
     for (size_t i = 0; i < count && task_advance(&task, 1); i++) {
         const struct cell *at = cells + cell[i];
-        if (at->intensity < planting->low || at->intensity > planting->high)
+        planting->unsure += interval_splits(&planting->within, at->intensity);
+        if (!interval_holds(&planting->within, at->intensity))
             planting->beyond++;
         else if (at->flags & CELL_OUTSIDE)
             planting->outside++;
@@ -72,6 +72,7 @@ enum err act_write_planting(const struct act *act, const struct planting *planti
     write_left_out(&act->reply->text, "in another object", planting->others);
     write_left_out(&act->reply->text, "outside the region of interest", planting->outside);
     write_left_out(&act->reply->text, "intensities beyond the range", planting->beyond);
+    act_write_unsure(act, planting->unsure);
     return OK;
 }
 

@@ -14,6 +14,23 @@ enum err act_naming(const char *file, enum err err, struct fault *fault)
     return err ? fault_prefix(fault, err, "%s", file) : OK;
 }
 
+static void write_interval(struct buf *out, const char *before, const struct decimal range[2])
+{
+    buf_add_text(out, before);
+    decimal_write(out, &range[0]);
+    buf_add_text(out, "..");
+    decimal_write(out, &range[1]);
+}
+
+void act_write_unsure(const struct act *act, size_t voxels)
+{
+    if (voxels)
+        buf_printf(&act->reply->text,
+                   "%zu voxel%s a level that an end of the range cuts: a level is %.3g, and values "
+                   "are known to half of it\n",
+                   voxels, voxels == 1 ? " has" : "s have", act->session->levels->step);
+}
+
 bool act_write_roi(struct buf *out, const struct session *session)
 {
     const struct kept *kept = &session->now.kept;
@@ -23,9 +40,7 @@ bool act_write_roi(struct buf *out, const struct session *session)
         buf_printf(out, " regions %u-%u", kept->mask_regions[0], kept->mask_regions[1]);
     }
     if (kept->has_range)
-        buf_printf(out, "%srange %g..%g", kept->mask ? ", " : "",
-                   (double)kept->range_thousandths[0] / 1000,
-                   (double)kept->range_thousandths[1] / 1000);
+        write_interval(out, kept->mask ? ", range " : "range ", kept->range);
     return kept->mask || kept->has_range;
 }
 
@@ -125,14 +140,33 @@ enum err act_mask(const struct act *act)
                                 : session_set_mask(act->session, NULL, NULL, NULL, act->fault));
 }
 
+/* Of all voxels of the scene. */
+static size_t count_unsure(const struct session *session, const struct decimal range[2])
+{
+    const struct grid *grid = &session->scene->grid;
+    const struct interval interval = levels_within(&session->geometry, session->levels, range);
+    size_t voxels = 0;
+    for (uint32_t z = 0; interval.split[0] >= 0 && z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            const struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++)
+                voxels += interval_splits(&interval, session->scene->cell[c].intensity);
+        }
+    return voxels;
+}
+
 enum err act_range(const struct act *act)
 {
     const bool is_range = !act->value[RANGE_LOW].text;
-    const int64_t thousandths[2] = {act->value[RANGE_LOW].number, act->value[RANGE_HIGH].number};
+    const struct decimal range[2] = {act->value[RANGE_LOW].real[0], act->value[RANGE_HIGH].real[0]};
     if (is_range != act->value[RANGE_HIGH].given)
         return fault_set(act->fault, ERR_USAGE,
                          "expected LOW and HIGH, or none alone; nothing has changed");
-    if (is_range && thousandths[1] < thousandths[0])
+    if (is_range && decimal_value(&range[1]) < decimal_value(&range[0]))
         return fault_set(act->fault, ERR_USAGE, "HIGH is below LOW; nothing has changed");
-    return add_roi(act, session_set_range(act->session, is_range ? thousandths : NULL, act->fault));
+    enum err err = session_set_range(act->session, is_range ? range : NULL, act->fault);
+    err = add_roi(act, err);
+    if (!err && is_range)
+        act_write_unsure(act, count_unsure(act->session, range));
+    return err;
 }

@@ -26,6 +26,17 @@ static void write_scene(const struct act *act)
     buf_printf(&reply->text, ", %.1f MB\n", (double)session_memory(session) / 1e6);
 }
 
+/* Where intensities are not exact: the ends of their scale, how many voxels are beyond each, and a
+ * digest of the file's values that a level may stand for. */
+static void record_levels(const struct act *act)
+{
+    const struct levels *levels = act->session->levels;
+    if (levels)
+        buf_printf(&act->reply->words, " scale=%.17g..%.17g beyond=%zu,%zu values=%016llx",
+                   levels->ends[0], levels->ends[1], levels->beyond[0], levels->beyond[1],
+                   (unsigned long long)levels_digest(levels));
+}
+
 /* What the file leaves open, and what it means; who says how the scene lies is recorded. */
 static void write_orientation(const struct act *act)
 {
@@ -132,6 +143,8 @@ enum err act_open(const struct act *act)
         write_scene(act);
     if (!err)
         write_orientation(act);
+    if (!err)
+        record_levels(act);
     if (!err && *session->proof)
         buf_printf(&act->reply->words, " sha256=%s", session->proof);
     return err;

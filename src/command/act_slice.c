@@ -77,15 +77,16 @@ enum err act_window(const struct act *act)
 {
     struct slice_settings *slices = &act->next->outlook.slices;
     const bool is_auto = act->value[WINDOW_LOW].text != NULL;
-    const int64_t window[2] = {act->value[WINDOW_LOW].number, act->value[WINDOW_HIGH].number};
+    const struct decimal window[2] = {act->value[WINDOW_LOW].real[0],
+                                      act->value[WINDOW_HIGH].real[0]};
     if (is_auto == act->value[WINDOW_HIGH].given)
         return fault_set(act->fault, ERR_USAGE,
                          "expected LOW and HIGH, or auto alone; nothing has changed");
-    if (!is_auto && window[1] <= window[0])
+    if (!is_auto && decimal_value(&window[1]) <= decimal_value(&window[0]))
         return fault_set(act->fault, ERR_USAGE, "HIGH is not above LOW; nothing has changed");
     slices->has_window = !is_auto;
     for (int i = 0; i < 2; i++)
-        slices->window_thousandths[i] = is_auto ? 0 : window[i];
+        slices->window[i] = is_auto ? (struct decimal){0, 0, 0} : window[i];
     return go_and_say(act);
 }
 

@@ -86,6 +86,7 @@ static void write_forest(const struct act *act)
     buf_add_text(out, "weight ");
     act_write_weight(out, &session->now.kept);
     buf_add_char(out, '\n');
+    levels_write_scale(out, session->levels, "");
     act_write_region(out, session);
     act_write_finish(out, session);
     buf_printf(out, "%zu border voxel%s; forest %016llx, labels %016llx\n",

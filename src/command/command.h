@@ -16,6 +16,7 @@
 #include <stdint.h>
 
 #include "base/buf.h"
+#include "base/decimal.h"
 #include "base/err.h"
 #include "base/polyline.h"
 #include "command/near.h"
@@ -35,7 +36,8 @@ enum value_type {
     VALUE_RADIUS,   /* voxels, least..most; or millimetres, "2.5mm", of 1 nm to 1 m */
     VALUE_RANGE,    /* "A-B", or "A" for "A-A", least..most */
     VALUE_LIST,     /* ranges with commas between them, "1-90,105", least..most */
-    VALUE_INTERVAL, /* "LOW..HIGH", real values, thousandths */
+    VALUE_REAL,     /* a real value, as in 40, -0.5 and 1.5e-3 (base/decimal.h) */
+    VALUE_INTERVAL, /* "LOW..HIGH", two of them */
     VALUE_DECIMAL,  /* thousandths, least..most: 12.5 is 12500 */
     VALUE_CHOICE,   /* nothing else */
     VALUE_COLOUR,   /* #rrggbb */
@@ -60,13 +62,13 @@ struct parameter {
 /* What a parameter was given as. */
 struct value {
     bool given;
-    int64_t number;    /* of one of the choices: which; LABEL, NUMBER; DECIMAL: thousandths;
-                          INTERVAL: the low end; COLOUR: 0xrrggbb; RADIUS: voxels, or nanometres;
+    int64_t number;         /* of one of the choices: which; LABEL, NUMBER; DECIMAL: thousandths;
+                          COLOUR: 0xrrggbb; RADIUS: voxels, or nanometres;
                           -1 for what is a word alone */
-    int64_t high;      /* INTERVAL: the high end */
-    bool in_mm;        /* RADIUS: it was given in millimetres */
-    const char *text;  /* the word, where it was one of the choices, or its type is a word's */
-    uint32_t place[3]; /* POSITION, in the scene; RANGE: first and last */
+    struct decimal real[2]; /* REAL: the first; INTERVAL: both ends */
+    bool in_mm;             /* RADIUS: it was given in millimetres */
+    const char *text;       /* the word, where it was one of the choices, or its type is a word's */
+    uint32_t place[3];      /* POSITION, in the scene; RANGE: first and last */
     const struct polyline *line; /* LINE: all of it, with where it begins; not given where it stays
                                     there */
 };

@@ -2,7 +2,6 @@
 
 #include <ctype.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/choice.h"
@@ -202,16 +201,11 @@ static enum err read_label(struct value *value, const struct parameter *p, const
     return ERR_USAGE;
 }
 
-/* `value` in units of 10^-places, exact and without needless digits: -500 of three is -0.5. */
-static void write_decimal(struct buf *out, int64_t value, int places)
+/* `value` in units of 10^-places. */
+static void write_decimal(struct buf *out, int64_t value, unsigned places)
 {
-    const lldiv_t parts = lldiv(value, places == 6 ? 1000000 : 1000);
-    char text[32];
-    int n = snprintf(text, sizeof text, "%s%lld.%0*lld", value < 0 ? "-" : "", llabs(parts.quot),
-                     places, llabs(parts.rem));
-    while (text[n - 1] == '0')
-        n--;
-    buf_add(out, text, (size_t)(n - (text[n - 1] == '.')));
+    const struct decimal decimal = decimal_of(value, places);
+    decimal_write(out, &decimal);
 }
 
 static enum err read_number(struct value *value, const struct parameter *p, const char *word,
@@ -263,14 +257,25 @@ static enum err read_list(struct value *value, const struct parameter *p, const 
     return OK;
 }
 
+static enum err read_real(struct value *value, const struct parameter *p, const char *word,
+                          struct fault *fault)
+{
+    const char *at = word;
+    if (decimal_scan(&at, &value->real[0]) && *at == '\0')
+        return OK;
+    return expect(fault, p, word, "a number, as in 40, -0.5 or 1.5e-3, of at most 19 digits");
+}
+
 static enum err read_interval(struct value *value, const struct parameter *p, const char *word,
                               struct fault *fault)
 {
     const char *at = word;
-    if (scan_decimal(&at, 3, p->least, p->most, &value->number) && scan_text(&at, "..") &&
-        scan_decimal(&at, 3, value->number, p->most, &value->high) && *at == '\0')
+    struct decimal *real = value->real;
+    if (decimal_scan(&at, &real[0]) && scan_text(&at, "..") && decimal_scan(&at, &real[1]) &&
+        *at == '\0' && decimal_value(&real[0]) <= decimal_value(&real[1]))
         return OK;
-    return expect(fault, p, word, "LOW..HIGH, as in 40..1200.5");
+    return expect(fault, p, word,
+                  "LOW..HIGH, as in 40..1200.5 or 1e-6..2.5e-6, of at most 19 digits each");
 }
 
 static enum err read_radius(struct value *value, const struct parameter *p, const char *word,
@@ -329,6 +334,8 @@ static enum err read_value(struct value *value, const struct parameter *p, const
             return read_range(value, p, word, fault);
         case VALUE_LIST:
             return read_list(value, p, word, fault);
+        case VALUE_REAL:
+            return read_real(value, p, word, fault);
         case VALUE_INTERVAL:
             return read_interval(value, p, word, fault);
         case VALUE_DECIMAL:
@@ -568,7 +575,9 @@ static void write_value(struct buf *out, const struct parameter *p, const struct
         buf_printf(out, "%u-%u", value->place[0], value->place[1]);
     else if (p->type == VALUE_COLOUR)
         buf_printf(out, "#%06llx", (unsigned long long)value->number);
-    else if (value->in_mm || p->type == VALUE_DECIMAL || p->type == VALUE_INTERVAL)
+    else if (p->type == VALUE_REAL || p->type == VALUE_INTERVAL)
+        decimal_write(out, &value->real[0]);
+    else if (value->in_mm || p->type == VALUE_DECIMAL)
         write_decimal(out, value->number, value->in_mm ? 6 : 3);
     else
         buf_printf(out, "%lld", (long long)value->number);
@@ -576,7 +585,7 @@ static void write_value(struct buf *out, const struct parameter *p, const struct
         buf_add_text(out, "mm");
     if (p->type == VALUE_INTERVAL) {
         buf_add_text(out, "..");
-        write_decimal(out, value->high, 3);
+        decimal_write(out, &value->real[1]);
     }
 }
 

@@ -73,7 +73,7 @@
 
 /* What all ways to plant have in common. */
 #define BRUSH       KEYED("radius", VALUE_RADIUS, .most = 32)
-#define WITHIN      KEYED("range", VALUE_INTERVAL, .least = -REAL_MOST, .most = REAL_MOST)
+#define WITHIN      KEYED("range", VALUE_INTERVAL)
 #define WITHIN_NOTE "\nrange: only voxels whose intensity, as `why` prints it, is LOW to HIGH."
 
 /* What encloses an object. */
@@ -108,9 +108,6 @@ enum {
     TURNS = 10 * VIEW_TURN, /* angles may be given beyond one turn; they are reduced */
     PANS = 1000 * VIEW_SIDE_MOST,
 };
-
-/* Real values of intensities, in thousandths. */
-#define REAL_MOST INT64_C(1000000000000)
 
 const char *const command_group_name[] = {
     [GROUP_SCENE] = "The scene",
@@ -190,8 +187,7 @@ const struct command command_table[] = {
      "it." RESAMPLE_NOTE,
      "mask brain.nii.gz regions=1-90"},
     {COMMAND("range", act_range, GROUP_WEIGHT, R | S | E),
-     {NEED("LOW", VALUE_DECIMAL, .choices = "none", .least = -REAL_MOST, .most = REAL_MOST),
-      PAIRED("HIGH", VALUE_DECIMAL, .least = -REAL_MOST, .most = REAL_MOST)},
+     {NEED("LOW", VALUE_REAL, .choices = "none"), PAIRED("HIGH", VALUE_REAL)},
      "restrict trees to a range of intensities",
      "No tree grows where the intensity, as `why` prints it, is below LOW or above HIGH. With a "
      "`mask`, both hold.",
@@ -287,8 +283,7 @@ const struct command command_table[] = {
      "labels model.nii.gz erode=3"},
     {CALLED("object", "threshold|grow|flood", act_object, GROUP_SEEDS, R | S | E | P),
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("HOW", VALUE_CHOICE, .choices = "threshold"),
-      NEED("RANGE", VALUE_INTERVAL, .least = -REAL_MOST, .most = REAL_MOST),
-      KEYED("from", VALUE_POSITION)},
+      NEED("RANGE", VALUE_INTERVAL), KEYED("from", VALUE_POSITION)},
      "plant what is connected, within a range",
      "One marker of all voxels whose intensity, as `why` prints it, is in the range, and that "
      "hang together by faces with a seed of the label which lies in it. Voxels with seeds of other "
@@ -557,8 +552,7 @@ const struct command command_table[] = {
      "By its number there. The journal has the `cross` that it comes to.",
      "hint 1"},
     {CALLED("window", "contrast|brightness|level", act_window, GROUP_SLICES, R | S),
-     {NEED("LOW", VALUE_DECIMAL, .choices = "auto", .least = -REAL_MOST, .most = REAL_MOST),
-      PAIRED("HIGH", VALUE_DECIMAL, .least = -REAL_MOST, .most = REAL_MOST)},
+     {NEED("LOW", VALUE_REAL, .choices = "auto"), PAIRED("HIGH", VALUE_REAL)},
      "which intensities are black and white in slices",
      "Intensities, as `why` prints them: a window of width W at level L is from L - W/2 to L + "
      "W/2.\n"

@@ -65,6 +65,17 @@ bool geometry_place(struct geometry *geometry, const double to_mm[3][4],
     return true;
 }
 
+int geometry_digits(const struct geometry *geometry)
+{
+    const double last = fabs(geometry_value(geometry, UINT16_MAX));
+    const double most = last > fabs(geometry->intercept) ? last : fabs(geometry->intercept);
+    const double steps = geometry->slope != 0 ? most / fabs(geometry->slope) : 1;
+    int digits = 6;
+    for (double power = 1e6; digits < 17 && power <= steps; power *= 10)
+        digits++;
+    return digits;
+}
+
 /* Voxel axes along world axes, from the origin on. */
 static void place_along(struct geometry *geometry, const int8_t axis[3], const int8_t sign[3],
                         const double spacing_mm[3])

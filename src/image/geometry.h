@@ -73,6 +73,10 @@ static inline double geometry_value(const struct geometry *geometry, double inte
     return geometry->slope * intensity + geometry->intercept;
 }
 
+/* How many significant digits tell the real value of one intensity from that of the next; 6 at
+ * least. */
+int geometry_digits(const struct geometry *geometry);
+
 /* Takes `to_mm`, which `orientation` says, as the way to the world and works out world_axis and
  * world_sign: the permutation of the axes that lies nearest to the matrix (the first one in order,
  * where several are). Returns false, and leaves the geometry alone, where the matrix is not finite

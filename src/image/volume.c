@@ -338,6 +338,7 @@ enum err volume_read(struct volume *out, const char *path, const struct volume_c
 void volume_release(struct volume *volume)
 {
     free(volume->intensity);
+    free(volume->levels);
     *volume = (struct volume){0};
 }
 

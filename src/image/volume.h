@@ -22,6 +22,7 @@
 #include "base/file.h"
 #include "base/watch.h"
 #include "image/geometry.h"
+#include "image/levels.h"
 #include "image/raw.h"
 #include "image/source.h"
 
@@ -64,6 +65,8 @@ struct volume_choice {
     struct raw_layout raw; /* of voxels without a header */
     uint32_t spacing_nm[3]; /* of a file that does not say it; 0: none */
     bool huge;              /* the user knows that the file swells as no scene does */
+    bool by_extremes;       /* scales of reals and of wide whole numbers reach from the least to the
+                               greatest, as before MEANING_LEVELS (session/semantics.h) */
     bool as_recorded; /* series, fills_gaps and data are left out, and this is noted, where the
                          format has no such thing; else refused */
 };
@@ -75,6 +78,7 @@ struct volume {
     struct volume_choice choice; /* by which it was read, */
     uint32_t whole[3];           /* of a file of this size */
     bool is_coarse;              /* several whole numbers of the file are one intensity */
+    struct levels *levels;       /* where intensities are not exact, unless by_extremes; or NULL */
     char notes[VOLUME_NOTES_BYTES];
 };
 

@@ -108,7 +108,7 @@ enum err voxels_read(struct volume *volume, const struct volume_header *header,
                        ? part_read(voxels + lead, header, offset, source, watch, fault)
                        : stream_voxels(voxels + lead, needed, offset, source, watch, fault);
     if (!err)
-        intensities_make(volume, header, watch);
+        err = intensities_make(volume, header, watch, fault);
     if (!err)
         err = watch_fault(watch, fault);
     if (!err && wide > held) {

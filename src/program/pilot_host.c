@@ -115,7 +115,8 @@ static void write_where(struct buf *out, struct session *session, bool knows_sum
         buf_add_text(out, "  ");
         write_label(out, session, changed_most(session));
     }
-    buf_printf(out, "  intensity %g", geometry_value(geometry, cell->intensity));
+    buf_add_text(out, "  intensity ");
+    levels_write(out, geometry, session->levels, cell->intensity);
     if (geometry_has_place(geometry))
         buf_printf(out, "  %.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
     else if (geometry->orientation == ORIENTATION_UNKNOWN)
@@ -176,7 +177,7 @@ static bool facts(void *context, struct pilot_facts *out)
         geometry_value(&session->geometry, session->scene->cell[cell_at_cross(session)].intensity);
     window_of(window, session);
     for (int i = 0; i < 2; i++)
-        out->window[i] = s->has_window ? (double)s->window_thousandths[i] / 1000
+        out->window[i] = s->has_window ? decimal_value(&s->window[i])
                                        : geometry_value(&session->geometry, window[i]);
     write_where(&where, session, !((const struct pilot_interpreter *)context)->onlooker);
     memcpy(out->where, buf_text(&where),

@@ -114,7 +114,7 @@ static enum err apply_region(struct session *session, struct fault *fault)
         err = packed_take_out(kept->mask, session->mask_room, session->watch, fault);
     }
     if (kept->has_range)
-        roi_range(&session->roi, &session->geometry, kept->range_thousandths);
+        roi_range(&session->roi, &session->geometry, session->levels, kept->range);
     session->roi_tally = roi_tally(&session->roi, session->scene);
     if (!was_none || !roi_is_none(&session->roi))
         roi_apply(&session->roi, session->scene);

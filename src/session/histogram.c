@@ -13,7 +13,8 @@ static void fill(struct histogram *h, const uint32_t count[UINT16_MAX + 1], cons
     const bool falls = window[0] > window[1];
     const int64_t low = falls ? window[1] : window[0], high = falls ? window[0] : window[1];
     const int64_t wide = high - low + 1;
-    *h = (struct histogram){.least = geometry_value(geometry, window[0]),
+    *h = (struct histogram){.digits = geometry_digits(geometry),
+                            .least = geometry_value(geometry, window[0]),
                             .most = geometry_value(geometry, window[1])};
     h->each = (unsigned)((wide + HISTOGRAM_BINS - 1) / HISTOGRAM_BINS);
     h->bins = (unsigned)((wide + h->each - 1) / h->each);
@@ -75,8 +76,8 @@ void histogram_write(struct buf *out, const struct histogram *h, bool has_blocks
         eighths[i] = (uint16_t)(tall > 8 * ROWS ? 8 * ROWS : tall);
     }
     chart_write(out, &(struct chart){eighths, h->bins, ROWS, "histogram", "", 9, has_blocks});
-    buf_printf(out, "          values %g to %g; %.2g %% are below, %.2g %% above\n", h->least,
-               h->most, percent(h, h->below), percent(h, h->above));
+    buf_printf(out, "          values %.*g to %.*g; %.2g %% are below, %.2g %% above\n", h->digits,
+               h->least, h->digits, h->most, percent(h, h->below), percent(h, h->above));
     buf_printf(out, "          heights are square roots of counts%s\n",
                is_cut ? "; the highest column is cut" : "");
 }

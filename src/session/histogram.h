@@ -10,6 +10,7 @@
 enum { HISTOGRAM_BINS = 64 };
 
 struct histogram {
+    int digits;          /* of real values that are worth to be written */
     double least, most;  /* real values: of the first intensity of the first bin, and of the last of
                             the last one */
     unsigned bins, each; /* each of so many intensities; the last one may have fewer */

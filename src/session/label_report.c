@@ -195,10 +195,12 @@ static void write_intensities(struct buf *out, const struct label_report *report
     const double spread = fabs(report->geometry->slope) * deviation(s);
     double range[2];
     find_range(range, report, label);
-    buf_printf(out, "intensity %.5g", geometry_value(report->geometry, mean(s)));
+    const int more = geometry_digits(report->geometry) - 6; /* than most scenes need */
+    buf_printf(out, "intensity %.*g", 5 + more, geometry_value(report->geometry, mean(s)));
     if (!isnan(spread))
         buf_printf(out, ", deviation %.4g", spread);
-    buf_printf(out, ", median %.5g, %.6g..%.6g\n", median(report, label), range[0], range[1]);
+    buf_printf(out, ", median %.*g, %.*g..%.*g\n", 5 + more, median(report, label), 6 + more,
+               range[0], 6 + more, range[1]);
 }
 
 /* "+1.2 ml", or "+3 voxels" where their distances are unknown. */

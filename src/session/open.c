@@ -136,7 +136,9 @@ static enum err open_file(struct session *session, const char *path,
 {
     struct volume volume = {0};
     struct volume_reader reader;
-    enum err err = volume_open(&reader, path, choice, session->watch, fault);
+    struct volume_choice chosen = choice ? *choice : (struct volume_choice){0};
+    chosen.by_extremes = !semantics_has(session->semantics, MEANING_LEVELS);
+    enum err err = volume_open(&reader, path, &chosen, session->watch, fault);
     if (!semantics_has(session->semantics, MEANING_ORIENTATION))
         reader.header.choice.huge = true; /* which was not asked */
     if (!err)
@@ -162,6 +164,8 @@ static enum err open_file(struct session *session, const char *path,
     }
     if (!err) {
         session->said = volume.geometry;
+        session->levels = volume.levels;
+        volume.levels = NULL;
         if (semantics_has(session->semantics, MEANING_ORIENTATION))
             memcpy(session->open_notes, volume.notes, sizeof session->open_notes);
         else
@@ -269,9 +273,18 @@ static enum err replace_scene(struct session *session, unsigned doubled, struct 
     live_finish_drop(session);
     shader_release(&session->shader);
     label_measures_release(&session->measures);
-    session->former_scene = (struct former_scene){
-        session->scene,  session->said,   session->scene_digest, session->weight_digest,
-        session->forest, session->border, session->roi_tally,    session->stale};
+    session->former_scene =
+        (struct former_scene){.scene = session->scene,
+                              .said = session->said,
+                              .is_blended = session->levels && session->levels->is_blended,
+                              .scene_digest = session->scene_digest,
+                              .weight_digest = session->weight_digest,
+                              .forest = session->forest,
+                              .border = session->border,
+                              .roi_tally = session->roi_tally,
+                              .stale = session->stale};
+    if (session->levels)
+        session->levels->is_blended = true;
     session->scene = next.scene;
     session->forest = next.forest;
     session->border = next.border;

@@ -48,15 +48,11 @@ enum err roi_check(const struct roi *roi, const struct scene *scene, const struc
     return OK;
 }
 
-void roi_range(struct roi *roi, const struct geometry *geometry, const int64_t thousandths[2])
+struct interval roi_range(struct roi *roi, const struct geometry *geometry,
+                          const struct levels *levels, const struct decimal range[2])
 {
-    roi->low = UINT16_MAX;
-    roi->high = 0;
-    for (int32_t i = 0; i <= UINT16_MAX; i++) {
-        const double value = geometry_value(geometry, i);
-        if (value < (double)thousandths[0] / 1000 || value > (double)thousandths[1] / 1000)
-            continue;
-        roi->low = i < roi->low ? (uint16_t)i : roi->low;
-        roi->high = (uint16_t)i;
-    }
+    const struct interval interval = levels_within(geometry, levels, range);
+    roi->low = interval.low;
+    roi->high = interval.high;
+    return interval;
 }

@@ -7,15 +7,16 @@
 
 #include "engine/roi.h"
 #include "engine/forest.h"
-#include "image/geometry.h"
+#include "image/levels.h"
 
 /* ERR_INPUT where nothing would be inside, or where seeds would be outside: those planted in the
  * scene, and those that a run of the pending edits, in their order, would plant. */
 enum err roi_check(const struct roi *roi, const struct scene *scene, const struct edit *pending,
                    size_t pendings, struct fault *fault);
 
-/* Makes roi->low..high the intensities whose real values lie in a range, in thousandths; low is
+/* Makes roi->low..high the intensities whose real values lie in a range (image/levels.h); low is
  * above high where there are none. */
-void roi_range(struct roi *roi, const struct geometry *geometry, const int64_t thousandths[2]);
+struct interval roi_range(struct roi *roi, const struct geometry *geometry,
+                          const struct levels *levels, const struct decimal range[2]);
 
 #endif

@@ -45,6 +45,12 @@ const struct meaning_row meaning_table[MEANINGS] = {
     [MEANING_SHEAR] = {"shear", 9, "volumes are products of the spacings",
                        "volumes are what voxels take in the world, less where axes are sheared",
                        NULL},
+    [MEANING_LEVELS] = {"levels", 9,
+                        "the scale of real and of wide whole numbers reached from the least to the "
+                        "greatest, and ranges compared what levels stand for",
+                        "it is cut where a few far values would take the levels of the others, "
+                        "whole numbers that fit are exact, and ranges compare the file's values",
+                        NULL},
 };
 
 bool semantics_has(unsigned semantics, enum meaning meaning)

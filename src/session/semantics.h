@@ -40,6 +40,7 @@ enum meaning {
     MEANING_NOTES,
     MEANING_APPLIED,
     MEANING_SHEAR,
+    MEANING_LEVELS,
     MEANINGS
 };
 

@@ -35,6 +35,8 @@ void session_close_scene(struct session *session)
     forest_free(session->forest);
     scene_free(session->scene);
     free(session->mask_room);
+    free(session->levels);
+    session->levels = NULL;
     session->roi = roi_none();
     session->mask_room = NULL;
     session->camera.scene = NULL;
@@ -158,6 +160,8 @@ static void take_back_scene(struct session *session)
     scene_free(session->scene);
     session->scene = former.scene;
     session->said = former.said;
+    if (session->levels)
+        session->levels->is_blended = former.is_blended;
     session_place(session, &session->now.kept);
     session->scene_digest = former.scene_digest;
     session->weight_digest = former.weight_digest;

@@ -58,6 +58,7 @@ enum rendered { RENDERED_NOT, RENDERED_FOREST, RENDERED_FINISHED };
 struct former_scene {
     struct scene *scene; /* NULL where there is none */
     struct geometry said;
+    bool is_blended; /* its levels */
     uint64_t scene_digest, weight_digest;
     struct forest *forest;
     struct border border;
@@ -77,6 +78,7 @@ struct session {
     bool is_private;                   /* they say neither that nor of which journal they are */
     struct geometry said;              /* what the file says of its geometry, */
     struct geometry geometry;          /* and what follows from it and from what `orient` says */
+    struct levels *levels;             /* where intensities are not exact; else NULL */
     struct map_part part;              /* of its file, where it is no more than that */
     char open_notes[VOLUME_NOTES_BYTES]; /* what the file left open, for the answer of `open` */
     uint64_t scene_digest;
@@ -294,7 +296,7 @@ enum err session_set_weight_map(struct session *session, const char *name, const
  * no voxel would be inside, or a seed that is planted or waits would be outside. */
 enum err session_set_mask(struct session *session, const uint64_t *mask, const char *name,
                           const uint32_t regions[2], struct fault *fault);
-enum err session_set_range(struct session *session, const int64_t thousandths[2],
+enum err session_set_range(struct session *session, const struct decimal range[2],
                            struct fault *fault);
 
 enum err session_set_view(struct session *session, const struct view *view, struct fault *fault);

@@ -64,19 +64,19 @@ enum err session_set_mask(struct session *session, const uint64_t *mask, const c
     return err;
 }
 
-enum err session_set_range(struct session *session, const int64_t thousandths[2],
+enum err session_set_range(struct session *session, const struct decimal range[2],
                            struct fault *fault)
 {
     struct roi roi = {session->roi.mask, 0, UINT16_MAX};
     struct state next = session->now;
-    if (thousandths)
-        roi_range(&roi, &session->geometry, thousandths);
+    if (range)
+        roi_range(&roi, &session->geometry, session->levels, range);
     enum err err = check(session, &roi, fault);
     if (err)
         return err;
-    next.kept.has_range = thousandths != NULL;
+    next.kept.has_range = range != NULL;
     for (int i = 0; i < 2; i++)
-        next.kept.range_thousandths[i] = thousandths ? thousandths[i] : 0;
+        next.kept.range[i] = range ? range[i] : (struct decimal){0, 0, 0};
     return go(session, &next, fault);
 }
 

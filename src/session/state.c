@@ -63,7 +63,7 @@ static const struct state_field kept_field[] = {
     FIELD(kept, mask_file, 0),
     FIELD(kept, mask_regions, 0),
     FIELD(kept, has_range, MADE_ROI),
-    FIELD(kept, range_thousandths, MADE_ROI),
+    FIELD(kept, range, MADE_ROI),
     FIELD(kept, finish, 0),
 };
 
@@ -79,7 +79,7 @@ static const struct state_field outlook_field[] = {
     FIELD(outlook, slices.has_middle, 0),
     FIELD(outlook, slices.middle, 0),
     FIELD(outlook, slices.has_window, MADE_BY_WINDOW),
-    FIELD(outlook, slices.window_thousandths, MADE_BY_WINDOW),
+    FIELD(outlook, slices.window, MADE_BY_WINDOW),
     FIELD(outlook, slices.overlay, 0),
     FIELD(outlook, slices.crosses, 0),
     FIELD(outlook, slices.marks, 0),

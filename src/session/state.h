@@ -18,6 +18,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/decimal.h"
 #include "base/packed.h"
 #include "engine/finish.h"
 #include "engine/weight.h"
@@ -45,10 +46,10 @@ struct kept {
     struct packed *mask;                /* bits (engine/roi.h); NULL for none */
     char weight_file[FILE_WORDS_BYTES]; /* what to call both; a long name is cut; "" for none */
     char mask_file[FILE_WORDS_BYTES];
-    uint32_t mask_regions[2];     /* first and last */
-    bool has_range;               /* and if so, in real values: */
-    int64_t range_thousandths[2]; /* lowest and highest inside */
-    struct finish_list finish;    /* what is done to labels that are handed out */
+    uint32_t mask_regions[2];  /* first and last */
+    bool has_range;            /* and if so, in real values: */
+    struct decimal range[2];   /* lowest and highest inside */
+    struct finish_list finish; /* what is done to labels that are handed out */
 };
 
 /* How slices and mosaics are shown. */
@@ -57,9 +58,9 @@ struct slice_settings {
     uint32_t zoom;     /* of slices, thousandths of a pixel per smallest spacing; 0 for what fits */
     uint32_t times;  /* of slices and mosaics, thousandths of what fits; 1000 where zoom is not 0 */
     bool has_middle; /* and then, of what is magnified, in the middle: */
-    uint32_t middle[3];            /* this voxel, else the cross-hair */
-    bool has_window;               /* else it follows from the scene */
-    int64_t window_thousandths[2]; /* real values: black and white */
+    uint32_t middle[3];       /* this voxel, else the cross-hair */
+    bool has_window;          /* else it follows from the scene */
+    struct decimal window[2]; /* real values: black and white */
     enum slice_overlay overlay;
     bool crosses, marks, words; /* the cross-hair; seeds and eliminators; letters and bars */
 };

@@ -20,11 +20,11 @@ static void find_window(struct session *session)
 }
 
 /* A real value as an intensity. */
-static int32_t intensity_of(const struct geometry *geometry, int64_t thousandths)
+static int32_t intensity_of(const struct geometry *geometry, const struct decimal *real)
 {
     static const double most = 1 << 30;
     const double slope = geometry->slope != 0 ? geometry->slope : 1;
-    const double value = ((double)thousandths / 1000 - geometry->intercept) / slope;
+    const double value = (decimal_value(real) - geometry->intercept) / slope;
     const double whole = floor(value + 0.5);
     return (int32_t)(whole < -most ? -most : whole > most ? most : whole);
 }
@@ -36,7 +36,7 @@ void window_of(int32_t window[2], struct session *session)
     if (!s->has_window && !session->knows_window)
         find_window(session);
     for (int i = 0; i < 2; i++)
-        window[i] = s->has_window ? intensity_of(&session->geometry, s->window_thousandths[i])
+        window[i] = s->has_window ? intensity_of(&session->geometry, &s->window[i])
                                   : session->window[falls ? 1 - i : i];
     if (window[0] == window[1])
         window[1] += falls ? -1 : 1;
@@ -61,6 +61,6 @@ void window_words(char least[WINDOW_WORDS_BYTES], char most[WINDOW_WORDS_BYTES],
     int32_t window[2];
     window_of(window, session);
     for (int i = 0; i < 2; i++)
-        write_value(words[i], s->has_window ? (double)s->window_thousandths[i] / 1000
+        write_value(words[i], s->has_window ? decimal_value(&s->window[i])
                                             : geometry_value(geometry, window[i]));
 }

@@ -19,8 +19,6 @@ enum {
     LINE_MOST = 60000 /* bytes; a journal takes 65535 */
 };
 
-#define REAL_MOST INT64_C(1000000000000) /* thousandths */
-
 /* The count typed before the key. */
 static int64_t times(const struct press *p)
 {
@@ -66,9 +64,9 @@ static void add_radius(struct buf *out, const struct pilot_brush *brush)
 /* "80..120" */
 static void add_range(struct buf *out, const struct pilot_brush *brush)
 {
-    pilot_add_decimal(out, (double)brush->range[0] / 1000);
+    decimal_write(out, &brush->range[0]);
     buf_add_text(out, "..");
-    pilot_add_decimal(out, (double)brush->range[1] / 1000);
+    decimal_write(out, &brush->range[1]);
 }
 
 /* " 2 range=80..120" */
@@ -153,18 +151,19 @@ static double magnitude(double value)
     return value < 0 ? -value : value;
 }
 
+/* To a thousandth, or of smaller and of huge values to so many digits. */
+static struct decimal decimal_for(double value)
+{
+    const bool is_huge = magnitude(value) >= 1e12;
+    if (magnitude(value) < 1 || is_huge)
+        return decimal_near(value, is_huge ? 17 : 6);
+    return decimal_of((int64_t)(value * 1000 + (value < 0 ? -0.5 : 0.5)), 3);
+}
+
 void pilot_add_decimal(struct buf *line, double value)
 {
-    const long long thousandths = (long long)(magnitude(value) * 1000 + 0.5);
-    buf_printf(line, "%s%lld", value < 0 && thousandths ? "-" : "", thousandths / 1000);
-    unsigned places = (unsigned)(thousandths % 1000);
-    if (places) {
-        char digits[8];
-        int n = snprintf(digits, sizeof digits, ".%03u", places);
-        while (digits[n - 1] == '0')
-            n--;
-        buf_add(line, digits, (size_t)n);
-    }
+    const struct decimal decimal = decimal_for(value);
+    decimal_write(line, &decimal);
 }
 
 void pilot_zoom(uint32_t now, bool nearer, struct buf *line)
@@ -211,7 +210,7 @@ static void move_pixel(struct press *p, int64_t right, int64_t up)
 static void change_window(struct press *p, int right, int up, int far)
 {
     const double *window = p->facts->window, width = window[1] - window[0];
-    const double step = magnitude(width) / 50 > 0.001 ? width / 50 : 0.001;
+    const double step = width != 0 ? width / 50 : 0.001;
     buf_add_text(p->line, "window ");
     pilot_add_decimal(p->line, window[0] - step * (right + up) * far);
     buf_add_char(p->line, ' ');
@@ -438,23 +437,18 @@ void pilot_change_unit(struct press *p)
 
 /* ---- the brush within intensities ---- */
 
-static int64_t thousandths(double value)
-{
-    return (int64_t)(value * 1000 + (value < 0 ? -0.5 : 0.5));
-}
-
 /* As wide on each side as the count says, or a twentieth of the window, in whole numbers if so. */
 void pilot_take_range(struct press *p)
 {
     struct pilot_brush *brush = &p->state->brush;
-    const int64_t here = thousandths(p->facts->intensity);
-    int64_t width = thousandths(magnitude(p->facts->window[1] - p->facts->window[0])) / 20;
-    width = p->state->count ? (int64_t)p->state->count * 1000
-            : width > 1000  ? width / 1000 * 1000
-                            : width;
+    const double here = p->facts->intensity;
+    double width = magnitude(p->facts->window[1] - p->facts->window[0]) / 20;
+    width = p->state->count             ? p->state->count
+            : width > 1 && width < 1e12 ? (double)(int64_t)width
+                                        : width;
     brush->has_range = true;
-    brush->range[0] = here - width;
-    brush->range[1] = here + width;
+    brush->range[0] = decimal_for(here - width);
+    brush->range[1] = decimal_for(here + width);
     say_brush(p);
 }
 
@@ -479,10 +473,10 @@ void pilot_erase_typed(struct press *p)
     p->state->typed[length ? length - 1 : 0] = '\0';
 }
 
-bool pilot_scan_range(const char **at, int64_t range[2])
+bool pilot_scan_range(const char **at, struct decimal range[2])
 {
-    return scan_decimal(at, 3, -REAL_MOST, REAL_MOST, &range[0]) && scan_text(at, "..") &&
-           scan_decimal(at, 3, range[0], REAL_MOST, &range[1]);
+    return decimal_scan(at, &range[0]) && scan_text(at, "..") && decimal_scan(at, &range[1]) &&
+           decimal_value(&range[0]) <= decimal_value(&range[1]);
 }
 
 /* Nothing typed takes the range away. */
@@ -490,7 +484,7 @@ void pilot_end_range(struct press *p)
 {
     struct pilot_brush *brush = &p->state->brush;
     const char *at = p->state->typed;
-    int64_t range[2];
+    struct decimal range[2];
     if (*at && !(pilot_scan_range(&at, range) && *at == '\0')) {
         buf_printf(p->message,
                    "expected LOW..HIGH, as in 40..1200.5, not %s; the brush is as it "

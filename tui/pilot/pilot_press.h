@@ -69,8 +69,8 @@ bool pilot_magnify_by(const struct pilot_facts *facts, int64_t steps, struct buf
 /* Sets the corners of the last box or polygon once more, beside the cross-hair. False, with a
  * message, where that cannot be. */
 bool pilot_move_shape(struct press *p);
-/* Takes LOW..HIGH, in thousandths; false where `at` begins with something else. */
-bool pilot_scan_range(const char **at, int64_t range[2]);
+/* Takes LOW..HIGH; false where `at` begins with something else. */
+bool pilot_scan_range(const char **at, struct decimal range[2]);
 /* Goes there, draws nothing, and can be taken back. */
 void pilot_jump(struct press *p, const uint32_t place[3]);
 /* The voxel that is meant: under the cross-hair, or the one that the pixel of the rendition shows,

@@ -179,7 +179,7 @@ const struct pilot_row pilot_table[] = {
     {KEY("preset", "1-9", "", WINDOWING), DO(pilot_preset, 0), .flags = SILENT},
     {KEY("window-auto", "a", "", WINDOWING), .command = "window auto\n", .flags = SILENT,
      .hint = "auto"},
-    {KEY("digits", "0-9 . -", "", RANGING), DO(pilot_type_range, 0), .flags = STAYS},
+    {KEY("digits", "0-9 . - e", "", RANGING), DO(pilot_type_range, 0), .flags = STAYS},
     {KEY("erase", "Backspace", "", RANGING), DO(pilot_erase_typed, 0), .flags = STAYS},
     {KEY("take-range", "Enter", "", RANGING), DO(pilot_end_range, 0), .hint = "takes it"},
     {KEY("keep-range", "Escape", "", RANGING), .hint = "leaves"},

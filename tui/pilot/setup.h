@@ -11,6 +11,7 @@
 #include <stdint.h>
 
 #include "base/buf.h"
+#include "base/decimal.h"
 #include "base/err.h"
 #include "tui/theme.h"
 
@@ -32,8 +33,8 @@ struct pilot_brush {
     unsigned label;
     unsigned radius; /* voxels, or halves of a millimetre where it is in_mm; 0 for one voxel */
     bool in_mm;
-    bool has_range; /* only voxels whose intensity is within: real values, in thousandths */
-    int64_t range[2];
+    bool has_range; /* only voxels whose intensity is within: real values */
+    struct decimal range[2];
 };
 
 struct pilot_setup {
