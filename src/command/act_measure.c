@@ -121,7 +121,8 @@ static void take_column(struct profile *p, unsigned column)
     for (int64_t i = first; i < end; i++) {
         uint32_t at[3];
         const struct cell *cell = cell_at(p, i, at);
-        const double value = geometry_value(&p->session->geometry, cell->intensity);
+        const double value =
+            levels_value(&p->session->geometry, p->session->levels, cell->intensity);
         sum += value;
         p->least = i == 0 || value < p->least ? value : p->least;
         p->most = i == 0 || value > p->most ? value : p->most;

@@ -111,7 +111,8 @@ static enum err answer(const struct act *act, const struct label_stats *stats,
         .lost = knows_moves ? tally->lost : NULL,
         .before = labels->finished ? NULL : session_voxels_before_edit(session),
         .label_name = session->now.kept.label_name,
-        .geometry = &session->geometry};
+        .geometry = &session->geometry,
+        .levels = session->levels};
     enum err err = count(&counts, act);
     if (!err)
         err = write_report(act, &report);

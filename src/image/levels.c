@@ -53,6 +53,14 @@ struct interval levels_within(const struct geometry *geometry, const struct leve
     return out;
 }
 
+double levels_value(const struct geometry *geometry, const struct levels *levels,
+                    uint16_t intensity)
+{
+    const struct level *level = known(levels, intensity);
+    return level && level->least == level->greatest ? level->least
+                                                    : geometry_value(geometry, intensity);
+}
+
 /* A whole number with all digits that double precision has of it. */
 static void write_exact(struct buf *out, int digits, double value)
 {
@@ -80,7 +88,8 @@ void levels_write_scale(struct buf *out, const struct levels *levels, const char
     static const char *const side[] = {"below", "above"};
     if (!levels)
         return;
-    buf_printf(out, "%sa level is %.3g: values are known to half of it\n", before, levels->step);
+    buf_printf(out, "%sscale %.6g..%.6g, a level is %.3g: values are known to half of it\n", before,
+               levels->ends[0], levels->ends[1], levels->step);
     for (int i = 0; i < 2; i++)
         if (levels->beyond[i])
             buf_printf(out, "%s%zu voxel%s %s %.6g: counted as that\n", before, levels->beyond[i],

@@ -52,12 +52,16 @@ static inline bool interval_splits(const struct interval *interval, uint16_t int
 struct interval levels_within(const struct geometry *geometry, const struct levels *levels,
                               const struct decimal range[2]);
 
-/* The real value of an intensity as a word: "0.787", or "1.5..1e+20" of a level beyond the scale
+/* The real value of an intensity: the one that it has in the file, or what its level stands for. */
+double levels_value(const struct geometry *geometry, const struct levels *levels,
+                    uint16_t intensity);
+
+/* The same as a word: "0.787", or "1.5..1e+20" of a level beyond the scale
  * that has several; with as many digits as tell it from the next. */
 void levels_write(struct buf *out, const struct geometry *geometry, const struct levels *levels,
                   uint16_t intensity);
 
-/* The size of a level, and what is beyond the scale: lines, each after `before`; none where `levels`
+/* The scale, the size of a level, and what is beyond: lines, each after `before`; none where `levels`
  * is NULL. */
 void levels_write_scale(struct buf *out, const struct levels *levels, const char *before);
 

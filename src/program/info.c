@@ -248,6 +248,20 @@ static void add_json_histogram(struct json *json, const struct histogram *h)
     json_end(json);
 }
 
+/* Of intensities that are not exact. */
+static void add_scale(struct facts *f, const struct levels *levels)
+{
+    struct buf text = {0};
+    if (!levels)
+        return;
+    buf_printf(&text, "%.6g..%.6g, a level is %.3g; %zu voxel%s below, %zu above", levels->ends[0],
+               levels->ends[1], levels->step, levels->beyond[0], plural(levels->beyond[0]),
+               levels->beyond[1]);
+    add_text(f, "scale", buf_text(&text));
+    f->out->failed |= text.failed;
+    buf_release(&text);
+}
+
 /* Of all voxels, between the values that would be black and white. */
 static enum err add_histogram(struct facts *f, const char *path, struct fault *fault)
 {
@@ -262,6 +276,7 @@ static enum err add_histogram(struct facts *f, const char *path, struct fault *f
         count[volume.intensity[i]]++;
     histogram_of_counts(&f->histogram, count, &volume.geometry);
     f->has_histogram = true;
+    add_scale(f, volume.levels);
     volume_release(&volume);
     if (f->is_json)
         add_json_histogram(&f->json, &f->histogram);

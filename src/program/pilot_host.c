@@ -173,8 +173,8 @@ static bool facts(void *context, struct pilot_facts *out)
         out->index[pane] = slice_index(session->scene, plane_of(pane), s->cross);
         out->plane[pane] = slice_name(session->scene, plane_of(pane));
     }
-    out->intensity =
-        geometry_value(&session->geometry, session->scene->cell[cell_at_cross(session)].intensity);
+    out->intensity = levels_value(&session->geometry, session->levels,
+                                  session->scene->cell[cell_at_cross(session)].intensity);
     window_of(window, session);
     for (int i = 0; i < 2; i++)
         out->window[i] = s->has_window ? decimal_value(&s->window[i])

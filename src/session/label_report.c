@@ -65,13 +65,15 @@ static void find_range(double range[2], const struct label_report *report, unsig
 {
     const struct label_sums *s = &report->stats[label].sums;
     const bool falls = report->geometry->slope < 0;
-    range[0] = geometry_value(report->geometry, falls ? s->most : s->least);
-    range[1] = geometry_value(report->geometry, falls ? s->least : s->most);
+    range[0] = levels_value(report->geometry, report->levels, falls ? s->most : s->least);
+    range[1] = levels_value(report->geometry, report->levels, falls ? s->least : s->most);
 }
 
 static double median(const struct label_report *report, unsigned label)
 {
     const uint16_t *middle = report->stats[label].sums.middle;
+    if (middle[0] == middle[1])
+        return levels_value(report->geometry, report->levels, middle[0]);
     return geometry_value(report->geometry, ((double)middle[0] + middle[1]) / 2);
 }
 
@@ -136,6 +138,11 @@ void label_report_write_json(struct buf *out, const struct label_report *report)
         json_end(&json);
     }
     json_end(&json);
+    if (report->levels) {
+        json_real(&json, "intensity_step", report->levels->step, 6);
+        json_count(&json, "voxels_below_scale", report->levels->beyond[0]);
+        json_count(&json, "voxels_above_scale", report->levels->beyond[1]);
+    }
     json_end(&json);
 }
 

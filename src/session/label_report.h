@@ -10,7 +10,7 @@
 
 #include "base/buf.h"
 #include "engine/label_stats.h"
-#include "image/geometry.h"
+#include "image/levels.h"
 #include "session/label_area.h"
 #include "session/state.h"
 
@@ -22,6 +22,7 @@ struct label_report {
     const uint64_t *before;                     /* [256], voxels before it; NULL: not known */
     const char (*label_name)[LABEL_NAME_BYTES]; /* [256] */
     const struct geometry *geometry;
+    const struct levels *levels; /* the session's */
 };
 
 /* Lines about one label that has voxels, each after so many blanks. */

@@ -1,0 +1,178 @@
+#!/bin/sh
+# Scenes of real and of wide whole numbers, as nibabel writes them: values as they are in the file,
+# few that are far from the others, ranges against numpy, records, and journals of before.
+. "$(dirname "$0")/lib.sh"
+PYTHON=/usr/bin/python3
+unset IFTTY_SCENES
+cd "$work" || exit 1
+out_lacks() { # a fixed string
+    ! grep -qF -e "$1" "$work/out" || fail "'$1' is in the output:" "$(grep -F -e "$1" "$work/out")"
+}
+
+begin "scenes are made"
+"$PYTHON" -W ignore "$top/tests/levels/make.py" . 2>made || fail "$(tail -n 3 made)"
+[ "$failures" = 0 ] || { close_story; finish; }
+close_story
+
+# in_range FILE LOW HIGH [OPTION]: as many voxels as numpy finds in the file
+in_range() {
+    truth=$("$PYTHON" -W ignore "$top/tests/levels/make.py" count "$1" "$2" "$3")
+    expect 0 "$iftty" -c "open $1; range $2 $3"
+    out_has "    $truth of 1680 voxels"
+    expect 0 "$iftty" -c "open $1; seed 0,0,0 1 radius=32 range=$2..$3"
+    out_has "    left out, intensities beyond the range: $((1680 - truth)) voxels"
+}
+
+begin "a range takes the voxels whose value in the file is in it"
+for file in plain far4 far20 low holes; do
+    in_range $file.nii 0.3 0.5
+    in_range $file.nii 1e-1 8.75e-1
+done
+in_range far4.nii 2 1e5
+in_range far20.nii 1e19 1e21
+in_range low.nii -1e31 -1
+for hundredth in 03 28 57 70; do
+    in_range hundredths.nii 0.$hundredth 0.$hundredth
+done
+in_range tiny.nii 3e-7 5.25e-7
+for file in ct ct-real ct-far; do
+    in_range $file.nii -1000 226
+    in_range $file.nii 226 3071
+done
+in_range ct-far.nii 1500000000 3000000000
+in_range counts.nii 1000000000000 2500000000000
+in_range unsigned.nii 3000000000 4294967295
+in_range quotients.nii.gz 0.25 1.5
+close_story
+
+begin "values that are far from all others are counted and said, and take no levels"
+expect 0 "$iftty" -c 'open far4.nii; why 3,4,5; why 7,7,7; info; profile 7,7,7 9,7,7'
+out_has 'values far from all others: the scale is 0 to 1.9'
+out_has '0 voxels below and 1 above, counts as its end'
+out_has 'intensity 10000, '
+out_has '1 voxel is above 1.9'
+out_has 'a level is 3.0'
+cp out first
+"$PYTHON" -W ignore -c 'import nibabel
+print("%g" % nibabel.load("far4.nii").dataobj[7, 7, 7])' >truth
+grep -q "voxel 7,7,7 .*: intensity $(cat truth), " first || fail "$(cat truth)" "$(grep 7,7,7 first)"
+expect 0 "$iftty" -c 'open far20.nii; why 3,4,5'
+out_has 'intensity 1e+20, '
+expect 0 "$iftty" -c 'open holes.nii'
+out_has '121 voxels are no number or infinite: taken for less than 0'
+expect 0 "$iftty" -c 'open ct-far.nii; why 0,0,0; why 5,6,7'
+out_has 'the scale is -1000 to 6'
+out_has 'intensity -1000, '
+expect 0 "$iftty" -c 'open quotients.nii.gz; info'
+out_has 'values far from all others'
+expect 0 "$iftty" -c 'open plain.nii; info'
+out_lacks 'far from all others'
+expect 0 "$iftty" info --histogram far4.nii
+out_has 'scale     0..1.9'
+out_has '0 voxels below, 1 above'
+expect 0 "$iftty" -c 'open series.nii volume=1 crop=0-13,0-11,2-9'
+out_has '0 voxels below and 1 above'
+expect 0 "$iftty" -c 'open series.nii volume=0; info'
+out_lacks 'far from all others'
+expect 0 "$iftty" -c 'open far4.nii reduce=2; info'
+out_has 'far from all others'
+close_story
+
+begin "whole numbers are exact, whatever they are held as"
+expect 0 "$iftty" -c 'open ct.nii; why 7,7,7' --journal a.iftty
+expect 0 "$iftty" -c 'open ct-real.nii; why 7,7,7; info' --journal b.iftty
+out_has 'values    1 * intensity -1000'
+out_lacks 'a level is'
+same "$(last_word scene a.iftty)" "$(last_word scene b.iftty)"
+expect 0 "$iftty" -c 'open counts.nii; why 0,0,1'
+out_has "intensity $("$PYTHON" -W ignore -c 'import nibabel
+print(nibabel.load("counts.nii").dataobj[0, 0, 1])'), "
+close_story
+
+begin "a range that ends within a level says so, and how large a level is"
+expect 0 "$iftty" -c 'open low.nii; seed 1,1,1 0; object 1 threshold -1e30..0.5 from=3,4,5; run; stats
+stats report=s.json'
+out_has 'a level is 3.0'
+out_has '1 voxel is below -0.9'
+grep -q '"intensity_step": *3.0' s.json || fail "$(cat s.json)"
+"$PYTHON" - <<'PY' || fail "close.nii"
+import nibabel, numpy
+values = numpy.linspace(0, 1, 1680).reshape(14, 12, 10)
+values[6, :, :] = 0.5 + numpy.arange(120).reshape(12, 10) * 1e-9
+image = nibabel.Nifti1Image(values, numpy.eye(4))
+image.header.set_xyzt_units("mm")
+nibabel.save(image, "close.nii")
+PY
+expect 0 "$iftty" -c 'open close.nii; range 0.2 0.500000015'
+out_has '120 voxels have a level that an end of the range cuts: a level is 1.53e-05, and values'
+expect 0 "$iftty" -c 'open close.nii; seed 6,6,6 1 radius=1 range=0.2..0.500000015'
+out_has 'voxels have a level that an end of the range cuts'
+expect 0 "$iftty" -c 'open close.nii; object 1 threshold 0.2..0.500000015 from=4,4,4'
+out_has '120 voxels have a level that an end of the range cuts'
+expect 0 "$iftty" -c 'open close.nii; range 0.2 0.45'
+out_lacks 'cuts'
+expect 0 "$iftty" -c 'open close.nii; interpolate 2 1 1; range 0.2 0.5; info'
+out_has 'a level is 1.53e-05'
+close_story
+
+begin "numbers are recorded as they were typed, with what the scene was made of"
+expect 0 "$iftty" -c 'open far4.nii; range 1e-1 8.5e-1; window 2.5e-7 1e20; window 0.0015 40
+seed 2,2,2 1 range=0..12345678901234567890; run' --journal j.iftty
+grep -q '^= 1 .* scale=0\.\.1\.9[0-9]* beyond=0,1 values=[0-9a-f]* ' j.iftty || fail "$(cat j.iftty)"
+grep -q '^range 0.1 0.85$' j.iftty || fail "$(cat j.iftty)"
+grep -q '^window 0.00000025 1e20$' j.iftty || fail "$(cat j.iftty)"
+grep -q '^seed 2,2,2 1 range=0..12345678901234567890$' j.iftty || fail "$(cat j.iftty)"
+expect 0 "$iftty" verify j.iftty
+expect 0 "$iftty" log --script j.iftty
+expect 2 "$iftty" -c 'open far4.nii; range 1 123456789012345678901'
+err_has 'of at most 19 digits'
+cp far20.nii far4.nii # the same levels of other values
+expect 1 "$iftty" verify j.iftty
+close_story
+
+begin "a journal of before has the levels that it had, and goes on with them"
+"$PYTHON" - <<'PY' || fail "far.nii"
+import struct
+values = [i * 7919 % 1009 / 1009 for i in range(1728)]
+values[700] = 1e4
+head = bytearray(352)
+struct.pack_into("<i", head, 0, 348)
+struct.pack_into("<8h", head, 40, 3, 12, 12, 12, 1, 1, 1, 1)
+struct.pack_into("<2h", head, 70, 16, 32)
+struct.pack_into("<9f", head, 76, *[1] * 8, 352)
+struct.pack_into("<h", head, 254, 1)
+for axis in range(3):
+    struct.pack_into("<f", head, 280 + 20 * axis, 1)
+head[123], head[344:348] = 2, b"n+1\0"
+open("far.nii", "wb").write(bytes(head) + struct.pack("<1728f", *values))
+PY
+cat >old.iftty <<'OLD'
+# iftty journal 1 semantics 8
+open far.nii weight=morph
+= 1 scene=e9ddd9e9203dc78f size=12,12,12 spacing-nm=1000000,1000000,1000000 weights=5dbba475b32e2ff3 orientation=sform sha256=d37faafead56ad11dd54a63460bec4a7ba73871353e0a5569369deeb2dbe4e9d chain=e7db0aa1aa201235109d494759022ebb
+seed 2,2,2 1 radius=2 range=0.3..0.5
+= 2 marker=1 forest=0000000000000000 labels=0000000000000000 seeds=0 pending=10 chain=486a5ecb18f6ef7886b8cddeb468abae
+seed 9,9,9 0
+= 3 marker=2 forest=0000000000000000 labels=0000000000000000 seeds=0 pending=11 chain=8765e1c1f5e9aec520f037d3d7407602
+run
+= 4 forest=33f022efd3e05985 labels=42093b16bb02906b seeds=11 chain=ad92965d857d71f600c18668bfe9c1df
+range 0 0.9
+= 5 fence=2404baa3ae6b3965 inside=1451 forest=e6a3a7770044242f labels=4d7bdc1bdf4649e4 seeds=11 chain=10463ccba8c4f3ea68df672aa907aa1e
+OLD
+expect 0 "$iftty" verify old.iftty
+expect 0 "$iftty" -c 'range none; range 0 0.9; why 7,7,7' --journal old.iftty
+grep -q '^= 7 .* inside=1451 ' old.iftty || fail "$(cat old.iftty)"
+grep -q 'scale=' old.iftty && fail "$(cat old.iftty)"
+expect 0 "$iftty" verify old.iftty
+expect 0 "$iftty" -c 'open far.nii; range 0 0.9'
+out_has "$("$PYTHON" -W ignore "$top/tests/levels/make.py" count far.nii 0 0.9) of 1728"
+close_story
+
+begin "what chooses from files of another format is refused"
+for word in series=1 missing=blank data=a/b; do
+    expect 2 "$iftty" -c "open plain.nii $word"
+    err_has "${word%=*}="
+    err_has ', and this is nifti-1: leave it out'
+done
+close_story
+finish
