@@ -135,7 +135,7 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
         test-matrix \
         test-matrix-short test-terminals fuzz fuzzers demo bench-peers bench-chafa bench-paper \
         bench-growth bench-render bench-frames bench-journal bench-keys bench-looks bench-effort \
-        bench-series bench-files bench-beside help clean packages
+        bench-mend bench-series bench-files bench-beside help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -217,10 +217,11 @@ demo: $(BUILD)/iftty $(BUILD)/iftty-image
 bench-peers: $(PEERS)
 	@$(PYTHON) tests/peers/run.py --rounds $(ROUNDS) $(if $(JSON),--json $(JSON)) $(BUILD)
 
-## bench-paper, bench-growth, bench-render, bench-frames, bench-journal, bench-keys, bench-looks:
-##     ARGS=--help says which options
+## bench-paper, bench-growth, bench-render, bench-frames, bench-journal, bench-keys, bench-looks,
+##     bench-mend: ARGS=--help says which options
 bench-keys: all
-bench-paper bench-growth bench-render bench-frames bench-journal bench-keys bench-looks: $(BENCH)
+bench-paper bench-growth bench-render bench-frames bench-journal bench-keys bench-looks \
+  bench-mend: $(BENCH)
 	@$(BENCH) $(@:bench-%=%) $(ARGS)
 
 ## bench-effort: how many gestures a segmentation takes, by robots; ARGS="--quick other"

@@ -1,7 +1,7 @@
 /*
  * Markers out of a segmentation: pieces, their erosion and contours beside a plain slow
- * computation; what grows from them; and objects by a range of intensities, within what is
- * connected.
+ * computation; what grows from them, and gives way to corrections; and objects by a range of
+ * intensities, within what is connected.
  */
 #include <stdlib.h>
 
@@ -162,7 +162,7 @@ STORY(each_piece_is_a_marker_of_the_contour_of_what_erosion_leaves)
         CHECK(grid_init(&grid, slow.size, NULL) == OK);
         paint(&slow, round % 2);
         solve(&slow, erode);
-        CHECK(piece_seeds_make(&seeds, slow.region, &grid, erode, NULL, NULL) == OK);
+        CHECK(piece_seeds_make(&seeds, slow.region, REGION_NONE, &grid, erode, NULL, NULL) == OK);
         check_pieces(&slow, &seeds, &grid);
         piece_seeds_release(&seeds);
     }
@@ -175,7 +175,7 @@ STORY(a_row_is_eroded_from_both_ends_and_not_at_the_edge_of_the_scene)
     struct grid grid;
     struct piece_seeds seeds;
     CHECK(grid_init(&grid, sides, NULL) == OK);
-    CHECK(piece_seeds_make(&seeds, row, &grid, 2, NULL, NULL) == OK);
+    CHECK(piece_seeds_make(&seeds, row, REGION_NONE, &grid, 2, NULL, NULL) == OK);
     CHECK_INT(seeds.pieces, 4);
     CHECK_INT(seeds.small, 2); /* the 2, and the 0 after it */
     static const uint32_t x[] = {1, 6, 9, 10};
@@ -195,11 +195,11 @@ STORY(all_labels_beside_regions_that_are_not_chosen_are_refused)
     CHECK(grid_init(&grid, sides, NULL) == OK);
     for (uint32_t i = 0; i < 257; i++)
         row[i] = (uint16_t)(i & 255);
-    CHECK(piece_seeds_make(&seeds, row, &grid, 0, NULL, NULL) == OK);
+    CHECK(piece_seeds_make(&seeds, row, REGION_NONE, &grid, 0, NULL, NULL) == OK);
     CHECK_INT(seeds.pieces, 257);
     piece_seeds_release(&seeds);
     row[256] = REGION_NONE;
-    CHECK(piece_seeds_make(&seeds, row, &grid, 0, NULL, &fault) == ERR_INPUT);
+    CHECK(piece_seeds_make(&seeds, row, REGION_NONE, &grid, 0, NULL, &fault) == ERR_INPUT);
     CHECK_HAS(fault.text, "choose fewer");
 }
 
@@ -281,7 +281,7 @@ STORY(a_piece_is_removed_and_grown_into_as_one)
     paint_map();
     write_painted("map.nii");
     must(&interp, "auto on");
-    must_in_folder(&interp, "labels", "map.nii", "");
+    must_in_folder(&interp, "labels", "map.nii", "erode=2");
     CHECK_HAS(buf_text(&reply.text), "2 pieces too small");
     const struct grid *grid = &interp.session.scene->grid;
     CHECK_INT(interp.session.scene->cell[grid_cell(grid, 6, 5, 5)].label, 3);
@@ -293,6 +293,187 @@ STORY(a_piece_is_removed_and_grown_into_as_one)
     CHECK_INT(interp.session.scene->cell[grid_cell(grid, 5, 4, 4)].label, 9);
     CHECK_INT(interp.session.scene->cell[grid_cell(grid, 0, 0, 0)].label, 0);
     interpreter_release(&interp);
+}
+
+/* ---- corrections ---- */
+
+/* Label 1 leaks over the edge of the scene, which lies before x = 6, up to x = 8; 2 is after it,
+ * and 3 a block in the leak. */
+static void paint_leak(void)
+{
+    for (size_t i = 0; i < sizeof painted; i++) {
+        const size_t x = i % 12, y = i / 12 % 11, z = i / 132;
+        painted[i] = (uint8_t)(x > 8 ? 2 : x > 5 && y > 6 && z > 6 ? 3 : 1);
+    }
+}
+
+static const struct cell *at_voxel(const struct interpreter *interp, uint32_t x, uint32_t y,
+                                   uint32_t z)
+{
+    const struct session *session = &interp->session;
+    return session->scene->cell + grid_cell(&session->scene->grid, x, y, z);
+}
+
+static void begin_leaking(struct interpreter *interp, unsigned semantics)
+{
+    begin_interpreter(interp);
+    session_take_semantics(&interp->session, semantics);
+    open_scene(interp, "scene.nii");
+    paint_leak();
+    write_painted("leak.nii");
+    must(interp, "auto on");
+    must_in_folder(interp, "labels", "leak.nii", "erode=0");
+}
+
+STORY(a_correction_moves_the_border_of_a_file)
+{
+    struct interpreter interp;
+    uint64_t digest;
+    begin_leaking(&interp, 8);
+    must(&interp, "seed 7,4,3 2");
+    CHECK_INT(at_voxel(&interp, 8, 4, 3)->label, 1); /* as it was: walled in */
+    interpreter_release(&interp);
+    begin_leaking(&interp, SEMANTICS);
+    CHECK_INT(differing(&interp.session), 0);
+    digest = forest_digest(interp.session.forest);
+    must(&interp, "seed 7,4,3 2");
+    CHECK_INT(at_voxel(&interp, 8, 4, 3)->label, 2);
+    CHECK_INT(at_voxel(&interp, 8, 4, 3)->flags & CELL_SEED, 0);
+    CHECK_INT(at_voxel(&interp, 9, 4, 3)->flags & CELL_SEED, CELL_SEED); /* of its own label */
+    CHECK_INT(at_voxel(&interp, 8, 8, 3)->label, 1);                     /* four voxels away */
+    must(&interp, "remove 7,4,3");
+    CHECK(forest_digest(interp.session.forest) == digest);
+    must(&interp, "undo");
+    CHECK_INT(at_voxel(&interp, 8, 4, 3)->label, 2);
+    must(&interp, "undo");
+    CHECK(forest_digest(interp.session.forest) == digest);
+    must(&interp, "box 6,1,2 7,3,4 2");
+    CHECK_INT(at_voxel(&interp, 8, 2, 3)->label, 2);
+    must(&interp, "undo");
+    must(&interp, "fill 7,1,1 2 to=7,4,1 to=7,4,4");
+    CHECK_INT(at_voxel(&interp, 8, 3, 2)->label, 2);
+    must(&interp, "undo");
+    CHECK(forest_digest(interp.session.forest) == digest);
+    must(&interp, "seed 7,4,3 2 within=4");
+    CHECK_INT(at_voxel(&interp, 8, 6, 3)->flags & CELL_SEED, 0);
+    must(&interp, "undo");
+    must(&interp, "seed 7,4,3 1 radius=1"); /* the label that it has */
+    CHECK_INT(at_voxel(&interp, 8, 4, 3)->label, 1);
+    CHECK_INT(at_voxel(&interp, 9, 5, 3)->flags & CELL_SEED, CELL_SEED);
+    interpreter_release(&interp);
+}
+
+STORY(what_belongs_to_third_labels_does_not_give_way)
+{
+    struct interpreter interp;
+    begin_leaking(&interp, SEMANTICS);
+    must(&interp, "seed 7,5,7 2 radius=1"); /* in 1, beside 3 */
+    CHECK_INT(at_voxel(&interp, 8, 6, 8)->flags & CELL_SEED, 0);
+    CHECK_INT(at_voxel(&interp, 8, 7, 8)->flags & CELL_SEED, CELL_SEED);
+    CHECK_INT(at_voxel(&interp, 8, 8, 7)->label, 3);
+    must(&interp, "seed 7,7,7 2"); /* in 3 itself */
+    CHECK_INT(at_voxel(&interp, 8, 7, 8)->flags & CELL_SEED, 0);
+    interpreter_release(&interp);
+}
+
+STORY(a_file_decides_in_all_of_its_pieces_and_regions_left_out_take_nothing)
+{
+    struct interpreter interp;
+    begin_leaking(&interp, SEMANTICS);
+    must(&interp, "undo");
+    must(&interp, "seed 3,4,4 7 radius=1"); /* within what will be label 1 */
+    must_in_folder(&interp, "labels", "leak.nii", "");
+    CHECK_INT(differing(&interp.session), 0);
+    must(&interp, "undo 2");
+    must_in_folder(&interp, "labels", "leak.nii", "regions=3 as=5");
+    CHECK_INT(at_voxel(&interp, 7, 8, 8)->label, 5);
+    CHECK_INT(at_voxel(&interp, 0, 0, 0)->label, 0);
+    must_in_folder(&interp, "labels", "leak.nii", "regions=2 as=6");
+    CHECK_INT(at_voxel(&interp, 7, 8, 8)->label, 5);
+    CHECK_INT(at_voxel(&interp, 8, 8, 8)->label, 5); /* beside what is 6 */
+    CHECK_INT(at_voxel(&interp, 9, 8, 8)->label, 6);
+    CHECK_INT(at_voxel(&interp, 8, 4, 4)->label, 0);
+    interpreter_release(&interp);
+}
+
+/* Any command of a session that begins with a file. */
+static void write_any(char line[PATH_MAX])
+{
+    const uint32_t a[3] = {check_below(&seed, 12), check_below(&seed, 11), check_below(&seed, 10)},
+                   b[3] = {check_below(&seed, 12), check_below(&seed, 11), check_below(&seed, 10)};
+    const uint32_t label = check_below(&seed, 4), what = check_below(&seed, 14);
+    const char *const ways[] = {"undo", "undo 2", "redo", "redo 3", "goto main"};
+    if (what < 4)
+        sprintf(line, "seed %u,%u,%u %u radius=%u", a[0], a[1], a[2], label, what % 3);
+    else if (what == 4)
+        sprintf(line, "seed %u,%u,%u %u to=%u,%u,%u", a[0], a[1], a[2], label, b[0], b[1], b[2]);
+    else if (what == 5)
+        sprintf(line, "box %u,%u,%u %u,%u,%u %u", a[0], a[1], a[2], b[0], b[1], b[2], label);
+    else if (what == 6)
+        sprintf(line, "fill %u,%u,%u %u to=%u,%u,%u to=%u,%u,%u", a[0], a[1], a[2], label, a[0],
+                b[1], a[2], a[0], b[1], b[2]);
+    else if (what == 7)
+        sprintf(line, "seed %u,%u,%u %u within=%u", a[0], a[1], a[2], label, 1 + label);
+    else if (what == 8)
+        snprintf(line, PATH_MAX, "labels %s erode=%u", place("leak.nii"), label % 2);
+    else if (what < 11)
+        sprintf(line, "remove %u,%u,%u%s", a[0], a[1], a[2], what == 9 ? " of=tree" : "");
+    else
+        sprintf(line, "%s", ways[check_below(&seed, 5)]);
+}
+
+/* What the commands that lead to the present point come to in a session of their own. */
+static void same_from_scratch(const struct interpreter *interp)
+{
+    struct interpreter other;
+    uint32_t way[64];
+    size_t count = 0;
+    const struct history *history = &interp->history;
+    for (uint32_t p = history->present; p != 0; p = history->point[p].parent)
+        way[count++] = p;
+    begin_interpreter(&other);
+    open_scene(&other, "scene.nii");
+    must(&other, "auto on");
+    while (count-- > 0)
+        must(&other, history->point[way[count]].command);
+    CHECK_INT(forest_seeds(other.session.forest), forest_seeds(interp->session.forest));
+    CHECK(forest_digest(other.session.forest) == forest_digest(interp->session.forest));
+    interpreter_release(&other);
+}
+
+STORY(what_gives_way_is_a_function_of_the_commands_that_stand)
+{
+    struct interpreter interp;
+    paint_leak();
+    write_painted("leak.nii");
+    for (int round = 0; round < 40 && check_failures < 5; round++) {
+        struct replay_report report = {0};
+        char line[PATH_MAX];
+        begin_with_journal(&interp, "leak.iftty");
+        interp.sync = FILE_SYNC_OFF;
+        must(&interp, "auto on");
+        must_in_folder(&interp, "labels", "leak.nii", "");
+        for (int i = 0; i < 30; i++) {
+            write_any(line);
+            if (execute(&interp, line) == OK && i % 3 == 0)
+                same_from_scratch(&interp);
+        }
+        CHECK(forest_check(interp.session.forest, NULL));
+        const uint64_t digest = forest_digest(interp.session.forest);
+        interpreter_release(&interp);
+        begin_interpreter(&interp);
+        CHECK(interpreter_resume_journal(&interp, place("leak.iftty"), NULL, &fault) == OK);
+        CHECK(forest_digest(interp.session.forest) == digest);
+        execute(&interp, "undo");
+        same_from_scratch(&interp);
+        interpreter_release(&interp);
+        begin_interpreter(&interp);
+        if (!CHECK(replay_file(&interp, place("leak.iftty"), 0, 0, NULL, NULL, &report, &fault) ==
+                   OK))
+            printf("#   %s\n", fault.text);
+        replay_report_release(&report);
+        interpreter_release(&interp);
+    }
 }
 
 /* ---- objects ---- */
@@ -389,6 +570,10 @@ int main(void)
                     TELL(all_labels_beside_regions_that_are_not_chosen_are_refused),
                     TELL(without_erosion_the_segmentation_comes_out_again),
                     TELL(a_piece_is_removed_and_grown_into_as_one),
+                    TELL(a_correction_moves_the_border_of_a_file),
+                    TELL(what_belongs_to_third_labels_does_not_give_way),
+                    TELL(a_file_decides_in_all_of_its_pieces_and_regions_left_out_take_nothing),
+                    TELL(what_gives_way_is_a_function_of_the_commands_that_stand),
                     TELL(an_object_is_what_hangs_together_with_a_seed_within_the_range),
                     TELL(seeds_of_another_label_stay_and_let_nothing_through),
                     TELL(edits_that_wait_count_as_seeds));

@@ -37,7 +37,7 @@ same "$(grep -c '^ *label [0-9a-z ]*: [12] marker' "$work/out")" 10
 same "$(grep -c '^ *label .*seeds\?, ' "$work/out")" 20
 expect 0 "$iftty" verify atlas.iftty
 expect 0 "$iftty" -c 'open s.nii; labels atlas.nii regions=3 erode=0'
-out_has "atlas.nii: 1 label, 1 marker, "
+out_has "atlas.nii: 1 label and the background, 2 markers, "
 close_story
 
 begin "a replay, a resumed session and another file's journal need the map no more"

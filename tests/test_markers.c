@@ -1,6 +1,7 @@
 /*
  * Markers against a plain model: carry out, in order, the commands whose markers stand, each
- * writing its label over what was there.
+ * writing its label over what was there; but one that yields does not write where a later one that
+ * stands, of another label and with a voxel in its piece, wants the voxel free.
  */
 #include <stdlib.h>
 
@@ -12,13 +13,29 @@ enum { VOXELS = 40, MARKERS_MOST = 40 };
 
 /* What the model knows of a marker: all it covers. */
 struct plain {
-    bool covers[VOXELS], stands;
+    bool covers[VOXELS], piece[VOXELS], wants[VOXELS], stands, yields;
     int16_t label;
 };
 
 static uint32_t cell_of(uint32_t voxel)
 {
     return 1000 + voxel * 7;
+}
+
+static bool gives_way(const struct plain *one, const struct plain *later, size_t v)
+{
+    bool meet = false;
+    for (size_t i = 0; i < VOXELS; i++)
+        meet |= one->piece[i] && later->covers[i];
+    return one->yields && later->stands && one->label != later->label && meet && later->wants[v];
+}
+
+static bool writes(const struct plain *plain, size_t count, size_t i, size_t v)
+{
+    bool does = plain[i].stands && plain[i].covers[v];
+    for (size_t later = i + 1; later < count; later++)
+        does &= !gives_way(plain + i, plain + later, v);
+    return does;
 }
 
 static void compare(const struct markers *markers, const struct plain *plain)
@@ -29,7 +46,7 @@ static void compare(const struct markers *markers, const struct plain *plain)
         seed[v] = EDIT_ERASE;
     for (size_t i = 0; i < markers->count; i++)
         for (size_t v = 0; v < VOXELS; v++)
-            if (plain[i].stands && plain[i].covers[v]) {
+            if (writes(plain, markers->count, i, v)) {
                 seed[v] = plain[i].label;
                 number[v] = (uint32_t)i + 1;
             }
@@ -53,6 +70,34 @@ static void add(struct markers *markers, struct plain *plain, uint64_t *random)
     CHECK(markers_add(markers, plain->label, cell, count, NULL, NULL) == OK);
 }
 
+/* A piece, of whose voxels some are seeds. Its runs are not told where all of it is covered. */
+static void yield(struct markers *markers, struct plain *plain, uint64_t *random)
+{
+    struct marker_run run[VOXELS];
+    size_t runs = 0;
+    bool is_covered = true;
+    plain->yields = true;
+    for (uint32_t v = 0; v < VOXELS; v++) {
+        plain->piece[v] = plain->covers[v] || check_below(random, 6) == 0;
+        is_covered &= plain->piece[v] == plain->covers[v];
+        if (plain->piece[v])
+            run[runs++] = (struct marker_run){cell_of(v), cell_of(v) + 1 + check_below(random, 7)};
+    }
+    CHECK(markers_yield(markers, run, is_covered ? 0 : runs, NULL) == OK);
+}
+
+static void want_free(struct markers *markers, struct plain *plain, uint64_t *random)
+{
+    uint32_t cell[VOXELS];
+    size_t count = 0;
+    for (uint32_t v = 0; v < VOXELS; v++) {
+        plain->wants[v] = check_below(random, 2);
+        if (plain->wants[v])
+            cell[count++] = cell_of(v);
+    }
+    CHECK(markers_free(markers, cell, count, NULL, NULL) == OK);
+}
+
 STORY(any_set_of_markers_is_what_carrying_them_out_in_order_gives)
 {
     uint64_t random = 14;
@@ -63,6 +108,10 @@ STORY(any_set_of_markers_is_what_carrying_them_out_in_order_gives)
             const uint32_t what = check_below(&random, 8), count = (uint32_t)markers.count;
             if (what < 3 || !count) {
                 add(&markers, plain + count, &random);
+                if (round % 2 && what == 0 && plain[count].label != EDIT_ERASE)
+                    yield(&markers, plain + count, &random);
+                else if (round % 2 && what == 1)
+                    want_free(&markers, plain + count, &random);
             } else if (what == 3) {
                 markers_drop(&markers, check_below(&random, count), NULL);
             } else {

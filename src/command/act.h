@@ -182,6 +182,9 @@ struct planting {
     uint16_t reach; /* of the seeds (forest_add_reach), or 0 */
     bool is_shell;
     uint8_t inside; /* the label of the object inside a shell */
+    bool yields;    /* it is the piece of a segmentation (session_plant_piece), of these runs: */
+    const struct marker_run *run;
+    size_t runs;
     size_t planted, outside, beyond, others;
     size_t unsure; /* taken or not, of levels that the range splits */
 };

@@ -7,15 +7,23 @@
 
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/mem.h"
 #include "journal/golden.h"
 #include "session/label_copy.h"
 #include "session/map.h"
+#include "session/paint.h"
 #include "session/piece_seeds.h"
 
 /* The places of the parameters in the table. */
 enum { FILE_NAME, REGIONS, AS, LABEL, ERODE, COPY, RESAMPLE };
 
-enum { ERODE_USUAL = 2, LISTED_MOST = 10 };
+/* Rounds of erosion that a record without them means. */
+enum { ERODE_BEFORE = 2, LISTED_MOST = 10 };
+
+static bool is_whole(const struct act *act)
+{
+    return semantics_has(act->session->semantics, MEANING_WHOLE_LABELS);
+}
 
 /* ---- the copy beside the journal ---- */
 
@@ -203,18 +211,89 @@ static void advise_names(const struct act *act, const struct piece_seeds *seeds)
     atlas_advise_names(act, has, &act->value[REGIONS], &act->value[AS]);
 }
 
-static enum err plant(const struct act *act, const struct piece_seeds *seeds)
+/* Whether seeds of an object that stood before are left where they are: in the background that
+ * stands for regions which are not chosen, so that these take nothing from those that were chosen
+ * before. */
+static bool is_left(const struct act *act, const struct volume *map, uint32_t cell)
+{
+    const struct session *session = act->session;
+    const uint32_t number = markers_at(&session->markers, cell);
+    return number && number <= session->former_markers &&
+           session->markers.marker[number - 1].label > 0 &&
+           map->intensity[grid_voxel(&session->scene->grid, cell)] == REGION_NONE;
+}
+
+static int compare_cells(const void *a, const void *b)
+{
+    const uint32_t *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+/* Adds the voxels of a piece in which other labels have had seeds, but for the first `own`, which
+ * it has by itself. */
+static enum err take_over(struct voxels *out, const struct act *act, const struct piece *piece,
+                          struct marker_run run, size_t own)
+{
+    const struct markers *markers = &act->session->markers;
+    for (uint32_t c = run.first; c < run.end; c++) {
+        const int16_t label = markers_seed(markers, c);
+        if (label == EDIT_ERASE || label == piece->label ||
+            bsearch(&c, out->cell, own, sizeof c, compare_cells))
+            continue;
+        if (!mem_grow(&out->cell, &out->capacity, out->count + 1, sizeof *out->cell))
+            return fault_memory(act->fault, "seeds of pieces");
+        out->cell[out->count++] = c;
+    }
+    return OK;
+}
+
+/* The voxels that a piece gives seeds to: all that it has by itself, and since it decides in all of
+ * it, those where others have had seeds. */
+static enum err find_voxels(struct voxels *out, const struct act *act,
+                            const struct piece_seeds *seeds, const struct volume *map, size_t i)
+{
+    const struct piece *piece = &seeds->piece[i];
+    const size_t begin = i ? piece[-1].end : 0, first = i ? piece[-1].run_end : 0;
+    const size_t own = piece->end - begin;
+    struct task task = task_begin(act->session->watch, "seeds of pieces", 0);
+    enum err err = OK;
+    out->count = 0;
+    if (!mem_grow(&out->cell, &out->capacity, own, sizeof *out->cell))
+        return fault_memory(act->fault, "seeds of pieces");
+    for (size_t k = begin; k < piece->end; k++)
+        out->cell[out->count++] = seeds->cell[k];
+    if (!is_whole(act) || !act->session->former_markers)
+        return OK;
+    for (size_t r = first; !err && r < piece->run_end && task_advance(&task, 1); r++)
+        err = take_over(out, act, piece, seeds->run[r], own);
+    size_t kept = 0;
+    for (size_t k = 0; k < out->count && piece->label == 0; k++)
+        if (!is_left(act, map, out->cell[k]))
+            out->cell[kept++] = out->cell[k];
+    out->count = piece->label == 0 ? kept : out->count;
+    return err ? err : watch_fault(act->session->watch, act->fault);
+}
+
+static enum err plant(const struct act *act, const struct piece_seeds *seeds,
+                      const struct volume *map)
 {
     struct planting planting = act_begin_planting(act->session, &(const struct value){0});
+    struct voxels voxels = {0};
     uint64_t digest = 0;
-    size_t begin = 0;
     enum err err = OK;
-    for (size_t i = 0; i < seeds->pieces && !err; begin = seeds->piece[i++].end) {
+    planting.yields = is_whole(act);
+    for (size_t i = 0; i < seeds->pieces && !err; i++) {
         const struct piece *piece = &seeds->piece[i];
-        for (size_t k = begin; k < piece->end; k++)
-            digest += hash_mix_at(seeds->cell[k], piece->label);
-        err = act_plant(act, &planting, seeds->cell + begin, piece->end - begin, piece->label);
+        const size_t run = i ? piece[-1].run_end : 0;
+        planting.run = seeds->run + run;
+        planting.runs = piece->run_end - run;
+        err = find_voxels(&voxels, act, seeds, map, i);
+        for (size_t k = 0; k < voxels.count; k++)
+            digest += hash_mix_at(voxels.cell[k], piece->label);
+        if (!err)
+            err = act_plant(act, &planting, voxels.cell, voxels.count, piece->label);
     }
+    voxels_release(&voxels);
     if (err)
         return err;
     write_pieces(act, seeds, planting.planted);
@@ -226,24 +305,37 @@ static enum err plant(const struct act *act, const struct piece_seeds *seeds)
     return act_naming(act->value[FILE_NAME].text, act_write_planting(act, &planting), act->fault);
 }
 
+static bool has_regions(const struct volume *map)
+{
+    const size_t voxels = (size_t)map->size[0] * map->size[1] * map->size[2];
+    for (size_t i = 0; i < voxels; i++)
+        if (map->intensity[i] != REGION_NONE)
+            return true;
+    return false;
+}
+
 enum err act_labels(const struct act *act)
 {
     const struct session *session = act->session;
     const struct value *erode = &act->value[ERODE];
+    const unsigned rounds = erode->given    ? (unsigned)erode->number
+                            : is_whole(act) ? 0
+                                            : ERODE_BEFORE;
     struct volume map = {0};
     struct piece_seeds seeds = {0};
+    if (!erode->given)
+        buf_printf(&act->reply->canonical, " erode=%u", rounds);
     enum err err = read_labels(&map, act);
-    if (!err)
-        err = piece_seeds_make(&seeds, map.intensity, &session->scene->grid,
-                               erode->given ? (unsigned)erode->number : ERODE_USUAL, session->watch,
-                               act->fault);
-    volume_release(&map);
-    if (!err && !seeds.pieces)
+    if (!err && !has_regions(&map))
         err = fault_set(act->fault, ERR_INPUT,
                         "%s has no voxel of these regions; nothing was planted",
                         act->value[FILE_NAME].text);
     if (!err)
-        err = plant(act, &seeds);
+        err = piece_seeds_make(&seeds, map.intensity, is_whole(act) ? 0 : REGION_NONE,
+                               &session->scene->grid, rounds, session->watch, act->fault);
+    if (!err)
+        err = plant(act, &seeds, &map);
     piece_seeds_release(&seeds);
+    volume_release(&map);
     return err;
 }

@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 
+#include "base/mem.h"
 #include "engine/gradient.h"
 #include "session/paint.h"
 
@@ -43,8 +44,12 @@ enum err act_plant(const struct act *act, struct planting *planting, uint32_t *c
             cell[kept++] = cell[i];
     }
     planting->planted += kept;
-    return kept ? session_plant_within(act->session, cell, kept, label, planting->reach, act->fault)
-                : OK;
+    if (!kept)
+        return OK;
+    return planting->yields
+               ? session_plant_piece(act->session, cell, kept, label, planting->run, planting->runs,
+                                     act->fault)
+               : session_plant_within(act->session, cell, kept, label, planting->reach, act->fault);
 }
 
 static void write_left_out(struct buf *out, const char *why, size_t count)
@@ -107,13 +112,135 @@ static enum err plant(const struct act *act, struct voxels *voxels, int16_t labe
     return plant_all(act, &planting, voxels, label);
 }
 
+/* ---- what gives way ---- */
+
+/*
+ * A gesture frees the pieces of a file that it is planted in (session/markers.h) as far as it says
+ * how far it is to be heeded, or three times its radius around its middle; that of a box is half
+ * its thinnest side, and that of a polygon 0. No less than FREES_LEAST voxels, and no more than
+ * FREES_MORE voxels around what is planted. bench mend (tests/bench) has measured it.
+ */
+enum { FREES_TIMES = 3, FREES_LEAST = 2, FREES_MORE = 32 };
+
+/* The marker that the command has planted frees voxels, which are let go of. */
+static enum err free_voxels(const struct act *act, struct voxels *voxels, enum err err)
+{
+    const struct session *session = act->session;
+    if (!err && session->markers.count > session->former_markers)
+        err = session_free(act->session, voxels->cell, voxels->count, act->fault);
+    voxels_release(voxels);
+    return err;
+}
+
+static int64_t longest(const uint32_t unit[3])
+{
+    const uint32_t most = unit[0] > unit[1] ? unit[0] : unit[1];
+    return most > unit[2] ? most : unit[2];
+}
+
+static int64_t freed_radius(int64_t radius, int64_t voxel)
+{
+    const int64_t times = FREES_TIMES * radius, least = FREES_LEAST * voxel,
+                  most = radius + FREES_MORE * voxel;
+    return times < least ? least : times > most ? most : times;
+}
+
+static const uint32_t ones[3] = {1, 1, 1};
+
+/* Around balls at each step of a way. */
+static enum err free_around_way(const struct act *act, const struct value *place,
+                                const struct value *radius, const struct value *to,
+                                const struct value *within)
+{
+    static const int64_t most_nm = 1000000000;
+    const struct session *session = act->session;
+    const uint32_t(*corner)[3] =
+        to->given ? (const uint32_t(*)[3])to->line->corner : (const uint32_t(*)[3]) & place->place;
+    const bool in_mm = within->given ? within->in_mm : radius->in_mm;
+    const uint32_t *unit = in_mm ? session->scene->spacing_nm : ones;
+    const int64_t freed = within->given
+                              ? within->number
+                              : freed_radius(radius->given ? radius->number : 0, longest(unit));
+    struct brush brush = {0};
+    struct voxels voxels = {0};
+    if (!session->markers.yields)
+        return OK;
+    enum err err = brush_init(&brush, unit, freed < most_nm ? freed : most_nm,
+                              BRUSH_HOLLOW_REACH_MOST, act->fault);
+    if (!err)
+        err = paint_stroke(&voxels, &session->scene->grid, &brush, corner,
+                           to->given ? to->line->count : 1, session->watch, act->fault);
+    brush_release(&brush);
+    return free_voxels(act, &voxels, err);
+}
+
+static enum err free_around_box(const struct act *act, const uint32_t corner[3],
+                                const uint32_t opposite[3])
+{
+    const struct session *session = act->session;
+    const struct grid *grid = &session->scene->grid;
+    uint32_t first[3], last[3], thin = UINT32_MAX;
+    struct voxels voxels = {0};
+    if (!session->markers.yields)
+        return OK;
+    for (int a = 0; a < 3; a++) {
+        first[a] = corner[a] < opposite[a] ? corner[a] : opposite[a];
+        last[a] = corner[a] < opposite[a] ? opposite[a] : corner[a];
+        thin = last[a] - first[a] < thin ? last[a] - first[a] : thin;
+    }
+    const uint32_t more = (uint32_t)freed_radius(thin / 2, 1) - thin / 2;
+    for (int a = 0; a < 3; a++) {
+        first[a] = first[a] > more ? first[a] - more : 0;
+        last[a] = last[a] + more < grid->size[a] ? last[a] + more : grid->size[a] - 1;
+    }
+    return free_voxels(act, &voxels,
+                       paint_box(&voxels, grid, first, last, session->watch, act->fault));
+}
+
+/* Adds the balls around the voxels first..last of a row. */
+static enum err add_around(struct voxels *out, const struct act *act, const struct brush *brush,
+                           uint32_t first, uint32_t last)
+{
+    const struct grid *grid = &act->session->scene->grid;
+    const struct place a = grid_place(grid, first), b = grid_place(grid, last);
+    const uint32_t corner[2][3] = {{a.x, a.y, a.z}, {b.x, b.y, b.z}};
+    struct voxels around = {0};
+    enum err err = paint_stroke(&around, grid, brush, corner, 2, act->session->watch, act->fault);
+    if (!err && !mem_grow(&out->cell, &out->capacity, out->count + around.count, sizeof *out->cell))
+        err = fault_memory(act->fault, "seeds");
+    for (size_t i = 0; !err && i < around.count; i++)
+        out->cell[out->count++] = around.cell[i];
+    voxels_release(&around);
+    return err;
+}
+
+static enum err free_around_polygon(const struct act *act, const struct polyline *line)
+{
+    const struct session *session = act->session;
+    struct brush brush = {0};
+    struct voxels inside = {0}, voxels = {0};
+    if (!session->markers.yields)
+        return OK;
+    enum err err = paint_polygon(&inside, &session->scene->grid, (const uint32_t(*)[3])line->corner,
+                                 line->count, session->watch, act->fault);
+    if (!err)
+        err = brush_init(&brush, ones, FREES_LEAST, BRUSH_REACH_MOST, act->fault);
+    for (size_t i = 0, next; !err && i < inside.count; i = next) {
+        for (next = i + 1; next < inside.count && inside.cell[next] == inside.cell[next - 1] + 1;)
+            next++;
+        err = add_around(&voxels, act, &brush, inside.cell[i], inside.cell[next - 1]);
+    }
+    brush_release(&brush);
+    voxels_release(&inside);
+    return free_voxels(act, &voxels, err);
+}
+
 /* ---- balls and strokes ---- */
 
 /* What a distance is counted in: voxels, or nanometres of their spacing. */
 static enum err find_unit(const uint32_t **unit, const struct act *act, const char *name,
                           const struct value *distance)
 {
-    static const uint32_t ones[3] = {1, 1, 1};
     const struct session *session = act->session;
     *unit = distance->in_mm ? session->scene->spacing_nm : ones;
     return !distance->in_mm || !session->geometry.spacing_unknown
@@ -334,7 +461,8 @@ enum err act_seed(const struct act *act)
                          &value[RANGE], &value[WITHIN]);
     if (!err && value[JOINED].given)
         session_join(act->session);
-    return err;
+    return err ? err
+               : free_around_way(act, &value[PLACE], &value[RADIUS], &value[TO], &value[WITHIN]);
 }
 
 /* ---- boxes and polygons ---- */
@@ -351,7 +479,8 @@ enum err act_box(const struct act *act)
                                 (int16_t)value[LABEL].number, &value[AROUND], &value[RANGE]);
     enum err err = paint_box(&voxels, &act->session->scene->grid, value[CORNER].place,
                              value[OPPOSITE].place, act->session->watch, act->fault);
-    return err ? err : plant(act, &voxels, (int16_t)value[LABEL].number, &value[RANGE]);
+    err = err ? err : plant(act, &voxels, (int16_t)value[LABEL].number, &value[RANGE]);
+    return err ? err : free_around_box(act, value[CORNER].place, value[OPPOSITE].place);
 }
 
 enum err act_fill(const struct act *act)
@@ -367,5 +496,6 @@ enum err act_fill(const struct act *act)
     enum err err =
         paint_polygon(&voxels, &act->session->scene->grid, (const uint32_t(*)[3])line->corner,
                       line->count, act->session->watch, act->fault);
-    return err ? err : plant(act, &voxels, (int16_t)value[LABEL].number, &value[RANGE]);
+    err = err ? err : plant(act, &voxels, (int16_t)value[LABEL].number, &value[RANGE]);
+    return err ? err : free_around_polygon(act, line);
 }

@@ -269,15 +269,16 @@ const struct command command_table[] = {
       KEYED("erode", VALUE_NUMBER, .most = PIECE_ERODE_MOST),
       KEYED("copy", VALUE_WORD, .form = "DIGEST", .added = true), RESAMPLE},
      "begin with a segmentation, and correct it",
-     "FILE is a label map on the scene's grid, of whatever program. Each piece of each label "
-     "becomes a marker, the background's too, all of them one undo. Borders are found anew, as far "
-     "as the erosion leaves them free; seeds, strokes and `remove` correct what is wrong. Seeds "
-     "are the outer voxels of what is left of a piece; those inside belong to it.\n"
-     "regions: the values of the map; all unless given, with 0 for the background.\n"
+     "FILE is a label map on the scene's grid, of whatever program, whose labels come out as they "
+     "are. Each piece of each label becomes a marker, the background's too, all of them one undo. "
+     "Seeds are the outer voxels of a piece; those inside belong to it. Seeds, strokes, boxes and "
+     "polygons of another label that are planted in a piece correct it: within three times their "
+     "radius, or `within` as they say, its seeds give way, and the border is found anew.\n"
+     "regions: the values of the map; all unless given. What is not chosen is background.\n"
      "as: the labels that they become, one for each of `regions`.\n"
      "label: the label of all of them but the background.\n"
-     "erode: rounds, 2 unless given; each removes the voxels that have a face neighbour of another "
-     "label. A piece too small for it keeps its innermost voxels.\n"
+     "erode: rounds, 0 unless given; each removes the voxels that have a face neighbour of another "
+     "label, so that borders are found anew. A piece too small for it keeps its innermost voxels.\n"
      "copy: the journal has its own copy of the labels, beside it, and adds the digest here: it "
      "needs FILE no more." RESAMPLE_NOTE,
      "labels model.nii.gz erode=3"},

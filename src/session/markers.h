@@ -12,6 +12,19 @@
  *     seeds while all stand          1 1 2 2 . . .
  *     and with marker 2 taken away   1 1 1 1 . . .
  *
+ * The markers of a segmentation out of a file *yield*: its seeds are walls of the thickness of a
+ * voxel around each piece, so that a seed beside a border that is wrong would move nothing. A later
+ * marker *frees* voxels around itself: while it stands, markers that give way to it decide nothing
+ * there.
+ *
+ *     markers 1 and 2 of a file      1 1 1 1 2 2 2 2     3 is planted in the piece of 2,
+ *     marker 3, label 1              . . . . f 3 f .     and frees what f is below
+ *     seeds while all stand          1 1 1 1 . 3 . 2
+ *     and with marker 3 taken away   1 1 1 1 2 2 2 2
+ *
+ * A marker gives way to a later one of another label, of which a voxel lies in its piece, and to no
+ * other: what belongs to third labels stays as it is.
+ *
  * Which of them stand is part of a session's state (session/state.h); here is what they cover, of
  * all that were ever made, on every branch of the history.
  *
@@ -20,7 +33,9 @@
  *      were taken away and put back;
  *   M2 a marker never changes, and its number is never given to another, unless it was dropped: so
  *      a number in a record names the same voxels for good;
- *   M3 the parts of a stroke follow each other, and a part stands only where those before it do.
+ *   M3 the parts of a stroke follow each other, and a part stands only where those before it do;
+ *   M4 whether a marker gives way to another, and where, follows from the two alone, and from no
+ *      forest, run or third marker: so M1 and M2 hold of it too.
  */
 #ifndef SESSION_MARKERS_H
 #define SESSION_MARKERS_H
@@ -33,17 +48,26 @@
 #include "base/watch.h"
 #include "engine/forest.h"
 
+/* Voxels first..end-1 of a row. */
+struct marker_run {
+    uint32_t first, end; /* cells */
+};
+
 struct marker {
-    size_t first, voxels; /* in `cover` */
+    size_t first, voxels; /* in `cover`: those that it has seeds in, */
+    size_t frees;         /* and after them those that it frees */
+    size_t run, runs;     /* in `run`: the piece of one that yields; none: it is its `voxels` */
     int16_t label;        /* 0..255, or EDIT_ERASE for an eraser */
     uint16_t reach;       /* of its seeds (forest_add_reach), or 0 */
     bool stands;
     bool joined; /* to the marker before, as a part of one stroke (M3) */
+    bool yields;
 };
 
-/* That a marker covers a voxel. */
+/* That a marker covers a voxel, or frees it. */
 struct cover {
     uint32_t cell, marker;
+    uint32_t frees; /* the marker that gives way to it there; 0: it covers the voxel */
     uint32_t below; /* the next older one of the same bucket; COVER_NONE for none */
 };
 
@@ -53,8 +77,11 @@ struct markers {
     size_t count, capacity;
     struct cover *cover; /* those of a marker together, in the order in which it was given them */
     size_t covers, cover_capacity;
+    struct marker_run *run; /* those of a marker together and in order */
+    size_t runs, run_capacity;
     uint32_t *bucket; /* by voxel: the latest cover of each, COVER_NONE for none */
     size_t buckets;   /* a power of two, or 0 */
+    bool yields;      /* one of them may */
 };
 
 #define COVER_NONE UINT32_MAX
@@ -66,6 +93,18 @@ size_t markers_memory(const struct markers *markers);
  * then. ERR_MEMORY, ERR_LIMIT and ERR_CANCELLED, by the watch, or NULL, leave all as it was. */
 enum err markers_add(struct markers *markers, int16_t label, const uint32_t *cell, size_t count,
                      struct watch *watch, struct fault *fault);
+
+/* The last one yields: that of a piece of a file, which it has seeds in the outer voxels of. The
+ * runs are those of the piece in order, none where all its voxels have seeds. ERR_MEMORY leaves
+ * all as it was. */
+enum err markers_yield(struct markers *markers, const struct marker_run *run, size_t runs,
+                       struct fault *fault);
+
+/* The last one, which covers its voxels in order, frees those of `cell` in which a marker
+ * gives way to it. On errors, those of markers_add, it frees a part of them, and is
+ * to be dropped. */
+enum err markers_free(struct markers *markers, const uint32_t *cell, size_t count,
+                      struct watch *watch, struct fault *fault);
 
 /* Those above number `count` were never added. Watched, and not to be stopped. */
 void markers_drop(struct markers *markers, size_t count, struct watch *watch);

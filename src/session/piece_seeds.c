@@ -10,6 +10,7 @@
 void piece_seeds_release(struct piece_seeds *seeds)
 {
     free(seeds->cell);
+    free(seeds->run);
     free(seeds->piece);
     *seeds = (struct piece_seeds){0};
 }
@@ -17,6 +18,7 @@ void piece_seeds_release(struct piece_seeds *seeds)
 struct work {
     const struct grid *grid;
     unsigned erode;
+    uint16_t rest;  /* what REGION_NONE is */
     uint8_t *label; /* [grid->cells], 0 in the rim */
     unsigned spare; /* stands for REGION_NONE; 256: none does */
     uint8_t *depth; /* [grid->cells], rounds until a voxel is gone, up to `most`; and LEFT */
@@ -58,7 +60,8 @@ static unsigned find_spare(const uint16_t *region, size_t voxels, struct watch *
 static enum err take_labels(struct work *w, const uint16_t *region, struct fault *fault)
 {
     const struct grid *grid = w->grid;
-    const unsigned spare = find_spare(region, grid->voxels, w->watch);
+    const unsigned spare =
+        w->rest == REGION_NONE ? find_spare(region, grid->voxels, w->watch) : 256;
     memset(w->label, 0, grid->cells);
     w->spare = spare;
     struct task task = task_begin(w->watch, "labels of the map", grid->voxels);
@@ -66,11 +69,12 @@ static enum err take_labels(struct work *w, const uint16_t *region, struct fault
         for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
             const struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++, region++) {
-                if (*region == REGION_NONE && spare > 255)
+                const uint16_t label = *region == REGION_NONE ? w->rest : *region;
+                if (label == REGION_NONE && spare > 255)
                     return fault_set(fault, ERR_INPUT,
                                      "the map has all labels 0..255, and other regions beside "
                                      "them; choose fewer with regions=; nothing was planted");
-                w->label[c] = (uint8_t)(*region == REGION_NONE ? spare : *region);
+                w->label[c] = (uint8_t)(label == REGION_NONE ? spare : label);
             }
         }
     return OK;
@@ -182,6 +186,18 @@ static bool add_run(struct piece_seeds *seeds, const struct work *w,
     return true;
 }
 
+static bool add_runs(struct piece_seeds *seeds, const struct work *w,
+                     const struct component *component)
+{
+    for (uint32_t r = component->run; r != RUN_NONE; r = w->found.run[r].next) {
+        const struct component_run *run = w->found.run + r;
+        if (!mem_grow(&seeds->run, &seeds->run_capacity, seeds->runs + 1, sizeof *seeds->run))
+            return false;
+        seeds->run[seeds->runs++] = (struct marker_run){run->first, run->end};
+    }
+    return true;
+}
+
 /* One that is all of the scene has no contour, and one seed will do. */
 static bool add_piece(struct piece_seeds *seeds, const struct work *w,
                       const struct component *component, struct task *task)
@@ -193,9 +209,11 @@ static bool add_piece(struct piece_seeds *seeds, const struct work *w,
             return false;
     if (seeds->count == before && !add_cell(seeds, w->found.run[component->run].first))
         return false;
+    if (seeds->count - before < component->voxels && !add_runs(seeds, w, component))
+        return false;
     if (!mem_grow(&seeds->piece, &seeds->piece_capacity, seeds->pieces + 1, sizeof *seeds->piece))
         return false;
-    seeds->piece[seeds->pieces++] = (struct piece){seeds->count, component->label};
+    seeds->piece[seeds->pieces++] = (struct piece){seeds->count, seeds->runs, component->label};
     seeds->labels[component->label]++;
     return true;
 }
@@ -231,12 +249,13 @@ static enum err make(struct piece_seeds *seeds, struct work *w, const uint16_t *
     return add_pieces(seeds, w, fault);
 }
 
-enum err piece_seeds_make(struct piece_seeds *seeds, const uint16_t *region,
+enum err piece_seeds_make(struct piece_seeds *seeds, const uint16_t *region, uint16_t rest,
                           const struct grid *grid, unsigned erode_rounds, struct watch *watch,
                           struct fault *fault)
 {
     struct work work = {.grid = grid,
                         .erode = erode_rounds,
+                        .rest = rest,
                         .most = (uint8_t)(erode_rounds + 1 + INSIDE),
                         .watch = watch};
     *seeds = (struct piece_seeds){0};

@@ -9,7 +9,8 @@
  * Seeds are the contour alone of what is left (engine/contour.h). A path to the voxels inside goes
  * through it, and it is a seed, so they belong to the same label as if all were seeds. But a seed
  * that somebody plants inside later, to correct, grows there, which it could not among seeds; and
- * seeds take memory by the surface, not by the volume.
+ * seeds take memory by the surface, not by the volume. Those near it give way besides, if the
+ * marker yields (session/markers.h), for which the voxels of each piece are listed as runs.
  */
 #ifndef SESSION_PIECE_SEEDS_H
 #define SESSION_PIECE_SEEDS_H
@@ -20,17 +21,21 @@
 #include "base/err.h"
 #include "base/watch.h"
 #include "engine/grid.h"
+#include "session/markers.h"
 
 enum { PIECE_ERODE_MOST = 100 };
 
 struct piece {
-    size_t end; /* of its seeds in `cell`; they begin where those of the piece before end */
+    size_t end;     /* of its seeds in `cell`; they begin where those of the piece before end */
+    size_t run_end; /* of its runs in `run`, likewise; it has none where all its voxels are seeds */
     uint8_t label;
 };
 
 struct piece_seeds {
     uint32_t *cell; /* those of a piece in order */
     size_t count, capacity;
+    struct marker_run *run; /* those of a piece in order: all of it, before the erosion */
+    size_t runs, run_capacity;
     struct piece *piece; /* in the order of their first voxels */
     size_t pieces, piece_capacity;
     size_t small;         /* pieces that have fewer rounds */
@@ -38,10 +43,11 @@ struct piece_seeds {
 };
 void piece_seeds_release(struct piece_seeds *seeds);
 
-/* region[z][y][x] is a label 0..255, or REGION_NONE, which gives no seed and is another label to
- * its neighbours. Takes two bytes a voxel. ERR_INPUT where all 256 labels are there beside
- * REGION_NONE, ERR_MEMORY, ERR_CANCELLED by the watch, or NULL; *seeds is empty then. */
-enum err piece_seeds_make(struct piece_seeds *seeds, const uint16_t *region,
+/* region[z][y][x] is a label 0..255, or REGION_NONE, which is what `rest` says: a label, or
+ * REGION_NONE, which gives no seed and is another label to its neighbours. Takes two bytes a voxel.
+ * ERR_INPUT where all 256 labels are there beside such a REGION_NONE, ERR_MEMORY, ERR_CANCELLED by
+ * the watch, or NULL; *seeds is empty then. */
+enum err piece_seeds_make(struct piece_seeds *seeds, const uint16_t *region, uint16_t rest,
                           const struct grid *grid, unsigned erode, struct watch *watch,
                           struct fault *fault);
 

@@ -30,6 +30,27 @@ enum err session_plant_within(struct session *session, const uint32_t *cell, siz
     return err ? err : watch_fault(session->watch, fault);
 }
 
+enum err session_plant_piece(struct session *session, const uint32_t *cell, size_t count,
+                             int16_t label, const struct marker_run *run, size_t runs,
+                             struct fault *fault)
+{
+    const enum err err = session_plant(session, cell, count, label, fault);
+    return err ? err : markers_yield(&session->markers, run, runs, fault);
+}
+
+enum err session_free(struct session *session, const uint32_t *cell, size_t count,
+                      struct fault *fault)
+{
+    const struct markers *markers = &session->markers;
+    size_t i = markers->covers;
+    enum err err = markers_free(&session->markers, cell, count, session->watch, fault);
+    struct task task = task_begin(session->watch, "edits", markers->covers - i);
+    for (; !err && i < markers->covers && task_advance(&task, 1); i++)
+        err = edits_add(&session->now.lists.pending, markers_edit(markers, markers->cover[i].cell),
+                        fault);
+    return err ? err : watch_fault(session->watch, fault);
+}
+
 void session_join(struct session *session)
 {
     session->markers.marker[session->markers.count - 1].joined = true;
@@ -45,8 +66,9 @@ static enum err take_away(struct session *session, uint32_t number, struct fault
     if (err)
         return err;
     marker->stands = false;
-    struct task task = task_begin(session->watch, "markers", marker->voxels);
-    for (size_t i = 0; !err && i < marker->voxels && task_advance(&task, 1); i++) {
+    const size_t covers = marker->voxels + marker->frees;
+    struct task task = task_begin(session->watch, "markers", covers);
+    for (size_t i = 0; !err && i < covers && task_advance(&task, 1); i++) {
         const uint32_t cell = markers->cover[marker->first + i].cell;
         if (markers_at(markers, cell) < number)
             err = edits_add(&session->now.lists.pending, markers_edit(markers, cell), fault);

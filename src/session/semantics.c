@@ -51,6 +51,14 @@ const struct meaning_row meaning_table[MEANINGS] = {
                         "it is cut where a few far values would take the levels of the others, "
                         "whole numbers that fit are exact, and ranges compare the file's values",
                         NULL},
+    [MEANING_WHOLE_LABELS] =
+        {"whole-labels", 9,
+         "`labels` eroded by 2 rounds unless told, left out what was not "
+         "chosen, and stayed where it was corrected; an empty map was saved",
+         "`labels` records its rounds, none unless told, plants the background "
+         "wherever nothing else is chosen, and gives way to what is planted in "
+         "it; an empty map is refused",
+         NULL},
 };
 
 bool semantics_has(unsigned semantics, enum meaning meaning)

@@ -41,6 +41,7 @@ enum meaning {
     MEANING_APPLIED,
     MEANING_SHEAR,
     MEANING_LEVELS,
+    MEANING_WHOLE_LABELS,
     MEANINGS
 };
 

@@ -225,6 +225,17 @@ enum err session_plant(struct session *session, const uint32_t *cell, size_t cou
 enum err session_plant_within(struct session *session, const uint32_t *cell, size_t count,
                               int16_t label, uint16_t reach, struct fault *fault);
 
+/* The same of a piece of a segmentation, which yields (session/markers.h): its runs, none where all
+ * of it is planted. */
+enum err session_plant_piece(struct session *session, const uint32_t *cell, size_t count,
+                             int16_t label, const struct marker_run *run, size_t runs,
+                             struct fault *fault);
+
+/* The marker that was just put up frees those of these voxels whose markers give way to it: their
+ * seeds go, while it stands. */
+enum err session_free(struct session *session, const uint32_t *cell, size_t count,
+                      struct fault *fault);
+
 /* The marker that was just put up goes on with the one before, which stands. */
 void session_join(struct session *session);
 

@@ -102,6 +102,14 @@ static const struct program program[] = {
                "or on those named: weights, shells and relaxed labels, alone and together. Beside "
                "them the random walker, GrowCut and watersheds, by the careful robot.",
      .run = run_effort},
+    {.name = "mend",
+     .words = "[OBJECT...]",
+     .most = 40,
+     .summary = "how many gestures mend a segmentation that is opened again",
+     .detail = "In the truth of each object of tuned and other, or of those named, ten defects in "
+               "turn: balls that are taken out or added at the border. A robot corrects what "
+               "`labels` makes of them.",
+     .run = run_mend},
 };
 
 static const struct program_table table = {
