@@ -367,7 +367,7 @@ std::string field(const std::map<std::string, std::string> &fields, const std::s
     return found == fields.end() ? "" : trimmed(found->second);
 }
 
-std::string shown(const std::string &path)
+std::string last_name(const std::string &path)
 {
     std::string name = path.substr(path.find_last_of('/') + 1).substr(0, 60);
     for (char &c : name)
@@ -387,7 +387,7 @@ Run run_beside(const Run &run, const std::string &header, const std::string &nam
     const std::string folder = slash == std::string::npos ? "" : header.substr(0, slash + 1);
     Run made = run;
     made.path = is_absolute(name) ? name : folder + name;
-    made.what = words_of("its voxels are in %s, which is ", shown(name).c_str());
+    made.what = words_of("its voxels are in %s, which is ", last_name(name).c_str());
     return made;
 }
 
@@ -556,7 +556,7 @@ Run run_of_scanner(Run run, const std::string &kind, const Volume &volume)
 {
     if (kind == "stimulate" && run.path.size() > 4 &&
         run.path.compare(run.path.size() - 4, 4, ".spr") == 0)
-        return run_beside(run, run.path, shown(run.path.substr(0, run.path.size() - 4) + ".sdt"));
+        return run_beside(run, run.path, last_name(run.path.substr(0, run.path.size() - 4) + ".sdt"));
     if (kind != "stimulate" && kind != "bruker")
         run.bytes /= volume.size[2] * volume.volumes;
     return run;

@@ -25,7 +25,7 @@ std::map<std::string, std::string> fields_of(const std::string &path, char betwe
                                              const std::string &last);
 
 /* The last name of a path, in letters that are safe to print. */
-std::string shown(const std::string &path);
+std::string last_name(const std::string &path);
 
 /* Of the first kind of formats, before a library reads one; nothing of others. `what` begins the
  * words of a refusal: "slice 3 of 9 is ", or "" for the file that was asked for. */

@@ -180,7 +180,7 @@ void stack_pictures(Volume &volume, std::vector<std::string> path, const std::st
     for (size_t z = 0; z < path.size(); z++)
         count_parts(
             kind, path[z],
-            words_of("slice %zu of %zu, %s, is ", z + 1, path.size(), shown(path[z]).c_str()));
+            words_of("slice %zu of %zu, %s, is ", z + 1, path.size(), last_name(path[z]).c_str()));
     const itk::ImageIOBase::Pointer io = open_picture(kind, path[0], 1, path.size());
     if (io->GetNumberOfComponents() != 1)
         refuse("slice 1 of %zu has %u values a pixel (colour); expected one", path.size(),
