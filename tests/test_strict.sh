@@ -173,6 +173,16 @@ END
 expect 0 "$iftty" verify seen.iftty
 close_story
 
+begin "a PNG that was deleted is drawn again by golden, and is right"
+rm seen.golden/first.png
+expect 0 "$iftty" -c 'undo 2; golden first' --journal seen.iftty
+cmp -s seen.golden/first.png j.golden/first.png && fail "it says the chain of another record"
+expect 0 "$iftty" verify --strict seen.iftty
+out_has "2 golden images"
+rm -r seen.*
+copy seen
+close_story
+
 begin "a golden image says what the one that is drawn would, and its PNG says the same"
 # note NAME VALUE: both files carry it, with the checksum of the PNG right
 note() {

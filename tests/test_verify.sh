@@ -310,7 +310,8 @@ expect 0 "$iftty" log --script kept
 grep -v '^#' out >a-script
 refused a-script "a-script: this is a script, not a journal" 1 env
 cp "$top/tests/journals/semantics-4.iftty" old.iftty
-refused old.iftty "old.iftty: it was written with semantics 4, here is 8: iftty log --reseal" 1 env
+refused old.iftty "old.iftty: it was written with semantics 4, here is $("$iftty" info |
+    sed -n 's/^semantics //p'): iftty log --reseal" 1 env
 cp kept k.iftty
 expect 0 "$iftty" verify k.iftty --accept 'now'
 # One name for two pictures is nothing that a session records.

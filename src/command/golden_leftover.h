@@ -7,8 +7,8 @@
  * journal removes it.
  *
  * It is known by what it says itself: which journal it is of, unless the scene is private, and the
- * chain of the record before it. That record is in the journal, and what follows it there, if anything, is no `golden`. All
- * other files are left alone.
+ * chain of the record before it. That record is in the journal, and what follows it there, if
+ * anything, is no `golden`. All other files are left alone.
  */
 #ifndef COMMAND_GOLDEN_LEFTOVER_H
 #define COMMAND_GOLDEN_LEFTOVER_H

@@ -13,8 +13,7 @@ static bool is_of(const char *text, const char *letters, size_t least, size_t mo
     return !text[length] && length >= least && length <= most;
 }
 
-/* Whether the note is of the time at which the golden image was made, and looks like one. */
-static bool is_of_its_time(const struct attribute *note)
+bool golden_note_is_of_its_time(const struct attribute *note)
 {
     static const char program[] = "iftty ";
     const char *name = note->name, *value = note->value;
@@ -48,7 +47,8 @@ static enum err refuse_note(const struct attribute *note, const char *drawn, str
 
 static bool counts(const struct attribute *note, bool names_scene)
 {
-    return !is_of_its_time(note) && (names_scene || strcmp(note->name, "iftty:scene-name") != 0);
+    return !golden_note_is_of_its_time(note) &&
+           (names_scene || strcmp(note->name, "iftty:scene-name") != 0);
 }
 
 enum err golden_compare_notes(const struct picture *kept, const struct picture *drawn,

@@ -9,6 +9,9 @@
 
 #include "image/picture.h"
 
+/* Whether it is one of those, and of their form. */
+bool golden_note_is_of_its_time(const struct attribute *note);
+
 /* OK, or ERR_CHECK with the first that differs. Of a scene that was opened in place of another the
  * name counts for nothing (!names_scene). */
 enum err golden_compare_notes(const struct picture *kept, const struct picture *drawn,
