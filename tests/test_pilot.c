@@ -274,6 +274,10 @@ STORY(slices_marks_and_seeds_to_go_to)
     CHECK_TEXT(type("G"), "cross 20,25,59\n");
     CHECK_TEXT(type("12G"), "cross 20,25,12\n");
     CHECK_TEXT(type("42gg"), "cross 20,25,42\n");
+    facts.counts_down[0] = true; /* K leads to lower numbers: slice 0 is 30 of them up */
+    CHECK_TEXT(type("gg"), "cross 20,25,59\n");
+    CHECK_TEXT(type("28G"), "cross 20,25,32\n");
+    facts.counts_down[0] = false;
     type("ma");
     CHECK_TEXT(type("'b"), "");
     CHECK_HAS(buf_text(&message), "there is no mark b; mb sets it");

@@ -41,7 +41,7 @@ enter "clear; $iftty s.nii"
 see '^24x20x16 voxels'
 see '^Ctrl-O: the pilot, to segment by keys; `help`: the commands$'
 enter "pilot"
-see '^axial 8 at 12,10,8  brush 1 r3  no label  intensity '
+see '^axial z=8 at 12,10,8  brush 1 r3  no label  intensity '
 screen_text | head -n 20 | grep -q "$half_block" || fail "there is no picture:" "$(screen_text)"
 close_story
 
@@ -51,7 +51,7 @@ close_story
 
 begin "the brush has a radius, which - makes smaller"
 type_letters "3-"
-see '^axial 8 at 12,10,8  brush 1  no label  intensity '
+see '^axial z=8 at 12,10,8  brush 1  no label  intensity '
 close_story
 
 begin "keys move, seed, undo and turn, each as the command it is"
@@ -62,13 +62,13 @@ recorded "cross 11,13,8"
 type_letters "s2"
 recorded "seed 11,13,8 2"
 see 'voxels changed'
-see '^axial 8 at 11,13,8  brush 2  label 2 7.68 ml  intensity [0-9]*  [-0-9.,]* mm  m'
+see '^axial z=8 at 11,13,8  brush 2  label 2 7.68 ml  intensity [0-9]*  [-0-9.,]* mm'
 press Tab
-see '^coronal 13 '
+see '^coronal y=13 '
 see '^i seed  b label  x remove  u undo  : command  \? keys  q back'
 type_letters "++s1"
 recorded "seed 11,13,8 1 radius=2"
-see '^coronal 13 at 11,13,8  brush 1 r2  label 1 [0-9.]* m[lm][3 ]'
+see '^coronal y=13 at 11,13,8  brush 1 r2  label 1 [0-9.]* m[lm][3 ]'
 type_letters "u"
 recorded "undo"
 see '^undone: [0-9]+ seed 11,13,8 1 radius=2; after [0-9]+ seed 11,13,8 2'
@@ -121,14 +121,14 @@ press Enter
 recorded "finish relax sweeps=9"
 type_letters "y"
 recorded "finished on"
-see '^coronal 13 at 11,13,9  brush 3 r1  finished  '
+see '^coronal y=13 at 11,13,9  brush 3 r1  finished  '
 type_letters "s1"
 recorded "seed 11,13,9 1 radius=1"
 press Escape
-see '^coronal 13 at 11,13,9  brush 1 r1  finished  '
+see '^coronal y=13 at 11,13,9  brush 1 r1  finished  '
 type_letters "uy"
 recorded "finished off"
-see '^coronal 13 at 11,13,9  brush 1 r1  label '
+see '^coronal y=13 at 11,13,9  brush 1 r1  label '
 type_letters "3b"
 press Escape
 see '^i seed '
@@ -187,7 +187,7 @@ begin "? tells the keys, and any key goes back"
 type_letters "?"
 see 'a seed of the label'
 type_letters "i"
-see '^coronal 13 '
+see '^coronal y=13 '
 recorded "remove 11,13,9"
 close_story
 
@@ -201,7 +201,7 @@ enter "help seed"
 see 'plant a seed'
 see '\(any key\)'
 press Enter
-see '^coronal 13 '
+see '^coronal y=13 '
 type_letters ":"
 enter "sed 1"
 see 'error: unknown command sed'
@@ -215,7 +215,7 @@ see '^1-23 of [0-9]+  q: leave, Space, b'
 press Space
 see '^goto PLACE '
 type_letters "q"
-see '^coronal 13 '
+see '^coronal y=13 '
 type_letters ":"
 enter "help"
 see '^The scene'
@@ -233,7 +233,7 @@ see '^quit  *leave'
 type_letters "g"
 see '^1-23 of '
 press Escape
-see '^coronal 13 '
+see '^coronal y=13 '
 close_story
 
 begin "a message of more than a row takes both, until the next key"
@@ -244,7 +244,7 @@ see 'name one with'
 press Tab
 see '^sagittal '
 press Tab Tab
-see '^coronal 13 '
+see '^coronal y=13 '
 close_story
 
 begin "what the keys do in a mode stands below as long as it lasts, and fits"
@@ -267,7 +267,7 @@ close_story
 begin "slices are magnified and moved by commands; what has the screen is no command"
 type_letters "]]"
 recorded "magnify 1.5 at=11,13,9"
-see '^coronal 13 x1.5 at 11,13,9 '
+see '^coronal y=13 x1.5 at 11,13,9 '
 press M-Right
 comes_true has_panned 11,13,9 || fail "$(last_record)"
 type_letters "gz"
@@ -280,7 +280,7 @@ comes_true sides_are_not 'S' 'I' 40 || fail "$(screen_text)"
 same "$(grep -c . s-1.iftty)" "$before"
 type_letters "W"
 recorded "magnify fit"
-see '^coronal 13 at 11,13,9 '
+see '^coronal y=13 at 11,13,9 '
 close_story
 
 begin "the patient's sides and a scale bar stand in cells"
@@ -298,11 +298,11 @@ close_story
 begin "boxes, polygons, millimetres and intensities, each as the command it is"
 type_letters ":"
 enter "cross 12,13,8"
-see '^coronal 13 at 12,13,8'
+see '^coronal y=13 at 12,13,8'
 type_letters "2ba"
 see '^1 corner; d plants the box'
 type_letters "2l3k"
-see '^coronal 13 at 10,13,11  brush 2 r1 1 corner  '
+see '^coronal y=13 at 10,13,11  brush 2 r1 1 corner  '
 type_letters "d"
 recorded "box 12,13,8 10,13,11 2"
 type_letters "aha"
@@ -314,7 +314,7 @@ recorded "fill 10,13,11 2 to=11,13,11 to=11,13,10"
 type_letters "T-99999..99999"
 see '^intensities LOW..HIGH, or none: -99999..99999_  Enter takes it  Escape leaves$'
 press Enter
-see '^coronal 13 at 11,13,10  brush 2 r1 -99999..99999  '
+see '^coronal y=13 at 11,13,10  brush 2 r1 -99999..99999  '
 type_letters "M"
 see 'radius 1mm, intensities'
 type_letters "i"
@@ -328,23 +328,23 @@ begin "stopped and continued, the screen comes back"
 press C-z
 see '[Ss]topped'
 enter "fg"
-see '^coronal 13 '
+see '^coronal y=13 '
 close_story
 
 begin "another size of the window is another picture"
 stands_in_row() {
-    screen_text | sed -n "$1p" | grep -q '^coronal 13 '
+    screen_text | sed -n "$1p" | grep -q '^coronal y=13 '
 }
 tmux_here resize-window -t prompt -x 130 -y 30
 comes_true stands_in_row 29 || fail "the screen is:" "$(screen_text | grep .)"
-see '^coronal 13 .* mm  mean [0-9.]*, SD [0-9.]*, [0-9.]* x [0-9.]* x [0-9.]* mm$' # of the label
+see '^coronal y=13 .* mm  mean [0-9.]*, SD [0-9.]*, [0-9.]* x [0-9.]* x [0-9.]* m' # of the label
 enter ":seed 20,4,3 0"
 see '^this `seed` took .* of label 1 through 20,4,2; undo takes it back$' # lines are a page
 see '^[(]any key[)]$'
 type_letters " "
-see '^coronal 13 '
+see '^coronal y=13 '
 enter ":cross 20,4,3"
-see '^coronal 4 .*  label 0  label [0-9] [0-9.]* m[lm]3? \([+-][0-9.]* m[lm]3?\)  intensity '
+see '^coronal y=4 .*  label 0  label [0-9] [0-9.]* m[lm]3? \([+-][0-9.]* m[lm]3?\)  intensity '
 type_letters "u"
 recorded "undo"
 enter ":cross 11,13,10"
@@ -357,7 +357,7 @@ close_story
 
 begin "the smallest window: the keys page by page, and the pen is loud"
 tmux_here resize-window -t prompt -x 20 -y 10
-see '^coronal 13 '
+see '^coronal y=13 '
 type_letters "?"
 see '^h j k l arrows$'
 see '^  move the$'
@@ -369,13 +369,13 @@ see '^h j k l arrows$'
 press Space
 see '^1-9$'
 type_letters "q"
-see '^coronal 13 '
+see '^coronal y=13 '
 type_letters "v"
-see '^PEN DOWN  coronal 13'
+see '^PEN DOWN  coronal y='
 press Escape
-see '^coronal 13 '
+see '^coronal y=13 '
 tmux_here resize-window -t prompt -x 80 -y 24
-see '^coronal 13 at'
+see '^coronal y=13 at'
 close_story
 
 begin "q goes back to the prompt, with the screen as it was before"
@@ -397,9 +397,9 @@ enter "clear; $iftty u.nii"
 see '^u>$'
 press C-o
 see '^ *5 mm'
-see '^z 8 at 12,10,8 .* orientation unknown'
+see '^z=8 at 12,10,8 .* orientation unknown'
 press Tab
-see '^y 10 at 12,10,8 '
+see '^y=10 at 12,10,8 '
 screen_text | head -n 22 | grep -q '[RLAPSI]' && fail "$(screen_text)"
 type_letters "q"
 see '^u>$'
@@ -464,11 +464,11 @@ if "$iftty" run reference >/dev/null 2>&1; then
     enter "clear; $iftty ch2.nii.gz"
     see '^ch2>$'
     press C-o
-    see '^axial 90 at 90,108,90'
+    see '^axial z=90 at 90,108,90'
     keys=$(sed -n '/^<!-- organ/,/^<!-- end of organ/s/^    \([^ ]*\) .*/\1/p' "$top/README.md")
     same "$(printf '%s\n' "$keys" | wc -l)" 10
     for key in $keys; do type_letters "$key"; done
-    see '^axial 10 at 20,108,10  brush 0 r6  label 0'
+    see '^axial z=10 at 20,108,10  brush 0 r6  label 0'
     see 'voxels changed, label 1: 1.64 l '
     type_letters "q"
     see '^ch2>$'
@@ -498,7 +498,7 @@ see '^config:4: there is no action undu; did you mean undo\?; left out$'
 see '^config:7: LABELS: expected '
 see '^s>$'
 press C-o
-see '^axial 8 at 12,10,8  brush 7 r2'
+see '^axial z=8 at 12,10,8  brush 7 r2'
 type_letters "P"
 recorded "seed 12,10,8 7 radius=2"
 type_letters "?"
@@ -546,7 +546,7 @@ rm -f synth-*.iftty
 enter "clear; $iftty synth:geom:240x240x240"
 see '^Ctrl-O: the pilot'
 press C-o
-see '^axial 120 at 120,120,120'
+see '^axial z=120 at 120,120,120'
 type_letters "ilK2ls2u"
 comes_true grep -q '^undo$' synth-1.iftty || fail "$(cat synth-1.iftty)"
 same "$(grep -v '^[=#]' synth-1.iftty | tail -n 6 | paste -s -d ' ')" \

@@ -166,6 +166,39 @@ STORY(letters_are_right_in_all_48_orientations_of_a_file)
         heads_are_bright_where_they_are(number, NULL, NULL, 1);
 }
 
+/* The number of a slice is that of its voxels, however they lie in the patient. */
+STORY(slices_have_the_numbers_of_their_voxels)
+{
+    for (unsigned number = 0; number < 48 && check_failures < 10; number++) {
+        static const char *const plane[] = {"axial", "coronal", "sagittal"};
+        struct head head = {.bright_axis = 0};
+        struct interpreter interp;
+        char line[64], words[96];
+        orient(head.to_patient, number);
+        write_head("head.nii", &head, head.to_patient);
+        begin_interpreter(&interp);
+        must(&interp, "open head.nii");
+        for (int p = 0; p < 3; p++) {
+            const int axis = slice_axis(interp.session.scene, (enum slice_plane)p);
+            uint32_t *cross = interp.session.now.outlook.slices.cross;
+            snprintf(line, sizeof line, "slice %s %d", plane[p], 2 + p);
+            must(&interp, line);
+            CHECK_INT(cross[axis], 2 + p);
+            snprintf(words, sizeof words, "%s %d", plane[p], 2 + p);
+            CHECK_HAS(buf_text(&reply.text), words);
+            interp.session.semantics = 8; /* from the feet, the back and the patient's left */
+            const uint32_t last = slice_count(interp.session.scene, (enum slice_plane)p) - 1;
+            must(&interp, line);
+            CHECK_INT(cross[axis], interp.session.scene->world_sign[axis] < 0
+                                       ? last - 2 - (uint32_t)p
+                                       : 2 + (uint32_t)p);
+            CHECK_HAS(buf_text(&reply.text), words);
+            interp.session.semantics = SEMANTICS;
+        }
+        interpreter_release(&interp);
+    }
+}
+
 STORY(letters_are_right_where_the_sform_is_rotated)
 {
     for (unsigned number = 0; number < 48 && check_failures < 10; number += 5) {
@@ -792,6 +825,7 @@ int main(void)
         return 1;
     int status = RUN_STORIES(
         TELL(letters_are_right_in_all_48_orientations_of_a_file),
+        TELL(slices_have_the_numbers_of_their_voxels),
         TELL(letters_are_right_where_the_sform_is_rotated),
         TELL(letters_are_right_under_qforms_and_negative_pixdim), TELL(windows_are_in_real_values),
         TELL(an_automatic_window_leaves_the_extremes_out),

@@ -4,27 +4,37 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "render/slice.h"
+#include "session/slicing.h"
 
 /* ---- slabs ---- */
 
-/* The patient's sides, from slice 0 of each plane on. */
-static const struct {
-    const char *from, *to;
-} side[3] = {
+static const char *const side[3][2] = {
     [SLICE_AXIAL] = {"feet", "head"},
     [SLICE_CORONAL] = {"back", "front"},
     [SLICE_SAGITTAL] = {"left", "right"},
 };
 enum { SLAB_NONE = 3 }; /* the choice after these */
 
-static void set_slab(struct cut *cut, const struct scene *scene, enum slice_plane plane,
+/* ", feet to head": the patient's sides, from slice 0 of a plane on; nothing where nobody knows. */
+static void write_sides(char out[24], const struct session *session, enum slice_plane plane)
+{
+    uint32_t first[3] = {0};
+    slicing_move(session, plane, 0, first);
+    const bool turned = slice_index(session->scene, plane, first) > 0;
+    if (session->scene->sides_unknown)
+        *out = '\0';
+    else
+        snprintf(out, 24, ", %s to %s", side[plane][turned], side[plane][!turned]);
+}
+
+static void set_slab(struct cut *cut, const struct session *session, enum slice_plane plane,
                      const uint32_t range[2])
 {
+    const struct scene *scene = session->scene;
     const int axis = slice_axis(scene, plane);
     uint32_t a[3] = {0}, b[3] = {0};
-    slice_move(scene, plane, range[0], a);
-    slice_move(scene, plane, range[1], b);
+    slicing_move(session, plane, range[0], a);
+    slicing_move(session, plane, range[1], b);
     cut->first[axis] = a[axis] < b[axis] ? a[axis] : b[axis];
     cut->last[axis] = a[axis] < b[axis] ? b[axis] : a[axis];
     if (cut->first[axis] == 0 && cut->last[axis] == scene->grid.size[axis] - 1)
@@ -47,9 +57,8 @@ enum err act_clip(const struct act *act)
     }
     const uint32_t count = slice_count(scene, (enum slice_plane)plane);
     const char *name = slice_name(scene, (enum slice_plane)plane);
-    char sides[24] = "";
-    if (!scene->sides_unknown)
-        snprintf(sides, sizeof sides, ", %s to %s", side[plane].from, side[plane].to);
+    char sides[24];
+    write_sides(sides, act->session, (enum slice_plane)plane);
     if (!act->value[1].given)
         return fault_set(act->fault, ERR_USAGE, "expected %s slices A-B within 0-%u%s", name,
                          count - 1, sides);
@@ -57,7 +66,7 @@ enum err act_clip(const struct act *act)
         return fault_set(act->fault, ERR_INPUT,
                          "there are %s slices 0-%u%s, not %u; the view is unchanged", name,
                          count - 1, sides, act->value[1].place[1]);
-    set_slab(cut, scene, (enum slice_plane)plane, act->value[1].place);
+    set_slab(cut, act->session, (enum slice_plane)plane, act->value[1].place);
     return act_go(act);
 }
 
@@ -125,8 +134,8 @@ bool act_write_cut(struct buf *out, const struct session *session)
             continue;
         const uint32_t end = scene->grid.size[axis] - 1;
         last[axis] = cut->last[axis] < end ? cut->last[axis] : end;
-        const uint32_t a = slice_index(scene, plane, cut->first),
-                       b = slice_index(scene, plane, last);
+        const uint32_t a = slicing_number(session, plane, cut->first),
+                       b = slicing_number(session, plane, last);
         buf_printf(out, "%sall but %s slices %u-%u", between, slice_name(scene, plane),
                    a < b ? a : b, a < b ? b : a);
         between = ", ";

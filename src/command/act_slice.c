@@ -23,8 +23,7 @@ void act_write_slices(struct buf *out, struct session *session)
     buf_printf(out, "through %u,%u,%u: ", s->cross[0], s->cross[1], s->cross[2]);
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++)
         buf_printf(out, "%s %u%s", slice_name(session->scene, plane),
-                   slice_index(session->scene, plane, s->cross),
-                   plane < SLICE_SAGITTAL ? ", " : "; ");
+                   slicing_number(session, plane, s->cross), plane < SLICE_SAGITTAL ? ", " : "; ");
     buf_printf(out, "window %s%s %s, ", s->has_window ? "" : "auto: ", least, most);
     if (s->times != SLICE_TIMES_ONE)
         buf_printf(out, "magnified %g, ", s->times / 1000.0);
@@ -188,7 +187,7 @@ enum err act_slice(const struct act *act)
                          act->value[SLICE_PLANE].text, count - 1,
                          (long long)act->value[SLICE_NUMBER].number);
     if (act->value[SLICE_NUMBER].given)
-        slice_move(scene, plane, (uint32_t)act->value[SLICE_NUMBER].number, slices->cross);
+        slicing_move(act->session, plane, (uint32_t)act->value[SLICE_NUMBER].number, slices->cross);
     if (act->value[SLICE_ZOOM].given) {
         magnify(slices, SLICE_TIMES_ONE, NULL);
         slices->zoom = act->value[SLICE_ZOOM].text ? 0 : (uint32_t)act->value[SLICE_ZOOM].number;

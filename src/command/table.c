@@ -498,9 +498,9 @@ const struct command command_table[] = {
      {NEED("PLANE", VALUE_CHOICE, .choices = "axial|coronal|sagittal|none"),
       MAY("SLICES", VALUE_RANGE, .most = 65533)},
      "show only the slices from A to B",
-     "Slices are counted as `slice` counts them: axial ones from the feet, coronal ones from the "
-     "back, sagittal ones from the patient's left. A and B are shown too. Each PLANE has a range "
-     "of its own; `none` shows the whole again. Borders, pictures and `save border` follow; the "
+     "The number of a slice is the index of its voxels along its axis, as in X,Y,Z and `slice`. A "
+     "and B are shown too. Each PLANE has a range of its own; `none` shows the whole again. "
+     "Borders, pictures and `save border` follow; the "
      "labels do not change.",
      "clip axial 40-120"},
     {COMMAND("plane", act_plane, GROUP_CUTS, R | S),
@@ -589,9 +589,9 @@ const struct command command_table[] = {
             .most = VIEW_ZOOM_MOST),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
      "a slice through the cross-hair, in FILE or inline",
-     "As radiologists look at it, at the size of the view. N moves the cross-hair to that slice, "
-     "counted from 0 towards superior, anterior, or the patient's right. Where nobody knows the "
-     "patient's sides, they are called by the axis that they are counted along: z for axial, y for "
+     "As radiologists look at it, at the size of the view. N moves the cross-hair to that slice: "
+     "the index of its voxels along its axis, from 0, as in X,Y,Z (ITK-SNAP prints one more). "
+     "Where nobody knows the patient's sides, slices are called by that axis: z for axial, y for "
      "coronal, x for sagittal.\n"
      "A FILE has a dot in its name; .exr holds the label and voxel of each pixel too.\n"
      "zoom: pixels per voxel of the smallest spacing, around the cross-hair, with voxels as "

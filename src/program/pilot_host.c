@@ -170,7 +170,11 @@ static bool facts(void *context, struct pilot_facts *out)
                                 .has_finish = session->now.kept.finish.count > 0};
     for (enum pilot_pane pane = PILOT_AXIAL; pane < PILOT_RENDITION; pane++) {
         out->place[pane] = s->cross[pane];
-        out->index[pane] = slice_index(session->scene, plane_of(pane), s->cross);
+        const uint32_t first[3] = {0};
+        out->axis[pane] = (unsigned)slice_axis(session->scene, plane_of(pane));
+        out->index[pane] = slicing_number(session, plane_of(pane), s->cross);
+        out->counts_down[pane] = slicing_number(session, plane_of(pane), first) !=
+                                 slice_index(session->scene, plane_of(pane), first);
         out->plane[pane] = slice_name(session->scene, plane_of(pane));
     }
     out->intensity = levels_value(&session->geometry, session->levels,

@@ -76,7 +76,7 @@ static enum err draw_slices(const struct canvas *canvas, struct session *session
         choice.place[plane] = place[plane];
         layout.box[plane] = mosaic_box(canvas->width, canvas->height, (enum mosaic_pane)plane);
         snprintf(title[plane], sizeof title[plane], "%s %u", slice_name(session->scene, plane),
-                 slice_index(session->scene, plane, place));
+                 slicing_number(session, plane, place));
         choice.title[plane] = title[plane];
     }
     return mosaic_draw(canvas, session->scene, NULL, &choice, &style, fault);

@@ -59,6 +59,10 @@ const struct meaning_row meaning_table[MEANINGS] = {
          "wherever nothing else is chosen, and gives way to what is planted in "
          "it; an empty map is refused",
          NULL},
+    [MEANING_SLICE_NUMBERS] = {"slice-numbers", 9,
+                               "slices were counted from the patient's feet, back and left",
+                               "the number of a slice is the index of its voxels along its axis",
+                               NULL},
 };
 
 bool semantics_has(unsigned semantics, enum meaning meaning)

@@ -77,7 +77,7 @@ static void add_row(struct buf *out, unsigned row, unsigned columns, const char 
     buf_release(&cut);
 }
 
-/* "axial 90 at 90,108,90  brush 2 pons r3 stroke  1 waits for space  label 1 head  ...", which
+/* "axial z=90 at 90,108,90  brush 2 pons r3 stroke  1 waits for space  label 1 head  ...", which
  * "PEN DOWN" comes before, and "CORRECT" where digits plant. */
 static void add_status(struct buf *row, const struct pilot_state *state,
                        const struct pilot_host *host, const struct pilot_facts *facts)
@@ -86,7 +86,10 @@ static void add_status(struct buf *row, const struct pilot_state *state,
     const size_t corners = state->outline.count;
     buf_add_text(row, state->pen.is_down ? "PEN DOWN  " : "");
     buf_add_text(row, state->base == PILOT_PICKING ? "CORRECT  " : "");
-    buf_printf(row, "%s %u", facts->plane[state->pane], facts->index[state->pane]);
+    const unsigned axis = facts->axis[state->pane];
+    if (facts->plane[state->pane][1])
+        buf_printf(row, "%s ", facts->plane[state->pane]);
+    buf_printf(row, "%c=%u", "xyz"[axis], facts -> index[state->pane]);
     if (facts->times != PILOT_TIMES_ONE) {
         buf_add_text(row, " x");
         pilot_add_decimal(row, facts->times / 1000.0);

@@ -40,8 +40,10 @@ enum pilot_labels { PILOT_FOREST, PILOT_ROUGH, PILOT_FINISHED };
 /* What the host knows of the present state. */
 struct pilot_facts {
     uint32_t place[3];    /* of the cross-hair: a voxel */
-    uint32_t index[3];    /* its slice, by plane, */
-    const char *plane[3]; /* and what slices of that are called: "axial", or "z" */
+    uint32_t index[3];    /* its slice, by plane: */
+    const char *plane[3]; /* what slices of that are called, "axial" or "z", */
+    unsigned axis[3];     /* the axis that they are counted along, 0 for x, */
+    bool counts_down[3];  /* and whether the next one that K leads to has a lower number */
     size_t waiting;       /* edits that wait for a run */
     char where[256];      /* of the voxel there: label, intensity, place; and of its label */
     double intensity;     /* there, in real values */

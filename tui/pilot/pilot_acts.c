@@ -265,9 +265,10 @@ void pilot_jump(struct press *p, const uint32_t place[3])
 void pilot_to_slice(struct press *p)
 {
     const int64_t here = p->facts->index[p->state->pane], count = p->state->count;
+    const int64_t by = count ? count - here : p->by < 0 ? -here : INT32_MAX;
     p->state->former.is_set = true;
     memcpy(p->state->former.place, p->facts->place, sizeof p->facts->place);
-    move_through(p, count ? count - here : p->by < 0 ? -here : INT32_MAX, true);
+    move_through(p, p->facts->counts_down[p->state->pane] ? -by : by, true);
 }
 
 void pilot_next_pane(struct press *p)
