@@ -66,8 +66,16 @@ begin "tables of names go out and come in again, in every format"
 sys.stdout.buffer.write(bytes(int(v) for v in sys.stdin))'
 } >c.lut
 expect 0 "$iftty" -c 'open s.nii; label 4 "left part" #102030; label 5 spleen #405060
-save names a.txt; save names a.ctbl; save names a.nii.txt; save names a.lut'
-for table in a.txt a.ctbl a.nii.txt; do
+save names a.txt; save names a.ctbl; save names a.ctab; save names a.nii.txt; save names a.lut'
+same "$(cat a.ctbl)" "# Color table file
+0 Background 0 0 0 0
+4 left_part 16 32 48 255
+5 spleen 64 80 96 255" # the last is how opaque it is
+same "$(cat a.ctab)" "# No. Label_Name R G B A
+0 Unknown 0 0 0 0
+4 left_part 16 32 48 0
+5 spleen 64 80 96 0" # how transparent
+for table in a.txt a.ctbl a.ctab a.nii.txt; do
     expect 0 "$iftty" -c "open s.nii; label-file $table; save names b.txt replace=yes"
     [ $table = a.txt ] && same_files a.txt b.txt
     grep -q '"spleen"' b.txt || fail "no spleen by $table"

@@ -206,9 +206,13 @@ STORY(what_is_written_is_read_again)
     CHECK_TEXT(told(2), "spleen 040506");
     CHECK_INT(tally.names, 3);
     buf_clear(&text);
-    CHECK(label_table_ending("b.CTBL", &format) && format == TABLE_FREESURFER);
+    CHECK(label_table_ending("b.CTBL", &format) && format == TABLE_SLICER);
     label_table_write(&text, format, &state.kept, used);
-    CHECK_HAS(buf_text(&text), "\n1 left_hemi 1 2 3 0\n2 spleen 4 5 6 0\n");
+    CHECK_HAS(buf_text(&text), "\n1 left_hemi 1 2 3 255\n2 spleen 4 5 6 255\n"); /* opaque */
+    buf_clear(&text);
+    CHECK(label_table_ending("b.ctab", &format) && format == TABLE_FREESURFER);
+    label_table_write(&text, format, &state.kept, used);
+    CHECK_HAS(buf_text(&text), "\n1 left_hemi 1 2 3 0\n2 spleen 4 5 6 0\n"); /* as opaque */
     buf_clear(&text);
     CHECK(label_table_ending("b.nii.txt", &format) && format == TABLE_MRICRON);
     label_table_write(&text, format, &state.kept, used);

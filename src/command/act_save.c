@@ -57,8 +57,8 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
     struct buf text = {0};
     if (!label_table_ending(path, &format))
         return fault_set(act->fault, ERR_USAGE,
-                         "cannot write %s: expected .txt or .label for ITK-SNAP, .ctbl or .ctab "
-                         "for FreeSurfer, .nii.txt or .lut for mricron",
+                         "cannot write %s: expected .txt or .label for ITK-SNAP, .ctab for "
+                         "FreeSurfer, .ctbl for 3D Slicer, .nii.txt or .lut for mricron",
                          path);
     enum err err = session_count_labels(act->session, act->fault);
     for (int l = 0; l < 256; l++)

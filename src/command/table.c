@@ -653,7 +653,7 @@ const struct command command_table[] = {
      "run.\n"
      "seeds: all that are planted as FILE.csv, which `seed-file` reads.\n"
      "names: of labels, with their colours, as `label-file` reads them: .txt or .label for "
-     "ITK-SNAP, .ctbl or .ctab for FreeSurfer and 3D Slicer, .nii.txt or .lut for mricron.\n"
+     "ITK-SNAP, .ctab for FreeSurfer, .ctbl for 3D Slicer, .nii.txt or .lut for mricron.\n"
      "surface: what encloses each label, as .stl, .ply, .obj or .vtp, in millimetres of the world. "
      "It is closed, and holds as much as the voxels. A .stl knows no labels: it has all of them as "
      "one.\n"

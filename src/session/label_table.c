@@ -330,7 +330,8 @@ const char *label_table_ending(const char *path, enum label_table_format *format
         const char *endings;
     } row[] = {{TABLE_MRICRON, ".nii.txt"},
                {TABLE_ITKSNAP, ".txt|.label"},
-               {TABLE_FREESURFER, ".ctbl|.ctab"},
+               {TABLE_SLICER, ".ctbl"},
+               {TABLE_FREESURFER, ".ctab"},
                {TABLE_LUT, ".lut"}};
     const char *ending = NULL;
     for (size_t i = 0; i < sizeof row / sizeof row[0] && !ending; i++) {
@@ -362,8 +363,8 @@ static void write_line(struct buf *out, enum label_table_format format, const st
     }
     buf_printf(out, "%u ", label);
     write_name(out, kept, label, '_');
-    if (format == TABLE_FREESURFER)
-        buf_printf(out, " %u %u %u 0", rgb[0], rgb[1], rgb[2]);
+    if (format == TABLE_SLICER || format == TABLE_FREESURFER) /* opacity; transparency */
+        buf_printf(out, " %u %u %u %d", rgb[0], rgb[1], rgb[2], format == TABLE_SLICER ? 255 : 0);
     buf_add_char(out, '\n');
 }
 
@@ -381,6 +382,7 @@ void label_table_write(struct buf *out, enum label_table_format format, const st
         [TABLE_ITKSNAP] = "# ITK-SnAP Label Description File\n"
                           "# IDX   -R-  -G-  -B-  -A--  VIS MSH  LABEL\n"
                           "    0      0    0    0        0  0  0    \"Clear Label\"\n",
+        [TABLE_SLICER] = "# Color table file\n0 Background 0 0 0 0\n",
         [TABLE_FREESURFER] = "# No. Label_Name R G B A\n0 Unknown 0 0 0 0\n",
         [TABLE_MRICRON] = ""};
     if (format == TABLE_LUT) {

@@ -63,10 +63,16 @@ enum err label_table_apply(struct kept *kept, struct label_tally *tally,
 /* A sum mod 2^64 over names and colours of labels 1..255: what a table has led to. */
 uint64_t label_table_digest(const struct kept *kept);
 
-enum label_table_format { TABLE_ITKSNAP, TABLE_FREESURFER, TABLE_MRICRON, TABLE_LUT };
+enum label_table_format {
+    TABLE_ITKSNAP,
+    TABLE_SLICER,
+    TABLE_FREESURFER,
+    TABLE_MRICRON,
+    TABLE_LUT,
+};
 
 /* The ending of a name, and which format it says: .nii.txt mricron, other .txt and .label ITK-SNAP,
- * .ctbl and .ctab FreeSurfer, .lut that. NULL for other names. */
+ * .ctbl 3D Slicer, .ctab FreeSurfer, .lut that. NULL for other names. */
 const char *label_table_ending(const char *path, enum label_table_format *format);
 
 /* Writes labels 1..255 that have a name or are `used`; a .lut has all of them. Where a format has

@@ -37,7 +37,7 @@ static bool take(struct kept *kept, const struct label_table *table)
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
 {
-    static const enum label_table_format format[] = {TABLE_ITKSNAP, TABLE_FREESURFER};
+    static const enum label_table_format format[] = {TABLE_ITKSNAP, TABLE_SLICER, TABLE_FREESURFER};
     static const bool used[256] = {[7] = true};
     struct state state = state_default(SEMANTICS);
     struct label_table table, again;
@@ -49,7 +49,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
     if (label_table_read(&table, buf_text(&text), length, NULL) == OK &&
         take(&state.kept, &table)) {
         check_names(&state.kept);
-        for (size_t i = 0; i < 2; i++) {
+        for (size_t i = 0; i < sizeof format / sizeof format[0]; i++) {
             buf_clear(&written);
             label_table_write(&written, format[i], &state.kept, used);
             HOLDS(label_table_read(&again, buf_text(&written), written.length, NULL) == OK);
