@@ -149,6 +149,14 @@ for times in 1 2; do
 done
 same "$(grep -c '^= ' again/k.iftty)" 13
 same "$(grep -c '^# more' again/k.iftty)" 4
+beginning 7
+printf '# who\nwhy 1,1,1\nopen synth:geom:30x24x20\n' >again/other
+mkfifo again/questions
+cat again/other >again/questions &
+expect_in again 2 "$iftty" run questions --journal k.iftty # which applies what waits
+err_has "questions:3: a scene is open already"
+wait
+same "$(tail -n +2 again/k.iftty | grep -v '^=' | tail -n 1)" "run for=why"
 rm -rf again/k.*
 expect_in again 0 "$iftty" -c 'label 7 seven' --journal k.iftty # without a scene yet
 expect_in again 0 "$iftty" run script --journal k.iftty

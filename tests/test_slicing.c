@@ -621,6 +621,27 @@ STORY(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom)
     interpreter_release(&interp);
 }
 
+/* Of a scene of 10 voxels a side: the whole is as large as there is room. */
+STORY(slices_of_a_small_scene_fill_their_panes)
+{
+    struct interpreter interp;
+    begin_values(&interp, 1, 0);
+    struct slicing_panel panel = {.screen = {1600, 1000, 8, 16, true, MOSAIC_AXIAL}};
+    struct canvas canvas;
+    CHECK(slicing_draw_panel(&canvas, &interp.session, &panel, &fault) == OK);
+    for (int pane = MOSAIC_AXIAL; pane <= MOSAIC_SAGITTAL; pane++) {
+        const struct mosaic_box *box = &panel.layout.box[pane];
+        const size_t side = box->width < box->height ? box->width : box->height;
+        size_t shown = 0;
+        for (uint32_t y = 0; y < box->height; y++)
+            for (uint32_t x = 0; x < box->width; x++)
+                shown += canvas.cell[(box->top + y) * canvas.stride + box->left + x] != CELL_NONE;
+        CHECK(side > 300 && shown * 10 > side * side * 9);
+    }
+    canvas_release(&canvas);
+    interpreter_release(&interp);
+}
+
 STORY(without_memory_nothing_is_shown)
 {
     struct interpreter interp;
@@ -835,7 +856,8 @@ int main(void)
         TELL(what_waits_and_what_was_eliminated_is_marked), TELL(hidden_labels_are_not_overlaid),
         TELL(mosaics_have_the_size_of_the_view),
         TELL(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom),
-        TELL(without_memory_nothing_is_shown), TELL(a_pixel_of_a_slice_tells_its_voxel),
+        TELL(slices_of_a_small_scene_fill_their_panes), TELL(without_memory_nothing_is_shown),
+        TELL(a_pixel_of_a_slice_tells_its_voxel),
         TELL(each_pixel_tells_the_voxel_that_it_was_drawn_of),
         TELL(an_exr_of_a_slice_holds_labels_and_voxels),
         TELL(golden_slices_are_compared_when_replayed));

@@ -43,18 +43,19 @@ static void step(struct recorded *recorded)
 enum err recorded_begin(struct recorded *recorded, const struct interpreter *interp, FILE *input,
                         struct fault *fault)
 {
-    const struct journal *journal = interp->journal;
-    *recorded = (struct recorded){.mode = RECORDED_NOTHING};
-    if (!journal || !journal_count(journal))
+    *recorded = (struct recorded){.mode = RECORDED_NOTHING,
+                                  .records = interp->journal ? journal_count(interp->journal) : 0};
+    if (!recorded->records)
         return OK;
-    const struct buf *bytes = journal_bytes(journal);
-    const enum err err = walk_begin(&recorded->walk, bytes->data, bytes->length, fault);
+    struct buf *own = &recorded->journal;
+    const struct buf *bytes = journal_bytes(interp->journal);
+    buf_add(own, bytes->data, bytes->length);
+    recorded->then = mem_new(sizeof *recorded->then);
+    if (own->failed || !recorded->then)
+        return fault_memory(fault, "a script");
+    const enum err err = walk_begin(&recorded->walk, own->data, own->length, fault);
     if (err)
         return err;
-    recorded->then = mem_new(sizeof *recorded->then);
-    if (!recorded->then)
-        return fault_memory(fault, "a script");
-    *recorded->then = interp->session;
     recorded->mode = RECORDED_UNDECIDED;
     step(recorded);
     bool knows;
@@ -67,6 +68,7 @@ enum err recorded_begin(struct recorded *recorded, const struct interpreter *int
 void recorded_release(struct recorded *recorded)
 {
     walk_release(&recorded->walk);
+    buf_release(&recorded->journal);
     buf_release(&recorded->comments);
     free(recorded->then);
     *recorded = (struct recorded){.mode = RECORDED_NOTHING};
@@ -74,12 +76,15 @@ void recorded_release(struct recorded *recorded)
 
 /* ---- lines and records ---- */
 
-/* The session that a line is read by: labels have the names that they had before the record. */
+/* The session that a line is read by: labels have the names that they had before the record. What
+ * it borrows stays, since nothing is carried out meanwhile. */
 static const struct session *session_then(struct recorded *recorded,
                                           const struct interpreter *interp)
 {
     const struct kept_settings *settings =
         history_settings_after(&interp->history, recorded->record.number - 1);
+    if (!recorded->settings)
+        *recorded->then = interp->session;
     if (settings && settings != recorded->settings) {
         recorded->then->now.kept = kept_settings_get(settings);
         recorded->settings = settings;
@@ -187,14 +192,13 @@ static enum err give_comments(struct recorded *recorded, const struct interprete
 }
 
 /* By the first line that would be recorded. */
-static enum err decide(struct recorded *recorded, const struct interpreter *interp,
-                       const struct call *call, const char *canonical, struct fault *fault)
+static void decide(struct recorded *recorded, const struct interpreter *interp,
+                   const struct call *call, const char *canonical)
 {
     const bool opens = call->command->act == act_open && interp->session.has_scene;
     recorded->mode = opens || leads_to(call, canonical, recorded->record.command)
                          ? RECORDED_FOLLOWS
                          : RECORDED_NOTHING;
-    return recorded->mode == RECORDED_NOTHING ? give_comments(recorded, interp, fault) : OK;
 }
 
 /* `call` is of the line. */
@@ -202,13 +206,12 @@ static enum err take(struct recorded *recorded, struct interpreter *interp, cons
                      const struct call *call, bool *taken, struct reply *reply, struct fault *fault)
 {
     const bool is_recorded = call->command->flags & COMMAND_RECORDED;
-    enum err err = OK;
     command_write(&reply->canonical, call);
     if (recorded->mode == RECORDED_UNDECIDED && is_recorded)
-        err = decide(recorded, interp, call, buf_text(&reply->canonical), fault);
+        decide(recorded, interp, call, buf_text(&reply->canonical));
     *taken = recorded->mode == RECORDED_FOLLOWS;
-    if (err || !*taken)
-        return err;
+    if (!*taken)
+        return recorded->mode == RECORDED_NOTHING ? give_comments(recorded, interp, fault) : OK;
     interp->acknowledged = 0;
     if (leads_to(call, buf_text(&reply->canonical), recorded->record.command))
         meet(recorded, interp, is_recorded, reply);
@@ -237,8 +240,11 @@ enum err recorded_take(struct recorded *recorded, struct interpreter *interp, co
     const bool follows = recorded->mode == RECORDED_FOLLOWS;
     struct call call;
     *taken = false;
+    if (recorded->mode == RECORDED_UNDECIDED &&
+        journal_count(interp->journal) > recorded->records) /* by a question */
+        recorded->mode = RECORDED_NOTHING;
     if (!follows && recorded->mode != RECORDED_UNDECIDED)
-        return OK;
+        return give_comments(recorded, interp, fault);
     reply_clear(reply);
     *taken = holds_back(recorded, line);
     if (*taken)

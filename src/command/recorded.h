@@ -30,7 +30,9 @@ struct recorded {
         RECORDED_FOLLOWS,   /* the record at hand is yet to be met */
         RECORDED_ENDS,      /* all records have been met */
     } mode;
-    struct walk walk;
+    size_t records;       /* of the journal, before the first line */
+    struct buf journal;   /* its bytes then */
+    struct walk walk;     /* over them */
     struct record record; /* at hand */
     size_t other_comment; /* the first record whose comments are others than the script's, or 0 */
     struct buf comments;  /* of the script, since the last record */

@@ -72,8 +72,7 @@ struct run {
     const char *name;
     const struct printer *printer;
     struct recorded recorded;
-    size_t records; /* of the journal, before the first line */
-    bool goes_on;   /* a line was carried out that the journal does not have */
+    bool goes_on; /* a line was carried out that the journal does not have */
 };
 
 /* Which line the run goes on with; 0 for none. */
@@ -87,7 +86,7 @@ static void say_what_is_left(const struct run *run, size_t line)
     else
         buf_add_text(&text, " has all of ");
     buf_add_safe_text(&text, run->name);
-    buf_printf(&text, ", %zu record%s", run->records, plural(run->records));
+    buf_printf(&text, ", %zu record%s", run->recorded.records, plural(run->recorded.records));
     buf_add_text(&text, line ? ": the run goes on there\n" : ": nothing is left to do\n");
     if (other)
         buf_printf(
@@ -104,7 +103,7 @@ static bool was_answered(const struct run *run, const char *line)
     struct interpreter *interp = run->interp;
     struct call call;
     if (run->recorded.mode != RECORDED_ENDS || !interp->keeps ||
-        journal_count(interp->journal) > run->records ||
+        journal_count(interp->journal) > run->recorded.records ||
         command_parse(&call, line, &interp->session, NULL) != OK)
         return false;
     const bool is_question = call.command && !(call.command->flags & COMMAND_RECORDED);
@@ -150,10 +149,7 @@ static enum err end_run(const struct run *run, size_t number, struct fault *faul
 enum err script_run(struct interpreter *interp, FILE *input, const char *name, bool keep_going,
                     const struct printer *printer, size_t *stopped, struct fault *fault)
 {
-    struct run run = {.interp = interp,
-                      .name = name,
-                      .printer = printer,
-                      .records = interp->journal ? journal_count(interp->journal) : 0};
+    struct run run = {.interp = interp, .name = name, .printer = printer};
     struct buf line = {0};
     struct reply reply = {0};
     enum err first = recorded_begin(&run.recorded, interp, input, fault);

@@ -228,7 +228,8 @@ static const struct program program[] = {
      .detail = "Each command is acknowledged, once its record is on the disk, by a line that "
                "begins `ok N`, where N is the number of the record, or `ok -` for a command that "
                "changes nothing and has none, and repeats the command. The first error ends the "
-               "run.",
+               "run. One that was interrupted goes on after its last record when it is repeated "
+               "with the same --journal; where script and journal differ, nothing is added.",
      .run = run_script},
     {.name = "replay",
      ONE("JOURNAL"),

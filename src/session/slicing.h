@@ -17,8 +17,8 @@
 #define SLICE_KINDS SLICE_WORDS "|mosaic"
 enum slice_kind { SLICE_KIND_AXIAL, SLICE_KIND_CORONAL, SLICE_KIND_SAGITTAL, SLICE_KIND_MOSAIC };
 
-/* The number of the slice that goes through a voxel: the voxel's index along the axis that slices of
- * the plane are counted along. In journals of semantics 8 and less they are counted towards the
+/* The number of the slice that goes through a voxel: the voxel's index along the axis that slices
+ * of the plane are counted along. In journals of semantics 8 and less they are counted towards the
  * patient's head, front and right (slice_index). And the voxel at the same place of slice `number`,
  * which is below slice_count. */
 uint32_t slicing_number(const struct session *session, enum slice_plane plane,
