@@ -190,17 +190,17 @@ static bool has_outliers(const struct sorted *s, double core[2], unsigned *thinn
     size_t k = s->count >> 20 > 8 ? s->count >> 20 : 8;
     k = k < most || k > 8 ? k : most;
     double next[2], width = left(s, k, core);
-    if (!(width > 0) || width >= (s->high - s->low) / 16)
+    if (!(width > 0) || width > (s->high - s->low) / 2)
         return false;
     for (k *= 8; k && k <= most; k *= 8) {
         const double less = left(s, k, next);
-        if (!(less > 0) || less > width / 4)
+        if (!(less > 0) || less > width / 2 || less < width / 32)
             break;
         memcpy(core, next, sizeof next);
         width = less;
         ++*thinning;
     }
-    return true;
+    return width < (s->high - s->low) / 16;
 }
 
 /* ---- numbers of all kinds ---- */

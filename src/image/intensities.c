@@ -147,7 +147,7 @@ static enum err find_outliers(bool *is_clamped, uint64_t core[2], const struct f
     *is_clamped = false;
     if (f->volume->choice.by_extremes)
         return OK;
-    size_t *room = mem_array(OUTLIERS_ROOM, sizeof *room);
+    uint64_t *room = mem_array(OUTLIERS_ROOM, sizeof *room);
     if (!room)
         return fault_memory(f->fault, "the scale of the scene");
     *is_clamped = outliers_find(core, numbers, room, f->task->watch);
@@ -287,19 +287,30 @@ static inline struct extent find_extent(const uint8_t *from, size_t count, bool 
     return extent;
 }
 
-/* Most scenes have one that is not among the first voxels. */
-static inline bool are_whole(const struct fitting *f, bool is_double)
+/* Which most scenes show among the first voxels that they are not. */
+static inline bool are_whole(const struct fitting *f, bool is_double, bool is_small)
 {
     for (size_t i = 0, end; i < f->count; i = end) {
         bool all = true;
         for (end = i + PIECE < f->count ? i + PIECE : f->count; i < end; i++) {
             const double value = real_at(f->from + (is_double ? 8 : 4) * i, is_double);
-            all &= !isfinite(value) || value == rint(value);
+            const double real = isfinite(value) ? value : 0;
+            all &= real == (is_small ? (double)(int32_t)real : rint(real));
         }
         if (!all)
             return false;
     }
     return true;
+}
+
+static bool is_exact(const struct fitting *f, const struct extent *extent)
+{
+    const bool is_small = extent->low > INT32_MIN && extent->high < INT32_MAX;
+    if (extent->high - extent->low > UINT16_MAX)
+        return false;
+    if (f->type == VOXEL_FLOAT64)
+        return is_small ? are_whole(f, true, true) : are_whole(f, true, false);
+    return is_small ? are_whole(f, false, true) : are_whole(f, false, false);
 }
 
 /* Levels first .. first + range are the numbers from low to high. */
@@ -308,32 +319,51 @@ struct line {
     uint16_t first, range;
 };
 
-/* Halves keep the range of the widest doubles finite. */
-static inline void spread(const struct fitting *f, const struct line *line, bool is_double,
-                          struct levels *levels)
+/* Of a piece that the cache holds. Halves keep the range of the widest doubles finite. */
+static inline void find_levels(uint16_t *is, const uint8_t *from, size_t count,
+                               const struct line *line, bool is_double)
 {
     const double half = isfinite(line->high - line->low) ? 1 : 0.5;
     const double base = line->low * half, range = line->high * half - base;
-    const double levels_within = line->range;
-    for (size_t i = 0, end; i < f->count && task_advance(f->task, PIECE); i = end)
-        for (end = i + PIECE < f->count ? i + PIECE : f->count; i < end; i++) {
-            const double value = real_at(f->from + (is_double ? 8 : 4) * i, is_double);
-            const bool is_odd = !isfinite(value);
-            const double part = range > 0 && !is_odd ? (value * half - base) / range : 0;
-            if (!levels) {
-                f->volume->intensity[i] = (uint16_t)(part * levels_within + 0.5);
-                continue;
-            }
-            const bool is_below = part < 0 || (is_odd && line->first), is_above = part > 1;
-            const uint16_t is = is_below   ? 0
-                                : is_above ? LEVELS - 1
-                                           : (uint16_t)(line->first + part * levels_within + 0.5);
-            levels->beyond[0] += is_below && !is_odd;
-            levels->beyond[1] += is_above;
-            if (!is_odd)
-                note_level(levels, is, value);
-            f->volume->intensity[i] = is;
-        }
+    const double first = line->first + 0.5, levels = line->range;
+    for (size_t i = 0; i < count; i++) {
+        const double value = real_at(from + (is_double ? 8 : 4) * i, is_double);
+        const double part = range > 0 && isfinite(value) ? (value * half - base) / range : 0;
+        const double level = part < 0 ? 0 : part > 1 ? LEVELS - 1 : part * levels + first;
+        is[i] = (uint16_t)(isfinite(value) ? level : 0);
+    }
+}
+
+/* Neighbours often have the same number. */
+static inline void note_piece(struct levels *levels, const uint16_t *is, const uint8_t *from,
+                              size_t count, bool is_double)
+{
+    double before = NAN;
+    for (size_t i = 0; i < count; i++) {
+        const double value = real_at(from + (is_double ? 8 : 4) * i, is_double);
+        if (value != before && isfinite(value))
+            note_level(levels, is[i], value);
+        before = value;
+    }
+    for (size_t i = 0; levels->is_clamped && i < count; i++) {
+        levels->beyond[0] +=
+            is[i] == 0 && isfinite(real_at(from + (is_double ? 8 : 4) * i, is_double));
+        levels->beyond[1] += is[i] == LEVELS - 1;
+    }
+}
+
+static inline void spread(const struct fitting *f, const struct line *line, bool is_double)
+{
+    enum { SMALL = 4096 };
+    uint16_t is[SMALL];
+    for (size_t done = 0, n; done < f->count && task_advance(f->task, SMALL); done += n) {
+        const uint8_t *from = f->from + (is_double ? 8 : 4) * done;
+        n = f->count - done < SMALL ? f->count - done : SMALL;
+        find_levels(is, from, n, line, is_double);
+        if (f->levels)
+            note_piece(f->levels, is, from, n, is_double);
+        memcpy(f->volume->intensity + done, is, n * sizeof *is);
+    }
 }
 
 /* Whole numbers that fit have a level each; else the line may be cut. */
@@ -343,15 +373,15 @@ static enum err find_line(struct line *line, const struct extent *extent, struct
                                     f->count,
                                     f->type,
                                     extent->odd,
-                                    order_of_real(extent->low),
-                                    order_of_real(extent->high)};
+                                    order_of_real(extent->low, f->type),
+                                    order_of_real(extent->high, f->type)};
     const double range = extent->high - extent->low;
     uint64_t core[2];
     bool is_clamped;
     *line = (struct line){extent->low, extent->high, 0, LEVELS - 1};
     if (f->volume->choice.by_extremes)
         return OK;
-    if (range <= UINT16_MAX && are_whole(f, f->type == VOXEL_FLOAT64)) {
+    if (is_exact(f, extent)) {
         line->low = extent->low >= 0 && extent->high <= UINT16_MAX ? 0 : extent->low;
         line->high = line->low + UINT16_MAX;
         return OK;
@@ -383,14 +413,10 @@ static enum err fit_reals(struct way_back *back, struct fitting *f)
     const enum err err = find_line(&line, &extent, f);
     if (err)
         return err;
-    if (is_double && f->levels)
-        spread(f, &line, true, f->levels);
-    else if (is_double)
-        spread(f, &line, true, NULL);
-    else if (f->levels)
-        spread(f, &line, false, f->levels);
+    if (is_double)
+        spread(f, &line, true);
     else
-        spread(f, &line, false, NULL);
+        spread(f, &line, false);
     if (extent.odd)
         volume_note(f->volume->notes, "%zu voxel%s no number or infinite: taken for %s%g",
                     extent.odd, extent.odd == 1 ? " is" : "s are", line.first ? "less than " : "",

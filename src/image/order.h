@@ -20,10 +20,12 @@ static inline bool order_is_real(enum voxel_type type)
     return type == VOXEL_FLOAT32 || type == VOXEL_FLOAT64;
 }
 
-/* The order of 0 in a signed type. */
+/* The order of 0. */
 static inline uint64_t order_zero(enum voxel_type type)
 {
-    return type == VOXEL_UINT32 || type == VOXEL_UINT64 ? 0 : UINT64_C(1) << 63;
+    return type == VOXEL_UINT32 || type == VOXEL_UINT64 ? 0
+           : type == VOXEL_FLOAT32                      ? UINT64_C(1) << 31
+                                                        : UINT64_C(1) << 63;
 }
 
 static inline double real_at(const uint8_t *at, bool is_double)
@@ -38,12 +40,19 @@ static inline double real_at(const uint8_t *at, bool is_double)
     return (double)narrow;
 }
 
-static inline uint64_t order_of_real(double value)
+/* Of a number that a real type has. */
+static inline uint64_t order_of_real(double value, enum voxel_type type)
 {
     uint64_t bits;
+    uint32_t few;
     if (!isfinite(value))
         return ORDER_NONE;
-    value += 0.0; /* -0 is 0 */
+    if (type == VOXEL_FLOAT32) {
+        const float narrow = (float)value + 0.0F; /* -0 is 0 */
+        memcpy(&few, &narrow, sizeof few);
+        return few >> 31 ? ~few : few | UINT32_C(1) << 31;
+    }
+    value += 0.0;
     memcpy(&bits, &value, sizeof bits);
     return bits >> 63 ? ~bits : bits | UINT64_C(1) << 63;
 }
@@ -54,7 +63,7 @@ static inline uint64_t order_at(const uint8_t *at, enum voxel_type type)
     uint64_t wide;
     uint32_t narrow;
     if (order_is_real(type))
-        return order_of_real(real_at(at, type == VOXEL_FLOAT64));
+        return order_of_real(real_at(at, type == VOXEL_FLOAT64), type);
     if (type == VOXEL_INT64 || type == VOXEL_UINT64) {
         memcpy(&wide, at, sizeof wide);
         return wide ^ order_zero(type);
@@ -69,10 +78,13 @@ static inline double order_number(uint64_t order, enum voxel_type type)
     const uint64_t zero = order_zero(type);
     if (!order_is_real(type))
         return order < zero ? -(double)(zero - order) : (double)(order - zero);
-    const uint64_t bits = order >> 63 ? order ^ zero : ~order;
+    const uint64_t bits = order >= zero ? order ^ zero : ~order;
+    const uint32_t few = (uint32_t)bits;
     double value;
+    float narrow;
     memcpy(&value, &bits, sizeof value);
-    return value;
+    memcpy(&narrow, &few, sizeof narrow);
+    return type == VOXEL_FLOAT32 ? (double)narrow : value;
 }
 
 #endif

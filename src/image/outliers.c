@@ -7,21 +7,23 @@ _Static_assert(OUTLIERS_ROOM == 1 << DIGIT, "a count of each digit");
 
 /* The first test; that of each further one, and of how many voxels it may be at most. */
 enum { ASIDE_LEAST = 8, ASIDE_SHARE = 20, MORE = 8, MOST_SHARE = 128 };
-enum { LEVELS_LEFT = 16, THINS_OUT = 4 };
+enum { THINS_OUT = 2, FALLS_OFF = 32, TAKES_LEVELS = 16 };
 
-/* How often an order occurs. */
-static size_t count_equal(const struct numbers *n, uint64_t order, struct watch *watch)
+/* How often the ends of the range occur. */
+static void count_extremes(size_t out[2], const struct numbers *n, struct watch *watch)
 {
     const unsigned width = voxel_bytes(n->type);
     struct task task = task_begin(watch, "outliers", n->count);
-    size_t count = 0;
+    out[0] = out[1] = 0;
     for (size_t i = 0, end; i < n->count && task_advance(&task, PIECE); i = end)
-        for (end = i + PIECE < n->count ? i + PIECE : n->count; i < end; i++)
-            count += order_at(n->at + width * i, n->type) == order;
-    return count;
+        for (end = i + PIECE < n->count ? i + PIECE : n->count; i < end; i++) {
+            const uint64_t order = order_at(n->at + width * i, n->type);
+            out[0] += order == n->least;
+            out[1] += order == n->greatest;
+        }
 }
 
-static void count_digits(size_t *room, const struct numbers *n, unsigned shift, uint64_t above,
+static void count_digits(uint64_t *room, const struct numbers *n, unsigned shift, uint64_t above,
                          struct watch *watch)
 {
     const unsigned width = voxel_bytes(n->type);
@@ -37,7 +39,7 @@ static void count_digits(size_t *room, const struct numbers *n, unsigned shift, 
 }
 
 /* The order that so many voxels precede, digit by digit. */
-static uint64_t order_of_rank(const struct numbers *n, size_t rank, size_t *room,
+static uint64_t order_of_rank(const struct numbers *n, size_t rank, uint64_t *room,
                               struct watch *watch)
 {
     uint64_t above = 0;
@@ -64,14 +66,14 @@ static double half_width(const struct numbers *n, const uint64_t order[2])
 }
 
 /* Enough for most scenes, and found before all of it was looked at: more voxels than are put aside
- * lie within the lowest quarter of the range, and as many more than a 16th of it above that. */
+ * lie within the lowest 16th of the range, and as many within the highest two fifths. */
 static bool is_spread(const struct numbers *n, size_t aside, struct watch *watch)
 {
     const unsigned width = voxel_bytes(n->type);
     const uint64_t ends[2] = {n->least, n->greatest};
-    const double least = order_number(n->least, n->type) / 2;
+    const double least = order_number(n->least, n->type) / 2, range = half_width(n, ends);
     const double greatest = order_number(n->greatest, n->type) / 2;
-    const double low = least + half_width(n, ends) / 4, high = least + half_width(n, ends) / 3;
+    const double low = least + range / 16, high = greatest - range * 2 / 5;
     struct task task = task_begin(watch, "outliers", n->count);
     size_t below = 0, above = 0;
     for (size_t i = 0, end; i < n->count && task_advance(&task, PIECE); i = end) {
@@ -89,9 +91,47 @@ static bool is_spread(const struct numbers *n, size_t aside, struct watch *watch
     return false;
 }
 
-/* What T(k) is the range of; false where nothing is left of it. */
+/* Puts an order into a list that ascends, in place of the last one; of falling orders where
+ * `flip` has all bits. */
+static void insert(uint64_t *list, size_t last, uint64_t order, uint64_t flip)
+{
+    size_t i = last;
+    for (; i > 0 && (list[i - 1] ^ flip) > (order ^ flip); i--)
+        list[i] = list[i - 1];
+    list[i] = order;
+}
+
+/* What T(k) is the range of, for the first, small k; false where nothing is left of it. */
+static bool put_first_aside(uint64_t core[2], const struct numbers *n, size_t k, uint64_t *room,
+                            struct watch *watch)
+{
+    const unsigned width = voxel_bytes(n->type);
+    uint64_t *lowest = room, *highest = room + k + 1;
+    struct task task = task_begin(watch, "outliers", n->count);
+    size_t between = 0;
+    for (size_t i = 0; i <= k; i++) {
+        lowest[i] = n->greatest;
+        highest[i] = n->least;
+    }
+    for (size_t i = 0, end; i < n->count && task_advance(&task, PIECE); i = end)
+        for (end = i + PIECE < n->count ? i + PIECE : n->count; i < end; i++) {
+            const uint64_t order = order_at(n->at + width * i, n->type);
+            if (order <= n->least || order >= n->greatest)
+                continue;
+            between++;
+            if (order < lowest[k])
+                insert(lowest, k, order, 0);
+            if (order > highest[k])
+                insert(highest, k, order, UINT64_MAX);
+        }
+    core[0] = lowest[k];
+    core[1] = highest[k];
+    return between > 2 * k && core[0] < core[1];
+}
+
+/* The same for any k, by ranks. */
 static bool put_aside(uint64_t core[2], const struct numbers *n, const size_t extreme[2], size_t k,
-                      size_t *room, struct watch *watch)
+                      uint64_t *room, struct watch *watch)
 {
     const size_t count = n->count - n->odd;
     if (extreme[0] + k >= count || extreme[1] + k >= count - extreme[0] - k)
@@ -101,24 +141,30 @@ static bool put_aside(uint64_t core[2], const struct numbers *n, const size_t ex
     return core[0] < core[1];
 }
 
-bool outliers_find(uint64_t core[2], const struct numbers *n, size_t *room, struct watch *watch)
+bool outliers_find(uint64_t core[2], const struct numbers *n, uint64_t *room, struct watch *watch)
 {
     const size_t count = n->count - n->odd, most = count / MOST_SHARE;
     const size_t share = count >> ASIDE_SHARE;
     const uint64_t ends[2] = {n->least, n->greatest};
     uint64_t next[2];
+    size_t extreme[2];
     size_t k = share > ASIDE_LEAST ? share : most < ASIDE_LEAST ? most : ASIDE_LEAST;
-    if (n->least == n->greatest || is_spread(n, k, watch))
+    if (n->least == n->greatest || is_spread(n, k, watch) ||
+        !put_first_aside(core, n, k, room, watch))
         return false;
-    const size_t extreme[2] = {count_equal(n, n->least, watch), count_equal(n, n->greatest, watch)};
-    if (!put_aside(core, n, extreme, k, room, watch) ||
-        half_width(n, core) >= half_width(n, ends) / LEVELS_LEFT)
+    double width = half_width(n, core);
+    const double all = half_width(n, ends);
+    if (width > all / THINS_OUT)
         return false;
+    count_extremes(extreme, n, watch);
     for (k *= MORE; k > 0 && k <= most; k *= MORE) {
-        if (!put_aside(next, n, extreme, k, room, watch) ||
-            half_width(n, next) > half_width(n, core) / THINS_OUT)
+        if (!put_aside(next, n, extreme, k, room, watch))
+            break;
+        const double less = half_width(n, next);
+        if (less > width / THINS_OUT || less < width / FALLS_OFF)
             break;
         memcpy(core, next, sizeof next);
+        width = less;
     }
-    return true;
+    return width < all / TAKES_LEVELS;
 }

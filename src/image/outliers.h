@@ -9,15 +9,15 @@
  * are numbers.
  *
  *     k = 8, or n / 2^20 if that is more, or n / 128 if that is less than 8
- *     the scale goes from the least to the greatest number    where T(k) is at least a 16th of
- *                                                             that: 4096 levels, as CT has, are
- *                                                             left; or where T(k) is nothing
- *     else k becomes 8 k as long as T(8 k) is above 0 and at most a quarter of T(k), and 8 k at
- *     most n / 128: a tail of ever fewer voxels, as quotients have
- *     the core is what T(k) is the range of
+ *     the core is what T(k) is the range of; T(k) is to be above 0, and at most half of all
+ *     k becomes 8 k, and the core with it, as long as that is at most n / 128, and T(8 k) is above
+ *     0, at most a half and at least a 32nd of T(k): a tail that thins out, as quotients have
+ *     outliers take the levels of others where T(k) is less than a 16th of all in the end: 4096
+ *     levels, as CT has, would be left
  *
- * What is put aside in one step is few voxels, or thins out: an object that is bright as nothing
- * else is, of more voxels than that, stays within the scale whatever is around it.
+ * So what is put aside is very few voxels, or a tail without an end of its own. An object that is
+ * bright as nothing else is stays within the scale, whatever is around it: beyond its own values
+ * T falls at once, which is no tail.
  */
 #ifndef IMAGE_OUTLIERS_H
 #define IMAGE_OUTLIERS_H
@@ -38,7 +38,7 @@ struct numbers {
 /* Whether outliers take the levels of the others, whose orders are core[0] .. core[1] then. `room`
  * is [OUTLIERS_ROOM], for the work. Of no use where the watch (or NULL) stopped it. */
 enum { OUTLIERS_ROOM = 1 << 16 };
-bool outliers_find(uint64_t core[2], const struct numbers *numbers, size_t *room,
+bool outliers_find(uint64_t core[2], const struct numbers *numbers, uint64_t *room,
                    struct watch *watch);
 
 #endif
