@@ -277,6 +277,46 @@ mv pair/a.hdr pair/b.img
 refused "there is no b.hdr beside it, with its header" "open pair/b.img"
 close_story
 
+begin "what is refused, open and info explain alike: CIFTI, PAR/REC, AFNI, ECAT, colours"
+own=$("$PYTHON" -c "import nibabel, os; print(os.path.dirname(nibabel.__file__))")/tests/data
+"$PYTHON" -W ignore - 2>"$work/err" <<'END' || fail "$(cat "$work/err")"
+import nibabel, numpy
+from nibabel import cifti2
+model = cifti2.BrainModelAxis.from_mask(numpy.ones((3, 4, 5), bool), "thalamus_left",
+                                        numpy.diag([2, 2, 2, 1]))
+image = cifti2.Cifti2Image(numpy.ones((2, 60), "f4"), (cifti2.ScalarAxis(["a", "b"]), model))
+nibabel.save(image, "made.dscalar.nii")
+colours = numpy.zeros((4, 4, 4), [("R", "u1"), ("G", "u1"), ("B", "u1")])
+nibabel.save(nibabel.Nifti1Image(colours, numpy.eye(4)), "rgb.nii")
+END
+while read -r name words; do
+    expect 3 "$iftty" -c "open $name volume=0"
+    err_has "$words"
+    "$iftty" info "$name" >"$work/out" 2>&1
+    out_has "$words"
+done <<END
+$own/row_major.dconn.nii it is CIFTI, values of grayordinates and of no grid; \`wb_command
+made.dscalar.nii it is CIFTI, values of grayordinates and of no grid; \`wb_command
+$own/T2.PAR a PAR/REC of Philips, which is not read: \`dcm2niix FOLDER\` makes a NIfTI of it
+$own/scaled+tlrc.HEAD a data set of AFNI, which is not read: \`3dAFNItoNIFTI FILE\` makes a
+$own/scaled+tlrc.BRIK a data set of AFNI, which is not read: \`3dAFNItoNIFTI FILE\` makes a
+$own/tinypet.v an ECAT volume, which is not read: \`dcm2niix FILE\` makes a NIfTI of it
+rgb.nii its voxels are rgb24 (datatype 128); it has colours: take one channel
+rgb.mgh its voxels are rgb (type 9)
+END
+expect 0 "$iftty" info --json made.dscalar.nii
+out_has '"refused": "it is CIFTI'
+cp an-short.twin.nii "$work/without-ending" # which open takes by its first bytes
+expect 0 "$iftty" info "$work/without-ending"
+out_has "26x22x14"
+printf '\0\0\0\2 no header' >"$work/none.mgz"
+for command in info open; do
+    case $command in info) set -- info "$work/none.mgz" ;; *) set -- -c "open $work/none.mgz" ;; esac
+    expect 3 "$iftty" "$@"
+    err_has "none.mgz: cut short: it ends within the header (14 bytes on disk)"
+done
+close_story
+
 begin "nothing private of a DICOM comes out, wherever one looks"
 secrets='SECRETNAME|SECRETNUMBER|19450508|1[.]2[.]826[.]0[.]1[.]3680043'
 mkdir "$work/private" plain

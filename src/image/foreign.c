@@ -59,6 +59,11 @@ static const struct foreign {
      "a file of a Siemens scanner that is not read: `dcm2niix FOLDER` may make a NIfTI of it"},
 };
 
+bool foreign_is_picture(const char *advice)
+{
+    return strstr(advice, PICTURE) != NULL;
+}
+
 const char *foreign_advice(const char *path, const uint8_t *begin, size_t length, bool by_name)
 {
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {

@@ -12,4 +12,7 @@
  * whether its name alone is enough. */
 const char *foreign_advice(const char *path, const uint8_t *begin, size_t length, bool by_name);
 
+/* Whether what is advised is that it is a picture, and no scene. */
+bool foreign_is_picture(const char *advice);
+
 #endif

@@ -176,6 +176,15 @@ static const char *format_of(const struct nifti_header *header)
     return "analyze";
 }
 
+/* Values of grayordinates, points of surfaces and voxels in a list: its grid is 1x1x1, and what they
+ * are the XML in its extension says. */
+static bool is_cifti(const struct nifti_header *header)
+{
+    const int64_t *dim = header->dim, intent = header->intent_code;
+    return header->kind == NIFTI_SINGLE && intent >= 3000 && intent < 3100 && dim[0] > 4 &&
+           dim[1] == 1 && dim[2] == 1 && dim[3] == 1;
+}
+
 /* What the fields say of the voxels of `source`. */
 static enum err take_fields(struct volume_header *out, struct nifti_header *header,
                             const struct volume_source *source, struct fault *fault)
@@ -187,7 +196,11 @@ static enum err take_fields(struct volume_header *out, struct nifti_header *head
     snprintf(out->format, sizeof out->format, "%s", format_of(header));
     snprintf(out->type_name, sizeof out->type_name, "%s", datatype->name);
     out->big_endian = header->big_endian;
-    if (datatype->type == UNREAD)
+    if (is_cifti(header))
+        snprintf(out->refusal, sizeof out->refusal,
+                 "it is CIFTI, values of grayordinates and of no grid; `wb_command -cifti-separate "
+                 "FILE COLUMN -volume-all A.nii` makes a NIfTI of its voxels");
+    else if (datatype->type == UNREAD)
         snprintf(out->refusal, sizeof out->refusal, "its voxels are %s (datatype %" PRId64 "); %s",
                  datatype->name, header->datatype, datatype->remedy);
     else {

@@ -22,6 +22,7 @@ static const struct field {
     struct place_in_file in[2];                   /* by version */
 } field[] = {
     {offsetof(struct nifti_header, dim), 8, INTEGER, {{40, 2}, {16, 8}}},
+    {offsetof(struct nifti_header, intent_code), 1, INTEGER, {{68, 2}, {504, 4}}},
     {offsetof(struct nifti_header, datatype), 1, INTEGER, {{70, 2}, {12, 2}}},
     {offsetof(struct nifti_header, bitpix), 1, INTEGER, {{72, 2}, {14, 2}}},
     {offsetof(struct nifti_header, pixdim), 8, REAL, {{76, 4}, {104, 8}}},

@@ -27,6 +27,7 @@ struct nifti_header {
     bool big_endian;
     size_t bytes; /* 348 or 540 */
     int64_t dim[8];
+    int64_t intent_code; /* what the values mean */
     int64_t datatype, bitpix;
     double pixdim[8];
     double vox_offset;

@@ -125,6 +125,28 @@ static const struct volume_format *format_recognising(const uint8_t *begin, size
     return NULL;
 }
 
+/* Why a file of another format is refused; NULL where that is not known. Voxels alone may begin with
+ * any bytes. */
+static const char *advise(const char *path, const uint8_t *begin, size_t length)
+{
+    return file_is_named(path, PAIR_VOXELS)
+               ? NULL
+               : foreign_advice(path, begin, length, !format_named(path, false));
+}
+
+bool volume_is_known(const char *path)
+{
+    uint8_t begin[FIRST_BYTES];
+    struct volume_source source;
+    if (file_is_folder(path) || source_open(&source, path, NULL, NULL))
+        return false;
+    const size_t length = source_peek(&source, begin, sizeof begin);
+    const char *advice = advise(path, begin, length);
+    source_close(&source);
+    const struct volume_format *format = format_recognising(begin, length);
+    return format ? !(format->takes & TAKES_FOLDERS) : advice && !foreign_is_picture(advice);
+}
+
 static enum err find_format(const struct volume_format **format, struct volume_source *source,
                             const struct volume_choice *choice, struct fault *fault)
 {
@@ -136,10 +158,7 @@ static enum err find_format(const struct volume_format **format, struct volume_s
     if (*format)
         return OK;
     *format = format_named(source->path, false);
-    /* Voxels alone may begin with any bytes. */
-    const char *advice = file_is_named(source->path, PAIR_VOXELS)
-                             ? NULL
-                             : foreign_advice(source->path, begin, length, !*format);
+    const char *advice = advise(source->path, begin, length);
     if (advice)
         return fault_set(fault, ERR_INPUT, "%s", advice);
     return *format ? OK : refuse("not a volume; expected ", false, ERR_INPUT, fault);

@@ -322,6 +322,8 @@ static enum err add_scene(struct facts *f, const char *path, struct fault *fault
     add_text(f, "axes", oriented ? towards : "unknown");
     add_text(f, "order", facts.big_endian ? "big-endian" : "little-endian");
     add_open_notes(f, facts.notes);
+    if (*facts.refusal)
+        add_text(f, "refused", facts.refusal);
     return f->wants_histogram ? add_histogram(f, path, fault) : OK;
 }
 
@@ -358,7 +360,8 @@ static enum err add_file(struct facts *f, const char *path, struct fault *fault)
         return add_exr(f, path, fault);
     if (volume_ending(path) && !file_begins_with(path, "#?RADIANCE"))
         return add_scene(f, path, fault);
-    return add_image(f, path, fault);
+    const enum err err = add_image(f, path, fault);
+    return err && volume_is_known(path) ? add_scene(f, path, fault) : err;
 }
 
 /* What keeps hostile files and journals in, and what is missing for it. */
