@@ -129,7 +129,7 @@ void count_page(Counted &file, const Numbers &place, const Numbers &length, uint
     const uint64_t count = std::min(place.count, length.count);
     counted = sum_of(counted, count);
     if (counted > file.bytes())
-        refuse("its pages have more parts than it has bytes");
+        refuse("its pages have more fields and parts than it has bytes");
     std::vector<uint64_t> begin(count);
     for (uint64_t i = 0; i < count; i++)
         begin[i] = file.number(place.at + i * place.width, place.width);
@@ -151,6 +151,7 @@ void count_tiff(Counted &file)
         const uint64_t entries = file.number(page, head);
         const uint64_t end = sum_of(sum_of(page, head), product_of(entries, entry));
         Numbers place, length;
+        counted = sum_of(counted, entries);
         file.need(sum_of(end, wide_bytes));
         for (uint64_t at = page + head; at < end; at += entry) {
             const uint64_t tag = file.number(at, 2), type = file.number(at + 2, 2);
@@ -416,7 +417,10 @@ std::vector<std::string> counted_out(const std::string &pattern, uint64_t usual_
         words >> step;
     const size_t at = name.find('%'), end = name.find_first_not_of("0123456789", at + 1);
     const int width = std::atoi(name.c_str() + at + 1);
-    if (end == std::string::npos || !std::strchr("diu", name[end]) || width > 9 || step == 0)
+    const long most = 1000000000;
+    if (at == std::string::npos || end == std::string::npos || !std::strchr("diu", name[end]) ||
+        width > 9 || step == 0 || std::max({first, last, step}) > most ||
+        std::min({first, last, step}) < -most)
         refuse("the names of the files with its voxels make no sense");
     for (long n = first; step > 0 ? n <= last : n >= last; n += step) {
         std::string digits = std::to_string(std::labs(n));
@@ -529,16 +533,17 @@ Run run_of_vtk(Run run)
                                                      "color_scalars"};
     std::ifstream file(run.path, std::ios::binary);
     std::string line;
+    bool is_found = false;
     for (int i = 0; std::getline(file, line) && i < 100000; i++) {
         const std::string word = in_small_letters(line.substr(0, line.find_first_of(" \t\r")));
+        if (is_found && word != "lookup_table")
+            break;
+        run.at += line.size() + (file.eof() ? 0 : 1);
+        if (is_found)
+            break;
         if (i == 2 && word == "ascii")
             run.packing = Packing::TEXT;
-        if (i < 3 || !attributes.count(word))
-            continue;
-        run.at = static_cast<uint64_t>(file.tellg());
-        if (std::getline(file, line) && in_small_letters(line.substr(0, 12)) == "lookup_table")
-            run.at = static_cast<uint64_t>(file.tellg());
-        break;
+        is_found = i > 2 && attributes.count(word);
     }
     return run;
 }
@@ -554,19 +559,19 @@ Run run_of_mrc(Run run)
 /* Of scanners each file is a slice; the voxels of Stimulate are beside the header. */
 Run run_of_scanner(Run run, const std::string &kind, const Volume &volume)
 {
-    if (kind == "stimulate" && run.path.size() > 4 &&
-        run.path.compare(run.path.size() - 4, 4, ".spr") == 0)
-        return run_beside(run, run.path, last_name(run.path.substr(0, run.path.size() - 4) + ".sdt"));
-    if (kind != "stimulate" && kind != "bruker")
+    const size_t stem = run.path.size() - std::min<size_t>(run.path.size(), 4);
+    if (kind != "stimulate")
         run.bytes /= volume.size[2] * volume.volumes;
+    else if (run.path.compare(stem, 4, ".spr") == 0)
+        return run_beside(run, run.path,
+                          run.path.substr(0, stem).substr(run.path.find_last_of('/') + 1) + ".sdt");
     return run;
 }
 
 std::vector<Run> runs_of(const Volume &volume, const std::string &kind, const std::string &path,
                          const itk::ImageIOBase &io)
 {
-    static const std::set<std::string> scanners = {"ge4",     "ge5",    "geadw",
-                                                   "siemens", "bruker", "stimulate"};
+    static const std::set<std::string> scanners = {"ge4", "ge5", "geadw", "siemens", "stimulate"};
     Run run;
     run.path = path;
     run.bytes = bytes_in(volume, volume.volumes);
