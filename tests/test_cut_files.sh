@@ -1,7 +1,7 @@
 #!/bin/sh
-# Files of every format that were cut: at a quarter, a half, 99 of 100, and by one byte. ITK's, teem's
-# and other people's writers made them (volumes/cut.py). Each is refused, and the words name the file,
-# the bytes that it has and those that it should have; nothing is filled up.
+# Files of every format that were cut: at a quarter, a half, 99 of 100, and by one byte. Writers of
+# ITK, teem and others made them (volumes/cut.py). Each is refused, and the words name the file, the
+# bytes that it has and those that it should have; nothing is filled up.
 . "$(dirname "$0")/lib.sh"
 PYTHON=/usr/bin/python3
 unset IFTTY_SCENES
@@ -86,7 +86,7 @@ expect 3 "$iftty" -c "open empty.mha"
 err_has "empty.mha: cut short: it has $(file_bytes empty.mha) bytes, and its header promises"
 : >itk.raw
 expect 3 "$iftty" -c "open itk.mhd"
-err_has "its voxels are in itk.raw, which is cut short: it has 0 bytes, and its header promises 16016"
+err_has "itk.raw, which is cut short: it has 0 bytes, and its header promises 16016; fetch"
 rm itk.raw list2.raw
 for name in itk.mhd list.mhd; do
     expect 3 "$iftty" -c "open $name volume=1"

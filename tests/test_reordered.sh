@@ -57,8 +57,8 @@ begin "seeds, a start, a mask and weights are the same by every order, and one l
 cube=
 alike scene.nii "seed-file MAP erode=0; run"
 same "$(cat said0)" ""
-same "$(cat said47)" "    its axes run towards IPL and the scene's towards RAS: taken voxel by voxel, \
-in the scene's order"
+same "$(cat said47)" "    its axes run towards IPL and the scene's towards RAS: taken voxel by \
+voxel, in the scene's order"
 same "$(cat said47 said1 said19 | wc -l | tr -d ' ')" 3
 alike scene.nii "labels MAP"
 alike scene.nii "mask MAP regions=1-2; seed 3,3,3 1; run"
@@ -81,8 +81,8 @@ done
 close_story
 
 begin "a journal with such a map verifies"
-expect 0 "$iftty" -c "open scene.nii; seed-file map29.nii erode=0; run; mask map41.nii regions=0-3; run" \
-    --journal j.iftty
+expect 0 "$iftty" -c "open scene.nii; seed-file map29.nii erode=0; run
+    mask map41.nii regions=0-3; run" --journal j.iftty
 expect 0 "$iftty" verify j.iftty
 close_story
 
@@ -103,7 +103,8 @@ import nibabel, numpy
 order = numpy.array([[0, -1], [1, 1], [2, -1]])
 nibabel.save(nibabel.load("part.nii").as_reoriented(order), "turned.nii")
 END
-expect 0 "$iftty" -c "open scene.nii crop=2-9,1-7,3-8; labels turned.nii erode=0; save labels again.nii"
+expect 0 "$iftty" -c "open scene.nii crop=2-9,1-7,3-8; labels turned.nii erode=0
+    save labels again.nii"
 same_files part.nii again.nii
 close_story
 

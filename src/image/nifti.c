@@ -176,8 +176,8 @@ static const char *format_of(const struct nifti_header *header)
     return "analyze";
 }
 
-/* Values of grayordinates, points of surfaces and voxels in a list: its grid is 1x1x1, and what they
- * are the XML in its extension says. */
+/* Values of grayordinates, points of surfaces and voxels in a list: its grid is 1x1x1, and what
+ * they are the XML in its extension says. */
 static bool is_cifti(const struct nifti_header *header)
 {
     const int64_t *dim = header->dim, intent = header->intent_code;

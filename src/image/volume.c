@@ -125,8 +125,8 @@ static const struct volume_format *format_recognising(const uint8_t *begin, size
     return NULL;
 }
 
-/* Why a file of another format is refused; NULL where that is not known. Voxels alone may begin with
- * any bytes. */
+/* Why a file of another format is refused; NULL where that is not known. Voxels alone may begin
+ * with any bytes. */
 static const char *advise(const char *path, const uint8_t *begin, size_t length)
 {
     return file_is_named(path, PAIR_VOXELS)

@@ -157,8 +157,8 @@ const char *volume_ending(const char *path);
  * them, and none of volumes does. */
 bool volume_may_name_a_patient(const char *path);
 
-/* Whether its first bytes are those of a volume and of no slice, or of a format that is refused with
- * what converts it: then volume_about has more to say of it than a reader of pictures. */
+/* Whether its first bytes are those of a volume and of no slice, or of a format that is refused
+ * with what converts it: then volume_about has more to say of it than a reader of pictures. */
 bool volume_is_known(const char *path);
 
 /* What the header of `path` says, of voxels that cannot be read too (as those of the root map that
