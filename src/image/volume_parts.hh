@@ -105,7 +105,7 @@ using Series = std::vector<Slice>;
 /* The slices of a file; false where it is no DICOM. One without pixels adds none. */
 bool scan(std::vector<Slice> &slices, const std::string &path);
 
-/* A file of DICOM as it is read: what is deflated, inflated. */
+/* A file of DICOM as it is read: what is deflated, inflated. Nothing where it is none. */
 std::unique_ptr<std::istream> open_bytes(const std::string &path);
 
 /* Where the pixels of a file lie, and what is missing of them. `in` is where its header ends. */

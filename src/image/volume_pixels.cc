@@ -55,6 +55,15 @@ std::string inflate_rest(std::istream &file)
     return out;
 }
 
+/* Whether the first bytes may be of DICOM, with or without its preamble. */
+bool may_be_dicom(const char *bytes, std::streamsize length)
+{
+    if (length >= 132 && std::memcmp(bytes + 128, "DICM", 4) == 0)
+        return true;
+    return length >= 16 && ((bytes[1] == 0 && (bytes[0] == 2 || bytes[0] == 8) && bytes[3] == 0) ||
+                            (bytes[0] == 0 && bytes[1] == 8 && bytes[2] == 0));
+}
+
 /* A file whose data set is deflated is given as the same one that is not: GDCM cannot go back and
  * forth in such. */
 std::unique_ptr<std::istream> open_bytes(const std::string &path)
@@ -66,11 +75,14 @@ std::unique_ptr<std::istream> open_bytes(const std::string &path)
     char begin[1024] = {0};
     auto file = std::make_unique<std::ifstream>(path, std::ios::binary);
     file->read(begin, sizeof begin);
-    char *const end = begin + file->gcount();
+    const std::streamsize length = file->gcount();
+    if (!may_be_dicom(begin, length))
+        return nullptr;
     file->clear();
     file->seekg(0);
-    if (end < begin + 144 || std::memcmp(begin + 128, "DICM\x02\0\0\0UL\x04\0", 12) != 0 ||
-        std::search(begin + 144, end, syntax, syntax + sizeof syntax - 1) == end)
+    if (length < 144 || std::memcmp(begin + 128, "DICM\x02\0\0\0UL\x04\0", 12) != 0 ||
+        std::search(begin + 144, begin + length, syntax, syntax + sizeof syntax - 1) ==
+            begin + length)
         return file;
     file->seekg(144 + std::streamoff{number_of(begin + 140, false)});
     return std::make_unique<std::istringstream>(
@@ -204,6 +216,8 @@ void clear_unused(std::vector<char> &bytes, unsigned bits, unsigned stored, unsi
 bool read_plain(std::vector<char> &bytes, const Slice &slice)
 {
     const auto in = open_bytes(slice.path);
+    if (!in)
+        return false;
     const auto needed = static_cast<size_t>(bytes_in(slice));
     bytes.resize(needed + needed % 2); /* with the byte that makes it even, where it is there */
     in->seekg(static_cast<std::streamoff>(slice.pixels_at));

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
+#include <istream>
 
 #include <gdcmReader.h>
 #include <gdcmSequenceOfItems.h>
@@ -194,26 +194,13 @@ void add_frames(std::vector<Slice> &slices, const Slice &first, const gdcm::Data
     }
 }
 
-/* Whether the first bytes may be of DICOM, with or without its preamble. */
-bool may_be_dicom(const std::string &path)
-{
-    char bytes[132] = {0};
-    std::ifstream file(path, std::ios::binary);
-    file.read(bytes, sizeof bytes);
-    if (file.gcount() == sizeof bytes && std::memcmp(bytes + 128, "DICM", 4) == 0)
-        return true;
-    return file.gcount() >= 16 &&
-           ((bytes[1] == 0 && (bytes[0] == 2 || bytes[0] == 8) && bytes[3] == 0) ||
-            (bytes[0] == 0 && bytes[1] == 8 && bytes[2] == 0));
-}
-
 bool scan(std::vector<Slice> &slices, const std::string &path)
 {
     static const gdcm::Tag pixels(0x7fe0, 0x0010);
-    if (!may_be_dicom(path))
-        return false;
     const auto in = open_bytes(path);
     gdcm::Reader reader;
+    if (!in)
+        return false;
     reader.SetStream(*in);
     if (!reader.ReadUpToTag(pixels, {pixels}))
         return false;
