@@ -172,6 +172,8 @@ expect 0 "$iftty" -c "open one/dose-uneven.dcm"
 out_has "slices are not evenly spaced: 4 to 6 mm apart"
 expect 0 "$iftty" -c "open one/dose-few.dcm"
 out_has "distances of voxels unknown"
+expect 0 "$iftty" -c "open one/unspaced.dcm spacing=0.5,0.25,1; measure 0,0,0 10,0,0"
+out_has "5.00 mm"
 close_story
 
 refused() { # WORDS COMMAND: in one line

@@ -224,6 +224,11 @@ static enum err take_spacing(struct volume_header *header, struct fault *fault)
     geometry->spacing_unknown = false;
     if (geometry->orientation == ORIENTATION_UNKNOWN)
         geometry_place_spaced(geometry);
+    for (int a = 0; a < 3; a++) {
+        const double longer = nm[a] / 1e6 / geometry_step_mm(geometry, a);
+        for (int w = 0; w < 3; w++)
+            geometry->to_mm[w][a] *= longer;
+    }
     return OK;
 }
 

@@ -432,6 +432,9 @@ def make_dicom_files(folder):
     one.PixelData = ((twelve & 0xfff) | 0x5000).astype("<i2").tobytes()
     one.save_as(os.path.join(folder, "twelve.dcm"))
     save_twin_of(os.path.join(folder, "twelve.dcm"), plain, twelve)
+    one = dicom("MR_small.dcm")
+    del one.PixelSpacing
+    one.save_as(os.path.join(folder, "unspaced.dcm"))
     # Offsets of a dose that are places, the other way round, uneven and too few.
     one = dicom("rtdose.dcm")
     for name, offsets in (("absolute", [-761.87 + 5 * z for z in range(15)]),
