@@ -170,8 +170,15 @@ expect 0 "$iftty" -c "open one/badVR.dcm" # which does not say how many frames t
 out_has "bytes come after the pixels of 1 file, up to 5600: left out"
 expect 0 "$iftty" -c "open one/dose-uneven.dcm"
 out_has "slices are not evenly spaced: 4 to 6 mm apart"
-expect 0 "$iftty" -c "open one/dose-few.dcm"
-out_has "distances of voxels unknown"
+for name in few many; do
+    expect 0 "$iftty" -c "open one/dose-$name.dcm"
+    out_has "distances of voxels unknown"
+    out_has "its slices hold no place in the patient"
+done
+expect 0 "$iftty" -c "open one/unscaled.dcm"
+out_has "it does not say what dose its numbers are"
+expect 0 "$iftty" -c "open one/left.dcm"
+out_has "they have 12 bits, up to bit 15: they are taken as they stand"
 expect 0 "$iftty" -c "open one/unspaced.dcm spacing=0.5,0.25,1; measure 0,0,0 10,0,0"
 out_has "5.00 mm"
 close_story

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 #include <gdcmPixmapReader.h>
@@ -269,11 +270,13 @@ std::string name_in(const std::string &folder, const std::string &path)
 
 void check_pixels(Volume &volume, const std::vector<Slice> &slices, const Request &request)
 {
+    const Slice &first = slices[0];
+    std::set<std::string> seen;
     std::string lack;
     size_t lacking = 0, longer = 0;
     uint64_t most = 0;
     for (const Slice &slice : slices) {
-        if (slice.frame > 0)
+        if (!seen.insert(slice.path).second)
             continue;
         longer += slice.rest > 0;
         most = std::max(most, slice.rest);
@@ -285,6 +288,12 @@ void check_pixels(Volume &volume, const std::vector<Slice> &slices, const Reques
     if (lacking)
         refuse("%s%s", lack.c_str(),
                lacking > 1 ? words_of("; and so are others, %zu in all", lacking).c_str() : "");
+    if (first.stored && first.stored < first.bits && first.high + 1 != first.stored)
+        note(volume, words_of("it says of its numbers that they have %u bits, up to bit %u: they "
+                              "are taken as they stand",
+                              first.stored, first.high));
+    if (first.modality == "RTDOSE" && first.slope == 1)
+        note(volume, "it does not say what dose its numbers are (no dose grid scaling)");
     if (longer)
         note(volume,
              words_of("bytes come after the pixels of %s, up to %llu: left out",

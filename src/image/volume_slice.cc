@@ -176,10 +176,10 @@ void add_frames(std::vector<Slice> &slices, const Slice &first, const gdcm::Data
 {
     Slice common = first;
     take_functions(common, item_of(set, shared_tag, 0));
-    std::vector<double> offsets(common.frames);
+    std::vector<double> offsets(common.frames + size_t{1}); /* one more, which would be too many */
     const bool has_offsets =
         common.has_position && common.has_axes &&
-        decimals_of(set, offsets_tag, offsets.data(), offsets.size()) == offsets.size();
+        decimals_of(set, offsets_tag, offsets.data(), offsets.size()) == common.frames;
     double normal[3];
     normal_of(normal, common.axis);
     common.has_position = false;

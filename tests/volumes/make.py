@@ -432,6 +432,8 @@ def make_dicom_files(folder):
     one.PixelData = ((twelve & 0xfff) | 0x5000).astype("<i2").tobytes()
     one.save_as(os.path.join(folder, "twelve.dcm"))
     save_twin_of(os.path.join(folder, "twelve.dcm"), plain, twelve)
+    one.HighBit = 15
+    one.save_as(os.path.join(folder, "left.dcm"))
     one = dicom("MR_small.dcm")
     del one.PixelSpacing
     one.save_as(os.path.join(folder, "unspaced.dcm"))
@@ -440,9 +442,12 @@ def make_dicom_files(folder):
     for name, offsets in (("absolute", [-761.87 + 5 * z for z in range(15)]),
                           ("downwards", [-5 * z for z in range(15)]),
                           ("uneven", [5 * z + z % 2 for z in range(15)]),
-                          ("few", [5 * z for z in range(14)])):
+                          ("few", [5 * z for z in range(14)]),
+                          ("many", [5 * z for z in range(16)])):
         one.GridFrameOffsetVector = offsets
         one.save_as(os.path.join(folder, "dose-%s.dcm" % name))
+    del one.DoseGridScaling
+    one.save_as(os.path.join(folder, "unscaled.dcm"))
     shutil.copy(os.path.join(folder, "rtdose.dcm.twin.nii"),
                 os.path.join(folder, "dose-absolute.dcm.twin.nii"))
     down = nibabel.load(os.path.join(folder, "rtdose.dcm.twin.nii"))
