@@ -97,6 +97,8 @@ enum err replay_record(const struct record *record, const struct replay_host *ho
 {
     struct buf words = {0};
     struct fault why = {.text = ""};
+    if (host->on_record)
+        host->on_record(host->context, record);
     enum err err = host->execute(host->context, record->command, &words, &why);
     if (!err && words.failed)
         err = fault_memory(&why, "result words");

@@ -23,6 +23,8 @@ struct replay_host {
     /* Carries `command` out and adds its result words to `words` (empty at the call): "" or
      * "key=value key=value". */
     enum err (*execute)(void *context, const char *command, struct buf *words, struct fault *fault);
+    /* Called before each record is carried out; NULL calls nobody. */
+    void (*on_record)(void *context, const struct record *record);
     /* Called by replay_run before the first command, with the number of a journal's header. NULL
      * calls nobody. */
     void (*begin)(void *context, unsigned semantics);

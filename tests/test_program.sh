@@ -473,9 +473,81 @@ mkdir -p up/scenes up/here
 cp s.nii up/scenes
 expect_in up/here 0 "$iftty" -c "open ../scenes/s.nii; seed 1,1,1 1; run" --journal u.iftty
 expect_in up/here 0 "$iftty" run - --journal u.iftty </dev/null # one's own goes on
+expect 0 "$iftty" verify up/here/u.iftty
+mv up/scenes up/away
 expect 3 "$iftty" verify up/here/u.iftty
-out_has "the journal may not open ../scenes/s.nii; expected --scene FILE"
+out_has "the scene of this record is not at ../scenes/s.nii: there is no scene s.nii beside the"
+out_has "expected --scene FILE"
+expect 3 "$iftty" run - --journal up/here/u.iftty </dev/null
+err_has "expected --scene FILE"
+mv up/away up/scenes
 expect_in / 0 "$iftty" verify "$work/up/here/u.iftty" --scene "$work/s.nii"
+close_story
+
+begin "a record names what is read as seen from its journal, wherever one is"
+mkdir -p far/out far/subj far/maps
+cp s.nii far/subj/b.nii
+cp s.nii far/maps/m.nii
+printf '1,1,1,2\n' >far/maps/p.csv
+names_of() { # JOURNAL: the names of files in it
+    sed -n 's/^\(open\|mask\|weight\|seed-file\) \([^ ]*\).*/\2/p' "$1" | tr '\n' ' '
+}
+commands='mask maps/m.nii; weight maps/m.nii; mask none; weight morph'
+expect_in far 0 "$iftty" -c "open subj/b.nii; $commands; seed 1,1,1 1; run" --journal out/s.iftty
+same "$(names_of far/out/s.iftty)" "../subj/b.nii ../maps/m.nii ../maps/m.nii none morph "
+expect 0 "$iftty" run - --journal far/out/s.iftty </dev/null
+expect_in / 0 "$iftty" run - --journal "$work/far/out/s.iftty" </dev/null
+expect_in far/maps 0 "$iftty" -c "mask m.nii; mask ../maps/./m.nii" --journal ../out/s.iftty
+expect_in far/subj 0 "$iftty" -c "mask ./../maps/m.nii" --journal "$work/far/out/s.iftty"
+same "$(names_of far/out/s.iftty)" "../subj/b.nii ../maps/m.nii ../maps/m.nii none morph \
+../maps/m.nii ../maps/./m.nii ./../maps/m.nii " # found beside it, they stay as they were typed
+expect_in / 0 "$iftty" run - --journal "$work/far/out/s.iftty" </dev/null
+expect_in far 0 "$iftty" -c 'open subj/b.nii' --journal one.iftty # beside it, as it was typed
+expect_in far 0 "$iftty" -c "open $work/far/subj/b.nii" --journal two.iftty
+expect_in far/out 0 "$iftty" -c 'open raw:../subj/b.nii size=2,2,2 type=uint8' \
+    --journal ../subj/three.iftty
+ln -s "$work/far/out" linked
+expect_in far/subj 0 "$iftty" -c 'open b.nii' --journal "$work/linked/four.iftty"
+same "$(names_of far/one.iftty)$(names_of far/two.iftty)$(names_of far/subj/three.iftty)" \
+    "subj/b.nii $work/far/subj/b.nii raw:../subj/b.nii "
+same "$(names_of far/out/four.iftty)" "../subj/b.nii "
+expect 0 "$iftty" verify far/one.iftty far/two.iftty far/out/four.iftty linked/four.iftty
+cp s.nii far/out/s.nii
+flip_byte far/out/s.nii 1000
+expect 3 "$iftty" -c 'open s.nii' --journal far/out/five.iftty
+err_has "there is s.nii here, and another one beside the journal; expected the whole path"
+rm -r far linked
+close_story
+
+begin "~/ is the home folder in every command, and records do not depend on it"
+mkdir -p home/data home/out
+cp s.nii home/data/h.nii
+cp s.nii home/data/m.nii
+HOME=$work/home
+export HOME
+expect_in home/out 0 "$iftty" -c 'open ~/data/h.nii; mask ~/data/m.nii; seed 1,1,1 1; run
+    save labels ~/l.nii; slice axial 1 ~/p.png; stats report=~/r.csv; save names ~/n.txt' \
+    --journal h.iftty
+same "$(ls home | tr '\n' ' ')" "data l.nii n.txt out p.png r.csv "
+same "$(sed -n 's/^\(open\|mask\) \([^ ]*\).*/\2/p' home/out/h.iftty | tr '\n' ' ')" \
+    "../data/h.nii ../data/m.nii "
+expect_in / 0 env HOME=/nowhere "$iftty" run - --journal "$work/home/out/h.iftty" </dev/null
+expect 0 "$iftty" -c 'open ~/data/h.nii' # without a journal, and with one that is begun later
+expect 0 "$iftty" -c 'journal ~/later.iftty; open ~/data/h.nii'
+expect 0 "$iftty" verify home/later.iftty
+expect 3 "$iftty" -c 'open ~/none.nii'
+err_has "there is no scene $work/home/none.nii here"
+mkdir '~' && cp s.nii '~/own.nii' # a folder of that name is ./~
+expect 0 "$iftty" -c 'open ./~/own.nii; seed 1,1,1 1' --journal own.iftty
+expect 0 "$iftty" verify own.iftty
+printf 'open ~/data/h.nii\n' >stranger
+expect 3 "$iftty" verify stranger
+out_has "the journal may not open ~/data/h.nii"
+out_has "expected --scene FILE"
+cp s.nii h.nii
+expect 0 "$iftty" replay stranger # by the last part of the name, as a whole path
+rm -r home '~' h.nii stranger own.iftty
+unset HOME
 close_story
 
 begin "--scene opens another file under the name that is written"

@@ -174,17 +174,20 @@ static bool make_top(void)
     bool fine = make_folder(top, "trust") && mkdir(below_top("in"), 0777) == 0 &&
                 mkdir(below_top("in/deep"), 0777) == 0 && mkdir(below_top("out"), 0777) == 0;
     fine = fine && mkdir(below_top("far"), 0777) == 0;
-    static const char *const file[] = {"in/a",      "in/deep/b", "in/..c",   "out/secret",
-                                       "far/a.hdr", "far/a.img", "far/b.img"};
+    static const char *const file[] = {"in/a",       "in/deep/b", "in/..c",
+                                       "out/secret", "far/a.hdr", "far/a.img",
+                                       "far/b.img",  "far/c.nii", "far/d.mhd"};
     for (size_t i = 0; i < sizeof file / sizeof *file; i++)
         fine = fine && file_write(below_top(file[i]), "x", 1, FILE_KEEP, NULL) == OK;
-    static const char *const link[][2] = {{"../out/secret", "in/up"},  {"../out", "in/folder"},
-                                          {"/dev/zero", "in/zero"},    {"round", "in/round"},
-                                          {"../../in/a", "in/deep/c"}, {"nothing", "in/dangling"}};
+    static const char *const link[][2] = {
+        {"../out/secret", "in/up"},   {"../out", "in/folder"},      {"/dev/zero", "in/zero"},
+        {"round", "in/round"},        {"../../in/a", "in/deep/c"},  {"nothing", "in/dangling"},
+        {"../far/c.nii", "in/scene"}, {"../far/a.hdr", "in/p.hdr"}, {"../out/pipe", "in/p.img"},
+        {"../far/d.mhd", "in/d"}};
     for (size_t i = 0; i < sizeof link / sizeof *link; i++)
         fine = fine && symlink(link[i][0], below_top(link[i][1])) == 0;
     return fine && symlink("deep/b", below_top("in/inner")) == 0 &&
-           mkfifo(below_top("in/pipe"), 0666) == 0;
+           mkfifo(below_top("in/pipe"), 0666) == 0 && mkfifo(below_top("out/pipe"), 0666) == 0;
 }
 
 STORY(a_name_is_found_below_its_folder_and_nowhere_else)
@@ -234,6 +237,54 @@ STORY(a_name_is_found_below_its_folder_and_nowhere_else)
     CHECK(remove_folder(top) == 0);
 }
 
+STORY(elsewhere_a_name_leads_to_a_regular_file_or_to_nothing)
+{
+    static const struct {
+        const char *name;
+        bool leads;
+    } expected[] = {
+        {"a", false}, /* below the folder */
+        {"inner", false},
+        {"none", false},
+        {"deep", false},
+        {"pipe", false},
+        {"up", true},
+        {"scene", true},
+        {"folder/secret", true},
+        {"../out/secret", true},
+        {"../far/a.hdr", true}, /* a pair */
+        {"p.hdr", false},       /* whose other file is a pipe */
+        {"../far/b.img", true}, /* without another: the reader says that it is missing */
+        {"d", true},
+        {"../far/d.mhd", false}, /* whose voxels may lie in other files */
+        {"../out", false},
+        {"../out/pipe", false},
+        {"../out/none", false},
+        {"folder", false},
+        {"zero", false},
+        {"/dev/zero", false},
+        {"/", false},
+        {"round", false},
+        {"~/secret", true},
+        {"~/none", false},
+        {"", false},
+    };
+    CHECK(make_top());
+    struct buf path = {0};
+    char journal[200];
+    snprintf(journal, sizeof journal, "%s", below_top("in/j.iftty"));
+    setenv("HOME", below_top("out"), 1);
+    for (size_t i = 0; i < sizeof expected / sizeof *expected; i++) {
+        const bool leads = trust_find_outside(&path, journal, "/nowhere", expected[i].name);
+        if (leads != expected[i].leads)
+            printf("# %s: %d\n", expected[i].name, leads);
+        CHECK(leads == expected[i].leads);
+    }
+    unsetenv("HOME");
+    buf_release(&path);
+    CHECK(remove_folder(top) == 0);
+}
+
 /* ---- what the kernel keeps out ---- */
 
 static bool may_open(const char *path, int flags)
@@ -261,7 +312,8 @@ static bool may_connect(void)
 static int wrongs_while_confined(void)
 {
     const char *written[] = {below_top("out"), NULL};
-    char journal[200], scene[200];
+    char journal[200], scene[200], outside[200];
+    snprintf(outside, sizeof outside, "%s", below_top("in/scene"));
     snprintf(journal, sizeof journal, "%s", below_top("in/j.iftty"));
     snprintf(scene, sizeof scene, "%s", below_top("far/a.hdr"));
     char *journals[] = {journal};
@@ -269,12 +321,15 @@ static int wrongs_while_confined(void)
                                         .journals = 1,
                                         .scenes = "/nowhere",
                                         .written = written,
+                                        .outside = outside,
                                         .scene = scene};
     const bool is_confined = trust_confine(&places);
     int wrong = !is_confined;
     wrong |= !may_open(below_top("in/a"), O_RDONLY) << 1;
     wrong |= !may_open(below_top("far/a.hdr"), O_RDONLY) << 1; /* the scene, a pair */
     wrong |= !may_open(below_top("far/a.img"), O_RDONLY) << 1;
+    wrong |= !may_open(below_top("in/scene"), O_RDONLY) << 1; /* what a proof may have read */
+    wrong |= may_open(below_top("in/d"), O_RDONLY) << 5;
     wrong |= may_open(below_top("in/a"), O_WRONLY) << 2;
     wrong |= may_open(below_top("in/new"), O_WRONLY | O_CREAT) << 3;
     wrong |= !may_open(below_top("out/new"), O_WRONLY | O_CREAT | O_TRUNC) << 4;
@@ -335,6 +390,7 @@ int main(void)
         TELL(the_proof_is_what_its_header_says),
         TELL(whatever_changes_in_a_scene_changes_its_proof),
         TELL(a_name_is_found_below_its_folder_and_nowhere_else),
+        TELL(elsewhere_a_name_leads_to_a_regular_file_or_to_nothing),
         TELL(confined_only_the_places_given_can_be_reached),
         TELL(limits_stop_commands_of_an_interpreter_that_was_there_before_them),
     };

@@ -114,6 +114,147 @@ refused "p.img is not a regular file" j
 rm p.hdr p.img
 close_story
 
+by_link='open away.nii' # each names one file elsewhere, away
+by_path='open ../annex/key.nii'
+by_whole="open $work/annex/key.nii"
+# answered FILE: what replay and verify say and leave behind, without the figures that may differ
+answered() {
+    rm -rf "$work/pictures"
+    for program in replay verify; do
+        "$@" timeout 60 "$iftty" $program p.iftty --out "$work/pictures" 2>&1
+        echo "$program: $?"
+        listing "$work/pictures"
+    done
+}
+loose() { # COMMAND...: as on a kernel without Landlock
+    /usr/bin/python3 "$top/tests/volumes/without_landlock.py" "$@"
+}
+target=$work/annex/key.nii
+begin "a scene elsewhere, by its path or behind a link, is read by a record that has its proof"
+mkdir "$work/annex" "$work/annex/p"
+mkdir home && HOME=$work/there/home && export HOME
+ln -s "$target" away.nii
+for opens in "$by_link" "$by_path" "$by_whole"; do
+    cp s.nii "$target"
+    rm -f p.iftty
+    expect 0 "$iftty" -c "$opens; interpolate 1 1 2; seed 2,3,4 1; run" --journal p.iftty
+    "$iftty" -c 'slice axial 3 seen.png; save labels seen.nii' --journal p.iftty >/dev/null
+    rm -f seen.png seen.nii
+    expect 0 "$iftty" verify p.iftty
+    expect_in / 0 "$iftty" replay "$work/there/p.iftty"
+    expect 0 loose "$iftty" verify p.iftty
+    sed 's/ sha256=[0-9a-f]*//' p.iftty >bare # without the proof --scene is needed
+    chain_anew bare bare.iftty
+    expect 3 "$iftty" verify bare.iftty
+    out_has "the journal may not "
+    out_has "expected --scene FILE"
+    expect 0 "$iftty" verify bare.iftty --scene "$target"
+    "$iftty" log p.iftty --script >script
+    expect 3 "$iftty" verify script
+done
+cp s.nii "$work/annex/p/x.nii" # by a name in capitals of a folder further up
+rm -f p.iftty
+expect 0 "$iftty" -c "open ../there/../annex/p/x.nii" --journal p.iftty
+expect 0 "$iftty" verify p.iftty
+cp pairs/p.hdr pairs/p.img "$work/annex/p" # of a pair, both
+ln -s "$work/annex/p/p.hdr" p.hdr
+ln -s "$work/annex/p/p.img" p.img
+rm -f p.iftty
+expect 0 "$iftty" -c "open p.hdr" --journal p.iftty
+expect 0 "$iftty" verify p.iftty
+cp s.nii "$work/secret/p.img" # whose name was that of a scene
+ln -sf "$work/secret/p.img" p.img
+expect 3 "$iftty" verify p.iftty
+out_has "there is no scene p.hdr beside the journal or among the scenes; expected --scene FILE"
+rm p.hdr p.img
+close_story
+
+begin "a file elsewhere that is not that scene is as if there were none, whatever it is"
+nifti_header 30000 30000 30000 >"$work/large.nii"
+for opens in "$by_link" "$by_path" "$by_whole"; do
+    rm -f p.iftty "$target"
+    cp s.nii "$target"
+    expect 0 "$iftty" -c "$opens; seed 2,3,4 1; run" --journal p.iftty
+    "$iftty" -c 'slice axial 3 seen.png; save labels seen.nii' --journal p.iftty >/dev/null
+    rm -f seen.png seen.nii "$target"
+    answered >"$work/none"
+    grep -q 'verify: 3' "$work/none" && grep -q 'expected --scene FILE' "$work/none" ||
+        fail "$(cat "$work/none")"
+    for kind in other longer short empty text large folder pipe device mhd hdf5; do
+        rm -rf "$target"
+        case $kind in
+        other) cp s.nii "$target"; flip_byte "$target" 1000 ;;
+        longer) make_scene "$target" 25 20 16 ;;
+        short) head -c 5000 s.nii >"$target" ;;
+        empty) : >"$target" ;;
+        text) echo 'the secret' >"$target" ;;
+        large) cp "$work/large.nii" "$target" ;;
+        folder) mkdir "$target" ;;
+        pipe) mkfifo "$target" ;;
+        device) ln -s /dev/zero "$target" ;;
+        mhd) printf 'ObjectType = Image\nNDims = 3\nElementDataFile = x.raw\n' >"$target" ;;
+        hdf5) printf '\211HDF\r\n\032\n' >"$target" ;;
+        esac
+        answered >"$work/some"
+        cmp -s "$work/none" "$work/some" || fail "$opens, $kind: $(diff "$work/none" "$work/some")"
+        answered loose >"$work/some"
+        cmp -s "$work/none" "$work/some" || fail "$opens, $kind, without Landlock:" \
+            "$(diff "$work/none" "$work/some")"
+    done
+    rm -rf "$target"
+done
+rm "$work/large.nii"
+close_story
+
+begin "a part of a file elsewhere, voxels without a header, and maps are not read by a proof"
+cp s.nii "$target"
+for opens in "$by_link crop=0-3,0-3,0-3" "$by_path reduce=2" \
+    'open raw:away.nii size=4,4,4 type=uint8' 'open raw:../annex/key.nii size=4,4,4 type=uint8'; do
+    rm -f p.iftty
+    expect 0 "$iftty" -c "$opens" --journal p.iftty
+    expect 3 "$iftty" verify p.iftty
+    out_has "the journal may not "
+    out_has "expected --scene FILE"
+done
+for command in mask weight labels; do
+    rm -f p.iftty
+    expect 0 "$iftty" -c "open s.nii; $command away.nii" --journal p.iftty
+    rm -rf p.golden
+    expect 3 "$iftty" verify p.iftty
+    out_has "the journal may not read away.nii, which leads out of its folder"
+done
+rm -f p.iftty
+close_story
+
+begin "what is put in the place of a scene meanwhile is not shown"
+expect 0 "$iftty" -c "$by_link; seed 2,3,4 1; run; slice axial 3 seen.png" --journal p.iftty
+rm -f seen.png
+cp s.nii "$work/annex/right.nii"
+cp s.nii "$work/annex/wrong.nii"
+flip_byte "$work/annex/wrong.nii" 1000
+while :; do
+    for file in right wrong; do
+        ln -s "$work/annex/$file.nii" next.nii && mv -T next.nii away.nii
+    done
+done &
+swapping=$!
+round=0
+while [ $((round += 1)) -le 20 ]; do
+    rm -rf "$work/pictures"
+    [ $((round % 2)) = 0 ] && set -- loose || set --
+    "$@" "$iftty" replay p.iftty --out "$work/pictures" >"$work/out" 2>"$work/err"
+    case $? in
+    0) ;;
+    3) grep -q 'there is no scene away.nii' "$work/err" && [ -z "$(ls "$work/pictures")" ] ||
+        fail "$(cat "$work/err")" ;;
+    *) fail "$(cat "$work/err")" ;;
+    esac
+done
+kill $swapping
+wait $swapping 2>/dev/null
+rm -f away.nii next.nii p.iftty
+close_story
+
 begin "the folder that a journal is called from is not looked at"
 mkdir elsewhere
 cp s.nii "$work/secret/near.nii"

@@ -257,6 +257,27 @@ bool file_is_named(const char *path, const char *endings)
     return file_ending(path, endings) != NULL;
 }
 
+bool file_is_from_home(const char *name)
+{
+    return strncmp(name, "~/", 2) == 0;
+}
+
+void file_from_home(struct buf *out, const char *name)
+{
+    const char *home = file_is_from_home(name) ? getenv("HOME") : NULL;
+    buf_clear(out);
+    if (home && *home)
+        buf_add_text(out, home);
+    buf_add_text(out, home && *home ? name + 1 : name);
+}
+
+bool file_is_same(const char *a, const char *b)
+{
+    struct stat one, other;
+    return stat(a, &one) == 0 && stat(b, &other) == 0 && one.st_dev == other.st_dev &&
+           one.st_ino == other.st_ino;
+}
+
 void file_real(struct buf *out, const char *path)
 {
     struct stat status;

@@ -56,6 +56,14 @@ void file_folder(struct buf *out, const char *path);
 const char *file_ending(const char *path, const char *endings);
 bool file_is_named(const char *path, const char *endings);
 
+/* out = `name`, which is below the home folder where it begins with "~/", or as it stands where
+ * there is none. */
+void file_from_home(struct buf *out, const char *name);
+bool file_is_from_home(const char *name);
+
+/* Whether both paths lead to one file or folder that is there. */
+bool file_is_same(const char *a, const char *b);
+
 /* out = `path`, or what it leads to, where it is a link. */
 void file_real(struct buf *out, const char *path);
 

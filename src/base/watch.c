@@ -22,7 +22,7 @@ void watch_announce(struct watch *watch, const char *format, ...)
 {
     char line[256];
     va_list words;
-    if (!watch || !watch->announce)
+    if (!watch || !watch->announce || watch->is_quiet)
         return;
     va_start(words, format);
     vsnprintf(line, sizeof line, format, words);
@@ -34,7 +34,7 @@ bool watch_poll(struct watch *watch, const char *what, uint64_t done, uint64_t t
 {
     if (!watch)
         return false;
-    const bool stop = watch->poll(watch->context, what, done, total);
+    const bool stop = watch->poll(watch->context, watch->is_quiet ? NULL : what, done, total);
     watch->stopped = watch->stopped || (stop && !watch->ignores_stop);
     return watch->stopped;
 }

@@ -43,6 +43,7 @@ struct watch {
     bool wants_show;             /* set by `poll`; `show` is called once for it */
     _Atomic bool stopped;        /* W1 */
     bool ignores_stop;           /* W2 */
+    bool is_quiet;               /* it shows and announces nothing, and still stops */
     uint64_t step;               /* units between two polls of a task; 0: TASK_STEP */
 };
 

@@ -24,6 +24,19 @@ static enum err take_goldens_along(struct buf *made, const char *from, const cha
     return err;
 }
 
+/* Its records are copied byte for byte, and their names with them. */
+static void write_folder(struct reply *reply, const char *former, const char *path)
+{
+    struct buf folder[2] = {{0}, {0}};
+    file_folder(&folder[0], former);
+    file_folder(&folder[1], path);
+    if (!file_is_same(buf_text(&folder[0]), buf_text(&folder[1])))
+        buf_add_text(&reply->text, "what it has read so far it names as seen from its former "
+                                   "folder; --scene FILE says where the scene is\n");
+    buf_release(&folder[0]);
+    buf_release(&folder[1]);
+}
+
 static enum err continue_in(const struct act *act, const char *path)
 {
     struct interpreter *interp = act->interp;
@@ -41,6 +54,8 @@ static enum err continue_in(const struct act *act, const char *path)
         err = interpreter_set_home(interp, path, fault);
     if (!err)
         err = journal_continue(interp->journal, path, fault);
+    if (!err)
+        write_folder(act->reply, buf_text(&former), path);
     if (err && goldens.length)
         folder_discard(buf_text(&goldens));
     if (err && !former.failed)
@@ -85,8 +100,12 @@ enum err act_journal(const struct act *act)
         return fault_set(
             act->fault, ERR_INPUT,
             "`journal` is not for scripts of a journal: where it is stored is no part of it");
-    if (act->value[0].given)
-        err = record_in(act, act->value[0].text);
+    struct buf path = {0};
+    if (act->value[0].given) {
+        file_from_home(&path, act->value[0].text);
+        err = path.failed ? fault_memory(act->fault, "a path") : record_in(act, buf_text(&path));
+    }
+    buf_release(&path);
     if (err)
         return fault_prefix(act->fault, err, "the journal stays where it was");
     if (act->value[0].given)

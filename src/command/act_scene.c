@@ -3,8 +3,8 @@
 #include "command/near.h"
 #include "command/opening.h"
 
-#include <stdio.h>
 #include <ctype.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/choice.h"
@@ -56,9 +56,9 @@ static void write_orientation(const struct act *act)
 }
 
 /* Finds the file of a scene. A journal is none: it is not opened, but gone on with. */
-static enum err find_scene(const struct act *act, const char *name, struct buf *path)
+static enum err find_scene(const struct act *act, const char *name, bool by_proof, struct buf *path)
 {
-    const enum err err = interpreter_find_scene(act->interp, name, path, act->fault);
+    const enum err err = interpreter_find_scene(act->interp, name, by_proof, path, act->fault);
     if (!err && interpreter_is_journal(buf_text(path)))
         return fault_set(act->fault, ERR_INPUT,
                          "%s is a journal, and `open` takes a scene; `iftty %s` in a shell goes on "
@@ -120,21 +120,62 @@ static void name_scene(const struct act *act, const char *name, const char *path
     snprintf(session->scene_file, sizeof session->scene_file, "%s", is_said ? file_name(name) : "");
 }
 
+/* The proof of the scene that the record at hand has, of all of a file with a header. */
+static bool has_proof(const struct act *act, const struct volume_choice *choice,
+                      char proof[SHA256_HEX])
+{
+    static const char key[] = "sha256";
+    const char *words = act->interp->replayed_words;
+    struct record_word word;
+    if (!words || choice->raw.size[0] || choice->has_crop || choice->reduce ||
+        !record_word_find(words, key, strlen(key), &word) || word.value_length != SHA256_HEX - 1)
+        return false;
+    snprintf(proof, SHA256_HEX, "%.*s", (int)word.value_length, word.value);
+    return true;
+}
+
+/* Opens a file that a stranger's record leads to, if it is the scene of which that has the proof.
+ * Else nothing is shown or said of it, and `choice` is for another: only a stop is an error. */
+static enum err open_outside(const struct act *act, const char *name, struct volume_choice *choice,
+                             const char *proof)
+{
+    struct session *session = act->session;
+    struct watch *watch = session->watch;
+    struct buf path = {0};
+    struct fault unsaid = {0};
+    choice->proof = proof;
+    if (watch)
+        watch->is_quiet = true;
+    if (!session->has_scene && interpreter_find_outside(act->interp, name, &path))
+        session_open(session, buf_text(&path), choice, &unsaid);
+    if (watch)
+        watch->is_quiet = false;
+    choice->proof = NULL;
+    buf_release(&path);
+    return session->has_scene ? OK : watch_fault(watch, act->fault);
+}
+
 enum err act_open(const struct act *act)
 {
     struct buf path = {0};
     struct session *session = act->session;
     struct volume_choice choice;
+    char proof[SHA256_HEX];
     const char *name;
+    const bool had_scene = session->has_scene;
     enum err err = opening_choice(&choice, &name, act->value, act->fault);
     choice.as_recorded = act->interp->mode != MODE_LIVE;
     if (!err)
         err = check_words(act, name);
     if (!err)
         err = take_first_weight(act);
-    if (!err)
-        err = find_scene(act, name, &path);
-    if (!err)
+    const bool by_proof = !err && has_proof(act, &choice, proof);
+    if (by_proof)
+        err = open_outside(act, name, &choice, proof);
+    const bool is_open = session->has_scene && !had_scene;
+    if (!err && !is_open)
+        err = find_scene(act, name, by_proof, &path);
+    if (!err && !is_open)
         err = session_open(session, buf_text(&path), &choice, act->fault);
     if (!err)
         name_scene(act, name, buf_text(&path));

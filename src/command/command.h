@@ -52,8 +52,10 @@ struct parameter {
     const char *name;
     enum value_type type;
     bool optional, keyed;
-    bool paired; /* given where the one before it is none of its choices, and only there */
-    bool added;  /* keyed; the record has it where the line had not */
+    bool is_read;  /* FILE: one that is there, and that the command reads */
+    bool is_scene; /* the scene */
+    bool paired;   /* given where the one before it is none of its choices, and only there */
+    bool added;    /* keyed; the record has it where the line had not */
     int64_t least, most;
     const char *choices; /* words that it may be instead, "a|b|c", or NULL */
     const char *form;    /* what stands for it in usage; NULL for what its type has */
@@ -134,6 +136,7 @@ struct call {
     struct value value[PARAMETERS_MOST];
     const char *quotes;   /* that words may stand between */
     struct buf store;     /* the words that values point into */
+    struct buf settled;   /* the same, of a file as the record has it */
     struct polyline line; /* the same for the corners of a line */
 };
 
@@ -169,6 +172,9 @@ void command_write_word(struct buf *out, const char *word);
 
 /* The canonical form of a call. */
 void command_write(struct buf *out, const struct call *call);
+
+/* Whether the line opens a scene, and the name of that. */
+bool command_opens(struct buf *name, const char *line);
 
 /* What stands for a value: "X,Y,Z", "on|off", "0..32". */
 void usage_form(struct buf *out, const struct parameter *p);

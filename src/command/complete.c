@@ -222,11 +222,13 @@ static void offer_files(const struct offers *o)
 {
     const char *slash = strrchr(o->typed, '/'), *begin = slash ? slash + 1 : o->typed;
     const size_t leads = (size_t)(begin - o->typed);
-    struct buf path = {0};
+    struct buf path = {0}, folder = {0};
     struct listing listing;
     bool quoted = o->quoted;
     buf_add(&path, o->typed, leads);
-    listing_read(&listing, leads ? buf_text(&path) : ".", begin);
+    file_from_home(&folder, buf_text(&path));
+    listing_read(&listing, leads ? buf_text(&folder) : ".", begin);
+    buf_release(&folder);
     for (size_t i = 0; i < listing.count && !quoted; i++)
         quoted = needs_quotes(join(&path, o->typed, leads, listing.name[i]));
     for (size_t i = 0; i < listing.count; i++) {

@@ -222,8 +222,10 @@ enum err interpreter_execute(struct interpreter *interp, const char *line, struc
     if (err || !call.command)
         return err;
     bool recorded = call.command->flags & COMMAND_RECORDED;
+    err = interpreter_settle_name(interp, &call, fault);
     command_write(&reply->canonical, &call);
-    err = interpreter_drop_sketch(interp, fault);
+    if (!err)
+        err = interpreter_drop_sketch(interp, fault);
     if (!err) {
         session_mark(&interp->session);
         err = carry_out(interp, &call, line, reply, fault);

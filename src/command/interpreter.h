@@ -49,6 +49,7 @@ struct interpreter {
     bool is_read_only;          /* a journal is resumed without being written to: J7 of journal.h */
     size_t unrecorded;          /* commands that are in no journal, for the lack of one */
     const char *recorded_words; /* of the record that is resumed at hand, or NULL */
+    const char *replayed_words; /* of the record that is replayed at hand, or NULL */
     const struct golden_judge *judge; /* of golden images in a replay; NULL compares none */
 
     struct buf home;        /* path of the journal at hand: goldens and scenes lie beside it */
@@ -156,9 +157,20 @@ const char *interpreter_scenes(void);
 /* The path under which the scene `name` is found: scene_path; beside the journal; as it stands; in
  * a folder of interpreter_scenes(). Of a wary interpreter: scene_path; below the folder of the
  * journal or of interpreter_scenes(), where a name that leads elsewhere is looked for by its last
- * part. */
-enum err interpreter_find_scene(const struct interpreter *interp, const char *name,
+ * part; `by_proof`: what it leads to was tried before, by the proof of its record. */
+enum err interpreter_find_scene(const struct interpreter *interp, const char *name, bool by_proof,
                                 struct buf *path, struct fault *fault);
+
+/* Of a wary interpreter: the path of a regular file elsewhere that the name leads to, which only
+ * the proof of its record may have read (T1 of sandbox/trust.h). */
+bool interpreter_find_outside(const struct interpreter *interp, const char *name, struct buf *path);
+
+/* Gives a command that is new the name of a file that it reads as the record is to have it: as seen
+ * from the folder of the journal, where it lies elsewhere, or below the home folder ("~/"); a whole
+ * path where they have no folder in common; as it stands where it is a whole path, or is found
+ * beside the journal or among the scenes. ERR_INPUT where there are two files of that name. */
+enum err interpreter_settle_name(const struct interpreter *interp, struct call *call,
+                                 struct fault *fault);
 
 /* The same for another file that a command reads, which no interpreter->scene_path stands for. */
 enum err interpreter_find_file(const struct interpreter *interp, const char *name, struct buf *path,

@@ -542,8 +542,27 @@ void command_point_at(const struct call *call, const char *line, struct fault *f
 void call_release(struct call *call)
 {
     buf_release(&call->store);
+    buf_release(&call->settled);
     polyline_release(&call->line);
     *call = (struct call){0};
+}
+
+bool command_opens(struct buf *name, const char *line)
+{
+    static const struct value none[PARAMETERS_MOST];
+    const struct command *command = NULL;
+    bool found = false;
+    for (scan_blanks(&line); *line && !found; scan_blanks(&line)) {
+        buf_clear(name);
+        if (!command_take_word(&line, name, COMMAND_QUOTES))
+            return false;
+        const char *word = buf_text(name);
+        if (command)
+            found = command_parameter_for(command, none, &word) == 0;
+        else if (!(command = command_find(word)) || !command->parameter[0].is_scene)
+            return false;
+    }
+    return found;
 }
 
 /* ---- canonical form ---- */

@@ -1,10 +1,14 @@
 /* Where the interpreter finds files, and where it may write them. */
 #include "command/interpreter.h"
 
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/beneath.h"
+#include "base/safe.h"
+#include "base/scan.h"
 #include "sandbox/trust.h"
 
 static const char default_scenes[] = "/usr/share/mricron/templates";
@@ -30,15 +34,13 @@ static bool try_folder(struct buf *path, const char *folder, size_t length, cons
     return file_exists(buf_text(path));
 }
 
-/* `kind` and `undone` are for the words: "scene", "was opened". */
 static enum err find(const struct interpreter *interp, const char *name, struct buf *path,
-                     const char *kind, const char *undone, bool takes_folders, struct fault *fault)
+                     const struct trust_sought *sought, struct fault *fault)
 {
     struct buf folder = {0};
     bool found = false;
     if (interpreter_is_wary(interp))
-        return trust_find(path, buf_text(&interp->home), interpreter_scenes(), name, kind, undone,
-                          takes_folders, fault);
+        return trust_find(path, buf_text(&interp->home), interpreter_scenes(), name, sought, fault);
     buf_clear(path);
     if (interp->home.length && *name != '/') {
         file_folder(&folder, buf_text(&interp->home));
@@ -58,21 +60,28 @@ static enum err find(const struct interpreter *interp, const char *name, struct 
     if (path->failed)
         return fault_memory(fault, "a path");
     if (!found)
-        return fault_set(fault, ERR_IO, "there is no %s %s here%s; nothing %s", kind, name,
-                         interp->home.length ? " nor beside the journal" : "", undone);
+        return fault_set(fault, ERR_IO, "there is no %s %s here%s%s; nothing %s", sought->kind,
+                         name, interp->home.length ? " nor beside the journal" : "",
+                         sought->is_scene && interp->mode != MODE_LIVE ? "; expected --scene FILE"
+                                                                       : "",
+                         sought->undone);
     return OK;
 }
 
-enum err interpreter_find_scene(const struct interpreter *interp, const char *name,
+enum err interpreter_find_scene(const struct interpreter *interp, const char *name, bool by_proof,
                                 struct buf *path, struct fault *fault)
 {
     const bool synthetic = strncmp(name, "synth:", 6) == 0;
     if (!synthetic && !interp->scene_path) {
-        const bool is_elsewhere = interpreter_is_wary(interp) && !beneath_is_inside(name);
-        const enum err err = find(interp, is_elsewhere ? file_name(name) : name, path, "scene",
-                                  "was opened", true, fault);
+        const struct trust_sought sought = {"scene", "was opened", true, by_proof};
+        const bool is_elsewhere = interpreter_is_wary(interp) && trust_leads_out(name);
+        const enum err err =
+            find(interp, is_elsewhere ? file_name(name) : name, path, &sought, fault);
         if (err && is_elsewhere)
-            fault_prefix(fault, err, "the journal may not open %s; expected --scene FILE", name);
+            fault_prefix(fault, err,
+                         by_proof ? "the scene of this record is not at %s"
+                                  : "the journal may not open %s",
+                         name);
         return err;
     }
     buf_clear(path);
@@ -80,15 +89,178 @@ enum err interpreter_find_scene(const struct interpreter *interp, const char *na
     return path->failed ? fault_memory(fault, "a path") : OK;
 }
 
+bool interpreter_find_outside(const struct interpreter *interp, const char *name, struct buf *path)
+{
+    return interpreter_is_wary(interp) && !interp->scene_path && strncmp(name, "synth:", 6) != 0 &&
+           trust_find_outside(path, buf_text(&interp->home), interpreter_scenes(), name);
+}
+
 enum err interpreter_find_file(const struct interpreter *interp, const char *name, struct buf *path,
                                struct fault *fault)
 {
-    const bool is_elsewhere = interpreter_is_wary(interp) && !beneath_is_inside(name);
-    const enum err err = find(interp, is_elsewhere ? file_name(name) : name, path, "file",
-                              "has changed", false, fault);
+    static const struct trust_sought sought = {"file", "has changed", false, false};
+    const bool is_elsewhere = interpreter_is_wary(interp) && trust_leads_out(name);
+    const enum err err = find(interp, is_elsewhere ? file_name(name) : name, path, &sought, fault);
     return err && is_elsewhere ? fault_prefix(fault, err, "the journal may not read %s", name)
                                : err;
 }
+
+/* ---- names as records have them ---- */
+
+/* out = `name`, which is a whole path or as seen from the folder that one is in, as a whole path
+ * without "." and ".." at its beginning. What stands before it has no links. */
+static bool make_whole(struct buf *out, const char *name)
+{
+    char *here = *name == '/' ? NULL : realpath(".", NULL);
+    buf_clear(out);
+    if (here)
+        buf_add_text(out, strcmp(here, "/") == 0 ? "" : here);
+    for (bool goes_on = here; goes_on;) {
+        const size_t n = strcspn(name, "/");
+        const bool is_up = n == 2 && memcmp(name, "..", 2) == 0;
+        goes_on = is_up || n == 0 || (n == 1 && *name == '.');
+        if (is_up)
+            while (out->length && out->data[--out->length] != '/')
+                ;
+        name += goes_on ? n + (name[n] == '/') : 0;
+        goes_on = goes_on && *name;
+    }
+    if (here)
+        buf_add_char(out, '/');
+    const bool fine = here || *name == '/';
+    free(here);
+    buf_add_text(out, name);
+    return fine && !out->failed;
+}
+
+/* out = the whole path `path` as seen from the folder, a whole path without links; false where they
+ * have nothing in common but "/". */
+static bool see_from(struct buf *out, const char *path, const char *folder)
+{
+    size_t common = 0, ups = 0;
+    for (size_t i = 0; path[i] && (folder[i] == path[i] || (!folder[i] && path[i] == '/')); i++) {
+        if (path[i] == '/')
+            common = i + 1;
+        if (!folder[i])
+            break;
+    }
+    for (const char *at = folder + common - 1; *at; at++)
+        ups += at[0] == '/' && at[1];
+    buf_clear(out);
+    for (size_t i = 0; i < ups; i++)
+        buf_add_text(out, "../");
+    if (!ups && (path[common] == '~' || strncmp(path + common, "raw:", 4) == 0))
+        buf_add_text(out, "./");
+    buf_add_text(out, path + common);
+    return common > 1 && !out->failed;
+}
+
+/* Whether both are regular files of the same bytes. */
+static bool holds_same(const char *a, const char *b)
+{
+    enum { PIECE = 1 << 16 };
+    char piece[2][PIECE];
+    int fd[2] = {-1, -1};
+    uint64_t bytes[2] = {0, 1}, at = 0;
+    bool same = file_open(&fd[0], &bytes[0], a, O_RDONLY, NULL) == OK &&
+                file_open(&fd[1], &bytes[1], b, O_RDONLY, NULL) == OK && bytes[0] == bytes[1];
+    for (ssize_t n = PIECE; same && n == PIECE; at += PIECE) {
+        n = file_read_at(fd[0], piece[0], PIECE, at);
+        same = n >= 0 && file_read_at(fd[1], piece[1], PIECE, at) == n &&
+               memcmp(piece[0], piece[1], (size_t)n) == 0;
+    }
+    for (int i = 0; i < 2; i++)
+        if (fd[i] >= 0)
+            close(fd[i]);
+    return same;
+}
+
+/* What a user means by the name of a file that is to be read lies here, or beside the journal:
+ * which of them is not guessed. */
+static enum err check_one(const char *here, const char *beside, const char *name,
+                          struct fault *fault)
+{
+    if (!file_exists(here) || !file_exists(beside) || file_is_same(here, beside) ||
+        holds_same(here, beside))
+        return OK;
+    return fault_set(fault, ERR_INPUT,
+                     "there is %s here, and another one beside the journal; expected the "
+                     "whole path of one of them; nothing has changed",
+                     name);
+}
+
+/* out = `name` as seen from the folder of the journal, or a whole path. */
+static enum err settle(struct buf *out, const char *name, const char *journal, struct fault *fault)
+{
+    struct buf folder = {0}, beside = {0}, path = {0}, whole = {0};
+    file_from_home(&path, name);
+    file_folder(&folder, journal);
+    buf_printf(&beside, "%s/%s", buf_text(&folder), name);
+    char *real = realpath(buf_text(&folder), NULL);
+    const bool is_whole = *buf_text(&path) == '/';
+    enum err err = is_whole ? OK : check_one(name, buf_text(&beside), name, fault);
+    buf_clear(out);
+    buf_add_text(out, buf_text(&path));
+    if (!err && real && (is_whole || !file_exists(buf_text(&beside))) &&
+        file_exists(buf_text(&path)) && make_whole(&whole, buf_text(&path))) {
+        const bool is_seen = see_from(out, buf_text(&whole), real);
+        buf_clear(&beside);
+        buf_printf(&beside, "%s/%s", real, buf_text(out));
+        if (!is_seen || !file_is_same(buf_text(&beside), buf_text(&path))) {
+            buf_clear(out);
+            buf_add_text(out, buf_text(&whole));
+        }
+        if (*safe_end(buf_text(out)))
+            err = fault_set(fault, ERR_INPUT,
+                            "the folder of %s has a name that no journal can hold; nothing has "
+                            "changed",
+                            name);
+    }
+    if (out->failed || folder.failed || beside.failed || path.failed || whole.failed)
+        err = fault_memory(fault, "a path");
+    free(real);
+    buf_release(&folder);
+    buf_release(&beside);
+    buf_release(&path);
+    buf_release(&whole);
+    return err;
+}
+
+enum err interpreter_settle_name(const struct interpreter *interp, struct call *call,
+                                 struct fault *fault)
+{
+    const struct parameter *p = call->command->parameter;
+    const char *journal = interp->home.length   ? buf_text(&interp->home)
+                          : interp->new_journal ? interp->new_journal
+                                                : NULL;
+    struct value *value = NULL;
+    for (int i = 0; p[i].type; i++)
+        if (p[i].is_read && call->value[i].given && call->value[i].number < 0)
+            value = &call->value[i];
+    if (!value || interp->mode != MODE_LIVE || (p->is_scene && interp->scene_path))
+        return OK;
+    const char *name = value->text;
+    const bool is_raw = p->is_scene && scan_text(&name, "raw:");
+    if ((p->is_scene && strncmp(name, "synth:", 6) == 0) || *name == '/' ||
+        (!journal && !file_is_from_home(name)))
+        return OK;
+    struct buf settled = {0};
+    enum err err = OK;
+    if (journal)
+        err = settle(&settled, name, journal, fault);
+    else
+        file_from_home(&settled, name);
+    buf_add_text(&call->settled, is_raw ? "raw:" : "");
+    buf_add_text(&call->settled, buf_text(&settled));
+    if (!err && (settled.failed || call->settled.failed))
+        err = fault_memory(fault, "a path");
+    if (!err)
+        value->text = buf_text(&call->settled);
+    buf_release(&settled);
+    return err;
+}
+
+/* ---- golden images ---- */
 
 enum err interpreter_may_read(const struct interpreter *interp, const char *path,
                               struct fault *fault)
@@ -172,6 +344,6 @@ enum err interpreter_output_path(struct interpreter *interp, const char *name, s
     if (interp->out_folder)
         return place_below(interp, name, path, fault);
     if (interp->mode == MODE_LIVE)
-        buf_add_text(path, name);
+        file_from_home(path, name);
     return path->failed ? fault_memory(fault, "a path") : OK;
 }

@@ -64,10 +64,12 @@ struct volume_choice {
     const char *data;      /* the name of a data set of HDF5; NULL: the only one. Not owned */
     struct raw_layout raw; /* of voxels without a header */
     uint32_t spacing_nm[3]; /* of a file that does not say it; 0: none */
-    bool huge;              /* the user knows that the file swells as no scene does */
-    bool by_extremes;       /* scales of reals and of wide whole numbers reach from the least to the
-                               greatest, as before MEANING_LEVELS (session/semantics.h) */
-    bool as_recorded; /* series, fills_gaps and data are left out, and this is noted, where the
+    const char *proof; /* the digest that the scene is to have (engine/scene.h), or there is none;
+                                NULL: any. Not owned */
+    bool huge;         /* the user knows that the file swells as no scene does */
+    bool by_extremes;  /* scales of reals and of wide whole numbers reach from the least to the
+                          greatest, as before MEANING_LEVELS (session/semantics.h) */
+    bool as_recorded;  /* series, fills_gaps and data are left out, and this is noted, where the
                          format has no such thing; else refused */
 };
 

@@ -1,10 +1,12 @@
 #include "program/begin.h"
 
 #include <stdio.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "image/volume_helper.h"
 #include "journal/golden.h"
+#include "journal/walk.h"
 #include "program/console.h"
 #include "sandbox/limits.h"
 #include "sandbox/trust.h"
@@ -58,10 +60,36 @@ enum err end_journal(struct interpreter *interp, enum err err, struct fault *fau
     return err ? err : synced;
 }
 
+/* path = the file elsewhere that the journal's first `open` leads to, where that has a proof; empty
+ * for none. A journal that cannot be read is for the replay to tell of. */
+static enum err find_outside(struct buf *path, const char *journal, struct fault *fault)
+{
+    struct buf bytes = {0}, name = {0};
+    struct walk walk;
+    struct record record;
+    struct record_word word;
+    if (!file_exists(journal) || file_read(&bytes, journal, JOURNAL_BYTES_MAX, NULL) != OK ||
+        walk_begin(&walk, buf_text(&bytes), bytes.length, NULL) != OK) {
+        buf_release(&bytes);
+        return OK;
+    }
+    bool has_opened = false;
+    while (!has_opened && walk_next(&walk, &record) == WALK_RECORD)
+        has_opened = command_opens(&name, record.command);
+    if (!has_opened || !record_word_find(record.result, "sha256", strlen("sha256"), &word) ||
+        !trust_find_outside(path, journal, interpreter_scenes(), buf_text(&name)))
+        buf_clear(path);
+    const bool failed = name.failed || path->failed;
+    walk_release(&walk);
+    buf_release(&bytes);
+    buf_release(&name);
+    return failed ? fault_memory(fault, "a path") : OK;
+}
+
 enum err begin_confined(const struct options *o, const char *journal, const char *written,
                         const char *const *run, struct fault *fault)
 {
-    struct buf images = {0}, volumes = {0}, goldens = {0};
+    struct buf images = {0}, volumes = {0}, goldens = {0}, outside = {0};
     struct limits limits;
     enum err err = limits_read(&limits, o->limit_memory, o->limit_time, o->limit_output, fault);
     if (!err)
@@ -70,6 +98,8 @@ enum err begin_confined(const struct options *o, const char *journal, const char
         err = volume_helper_default_program(&volumes, fault);
     if (!err)
         err = golden_folder(&goldens, journal, fault);
+    if (!err && !o->scene)
+        err = find_outside(&outside, journal, fault);
     char *path = (char *)(uintptr_t)journal;
     const char *const folders[] = {written, NULL};
     const struct trust_places places = {.journal = &path,
@@ -77,6 +107,7 @@ enum err begin_confined(const struct options *o, const char *journal, const char
                                         .goldens = buf_text(&goldens),
                                         .scene = o->scene,
                                         .scenes = interpreter_scenes(),
+                                        .outside = outside.length ? buf_text(&outside) : NULL,
                                         .helper = {buf_text(&images), buf_text(&volumes)},
                                         .written = folders,
                                         .run = run};
@@ -88,6 +119,7 @@ enum err begin_confined(const struct options *o, const char *journal, const char
     buf_release(&images);
     buf_release(&volumes);
     buf_release(&goldens);
+    buf_release(&outside);
     return err;
 }
 

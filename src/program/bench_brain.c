@@ -255,10 +255,10 @@ static enum err open_scene(struct interpreter *interp, const char *wish, const c
 {
     struct buf path = {0};
     *name = wish ? wish : "ch2.nii.gz";
-    enum err err = interpreter_find_scene(interp, *name, &path, fault);
+    enum err err = interpreter_find_scene(interp, *name, false, &path, fault);
     if (err && !wish) {
         *name = "synth:geom";
-        err = interpreter_find_scene(interp, *name, &path, fault);
+        err = interpreter_find_scene(interp, *name, false, &path, fault);
     }
     if (!err)
         err = session_open(&interp->session, buf_text(&path), NULL, fault);
@@ -272,7 +272,7 @@ static enum err plant_by_atlas(struct interpreter *interp, struct fault *fault)
     struct session *session = &interp->session;
     struct volume atlas = {0};
     struct buf path = {0};
-    if (interpreter_find_scene(interp, "aal.nii.gz", &path, NULL) == OK &&
+    if (interpreter_find_scene(interp, "aal.nii.gz", false, &path, NULL) == OK &&
         volume_read(&atlas, buf_text(&path), NULL, NULL, NULL) == OK &&
         memcmp(atlas.size, session->scene->grid.size, sizeof atlas.size) != 0)
         volume_release(&atlas);

@@ -43,58 +43,100 @@ static enum beneath look_everywhere(struct buf *path, const char *home, const ch
 }
 
 /* OK where the answer is that of a file that may be read, or of a folder where that is taken. */
-static enum err refuse(enum beneath answer, const char *name, const char *kind, const char *undone,
-                       bool takes_folders, struct fault *fault)
+static enum err refuse(enum beneath answer, const char *name, const struct trust_sought *sought,
+                       struct fault *fault)
 {
-    switch (answer) {
+    const char *hint = sought->is_scene ? "; expected --scene FILE" : "";
+    switch (sought->by_proof && answer == BENEATH_OUTSIDE ? BENEATH_MISSING : answer) {
     case BENEATH_FINE:
         return OK;
     case BENEATH_OUTSIDE:
         return fault_set(fault, ERR_INPUT,
-                         "the journal may not read %s, which leads out of its folder; nothing %s",
-                         name, undone);
+                         "the journal may not read %s, which leads out of its folder%s; nothing %s",
+                         name, hint, sought->undone);
     case BENEATH_FOLDER:
-        if (takes_folders)
+        if (sought->is_scene)
             return OK;
         __attribute__((fallthrough));
     case BENEATH_NO_FILE:
-        return fault_set(fault, ERR_INPUT, "%s is not a regular file; nothing %s", name, undone);
+        return fault_set(fault, ERR_INPUT, "%s is not a regular file; nothing %s", name,
+                         sought->undone);
     case BENEATH_MISSING:
         break;
     }
     return fault_set(fault, ERR_IO,
-                     "there is no %s %s beside the journal or among the scenes; "
-                     "nothing %s",
-                     kind, name, undone);
+                     "there is no %s %s beside the journal or among the scenes%s; nothing %s",
+                     sought->kind, name, hint, sought->undone);
 }
 
-/* What makes a pair with `name`, which was found as `path`, is read with it. */
-static enum err check_other(const struct buf *path, const char *name, const char *kind,
-                            const char *undone, struct fault *fault)
+/* What makes a pair with `name`, which was found as `path`, is read with it. FINE where there is no
+ * other. */
+static enum beneath look_at_other(struct buf *other, const struct buf *path, const char *name)
 {
     const size_t length = path->length - strlen(name) - 1;
-    struct buf folder = {0}, other = {0};
-    enum err err = OK;
+    struct buf folder = {0};
+    enum beneath answer = BENEATH_FINE;
     buf_add(&folder, path->data, length);
-    if (pair_other(&other, buf_text(path)) && !folder.failed) {
-        const char *other_name = buf_text(&other) + length + 1;
-        err = refuse(beneath_look(buf_text(&folder), other_name), other_name, kind, undone, false,
-                     fault);
-    }
-    err = folder.failed || other.failed ? fault_memory(fault, "a path") : err;
-    buf_release(&other);
+    if (pair_other(other, buf_text(path)) && !folder.failed)
+        answer = beneath_look(buf_text(&folder), buf_text(other) + length + 1);
+    other->failed |= folder.failed;
     buf_release(&folder);
-    return err;
+    return answer;
 }
 
 enum err trust_find(struct buf *path, const char *home, const char *scenes, const char *name,
-                    const char *kind, const char *undone, bool takes_folders, struct fault *fault)
+                    const struct trust_sought *sought, struct fault *fault)
 {
-    const enum beneath answer = look_everywhere(path, home, scenes, name);
-    if (path->failed)
-        return fault_memory(fault, "a path");
-    return answer == BENEATH_FINE ? check_other(path, name, kind, undone, fault)
-                                  : refuse(answer, name, kind, undone, takes_folders, fault);
+    struct buf other = {0};
+    enum beneath answer = look_everywhere(path, home, scenes, name);
+    const char *last = name;
+    if (!path->failed && answer == BENEATH_FINE) {
+        const size_t length = path->length - strlen(name);
+        answer = look_at_other(&other, path, name);
+        if (answer == BENEATH_FOLDER)
+            answer = BENEATH_NO_FILE;
+        last = answer == BENEATH_FINE || sought->by_proof ? name : buf_text(&other) + length;
+    }
+    const enum err err = path->failed || other.failed ? fault_memory(fault, "a path")
+                                                      : refuse(answer, last, sought, fault);
+    buf_release(&other);
+    return err;
+}
+
+/* ---- elsewhere ---- */
+
+bool trust_leads_out(const char *name)
+{
+    return !beneath_is_inside(name) || file_is_from_home(name);
+}
+
+static bool is_regular(const char *path)
+{
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISREG(status.st_mode);
+}
+
+bool trust_find_outside(struct buf *path, const char *home, const char *scenes, const char *name)
+{
+    struct buf other = {0};
+    bool leads_out = trust_leads_out(name);
+    if (!leads_out) {
+        enum beneath answer = look_everywhere(path, home, scenes, name);
+        if (answer == BENEATH_FINE)
+            answer = look_at_other(&other, path, name);
+        leads_out = answer == BENEATH_OUTSIDE;
+    } else if (*name == '/' || file_is_from_home(name)) {
+        file_from_home(path, name);
+    } else {
+        file_folder(path, home);
+        buf_printf(path, "/%s", name);
+    }
+    leads_out = leads_out && !path->failed && is_regular(buf_text(path)) &&
+                !file_is_named(buf_text(path), HEADERS_ALONE) &&
+                (!pair_other(&other, buf_text(path)) || is_regular(buf_text(&other))) &&
+                !other.failed;
+    buf_release(&other);
+    return leads_out;
 }
 
 /* ---- confinement ---- */
@@ -182,7 +224,7 @@ static void gather_programs(struct gathering *g, const char *const *program)
         gather_folder_of(g, *program, CONFINE_READ | CONFINE_RUN);
 }
 
-/* What --scene names, and what is read with it. */
+/* A scene that lies anywhere, and what is read with it. */
 static void gather_scene(struct gathering *g, const char *path)
 {
     struct buf other = {0};
@@ -202,6 +244,7 @@ bool trust_confine(const struct trust_places *places)
     for (int i = 0; i < 2; i++)
         gather(&g, places->helper[i], CONFINE_READ | CONFINE_RUN);
     gather_scene(&g, places->scene);
+    gather_scene(&g, places->outside);
     gather_list(&g, places->scenes);
     for (const char *const *at = places->written; at && *at; at++) {
         gather(&g, *at, CONFINE_WRITE);

@@ -158,7 +158,7 @@ static enum err open_file(struct session *session, const char *path,
         volume.intensity = NULL;
     if (!err && (volume.choice.has_crop || volume.choice.reduce)) {
         session->part.choice = volume.choice;
-        session->part.choice.data = NULL; /* the command's */
+        session->part.choice.data = session->part.choice.proof = NULL; /* the command's */
         memcpy(session->part.whole, volume.whole, sizeof volume.whole);
         memcpy(session->part.size, volume.size, sizeof volume.size);
     }
@@ -242,6 +242,12 @@ enum err session_open(struct session *session, const char *path, const struct vo
     session->tally_before_edit.stale = true;
     snprintf(session->scene_file, sizeof session->scene_file, "%s", file_name(path));
     scene_identify(&session->scene_digest, session->proof, session->scene, session->team);
+    if (choice && choice->proof && strcmp(choice->proof, session->proof) != 0) {
+        session_close_scene(session);
+        memset(session->open_notes, 0, sizeof session->open_notes);
+        memset(session->scene_file, 0, sizeof session->scene_file);
+        return fault_set(fault, ERR_INPUT, "another scene; nothing was opened");
+    }
     session->waits = session->scene->plain && session_may_wait(session) &&
                      session_bytes_for(session->scene->grid.size) >= session->waits_from;
     err = session->waits ? session_foretell(session, fault) : OK;

@@ -30,6 +30,12 @@ static enum err execute(void *context, const char *command, struct buf *words, s
     return err;
 }
 
+static void note_record(void *context, const struct record *record)
+{
+    struct replaying *replaying = context;
+    replaying->interp->replayed_words = record->result;
+}
+
 static void begin(void *context, unsigned semantics)
 {
     struct replaying *replaying = context;
@@ -52,7 +58,7 @@ enum err replay_file(struct interpreter *interp, const char *path, size_t first,
                                   .timing = timing,
                                   .judge = interp->judge,
                                   .first = first};
-    const struct replay_host host = {&replaying, execute, begin, is_lost};
+    const struct replay_host host = {&replaying, execute, note_record, begin, is_lost};
     const struct replay_options options = {SEMANTICS, first, last};
     enum err err = file_exists(path) ? file_read(&bytes, path, JOURNAL_BYTES_MAX, fault)
                                      : fault_set(fault, ERR_IO, "there is no journal %s", path);
@@ -63,6 +69,7 @@ enum err replay_file(struct interpreter *interp, const char *path, size_t first,
         err = interpreter_set_home(interp, path, fault);
     if (!err)
         err = replay_run(buf_text(&bytes), bytes.length, &host, &options, report, fault);
+    interp->replayed_words = NULL;
     interp->judge = replaying.judge;
     buf_release(&bytes);
     return err;

@@ -133,7 +133,9 @@ static enum err reseal_record(struct resealing *r, const char *bytes, const stru
         r->accept->record = record;
         r->accept->is_left = false;
     }
+    r->interp->replayed_words = record->result;
     err = interpreter_execute(r->interp, record->command, &reply, fault);
+    r->interp->replayed_words = NULL;
     if (err)
         fault_prefix(fault, err, "record %zu (line %zu) fails; %s", record->number, record->line,
                      unchanged);

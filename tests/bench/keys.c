@@ -307,8 +307,8 @@ static enum err find_files(struct figures *f, struct fault *fault)
     enum err err = interpreter_init(&interp, fault);
     if (!err)
         err = bench_find_example(&f->journal, &interp, fault);
-    if (!err && interpreter_find_scene(&interp, "ch2.nii.gz", &f->scene, NULL))
-        err = interpreter_find_scene(&interp, "synth:geom", &f->scene, fault);
+    if (!err && interpreter_find_scene(&interp, "ch2.nii.gz", false, &f->scene, NULL))
+        err = interpreter_find_scene(&interp, "synth:geom", false, &f->scene, fault);
     interpreter_release(&interp);
     return err;
 }

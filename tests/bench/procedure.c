@@ -153,7 +153,7 @@ enum err procedure_make(struct procedure *procedure, const struct session *base,
 enum err procedure_open(struct interpreter *interp, const char *name, struct fault *fault)
 {
     struct buf path = {0};
-    enum err err = interpreter_find_scene(interp, name, &path, fault);
+    enum err err = interpreter_find_scene(interp, name, false, &path, fault);
     if (!err)
         err = session_open(&interp->session, buf_text(&path), NULL, fault);
     buf_release(&path);

@@ -51,7 +51,7 @@ both("percent", "a%20b.raw")
 os.remove("percent.mhd")  # to its library a pattern
 both("inner", "inner.raw")
 both("counted", "s%02d.raw 1 4 1")
-both("list", "LIST" if False else "LIST 2", "s01.raw\ndeep/s2.raw\ns03.raw\ns04.raw\n")
+both("list", "LIST 2", "s01.raw\ndeep/s2.raw\ns03.raw\ns04.raw\n")
 both("parent", "../secret/v.raw")
 both("absolute", os.path.join(secret, "v.raw"))
 both("away", "away.raw")
@@ -68,7 +68,8 @@ both("counted-parent", "../secret/s%02d.raw 1 4 1")
 both("counted-none", "s%02d.raw 2 5 1")
 both("counted-twice", "s%02d%s.raw 1 4 1")
 # Headers that say two things, of which their library may take the other one.
-write("swallowed.mhd", META + "Comment\nElementDataFile = LOCAL\nElementDataFile = ../secret/v.raw\n")
+write("swallowed.mhd", META +
+      "Comment\nElementDataFile = LOCAL\nElementDataFile = ../secret/v.raw\n")
 write("small.mhd", META + "elementdatafile = LOCAL\nElementDataFile = ../secret/v.raw\n")
 write("twice.nhdr", NRRD + "data file: v.raw\nDATAFILE: ../secret/v.raw\n")
 write("late.nhdr", NRRD + "# x\n" * 300000 + "datafile: ../secret/v.raw\n")
