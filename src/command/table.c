@@ -267,7 +267,7 @@ const struct command command_table[] = {
     {CALLED("labels", "atlas|segmentation", act_labels, GROUP_SEEDS, R | S | E | P),
      {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
       KEYED("as", VALUE_LIST, .most = 255), KEYED("label", VALUE_LABEL, .least = 1, .most = 255),
-      KEYED("erode", VALUE_NUMBER, .most = PIECE_ERODE_MOST),
+      KEYED("erode", VALUE_NUMBER, .most = PIECE_ERODE_MOST, .added = true),
       KEYED("copy", VALUE_WORD, .form = "DIGEST", .added = true), RESAMPLE},
      "begin with a segmentation, and correct it",
      "FILE is a label map on the scene's grid, of whatever program, whose labels come out as they "
