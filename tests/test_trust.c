@@ -174,16 +174,17 @@ static bool make_top(void)
     bool fine = make_folder(top, "trust") && mkdir(below_top("in"), 0777) == 0 &&
                 mkdir(below_top("in/deep"), 0777) == 0 && mkdir(below_top("out"), 0777) == 0;
     fine = fine && mkdir(below_top("far"), 0777) == 0;
-    static const char *const file[] = {"in/a",       "in/deep/b", "in/..c",
-                                       "out/secret", "far/a.hdr", "far/a.img",
-                                       "far/b.img",  "far/c.nii", "far/d.mhd"};
+    static const char *const file[] = {"in/a",      "in/deep/b", "in/..c",    "out/secret",
+                                       "far/a.hdr", "far/a.img", "far/b.img", "far/c.nii",
+                                       "far/d.mhd", "in/q.hdr",  "in/r.hdr"};
     for (size_t i = 0; i < sizeof file / sizeof *file; i++)
         fine = fine && file_write(below_top(file[i]), "x", 1, FILE_KEEP, NULL) == OK;
     static const char *const link[][2] = {
-        {"../out/secret", "in/up"},   {"../out", "in/folder"},      {"/dev/zero", "in/zero"},
-        {"round", "in/round"},        {"../../in/a", "in/deep/c"},  {"nothing", "in/dangling"},
-        {"../far/c.nii", "in/scene"}, {"../far/a.hdr", "in/p.hdr"}, {"../out/pipe", "in/p.img"},
-        {"../far/d.mhd", "in/d"}};
+        {"../out/secret", "in/up"},   {"../out", "in/folder"},       {"/dev/zero", "in/zero"},
+        {"round", "in/round"},        {"../../in/a", "in/deep/c"},   {"nothing", "in/dangling"},
+        {"../far/c.nii", "in/scene"}, {"../far/a.hdr", "in/p.hdr"},  {"../out/pipe", "in/p.img"},
+        {"../far/d.mhd", "in/d"},     {"../out/secret", "in/q.img"}, {"../far/b.img", "in/r.img"},
+        {"../far/a.hdr", "in/s.hdr"}, {"../far/a.img", "in/s.img"}};
     for (size_t i = 0; i < sizeof link / sizeof *link; i++)
         fine = fine && symlink(link[i][0], below_top(link[i][1])) == 0;
     return fine && symlink("deep/b", below_top("in/inner")) == 0 &&
@@ -254,7 +255,11 @@ STORY(elsewhere_a_name_leads_to_a_regular_file_or_to_nothing)
         {"../out/secret", true},
         {"../far/a.hdr", true}, /* a pair */
         {"p.hdr", false},       /* whose other file is a pipe */
-        {"../far/b.img", true}, /* without another: the reader says that it is missing */
+        {"q.hdr", false},       /* a header of the stranger's, and a link: he would choose bytes */
+        {"q.img", false},
+        {"r.img", false},
+        {"s.hdr", true},
+        {"../far/b.img", false},
         {"d", true},
         {"../far/d.mhd", false}, /* whose voxels may lie in other files */
         {"../out", false},

@@ -167,6 +167,18 @@ ln -sf "$work/secret/p.img" p.img
 expect 3 "$iftty" verify p.iftty
 out_has "there is no scene p.hdr beside the journal or among the scenes; expected --scene FILE"
 rm p.hdr p.img
+cp pairs/p.hdr pairs/p.img . # a header of the stranger's, who would choose and guess the bytes
+rm -f p.iftty
+expect 0 "$iftty" -c "open p.hdr" --journal p.iftty
+cp p.img "$work/secret/voxels"
+ln -sf "$work/secret/voxels" p.img
+for name in p.hdr p.img; do
+    sed "s/^open p.hdr/open $name/" p.iftty >guess
+    chain_anew guess guess.iftty
+    expect 3 "$iftty" verify guess.iftty
+    out_has "there is no scene $name beside the journal or among the scenes"
+done
+rm p.hdr p.img
 close_story
 
 begin "a file elsewhere that is not that scene is as if there were none, whatever it is"

@@ -116,6 +116,27 @@ static bool is_regular(const char *path)
     return stat(path, &status) == 0 && S_ISREG(status.st_mode);
 }
 
+/* Of a pair, the other file is the one that really lies beside it, and both are read there: a header
+ * that a stranger puts beside a link would choose which bytes of a file are voxels, few enough to
+ * be guessed. */
+static bool take_pair(struct buf *path)
+{
+    struct buf other = {0};
+    if (!file_is_named(buf_text(path), PAIR_HEADERS "|" PAIR_VOXELS))
+        return true;
+    char *real = realpath(buf_text(path), NULL);
+    char *real_other = pair_other(&other, buf_text(path)) ? realpath(buf_text(&other), NULL) : NULL;
+    bool fine = real && real_other && pair_other(&other, real) &&
+                strcmp(real_other, buf_text(&other)) == 0 && is_regular(real_other);
+    buf_clear(path);
+    buf_add_text(path, fine ? real : "");
+    fine = fine && !other.failed && !path->failed;
+    free(real);
+    free(real_other);
+    buf_release(&other);
+    return fine;
+}
+
 bool trust_find_outside(struct buf *path, const char *home, const char *scenes, const char *name)
 {
     struct buf other = {0};
@@ -132,8 +153,7 @@ bool trust_find_outside(struct buf *path, const char *home, const char *scenes, 
         buf_printf(path, "/%s", name);
     }
     leads_out = leads_out && !path->failed && is_regular(buf_text(path)) &&
-                !file_is_named(buf_text(path), HEADERS_ALONE) &&
-                (!pair_other(&other, buf_text(path)) || is_regular(buf_text(&other))) &&
+                !file_is_named(buf_text(path), HEADERS_ALONE) && has_own_other(buf_text(path)) &&
                 !other.failed;
     buf_release(&other);
     return leads_out;
