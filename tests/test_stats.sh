@@ -140,6 +140,13 @@ expect 0 "$iftty" -c 'redo; info' --journal j.iftty
 out_has "1 edit waiting"
 close_story
 
+begin "where no seed is planted, an answer says so"
+for asks in stats 'stats report=none.csv' 'compare map.nii'; do
+    expect 0 "$iftty" -c "open scene.nii; $asks; seed 7,12,10 1; stats"
+    same "$(grep -c 'no seed is planted: no voxel has a label' "$work/out")" 1
+done
+close_story
+
 begin "a question that fails applies nothing"
 rm -f j.iftty
 expect 3 "$iftty" -c 'open scene.nii; seed 7,12,10 1; compare none.nii' --journal j.iftty

@@ -304,6 +304,9 @@ void act_write_label(struct buf *out, const struct session *session, unsigned la
 /* A line where edits wait for `run`: what was answered of the labels is without them. */
 void act_write_waiting(const struct act *act);
 
+/* A line where there is nothing to answer about. */
+void act_write_no_seeds(const struct act *act);
+
 /* " of 1x1x1.5 mm" or " of unknown size"; "axes towards RAS". */
 void act_write_spacing(struct buf *out, const struct session *session);
 void act_write_axes(struct buf *out, const struct geometry *geometry);

@@ -48,6 +48,12 @@ void act_write_waiting(const struct act *act)
         buf_printf(&act->reply->text, "without the %zu edits that wait for `run`\n", waits);
 }
 
+void act_write_no_seeds(const struct act *act)
+{
+    if (!forest_seeds(act->session->forest))
+        buf_add_text(&act->reply->text, "no seed is planted: no voxel has a label\n");
+}
+
 /* The weight of the voxel; where weights are those of steps, of the step from its predecessor. */
 static void write_voxel_weight(struct buf *out, const struct session *session,
                                const struct cell *cell)

@@ -142,6 +142,8 @@ static enum err answer(const struct act *act, const struct compared *compared,
         err = write_picture(act, compared, &report);
     if (!err)
         comparison_write_text(&act->reply->text, &report);
+    if (!err)
+        act_write_no_seeds(act);
     return err;
 }
 

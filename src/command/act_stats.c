@@ -127,6 +127,7 @@ static enum err answer(const struct act *act, const struct label_stats *stats,
     }
     if (err)
         return err;
+    act_write_no_seeds(act);
     write_forest(act);
     return OK;
 }
