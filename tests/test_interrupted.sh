@@ -17,7 +17,7 @@ seed 7,12,10 liver
 seed 2,2,2 1
 stats
 label 2 spleen
-"seed" 3,3,3   spleen
+"seed" 3,3,3   radius=1 spleen
 zoom fit
 render
 hint 1
@@ -96,10 +96,13 @@ beginning 7
 cp again/script again/other
 sed -i 's/zoom fit/zoom 2/' again/script
 beginning 8
+sed 's/radius=1//' again/script >again/other.shorter
 mv again/script again/changed
 mv again/other again/script
 cp again/changed again/other
 differs 'other:11: this line is `zoom 2`, and record 8 of k.iftty is `zoom '
+mv again/other.shorter again/other
+differs 'other:10: this line is `"seed" 3,3,3    spleen`, and record 7 of k.iftty is `seed 3,3,3 2 ra'
 beginning 5
 for line in 'undo' 'branch other' 'seed 9,9,9 1'; do # somebody went on by hand
     beginning 4

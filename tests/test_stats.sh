@@ -138,6 +138,10 @@ out_has "1 seed, 0 edits waiting" # after the second
 expect 0 "$iftty" verify j.iftty
 expect 0 "$iftty" -c 'redo; info' --journal j.iftty
 out_has "1 edit waiting"
+expect 0 "$iftty" -c 'finish majority; stats finished=yes' --journal j.iftty
+words_of j.iftty "$(grep -c '^= ' j.iftty)" | grep -q '^forest=[^ ]* labels=[^ ]* seeds=2$' ||
+    fail "$(tail -n 1 j.iftty)" # those of a run alone
+expect 0 "$iftty" verify j.iftty
 close_story
 
 begin "where no seed is planted, an answer says so"
