@@ -282,7 +282,7 @@ $(VOLUME_PARTS): $(BUILD)/%.o: %.cc | build/.packages-volume
 	$(say) "compile   $<"
 	$(Q)$(CXX) $(ALL_CXXFLAGS) $(VOLUME_FLAGS) -c -o $@ $<
 
-$(BUILD)/iftty-volume: $(VOLUME_PARTS) $(CONFINED)
+$(BUILD)/iftty-volume: $(VOLUME_PARTS) $(BUILD)/src/image/csa.o $(CONFINED)
 	$(say) "link      $@"
 	$(Q)$(CXX) -o $@ $^ $(ALL_LDFLAGS) $(VOLUME_LIBS)
 

@@ -3,7 +3,7 @@
 # the same voxels in the same place as a NIfTI of nibabel's; what a file leaves open, lacks or holds
 # twice; nothing private comes out; helpers that misbehave.
 . "$(dirname "$0")/lib.sh"
-PYTHON=/usr/bin/python3
+. "$top/tests/volumes/opened.sh"
 unset IFTTY_SCENES
 own=$("$PYTHON" -c "import nibabel, os; print(os.path.dirname(nibabel.__file__))")/tests/data
 
@@ -14,29 +14,6 @@ mkdir "$work/v"
 [ "$failures" = 0 ] || { close_story; finish; }
 close_story
 cd "$work/v" || exit 1
-
-# opened_as FILE TWIN [OPTION...]: the same scene, in the same place, as $says says
-says=file
-opened_as() {
-    name=$1 twin=$2
-    shift 2
-    rm -f "$work"/[ab].nii "$work"/[ab].iftty
-    expect 0 "$iftty" -c "open $twin; save labels $work/b.nii" --journal "$work/b.iftty"
-    expect 0 "$iftty" -c "open $name $*; save labels $work/a.nii" --journal "$work/a.iftty" ||
-        return
-    for key in scene sha256 size spacing-nm; do
-        value=$(last_word $key "$work/a.iftty")
-        [ -n "$value" ] && [ "$value" = "$(last_word $key "$work/b.iftty")" ] ||
-            fail "$name: $key is $value, not $(last_word $key "$work/b.iftty")"
-    done
-    is=$(last_word orientation "$work/a.iftty")
-    case $(last_word orientation "$work/b.iftty") in
-    unknown) same "$name $is" "$name unknown" ;;
-    *) same "$name $is" "$name $says" ;;
-    esac
-    "$PYTHON" "$top/tests/volumes/make.py" same "$work/a.nii" "$work/b.nii" 2>"$work/err" ||
-        fail "$name: $(tail -n 9 "$work/err")"
-}
 
 alike() { # FILE...: each opens as the first does, in every word
     for name; do

@@ -84,7 +84,9 @@ void catch_signals();
 struct Slice {
     std::string path, series, object; /* never said */
     std::string modality;
+    std::string fault; /* why it cannot be read; "" where it can */
     unsigned frame = 0, frames = 1;
+    unsigned tiles = 1, images = 0; /* of a mosaic: along a side of the square, and in all */
     unsigned columns = 0, rows = 0, samples = 1, bits = 16;
     bool is_signed = false, has_position = false, has_axes = false, is_inverse = false;
     double position[3] = {0, 0, 0}, axis[6] = {1, 0, 0, 0, 1, 0}; /* left, posterior, superior */
@@ -119,6 +121,9 @@ void check_pixels(Volume &volume, const std::vector<Slice> &slices, const Reques
 bool read_pixels(std::vector<char> &bytes, const Slice &slice);
 
 void normal_of(double normal[3], const double axis[6]);
+
+/* The pixels of a mosaic, image after image. */
+void split_mosaic(std::vector<char> &bytes, const Slice &slice);
 
 /* Takes one of the series that the slices make, and arranges them. */
 void stack_slices(Volume &volume, const std::vector<Slice> &slices, const Request &request);

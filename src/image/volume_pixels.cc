@@ -238,7 +238,8 @@ bool read_packed(std::vector<char> &bytes, const Slice &slice)
         return false;
     const gdcm::Pixmap &image = reader.GetPixmap();
     const gdcm::PixelFormat &format = image.GetPixelFormat();
-    if (image.GetDimension(0) != slice.columns || image.GetDimension(1) != slice.rows ||
+    if (image.GetDimension(0) != slice.columns * slice.tiles ||
+        image.GetDimension(1) != slice.rows * slice.tiles ||
         format.GetBitsAllocated() != slice.bits || format.GetSamplesPerPixel() != 1 ||
         image.GetBufferLength() != bytes_in(slice))
         return false;

@@ -350,6 +350,8 @@ class Decoder
             if (!read_pixels(bytes_, slice))
                 return nullptr;
             path_ = slice.path;
+            if (slice.tiles > 1)
+                split_mosaic(bytes_, slice);
         }
         return &bytes_[frame * slice.frame];
     }
@@ -415,6 +417,9 @@ void send_stack(const Volume &volume, const Stack &stack)
 /* Slices that have been found, of which `wanted` is a series. */
 void stack_series(Volume &volume, Series series, const Request &request)
 {
+    for (const Slice &slice : series)
+        if (!slice.fault.empty())
+            refuse("%s", slice.fault.c_str());
     const size_t copies = drop_copies(series);
     sort_slices(series);
     volume.volumes = count_volumes(series);
@@ -439,6 +444,10 @@ void stack_series(Volume &volume, Series series, const Request &request)
                                                     static_cast<double>(stack->slice.size() - 1)
                                               : 1;
     }
+    if (series[0].tiles > 1 && series[0].between <= 0)
+        note(volume, words_of("it says how thick its slices are, %g mm, and not how far apart: "
+                              "taken as the same",
+                              series[0].thickness));
     if (copies)
         note(volume, plural_of(copies, "file") + (copies == 1 ? " is a copy" : " are copies") +
                          " of others, and left out");

@@ -1,5 +1,5 @@
 /* DICOM: what the header of a file says of its slices. GDCM reads it. */
-#include "image/volume_parts.hh"
+#include "image/volume_dicom.hh"
 
 #include <algorithm>
 #include <cmath>
@@ -214,6 +214,8 @@ bool scan(std::vector<Slice> &slices, const std::string &path)
     take_place(slice, set);
     take_place(slice, item_of(set, detector_tag, 0));
     find_pixels(slice, *in, reader.GetFile().GetHeader().GetDataSetTransferSyntax());
+    if (slice.frames == 1 && add_mosaic(slices, slice, set))
+        return true;
     if (slice.frames > 1 || set.FindDataElement(each_tag))
         add_frames(slices, slice, set);
     else

@@ -1,0 +1,29 @@
+/* What the readers of DICOM share of data sets. */
+#ifndef IMAGE_VOLUME_DICOM_HH
+#define IMAGE_VOLUME_DICOM_HH
+
+#include <string>
+#include <vector>
+
+#include <gdcmDataSet.h>
+
+#include "image/volume_parts.hh"
+
+namespace volume
+{
+
+/* The text of an element without the blanks at its end; "" where there is none. */
+std::string text_of(const gdcm::DataSet &set, const gdcm::Tag &tag);
+
+/* Takes a binary number of 16 or 32 bits. */
+void take_binary(unsigned &out, const gdcm::DataSet &set, const gdcm::Tag &tag);
+
+/* ---- mosaics (volume_mosaic.cc) ---- */
+
+/* The images of a mosaic in their places, or `first` with what is wrong with it; false where it is
+ * no mosaic. */
+bool add_mosaic(std::vector<Slice> &slices, const Slice &first, const gdcm::DataSet &set);
+
+} // namespace volume
+
+#endif
