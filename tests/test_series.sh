@@ -53,4 +53,120 @@ refused "said to hold 7 images, and 61x84 pixels are not so many" "open odd"
 refused "holds more images than its private header says" "open hidden"
 close_story
 
+begin "a folder of several series says of each what tells it apart, in lines where one is too long"
+expect 3 "$iftty" -c "open study"
+err_has "it holds 6 series; choose one with series=N, or with a piece of its description"
+same "$(wc -l <"$work/err" | tr -d ' ')" 1
+cat >"$work/listed" <<'END'
+    1: "localizer", 5 slices of 26x22, MR, 0.9x1.1x2.5 mm
+    2: "t1_mprage sag", 14 slices of 26x22, MR, 0.9x1.1x2.5 mm
+    3: "gre_field", 5 slices of 26x22, MR, 0.9x1.1x2.5 mm, TE 4.92 ms
+    4: "gre_field", 5 slices of 26x22, MR, 0.9x1.1x2.5 mm, TE 7.38 ms
+    5: "gre_field", 5 slices of 26x22, MR, 0.9x1.1x2.5 mm, TE 7.38 ms, phase
+    6: 5 slices of 26x22, MR, 1.8x2.2x2.5 mm
+END
+cmp -s "$work/out" "$work/listed" || fail "$(diff "$work/listed" "$work/out")"
+expect 3 "$iftty" info study
+sed 's/^    //' "$work/listed" | cmp -s - "$work/out" || fail "$(cat "$work/out")"
+expect 3 "$iftty" -c "open many"
+same "$(grep -c '^    [0-9]*: "protocol with a long name, and number' "$work/out")" 30
+refused "it holds 2 series; choose one with series=N, or with a piece of its description: \
+1: 1 slice of 78x66, MR, 0.9x1.1x2.5 mm, cannot be read; 2: \"t2\", 5 slices" "open study-mosaic"
+refused "IM0 is a mosaic, and nothing says how many" "open study-mosaic series=1"
+expect 0 "$iftty" -c "open study-mosaic series=t2"
+refused "2 of its 6 series have that in their description; choose one with series=N: \
+2: \"t1_mprage sag\", 14 slices of 26x22, MR, 0.9x1.1x2.5 mm; 6: 5 slices of" \
+    "open study series=mprage"
+refused "no series has that in its description; it holds 2" "open study-mosaic series=flair"
+refused "there is no series 3; it holds 2 series: 1: 1 slice" "open study-mosaic series=3"
+for text in 0 100001 -2; do
+    expect 2 "$iftty" -c "open study series=$text"
+    err_has "series: expected 1..100000, or a piece of its description"
+done
+expect 2 "$iftty" -c "open mosaic.twin.nii series=t1"
+err_has "series=N is for series of DICOM in a folder"
+close_story
+
+begin "a series that is named by its description is recorded by its number, and found again"
+mkdir "$work/kept"
+opened_as study study.twin.nii "series=\"T1_MPRAGE SAG\""
+for words in 'series="1_mprage s"' series=2 series=002; do
+    rm -f "$work/kept/j.iftty"
+    expect 0 "$iftty" -c "open $work/v/study $words; seed 9,12,6 1; seed 1,1,1 0; run
+        slice axial 6 $work/kept/s.png replace=yes; render $work/kept/r.exr replace=yes
+        save labels $work/kept/l.nii replace=yes; golden front; info" \
+        --journal "$work/kept/j.iftty" --keep-going
+    grep -q "^open .*/study series=2 weight=morph\$" "$work/kept/j.iftty" ||
+        fail "$(grep ^open "$work/kept/j.iftty")"
+    cp "$work/out" "$work/kept/out"
+    expect 0 "$iftty" verify --scene study "$work/kept/j.iftty"
+    rm -rf "$work/kept/j.golden"
+done
+expect 0 "$iftty" log --export "$work/kept/prov.json" "$work/kept/j.iftty"
+printf 'open study\nopen study series=9\n' >"$work/v/j"
+expect 3 "$iftty" replay j >"$work/kept/replayed" 2>&1
+cat "$work/out" "$work/err" >"$work/kept/said"
+grep -q "it holds 6 series; choose one with series=N: 1: 5 slices of 26x22, MR" "$work/kept/said" ||
+    fail "$(cat "$work/kept/said")"
+grep -raiE 'mprage|localizer|gre_field|SECRETN' "$work/kept" >"$work/found" &&
+    fail "$(head -c 300 "$work/found")"
+close_story
+
+begin "one bad file among many names itself, and may be left out, which is counted and recorded"
+for name in damaged cut-header; do
+    refused "IM2-4 is damaged: fetch it again; skip=IM2-4 leaves it out" "open $name series=2"
+done
+refused "IM2-4 is slice 5 of 14, which cannot be decoded" "open undecodable series=2"
+err_has "; skip=IM2-4 leaves it out"
+for name in damaged cut-header undecodable; do
+    refused "a slice is missing (1 after slice 4) of 14" "open $name series=2 skip=IM2-4"
+    rm -f j.iftty
+    expect 0 "$iftty" -c "open $name series=2 skip=IM2-4 missing=blank" --journal j.iftty
+    out_has "skip: 1 file left out"
+    expect 0 "$iftty" verify j.iftty
+done
+expect 0 "$iftty" -c "open damaged series=2 skip=IM2-4,IM2-13,IM2-12 missing=blank"
+out_has "26x22x12 voxels"
+out_has "skip: 3 files left out"
+mkdir -p "below/deep, er"
+cp damaged/IM2-4 "below/deep, er/of it"
+cp study/IM2-* below
+refused "deep, er/of it is damaged: fetch it again; skip=\"deep, er/of it\" leaves it out" \
+    "open below"
+opened_as below study.twin.nii 'skip="deep, er/of it"'
+refused "skip: there is no file IM2-44 in the folder" "open damaged series=2 skip=IM2-4,IM2-44"
+refused "skip=NAME leaves out files of a folder, and this is one file" "open mosaic/IM0 skip=IM0"
+expect 2 "$iftty" -c "open mosaic.twin.nii skip=IM0"
+err_has "skip=NAME is for a folder of slices, and this is nifti-1: leave it out"
+close_story
+
+begin "a journal of before has mosaics and damaged files as they were"
+for words in "mosaic missing=blank 78,66,1" "damaged series=2 missing=blank 26,22,14"; do
+    echo "# iftty journal 1 semantics 8" >j.iftty
+    expect 0 "$iftty" -c "open ${words% *}; seed 3,3,0 1; run" --journal j.iftty
+    grep -q "size=${words##* } " j.iftty || fail "$(cat j.iftty)"
+    expect 0 "$iftty" verify j.iftty
+done
+close_story
+
+cd "$work" || exit 1
+. "$top/tests/tmux.sh"
+begin_terminal
+begin "at the prompt a list that is longer than the screen is paged, and its error is below it"
+enter "clear; cd v; $iftty"
+see '^session>$'
+enter "open many"
+see '1: "protocol with a long name, and number 1"'
+see '^1-23 of [0-9]+  q: leave'
+type_letters "G"
+see 'number 30"'
+see 'it holds 30 series'
+type_letters "q"
+see '^error: .*it holds 30 series'
+enter "open study"
+see '^6: 5 slices of 26x22, MR, 1.8x2.2x2.5 mm'
+see '^error: .*it holds 6 series'
+enter "quit"
+close_story
+
 finish

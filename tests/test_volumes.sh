@@ -192,7 +192,8 @@ refused "its pixels have colours" "open one/SC_rgb_rle.dcm"
 close_story
 
 begin "what a file leaves open is asked, and what is wrong with it is said"
-refused "it holds 2 series; choose one with series=N: 1: 14 slices of 26x22, CT; 2: 5 slices" \
+refused "it holds 2 series; choose one with series=N, or with a piece of its description: \
+1: 14 slices of 26x22, CT, 0.9x1.1x2.5 mm; 2: 5 slices of 26x22, MR, 0.9x1.1x2.5 mm" \
     "open mixed"
 refused "there is no series 3" "open mixed series=3"
 refused "3 slices are missing (2 after slice 4, 1 after slice 7) of 14" "open gaps"

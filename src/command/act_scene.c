@@ -83,30 +83,30 @@ static enum err check_words(const struct act *act, const char *name)
         return OK;
     for (int i = OPEN_SERIES; i <= OPEN_STRAIGHTEN; i++)
         if (act->value[i].given)
-            return fault_set(act->fault, ERR_USAGE,
-                             "series, data, missing, spacing, huge and straighten are about a "
-                             "file, and a synthetic scene is made as it is to be; nothing was "
-                             "opened");
+            return fault_set(
+                act->fault, ERR_USAGE,
+                "series, data, missing, skip, spacing, huge and straighten are about a "
+                "file, and a synthetic scene is made as it is to be; nothing was "
+                "opened");
     return OK;
 }
 
 /* A new record ends in weight=NAME, so that it means the same under another default; one without it
  * means `morph`, as all did before. */
-static enum err take_first_weight(const struct act *act)
+static enum err take_first_weight(const struct act *act, bool *recorded)
 {
     struct session *session = act->session;
     struct weight_choice *weight = &session->now.kept.weight;
     const struct value *given = &act->value[OPEN_WEIGHT];
+    *recorded = false;
     if (session->has_scene)
         return OK; /* session_open refuses */
     if (given->given)
         return opening_weight(weight, given->text, act->fault);
-    if (act->interp->mode != MODE_LIVE || !semantics_has(session->semantics, MEANING_OPEN_WEIGHT)) {
+    *recorded =
+        act->interp->mode == MODE_LIVE && semantics_has(session->semantics, MEANING_OPEN_WEIGHT);
+    if (!*recorded)
         *weight = (struct weight_choice){WEIGHT_MORPH, 1};
-        return OK;
-    }
-    buf_add_text(&act->reply->canonical, " weight=");
-    opening_write_weight(&act->reply->canonical, weight);
     return OK;
 }
 
@@ -155,6 +155,26 @@ static enum err open_outside(const struct act *act, const char *name, struct vol
     return session->has_scene ? OK : watch_fault(watch, act->fault);
 }
 
+/* What is recorded: a series by its number, whatever piece of its description was given, since
+ * descriptions may be about the patient; and the weight. */
+static void write_canonical(const struct act *act, bool has_weight)
+{
+    struct buf *canonical = &act->reply->canonical;
+    const struct session *session = act->session;
+    if (act->value[OPEN_SERIES].given && session->series) {
+        struct call call = {.command = act->command};
+        memcpy(call.value, act->value, sizeof call.value);
+        call.value[OPEN_SERIES].text = NULL;
+        call.value[OPEN_SERIES].number = session->series;
+        buf_clear(canonical);
+        command_write(canonical, &call);
+    }
+    if (has_weight) {
+        buf_add_text(canonical, " weight=");
+        opening_write_weight(canonical, &session->now.kept.weight);
+    }
+}
+
 enum err act_open(const struct act *act)
 {
     struct buf path = {0};
@@ -163,12 +183,14 @@ enum err act_open(const struct act *act)
     char proof[SHA256_HEX];
     const char *name;
     const bool had_scene = session->has_scene;
+    bool has_weight = false;
     enum err err = opening_choice(&choice, &name, act->value, act->fault);
     choice.as_recorded = act->interp->mode != MODE_LIVE;
+    choice.list = choice.as_recorded ? NULL : &act->reply->list;
     if (!err)
         err = check_words(act, name);
     if (!err)
-        err = take_first_weight(act);
+        err = take_first_weight(act, &has_weight);
     const bool by_proof = !err && has_proof(act, &choice, proof);
     if (by_proof)
         err = open_outside(act, name, &choice, proof);
@@ -180,6 +202,8 @@ enum err act_open(const struct act *act)
     if (!err)
         name_scene(act, name, buf_text(&path));
     buf_release(&path);
+    if (!err)
+        write_canonical(act, has_weight);
     if (!err)
         write_scene(act);
     if (!err)

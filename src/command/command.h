@@ -91,6 +91,8 @@ struct reply {
     struct buf text;  /* lines, each ended by a line feed, safe to print */
     struct buf words; /* separated by single spaces */
     struct buf canonical;
+    struct buf list; /* of an error: lines to choose from. They may hold what is said of a patient:
+                        they are shown, and kept nowhere */
 };
 
 /* A command that is being carried out: by whom, with which values, and where its answer goes. */
@@ -101,6 +103,7 @@ struct act {
     struct state *next;        /* a copy of the session's state, to be changed; act_go goes there */
     struct reply *reply;
     struct fault *fault;
+    const struct command *command; /* NULL where none is carried out */
 };
 
 /* What commands are about; those of a group stand together. */

@@ -8,6 +8,7 @@ void reply_release(struct reply *reply)
     buf_release(&reply->text);
     buf_release(&reply->words);
     buf_release(&reply->canonical);
+    buf_release(&reply->list);
 }
 
 void reply_clear(struct reply *reply)
@@ -15,6 +16,7 @@ void reply_clear(struct reply *reply)
     buf_clear(&reply->text);
     buf_clear(&reply->words);
     buf_clear(&reply->canonical);
+    buf_clear(&reply->list);
 }
 
 /* ---- carried out ---- */
@@ -80,7 +82,8 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
         err = apply(interp, session, reply, fault);
     struct state next = session->now;
     if (!err)
-        err = command->act(&(struct act){interp, session, call->value, &next, reply, fault});
+        err =
+            command->act(&(struct act){interp, session, call->value, &next, reply, fault, command});
     const bool waits =
         !session->now.outlook.runs_by_itself || interp->history.goes_to != POINT_NONE;
     if (!err && edits && !waits)
@@ -96,7 +99,8 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
         volumes_write(&reply->text, session, clock_ns() - begin);
     if (!err && edited && (command->flags & COMMAND_PLANTS || interp->applied))
         surprise_write(&reply->text, session, interp->applied ? NULL : command->name);
-    if (!err && (reply->text.failed || reply->words.failed || reply->canonical.failed))
+    if (!err && (reply->text.failed || reply->words.failed || reply->canonical.failed ||
+                 reply->list.failed))
         err = fault_memory(fault, "an answer");
     return err;
 }

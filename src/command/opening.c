@@ -7,6 +7,7 @@
 #include "image/voxels.h"
 
 static const char RAW[] = "raw:";
+enum { SERIES_MOST = 100000 };
 
 /* "X,Y,Z": three numbers of at least one unit, which has so many decimals. */
 static bool scan_three(uint32_t out[3], const char *text, unsigned places)
@@ -56,6 +57,23 @@ static enum err choose_layout(struct raw_layout *raw, const struct value *value,
     return OK;
 }
 
+/* "3", or a piece of a description. */
+static enum err choose_series(struct volume_choice *choice, const char *text, struct fault *fault)
+{
+    int64_t number;
+    const char *at = text;
+    if (scan_integer(&at, 1, SERIES_MOST, &number) && !*at)
+        choice->series = (uint32_t)number;
+    else if (*text && text[strspn(text, "-0123456789")])
+        choice->series_name = text;
+    else
+        return fault_set(fault, ERR_USAGE,
+                         "series: expected 1..%d, or a piece of its description, not %s; nothing "
+                         "was opened",
+                         SERIES_MOST, *text ? text : "nothing");
+    return OK;
+}
+
 enum err opening_choice(struct volume_choice *choice, const char **name, const struct value *value,
                         struct fault *fault)
 {
@@ -64,15 +82,17 @@ enum err opening_choice(struct volume_choice *choice, const char **name, const s
     *choice = (struct volume_choice){
         .has_volume = value[OPEN_VOLUME].given,
         .volume = (uint32_t)value[OPEN_VOLUME].number,
-        .series = value[OPEN_SERIES].given ? (uint32_t)value[OPEN_SERIES].number : 0,
         .data = value[OPEN_DATA].given ? value[OPEN_DATA].text : NULL,
+        .skip = value[OPEN_SKIP].given ? value[OPEN_SKIP].text : NULL,
         .fills_gaps = value[OPEN_MISSING].given,
         .huge = value[OPEN_HUGE].given && value[OPEN_HUGE].number == 0,
         .straightens = value[OPEN_STRAIGHTEN].given && value[OPEN_STRAIGHTEN].number == 0,
     };
     if (value[OPEN_REDUCE].given)
         choice->reduce = (uint32_t)value[OPEN_REDUCE].number;
-    if (value[OPEN_CROP].given)
+    if (value[OPEN_SERIES].given)
+        err = choose_series(choice, value[OPEN_SERIES].text, fault);
+    if (!err && value[OPEN_CROP].given)
         err = choose_box(choice, value[OPEN_CROP].text, fault);
     const bool is_raw = scan_text(name, RAW);
     if (!err && is_raw)

@@ -16,6 +16,7 @@ enum opening {
     OPEN_SERIES,
     OPEN_DATA,
     OPEN_MISSING,
+    OPEN_SKIP,
     OPEN_SIZE,
     OPEN_TYPE,
     OPEN_ENDIAN,

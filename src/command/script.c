@@ -18,6 +18,17 @@ bool script_read_line(FILE *input, struct buf *line)
     return c != EOF || line->length > 0;
 }
 
+static void add_indented(struct buf *out, const struct buf *lines)
+{
+    for (const char *at = buf_text(lines); *at;) {
+        size_t n = strcspn(at, "\n");
+        buf_add_text(out, "    ");
+        buf_add(out, at, n);
+        buf_add_char(out, '\n');
+        at += n + (at[n] == '\n');
+    }
+}
+
 void script_acknowledge(const struct interpreter *interp, const struct reply *reply,
                         const struct printer *printer)
 {
@@ -25,14 +36,18 @@ void script_acknowledge(const struct interpreter *interp, const struct reply *re
     buf_printf(&text, interp->acknowledged ? "ok %zu " : "ok - ", interp->acknowledged);
     buf_add_safe(&text, buf_text(&reply->canonical), reply->canonical.length);
     buf_add_char(&text, '\n');
-    for (const char *at = buf_text(&reply->text); *at;) {
-        size_t n = strcspn(at, "\n");
-        buf_add_text(&text, "    ");
-        buf_add(&text, at, n);
-        buf_add_char(&text, '\n');
-        at += n + (at[n] == '\n');
-    }
+    add_indented(&text, &reply->text);
     printer->print(printer->context, buf_text(&text));
+    buf_release(&text);
+}
+
+/* What there is to choose from, before the error that is about it. */
+static void print_list(const struct reply *reply, const struct printer *printer)
+{
+    struct buf text = {0};
+    add_indented(&text, &reply->list);
+    if (text.length)
+        printer->print(printer->context, buf_text(&text));
     buf_release(&text);
 }
 
@@ -163,6 +178,7 @@ enum err script_run(struct interpreter *interp, FILE *input, const char *name, b
             continue;
         const enum err err = run_line(&run, buf_text(&line), number, &taken, &reply, fault);
         if (err) {
+            print_list(&reply, printer);
             warn(printer, name, number, fault);
             first = first ? first : err;
             ends = !keep_going || err == ERR_CANCELLED;

@@ -24,9 +24,12 @@
     "spacing.\n" WEIGHT_NOTES "FILE: a map on the scene's grid with the weight of each voxel, "    \
     "whole numbers 0..65535." RESAMPLE_NOTE
 #define OPENING_NOTE                                                                               \
-    "series: which one of those that a folder of DICOM holds, counted from 1.\n"                   \
+    "series: which one of those that a folder of DICOM holds: its number, from 1, or a piece of "  \
+    "its description, as in series=t1_mprage; without it they are listed. The record has the "     \
+    "number.\n"                                                                                    \
     "data: the data set of an HDF5 file.\n"                                                        \
     "missing: blank puts a blank slice where one of a DICOM series is missing.\n"                  \
+    "skip: files of a folder that are left out, by their names in it, as in skip=IM0004,IM0007.\n" \
     "size, type, endian, offset: of raw:FILE, in voxels, x fastest, and bytes before them.\n"      \
     "spacing: of voxels, X,Y,Z in mm, where the file does not say it.\n"                           \
     "private: yes leaves out of pictures what the scene's file and the journal are called. "       \
@@ -128,8 +131,9 @@ const struct command command_table[] = {
       KEYED("volume", VALUE_NUMBER, .most = 65535),
       KEYED("crop", VALUE_LIST, .most = 65533, .form = "A-B,C-D,E-F"),
       KEYED("reduce", VALUE_NUMBER, .least = 2, .most = REDUCE_MOST),
-      KEYED("series", VALUE_NUMBER, .least = 1, .most = 100000),
-      KEYED("data", VALUE_WORD, .form = "NAME"), KEYED("missing", VALUE_CHOICE, .choices = "blank"),
+      KEYED("series", VALUE_WORD, .form = "N|TEXT"), KEYED("data", VALUE_WORD, .form = "NAME"),
+      KEYED("missing", VALUE_CHOICE, .choices = "blank"),
+      KEYED("skip", VALUE_WORD, .form = "NAME,NAME"),
       KEYED("size", VALUE_LIST, .least = 1, .most = 65534, .form = "X,Y,Z"),
       KEYED("type", VALUE_CHOICE, .choices = OPEN_TYPES),
       KEYED("endian", VALUE_CHOICE, .choices = "little|big"),

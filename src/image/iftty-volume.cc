@@ -14,6 +14,8 @@
  *     volume_hdf5.cc     data sets of HDF5
  *     volume_slice.cc    what DICOM says of a slice
  *     volume_pixels.cc   the pixels of a file
+ *     volume_mosaic.cc   slices that lie side by side in one picture
+ *     volume_choice.cc   which series of a folder
  *     volume_series.cc   the slices of a series
  *     volume_folder.cc   folders of slices
  */
@@ -81,14 +83,20 @@ Request receive_request()
         leave(2);
     request.kind = line.substr(5, kind - 5);
     size_t at = kind + 1;
-    const uint64_t flags = take_number(line, at, 3);
+    const uint64_t flags = take_number(line, at, 15);
     request.follows_links = flags & 1;
     request.fills_gaps = flags & 2;
+    request.lists = flags & 4;
+    request.is_old = flags & 8;
     request.series = take_number(line, at, number_most);
     request.volume = take_number(line, at, UINT32_MAX);
+    const uint64_t wanted = take_number(line, at, path_most);
+    const uint64_t skip = take_number(line, at, path_most);
     const uint64_t data = take_number(line, at, path_most);
     const uint64_t room = take_number(line, at, path_most);
     const uint64_t path = take_number(line, at, path_most);
+    request.wanted = receive_text(wanted);
+    request.skip = receive_text(skip);
     request.data = receive_text(data);
     request.room = receive_text(room);
     request.path = receive_text(path);

@@ -238,14 +238,16 @@ static enum err check_words(struct volume_header *header, struct fault *fault)
     const struct volume_choice *choice = &header->choice;
     const struct {
         bool given;
-        const char *word, *format, *of;
+        const char *word, *formats, *of;
     } row[] = {
-        {choice->series > 0, "series=N", "DICOM", "series of DICOM in a folder"},
+        {choice->series > 0 || choice->series_name, "series=N", "DICOM",
+         "series of DICOM in a folder"},
         {choice->fills_gaps, "missing=blank", "DICOM", "a series of DICOM"},
         {choice->data != NULL, "data=NAME", "HDF5", "data sets of HDF5"},
+        {choice->skip != NULL, "skip=NAME", "DICOM|TIFF slices|PNG slices", "a folder of slices"},
     };
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
-        if (!row[i].given || strcmp(header->format, row[i].format) == 0)
+        if (!row[i].given || choice_find(row[i].formats, header->format) >= 0)
             continue;
         if (!choice->as_recorded)
             return fault_set(fault, ERR_USAGE, "%s is for %s, and this is %s: leave it out%s",
@@ -328,6 +330,7 @@ enum err volume_take(struct volume *out, struct volume_reader *reader, struct fa
     const struct volume_header *header = &reader->header;
     *out = (struct volume){.geometry = header->geometry};
     out->choice = header->choice;
+    out->series = header->series;
     memcpy(out->size, header->size, sizeof out->size);
     memcpy(out->whole, header->whole, sizeof out->whole);
     memcpy(out->notes, header->notes, sizeof out->notes);

@@ -51,25 +51,32 @@ void volume_note(char notes[VOLUME_NOTES_BYTES], const char *format, ...)
 
 /* What of a file is to be read, where there is a choice. All zero: the one volume that it holds. */
 enum { REDUCE_MOST = 16 };
+struct buf;
 struct volume_choice {
     bool has_volume; /* of a series, this one, counted from 0: */
     uint32_t volume;
     bool has_crop; /* of a volume, this part (image/part.h): */
     uint32_t first[3], last[3];
-    uint32_t reduce;       /* 0 and 1: voxels as they are */
-    bool nearest;          /* reduce: take the middle of each block, for labels */
-    bool straightens;      /* of sheared axes, the part on a straight grid (image/straighten.h) */
-    uint32_t series;       /* of the series of DICOM in a folder, counted from 1; 0: the only one */
-    bool fills_gaps;       /* blank slices take the place of those that are missing */
-    const char *data;      /* the name of a data set of HDF5; NULL: the only one. Not owned */
-    struct raw_layout raw; /* of voxels without a header */
-    uint32_t spacing_nm[3]; /* of a file that does not say it; 0: none */
+    uint32_t reduce;  /* 0 and 1: voxels as they are */
+    bool nearest;     /* reduce: take the middle of each block, for labels */
+    bool straightens; /* of sheared axes, the part on a straight grid (image/straighten.h) */
+    uint32_t series;  /* of the series of DICOM in a folder, counted from 1; 0: the only one */
+    const char *series_name; /* or a piece of its description; NULL: not said. Not owned */
+    const char *skip;        /* files of a folder to leave out, NAME,NAME; NULL: none. Not owned */
+    bool fills_gaps;         /* blank slices take the place of those that are missing */
+    const char *data;        /* the name of a data set of HDF5; NULL: the only one. Not owned */
+    struct raw_layout raw;   /* of voxels without a header */
+    uint32_t spacing_nm[3];  /* of a file that does not say it; 0: none */
     const char *proof; /* the digest that the scene is to have (engine/scene.h), or there is none;
                                 NULL: any. Not owned */
     bool huge;         /* the user knows that the file swells as no scene does */
-    bool by_extremes;  /* scales of reals and of wide whole numbers reach from the least to the
+    struct buf *list;  /* where what a folder holds is said in lines, with words of its files, when
+                          one of several series is to be chosen: for the screen, and kept nowhere;
+                          NULL: no such word comes out. Not owned */
+    bool folders_as_before; /* mosaics of DICOM are one slice, and damaged files are left out */
+    bool by_extremes;       /* scales of reals and of wide whole numbers reach from the least to the
                           greatest, as before MEANING_LEVELS (session/semantics.h) */
-    bool as_recorded;  /* series, fills_gaps and data are left out, and this is noted, where the
+    bool as_recorded; /* series, fills_gaps and data are left out, and this is noted, where the
                          format has no such thing; else refused */
 };
 
@@ -79,6 +86,7 @@ struct volume {
     struct geometry geometry;
     struct volume_choice choice; /* by which it was read, */
     uint32_t whole[3];           /* of a file of this size */
+    uint32_t series;             /* of DICOM that it is, counted from 1; 0: the format has none */
     bool is_coarse;              /* several whole numbers of the file are one intensity */
     struct levels *levels;       /* where intensities are not exact, unless by_extremes; or NULL */
     char notes[VOLUME_NOTES_BYTES];
@@ -105,6 +113,7 @@ struct volume_header {
     char type_name[VOLUME_WORD_BYTES]; /* of voxels, "int16" */
     bool big_endian;
     uint32_t volumes;  /* of a series; 1 for a scene */
+    uint32_t series;   /* of DICOM that it is, counted from 1; 0: the format has none */
     char refusal[160]; /* why its voxels cannot be read; "" where they can: */
     enum voxel_type type;
     uint64_t offset; /* bytes before the voxels, of all volumes */

@@ -19,6 +19,9 @@ using namespace wire;
 constexpr uint64_t side_most = 65534;
 constexpr size_t notes_most = 1200;
 constexpr size_t piece_most = 4 << 20;
+constexpr size_t fault_most = 511;   /* the client's line */
+constexpr size_t list_most = 200000; /* the client's */
+constexpr size_t name_most = 80;     /* of a file's name, in words */
 
 void refuse(const char *format, ...)
 {
@@ -43,6 +46,26 @@ std::string words_of(const char *format, ...)
 std::string plural_of(size_t count, const char *noun)
 {
     return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+/* The client puts the path before them, with bytes escaped that a terminal would obey. */
+size_t words_room(const Request &request)
+{
+    size_t path = 2;
+    for (const char c : request.path)
+        path += c >= ' ' && c <= '~' ? 1 : 4;
+    return std::min(words_most, fault_most - std::min(fault_most, path));
+}
+
+std::string about_file(const std::string &name, const std::string &what)
+{
+    if (name.empty())
+        return what.compare(0, 3, "is ") == 0 ? what.substr(3) : what;
+    const bool is_long = name.size() > name_most;
+    const std::string end = is_long ? "..." + name.substr(name.size() - name_most) : name;
+    const char *quote = name.find(' ') == std::string::npos ? "" : "\"";
+    return end + " " + what + "; skip=" + (is_long ? "NAME" : quote + name + quote) +
+           " leaves it out";
 }
 
 /* ---- what is said where a library gives up ---- */
@@ -101,6 +124,15 @@ void progress(uint64_t done, uint64_t total)
     transmit("progress " + std::to_string(done) + " " + std::to_string(total) + "\n");
 }
 
+void answer_list(const std::string &lines)
+{
+    const size_t length =
+        lines.size() <= list_most ? lines.size() : lines.rfind('\n', list_most - 1) + 1;
+    const std::string rest = length < lines.size() ? "and more\n" : "";
+    transmit("list " + std::to_string(length + rest.size()) + "\n" + lines.substr(0, length) +
+             rest);
+}
+
 void send_piece(const void *bytes, size_t length)
 {
     const char *at = static_cast<const char *>(bytes);
@@ -125,6 +157,8 @@ void answer(const Volume &volume)
     std::memcpy(number, volume.to_mm, sizeof volume.to_mm);
     number[12] = volume.slope;
     number[13] = volume.intercept;
+    if (volume.series)
+        transmit("series " + std::to_string(volume.series) + "\n");
     std::string line = "volume";
     for (const uint64_t side : volume.size)
         line += " " + std::to_string(side);

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <set>
 
 #include <dirent.h>
 #include <sys/stat.h>
@@ -195,21 +196,78 @@ void stack_pictures(Volume &volume, std::vector<std::string> path, const std::st
     volume.send = [&volume, path, kind]() { send_pictures(volume, path, kind); };
 }
 
-void open_folder(Volume &volume, const Request &request, const Files &files)
+/* Leaves out the files that are to be, by their names below the folder; how many. */
+size_t skip_files(Files &files, const Request &request)
 {
+    const size_t before = files.path.size();
+    std::set<std::string> names = {request.skip};
+    const auto is_skipped = [&](const std::string &path) {
+        return names.erase(path.substr(request.path.size() + 1)) > 0;
+    };
+    const auto take_out = [&]() {
+        files.path.erase(std::remove_if(files.path.begin(), files.path.end(), is_skipped),
+                         files.path.end());
+    };
+    if (request.skip.empty())
+        return 0;
+    take_out();
+    if (!names.empty()) { /* it is no name that has a comma in it */
+        names.clear();
+        for (size_t from = 0, to; from <= request.skip.size(); from = to + 1) {
+            to = std::min(request.skip.find(',', from), request.skip.size());
+            names.insert(request.skip.substr(from, to - from));
+        }
+        take_out();
+    }
+    if (!names.empty())
+        throw Refusal{"skip: there is no file " + names.begin()->substr(0, 200) +
+                      " in the folder; expected the name of one, or NAME,NAME"};
+    return before - files.path.size();
+}
+
+/* Whether it says that it is DICOM, in the place that DICOM has for that. */
+bool has_dicom_mark(const std::string &path)
+{
+    char mark[4] = {0};
+    std::ifstream file(path, std::ios::binary);
+    file.seekg(128);
+    file.read(mark, sizeof mark);
+    return std::memcmp(mark, "DICM", sizeof mark) == 0;
+}
+
+/* The slices of a file of the folder, if it is DICOM. One that is damaged is named. */
+bool scan_named(std::vector<Slice> &slices, const Request &request, const std::string &path)
+{
+    const std::string name = path.substr(request.path.size() + 1);
+    const std::string words = about_file(name, "is damaged: fetch it again");
+    const size_t before = slices.size();
+    bool is_dicom = false;
+    expect_end(words);
+    try {
+        is_dicom = scan(slices, path, !request.is_old);
+    } catch (const std::exception &) { /* of any kind: no header takes much memory */
+        throw Refusal{words};
+    }
+    if (!is_dicom && !request.is_old && has_dicom_mark(path))
+        throw Refusal{words};
+    for (size_t i = before; i < slices.size(); i++)
+        slices[i].name = name;
+    return is_dicom;
+}
+
+void open_folder(Volume &volume, const Request &request, const Files &all)
+{
+    Files files = all;
     std::vector<Slice> slices;
     std::vector<std::string> png, tiff;
+    const size_t skipped = skip_files(files, request);
     size_t others = 0, without = 0;
     for (size_t i = 0; i < files.path.size(); i++) {
         const std::string &path = files.path[i];
         const size_t before = slices.size();
         if (i % 64 == 0)
             progress(i, files.path.size());
-        expect_end(
-            words_of("file %zu of %zu, in the order of names, is damaged; fetch it again, or "
-                     "take it out of the folder",
-                     i + 1, files.path.size()));
-        if (scan(slices, path)) {
+        if (scan_named(slices, request, path)) {
             without += slices.size() == before;
             continue;
         }
@@ -221,6 +279,7 @@ void open_folder(Volume &volume, const Request &request, const Files &files)
         else
             others++;
     }
+    expect_end("it is damaged: its reader gave up");
     if (slices.empty() && png.empty() && tiff.empty())
         refuse("the folder holds no slices of DICOM, TIFF or PNG (%s of other kinds, %s of DICOM "
                "without pixels, %s that lead out of it)",
@@ -235,6 +294,8 @@ void open_folder(Volume &volume, const Request &request, const Files &files)
         others += std::min(png.size(), tiff.size());
     else
         others += png.size() + tiff.size();
+    if (skipped)
+        note(volume, "skip: " + plural_of(skipped, "file") + " left out");
     if (others + files.links)
         note(volume, plural_of(others + files.links, "file") + " of other kinds left out");
 }

@@ -29,6 +29,10 @@ enum {
     PLACE = 2,
     FOLLOW_LINKS = 1, /* in FLAGS */
     FILL_GAPS = 2,
+    SHOW_LIST = 4,
+    AS_BEFORE = 8,
+    LIST_MOST = 200100,
+    SERIES_MOST = 100000,
     BYTES_PER_MS = 20000,
 };
 
@@ -172,34 +176,86 @@ static enum err make_room(struct volume_helper *helper, struct volume_source *so
                : OK;
 }
 
+static const char *or_none(const char *text)
+{
+    return text ? text : "";
+}
+
 static bool ask(struct volume_helper *helper, const char *kind, const char *path,
                 const struct volume_choice *choice)
 {
     struct coprocess *process = &helper->process;
     char line[COPROCESS_LINE];
-    const char *data = choice->data ? choice->data : "";
+    const char *text[] = {or_none(choice->series_name), or_none(choice->skip),
+                          or_none(choice->data), buf_text(&helper->room), path};
+    enum { TEXTS = sizeof text / sizeof *text };
     const unsigned flags = (volume_helper_is_wary ? 0u : (unsigned)FOLLOW_LINKS) |
-                           (choice->fills_gaps ? (unsigned)FILL_GAPS : 0u);
-    const int length =
-        snprintf(line, sizeof line, "open %s %u %" PRIu32 " %" PRIu32 " %zu %zu %zu\n", kind, flags,
-                 choice->series, choice->volume, strlen(data), helper->room.length, strlen(path));
-    return coprocess_transmit(process, line, (size_t)length) &&
-           coprocess_transmit(process, data, strlen(data)) &&
-           coprocess_transmit(process, buf_text(&helper->room), helper->room.length) &&
-           coprocess_transmit(process, path, strlen(path));
+                           (choice->fills_gaps ? (unsigned)FILL_GAPS : 0u) |
+                           (choice->list ? (unsigned)SHOW_LIST : 0u) |
+                           (choice->folders_as_before ? (unsigned)AS_BEFORE : 0u);
+    int length = snprintf(line, sizeof line, "open %s %u %" PRIu32 " %" PRIu32, kind, flags,
+                          choice->series, choice->volume);
+    for (int i = 0; i < TEXTS; i++)
+        length += snprintf(line + length, sizeof line - (size_t)length, " %zu%s", strlen(text[i]),
+                           i + 1 < TEXTS ? "" : "\n");
+    bool goes = coprocess_transmit(process, line, (size_t)length);
+    for (int i = 0; i < TEXTS; i++)
+        goes = goes && coprocess_transmit(process, text[i], strlen(text[i]));
+    return goes;
 }
 
-/* The line that answers, after those that say how far it is, each further than the one before. */
-static enum err receive_answer(struct volume_helper *helper, char line[COPROCESS_LINE],
-                               struct fault *fault)
+static bool are_lines(const char *text, size_t length)
+{
+    for (size_t i = 0; i < length; i++)
+        if (text[i] != '\n' && (text[i] < ' ' || text[i] > '~'))
+            return false;
+    return true;
+}
+
+/* Lines for the user, which go to the caller's list, once. */
+static enum err receive_list(struct buf *list, struct coprocess *process, const char *length,
+                             struct fault *fault)
+{
+    static const int64_t most = LIST_MOST;
+    char piece[1024];
+    int64_t left = 0;
+    bool comes =
+        (list && !list->length && coprocess_numbers(length, 1, &most, &left) && left > 0) ||
+        coprocess_odd(process);
+    while (comes && left > 0) {
+        const size_t n = left < (int64_t)sizeof piece ? (size_t)left : sizeof piece;
+        comes =
+            coprocess_receive(process, piece, n) && (are_lines(piece, n) || coprocess_odd(process));
+        if (comes)
+            buf_add(list, piece, n);
+        left -= (int64_t)n;
+    }
+    return comes ? OK : coprocess_fault(process, NULL, NULL, fault);
+}
+
+/* The line that answers, after those that say how far it is, each further than the one before, and
+ * those that are about series. */
+static enum err receive_answer(struct volume_header *out, struct volume_helper *helper,
+                               char line[COPROCESS_LINE], struct fault *fault)
 {
     struct coprocess *process = &helper->process;
     int64_t before = -1;
     for (;;) {
-        static const int64_t most[2] = {FILES_MOST, FILES_MOST};
+        static const int64_t most[2] = {FILES_MOST, FILES_MOST}, most_series = SERIES_MOST;
         int64_t number[2];
-        const enum err err = coprocess_answer(process, line, NULL, NULL, fault);
+        enum err err = coprocess_answer(process, line, NULL, NULL, fault);
         const char *at = line;
+        if (!err && scan_text(&at, "list ")) {
+            err = receive_list(out->choice.list, process, at, fault);
+            if (err)
+                return err;
+            continue;
+        }
+        if (!err && out->series == 0 && scan_text(&at, "series ") &&
+            coprocess_numbers(at, 1, &most_series, &number[0])) {
+            out->series = (uint32_t)number[0];
+            continue;
+        }
         if (err || !scan_text(&at, "progress "))
             return err;
         if (!coprocess_numbers(at, 2, most, number) || number[0] <= before) {
@@ -226,10 +282,7 @@ static bool receive_words(struct volume_header *out, struct coprocess *process,
         !coprocess_receive(process, out->type_name, (size_t)said->type) ||
         !coprocess_receive(process, out->notes, (size_t)said->notes))
         return false;
-    for (const char *at = out->notes; *at; at++)
-        if (*at != '\n' && (*at < ' ' || *at > '~'))
-            return coprocess_odd(process);
-    return true;
+    return are_lines(out->notes, strlen(out->notes)) || coprocess_odd(process);
 }
 
 static bool receive_header(struct volume_header *out, struct coprocess *process, const char *line,
@@ -340,7 +393,7 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
         out->bytes = UINT64_MAX;
     if (!ask(helper, kind, source->path, &out->choice))
         return coprocess_fault(&helper->process, NULL, NULL, fault);
-    err = receive_answer(helper, line, fault);
+    err = receive_answer(out, helper, line, fault);
     if (!err)
         err = take_header(out, helper, line, fault);
     return err ? err : check_claim(out, source, fault);

@@ -5,14 +5,19 @@
  * that one (Landlock, seccomp, limits), and ends with it. What it says is believed no more than the
  * file: sizes are checked before anything is allocated, numbers before they are used, and its words
  * are its own; nothing that a file says in words (a patient's name, a date) comes out of it, but
- * names of data sets.
+ * names of data sets and, for the user who is to choose a series, their descriptions. Files of a
+ * folder are named where something is wrong with them.
  *
  * The protocol, as in coprocess.h:
  *
- *     request   open KIND FLAGS SERIES VOLUME DATA_LENGTH ROOM_LENGTH PATH_LENGTH\n
- *                 data  room  path
+ *     request   open KIND FLAGS SERIES VOLUME WORD_LENGTH SKIP_LENGTH DATA_LENGTH ROOM_LENGTH
+ *                 PATH_LENGTH\n
+ *                 word  skip  data  room  path
  *     answer    any number of
  *                 progress DONE TOTAL\n
+ *               and then one of these or none
+ *                 series NUMBER\n
+ *                 list LENGTH\n  lines
  *               and then
  *                 volume NX NY NZ VOLUMES KNOWN FORMAT_LENGTH TYPE_LENGTH NOTES_LENGTH\n
  *                   format  type  notes  14 numbers
@@ -24,9 +29,13 @@
  *               up to the last voxel, or an error
  *
  * KIND is a word of the table in volume_helper.c. FLAGS: 1 links in a folder are followed, 2 blank
- * slices take the place of those that are missing. SERIES counts from 1, 0 is for the only one;
- * VOLUME counts from 0; the data are the name of a data set, the room a folder that the helper may
- * write into, if any, which the client removes. KNOWN: 1 the spacing, 2 the place.
+ * slices take the place of those that are missing, 4 before an error there may be a list of series,
+ * in which their files have words, 8 mosaics are one slice, and damaged files of a folder are left
+ * out. SERIES counts from 1, 0 is for the only one, or for the one of
+ * whose description the word is a piece; an answer says its NUMBER. The skip are names of files
+ * that are left out, with commas between them. VOLUME counts from 0; the data are the name of a
+ * data set, the room a folder that the helper may write into, if any, which the client removes.
+ * KNOWN: 1 the spacing, 2 the place.
  * The numbers are doubles of this machine: the three rows of the matrix to the world (right,
  * anterior, superior; millimetres), slope and intercept. Voxels are of the type, in the order of
  * this machine, x fastest.

@@ -3,7 +3,10 @@
  *
  * What files say in words (names, numbers and dates of patients, the messages of libraries, which
  * quote them) never leaves the process: what it says itself are words and numbers of its own, the
- * names of data sets in an HDF5 file, and those of files that a header names and that are not read.
+ * names of data sets in an HDF5 file, and those of files that a header names and that are not read;
+ * and, where a series is to be chosen by a user who sees it (Request.lists), descriptions that do
+ * not name the patient. A file of a folder is named where something is wrong with it: its name is
+ * the user's.
  */
 #ifndef IMAGE_VOLUME_PARTS_HH
 #define IMAGE_VOLUME_PARTS_HH
@@ -32,7 +35,11 @@ struct Request {
     std::string kind, data, path;
     std::string room; /* a folder that may be written into; "" for none */
     bool follows_links = false, fills_gaps = false;
+    bool lists = false;  /* what files say of their series may be said, to choose by */
+    bool is_old = false; /* mosaics are one slice, and damaged files are left out */
     uint64_t series = 0; /* counted from 1; 0: not said */
+    std::string wanted;  /* or a piece of its description; "": not said */
+    std::string skip;    /* files of a folder that are left out: NAME,NAME; "": none */
     uint64_t volume = 0; /* of a series of volumes, counted from 0 */
 };
 
@@ -43,6 +50,7 @@ struct Volume {
     uint64_t size[3] = {1, 1, 1};
     std::string format, type;
     uint64_t volumes = 1;
+    uint64_t series = 0; /* which one it is, counted from 1; 0: there are none */
     unsigned known = NOTHING;
     double to_mm[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}; /* right, anterior, superior */
     double slope = 1, intercept = 0;
@@ -54,6 +62,9 @@ void note(Volume &volume, const std::string &line);
 
 /* While the header is made: so many of so many files. */
 void progress(uint64_t done, uint64_t total);
+
+/* Before an error: lines that it is about, for the user alone. */
+void answer_list(const std::string &lines);
 
 /* Some of the voxels. */
 void send_piece(const void *bytes, size_t length);
@@ -77,14 +88,21 @@ std::string plural_of(size_t count, const char *noun);
 
 /* What is answered where a library ends the process by a signal from now on. */
 void expect_end(const std::string &words);
+
+/* How long words may be, so that nothing of them is cut off. */
+size_t words_room(const Request &request);
 void catch_signals();
 
 /* ---- what is read ---- */
 
 struct Slice {
-    std::string path, series, object; /* never said */
-    std::string modality;
-    std::string fault; /* why it cannot be read; "" where it can */
+    std::string path, series, object;    /* never said */
+    std::string name;                    /* of its file below the folder; "" where it is one file */
+    std::string modality, kind;          /* "phase" */
+    std::string description;             /* printable; said to who chooses: */
+    bool names_patient = false;          /* not even to those */
+    double echo_ms = -1, weighting = -1; /* the b-value; -1: not said */
+    std::string fault;                   /* why it cannot be read; "" where it can */
     unsigned frame = 0, frames = 1;
     unsigned tiles = 1, images = 0; /* of a mosaic: along a side of the square, and in all */
     unsigned columns = 0, rows = 0, samples = 1, bits = 16;
@@ -104,8 +122,9 @@ struct Slice {
 
 using Series = std::vector<Slice>;
 
-/* The slices of a file; false where it is no DICOM. One without pixels adds none. */
-bool scan(std::vector<Slice> &slices, const std::string &path);
+/* The slices of a file; false where it is no DICOM. One without pixels adds none. Mosaics hold
+ * several, unless they are to be one. */
+bool scan(std::vector<Slice> &slices, const std::string &path, bool splits_mosaics);
 
 /* A file of DICOM as it is read: what is deflated, inflated. Nothing where it is none. */
 std::unique_ptr<std::istream> open_bytes(const std::string &path);
@@ -114,13 +133,28 @@ std::unique_ptr<std::istream> open_bytes(const std::string &path);
 void find_pixels(Slice &slice, std::istream &in, const gdcm::TransferSyntax &syntax);
 
 /* Refuses slices of which pixels are missing, by the name of the first such file. */
-void check_pixels(Volume &volume, const std::vector<Slice> &slices, const Request &request);
+void check_pixels(Volume &volume, const std::vector<Slice> &slices);
 
 /* The pixels of all frames of its file, in the order of this machine; false where they cannot be
  * had. */
 bool read_pixels(std::vector<char> &bytes, const Slice &slice);
 
 void normal_of(double normal[3], const double axis[6]);
+
+/* What is wrong with a file, by its name where it is one of a folder, and how to go on without. */
+std::string about_file(const std::string &name, const std::string &what);
+
+/* ---- slices in their order (volume_series.cc) ---- */
+
+bool have_places(const Series &series);
+bool is_same_place(const Slice &a, const Slice &b);
+
+/* By their places along the normal of the first; those of one place, and all where they have none,
+ * by time, echo and number. */
+void sort_slices(Series &series);
+
+/* The one that is asked for, counted from 0; refuses, with what there is, where that is not one. */
+size_t choose_series(const std::vector<Series> &all, const Request &request);
 
 /* The pixels of a mosaic, image after image. */
 void split_mosaic(std::vector<char> &bytes, const Slice &slice);

@@ -126,25 +126,26 @@ void check_packed(Slice &slice, std::istream &in, uint64_t size, const std::stri
         if (std::memcmp(item, "\xfe\xff\0\xe0", 4) != 0)
             break;
         if (length > size - at) {
-            slice.lack = words_of("cut short: the last piece of its packed pixels has %llu of %llu "
-                                  "bytes",
-                                  static_cast<unsigned long long>(size - at),
-                                  static_cast<unsigned long long>(length));
+            slice.lack =
+                words_of("is cut short: the last piece of its packed pixels has %llu of %llu "
+                         "bytes",
+                         static_cast<unsigned long long>(size - at),
+                         static_cast<unsigned long long>(length));
             return;
         }
         at += length;
         frames += piece > 0 && (is_rle || (is_jpeg && ends_as_jpeg(in, at - length, at)));
     }
     if ((is_jpeg || is_rle) && frames < slice.frames)
-        slice.lack = words_of("cut short: %u of %u frames of its packed pixels are whole", frames,
-                              slice.frames);
+        slice.lack = words_of("is cut short: %u of %u frames of its packed pixels are whole",
+                              frames, slice.frames);
 }
 
 void find_pixels(Slice &slice, std::istream &in, const gdcm::TransferSyntax &syntax)
 {
     const std::streamoff at = in.tellg();
     char before[12] = {0}; /* (VR, two bytes,) length; or, of implicit VR, tag and length */
-    slice.lack = "it holds no pixels of whole numbers";
+    slice.lack = "holds no pixels of whole numbers";
     in.clear();
     if (at < static_cast<std::streamoff>(sizeof before))
         return;
@@ -170,7 +171,7 @@ void find_pixels(Slice &slice, std::istream &in, const gdcm::TransferSyntax &syn
     const uint64_t there = std::min(length, size - std::min(size, slice.pixels_at));
     slice.rest = there > needed + 1 ? there - needed : 0;
     if (there < needed)
-        slice.lack = words_of("cut short: %llu of %llu bytes of pixels are there",
+        slice.lack = words_of("is cut short: %llu of %llu bytes of pixels are there",
                               static_cast<unsigned long long>(there),
                               static_cast<unsigned long long>(needed));
 }
@@ -258,18 +259,7 @@ bool read_pixels(std::vector<char> &bytes, const Slice &slice)
     return slice.is_packed ? read_packed(bytes, slice) : read_plain(bytes, slice);
 }
 
-/* The name of a file in a folder that was asked for; nothing of the file itself. */
-std::string name_in(const std::string &folder, const std::string &path)
-{
-    std::string name =
-        path.compare(0, folder.size(), folder) == 0 ? path.substr(folder.size()) : "";
-    name.erase(0, name.find_first_not_of('/'));
-    for (char &c : name)
-        c = c < ' ' || c > '~' ? '?' : c;
-    return name.size() > 160 ? "..." + name.substr(name.size() - 157) : name;
-}
-
-void check_pixels(Volume &volume, const std::vector<Slice> &slices, const Request &request)
+void check_pixels(Volume &volume, const std::vector<Slice> &slices)
 {
     const Slice &first = slices[0];
     std::set<std::string> seen;
@@ -282,9 +272,7 @@ void check_pixels(Volume &volume, const std::vector<Slice> &slices, const Reques
         longer += slice.rest > 0;
         most = std::max(most, slice.rest);
         if (!slice.lack.empty() && lacking++ == 0)
-            lack = slice.path == request.path
-                       ? slice.lack
-                       : name_in(request.path, slice.path) + ": " + slice.lack;
+            lack = about_file(slice.name, slice.lack);
     }
     if (lacking)
         refuse("%s%s", lack.c_str(),

@@ -51,42 +51,6 @@ std::vector<Series> series_of(std::vector<Slice> slices)
     return all;
 }
 
-/* The modality by its code; nothing else that may stand there is said. */
-std::string modality_of(const Slice &slice)
-{
-    static const std::set<std::string> known = {"CT", "MR", "PT", "NM", "US",  "CR",     "DX", "MG",
-                                                "XA", "RF", "OT", "SC", "OCT", "RTDOSE", "SEG"};
-    return known.count(slice.modality) ? slice.modality : "of another modality";
-}
-
-/* "1: 120 slices of 512x512, CT; 2: ..." */
-std::string listed(const std::vector<Series> &all)
-{
-    std::string list;
-    for (size_t i = 0; i < all.size(); i++) {
-        if (i == 6)
-            return list + words_of("; and %zu more", all.size() - i);
-        const Slice &slice = all[i][0];
-        list += words_of("%s%zu: %s of %ux%u, %s", i ? "; " : "", i + 1,
-                         plural_of(all[i].size(), "slice").c_str(), slice.columns, slice.rows,
-                         modality_of(slice).c_str());
-    }
-    return list;
-}
-
-Series choose_series(const std::vector<Series> &all, uint64_t wanted)
-{
-    if (wanted == 0 && all.size() == 1)
-        return all[0];
-    if (wanted == 0)
-        refuse("it holds %zu series; choose one with series=N: %s", all.size(),
-               listed(all).c_str());
-    if (wanted > all.size())
-        refuse("there is no series %llu; it holds %s", static_cast<unsigned long long>(wanted),
-               listed(all).c_str());
-    return all[wanted - 1];
-}
-
 /* Files that are there twice count once. */
 size_t drop_copies(Series &series)
 {
@@ -107,8 +71,6 @@ bool have_places(const Series &series)
     return series[0].has_position && series[0].has_axes;
 }
 
-/* By their places along the normal of the first; those of one place, and all where they have none,
- * by time, echo and number. */
 void sort_slices(Series &series)
 {
     double normal[3];
@@ -399,10 +361,10 @@ void send_stack(const Volume &volume, const Stack &stack)
             send_blank(volume, stack, slice);
             continue;
         }
-        const std::string words =
-            words_of("slice %zu of %zu cannot be decoded: it is damaged, or packed in a way that "
-                     "is not known here",
-                     z + 1, stack.slice.size());
+        const std::string words = about_file(
+            slice.name, words_of("is slice %zu of %zu, which cannot be decoded: it is damaged, or "
+                                 "packed in a way that is not known here",
+                                 z + 1, stack.slice.size()));
         expect_end(words);
         const char *bytes = decoder.decode(slice);
         if (!bytes)
@@ -419,7 +381,7 @@ void stack_series(Volume &volume, Series series, const Request &request)
 {
     for (const Slice &slice : series)
         if (!slice.fault.empty())
-            refuse("%s", slice.fault.c_str());
+            throw Refusal{about_file(slice.name, "is " + slice.fault)};
     const size_t copies = drop_copies(series);
     sort_slices(series);
     volume.volumes = count_volumes(series);
@@ -452,7 +414,7 @@ void stack_series(Volume &volume, Series series, const Request &request)
         note(volume, plural_of(copies, "file") + (copies == 1 ? " is a copy" : " are copies") +
                          " of others, and left out");
     settle_type(volume, *stack);
-    check_pixels(volume, stack->slice, request);
+    check_pixels(volume, stack->slice);
     volume.format = "DICOM";
     volume.size[0] = stack->slice[0].columns;
     volume.size[1] = stack->slice[0].rows;
@@ -462,13 +424,18 @@ void stack_series(Volume &volume, Series series, const Request &request)
 
 void stack_slices(Volume &volume, const std::vector<Slice> &slices, const Request &request)
 {
-    stack_series(volume, choose_series(series_of(slices), request.series), request);
+    const std::vector<Series> all = series_of(slices);
+    const size_t number = choose_series(all, request);
+    volume.series = number + 1;
+    stack_series(volume, all[number], request);
 }
 
 void open_dicom(Volume &volume, const Request &request)
 {
     std::vector<Slice> slices;
-    if (!scan(slices, request.path))
+    if (!request.skip.empty())
+        refuse("skip=NAME leaves out files of a folder, and this is one file");
+    if (!scan(slices, request.path, !request.is_old))
         refuse("its first bytes are of a DICOM file, and the rest of its header is damaged");
     if (slices.empty())
         refuse("a DICOM file without pixels (a DICOMDIR, a report or a plan); open the folder with "

@@ -194,7 +194,7 @@ void add_frames(std::vector<Slice> &slices, const Slice &first, const gdcm::Data
     }
 }
 
-bool scan(std::vector<Slice> &slices, const std::string &path)
+bool scan(std::vector<Slice> &slices, const std::string &path, bool splits_mosaics)
 {
     static const gdcm::Tag pixels(0x7fe0, 0x0010);
     const auto in = open_bytes(path);
@@ -211,10 +211,11 @@ bool scan(std::vector<Slice> &slices, const std::string &path)
     if (slice.rows == 0 || slice.columns == 0)
         return true;
     take_order(slice, set);
+    take_words(slice, set);
     take_place(slice, set);
     take_place(slice, item_of(set, detector_tag, 0));
     find_pixels(slice, *in, reader.GetFile().GetHeader().GetDataSetTransferSyntax());
-    if (slice.frames == 1 && add_mosaic(slices, slice, set))
+    if (splits_mosaics && slice.frames == 1 && add_mosaic(slices, slice, set))
         return true;
     if (slice.frames > 1 || set.FindDataElement(each_tag))
         add_frames(slices, slice, set);

@@ -304,11 +304,26 @@ static void add_open_notes(struct facts *f, const char *notes)
     buf_release(&line);
 }
 
+/* What the header says; of a folder with several series, which there are. */
+static enum err read_header(struct volume_header *facts, const struct facts *f, const char *path,
+                            struct fault *fault)
+{
+    struct volume_reader reader;
+    struct buf list = {0};
+    const struct volume_choice choice = {.list = f->is_json ? NULL : &list};
+    const enum err err = volume_begin(&reader, path, &choice, NULL, fault);
+    *facts = reader.header;
+    volume_close(&reader);
+    fputs(buf_text(&list), stdout);
+    buf_release(&list);
+    return err;
+}
+
 static enum err add_scene(struct facts *f, const char *path, struct fault *fault)
 {
     struct volume_header facts;
     char towards[4];
-    enum err err = volume_about(&facts, path, fault);
+    const enum err err = read_header(&facts, f, path, fault);
     if (err)
         return err;
     const bool oriented = facts.geometry.orientation != ORIENTATION_UNKNOWN;

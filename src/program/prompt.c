@@ -43,8 +43,7 @@ static enum err execute(struct prompt *prompt, const char *line, struct buf *out
     console_forget_interrupt();
     enum err err = interpreter_execute(&prompt->interp, line, &prompt->reply, fault);
     console_erase_progress();
-    if (!err)
-        buf_add_text(output, buf_text(&prompt->reply.text));
+    buf_add_text(output, buf_text(err ? &prompt->reply.list : &prompt->reply.text));
     return err;
 }
 

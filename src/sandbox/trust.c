@@ -153,8 +153,7 @@ bool trust_find_outside(struct buf *path, const char *home, const char *scenes, 
         buf_printf(path, "/%s", name);
     }
     leads_out = leads_out && !path->failed && is_regular(buf_text(path)) &&
-                !file_is_named(buf_text(path), HEADERS_ALONE) && has_own_other(buf_text(path)) &&
-                !other.failed;
+                !file_is_named(buf_text(path), HEADERS_ALONE) && !other.failed && take_pair(path);
     buf_release(&other);
     return leads_out;
 }

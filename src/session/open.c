@@ -138,6 +138,7 @@ static enum err open_file(struct session *session, const char *path,
     struct volume_reader reader;
     struct volume_choice chosen = choice ? *choice : (struct volume_choice){0};
     chosen.by_extremes = !semantics_has(session->semantics, MEANING_LEVELS);
+    chosen.folders_as_before = !semantics_has(session->semantics, MEANING_FOLDERS);
     enum err err = volume_open(&reader, path, &chosen, session->watch, fault);
     if (!semantics_has(session->semantics, MEANING_ORIENTATION))
         reader.header.choice.huge = true; /* which was not asked */
@@ -158,7 +159,9 @@ static enum err open_file(struct session *session, const char *path,
         volume.intensity = NULL;
     if (!err && (volume.choice.has_crop || volume.choice.reduce)) {
         session->part.choice = volume.choice;
-        session->part.choice.data = session->part.choice.proof = NULL; /* the command's */
+        struct volume_choice *part = &session->part.choice; /* without what is the command's */
+        part->data = part->proof = part->series_name = part->skip = NULL;
+        part->list = NULL;
         memcpy(session->part.whole, volume.whole, sizeof volume.whole);
         memcpy(session->part.size, volume.size, sizeof volume.size);
     }
@@ -166,6 +169,7 @@ static enum err open_file(struct session *session, const char *path,
         session->said = volume.geometry;
         session->levels = volume.levels;
         volume.levels = NULL;
+        session->series = volume.series;
         if (semantics_has(session->semantics, MEANING_ORIENTATION))
             memcpy(session->open_notes, volume.notes, sizeof session->open_notes);
         else

@@ -63,6 +63,11 @@ const struct meaning_row meaning_table[MEANINGS] = {
                                "slices were counted from the patient's feet, back and left",
                                "the number of a slice is the index of its voxels along its axis",
                                NULL},
+    [MEANING_FOLDERS] = {"folders", 9,
+                         "a mosaic of DICOM is one slice; damaged files of a folder are left out",
+                         "a mosaic is the volume that it holds; a damaged file is refused, unless "
+                         "`skip` leaves it out",
+                         NULL},
 };
 
 bool semantics_has(unsigned semantics, enum meaning meaning)

@@ -80,6 +80,7 @@ struct session {
     struct geometry geometry;          /* and what follows from it and from what `orient` says */
     struct levels *levels;             /* where intensities are not exact; else NULL */
     struct map_part part;              /* of its file, where it is no more than that */
+    uint32_t series; /* of a folder of DICOM that was opened, counted from 1; 0: of none */
     char open_notes[VOLUME_NOTES_BYTES]; /* what the file left open, for the answer of `open` */
     uint64_t scene_digest;
     char proof[SHA256_HEX]; /* of the scene as it was opened (scene_proof) */

@@ -128,17 +128,27 @@ static void ask_image_helper(void (*ask)(struct image_helper *helper))
     image_helper_free(helper);
 }
 
+static void check_lines(const char *lines)
+{
+    for (; *lines; lines++)
+        HOLDS(*lines == '\n' || (*lines >= ' ' && *lines <= '~'));
+}
+
 static void read_volume(void)
 {
     static const uint8_t file[] = "NRRD0004\n";
     struct volume volume;
+    struct buf list = {0};
     struct fault fault = {.text = ""};
-    const enum err err = volume_read(&volume, fuzz_file(file, sizeof file - 1), NULL, NULL, &fault);
+    const struct volume_choice choice = {.list = &list};
+    const enum err err =
+        volume_read(&volume, fuzz_file(file, sizeof file - 1), &choice, NULL, &fault);
     check(err, &fault);
     HOLDS(!err == (volume.intensity != NULL));
     HOLDS(err || (volume.size[0] && volume.size[1] && volume.size[2]));
-    for (const char *at = volume.notes; *at; at++)
-        HOLDS(*at == '\n' || (*at >= ' ' && *at <= '~'));
+    check_lines(volume.notes);
+    check_lines(buf_text(&list));
+    buf_release(&list);
     volume_release(&volume);
 }
 

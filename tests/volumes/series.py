@@ -15,6 +15,8 @@ import nibabel
 import numpy
 import pydicom
 import pydicom.data
+import pydicom.encaps
+import pydicom.uid
 
 sys.dont_write_bytecode = True
 from make import LPS, PLACE, SECRETS, save_twin, slices_of, voxels  # noqa: E402 (in the source)
@@ -167,8 +169,62 @@ def make_mosaics(folder):
         save_mosaic_twin(os.path.join(path, "IM%d" % value), path, kind=numpy.uint16)
 
 
+# ---- folders of several series, and with damage ----
+
+
+def save_all(folder, slices, number, **words):
+    """As a series of its own, whose header has these words."""
+    os.makedirs(folder, exist_ok=True)
+    for z, one in enumerate(slices):
+        for name, value in words.items():
+            setattr(one, name, value)
+        one.SeriesNumber = number
+        one.SeriesInstanceUID = SECRETS[3] + ".2.%d" % number
+        one.SOPInstanceUID = SECRETS[3] + ".3.%d.%d" % (number, z)
+        one.file_meta.MediaStorageSOPInstanceUID = one.SOPInstanceUID
+        one.save_as(os.path.join(folder, "IM%d-%d" % (number, z)))
+
+
+def make_series(folder):
+    data = voxels()
+    few = slices_of(data[:, :, :5], PLACE)
+    path = os.path.join(folder, "study")
+    phase, size = ["ORIGINAL", "PRIMARY", "P", "ND"], PLACE @ numpy.diag([2, 2, 1, 1])
+    save_all(path, few, 1, SeriesDescription="localizer", Modality="MR")
+    save_all(path, slices_of(data, PLACE), 2, SeriesDescription="t1_mprage sag", Modality="MR")
+    save_twin(path, data, PLACE, 2, -1000)
+    save_all(path, few, 30, SeriesDescription="gre_field", Modality="MR", EchoTime=4.92)
+    save_all(path, few, 31, SeriesDescription="gre_field", Modality="MR", EchoTime=7.38)
+    save_all(path, few, 32, SeriesDescription="gre_field", Modality="MR", EchoTime=7.38,
+             ImageType=phase)
+    save_all(path, slices_of(data[:, :, :5], size), 33, Modality="MR",
+             SeriesDescription=SECRETS[0].lower() + " T1_MPRAGE")
+    one = mosaic_of(data[:, :, :IMAGES], PLACE, has_csa=False)
+    in_folder(folder, "study-mosaic", one)
+    save_all(os.path.join(folder, "study-mosaic"), few, 2, SeriesDescription="t2", Modality="MR")
+    for number in range(30):
+        save_all(os.path.join(folder, "many"), few[:1], number + 1, Modality="MR",
+                 SeriesDescription="protocol with a long name, and number %d" % (number + 1))
+    for name in ("damaged", "cut-header", "undecodable"):
+        shutil.copytree(path, os.path.join(folder, name))
+        file = os.path.join(folder, name, "IM2-4")
+        with open(file, "rb") as source:
+            contents = source.read()
+        at = contents.index(b"\x20\0\x37\0DS")  # the orientation
+        broken = {"damaged": contents[:at + 4] + b"OB\0\0\xff\xff\xff\x7f" + contents[at + 8:],
+                  "cut-header": contents[:at + 5],
+                  "undecodable": contents}
+        with open(file, "wb") as target:
+            target.write(broken[name])
+    one = pydicom.dcmread(file)
+    one.file_meta.TransferSyntaxUID = pydicom.uid.JPEGLSLossless
+    one.PixelData = pydicom.encaps.encapsulate([b"\xff\xd8" + bytes(500)])
+    one["PixelData"].is_undefined_length = True
+    one.save_as(file)
+
+
 def main():
-    for make in (make_mosaics,):
+    for make in (make_mosaics, make_series):
         make(sys.argv[1])
 
 

@@ -71,12 +71,12 @@ static enum err print_prompt(const struct repl_host *host, struct fault *fault)
 static enum err begin_plain(const struct repl_host *host, struct fault *fault)
 {
     struct buf output = {0};
-    enum err err = host->begin ? host->begin(host->context, &output, fault) : OK;
+    const enum err err = host->begin ? host->begin(host->context, &output, fault) : OK;
     end_line(&output);
-    if (!err)
-        err = term_write_to(STDOUT_FILENO, buf_text(&output), output.length, fault);
+    const enum err written =
+        term_write_to(STDOUT_FILENO, buf_text(&output), output.length, err ? NULL : fault);
     buf_release(&output);
-    return err;
+    return err ? err : written;
 }
 
 /* Waits at a terminal that takes in whole lines. Ctrl-C has emptied the line: begin another. */
@@ -160,8 +160,9 @@ static void add_error_below(struct buf *text, const char *prompt, const char *li
     add_error(text, err, fault, coloured);
 }
 
-/* What a command had to say, in one write, or in a pager: no picture and no error is paged. */
-static enum err show(struct prompt *p, struct buf *text, bool failed, struct fault *fault)
+/* What a command had to say, in one write, or in a pager where it `may_page`; no picture is paged.
+ */
+static enum err show(struct prompt *p, struct buf *text, bool may_page, struct fault *fault)
 {
     struct buf out = {0};
     struct fault of_output;
@@ -170,7 +171,7 @@ static enum err show(struct prompt *p, struct buf *text, bool failed, struct fau
     cells_wrap(&out, text, term_size().columns);
     const size_t words = out.length;
     add_picture(p, &out);
-    if (p->pages && !failed && out.length == words)
+    if (p->pages && may_page && out.length == words)
         err = page_text(&p->editor, text, &paged, fault);
     if (out.failed) {
         buf_release(text);
@@ -196,10 +197,11 @@ static enum err execute(struct prompt *p, const char *prompt, const char *line, 
     enum err failed = p->host->execute(p->host->context, line, &text, &of_command);
     err = term_set_mode(TERM_RAW, fault);
     end_line(&text);
+    const bool may_page = !failed || text.length > 0; /* an error alone stays where it is */
     if (failed)
         add_error_below(&text, prompt, line, failed, &of_command, p->facts.colours != COLOURS_NONE);
     if (!err)
-        err = show(p, &text, failed != OK, fault);
+        err = show(p, &text, may_page, fault);
     buf_release(&text);
     return err;
 }
