@@ -149,6 +149,16 @@ STORY(a_decoder_that_never_ends_is_ended_with_its_helper)
     CHECK_INT(child_of(getpid()), 0);
 }
 
+STORY(a_decoder_that_gets_nowhere_is_ended_and_one_that_gets_on_is_waited_for)
+{
+    volume_helper_patience_ms = 600000;
+    CHECK_HAS(volume_fault("spin.nrrd"), "worked for 5 s without getting on and was ended");
+    volume_helper_patience_ms = 1500; /* it takes 3.6 s */
+    CHECK_HAS(volume_fault("slow.nrrd"), "it has grown");
+    volume_helper_patience_ms = 60000;
+    CHECK_INT(child_of(getpid()), 0);
+}
+
 /* In a process of its own, which is killed after a while. */
 static void ask_and_be_killed(const char *(*ask)(const char *), const char *name, unsigned ms)
 {
@@ -209,6 +219,7 @@ int main(void)
         TELL(the_image_helper_is_confined_before_the_first_pixel_comes),
         TELL(the_volume_helper_is_confined_before_it_says_what_is_in_a_file),
         TELL(a_decoder_that_never_ends_is_ended_with_its_helper),
+        TELL(a_decoder_that_gets_nowhere_is_ended_and_one_that_gets_on_is_waited_for),
         TELL(a_decoder_ends_with_its_client_whatever_it_is_doing),
         TELL(a_decoder_that_holds_more_and_more_is_refused_it),
         TELL(an_answer_that_drips_is_none),

@@ -89,6 +89,23 @@ refused "pipe.raw, which is not a regular file" pipe.mhd pipe.nhdr list-pipe.mhd
 refused "deep, which is not a regular file" here.mhd here.nhdr
 close_story
 
+begin "directories of a TIFF that go in a circle end their reader before patience does"
+"$PYTHON" - <<'EOP'
+import struct
+def directory(following):
+    entries = [(256, 3, 4), (257, 3, 4), (258, 3, 8), (259, 3, 1), (262, 3, 1), (273, 4, 200),
+               (277, 3, 1), (278, 3, 4), (279, 4, 16)]
+    return struct.pack("<H", len(entries)) + b"".join(
+        struct.pack("<HHII", tag, kind, 1, value) for tag, kind, value in entries) + \
+        struct.pack("<I", following)
+pixels = (b"II*\0" + struct.pack("<I", 300)).ljust(200, b"\0") + bytes(range(16))
+with open("circle.tif", "wb") as file:
+    file.write((pixels.ljust(300, b"\0") + directory(500)).ljust(500, b"\0") + directory(300))
+EOP
+expect 3 "$iftty" -c 'open circle.tif'
+err_has "worked for 5 s without getting on and was ended"
+close_story
+
 begin "what is missing is named, and no zeros are made of it"
 refused "none.raw, which is not there" none.mhd none.nhdr list-none.mhd list-none.nhdr \
     external-none.h5

@@ -22,6 +22,7 @@
 
 enum {
     LOOK_MS = 50,        /* between two looks at the watch */
+    WORK_MS = 500,       /* and at what it has done */
     BYTES_PER_MS = 1000, /* slower than any disk, decoder or encoder */
 };
 
@@ -152,16 +153,87 @@ static uint64_t latest_ns(const struct coprocess *c, size_t length)
     return clock_ns() + ((uint64_t)c->patience_ms + length / BYTES_PER_MS) * 1000000;
 }
 
-/* Until bytes can go or come by a descriptor: false where it is too late, or the watch stops. */
-static bool wait_for(struct coprocess *c, int fd, short events, uint64_t until)
+/* ---- whether it gets on ---- */
+
+enum {
+    STUCK_MS = 5000, /* of the processor, in which a decoder has not even taken more memory */
+    PAGES_LEAST = 256,
+    STAT_BYTES = 1024,
+    PROCESSES_MOST = 8,
+};
+
+/* Adds what a process has taken so far, as its line in /proc has it: fields 14, 15 and 24. */
+static bool add_work(long process, uint64_t *busy_ms, uint64_t *pages)
 {
-    for (;;) {
+    char path[64], line[STAT_BYTES];
+    unsigned long long user, system;
+    long resident;
+    snprintf(path, sizeof path, "/proc/%ld/stat", process);
+    FILE *file = fopen(path, "re");
+    const size_t n = file ? fread(line, 1, sizeof line - 1, file) : 0;
+    if (file)
+        fclose(file);
+    line[n] = '\0';
+    const char *at = strrchr(line, ')'); /* its name may hold anything */
+    if (!at || sscanf(at + 1,
+                      " %*s %*s %*s %*s %*s %*s %*s %*s %*s %*s %*s %llu %llu %*s %*s %*s %*s "
+                      "%*s %*s %*s %*s %ld",
+                      &user, &system, &resident) != 3)
+        return false;
+    *busy_ms += (user + system) * 1000 / (unsigned long long)sysconf(_SC_CLK_TCK);
+    *pages += resident > 0 ? (uint64_t)resident : 0;
+    return true;
+}
+
+/* Its own, and that of the processes that it has started. */
+static bool see_work(pid_t process, uint64_t *busy_ms, uint64_t *pages)
+{
+    char path[64];
+    long child;
+    *busy_ms = *pages = 0;
+    snprintf(path, sizeof path, "/proc/%ld/task/%ld/children", (long)process, (long)process);
+    FILE *file = fopen(path, "re");
+    for (int i = 0; file && i < PROCESSES_MOST && fscanf(file, "%ld", &child) == 1; i++)
+        add_work(child, busy_ms, pages);
+    if (file)
+        fclose(file);
+    return add_work(process, busy_ms, pages);
+}
+
+/* A decoder that gets on fills memory, or answers: then it is waited for on. One that has worked
+ * for long without either is stuck. Where the system does not say, patience alone decides. */
+static bool gets_on(struct coprocess *c, uint64_t *until)
+{
+    uint64_t busy_ms, pages;
+    if (!see_work(c->process, &busy_ms, &pages))
+        return true;
+    const bool is_first = !c->pages || busy_ms < c->busy_ms; /* one of them has ended */
+    const bool has_grown = pages >= c->pages + PAGES_LEAST;
+    if (!is_first && !has_grown)
+        return busy_ms - c->busy_ms < STUCK_MS || fails(c, STUCK);
+    const uint64_t later = clock_ns() + (uint64_t)c->patience_ms * 1000000;
+    if (!is_first && later > *until)
+        *until = later;
+    c->busy_ms = busy_ms;
+    c->pages = pages > c->pages ? pages : c->pages;
+    return true;
+}
+
+/* Until bytes can go or come by a descriptor: false where it is too late, or the watch stops. */
+static bool wait_for(struct coprocess *c, int fd, short events, uint64_t *until)
+{
+    for (uint64_t looked = clock_ns();;) {
         struct pollfd wanted = {.fd = fd, .events = events};
         const uint64_t now = clock_ns();
-        if (now >= until)
+        if (now - looked >= (uint64_t)WORK_MS * 1000000) {
+            looked = now;
+            if (!gets_on(c, until))
+                return false;
+        }
+        if (now >= *until)
             return fails(c, SILENT);
-        const uint64_t left_ms = (until - now + 999999) / 1000000;
-        const uint64_t most_ms = c->watch ? LOOK_MS : INT32_MAX;
+        const uint64_t left_ms = (*until - now + 999999) / 1000000;
+        const uint64_t most_ms = c->watch ? LOOK_MS : WORK_MS;
         const int ready = poll(&wanted, 1, (int)(left_ms < most_ms ? left_ms : most_ms));
         if (ready > 0)
             return true;
@@ -175,14 +247,14 @@ static bool wait_for(struct coprocess *c, int fd, short events, uint64_t until)
 bool coprocess_transmit(struct coprocess *c, const void *bytes, size_t length)
 {
     const char *at = bytes;
-    const uint64_t until = latest_ns(c, length);
+    uint64_t until = latest_ns(c, length);
     while (length > 0) {
         const ssize_t n = send(c->fd, at, length, MSG_NOSIGNAL | MSG_DONTWAIT);
         if (n >= 0) {
             at += n;
             length -= (size_t)n;
         } else if (errno == EAGAIN) {
-            if (!wait_for(c, c->fd, POLLOUT, until))
+            if (!wait_for(c, c->fd, POLLOUT, &until))
                 return false;
         } else if (errno != EINTR) {
             return fails(c, GONE);
@@ -191,7 +263,7 @@ bool coprocess_transmit(struct coprocess *c, const void *bytes, size_t length)
     return true;
 }
 
-static bool receive(struct coprocess *c, void *bytes, size_t length, uint64_t until)
+static bool receive(struct coprocess *c, void *bytes, size_t length, uint64_t *until)
 {
     char *at = bytes;
     bool reset = false;
@@ -200,6 +272,7 @@ static bool receive(struct coprocess *c, void *bytes, size_t length, uint64_t un
         if (n > 0) {
             at += n;
             length -= (size_t)n;
+            c->pages = 0;
         } else if (n < 0 && errno == EAGAIN) {
             if (!wait_for(c, c->fd, POLLIN, until))
                 return false;
@@ -214,7 +287,8 @@ static bool receive(struct coprocess *c, void *bytes, size_t length, uint64_t un
 
 bool coprocess_receive(struct coprocess *c, void *bytes, size_t length)
 {
-    return receive(c, bytes, length, latest_ns(c, length));
+    uint64_t until = latest_ns(c, length);
+    return receive(c, bytes, length, &until);
 }
 
 bool coprocess_odd(struct coprocess *c)
@@ -225,9 +299,9 @@ bool coprocess_odd(struct coprocess *c)
 /* Byte by byte: lines are few and short, and nothing that follows may be taken along. */
 bool coprocess_receive_line(struct coprocess *c, char line[COPROCESS_LINE])
 {
-    const uint64_t until = latest_ns(c, COPROCESS_LINE);
+    uint64_t until = latest_ns(c, COPROCESS_LINE);
     for (size_t i = 0; i < COPROCESS_LINE; i++) {
-        if (!receive(c, &line[i], 1, until))
+        if (!receive(c, &line[i], 1, &until))
             return false;
         if (line[i] == '\n') {
             line[i] = '\0';
@@ -254,7 +328,8 @@ static void await_end(struct coprocess *c)
     const int end = (int)syscall(SYS_pidfd_open, c->process, 0);
     if (end < 0)
         return;
-    wait_for(c, end, POLLIN, latest_ns(c, 0));
+    uint64_t until = latest_ns(c, 0);
+    wait_for(c, end, POLLIN, &until);
     close(end);
 }
 
@@ -270,6 +345,9 @@ enum err coprocess_fault(struct coprocess *c, const char *doing, const char *pat
     if (c->trouble == SILENT)
         snprintf(end, sizeof end, "did not answer for %d s and was ended",
                  (c->patience_ms + 999) / 1000);
+    else if (c->trouble == STUCK)
+        snprintf(end, sizeof end, "worked for %d s without getting on and was ended",
+                 STUCK_MS / 1000);
     else if (c->trouble == ODD)
         snprintf(end, sizeof end, "gave an answer that makes no sense and was ended");
     else if (status != -1 && WIFSIGNALED(status))

@@ -5,7 +5,8 @@
  * A decoder that dies on a hostile file costs one error message: what it was asked fails, and the
  * next request starts the program again. Nothing here ever raises SIGPIPE or waits without end: one
  * that does not take or give what is its turn within `patience_ms`, and a second for each megabyte,
- * is ended; so is one that closes the socket and goes on, and one that is waited for when the watch
+ * since it last took more memory, is ended; so is one that has worked for five seconds of the
+ * processor without either, as a decoder in a circle does; so is one that closes the socket and goes on, and one that is waited for when the watch
  * stops. Its errors go nowhere, it has no environment, and it is a process group of its own, so
  * that an interrupt from the keyboard is not meant for it. From all else it keeps itself before it
  * decodes a byte, and it ends with the thread that started it, however that ends (wire.hh).
@@ -36,7 +37,9 @@ struct coprocess {
     uint64_t memory;     /* bytes that it may hold for itself, of the next start; 0: any number */
     struct watch *watch; /* polled while it is waited for, as `doing`; or NULL */
     const char *doing;
-    enum trouble { FINE, SILENT, GONE, ODD, STOPPED } trouble; /* why the current request failed */
+    enum trouble { FINE, SILENT, STUCK, GONE, ODD, STOPPED } trouble; /* of the current request */
+    uint64_t busy_ms, pages; /* what it had taken when it last got on: of the processor, of memory;
+                                0 pages: not known */
 };
 
 /* `name` is the program beside the running one, unless `program` gives a path. */

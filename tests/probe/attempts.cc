@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <ctime>
 #include <fcntl.h>
 #include <functional>
 #include <pthread.h>
@@ -187,6 +188,18 @@ std::string hold_memory()
     }
 }
 
+/* As a decoder does that fills the room for its voxels, and says nothing meanwhile. */
+std::string grow_slowly()
+{
+    constexpr size_t piece = 4 << 20;
+    const struct timespec pause = {0, 300000000};
+    for (int i = 0; i < 12; i++) {
+        std::memset(std::malloc(piece), 1, piece);
+        nanosleep(&pause, nullptr);
+    }
+    return "it has grown";
+}
+
 } // namespace
 
 std::string attempts(const std::string &path, bool may_write, bool may_thread)
@@ -196,6 +209,8 @@ std::string attempts(const std::string &path, bool may_write, bool may_thread)
         return hold_memory();
     while (path.find("spin") != std::string::npos)
         ;
+    if (path.find("slow") != std::string::npos)
+        return grow_slowly();
     const std::vector<Attempt> list = all(path, may_write, may_thread);
     for (const Attempt &attempt : list) {
         errno = 0;
