@@ -46,7 +46,11 @@ expect 1 "$iftty" verify j1.iftty
 out_has "no First.exr, which is in j1.golden, and others; iftty verify --remove-orphans deletes it"
 rm j1.golden/First.exr
 expect 0 "$iftty" verify j1.iftty --until 9 # nobody knows yet
-mv j1.golden/third.exr j1.golden/third.png
+rm j1.golden/third.exr
+cp j1.golden/first.png j1.golden/third.png # it shows what nothing was compared with
+expect 1 "$iftty" verify j1.iftty
+out_has "# orphan golden image: the journal names no third.png, which is in j1.golden"
+rm j1.golden/third.png
 cp j1.golden/first.exr j1.golden/.iftty-0-first.exr
 expect 0 "$iftty" verify j1.iftty
 close_story

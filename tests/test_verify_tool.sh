@@ -82,9 +82,11 @@ begin "orphan golden images are all listed, and removed on request"
 cp j4.golden/first.exr j4.golden/third.exr
 cp j4.golden/first.exr 'j4.golden/odd$(name);.exr'
 cp j4.golden/first.png j4.golden/third.png
+cp j4.golden/first.png j4.golden/lone.png
 expect 1 "$iftty" verify j4.iftty j5.iftty
 out_has "#   orphan   third.exr"
 out_has '#   orphan   odd$(name);.exr'
+out_has "#   orphan   lone.png"
 expect 2 env CI=true "$iftty" verify --remove-orphans j4.iftty
 expect 0 "$iftty" verify --remove-orphans j4.iftty j5.iftty
 out_has "#   removed  third.exr"

@@ -39,6 +39,21 @@ static bool is_leftover(struct search *search, const char *name)
     return true;
 }
 
+/* A PNG shows something that nothing was compared with, unless a golden image lies beside it, which
+ * is asked for it. */
+static bool is_lone_png(struct search *search, const char *name)
+{
+    struct buf *path = &search->path;
+    if (!file_is_named(name, ".png"))
+        return false;
+    buf_clear(path);
+    buf_printf(path, "%s/%s", buf_text(&search->folder), name);
+    if (path->failed)
+        return true;
+    memcpy(path->data + path->length - 3, "exr", 3);
+    return !file_exists(buf_text(path));
+}
+
 static enum err look_through(struct name_list *orphans, struct search *search, struct fault *fault)
 {
     const struct dirent *entry;
@@ -46,9 +61,13 @@ static enum err look_through(struct name_list *orphans, struct search *search, s
     enum err err = folder ? OK : fault_errno(fault, "read", buf_text(&search->folder));
     while (!err && (entry = readdir(folder))) {
         const char *name = entry->d_name;
-        if (*name != '.' && exr_is_named(name) &&
-            !golden_is_named(&search->interp->goldens, name) && !is_leftover(search, name) &&
-            !name_list_add(orphans, name))
+        if (*name == '.')
+            continue;
+        const bool is_orphan =
+            exr_is_named(name)
+                ? !golden_is_named(&search->interp->goldens, name) && !is_leftover(search, name)
+                : is_lone_png(search, name);
+        if (is_orphan && !name_list_add(orphans, name))
             err = fault_memory(fault, "names of files");
     }
     if (folder)
@@ -107,13 +126,14 @@ static enum err remove_file(const char *path, struct fault *fault)
 enum err orphan_remove(const char *journal_path, const char *orphan, struct fault *fault)
 {
     struct buf path = {0};
-    if (*orphan == '.' || strchr(orphan, '/') || !exr_is_named(orphan))
+    const bool is_png = file_is_named(orphan, ".png");
+    if (*orphan == '.' || strchr(orphan, '/') || !(is_png || exr_is_named(orphan)))
         return fault_set(fault, ERR_INPUT, "%s is the name of no golden image", orphan);
     enum err err = golden_folder(&path, journal_path, fault);
     buf_printf(&path, "/%s", orphan);
     if (!err)
         err = path.failed ? fault_memory(fault, "a path") : remove_file(buf_text(&path), fault);
-    if (!err) {
+    if (!err && !is_png) {
         memcpy(path.data + path.length - 3, "png", 3);
         err = remove_file(buf_text(&path), fault);
     }

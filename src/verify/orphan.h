@@ -1,5 +1,5 @@
-/* Orphan golden images: files in a journal's folder of golden images that it does not name. Drafts,
- * whose names begin with a dot, are no golden images. */
+/* Orphan golden images: files in a journal's folder of golden images that it does not name, and
+ * PNGs there beside which no golden image lies. Drafts, whose names begin with a dot, are none. */
 #ifndef VERIFY_ORPHAN_H
 #define VERIFY_ORPHAN_H
 
