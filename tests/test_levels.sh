@@ -31,6 +31,7 @@ done
 in_range far4.nii 2 1e5
 in_range far20.nii 1e19 1e21
 in_range low.nii -1e31 -1
+in_range holes.nii -1e9 1e9
 for hundredth in 03 28 57 70; do
     in_range hundredths.nii 0.$hundredth 0.$hundredth
 done
@@ -59,6 +60,9 @@ grep -q "voxel 7,7,7 .*: intensity $(cat truth), " first || fail "$(cat truth)" 
 expect 0 "$iftty" -c 'open far20.nii; why 3,4,5'
 out_has 'intensity 1e+20, '
 expect 0 "$iftty" -c 'open holes.nii'
+expect 0 "$iftty" -c 'open holes.nii; why 0,0,0; why 1,1,1'
+out_has 'intensity no number, '
+out_has 'intensity 1e+300, '
 out_has '121 voxels are no number or infinite: taken for less than 0'
 expect 0 "$iftty" -c 'open ct-far.nii; why 0,0,0; why 5,6,7'
 out_has 'the scale is -1000 to 6'
@@ -105,6 +109,9 @@ nibabel.save(image, "close.nii")
 PY
 expect 0 "$iftty" -c 'open close.nii; range 0.2 0.500000015'
 out_has '120 voxels have a level that an end of the range cuts: a level is 1.53e-05, and values'
+expect 0 "$iftty" -c 'open close.nii; why 6,1,1; why 0,0,1'
+out_has 'intensity 0.500008 +-7.6e-06, '
+out_has 'intensity 0.000595593, '
 expect 0 "$iftty" -c 'open close.nii; seed 6,6,6 1 radius=1 range=0.2..0.500000015'
 out_has 'voxels have a level that an end of the range cuts'
 expect 0 "$iftty" -c 'open close.nii; object 1 threshold 0.2..0.500000015 from=4,4,4'

@@ -194,8 +194,11 @@ const struct command command_table[] = {
     {COMMAND("range", act_range, GROUP_WEIGHT, R | S | E),
      {NEED("LOW", VALUE_REAL, .choices = "none"), PAIRED("HIGH", VALUE_REAL)},
      "restrict trees to a range of intensities",
-     "No tree grows where the intensity, as `why` prints it, is below LOW or above HIGH. With a "
-     "`mask`, both hold.",
+     "No tree grows where the intensity, as `why` prints it, is below LOW or above HIGH: numbers "
+     "of "
+     "up to 19 digits, as in 1.5e-3. They are compared with those of the file; where 16 bits do "
+     "not "
+     "tell these apart, the answer says how many voxels are in doubt. With a `mask`, both hold.",
      "range 40 1200.5"},
     {CALLED("label", "name|colour|color", act_label, GROUP_SEEDS, R),
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("NAME", VALUE_WORD),

@@ -417,6 +417,8 @@ static enum err fit_reals(struct way_back *back, struct fitting *f)
         spread(f, &line, true);
     else
         spread(f, &line, false);
+    if (extent.odd && line.first) /* below every number, and in no range */
+        f->levels->level[0].least = -INFINITY;
     if (extent.odd)
         volume_note(f->volume->notes, "%zu voxel%s no number or infinite: taken for %s%g",
                     extent.odd, extent.odd == 1 ? " is" : "s are", line.first ? "less than " : "",

@@ -19,7 +19,7 @@
  *     scale             low - W .. high + W, but no further than the least and the greatest
  *     1 .. 65534        the levels within it. Whole numbers are divided by the least whole number
  *                       that makes the core fit; then the scale reaches as far as levels are left
- *     0, 65535          what is below, and what is above; no number is 0 as well
+ *     0, 65535          what is below, and what is above; no number is 0 as well, below all
  *
  * With choice.by_extremes no scale is cut, and no real number taken for a whole one.
  */

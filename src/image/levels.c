@@ -65,7 +65,10 @@ double levels_value(const struct geometry *geometry, const struct levels *levels
 static void write_exact(struct buf *out, int digits, double value)
 {
     const bool is_whole = fabs(value) < 1e15 && value == floor(value);
-    buf_printf(out, is_whole ? "%.*f" : "%.*g", is_whole ? 0 : digits, value);
+    if (isinf(value))
+        buf_add_text(out, "no number");
+    else
+        buf_printf(out, is_whole ? "%.*f" : "%.*g", is_whole ? 0 : digits, value);
 }
 
 void levels_write(struct buf *out, const struct geometry *geometry, const struct levels *levels,
@@ -73,14 +76,16 @@ void levels_write(struct buf *out, const struct geometry *geometry, const struct
 {
     const int digits = geometry_digits(geometry);
     const struct level *level = known(levels, intensity);
-    const bool is_beyond =
-        levels && levels->is_clamped && (intensity == 0 || intensity == LEVELS - 1);
-    if (level && level->least == level->greatest)
+    const bool is_beyond = intensity == 0 || intensity == LEVELS - 1;
+    if (level && level->least == level->greatest) {
         write_exact(out, digits, level->least);
-    else if (level && is_beyond)
+    } else if (level && levels->is_clamped && is_beyond) {
         buf_printf(out, "%.*g..%.*g", digits, level->least, digits, level->greatest);
-    else
+    } else {
         buf_printf(out, "%.*g", digits, geometry_value(geometry, intensity));
+        if (levels)
+            buf_printf(out, " +-%.2g", levels->step / 2);
+    }
 }
 
 void levels_write_scale(struct buf *out, const struct levels *levels, const char *before)

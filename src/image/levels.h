@@ -56,8 +56,8 @@ struct interval levels_within(const struct geometry *geometry, const struct leve
 double levels_value(const struct geometry *geometry, const struct levels *levels,
                     uint16_t intensity);
 
-/* The same as a word: "0.787", or "1.5..1e+20" of a level beyond the scale
- * that has several; with as many digits as tell it from the next. */
+/* The same in words, with as many digits as tell it from the next: "0.787"; of a level that has
+ * several, "0.787 +-7.6e-06", or "1.5..1e+20" beyond the scale. */
 void levels_write(struct buf *out, const struct geometry *geometry, const struct levels *levels,
                   uint16_t intensity);
 
