@@ -56,7 +56,8 @@ out_has 'a level is 3.0'
 cp out first
 "$PYTHON" -W ignore -c 'import nibabel
 print("%g" % nibabel.load("far4.nii").dataobj[7, 7, 7])' >truth
-grep -q "voxel 7,7,7 .*: intensity $(cat truth), " first || fail "$(cat truth)" "$(grep 7,7,7 first)"
+grep -q "voxel 7,7,7 .*: intensity $(cat truth), " first ||
+    fail "$(cat truth)" "$(grep 7,7,7 first)"
 expect 0 "$iftty" -c 'open far20.nii; why 3,4,5'
 out_has 'intensity 1e+20, '
 expect 0 "$iftty" -c 'open holes.nii'
@@ -126,10 +127,12 @@ close_story
 begin "numbers are recorded as they were typed, with what the scene was made of"
 expect 0 "$iftty" -c 'open far4.nii; range 1e-1 8.5e-1; window 2.5e-7 1e20; window 0.0015 40
 seed 2,2,2 1 range=0..12345678901234567890; run' --journal j.iftty
-grep -q '^= 1 .* scale=0\.\.1\.9[0-9]* beyond=0,1 values=[0-9a-f]* ' j.iftty || fail "$(cat j.iftty)"
+grep -q '^= 1 .* scale=0\.\.1\.9[0-9]* beyond=0,1 values=[0-9a-f]* ' j.iftty ||
+    fail "$(cat j.iftty)"
 grep -q '^range 0.1 0.85$' j.iftty || fail "$(cat j.iftty)"
 grep -q '^window 0.00000025 1e20$' j.iftty || fail "$(cat j.iftty)"
-grep -q '^seed 2,2,2 1 range=0..12345678901234567890$' j.iftty || fail "$(cat j.iftty)"
+grep -q '^seed 2,2,2 1 range=0..12345678901234567890$' j.iftty ||
+    fail "$(cat j.iftty)"
 expect 0 "$iftty" verify j.iftty
 expect 0 "$iftty" log --script j.iftty
 expect 2 "$iftty" -c 'open far4.nii; range 1 123456789012345678901'

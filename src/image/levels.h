@@ -30,9 +30,9 @@ struct levels {
     struct level level[LEVELS];
 };
 
-/* The intensities whose real values lie within an interval, low..high: above `high` there are
- * none. An end may lie among the values of one level: then split[0] or split[1] is that level, which is
- * taken by the value that stands for it; else -1. */
+/* The intensities whose real values lie within an interval, low..high; low is above high where
+ * there are none. An end may lie among the values of one level: then split[0], or split[1], is that
+ * level, which is taken by the value that stands for it; else -1. */
 struct interval {
     uint16_t low, high;
     int32_t split[2];
@@ -61,8 +61,8 @@ double levels_value(const struct geometry *geometry, const struct levels *levels
 void levels_write(struct buf *out, const struct geometry *geometry, const struct levels *levels,
                   uint16_t intensity);
 
-/* The scale, the size of a level, and what is beyond: lines, each after `before`; none where `levels`
- * is NULL. */
+/* The scale, the size of a level, and what is beyond: lines, each after `before`; none where
+ * `levels` is NULL. */
 void levels_write_scale(struct buf *out, const struct levels *levels, const char *before);
 
 /* Of all values; for records. */
