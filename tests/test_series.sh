@@ -140,6 +140,30 @@ expect 2 "$iftty" -c "open mosaic.twin.nii skip=IM0"
 err_has "skip=NAME is for a folder of slices, and this is nifti-1: leave it out"
 close_story
 
+begin "mosaics with wrong bytes are opened, or refused in one line"
+count=0 bad=0
+while [ $((count += 1)) -le $((25 * ${IFTTY_TEST_SCALE:-1})) ]; do
+    rm -rf broken
+    cp -r times broken
+    "$PYTHON" -c "
+import random
+random.seed($count)
+data = bytearray(open('broken/IM2', 'rb').read())
+at = data.index(b'SV10\4\3\2\1') if $count % 3 else 132
+for _ in range(random.choice([1, 3, 20])):
+    data[at + random.randrange(700)] = random.choice([0, 1, 127, 128, 255])
+open('broken/IM2', 'wb').write(data)"
+    timeout 60 "$iftty" -c "open broken volume=0" >"$work/out" 2>"$work/err"
+    got=$?
+    case $got in
+    0) ;;
+    3) [ "$(wc -l <"$work/err")" = 1 ] && bad=$((bad + 1)) || fail "$count: $(cat "$work/err")" ;;
+    *) fail "$count: status $got: $(cat "$work/err")" ;;
+    esac
+done
+[ $((3 * bad)) -gt "$count" ] || fail "$bad of $count were refused"
+close_story
+
 begin "a journal of before has mosaics and damaged files as they were"
 for words in "mosaic missing=blank 78,66,1" "damaged series=2 missing=blank 26,22,14"; do
     echo "# iftty journal 1 semantics 8" >j.iftty

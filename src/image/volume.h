@@ -27,9 +27,10 @@
 #include "image/source.h"
 
 #define HELPED_NOTE                                                                                \
-    "DICOM (a folder, with its subfolders), NRRD, MetaImage, MINC, HDF5, MRC, TIFF stacks, "       \
-    "folders of TIFF or PNG slices, VTK and GIPL are read by iftty-volume, a program beside "      \
-    "iftty; so are LSM, GE, Siemens Vision, Bruker and Stimulate, untested for want of files. "    \
+    "DICOM (a folder, with its subfolders; mosaics of Siemens), NRRD, MetaImage, MINC, HDF5, "     \
+    "MRC, TIFF stacks, folders of TIFF or PNG slices, VTK and GIPL are read by iftty-volume, a "   \
+    "program beside iftty; so are LSM, GE, Siemens Vision, Bruker and Stimulate, untested for "    \
+    "want of files. "                                                                              \
     "What a file does not say of orientation and spacing stays unknown. "
 
 /* The formats, and a sentence about each for the help. */
