@@ -218,7 +218,7 @@ def make_series(folder):
             target.write(broken[name])
     one = pydicom.dcmread(file)
     one.file_meta.TransferSyntaxUID = pydicom.uid.JPEGLSLossless
-    one.PixelData = pydicom.encaps.encapsulate([b"\xff\xd8" + bytes(500)])
+    one.PixelData = pydicom.encaps.encapsulate([b"\xff\xd8" + bytes(500) + b"\xff\xd9"])
     one["PixelData"].is_undefined_length = True
     one.save_as(file)
 
