@@ -353,9 +353,9 @@ STORY(old_meaning_is_from_the_least_to_the_greatest)
         static struct sorted s;
         sort(&s, count);
         bool stands = true;
+        const double range = s.high > s.low ? s.high - s.low : 1;
         for (size_t k = 0; k < count; k++)
-            stands &=
-                v.intensity[k] == (uint16_t)((number[k] - s.low) / (s.high - s.low) * 65535 + 0.5);
+            stands &= v.intensity[k] == (uint16_t)((number[k] - s.low) / range * 65535 + 0.5);
         CHECK(stands && !v.levels && v.geometry.intercept == s.low);
         volume_release(&v);
     }
