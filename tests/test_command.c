@@ -569,7 +569,7 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"pan up 3", "RIGHT: expected a number"},
         {"pan 8192 0", "too far from the scene; the view is unchanged"},
         {"clip axial", "expected axial slices A-B within 0-9, feet to head"},
-        {"clip sagittal 5-12", "there are sagittal slices 0-11, left to right, not 12"},
+        {"clip sagittal 5-12", "there are sagittal slices 0-11, right to left, not 12"},
         {"clip coronal 5-4", "SLICES: expected A-B, or A, within 0-65533, not 5-4"},
         {"clip oblique 1-2", "PLANE: expected axial|coronal|sagittal|none, not oblique"},
         {"clip none 1-2", "`clip none` takes no slices; the view is unchanged"},
