@@ -102,7 +102,7 @@ mv again/other again/script
 cp again/changed again/other
 differs 'other:11: this line is `zoom 2`, and record 8 of k.iftty is `zoom '
 mv again/other.shorter again/other
-differs 'other:10: this line is `"seed" 3,3,3    spleen`, and record 7 of k.iftty is `seed 3,3,3 2 ra'
+differs 'other:10: this line is `"seed" 3,3,3    spleen`, and record 7 of k.iftty is `seed 3,3'
 beginning 5
 for line in 'undo' 'branch other' 'seed 9,9,9 1'; do # somebody went on by hand
     beginning 4
