@@ -28,7 +28,7 @@ static const gdcm::Tag type_tag(0x0008, 0x0008), matrix_tag(0x0018, 0x1310);
 /* Blocks of private elements that are looked into. */
 constexpr uint16_t first_block = 0x10, last_block = 0x1f;
 constexpr uint16_t csa_group = 0x0029, csa_element = 0x10;
-constexpr uint16_t count_group = 0x0019, count_element = 0x0a, weighting_element = 0x0c;
+constexpr uint16_t count_group = 0x0019, count_element = 0x0a;
 constexpr unsigned images_most = 4096;
 
 gdcm::Tag owner_tag(uint16_t group, uint16_t block)
