@@ -389,6 +389,11 @@ STORY(one_voxel_far_off_takes_no_levels_from_the_others)
     v = make(VOXEL_FLOAT32, 2000, 1, false);
     CHECK(v.levels && !v.levels->is_clamped && fabs(value_of(&v, 50) - 0.5) < 1e-4);
     volume_release(&v);
+    for (unsigned k = 0; k < MOST; k++) /* one that thins out, and ends, too */
+        number[k] = k < 40 ? pow(1 - k / 40.0, 3) : k * 1e-13;
+    v = make(VOXEL_FLOAT32, MOST, 1, false);
+    CHECK(v.levels && !v.levels->is_clamped && fabs(value_of(&v, 20) - 0.125) < 1e-4);
+    volume_release(&v);
     for (unsigned k = 0; k < MOST; k++) /* many are far off: no scale serves all, which is said */
         number[k] = k % 10 ? k / 20000.0 : 1e6 + k / 1e4;
     v = make(VOXEL_FLOAT32, MOST, 1, false);
