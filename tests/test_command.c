@@ -879,6 +879,37 @@ STORY(completion_says_what_words_mean)
     interpreter_release(&interp);
 }
 
+STORY(commands_are_the_same_wherever_their_file_is_seen_from)
+{
+    static const struct {
+        const char *a, *b;
+        bool are_same;
+    } pair[] = {
+        {"open a.nii weight=morph", "open ../x/a.nii weight=morph", true},
+        {"mask \"b c.nii\"", "mask ../b c.nii", false},
+        {"mask \"b c.nii\"", "mask \"../b c.nii\"", true},
+        {"open a.nii weight=morph", "open a.nii weight=sobel", false},
+        {"open a.nii weight=morph", "open a.nii", false},
+        {"open a.nii", "open b.nii", false},
+        {"open a.nii", "mask a.nii", false},
+        {"render a.png", "render b/a.png", false}, /* which is written */
+        {"undo", "undo", true},
+        {"undo", "undo 2", false},
+        {"later x/a", "later a", false},
+        {"", "undo", false},
+    };
+    for (size_t i = 0; i < sizeof pair / sizeof *pair; i++) {
+        CHECK(command_is_same(pair[i].a, pair[i].b) == pair[i].are_same);
+        CHECK(command_is_same(pair[i].b, pair[i].a) == pair[i].are_same);
+    }
+    struct buf name = {0};
+    CHECK(command_opens(&name, "open volume=2 \"a b.nii\" reduce=2"));
+    CHECK_TEXT(buf_text(&name), "a b.nii");
+    CHECK(!command_opens(&name, "mask a.nii"));
+    CHECK(!command_opens(&name, "open volume=2"));
+    buf_release(&name);
+}
+
 /* Names of all kinds, below a folder of their own, where the story works. */
 static void begin_with_files(struct interpreter *interp)
 {
@@ -932,6 +963,10 @@ STORY(files_are_offered_where_a_file_may_stand)
     completes(&interp, "seed 1,1,1 m", "", 11);
     completes(&interp, "hide \"co", "\"cortex\"\n", 5);
     completes(&interp, "save nowhere/", "", 5);
+    setenv("HOME", place("files/masks"), 1);
+    completes(&interp, "open ~/m", "~/m.nii\n", 5);
+    completes(&interp, "save labels \"~/", "\"~/m.nii\"\n", 12);
+    unsetenv("HOME");
     CHECK(chdir(folder) == 0);
     interpreter_release(&interp);
 }
@@ -2405,6 +2440,7 @@ int main(void)
         TELL(completion_offers_what_may_stand_there), TELL(completion_says_what_words_mean),
         TELL(a_stroke_is_balls_along_a_line),
         TELL(a_seed_that_is_erased_before_a_run_waits_no_more),
+        TELL(commands_are_the_same_wherever_their_file_is_seen_from),
         TELL(files_are_offered_where_a_file_may_stand),
         TELL(a_key_that_is_given_is_not_offered_again),
         TELL(goldens_branches_and_records_are_offered), TELL(a_hint_is_the_rest_of_the_usage),

@@ -179,6 +179,9 @@ void command_write(struct buf *out, const struct call *call);
 /* Whether the line opens a scene, and the name of that. */
 bool command_opens(struct buf *name, const char *line);
 
+/* Whether both lines are the same command, wherever the file that it reads is seen from. */
+bool command_is_same(const char *a, const char *b);
+
 /* What stands for a value: "X,Y,Z", "on|off", "0..32". */
 void usage_form(struct buf *out, const struct parameter *p);
 

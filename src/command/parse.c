@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/choice.h"
+#include "base/file.h"
 #include "base/safe.h"
 #include "base/scan.h"
 #include "command/near.h"
@@ -563,6 +564,34 @@ bool command_opens(struct buf *name, const char *line)
             return false;
     }
     return found;
+}
+
+bool command_is_same(const char *a, const char *b)
+{
+    const char *line[2] = {a, b};
+    struct buf word[2] = {{0}, {0}};
+    const struct command *command = NULL;
+    bool same = strcmp(a, b) == 0, goes_on = !same;
+    for (int n = 0; goes_on; n++) {
+        for (int i = 0; i < 2; i++) {
+            scan_blanks(&line[i]);
+            buf_clear(&word[i]);
+            goes_on = goes_on && *line[i] && command_take_word(&line[i], &word[i], COMMAND_QUOTES);
+        }
+        const char *one = buf_text(&word[0]), *other = buf_text(&word[1]);
+        if (n == 0)
+            command = command_find(one);
+        if (n == 1 && command && command->parameter[0].is_read) {
+            one = file_name(one);
+            other = file_name(other);
+        }
+        same = !word[0].failed && !word[1].failed && strcmp(one, other) == 0;
+        goes_on = goes_on && same;
+    }
+    same = same && !*line[0] && !*line[1];
+    buf_release(&word[0]);
+    buf_release(&word[1]);
+    return same || strcmp(a, b) == 0;
 }
 
 /* ---- canonical form ---- */

@@ -12,6 +12,7 @@
 #include "base/file.h"
 #include "base/folder.h"
 #include "base/process.h"
+#include "command/command.h"
 #include "sandbox/limits.h"
 #include "verify/divergence.h"
 #include "verify/first_difference.h"
@@ -38,8 +39,8 @@ static void describe(struct buf *text, const struct first_difference *first,
                      const char *const name[2])
 {
     const bool are_there = first->side[0].goes_on && first->side[1].goes_on;
-    const bool is_result = are_there && strcmp(buf_text(&first->side[0].command),
-                                               buf_text(&first->side[1].command)) == 0;
+    const bool is_result = are_there && command_is_same(buf_text(&first->side[0].command),
+                                                        buf_text(&first->side[1].command));
     buf_printf(text, "# record %zu is the first that differs: %s\n", first->same + 1,
                is_result    ? "the same command gives another result"
                : !are_there ? "only one of the two goes on"

@@ -15,7 +15,7 @@ struct follower {
     struct walk walk;
     struct record record;
     bool goes_on;
-    struct buf words; /* what is compared: texts, each ended by NUL */
+    struct buf words; /* of its command, where commands are compared: each ended by NUL */
 };
 
 /* The words of a command; one that cannot be parsed is one word. */
@@ -50,11 +50,6 @@ static void step_to_command(struct follower *f, size_t last)
 static void step_to_record(struct follower *f)
 {
     f->goes_on = walk_next_sound(&f->walk, &f->record) == WALK_RECORD;
-    if (!f->goes_on)
-        return;
-    buf_clear(&f->words);
-    buf_add(&f->words, f->record.command, strlen(f->record.command) + 1);
-    buf_add(&f->words, f->record.result, strlen(f->record.result) + 1);
 }
 
 static enum err step(struct follower *f, size_t last, struct fault *fault)
@@ -83,7 +78,12 @@ static enum err begin(struct follower *f, const struct buf *bytes, struct fault 
 
 static bool are_same(const struct follower f[2])
 {
-    return f[0].goes_on && f[1].goes_on && f[0].words.length == f[1].words.length &&
+    if (!f[0].goes_on || !f[1].goes_on)
+        return false;
+    if (f[0].of == FIRST_RECORD)
+        return command_is_same(f[0].record.command, f[1].record.command) &&
+               strcmp(f[0].record.result, f[1].record.result) == 0;
+    return f[0].words.length == f[1].words.length &&
            memcmp(buf_text(&f[0].words), buf_text(&f[1].words), f[0].words.length) == 0;
 }
 
