@@ -6,10 +6,11 @@
  * next request starts the program again. Nothing here ever raises SIGPIPE or waits without end: one
  * that does not take or give what is its turn within `patience_ms`, and a second for each megabyte,
  * since it last took more memory, is ended; so is one that has worked for five seconds of the
- * processor without either, as a decoder in a circle does; so is one that closes the socket and goes on, and one that is waited for when the watch
- * stops. Its errors go nowhere, it has no environment, and it is a process group of its own, so
- * that an interrupt from the keyboard is not meant for it. From all else it keeps itself before it
- * decodes a byte, and it ends with the thread that started it, however that ends (wire.hh).
+ * processor without either, as a decoder in a circle does, one that closes the socket and goes on,
+ * and one that is waited for when the watch stops. Its errors go nowhere, it has no environment,
+ * and it is a process group of its own, so that an interrupt from the keyboard is not meant for it.
+ * From all else it keeps itself before it decodes a byte, and it ends with the thread that started
+ * it, however that ends (wire.hh).
  *
  * The requests and answers are the client's (helper.h, volume_helper.h): lines of words and decimal
  * numbers, and counted bytes. Each function that talks returns false and sets `trouble` where the

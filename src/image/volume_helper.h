@@ -2,7 +2,8 @@
  * The volume helper: every volume that NIfTI is not, by ITK, GDCM and HDF5 in a process of its own.
  *
  * The program iftty-volume is started for one file or folder, takes from itself all but reading
- * that one (Landlock, seccomp, limits), and ends with it. What it says is believed no more than the
+ * that one and what its header names below its folder (Landlock, seccomp, limits), and ends with
+ * it. What it says is believed no more than the
  * file: sizes are checked before anything is allocated, numbers before they are used, and its words
  * are its own; nothing that a file says in words (a patient's name, a date) comes out of it, but
  * names of data sets and, for the user who is to choose a series, their descriptions. Files of a

@@ -8,7 +8,8 @@
  *
  * Before the first byte of a file is decoded, `confine` takes everything else from the process, in
  * every use and whoever asks: whatever a hostile file makes of a library, it can
- *     (W1) reach the files that the request names, and no other;
+ *     (W1) reach the files that the request names, those that their headers name and, where only
+ *          a library can tell these (HDF5), what lies below their folder; and no other;
  *     (W2) make the calls of confine_calls.h alone: no network, no other program, no other process;
  *     (W3) hold so much memory (the client says how much), and take so much of the processor;
  *     (W4) see no environment, and no descriptor but the socket's.

@@ -116,9 +116,9 @@ static bool is_regular(const char *path)
     return stat(path, &status) == 0 && S_ISREG(status.st_mode);
 }
 
-/* Of a pair, the other file is the one that really lies beside it, and both are read there: a header
- * that a stranger puts beside a link would choose which bytes of a file are voxels, few enough to
- * be guessed. */
+/* Of a pair, the other file is the one that really lies beside it, and both are read there: a
+ * header that a stranger puts beside a link would choose which bytes of a file are voxels, few
+ * enough to be guessed. */
 static bool take_pair(struct buf *path)
 {
     struct buf other = {0};
