@@ -135,7 +135,7 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
         test-matrix \
         test-matrix-short test-terminals fuzz fuzzers demo bench-peers bench-chafa bench-paper \
         bench-growth bench-render bench-frames bench-journal bench-keys bench-looks bench-effort \
-        bench-mend bench-series bench-files bench-beside help clean packages
+        bench-mend bench-noise bench-series bench-files bench-beside help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -218,10 +218,10 @@ bench-peers: $(PEERS)
 	@$(PYTHON) tests/peers/run.py --rounds $(ROUNDS) $(if $(JSON),--json $(JSON)) $(BUILD)
 
 ## bench-paper, bench-growth, bench-render, bench-frames, bench-journal, bench-keys, bench-looks,
-##     bench-mend: ARGS=--help says which options
+##     bench-mend, bench-noise: ARGS=--help says which options
 bench-keys: all
 bench-paper bench-growth bench-render bench-frames bench-journal bench-keys bench-looks \
-  bench-mend: $(BENCH)
+  bench-mend bench-noise: $(BENCH)
 	@$(BENCH) $(@:bench-%=%) $(ARGS)
 
 ## bench-effort: how many gestures a segmentation takes, by robots; ARGS="--quick other"

@@ -48,6 +48,91 @@ expect 2 "$iftty" -c 'open s.nii; seed-file atlas.nii regions=1,,2'
 err_has 'regions: expected A-B, or A, within 0-65533, not 1,,2; several have commas between them'
 close_story
 
+begin "regions above 255 become labels in rising order, and have their numbers again in files"
+/usr/bin/python3 - <<'END' || fail "nibabel cannot write the atlas"
+import nibabel, numpy
+scene = nibabel.load('s.nii')
+values = numpy.zeros(scene.shape, numpy.int32)
+for i, value in enumerate((2035, 2, 1001, 41, 1035, 1002)):
+    values[2 + 3 * i:5 + 3 * i, 3:15, 4:12] = value
+nibabel.save(nibabel.Nifti1Image(values, scene.affine), 'aparc.nii.gz')
+values = (numpy.arange(values.size) % 300 + 1000).reshape(values.shape).astype(numpy.int16)
+nibabel.save(nibabel.Nifti1Image(values, scene.affine), 'many.nii')
+values[0, 0, 0] = -5
+nibabel.save(nibabel.Nifti1Image(values, scene.affine), 'negative.nii')
+END
+printf '2 Left-White 245 245 245 0\n5 Ventricle 1 2 3 0\n41 Right-White 0 225 0 0\n1001 ctx-lh-bankssts 25 100 40 0
+1002 ctx-lh-caudal 125 100 160 0\n1035 ctx-lh-insula 255 192 32 0\n2035 ctx-rh-insula 5 6 7 0\n' \
+    >lut.txt # label 5 will be 1035, and 5 no label
+saves='save labels o.nii.gz; save labels o.nrrd; save labels o.seg.nrrd; save labels o.mha'
+expect 0 "$iftty" -c "open s.nii; labels aparc.nii.gz; run; label-file lut.txt; $saves
+save names o.txt; save names o.ctbl; save surface o.obj; save surface o.vtp; stats report=o.csv
+compare aparc.nii.gz" --journal aparc.iftty
+out_has '6 regions are labels 1 to 6, in rising order; `save labels` writes their own numbers'
+out_has 'label 6 ctx-rh-insula (2035): '
+out_has '6 names and 6 colours of labels'
+out_has '0 of 7680 voxels differ'
+grep -qE '^labels aparc.nii.gz erode=0 numbers=2,41,1001-1002,1035,2035 copy=[0-9a-f]{32}$' \
+    aparc.iftty || fail "$(grep ^labels aparc.iftty)"
+/usr/bin/python3 - <<'END' || fail "another reader finds other numbers"
+import nibabel, numpy
+was, now = nibabel.load('aparc.nii.gz'), nibabel.load('o.nii.gz')
+assert now.get_data_dtype() == numpy.uint16
+assert (numpy.asarray(was.dataobj) == numpy.asarray(now.dataobj)).all()
+raw = numpy.asarray(now.dataobj).astype('<u2').tobytes(order='F')
+assert open('o.mha', 'rb').read().endswith(raw)
+open('raw', 'wb').write(raw)
+END
+needs teem-unu && for map in o.nrrd o.seg.nrrd; do
+    teem-unu save -f nrrd -e raw -i $map | teem-unu data - | cmp -s - raw || fail "$map"
+done
+grep -aqx 'Segment5_LabelValue:=2035' o.seg.nrrd || fail "$(strings o.seg.nrrd | grep Segment5)"
+grep -aqx 'Segment5_Name:=ctx-rh-insula' o.seg.nrrd || fail "$(strings o.seg.nrrd | grep Segment5)"
+grep -aqx 'Segment0_Extent:=5 7 3 14 4 11' o.seg.nrrd || fail "$(strings o.seg.nrrd | grep Ext)"
+grep -q '^ 1035    255  192   32 .*"ctx-lh-insula"' o.txt || fail "$(cat o.txt)"
+grep -qx '2035 ctx-rh-insula 5 6 7 0' o.ctbl || fail "$(cat o.ctbl)"
+grep -qx 'o 2035 ctx-rh-insula' o.obj || fail "$(grep '^o ' o.obj)"
+grep -aq 'type="UInt16" Name="label"' o.vtp || fail "$(strings o.vtp | head)"
+grep -q '^6,"ctx-rh-insula",.*,2035$' o.csv || fail "$(cat o.csv)"
+expect 2 "$iftty" -c 'save names o.lut' --journal aparc.iftty
+err_has 'labels have numbers of their own, and a .lut holds 0 to 255'
+mv aparc.nii.gz gone.nii.gz # the copy has the labels, and the record their numbers
+expect 0 "$iftty" verify aparc.iftty
+expect 0 "$iftty" -c 'label 200 lesion; seed 1,1,1 200; labels o.nii.gz; save labels o2.nii.gz
+info; goto 2; save labels o3.nii.gz; undo 2; label 1 one; save names n.txt' --journal aparc.iftty
+out_has 'numbers   6 labels are 2 to 2035 in files; `stats` lists them'
+grep -q '^    1 .*"one"' n.txt || fail "undo leaves numbers: $(cat n.txt)"
+close_story
+
+begin "no two labels are one number in a file"
+expect 3 "$iftty" -c 'open s.nii; labels gone.nii.gz; seed 1,1,1 41; save labels two.nii'
+err_has 'label 41 would be 41 in a file, and that is the number of label 2'
+err_has '; `label 41 NAME number=N` gives it another'
+[ ! -e two.nii ] || fail "it was written"
+expect 0 "$iftty" -c 'open s.nii; labels gone.nii.gz; seed 1,1,1 41; label 41 lesion number=5000
+save labels two.nii; compare two.nii'
+out_has '0 of 7680 voxels differ'
+expect 2 "$iftty" -c 'open s.nii; labels gone.nii.gz; label 41 lesion number=1001'
+err_has 'number: 1001 is that of label 3 already'
+expect 0 "$iftty" -c 'open s.nii; label-file lut.txt; labels gone.nii.gz; seed 1,1,1 3; run; stats'
+out_has '2 labels lost a name that was not the region'
+out_has 'label 2 (41): ' # which the table had called otherwise
+expect 0 "$iftty" -c 'open s.nii; seed 1,1,1 2; labels gone.nii.gz; run'
+out_has 'label 3 (41): 1 marker' # for 2 is taken
+close_story
+
+begin "more regions than labels, and numbers of no region, are refused with what to type"
+expect 3 "$iftty" -c 'open s.nii; labels many.nii'
+err_has 'many.nii: it has 300 regions, and labels for 255 are free; choose some, as in'
+err_has 'regions=1000-1254, or make all one label with label=1; nothing was planted'
+expect 0 "$iftty" -c 'open s.nii; labels many.nii regions=1000-1254; run'
+expect 0 "$iftty" -c 'open s.nii; labels many.nii label=1; run'
+expect 3 "$iftty" -c 'open s.nii; labels negative.nii'
+err_has '1 of its voxels holds numbers below 0 or above 65533, which are no regions'
+expect 2 "$iftty" -c 'open s.nii; labels gone.nii.gz numbers=7'
+err_has 'numbers: a journal has it beside copy=DIGEST'
+close_story
+
 begin "a replay reads the table again, and notices one that has changed"
 expect 0 "$iftty" verify j.iftty
 sed -i 's/Vermis/vermis/' atlas.nii.txt

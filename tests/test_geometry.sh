@@ -110,7 +110,8 @@ out_has "seed 8,4,2 1"
 close_story
 
 begin "a scene that does not say it gives maps that do not say it"
-expect 0 "$iftty" -c 'open unplaced.nii.gz; save labels a.nii; orient LPI; save labels b.nii'
+expect 0 "$iftty" -c 'open unplaced.nii.gz; save labels a.nii empty=yes; orient LPI
+save labels b.nii empty=yes'
 [ "$(grep -c "where it lies is as unknown in it as in the scene" "$work/out")" = 2 ] ||
     fail "$(cat "$work/out")"
 cmp -s a.nii b.nii || fail "what was told is in the map"

@@ -154,6 +154,7 @@ STORY(each_piece_is_a_marker_of_the_contour_of_what_erosion_leaves)
         struct grid grid;
         struct piece_seeds seeds;
         const unsigned erode = check_below(&seed, 5);
+        const struct piece_choice choice = {erode, 0, REGION_NONE};
         slow.voxels = 1;
         for (int a = 0; a < 3; a++) {
             slow.size[a] = 1 + check_below(&seed, SIDE_MOST);
@@ -162,7 +163,7 @@ STORY(each_piece_is_a_marker_of_the_contour_of_what_erosion_leaves)
         CHECK(grid_init(&grid, slow.size, NULL) == OK);
         paint(&slow, round % 2);
         solve(&slow, erode);
-        CHECK(piece_seeds_make(&seeds, slow.region, REGION_NONE, &grid, erode, NULL, NULL) == OK);
+        CHECK(piece_seeds_make(&seeds, slow.region, &grid, &choice, NULL, NULL) == OK);
         check_pieces(&slow, &seeds, &grid);
         piece_seeds_release(&seeds);
     }
@@ -175,7 +176,8 @@ STORY(a_row_is_eroded_from_both_ends_and_not_at_the_edge_of_the_scene)
     struct grid grid;
     struct piece_seeds seeds;
     CHECK(grid_init(&grid, sides, NULL) == OK);
-    CHECK(piece_seeds_make(&seeds, row, REGION_NONE, &grid, 2, NULL, NULL) == OK);
+    CHECK(piece_seeds_make(&seeds, row, &grid, &(const struct piece_choice){2, 0, REGION_NONE},
+                           NULL, NULL) == OK);
     CHECK_INT(seeds.pieces, 4);
     CHECK_INT(seeds.small, 2); /* the 2, and the 0 after it */
     static const uint32_t x[] = {1, 6, 9, 10};
@@ -188,6 +190,7 @@ STORY(a_row_is_eroded_from_both_ends_and_not_at_the_edge_of_the_scene)
 
 STORY(all_labels_beside_regions_that_are_not_chosen_are_refused)
 {
+    static const struct piece_choice whole = {0, 0, REGION_NONE};
     uint16_t row[257];
     const uint32_t sides[3] = {257, 1, 1};
     struct grid grid;
@@ -195,11 +198,11 @@ STORY(all_labels_beside_regions_that_are_not_chosen_are_refused)
     CHECK(grid_init(&grid, sides, NULL) == OK);
     for (uint32_t i = 0; i < 257; i++)
         row[i] = (uint16_t)(i & 255);
-    CHECK(piece_seeds_make(&seeds, row, REGION_NONE, &grid, 0, NULL, NULL) == OK);
+    CHECK(piece_seeds_make(&seeds, row, &grid, &whole, NULL, NULL) == OK);
     CHECK_INT(seeds.pieces, 257);
     piece_seeds_release(&seeds);
     row[256] = REGION_NONE;
-    CHECK(piece_seeds_make(&seeds, row, REGION_NONE, &grid, 0, NULL, &fault) == ERR_INPUT);
+    CHECK(piece_seeds_make(&seeds, row, &grid, &whole, NULL, &fault) == ERR_INPUT);
     CHECK_HAS(fault.text, "choose fewer");
 }
 
@@ -454,6 +457,10 @@ STORY(what_gives_way_is_a_function_of_the_commands_that_stand)
         must(&interp, "auto on");
         must_in_folder(&interp, "labels", "leak.nii", "");
         for (int i = 0; i < 30; i++) {
+            for (uint32_t pen = check_below(&seed, 3); pen > 0; pen--) { /* which leaves nothing */
+                snprintf(line, sizeof line, "seed %u,4,5 2 radius=1", check_below(&seed, 12));
+                CHECK(interpreter_sketch(&interp, line, NULL) == OK);
+            }
             write_any(line);
             if (execute(&interp, line) == OK && i % 3 == 0)
                 same_from_scratch(&interp);

@@ -20,6 +20,45 @@ expect 0 "$iftty" info "a.golden/labels-$digest.nii.gz"
 out_has "uint16"
 close_story
 
+begin "nothing is eroded unless told, which is recorded; and what is not chosen is background"
+expect 0 "$iftty" -c 'open s.nii; labels model.nii; run; save labels same.nii; undo 2
+    labels model.nii regions=2; run; save labels part.nii' --journal whole.iftty
+same_files same.nii model.nii
+same "$(grep -cE '^labels model.nii (regions=2 )?erode=0 copy=' whole.iftty)" 2
+expect 0 "$iftty" verify whole.iftty
+tail -c +353 model.nii | tr '\1' '\0' >expected
+tail -c +353 part.nii >found
+same_files expected found
+close_story
+
+begin "a record without rounds means 2"
+cp -r whole.golden before.golden
+sed -E 's/^labels model.nii erode=0 copy/labels model.nii copy/' whole.iftty >before.iftty
+expect 1 "$iftty" verify before.iftty
+cp -r whole.golden after.golden
+sed -E 's/^labels model.nii erode=0 copy/labels model.nii erode=2 copy/' whole.iftty >after.iftty
+"$iftty" log --reseal before.iftty >/dev/null 2>&1
+"$iftty" log --reseal after.iftty >/dev/null 2>&1
+for journal in before after; do
+    grep '^= 2 ' $journal.iftty | sed 's/chain.*//' >$journal
+done
+same_files before after
+close_story
+
+begin "a map of noise is announced before it is planted, with what to type instead"
+{
+    nifti_header 24 20 16 2 8
+    awk 'BEGIN { srand(7); for (i = 0; i < 7680; i++) printf "%c", 97 + int(9 * rand()) }'
+} >noise.nii
+expect 0 "$iftty" -c 'open s.nii; labels noise.nii'
+err_has 'noise.nii is more like noise, or a picture, than a segmentation: '
+err_has 'MB (Ctrl-C stops; `labels FILE least=100` leaves out pieces of fewer voxels)'
+expect 3 "$iftty" -c 'open s.nii; labels noise.nii least=100'
+err_has 'no piece of it has 100 voxels; nothing was planted'
+expect 0 "$iftty" -c 'open s.nii; labels model.nii least=100; run; save labels large.nii'
+same_files large.nii model.nii
+close_story
+
 begin "of an atlas the answer is a line, and the labels of most pieces"
 seeds='seed 0,0,0 0' label=1
 while [ $label -lt 21 ]; do # label 20 in two pieces

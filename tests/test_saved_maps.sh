@@ -69,6 +69,22 @@ grep -aqx 'Offset = -90 126 -72' p.mha || fail "$(strings p.mha | head -n 14)"
 grep -aq '^TransformMatrix = 1 0 0 0 -0.8 0.6 0 0.6 0.8$' p.mha || fail "axes of p.mha"
 close_story
 
+begin "a map without a label is refused, and voxels that no seed reaches are counted"
+expect 3 "$iftty" -c 'open s.nii; seed 1,1,1 0; save labels empty.nii'
+err_has 'no voxel has a label above 0: plant a `seed` of one first, or write the empty map with'
+[ ! -e empty.nii ] || fail "it was written"
+expect 3 "$iftty" -c 'open s.nii; save surface empty.stl'
+expect 0 "$iftty" -c 'open s.nii; save labels empty.nii empty=yes'
+out_has '7680 voxels that no seed reaches have no label'
+expect 0 "$iftty" -c 'open s.nii; seed 6,10,8 1 radius=2; save labels all.nii'
+! grep -q 'have no label' out || fail "$(cat out)"
+expect 0 "$iftty" -c 'open s.nii; seed 6,10,8 1 within=2; save labels some.nii; save surface s.stl'
+same "$(grep -c '7647 voxels that no seed reaches have no label' out)" 2
+expect 0 "$iftty" -c 'open s.nii; range 90 1000; seed 20,10,8 1; save labels roi.nii'
+out_has 'voxels outside the region of interest have no label'
+expect 2 "$iftty" -c 'open s.nii; save cost c.nii empty=yes'
+close_story
+
 begin "a .seg.nrrd has names, colours and extents of its segments"
 expect 0 "$iftty" -c "open p.nii; $start; save labels l.seg.nrrd; save labels l.nii"
 for line in 'Segment0_ID:=Segment_1' 'Segment0_Name:=Segment_1' 'Segment0_LabelValue:=1' \

@@ -341,7 +341,7 @@ static int fails_later(enum file_step step, const char *path)
 /* F2: a step of writing that fails leaves the file that was there. */
 STORY(a_disk_that_is_full_leaves_the_former_file)
 {
-    struct volume_label label[256] = {{"", {0}}};
+    struct volume_label label[256] = {{.name = ""}};
     struct geometry geometry = {.spacing_nm = {1000000, 1000000, 1000000}};
     struct buf now = {0};
     char path[FOLDER_LENGTH + 16];
@@ -372,7 +372,7 @@ STORY(a_scene_too_far_from_the_origin_is_refused)
 {
     const double to_mm[3][4] = {{0.001, 0, 0, 1e6}, {0, 0.001, 0, 0}, {0, 0, 0.001, 0}};
     struct geometry geometry = {.spacing_nm = {1000, 1000, 1000}};
-    struct volume_label label[256] = {{"", {0}}};
+    struct volume_label label[256] = {{.name = ""}};
     CHECK(geometry_place(&geometry, to_mm, ORIENTATION_SFORM));
     box_of_ball(3, (const double[]){1, 1, 1});
     struct surface *s = surface_of_box(1);

@@ -262,9 +262,10 @@ static inline bool act_is_yes(const struct value *value)
     return value->given && value->number == 0;
 }
 
-/* regions_new of the parameters regions and as; ERR_USAGE where a label for all is given too. */
-enum err act_choose_regions(uint16_t **as, const struct value *regions, const struct value *labels,
-                            const struct value *label, struct fault *fault);
+/* regions_new of the parameters regions and as, by the own numbers of labels
+ * (session/numbering.h); ERR_USAGE where a label for all is given too, which may be NULL. */
+enum err act_choose_regions(uint16_t **as, const struct act *act, const struct value *regions,
+                            const struct value *labels, const struct value *label);
 
 /* What `replace=yes|no` says. */
 enum file_mode act_file_mode(const struct value *replace);
@@ -298,7 +299,7 @@ void act_write_slices(struct buf *out, struct session *session);
 enum err act_take_slices(const struct act *act, enum slice_kind kind, const struct labels *labels,
                          struct picture *picture);
 
-/* "2 cerebellum", or "2" where the label has no name. */
+/* "2 cerebellum", or "2" where the label has no name; "2 cerebellum (1008)" with its own number. */
 void act_write_label(struct buf *out, const struct session *session, unsigned label);
 
 /* A line where edits wait for `run`: what was answered of the labels is without them. */

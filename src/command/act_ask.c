@@ -37,6 +37,8 @@ void act_write_label(struct buf *out, const struct session *session, unsigned la
 {
     const char *name = session->now.kept.label_name[label];
     buf_printf(out, "%u%s%s", label, *name ? " " : "", name);
+    if (session->now.kept.label_number[label])
+        buf_printf(out, " (%u)", session->now.kept.label_number[label]);
 }
 
 void act_write_waiting(const struct act *act)
@@ -240,6 +242,23 @@ static void write_part(struct buf *out, const struct map_part *part)
 
 /* The scene's bytes a voxel are what README promises; the rest does not depend on its voxels, but
  * for answers, which are made when they are asked for. */
+/* Of labels that are other numbers in files. */
+static void write_numbers(struct buf *out, const struct kept *kept)
+{
+    unsigned count = 0, least = UINT16_MAX, most = 0;
+    for (unsigned label = 1; label < 256; label++) {
+        const unsigned number = kept->label_number[label];
+        if (!number)
+            continue;
+        least = number < least ? number : least;
+        most = number > most ? number : most;
+        count++;
+    }
+    if (count)
+        buf_printf(out, "numbers   %u label%s %u to %u in files; `stats` lists them\n", count,
+                   count == 1 ? " is" : "s are", least, most);
+}
+
 static void write_memory(struct buf *out, const struct act *act)
 {
     const struct session_memory parts = session_memory_parts(act->session);
@@ -299,6 +318,7 @@ enum err act_info(const struct act *act)
     if (counted)
         return counted;
     act_write_finish(out, session);
+    write_numbers(out, &session->now.kept);
     act_write_view(out, session);
     write_look(out, &session->now.outlook);
     struct buf cut = {0}, opacity = {0};

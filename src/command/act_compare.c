@@ -71,7 +71,7 @@ static enum err take_map(struct compared *compared, const struct act *act)
 {
     const struct value *value = act->value;
     uint16_t *as = NULL;
-    enum err err = act_choose_regions(&as, &value[REGIONS], &value[AS], &value[LABEL], act->fault);
+    enum err err = act_choose_regions(&as, act, &value[REGIONS], &value[AS], &value[LABEL]);
     if (!err) {
         const struct map_labels choice = {as, value[LABEL].given ? (int)value[LABEL].number
                                                                  : LABEL_OWN};

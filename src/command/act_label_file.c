@@ -49,7 +49,7 @@ enum err act_label_file(const struct act *act)
     struct label_table table = {0};
     struct label_tally tally;
     uint16_t *as = NULL;
-    enum err err = regions_new(&as, act->value[REGIONS].text, act->value[AS].text, act->fault);
+    enum err err = act_choose_regions(&as, act, &act->value[REGIONS], &act->value[AS], NULL);
     if (!err)
         err = read_table(&table, act);
     if (!err)

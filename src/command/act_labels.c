@@ -11,14 +11,18 @@
 #include "journal/golden.h"
 #include "session/label_copy.h"
 #include "session/map.h"
+#include "session/numbering.h"
 #include "session/paint.h"
 #include "session/piece_seeds.h"
 
 /* The places of the parameters in the table. */
-enum { FILE_NAME, REGIONS, AS, LABEL, ERODE, COPY, RESAMPLE };
+enum { FILE_NAME, REGIONS, AS, LABEL, ERODE, COPY, RESAMPLE, NUMBERS, LEAST };
 
-/* Rounds of erosion that a record without them means. */
+/* Rounds of erosion that a record (one with copy=) without them means. */
 enum { ERODE_BEFORE = 2, LISTED_MOST = 10 };
+
+/* From how many pieces on a map may be noise; and what a seed takes with all that comes of it. */
+enum { NOISE_PIECES = 1000, SEED_BYTES = 94 };
 
 static bool is_whole(const struct act *act)
 {
@@ -66,7 +70,66 @@ static enum err keep_copy(const struct act *act, const struct volume *map, const
 
 /* ---- the labels ---- */
 
-static enum err read_original(struct volume *map, const struct act *act)
+/* The labels become what the record says. */
+static enum err take_numbers(const struct act *act, const char *list)
+{
+    struct numbering_tally tally;
+    struct buf *out = &act->reply->text;
+    const enum err err =
+        numbering_take(&act->next->kept, &tally, list, &act->session->markers, act->fault);
+    if (err)
+        return act_naming(act->value[FILE_NAME].text, err, act->fault);
+    if (tally.regions)
+        buf_printf(
+            out,
+            "%u region%s %s labels %u to %u, in rising order; `save labels` writes their own "
+            "numbers\n",
+            tally.regions, plural(tally.regions), tally.regions == 1 ? "is" : "are",
+            tally.first_label, tally.last_label);
+    if (tally.names)
+        buf_printf(out, "%u label%s lost a name that was not the region's\n", tally.names,
+                   plural(tally.names));
+    return OK;
+}
+
+/* Where regions that are chosen are no labels by their numbers: which become labels, by `numbers`
+ * and `as`. */
+static enum err number_regions(struct buf *numbers, uint16_t *as, const struct act *act,
+                               const struct volume *map)
+{
+    const size_t voxels = (size_t)map->size[0] * map->size[1] * map->size[2];
+    bool *has = mem_new((REGION_MOST + 1) * sizeof *has);
+    if (!has)
+        return fault_memory(act->fault, "the regions");
+    for (size_t i = 0; i < voxels; i++)
+        if (map->intensity[i] <= REGION_MOST)
+            has[map->intensity[i]] = true;
+    numbering_list(numbers, as, has, &act->session->now.kept);
+    free(has);
+    if (numbers->failed)
+        return fault_memory(act->fault, "the regions");
+    const enum err err = numbers->length ? take_numbers(act, buf_text(numbers)) : OK;
+    if (!err)
+        numbering_translate(as, &act->next->kept);
+    return err;
+}
+
+/* Those that stand for no region are told, where all regions are meant. */
+static enum err find_regions(struct volume *map, const struct act *act)
+{
+    const uint64_t beyond = is_whole(act) && !act->value[REGIONS].given
+                                ? map_count_beyond(map, act->session->watch)
+                                : 0;
+    if (beyond)
+        return fault_set(act->fault, ERR_INPUT,
+                         "%llu of its voxels hold%s numbers below 0 or above %d, which are no "
+                         "regions; with regions=1-255, or others, these become background; nothing "
+                         "was planted",
+                         (unsigned long long)beyond, beyond == 1 ? "s" : "", REGION_MOST);
+    return map_to_regions(map, 0, REGION_MOST, act->session->watch, act->fault);
+}
+
+static enum err read_original(struct volume *map, const struct act *act, struct buf *numbers)
 {
     const struct session *session = act->session;
     const char *name = act->value[FILE_NAME].text;
@@ -75,7 +138,7 @@ static enum err read_original(struct volume *map, const struct act *act)
     struct map_labels choice = {.label = value[LABEL].given ? (int)value[LABEL].number : LABEL_OWN};
     struct buf path = {0};
     uint16_t *as = NULL;
-    enum err err = act_choose_regions(&as, &value[REGIONS], &value[AS], &value[LABEL], act->fault);
+    enum err err = act_choose_regions(&as, act, &value[REGIONS], &value[AS], &value[LABEL]);
     if (!err && !value[REGIONS].given)
         as[0] = 0; /* the background */
     if (!err)
@@ -84,7 +147,11 @@ static enum err read_original(struct volume *map, const struct act *act)
         err = map_read(map, buf_text(&path), &place, session->watch, act->fault);
     choice.as = as;
     if (!err)
-        err = act_naming(name, map_choose(map, &choice, session->watch, act->fault), act->fault);
+        err = act_naming(name, find_regions(map, act), act->fault);
+    if (!err && is_whole(act) && !value[AS].given && !value[LABEL].given)
+        err = number_regions(numbers, as, act, map);
+    if (!err)
+        err = act_naming(name, map_label(map, &choice, session->watch, act->fault), act->fault);
     if (!err)
         buf_add_text(&act->reply->text, map->notes);
     free(as);
@@ -107,7 +174,8 @@ static enum err read_copy(struct volume *map, const struct act *act, const char 
 /* Out of the copy that was recorded, or where it is gone, out of the file, if that is the same. */
 static enum err read_recorded(struct volume *map, const struct act *act, const char *recorded)
 {
-    struct buf path = {0};
+    const struct value *numbered = &act->value[NUMBERS];
+    struct buf path = {0}, numbers = {0};
     char digest[LABEL_COPY_DIGEST];
     if (!label_copy_is_digest(recorded))
         return fault_set(act->fault, ERR_USAGE,
@@ -116,16 +184,21 @@ static enum err read_recorded(struct volume *map, const struct act *act, const c
     enum err err = find_copy(&path, act, recorded);
     const bool has_copy = !err && path.length && file_exists(buf_text(&path));
     if (!err)
-        err = has_copy ? read_copy(map, act, buf_text(&path)) : read_original(map, act);
+        err = has_copy ? read_copy(map, act, buf_text(&path)) : read_original(map, act, &numbers);
+    if (!err && has_copy && numbered->given)
+        err = take_numbers(act, numbered->text);
     if (err && !has_copy && path.length)
         fault_prefix(act->fault, err, "there is no copy %s", buf_text(&path));
     if (!err)
         err = label_copy_digest(digest, map, act->session->watch, act->fault);
-    if (!err && strcmp(digest, recorded) != 0)
+    const bool same_numbers =
+        has_copy || strcmp(buf_text(&numbers), numbered->given ? numbered->text : "") == 0;
+    if (!err && (!same_numbers || strcmp(digest, recorded) != 0))
         err = fault_set(act->fault, ERR_INPUT,
                         "%s holds other labels than were recorded (%s, not %s); nothing was "
                         "planted",
                         has_copy ? buf_text(&path) : act->value[FILE_NAME].text, digest, recorded);
+    buf_release(&numbers);
     buf_release(&path);
     return err;
 }
@@ -134,9 +207,16 @@ static enum err read_recorded(struct volume *map, const struct act *act, const c
 static enum err read_new(struct volume *map, const struct act *act)
 {
     char digest[LABEL_COPY_DIGEST];
-    enum err err = read_original(map, act);
+    struct buf numbers = {0};
+    if (act->value[NUMBERS].given)
+        return fault_set(act->fault, ERR_USAGE,
+                         "numbers: a journal has it beside copy=DIGEST; regions= chooses regions");
+    enum err err = read_original(map, act, &numbers);
     if (!err)
         err = label_copy_digest(digest, map, act->session->watch, act->fault);
+    if (!err && numbers.length)
+        buf_printf(&act->reply->canonical, " numbers=%s", buf_text(&numbers));
+    buf_release(&numbers);
     if (err)
         return err;
     buf_printf(&act->reply->canonical, " copy=%s", digest);
@@ -198,6 +278,9 @@ static void write_pieces(const struct act *act, const struct piece_seeds *seeds,
                    "%u more label%s, of as many markers or fewer; after `run`, `stats` lists "
                    "all\n",
                    labels - LISTED_MOST, plural(labels - LISTED_MOST));
+    if (seeds->left_out)
+        buf_printf(out, "%zu piece%s of fewer voxels left to the trees around\n", seeds->left_out,
+                   plural(seeds->left_out));
     if (seeds->small)
         buf_printf(out, "%zu piece%s too small for the erosion: the innermost voxels alone\n",
                    seeds->small, plural(seeds->small));
@@ -274,6 +357,13 @@ static enum err find_voxels(struct voxels *out, const struct act *act,
     return err ? err : watch_fault(act->session->watch, act->fault);
 }
 
+/* The own numbers of labels. */
+static enum err take_state(const struct act *act)
+{
+    act->next->lists = act->session->now.lists;
+    return kept_equals(&act->next->kept, &act->session->now.kept) ? OK : act_go(act);
+}
+
 static enum err plant(const struct act *act, const struct piece_seeds *seeds,
                       const struct volume *map)
 {
@@ -294,6 +384,7 @@ static enum err plant(const struct act *act, const struct piece_seeds *seeds,
             err = act_plant(act, &planting, voxels.cell, voxels.count, piece->label);
     }
     voxels_release(&voxels);
+    err = err ? err : take_state(act);
     if (err)
         return err;
     write_pieces(act, seeds, planting.planted);
@@ -303,6 +394,22 @@ static enum err plant(const struct act *act, const struct piece_seeds *seeds,
                planting.planted);
     act_add_markers(act);
     return act_naming(act->value[FILE_NAME].text, act_write_planting(act, &planting), act->fault);
+}
+
+/* Before much is planted: where most voxels are seeds, the file is not what it was taken for. */
+static void announce(const struct act *act, const struct piece_seeds *seeds)
+{
+    const struct session *session = act->session;
+    const size_t voxels = session->scene->grid.voxels;
+    if (seeds->pieces < NOISE_PIECES || seeds->count < voxels / 2)
+        return;
+    watch_announce(session->watch,
+                   "%s is more like noise, or a picture, than a segmentation: %zu pieces, of %.1f "
+                   "voxels each; seeds in %zu voxels take some %.0f MB (Ctrl-C stops; `labels FILE "
+                   "least=100` leaves out pieces of fewer voxels)",
+                   file_name(act->value[FILE_NAME].text), seeds->pieces,
+                   (double)voxels / (double)seeds->pieces, seeds->count,
+                   (double)seeds->count * SEED_BYTES / 1e6);
 }
 
 static bool has_regions(const struct volume *map)
@@ -318,9 +425,10 @@ enum err act_labels(const struct act *act)
 {
     const struct session *session = act->session;
     const struct value *erode = &act->value[ERODE];
-    const unsigned rounds = erode->given    ? (unsigned)erode->number
-                            : is_whole(act) ? 0
-                                            : ERODE_BEFORE;
+    const bool is_new = is_whole(act) && !act->value[COPY].given;
+    const unsigned rounds = erode->given ? (unsigned)erode->number : is_new ? 0 : ERODE_BEFORE;
+    const struct piece_choice choice = {rounds, (uint32_t)act->value[LEAST].number,
+                                        is_whole(act) ? 0 : REGION_NONE};
     struct volume map = {0};
     struct piece_seeds seeds = {0};
     if (!erode->given)
@@ -331,8 +439,13 @@ enum err act_labels(const struct act *act)
                         "%s has no voxel of these regions; nothing was planted",
                         act->value[FILE_NAME].text);
     if (!err)
-        err = piece_seeds_make(&seeds, map.intensity, is_whole(act) ? 0 : REGION_NONE,
-                               &session->scene->grid, rounds, session->watch, act->fault);
+        err = piece_seeds_make(&seeds, map.intensity, &session->scene->grid, &choice,
+                               session->watch, act->fault);
+    if (!err && !seeds.pieces)
+        err = fault_set(act->fault, ERR_INPUT, "no piece of it has %u voxels; nothing was planted",
+                        choice.least);
+    if (!err)
+        announce(act, &seeds);
     if (!err)
         err = plant(act, &seeds, &map);
     piece_seeds_release(&seeds);

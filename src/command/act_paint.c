@@ -120,7 +120,7 @@ static enum err plant(const struct act *act, struct voxels *voxels, int16_t labe
  * its thinnest side, and that of a polygon 0. No less than FREES_LEAST voxels, and no more than
  * FREES_MORE voxels around what is planted. bench mend (tests/bench) has measured it.
  */
-enum { FREES_TIMES = 3, FREES_LEAST = 2, FREES_MORE = 32 };
+enum { FREES_TIMES = 3, FREES_LEAST = 2, FREES_MORE = 10 };
 
 /* The marker that the command has planted frees voxels, which are let go of. */
 static enum err free_voxels(const struct act *act, struct voxels *voxels, enum err err)

@@ -5,6 +5,7 @@
 #include "image/surface_file.h"
 #include "session/export.h"
 #include "session/label_table.h"
+#include "session/numbering.h"
 
 enum err act_check_report(const struct value *file, struct fault *fault)
 {
@@ -33,7 +34,7 @@ enum err act_write_text(const struct act *act, const struct value *file,
 }
 
 /* The places of the parameters in the table; what is saved comes after the maps. */
-enum { WHAT, FILE_NAME, REPLACE, FINISHED, LABEL, SMOOTH, TRIANGLES };
+enum { WHAT, FILE_NAME, REPLACE, FINISHED, LABEL, SMOOTH, TRIANGLES, EMPTY };
 enum { SAVE_SEEDS = MAP_MARGIN + 1, SAVE_NAMES, SAVE_SURFACE };
 
 static enum err save_seeds(const struct act *act, const char *path, enum file_mode how)
@@ -60,9 +61,17 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
                          "cannot write %s: expected .txt or .label for ITK-SNAP, .ctab for "
                          "FreeSurfer, .ctbl for 3D Slicer, .nii.txt or .lut for mricron",
                          path);
+    const struct kept *kept = &act->session->now.kept;
+    if (format == TABLE_LUT && numbering_is_used(kept))
+        return fault_set(act->fault, ERR_USAGE,
+                         "cannot write %s: labels have numbers of their own, and a .lut holds 0 to "
+                         "255; expected .txt, .label, .ctbl, .ctab or .nii.txt",
+                         path);
     enum err err = session_count_labels(act->session, act->fault);
     for (int l = 0; l < 256; l++)
-        used[l] = act->session->tally.voxels[l] > 0;
+        used[l] = act->session->tally.voxels[l] > 0 || *kept->label_name[l];
+    if (!err)
+        err = numbering_check(kept, used, act->fault);
     label_table_write(&text, format, &act->session->now.kept, used);
     if (!err && text.failed)
         err = fault_memory(act->fault, "the names of labels");
@@ -77,12 +86,14 @@ static enum err check_parameters(const struct act *act)
 {
     const struct value *value = act->value;
     const int64_t what = value[WHAT].number;
-    if (what == SAVE_SURFACE)
+    if (what == SAVE_SURFACE && !value[EMPTY].given)
         return surface_file_check(value[FILE_NAME].text, act->fault);
     if (value[FINISHED].given && what != MAP_LABELS)
         return fault_set(act->fault, ERR_USAGE,
                          "finished: of labels alone, and of surfaces (`save labels FILE "
                          "finished=yes`)");
+    if (value[EMPTY].given && what != MAP_LABELS)
+        return fault_set(act->fault, ERR_USAGE, "empty: of `save labels` alone");
     if (value[LABEL].given || value[SMOOTH].given || value[TRIANGLES].given)
         return fault_set(act->fault, ERR_USAGE,
                          "label=, smooth= and triangles= are for `save surface`, not for %s",
@@ -104,11 +115,57 @@ static enum err save(const struct act *act, const struct labels *labels, const c
                : export_map(act->session, (enum map)what, labels, path, how, act->fault);
 }
 
+/* Of a map of labels: voxels with a label above 0, and those that no seed reaches, for they are
+ * outside the region of interest or not. */
+struct coverage {
+    uint64_t labelled, outside, unreached;
+};
+
+static struct coverage cover(const struct session *session, const struct labels *labels)
+{
+    const struct grid *grid = &session->scene->grid;
+    struct coverage count = {0};
+    struct task task = task_begin(session->watch, "counting", grid->voxels);
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
+            const struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++) {
+                const struct cell *cell = session->scene->cell + c;
+                const bool is_outside = cell->flags & CELL_OUTSIDE;
+                count.labelled += labels_at(labels, c) > 0;
+                count.outside += is_outside;
+                count.unreached += !is_outside && !cell_is_reached(cell);
+            }
+        }
+    return count;
+}
+
+/* A map without a label would be taken for an answer by who reads it. */
+static enum err check_labels(const struct act *act, const struct coverage *coverage)
+{
+    if (coverage->labelled || act_is_yes(&act->value[EMPTY]) ||
+        !semantics_has(act->session->semantics, MEANING_WHOLE_LABELS))
+        return watch_fault(act->session->watch, act->fault);
+    return fault_set(
+        act->fault, ERR_INPUT,
+        "no voxel has a label above 0: plant a `seed` of one first, or write the empty "
+        "map with empty=yes; nothing was written");
+}
+
+static void warn_of_background(struct buf *out, uint64_t voxels, const char *which)
+{
+    if (voxels)
+        buf_printf(out, "%llu voxel%s %s %s no label\n", (unsigned long long)voxels, plural(voxels),
+                   which, voxels == 1 ? "has" : "have");
+}
+
 /* What a user might not expect of what was written. */
-static void warn(const struct act *act, const char *path)
+static void warn(const struct act *act, const char *path, const struct coverage *coverage)
 {
     const struct session *session = act->session;
     const int64_t what = act->value[WHAT].number;
+    warn_of_background(&act->reply->text, coverage->unreached, "that no seed reaches");
+    warn_of_background(&act->reply->text, coverage->outside, "outside the region of interest");
     if (volume_ending(path) && !geometry_has_place(&session->geometry))
         buf_add_text(&act->reply->text,
                      "where it lies is as unknown in it as in the scene's file\n");
@@ -120,6 +177,8 @@ static void warn(const struct act *act, const char *path)
 
 enum err act_save(const struct act *act)
 {
+    const int64_t what = act->value[WHAT].number;
+    struct coverage coverage = {0};
     struct buf path = {0};
     struct labels labels;
     enum err err = check_parameters(act);
@@ -130,11 +189,17 @@ enum err act_save(const struct act *act)
     if (!err)
         err = interpreter_output_path(act->interp, act->value[FILE_NAME].text, &path, act->fault);
     if (!err && path.length) {
-        err = save(act, &labels, buf_text(&path));
+        const bool has_labels = what == MAP_LABELS || what == SAVE_SURFACE;
+        if (has_labels)
+            coverage = cover(act->session, &labels);
+        if (what == MAP_LABELS)
+            err = check_labels(act, &coverage);
+        if (!err)
+            err = save(act, &labels, buf_text(&path));
         if (!err)
             act_write_file_line("wrote ", buf_text(&path), act->reply);
         if (!err)
-            warn(act, buf_text(&path));
+            warn(act, buf_text(&path), &coverage);
     }
     buf_release(&path);
     return err;

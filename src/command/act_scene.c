@@ -384,6 +384,23 @@ enum err act_check_name(const char *name, size_t room, bool blanks, struct fault
                            blanks ? "a name" : "a word", room - 1, name);
 }
 
+/* What `number` says, where it is given. */
+static enum err take_number(const struct act *act, size_t label)
+{
+    struct kept *kept = &act->next->kept;
+    const struct value *number = &act->value[3];
+    if (!number->given)
+        return OK;
+    if (label == 0)
+        return fault_set(act->fault, ERR_USAGE, "number: label 0 is 0 in every file");
+    for (unsigned other = 1; other < 256; other++)
+        if (other != label && kept->label_number[other] == number->number)
+            return fault_set(act->fault, ERR_USAGE, "number: %lld is that of label %u already",
+                             (long long)number->number, other);
+    kept->label_number[label] = (uint16_t)number->number;
+    return OK;
+}
+
 enum err act_label(const struct act *act)
 {
     struct kept *kept = &act->next->kept;
@@ -395,6 +412,9 @@ enum err act_label(const struct act *act)
     for (size_t other = 0; other < 256; other++)
         if (other != label && strcmp(kept->label_name[other], name) == 0)
             return fault_set(act->fault, ERR_USAGE, "label %zu is already called %s", other, name);
+    const enum err numbered = take_number(act, label);
+    if (numbered)
+        return numbered;
     memset(kept->label_name[label], 0, LABEL_NAME_BYTES);
     memcpy(kept->label_name[label], name, strlen(name));
     for (int k = 0; act->value[2].given && k < 3; k++)

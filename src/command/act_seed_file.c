@@ -7,6 +7,7 @@
 
 #include "base/mem.h"
 #include "session/label_table.h"
+#include "session/numbering.h"
 #include "session/seed_file.h"
 
 enum { LIST_BYTES_MOST = 64 << 20, LISTED_MOST = 12 };
@@ -42,19 +43,22 @@ static enum err read_list(struct seeds *seeds, const struct act *act, const char
     return err;
 }
 
-enum err act_choose_regions(uint16_t **as, const struct value *regions, const struct value *labels,
-                            const struct value *label, struct fault *fault)
+enum err act_choose_regions(uint16_t **as, const struct act *act, const struct value *regions,
+                            const struct value *labels, const struct value *label)
 {
-    if (labels->given && label->given)
-        return fault_set(fault, ERR_USAGE,
+    if (label && labels->given && label->given)
+        return fault_set(act->fault, ERR_USAGE,
                          "as and label are two answers to one question; expected one of them");
-    return regions_new(as, regions->text, labels->text, fault);
+    const enum err err = regions_new(as, regions->text, labels->text, act->fault);
+    if (!err && !labels->given)
+        numbering_translate(*as, &act->session->now.kept);
+    return err;
 }
 
 /* What the parameters say of regions, with the labels that they become, which the caller frees. */
-static enum err choose_regions(struct region_choice *choice, uint16_t **as,
-                               const struct value *value, struct fault *fault)
+static enum err choose_regions(struct region_choice *choice, uint16_t **as, const struct act *act)
 {
+    const struct value *value = act->value;
     *choice = (struct region_choice){
         .first = REGION_MOST,
         .label = label_of(value),
@@ -62,7 +66,7 @@ static enum err choose_regions(struct region_choice *choice, uint16_t **as,
         .each = (uint32_t)value[EACH].number,
         .generator = value[GENERATOR].given ? (uint64_t)value[GENERATOR].number : 1,
     };
-    const enum err err = act_choose_regions(as, &value[REGIONS], &value[AS], &value[LABEL], fault);
+    const enum err err = act_choose_regions(as, act, &value[REGIONS], &value[AS], &value[LABEL]);
     for (uint32_t r = 0; !err && r <= REGION_MOST; r++)
         if ((*as)[r] != REGION_NONE) {
             choice->first = r < choice->first ? r : choice->first;
@@ -202,7 +206,7 @@ enum err act_seed_file(const struct act *act)
     if (!err && file_is_named(name, ".csv"))
         err = read_list(&seeds, act, buf_text(&path));
     else if (!err) {
-        err = choose_regions(&choice, &as, act->value, act->fault);
+        err = choose_regions(&choice, &as, act);
         if (!err)
             err = read_map(&seeds, act, &choice, buf_text(&path));
     }

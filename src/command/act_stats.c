@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "base/mem.h"
 #include "session/label_report.h"
+#include "session/numbering.h"
 
 /* The places of the parameters in the table. */
 enum { STATS_REPORT, STATS_REPLACE, STATS_FINISHED };
@@ -111,6 +112,8 @@ static enum err answer(const struct act *act, const struct label_stats *stats,
         .lost = knows_moves ? tally->lost : NULL,
         .before = labels->finished ? NULL : session_voxels_before_edit(session),
         .label_name = session->now.kept.label_name,
+        .label_number =
+            numbering_is_used(&session->now.kept) ? session->now.kept.label_number : NULL,
         .geometry = &session->geometry,
         .levels = session->levels};
     enum err err = count(&counts, act);

@@ -202,9 +202,10 @@ const struct command command_table[] = {
      "range 40 1200.5"},
     {CALLED("label", "name|colour|color", act_label, GROUP_SEEDS, R),
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("NAME", VALUE_WORD),
-      MAY("COLOUR", VALUE_COLOUR)},
+      MAY("COLOUR", VALUE_COLOUR), KEYED("number", VALUE_NUMBER, .least = 1, .most = REGION_MOST)},
      "name a label, and give it a colour",
-     "Label 0 is the background. A name of several words stands between quotes, as \"left hemi\".",
+     "Label 0 is the background. A name of several words stands between quotes, as \"left hemi\".\n"
+     "number: what the label is in files, as `save labels` writes it; itself unless given.",
      "label 2 cerebellum #40c060"},
     {COMMAND("label-file", act_label_file, GROUP_SEEDS, R),
      {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
@@ -275,7 +276,9 @@ const struct command command_table[] = {
      {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
       KEYED("as", VALUE_LIST, .most = 255), KEYED("label", VALUE_LABEL, .least = 1, .most = 255),
       KEYED("erode", VALUE_NUMBER, .most = PIECE_ERODE_MOST, .added = true),
-      KEYED("copy", VALUE_WORD, .form = "DIGEST", .added = true), RESAMPLE},
+      KEYED("copy", VALUE_WORD, .form = "DIGEST", .added = true), RESAMPLE,
+      KEYED("numbers", VALUE_LIST, .least = 1, .most = REGION_MOST, .added = true),
+      KEYED("least", VALUE_NUMBER, .least = 1, .most = 1000000)},
      "begin with a segmentation, and correct it",
      "FILE is a label map on the scene's grid, of whatever program, whose labels come out as they "
      "are. Each piece of each label becomes a marker, the background's too, all of them one undo. "
@@ -283,12 +286,16 @@ const struct command command_table[] = {
      "polygons of another label that are planted in a piece correct it: within three times their "
      "radius, or `within` as they say, its seeds give way, and the border is found anew.\n"
      "regions: the values of the map; all unless given. What is not chosen is background.\n"
-     "as: the labels that they become, one for each of `regions`.\n"
+     "as: the labels that they become, one for each of `regions`. Without it, up to 255 regions "
+     "of which some are no labels 1..255 become labels in rising order: they keep their numbers, "
+     "by which `label-file` names them and `save labels` writes them.\n"
      "label: the label of all of them but the background.\n"
      "erode: rounds, 0 unless given; each removes the voxels that have a face neighbour of another "
      "label, so that borders are found anew. A piece too small for it keeps its innermost voxels.\n"
      "copy: the journal has its own copy of the labels, beside it, and adds the digest here: it "
-     "needs FILE no more." RESAMPLE_NOTE,
+     "needs FILE no more.\n"
+     "numbers: added likewise: the regions that became labels in rising order.\n"
+     "least: pieces of fewer voxels are left out, and go to the trees around them." RESAMPLE_NOTE,
      "labels model.nii.gz erode=3"},
     {CALLED("object", "threshold|grow|flood", act_object, GROUP_SEEDS, R | S | E | P),
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("HOW", VALUE_CHOICE, .choices = "threshold"),
@@ -645,12 +652,14 @@ const struct command command_table[] = {
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED,
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255),
       KEYED("smooth", VALUE_NUMBER, .most = SURFACE_PASSES_MOST),
-      KEYED("triangles", VALUE_NUMBER, .least = 4, .most = INT32_MAX)},
+      KEYED("triangles", VALUE_NUMBER, .least = 4, .most = INT32_MAX),
+      KEYED("empty", VALUE_CHOICE, .choices = "yes|no")},
      "write a map, surfaces, the seeds, names of labels",
      "A map as .nii, .nii.gz, .nrrd or .mha, in the geometry of the scene. Labels as .seg.nrrd are "
      "a segmentation of 3D Slicer, with the "
      "names and colours of labels.\n"
-     "labels: uint8.\n"
+     "labels: uint8, or uint16 where labels have numbers of their own above 255 (`labels`). A "
+     "voxel that no seed reaches is 0; how many there are is said.\n"
      "cost: uint16; 65535 in a voxel that no seed reaches.\n"
      "root: uint32, the voxel index of the seed; 4294967295 where none reaches.\n"
      "border: uint8, 1 in border voxels of shown objects.\n"
@@ -669,7 +678,8 @@ const struct command command_table[] = {
      "smooth: how often, 20 times unless given; no point comes nearer to the centre of a voxel "
      "than 1/16 of the way to the next.\n"
      "triangles: no more than so many, as far as surfaces stay closed. Those of labels that touch "
-     "then no longer have the same points." FINISHED_NOTE,
+     "then no longer have the same points.\n"
+     "empty=yes: labels are written though no voxel has one, which is refused else." FINISHED_NOTE,
      "save labels brain-labels.nii.gz"},
     {COMMAND("journal", act_journal, GROUP_KEPT, 0),
      {MAY("FILE", VALUE_FILE)},

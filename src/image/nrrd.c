@@ -93,7 +93,7 @@ static void write_header(struct buf *out, const struct volume_map *map)
 
 /* ---- segments ---- */
 
-enum { LABELS = 256 };
+enum { LABELS = 256, NUMBERS = 65536 };
 
 struct extent {
     bool any;
@@ -111,18 +111,27 @@ static void add_place(struct extent *extent, const uint32_t place[3])
     extent->any = true;
 }
 
-/* Where the voxels of each label lie; `row` has room for one. */
-static void find_extents(struct extent extent[LABELS], const struct volume_map *map, uint8_t *row,
-                         struct watch *watch)
+static unsigned number_at(const void *row, bool is_wide, uint32_t x)
 {
+    return is_wide ? ((const uint16_t *)row)[x] : ((const uint8_t *)row)[x];
+}
+
+/* Where the voxels of each label lie; `row` has room for one, `label` is of each number. */
+static void find_extents(struct extent extent[LABELS], const struct volume_map *map, void *row,
+                         const uint8_t *label, struct watch *watch)
+{
+    const bool is_wide = map->type == VOXEL_UINT16;
     const uint32_t *size = map->size;
     struct task task = task_begin(watch, "extents", (uint64_t)size[1] * size[2]);
     for (uint32_t z = 0; z < size[2]; z++)
         for (uint32_t y = 0; y < size[1] && task_advance(&task, 1); y++) {
             map->row(map->context, y, z, row);
-            for (uint32_t x = 0; x < size[0]; x++)
-                if (x == 0 || x + 1 == size[0] || row[x] != row[x - 1] || row[x] != row[x + 1])
-                    add_place(&extent[row[x]], (const uint32_t[3]){x, y, z});
+            for (uint32_t x = 0; x < size[0]; x++) {
+                const unsigned is = number_at(row, is_wide, x);
+                if (x == 0 || x + 1 == size[0] || is != number_at(row, is_wide, x - 1) ||
+                    is != number_at(row, is_wide, x + 1))
+                    add_place(&extent[label[is]], (const uint32_t[3]){x, y, z});
+            }
         }
 }
 
@@ -134,9 +143,10 @@ static void write_extent(struct buf *out, const struct extent *extent)
     buf_add_char(out, '\n');
 }
 
-static void write_segment(struct buf *out, unsigned number, unsigned label,
-                          const struct volume_label *look, const struct extent *extent)
+static void write_segment(struct buf *out, unsigned number, const struct volume_label *look,
+                          const struct extent *extent)
 {
+    const unsigned label = look->number;
     buf_printf(out, "Segment%u_ID:=Segment_%u\nSegment%u_Name:=", number, label, number);
     if (*look->name)
         buf_add_text(out, look->name);
@@ -156,18 +166,24 @@ static enum err write_segments(struct buf *out, const struct volume_map *map, st
                                struct fault *fault)
 {
     struct extent extent[LABELS] = {0};
-    uint8_t *row = mem_array(map->size[0], 1);
+    uint16_t *row = mem_array(map->size[0], sizeof *row);
+    uint8_t *of_number = mem_new(NUMBERS);
     unsigned number = 0;
-    if (!row)
-        return fault_memory(fault, "the segments");
-    find_extents(extent, map, row, watch);
+    for (unsigned label = 0; of_number && label < LABELS; label++)
+        if (map->label[label].number)
+            of_number[map->label[label].number] = (uint8_t)label;
+    if (row && of_number)
+        find_extents(extent, map, row, of_number, watch);
     free(row);
+    free(of_number);
+    if (!row || !of_number)
+        return fault_memory(fault, "the segments");
     buf_add_text(out, "Segmentation_MasterRepresentation:=Binary labelmap\n"
                       "Segmentation_ContainedRepresentationNames:=Binary labelmap|\n"
                       "Segmentation_ReferenceImageExtentOffset:=0 0 0\n");
     for (unsigned label = 1; label < LABELS; label++)
-        if (extent[label].any || *map->label[label].name)
-            write_segment(out, number++, label, &map->label[label], &extent[label]);
+        if (map->label[label].number && (extent[label].any || *map->label[label].name))
+            write_segment(out, number++, &map->label[label], &extent[label]);
     return watch_fault(watch, fault);
 }
 

@@ -146,10 +146,15 @@ static void put_point(struct output *out, uint32_t point)
         put_float(out, world_mm(&out->world, w, &out->surface->point[point]));
 }
 
+static unsigned number_of(const struct output *out, unsigned label)
+{
+    return out->label[label].number ? out->label[label].number : label;
+}
+
 /* "1 brain", safe in a line of text. */
 static void put_label(struct buf *out, const struct output *from, unsigned label)
 {
-    buf_printf(out, "%u%s", label, *from->label[label].name ? " " : "");
+    buf_printf(out, "%u%s", number_of(from, label), *from->label[label].name ? " " : "");
     buf_add_safe_text(out, from->label[label].name);
 }
 
@@ -292,6 +297,17 @@ static void put_array(struct output *out, const char *type, const char *name, in
     *offset += 8 + bytes;
 }
 
+/* What the number of a label takes. */
+static int label_bytes(const struct output *out)
+{
+    unsigned most = 0;
+    for (unsigned p = 0; p < out->surface->parts; p++) {
+        const unsigned number = number_of(out, out->surface->part[p].label);
+        most = number > most ? number : most;
+    }
+    return most > 255 ? 2 : 1;
+}
+
 /* Arrays are after the header, each after its length in 8 bytes. */
 static void write_vtp_header(struct output *out)
 {
@@ -308,7 +324,8 @@ static void write_vtp_header(struct output *out)
     put_array(out, "Float32", "Points", 3, &offset, 12 * points);
     buf_add_text(&out->bytes, "</Points>\n<PointData Scalars=\"colour\">\n");
     put_array(out, "UInt8", "colour", 3, &offset, 3 * points);
-    put_array(out, "UInt8", "label", 1, &offset, points);
+    put_array(out, label_bytes(out) > 1 ? "UInt16" : "UInt8", "label", 1, &offset,
+              (unsigned)label_bytes(out) * points);
     buf_add_text(&out->bytes, "</PointData>\n<Polys>\n");
     put_array(out, "Int64", "connectivity", 1, &offset, 24 * triangles);
     put_array(out, "Int64", "offsets", 1, &offset, 8 * triangles);
@@ -320,11 +337,14 @@ static void write_vtp_header(struct output *out)
 static void put_of_labels(struct output *out, bool is_colour)
 {
     const struct surface *s = out->surface;
-    put_number(out, (is_colour ? 3 : 1) * s->points, 8);
+    const int bytes = label_bytes(out);
+    put_number(out, (is_colour ? 3 : (unsigned)bytes) * s->points, 8);
     for (unsigned p = 0; p < s->parts; p++)
         for (size_t i = 0; i < s->part[p].points && go_on(out); i++)
-            buf_add(&out->bytes, is_colour ? out->label[s->part[p].label].rgb : &s->part[p].label,
-                    is_colour ? 3 : 1);
+            if (is_colour)
+                buf_add(&out->bytes, out->label[s->part[p].label].rgb, 3);
+            else
+                put_number(out, number_of(out, s->part[p].label), bytes);
 }
 
 static void write_vtp(struct output *out)

@@ -130,6 +130,7 @@ struct volume_header {
 struct volume_label {
     const char *name; /* "" for none */
     uint8_t rgb[3];
+    uint16_t number; /* of its voxels in the map; 0 for the background, and for none */
 };
 
 /* A map to be written. `row` is asked for the rows in file order, y faster than z, and fills

@@ -12,6 +12,7 @@
 #include "image/volume.h"
 #include "session/decorating.h"
 #include "session/drawn_colours.h"
+#include "session/numbering.h"
 #include "session/seen_from.h"
 
 /* One pixel of depth in millimetres: crossings count 2^-24 pixels, four times. */
@@ -149,6 +150,8 @@ static void write_labels(struct buf *out, const struct label_set *shown, const s
         json_object(&json, number);
         if (*kept->label_name[label])
             json_text(&json, "name", kept->label_name[label]);
+        if (kept->label_number[label])
+            json_count(&json, "number", kept->label_number[label]);
         json_format(&json, "colour", "#%02x%02x%02x", rgb[0], rgb[1], rgb[2]);
         json_end(&json);
     }
@@ -340,7 +343,9 @@ struct map_source {
     const struct session *session;
     const struct labels *labels;
     enum map map;
-    uint16_t *margin; /* by cell, where that is asked for */
+    uint16_t *margin;     /* by cell, where that is asked for */
+    uint16_t number[256]; /* of labels, in the file, */
+    bool is_wide;         /* which takes two bytes for some */
 };
 
 static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
@@ -356,7 +361,10 @@ static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
         bool reached = cell_is_reached(cell);
         switch (source->map) {
         case MAP_LABELS:
-            *byte++ = labels_at(source->labels, c);
+            if (source->is_wide)
+                *pair++ = source->number[labels_at(source->labels, c)];
+            else
+                *byte++ = (uint8_t)source->number[labels_at(source->labels, c)];
             break;
         case MAP_BORDER:
             *byte++ = border_holds(&session->border, c);
@@ -381,6 +389,7 @@ void export_labels(struct volume_label label[256], const struct kept *kept)
 {
     for (int l = 0; l < 256; l++) {
         label[l].name = kept->label_name[l];
+        label[l].number = numbering_of(kept, (unsigned)l);
         memcpy(label[l].rgb, kept->palette.rgb[l], sizeof label[l].rgb);
     }
 }
@@ -395,6 +404,25 @@ static void describe(struct buf *out, const char *description, const struct map_
     finish_write(out, &source->session->now.kept.finish);
 }
 
+/* What labels are in the file: none of those that the map has is another. */
+static enum err number_labels(struct map_source *source, struct fault *fault)
+{
+    const struct kept *kept = &source->session->now.kept;
+    const struct grid *grid = &source->session->scene->grid;
+    bool used[256] = {false};
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            const struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++)
+                used[labels_at(source->labels, c)] = true;
+        }
+    for (unsigned l = 0; l < 256; l++) {
+        source->number[l] = numbering_of(kept, l);
+        source->is_wide |= used[l] && source->number[l] > 255;
+    }
+    return numbering_check(kept, used, fault);
+}
+
 enum err export_map(const struct session *session, enum map map, const struct labels *labels,
                     const char *path, enum file_mode mode, struct fault *fault)
 {
@@ -407,18 +435,23 @@ enum err export_map(const struct session *session, enum map map, const struct la
                 [MAP_BORDER] = {VOXEL_UINT8, "iftty border"},
                 [MAP_DISTANCE] = {VOXEL_UINT16, "iftty plateau distance: steps since a rise"},
                 [MAP_MARGIN] = {VOXEL_UINT16, "iftty margin: cost of the next best label, less"}};
-    struct map_source source = {session, labels, map, NULL};
+    struct map_source source = {.session = session, .labels = labels, .map = map};
     struct volume_label label[256];
     struct buf description = {0};
-    enum err err = map == MAP_MARGIN ? margin_new(&source.margin, session->forest, fault) : OK;
+    enum err err = map == MAP_MARGIN   ? margin_new(&source.margin, session->forest, fault)
+                   : map == MAP_LABELS ? number_labels(&source, fault)
+                                       : OK;
     if (err)
         return err;
     export_labels(label, &session->now.kept);
     describe(&description, form[map].description, &source);
-    const struct volume_map written = {
-        session->scene->grid.size,       &session->geometry, form[map].type,
-        buf_text(&description),          fill_row,           &source,
-        map == MAP_LABELS ? label : NULL};
+    const struct volume_map written = {session->scene->grid.size,
+                                       &session->geometry,
+                                       source.is_wide ? VOXEL_UINT16 : form[map].type,
+                                       buf_text(&description),
+                                       fill_row,
+                                       &source,
+                                       map == MAP_LABELS ? label : NULL};
     err = description.failed ? fault_memory(fault, "a map")
                              : volume_write(path, mode, &written, session->watch, fault);
     buf_release(&description);

@@ -55,7 +55,8 @@ void export_labels(struct volume_label label[256], const struct kept *kept);
 #define MAPS "labels|cost|root|border|distance|margin"
 enum map { MAP_LABELS, MAP_COST, MAP_ROOT, MAP_BORDER, MAP_DISTANCE, MAP_MARGIN };
 
-/* A map in the scene's geometry: `labels`, which may be finished, and the border as uint8; cost
+/* A map in the scene's geometry: `labels`, which may be finished, by their own numbers, as uint8 or
+ * where one is above 255 as uint16, and ERR_INPUT where two are the same; the border as uint8; cost
  * uint16, 65535 where no seed reaches; root uint32, the voxel index of the seed, 0xFFFFFFFF where
  * none reaches; distance uint16, the plateau distance (hops of engine/forest.h), 65535 where no
  * seed reaches; margin uint16 (engine/margin.h). */

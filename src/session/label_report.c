@@ -117,6 +117,9 @@ static struct figures figures_of(const struct label_report *report, unsigned lab
     figures_add(&f, "gained", report->gained ? (double)report->gained[label] : NAN);
     figures_add(&f, "lost", report->lost ? (double)report->lost[label] : NAN);
     figures_add(&f, "change", change(report, label));
+    if (report->label_number)
+        figures_add(&f, "number_in_files",
+                    report->label_number[label] ? report->label_number[label] : label);
     return f;
 }
 
@@ -150,7 +153,10 @@ static void write_csv_names(struct buf *out, const struct label_report *report)
 {
     static const struct label_stats one[1] = {{.sums.voxels = 1}};
     static const struct area_weights none;
-    const struct label_report any = {.stats = one, .area = &none, .geometry = report->geometry};
+    const struct label_report any = {.stats = one,
+                                     .area = &none,
+                                     .label_number = report->label_number,
+                                     .geometry = report->geometry};
     const struct figures f = figures_of(&any, 0);
     figures_write_csv_names(out, &f);
 }

@@ -21,6 +21,7 @@ struct label_report {
     const uint64_t *gained, *lost;              /* [256], by the last edit; NULL: not known, */
     const uint64_t *before;                     /* [256], voxels before it; NULL: not known */
     const char (*label_name)[LABEL_NAME_BYTES]; /* [256] */
+    const uint16_t *label_number;               /* [256], own numbers, 0 for none; or NULL */
     const struct geometry *geometry;
     const struct levels *levels; /* the session's */
 };

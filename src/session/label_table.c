@@ -10,6 +10,7 @@
 #include "base/mem.h"
 #include "base/safe.h"
 #include "base/scan.h"
+#include "session/numbering.h"
 #include "session/regions.h"
 
 enum { LUT_BYTES = 768, NAME_MOST = LABEL_NAME_BYTES - 1, LABELS = 256 };
@@ -346,7 +347,7 @@ static void write_name(struct buf *out, const struct kept *kept, unsigned label,
 {
     const char *name = kept->label_name[label];
     if (!*name)
-        buf_printf(out, "Label%c%u", blank, label);
+        buf_printf(out, "Label%c%u", blank, numbering_of(kept, label));
     for (; *name; name++)
         buf_add_char(out, *name == ' ' ? blank : *name);
 }
@@ -355,13 +356,14 @@ static void write_line(struct buf *out, enum label_table_format format, const st
                        unsigned label)
 {
     const uint8_t *rgb = kept->palette.rgb[label];
+    const unsigned number = numbering_of(kept, label);
     if (format == TABLE_ITKSNAP) {
-        buf_printf(out, "%5u  %5u %4u %4u        1  1  1    \"", label, rgb[0], rgb[1], rgb[2]);
+        buf_printf(out, "%5u  %5u %4u %4u        1  1  1    \"", number, rgb[0], rgb[1], rgb[2]);
         write_name(out, kept, label, ' ');
         buf_add_text(out, "\"\n");
         return;
     }
-    buf_printf(out, "%u ", label);
+    buf_printf(out, "%u ", number);
     write_name(out, kept, label, '_');
     if (format == TABLE_SLICER || format == TABLE_FREESURFER) /* opacity; transparency */
         buf_printf(out, " %u %u %u %d", rgb[0], rgb[1], rgb[2], format == TABLE_SLICER ? 255 : 0);
@@ -391,6 +393,6 @@ void label_table_write(struct buf *out, enum label_table_format format, const st
     }
     buf_add_text(out, head[format]);
     for (unsigned l = 1; l < LABELS; l++)
-        if (used[l] || *kept->label_name[l])
+        if (numbering_of(kept, l) && (used[l] || *kept->label_name[l]))
             write_line(out, format, kept, l);
 }

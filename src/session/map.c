@@ -244,16 +244,34 @@ static uint32_t label_of(const struct map_labels *choice, uint16_t region)
 enum err map_choose(struct volume *map, const struct map_labels *choice, struct watch *watch,
                     struct fault *fault)
 {
+    const enum err err = map_to_regions(map, 0, REGION_MOST, watch, fault);
+    return err ? err : map_label(map, choice, watch, fault);
+}
+
+enum err map_label(struct volume *map, const struct map_labels *choice, struct watch *watch,
+                   struct fault *fault)
+{
     const size_t voxels = (size_t)map->size[0] * map->size[1] * map->size[2];
-    enum err err = map_to_regions(map, 0, REGION_MOST, watch, fault);
     struct task task = task_begin(watch, "labels of the map", voxels);
-    for (size_t i = 0; !err && i < voxels && task_advance(&task, 1); i++) {
+    for (size_t i = 0; i < voxels && task_advance(&task, 1); i++) {
         const uint32_t label = label_of(choice, map->intensity[i]);
         if (label > 255 && label != REGION_NONE)
             return map_refuse_region(map->intensity[i], fault);
         map->intensity[i] = (uint16_t)label;
     }
-    return err ? err : watch_fault(watch, fault);
+    return watch_fault(watch, fault);
+}
+
+uint64_t map_count_beyond(const struct volume *map, struct watch *watch)
+{
+    const size_t voxels = (size_t)map->size[0] * map->size[1] * map->size[2];
+    struct task task = task_begin(watch, "numbers of the map", voxels);
+    uint64_t count = 0;
+    for (size_t i = 0; i < voxels && task_advance(&task, 1); i++) {
+        const double value = geometry_value(&map->geometry, map->intensity[i]);
+        count += value < -0.5 || value > REGION_MOST + 0.5;
+    }
+    return count;
 }
 
 enum err map_to_labels(uint8_t **label, struct volume *map, const struct map_labels *choice,

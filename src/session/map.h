@@ -59,7 +59,14 @@ struct map_labels {
 enum err map_choose(struct volume *map, const struct map_labels *choice, struct watch *watch,
                     struct fault *fault);
 
-/* The same as a byte a voxel, [z][y][x], freed by free(), with 0 for others. The map is of no use
+/* The same of a map that has been through map_to_regions. */
+enum err map_label(struct volume *map, const struct map_labels *choice, struct watch *watch,
+                   struct fault *fault);
+
+/* How many voxels hold numbers that are those of no region, which map_to_regions passes over. */
+uint64_t map_count_beyond(const struct volume *map, struct watch *watch);
+
+/* map_choose as a byte a voxel, [z][y][x], freed by free(), with 0 for others. The map is of no use
  * afterwards, and *label NULL on errors. */
 enum err map_to_labels(uint8_t **label, struct volume *map, const struct map_labels *choice,
                        struct watch *watch, struct fault *fault);

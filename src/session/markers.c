@@ -99,8 +99,10 @@ enum err markers_add(struct markers *markers, int16_t label, const uint32_t *cel
     if (!mem_grow(&markers->marker, &markers->capacity, markers->count + 1,
                   sizeof *markers->marker))
         return fault_memory(fault, "a marker");
-    markers->marker[markers->count++] =
-        (struct marker){.first = first, .voxels = count, .run = markers->runs, .label = label};
+    markers->marker[markers->count++] = (struct marker){.first = (uint32_t)first,
+                                                        .voxels = (uint32_t)count,
+                                                        .run = (uint32_t)markers->runs,
+                                                        .label = label};
     for (size_t i = 0; i < count && task_advance(&task, 1); i++)
         add_cover(markers, cell[i], 0);
     err = watch_fault(watch, fault);
@@ -128,13 +130,16 @@ enum err markers_yield(struct markers *markers, const struct marker_run *run, si
                        struct fault *fault)
 {
     struct marker *last = markers->marker + markers->count - 1;
+    if (runs >= UINT32_MAX - markers->runs)
+        return fault_set(fault, ERR_LIMIT, "more than %u rows of pieces; nothing has changed",
+                         UINT32_MAX);
     if (!mem_grow(&markers->run, &markers->run_capacity, markers->runs + runs,
                   sizeof *markers->run))
         return fault_memory(fault, "a marker");
     if (runs)
         memcpy(markers->run + markers->runs, run, runs * sizeof *run);
     markers->runs += runs;
-    last->runs = runs;
+    last->runs = (uint32_t)runs;
     last->yields = true;
     markers->yields = true;
     return OK;
@@ -221,7 +226,8 @@ enum err markers_free(struct markers *markers, const uint32_t *cell, size_t coun
         const size_t more = free_one(markers, does, cell[i], false);
         err = more ? make_room(markers, more, &task, fault) : OK;
         if (!err && more)
-            markers->marker[markers->count - 1].frees += free_one(markers, does, cell[i], true);
+            markers->marker[markers->count - 1].frees +=
+                (uint32_t)free_one(markers, does, cell[i], true);
     }
     free(does);
     return err ? err : watch_fault(watch, fault);

@@ -54,11 +54,11 @@ struct marker_run {
 };
 
 struct marker {
-    size_t first, voxels; /* in `cover`: those that it has seeds in, */
-    size_t frees;         /* and after them those that it frees */
-    size_t run, runs;     /* in `run`: the piece of one that yields; none: it is its `voxels` */
-    int16_t label;        /* 0..255, or EDIT_ERASE for an eraser */
-    uint16_t reach;       /* of its seeds (forest_add_reach), or 0 */
+    uint32_t first, voxels; /* in `cover`: those that it has seeds in, */
+    uint32_t frees;         /* and after them those that it frees */
+    uint32_t run, runs;     /* in `run`: the piece of one that yields; none: it is its `voxels` */
+    int16_t label;          /* 0..255, or EDIT_ERASE for an eraser */
+    uint16_t reach;         /* of its seeds (forest_add_reach), or 0 */
     bool stands;
     bool joined; /* to the marker before, as a part of one stroke (M3) */
     bool yields;

@@ -17,8 +17,7 @@ void piece_seeds_release(struct piece_seeds *seeds)
 
 struct work {
     const struct grid *grid;
-    unsigned erode;
-    uint16_t rest;  /* what REGION_NONE is */
+    const struct piece_choice *choice;
     uint8_t *label; /* [grid->cells], 0 in the rim */
     unsigned spare; /* stands for REGION_NONE; 256: none does */
     uint8_t *depth; /* [grid->cells], rounds until a voxel is gone, up to `most`; and LEFT */
@@ -61,7 +60,7 @@ static enum err take_labels(struct work *w, const uint16_t *region, struct fault
 {
     const struct grid *grid = w->grid;
     const unsigned spare =
-        w->rest == REGION_NONE ? find_spare(region, grid->voxels, w->watch) : 256;
+        w->choice->rest == REGION_NONE ? find_spare(region, grid->voxels, w->watch) : 256;
     memset(w->label, 0, grid->cells);
     w->spare = spare;
     struct task task = task_begin(w->watch, "labels of the map", grid->voxels);
@@ -69,7 +68,7 @@ static enum err take_labels(struct work *w, const uint16_t *region, struct fault
         for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
             const struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++, region++) {
-                const uint16_t label = *region == REGION_NONE ? w->rest : *region;
+                const uint16_t label = *region == REGION_NONE ? w->choice->rest : *region;
                 if (label == REGION_NONE && spare > 255)
                     return fault_set(fault, ERR_INPUT,
                                      "the map has all labels 0..255, and other regions beside "
@@ -128,7 +127,7 @@ static enum err find_depths(struct work *w, struct fault *fault)
 /* What is left of each component, by the depth of its deepest voxel. */
 static void erode(struct work *w, size_t *small)
 {
-    const uint8_t wanted = (uint8_t)(w->erode + 1);
+    const uint8_t wanted = (uint8_t)(w->choice->erode + 1);
     struct task task = task_begin(w->watch, "erosion", 2 * (uint64_t)w->found.runs);
     memset(w->least, 0, w->found.count);
     for (size_t i = 0; i < w->found.runs && task_advance(&task, 1); i++) {
@@ -138,7 +137,8 @@ static void erode(struct work *w, size_t *small)
             *least = w->depth[c] > *least ? w->depth[c] : *least;
     }
     for (size_t i = 0; i < w->found.count; i++) {
-        *small += w->least[i] < wanted && w->found.item[i].label != w->spare;
+        *small += w->least[i] < wanted && w->found.item[i].label != w->spare &&
+                  w->found.item[i].voxels >= w->choice->least;
         w->least[i] = w->least[i] < wanted ? w->least[i] : wanted;
     }
     for (size_t i = 0; i < w->found.runs && task_advance(&task, 1); i++) {
@@ -221,9 +221,15 @@ static bool add_piece(struct piece_seeds *seeds, const struct work *w,
 static enum err add_pieces(struct piece_seeds *seeds, const struct work *w, struct fault *fault)
 {
     struct task task = task_begin(w->watch, "seeds of pieces", w->found.runs);
-    for (size_t i = 0; i < w->found.count; i++)
-        if (w->found.item[i].label != w->spare && !add_piece(seeds, w, w->found.item + i, &task))
+    for (size_t i = 0; i < w->found.count; i++) {
+        const struct component *item = w->found.item + i;
+        if (item->label == w->spare)
+            continue;
+        if (item->voxels < w->choice->least)
+            seeds->left_out++;
+        else if (!add_piece(seeds, w, item, &task))
             return fault_memory(fault, "seeds of pieces");
+    }
     return watch_fault(w->watch, fault);
 }
 
@@ -249,14 +255,13 @@ static enum err make(struct piece_seeds *seeds, struct work *w, const uint16_t *
     return add_pieces(seeds, w, fault);
 }
 
-enum err piece_seeds_make(struct piece_seeds *seeds, const uint16_t *region, uint16_t rest,
-                          const struct grid *grid, unsigned erode_rounds, struct watch *watch,
-                          struct fault *fault)
+enum err piece_seeds_make(struct piece_seeds *seeds, const uint16_t *region,
+                          const struct grid *grid, const struct piece_choice *choice,
+                          struct watch *watch, struct fault *fault)
 {
     struct work work = {.grid = grid,
-                        .erode = erode_rounds,
-                        .rest = rest,
-                        .most = (uint8_t)(erode_rounds + 1 + INSIDE),
+                        .choice = choice,
+                        .most = (uint8_t)(choice->erode + 1 + INSIDE),
                         .watch = watch};
     *seeds = (struct piece_seeds){0};
     const enum err err = make(seeds, &work, region, fault);

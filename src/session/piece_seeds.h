@@ -39,16 +39,24 @@ struct piece_seeds {
     struct piece *piece; /* in the order of their first voxels */
     size_t pieces, piece_capacity;
     size_t small;         /* pieces that have fewer rounds */
+    size_t left_out;      /* pieces that are too small to be planted */
     uint32_t labels[256]; /* pieces of each label */
 };
 void piece_seeds_release(struct piece_seeds *seeds);
 
-/* region[z][y][x] is a label 0..255, or REGION_NONE, which is what `rest` says: a label, or
- * REGION_NONE, which gives no seed and is another label to its neighbours. Takes two bytes a voxel.
- * ERR_INPUT where all 256 labels are there beside such a REGION_NONE, ERR_MEMORY, ERR_CANCELLED by
- * the watch, or NULL; *seeds is empty then. */
-enum err piece_seeds_make(struct piece_seeds *seeds, const uint16_t *region, uint16_t rest,
-                          const struct grid *grid, unsigned erode, struct watch *watch,
-                          struct fault *fault);
+/* How pieces become seeds. */
+struct piece_choice {
+    unsigned erode; /* rounds */
+    uint32_t least; /* pieces of fewer voxels are left out */
+    uint16_t rest;  /* what REGION_NONE is: a label, or REGION_NONE, which gives no seed and is
+                       another label to its neighbours */
+};
+
+/* region[z][y][x] is a label 0..255, or REGION_NONE. Takes two bytes a voxel. ERR_INPUT where all
+ * 256 labels are there beside a REGION_NONE that is none, ERR_MEMORY, ERR_CANCELLED by the watch,
+ * or NULL; *seeds is empty then. */
+enum err piece_seeds_make(struct piece_seeds *seeds, const uint16_t *region,
+                          const struct grid *grid, const struct piece_choice *choice,
+                          struct watch *watch, struct fault *fault);
 
 #endif

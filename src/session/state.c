@@ -50,6 +50,7 @@ struct state_field {
 static const struct state_field kept_field[] = {
     FIELD(kept, palette, MADE_COLOURS),
     FIELD(kept, label_name, 0),
+    FIELD(kept, label_number, 0),
     FIELD(kept, visible, MADE_BORDER),
     FIELD(kept, opacity, MADE_BY_OPACITY),
     FIELD(kept, orient, MADE_CAMERA),

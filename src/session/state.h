@@ -34,6 +34,7 @@ enum { LABEL_NAME_BYTES = 32, FILE_WORDS_BYTES = 128 };
 struct kept {
     struct palette palette;
     char label_name[256][LABEL_NAME_BYTES]; /* "" for none; zeros after the end */
+    uint16_t label_number[256]; /* what each is in files, or 0: its label (session/numbering.h) */
     bool visible[256];
     uint8_t opacity[256]; /* of labels in renditions, percent; those of 0 are not shown there */
     char orient[8];     /* what `orient` has said of the scene (geometry_orient); "" for nothing */

@@ -110,6 +110,15 @@ static const struct program program[] = {
                "turn: balls that are taken out or added at the border. A robot corrects what "
                "`labels` makes of them.",
      .run = run_mend},
+    {.name = "noise",
+     .words = "[SIDE]",
+     .most = 1,
+     .summary = "what a label map takes that is nothing but noise",
+     .detail =
+         "SIDE^3 voxels (200) with labels 0 to 7 by chance, each of which becomes a seed; and "
+         "the same without pieces of fewer than 5 voxels. The last line is what is said "
+         "before they are planted.",
+     .run = run_noise},
 };
 
 static const struct program_table table = {

@@ -31,6 +31,7 @@ enum err run_journal(const struct options *options, struct fault *fault);
 enum err run_keys(const struct options *options, struct fault *fault);
 enum err run_effort(const struct options *options, struct fault *fault);
 enum err run_mend(const struct options *options, struct fault *fault);
+enum err run_noise(const struct options *options, struct fault *fault);
 enum err run_looks(const struct options *options, struct fault *fault);
 
 /* What the commands of a journal of examples/ segment; nothing is written. */
