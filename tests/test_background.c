@@ -119,7 +119,7 @@ STORY(each_word_is_a_background_and_info_prints_it)
     CHECK_HAS(buf_text(&reply.text), "background #e0a010\n");
     has_background(&interp, "background transparent", BACKGROUND_CLEAR);
     must(&interp, "info");
-    CHECK_HAS(buf_text(&reply.text), "background transparent\n");
+    CHECK_HAS(buf_text(&reply.text), ", background transparent, ");
     has_background(&interp, "background gradient", BACKGROUND_GRADIENT);
     CHECK_INT(execute(&interp, "background grey"), ERR_USAGE);
     CHECK_HAS(fault.text, "black|white|gradient|transparent or #rrggbb");

@@ -117,10 +117,10 @@ close_story
 # Programs of the command line (src/main.c) may share a name with a command; they are not commands.
 # A key of JSON may be the same word.
 begin "the name of a command is written in the table alone"
-names=$(sed -n 's/^    {C[A-Z]*("\([a-z-]*\)",.*/\1/p' src/command/table.c)
+names=$(sed -n 's/^    {[CS][A-Z]*("\([a-z-]*\)",.*/\1/p' src/command/table.c src/session/setting.c)
 [ "$(printf '%s\n' "$names" | wc -l)" -gt 15 ] || fail "the table was not understood: $names"
 pattern=$(printf '%s\n' "$names" | sed 's/.*/"&"/' | paste -sd '|' -)
-for file in $(sources src/command src/session | grep -v '/table\.c$'); do
+for file in $(sources src/command src/session | grep -vE '/(table|setting)\.c$'); do
     found=$(without_comments "$file" | grep -nE "$pattern" | grep -vE 'json_[a-z]+\(&?json, "')
     [ -z "$found" ] || fail "$file:$found"
 done

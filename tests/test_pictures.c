@@ -129,7 +129,7 @@ STORY(a_picture_says_what_it_is_of)
     const char *view = picture_find(&p, "iftty:view");
     CHECK_HAS(view ? view : "", "yaw 30 pitch 20 roll 10 degrees, zoom ");
     const char *look = picture_find(&p, "iftty:look");
-    CHECK_HAS(look ? look : "", "surface, light -25 30 degrees, cue 30 %, ");
+    CHECK_HAS(look ? look : "", "shade surface, light -25 30, cue 30, ");
     picture_release(&p);
     interpreter_release(&interp);
 }
@@ -169,7 +169,8 @@ STORY(pictures_of_look_1_are_what_they_were)
     CHECK(!p.is_associated && p.depth_mm);
     CHECK_TEXT(picture_find(&p, "iftty:view"), "30000 20000 10000 zoom 1000 size 90x70");
     CHECK_TEXT(picture_find(&p, "iftty:look"),
-               "surface light -25000 30000 cue 30 edges off samples 1");
+               "shade surface, light -25 30, cue 30, edges off, samples 1, background black, "
+               "decorate none, context none");
     CHECK(!picture_find(&p, "iftty:labels") && !picture_find(&p, "iftty:mm-per-pixel"));
     picture_release(&p);
     interpreter_release(&interp);

@@ -158,7 +158,7 @@ oiiotool plain.exr --ch R,G,B -d float -o mine.tif
 oiiotool over.exr --ch R,G,B -d float -o theirs.tif
 idiff -q mine.tif theirs.tif >/dev/null 2>&1 && fail "nothing is drawn"
 expect 0 "$iftty" info over.png
-out_has 'iftty:decorations: letters, scale, legend'
+out_has 'decorate letters scale legend'
 expect 0 "$iftty" verify over.iftty
 close_story
 

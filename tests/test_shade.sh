@@ -51,11 +51,11 @@ has_line a.iftty "shade surface ao=60"
 out_has "look      shade surface ao=60 creases=yes, light"
 has_line a.iftty "shade surface ao=60 creases=yes"
 expect 0 "$iftty" info a.golden/dark.png
-out_has "surface, ambient occlusion 60 %, light"
+out_has "iftty:look: shade surface ao=60, light"
 expect 0 "$iftty" info a.golden/off.png
-out_has "surface, light"
+out_has "iftty:look: shade surface, light"
 expect 0 "$iftty" info a.golden/both.png
-out_has "surface, ambient occlusion 60 %, creases, light"
+out_has "iftty:look: shade surface ao=60 creases=yes, light"
 close_story
 
 begin "without them, and where objects are translucent, pictures are as they were"

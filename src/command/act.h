@@ -12,7 +12,6 @@ enum err act_interpolate(const struct act *act);
 enum err act_orient(const struct act *act);
 enum err act_weight(const struct act *act);
 enum err act_polarity(const struct act *act);
-enum err act_adjacency(const struct act *act);
 enum err act_label(const struct act *act);
 
 /* act_paint.c */
@@ -41,20 +40,12 @@ enum err act_turn(const struct act *act);
 enum err act_zoom(const struct act *act);
 enum err act_pan(const struct act *act);
 enum err act_focus(const struct act *act);
-enum err act_size(const struct act *act);
 enum err act_hide(const struct act *act);
 enum err act_show(const struct act *act);
 enum err act_opacity(const struct act *act);
 
-/* act_look.c */
-enum err act_shade(const struct act *act);
-enum err act_light(const struct act *act);
-enum err act_cue(const struct act *act);
-enum err act_edges(const struct act *act);
-enum err act_samples(const struct act *act);
-enum err act_background(const struct act *act);
-enum err act_decorate(const struct act *act);
-enum err act_context(const struct act *act);
+/* act_set.c: all settings */
+enum err act_set(const struct act *act);
 
 /* act_picture.c */
 enum err act_render(const struct act *act);
@@ -85,7 +76,6 @@ enum err act_cut(const struct act *act);
 enum err act_cross(const struct act *act);
 enum err act_window(const struct act *act);
 enum err act_magnify(const struct act *act);
-enum err act_overlay(const struct act *act);
 enum err act_slice(const struct act *act);
 enum err act_mosaic(const struct act *act);
 
@@ -293,6 +283,9 @@ void act_write_view(struct buf *out, const struct session *session);
 
 /* What slices show: "through 90,108,90: axial 90, ...; window 0 142, overlay contour". */
 void act_write_slices(struct buf *out, struct session *session);
+
+/* Adds the digest of the weights to the words of the record. */
+void act_add_weights(const struct act *act);
 
 /* A slice or mosaic as a picture with notes, and its digest among the words. The caller releases
  * the picture. */

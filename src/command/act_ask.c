@@ -202,27 +202,6 @@ void act_write_region(struct buf *out, const struct session *session)
     buf_release(&roi);
 }
 
-static void write_look(struct buf *out, const struct outlook *outlook)
-{
-    const struct look *look = &outlook->look;
-    const struct choice mode = choice_at(SHADE_MODES, look->mode);
-    buf_printf(out, "look      shade %.*s", (int)mode.length, mode.word);
-    if (look->ao_percent)
-        buf_printf(out, " ao=%u", look->ao_percent);
-    buf_add_text(out, look->creases ? " creases=yes" : "");
-    buf_printf(out, ", light %g %g, cue %u, edges %s, samples %u, background ",
-               look->light[0] / 1000.0, look->light[1] / 1000.0, look->cue_percent,
-               look->edges ? "on" : "off", look->samples);
-    background_write(out, outlook->background);
-    buf_add_text(out, outlook->context == CONTEXT_MIP ? ", context mip" : "");
-    buf_add_char(out, '\n');
-    if (!outlook->decorations)
-        return;
-    buf_add_text(out, "decorated ");
-    decorating_write(out, outlook->decorations);
-    buf_add_char(out, '\n');
-}
-
 /* "part      4-19,2-17,3-12 of the file's 24x20x16 voxels, the mean of each 2x2x2" */
 static void write_part(struct buf *out, const struct map_part *part)
 {
@@ -320,7 +299,9 @@ enum err act_info(const struct act *act)
     act_write_finish(out, session);
     write_numbers(out, &session->now.kept);
     act_write_view(out, session);
-    write_look(out, &session->now.outlook);
+    buf_add_text(out, "look      ");
+    settings_write(out, GROUP_LOOK, &session->now);
+    buf_add_char(out, '\n');
     struct buf cut = {0}, opacity = {0};
     export_opacity(&opacity, &session->now.kept);
     if (opacity.length)

@@ -272,12 +272,17 @@ enum err act_orient(const struct act *act)
     return err;
 }
 
-/* After a command that may have changed weights: what they are now. */
+void act_add_weights(const struct act *act)
+{
+    buf_printf(&act->reply->words, "weights=%016llx",
+               (unsigned long long)act->session->weight_digest);
+}
+
+/* After a command that may have changed weights. */
 static enum err add_weights(const struct act *act, enum err err)
 {
     if (!err)
-        buf_printf(&act->reply->words, "weights=%016llx",
-                   (unsigned long long)act->session->weight_digest);
+        act_add_weights(act);
     return err;
 }
 
@@ -356,12 +361,6 @@ enum err act_polarity(const struct act *act)
     act->next->kept.polarity[act->value[0].number] = (int8_t)act->value[1].number;
     if (act->next->kept.weight.kind != WEIGHT_POLARITY)
         buf_add_text(&act->reply->text, "used only under `weight polarity`\n");
-    return add_weights(act, act_go(act));
-}
-
-enum err act_adjacency(const struct act *act)
-{
-    act->next->kept.adjacency = act->value[0].number == 0 ? 6 : 26;
     return add_weights(act, act_go(act));
 }
 

@@ -10,14 +10,12 @@ enum { SLICE_PLANE, SLICE_NUMBER, SLICE_FILE, SLICE_ZOOM, SLICE_REPLACE, SLICE_F
 enum { MOSAIC_FILE, MOSAIC_REPLACE, MOSAIC_FINISHED };
 enum { MAGNIFY_TIMES, MAGNIFY_AT };
 enum { WINDOW_LOW, WINDOW_HIGH };
-enum { OVERLAY_LABELS, OVERLAY_CROSS, OVERLAY_MARKS, OVERLAY_WORDS };
 
 /* ---- how ---- */
 
 void act_write_slices(struct buf *out, struct session *session)
 {
     const struct slice_settings *s = &session->now.outlook.slices;
-    const struct choice overlay = choice_at(SLICE_OVERLAYS, s->overlay);
     char least[WINDOW_WORDS_BYTES], most[WINDOW_WORDS_BYTES];
     window_words(least, most, session);
     buf_printf(out, "through %u,%u,%u: ", s->cross[0], s->cross[1], s->cross[2]);
@@ -29,9 +27,8 @@ void act_write_slices(struct buf *out, struct session *session)
         buf_printf(out, "magnified %g, ", s->times / 1000.0);
     if (s->has_middle)
         buf_printf(out, "around %u,%u,%u, ", s->middle[0], s->middle[1], s->middle[2]);
-    buf_printf(out, "overlay %.*s%s%s%s\n", (int)overlay.length, overlay.word,
-               s->crosses ? "" : " cross=off", s->marks ? "" : " marks=off",
-               s->words ? "" : " words=off");
+    settings_write(out, GROUP_SLICES, &session->now);
+    buf_add_char(out, '\n');
 }
 
 /* Goes to the next state, and says how slices are shown now. */
@@ -86,25 +83,6 @@ enum err act_window(const struct act *act)
     slices->has_window = !is_auto;
     for (int i = 0; i < 2; i++)
         slices->window[i] = is_auto ? (struct decimal){0, 0, 0} : window[i];
-    return go_and_say(act);
-}
-
-enum err act_overlay(const struct act *act)
-{
-    struct slice_settings *slices = &act->next->outlook.slices;
-    bool *const what[] = {[OVERLAY_CROSS] = &slices->crosses,
-                          [OVERLAY_MARKS] = &slices->marks,
-                          [OVERLAY_WORDS] = &slices->words};
-    bool any = act->value[OVERLAY_LABELS].given;
-    for (int i = OVERLAY_CROSS; i <= OVERLAY_WORDS; i++) {
-        if (act->value[i].given)
-            *what[i] = act->value[i].number == 0;
-        any |= act->value[i].given;
-    }
-    if (!any)
-        return fault_set(act->fault, ERR_USAGE, "expected what to change, as in `overlay tint`");
-    if (act->value[OVERLAY_LABELS].given)
-        slices->overlay = (enum slice_overlay)act->value[OVERLAY_LABELS].number;
     return go_and_say(act);
 }
 

@@ -94,13 +94,6 @@ enum err act_focus(const struct act *act)
     return act_go(act);
 }
 
-enum err act_size(const struct act *act)
-{
-    act->next->outlook.view.width = (uint32_t)act->value[0].number;
-    act->next->outlook.view.height = (uint32_t)act->value[1].number;
-    return act_go(act);
-}
-
 /* The patient's sides that a direction of the picture leads to, "front and left", or of an unknown
  * orientation the axes, "+y and -x": those within some 67 degrees of it. */
 static void write_sides(struct buf *out, const int32_t direction[3], bool sides_unknown)

@@ -20,46 +20,11 @@
 #include "base/err.h"
 #include "base/polyline.h"
 #include "command/near.h"
+#include "session/setting.h"
 
 struct interpreter;
 struct session;
 struct state;
-
-/* What a parameter takes, besides the words in its `choices`. */
-enum value_type {
-    VALUE_END,      /* no parameter: the end of the list */
-    VALUE_POSITION, /* X,Y,Z as indices, or X,Y,Zmm in the world */
-    VALUE_LABEL,    /* a label's number or name; least..255 */
-    VALUE_NUMBER,   /* an integer, least..most */
-    VALUE_LINE,     /* places that a line goes on to from the first parameter's; keyed, and given as
-                       often as there are */
-    VALUE_RADIUS,   /* voxels, least..most; or millimetres, "2.5mm", of 1 nm to 1 m */
-    VALUE_RANGE,    /* "A-B", or "A" for "A-A", least..most */
-    VALUE_LIST,     /* ranges with commas between them, "1-90,105", least..most */
-    VALUE_REAL,     /* a real value, as in 40, -0.5 and 1.5e-3 (base/decimal.h) */
-    VALUE_INTERVAL, /* "LOW..HIGH", two of them */
-    VALUE_DECIMAL,  /* thousandths, least..most: 12.5 is 12500 */
-    VALUE_CHOICE,   /* nothing else */
-    VALUE_COLOUR,   /* #rrggbb */
-    VALUE_FILE,     /* a path */
-    VALUE_COMMAND,  /* the name of a command */
-    VALUE_GOLDEN,   /* the name of a golden image */
-    VALUE_POINT,    /* the number of a record, or the name of a branch */
-    VALUE_WORD,     /* any word */
-};
-
-struct parameter {
-    const char *name;
-    enum value_type type;
-    bool optional, keyed;
-    bool is_read;  /* FILE: one that is there, and that the command reads */
-    bool is_scene; /* the scene */
-    bool paired;   /* given where the one before it is none of its choices, and only there */
-    bool added;    /* keyed; the record has it where the line had not */
-    int64_t least, most;
-    const char *choices; /* words that it may be instead, "a|b|c", or NULL */
-    const char *form;    /* what stands for it in usage; NULL for what its type has */
-};
 
 /* What a parameter was given as. */
 struct value {
@@ -73,17 +38,6 @@ struct value {
     uint32_t place[3];      /* POSITION, in the scene; RANGE: first and last */
     const struct polyline *line; /* LINE: all of it, with where it begins; not given where it stays
                                     there */
-};
-
-enum { PARAMETERS_MOST = 18 };
-
-enum command_flag {
-    COMMAND_RECORDED = 1, /* goes into the journal */
-    COMMAND_NEEDS_SCENE = 2,
-    COMMAND_EDITS = 4,    /* changes what `run` computes: its digests are recorded */
-    COMMAND_SKETCHED = 8, /* can be carried out to be seen and no more */
-    COMMAND_PLANTS = 16,  /* seeds or eliminators, which may change far more than they say */
-    COMMAND_ANSWERS = 32, /* shows, writes or answers from labels: what waits is applied first */
 };
 
 /* What a command answers: text for the user, "key=value" words for the journal. */
@@ -106,34 +60,6 @@ struct act {
     const struct command *command; /* NULL where none is carried out */
 };
 
-/* What commands are about; those of a group stand together. */
-enum command_group {
-    GROUP_SCENE,
-    GROUP_WEIGHT,
-    GROUP_SEEDS,
-    GROUP_VIEW,
-    GROUP_LOOK,
-    GROUP_CUTS,
-    GROUP_RENDITION,
-    GROUP_SLICES,
-    GROUP_KEPT,
-    GROUP_QUESTIONS,
-};
-
-struct command {
-    const char *name;
-    const char *also;     /* "exit|bye": other words for it, which lead to it; or NULL */
-    const char *comes_to; /* the command that its record is; where that is itself, only if its first
-                             value is one of the choices; or NULL */
-    enum err (*act)(const struct act *act);
-    enum command_group group;
-    unsigned flags;                                  /* enum command_flag */
-    struct parameter parameter[PARAMETERS_MOST + 1]; /* the last one is VALUE_END */
-    const char *summary;                             /* one line */
-    const char *detail;  /* further paragraphs of help, between line feeds, or NULL */
-    const char *example; /* a line that parses */
-};
-
 struct call {
     const struct command *command; /* NULL for an empty line or a comment */
     struct value value[PARAMETERS_MOST];
@@ -143,10 +69,11 @@ struct call {
     struct polyline line; /* the same for the corners of a line */
 };
 
-/* The table, in the order of help, and the headings of its groups. */
-extern const char *const command_group_name[];
-extern const struct command command_table[];
-extern const unsigned command_count;
+/* The headings of help, and the commands, from 0: those of the table, then those of settings. NULL
+ * after the last one. */
+extern const char *const command_group_name[GROUPS];
+const struct command *command_at(unsigned number);
+unsigned command_count(void);
 
 const struct command *command_find(const char *name);
 

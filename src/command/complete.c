@@ -105,9 +105,9 @@ static void offer_choices(const struct offers *o, const struct command *command,
 
 static void offer_commands(const struct offers *o)
 {
-    for (unsigned i = 0; i < command_count; i++)
-        offer_noted(o, command_table[i].name, strlen(command_table[i].name),
-                    note_of(command_table[i].summary));
+    for (unsigned i = 0; i < command_count(); i++)
+        offer_noted(o, command_at(i)->name, strlen(command_at(i)->name),
+                    note_of(command_at(i)->summary));
 }
 
 static void offer_label(const struct offers *o, const char *name, int label)

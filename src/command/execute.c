@@ -82,8 +82,8 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
         err = apply(interp, session, reply, fault);
     struct state next = session->now;
     if (!err)
-        err =
-            command->act(&(struct act){interp, session, call->value, &next, reply, fault, command});
+        err = (command->act ? command->act : act_set)(
+            &(struct act){interp, session, call->value, &next, reply, fault, command});
     const bool waits =
         !session->now.outlook.runs_by_itself || interp->history.goes_to != POINT_NONE;
     if (!err && edits && !waits)

@@ -7,6 +7,12 @@ enum { INDENT = 4, SUMMARY_COLUMN = 30, USAGE_MOST = 76, LINE_MOST = 80 };
 
 /* ---- usage and help ---- */
 
+/* Whether its choices are all that it may be. */
+static bool is_choice(const struct parameter *p)
+{
+    return p->type == VALUE_CHOICE || p->type == VALUE_PARTS;
+}
+
 static void add_form(struct buf *out, const struct parameter *p)
 {
     const double unit = p->type == VALUE_DECIMAL ? 1000 : 1;
@@ -31,14 +37,14 @@ static void add_form(struct buf *out, const struct parameter *p)
         buf_add_text(out, "FILE");
     else if (is_number && p->keyed)
         buf_printf(out, "%.10g..%.10g", (double)p->least / unit, (double)p->most / unit);
-    else if (p->type != VALUE_CHOICE)
+    else if (!is_choice(p))
         buf_add_text(out, p->name);
 }
 
 void usage_form(struct buf *out, const struct parameter *p)
 {
     if (p->choices && !(p->type == VALUE_CHOICE && p->form))
-        buf_printf(out, "%s%s", p->choices, p->type == VALUE_CHOICE ? "" : "|");
+        buf_printf(out, "%s%s", p->choices, is_choice(p) ? "" : "|");
     add_form(out, p);
 }
 
@@ -56,7 +62,7 @@ static void add_parameter(struct buf *out, const struct parameter *p)
     } else {
         usage_form(out, p);
     }
-    buf_add_text(out, p->type == VALUE_LINE ? " ..." : "");
+    buf_add_text(out, p->type == VALUE_LINE || p->type == VALUE_PARTS ? " ..." : "");
     buf_add_text(out, brackets ? "]" : "");
 }
 
@@ -154,10 +160,10 @@ void command_help(struct buf *out, const struct command *command)
         help_with_one(out, command);
         return;
     }
-    for (unsigned i = 0; i < command_count; i++) {
-        const struct command *c = &command_table[i];
-        if (i == 0 || c->group != c[-1].group)
-            buf_printf(out, "%s%s\n", i ? "\n" : "", command_group_name[c->group]);
-        list_command(out, c);
+    for (enum command_group group = 0; group < GROUPS; group++) {
+        buf_printf(out, "%s%s\n", group ? "\n" : "", command_group_name[group]);
+        for (unsigned i = 0; i < command_count(); i++)
+            if (command_at(i)->group == group)
+                list_command(out, command_at(i));
     }
 }

@@ -14,9 +14,9 @@
 
 const struct command *command_find(const char *name)
 {
-    for (unsigned i = 0; i < command_count; i++)
-        if (strcmp(command_table[i].name, name) == 0)
-            return &command_table[i];
+    for (unsigned i = 0; i < command_count(); i++)
+        if (strcmp(command_at(i)->name, name) == 0)
+            return command_at(i);
     return NULL;
 }
 
@@ -24,8 +24,8 @@ const struct command *command_find(const char *name)
  * xyz; `help` lists them". */
 void command_try_names(struct near *near)
 {
-    for (unsigned i = 0; i < command_count; i++) {
-        const struct command *command = &command_table[i];
+    for (unsigned i = 0; i < command_count(); i++) {
+        const struct command *command = command_at(i);
         near_try(near, command->name, strlen(command->name));
         if (command->also)
             near_lead(near, command->also, command->name);
@@ -315,10 +315,27 @@ static enum err read_colour(struct value *value, const struct parameter *p, cons
     return OK;
 }
 
+/* One part more of several. */
+static enum err read_part(struct value *value, const struct parameter *p, const char *word,
+                          int choice, struct fault *fault)
+{
+    const int none = choice_find(p->choices, strrchr(p->choices, '|') + 1), all = none - 1;
+    if (choice < 0)
+        return expect(fault, p, word, "");
+    if (value->given && (choice == none || value->number == 0))
+        return fault_set(fault, ERR_USAGE, "expected %s alone; nothing has changed",
+                         strrchr(p->choices, '|') + 1);
+    value->number |= choice == none ? 0 : choice == all ? (1 << all) - 1 : 1 << choice;
+    value->given = true;
+    return OK;
+}
+
 static enum err read_value(struct value *value, const struct parameter *p, const char *word,
                            const struct session *session, struct fault *fault)
 {
     const int choice = p->choices ? choice_find(p->choices, word) : -1;
+    if (p->type == VALUE_PARTS)
+        return read_part(value, p, word, choice, fault);
     value->given = true;
     if (choice < 0)
         switch (p->type) {
@@ -379,7 +396,8 @@ int command_parameter_for(const struct command *command, const struct value *val
         }
     }
     for (int i = 0; p[i].type; i++)
-        if (!p[i].keyed && !value[i].given && !is_passed_over(&p[i], *word))
+        if (!p[i].keyed && (!value[i].given || p[i].type == VALUE_PARTS) &&
+            !is_passed_over(&p[i], *word))
             return i;
     return -1;
 }
@@ -424,7 +442,7 @@ static enum err fill(struct call *call, const char *word, const struct session *
     enum err err = OK;
     if (i < 0)
         err = usage_fault(fault, call->command, "one word too many: ", whole);
-    else if (call->value[i].given && p->type != VALUE_LINE)
+    else if (call->value[i].given && p->type != VALUE_LINE && p->type != VALUE_PARTS)
         return usage_fault(fault, call->command, "given twice: ", whole);
     else
         err = read_value(&call->value[i], p, word, session, fault);
@@ -615,6 +633,8 @@ static void write_value(struct buf *out, const struct parameter *p, const struct
 {
     if (value->text)
         command_write_word(out, value->text);
+    else if (p->type == VALUE_PARTS)
+        setting_write_parts(out, p->choices, value->number);
     else if (p->type == VALUE_POSITION)
         buf_printf(out, "%u,%u,%u", value->place[0], value->place[1], value->place[2]);
     else if (p->type == VALUE_RANGE && value->place[0] == value->place[1])

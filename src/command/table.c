@@ -88,9 +88,6 @@
 #define FINISHED_NOTE "\nfinished=yes: labels as `finish` leaves them."
 #define SHOWN_NOTE    FINISHED_NOTE " Unless given, as `finished` has it."
 
-/* One more part that is drawn over the rendition. */
-#define DECORATION MAY("PART", VALUE_CHOICE, .choices = DECORATIONS "|all|none", .form = "PART")
-
 /* What all that read a map have in common. */
 #define RESAMPLE KEYED("resample", VALUE_CHOICE, .choices = "yes|no")
 #define RESAMPLE_NOTE                                                                              \
@@ -112,7 +109,7 @@ enum {
     PANS = 1000 * VIEW_SIDE_MOST,
 };
 
-const char *const command_group_name[] = {
+const char *const command_group_name[GROUPS] = {
     [GROUP_SCENE] = "The scene",
     [GROUP_WEIGHT] = "Arc weights and the region of interest",
     [GROUP_SEEDS] = "Objects and their seeds",
@@ -125,7 +122,7 @@ const char *const command_group_name[] = {
     [GROUP_QUESTIONS] = "Questions, help, leaving",
 };
 
-const struct command command_table[] = {
+static const struct command command_table[] = {
     {CALLED("open", "load|read|import", act_open, GROUP_SCENE, R),
      {NEED("FILE", VALUE_FILE, .is_read = true, .is_scene = true),
       KEYED("volume", VALUE_NUMBER, .most = 65535),
@@ -178,11 +175,6 @@ const struct command command_table[] = {
      "darker voxel and PERCENT less for one to a brighter voxel. Above 0 suits an object that is "
      "brighter than what is around it, below 0 one that is darker. All labels begin with 0.",
      "polarity 1 50"},
-    {COMMAND("adjacency", act_adjacency, GROUP_WEIGHT, R | S | E),
-     {NEED("COUNT", VALUE_CHOICE, .choices = "6|26")},
-     "neighbours of a voxel: by faces, or by corners too",
-     "6 is the default.",
-     "adjacency 26"},
     {CALLED("mask", "roi", act_mask, GROUP_WEIGHT, R | S | E),
      {NEED("FILE", VALUE_FILE, .is_read = true, .choices = "none"),
       KEYED("regions", VALUE_RANGE, .most = REGION_MOST), RESAMPLE},
@@ -406,14 +398,6 @@ const struct command command_table[] = {
      "the place in the centre of the picture",
      "A voxel, or the centre of the scene. Views turn around it.",
      "focus 100,100,50"},
-    {COMMAND("size", act_size, GROUP_VIEW, R | S),
-     {NEED("WIDTH", VALUE_NUMBER, .least = 1, .most = VIEW_SIDE_MOST),
-      NEED("HEIGHT", VALUE_NUMBER, .least = 1, .most = VIEW_SIDE_MOST)},
-     "the size of pictures, in pixels",
-
-     "Of renditions, slices and mosaics alike; 512 512 by default.",
-
-     "size 512 512"},
     {COMMAND("hide", act_hide, GROUP_VIEW, R | S),
      {NEED("LABEL", VALUE_LABEL, .choices = "all", .least = 1, .most = 255)},
      "do not show an object",
@@ -435,80 +419,6 @@ const struct command command_table[] = {
      "depth of a pixel, are of the surface that has the largest share in its colour. 0 leaves the "
      "object out of renditions; slices still show it.",
      "opacity 1 30"},
-    {COMMAND("shade", act_shade, GROUP_LOOK, R | S),
-     {NEED("NORMALS", VALUE_CHOICE, .choices = SHADE_MODES),
-      KEYED("ao", VALUE_NUMBER, .most = 100, .form = "PERCENT"),
-      KEYED("creases", VALUE_CHOICE, .choices = "yes|no")},
-     "where the normals of a surface come from",
-     "surface, the default: the shown objects, smoothed.\n"
-     "scene: the gradient of the intensities, with finer detail where objects end at an edge of "
-     "the scene.\n"
-     "depth: the depths around a pixel.\n"
-     "cubes: as surface, on the faces of voxels. The others show a smooth surface between them.\n"
-     "ao: ambient occlusion; 0, the default, is none. Sulci and other hollows, which little light "
-     "comes into, are darker by up to so much. Not while an object is translucent, nor on faces "
-     "that are cut open.\n"
-     "creases: yes shades each object as if it were alone, so that a crease is seen where two "
-     "touch; "
-     "else one surface runs across both. Not by depths.",
-     "shade scene"},
-    {COMMAND("light", act_light, GROUP_LOOK, R | S),
-     {NEED("YAW", VALUE_DECIMAL, .least = -VIEW_TURN / 2, .most = VIEW_TURN / 2),
-      NEED("PITCH", VALUE_DECIMAL, .least = -LIGHT_PITCH_MOST, .most = LIGHT_PITCH_MOST)},
-     "where the light comes from, in degrees",
-     "It moves with you: 0 0 comes from behind you, YAW turns it to your right, PITCH upwards. The "
-     "default is -25 30, over your left shoulder.",
-     "light -25 30"},
-    {COMMAND("cue", act_cue, GROUP_LOOK, R | S),
-     {NEED("PERCENT", VALUE_NUMBER, .most = 100)},
-     "how much darker distant surfaces are",
-     "So much at the far end of the scene; 30 by default.",
-     "cue 50"},
-    {COMMAND("edges", act_edges, GROUP_LOOK, R | S),
-     {NEED("STATE", VALUE_CHOICE, .choices = "on|off")},
-     "draw lines where something hides or is folded",
-
-     "off by default. A line lies on what is in front, one pixel wide: dark where another object, "
-     "or a part of the same, is behind it or touches it, and where its surface has a fold; light, "
-     "with a dark one within, where nothing is behind it.",
-
-     "edges on"},
-    {COMMAND("samples", act_samples, GROUP_LOOK, R | S),
-     {NEED("COUNT", VALUE_CHOICE, .choices = "1|2|4")},
-     "smooth outlines: COUNT x COUNT samples a pixel",
-     "Each pixel is the mean of its samples; depth, label and voxel are those of the nearest one. "
-     "1 by default.",
-     "samples 2"},
-    {COMMAND("background", act_background, GROUP_LOOK, R | S),
-     {NEED("COLOUR", VALUE_COLOUR, .choices = BACKGROUNDS)},
-     "what is seen where no object is",
-     "Of renditions, on the screen and in files; or #rrggbb. gradient, the default: from a calm "
-     "grey at the top to a darker one.\n"
-     "transparent: .png and .tif have alpha then; it is black on the screen, in mosaics and in "
-     "other formats.\n"
-     ".exr always has the objects alone, with their alpha, and so have golden images.",
-     "background white"},
-    {COMMAND("decorate", act_decorate, GROUP_LOOK, R | S),
-     {NEED("PART", VALUE_CHOICE, .choices = DECORATIONS "|all|none"), DECORATION, DECORATION,
-      DECORATION, DECORATION},
-     "what is drawn over the rendition",
-     "none by default. It is drawn over the colours, on the screen, in files and in golden images, "
-     "as large as the picture has room for; `pick` finds what is below.\n"
-     "letters: the patient's sides, R L A P S I, or the axes where nobody knows them.\n"
-     "scale: a bar and its length in millimetres, or in voxels where their distance is unknown.\n"
-     "legend: the labels that are shown, with their volumes.\n"
-     "seeds: seeds and eliminators of the last run, where their voxels are seen.\n"
-     "cross: the cross-hair, where its voxel is seen.",
-
-     "decorate letters scale legend"},
-    {COMMAND("context", act_context, GROUP_LOOK, R | S),
-     {NEED("WHAT", VALUE_CHOICE, .choices = CONTEXTS)},
-     "the scene itself behind and around the objects",
-     "none is the default.\n"
-     "mip: a maximum intensity projection. Where no object is, a pixel is as bright as the "
-     "brightest voxel on its ray, within the `window` of slices; what is cut away is left out. "
-     "What is dark lets the background through.",
-     "context mip"},
     {COMMAND("clip", act_clip, GROUP_CUTS, R | S),
      {NEED("PLANE", VALUE_CHOICE, .choices = "axial|coronal|sagittal|none"),
       MAY("SLICES", VALUE_RANGE, .most = 65533)},
@@ -584,19 +494,6 @@ const struct command command_table[] = {
      "at: this voxel stays in the middle, as long as the cross-hair is seen.\n"
      "A voxel of four pixels or more is a square; smaller ones are smoothed.",
      "magnify 2.5 at=90,108,90"},
-    {COMMAND("overlay", act_overlay, GROUP_SLICES, R | S),
-     {MAY("LABELS", VALUE_CHOICE, .choices = SLICE_OVERLAYS),
-      KEYED("cross", VALUE_CHOICE, .choices = "on|off"),
-      KEYED("marks", VALUE_CHOICE, .choices = "on|off"),
-      KEYED("words", VALUE_CHOICE, .choices = "on|off")},
-     "what is drawn over the grey of slices",
-     "none, tint or contour of the labels that are shown; contour by default.\n"
-     "cross: the cross-hair.\n"
-     "marks: a dot for a seed in the slice, of seeds side by side for the outermost alone; an x "
-     "for "
-     "an eliminator of the last run; in the pilot, a white rim means that it waits for a run.\n"
-     "words: the title, letters for the patient's sides, the scale bar, the grey bar.",
-     "overlay tint cross=off"},
     {COMMAND("slice", act_slice, GROUP_SLICES, R | S | A),
      {NEED("PLANE", VALUE_CHOICE, .choices = SLICE_WORDS), MAY("N", VALUE_NUMBER, .most = 65533),
       MAY("FILE", VALUE_FILE),
@@ -813,4 +710,19 @@ const struct command command_table[] = {
      "quit"},
 };
 
-const unsigned command_count = sizeof command_table / sizeof command_table[0];
+enum { COMMANDS = sizeof command_table / sizeof *command_table };
+
+/* ---- with those of settings ---- */
+
+unsigned command_count(void)
+{
+    unsigned settings = 0;
+    while (setting_table[settings].name)
+        settings++;
+    return COMMANDS + settings;
+}
+
+const struct command *command_at(unsigned number)
+{
+    return number < COMMANDS ? &command_table[number] : &setting_table[number - COMMANDS];
+}

@@ -9,18 +9,6 @@
 #include "render/decoration.h"
 #include "session/session_parts.h"
 
-void decorating_write(struct buf *out, uint32_t decorations)
-{
-    const char *between = "";
-    for (unsigned i = 0; DECORATE_ALL >> i; i++) {
-        const struct choice part = choice_at(DECORATIONS, i);
-        if (!(decorations >> i & 1))
-            continue;
-        buf_printf(out, "%s%.*s", between, (int)part.length, part.word);
-        between = ", ";
-    }
-}
-
 /* ---- the legend ---- */
 
 /* Voxels of each label, as it is shown. */

@@ -23,7 +23,4 @@ enum err session_decorate_ahead(struct session *session, const struct labels *la
 /* The frame with what was drawn over it last; all maps but `rgba` are the frame's. */
 struct rendition session_picture(const struct session *session);
 
-/* Adds "letters, scale". */
-void decorating_write(struct buf *out, uint32_t decorations);
-
 #endif

@@ -14,6 +14,7 @@
 #include "session/drawn_colours.h"
 #include "session/numbering.h"
 #include "session/seen_from.h"
+#include "session/setting.h"
 
 /* One pixel of depth in millimetres: crossings count 2^-24 pixels, four times. */
 static double depth_unit_mm(const struct camera *camera)
@@ -45,30 +46,6 @@ static void write_view_in_words(struct buf *out, const struct session *session)
                    (session->scene->grid.size[a] - 1) / 2.0 +
                        (double)view->focus[a] / (1 << VIEW_FOCUS_BITS));
     buf_add_text(out, " in the middle");
-}
-
-static void write_look(struct buf *out, const struct outlook *outlook)
-{
-    const struct look *look = &outlook->look;
-    const struct choice mode = choice_at(SHADE_MODES, look->mode);
-    const bool is_first = look->number == LOOK_FIRST;
-    buf_add(out, mode.word, mode.length);
-    if (look->ao_percent)
-        buf_printf(out, "%s ambient occlusion %u%s", is_first ? "" : ",", look->ao_percent,
-                   is_first ? "" : " %");
-    if (look->creases)
-        buf_add_text(out, is_first ? " creases" : ", creases");
-    if (is_first)
-        buf_printf(out, " light %d %d cue %u", look->light[0], look->light[1], look->cue_percent);
-    else
-        buf_printf(out, ", light %g %g degrees, cue %u %%,", look->light[0] / 1000.0,
-                   look->light[1] / 1000.0, look->cue_percent);
-    buf_printf(out, " edges %s%s samples %u", look->edges ? "on" : "off", is_first ? "" : ",",
-               look->samples);
-    if (is_first)
-        return;
-    buf_add_text(out, ", background ");
-    background_write(out, outlook->background);
 }
 
 /* In voxels, as it is held (render/cut.h): "kept x 0-180 y 0-216 z 40-120 plane ... box ...". */
@@ -116,7 +93,7 @@ static enum err add_view_notes(struct picture *picture, const struct session *se
         write_view(&seen, &outlook->view);
     else
         write_view_in_words(&seen, session);
-    write_look(&look, outlook);
+    settings_write(&look, GROUP_LOOK, &session->now);
     write_cut(&cut, away, &session->scene->grid);
     export_opacity(&opacity, &session->now.kept);
     const bool fits = !seen.failed && !cut.failed && !opacity.failed && !look.failed;
@@ -208,19 +185,6 @@ enum err export_notes(struct picture *picture, const struct session *session,
     return err;
 }
 
-/* What is drawn over it. */
-static enum err note_decorations(struct picture *picture, const struct session *session,
-                                 struct fault *fault)
-{
-    struct buf words = {0};
-    decorating_write(&words, session->now.outlook.decorations);
-    const enum err err = words.failed
-                             ? fault_memory(fault, "a note on a picture")
-                             : picture_note(picture, "iftty:decorations", buf_text(&words), fault);
-    buf_release(&words);
-    return err;
-}
-
 /* Of a rendition; slices have a scale of their own. */
 static enum err add_scale_note(struct picture *picture, const struct session *session,
                                struct fault *fault)
@@ -237,8 +201,6 @@ static enum err describe_rendition(struct picture *picture, const struct session
                                    const struct label_set *shown, struct fault *fault)
 {
     enum err err = export_notes(picture, session, shown, fault);
-    if (!err && session->now.outlook.decorations)
-        err = note_decorations(picture, session, fault);
     if (!err)
         err = add_scale_note(picture, session, fault);
     if (err)

@@ -31,15 +31,17 @@
 
 enum { LABEL_NAME_BYTES = 32, FILE_WORDS_BYTES = 128 };
 
+/* Here and below, no bytes are between members (tests/test_setting.c). */
 struct kept {
     struct palette palette;
     char label_name[256][LABEL_NAME_BYTES]; /* "" for none; zeros after the end */
     uint16_t label_number[256]; /* what each is in files, or 0: its label (session/numbering.h) */
     bool visible[256];
     uint8_t opacity[256]; /* of labels in renditions, percent; those of 0 are not shown there */
-    char orient[8];     /* what `orient` has said of the scene (geometry_orient); "" for nothing */
-    struct cut cut;     /* what is cut away of what is visible */
-    unsigned adjacency; /* 6 or 26 */
+    char orient[8]; /* what `orient` has said of the scene (geometry_orient); "" for nothing */
+    struct cut cut; /* what is cut away of what is visible */
+    struct finish_list finish; /* what is done to labels that are handed out */
+    unsigned adjacency;        /* 6 or 26 */
     struct weight_choice weight;
     int8_t polarity[256]; /* of each label, in percent; heeded while the weight is `polarity` */
 
@@ -47,23 +49,23 @@ struct kept {
     struct packed *mask;                /* bits (engine/roi.h); NULL for none */
     char weight_file[FILE_WORDS_BYTES]; /* what to call both; a long name is cut; "" for none */
     char mask_file[FILE_WORDS_BYTES];
-    uint32_t mask_regions[2];  /* first and last */
-    bool has_range;            /* and if so, in real values: */
-    struct decimal range[2];   /* lowest and highest inside */
-    struct finish_list finish; /* what is done to labels that are handed out */
+    uint32_t mask_regions[2]; /* first and last */
+    uint64_t has_range;       /* 0 or 1, as wide as what it is about: */
+    struct decimal range[2];  /* real values, lowest and highest inside */
 };
 
 /* How slices and mosaics are shown. */
 struct slice_settings {
     uint32_t cross[3]; /* the voxel that they go through */
     uint32_t zoom;     /* of slices, thousandths of a pixel per smallest spacing; 0 for what fits */
-    uint32_t times;  /* of slices and mosaics, thousandths of what fits; 1000 where zoom is not 0 */
-    bool has_middle; /* and then, of what is magnified, in the middle: */
+    uint32_t times; /* of slices and mosaics, thousandths of what fits; 1000 where zoom is not 0 */
+    uint32_t has_middle;      /* 0 or 1; and then, of what is magnified, in the middle: */
     uint32_t middle[3];       /* this voxel, else the cross-hair */
-    bool has_window;          /* else it follows from the scene */
-    struct decimal window[2]; /* real values: black and white */
+    uint32_t has_window;      /* 0 or 1, else these follow from the scene: */
+    struct decimal window[2]; /* real values, black and white */
     enum slice_overlay overlay;
-    bool crosses, marks, words; /* the cross-hair; seeds and eliminators; letters and bars */
+    uint32_t crosses, marks, words; /* 0 or 1: the cross-hair; seeds and eliminators; letters and
+                                       bars */
 };
 
 struct outlook {
@@ -73,8 +75,8 @@ struct outlook {
     uint32_t background;  /* render/background.h */
     uint32_t context;     /* enum context_kind (session/context.h) */
     struct slice_settings slices;
-    bool runs_by_itself; /* "auto": each edit is run at once */
-    bool shows_finished; /* pictures show labels as kept.finish leaves them */
+    uint32_t runs_by_itself; /* 0 or 1: "auto", each edit is run at once */
+    uint32_t shows_finished; /* 0 or 1: pictures show labels as kept.finish leaves them */
 };
 
 struct state {
@@ -95,10 +97,13 @@ static inline bool kept_shows(const struct kept *kept, int label)
 /* Has a border show what these settings do; a recount is up to the caller. */
 void kept_show(const struct kept *kept, struct border *border);
 
-/* Two are the same where every field is (a table of state.c: a new field is a row there); maps are,
- * where they are one and the same. */
+/* Two are the same where every member is: each is a setting (session/setting.h), or a row of
+ * state.c. Maps are, where they are one and the same. */
 bool kept_equals(const struct kept *a, const struct kept *b);
 bool outlook_equals(const struct outlook *a, const struct outlook *b);
+
+/* Bytes of both that these look at: all of them, for neither has any between its members. */
+size_t state_bytes_compared(void);
 
 /* Of what is shared: one holder more, or fewer. */
 void kept_hold(const struct kept *kept);

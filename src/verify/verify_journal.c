@@ -33,7 +33,8 @@ static void write_voxels(struct interpreter *interp, struct buf *lines)
 {
     struct reply reply = {0};
     if (interp->session.has_scene &&
-        !act_write_counts(&(struct act){interp, &interp->session, NULL, NULL, &reply, NULL, NULL}))
+        !act_write_counts(
+            &(struct act){.interp = interp, .session = &interp->session, .reply = &reply}))
         for (const char *at = buf_text(&reply.text); *at;) {
             const size_t n = strcspn(at, "\n");
             buf_printf(lines, "#   %-9s", "now");

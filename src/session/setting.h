@@ -1,0 +1,36 @@
+/*
+ * Settings: commands that do no more than set members of the state, one row each.
+ *
+ * From the table come the commands themselves, with their parameters and help (command/command.h),
+ * what sets them (command/act_set.c), what a session begins with, whether two states are equal and
+ * what follows where they are not (state.c), and the words of `info` and of notes on pictures. So
+ * one setting more is a member, its row, and the code that heeds it.
+ */
+#ifndef SESSION_SETTING_H
+#define SESSION_SETTING_H
+
+#include "base/buf.h"
+#include "session/parameter.h"
+#include "session/state.h"
+
+/* In the order of help; the last one has no name. */
+extern const struct command setting_table[];
+
+/* A member of the state, as it is held. */
+int64_t setting_get(const struct state *state, const struct setting_member *member);
+void setting_put(struct state *state, const struct setting_member *member, int64_t number);
+
+/* All as a session begins. */
+void settings_begin(struct state *state);
+
+/* A setting as it would be typed to be what it is now: "shade surface ao=30". What may be left out
+ * is, where it is as usual. */
+void setting_write(struct buf *out, const struct command *setting, const struct state *state);
+
+/* The words of these bits of VALUE_PARTS. */
+void setting_write_parts(struct buf *out, const char *choices, int64_t bits);
+
+/* The same of all of a group, with commas between. */
+void settings_write(struct buf *out, enum command_group group, const struct state *state);
+
+#endif

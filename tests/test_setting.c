@@ -1,0 +1,127 @@
+/* Settings: what commands do no more than set. */
+#include <stdlib.h>
+
+#include "base/choice.h"
+#include "render/decoration.h"
+#include "session/setting.h"
+#include "tests/interpreting.h"
+
+/* So one that is neither is seen. */
+STORY(each_member_of_a_state_is_a_setting_or_has_a_row)
+{
+    static struct state plain, other;
+    const size_t bytes = offsetof(struct state, lists);
+    CHECK_INT(state_bytes_compared(), bytes);
+    for (size_t i = 0; i < bytes; i++) {
+        memcpy(&other, &plain, sizeof other);
+        ((char *)&other)[i] = 1;
+        if (!CHECK(!kept_equals(&plain.kept, &other.kept) ||
+                   !outlook_equals(&plain.outlook, &other.outlook)))
+            printf("#   byte %zu of a state makes no difference\n", i);
+    }
+}
+
+static uint64_t seed = 1;
+
+static void add_value(struct buf *out, const struct parameter *p)
+{
+    const uint64_t random = check_random(&seed);
+    unsigned choices = p->choices != NULL;
+    for (const char *at = p->choices; at && *at; at++)
+        choices += *at == '|';
+    if (p->keyed)
+        buf_printf(out, " %s=", p->name);
+    else
+        buf_add_char(out, ' ');
+    if (p->choices) {
+        const struct choice choice = choice_at(p->choices, (unsigned)(random % choices));
+        buf_add(out, choice.word, choice.length);
+    } else {
+        const int64_t number = p->least + (int64_t)(random % (uint64_t)(p->most - p->least + 1));
+        buf_printf(out, "%g", (double)number / (p->type == VALUE_DECIMAL ? 1000 : 1));
+    }
+}
+
+/* Typed as it is told, a setting is what it was, all others as they were, and an undo is exact. */
+STORY(a_setting_is_told_as_it_is_typed)
+{
+    struct interpreter interp;
+    struct buf line = {0}, told = {0}, again = {0};
+    begin_interpreter(&interp);
+    must(&interp, "open synth:geom:20x20x20");
+    for (unsigned i = 0; i < 400; i++) {
+        const struct command *setting = setting_table;
+        for (unsigned n = i; n > 0; n--)
+            setting = setting[1].name ? setting + 1 : setting_table;
+        const struct state before = interp.session.now;
+        buf_clear(&line);
+        buf_clear(&told);
+        buf_clear(&again);
+        buf_add_text(&line, setting->name);
+        for (const struct parameter *p = setting->parameter; p->type; p++)
+            add_value(&line, p);
+        must(&interp, buf_text(&line));
+        setting_write(&told, setting, &interp.session.now);
+        const struct state now = interp.session.now;
+        setting_put(&interp.session.now, &setting->parameter->sets,
+                    setting_get(&before, &setting->parameter->sets));
+        must(&interp, buf_text(&told));
+        setting_write(&again, setting, &interp.session.now);
+        CHECK_TEXT(buf_text(&again), buf_text(&told));
+        CHECK(kept_equals(&now.kept, &interp.session.now.kept));
+        CHECK(outlook_equals(&now.outlook, &interp.session.now.outlook));
+    }
+    buf_release(&line);
+    buf_release(&told);
+    buf_release(&again);
+    interpreter_release(&interp);
+}
+
+/* What a session begins with is as usual: nothing that may be left out is told. */
+STORY(a_session_begins_with_what_is_usual)
+{
+    struct interpreter interp;
+    struct buf told = {0};
+    begin_interpreter(&interp);
+    must(&interp, "open synth:geom:20x20x20");
+    for (const struct command *setting = setting_table; setting->name; setting++)
+        for (const struct parameter *p = setting->parameter; p->type; p++) {
+            CHECK_INT(setting_get(&interp.session.now, &p->sets), p->sets.usual);
+            CHECK(p->sets.bytes == 1 || p->sets.bytes == 4);
+            CHECK(p->choices || (p->sets.usual >= p->least && p->sets.usual <= p->most));
+        }
+    settings_write(&told, GROUP_LOOK, &interp.session.now);
+    CHECK_TEXT(buf_text(&told), "shade surface, light -25 30, cue 30, edges off, samples 1, "
+                                "background gradient, decorate none, context none");
+    buf_release(&told);
+    interpreter_release(&interp);
+}
+
+STORY(parts_are_named_one_by_one_or_all_or_none)
+{
+    struct interpreter interp;
+    begin_interpreter(&interp);
+    must(&interp, "open synth:geom:20x20x20");
+    must(&interp, "decorate cross letters");
+    CHECK_TEXT(buf_text(&reply.canonical), "decorate letters cross");
+    must(&interp, "decorate all");
+    CHECK_INT(interp.session.now.outlook.decorations, DECORATE_ALL);
+    CHECK_INT(execute(&interp, "decorate none letters"), ERR_USAGE);
+    CHECK_INT(execute(&interp, "decorate letters none"), ERR_USAGE);
+    CHECK_INT(execute(&interp, "decorate leters"), ERR_USAGE);
+    CHECK_HAS(fault.text, "did you mean letters?");
+    CHECK_INT(interp.session.now.outlook.decorations, DECORATE_ALL);
+    must(&interp, "decorate none");
+    CHECK_INT(interp.session.now.outlook.decorations, 0);
+    interpreter_release(&interp);
+}
+
+int main(void)
+{
+    const int status = RUN_STORIES(TELL(each_member_of_a_state_is_a_setting_or_has_a_row),
+                                   TELL(a_setting_is_told_as_it_is_typed),
+                                   TELL(a_session_begins_with_what_is_usual),
+                                   TELL(parts_are_named_one_by_one_or_all_or_none));
+    reply_release(&reply);
+    return status;
+}
