@@ -511,6 +511,9 @@ expect_in far/subj 0 "$iftty" -c 'open b.nii' --journal "$work/linked/four.iftty
 same "$(names_of far/one.iftty)$(names_of far/two.iftty)$(names_of far/subj/three.iftty)" \
     "subj/b.nii $work/far/subj/b.nii raw:../subj/b.nii "
 same "$(names_of far/out/four.iftty)" "../subj/b.nii "
+expect 3 "$iftty" verify far/out/s.iftty # maps of strangers are read below the folder alone
+out_has "no file m.nii beside the journal or among the scenes (\$IFTTY_SCENES names their folders)"
+expect 0 env IFTTY_SCENES="$work/far/maps" "$iftty" verify far/out/s.iftty
 expect 0 "$iftty" verify far/one.iftty far/two.iftty far/out/four.iftty linked/four.iftty
 cp s.nii far/out/s.nii
 flip_byte far/out/s.nii 1000

@@ -3,11 +3,11 @@
  *
  * The program iftty-volume is started for one file or folder, takes from itself all but reading
  * that one and what its header names below its folder (Landlock, seccomp, limits), and ends with
- * it. What it says is believed no more than the
- * file: sizes are checked before anything is allocated, numbers before they are used, and its words
- * are its own; nothing that a file says in words (a patient's name, a date) comes out of it, but
- * names of data sets and, for the user who is to choose a series, their descriptions. Files of a
- * folder are named where something is wrong with them.
+ * it. What it says is believed no more than the file: sizes are checked before anything is
+ * allocated, numbers before they are used, and its words are its own; nothing that a file says in
+ * words (a patient's name, a date) comes out of it, but names of data sets, and of files that a
+ * header names and that are not read, and, for the user who is to choose a series, their
+ * descriptions. Files of a folder are named where something is wrong with them.
  *
  * The protocol, as in coprocess.h:
  *

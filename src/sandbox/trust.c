@@ -47,6 +47,7 @@ static enum err refuse(enum beneath answer, const char *name, const struct trust
                        struct fault *fault)
 {
     const char *hint = sought->is_scene ? "; expected --scene FILE" : "";
+    const char *where = sought->is_scene ? "" : " ($IFTTY_SCENES names their folders)";
     switch (sought->by_proof && answer == BENEATH_OUTSIDE ? BENEATH_MISSING : answer) {
     case BENEATH_FINE:
         return OK;
@@ -65,8 +66,8 @@ static enum err refuse(enum beneath answer, const char *name, const struct trust
         break;
     }
     return fault_set(fault, ERR_IO,
-                     "there is no %s %s beside the journal or among the scenes%s; nothing %s",
-                     sought->kind, name, hint, sought->undone);
+                     "there is no %s %s beside the journal or among the scenes%s%s; nothing %s",
+                     sought->kind, name, where, hint, sought->undone);
 }
 
 /* What makes a pair with `name`, which was found as `path`, is read with it. FINE where there is no
