@@ -61,7 +61,8 @@ nibabel.save(nibabel.Nifti1Image(values, scene.affine), 'many.nii')
 values[0, 0, 0] = -5
 nibabel.save(nibabel.Nifti1Image(values, scene.affine), 'negative.nii')
 END
-printf '2 Left-White 245 245 245 0\n5 Ventricle 1 2 3 0\n41 Right-White 0 225 0 0\n1001 ctx-lh-bankssts 25 100 40 0
+printf '2 Left-White 245 245 245 0\n5 Ventricle 1 2 3 0\n41 Right-White 0 225 0 0
+1001 ctx-lh-bankssts 25 100 40 0
 1002 ctx-lh-caudal 125 100 160 0\n1035 ctx-lh-insula 255 192 32 0\n2035 ctx-rh-insula 5 6 7 0\n' \
     >lut.txt # label 5 will be 1035, and 5 no label
 saves='save labels o.nii.gz; save labels o.nrrd; save labels o.seg.nrrd; save labels o.mha'

@@ -666,7 +666,7 @@ STORY(an_error_tells_where_in_the_line_it_is)
     is_wrong_at(&interp, "mask \"else where.nii\" regions=1", "\"else where.nii\"");
     is_wrong_at(&interp, "goto nowhere", "nowhere");
     is_wrong_at(&interp, "label 1 cerebellum", "cerebellum");
-    is_wrong_at(&interp, "save labels nowhere/x.nii", "nowhere/x.nii");
+    is_wrong_at(&interp, "save labels nowhere/x.nii empty=yes", "nowhere/x.nii");
     CHECK(execute(&interp, "open synth:geom") != OK); /* no word of it is wrong */
     CHECK_INT(fault.at, 0);
     interpreter_release(&interp);
@@ -828,7 +828,7 @@ STORY(completion_offers_what_may_stand_there)
     completes(&interp, "help seed ", "", 10);
     completes(&interp, "save ",
               "labels\ncost\nroot\nborder\ndistance\nmargin\nseeds\nnames\nsurface\nreplace="
-              "\nfinished=\nlabel=\nsmooth=\ntriangles=\n",
+              "\nfinished=\nlabel=\nsmooth=\ntriangles=\nempty=\n",
               5);
     completes(&interp, "save c", "cost\n", 5);
     completes(&interp, "save cost x.nii replace=y", "yes\n", 24);
@@ -1060,7 +1060,7 @@ STORY(a_hint_is_the_rest_of_the_usage)
     hints("overlay words=off ", "[none|tint|contour] [cross=on|off] [marks=on|off]");
     hints("slice axial a.png ", "[N] [zoom=fit|0.01..64] [replace=yes|no] [finished=yes|no]");
     hints("label 2 \"a", "");
-    hints("label \"2\"", " NAME [#rrggbb]");
+    hints("label \"2\"", " NAME [#rrggbb] [number=1..65533]");
     hints("\"seed\" ",
           "X,Y,Z LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] "
           "[joined=yes] [shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");

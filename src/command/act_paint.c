@@ -117,10 +117,11 @@ static enum err plant(const struct act *act, struct voxels *voxels, int16_t labe
 /*
  * A gesture frees the pieces of a file that it is planted in (session/markers.h) as far as it says
  * how far it is to be heeded, or three times its radius around its middle; that of a box is half
- * its thinnest side, and that of a polygon 0. No less than FREES_LEAST voxels, and no more than
- * FREES_MORE voxels around what is planted. bench mend (tests/bench) has measured it.
+ * its thinnest side, and that of a polygon 0. No less than FREES_LEAST voxels, no more than
+ * FREES_MORE voxels around what is planted, and FREES_MOST in all; voxels of a radius in
+ * millimetres are as long as their shortest side. bench mend (tests/bench) has measured it.
  */
-enum { FREES_TIMES = 3, FREES_LEAST = 2, FREES_MORE = 10 };
+enum { FREES_TIMES = 3, FREES_LEAST = 2, FREES_MORE = 10, FREES_MOST = 160 };
 
 /* The marker that the command has planted frees voxels, which are let go of. */
 static enum err free_voxels(const struct act *act, struct voxels *voxels, enum err err)
@@ -132,10 +133,10 @@ static enum err free_voxels(const struct act *act, struct voxels *voxels, enum e
     return err;
 }
 
-static int64_t longest(const uint32_t unit[3])
+static int64_t shortest(const uint32_t unit[3])
 {
-    const uint32_t most = unit[0] > unit[1] ? unit[0] : unit[1];
-    return most > unit[2] ? most : unit[2];
+    const uint32_t least = unit[0] < unit[1] ? unit[0] : unit[1];
+    return least < unit[2] ? least : unit[2];
 }
 
 static int64_t freed_radius(int64_t radius, int64_t voxel)
@@ -152,7 +153,6 @@ static enum err free_around_way(const struct act *act, const struct value *place
                                 const struct value *radius, const struct value *to,
                                 const struct value *within)
 {
-    static const int64_t most_nm = 1000000000;
     const struct session *session = act->session;
     const uint32_t(*corner)[3] =
         to->given ? (const uint32_t(*)[3])to->line->corner : (const uint32_t(*)[3]) & place->place;
@@ -160,13 +160,13 @@ static enum err free_around_way(const struct act *act, const struct value *place
     const uint32_t *unit = in_mm ? session->scene->spacing_nm : ones;
     const int64_t freed = within->given
                               ? within->number
-                              : freed_radius(radius->given ? radius->number : 0, longest(unit));
+                              : freed_radius(radius->given ? radius->number : 0, shortest(unit));
+    const int64_t most = FREES_MOST * shortest(unit);
     struct brush brush = {0};
     struct voxels voxels = {0};
     if (!session->markers.yields)
         return OK;
-    enum err err = brush_init(&brush, unit, freed < most_nm ? freed : most_nm,
-                              BRUSH_HOLLOW_REACH_MOST, act->fault);
+    enum err err = brush_init(&brush, unit, freed < most ? freed : most, FREES_MOST, act->fault);
     if (!err)
         err = paint_stroke(&voxels, &session->scene->grid, &brush, corner,
                            to->given ? to->line->count : 1, session->watch, act->fault);
