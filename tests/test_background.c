@@ -116,7 +116,7 @@ STORY(each_word_is_a_background_and_info_prints_it)
     has_background(&interp, "background white", BACKGROUND_WHITE);
     has_background(&interp, "background #E0a010", BACKGROUND_PLAIN | 0xe0a010);
     must(&interp, "info");
-    CHECK_HAS(buf_text(&reply.text), "background #e0a010\n");
+    CHECK_HAS(buf_text(&reply.text), ", background #e0a010, ");
     has_background(&interp, "background transparent", BACKGROUND_CLEAR);
     must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), ", background transparent, ");
