@@ -91,7 +91,7 @@ grep -aqx 'Segment5_LabelValue:=2035' o.seg.nrrd || fail "$(strings o.seg.nrrd |
 grep -aqx 'Segment5_Name:=ctx-rh-insula' o.seg.nrrd || fail "$(strings o.seg.nrrd | grep Segment5)"
 grep -aqx 'Segment0_Extent:=5 7 3 14 4 11' o.seg.nrrd || fail "$(strings o.seg.nrrd | grep Ext)"
 grep -q '^ 1035    255  192   32 .*"ctx-lh-insula"' o.txt || fail "$(cat o.txt)"
-grep -qx '2035 ctx-rh-insula 5 6 7 0' o.ctbl || fail "$(cat o.ctbl)"
+grep -qx '2035 ctx-rh-insula 5 6 7 255' o.ctbl || fail "$(cat o.ctbl)"
 grep -qx 'o 2035 ctx-rh-insula' o.obj || fail "$(grep '^o ' o.obj)"
 grep -aq 'type="UInt16" Name="label"' o.vtp || fail "$(strings o.vtp | head)"
 grep -q '^6,"ctx-rh-insula",.*,2035$' o.csv || fail "$(cat o.csv)"

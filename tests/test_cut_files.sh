@@ -93,7 +93,7 @@ for name in itk.mhd list.mhd; do
 done
 sed -i '$d' list.mhd
 expect 3 "$iftty" -c "open list.mhd volume=1"
-err_has "its header names 1 file with voxels, and they are 2"
+err_has "its header names 1 file, and says that it has 2 pieces"
 expect 3 "$iftty" -c "open loose.mha"
 err_has "its voxels are packed, and its header lacks CompressedDataSize"
 close_story
