@@ -163,7 +163,7 @@ press Escape
 see '^i seed '
 type_letters ":label 5 "
 tmux_here paste-buffer -p -b paste -t prompt
-see '^:label 5 box 10 xx u seed 1,1,1 2 q$'
+see '^:label 5 box 10 xx u seed 1,1,1 2 q( \[number=1\.\.65533\])?$'
 press Enter
 see '^error: '
 type_letters "?"
@@ -213,7 +213,7 @@ enter "help"
 see '^The scene'
 see '^1-23 of [0-9]+  q: leave, Space, b'
 press Space
-see '^goto PLACE '
+see '^remove X,Y,Z '
 type_letters "q"
 see '^coronal y=13 '
 type_letters ":"
