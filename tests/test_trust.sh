@@ -238,6 +238,39 @@ done
 rm -f p.iftty
 close_story
 
+begin "one data set of many, and a header without voxels, are not read by a proof, under any name"
+rm -f p.iftty away.nii "$target"
+/usr/bin/python3 - "$work/annex" <<'EOP' || fail "no files"
+import os, sys
+import h5py, numpy
+os.chdir(sys.argv[1])
+with h5py.File("sets", "w") as file: # one number, which a few journals would guess
+    file["large"] = numpy.zeros((6, 7, 8), "u1")
+    file["small"] = numpy.full((1, 1, 1), 42, "u1")
+with open("meta", "w") as file:
+    file.write("ObjectType = Image\nNDims = 3\nDimSize = 8 7 6\nElementSpacing = 1 1 1\n"
+               "ElementType = MET_UCHAR\nElementDataFile = v.raw\n")
+with open("nrrd", "w") as file:
+    file.write("NRRD0004\ntype: uint8\ndimension: 3\nsizes: 8 7 6\nspacings: 1 1 1\n"
+               "encoding: raw\ndata file: v.raw\n\n")
+EOP
+seq 1 1000 | head -c 336 >v.raw
+for opens in 'sets nii data=small' 'sets mnc data=small' 'meta mha' 'nrrd nrrd'; do
+    # shellcheck disable=SC2086
+    set -- $opens
+    ln -sf "$work/annex/$1" "away.$2"
+    rm -f p.iftty
+    expect 0 "$iftty" -c "open away.$2 $3" --journal p.iftty
+    expect 3 "$iftty" verify p.iftty
+    out_has "there is no scene away."
+    expect 3 loose "$iftty" verify p.iftty --unconfined
+    out_has "there is no scene away."
+done
+rm -f p.iftty away.* v.raw
+ln -s "$target" away.nii
+cp s.nii "$target"
+close_story
+
 begin "what is put in the place of a scene meanwhile is not shown"
 expect 0 "$iftty" -c "$by_link; seed 2,3,4 1; run; slice axial 3 seen.png" --journal p.iftty
 rm -f seen.png

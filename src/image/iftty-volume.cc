@@ -59,7 +59,10 @@ void confine_to_request(const Request &request, const Files &files)
         confine_to(needs.places.data(), needs.places.size());
         named = named_files(request);
     }
-    if (request.kind != "hdf5" && request.kind != "any")
+    const bool is_beside = request.kind == "hdf5" || request.kind == "any";
+    if (request.is_alone && (is_beside || !named.empty()))
+        refuse("its voxels may lie in other files, or be a few of many");
+    if (!is_beside)
         needs.places = {own};
     for (const std::string &name : is_header ? named : files.targets)
         needs.places.push_back({name.c_str(), CONFINE_READ});
@@ -83,11 +86,12 @@ Request receive_request()
         leave(2);
     request.kind = line.substr(5, kind - 5);
     size_t at = kind + 1;
-    const uint64_t flags = take_number(line, at, 15);
+    const uint64_t flags = take_number(line, at, 31);
     request.follows_links = flags & 1;
     request.fills_gaps = flags & 2;
     request.lists = flags & 4;
     request.is_old = flags & 8;
+    request.is_alone = flags & 16;
     request.series = take_number(line, at, number_most);
     request.volume = take_number(line, at, UINT32_MAX);
     const uint64_t wanted = take_number(line, at, path_most);

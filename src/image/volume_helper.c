@@ -31,6 +31,7 @@ enum {
     FILL_GAPS = 2,
     SHOW_LIST = 4,
     AS_BEFORE = 8,
+    ALONE = 16,
     LIST_MOST = 200100,
     SERIES_MOST = 100000,
     BYTES_PER_MS = 20000,
@@ -192,7 +193,8 @@ static bool ask(struct volume_helper *helper, const char *kind, const char *path
     const unsigned flags = (volume_helper_is_wary ? 0u : (unsigned)FOLLOW_LINKS) |
                            (choice->fills_gaps ? (unsigned)FILL_GAPS : 0u) |
                            (choice->list ? (unsigned)SHOW_LIST : 0u) |
-                           (choice->folders_as_before ? (unsigned)AS_BEFORE : 0u);
+                           (choice->folders_as_before ? (unsigned)AS_BEFORE : 0u) |
+                           (choice->proof ? (unsigned)ALONE : 0u);
     int length = snprintf(line, sizeof line, "open %s %u %" PRIu32 " %" PRIu32, kind, flags,
                           choice->series, choice->volume);
     for (int i = 0; i < TEXTS; i++)

@@ -32,9 +32,10 @@
  * KIND is a word of the table in volume_helper.c. FLAGS: 1 links in a folder are followed, 2 blank
  * slices take the place of those that are missing, 4 before an error there may be a list of series,
  * in which their files have words, 8 mosaics are one slice, and damaged files of a folder are left
- * out. SERIES counts from 1, 0 is for the only one, or for the one of
- * whose description the word is a piece; an answer says its NUMBER. The skip are names of files
- * that are left out, with commas between them. VOLUME counts from 0; the data are the name of a
+ * out, 16 a file whose voxels lie in others, or may, is refused, and so is one of many data sets.
+ * SERIES counts from 1, 0 is for the only one, or for the one of whose description the word is a
+ * piece; an answer says its NUMBER. The skip are names of files that are left out, with commas
+ * between them. VOLUME counts from 0; the data are the name of a
  * data set, the room a folder that the helper may write into, if any, which the client removes.
  * KNOWN: 1 the spacing, 2 the place.
  * The numbers are doubles of this machine: the three rows of the matrix to the world (right,

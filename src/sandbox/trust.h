@@ -17,8 +17,9 @@
  *          is not that scene, whatever else it is, a folder, a device, or something that was put in
  *          its place meanwhile, all is as if there were nothing: the same words, the same status,
  *          nothing drawn and nothing written. So no one learns of a file what he does not know. A
- *          part of it (crop, reduce) could be guessed voxel by voxel, and voxels without a header
- *          (raw:) byte by byte: these are not read so, nor are masks, maps and lists;
+ *          part of it (crop, reduce, a data set of HDF5) could be guessed voxel by voxel, voxels
+ *          without a header (raw:) byte by byte, and a header without voxels by one's own voxels
+ *          beside a link: these are not read so, nor are masks, maps and lists;
  *     (T2) for writing, the folder of --out, or a fresh temporary one, by the last part of a name;
  *          nothing there is overwritten but what the same replay has written;
  *     (T3) so much memory, time and output (limits.h).
