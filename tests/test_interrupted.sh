@@ -113,6 +113,33 @@ for line in 'undo' 'branch other' 'seed 9,9,9 1'; do # somebody went on by hand
 done
 close_story
 
+begin "files are the same ones wherever the journal lies, and beside the folder that one is in"
+mkdir -p far/subj far/out far/home far/tables
+make_scene far/subj/s.nii 24 20 16
+make_scene far/subj/m.nii 24 20 16
+ln -s s.nii far/subj/link.nii
+printf '3,3,3,1\n9,9,9,1\n' >"far/tables/a b.csv"
+cat >far/script <<'END'
+open subj/link.nii
+mask ./subj/m.nii regions=1-255
+weight ~/w.nii
+seed-file "tables/a b.csv" label=1
+seed 20,15,12 2
+run
+END
+cp far/subj/m.nii far/home/w.nii
+HOME=$work/far/home expect_in far 0 "$iftty" run script --journal out/whole.iftty
+for made in 1 2 3 4 5 6; do
+    awk -v last="$made" '{ print } /^= / && $2 == last { exit }' far/out/whole.iftty \
+        >far/out/k.iftty
+    HOME=$work/far/home expect_in far 0 "$iftty" run script --journal out/k.iftty
+    same_files far/out/k.iftty far/out/whole.iftty
+done
+sed 's/link.nii/m.nii/' far/script >far/other
+HOME=$work/far/home expect_in far 3 "$iftty" run other --journal out/k.iftty
+err_has 'other:1: this line is `open subj/m.nii`, and record 1 of out/k.iftty is `open ../subj/link'
+close_story
+
 begin "comments of the script that were changed stay as they are in the journal, which is said"
 beginning 5
 sed 's/# where/# and where/' again/script >again/other

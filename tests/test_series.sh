@@ -102,6 +102,11 @@ for words in 'series="1_mprage s"' series=2 series=002; do
     expect 0 "$iftty" verify --scene study "$work/kept/j.iftty"
     rm -rf "$work/kept/j.golden"
 done
+printf 'open study series="1_mprage s"\nseed 9,12,6 1\nrun\n' >script # and when it goes on
+expect 0 "$iftty" run script --journal "$work/kept/j.iftty.whole"
+awk '{ print } /^= 2/ { exit }' "$work/kept/j.iftty.whole" >"$work/kept/k.iftty"
+expect 0 "$iftty" run script --journal "$work/kept/k.iftty"
+same_files "$work/kept/k.iftty" "$work/kept/j.iftty.whole"
 expect 0 "$iftty" log --export "$work/kept/prov.json" "$work/kept/j.iftty"
 printf 'open study\nopen study series=9\n' >"$work/v/j"
 expect 3 "$iftty" replay j >"$work/kept/replayed" 2>&1

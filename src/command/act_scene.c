@@ -155,20 +155,13 @@ static enum err open_outside(const struct act *act, const char *name, struct vol
     return session->has_scene ? OK : watch_fault(watch, act->fault);
 }
 
-/* What is recorded: a series by its number, whatever piece of its description was given, since
- * descriptions may be about the patient; and the weight. */
+/* What is recorded. */
 static void write_canonical(const struct act *act, bool has_weight)
 {
     struct buf *canonical = &act->reply->canonical;
     const struct session *session = act->session;
-    if (act->value[OPEN_SERIES].given && session->series) {
-        struct call call = {.command = act->command};
-        memcpy(call.value, act->value, sizeof call.value);
-        call.value[OPEN_SERIES].text = NULL;
-        call.value[OPEN_SERIES].number = session->series;
-        buf_clear(canonical);
-        command_write(canonical, &call);
-    }
+    buf_clear(canonical);
+    opening_write(canonical, act->command, act->value, session->series);
     if (has_weight) {
         buf_add_text(canonical, " weight=");
         opening_write_weight(canonical, &session->now.kept.weight);

@@ -109,6 +109,18 @@ enum err opening_choice(struct volume_choice *choice, const char **name, const s
     return err;
 }
 
+void opening_write(struct buf *out, const struct command *open, const struct value *value,
+                   uint32_t series)
+{
+    struct call call = {.command = open};
+    memcpy(call.value, value, sizeof call.value);
+    if (value[OPEN_SERIES].given && series) {
+        call.value[OPEN_SERIES].text = NULL;
+        call.value[OPEN_SERIES].number = series;
+    }
+    command_write(out, &call);
+}
+
 /* ---- weights ---- */
 
 enum { PLACES_NUMBER = 0, PLACES_DECIMAL = 3 };

@@ -34,6 +34,11 @@ enum opening {
 enum err opening_choice(struct volume_choice *choice, const char **name, const struct value *value,
                         struct fault *fault);
 
+/* `open` with these values as its record has it, without the weight: a series by its number,
+ * whatever piece of its description was given, since descriptions may be about the patient. */
+void opening_write(struct buf *out, const struct command *open, const struct value *value,
+                   uint32_t series);
+
 /* The arc weights that a scene is opened with, "morph", or with what they take, "gauss:1.5": as
  * records have them, so that they mean the same once another weight is the default. ERR_USAGE. */
 enum err opening_weight(struct weight_choice *weight, const char *text, struct fault *fault);

@@ -6,6 +6,7 @@
 #include "base/mem.h"
 #include "base/scan.h"
 #include "command/act.h"
+#include "command/opening.h"
 #include "command/script.h"
 
 /* ---- which script it is ---- */
@@ -191,6 +192,19 @@ static enum err give_comments(struct recorded *recorded, const struct interprete
     return err;
 }
 
+/* The line as its record has it, as far as that is known without carrying it out: with files as
+ * seen from the journal, and a series by its number. */
+static enum err write_line(struct buf *out, const struct interpreter *interp, struct call *call,
+                           struct fault *fault)
+{
+    const enum err err = interpreter_settle_name(interp, call, fault);
+    if (call->command->act == act_open)
+        opening_write(out, call->command, call->value, interp->session.series);
+    else
+        command_write(out, call);
+    return err;
+}
+
 /* By the first line that would be recorded. */
 static void decide(struct recorded *recorded, const struct interpreter *interp,
                    const struct call *call, const char *canonical)
@@ -203,10 +217,12 @@ static void decide(struct recorded *recorded, const struct interpreter *interp,
 
 /* `call` is of the line. */
 static enum err take(struct recorded *recorded, struct interpreter *interp, const char *line,
-                     const struct call *call, bool *taken, struct reply *reply, struct fault *fault)
+                     struct call *call, bool *taken, struct reply *reply, struct fault *fault)
 {
     const bool is_recorded = call->command->flags & COMMAND_RECORDED;
-    command_write(&reply->canonical, call);
+    const enum err err = write_line(&reply->canonical, interp, call, fault);
+    if (err)
+        return err;
     if (recorded->mode == RECORDED_UNDECIDED && is_recorded)
         decide(recorded, interp, call, buf_text(&reply->canonical));
     *taken = recorded->mode == RECORDED_FOLLOWS;
