@@ -105,6 +105,28 @@ out_has 'numbers   6 labels are 2 to 2035 in files; `stats` lists them'
 grep -q '^    1 .*"one"' n.txt || fail "undo leaves numbers: $(cat n.txt)"
 close_story
 
+begin "whole numbers are those of the file, though it has them as real ones"
+/usr/bin/python3 - <<'END' || fail "cannot make the map"
+import nibabel, numpy
+scene = nibabel.load('s.nii')
+values = numpy.zeros(scene.shape, numpy.float32)
+values[2:9], values[12:16], values[16:20] = 1003, 2035, 14175
+nibabel.save(nibabel.Nifti1Image(values, scene.affine), 'real.nii')
+values[0, 0, 0] = 0.5
+nibabel.save(nibabel.Nifti1Image(values, scene.affine), 'half.nii')
+END
+expect 0 "$iftty" -c 'open s.nii; labels real.nii; save labels whole.nii; compare real.nii'
+out_has 'label 3 (14175): '
+out_has '0 of 7680 voxels differ'
+/usr/bin/python3 - <<'END' || fail "nibabel finds other numbers"
+import nibabel, numpy
+was, now = nibabel.load('real.nii'), nibabel.load('whole.nii')
+assert (numpy.asarray(was.dataobj) == numpy.asarray(now.dataobj)).all()
+END
+expect 3 "$iftty" -c 'open s.nii; labels half.nii'
+err_has 'regions are whole numbers; nothing has changed'
+close_story
+
 begin "no two labels are one number in a file"
 expect 3 "$iftty" -c 'open s.nii; labels gone.nii.gz; seed 1,1,1 41; save labels two.nii'
 err_has 'label 41 would be 41 in a file, and that is the number of label 2'

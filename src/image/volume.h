@@ -77,6 +77,7 @@ struct volume_choice {
     bool folders_as_before; /* mosaics of DICOM are one slice, and damaged files are left out */
     bool by_extremes;       /* scales of reals and of wide whole numbers reach from the least to the
                           greatest, as before MEANING_LEVELS (session/semantics.h) */
+    bool whole_are_exact;   /* and yet real numbers that are whole, and fit 16 bits, are exact */
     bool as_recorded; /* series, fills_gaps and data are left out, and this is noted, where the
                          format has no such thing; else refused */
 };

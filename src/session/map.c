@@ -93,7 +93,7 @@ static enum err choose(struct volume_reader *reader, const struct map_place *pla
     const uint32_t *size = place->grid->size;
     const bool is_shifted = place->resample && geometry_has_place(&header->geometry) &&
                             geometry_has_place(place->geometry); /* then all of it is needed */
-    struct volume_choice choice = {.nearest = true, .by_extremes = true};
+    struct volume_choice choice = {.nearest = true, .by_extremes = true, .whole_are_exact = true};
     struct regrid_order order;
     enum err err = OK;
     if (part && !is_shifted && same_size(size, part->size) &&
