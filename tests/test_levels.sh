@@ -72,6 +72,8 @@ expect 0 "$iftty" -c 'open quotients.nii.gz; info'
 out_has 'values far from all others'
 expect 0 "$iftty" -c 'open plain.nii; info'
 out_lacks 'far from all others'
+expect 0 "$iftty" info --histogram holes.nii
+out_has "note      $((12 * 10 + 1)) voxels are no number or infinite: taken for "
 expect 0 "$iftty" info --histogram far4.nii
 out_has 'scale     0..1.9'
 out_has '0 voxels below, 1 above'

@@ -263,24 +263,17 @@ static void add_scale(struct facts *f, const struct levels *levels)
 }
 
 /* Of all voxels, between the values that would be black and white. */
-static enum err add_histogram(struct facts *f, const char *path, struct fault *fault)
+static void add_histogram(struct facts *f, const struct volume *volume)
 {
     static uint32_t count[UINT16_MAX + 1];
-    struct volume volume;
-    enum err err = volume_read(&volume, path, NULL, console_watch(), fault);
-    console_erase_progress();
-    if (err)
-        return err;
-    const size_t voxels = (size_t)volume.size[0] * volume.size[1] * volume.size[2];
+    const size_t voxels = (size_t)volume->size[0] * volume->size[1] * volume->size[2];
     for (size_t i = 0; i < voxels; i++)
-        count[volume.intensity[i]]++;
-    histogram_of_counts(&f->histogram, count, &volume.geometry);
+        count[volume->intensity[i]]++;
+    histogram_of_counts(&f->histogram, count, &volume->geometry);
     f->has_histogram = true;
-    add_scale(f, volume.levels);
-    volume_release(&volume);
+    add_scale(f, volume->levels);
     if (f->is_json)
         add_json_histogram(&f->json, &f->histogram);
-    return OK;
 }
 
 /* What `open` says of the file, a line each. */
@@ -322,8 +315,13 @@ static enum err read_header(struct volume_header *facts, const struct facts *f, 
 static enum err add_scene(struct facts *f, const char *path, struct fault *fault)
 {
     struct volume_header facts;
+    struct volume volume = {0};
     char towards[4];
-    const enum err err = read_header(&facts, f, path, fault);
+    enum err err = read_header(&facts, f, path, fault);
+    if (!err && f->wants_histogram) {
+        err = volume_read(&volume, path, NULL, console_watch(), fault);
+        console_erase_progress();
+    }
     if (err)
         return err;
     const bool oriented = facts.geometry.orientation != ORIENTATION_UNKNOWN;
@@ -336,10 +334,13 @@ static enum err add_scene(struct facts *f, const char *path, struct fault *fault
     add_spacing(f, &facts.geometry);
     add_text(f, "axes", oriented ? towards : "unknown");
     add_text(f, "order", facts.big_endian ? "big-endian" : "little-endian");
-    add_open_notes(f, facts.notes);
+    add_open_notes(f, f->wants_histogram ? volume.notes : facts.notes);
     if (*facts.refusal)
         add_text(f, "refused", facts.refusal);
-    return f->wants_histogram ? add_histogram(f, path, fault) : OK;
+    if (f->wants_histogram)
+        add_histogram(f, &volume);
+    volume_release(&volume);
+    return OK;
 }
 
 static enum err add_journal(struct facts *f, const char *path, struct fault *fault)
