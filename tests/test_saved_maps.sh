@@ -151,7 +151,7 @@ err_has "FreeSurfer's files hold no numbers up to 4294967295; expected .nii.gz, 
 expect 0 "$iftty" -c "open s.nii; $start; save labels s.mgz"
 out_has 'where it lies is as unknown in it as in the scene'
 expect 0 "$iftty" -c "open s.nii; seed-file s.mgz"
-expect 0 "$iftty" -c "open f-cost.mgz; save labels again.mgz empty=yes" # a scene and its map: bit for bit
+expect 0 "$iftty" -c "open f-cost.mgz; save labels again.mgz empty=yes" # bit for bit
 /usr/bin/python3 - 2>err <<'END' || fail "$(cat err)"
 import gzip
 a, b = (gzip.open(name).read()[30:90] for name in ("f-cost.mgz", "again.mgz"))

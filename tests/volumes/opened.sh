@@ -9,8 +9,8 @@ opened_as() {
     shift 2
     rm -f "$work"/[ab].nii "$work"/[ab].iftty
     expect 0 "$iftty" -c "open $twin; save labels $work/b.nii empty=yes" --journal "$work/b.iftty"
-    expect 0 "$iftty" -c "open $name $*; save labels $work/a.nii empty=yes" --journal "$work/a.iftty" ||
-        return
+    expect 0 "$iftty" -c "open $name $*; save labels $work/a.nii empty=yes" \
+        --journal "$work/a.iftty" || return
     for key in scene sha256 size spacing-nm; do
         value=$(last_word $key "$work/a.iftty")
         [ -n "$value" ] && [ "$value" = "$(last_word $key "$work/b.iftty")" ] ||
