@@ -110,7 +110,7 @@ begin "whole numbers are those of the file, though it has them as real ones"
 import nibabel, numpy
 scene = nibabel.load('s.nii')
 values = numpy.zeros(scene.shape, numpy.float32)
-values[2:9], values[12:16], values[16:20] = 1003, 2035, 14175
+values[2:9], values[12:16], values[16:20] = 1010, 1018, 14175
 nibabel.save(nibabel.Nifti1Image(values, scene.affine), 'real.nii')
 values[0, 0, 0] = 0.5
 nibabel.save(nibabel.Nifti1Image(values, scene.affine), 'half.nii')

@@ -121,9 +121,11 @@ begin "one bad file among many names itself, and may be left out, which is count
 for name in damaged cut-header; do
     refused "IM2-4 is damaged: fetch it again; skip=IM2-4 leaves it out" "open $name series=2"
 done
+refused "IM2-4 is an image without pixels: fetch it again; skip=IM2-4 leaves it out" \
+    "open cut-between series=2"
 refused "IM2-4 is slice 5 of 14, which cannot be decoded" "open undecodable series=2"
 err_has "; skip=IM2-4 leaves it out"
-for name in damaged cut-header undecodable; do
+for name in damaged cut-header cut-between undecodable; do
     refused "a slice is missing (1 after slice 4) of 14" "open $name series=2 skip=IM2-4"
     rm -f j.iftty
     expect 0 "$iftty" -c "open $name series=2 skip=IM2-4 missing=blank" --journal j.iftty
@@ -133,6 +135,17 @@ done
 expect 0 "$iftty" -c "open damaged series=2 skip=IM2-4,IM2-13,IM2-12 missing=blank"
 out_has "26x22x12 voxels"
 out_has "skip: 3 files left out"
+mkdir with-report
+cp study/IM2-* with-report
+"$PYTHON" -c "
+import pydicom
+report = pydicom.dcmread('study/IM2-4')
+report.file_meta.MediaStorageSOPClassUID = '1.2.840.10008.5.1.4.1.1.88.11'
+for name in 'PixelData', 'Rows', 'Columns':
+    delattr(report, name)
+report.save_as('with-report/SR')" || fail "pydicom writes no report"
+opened_as with-report study.twin.nii
+out_has "1 file of DICOM without pixels left out"
 mkdir -p "below/deep, er"
 cp damaged/IM2-4 "below/deep, er/of it"
 cp study/IM2-* below

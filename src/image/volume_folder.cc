@@ -250,6 +250,8 @@ bool scan_named(std::vector<Slice> &slices, const Request &request, const std::s
     }
     if (!is_dicom && !request.is_old && has_dicom_mark(path))
         throw Refusal{words};
+    if (is_dicom && !request.is_old && slices.size() == before && is_of_images(path))
+        throw Refusal{about_file(name, "is an image without pixels: fetch it again")};
     for (size_t i = before; i < slices.size(); i++)
         slices[i].name = name;
     return is_dicom;
@@ -296,6 +298,8 @@ void open_folder(Volume &volume, const Request &request, const Files &all)
         others += png.size() + tiff.size();
     if (skipped)
         note(volume, "skip: " + plural_of(skipped, "file") + " left out");
+    if (without && !request.is_old)
+        note(volume, plural_of(without, "file") + " of DICOM without pixels left out");
     if (others + files.links)
         note(volume, plural_of(others + files.links, "file") + " of other kinds left out");
 }

@@ -127,6 +127,9 @@ using Series = std::vector<Slice>;
  * several, unless they are to be one. */
 bool scan(std::vector<Slice> &slices, const std::string &path, bool splits_mosaics);
 
+/* Whether a file of DICOM says that it is an image, as one does that was cut before its pixels. */
+bool is_of_images(const std::string &path);
+
 /* A file of DICOM as it is read: what is deflated, inflated. Nothing where it is none. */
 std::unique_ptr<std::istream> open_bytes(const std::string &path);
 

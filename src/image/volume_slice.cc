@@ -9,6 +9,7 @@
 
 #include <gdcmReader.h>
 #include <gdcmSequenceOfItems.h>
+#include <gdcmUIDs.h>
 
 namespace volume
 {
@@ -222,6 +223,20 @@ bool scan(std::vector<Slice> &slices, const std::string &path, bool splits_mosai
     else
         slices.push_back(slice);
     return true;
+}
+
+bool is_of_images(const std::string &path)
+{
+    static const gdcm::Tag class_tag(0x0002, 0x0002), end_tag(0x0008, 0x0000);
+    const auto in = open_bytes(path);
+    gdcm::Reader reader;
+    gdcm::UIDs uid;
+    if (!in)
+        return false;
+    reader.SetStream(*in);
+    return reader.ReadUpToTag(end_tag, {}) &&
+           uid.SetFromUID(text_of(reader.GetFile().GetHeader(), class_tag).c_str()) &&
+           std::strstr(uid.GetName(), "Image Storage");
 }
 
 } // namespace volume

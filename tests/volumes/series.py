@@ -205,7 +205,7 @@ def make_series(folder):
     for number in range(30):
         save_all(os.path.join(folder, "many"), few[:1], number + 1, Modality="MR",
                  SeriesDescription="protocol with a long name, and number %d" % (number + 1))
-    for name in ("damaged", "cut-header", "undecodable"):
+    for name in ("damaged", "cut-header", "cut-between", "undecodable"):
         shutil.copytree(path, os.path.join(folder, name))
         file = os.path.join(folder, name, "IM2-4")
         with open(file, "rb") as source:
@@ -213,6 +213,7 @@ def make_series(folder):
         at = contents.index(b"\x20\0\x37\0DS")  # the orientation
         broken = {"damaged": contents[:at + 4] + b"OB\0\0\xff\xff\xff\x7f" + contents[at + 8:],
                   "cut-header": contents[:at + 5],
+                  "cut-between": contents[:at],
                   "undecodable": contents}
         with open(file, "wb") as target:
             target.write(broken[name])
