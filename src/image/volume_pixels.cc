@@ -276,7 +276,8 @@ void check_pixels(Volume &volume, const std::vector<Slice> &slices)
     }
     if (lacking)
         refuse("%s%s", lack.c_str(),
-               lacking > 1 ? words_of("; pixels are missing in %zu files in all", lacking).c_str() : "");
+               lacking > 1 ? words_of("; pixels are missing in %zu files in all", lacking).c_str()
+                           : "");
     if (first.stored && first.stored < first.bits && first.high + 1 != first.stored)
         note(volume, words_of("it says of its numbers that they have %u bits, up to bit %u: they "
                               "are taken as they stand",

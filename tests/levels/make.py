@@ -1,4 +1,4 @@
-"""Scenes of real and of wide whole numbers, by nibabel, and how many of their voxels are in a range.
+"""Scenes of real and of wide whole numbers, by nibabel; how many voxels are in a range.
 
     make.py FOLDER             makes them
     make.py count FILE LOW HIGH    as nibabel reads the file, in the precision that it has
