@@ -132,6 +132,24 @@ cp first.png study/a.golden
 locked 0
 close_story
 
+begin "nothing is said of a file that a link leads to in the place of a golden image or PNG"
+echo 'a secret' >secret
+hidden=$(sha256sum secret | cut -d ' ' -f 1)
+for name in first.exr first.png; do
+    cp study/a.golden/$name kept
+    ln -sf "$work/secret" study/a.golden/$name
+    for way in '' "/usr/bin/python3 $top/tests/volumes/without_landlock.py"; do
+        # shellcheck disable=SC2086
+        expect 1 $way "$iftty" verify --lock "$lock"
+        out_has ", and there is none now"
+        ! grep -q "$hidden" out err || fail "its digest is told: $(grep "$hidden" out err)"
+    done
+    rm study/a.golden/$name
+    mv kept study/a.golden/$name
+done
+locked 0
+close_story
+
 begin "a lock of version 1, which pins no PNG, is valid as it was, and says so"
 cp "$lock" kept
 sed '1s/2/1/; /^png /d' kept >"$lock"

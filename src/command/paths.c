@@ -265,16 +265,8 @@ enum err interpreter_settle_name(const struct interpreter *interp, struct call *
 enum err interpreter_may_read(const struct interpreter *interp, const char *path,
                               struct fault *fault)
 {
-    struct buf goldens = {0}, folder = {0};
-    if (!interpreter_is_wary(interp))
-        return OK;
-    file_folder(&goldens, path);
-    file_folder(&folder, buf_text(&goldens));
-    const char *name = path + (file_name(buf_text(&goldens)) - buf_text(&goldens));
     const enum beneath answer =
-        goldens.failed || folder.failed ? BENEATH_OUTSIDE : beneath_look(buf_text(&folder), name);
-    buf_release(&goldens);
-    buf_release(&folder);
+        interpreter_is_wary(interp) ? trust_look_at_golden(path) : BENEATH_FINE;
     if (answer == BENEATH_FINE || answer == BENEATH_MISSING)
         return OK; /* the reader says that it is missing */
     return fault_set(fault, ERR_INPUT, "the journal may not read %s, which %s", path,

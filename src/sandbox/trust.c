@@ -4,7 +4,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "base/beneath.h"
 #include "base/confine.h"
 #include "base/file.h"
 #include "image/pair.h"
@@ -157,6 +156,21 @@ bool trust_find_outside(struct buf *path, const char *home, const char *scenes, 
                 !file_is_named(buf_text(path), HEADERS_ALONE) && !other.failed && take_pair(path);
     buf_release(&other);
     return leads_out;
+}
+
+/* ---- beside a journal ---- */
+
+enum beneath trust_look_at_golden(const char *path)
+{
+    struct buf goldens = {0}, folder = {0};
+    file_folder(&goldens, path);
+    file_folder(&folder, buf_text(&goldens));
+    const char *name = path + (file_name(buf_text(&goldens)) - buf_text(&goldens));
+    const enum beneath answer =
+        goldens.failed || folder.failed ? BENEATH_OUTSIDE : beneath_look(buf_text(&folder), name);
+    buf_release(&goldens);
+    buf_release(&folder);
+    return answer;
 }
 
 /* ---- confinement ---- */

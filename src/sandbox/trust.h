@@ -37,6 +37,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "base/beneath.h"
 #include "base/buf.h"
 #include "base/err.h"
 
@@ -59,6 +60,9 @@ bool trust_find_outside(struct buf *path, const char *home, const char *scenes, 
 
 /* Whether the name of a file can only be of one that is not below any of those folders. */
 bool trust_leads_out(const char *name);
+
+/* What lies at `path`, in the folder of golden images of a journal: it is below that one's own. */
+enum beneath trust_look_at_golden(const char *path);
 
 /* What a replay needs: NULL for what there is not. */
 struct trust_places {

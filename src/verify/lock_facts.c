@@ -8,10 +8,11 @@
 #include "journal/golden.h"
 #include "journal/journal.h"
 #include "journal/walk.h"
+#include "sandbox/trust.h"
 
 enum { GOLDEN_BYTES_MAX = 1 << 30 };
 
-/* "golden NAME SHA-256", or of its PNG "png NAME SHA-256", where the file can be read. */
+/* "golden NAME SHA-256", or of its PNG "png NAME SHA-256", where there is a file of the journal's. */
 static bool add_file(struct name_list *lines, const char *path, const char *name, bool is_png)
 {
     struct buf file = {0}, bytes = {0}, line = {0};
@@ -20,7 +21,8 @@ static bool add_file(struct name_list *lines, const char *path, const char *name
     const bool is_named = !golden_path(&file, path, name, NULL);
     if (is_named && is_png)
         memcpy(file.data + file.length - 3, "png", 3);
-    if (is_named && !file_read(&bytes, buf_text(&file), GOLDEN_BYTES_MAX, NULL)) {
+    if (is_named && trust_look_at_golden(buf_text(&file)) == BENEATH_FINE &&
+        !file_read(&bytes, buf_text(&file), GOLDEN_BYTES_MAX, NULL)) {
         sha256_bytes_hex(hex, buf_text(&bytes), bytes.length);
         buf_printf(&line, "%s %s %s", is_png ? "png" : "golden", name, hex);
         fine = !line.failed && name_list_add(lines, buf_text(&line));
