@@ -12,7 +12,7 @@
 
 enum { GOLDEN_BYTES_MAX = 1 << 30 };
 
-/* "golden NAME SHA-256", or of its PNG "png NAME SHA-256", where there is a file of the journal's. */
+/* "golden NAME SHA-256", or of its PNG "png NAME SHA-256", where the journal has such a file. */
 static bool add_file(struct name_list *lines, const char *path, const char *name, bool is_png)
 {
     struct buf file = {0}, bytes = {0}, line = {0};
