@@ -300,6 +300,29 @@ wait $swapping 2>/dev/null
 rm -f away.nii next.nii p.iftty
 close_story
 
+begin "what a link is put to in the place of a journal is not shown, unless it is one"
+echo 'token 1f2e3d' >"$work/secret/token"
+expect 0 "$iftty" -c 'open synth:geom:20x20x20; seed 2,3,4 1; run' --journal "$work/secret/far.iftty"
+ln -s ../secret/far.iftty far.iftty
+expect 0 "$iftty" verify far.iftty
+chain=$(last_word chain far.iftty)
+printf '# iftty lock 2\njournal t.iftty\nchain %s\nrecords 3\nscene %s\n' "$chain" \
+    "$(last_word scene far.iftty)" >iftty.lock
+for way in '' loose; do
+    for target in ../secret/token ../secret/none "$work/secret" /dev/zero; do
+        ln -sfn "$target" t.iftty
+        for program in 'replay t.iftty' 'verify t.iftty' 'verify --lock iftty.lock'; do
+            # shellcheck disable=SC2086
+            $way timeout 60 "$iftty" $program >"$work/both" 2>&1 && fail "$program: $target"
+            grep -q 'token 1f\|1f2e' "$work/both" && fail "$way $program: $(cat "$work/both")"
+            [ "$program" = 'verify --lock iftty.lock' ] ||
+                grep -q 'there is no journal t.iftty' "$work/both" || fail "$(cat "$work/both")"
+        done
+    done
+done
+rm t.iftty far.iftty iftty.lock
+close_story
+
 begin "the folder that a journal is called from is not looked at"
 mkdir elsewhere
 cp s.nii "$work/secret/near.nii"

@@ -10,7 +10,8 @@
  *          the other is read, of which the same holds. A scene may be a folder there (of DICOM,
  *          say), in which links are left alone. What a header names is read below the folder of the
  *          header alone (image/volume_parts.hh), on every kernel. A library reads only where the
- *          kernel has Landlock, or the user says --unconfined.
+ *          kernel has Landlock, or the user says --unconfined. The journal itself may be a link to
+ *          one that lies anywhere; anything else there is as if it were nothing.
  *              A regular file anywhere else, by its path or behind a link, is read as a scene for a
  *          record that has the SHA-256 of its voxels (`sha256=`), which only somebody who has them
  *          can write. What is there decides, and not its name: it is read in silence, and where it

@@ -1,5 +1,8 @@
 #include "verify/replay_file.h"
 
+#include <string.h>
+
+#include "base/beneath.h"
 #include "base/clock.h"
 #include "base/file.h"
 #include "sandbox/limits.h"
@@ -48,6 +51,22 @@ static bool is_lost(void *context, const char *key, size_t length)
     return semantics_lost(replaying->interp->session.semantics, key, length) != NULL;
 }
 
+/* A link that leads out of its folder leads to a journal, or to nothing: what else is there is not
+ * shown as commands that nobody knows. */
+static enum err read_journal(struct buf *bytes, const char *path, struct fault *fault)
+{
+    struct buf folder = {0};
+    const enum err err = file_exists(path) ? file_read(bytes, path, JOURNAL_BYTES_MAX, fault) : OK;
+    file_folder(&folder, path);
+    const bool is_elsewhere =
+        folder.failed || beneath_look(buf_text(&folder), file_name(path)) == BENEATH_OUTSIDE;
+    const bool is_shown = !is_elsewhere || (!err && strncmp(buf_text(bytes), RECORD_HEADER,
+                                                            strlen(RECORD_HEADER)) == 0);
+    buf_release(&folder);
+    return is_shown && file_exists(path) ? err
+                                         : fault_set(fault, ERR_IO, "there is no journal %s", path);
+}
+
 enum err replay_file(struct interpreter *interp, const char *path, size_t first, size_t last,
                      const struct printer *printer, struct timing *timing,
                      struct replay_report *report, struct fault *fault)
@@ -60,8 +79,7 @@ enum err replay_file(struct interpreter *interp, const char *path, size_t first,
                                   .first = first};
     const struct replay_host host = {&replaying, execute, note_record, begin, is_lost};
     const struct replay_options options = {SEMANTICS, first, last};
-    enum err err = file_exists(path) ? file_read(&bytes, path, JOURNAL_BYTES_MAX, fault)
-                                     : fault_set(fault, ERR_IO, "there is no journal %s", path);
+    enum err err = read_journal(&bytes, path, fault);
     interp->mode = MODE_REPLAY;
     if (!interp->session.watch) /* one of a program at a terminal looks at the limits as well */
         interp->session.watch = limits_watch();
