@@ -302,7 +302,8 @@ close_story
 
 begin "what a link is put to in the place of a journal is not shown, unless it is one"
 echo 'token 1f2e3d' >"$work/secret/token"
-expect 0 "$iftty" -c 'open synth:geom:20x20x20; seed 2,3,4 1; run' --journal "$work/secret/far.iftty"
+expect 0 "$iftty" -c 'open synth:geom:20x20x20; seed 2,3,4 1; run' \
+    --journal "$work/secret/far.iftty"
 ln -s ../secret/far.iftty far.iftty
 expect 0 "$iftty" verify far.iftty
 chain=$(last_word chain far.iftty)
