@@ -63,7 +63,8 @@ VOLUME_FLAGS  = -isystem /usr/include/$(ITK) -isystem $(wildcard /usr/include/gd
                 -fno-sanitize=vptr
 VOLUME_LIBS   = $(addsuffix $(ITK:ITK%=%),$(ITK_IO:%=-lITKIO%) -lITKMetaIO -lITKCommon -litksys \
                   -litkvnl) \
-                -lgdcmMSFF -lgdcmDSED -lgdcmDICT -lgdcmCommon $(shell pkg-config --libs hdf5 2>/dev/null) -lz
+                -lgdcmMSFF -lgdcmDSED -lgdcmDICT -lgdcmCommon \
+                $(shell pkg-config --libs hdf5 2>/dev/null) -lz
 
 # Both helpers: how they are confined.
 CONFINED      = $(BUILD)/src/base/beneath.o $(BUILD)/src/base/confine.o \

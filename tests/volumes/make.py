@@ -410,6 +410,11 @@ def make_dicom_files(folder):
         save_dicom_twin(path, dicom("MR_small.dcm"))
     for name in "MR_truncated SC_rgb_rle liver_1frame badVR".split():
         shutil.copy(pydicom.data.get_testdata_file(name + ".dcm"), folder)
+    one = dicom("MR_small.dcm")
+    one.add_new(0x7fe00008, "OF", bytes(4 * one.Rows * one.Columns))
+    del one.PixelData
+    one.BitsAllocated = 32
+    one.save_as(os.path.join(folder, "float.dcm"))
     # A preamble that is the beginning of a TIFF, or of a NIfTI, for programs that know these.
     for name, begin in (("tiff", b"II*\0\x08\0\0\0"), ("nifti", (348).to_bytes(4, "little"))):
         one = dicom("rtdose.dcm")
