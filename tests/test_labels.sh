@@ -31,6 +31,22 @@ tail -c +353 part.nii >found
 same_files expected found
 close_story
 
+begin "a correction deep in a piece says what it took, and what keeps it near"
+{
+    nifti_header 24 20 16 2 8
+    awk 'BEGIN { for (z = 0; z < 16; z++) for (y = 0; y < 20; y++) for (x = 0; x < 24; x++)
+        printf "%c", (x > 4 && x < 19 && y > 4 && y < 15 && z > 3 && z < 12) ? 99 : 65 }'
+} >room.nii
+expect 0 "$iftty" -c 'open room.nii; box 0,0,0 23,19,15 2; box 3,3,2 20,16,13 1
+    save labels block.nii'
+deep='open room.nii; labels block.nii; run; seed 11,10,8 2'
+expect 0 "$iftty" -c "$deep; run"
+out_has 'this `run` took 1.06 ml of label 1'
+out_has '; undo takes it back, and a ball with `within` changes nothing beyond'
+expect 0 "$iftty" -c "$deep within=2; run"
+out_has '    33 voxels changed'
+close_story
+
 begin "a record without rounds means 2"
 cp -r whole.golden before.golden
 sed -E 's/^labels model.nii erode=0 copy/labels model.nii copy/' whole.iftty >before.iftty
