@@ -58,6 +58,10 @@ cp out first
 print("%g" % nibabel.load("far4.nii").dataobj[7, 7, 7])' >truth
 grep -q "voxel 7,7,7 .*: intensity $(cat truth), " first ||
     fail "$(cat truth)" "$(grep 7,7,7 first)"
+expect 0 "$iftty" -c 'open far4.nii; box 0,0,0 13,11,9 1; stats report=far4.csv'
+head -n 1 far4.csv | grep -q ',intensity_step,voxels_below_scale,voxels_above_scale$' ||
+    fail "$(cat far4.csv)"
+grep -q '^1,.*,0,1$' far4.csv || fail "$(cat far4.csv)"
 expect 0 "$iftty" -c 'open far20.nii; why 3,4,5'
 out_has 'intensity 1e+20, '
 expect 0 "$iftty" -c 'open holes.nii'

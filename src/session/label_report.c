@@ -149,6 +149,18 @@ void label_report_write_json(struct buf *out, const struct label_report *report)
     json_end(&json);
 }
 
+/* A table has no place for what is said of the scene: each row has it. */
+static struct figures csv_figures_of(const struct label_report *report, unsigned label)
+{
+    struct figures f = figures_of(report, label);
+    if (report->levels) {
+        figures_add(&f, "intensity_step", report->levels->step);
+        figures_add(&f, "voxels_below_scale", (double)report->levels->beyond[0]);
+        figures_add(&f, "voxels_above_scale", (double)report->levels->beyond[1]);
+    }
+    return f;
+}
+
 static void write_csv_names(struct buf *out, const struct label_report *report)
 {
     static const struct label_stats one[1] = {{.sums.voxels = 1}};
@@ -156,8 +168,9 @@ static void write_csv_names(struct buf *out, const struct label_report *report)
     const struct label_report any = {.stats = one,
                                      .area = &none,
                                      .label_number = report->label_number,
-                                     .geometry = report->geometry};
-    const struct figures f = figures_of(&any, 0);
+                                     .geometry = report->geometry,
+                                     .levels = report->levels};
+    const struct figures f = csv_figures_of(&any, 0);
     figures_write_csv_names(out, &f);
 }
 
@@ -167,7 +180,7 @@ void label_report_write_csv(struct buf *out, const struct label_report *report)
     for (unsigned label = 1; label < 256; label++) {
         if (!report->stats[label].sums.voxels)
             continue;
-        const struct figures f = figures_of(report, label);
+        const struct figures f = csv_figures_of(report, label);
         buf_printf(out, "%u", label);
         figures_write_csv(out, report->label_name[label], &f);
     }
