@@ -152,6 +152,17 @@ expect 0 "$iftty" -c "open leans straighten=no"
 out_has "its axes are sheared"
 expect 2 "$iftty" -c "open synth:geom straighten=yes"
 err_has "huge and straighten are about a file"
+/usr/bin/python3 - <<'END' || fail "nibabel writes no scene"
+import nibabel, numpy
+to_mm = numpy.diag([1.0, 1, 2, 1])
+to_mm[1, 2] = 0.5
+nibabel.save(nibabel.Nifti1Image(numpy.eye(9, dtype=numpy.uint8).reshape(3, 9, 3), to_mm), "up.nii")
+END
+expect 0 "$iftty" -c "open up.nii"
+out_has "its axes are oblique: up to 14 degrees off"
+expect 0 "$iftty" -c "open up.nii straighten=yes"
+out_has "straightened: its axes were 14 degrees off a right angle"
+! grep -q "its axes are oblique" "$work/out" || fail "$(cat "$work/out")"
 close_story
 
 begin "so are a part, a scene that is interpolated, and a map of the slices as they were"

@@ -177,11 +177,11 @@ static void note_shear(struct volume_header *header)
                     degrees);
 }
 
-static void note_tilt(struct volume_header *header)
+static void note_tilt(char notes[VOLUME_NOTES_BYTES], const struct geometry *geometry)
 {
-    const double degrees = geometry_tilt(&header->geometry);
+    const double degrees = geometry_tilt(geometry);
     if (degrees >= 1)
-        volume_note(header->notes,
+        volume_note(notes,
                     "its axes are oblique: up to %.2g degrees off the sides of the patient that "
                     "name them",
                     degrees);
@@ -201,10 +201,10 @@ enum err volume_begin(struct volume_reader *reader, const char *path,
     err = find_format(&reader->format, &reader->source, &header->choice, fault);
     if (!err)
         err = reader->format->read_header(header, &reader->source, fault);
-    if (!err) {
-        note_tilt(header);
+    if (!err && !header->choice.straightens) /* else of what comes out */
+        note_tilt(header->notes, &header->geometry);
+    if (!err)
         note_shear(header);
-    }
     return err ? fault_prefix(fault, err, "%s", path) : OK;
 }
 
@@ -340,6 +340,8 @@ enum err volume_take(struct volume *out, struct volume_reader *reader, struct fa
             reader->format->read_voxels(out, header, &reader->source, reader->source.watch, fault);
     if (!err && header->choice.straightens)
         err = straighten(out, reader->source.watch, fault);
+    if (!err && header->choice.straightens)
+        note_tilt(out->notes, &out->geometry);
     if (err)
         volume_release(out);
     return err ? fault_prefix(fault, err, "%s", reader->path) : OK;
