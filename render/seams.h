@@ -49,11 +49,6 @@ static inline uint8_t seams_label(const struct seams *seams, uint32_t cell)
     return seams->label[cell];
 }
 
-/* Whether a cell and the next one along axis `a` have such a face between them. */
-static inline bool seams_is_between(const struct seams *seams, uint32_t cell, int a)
-{
-    return seams->between[a][cell >> 6] >> (cell & 63) & 1;
-}
 static inline bool seams_is_edge(const struct seams *seams, uint32_t cell)
 {
     return seams->edge[cell >> 6] >> (cell & 63) & 1;
