@@ -39,8 +39,8 @@ struct coprocess {
     struct watch *watch; /* polled while it is waited for, as `doing`; or NULL */
     const char *doing;
     enum trouble { FINE, SILENT, STUCK, GONE, ODD, STOPPED } trouble; /* of the current request */
-    uint64_t busy_ms, pages; /* what it had taken when it last got on: of the processor, of memory;
-                                0 pages: not known */
+    uint64_t busy_ms; /* of the processor, which it had taken when it last got on; */
+    uint64_t pages;   /* of memory, the same; 0: not known */
 };
 
 /* `name` is the program beside the running one, unless `program` gives a path. */

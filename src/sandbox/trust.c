@@ -69,8 +69,7 @@ static enum err refuse(enum beneath answer, const char *name, const struct trust
                      sought->kind, name, where, hint, sought->undone);
 }
 
-/* What makes a pair with `name`, which was found as `path`, is read with it. FINE where there is no
- * other. */
+/* What makes a pair with `name`, found as `path`, is read with it; FINE where nothing does. */
 static enum beneath look_at_other(struct buf *other, const struct buf *path, const char *name)
 {
     const size_t length = path->length - strlen(name) - 1;
