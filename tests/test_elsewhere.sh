@@ -54,6 +54,10 @@ refused() {
 
 begin "voxels beside a header are read, by a name, a list or a count; so are those of HDF5"
 sound plain.mhd inner.mhd counted.mhd list.mhd
+mkdir packed
+cp plain.mhd packed
+gzip -nc v.raw >packed/v.raw.gz
+sound packed/plain.mhd
 sound plain.nhdr inner.nhdr counted.nhdr list.nhdr percent.nhdr
 sound virtual.h5 virtual-own.h5 external-plain.h5
 for name in virtual.h5 external-plain.h5 list.mhd list.nhdr; do
@@ -79,8 +83,10 @@ refused "the data set d of linked.h5, which is not there" virtual-linked.h5
 close_story
 
 begin "a header that its library might read otherwise is refused"
+sed 's/^DimSize.*/DimSize = 6 5 1\n&/; s/^ElementDataFile.*/ElementDataFile = LIST\nv.raw/' \
+    plain.mhd >sides-twice.mhd
 refused "which files its voxels are in" swallowed.mhd twice.nhdr late.nhdr counted-twice.mhd \
-    counted-twice.nhdr
+    counted-twice.nhdr sides-twice.mhd
 close_story
 
 begin "a pipe is not waited for"
@@ -115,6 +121,9 @@ refused "none.h5, which is not there" virtual-none.h5 virtual-nested.h5
 refused "d of less.h5, in which voxels of it are, is of another size" virtual-less.h5
 refused "bad.h5, which is no HDF5 file, or is damaged" virtual-bad.h5
 refused "cut short: short.raw" external-short.h5
+gzip -nc v.raw | head -c 60 >packed/v.raw.gz
+expect 3 "$iftty" -c "open packed/plain.mhd"
+err_has "its voxels are in v.raw.gz, which is cut short or damaged"
 same "$(scene_of "$iftty" -c 'open virtual-gap.h5')" $gap
 out_has "30 of the 120 values of the data set are in none of the files that it is made of"
 close_story

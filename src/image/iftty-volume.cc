@@ -47,24 +47,23 @@ constexpr rlim_t reading_s = 3600;
  * lie in other files, those that it names, which are looked at with no more than its folder. What
  * lies beside an HDF5 file, or one that no first bytes tell, only its library can say: then it is
  * the folder. */
-void confine_to_request(const Request &request, const Files &files)
+void confine_to_request(Request &request, const Files &files)
 {
     const std::string folder = folder_of(request.path);
     const struct confine_place own = {request.path.c_str(), CONFINE_READ};
     const bool is_header = request.kind == "nrrd" || request.kind == "meta";
-    std::vector<std::string> named;
     Needs needs;
     needs.places = {own, {folder.c_str(), CONFINE_READ}};
     if (is_header) {
         confine_to(needs.places.data(), needs.places.size());
-        named = named_files(request);
+        request.named = named_files(request);
     }
     const bool is_beside = request.kind == "hdf5" || request.kind == "any";
     if (request.is_alone && (is_beside || !named.empty()))
         refuse("its voxels may lie in other files, or be a few of many");
     if (!is_beside)
         needs.places = {own};
-    for (const std::string &name : is_header ? named : files.targets)
+    for (const std::string &name : is_header ? request.named : files.targets)
         needs.places.push_back({name.c_str(), CONFINE_READ});
     needs.calls = CONFINE_OPEN;
     needs.seconds = reading_s;
@@ -131,7 +130,7 @@ void serve()
     itk::Object::SetGlobalWarningDisplay(false);
     try {
         Files files;
-        const Request request = receive_request();
+        Request request = receive_request();
         if (request.kind == "folder")
             walk(files, request.path, request.follows_links, 0);
         confine_to_request(request, files);

@@ -33,6 +33,12 @@ void refuse(const char *format, ...)
     throw Refusal{words};
 }
 
+void refuse_for(const std::string &wrong)
+{
+    if (!wrong.empty())
+        throw Refusal{wrong};
+}
+
 std::string words_of(const char *format, ...)
 {
     char words[words_most];
@@ -46,6 +52,26 @@ std::string words_of(const char *format, ...)
 std::string plural_of(size_t count, const char *noun)
 {
     return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+std::string printable(const std::string &text, size_t most)
+{
+    std::string safe = text.substr(0, most);
+    for (char &c : safe)
+        c = c < ' ' || c > '~' ? '?' : c;
+    return safe;
+}
+
+std::string shown(const std::string &name)
+{
+    return name.empty() ? "a file without a name" : printable(name, name_most);
+}
+
+std::string in_small_letters(std::string text)
+{
+    for (char &c : text)
+        c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return text;
 }
 
 /* The client puts the path before them, with bytes escaped that a terminal would obey. */
@@ -150,9 +176,8 @@ void answer(const Volume &volume)
 {
     for (const uint64_t side : volume.size)
         if (side < 1 || side > side_most)
-            refuse("it has %llu voxels along one side; expected 1 to %llu",
-                   static_cast<unsigned long long>(side),
-                   static_cast<unsigned long long>(side_most));
+            refuse("it has %llu voxels along one side; expected 1 to %llu", wide(side),
+                   wide(side_most));
     double number[14];
     std::memcpy(number, volume.to_mm, sizeof volume.to_mm);
     number[12] = volume.slope;

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <fstream>
 #include <set>
-#include <sstream>
 #include <vector>
 
 #include <fcntl.h>
@@ -30,8 +29,11 @@ uint64_t product_of(uint64_t a, uint64_t b)
     return __builtin_mul_overflow(a, b, &product) ? UINT64_MAX : product;
 }
 
-unsigned long long wide(uint64_t number)
+uint64_t number_in(const char *bytes, unsigned width, bool is_big)
 {
+    uint64_t number = 0;
+    for (unsigned i = 0; i < width; i++)
+        number |= uint64_t{static_cast<uint8_t>(bytes[i])} << 8 * (is_big ? width - 1 - i : i);
     return number;
 }
 
@@ -70,14 +72,9 @@ class Counted
     /* A whole number of so many bytes, 8 at most. */
     uint64_t number(uint64_t at, unsigned width)
     {
-        uint64_t value = 0;
         char bytes[8];
         take(bytes, at, width);
-        for (unsigned i = 0; i < width; i++) {
-            const auto byte = static_cast<unsigned char>(bytes[i]);
-            value |= uint64_t{byte} << 8 * (is_big_endian ? width - 1 - i : i);
-        }
-        return value;
+        return number_in(bytes, width, is_big_endian);
     }
     bool has(uint64_t at, const char *text, unsigned length)
     {
@@ -294,35 +291,16 @@ class NetCdf
     std::vector<uint64_t> side_;
 };
 
-/* ---- headers of lines ---- */
-
-std::string trimmed(const std::string &text)
+/* Of a NRRD, whose header may end with its file then. */
+bool names_files(const Header &header)
 {
-    const size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t\r");
-    return first == std::string::npos ? "" : text.substr(first, last - first + 1);
-}
-
-/* Where they end: after a field, or (`last` is "") after an empty line; 0 where they do not. */
-uint64_t end_of_header(const std::string &path, char between, const std::string &last)
-{
-    std::ifstream file(path, std::ios::binary);
-    std::string line;
-    uint64_t at = 0;
-    while (std::getline(file, line)) {
-        at += line.size() + (file.eof() ? 0 : 1);
-        if (in_small_letters(trimmed(line.substr(0, line.find(between)))) == last)
-            return at;
-    }
-    return 0;
+    return header.field.count("data file") || header.field.count("datafile");
 }
 
 bool has_whole_header(const std::string &kind, const std::string &path)
 {
-    if (kind == "meta")
-        return end_of_header(path, '=', "elementdatafile") > 0;
-    const auto fields = fields_of(path, ':', "");
-    return fields.count("data file") || fields.count("datafile") ||
-           end_of_header(path, ':', "") > 0;
+    const Header header = header_of(kind, path);
+    return header.end > 0 || (kind == "nrrd" && names_files(header));
 }
 
 void count_parts(const std::string &kind, const std::string &path, const std::string &what)
@@ -362,146 +340,60 @@ struct Run {
     uint64_t packed = 0;   /* bytes of them in the file, where that is said */
 };
 
-std::string field(const std::map<std::string, std::string> &fields, const std::string &name)
+Run run_in(Run run, const std::string &path)
 {
-    const auto found = fields.find(name);
-    return found == fields.end() ? "" : trimmed(found->second);
+    run.path = path;
+    run.what = words_of("its voxels are in %s, which is ", last_name(path).c_str());
+    return run;
 }
 
-std::string last_name(const std::string &path)
-{
-    std::string name = path.substr(path.find_last_of('/') + 1).substr(0, 60);
-    for (char &c : name)
-        c = c > ' ' && c < 127 ? c : '?';
-    return name;
-}
-
-bool is_absolute(const std::string &name)
-{
-    return !name.empty() && name[0] == '/';
-}
-
-/* A file that a header names. */
-Run run_beside(const Run &run, const std::string &header, const std::string &name)
-{
-    const size_t slash = header.find_last_of('/');
-    const std::string folder = slash == std::string::npos ? "" : header.substr(0, slash + 1);
-    Run made = run;
-    made.path = is_absolute(name) ? name : folder + name;
-    made.what = words_of("its voxels are in %s, which is ", last_name(name).c_str());
-    return made;
-}
-
-/* The lines after the header, which name files. */
-std::vector<std::string> listed_after(const std::string &path, uint64_t at)
-{
-    std::ifstream file(path, std::ios::binary);
-    std::vector<std::string> names;
-    std::string line;
-    file.seekg(static_cast<std::streamoff>(at));
-    while (names.size() < 100000 && std::getline(file, line))
-        if (!trimmed(line).empty())
-            names.push_back(trimmed(line));
-    return names;
-}
-
-/* "slice%03d.raw 1 14 1": the pattern with each number in place of its %03d. */
-std::vector<std::string> counted_out(const std::string &pattern, uint64_t usual_last)
-{
-    std::istringstream words(pattern);
-    std::vector<std::string> names;
-    std::string name;
-    long first = 1, last = static_cast<long>(std::min<uint64_t>(usual_last, 100000)), step = 1;
-    words >> name;
-    if (words >> first && words >> last)
-        words >> step;
-    const size_t at = name.find('%'), end = name.find_first_not_of("0123456789", at + 1);
-    const int width = std::atoi(name.c_str() + at + 1);
-    const long most = 1000000000;
-    if (at == std::string::npos || end == std::string::npos || !std::strchr("diu", name[end]) ||
-        width > 9 || step == 0 || std::max({first, last, step}) > most ||
-        std::min({first, last, step}) < -most)
-        refuse("the names of the files with its voxels make no sense");
-    for (long n = first; step > 0 ? n <= last : n >= last; n += step) {
-        std::string digits = std::to_string(std::labs(n));
-        while (static_cast<int>(digits.size()) + (n < 0) < width)
-            digits.insert(0, name[at + 1] == '0' ? "0" : " ");
-        names.push_back(name.substr(0, at) + (n < 0 ? "-" : "") + digits + name.substr(end + 1));
-        if (names.size() > 100000)
-            refuse("it names more than 100000 files with its voxels");
-    }
-    return names;
-}
-
-/* The voxels are shared out evenly. */
-std::vector<Run> runs_in(const std::vector<std::string> &names, const std::string &header,
-                         const Run &all)
+/* In files that the header names, which share the voxels evenly. */
+std::vector<Run> runs_in(const std::vector<std::string> &named, Run all)
 {
     std::vector<Run> runs;
-    if (names.empty())
-        refuse("its header names no file with its voxels");
-    Run run = all;
-    run.bytes /= names.size();
-    run.values /= names.size();
-    for (const std::string &name : names)
-        runs.push_back(run_beside(run, header, name));
+    all.bytes /= named.size();
+    all.values /= named.size();
+    for (const std::string &path : named)
+        runs.push_back(run_in(all, path));
     return runs;
 }
 
 /* ---- where headers say that voxels are ---- */
 
-std::vector<Run> runs_of_meta(Run run, const itk::ImageIOBase &io)
+std::vector<Run> runs_of_meta(Run run, const std::vector<std::string> &named)
 {
-    const auto fields = fields_of(run.path, '=', "elementdatafile");
-    const std::string data = field(fields, "elementdatafile");
-    const unsigned dimensions = io.GetNumberOfDimensions();
-    const uint64_t end = end_of_header(run.path, '=', "elementdatafile");
+    const Header header = header_of("meta", run.path);
     const auto is_true = [&](const char *name, const char *usual) {
-        const std::string value = field(fields, name);
+        const std::string value = header.value(name);
         return std::strchr("Tt1", value.empty() ? *usual : value[0]) != nullptr;
     };
-    const long long skipped = std::atoll(field(fields, "headersize").c_str());
+    const long long skipped = std::atoll(header.value("headersize").c_str());
     run.at = skipped > 0 ? static_cast<uint64_t>(skipped) : 0;
     run.from_end = skipped < 0;
-    if (is_true("compresseddata", "False")) {
+    const bool is_packed_beside =
+        named.size() == 1 &&
+        named[0] == folder_of(run.path) + header.value("elementdatafile") + ".gz";
+    if (is_true("compresseddata", "False") || is_packed_beside) {
         run.packing = Packing::GZIP;
-        run.packed = std::strtoull(field(fields, "compresseddatasize").c_str(), nullptr, 10);
+        run.packed = std::strtoull(header.value("compresseddatasize").c_str(), nullptr, 10);
     } else if (!is_true("binarydata", "True")) {
         run.packing = Packing::TEXT;
     }
-    if (data == "LOCAL" || data == "Local" || data == "local") {
-        run.at = run.at ? run.at : end;
-        if (run.packing == Packing::GZIP && !run.packed) /* ITK gives zeros */
-            refuse("its voxels are packed, and its header lacks CompressedDataSize; write it anew "
-                   "without packing");
-        return {run};
-    }
-    if (data.compare(0, 4, "LIST") == 0) {
-        const std::string of = trimmed(data.substr(4));
-        const unsigned each =
-            of.empty() ? dimensions - 1 : static_cast<unsigned>(std::atoi(&of[0]));
-        const std::vector<std::string> names = listed_after(run.path, end);
-        uint64_t files = 1;
-        for (unsigned a = each; a < dimensions; a++)
-            files = product_of(files, io.GetDimensions(a));
-        if (names.size() < files)
-            refuse("cut short: its header names %s with voxels, and they are %llu",
-                   plural_of(names.size(), "file").c_str(), wide(files));
-        return runs_in({names.begin(), names.begin() + static_cast<long>(files)}, run.path, run);
-    }
-    if (data.find('%') != std::string::npos)
-        return runs_in(counted_out(data, io.GetDimensions(dimensions - 1)), run.path, run);
-    return {run_beside(run, run.path, data)};
+    if (!named.empty())
+        return runs_in(named, run);
+    run.at = run.at ? run.at : header.end;
+    if (run.packing == Packing::GZIP && !run.packed) /* ITK gives zeros */
+        refuse("its voxels are packed, and its header lacks CompressedDataSize; write it anew "
+               "without packing");
+    return {run};
 }
 
-std::vector<Run> runs_of_nrrd(Run run)
+std::vector<Run> runs_of_nrrd(Run run, const std::vector<std::string> &named)
 {
-    const auto fields = fields_of(run.path, ':', "");
-    const std::string encoding = in_small_letters(field(fields, "encoding"));
-    const std::string data = field(fields, "data file") + field(fields, "datafile");
-    const std::string lines = field(fields, "line skip") + field(fields, "lineskip");
-    const std::string skip = field(fields, "byte skip") + field(fields, "byteskip");
-    const uint64_t end = end_of_header(run.path, ':', "");
+    const Header header = header_of("nrrd", run.path);
+    const std::string encoding = in_small_letters(header.value("encoding"));
+    const std::string lines = header.value("line skip") + header.value("lineskip");
+    const std::string skip = header.value("byte skip") + header.value("byteskip");
     const long long skipped = std::atoll(skip.c_str());
     if (encoding == "gzip" || encoding == "gz")
         run.packing = Packing::GZIP;
@@ -514,16 +406,12 @@ std::vector<Run> runs_of_nrrd(Run run)
         run.bytes = sum_of(run.bytes, skipped > 0 ? static_cast<uint64_t>(skipped) : 0);
     else
         run.at = skipped > 0 ? static_cast<uint64_t>(skipped) : 0;
-    if (data.empty()) {
-        run.at = sum_of(run.at, end);
-        return {run};
-    }
-    const char *last = fields.count("data file") ? "data file" : "datafile";
-    if (data.compare(0, 4, "LIST") == 0)
-        return runs_in(listed_after(run.path, end_of_header(run.path, ':', last)), run.path, run);
-    if (data.find('%') != std::string::npos)
-        return runs_in(counted_out(data, 1), run.path, run);
-    return {run_beside(run, run.path, data)};
+    if (!named.empty())
+        return runs_in(named, run);
+    if (names_files(header))
+        refuse("its header names no file with its voxels");
+    run.at = sum_of(run.at, header.end);
+    return {run};
 }
 
 /* The voxels begin after the line of their attribute, or the table that may follow it. */
@@ -563,23 +451,21 @@ Run run_of_scanner(Run run, const std::string &kind, const Volume &volume)
     if (kind != "stimulate")
         run.bytes /= volume.size[2] * volume.volumes;
     else if (run.path.compare(stem, 4, ".spr") == 0)
-        return run_beside(run, run.path,
-                          run.path.substr(0, stem).substr(run.path.find_last_of('/') + 1) + ".sdt");
+        return run_in(run, run.path.substr(0, stem) + ".sdt");
     return run;
 }
 
-std::vector<Run> runs_of(const Volume &volume, const std::string &kind, const std::string &path,
-                         const itk::ImageIOBase &io)
+std::vector<Run> runs_of(const Volume &volume, const std::string &kind, const Request &request)
 {
     static const std::set<std::string> scanners = {"ge4", "ge5", "geadw", "siemens", "stimulate"};
     Run run;
-    run.path = path;
+    run.path = request.path;
     run.bytes = bytes_in(volume, volume.volumes);
     run.values = run.bytes / bytes_of(volume.type);
     if (kind == "meta")
-        return runs_of_meta(run, io);
+        return runs_of_meta(run, request.named);
     if (kind == "nrrd")
-        return runs_of_nrrd(run);
+        return runs_of_nrrd(run, request.named);
     if (kind == "vtk")
         return {run_of_vtk(run)};
     if (kind == "mrc")
@@ -662,11 +548,10 @@ void count_closely(const Run &run)
                wide(run.bytes));
 }
 
-void count_voxels(Volume &volume, const std::string &kind, const std::string &path,
-                  const itk::ImageIOBase &io)
+void count_voxels(Volume &volume, const std::string &kind, const Request &request)
 {
     std::vector<Run> closely;
-    for (const Run &run : runs_of(volume, kind, path, io)) {
+    for (const Run &run : runs_of(volume, kind, request)) {
         const Counted file(run.path, run.what);
         const uint64_t plain =
             run.packing == Packing::NONE ? run.bytes : std::max(run.packed, uint64_t{1});

@@ -12,20 +12,21 @@
 #include <map>
 #include <string>
 
-#include <itkImageIOBase.h>
-
 #include "image/volume_parts.hh"
 
 namespace volume
 {
 
-/* The fields of a header of lines "NAME: VALUE" or "NAME = VALUE" (volume_itk.cc). */
-std::string in_small_letters(std::string text);
-std::map<std::string, std::string> fields_of(const std::string &path, char between,
-                                             const std::string &last);
+/* The header of a NRRD or MetaImage, which is one of lines. */
+struct Header {
+    /* Of names in small letters, without the blanks around them. */
+    std::map<std::string, std::string> field;
+    uint64_t end = 0; /* how many bytes it has; 0 where it does not end */
 
-/* The last name of a path, in letters that are safe to print. */
-std::string last_name(const std::string &path);
+    std::string value(const char *name) const; /* "" for none */
+};
+
+Header header_of(const std::string &kind, const std::string &path); /* volume_itk.cc */
 
 /* Of the first kind of formats, before a library reads one; nothing of others. `what` begins the
  * words of a refusal: "slice 3 of 9 is ", or "" for the file that was asked for. */
@@ -33,8 +34,7 @@ void count_parts(const std::string &kind, const std::string &path, const std::st
 
 /* Of the second, once its header is known: of voxels that are packed, or written as text, when they
  * are to be sent. */
-void count_voxels(Volume &volume, const std::string &kind, const std::string &path,
-                  const itk::ImageIOBase &io);
+void count_voxels(Volume &volume, const std::string &kind, const Request &request);
 
 } // namespace volume
 

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 namespace volume
 {
@@ -25,13 +24,6 @@ static const gdcm::Tag description_tag(0x0008, 0x103e), name_tag(0x0010, 0x0010)
 
 /* ---- what files say ---- */
 
-std::string in_small(std::string text)
-{
-    for (char &c : text)
-        c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    return text;
-}
-
 /* Whether a text has a part of another, which ends at any of `ends`. */
 bool has_part(const std::string &text, const std::string &of, const char *ends)
 {
@@ -45,12 +37,11 @@ bool has_part(const std::string &text, const std::string &of, const char *ends)
     return false;
 }
 
-/* What can be printed of it, in ASCII. */
-std::string printable(std::string text)
+/* As it is said, between quotes. */
+std::string description_of(const std::string &said)
 {
-    text.resize(std::min(text.size(), description_most));
-    for (char &c : text)
-        c = c < ' ' || c > '~' || c == '"' ? '?' : c;
+    std::string text = printable(said, description_most);
+    std::replace(text.begin(), text.end(), '"', '?');
     return text;
 }
 
@@ -70,19 +61,15 @@ std::string kind_of(const gdcm::DataSet &set)
 
 void take_words(Slice &slice, const gdcm::DataSet &set)
 {
-    const std::string said = text_of(set, description_tag), small = in_small(said);
-    slice.description = printable(said);
-    slice.names_patient = has_part(small, in_small(text_of(set, name_tag)), "^=\\ ,.-") ||
-                          has_part(small, in_small(text_of(set, id_tag)), "\\") ||
+    const std::string said = text_of(set, description_tag), small = in_small_letters(said);
+    slice.description = description_of(said);
+    slice.names_patient = has_part(small, in_small_letters(text_of(set, name_tag)), "^=\\ ,.-") ||
+                          has_part(small, in_small_letters(text_of(set, id_tag)), "\\") ||
                           has_part(small, text_of(set, birth_tag), "\\");
     slice.kind = kind_of(set);
     take_decimal(slice.echo_ms, set, echo_tag);
     take_decimal(slice.weighting, set, find_private(set, 0x0019, 0x0c, "SIEMENS MR HEADER"));
-    const gdcm::ByteValue *value = set.FindDataElement(weighting_tag)
-                                       ? set.GetDataElement(weighting_tag).GetByteValue()
-                                       : nullptr;
-    if (value && value->GetLength() == sizeof slice.weighting)
-        std::memcpy(&slice.weighting, value->GetPointer(), sizeof slice.weighting);
+    take_bytes(&slice.weighting, sizeof slice.weighting, set, weighting_tag);
 }
 
 /* ---- what is said of a series ---- */
@@ -184,10 +171,10 @@ std::vector<std::string> entries_of(const std::vector<Series> &all,
 /* Those whose description is that piece, or else has it, whatever the size of its letters. */
 std::vector<size_t> find_series(const std::vector<Series> &all, const std::string &piece)
 {
-    const std::string small = in_small(printable(piece));
+    const std::string small = in_small_letters(description_of(piece));
     std::vector<size_t> same, having;
     for (size_t i = 0; i < all.size(); i++) {
-        const std::string description = in_small(all[i][0].description);
+        const std::string description = in_small_letters(all[i][0].description);
         if (description == small)
             same.push_back(i);
         if (description.find(small) != std::string::npos)
@@ -231,8 +218,8 @@ size_t choose_series(const std::vector<Series> &all, const Request &request)
         return found[0];
     std::string words;
     if (request.series > 0)
-        words = words_of("there is no series %llu; it holds %zu series",
-                         static_cast<unsigned long long>(request.series), all.size());
+        words = words_of("there is no series %llu; it holds %zu series", wide(request.series),
+                         all.size());
     else if (found.empty())
         words = words_of("no series has that in its description; it holds %zu; choose one with "
                          "series=N",

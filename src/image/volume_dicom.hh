@@ -15,6 +15,12 @@ namespace volume
 /* The text of an element without the blanks at its end; "" where there is none. */
 std::string text_of(const gdcm::DataSet &set, const gdcm::Tag &tag);
 
+/* NULL where there is none. */
+const gdcm::ByteValue *value_of(const gdcm::DataSet &set, const gdcm::Tag &tag);
+
+/* Takes a value of that length, of numbers in the order of this machine; false for no such one. */
+bool take_bytes(void *out, size_t length, const gdcm::DataSet &set, const gdcm::Tag &tag);
+
 /* Takes a binary number of 16 or 32 bits. */
 void take_binary(unsigned &out, const gdcm::DataSet &set, const gdcm::Tag &tag);
 

@@ -142,8 +142,7 @@ void send_pictures(const Volume &volume, const std::vector<std::string> &path,
                    "%llux%llu with 1 of %s; expected slices of one kind",
                    z + 1, path.size(), static_cast<size_t>(io->GetDimensions(0)),
                    static_cast<size_t>(io->GetDimensions(1)), io->GetNumberOfComponents(),
-                   type_of(*io), static_cast<unsigned long long>(volume.size[0]),
-                   static_cast<unsigned long long>(volume.size[1]), volume.type.c_str());
+                   type_of(*io), wide(volume.size[0]), wide(volume.size[1]), volume.type.c_str());
         io->SetIORegion(whole_region(*io));
         io->Read(bytes.data());
         send_piece(bytes.data(), bytes.size());

@@ -78,9 +78,7 @@ std::string listed(const std::vector<DataSet> &sets)
     std::string list;
     size_t count = 0;
     for (const DataSet &set : sets) {
-        std::string name = "/" + set.name.substr(0, 60);
-        for (char &c : name)
-            c = c > ' ' && c < 127 ? c : '?';
+        std::string name = "/" + printable(set.name, 60);
         if (!set.wrong.empty())
             name += " (in other files";
         for (size_t a = set.side.size(); a-- > 0;)
@@ -168,8 +166,7 @@ void count_stored(Volume &volume, hid_t file, const std::string &name)
     if (stored < pieces)
         note(volume, words_of("%llu of the %llu pieces of the data set are not in the file: voxels "
                               "there have the value that fills it up",
-                              static_cast<unsigned long long>(pieces - stored),
-                              static_cast<unsigned long long>(pieces)));
+                              wide(pieces - stored), wide(pieces)));
 }
 
 void open_hdf5(Volume &volume, const Request &request)
@@ -182,9 +179,7 @@ void open_hdf5(Volume &volume, const Request &request)
     const std::shared_ptr<Handle> file = std::make_shared<Handle>(id, H5Fclose);
     for (const char *group : {"/ITKImage", "/minc-2.0"})
         if (H5Lexists(*file, group, H5P_DEFAULT) > 0) {
-            const std::string wrong = wrong_with_any(*file, request.path);
-            if (!wrong.empty())
-                refuse("%s", wrong.c_str());
+            refuse_for(wrong_with_any(*file, request.path));
             count_stored(volume, *file,
                          group[1] == 'I' ? "/ITKImage/0/VoxelData" : "/minc-2.0/image/0/image");
             open_by_itk(volume, request, group[1] == 'I' ? "itk-hdf5" : "minc");
@@ -192,14 +187,10 @@ void open_hdf5(Volume &volume, const Request &request)
         }
     Sets sets = {{}, request.path};
     H5Ovisit(*file, H5_INDEX_NAME, H5_ITER_INC, visit, &sets);
-    if (sets.list.empty()) { /* it may all be elsewhere */
-        const std::string wrong = wrong_with_any(*file, request.path);
-        if (!wrong.empty())
-            refuse("%s", wrong.c_str());
-    }
+    if (sets.list.empty()) /* it may all be elsewhere */
+        refuse_for(wrong_with_any(*file, request.path));
     const DataSet chosen = choose_set(sets.list, request.data);
-    if (!chosen.wrong.empty())
-        refuse("%s", chosen.wrong.c_str());
+    refuse_for(chosen.wrong);
     const size_t rank = chosen.side.size();
     for (size_t a = 0; a < 3; a++)
         volume.size[a] = chosen.side[rank - 1 - a];

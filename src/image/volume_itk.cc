@@ -3,11 +3,9 @@
 #include "image/volume_itk.hh"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <map>
 #include <set>
 #include <vector>
 
@@ -34,6 +32,8 @@
 
 namespace volume
 {
+
+constexpr size_t fields_most = 1000;
 
 /* ---- what ITK reads ---- */
 
@@ -147,6 +147,14 @@ void send_in_parts(const Volume &volume, itk::ImageIOBase &io, uint64_t number)
     }
 }
 
+std::vector<long> sides_of(itk::ImageIOBase &io)
+{
+    std::vector<long> sides;
+    for (unsigned a = 0; a < io.GetNumberOfDimensions(); a++)
+        sides.push_back(static_cast<long>(io.GetDimensions(a)));
+    return sides;
+}
+
 /* What is left to do once the reader has read its header. */
 void describe(Volume &volume, const itk::ImageIOBase::Pointer &io, const Request &request,
               World world)
@@ -185,75 +193,64 @@ void note_resolution(Volume &volume, itk::ImageIOBase &io)
 
 /* ---- headers of text ---- */
 
-std::string in_small_letters(std::string text)
+std::string Header::value(const char *name) const
 {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return text;
+    const auto found = field.find(name);
+    return found == field.end() ? "" : found->second;
 }
 
-/* The fields of a header of lines "NAME: VALUE" or "NAME = VALUE", by their names in small letters,
- * up to an empty line or the field `last`. */
-std::map<std::string, std::string> fields_of(const std::string &path, char between,
-                                             const std::string &last)
+std::string trimmed(const std::string &text)
 {
-    std::map<std::string, std::string> fields;
+    const size_t first = text.find_first_not_of(" \t\r"), last = text.find_last_not_of(" \t\r");
+    return first == std::string::npos ? "" : text.substr(first, last - first + 1);
+}
+
+/* That of a MetaImage, of "NAME = VALUE", ends with the field that says where its voxels are; a
+ * NRRD's, of "NAME: VALUE", with an empty line. */
+Header header_of(const std::string &kind, const std::string &path)
+{
+    const bool is_meta = kind == "meta";
+    Header header;
     std::ifstream file(path, std::ios::binary);
     std::string line;
-    while (fields.size() < 1000 && std::getline(file, line) && line.size() < 65536) {
-        if (!line.empty() && line.back() == '\r')
-            line.pop_back();
-        if (line.empty())
-            break;
-        const size_t at = line.find(between);
-        if (at == std::string::npos || line[0] == '#')
-            continue;
-        std::string name = line.substr(0, at), value = line.substr(at + 1);
-        while (!name.empty() && std::isspace(static_cast<unsigned char>(name.back())))
-            name.pop_back();
-        name = in_small_letters(name);
-        fields[name] = value;
-        if (name == last)
-            break;
+    for (uint64_t at = 0; header.end == 0 && std::getline(file, line);) {
+        at += line.size() + (file.eof() ? 0 : 1);
+        const size_t between = line.find(is_meta ? '=' : ':');
+        const std::string name = in_small_letters(trimmed(line.substr(0, between)));
+        if (between != std::string::npos && line[0] != '#' && header.field.size() < fields_most)
+            header.field[name] = trimmed(line.substr(between + 1));
+        if (is_meta ? name == "elementdatafile" : trimmed(line).empty())
+            header.end = at;
     }
-    return fields;
+    return header;
 }
 
 /* NRRD: a place only where it names the space, and distances where it gives them all. */
 unsigned known_by_nrrd(const std::string &path)
 {
-    const auto fields = fields_of(path, ':', "");
-    const auto space = fields.find("space"), directions = fields.find("space directions"),
-               spacings = fields.find("spacings");
-    unsigned known = NOTHING;
-    if (directions != fields.end() ||
-        (spacings != fields.end() && spacings->second.find("nan") == std::string::npos &&
-         spacings->second.find("NaN") == std::string::npos))
-        known |= SPACING;
-    if (space != fields.end() && directions != fields.end()) {
-        std::string name = in_small_letters(space->second);
-        name.erase(0, name.find_first_not_of(" \t"));
-        name = name.substr(0, name.find_last_not_of(" \t") + 1);
-        static const std::set<std::string> anatomical = {"right-anterior-superior",
-                                                         "left-anterior-superior",
-                                                         "left-posterior-superior",
-                                                         "ras",
-                                                         "las",
-                                                         "lps"};
-        if (anatomical.count(name))
-            known |= ORIENTATION;
-    }
+    static const std::set<std::string> anatomical = {"right-anterior-superior",
+                                                     "left-anterior-superior",
+                                                     "left-posterior-superior",
+                                                     "ras",
+                                                     "las",
+                                                     "lps"};
+    const Header header = header_of("nrrd", path);
+    const std::string spacings = in_small_letters(header.value("spacings"));
+    const bool has_directions = header.field.count("space directions");
+    const bool has_spacings =
+        header.field.count("spacings") && spacings.find("nan") == std::string::npos;
+    unsigned known = has_directions || has_spacings ? SPACING : NOTHING;
+    if (has_directions && anatomical.count(in_small_letters(header.value("space"))))
+        known |= ORIENTATION;
     return known;
 }
 
 unsigned known_by_meta(const std::string &path)
 {
-    const auto fields = fields_of(path, '=', "elementdatafile");
-    unsigned known = NOTHING;
-    if (fields.count("elementspacing"))
-        known |= SPACING;
+    const Header header = header_of("meta", path);
+    unsigned known = header.field.count("elementspacing") ? SPACING : NOTHING;
     for (const char *name : {"transformmatrix", "orientation", "rotation"})
-        if (fields.count(name))
+        if (header.field.count(name))
             known |= ORIENTATION;
     return known;
 }
@@ -320,13 +317,14 @@ void open_by_itk(Volume &volume, const Request &request, const std::string &name
     if (name == "meta")
         check_meta(
             request,
-            static_cast<itk::MetaImageIO &>(*io).GetMetaImagePointer()->ElementDataFileName());
+            static_cast<itk::MetaImageIO &>(*io).GetMetaImagePointer()->ElementDataFileName(),
+            sides_of(*io));
     volume.format = kind->format;
     volume.known = name == "nrrd"   ? known_by_nrrd(request.path)
                    : name == "meta" ? known_by_meta(request.path)
                                     : kind->known;
     describe(volume, io, request, volume.known & ORIENTATION ? kind->world : World::NONE);
-    count_voxels(volume, kind->name, request.path, *io);
+    count_voxels(volume, kind->name, request);
     if (name == "tiff" || name == "png")
         note_resolution(volume, *io);
     if (name == "mrc")

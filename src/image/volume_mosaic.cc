@@ -71,8 +71,7 @@ Private private_of(const gdcm::DataSet &set)
     take_binary(beside, set, find_private(set, count_group, count_element, "SIEMENS MR HEADER"));
     header.images = beside;
     const gdcm::Tag tag = find_private(set, csa_group, csa_element, "SIEMENS CSA HEADER");
-    const gdcm::ByteValue *value =
-        set.FindDataElement(tag) ? set.GetDataElement(tag).GetByteValue() : nullptr;
+    const gdcm::ByteValue *value = value_of(set, tag);
     if (!value)
         return header;
     const auto *bytes = reinterpret_cast<const uint8_t *>(value->GetPointer());
@@ -101,10 +100,7 @@ bool holds(const Slice &whole, unsigned images, const gdcm::DataSet &set)
 {
     const unsigned side = side_of(images);
     uint16_t matrix[4] = {0, 0, 0, 0};
-    const gdcm::ByteValue *value =
-        set.FindDataElement(matrix_tag) ? set.GetDataElement(matrix_tag).GetByteValue() : nullptr;
-    if (value && value->GetLength() == sizeof matrix)
-        std::memcpy(matrix, value->GetPointer(), sizeof matrix);
+    take_bytes(matrix, sizeof matrix, set, matrix_tag);
     const unsigned acquired = *std::max_element(matrix, matrix + 4);
     return whole.columns % side == 0 && whole.rows % side == 0 &&
            2 * std::max(whole.columns, whole.rows) / side >= acquired;

@@ -2,7 +2,6 @@
 #include "image/volume_parts.hh"
 
 #include <algorithm>
-#include <cctype>
 #include <cstring>
 #include <fstream>
 #include <sstream>
@@ -25,12 +24,9 @@ std::string folder_of(const std::string &path)
     return slash == std::string::npos ? "./" : path.substr(0, slash + 1);
 }
 
-std::string shown(const std::string &name)
+std::string last_name(const std::string &path)
 {
-    std::string text = name.substr(0, 80);
-    for (char &c : text)
-        c = c >= ' ' && c < 127 ? c : '?';
-    return text.empty() ? "a file without a name" : text;
+    return shown(path.substr(path.find_last_of('/') + 1));
 }
 
 std::string wrong_with(const std::string &header, const std::string &name)
@@ -57,9 +53,7 @@ std::string wrong_with(const std::string &header, const std::string &name)
 /* The path of a file that a header names, which is sound. */
 std::string take_name(const std::string &header, const std::string &name)
 {
-    const std::string wrong = wrong_with(header, name);
-    if (!wrong.empty())
-        refuse("%s", wrong.c_str());
+    refuse_for(wrong_with(header, name));
     return folder_of(header) + name;
 }
 
@@ -150,12 +144,16 @@ std::string next_line(const std::string &text, size_t &at)
     return line;
 }
 
+bool is_list(const std::string &value)
+{
+    return value.compare(0, 4, "LIST") == 0;
+}
+
 /* ---- NRRD ---- */
 
-bool is_data_file(std::string field)
+bool is_data_file(const std::string &name)
 {
-    std::transform(field.begin(), field.end(), field.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string field = in_small_letters(name);
     return field == "data file" || field == "datafile";
 }
 
@@ -187,7 +185,7 @@ std::vector<std::string> names_in_nrrd(const Text &text)
         if (named)
             refuse_header();
         named = true;
-        if (value.compare(0, 4, "LIST") == 0) { /* up to the end of the header */
+        if (is_list(value)) { /* up to the end of the header */
             for (std::string name; at < text.bytes.size();) {
                 name = next_line(text.bytes, at);
                 if (name.empty())
@@ -292,7 +290,7 @@ std::vector<std::string> names_in_meta(const Text &text, const std::string &path
         refuse_header();
     const std::vector<long> sides = meta_sides(text.bytes);
     const std::vector<std::string> word = words_in(value);
-    if (value.compare(0, 4, "LIST") == 0) {
+    if (is_list(value)) {
         const size_t given = word.size() > 1 ? static_cast<size_t>(number_of(word[1])) : 0;
         const std::vector<std::string> names = names_in_list(text.bytes, at);
         check_number(names.size(), sides,
@@ -307,7 +305,7 @@ std::vector<std::string> names_in_meta(const Text &text, const std::string &path
         check_number(names.size(), sides, sides.size() - 1);
         return names;
     }
-    for (const char *ending : {"", ".gz", ".Z"}) /* which its reader tries in turn */
+    for (const char *ending : {"", ".gz"}) /* which its reader tries in turn */
         if (beneath_look(folder_of(path).c_str(), (value + ending).c_str()) != BENEATH_MISSING)
             return {value + ending};
     return {value};
@@ -327,10 +325,12 @@ std::vector<std::string> named_files(const Request &request)
     return paths;
 }
 
-void check_meta(const Request &request, const std::string &read_by_library)
+void check_meta(const Request &request, const std::string &name, const std::vector<long> &sides)
 {
     size_t at;
-    if (meta_says(begin_of(request.path), at) != read_by_library)
+    const Text text = begin_of(request.path);
+    if (meta_says(text, at) != name ||
+        ((is_list(name) || name.find('%') != std::string::npos) && meta_sides(text.bytes) != sides))
         refuse_header();
 }
 

@@ -42,6 +42,7 @@ struct Request {
     std::string wanted;    /* or a piece of its description; "": not said */
     std::string skip;      /* files of a folder that are left out: NAME,NAME; "": none */
     uint64_t volume = 0;   /* of a series of volumes, counted from 0 */
+    std::vector<std::string> named; /* the paths of the files that its header names */
 };
 
 enum Known : unsigned { NOTHING = 0, SPACING = 1, ORIENTATION = 2 };
@@ -84,8 +85,22 @@ struct Refusal {
 };
 
 [[noreturn]] void refuse(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void refuse_for(const std::string &wrong); /* nothing where it is "" */
 std::string words_of(const char *format, ...) __attribute__((format(printf, 1, 2)));
 std::string plural_of(size_t count, const char *noun);
+
+/* For %llu. */
+inline unsigned long long wide(uint64_t number)
+{
+    return number;
+}
+
+/* What a file says, in ASCII that is safe to print, up to `most` letters; and the name of a file,
+ * or of what is in one. */
+std::string printable(const std::string &text, size_t most);
+std::string shown(const std::string &name);
+
+std::string in_small_letters(std::string text);
 
 /* What is answered where a library ends the process by a signal from now on. */
 void expect_end(const std::string &words);
@@ -95,6 +110,9 @@ size_t words_room(const Request &request);
 void catch_signals();
 
 /* ---- what is read ---- */
+
+/* The number that so many bytes are, 8 at most. */
+uint64_t number_in(const char *bytes, unsigned width, bool is_big);
 
 struct Slice {
     std::string path, series, object;    /* never said */
@@ -179,21 +197,19 @@ void walk(Files &files, const std::string &folder, bool follows_links, size_t de
 
 /* "./" where the path has none; else with its slash. */
 std::string folder_of(const std::string &path);
+std::string last_name(const std::string &path); /* as it is shown */
 
 /* What a file names is read where it is a regular file below the folder of that file: no absolute
  * name, no "..", no link that leads out, no pipe and no device. Whatever the kernel confines, this
  * is looked at before a library is given the file. "" where all is well, or why it is not. */
 std::string wrong_with(const std::string &header, const std::string &name);
 
-/* A name in letters that are safe to print. */
-std::string shown(const std::string &name);
-
 /* The paths of the files that the header of a NRRD or MetaImage names; none where the voxels are in
  * it. Refuses those that are not sound, and lists of too few. */
 std::vector<std::string> named_files(const Request &request);
 
-/* That the library has read the same name in a MetaImage; and the name in a Stimulate. */
-void check_meta(const Request &request, const std::string &read_by_library);
+/* That the library has read the same in a MetaImage; and the name in a Stimulate. */
+void check_meta(const Request &request, const std::string &name, const std::vector<long> &sides);
 void check_stimulate(const Request &request);
 
 void open_by_itk(Volume &volume, const Request &request, const std::string &name);

@@ -20,14 +20,6 @@ constexpr size_t inflated_most = size_t{256} << 20;
 
 /* ---- the bytes of a file ---- */
 
-uint32_t number_of(const char *bytes, bool is_big)
-{
-    uint32_t number = 0;
-    for (unsigned i = 0; i < 4; i++)
-        number |= uint32_t{static_cast<uint8_t>(bytes[i])} << 8 * (is_big ? 3 - i : i);
-    return number;
-}
-
 /* All that follows in a file, inflated; up to where it is cut or damaged. */
 std::string inflate_rest(std::istream &file)
 {
@@ -85,7 +77,7 @@ std::unique_ptr<std::istream> open_bytes(const std::string &path)
         std::search(begin + 144, begin + length, syntax, syntax + sizeof syntax - 1) ==
             begin + length)
         return file;
-    file->seekg(144 + std::streamoff{number_of(begin + 140, false)});
+    file->seekg(static_cast<std::streamoff>(144 + number_in(begin + 140, 4, false)));
     return std::make_unique<std::istringstream>(
         std::string(128, '\0') + std::string(plain, sizeof plain) + inflate_rest(*file));
 }
@@ -121,7 +113,7 @@ void check_packed(Slice &slice, std::istream &in, uint64_t size, const std::stri
     for (size_t piece = 0; at + sizeof item <= size; piece++) {
         in.seekg(static_cast<std::streamoff>(at));
         in.read(item, sizeof item);
-        const uint64_t length = number_of(item + 4, false);
+        const uint64_t length = number_in(item + 4, 4, false);
         at += sizeof item;
         if (std::memcmp(item, "\xfe\xff\0\xe0", 4) != 0)
             break;
@@ -129,8 +121,7 @@ void check_packed(Slice &slice, std::istream &in, uint64_t size, const std::stri
             slice.lack =
                 words_of("is cut short: the last piece of its packed pixels has %llu of %llu "
                          "bytes",
-                         static_cast<unsigned long long>(size - at),
-                         static_cast<unsigned long long>(length));
+                         wide(size - at), wide(length));
             return;
         }
         at += length;
@@ -158,7 +149,7 @@ void find_pixels(Slice &slice, std::istream &in, const gdcm::TransferSyntax &syn
         return;
     in.seekg(0, std::ios::end);
     const auto size = static_cast<uint64_t>(in.tellg());
-    const uint64_t length = number_of(before + 8, is_big), needed = bytes_in(slice);
+    const uint64_t length = number_in(before + 8, 4, is_big), needed = bytes_in(slice);
     slice.lack.clear();
     slice.pixels_at = static_cast<uint64_t>(at);
     slice.is_packed = length == undefined_length;
@@ -171,9 +162,8 @@ void find_pixels(Slice &slice, std::istream &in, const gdcm::TransferSyntax &syn
     const uint64_t there = std::min(length, size - std::min(size, slice.pixels_at));
     slice.rest = there > needed + 1 ? there - needed : 0;
     if (there < needed)
-        slice.lack = words_of("is cut short: %llu of %llu bytes of pixels are there",
-                              static_cast<unsigned long long>(there),
-                              static_cast<unsigned long long>(needed));
+        slice.lack = words_of("is cut short: %llu of %llu bytes of pixels are there", wide(there),
+                              wide(needed));
 }
 
 /* ---- what they are ---- */
@@ -263,7 +253,7 @@ void check_pixels(Volume &volume, const std::vector<Slice> &slices)
 {
     const Slice &first = slices[0];
     std::set<std::string> seen;
-    std::string lack;
+    const Slice *lack = nullptr;
     size_t lacking = 0, longer = 0;
     uint64_t most = 0;
     for (const Slice &slice : slices) {
@@ -272,12 +262,12 @@ void check_pixels(Volume &volume, const std::vector<Slice> &slices)
         longer += slice.rest > 0;
         most = std::max(most, slice.rest);
         if (!slice.lack.empty() && lacking++ == 0)
-            lack = about_file(slice.name, slice.lack);
+            lack = &slice;
     }
-    if (lacking)
-        refuse("%s%s", lack.c_str(),
-               lacking > 1 ? words_of("; pixels are missing in %zu files in all", lacking).c_str()
-                           : "");
+    const std::string others =
+        lacking > 1 ? words_of("; and so are others, %zu in all", lacking) : "";
+    if (lack)
+        throw Refusal{about_file(lack->name, lack->lack + others)};
     if (first.stored && first.stored < first.bits && first.high + 1 != first.stored)
         note(volume, words_of("it says of its numbers that they have %u bits, up to bit %u: they "
                               "are taken as they stand",
@@ -285,9 +275,8 @@ void check_pixels(Volume &volume, const std::vector<Slice> &slices)
     if (first.modality == "RTDOSE" && first.slope == 1)
         note(volume, "it does not say what dose its numbers are (no dose grid scaling)");
     if (longer)
-        note(volume,
-             words_of("bytes come after the pixels of %s, up to %llu: left out",
-                      plural_of(longer, "file").c_str(), static_cast<unsigned long long>(most)));
+        note(volume, words_of("bytes come after the pixels of %s, up to %llu: left out",
+                              plural_of(longer, "file").c_str(), wide(most)));
 }
 
 } // namespace volume

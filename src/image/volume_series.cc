@@ -386,8 +386,7 @@ void stack_series(Volume &volume, Series series, const Request &request)
     sort_slices(series);
     volume.volumes = count_volumes(series);
     if (request.volume >= volume.volumes)
-        refuse("there is no volume %llu; it holds %s, counted from 0",
-               static_cast<unsigned long long>(request.volume),
+        refuse("there is no volume %llu; it holds %s, counted from 0", wide(request.volume),
                plural_of(volume.volumes, "volume").c_str());
     const std::shared_ptr<Stack> stack = std::make_shared<Stack>();
     std::vector<double> along;

@@ -17,10 +17,23 @@ namespace volume
 static const gdcm::Tag frames_tag(0x0028, 0x0008), shared_tag(0x5200, 0x9229),
     each_tag(0x5200, 0x9230), detector_tag(0x0054, 0x0022), offsets_tag(0x3004, 0x000c);
 
+const gdcm::ByteValue *value_of(const gdcm::DataSet &set, const gdcm::Tag &tag)
+{
+    return set.FindDataElement(tag) ? set.GetDataElement(tag).GetByteValue() : nullptr;
+}
+
+bool take_bytes(void *out, size_t length, const gdcm::DataSet &set, const gdcm::Tag &tag)
+{
+    const gdcm::ByteValue *value = value_of(set, tag);
+    if (!value || value->GetLength() != length)
+        return false;
+    std::memcpy(out, value->GetPointer(), length);
+    return true;
+}
+
 std::string text_of(const gdcm::DataSet &set, const gdcm::Tag &tag)
 {
-    const gdcm::ByteValue *value =
-        set.FindDataElement(tag) ? set.GetDataElement(tag).GetByteValue() : nullptr;
+    const gdcm::ByteValue *value = value_of(set, tag);
     std::string text = value ? std::string(value->GetPointer(), value->GetLength()) : "";
     while (!text.empty() && (text.back() == ' ' || text.back() == '\0'))
         text.pop_back();
@@ -58,20 +71,14 @@ void take_integer(int &out, const gdcm::DataSet &set, const gdcm::Tag &tag)
         out = static_cast<int>(number);
 }
 
-/* A binary number of 16 or 32 bits, which GDCM holds in the order of this machine. */
 void take_binary(unsigned &out, const gdcm::DataSet &set, const gdcm::Tag &tag)
 {
-    const gdcm::ByteValue *value =
-        set.FindDataElement(tag) ? set.GetDataElement(tag).GetByteValue() : nullptr;
     uint16_t half;
     uint32_t whole;
-    if (value && value->GetLength() == sizeof half) {
-        std::memcpy(&half, value->GetPointer(), sizeof half);
+    if (take_bytes(&half, sizeof half, set, tag))
         out = half;
-    } else if (value && value->GetLength() == sizeof whole) {
-        std::memcpy(&whole, value->GetPointer(), sizeof whole);
+    else if (take_bytes(&whole, sizeof whole, set, tag))
         out = whole;
-    }
 }
 
 /* Six numbers that are two unit vectors at right angles, within what decimals lose. */
