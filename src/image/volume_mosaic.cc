@@ -158,8 +158,9 @@ bool add_mosaic(std::vector<Slice> &slices, const Slice &first, const gdcm::Data
         whole.fault = "a mosaic, and two of its private elements (Siemens) do not say the same of "
                       "how many images it holds; export it again as single slices";
     else if (!fits)
-        whole.fault = words_of("a mosaic that is said to hold %u images, and %ux%u pixels are not "
-                               "so many",
+        whole.fault = words_of("a mosaic that is said to hold %u images, which do not fit "
+                               "side by side into its %ux%u pixels; export it again as single "
+                               "slices",
                                header.images, first.columns, first.rows);
     else if (!take_step(step, first, header))
         whole.fault = "a mosaic that does not say where its images lie, or towards which side they "
