@@ -59,8 +59,8 @@ void confine_to_request(Request &request, const Files &files)
         request.named = named_files(request);
     }
     const bool is_beside = request.kind == "hdf5" || request.kind == "any";
-    if (request.is_alone && (is_beside || !named.empty()))
-        refuse("its voxels may lie in other files, or be a few of many");
+    if (request.is_alone && (is_beside || !request.named.empty()))
+        throw volume::Refusal{"its voxels may lie in other files, or be a few of many"};
     if (!is_beside)
         needs.places = {own};
     for (const std::string &name : is_header ? request.named : files.targets)
