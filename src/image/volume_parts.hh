@@ -35,13 +35,13 @@ struct Request {
     std::string kind, data, path;
     std::string room; /* a folder that may be written into; "" for none */
     bool follows_links = false, fills_gaps = false;
-    bool is_alone = false; /* voxels in other files, and data sets, are not read */
-    bool lists = false;    /* what files say of their series may be said, to choose by */
-    bool is_old = false;   /* mosaics are one slice, and damaged files are left out */
-    uint64_t series = 0;   /* counted from 1; 0: not said */
-    std::string wanted;    /* or a piece of its description; "": not said */
-    std::string skip;      /* files of a folder that are left out: NAME,NAME; "": none */
-    uint64_t volume = 0;   /* of a series of volumes, counted from 0 */
+    bool is_alone = false;          /* voxels in other files, and data sets, are not read */
+    bool lists = false;             /* what files say of their series may be said, to choose by */
+    bool is_old = false;            /* mosaics are one slice, and damaged files are left out */
+    uint64_t series = 0;            /* counted from 1; 0: not said */
+    std::string wanted;             /* or a piece of its description; "": not said */
+    std::string skip;               /* files of a folder that are left out: NAME,NAME; "": none */
+    uint64_t volume = 0;            /* of a series of volumes, counted from 0 */
     std::vector<std::string> named; /* the paths of the files that its header names */
 };
 
