@@ -211,4 +211,27 @@ see '^error: .*it holds 6 series'
 enter "quit"
 close_story
 
+begin "slices behind links are read by their user, and what to do is said where they are not"
+cd "$work/v" || exit 1
+mkdir "$work/annex" linked
+number=0
+find study -type f >files
+while read -r file; do
+    cp "$file" "$work/annex/$((number += 1))"
+    ln -s "$work/annex/$number" linked
+done <files
+rm -f linked.iftty
+expect 0 "$iftty" -c 'open linked series=1' --journal linked.iftty
+for option in '' '--scene linked'; do
+    # shellcheck disable=SC2086
+    expect 3 "$iftty" verify linked.iftty $option
+    out_has "links not followed); in a replay no link of a folder is followed: \`cp -rL\` makes a"
+done
+cp -rL linked whole
+expect 0 "$iftty" verify linked.iftty --scene whole
+rm -r "$work/annex"
+expect 3 "$iftty" -c 'open linked'
+err_has "links not followed); a link to a file that is not there, as of git-annex, is not followed: "
+close_story
+
 finish

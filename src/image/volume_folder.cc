@@ -283,9 +283,15 @@ void open_folder(Volume &volume, const Request &request, const Files &all)
     expect_end("it is damaged: its reader gave up");
     if (slices.empty() && png.empty() && tiff.empty())
         refuse("the folder holds no slices of DICOM, TIFF or PNG (%s of other kinds, %s of DICOM "
-               "without pixels, %s that lead out of it)",
+               "without pixels, %s not followed)%s",
                plural_of(others, "file").c_str(), plural_of(without, "file").c_str(),
-               plural_of(files.links, "link").c_str());
+               plural_of(files.links, "link").c_str(),
+               !files.links ? ""
+               : request.follows_links
+                   ? "; a link to a file that is not there, as of git-annex, is "
+                     "not followed: `git annex get` brings it"
+                   : "; in a replay no link of a folder is followed: `cp -rL` "
+                     "makes a folder without links, for --scene");
     if (!slices.empty())
         stack_slices(volume, slices, request);
     else
