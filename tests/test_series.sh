@@ -231,7 +231,7 @@ cp -rL linked whole
 expect 0 "$iftty" verify linked.iftty --scene whole
 rm -r "$work/annex"
 expect 3 "$iftty" -c 'open linked'
-err_has "links not followed); a link to a file that is not there, as of git-annex, is not followed: "
+err_has "a link to a file that is not there, as of git-annex, is not followed: "
 close_story
 
 finish
