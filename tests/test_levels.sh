@@ -62,6 +62,10 @@ expect 0 "$iftty" -c 'open far4.nii; box 0,0,0 13,11,9 1; stats report=far4.csv'
 head -n 1 far4.csv | grep -q ',intensity_step,voxels_below_scale,voxels_above_scale$' ||
     fail "$(cat far4.csv)"
 grep -q '^1,.*,0,1$' far4.csv || fail "$(cat far4.csv)"
+expect 0 "$iftty" -c 'open far4.nii; interpolate 2 2 2; why 6,8,10; why 7,8,10'
+same "$(grep -c 'intensity [0-9.]* +-[0-9.e-]* within the scale, ' "$work/out")" 2
+expect 0 "$iftty" -c 'open plain.nii; interpolate 2 2 2; why 7,8,10'
+out_lacks 'within the scale'
 expect 0 "$iftty" -c 'open far20.nii; why 3,4,5'
 out_has 'intensity 1e+20, '
 expect 0 "$iftty" -c 'open holes.nii'

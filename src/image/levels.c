@@ -84,7 +84,10 @@ void levels_write(struct buf *out, const struct geometry *geometry, const struct
     } else {
         buf_printf(out, "%.*g", digits, geometry_value(geometry, intensity));
         if (levels)
-            buf_printf(out, " +-%.2g", levels->step / 2);
+            buf_printf(out, " +-%.2g%s", levels->step / 2,
+                       levels->is_blended && levels->beyond[0] + levels->beyond[1]
+                           ? " within the scale" /* what was beyond may be in it */
+                           : "");
     }
 }
 

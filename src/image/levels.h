@@ -57,7 +57,8 @@ double levels_value(const struct geometry *geometry, const struct levels *levels
                     uint16_t intensity);
 
 /* The same in words, with as many digits as tell it from the next: "0.787"; of a level that has
- * several, "0.787 +-7.6e-06", or "1.5..1e+20" beyond the scale. */
+ * several, "0.787 +-7.6e-06", or "1.5..1e+20" beyond the scale; and
+ * "0.787 +-7.6e-06 within the scale" where it may be a mean of voxels that were put to its ends. */
 void levels_write(struct buf *out, const struct geometry *geometry, const struct levels *levels,
                   uint16_t intensity);
 
