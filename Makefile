@@ -25,7 +25,8 @@ ANALYSERS     := cppcheck clang-tidy-14
 
 # Other versions of clang-format put lines otherwise.
 FORMAT    = $(firstword $(shell which $(FORMATTER) 2>/dev/null) clang-format)
-FORMATTED = $(shell find src journal render tui tests examples -name '*.[ch]' -o -name '*.cc')
+FORMATTED = $(shell find src journal render tui tests examples -name '*.[ch]' -o -name '*.cc' \
+                -o -name '*.hh')
 
 # What makes an error harder to use, in code that reads the files of strangers. Sanitisers do more
 # of that, and -O0 has not what _FORTIFY_SOURCE needs.
