@@ -31,7 +31,7 @@ tail -c +353 part.nii >found
 same_files expected found
 close_story
 
-begin "a correction deep in a piece says what it took, and what keeps it near"
+begin "a correction deep in a piece changes what is near it, and nothing beyond"
 {
     nifti_header 24 20 16 2 8
     awk 'BEGIN { for (z = 0; z < 16; z++) for (y = 0; y < 20; y++) for (x = 0; x < 24; x++)
@@ -41,10 +41,13 @@ expect 0 "$iftty" -c 'open room.nii; box 0,0,0 23,19,15 2; box 3,3,2 20,16,13 1
     save labels block.nii'
 deep='open room.nii; labels block.nii; run; seed 11,10,8 2'
 expect 0 "$iftty" -c "$deep; run"
-out_has 'this `run` took 1.06 ml of label 1'
-out_has '; undo takes it back, and a ball with `within` changes nothing beyond'
-expect 0 "$iftty" -c "$deep within=2; run"
-out_has '    33 voxels changed'
+out_has '    7 voxels changed'
+expect 0 "$iftty" -c "$deep radius=2; run; undo 2; save labels undone.nii"
+! grep -q 'undo takes it back' "$work/out" || fail "$(cat "$work/out")"
+cmp -s block.nii undone.nii || fail "undo has left something"
+expect 0 "$iftty" -c "$deep to=14,10,8 radius=1; run; stats"
+[ "$(sed -n 's/^    \([0-9]*\) voxels changed.*/\1/p' "$work/out" | tail -1)" -lt 150 ] ||
+    fail "$(cat "$work/out")"
 close_story
 
 begin "a record without rounds means 2"

@@ -1,7 +1,8 @@
 /*
  * Markers against a plain model: carry out, in order, the commands whose markers stand, each
  * writing its label over what was there; but one that yields does not write where a later one that
- * stands, of another label and with a voxel in its piece, wants the voxel free.
+ * stands, of another label and with a voxel in its piece, wants the voxel free, and writes where
+ * its piece goes on beside that.
  */
 #include <stdlib.h>
 
@@ -22,20 +23,31 @@ static uint32_t cell_of(uint32_t voxel)
     return 1000 + voxel * 7;
 }
 
-static bool gives_way(const struct plain *one, const struct plain *later, size_t v)
+static bool gives_way(const struct plain *one, const struct plain *later)
 {
     bool meet = false;
     for (size_t i = 0; i < VOXELS; i++)
         meet |= one->piece[i] && later->covers[i];
-    return one->yields && later->stands && one->label != later->label && meet && later->wants[v];
+    return one->yields && later->stands && one->label != later->label && meet;
+}
+
+/* Whether the piece goes on in v, beside what the later one wants. */
+static bool goes_on(const struct plain *one, const struct plain *later, size_t v)
+{
+    const bool before = v > 0 && one->piece[v - 1] && later->wants[v - 1],
+               after = v + 1 < VOXELS && one->piece[v + 1] && later->wants[v + 1];
+    return one->piece[v] && !later->wants[v] && (before || after);
 }
 
 static bool writes(const struct plain *plain, size_t count, size_t i, size_t v)
 {
-    bool does = plain[i].stands && plain[i].covers[v];
+    bool covers = plain[i].covers[v], is_free = false;
     for (size_t later = i + 1; later < count; later++)
-        does &= !gives_way(plain + i, plain + later, v);
-    return does;
+        if (gives_way(plain + i, plain + later)) {
+            covers |= goes_on(plain + i, plain + later, v);
+            is_free |= plain[later].wants[v];
+        }
+    return plain[i].stands && covers && !is_free;
 }
 
 static void compare(const struct markers *markers, const struct plain *plain)
@@ -95,7 +107,8 @@ static void want_free(struct markers *markers, struct plain *plain, uint64_t *ra
         if (plain->wants[v])
             cell[count++] = cell_of(v);
     }
-    CHECK(markers_free(markers, cell, count, NULL, NULL) == OK);
+    const struct adjacency around = {.count = 2, .offset = {-7, 7}};
+    CHECK(markers_free(markers, &around, cell, count, NULL, NULL) == OK);
 }
 
 STORY(any_set_of_markers_is_what_carrying_them_out_in_order_gives)

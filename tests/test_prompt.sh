@@ -43,9 +43,9 @@ close_story
 
 begin "what was entered before is suggested, and taken by the arrow"
 type_letters "la"
-see '^s> label 2 early \[#rrggbb\]$'
+see '^s> label 2 early \[#rrggbb\] \[number=1\.\.65533\]$'
 press Right x
-see '^s> label 2 earlyx \[#rrggbb\]$'
+see '^s> label 2 earlyx \[#rrggbb\] \[number=1\.\.65533\]$'
 press C-_ C-_
 see '^s> label 2 early'
 press C-u

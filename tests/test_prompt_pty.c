@@ -258,7 +258,7 @@ STORY(a_line_is_typed_mended_and_carried_out)
     SEE_BEGIN(&t, "48000 voxels changed, label 1: 48 ml, ");
     SEE_LINE(&t, "synth>");
     type(&t, "label 1 \346\234\254x");
-    SEE_LINE(&t, "synth> label 1 \346\234\254x [#rrggbb]");
+    SEE_LINE(&t, "synth> label 1 \346\234\254x [#rrggbb] [number=1..65533]");
     CHECK_INT(t.screen.column, 7 + 8 + 3);
     type(&t, "\177\177kidney\r");
     SEE(&t, "synth> label 1 kidney");
@@ -362,7 +362,7 @@ STORY(a_hundred_pasted_lines_are_a_hundred_commands)
         take(&t, 5);
     }
     SEE(&t, "synth> label 99 part-99");
-    SEE_LINE(&t, "synth> label 100 part-100 [#rrggbb]"); /* waits for Enter */
+    SEE_LINE(&t, "synth> label 100 part-100 [#rrggbb] [number=1..65533]"); /* waits for Enter */
     type(&t, "\r");
     SEE_LINE(&t, "synth>");
     quit(&t);
@@ -394,7 +394,7 @@ STORY(history_outlives_a_session_that_is_killed)
     CHECK(stat("history", &status) == 0 && (status.st_mode & 0777) == 0600);
     start_at_prompt(&t);
     type(&t, "\020\020"); /* up, past `quit` */
-    SEE_LINE(&t, "synth> label 7 second [#rrggbb]");
+    SEE_LINE(&t, "synth> label 7 second [#rrggbb] [number=1..65533]");
     type(&t, "\022fir");
     SEE_LINE(&t, "(search 'fir') label 7 first");
     type(&t, "\007");
@@ -435,11 +435,11 @@ STORY(what_was_entered_before_is_suggested_and_taken)
          "se"); /* neither a voxel beyond the scene, nor a label without a name, nor a mistake */
     SEE_LINE(&t, "synth> se");
     type(&t, "\025label 7 ");
-    SEE_LINE(&t, "synth> label 7 liver [#rrggbb]");
+    SEE_LINE(&t, "synth> label 7 liver [#rrggbb] [number=1..65533]");
     const struct screen_cell *cell = t.screen.cell[t.screen.row];
     CHECK(cell[15].grey && cell[21].grey && !cell[8].grey && t.screen.column == 15);
     type(&t, "\033[C");
-    SEE_LINE(&t, "synth> label 7 liver [#rrggbb]");
+    SEE_LINE(&t, "synth> label 7 liver [#rrggbb] [number=1..65533]");
     check_awaited(&t, is_at_column, "20", __LINE__);
     type(&t, "\r");
     SEE_LINE(&t, "synth>");
@@ -454,7 +454,7 @@ STORY(what_was_entered_before_is_suggested_and_taken)
     type(&t, "\037\037"); /* undone: what was taken, and a word of it */
     check_awaited(&t, is_at_column, "11", __LINE__);
     type(&t, "\025la\033[A");
-    SEE_LINE(&t, "synth> label 7 liver [#rrggbb]");
+    SEE_LINE(&t, "synth> label 7 liver [#rrggbb] [number=1..65533]");
     type(&t, "\033[B");
     check_awaited(&t, is_at_column, "9", __LINE__);
     type(&t, "\025goto \033.\033.");

@@ -127,8 +127,7 @@ enum err act_quit(const struct act *act);
 void volumes_write(struct buf *out, const struct session *session, uint64_t took_ns);
 
 /* After it, for a surprise (session/surprise.h): "this `seed` took 1.2 l of label 1 brain through
- * 93,40,61; undo takes it back", and how to stay near where labels came out of a file. NULL: what
- * waited has. */
+ * 93,40,61; undo takes it back". NULL: what waited has. */
 void surprise_write(struct buf *out, const struct session *session, const char *command);
 
 /* The labels that a command shows, saves or counts, once the edits that wait have been run: with

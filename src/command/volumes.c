@@ -84,8 +84,5 @@ void surprise_write(struct buf *out, const struct session *session, const char *
     if (surprise.has_passage)
         buf_printf(out, " through %u,%u,%u", surprise.passage[0], surprise.passage[1],
                    surprise.passage[2]);
-    buf_add_text(out, "; undo takes it back");
-    if (session->markers.yields) /* the pieces of a file have no seeds inside (`labels`) */
-        buf_add_text(out, ", and a ball with `within` changes nothing beyond");
-    buf_add_char(out, '\n');
+    buf_add_text(out, "; undo takes it back\n");
 }

@@ -78,11 +78,13 @@ static enum err make_room(struct markers *markers, size_t more, struct task *tas
                : fault_memory(fault, "a marker");
 }
 
-/* Of the last marker. */
-static void add_cover(struct markers *markers, uint32_t cell, uint32_t frees)
+/* Of the last marker; `from` is the one that gives way to it, 0 for none. */
+static void add_cover(struct markers *markers, uint32_t cell, uint32_t from, bool is_beside)
 {
-    markers->cover[markers->covers] =
-        (struct cover){.cell = cell, .marker = (uint32_t)markers->count, .frees = frees};
+    markers->cover[markers->covers] = (struct cover){.cell = cell,
+                                                     .marker = (uint32_t)markers->count,
+                                                     .from = from & (UINT32_MAX >> 1),
+                                                     .is_beside = is_beside};
     put_in(markers, markers->covers++);
 }
 
@@ -104,7 +106,7 @@ enum err markers_add(struct markers *markers, int16_t label, const uint32_t *cel
                                                         .run = (uint32_t)markers->runs,
                                                         .label = label};
     for (size_t i = 0; i < count && task_advance(&task, 1); i++)
-        add_cover(markers, cell[i], 0);
+        add_cover(markers, cell[i], 0, false);
     err = watch_fault(watch, fault);
     if (err)
         markers_drop(markers, markers->count - 1, watch);
@@ -184,79 +186,159 @@ static bool meet(const struct markers *markers, const struct marker *a, const st
     return has;
 }
 
-enum { UNKNOWN, YIELDS, STAYS };
-
-/* What a marker does before the last one. */
-static uint8_t ask(const struct markers *markers, uint32_t number)
+/* Whether a marker gives way to the last one. */
+static bool gives_way(const struct markers *markers, const struct marker *marker)
 {
-    const struct marker *marker = markers->marker + number - 1;
     const struct marker *last = markers->marker + markers->count - 1;
-    return marker->yields && marker->label != last->label && meet(markers, marker, last) ? YIELDS
-                                                                                         : STAYS;
+    return marker->yields && marker->label != last->label && meet(markers, marker, last);
 }
 
-/* How many markers give way in a voxel, whether they stand or not; `does` is what each marker does,
- * or UNKNOWN. With `adds`, the last one frees it from them, for which there is room. */
-static size_t free_one(struct markers *markers, uint8_t *does, uint32_t cell, bool adds)
+/* Cells that are freed, a bit each with those beside them; and which of all have a cover. */
+struct freed {
+    uint32_t first, last;
+    uint64_t origin; /* what is added to a cell for its bit */
+    uint64_t *within, *covered;
+};
+
+static uint64_t bit_of(const struct freed *freed, uint32_t cell)
 {
-    size_t count = 0;
-    for (uint32_t at = *bucket_of(markers, cell); at != COVER_NONE; at = markers->cover[at].below) {
-        const struct cover *cover = markers->cover + at;
-        const uint32_t number = cover->marker;
-        if (cover->cell != cell || cover->frees)
-            continue;
-        if (does[number] == UNKNOWN)
-            does[number] = ask(markers, number);
-        if (does[number] == STAYS)
-            continue;
-        count++;
-        if (adds)
-            add_cover(markers, cell, number);
-    }
-    return count;
+    return cell + freed->origin;
 }
 
-enum err markers_free(struct markers *markers, const uint32_t *cell, size_t count,
-                      struct watch *watch, struct fault *fault)
+static bool has_bit(const uint64_t *set, uint64_t bit)
+{
+    return set[bit >> 6] >> (bit & 63) & 1;
+}
+
+static enum err freed_init(struct freed *freed, const struct adjacency *around,
+                           const uint32_t *cell, size_t count, struct fault *fault)
+{
+    ptrdiff_t reach = 0;
+    *freed = (struct freed){.first = UINT32_MAX};
+    for (unsigned k = 0; k < around->count; k++)
+        reach = around->offset[k] > reach ? around->offset[k] : reach;
+    for (size_t i = 0; i < count; i++) {
+        freed->first = cell[i] < freed->first ? cell[i] : freed->first;
+        freed->last = cell[i] > freed->last ? cell[i] : freed->last;
+    }
+    const size_t words = (freed->last - freed->first + 2 * (size_t)reach) / 64 + 1;
+    freed->origin = (uint64_t)reach - freed->first;
+    freed->within = mem_array(words, sizeof *freed->within);
+    freed->covered = mem_array(words, sizeof *freed->covered);
+    if (!freed->within || !freed->covered)
+        return fault_memory(fault, "a marker");
+    memset(freed->within, 0, words * sizeof *freed->within);
+    memset(freed->covered, 0, words * sizeof *freed->covered);
+    for (size_t i = 0; i < count; i++)
+        freed->within[bit_of(freed, cell[i]) >> 6] |= UINT64_C(1) << (bit_of(freed, cell[i]) & 63);
+    return OK;
+}
+
+static void freed_release(struct freed *freed)
+{
+    free(freed->within);
+    free(freed->covered);
+}
+
+static bool has_cell(const struct markers *markers, const struct marker *marker, uint32_t cell)
+{
+    return has_one(markers, marker, (struct marker_run){cell, cell + 1});
+}
+
+/* The last marker frees a voxel from that one, or this has a seed in it beside what is freed. */
+static enum err cover_once(struct markers *markers, uint32_t number, struct freed *freed,
+                           uint32_t cell, struct task *task, struct fault *fault)
+{
+    const uint64_t bit = bit_of(freed, cell);
+    const bool is_beside = !has_bit(freed->within, bit);
+    if (has_bit(freed->covered, bit) || !has_cell(markers, markers->marker + number - 1, cell))
+        return OK;
+    const enum err err = make_room(markers, 1, task, fault);
+    if (err)
+        return err;
+    freed->covered[bit >> 6] |= UINT64_C(1) << (bit & 63);
+    add_cover(markers, cell, number, is_beside);
+    markers->marker[markers->count - 1].frees++;
+    markers->ends |= is_beside;
+    return OK;
+}
+
+/* The same of a voxel and of all beside it. */
+static enum err free_one(struct markers *markers, uint32_t number, struct freed *freed,
+                         const struct adjacency *around, uint32_t cell, struct task *task,
+                         struct fault *fault)
+{
+    if (!has_cell(markers, markers->marker + number - 1, cell))
+        return OK;
+    enum err err = cover_once(markers, number, freed, cell, task, fault);
+    for (unsigned k = 0; !err && k < around->count; k++) {
+        const uint32_t beside = (uint32_t)(cell + around->offset[k]);
+        if (!has_bit(freed->within, bit_of(freed, beside)))
+            err = cover_once(markers, number, freed, beside, task, fault);
+    }
+    return err;
+}
+
+/* Whether a marker is a piece that has voxels there. */
+static bool comes_near(const struct markers *markers, const struct marker *marker,
+                       const struct freed *freed)
+{
+    const size_t count = marker->yields ? stretches(marker) : 0;
+    return count && stretch(markers, marker, 0).first <= freed->last &&
+           stretch(markers, marker, count - 1).end > freed->first;
+}
+
+enum err markers_free(struct markers *markers, const struct adjacency *around, const uint32_t *cell,
+                      size_t count, struct watch *watch, struct fault *fault)
 {
     struct task task = task_begin(watch, "markers", count);
-    uint8_t *does = mem_new(markers->count + 1); /* each marker */
-    enum err err = does ? OK : fault_memory(fault, "a marker");
-    for (size_t i = 0; !err && i < count && task_advance(&task, 1); i++) {
-        const size_t more = free_one(markers, does, cell[i], false);
-        err = more ? make_room(markers, more, &task, fault) : OK;
-        if (!err && more)
-            markers->marker[markers->count - 1].frees +=
-                (uint32_t)free_one(markers, does, cell[i], true);
+    struct freed freed = {0};
+    enum err err = count ? freed_init(&freed, around, cell, count, fault) : OK;
+    for (uint32_t number = 1; !err && count && number < markers->count; number++) {
+        const struct marker *marker = markers->marker + number - 1;
+        const size_t before = markers->covers;
+        if (!comes_near(markers, marker, &freed) || !gives_way(markers, marker))
+            continue;
+        for (size_t i = 0; !err && i < count && task_advance(&task, 1); i++)
+            err = free_one(markers, number, &freed, around, cell[i], &task, fault);
+        for (size_t i = before; i < markers->covers; i++) {
+            const uint64_t bit = bit_of(&freed, markers->cover[i].cell);
+            freed.covered[bit >> 6] &= ~(UINT64_C(1) << (bit & 63));
+        }
     }
-    free(does);
+    freed_release(&freed);
     return err ? err : watch_fault(watch, fault);
 }
 
 /* ---- who decides ---- */
 
-/* Whether a later marker that stands frees the voxel of a cover from its marker; `at` is where its
- * bucket begins. */
-static bool is_freed(const struct markers *markers, uint32_t at, const struct cover *from)
+/* Whether a marker that stands frees the voxel from that one; `at` is where its bucket begins. */
+static bool is_freed(const struct markers *markers, uint32_t at, uint32_t cell, uint32_t number)
 {
-    for (const struct cover *cover; (cover = markers->cover + at) != from; at = cover->below)
-        if (cover->cell == from->cell && cover->frees == from->marker &&
+    for (; at != COVER_NONE; at = markers->cover[at].below) {
+        const struct cover *cover = markers->cover + at;
+        if (cover->cell == cell && cover->from == number && !cover->is_beside &&
             markers->marker[cover->marker - 1].stands)
             return true;
+    }
     return false;
 }
 
 uint32_t markers_at(const struct markers *markers, uint32_t cell)
 {
     const uint32_t latest = markers->buckets ? *bucket_of(markers, cell) : COVER_NONE;
+    uint32_t decides = 0;
     for (uint32_t at = latest; at != COVER_NONE; at = markers->cover[at].below) {
         const struct cover *cover = markers->cover + at;
-        const struct marker *marker = markers->marker + cover->marker - 1;
-        if (cover->cell == cell && !cover->frees && marker->stands &&
-            !(marker->yields && is_freed(markers, latest, cover)))
-            return cover->marker;
+        const uint32_t number = cover->is_beside ? cover->from : cover->marker;
+        const struct marker *marker = markers->marker + number - 1;
+        if (cover->cell != cell || (cover->from && !cover->is_beside) || number < decides ||
+            !marker->stands || !markers->marker[cover->marker - 1].stands)
+            continue;
+        if (!marker->yields || !is_freed(markers, latest, cell, number))
+            decides = number;
     }
-    return 0;
+    return decides;
 }
 
 struct edit markers_edit(const struct markers *markers, uint32_t cell)

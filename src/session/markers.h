@@ -22,6 +22,9 @@
  *     seeds while all stand          1 1 1 1 . 3 . 2
  *     and with marker 3 taken away   1 1 1 1 2 2 2 2
  *
+ * What is left of the piece then has seeds in the voxels beside those, corners included, though it
+ * had none within: so trees of the later marker end there, however thick the piece is.
+ *
  * A marker gives way to a later one of another label, of which a voxel lies in its piece, and to no
  * other: what belongs to third labels stays as it is.
  *
@@ -55,7 +58,7 @@ struct marker_run {
 
 struct marker {
     uint32_t first, voxels; /* in `cover`: those that it has seeds in, */
-    uint32_t frees;         /* and after them those that it frees */
+    uint32_t frees;         /* and after them those that it frees, and those beside them */
     uint32_t run, runs;     /* in `run`: the piece of one that yields; none: it is its `voxels` */
     int16_t label;          /* 0..255, or EDIT_ERASE for an eraser */
     uint16_t reach;         /* of its seeds (forest_add_reach), or 0 */
@@ -64,11 +67,13 @@ struct marker {
     bool yields;
 };
 
-/* That a marker covers a voxel, or frees it. */
+/* That a marker covers a voxel; or of one that gives way to it, that it frees the voxel, or is
+ * beside what it frees. */
 struct cover {
     uint32_t cell, marker;
-    uint32_t frees; /* the marker that gives way to it there; 0: it covers the voxel */
-    uint32_t below; /* the next older one of the same bucket; COVER_NONE for none */
+    uint32_t from : 31;     /* the marker that gives way; 0: it covers the voxel */
+    uint32_t is_beside : 1; /* that one has a seed here */
+    uint32_t below;         /* the next older one of the same bucket; COVER_NONE for none */
 };
 
 /* {0} is empty. */
@@ -82,6 +87,7 @@ struct markers {
     uint32_t *bucket; /* by voxel: the latest cover of each, COVER_NONE for none */
     size_t buckets;   /* a power of two, or 0 */
     bool yields;      /* one of them may */
+    bool ends;        /* one of them has seeds beside what is freed */
 };
 
 #define COVER_NONE UINT32_MAX
@@ -101,10 +107,10 @@ enum err markers_yield(struct markers *markers, const struct marker_run *run, si
                        struct fault *fault);
 
 /* The last one, which covers its voxels in order, frees those of `cell` in which a marker
- * gives way to it. On errors, those of markers_add, it frees a part of them, and is
- * to be dropped. */
-enum err markers_free(struct markers *markers, const uint32_t *cell, size_t count,
-                      struct watch *watch, struct fault *fault);
+ * gives way to it; `around` is what is beside a voxel. On errors, those of markers_add, it frees a
+ * part of them, and is to be dropped. */
+enum err markers_free(struct markers *markers, const struct adjacency *around, const uint32_t *cell,
+                      size_t count, struct watch *watch, struct fault *fault);
 
 /* Those above number `count` were never added. Watched, and not to be stopped. */
 void markers_drop(struct markers *markers, size_t count, struct watch *watch);

@@ -43,7 +43,9 @@ enum err session_free(struct session *session, const uint32_t *cell, size_t coun
 {
     const struct markers *markers = &session->markers;
     size_t i = markers->covers;
-    enum err err = markers_free(&session->markers, cell, count, session->watch, fault);
+    struct adjacency around;
+    adjacency_init(&around, 26, &session->scene->grid);
+    enum err err = markers_free(&session->markers, &around, cell, count, session->watch, fault);
     struct task task = task_begin(session->watch, "edits", markers->covers - i);
     for (; !err && i < markers->covers && task_advance(&task, 1); i++)
         err = edits_add(&session->now.lists.pending, markers_edit(markers, markers->cover[i].cell),
@@ -72,6 +74,11 @@ static enum err take_away(struct session *session, uint32_t number, struct fault
         const uint32_t cell = markers->cover[marker->first + i].cell;
         if (markers_at(markers, cell) < number)
             err = edits_add(&session->now.lists.pending, markers_edit(markers, cell), fault);
+    }
+    for (size_t i = marker->first + covers; !err && markers->ends && i < markers->covers; i++) {
+        const struct cover *cover = markers->cover + i;
+        if (cover->is_beside && cover->from == number)
+            err = edits_add(&session->now.lists.pending, markers_edit(markers, cover->cell), fault);
     }
     return err ? err : watch_fault(session->watch, fault);
 }
