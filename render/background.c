@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "engine/gradient.h"
-#include "render/shade.h"
 
 /* The gradient: slate, and shades of it down to near black, which palettes have (tui/picture). */
 static const uint8_t gradient_top[3] = {62, 70, 82}, gradient_bottom[3] = {20, 22, 26};
@@ -18,11 +17,6 @@ void background_write(struct buf *out, uint32_t background)
         buf_add_text(out, "white");
     else
         buf_printf(out, "#%06x", background & 0xffffff);
-}
-
-uint32_t background_default(uint32_t look)
-{
-    return look > LOOK_FIRST ? BACKGROUND_GRADIENT : BACKGROUND_FADE;
 }
 
 uint32_t background_opaque(uint32_t background)

@@ -30,9 +30,6 @@ enum { BACKGROUND_WHITE = BACKGROUND_PLAIN | 0xffffff };
 /* As commands call it: "white", "#e0e0e0". */
 void background_write(struct buf *out, uint32_t background);
 
-/* What a new session has under a look of that number (render/shade.h). */
-uint32_t background_default(uint32_t look);
-
 /* The same where all has to be opaque: black for what is clear. */
 uint32_t background_opaque(uint32_t background);
 

@@ -324,6 +324,17 @@ static bool is_freed(const struct markers *markers, uint32_t at, uint32_t cell, 
     return false;
 }
 
+bool markers_can_plant(const struct markers *markers, uint32_t cell)
+{
+    uint32_t at = markers->buckets ? *bucket_of(markers, cell) : COVER_NONE;
+    for (; at != COVER_NONE; at = markers->cover[at].below) {
+        const struct cover *cover = markers->cover + at;
+        if (cover->cell == cell && (!cover->from || cover->is_beside))
+            return true;
+    }
+    return false;
+}
+
 uint32_t markers_at(const struct markers *markers, uint32_t cell)
 {
     const uint32_t latest = markers->buckets ? *bucket_of(markers, cell) : COVER_NONE;

@@ -115,6 +115,9 @@ enum err markers_free(struct markers *markers, const struct adjacency *around, c
 /* Those above number `count` were never added. Watched, and not to be stopped. */
 void markers_drop(struct markers *markers, size_t count, struct watch *watch);
 
+/* Whether any of all markers can have a seed in a voxel. */
+bool markers_can_plant(const struct markers *markers, uint32_t cell);
+
 /* The number of the marker that decides about a voxel; 0 where none that stands covers it. It may
  * be an eraser. */
 uint32_t markers_at(const struct markers *markers, uint32_t cell);

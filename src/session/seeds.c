@@ -47,9 +47,11 @@ enum err session_free(struct session *session, const uint32_t *cell, size_t coun
     adjacency_init(&around, 26, &session->scene->grid);
     enum err err = markers_free(&session->markers, &around, cell, count, session->watch, fault);
     struct task task = task_begin(session->watch, "edits", markers->covers - i);
-    for (; !err && i < markers->covers && task_advance(&task, 1); i++)
-        err = edits_add(&session->now.lists.pending, markers_edit(markers, markers->cover[i].cell),
-                        fault);
+    for (; !err && i < markers->covers && task_advance(&task, 1); i++) {
+        const uint32_t changed = markers->cover[i].cell;
+        if (markers_can_plant(markers, changed))
+            err = edits_add(&session->now.lists.pending, markers_edit(markers, changed), fault);
+    }
     return err ? err : watch_fault(session->watch, fault);
 }
 
@@ -72,7 +74,7 @@ static enum err take_away(struct session *session, uint32_t number, struct fault
     struct task task = task_begin(session->watch, "markers", covers);
     for (size_t i = 0; !err && i < covers && task_advance(&task, 1); i++) {
         const uint32_t cell = markers->cover[marker->first + i].cell;
-        if (markers_at(markers, cell) < number)
+        if (markers_can_plant(markers, cell) && markers_at(markers, cell) < number)
             err = edits_add(&session->now.lists.pending, markers_edit(markers, cell), fault);
     }
     for (size_t i = marker->first + covers; !err && markers->ends && i < markers->covers; i++) {
