@@ -68,8 +68,8 @@ VOLUME_LIBS   = $(addsuffix $(ITK:ITK%=%),$(ITK_IO:%=-lITKIO%) -lITKMetaIO -lITK
                 $(shell pkg-config --libs hdf5 2>/dev/null) -lz
 
 # Both helpers: how they are confined.
-CONFINED      = $(BUILD)/src/base/beneath.o $(BUILD)/src/base/confine.o \
-                $(BUILD)/src/base/confine_calls.o
+CONFINED      = $(BUILD)/src/base/beneath.o $(BUILD)/src/confine/confine.o \
+                $(BUILD)/src/confine/confine_calls.o
 
 IMAGE_PARTS   = $(patsubst %.cc,$(BUILD)/%.o,src/image/iftty-image.cc \
                   $(wildcard src/image/image_*.cc))
@@ -86,7 +86,8 @@ Q   = @
 endif
 MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 1)
 
-PARTS   := src/base src/engine src/image src/session src/sandbox src/command src/verify \
+PARTS   := src/base src/confine src/engine src/image src/session src/show src/report src/sandbox \
+           src/command src/verify \
            src/program journal render tui tui/picture tui/prompt tui/pilot
 SOURCES := $(sort $(foreach part,$(PARTS),$(wildcard $(part)/*.c)))
 OBJECTS := $(SOURCES:%.c=$(BUILD)/%.o)
@@ -95,7 +96,7 @@ BENCHES := $(patsubst %.c,$(BUILD)/%.o,$(filter-out %/bench.c,$(wildcard tests/b
 BENCH   := $(BUILD)/tests/bench/bench
 TESTS   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_*.c))
 RACING  := $(patsubst %.c,$(BUILD)/racing/%.o,\
-             $(wildcard src/base/*.c src/engine/*.c src/image/*.c render/*.c))
+             $(wildcard src/base/*.c src/confine/*.c src/engine/*.c src/image/*.c render/*.c))
 
 # ThreadSanitizer bears no other sanitizer beside it.
 ifeq ($(SANITISE),)

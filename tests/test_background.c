@@ -5,7 +5,7 @@
 #include "image/exr.h"
 #include "image/helper.h"
 #include "render/mosaic.h"
-#include "session/export.h"
+#include "report/export.h"
 #include "tests/folder.h"
 #include "tests/interpreting.h"
 

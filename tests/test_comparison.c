@@ -8,7 +8,7 @@
 #include "base/mem.h"
 #include "engine/contour.h"
 #include "engine/distance.h"
-#include "session/comparison.h"
+#include "report/comparison.h"
 #include "tests/check.h"
 #include "tests/stopping.h"
 

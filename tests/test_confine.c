@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "base/confine_calls.h"
+#include "confine/confine_calls.h"
 #include "base/file.h"
 #include "base/mem.h"
 #include "image/helper.h"

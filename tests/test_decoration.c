@@ -6,8 +6,8 @@
 
 #include "render/decoration.h"
 #include "render/sweep.h"
-#include "session/decorating.h"
-#include "session/slicing.h"
+#include "show/decorating.h"
+#include "show/slicing.h"
 #include "tests/interpreting.h"
 #include "tests/stage.h"
 

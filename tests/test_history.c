@@ -8,7 +8,7 @@
 #include "base/mem.h"
 #include "base/packed.h"
 #include "journal/walk.h"
-#include "session/slicing.h"
+#include "show/slicing.h"
 #include "tests/small_scene.h"
 
 static uint64_t seed = 7;

@@ -1,6 +1,6 @@
 /* Tables of labels, worked by hand: each format, names that have to be made to fit, and what is
  * written. */
-#include "session/label_table.h"
+#include "report/label_table.h"
 #include "session/semantics.h"
 
 #include <stdlib.h>

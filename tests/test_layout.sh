@@ -120,7 +120,8 @@ begin "the name of a command is written in the table alone"
 names=$(sed -n 's/^    {[CS][A-Z]*("\([a-z-]*\)",.*/\1/p' src/command/table.c src/session/setting.c)
 [ "$(printf '%s\n' "$names" | wc -l)" -gt 15 ] || fail "the table was not understood: $names"
 pattern=$(printf '%s\n' "$names" | sed 's/.*/"&"/' | paste -sd '|' -)
-for file in $(sources src/command src/session | grep -vE '/(table|setting)\.c$'); do
+for file in $(sources src/command src/session src/show src/report |
+    grep -vE '/(table|setting)\.c$'); do
     found=$(without_comments "$file" | grep -nE "$pattern" | grep -vE 'json_[a-z]+\(&?json, "')
     [ -z "$found" ] || fail "$file:$found"
 done
@@ -238,9 +239,7 @@ close_story
 
 # Rooms: the folders that may include something by tests/layout.txt.
 rooms() {
-    sed -n 's/^\(base\|engine\|image\|sandbox\|session\|command\|verify\|program\): .*/src\/\1/p' \
-        "$law"
-    sed -n 's/^\(render\|journal\|tui[a-z/]*\): .*/\1/p' "$law"
+    sed -nE 's/^((render|journal|tui)[a-z\/]*): .*/\1/p; t; s/^([a-z]+): base.*/src\/\1/p' "$law"
 }
 lines_of() { # ROOM, without those below it
     find "$@" -maxdepth 1 -type f \( -name '*.[ch]' -o -name '*.cc' -o -name '*.hh' \) \

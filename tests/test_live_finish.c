@@ -4,8 +4,8 @@
  * nothing.
  */
 #include "base/mem.h"
-#include "session/live_finish.h"
-#include "session/slicing.h"
+#include "show/live_finish.h"
+#include "show/slicing.h"
 #include "tests/scarce_memory.h"
 #include "tests/small_scene.h"
 

@@ -2,7 +2,7 @@
 #include "tests/small_scene.h"
 
 #include "base/chart.h"
-#include "session/histogram.h"
+#include "report/histogram.h"
 #include "session/paint.h"
 
 #define HAS(part) CHECK_HAS(buf_text(&reply.text), part)

@@ -7,8 +7,8 @@
 
 #include "base/file.h"
 #include "image/exr.h"
-#include "session/export.h"
-#include "session/seen_from.h"
+#include "report/export.h"
+#include "show/seen_from.h"
 #include "tests/interpreting.h"
 #include "tests/folder.h"
 #include "tests/stopping.h"

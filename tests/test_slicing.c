@@ -11,7 +11,7 @@
 #include "image/exr.h"
 #include "image/volume.h"
 #include "render/text.h"
-#include "session/slicing.h"
+#include "show/slicing.h"
 #include "tests/interpreting.h"
 #include "tests/folder.h"
 #include "tests/scarce_memory.h"

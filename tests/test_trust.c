@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "base/beneath.h"
-#include "base/confine.h"
+#include "confine/confine.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "interpreting.h"

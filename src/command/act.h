@@ -4,7 +4,7 @@
 
 #include "command/interpreter.h"
 #include "session/paint.h"
-#include "session/slicing.h"
+#include "show/slicing.h"
 
 /* act_scene.c */
 enum err act_open(const struct act *act);
@@ -126,7 +126,7 @@ enum err act_quit(const struct act *act);
  * the forest, after session_count_before and session_count_labels. */
 void volumes_write(struct buf *out, const struct session *session, uint64_t took_ns);
 
-/* After it, for a surprise (session/surprise.h): "this `seed` took 1.2 l of label 1 brain through
+/* After it, for a surprise (report/surprise.h): "this `seed` took 1.2 l of label 1 brain through
  * 93,40,61; undo takes it back". NULL: what waited has. */
 void surprise_write(struct buf *out, const struct session *session, const char *command);
 

@@ -7,9 +7,9 @@
 #include "engine/rival.h"
 #include "engine/way.h"
 #include "journal/journal.h"
-#include "session/decorating.h"
-#include "session/export.h"
-#include "session/histogram.h"
+#include "show/decorating.h"
+#include "report/export.h"
+#include "report/histogram.h"
 
 enum { RISES_MOST = 8 }; /* places where the cost rose that `why` lists */
 

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "session/slicing.h"
+#include "show/slicing.h"
 
 /* ---- slabs ---- */
 

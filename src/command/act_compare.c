@@ -5,7 +5,7 @@
 
 #include "base/file.h"
 #include "base/mem.h"
-#include "session/comparison_picture.h"
+#include "report/comparison_picture.h"
 #include "session/map.h"
 
 /* The places of the parameters in the table. */

@@ -6,7 +6,7 @@
 
 #include "base/file_draft.h"
 #include "image/exr.h"
-#include "session/export.h"
+#include "report/export.h"
 
 /* ---- comparing ---- */
 

@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-#include "session/label_table.h"
+#include "report/label_table.h"
 #include "session/regions.h"
 
 enum { TABLE_BYTES_MOST = 16 << 20 };

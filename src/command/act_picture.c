@@ -3,8 +3,8 @@
 
 #include "base/file.h"
 #include "image/exr.h"
-#include "session/decorating.h"
-#include "session/export.h"
+#include "show/decorating.h"
+#include "report/export.h"
 
 /* ---- pictures ---- */
 

@@ -3,8 +3,8 @@
 
 #include "base/file.h"
 #include "image/surface_file.h"
-#include "session/export.h"
-#include "session/label_table.h"
+#include "report/export.h"
+#include "report/label_table.h"
 #include "session/numbering.h"
 
 enum err act_check_report(const struct value *file, struct fault *fault)

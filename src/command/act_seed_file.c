@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "session/label_table.h"
+#include "report/label_table.h"
 #include "session/numbering.h"
 #include "session/seed_file.h"
 

@@ -2,8 +2,8 @@
 #include "command/act.h"
 
 #include "base/choice.h"
-#include "session/slicing.h"
-#include "session/window.h"
+#include "show/slicing.h"
+#include "show/window.h"
 
 /* The places of the parameters in the table. */
 enum { SLICE_PLANE, SLICE_NUMBER, SLICE_FILE, SLICE_ZOOM, SLICE_REPLACE, SLICE_FINISHED };

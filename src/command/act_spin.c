@@ -11,8 +11,8 @@
 #include "image/exr.h"
 #include "image/helper.h"
 #include "render/fit.h"
-#include "session/decorating.h"
-#include "session/export.h"
+#include "show/decorating.h"
+#include "report/export.h"
 
 /* The places of the parameters in the table. */
 enum { COUNT, NAME, AXIS, FIT, DELAY, REPLACE, SHOWN };

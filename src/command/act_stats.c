@@ -5,7 +5,7 @@
 
 #include "base/file.h"
 #include "base/mem.h"
-#include "session/label_report.h"
+#include "report/label_report.h"
 #include "session/numbering.h"
 
 /* The places of the parameters in the table. */

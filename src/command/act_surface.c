@@ -2,7 +2,7 @@
 #include "command/act.h"
 
 #include "image/surface_file.h"
-#include "session/export.h"
+#include "report/export.h"
 
 enum { PASSES_USUALLY = 20 };
 

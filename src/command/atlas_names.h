@@ -6,7 +6,7 @@
 #define COMMAND_ATLAS_NAMES_H
 
 #include "command/act.h"
-#include "session/label_table.h"
+#include "report/label_table.h"
 
 /* Empty where there is none that can be read; the caller releases it. */
 struct label_table atlas_table(const struct act *act, const char *path);

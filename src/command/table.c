@@ -8,10 +8,10 @@
 #include "engine/weight.h"
 #include "render/decoration.h"
 #include "render/view.h"
-#include "session/export.h"
+#include "report/export.h"
 #include "session/piece_seeds.h"
 #include "session/seed_file.h"
-#include "session/slicing.h"
+#include "show/slicing.h"
 
 /* What rows of other tables say of themselves. */
 #define VOLUME_NOTE(format, note)                      note

@@ -1,7 +1,7 @@
 /* What an edit has done to the labels, in a line for the user. */
 #include "command/act.h"
 
-#include "session/surprise.h"
+#include "report/surprise.h"
 
 enum { LISTED_MOST = 6 };
 

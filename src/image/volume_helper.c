@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/confine.h"
+#include "confine/confine.h"
 #include "base/folder.h"
 #include "base/mem.h"
 #include "base/scan.h"

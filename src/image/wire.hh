@@ -33,8 +33,8 @@
 #include <unistd.h>
 
 extern "C" {
-#include "base/confine.h"
-#include "base/confine_calls.h"
+#include "confine/confine.h"
+#include "confine/confine_calls.h"
 #include "base/mem.h"
 }
 

@@ -7,7 +7,7 @@
 #include "base/file.h"
 #include "command/act.h"
 #include "image/volume.h"
-#include "session/label_table.h"
+#include "report/label_table.h"
 #include "journal/walk.h"
 
 void anonymiser_release(struct anonymiser *anonymiser)

@@ -19,7 +19,7 @@
 #include "program/bench.h"
 #include "program/programs.h"
 #include "program/shown.h"
-#include "session/slicing.h"
+#include "show/slicing.h"
 #include "tui/picture/painter.h"
 
 enum {

@@ -10,7 +10,7 @@
 #include "image/helper.h"
 #include "program/console.h"
 #include "program/programs.h"
-#include "session/comparison_picture.h"
+#include "report/comparison_picture.h"
 #include "session/map.h"
 
 enum { PICTURE_SIDE = 1024 };

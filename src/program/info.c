@@ -19,10 +19,10 @@
 #include "journal/log.h"
 #include "program/console.h"
 #include "program/programs.h"
-#include "base/confine.h"
-#include "base/confine_calls.h"
-#include "session/export.h"
-#include "session/histogram.h"
+#include "confine/confine.h"
+#include "confine/confine_calls.h"
+#include "report/export.h"
+#include "report/histogram.h"
 #include "tui/cells.h"
 
 /* ---- facts ---- */

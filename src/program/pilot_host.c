@@ -11,9 +11,9 @@
 #include "program/shown.h"
 #include "render/mosaic.h"
 #include "render/text.h"
-#include "session/label_report.h"
-#include "session/slicing.h"
-#include "session/window.h"
+#include "report/label_report.h"
+#include "show/slicing.h"
+#include "show/window.h"
 #include "tui/pilot/setup.h"
 
 static const uint8_t marked_pane[3] = {230, 200, 90}, words_rgb[3] = {200, 200, 200};

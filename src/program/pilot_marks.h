@@ -7,7 +7,7 @@
 
 #include "engine/way.h"
 #include "session/held.h"
-#include "session/slicing.h"
+#include "show/slicing.h"
 #include "tui/pilot/pilot.h"
 
 /* Hatched, wherever it is seen. */

@@ -7,7 +7,7 @@
 #ifndef PROGRAM_PILOT_NOTES_H
 #define PROGRAM_PILOT_NOTES_H
 
-#include "session/slicing.h"
+#include "show/slicing.h"
 #include "tui/picture/image_view.h"
 
 enum { PILOT_NOTES_MOST = 64 };

@@ -4,7 +4,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "base/confine.h"
+#include "confine/confine.h"
 #include "base/file.h"
 #include "image/pair.h"
 

@@ -41,11 +41,11 @@
 #include "render/border.h"
 #include "render/layers.h"
 #include "render/rendition.h"
-#include "session/context.h"
+#include "show/context.h"
 #include "session/map.h"
 #include "session/finished.h"
 #include "session/hinting.h"
-#include "session/live_finish.h"
+#include "show/live_finish.h"
 #include "session/markers.h"
 #include "session/semantics.h"
 #include "session/state.h"
@@ -101,15 +101,14 @@ struct session {
     struct tally tally;       /* voxels of each label, once session_count_labels has been called */
     struct label_measures measures; /* of the forest's labels, once somebody has asked for them */
     struct camera camera; /* of the view, `look.samples` times as large; see session_draw_fitting */
-    struct rendition rendition; /* of camera.view's size; no maps where its samples are too many to
+    struct rendition rendition;  /* of camera.view's size; no maps where its samples are too many to
                                    be stored */
-    struct context context;     /* what is behind it */
-    struct layers layers;       /* the rendition's, where objects are translucent */
-    struct rendition reduced;   /* to the view's size, where look.samples is above 1 */
-    struct drawn_colours
-        *drawn;             /* that are being drawn instead (session/drawn_colours.h), or NULL */
-    enum rendered rendered; /* S2: what session_frame gives shows the present state */
-    uint8_t *decorated;     /* colours of the frame with what is drawn over them */
+    struct context context;      /* what is behind it */
+    struct layers layers;        /* the rendition's, where objects are translucent */
+    struct rendition reduced;    /* to the view's size, where look.samples is above 1 */
+    struct drawn_colours *drawn; /* that are being drawn instead (show/drawn_colours.h), or NULL */
+    enum rendered rendered;      /* S2: what session_frame gives shows the present state */
+    uint8_t *decorated;          /* colours of the frame with what is drawn over them */
     size_t decorated_pixels;
     struct shader shader;
     bool knows_window; /* what follows from the scene, once somebody has asked: */
@@ -337,7 +336,7 @@ enum err session_draw_labels(struct session *session, const struct labels *label
                              enum render_mode mode, struct fault *fault);
 
 /* The same to be looked at alone, at the zoom below, until another of these is called, of labels
- * that are given back: the forest's, or finished ones, which may be rough (session/live_finish.h).
+ * that are given back: the forest's, or finished ones, which may be rough (show/live_finish.h).
  */
 enum err session_draw_fitting(struct session *session, struct labels *labels, struct fault *fault);
 

@@ -5,7 +5,7 @@
 
 #include "base/choice.h"
 #include "render/decoration.h"
-#include "session/context.h"
+#include "show/context.h"
 
 /* ---- the table ---- */
 

@@ -7,7 +7,7 @@
 #include "base/mem.h"
 #include "render/canvas.h"
 #include "render/text.h"
-#include "session/comparison_picture.h"
+#include "report/comparison_picture.h"
 
 enum {
     SEAM = 2,   /* pixels between panes */

@@ -11,7 +11,7 @@
 #include "journal/journal.h"
 #include "journal/log.h"
 #include "journal/walk.h"
-#include "session/export.h"
+#include "report/export.h"
 
 enum {
     WHY_MOST = 1000,         /* bytes of a reason */

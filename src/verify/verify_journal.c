@@ -5,7 +5,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "command/act.h"
-#include "session/export.h"
+#include "report/export.h"
 #include "verify/lock_facts.h"
 #include "verify/orphan.h"
 #include "verify/replay_file.h"

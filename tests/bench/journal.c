@@ -15,7 +15,7 @@
 #include "journal/journal.h"
 #include "journal/replay.h"
 #include "journal/walk.h"
-#include "session/export.h"
+#include "report/export.h"
 
 enum { RECORDS = 100000, ROUNDS = 5, VERIFYINGS = 3 };
 

@@ -17,8 +17,8 @@
 #include "program/console.h"
 #include "command/interpreter.h"
 #include "engine/label_stats.h"
-#include "session/export.h"
-#include "session/slicing.h"
+#include "report/export.h"
+#include "show/slicing.h"
 
 enum {
     SIDE = 512,

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/safe.h"
-#include "session/label_table.h"
+#include "report/label_table.h"
 #include "session/semantics.h"
 #include "session/regions.h"
 

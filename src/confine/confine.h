@@ -1,0 +1,37 @@
+/*
+ * Confinement: from now on this process and all that it starts can reach only the files that it
+ * names, and no network. What a decoder may ask of the kernel besides is in confine_calls.h.
+ *
+ * Protects against: an error in our own checks of names, and a decoder that a hostile file takes
+ * over. By Landlock, where the kernel has it (Linux 5.13; versions 1 to 6 of its interface, each of
+ * which restricts a little more). It is the second defence: the caller checks names as well, since
+ * a kernel without Landlock confines nothing, and says so here. It cannot be taken back.
+ */
+#ifndef CONFINE_CONFINE_H
+#define CONFINE_CONFINE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+enum confine_right {
+    CONFINE_READ = 1,  /* files and folders */
+    CONFINE_RUN = 2,   /* start programs */
+    CONFINE_WRITE = 4, /* make, write, rename and remove files and folders; no devices, no links */
+    CONFINE_EMPTY = 8, /* remove empty folders */
+    CONFINE_DEVICE = 16, /* write to a device that is there */
+};
+
+/* A file, or a folder with all below it. One that is not there is passed over. */
+struct confine_place {
+    const char *path;
+    unsigned rights; /* enum confine_right */
+};
+
+/* The version of the kernel's interface, 0 where it has none. */
+int confine_version(void);
+
+/* Confines the calling thread and the threads and programs that it starts from now on. False where
+ * the kernel does not: nothing has changed then. */
+bool confine_to(const struct confine_place *place, size_t places);
+
+#endif

@@ -1,0 +1,64 @@
+/*
+ * A comparison: how far two sets of labels of the same voxels agree, label by label.
+ *
+ * A is what is judged, B what it is judged by. Of each label, with A and B the sets of its voxels:
+ *
+ *     Dice        2 |A and B| / (|A| + |B|), Jaccard |A and B| / |A or B|, volumes from the voxels
+ *     Hausdorff   the largest distance from a voxel of either set to the nearest voxel of the other
+ *     surfaces    from each voxel of either contour (engine/contour.h) the distance to the nearest
+ *                 voxel of the other's. Their mean over both contours; and the 95th percentile:
+ *                 the larger one of both directions, between ranks as numpy has it
+ *
+ * Distances are between the centres of voxels, in millimetres. Overlaps are those of ITK's
+ * LabelOverlapMeasuresImageFilter, Hausdorff that of its HausdorffDistanceImageFilter, and the
+ * larger of the two directed means that of its ContourMeanDistanceImageFilter. For all labels
+ * together, overlaps are sums over the labels, where a voxel agrees that has the same label in
+ * both; distances are those of all objects as one set.
+ */
+#ifndef REPORT_COMPARISON_H
+#define REPORT_COMPARISON_H
+
+#include "base/team.h"
+#include "base/watch.h"
+#include "engine/overlap.h"
+
+/* Two sets of labels on one grid. */
+struct compared {
+    uint32_t size[3], spacing_nm[3];
+    uint8_t *label[2]; /* A, B: [z][y][x] */
+};
+
+struct label_distances {
+    bool has_hausdorff; /* both have voxels: */
+    double hausdorff_mm;
+    uint32_t farthest[3]; /* a voxel of either that is so far from the other */
+    bool has_surfaces;    /* both have contours: */
+    double mean_mm, percentile_95_mm, most_mm;
+    double directed_mean_mm[2], directed_percentile_95_mm[2]; /* A to B, B to A */
+};
+
+struct comparison {
+    struct overlap overlap;
+    unsigned labels;                      /* that A or B has voxels of, but for label 0 */
+    struct label_distances distance[256]; /* [0]: of all objects as one */
+};
+
+/* Takes 11 bytes a voxel of the box around the label in both, one label at a time. ERR_MEMORY,
+ * ERR_CANCELLED. */
+enum err comparison_make(struct comparison *comparison, const struct compared *compared,
+                         struct team *team, struct watch *watch, struct fault *fault);
+
+/* Whether a label is there to be listed: label 0, which stands for all together, always. */
+bool comparison_has(const struct comparison *comparison, unsigned label);
+
+/* The voxel where all objects are farthest apart; where they are not, `else_place`. */
+const uint32_t *comparison_farthest(const struct comparison *comparison,
+                                    const uint32_t else_place[3]);
+
+/* Voxels of a label in A, in B and in both; 0: of all labels. */
+struct overlap_counts {
+    uint64_t a, b, both;
+};
+struct overlap_counts comparison_counts(const struct comparison *comparison, unsigned label);
+
+#endif

@@ -1,0 +1,203 @@
+#include "report/comparison_picture.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "render/mosaic.h"
+#include "render/text.h"
+#include "report/export.h"
+#include "show/slicing.h"
+#include "show/window.h"
+
+const uint8_t difference_rgb[DIFFERENCES][3] = {[AGREES] = {225, 225, 225},
+                                                [A_ALONE] = {230, 159, 0},
+                                                [B_ALONE] = {86, 180, 233},
+                                                [ANOTHER_LABEL] = {204, 121, 167}};
+const char *const difference_words[DIFFERENCES] = {[AGREES] = "A and B",
+                                                   [A_ALONE] = "A alone",
+                                                   [B_ALONE] = "B alone",
+                                                   [ANOTHER_LABEL] = "another label"};
+
+enum difference difference_of(uint8_t label_a, uint8_t label_b)
+{
+    if (label_a == label_b)
+        return label_a ? AGREES : 0;
+    return !label_b ? A_ALONE : !label_a ? B_ALONE : ANOTHER_LABEL;
+}
+
+/* ---- labels into the scene, and back ---- */
+
+/* The differences are swapped for the labels of the scene, and by a second swap back. */
+static void swap_labels(struct scene *scene, uint8_t *label)
+{
+    for (uint32_t z = 0; z < scene->grid.size[2]; z++)
+        for (uint32_t y = 0; y < scene->grid.size[1]; y++) {
+            const struct span row = grid_row(&scene->grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++, label++) {
+                const uint8_t was = scene->cell[c].label;
+                scene->cell[c].label = *label;
+                *label = was;
+            }
+        }
+}
+
+static uint8_t *differences_of(const struct compared *compared)
+{
+    const size_t voxels = (size_t)compared->size[0] * compared->size[1] * compared->size[2];
+    uint8_t *difference = mem_array(voxels, 1);
+    for (size_t i = 0; difference && i < voxels; i++)
+        difference[i] = (uint8_t)difference_of(compared->label[0][i], compared->label[1][i]);
+    return difference;
+}
+
+/* ---- slices ---- */
+
+static enum err draw_slices(const struct canvas *canvas, struct session *session,
+                            const uint32_t place[3], struct fault *fault)
+{
+    struct palette palette = {0};
+    const bool visible[256] = {[AGREES] = true, true, true, true};
+    struct slice_style style = {
+        .overlay = SLICE_CONTOUR, .palette = &palette, .visible = visible, .crosses = true};
+    struct mosaic_layout layout = {0};
+    struct mosaic_choice choice = {.notes = true, .team = session->team, .layout = &layout};
+    char least[WINDOW_WORDS_BYTES], most[WINDOW_WORDS_BYTES], title[3][32];
+    int32_t window[2];
+    window_of(window, session);
+    window_words(least, most, session);
+    slice_window(style.grey, window[0], window[1]);
+    style.least = least;
+    style.most = most;
+    memcpy(palette.rgb, difference_rgb, sizeof difference_rgb);
+    for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
+        choice.place[plane] = place[plane];
+        layout.box[plane] = mosaic_box(canvas->width, canvas->height, (enum mosaic_pane)plane);
+        snprintf(title[plane], sizeof title[plane], "%s %u", slice_name(session->scene, plane),
+                 slicing_number(session, plane, place));
+        choice.title[plane] = title[plane];
+    }
+    return mosaic_draw(canvas, session->scene, NULL, &choice, &style, fault);
+}
+
+/* ---- words ---- */
+
+/* Where the next line goes. */
+struct sheet {
+    struct canvas canvas;
+    uint32_t scale;
+    int64_t top;
+};
+
+static const uint8_t ink[3] = {232, 232, 232};
+
+/* As much of it as fits; ahead of it a box of the colour, or NULL. */
+static void write_line(struct sheet *sheet, const uint8_t rgb[3], const char *words)
+{
+    const int64_t left = 4 * (int64_t)sheet->scale;
+    const int64_t indent = left + (rgb ? (TEXT_TALL + 3) * (int64_t)sheet->scale : 0);
+    struct buf fitting = {0};
+    buf_add_safe_text(&fitting, words);
+    while (fitting.length && indent + text_width(fitting.data, sheet->scale) > sheet->canvas.width)
+        fitting.data[--fitting.length] = '\0';
+    if (rgb)
+        canvas_box(&sheet->canvas, left, sheet->top, TEXT_TALL * (int64_t)sheet->scale,
+                   TEXT_TALL * (int64_t)sheet->scale, rgb);
+    text_draw(&sheet->canvas, indent, sheet->top, sheet->scale, buf_text(&fitting), ink);
+    sheet->top += TEXT_LINE * (int64_t)sheet->scale;
+    buf_release(&fitting);
+}
+
+/* Figures before the name: what is cut off then is the end of a long name. */
+static void write_label(struct sheet *sheet, const struct comparison_report *report, unsigned label)
+{
+    const struct overlap_counts n = comparison_counts(report->comparison, label);
+    const struct label_distances *d = &report->comparison->distance[label];
+    char words[LABEL_NAME_BYTES + 96], far[24] = "none";
+    if (d->has_hausdorff)
+        snprintf(far, sizeof far, "%.2f", d->hausdorff_mm);
+    snprintf(words, sizeof words, "%.4f  %12s  %u %s",
+             n.a + n.b ? 2.0 * (double)n.both / (double)(n.a + n.b) : 0, far, label,
+             report->label_name[label]);
+    write_line(sheet, NULL, words);
+}
+
+static void write_words(const struct canvas *canvas, const struct comparison_report *report)
+{
+    const struct mosaic_box box = mosaic_box(canvas->width, canvas->height, MOSAIC_RENDITION);
+    const uint32_t scale = slice_unit(box.width, box.height);
+    struct sheet sheet = {
+        .canvas = canvas_part(canvas, box.left, box.top, box.width, box.height),
+        .scale = scale,
+        .top = 4 * (int64_t)scale,
+    };
+    struct buf name = {0};
+    for (int i = 0; i < 2; i++) {
+        buf_clear(&name);
+        buf_printf(&name, "%c  %s", 'A' + i, report->name[i]);
+        write_line(&sheet, NULL, buf_text(&name));
+    }
+    buf_release(&name);
+    for (int i = AGREES; i < DIFFERENCES; i++)
+        write_line(&sheet, difference_rgb[i], difference_words[i]);
+    write_line(&sheet, NULL, "  Dice  Hausdorff mm  label");
+    for (unsigned label = 1; label < 256 && sheet.top < box.height; label++)
+        if (comparison_has(report->comparison, label))
+            write_label(&sheet, report, label);
+}
+
+/* ---- the whole ---- */
+
+static enum err note(struct picture *picture, const struct session *session,
+                     const struct comparison_report *report, const uint32_t place[3],
+                     struct fault *fault)
+{
+    struct buf words = {0};
+    buf_printf(&words, "%" PRIu64 " of %" PRIu64 " voxels, through %u,%u,%u",
+               report->comparison->overlap.differing, report->comparison->overlap.voxels, place[0],
+               place[1], place[2]);
+    enum err err = words.failed ? fault_memory(fault, "a note on a picture")
+                                : export_notes(picture, session, NULL, fault);
+    if (!err)
+        err = picture_note(picture, "iftty:differ", buf_text(&words), fault);
+    buf_release(&words);
+    return err;
+}
+
+static enum err draw(const struct canvas *canvas, struct session *session,
+                     const struct compared *compared, const uint32_t place[3], struct fault *fault)
+{
+    uint8_t *label = differences_of(compared);
+    if (!label)
+        return fault_memory(fault, "a picture");
+    swap_labels(session->scene, label);
+    const enum err err = draw_slices(canvas, session, place, fault);
+    swap_labels(session->scene, label);
+    free(label);
+    return err;
+}
+
+enum err comparison_picture_draw(struct picture *picture, struct session *session,
+                                 const struct compared *compared,
+                                 const struct comparison_report *report, const uint32_t place[3],
+                                 struct fault *fault)
+{
+    const struct view *view = &session->now.outlook.view;
+    enum err err = slicing_check_size(view, fault);
+    if (!err)
+        err = picture_init(picture, view->width, view->height, false, fault);
+    if (err)
+        return err;
+    const struct canvas canvas = {view->width, view->height, view->width, picture->rgba,
+                                  NULL,        NULL,         NULL};
+    err = draw(&canvas, session, compared, place, fault);
+    if (!err) {
+        write_words(&canvas, report);
+        err = note(picture, session, report, place, fault);
+    }
+    if (err)
+        picture_release(picture);
+    return err;
+}

@@ -1,0 +1,29 @@
+/*
+ * Figures of a label for programs: members of an object in JSON, and a row of a table in CSV, both
+ * with 12 digits. One that is not known is NAN, which is null in JSON and an empty field in CSV.
+ */
+#ifndef REPORT_FIGURES_H
+#define REPORT_FIGURES_H
+
+#include "base/buf.h"
+#include "base/json.h"
+
+enum { FIGURES_MOST = 32 };
+
+struct figures {
+    int count;
+    struct {
+        const char *name;
+        double value;
+    } of[FIGURES_MOST];
+};
+
+void figures_add(struct figures *figures, const char *name, double value);
+
+void figures_write_json(struct json *json, const struct figures *figures);
+
+/* The first line of a table; and what comes after the label in one of its own. */
+void figures_write_csv_names(struct buf *out, const struct figures *figures);
+void figures_write_csv(struct buf *out, const char *label_name, const struct figures *figures);
+
+#endif

@@ -1,0 +1,191 @@
+#include "show/decorating.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/choice.h"
+#include "base/mem.h"
+#include "render/decoration.h"
+#include "session/session_parts.h"
+
+/* ---- the legend ---- */
+
+/* Voxels of each label, as it is shown. */
+static enum err count_voxels(struct session *session, const struct labels *labels,
+                             uint64_t voxels[256], struct fault *fault)
+{
+    const struct grid *grid = &session->scene->grid;
+    const enum err err = session_count_labels(session, fault);
+    if (err || !labels->finished) {
+        memcpy(voxels, session->tally.voxels, sizeof session->tally.voxels);
+        return err;
+    }
+    struct task task = task_begin(session->watch, "voxels of labels", grid->voxels);
+    memset(voxels, 0, 256 * sizeof *voxels);
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
+            const struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++)
+                voxels[labels_at(labels, c)]++;
+        }
+    return watch_fault(session->watch, fault);
+}
+
+/* A letter that is no ASCII is a question mark. */
+static void write_name(char out[32], const struct session *session, unsigned label)
+{
+    const char *name = session->now.kept.label_name[label];
+    size_t length = 0;
+    if (!*name)
+        snprintf(out, 32, "label %u", label);
+    for (; *name; name++)
+        if (((unsigned char)*name & 0xc0) != 0x80)
+            out[length++] = (unsigned char)*name < 0x80 ? *name : '?';
+    if (length)
+        out[length] = '\0';
+}
+
+static void write_amount(char out[32], const struct session *session, uint64_t voxels)
+{
+    struct buf words = {0};
+    if (session->scene->spacing_unknown)
+        buf_printf(&words, "%llu voxel%s", (unsigned long long)voxels, voxels == 1 ? "" : "s");
+    else
+        tally_write_volume(&words, &session->geometry, voxels);
+    snprintf(out, 32, "%s", words.failed ? "" : buf_text(&words));
+    buf_release(&words);
+}
+
+static enum err list_labels(struct legend_line line[255], size_t *lines, struct session *session,
+                            const struct labels *labels, struct fault *fault)
+{
+    uint64_t voxels[256];
+    const enum err err = count_voxels(session, labels, voxels, fault);
+    for (unsigned label = 1; label < 256 && !err; label++) {
+        if (!voxels[label] || !session->now.kept.visible[label])
+            continue;
+        struct legend_line *next = &line[(*lines)++];
+        next->label = (uint8_t)label;
+        write_name(next->name, session, label);
+        write_amount(next->amount, session, voxels[label]);
+    }
+    return err;
+}
+
+/* ---- the picture ---- */
+
+static size_t pixels_of(const struct session *session)
+{
+    const struct rendition *frame = session_frame(session);
+    return (size_t)frame->width * frame->height;
+}
+
+struct rendition session_picture(const struct session *session)
+{
+    struct rendition picture = *session_frame(session);
+    if (session->now.outlook.decorations && session->decorated_pixels == pixels_of(session))
+        picture.rgba = session->decorated;
+    return picture;
+}
+
+/* A copy of the frame's colours. */
+static enum err copy_colours(struct session *session, struct fault *fault)
+{
+    const size_t pixels = pixels_of(session);
+    if (session->decorated_pixels != pixels) {
+        free(session->decorated);
+        session->decorated_pixels = 0;
+        session->decorated = mem_array(pixels, 4);
+        if (!session->decorated)
+            return fault_memory(fault, "a picture");
+        session->decorated_pixels = pixels;
+    }
+    memcpy(session->decorated, session_frame(session)->rgba, 4 * pixels);
+    return OK;
+}
+
+/* What is behind the objects, in the middle of the picture. */
+static bool is_bright(const struct session *session)
+{
+    uint8_t rgb[3];
+    background_at(rgb, background_opaque(session->now.outlook.background), 1, 2);
+    return 2 * rgb[0] + 5 * rgb[1] + rgb[2] > 8 * 128;
+}
+
+/* Cells, which the caller frees; NULL for none, and without memory. */
+static uint32_t *list_eliminators(const struct session *session, size_t *count)
+{
+    const struct edits *list = &session->now.lists.eliminators;
+    *count = edits_count(list);
+    uint32_t *cell = *count ? mem_array(*count, sizeof *cell) : NULL;
+    for (size_t i = 0; cell && i < *count; i++)
+        cell[i] = edits_first(list)[i].cell;
+    return cell;
+}
+
+/* Over this canvas; the frame only where seeds or the cross-hair are among the parts. */
+static enum err draw(struct session *session, const struct labels *labels,
+                     const struct canvas *canvas, const struct camera *camera,
+                     const struct rendition *frame, struct fault *fault)
+{
+    const struct outlook *outlook = &session->now.outlook;
+    const uint32_t *cross = outlook->slices.cross;
+    struct legend_line line[255];
+    size_t lines = 0, eliminators;
+    enum err err = outlook->decorations & DECORATE_LEGEND
+                       ? list_labels(line, &lines, session, labels, fault)
+                       : OK;
+    if (err)
+        return err;
+    uint32_t *eliminator = list_eliminators(session, &eliminators);
+    const struct decoration decoration = {
+        .parts = outlook->decorations,
+        .frame = frame,
+        .camera = camera,
+        .samples = outlook->look.samples,
+        .palette = &session->now.kept.palette,
+        .is_bright = is_bright(session),
+        .line = line,
+        .lines = lines,
+        .eliminator = eliminator,
+        .eliminators = eliminators,
+        .cross = grid_cell(&session->scene->grid, cross[0], cross[1], cross[2])};
+    err = eliminators && !eliminator ? fault_memory(fault, "the marks of a rendition")
+                                     : decoration_draw(canvas, &decoration, fault);
+    free(eliminator);
+    return err;
+}
+
+enum err session_decorate(struct session *session, const struct labels *labels, struct fault *fault)
+{
+    const struct rendition *frame = session_frame(session);
+    if (!session->now.outlook.decorations || session->skims)
+        return OK;
+    const enum err err = copy_colours(session, fault);
+    const struct canvas canvas = {.width = frame->width,
+                                  .height = frame->height,
+                                  .stride = frame->width,
+                                  .rgba = session->decorated};
+    return err ? err : draw(session, labels, &canvas, &session->camera, frame, fault);
+}
+
+bool session_decorates_ahead(const struct session *session)
+{
+    return !(session->now.outlook.decorations & (DECORATE_SEEDS | DECORATE_CROSS));
+}
+
+enum err session_decorate_ahead(struct session *session, const struct labels *labels, uint8_t *rgba,
+                                struct fault *fault)
+{
+    const struct outlook *outlook = &session->now.outlook;
+    const struct canvas canvas = {.width = outlook->view.width,
+                                  .height = outlook->view.height,
+                                  .stride = outlook->view.width,
+                                  .rgba = rgba};
+    struct camera camera;
+    if (!outlook->decorations)
+        return OK;
+    const enum err err = session_aim(session, outlook, &camera, fault);
+    return err ? err : draw(session, labels, &canvas, &camera, NULL, fault);
+}

@@ -1,0 +1,66 @@
+#include "show/window.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "engine/intensities.h"
+
+/* The 1st and the 99.5th percentile: few voxels are as bright as vessels and fat. */
+void window_of_counts(int32_t window[2], const uint32_t count[UINT16_MAX + 1])
+{
+    intensities_range(window, count, 10, 995);
+}
+
+static void find_window(struct session *session)
+{
+    static uint32_t count[UINT16_MAX + 1];
+    intensities_count(count, session->scene, session->team);
+    window_of_counts(session->window, count);
+    session->knows_window = true;
+}
+
+/* A real value as an intensity. */
+static int32_t intensity_of(const struct geometry *geometry, const struct decimal *real)
+{
+    static const double most = 1 << 30;
+    const double slope = geometry->slope != 0 ? geometry->slope : 1;
+    const double value = (decimal_value(real) - geometry->intercept) / slope;
+    const double whole = floor(value + 0.5);
+    return (int32_t)(whole < -most ? -most : whole > most ? most : whole);
+}
+
+void window_of(int32_t window[2], struct session *session)
+{
+    const struct slice_settings *s = &session->now.outlook.slices;
+    const bool falls = session->geometry.slope < 0;
+    if (!s->has_window && !session->knows_window)
+        find_window(session);
+    for (int i = 0; i < 2; i++)
+        window[i] = s->has_window ? intensity_of(&session->geometry, &s->window[i])
+                                  : session->window[falls ? 1 - i : i];
+    if (window[0] == window[1])
+        window[1] += falls ? -1 : 1;
+}
+
+/* "12.5", or four digits of a value too small for thousandths. */
+static void write_value(char out[WINDOW_WORDS_BYTES], double value)
+{
+    const double thousandths = value * 1000;
+    if (value == 0 || fabs(value) >= 1)
+        snprintf(out, WINDOW_WORDS_BYTES, "%.10g", floor(thousandths + 0.5) / 1000);
+    else
+        snprintf(out, WINDOW_WORDS_BYTES, "%.4g", value);
+}
+
+void window_words(char least[WINDOW_WORDS_BYTES], char most[WINDOW_WORDS_BYTES],
+                  struct session *session)
+{
+    const struct slice_settings *s = &session->now.outlook.slices;
+    const struct geometry *geometry = &session->geometry;
+    char *const words[2] = {least, most};
+    int32_t window[2];
+    window_of(window, session);
+    for (int i = 0; i < 2; i++)
+        write_value(words[i], s->has_window ? decimal_value(&s->window[i])
+                                            : geometry_value(geometry, window[i]));
+}
