@@ -3,7 +3,7 @@
  * plane across x, y and z. Number, mean and deviation, median and extremes of intensities,
  * centre and bounding box follow from them (label_counts_sum), however voxels come and go.
  *
- * Counts are kept up to date: an edit notes what it changes (engine/change_log.h), and
+ * Counts are kept up to date: an edit notes what it changes (engine/changes.h), and
  * label_counts_refresh follows, with eight counters for each voxel that has another label.
  * Memory is 4 bytes for each intensity of the scene and each plane, for each label in use. Label
  * 0, the background, is not counted.
@@ -15,7 +15,7 @@
 #define ENGINE_LABEL_COUNTS_H
 
 #include "base/team.h"
-#include "engine/change_log.h"
+#include "engine/changes.h"
 #include "engine/labels.h"
 
 struct label_sums {
