@@ -1,4 +1,4 @@
-#include "engine/surface_nodes.h"
+#include "engine/surface.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -6,8 +6,51 @@
 #include "base/mem.h"
 #include "engine/surface_cases.h"
 
+enum {
+    NODE_MARGIN = SURFACE_ONE / 16,
+    ROUNDS = 8,         /* of setting the volume, at most */
+    CLOSE_ENOUGH = 4096 /* the part of the volume that may be wrong */
+};
 static const size_t NODES_MOST = INT32_MAX;
 static const uint32_t NO_NODE = UINT32_MAX;
+
+/* ---- nodes: the points that the surfaces of all labels share ---- */
+
+/* Between two voxels that are neighbours along an axis. */
+struct surface_node {
+    uint16_t low[3]; /* the first of them, counted from 1 voxel before the scene */
+    uint8_t axis;
+    uint8_t label[2]; /* of the first and the second one; they differ */
+    uint16_t along;   /* how far from the first to the second, 1..SURFACE_ONE - 1 */
+};
+
+/* A corner of a triangle: 2 * node + 1 where the label of the surface is that of the second voxel,
+ * else 2 * node. */
+struct surface_corners {
+    uint32_t corner[3];
+};
+
+struct surface_nodes {
+    struct surface_node *node;
+    struct surface_corners *triangle; /* of all labels, as the cubes come */
+    uint32_t (*segment)[2];           /* pairs of nodes that are neighbours on a surface */
+    size_t nodes, triangles, segments;
+    size_t node_room, triangle_room, segment_room;
+    uint64_t voxels[256];
+};
+
+/* Where a node is, along one axis. */
+static uint32_t surface_node_at(const struct surface_node *node, unsigned axis)
+{
+    return node->low[axis] * (uint32_t)SURFACE_ONE + (axis == node->axis ? node->along : 0);
+}
+
+/* The label whose surface a triangle belongs to. */
+static uint8_t surface_label_of(const struct surface_nodes *nodes,
+                                const struct surface_corners *triangle)
+{
+    return nodes->node[triangle->corner[0] / 2].label[triangle->corner[0] % 2];
+}
 
 /* Two planes of labels with a rim of 0, and which nodes begin there: nodes[a] along axis a. */
 struct plane {
@@ -233,6 +276,129 @@ static enum err make_nodes(struct surface_nodes *nodes, const struct surface_sou
     return err;
 }
 
+/* ---- smoothing: passes ---- */
+
+static uint16_t within_line(int64_t along)
+{
+    const int64_t most = SURFACE_ONE - NODE_MARGIN;
+    return (uint16_t)(along < NODE_MARGIN ? NODE_MARGIN : along > most ? most : along);
+}
+
+struct neighbours {
+    int32_t sum; /* of where they are along the node's axis, from where the node's line begins */
+    uint32_t count;
+};
+
+static void look_at(struct neighbours *all, const struct surface_node *node, uint32_t of,
+                    uint32_t neighbour)
+{
+    const struct surface_node *n = &node[of];
+    all[of].sum += (int32_t)(surface_node_at(&node[neighbour], n->axis) -
+                             n->low[n->axis] * (uint32_t)SURFACE_ONE);
+    all[of].count++;
+}
+
+/* The nodes go half the way to the means of their neighbours. */
+static void pass(struct surface_nodes *nodes, struct neighbours *all, struct task *task)
+{
+    memset(all, 0, nodes->nodes * sizeof *all);
+    for (size_t i = 0; i < nodes->segments && task_advance(task, 1); i++) {
+        look_at(all, nodes->node, nodes->segment[i][0], nodes->segment[i][1]);
+        look_at(all, nodes->node, nodes->segment[i][1], nodes->segment[i][0]);
+    }
+    if (watch_stops(task->watch))
+        return;
+    for (size_t i = 0; i < nodes->nodes; i++) {
+        struct surface_node *node = &nodes->node[i];
+        const int64_t count = all[i].count, way = all[i].sum - count * node->along;
+        node->along = within_line(node->along + way / (2 * count));
+    }
+}
+
+/* ---- smoothing: volumes ---- */
+
+/* By labels, six times as much, in 2^-24 voxels; sums mod 2^64, which hold what they come to. */
+struct volumes {
+    uint64_t is[256];
+    int64_t grows[256]; /* by each 1/256 voxel that all its nodes go outwards */
+};
+
+static void add_volume(struct volumes *volumes, const struct surface_nodes *nodes,
+                       const struct surface_corners *triangle)
+{
+    const struct surface_node *node[3];
+    int64_t at[3][3];
+    const uint8_t label = surface_label_of(nodes, triangle);
+    for (int i = 0; i < 3; i++) {
+        node[i] = &nodes->node[triangle->corner[i] / 2];
+        for (unsigned a = 0; a < 3; a++)
+            at[i][a] = surface_node_at(node[i], a) >> 8;
+    }
+    int64_t normal[3];
+    for (int a = 0; a < 3; a++) {
+        const int u = (a + 1) % 3, v = (a + 2) % 3;
+        normal[a] = (at[1][u] - at[0][u]) * (at[2][v] - at[0][v]) -
+                    (at[1][v] - at[0][v]) * (at[2][u] - at[0][u]);
+    }
+    volumes->is[label] += (uint64_t)(normal[2] * (at[0][2] + at[1][2] + at[2][2]));
+    for (int i = 0; i < 3; i++)
+        volumes->grows[label] +=
+            triangle->corner[i] % 2 ? -normal[node[i]->axis] : normal[node[i]->axis];
+}
+
+/* How far the nodes of each label are to go outwards, in SURFACE_ONE; false where no label has to
+ * go any further. */
+static bool find_growth(int64_t outward[256], const struct surface_nodes *nodes,
+                        struct volumes *volumes, struct task *task)
+{
+    bool grows = false;
+    memset(volumes, 0, sizeof *volumes);
+    for (size_t i = 0; i < nodes->triangles && task_advance(task, 1); i++)
+        add_volume(volumes, nodes, &nodes->triangle[i]);
+    for (unsigned label = 1; label < 256; label++) {
+        const int64_t wanted = (int64_t)(nodes->voxels[label] * 6) << 24;
+        const int64_t lacks = wanted - (int64_t)volumes->is[label];
+        const int64_t each = volumes->grows[label] > 0 ? volumes->grows[label] : 1;
+        const int64_t way = lacks / each < -64 ? -64 : lacks / each > 64 ? 64 : lacks / each;
+        outward[label] = way * 256 + (way > -64 && way < 64 ? lacks % each * 256 / each : 0);
+        grows |= lacks > wanted / CLOSE_ENOUGH || -lacks > wanted / CLOSE_ENOUGH;
+    }
+    return grows;
+}
+
+static void set_volumes(struct surface_nodes *nodes, struct task *task)
+{
+    int64_t outward[256] = {0};
+    struct volumes volumes;
+    for (int round = 0; round < ROUNDS && find_growth(outward, nodes, &volumes, task); round++)
+        for (size_t i = 0; i < nodes->nodes; i++) {
+            struct surface_node *node = &nodes->node[i];
+            node->along =
+                within_line(node->along + outward[node->label[0]] - outward[node->label[1]]);
+        }
+}
+
+/*
+ * In each pass, every node goes half the way to the mean of its neighbours, along its line and no
+ * further than to NODE_MARGIN before its ends. Then every label grows or shrinks, each node by as
+ * much, until it encloses what its voxels do.
+ */
+static enum err smooth(struct surface_nodes *nodes, unsigned passes, struct watch *watch,
+                       struct fault *fault)
+{
+    struct neighbours *all = mem_array(nodes->nodes + 1, sizeof *all);
+    if (!all)
+        return fault_memory(fault, "a surface");
+    struct task task =
+        task_begin(watch, "smoothing",
+                   (uint64_t)passes * nodes->segments + ROUNDS * (uint64_t)nodes->triangles);
+    for (unsigned i = 0; i < passes && !watch_stops(watch); i++)
+        pass(nodes, all, &task);
+    set_volumes(nodes, &task);
+    free(all);
+    return watch_fault(watch, fault);
+}
+
 /* ---- parts ---- */
 
 static void count_parts(struct surface *surface, const struct surface_nodes *nodes,
@@ -313,7 +479,7 @@ enum err surface_new(struct surface **surface, const struct surface_source *sour
     if (!err && !*surface)
         err = fault_memory(fault, "a surface");
     if (!err)
-        err = surface_smooth(&nodes, passes, watch, fault);
+        err = smooth(&nodes, passes, watch, fault);
     if (!err)
         err = gather(*surface, &nodes, wanted, fault);
     if (err) {
