@@ -1,6 +1,6 @@
 #include "report/surprise.h"
 
-#include "engine/passage.h"
+#include "engine/way.h"
 
 /* How many labels had voxels that a seed reached: of label 0 these are more than what lies outside
  * the region of interest. */
