@@ -5,7 +5,6 @@
 
 #include "base/mem.h"
 #include "base/wide.h"
-#include "engine/intensities.h"
 
 /* Values side by side, which the compiler takes to pieces where the machine has no such. */
 enum { LANES = 8, BYTES = 16, FEW = 8 };
