@@ -207,14 +207,6 @@ static enum err shape_init(struct shape *s, struct finish_work *work,
                                          : fault_memory(fault, "finished labels");
 }
 
-static void shape_release(struct shape *s)
-{
-    brush_release(&s->brush);
-    free(s->left);
-    free(s->ball);
-    free(s->room);
-}
-
 /* Has work->next hold, of each voxel that a label loses, or gets, that label, and else 0. */
 static enum err find_lost(struct finish_work *work, const struct finish_step *step, bool opens,
                           struct fault *fault)
@@ -230,7 +222,10 @@ static enum err find_lost(struct finish_work *work, const struct finish_step *st
         sweep_rows(&s, 1, note_lost);
         err = watch_fault(work->scene->watch, fault);
     }
-    shape_release(&s);
+    brush_release(&s.brush);
+    free(s.left);
+    free(s.ball);
+    free(s.room);
     return err ? err : watch_fault(work->scene->watch, fault);
 }
 

@@ -191,13 +191,7 @@ static bool gather(struct label_counts *counts, struct counting *counting)
     return fits;
 }
 
-/* As many workers as memory allows: a scene of 16 bits has 256 kB of counters a label. */
-static unsigned workers_for(const struct label_counts *counts, const struct team *team)
-{
-    const size_t fit = BYTES_OF_WORKERS / (256 * counts->length * sizeof **counts->of);
-    return fit < 1 ? 1 : fit < team_size(team) ? (unsigned)fit : team_size(team);
-}
-
+/* By as many workers as memory allows: a scene of 16 bits has 256 kB of counters a label. */
 static enum err count_all(struct label_counts *counts, const struct labels *labels,
                           struct team *team, struct fault *fault)
 {
@@ -208,7 +202,8 @@ static enum err count_all(struct label_counts *counts, const struct labels *labe
     counting->labels = labels;
     enum err err = counts->length ? OK : find_length(counting, counts, team, fault);
     if (!err) {
-        counting->workers = workers_for(counts, team);
+        const size_t fit = BYTES_OF_WORKERS / (256 * counts->length * sizeof **counts->of);
+        counting->workers = fit < 1 ? 1 : fit < team_size(team) ? (unsigned)fit : team_size(team);
         team_run(team, count_part, counting);
         err = gather(counts, counting) ? OK : fault_memory(fault, "counts of labels");
     }
@@ -395,13 +390,6 @@ static enum err refresh_counts(struct label_measures *measures, const struct lab
     return change_log_settle(&counts->log, err ? err : watch_fault(counts->scene->watch, fault));
 }
 
-static enum err refresh_pairs(struct label_measures *measures, const struct labels *labels,
-                              struct team *team, struct fault *fault)
-{
-    enum err err = measures->pairs ? OK : label_pairs_new(&measures->pairs, labels->scene, fault);
-    return err ? err : label_pairs_refresh(measures->pairs, labels, team, fault);
-}
-
 enum err label_measures_sum(struct label_measures *measures, const struct labels *labels,
                             unsigned label, struct team *team, struct label_sums *sums,
                             struct fault *fault)
@@ -417,8 +405,10 @@ enum err label_stats_find(struct label_stats stats[256], struct label_measures *
 {
     struct finding f = {.scene = labels->scene, .stats = stats};
     enum err err = refresh_counts(measures, labels, team, fault);
+    if (!err && !measures->pairs)
+        err = label_pairs_new(&measures->pairs, labels->scene, fault);
     if (!err)
-        err = refresh_pairs(measures, labels, team, fault);
+        err = label_pairs_refresh(measures->pairs, labels, team, fault);
     if (err)
         return err;
     f.label = label_pairs_labels(measures->pairs);

@@ -6,15 +6,10 @@
 #include "base/hash.h"
 #include "base/mem.h"
 
-static void fill_with(struct cell *cell, size_t count, struct cell value)
-{
-    for (size_t i = 0; i < count; i++)
-        cell[i] = value;
-}
-
 static void fill_rim(struct cell *cell, size_t count)
 {
-    fill_with(cell, count, (struct cell){.flags = CELL_RIM, .direction = DIRECTION_NONE});
+    for (size_t i = 0; i < count; i++)
+        cell[i] = (struct cell){.flags = CELL_RIM, .direction = DIRECTION_NONE};
 }
 
 /* A row of unreached voxels between two cells of the rim; NULL: 0 everywhere. */
@@ -353,22 +348,6 @@ struct geom_rows {
     uint8_t *value; /* [size[0]], without noise */
 };
 
-static enum err geom_rows_init(struct geom_rows *rows, const uint32_t size[3], struct fault *fault)
-{
-    *rows = (struct geom_rows){{size[0], size[1], size[2]}, NULL, NULL};
-    rows->place = mem_array(size[0], sizeof *rows->place);
-    rows->value = mem_array(size[0], sizeof *rows->value);
-    for (uint32_t x = 0; rows->place && x < size[0]; x++)
-        rows->place[x] = (int16_t)geom_place(x, size[0], 0);
-    return rows->place && rows->value ? OK : fault_memory(fault, "the synthetic scene");
-}
-
-static void geom_rows_release(struct geom_rows *rows)
-{
-    free(rows->place);
-    free(rows->value);
-}
-
 static void lay_solid(struct geom_rows *rows, const struct solid *solid, int64_t dy, int64_t dz)
 {
     const int centre = EIGHTHS * solid->centre[0];
@@ -386,9 +365,8 @@ static void lay_solid(struct geom_rows *rows, const struct solid *solid, int64_t
         rows->value[x] = abs(rows->place[x] - centre) <= reach ? value : rows->value[x];
 }
 
-/* The intensity of each voxel of the row (., y, z), `stride` bytes apart. */
-static void geom_row(struct geom_rows *rows, uint32_t y, uint32_t z, uint16_t *intensity,
-                     size_t stride)
+/* The intensity of each voxel of the row (., y, z). */
+static void geom_row(struct geom_rows *rows, uint32_t y, uint32_t z, struct cell *cell)
 {
     const int64_t place_y = geom_place(y, rows->size[1], 1);
     const int64_t place_z = geom_place(z, rows->size[2], 2);
@@ -400,27 +378,31 @@ static void geom_row(struct geom_rows *rows, uint32_t y, uint32_t z, uint16_t *i
                   place_z - EIGHTHS * geom_solid[i].centre[2]);
     for (uint32_t x = 0; x < rows->size[0]; x++) {
         const int value = rows->value[x] + (int)(hash_mix_at(voxel++, 0) % 9) - 4;
-        *intensity = (uint16_t)(value < 0 ? 0 : value);
-        intensity += stride / sizeof *intensity;
+        cell[x].intensity = (uint16_t)(value < 0 ? 0 : value);
     }
 }
 
 enum err scene_new_geom_of(struct scene **out, const uint32_t size[3], struct watch *watch,
                            struct fault *fault)
 {
-    struct geom_rows rows;
+    struct geom_rows rows = {.size = {size[0], size[1], size[2]}};
     struct scene *scene;
     *out = NULL;
     enum err err = scene_new_filled(&scene, size, NULL, watch, fault);
     if (err)
         return err;
-    err = geom_rows_init(&rows, size, fault);
+    rows.place = mem_array(size[0], sizeof *rows.place);
+    rows.value = mem_array(size[0], sizeof *rows.value);
+    if (!rows.place || !rows.value)
+        err = fault_memory(fault, "the synthetic scene");
+    for (uint32_t x = 0; !err && x < size[0]; x++)
+        rows.place[x] = (int16_t)geom_place(x, size[0], 0);
     struct task task = task_begin(watch, "synthetic scene", scene->grid.voxels);
     for (uint32_t z = 0; !err && z < size[2]; z++)
         for (uint32_t y = 0; y < size[1] && task_advance(&task, size[0]); y++)
-            geom_row(&rows, y, z, &scene->cell[grid_row(&scene->grid, y, z).first].intensity,
-                     sizeof *scene->cell);
-    geom_rows_release(&rows);
+            geom_row(&rows, y, z, scene->cell + grid_row(&scene->grid, y, z).first);
+    free(rows.place);
+    free(rows.value);
     return hand_over(out, scene, err, fault);
 }
 
