@@ -1,10 +1,10 @@
 /*
  * The centre of a label, against two looks at the whole scene.
  */
-#include "engine/centre.h"
+#include "engine/measure.h"
 #include "tests/interpreting.h"
 
-/* By the words of centre.h. */
+/* By the words of measure.h. */
 static bool slow_centre(const struct scene *scene, unsigned label, uint32_t place[3])
 {
     int64_t sum[3] = {0}, count = 0, best = INT64_MAX;

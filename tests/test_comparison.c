@@ -6,7 +6,6 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
-#include "engine/contour.h"
 #include "engine/distance.h"
 #include "report/comparison.h"
 #include "tests/check.h"

@@ -2,7 +2,7 @@
  * What an eliminator would take, found without a look at the scene: the same as by looking at every
  * voxel, and the same as what `remove` takes then.
  */
-#include "engine/tree.h"
+#include "engine/way.h"
 #include "session/held.h"
 #include "tests/small_scene.h"
 

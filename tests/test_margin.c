@@ -4,7 +4,6 @@
 #include <stdlib.h>
 
 #include "engine/margin.h"
-#include "engine/rival.h"
 #include "engine/roi.h"
 #include "tests/scarce_memory.h"
 

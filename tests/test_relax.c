@@ -287,7 +287,7 @@ STORY(the_fields_of_an_object_and_of_all_else_are_complements)
         for (int i = 0; i < v.count; i++)
             v.label[i] = 1 + (v.label[i] & 1);
         struct scene *scene = scene_of(&v);
-        const struct relax_box all = {
+        const struct finish_box all = {
             {0, 0, 0}, {scene->grid.size[0] - 1, scene->grid.size[1] - 1, scene->grid.size[2] - 1}};
         uint8_t *label = mem_pages(scene->grid.cells);
         struct relax_field field[2];
@@ -295,8 +295,8 @@ STORY(the_fields_of_an_object_and_of_all_else_are_complements)
         for (int i = 0; i < v.count; i++)
             label[cell_of(&v, &scene->grid, i)] = (uint8_t)v.label[i];
         for (uint8_t k = 0; k < 2; k++) {
-            CHECK(relax_field_init(&field[k], scene, label, (uint8_t)(k + 1), &all, &greys,
-                                   team_of[round % TEAMS], NULL) == OK);
+            const struct finish_work work = {scene, team_of[round % TEAMS], label, NULL};
+            CHECK(relax_field_init(&field[k], &work, (uint8_t)(k + 1), &all, &greys, NULL) == OK);
             relax_field_sweep(&field[k], 25, team_of[(round + k) % TEAMS]);
         }
         bool sums = true;

@@ -4,7 +4,7 @@
  */
 #include <stdlib.h>
 
-#include "engine/passage.h"
+#include "engine/way.h"
 #include "tests/folder.h"
 #include "tests/interpreting.h"
 

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/choice.h"
-#include "engine/rival.h"
+#include "engine/margin.h"
 #include "engine/roi.h"
 #include "engine/way.h"
 #include "journal/journal.h"

@@ -14,11 +14,11 @@
 #include "show/slicing.h"
 
 /* What rows of other tables say of themselves. */
-#define VOLUME_NOTE(format, note)                      note
-#define WEIGHT_NOTE(kind, name, argument, usual, help) help
-#define WEIGHT_NOTES                                   WEIGHT_LIST(WEIGHT_NOTE, WEIGHT_NOTE)
-#define FINISH_NOTE(kind, name, takes, usual, help)    help
-#define FINISH_NOTES                                   FINISH_LIST(FINISH_NOTE, FINISH_NOTE)
+#define VOLUME_NOTE(format, note)                          note
+#define WEIGHT_NOTE(kind, name, argument, usual, help)     help
+#define WEIGHT_NOTES                                       WEIGHT_LIST(WEIGHT_NOTE, WEIGHT_NOTE)
+#define FINISH_NOTE(kind, name, takes, usual, heeds, help) help
+#define FINISH_NOTES                                       FINISH_LIST(FINISH_NOTE, FINISH_NOTE)
 #define WEIGHT_DETAIL                                                                              \
     "Each gradient gives an edge of height h the weight h. Lengths are in voxels, whatever the "   \
     "spacing.\n" WEIGHT_NOTES "FILE: a map on the scene's grid with the weight of each voxel, "    \

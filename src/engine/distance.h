@@ -1,5 +1,6 @@
 /*
- * Distances: how far each voxel of a box is from the nearest one of some of its voxels.
+ * Distances: how far each voxel of a box is from the nearest one of some of its voxels; and the
+ * contours of sets of voxels, from which surfaces are measured.
  *
  * Exact and Euclidean, between the centres of voxels, with a spacing of its own along each axis, in
  * time proportional to the number of voxels: one pass along each axis, in which a voxel takes the
@@ -7,10 +8,16 @@
  * of Felzenszwalb and Huttenlocher 2012). All of it is in integers: distances are squared and
  * counted in a unit that divides the spacing, so they are the same on every machine and whatever
  * the number of threads.
+ *
+ * The contour of a set of voxels is those of its voxels that have a neighbour, by a face, an edge
+ * or a corner, which is not in the set. What lies beyond the scene is no neighbour, so a set that
+ * the edge of the scene cuts off has no contour there. This is the surface that ITK measures
+ * distances of (ContourMeanDistanceImageFilter, SignedMaurerDistanceMapImageFilter).
  */
 #ifndef ENGINE_DISTANCE_H
 #define ENGINE_DISTANCE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "base/err.h"
@@ -37,5 +44,16 @@ struct distance_scale distance_scale_of(const uint32_t spacing_nm[3], const uint
 enum err distance_spread(uint64_t *squared, const uint32_t size[3],
                          const struct distance_scale *scale, struct team *team, struct watch *watch,
                          struct fault *fault);
+
+/* A box of the scene, [z][y][x]; beyond it no voxel is in a set. */
+struct contour_box {
+    uint32_t size[3];
+    bool ends[3][2]; /* the scene ends at the first, at the last voxel along x, y, z */
+};
+
+/* Each bit of a byte is a set; `contour` gets those of the contours. Both have a byte a voxel, as
+ * has `room`. Of no use where the watch, or NULL, has stopped it. */
+void contour_find(uint8_t *contour, const uint8_t *set, uint8_t *room,
+                  const struct contour_box *box, struct watch *watch);
 
 #endif

@@ -1,38 +1,36 @@
-/* The table of steps, the list, and how it is written. */
+/* The table of steps, the list and how it is written, and the steps that look at whole components:
+ * largest, components and holes. */
 #include "engine/finish.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/mem.h"
 #include "engine/labels.h"
 
-#define ROW(kind, name, takes, usual, help)                                                        \
-    [FINISH_##kind] = {#name, FINISH_TAKES_##takes, usual, finish_##name},
+#define ROW(kind, name, takes, usual, heeds, help)                                                 \
+    [FINISH_##kind] = {#name, FINISH_TAKES_##takes, usual, FINISH_HEEDS_##heeds, finish_##name},
 const struct finish_row finish_table[] = {FINISH_LIST(ROW, ROW)};
-
-static enum err take_steps(struct finish_work *work, const struct finish_list *list,
-                           struct fault *fault)
-{
-    const struct labels forest = labels_of_forest(work->scene);
-    if (!work->label || !work->next)
-        return fault_memory(fault, "finished labels");
-    labels_copy(&forest, work->label, work->team);
-    enum err err = watch_fault(work->scene->watch, fault);
-    for (uint32_t i = 0; !err && i < list->count; i++)
-        err = finish_table[list->step[i].kind].apply(work, &list->step[i], fault);
-    return err ? err : watch_fault(work->scene->watch, fault);
-}
 
 enum err finish_make(uint8_t **label, const struct finish_list *list, const struct scene *scene,
                      struct team *team, struct fault *fault)
 {
     const size_t cells = scene->grid.cells;
+    const struct labels forest = labels_of_forest(scene);
     *label = NULL;
     enum err err = finish_check(list, scene, fault);
     if (err)
         return err;
     struct finish_work work = {scene, team, mem_pages(cells), mem_pages(cells)};
-    err = take_steps(&work, list, fault);
+    if (work.label && work.next) {
+        labels_copy(&forest, work.label, team);
+        err = watch_fault(scene->watch, fault);
+        for (uint32_t i = 0; !err && i < list->count; i++)
+            err = finish_table[list->step[i].kind].apply(&work, &list->step[i], fault);
+        err = err ? err : watch_fault(scene->watch, fault);
+    } else {
+        err = fault_memory(fault, "finished labels");
+    }
     mem_pages_free(work.next, cells);
     if (err)
         mem_pages_free(work.label, cells);
@@ -44,33 +42,11 @@ bool finish_heeds_seeds(const struct finish_list *list)
 {
     bool heeds = false;
     for (uint32_t i = 0; i < list->count; i++)
-        heeds |= list->step[i].kind == FINISH_RELAX;
+        heeds |= finish_table[list->step[i].kind].heeds == FINISH_HEEDS_SEEDS;
     return heeds;
 }
 
-void finish_take_next(struct finish_work *work)
-{
-    uint8_t *const made = work->next;
-    work->next = work->label;
-    work->label = made;
-}
-
-void finish_clear(struct finish_work *work)
-{
-    const struct grid *grid = &work->scene->grid;
-    const size_t plane = (size_t)grid->step[2];
-    struct task task = task_begin(work->scene->watch, "finished labels", grid->cells);
-    for (size_t at = 0; at < grid->cells && task_advance(&task, plane / 16); at += plane)
-        memset(work->next + at, 0, plane);
-}
-
 /* ---- what is refused ---- */
-
-void finish_reach(uint32_t reach[3], const struct finish_step *step, const struct scene *scene)
-{
-    for (int a = 0; a < 3; a++)
-        reach[a] = step->in_nm ? step->argument / scene->spacing_nm[a] : step->argument;
-}
 
 enum err finish_check(const struct finish_list *list, const struct scene *scene,
                       struct fault *fault)
@@ -115,4 +91,257 @@ void finish_write(struct buf *out, const struct finish_list *list)
     }
     if (!list->count)
         buf_add_text(out, "none");
+}
+
+/* ---- what steps have in common ---- */
+
+void finish_take_next(struct finish_work *work)
+{
+    uint8_t *const made = work->next;
+    work->next = work->label;
+    work->label = made;
+}
+
+void finish_clear(struct finish_work *work)
+{
+    const struct grid *grid = &work->scene->grid;
+    const size_t plane = (size_t)grid->step[2];
+    struct task task = task_begin(work->scene->watch, "finished labels", grid->cells);
+    for (size_t at = 0; at < grid->cells && task_advance(&task, plane / 16); at += plane)
+        memset(work->next + at, 0, plane);
+}
+
+void finish_reach(uint32_t reach[3], const struct finish_step *step, const struct scene *scene)
+{
+    for (int a = 0; a < 3; a++)
+        reach[a] = step->in_nm ? step->argument / scene->spacing_nm[a] : step->argument;
+}
+
+/* ---- where labels lie ---- */
+
+void finish_box_include(struct finish_box *box, const struct finish_box *other)
+{
+    for (int a = 0; a < 3; a++) {
+        box->first[a] = box->first[a] < other->first[a] ? box->first[a] : other->first[a];
+        box->last[a] = box->last[a] > other->last[a] ? box->last[a] : other->last[a];
+    }
+}
+
+struct boxing {
+    const struct finish_work *work;
+    const char *what;
+    struct finish_box (*part)[256]; /* of each worker */
+};
+
+static void clear_boxes(struct finish_box box[256])
+{
+    for (unsigned label = 0; label < 256; label++)
+        box[label] = (struct finish_box){{UINT32_MAX, UINT32_MAX, UINT32_MAX}, {0, 0, 0}};
+}
+
+static void find_part(void *context, unsigned worker)
+{
+    const struct boxing *boxing = context;
+    const struct finish_work *work = boxing->work;
+    const struct grid *grid = &work->scene->grid;
+    const struct slab slab = grid_slab(grid, worker, team_size(work->team));
+    struct task task =
+        task_begin_part(work->scene->watch, boxing->what, slab_voxels(grid, slab), worker);
+    clear_boxes(boxing->part[worker]);
+    for (uint32_t z = slab.first; z < slab.end; z++)
+        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
+            const uint8_t *row = work->label + grid_cell(grid, 0, y, z);
+            for (uint32_t x = 0, end; x < grid->size[0]; x = end) {
+                for (end = x + 1; end < grid->size[0] && row[end] == row[x];)
+                    end++;
+                const struct finish_box run = {{x, y, z}, {end - 1, y, z}};
+                finish_box_include(&boxing->part[worker][row[x]], &run);
+            }
+        }
+}
+
+enum err finish_find_boxes(struct finish_box box[256], const struct finish_work *work,
+                           const char *what, struct fault *fault)
+{
+    const unsigned workers = team_size(work->team);
+    struct boxing boxing = {work, what, mem_array(workers, sizeof *boxing.part)};
+    if (!boxing.part)
+        return fault_memory(fault, what);
+    team_run(work->team, find_part, &boxing);
+    clear_boxes(box);
+    for (unsigned worker = 0; worker < workers; worker++)
+        for (unsigned label = 0; label < 256; label++)
+            finish_box_include(&box[label], &boxing.part[worker][label]);
+    free(boxing.part);
+    return OK;
+}
+
+/* ---- giving away ---- */
+
+struct giving {
+    struct finish_work *work; /* work->next is 1 in voxels of pieces that wait, else 0 */
+    const struct components *pieces;
+    bool *waits;
+    uint16_t *taker; /* of each piece, in the round at hand */
+};
+
+enum { NOBODY = 256 };
+
+static uint32_t count_faces(const struct finish_work *work, uint32_t first, uint32_t end,
+                            uint32_t faces[256])
+{
+    for (uint32_t c = first; c < end; c++)
+        faces[work->label[c]] += !work->next[c];
+    return end - first;
+}
+
+/* The faces of a run, but for those at the edge of the scene. */
+static uint32_t count_run(const struct finish_work *work, const struct component_run *run,
+                          uint32_t faces[256])
+{
+    const struct grid *grid = &work->scene->grid;
+    const struct place p = grid_place(grid, run->first);
+    const uint32_t at[3] = {p.x, p.y, p.z}, first = run->first, end = run->end;
+    uint32_t looked = 2;
+    if (p.x > 0)
+        count_faces(work, first - 1, first, faces);
+    if (p.x + (end - first) < grid->size[0])
+        count_faces(work, end, end + 1, faces);
+    for (int a = 1; a < 3; a++) {
+        const uint32_t step = (uint32_t)grid->step[a];
+        if (at[a] > 0)
+            looked += count_faces(work, first - step, end - step, faces);
+        if (at[a] + 1 < grid->size[a])
+            looked += count_faces(work, first + step, end + step, faces);
+    }
+    return looked;
+}
+
+/* Who takes the piece as labels are: NOBODY where it has no face that counts. */
+static uint16_t find_taker(const struct giving *g, const struct component *piece, struct task *task)
+{
+    uint32_t faces[256] = {0}, most = 0;
+    uint16_t taker = NOBODY;
+    for (uint32_t r = piece->run; r != RUN_NONE; r = g->pieces->run[r].next)
+        if (!task_advance(task, count_run(g->work, &g->pieces->run[r], faces)))
+            return NOBODY;
+    faces[piece->label] = 0;
+    for (uint16_t label = 0; label < 256; label++)
+        if (faces[label] > most) {
+            most = faces[label];
+            taker = label;
+        }
+    task_advance(task, 64);
+    return taker;
+}
+
+/* Writes a value at each voxel of a piece. */
+static void mark(const struct components *pieces, const struct component *piece, uint8_t *at,
+                 uint8_t value)
+{
+    for (uint32_t r = piece->run; r != RUN_NONE; r = pieces->run[r].next)
+        memset(at + pieces->run[r].first, value, pieces->run[r].end - pieces->run[r].first);
+}
+
+/* False where no piece has found a taker, or the watch has stopped it. */
+static bool give_round(const struct giving *g, unsigned taker, struct task *task)
+{
+    const struct components *pieces = g->pieces;
+    bool any = false;
+    for (size_t i = 0; i < pieces->count; i++)
+        g->taker[i] = g->waits[i] ? find_taker(g, &pieces->item[i], task) : NOBODY;
+    for (size_t i = 0; i < pieces->count && task_advance(task, 1); i++) {
+        if (g->taker[i] == NOBODY)
+            continue;
+        if (taker == FINISH_ALL_LABELS || taker == g->taker[i])
+            mark(pieces, &pieces->item[i], g->work->label, (uint8_t)g->taker[i]);
+        mark(pieces, &pieces->item[i], g->work->next, 0);
+        g->waits[i] = false;
+        any = true;
+    }
+    return any && task_advance(task, 1);
+}
+
+enum err finish_give_away(struct finish_work *work, const uint8_t *of, finish_choose *choose,
+                          const struct finish_step *step, unsigned taker, struct fault *fault)
+{
+    struct watch *watch = work->scene->watch;
+    struct components found;
+    enum err err = components_find(&found, &work->scene->grid, of, watch, fault);
+    if (err)
+        return err;
+    struct giving giving = {work, &found, mem_array(found.count, sizeof *giving.waits),
+                            mem_array(found.count, sizeof *giving.taker)};
+    if (giving.waits && giving.taker) {
+        struct task task = task_begin(watch, "pieces of labels", 0);
+        choose(&found, step, giving.waits);
+        finish_clear(work);
+        for (size_t i = 0; i < found.count && task_advance(&task, 16); i++)
+            if (giving.waits[i])
+                mark(&found, &found.item[i], work->next, 1);
+        while (give_round(&giving, taker, &task))
+            ;
+        err = watch_fault(watch, fault);
+    } else {
+        err = fault_memory(fault, "finished labels");
+    }
+    free(giving.waits);
+    free(giving.taker);
+    components_release(&found);
+    return err;
+}
+
+/* ---- the steps: which components go ---- */
+
+static bool may_go(const struct component *item, const struct finish_step *step)
+{
+    return item->label != 0 && finish_is_for(step, item->label);
+}
+
+static void choose_but_largest(const struct components *found, const struct finish_step *step,
+                               bool *waits)
+{
+    size_t largest[256];
+    uint32_t voxels[256] = {0};
+    for (size_t i = 0; i < found->count; i++) {
+        const struct component *item = &found->item[i];
+        if (item->voxels > voxels[item->label]) {
+            voxels[item->label] = item->voxels;
+            largest[item->label] = i;
+        }
+    }
+    for (size_t i = 0; i < found->count; i++)
+        waits[i] = may_go(&found->item[i], step) && i != largest[found->item[i].label];
+}
+
+static void choose_small(const struct components *found, const struct finish_step *step,
+                         bool *waits)
+{
+    for (size_t i = 0; i < found->count; i++)
+        waits[i] = may_go(&found->item[i], step) && found->item[i].voxels < step->argument;
+}
+
+static void choose_holes(const struct components *found, const struct finish_step *step,
+                         bool *waits)
+{
+    (void)step;
+    for (size_t i = 0; i < found->count; i++)
+        waits[i] = found->item[i].label == 0 && !found->item[i].at_edge;
+}
+
+enum err finish_largest(struct finish_work *work, const struct finish_step *step,
+                        struct fault *fault)
+{
+    return finish_give_away(work, work->label, choose_but_largest, step, FINISH_ALL_LABELS, fault);
+}
+
+enum err finish_components(struct finish_work *work, const struct finish_step *step,
+                           struct fault *fault)
+{
+    return finish_give_away(work, work->label, choose_small, step, FINISH_ALL_LABELS, fault);
+}
+
+enum err finish_holes(struct finish_work *work, const struct finish_step *step, struct fault *fault)
+{
+    return finish_give_away(work, work->label, choose_holes, step, step->label, fault);
 }

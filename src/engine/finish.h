@@ -71,30 +71,34 @@ enum finish_argument {
     FINISH_TAKES_SWEEPS
 };
 
-/* The steps, one row each: KIND, name, what it takes, that where none is given (0: it must be), and
- * a line of help. A row names a function, which one file defines: finish_NAME. */
+/* What the outcome of a step follows from: labels and intensities alone, or seeds and the region of
+ * interest as well. */
+enum finish_heed { FINISH_HEEDS_LABELS, FINISH_HEEDS_SEEDS };
+
+/* The steps, one row each: KIND, name, what it takes, that where none is given (0: it must be),
+ * what it heeds, and a line of help. A row names a function, which one file defines: finish_NAME. */
 #define FINISH_LIST(FIRST, NEXT)                                                                   \
-    FIRST(RELAX, relax, SWEEPS, 60, "relax: labels settle on the edges of the scene.\n")           \
-    NEXT(MAJORITY, majority, RADIUS, 1,                                                            \
+    FIRST(RELAX, relax, SWEEPS, 60, SEEDS, "relax: labels settle on the edges of the scene.\n")    \
+    NEXT(MAJORITY, majority, RADIUS, 1, LABELS,                                                    \
          "majority: a voxel takes the label that most voxels have in the cube of the radius "      \
          "around it.\n")                                                                           \
-    NEXT(LARGEST, largest, NOTHING, 0,                                                             \
+    NEXT(LARGEST, largest, NOTHING, 0, LABELS,                                                     \
          "largest: the largest piece of each label stays; others go to the label around them.\n")  \
-    NEXT(COMPONENTS, components, VOXELS, 0,                                                        \
+    NEXT(COMPONENTS, components, VOXELS, 0, LABELS,                                                \
          "components: the same, but each piece of so many `voxels` stays.\n")                      \
-    NEXT(HOLES, holes, NOTHING, 0,                                                                 \
+    NEXT(HOLES, holes, NOTHING, 0, LABELS,                                                         \
          "holes: background that is enclosed goes to the label around it.\n")                      \
-    NEXT(OPEN, open, RADIUS, 1,                                                                    \
+    NEXT(OPEN, open, RADIUS, 1, LABELS,                                                            \
          "open: takes away what is thinner than a ball of the radius, and gives it to the label "  \
          "around it.\n")                                                                           \
-    NEXT(CLOSE, close, RADIUS, 1,                                                                  \
+    NEXT(CLOSE, close, RADIUS, 1, LABELS,                                                          \
          "close: fills clefts of background that are narrower than such a ball.\n")
 
-#define FINISH_FIRST_NAME(kind, name, takes, usual, help) #name
-#define FINISH_NEXT_NAME(kind, name, takes, usual, help)  "|" #name
+#define FINISH_FIRST_NAME(kind, name, takes, usual, heeds, help) #name
+#define FINISH_NEXT_NAME(kind, name, takes, usual, heeds, help)  "|" #name
 
 enum finish_kind {
-#define FINISH_KIND(kind, name, takes, usual, help) FINISH_##kind,
+#define FINISH_KIND(kind, name, takes, usual, heeds, help) FINISH_##kind,
     FINISH_LIST(FINISH_KIND, FINISH_KIND) FINISH_KIND_COUNT
 };
 
@@ -125,13 +129,14 @@ struct finish_work {
 /* Does a step. ERR_MEMORY, ERR_CANCELLED by the scene's watch; labels are of no use then. */
 typedef enum err finish_apply(struct finish_work *work, const struct finish_step *step,
                               struct fault *fault);
-#define FINISH_METHOD(kind, name, takes, usual, help) finish_apply finish_##name;
+#define FINISH_METHOD(kind, name, takes, usual, heeds, help) finish_apply finish_##name;
 FINISH_LIST(FINISH_METHOD, FINISH_METHOD)
 
 struct finish_row {
     const char *name;
     enum finish_argument takes;
     uint32_t usual; /* 0: one must be given */
+    enum finish_heed heeds;
     finish_apply *apply;
 };
 extern const struct finish_row finish_table[]; /* by enum finish_kind */
@@ -169,9 +174,30 @@ void finish_clear(struct finish_work *work);
 /* How many voxels a step reaches along each axis. */
 void finish_reach(uint32_t reach[3], const struct finish_step *step, const struct scene *scene);
 
-/* Gives away the pieces that `waits` (finish_pieces.c), each of which has one label of work->label:
- * all, or those that `taker` takes alone. A piece that found a taker waits no more. */
-enum err finish_give_away(struct finish_work *work, const struct components *pieces, bool *waits,
-                          unsigned taker, struct fault *fault);
+/* Voxels of the scene between two corners, both included; none where the first is above the last. */
+struct finish_box {
+    uint32_t first[3], last[3];
+};
+
+static inline bool finish_box_is_empty(const struct finish_box *box)
+{
+    return box->first[0] > box->last[0];
+}
+
+/* Makes a box hold another too. */
+void finish_box_include(struct finish_box *box, const struct finish_box *other);
+
+/* Where each label of work->label lies. ERR_MEMORY; of no use where the scene's watch has stopped
+ * it, of which it speaks as `what`. */
+enum err finish_find_boxes(struct finish_box box[256], const struct finish_work *work,
+                           const char *what, struct fault *fault);
+
+/* Gives away components of `of`, work->label or work->next, each of which has one label of
+ * work->label: those of which `choose` says that they wait, and of these all, or those that `taker`
+ * takes alone. */
+typedef void finish_choose(const struct components *found, const struct finish_step *step,
+                           bool *waits);
+enum err finish_give_away(struct finish_work *work, const uint8_t *of, finish_choose *choose,
+                          const struct finish_step *step, unsigned taker, struct fault *fault);
 
 #endif

@@ -12,19 +12,13 @@
 #include "base/mem.h"
 #include "engine/relax_field.h"
 
-/* Of each label that some voxel has. */
-struct label_boxes {
-    struct relax_box box[256];
-    bool has[256];
-};
-
 struct relaxing {
     struct finish_work *work;
     const struct finish_step *step;
     struct relax_greys greys;
-    struct label_boxes boxes;
-    struct relax_box all;     /* where fields of labels lie */
-    struct relax_field field; /* of the label at hand */
+    struct finish_box box[256]; /* where labels lie, */
+    struct finish_box all;      /* and where their fields do */
+    struct relax_field field;   /* of the label at hand */
     uint8_t label;
     size_t voxels;  /* of `all`, of each of which: */
     uint32_t *best; /* the greatest rank; 0 where no band has come to */
@@ -37,69 +31,12 @@ static uint32_t rank_of(int32_t value, bool is_own, uint8_t label)
     return (uint32_t)value << 9 | (uint32_t)is_own << 8 | (255u - label);
 }
 
-/* ---- where labels lie ---- */
-
-/* Makes a box contain another; one that does not hold anything yet becomes it. */
-static void box_include(struct relax_box *box, bool holds, const struct relax_box *other)
-{
-    for (int a = 0; a < 3; a++) {
-        const uint32_t first = other->first[a], last = other->last[a];
-        box->first[a] = holds && box->first[a] < first ? box->first[a] : first;
-        box->last[a] = holds && box->last[a] > last ? box->last[a] : last;
-    }
-}
-
-static void add_box(struct label_boxes *boxes, uint8_t label, const struct relax_box *box)
-{
-    box_include(&boxes->box[label], boxes->has[label], box);
-    boxes->has[label] = true;
-}
-
-struct finding {
-    const struct finish_work *work;
-    struct label_boxes part[TEAM_MOST];
-};
-
-static void find_part(void *context, unsigned worker)
-{
-    struct finding *finding = context;
-    const struct finish_work *work = finding->work;
-    const struct grid *grid = &work->scene->grid;
-    const struct slab slab = grid_slab(grid, worker, team_size(work->team));
-    struct task task = task_begin_part(work->scene->watch, "relaxed labels", 0, worker);
-    for (uint32_t z = slab.first; z < slab.end; z++)
-        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
-            const uint8_t *row = work->label + grid_cell(grid, 0, y, z);
-            for (uint32_t x = 0, end; x < grid->size[0]; x = end) {
-                for (end = x + 1; end < grid->size[0] && row[end] == row[x];)
-                    end++;
-                add_box(&finding->part[worker], row[x],
-                        &(struct relax_box){{x, y, z}, {end - 1, y, z}});
-            }
-        }
-}
-
-static enum err find_boxes(struct relaxing *r, struct fault *fault)
-{
-    struct finding *finding = mem_new(sizeof *finding);
-    if (!finding)
-        return fault_memory(fault, "relaxed labels");
-    finding->work = r->work;
-    team_run(r->work->team, find_part, finding);
-    for (unsigned worker = 0; worker < team_size(r->work->team); worker++)
-        for (unsigned label = 0; label < 256; label++)
-            if (finding->part[worker].has[label])
-                add_box(&r->boxes, (uint8_t)label, &finding->part[worker].box[label]);
-    free(finding);
-    return OK;
-}
-
 /* ---- which label wins ---- */
 
 /* A voxel of `all` among its voxels. */
 static size_t place_in_all(const struct relaxing *r, uint32_t x, uint32_t y, uint32_t z)
 {
-    const struct relax_box *b = &r->all;
+    const struct finish_box *b = &r->all;
     const size_t row = (size_t)(z - b->first[2]) * (b->last[1] - b->first[1] + 1) + y - b->first[1];
     return row * (b->last[0] - b->first[0] + 1) + x - b->first[0];
 }
@@ -165,16 +102,14 @@ static void choose_part(void *context, unsigned worker)
 /* Where fields will lie, and memory for what is known of the voxels there. */
 static enum err find_all(struct relaxing *r, struct fault *fault)
 {
-    struct relax_box labels = {{0}, {0}};
-    bool holds = false;
-    const enum err err = find_boxes(r, fault);
-    for (unsigned label = 1; label < 256; label++)
-        if (r->boxes.has[label]) {
-            box_include(&labels, holds, &r->boxes.box[label]);
-            holds = true;
-        }
-    if (err || !holds)
+    const enum err err = finish_find_boxes(r->box, r->work, "relaxed labels", fault);
+    if (err)
         return err;
+    struct finish_box labels = r->box[1];
+    for (unsigned label = 2; label < 256; label++)
+        finish_box_include(&labels, &r->box[label]);
+    if (finish_box_is_empty(&labels))
+        return OK;
     r->all = relax_box_around(&r->work->scene->grid, &labels);
     r->voxels = place_in_all(r, r->all.last[0], r->all.last[1], r->all.last[2]) + 1;
     r->best = mem_pages(r->voxels * sizeof *r->best);
@@ -186,8 +121,8 @@ static enum err relax_label(struct relaxing *r, unsigned label, struct fault *fa
 {
     struct finish_work *work = r->work;
     r->label = (uint8_t)label;
-    const enum err err = relax_field_init(&r->field, work->scene, work->label, r->label,
-                                          &r->boxes.box[label], &r->greys, work->team, fault);
+    const enum err err =
+        relax_field_init(&r->field, work, r->label, &r->box[label], &r->greys, fault);
     if (err)
         return err;
     relax_field_sweep(&r->field, r->step->argument, work->team);
@@ -203,7 +138,7 @@ static enum err relax(struct relaxing *r, struct fault *fault)
     if (!err)
         relax_find_greys(&r->greys, work->scene, work->team);
     for (unsigned label = 1; label < 256 && !err; label++)
-        if (r->boxes.has[label])
+        if (!finish_box_is_empty(&r->box[label]))
             err = relax_label(r, label, fault);
     if (!err)
         team_run(work->team, choose_part, r);

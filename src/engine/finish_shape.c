@@ -18,7 +18,7 @@
 #include "base/mem.h"
 #include "engine/brush.h"
 
-/* Rows first..last of an axis; none where the first is above the last. */
+/* Rows first..last of an axis. */
 struct rows {
     uint32_t first, last;
 };
@@ -26,14 +26,14 @@ struct rows {
 struct shape {
     struct finish_work *work;
     struct brush brush;
-    bool opens;               /* else closes */
-    size_t words;             /* of a row; bits beyond the row are 0 */
-    uint64_t *left;           /* [rows of the scene][words]: what is left out */
-    uint64_t *ball;           /* likewise: the centres */
-    uint64_t *room;           /* [workers][2][words] */
-    struct rows held[256][2]; /* the rows along y and z that hold a label */
-    unsigned label;           /* at hand */
-    struct rows rows[2];      /* that are to be made */
+    bool opens;                 /* else closes */
+    size_t words;               /* of a row; bits beyond the row are 0 */
+    uint64_t *left;             /* [rows of the scene][words]: what is left out */
+    uint64_t *ball;             /* likewise: the centres */
+    uint64_t *room;             /* [workers][2][words] */
+    struct finish_box box[256]; /* where labels lie */
+    unsigned label;             /* at hand */
+    struct rows rows[2];        /* along y and z that are to be made */
 };
 
 static uint64_t *row_of(const struct shape *s, uint64_t *sheet, uint32_t y, uint32_t z)
@@ -177,42 +177,17 @@ static void sweep_rows(struct shape *s, int times,
 {
     struct sweep sweep = {s, make};
     for (int a = 0; a < 2; a++) {
-        const struct rows held = s->held[s->label][a];
+        const struct finish_box *box = &s->box[s->label];
+        const uint32_t first = box->first[a + 1], last = box->last[a + 1];
         const uint32_t by = (uint32_t)(times * s->brush.reach[a + 1]);
         const uint32_t end = s->work->scene->grid.size[a + 1] - 1;
-        s->rows[a].first = held.first < by ? 0 : held.first - by;
-        s->rows[a].last = end - held.last < by ? end : held.last + by;
+        s->rows[a].first = first < by ? 0 : first - by;
+        s->rows[a].last = end - last < by ? end : last + by;
     }
     team_run(s->work->team, sweep_part, &sweep);
 }
 
 /* ---- the step ---- */
-
-static void find_held(struct shape *s)
-{
-    const struct grid *grid = &s->work->scene->grid;
-    struct task task = task_begin(s->work->scene->watch, "shape of labels", grid->voxels);
-    for (unsigned label = 0; label < 256; label++)
-        for (int a = 0; a < 2; a++)
-            s->held[label][a] = (struct rows){UINT32_MAX, 0};
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            const struct span row = grid_row(grid, y, z);
-            const uint32_t at[2] = {y, z};
-            for (uint32_t c = row.first; c < row.end; c++) {
-                const uint8_t label = s->work->label[c];
-                if (c > row.first && label == s->work->label[c - 1])
-                    continue;
-                for (int a = 0; a < 2; a++) {
-                    struct rows *held = &s->held[label][a];
-                    held->first = at[a] < held->first ? at[a] : held->first;
-                    held->last = at[a] > held->last ? at[a] : held->last;
-                }
-            }
-            if (!task_advance(&task, grid->size[0]))
-                return;
-        }
-}
 
 static enum err shape_init(struct shape *s, struct finish_work *work,
                            const struct finish_step *step, bool opens, struct fault *fault)
@@ -228,15 +203,8 @@ static enum err shape_init(struct shape *s, struct finish_work *work,
     s->left = mem_array(rows, s->words * sizeof *s->left);
     s->ball = mem_array(rows, s->words * sizeof *s->ball);
     s->room = mem_array(team_size(work->team), 2 * s->words * sizeof *s->room);
-    return s->left && s->ball && s->room ? OK : fault_memory(fault, "finished labels");
-}
-
-static void shape_release(struct shape *s)
-{
-    brush_release(&s->brush);
-    free(s->left);
-    free(s->ball);
-    free(s->room);
+    return s->left && s->ball && s->room ? finish_find_boxes(s->box, work, "shape of labels", fault)
+                                         : fault_memory(fault, "finished labels");
 }
 
 /* Has work->next hold, of each voxel that a label loses, or gets, that label, and else 0. */
@@ -246,36 +214,33 @@ static enum err find_lost(struct finish_work *work, const struct finish_step *st
     struct shape s;
     enum err err = shape_init(&s, work, step, opens, fault);
     finish_clear(work);
-    if (!err)
-        find_held(&s);
     for (s.label = 1; !err && s.label < 256; s.label++) {
-        if (!finish_is_for(step, s.label) || s.held[s.label][0].first == UINT32_MAX)
+        if (!finish_is_for(step, s.label) || finish_box_is_empty(&s.box[s.label]))
             continue;
         sweep_rows(&s, 3, leave_out);
         sweep_rows(&s, 2, find_centres);
         sweep_rows(&s, 1, note_lost);
         err = watch_fault(work->scene->watch, fault);
     }
-    shape_release(&s);
+    brush_release(&s.brush);
+    free(s.left);
+    free(s.ball);
+    free(s.room);
     return err ? err : watch_fault(work->scene->watch, fault);
+}
+
+static void choose_lost(const struct components *found, const struct finish_step *step, bool *waits)
+{
+    (void)step;
+    for (size_t i = 0; i < found->count; i++)
+        waits[i] = found->item[i].label != 0;
 }
 
 enum err finish_open(struct finish_work *work, const struct finish_step *step, struct fault *fault)
 {
-    struct components pieces = {0};
-    enum err err = find_lost(work, step, true, fault);
-    if (!err)
-        err = components_find(&pieces, &work->scene->grid, work->next, work->scene->watch, fault);
-    if (err)
-        return err;
-    bool *waits = mem_array(pieces.count, sizeof *waits);
-    for (size_t i = 0; waits && i < pieces.count; i++)
-        waits[i] = pieces.item[i].label != 0;
-    err = waits ? finish_give_away(work, &pieces, waits, FINISH_ALL_LABELS, fault)
-                : fault_memory(fault, "finished labels");
-    free(waits);
-    components_release(&pieces);
-    return err;
+    const enum err err = find_lost(work, step, true, fault);
+    return err ? err
+               : finish_give_away(work, work->next, choose_lost, step, FINISH_ALL_LABELS, fault);
 }
 
 enum err finish_close(struct finish_work *work, const struct finish_step *step, struct fault *fault)

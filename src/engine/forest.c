@@ -1,39 +1,21 @@
-#include "engine/forest_parts.h"
+#include "engine/forest.h"
 
 #include <assert.h>
 #include <stdlib.h>
 
 #include "base/mem.h"
 #include "base/sort.h"
+#include "engine/pass.h"
 
 enum {
     CHANGES_SHARE = 16,     /* beyond this part of the scene the list becomes "everything" */
     CLEARED_HELD = 1 << 20, /* entries of the list that are not freed after an edit */
     CLEARED_SHARE = 3,      /* a scene that loses more than this part of itself grows anew ... */
     CLEARED_FEW = 1 << 16,  /* ... if that is more than this */
+    OWNED_PARTS = 16,       /* of the scene, for each worker */
 };
 
 /* ---- changes ---- */
-
-void forest_recount(const struct forest *forest, uint64_t *keys, uint64_t *labels)
-{
-    const struct grid *grid = &forest->scene->grid;
-    struct task task = task_begin(forest->scene->watch, "digests", grid->voxels);
-    *keys = *labels = 0;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++) {
-                const struct cell *cell = forest->cell + c;
-                if (!cell_is_reached(cell))
-                    continue;
-                *keys += key_share(c, cell->key);
-                *labels += label_share(c, cell->label);
-            }
-            if (!task_advance(&task, grid->size[0]))
-                return;
-        }
-}
 
 static void forget_cleared(struct forest *forest)
 {
@@ -58,9 +40,9 @@ static bool finish_changes(struct forest *forest)
     if (forest->from_scratch) {
         forest->stats.touched = forest->scene->grid.voxels;
         forest->relabelled = forest->former.taken
-                                 ? label_runs_differences(&forest->former, forest->scene)
+                                 ? former_labels_differences(&forest->former, forest->scene)
                                  : CHANGES_UNKNOWN;
-        label_runs_release(&forest->former);
+        former_labels_release(&forest->former);
     }
     forget_cleared(forest);
     if (cleared->capacity > CLEARED_HELD) {
@@ -70,7 +52,7 @@ static bool finish_changes(struct forest *forest)
     return true;
 }
 
-/* ---- edits ---- */
+/* ---- seeds ---- */
 
 static enum err pass_fault(struct fault *fault, enum err err)
 {
@@ -207,7 +189,7 @@ static void begin(struct forest *forest, bool from_scratch)
 static void take_former(struct forest *forest)
 {
     if (forest->counts_anew && !forest->former.taken && !forest->suspended)
-        label_runs_take(&forest->former, forest->scene);
+        former_labels_take(&forest->former, forest->scene);
 }
 
 void forest_count_anew(struct forest *forest)
@@ -231,9 +213,83 @@ static void set_seeds(struct forest *forest, const struct edit *edit, size_t cou
     }
 }
 
-static void clear_all(struct forest *forest, bool planted);
+/* ---- growing anew ---- */
 
-static enum err grow_anew(struct forest *forest, struct fault *fault);
+/* Leaves a cell unreached; a seed stays, with its label, and waits where it is to be `planted`.
+ * Whether it is one. */
+static bool clear_cell(struct forest *forest, uint32_t at, bool planted)
+{
+    struct cell *cell = forest->cell + at;
+    const uint8_t fixed = cell->flags & (CELL_SEED | CELL_OUTSIDE | CELL_RIM);
+    if (fixed & CELL_RIM)
+        return false;
+    cell->key = fixed & CELL_OUTSIDE ? 0 : KEY_NONE;
+    cell->state = cell_state(fixed & CELL_SEED ? cell->label : 0, DIRECTION_NONE, fixed);
+    if (fixed & CELL_SEED && planted)
+        accept(forest, at, key_make(0, 0, at), cell->label, DIRECTION_NONE);
+    return fixed & CELL_SEED;
+}
+
+struct clearing {
+    struct forest *forest;
+    bool planted;
+    size_t seeds[TEAM_MOST]; /* each worker's */
+};
+
+enum { CLEARED_AT_ONCE = 1 << 14 };
+
+static void clear_owned(void *context, unsigned number)
+{
+    struct clearing *clearing = context;
+    struct forest *forest = clearing->forest;
+    const size_t cells = forest->scene->grid.cells, part = (size_t)1 << forest->owner_shift;
+    struct task task =
+        task_begin_part(forest->scene->watch, "forest", cells / forest->workers, number);
+    for (size_t first = number * part; first < cells; first += forest->workers * part) {
+        const size_t end = first + part < cells ? first + part : cells;
+        for (size_t at = first; at < end; at += CLEARED_AT_ONCE) {
+            const size_t least = at + CLEARED_AT_ONCE < end ? at + CLEARED_AT_ONCE : end;
+            size_t seeds = 0;
+            for (size_t c = at; c < least; c++)
+                seeds += clear_cell(forest, (uint32_t)c, clearing->planted);
+            clearing->seeds[number] += seeds;
+            if (!forest->may_stop)
+                task_show(&task, least - at);
+            else if (!task_advance(&task, least - at))
+                return;
+        }
+    }
+}
+
+static void clear_all(struct forest *forest, bool planted)
+{
+    struct clearing clearing = {.forest = forest, .planted = planted};
+    for (unsigned i = 0; i < forest->workers; i++)
+        queue_clear(forest->worker[i].queue);
+    begin(forest, true);
+    forget_cleared(forest);
+    forest->unsettled = 0;
+    forest->seeds = 0;
+    forest->key_digest = forest->label_digest = 0;
+    team_run(forest->team, clear_owned, &clearing);
+    for (unsigned i = 0; i < forest->workers; i++)
+        forest->seeds += clearing.seeds[i];
+}
+
+static enum err grow_anew(struct forest *forest, struct fault *fault)
+{
+    clear_all(forest, true);
+    enum err err = is_stopped(forest) ? ERR_CANCELLED : forest_pass(forest);
+    if (err) {
+        pass_fault(fault, err);
+        forest->may_stop = false;
+        clear_all(forest, false);
+    }
+    finish_changes(forest);
+    return err;
+}
+
+/* ---- edits, and the way back ---- */
 
 /*
  * Back to before the edit at hand, in the middle of its pass (T5). What began with nothing goes
@@ -300,86 +356,6 @@ enum err forest_edit(struct forest *forest, const struct edit *edit, size_t coun
     return err;
 }
 
-/* Leaves a cell unreached; a seed stays, with its label, and waits where it is to be `planted`.
- * Whether it is one. */
-static bool clear_cell(struct forest *forest, uint32_t at, bool planted)
-{
-    struct cell *cell = forest->cell + at;
-    const uint8_t fixed = cell->flags & (CELL_SEED | CELL_OUTSIDE | CELL_RIM);
-    if (fixed & CELL_RIM)
-        return false;
-    cell->key = fixed & CELL_OUTSIDE ? 0 : KEY_NONE;
-    cell->state = cell_state(fixed & CELL_SEED ? cell->label : 0, DIRECTION_NONE, fixed);
-    if (fixed & CELL_SEED && planted)
-        accept(forest, at, key_make(0, 0, at), cell->label, DIRECTION_NONE);
-    return fixed & CELL_SEED;
-}
-
-struct clearing {
-    struct forest *forest;
-    bool planted;
-    size_t seeds[TEAM_MOST]; /* each worker's */
-};
-
-enum { CLEARED_AT_ONCE = 1 << 14 };
-
-/* The cells first..end-1; how many of them are seeds. */
-static size_t clear_cells(const struct clearing *clearing, size_t first, size_t end)
-{
-    size_t seeds = 0;
-    for (size_t at = first; at < end; at++)
-        seeds += clear_cell(clearing->forest, (uint32_t)at, clearing->planted);
-    return seeds;
-}
-
-static void clear_owned(void *context, unsigned number)
-{
-    struct clearing *clearing = context;
-    struct forest *forest = clearing->forest;
-    const size_t cells = forest->scene->grid.cells, part = (size_t)1 << forest->owner_shift;
-    struct task task =
-        task_begin_part(forest->scene->watch, "forest", cells / forest->workers, number);
-    size_t *seeds = clearing->seeds + number;
-    for (size_t first = number * part; first < cells; first += forest->workers * part) {
-        const size_t end = first + part < cells ? first + part : cells;
-        for (size_t at = first; at < end; at += CLEARED_AT_ONCE) {
-            const size_t least = at + CLEARED_AT_ONCE < end ? at + CLEARED_AT_ONCE : end;
-            *seeds += clear_cells(clearing, at, least);
-            if (!forest->may_stop)
-                task_show(&task, least - at);
-            else if (!task_advance(&task, least - at))
-                return;
-        }
-    }
-}
-
-static void clear_all(struct forest *forest, bool planted)
-{
-    struct clearing clearing = {.forest = forest, .planted = planted};
-    forest_forget_queues(forest);
-    begin(forest, true);
-    forget_cleared(forest);
-    forest->unsettled = 0;
-    forest->seeds = 0;
-    forest->key_digest = forest->label_digest = 0;
-    team_run(forest->team, clear_owned, &clearing);
-    for (unsigned i = 0; i < forest->workers; i++)
-        forest->seeds += clearing.seeds[i];
-}
-
-static enum err grow_anew(struct forest *forest, struct fault *fault)
-{
-    clear_all(forest, true);
-    enum err err = is_stopped(forest) ? ERR_CANCELLED : forest_pass(forest);
-    if (err) {
-        pass_fault(fault, err);
-        forest->may_stop = false;
-        clear_all(forest, false);
-    }
-    finish_changes(forest);
-    return err;
-}
-
 enum err forest_rebuild(struct forest *forest, struct fault *fault)
 {
     if (forest->suspended)
@@ -412,6 +388,46 @@ enum err forest_catch_up(struct forest *forest, struct fault *fault)
 }
 
 /* ---- life ---- */
+
+static void release_workers(struct worker *worker, unsigned workers)
+{
+    for (unsigned i = 0; worker && i < workers; i++) {
+        queue_free(worker[i].queue);
+        for (unsigned to = 0; to < workers; to++)
+            free(worker[i].outbox[to].item);
+    }
+    free(worker);
+}
+
+/* One worker for each thread. Each owns several parts of the scene in turn: all have work wherever
+ * the trees grow. */
+enum err forest_set_team(struct forest *forest, struct team *team, struct fault *fault)
+{
+    const size_t cells = forest->scene->grid.cells;
+    const unsigned workers = team_size(team);
+    struct worker *worker = mem_new(workers * sizeof *worker);
+    if (!worker)
+        return fault_memory(fault, "a forest");
+    for (unsigned i = 0; i < workers; i++) {
+        worker[i].forest = forest;
+        worker[i].number = i;
+        worker[i].queue = queue_new(cells, cells / workers);
+        if (!worker[i].queue) {
+            release_workers(worker, workers);
+            return fault_memory(fault, "a forest");
+        }
+    }
+    release_workers(forest->worker, forest->workers);
+    forest->team = team;
+    forest->worker = worker;
+    forest->workers = workers;
+    while (cells >> forest->owner_shift > OWNED_PARTS * (size_t)workers - 1 ||
+           cells >> forest->owner_shift > 255)
+        forest->owner_shift++;
+    for (unsigned part = 0; part < 256; part++)
+        forest->owner[part] = (uint8_t)(part % workers);
+    return OK;
+}
 
 enum err forest_new(struct forest **out, struct scene *scene, unsigned adjacency,
                     struct fault *fault)
@@ -460,15 +476,74 @@ void forest_free(struct forest *forest)
 {
     if (!forest)
         return;
-    label_runs_release(&forest->former);
+    former_labels_release(&forest->former);
     mem_pages_free(forest->change, forest->change_limit * sizeof *forest->change);
-    forest_free_workers(forest);
+    release_workers(forest->worker, forest->workers);
     free(forest->batch);
     free(forest->inverse);
     free(forest->cleared.item);
-    reaches_release(&forest->reaches, forest->scene->grid.cells);
+    free(forest->reaches.item);
+    mem_pages_free(forest->reaches.of, forest->scene->grid.cells * sizeof *forest->reaches.of);
     free(forest);
 }
+
+/* ---- reaches of seeds ---- */
+
+enum err forest_add_reach(struct forest *forest, const struct reach *reach, uint16_t *number,
+                          struct fault *fault)
+{
+    struct reaches *all = &forest->reaches;
+    if (all->count == UINT16_MAX)
+        return fault_set(fault, ERR_LIMIT,
+                         "%d markers of this session end within a distance already, and no more "
+                         "are held; nothing was planted",
+                         UINT16_MAX);
+    if (!all->of)
+        all->of = mem_pages(forest->scene->grid.cells * sizeof *all->of);
+    if (!all->of || !mem_grow(&all->item, &all->capacity, all->count + 1, sizeof *all->item))
+        return fault_memory(fault, "the reach of a marker");
+    all->item[all->count++] = *reach;
+    *number = (uint16_t)all->count;
+    return OK;
+}
+
+const struct reach *forest_reach(const struct forest *forest, uint32_t seed)
+{
+    return forest->reaches.of ? reach_of(forest, seed) : NULL;
+}
+
+uint16_t forest_reach_number(const struct forest *forest, uint32_t seed)
+{
+    return forest->reaches.of ? forest->reaches.of[seed] : 0;
+}
+
+bool forest_may_hold(const struct forest *forest, uint32_t root, uint32_t cell)
+{
+    return !forest->reaches.of ||
+           tree_may_hold(forest, root, grid_place(&forest->scene->grid, cell));
+}
+
+uint64_t forest_refused_offer(const struct forest *forest, uint32_t cell)
+{
+    const struct cell *here = forest->cell + cell;
+    uint64_t least = KEY_NONE;
+    for (unsigned i = 0; i < forest->adjacency.count; i++) {
+        const struct cell *from = here + forest->adjacency.offset[i];
+        if (here->flags & CELL_OUTSIDE || !cell_is_reached(from) ||
+            forest_may_hold(forest, key_root(from->key), cell))
+            continue;
+        const uint64_t offer = key_extend(from->key, arc_weight_now(&forest->arcs, from, here));
+        least = offer < least ? offer : least;
+    }
+    return least;
+}
+
+size_t forest_limited_seeds(const struct forest *forest)
+{
+    return forest->reaches.seeds;
+}
+
+/* ---- what others ask ---- */
 
 uint32_t forest_predecessor(const struct forest *forest, uint32_t cell)
 {

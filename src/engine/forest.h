@@ -52,6 +52,7 @@
 #include "base/team.h"
 #include "base/err.h"
 #include "engine/arc.h"
+#include "engine/changes.h"
 #include "engine/reach.h"
 #include "engine/scene.h"
 
@@ -66,34 +67,9 @@ struct edit {
     uint16_t reach; /* of the seed, by its number (forest_add_reach); 0 for none, or no seed */
 };
 
-/* A voxel to which the last edit gave another label. */
-struct change {
-    uint32_t cell;
-    uint8_t former_label, label;
-};
-
-/* The voxels to which the last edit gave another label, each once, in no order. Where the forest
- * grew from nothing, or that is more than a sixteenth of the scene, `everything` is set and `count`
- * is 0: readers scan the scene once instead. */
-struct changes {
-    bool everything;
-    size_t count;
-    const struct change *item;
-    size_t listed;   /* items that are there: the first ones, where a list has become too long */
-    uint64_t voxels; /* how many got another label; CHANGES_UNKNOWN where all grew anew uncounted */
-};
-#define CHANGES_UNKNOWN UINT64_MAX
-
 /* From now on the labels are noted before all grows anew, so that changes are counted there too,
  * for a scan of the scene before and after. */
 void forest_count_anew(struct forest *forest);
-
-struct forest_stats {
-    uint64_t served;  /* voxels whose final key was passed on to the neighbours */
-    uint64_t cleared; /* voxels that lost their tree on the way */
-    uint64_t raised;  /* voxels that took another root at their level, for theirs had gone */
-    uint64_t touched; /* voxels whose key or label was computed again; all, from nothing */
-};
 
 /* A forest without seeds over a scene with weights; the scene outlives it. Adjacency 6 or 26. */
 enum err forest_new(struct forest **forest, struct scene *scene, unsigned adjacency,

@@ -142,15 +142,6 @@ static void warm(const struct finding *f, uint8_t *heat, const struct edge_voxel
     }
 }
 
-static void keep_weak(struct finding *f)
-{
-    size_t weak = 0;
-    for (size_t i = 0; i < f->count; i++)
-        if (f->voxel[i].certainty <= f->limit[0])
-            f->voxel[weak++] = f->voxel[i];
-    f->count = weak;
-}
-
 /* ---- places ---- */
 
 static int compare_cells(const void *a, const void *b)
@@ -295,7 +286,10 @@ enum err hints_find(struct hint_list *hints, const struct forest *forest, const 
     for (size_t i = 0; heat && !err && i < f.count; i++)
         warm(&f, heat, f.voxel + i);
     hints->border = f.count;
-    keep_weak(&f);
+    f.count = 0;
+    for (size_t i = 0; i < hints->border; i++)
+        if (f.voxel[i].certainty <= f.limit[0])
+            f.voxel[f.count++] = f.voxel[i];
     hints->weak = f.count;
     hints->limit = f.limit[0];
     if (!err)

@@ -9,7 +9,7 @@
  * steps it is long along each axis, |x| + 3 |y| + 9 |z|; pairs of kind 0 are single voxels. No pair
  * leads out of the scene, so the edge of the scene is a surface too.
  *
- * Counts are kept up to date: an edit notes what it changes (engine/change_log.h), and
+ * Counts are kept up to date: an edit notes what it changes (engine/changes.h), and
  * label_pairs_refresh follows, with 124 looks around each voxel that has another label, and one
  * byte a voxel for the label that it was last seen with. All are integers, and the same for any
  * number of threads. Label 0 has no surface and is not counted.
@@ -21,7 +21,7 @@
 #define ENGINE_LABEL_PAIRS_H
 
 #include "base/team.h"
-#include "engine/change_log.h"
+#include "engine/changes.h"
 #include "engine/labels.h"
 
 enum { PAIR_KINDS = 27, STEP_MOST = 8 };

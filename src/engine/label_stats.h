@@ -3,15 +3,32 @@
  * and how they hang together. Of labels of any kind (engine/labels.h). All are integers, and the
  * same for any number of threads.
  *
- * Counts and pairs are kept from one time to the next, and follow what edits change. A change of
- * some voxels changes components and holes in ways that no list of changes says: they are counted
- * when asked for, as is the median, which takes a look at the counts.
+ * Counts say how often the voxels of a label have each intensity, and how many lie in each plane
+ * across x, y and z. Number, mean and deviation, median and extremes of intensities, centre and
+ * bounding box follow from them, however voxels come and go. Label 0, the background, is not
+ * counted. Memory is 4 bytes for each intensity of the scene and each plane, for each label in use.
+ *
+ * Counts and pairs (engine/label_pairs.h) are kept from one time to the next, and follow what edits
+ * change (engine/changes.h), counts with eight counters for each voxel that has another label. A
+ * change of some voxels changes components and holes in ways that no list of changes says: they are
+ * counted when asked for.
+ *
+ * Invariant
+ *   C1 counts that have followed equal a recount (test_tally).
  */
 #ifndef ENGINE_LABEL_STATS_H
 #define ENGINE_LABEL_STATS_H
 
-#include "engine/label_counts.h"
 #include "engine/label_pairs.h"
+
+struct label_sums {
+    uint64_t voxels; /* where there are none, the rest is 0 */
+    uint64_t sum[3]; /* of positions along x, y, z */
+    uint32_t first[3], last[3];
+    uint64_t intensity, intensity_squares; /* sums */
+    uint16_t least, most;
+    uint16_t middle[2]; /* the two intensities in the middle, which are one of an odd number */
+};
 
 struct label_stats {
     struct label_sums sums; /* of a label without voxels, the rest is of no meaning */

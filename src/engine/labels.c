@@ -46,30 +46,26 @@ void labels_copy(const struct labels *labels, uint8_t *out, struct team *team)
     team_run(team, copy_part, &walk);
 }
 
-static uint64_t row_digest(const struct labels *labels, struct span row)
-{
-    uint64_t sum = 0;
-    for (uint32_t c = row.first; c < row.end; c++) {
-        const uint8_t label = labels_at(labels, c);
-        sum += label ? label_share(c, label) : 0;
-    }
-    return sum;
-}
-
 static void digest_part(void *context, unsigned worker)
 {
     struct walk *walk = context;
     const struct scene *scene = walk->labels->scene;
     const struct grid *grid = &scene->grid;
     const struct slab slab = grid_slab(grid, worker, team_size(walk->team));
+    uint64_t sum = 0;
     struct task task =
         task_begin_part(scene->watch, "digest of the labels", slab_voxels(grid, slab), worker);
     for (uint32_t z = slab.first; z < slab.end; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
-            walk->sum[worker] += row_digest(walk->labels, grid_row(grid, y, z));
+            const struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++) {
+                const uint8_t label = labels_at(walk->labels, c);
+                sum += label ? label_share(c, label) : 0;
+            }
             if (!task_advance(&task, grid->size[0]))
                 return;
         }
+    walk->sum[worker] = sum;
 }
 
 uint64_t labels_digest(const struct labels *labels, struct team *team)

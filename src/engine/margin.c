@@ -5,31 +5,100 @@
 #include "base/mem.h"
 #include "engine/queue.h"
 
-struct second {
+/* One cost after another is served, from the lowest up, which gives itself and those above further
+ * cells. */
+struct search {
     const struct scene *scene;
     const struct adjacency *adjacency;
     const struct arc_rule *arcs;
-    uint16_t *cost; /* [grid.cells], of the best path from another label; MARGIN_NONE for none */
     struct queue *queue;
-    uint32_t *level; /* cells of the cost being served, which gives itself further ones */
+    uint32_t *level; /* cells of the cost being served */
     size_t count, capacity;
     bool starved;
+    uint32_t enough; /* from this cost on nothing is served */
+
+    uint16_t *cost; /* margins: [grid.cells], of the best path from another label, MARGIN_NONE */
+    uint32_t
+        *after; /* a rival: [grid.cells], 1 more than the greatest weight from there on; or 0 */
+    struct rival *rival;
+    uint8_t label; /* whose rival is looked for */
 };
 
-/* What neighbour s offers t, which holds another label or the same. */
-static uint32_t offer(const struct second *second, uint32_t s, uint32_t t)
+/* Where the queue cannot be had, the search is starved. */
+static struct search search_begin(const struct forest *forest)
 {
-    const struct cell *cell = second->scene->cell;
-    const uint32_t w = arc_weight_now(second->arcs, cell + s, cell + t);
-    const uint32_t has = cell[s].label == cell[t].label ? second->cost[s] : key_cost(cell[s].key);
+    const struct scene *scene = forest_scene(forest);
+    struct queue *queue = queue_new(scene->grid.cells, 0);
+    return (struct search){.scene = scene,
+                           .adjacency = forest_adjacency(forest),
+                           .arcs = forest_arcs(forest),
+                           .queue = queue,
+                           .starved = !queue,
+                           .enough = UINT32_MAX};
+}
+
+static enum err search_end(struct search *s, const char *what, struct fault *fault)
+{
+    const bool lacks_memory = s->starved || queue_failed(s->queue);
+    free(s->level);
+    queue_free(s->queue);
+    return lacks_memory ? fault_memory(fault, what) : watch_fault(s->scene->watch, fault);
+}
+
+/* A cell waits, found at the cost `here`. */
+static inline void wait_at(struct search *s, uint32_t here, uint32_t cost, uint32_t cell)
+{
+    if (cost > here)
+        queue_push(s->queue, cost << 16, cell);
+    else if (mem_grow(&s->level, &s->capacity, s->count + 1, sizeof *s->level))
+        s->level[s->count++] = cell;
+    else
+        s->starved = true;
+}
+
+/* Looks around each cell that waits. An entry whose cell has a lower cost by now is passed over. */
+typedef void look_around(struct search *s, uint32_t cell, uint32_t cost);
+static inline __attribute__((always_inline)) void serve(struct search *s, look_around *look,
+                                                        struct task *task)
+{
+    enum { TAKEN = 64 };
+    uint32_t taken[TAKEN];
+    uint64_t lowest;
+    while ((lowest = queue_lowest(s->queue)) != QUEUE_EMPTY && !s->starved) {
+        const uint32_t cost = (uint32_t)lowest >> 16;
+        if (cost >= s->enough)
+            return;
+        queue_serve(s->queue, (uint32_t)lowest);
+        for (size_t n; (n = queue_take(s->queue, taken, TAKEN)) > 0;)
+            for (size_t i = 0; i < n; i++) {
+                look(s, taken[i], cost);
+                while (s->count > 0 && !s->starved) {
+                    look(s, s->level[--s->count], cost);
+                    if (!task_advance(task, 1))
+                        return;
+                }
+                if (!task_advance(task, 1))
+                    return;
+            }
+    }
+}
+
+/* ---- margins ---- */
+
+/* What neighbour s offers t, which holds another label or the same. */
+static uint32_t offer(const struct search *search, uint32_t s, uint32_t t)
+{
+    const struct cell *cell = search->scene->cell;
+    const uint32_t w = arc_weight_now(search->arcs, cell + s, cell + t);
+    const uint32_t has = cell[s].label == cell[t].label ? search->cost[s] : key_cost(cell[s].key);
     return w > has ? w : has;
 }
 
 /* The best offer of neighbours with another label. */
-static void begin_at(struct second *second, uint32_t t)
+static void begin_at(struct search *search, uint32_t t)
 {
-    const struct adjacency *adjacency = second->adjacency;
-    const struct cell *cell = second->scene->cell + t;
+    const struct adjacency *adjacency = search->adjacency;
+    const struct cell *cell = search->scene->cell + t;
     uint32_t best = MARGIN_NONE;
     if (!cell_is_reached(cell))
         return;
@@ -37,25 +106,25 @@ static void begin_at(struct second *second, uint32_t t)
         const struct cell *from = cell + adjacency->offset[i];
         if (from->label == cell->label || !cell_is_reached(from))
             continue;
-        const uint32_t offered = offer(second, t + (uint32_t)adjacency->offset[i], t);
+        const uint32_t offered = offer(search, t + (uint32_t)adjacency->offset[i], t);
         best = offered < best ? offered : best;
     }
     if (best == MARGIN_NONE)
         return;
-    second->cost[t] = (uint16_t)best;
-    queue_push(second->queue, best << 16, t);
+    search->cost[t] = (uint16_t)best;
+    queue_push(search->queue, best << 16, t);
 }
 
-static void begin(struct second *second)
+static void begin_at_borders(struct search *search)
 {
-    const struct grid *grid = &second->scene->grid;
-    struct task task = task_begin(second->scene->watch, "borders of labels", grid->voxels);
+    const struct grid *grid = &search->scene->grid;
+    struct task task = task_begin(search->scene->watch, "borders of labels", grid->voxels);
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             const struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++) {
-                scene_fetch_ahead(second->scene, c);
-                begin_at(second, c);
+                scene_fetch_ahead(search->scene, c);
+                begin_at(search, c);
             }
             if (!task_advance(&task, grid->size[0]))
                 return;
@@ -63,59 +132,21 @@ static void begin(struct second *second)
 }
 
 /* Neighbours of the same label that s, which has its final cost, offers less than they have. */
-static void pass_on(struct second *second, uint32_t s)
+static inline void pass_on(struct search *search, uint32_t s, uint32_t cost)
 {
-    const struct adjacency *adjacency = second->adjacency;
-    const struct cell *cell = second->scene->cell;
+    const struct adjacency *adjacency = search->adjacency;
+    const struct cell *cell = search->scene->cell;
+    if (search->cost[s] != cost)
+        return;
     for (unsigned i = 0; i < adjacency->count; i++) {
         const uint32_t t = s + (uint32_t)adjacency->offset[i];
         if (cell[t].label != cell[s].label || !cell_is_reached(cell + t))
             continue;
-        const uint32_t offered = offer(second, s, t);
-        if (offered >= second->cost[t])
+        const uint32_t offered = offer(search, s, t);
+        if (offered >= search->cost[t])
             continue;
-        second->cost[t] = (uint16_t)offered;
-        if (offered > second->cost[s])
-            queue_push(second->queue, offered << 16, t);
-        else if (mem_grow(&second->level, &second->capacity, second->count + 1,
-                          sizeof *second->level))
-            second->level[second->count++] = t;
-        else
-            second->starved = true;
-    }
-}
-
-/* One cost after another, from the lowest up; an entry whose cell has a lower cost by now is passed
- * over. */
-static void serve(struct second *second)
-{
-    enum { TAKEN = 64 };
-    uint32_t taken[TAKEN];
-    uint64_t lowest;
-    struct task task = task_begin(second->scene->watch, "margins", second->scene->grid.voxels);
-    while ((lowest = queue_lowest(second->queue)) != QUEUE_EMPTY && !second->starved) {
-        const uint32_t level = (uint32_t)lowest;
-        queue_serve(second->queue, level);
-        for (size_t n; (n = queue_take(second->queue, taken, TAKEN)) > 0;)
-            for (size_t i = 0; i < n; i++) {
-                if (second->cost[taken[i]] == level >> 16)
-                    pass_on(second, taken[i]);
-                while (second->count > 0 && !second->starved)
-                    pass_on(second, second->level[--second->count]);
-                if (!task_advance(&task, 1))
-                    return;
-            }
-    }
-}
-
-/* In place of the costs. */
-static void subtract(const struct second *second)
-{
-    const struct cell *cell = second->scene->cell;
-    for (size_t c = 0; c < second->scene->grid.cells; c++) {
-        const uint32_t other = second->cost[c], own = key_cost(cell[c].key);
-        if (other != MARGIN_NONE)
-            second->cost[c] = (uint16_t)(other > own ? other - own : 0);
+        search->cost[t] = (uint16_t)offered;
+        wait_at(search, cost, offered, t);
     }
 }
 
@@ -123,31 +154,84 @@ enum err margin_new(uint16_t **margin, const struct forest *forest, struct fault
 {
     const struct scene *scene = forest_scene(forest);
     const size_t cells = scene->grid.cells;
-    struct second second = {
-        .scene = scene, .adjacency = forest_adjacency(forest), .arcs = forest_arcs(forest)};
     *margin = NULL;
-    if (second.arcs->kind == ARC_POLARITY)
+    if (forest_arcs(forest)->kind == ARC_POLARITY)
         return fault_set(fault, ERR_USAGE,
                          "there is no margin under `weight polarity`, where the cost of a step "
                          "depends on the label; expected another weight; nothing was written");
-    second.cost = mem_array(cells, sizeof *second.cost);
-    second.queue = queue_new(cells, 0);
-    enum err err = second.cost && second.queue ? OK : fault_memory(fault, "the margins");
-    for (size_t c = 0; !err && c < cells; c++)
-        second.cost[c] = MARGIN_NONE;
-    if (!err) {
-        begin(&second);
-        serve(&second);
-        err = second.starved || queue_failed(second.queue) ? fault_memory(fault, "the margins")
-                                                           : watch_fault(scene->watch, fault);
+    struct search search = search_begin(forest);
+    uint16_t *const cost = search.cost = mem_array(cells, sizeof *cost);
+    search.starved |= !cost;
+    for (size_t c = 0; cost && c < cells; c++)
+        cost[c] = MARGIN_NONE;
+    if (!search.starved) {
+        begin_at_borders(&search);
+        struct task task = task_begin(scene->watch, "margins", scene->grid.voxels);
+        serve(&search, pass_on, &task);
     }
-    if (!err) {
-        subtract(&second);
-        *margin = second.cost;
-        second.cost = NULL;
+    const enum err err = search_end(&search, "the margins", fault);
+    if (err) {
+        free(cost);
+        return err;
     }
-    free(second.cost);
-    free(second.level);
-    queue_free(second.queue);
-    return err;
+    for (size_t c = 0; c < cells; c++) {
+        const uint32_t own = key_cost(scene->cell[c].key);
+        if (cost[c] != MARGIN_NONE)
+            cost[c] = (uint16_t)(cost[c] > own ? cost[c] - own : 0);
+    }
+    *margin = cost;
+    return OK;
+}
+
+/* ---- the rival of one voxel ---- */
+
+static inline void look_back(struct search *s, uint32_t at, uint32_t here)
+{
+    const struct adjacency *adjacency = s->adjacency;
+    const struct cell *cell = s->scene->cell;
+    if (s->after[at] != here + 1)
+        return;
+    for (unsigned i = 0; i < adjacency->count; i++) {
+        const uint32_t from = at + (uint32_t)adjacency->offset[i];
+        if (!cell_is_reached(cell + from))
+            continue;
+        const uint32_t step = arc_weight_now(s->arcs, cell + from, cell + at);
+        const uint32_t after = step > here ? step : here;
+        if (cell[from].label != s->label) {
+            const uint32_t has = key_cost(cell[from].key), cost = has > after ? has : after;
+            if (cost < s->enough || (cost == s->enough && cell[from].label < s->rival->label))
+                *s->rival = (struct rival){true, cost, cell[from].label};
+            s->enough = s->rival->cost;
+            continue;
+        }
+        if (s->after[from] && s->after[from] <= after + 1)
+            continue;
+        s->after[from] = after + 1;
+        wait_at(s, here, after, from);
+    }
+}
+
+enum err rival_find(struct rival *rival, const struct forest *forest, uint32_t cell,
+                    struct fault *fault)
+{
+    const struct scene *scene = forest_scene(forest);
+    const size_t cells = scene->grid.cells;
+    *rival = (struct rival){.exists = false};
+    if (forest_arcs(forest)->kind == ARC_POLARITY)
+        return fault_set(fault, ERR_USAGE,
+                         "no other label is looked for under `weight polarity`, where the cost of "
+                         "a step depends on the label");
+    struct search s = search_begin(forest);
+    s.rival = rival;
+    s.label = scene->cell[cell].label;
+    s.after = mem_pages(cells * sizeof *s.after);
+    s.starved |= !s.after;
+    if (!s.starved) {
+        struct task task = task_begin(scene->watch, "other labels", 0);
+        s.after[cell] = 1;
+        queue_push(s.queue, 0, cell);
+        serve(&s, look_back, &task);
+    }
+    mem_pages_free(s.after, cells * sizeof *s.after);
+    return search_end(&s, "other labels", fault);
 }

@@ -1,5 +1,5 @@
 /*
- * The margin of a voxel: by how much its label has won.
+ * The margin of a voxel: by how much its label has won, and its rival, the label that comes next.
  *
  *     margin(t) = C'(t) - C(t)
  *
@@ -21,6 +21,11 @@
  * seeds have reaches (engine/reach.h), C is what the forest has, and C' solves this equation from
  * there: what another label would cost from where it is now, wherever its seeds reach. It may be
  * less than C: then the margin is 0, since nothing but a reach has decided.
+ *
+ * The rival of one voxel is the label that would take it, were the seeds of its own label gone. It
+ * is looked for backwards from the voxel, through voxels of its label, along steps from the least
+ * weight up, until what is found costs no more than any further step: little work where borders are
+ * near, that of a run where there are none.
  */
 #ifndef ENGINE_MARGIN_H
 #define ENGINE_MARGIN_H
@@ -34,5 +39,16 @@ enum { MARGIN_NONE = 65535 };
  * forest has no edits under way. ERR_USAGE under ARC_POLARITY, ERR_MEMORY, ERR_CANCELLED by the
  * scene's watch; then *margin is NULL. */
 enum err margin_new(uint16_t **margin, const struct forest *forest, struct fault *fault);
+
+struct rival {
+    bool exists;   /* false where no seed of another label reaches the voxel */
+    uint32_t cost; /* C' of the voxel */
+    uint8_t label; /* of several that cost as little, the smallest of those that were looked at */
+};
+
+/* Of a voxel that a seed reaches, in a forest without edits under way. ERR_USAGE under
+ * ARC_POLARITY, ERR_MEMORY, ERR_CANCELLED by the scene's watch. */
+enum err rival_find(struct rival *rival, const struct forest *forest, uint32_t cell,
+                    struct fault *fault);
 
 #endif

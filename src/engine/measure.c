@@ -2,65 +2,30 @@
 
 #include <stdlib.h>
 
-/* The search around one voxel. */
+/* The search around a place for the nearest voxel of a label that counts. */
 struct search {
     const struct scene *scene;
-    int64_t at[3], least[3], most[3]; /* of the voxel; steps that lead to voxels within reach */
-    uint32_t from;                    /* its cell */
-    uint8_t label;
-    struct border_distance nearest;
+    int64_t at[3], least[3], most[3]; /* the place; steps that lead to voxels within reach */
+    uint32_t unit[3];                 /* the length of a step */
+    unsigned label;
+    bool (*counts)(const struct scene *scene, uint32_t cell);
+    uint32_t cell;    /* the nearest one so far, */
+    uint64_t squared; /* and how far it is; UINT64_MAX for none */
 };
-
-static void search_init(struct search *s, const struct scene *scene, uint32_t cell)
-{
-    const struct place p = grid_place(&scene->grid, cell);
-    *s = (struct search){.scene = scene,
-                         .at = {p.x, p.y, p.z},
-                         .from = cell,
-                         .label = scene->cell[cell].label,
-                         .nearest = {.squared = UINT64_MAX, .reach_nm = UINT64_MAX}};
-    for (int a = 0; a < 3; a++) {
-        const int64_t nm = scene->spacing_nm[a], end = (int64_t)scene->grid.size[a] - 1;
-        const int64_t far =
-            MEASURE_REACH_NM / nm < MEASURE_STEPS ? MEASURE_REACH_NM / nm : MEASURE_STEPS;
-        s->least[a] = s->at[a] < far ? -s->at[a] : -far;
-        s->most[a] = end - s->at[a] < far ? end - s->at[a] : far;
-        const bool whole = s->at[a] <= far && end - s->at[a] <= far;
-        const uint64_t reach = (uint64_t)(far * nm);
-        if (!whole && reach < s->nearest.reach_nm)
-            s->nearest.reach_nm = reach;
-    }
-}
-
-static bool on_border(const struct search *s, uint32_t cell)
-{
-    const struct cell *at = s->scene->cell + cell;
-    for (int a = 0; a < 3; a++)
-        if (at[s->scene->grid.step[a]].label != s->label ||
-            at[-s->scene->grid.step[a]].label != s->label)
-            return true;
-    return false;
-}
-
-static uint64_t squared_nm(const struct search *s, int a, int64_t steps)
-{
-    const uint64_t nm = (uint64_t)llabs(steps) * s->scene->spacing_nm[a];
-    return nm * nm;
-}
 
 static void try_voxel(struct search *s, const int64_t step[3], uint64_t row_squared)
 {
     if (step[0] < s->least[0] || step[0] > s->most[0])
         return;
-    const ptrdiff_t *by = s->scene->grid.step;
-    const uint32_t cell = (uint32_t)(s->from + step[0] * by[0] + step[1] * by[1] + step[2] * by[2]);
-    const uint64_t squared = row_squared + squared_nm(s, 0, step[0]);
-    struct border_distance *nearest = &s->nearest;
-    if (s->scene->cell[cell].label != s->label || squared > nearest->squared ||
-        (squared == nearest->squared && nearest->cell < cell) || !on_border(s, cell))
+    const uint32_t cell = grid_cell(&s->scene->grid, (uint32_t)(s->at[0] + step[0]),
+                                    (uint32_t)(s->at[1] + step[1]), (uint32_t)(s->at[2] + step[2]));
+    const uint64_t along = (uint64_t)llabs(step[0]) * s->unit[0];
+    const uint64_t squared = row_squared + along * along;
+    if (s->scene->cell[cell].label != s->label || squared > s->squared ||
+        (squared == s->squared && s->cell < cell) || !s->counts(s->scene, cell))
         return;
-    nearest->cell = cell;
-    nearest->squared = squared;
+    s->cell = cell;
+    s->squared = squared;
 }
 
 /* All voxels whose largest step along an axis is `r`. */
@@ -72,35 +37,123 @@ static void search_shell(struct search *s, int64_t r)
             if (step[2] < s->least[2] || step[2] > s->most[2] || step[1] < s->least[1] ||
                 step[1] > s->most[1])
                 continue;
-            const uint64_t row = squared_nm(s, 1, step[1]) + squared_nm(s, 2, step[2]);
+            const uint64_t down = (uint64_t)llabs(step[1]) * s->unit[1];
+            const uint64_t deep = (uint64_t)llabs(step[2]) * s->unit[2];
+            const uint64_t row = down * down + deep * deep;
             const bool on_face = llabs(step[1]) == r || llabs(step[2]) == r;
-            if (row > s->nearest.squared)
+            if (row > s->squared)
                 continue;
             for (step[0] = -r; step[0] <= r; step[0] += on_face ? 1 : 2 * r)
                 try_voxel(s, step, row);
         }
 }
 
-struct border_distance measure_border_distance(const struct scene *scene, uint32_t cell)
+/* False where the watch has stopped it. */
+static bool search(struct search *s, const char *what)
 {
-    struct search s;
-    search_init(&s, scene, cell);
-    uint64_t finest = scene->spacing_nm[0];
+    uint64_t finest = s->unit[0];
     int64_t shells = 0;
     for (int a = 0; a < 3; a++) {
-        finest = scene->spacing_nm[a] < finest ? scene->spacing_nm[a] : finest;
-        shells = s.most[a] > shells ? s.most[a] : shells;
-        shells = -s.least[a] > shells ? -s.least[a] : shells;
+        finest = s->unit[a] < finest ? s->unit[a] : finest;
+        shells = s->most[a] > shells ? s->most[a] : shells;
+        shells = -s->least[a] > shells ? -s->least[a] : shells;
     }
-    struct task task = task_begin(scene->watch, "distance to the border", 0);
+    struct task task = task_begin(s->scene->watch, what, 0);
+    s->squared = UINT64_MAX;
     for (int64_t r = 0; r <= shells; r++) {
-        const uint64_t nm = (uint64_t)r * finest; /* of a voxel in this shell, at the least */
-        if (nm * nm > s.nearest.squared || !task_advance(&task, (uint64_t)(24 * r * r + 2)))
+        const uint64_t far = (uint64_t)r * finest; /* a voxel in this shell, at the least */
+        if (far * far > s->squared)
             break;
-        search_shell(&s, r);
+        if (!task_advance(&task, (uint64_t)(24 * r * r + 2)))
+            return false;
+        search_shell(s, r);
     }
-    s.nearest.found = s.nearest.squared != UINT64_MAX &&
-                      (s.nearest.reach_nm == UINT64_MAX ||
-                       s.nearest.squared <= s.nearest.reach_nm * s.nearest.reach_nm);
-    return s.nearest;
+    return true;
+}
+
+/* ---- the border ---- */
+
+static bool is_on_border(const struct scene *scene, uint32_t cell)
+{
+    const struct cell *at = scene->cell + cell;
+    for (int a = 0; a < 3; a++)
+        if (at[scene->grid.step[a]].label != at->label ||
+            at[-scene->grid.step[a]].label != at->label)
+            return true;
+    return false;
+}
+
+struct border_distance measure_border_distance(const struct scene *scene, uint32_t cell)
+{
+    const struct place p = grid_place(&scene->grid, cell);
+    struct search s = {.scene = scene,
+                       .at = {p.x, p.y, p.z},
+                       .label = scene->cell[cell].label,
+                       .counts = is_on_border};
+    uint64_t reach_nm = UINT64_MAX;
+    for (int a = 0; a < 3; a++) {
+        const int64_t nm = scene->spacing_nm[a], end = (int64_t)scene->grid.size[a] - 1;
+        const int64_t far =
+            MEASURE_REACH_NM / nm < MEASURE_STEPS ? MEASURE_REACH_NM / nm : MEASURE_STEPS;
+        s.unit[a] = scene->spacing_nm[a];
+        s.least[a] = s.at[a] < far ? -s.at[a] : -far;
+        s.most[a] = end - s.at[a] < far ? end - s.at[a] : far;
+        const bool whole = s.at[a] <= far && end - s.at[a] <= far;
+        if (!whole && (uint64_t)(far * nm) < reach_nm)
+            reach_nm = (uint64_t)(far * nm);
+    }
+    search(&s, "distance to the border");
+    const bool found =
+        s.squared != UINT64_MAX && (reach_nm == UINT64_MAX || s.squared <= reach_nm * reach_nm);
+    return (struct border_distance){found, s.cell, s.squared, reach_nm};
+}
+
+/* ---- the centre ---- */
+
+static bool is_reached(const struct scene *scene, uint32_t cell)
+{
+    return cell_is_reached(scene->cell + cell);
+}
+
+static bool find_mean(const struct scene *scene, unsigned label, int64_t mean[3])
+{
+    const struct grid *grid = &scene->grid;
+    struct task task = task_begin(scene->watch, "the centre of a label", grid->voxels);
+    uint64_t voxels = 0, sum[3] = {0};
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            const struct span row = grid_row(grid, y, z);
+            uint64_t here = 0;
+            for (uint32_t c = row.first; c < row.end; c++)
+                if (scene->cell[c].label == label && is_reached(scene, c)) {
+                    here++;
+                    sum[0] += c - row.first;
+                }
+            voxels += here;
+            sum[1] += here * y;
+            sum[2] += here * z;
+            if (!task_advance(&task, grid->size[0]))
+                return false;
+        }
+    for (int a = 0; a < 3 && voxels > 0; a++)
+        mean[a] = (int64_t)(sum[a] / voxels);
+    return voxels > 0;
+}
+
+bool centre_of_label(const struct scene *scene, unsigned label, uint32_t place[3])
+{
+    struct search s = {.scene = scene, .unit = {1, 1, 1}, .label = label, .counts = is_reached};
+    if (!find_mean(scene, label, s.at))
+        return false;
+    for (int a = 0; a < 3; a++) {
+        s.least[a] = -s.at[a];
+        s.most[a] = (int64_t)scene->grid.size[a] - 1 - s.at[a];
+    }
+    if (!search(&s, "the centre of a label"))
+        return false;
+    const struct place at = grid_place(&scene->grid, s.cell);
+    place[0] = at.x;
+    place[1] = at.y;
+    place[2] = at.z;
+    return true;
 }

@@ -16,11 +16,13 @@
  * declined by the owner, and no key ever rises. So each level ends in the same keys as if one
  * worker had served it. Where the first worker has to wait for the others, because the machine has
  * other things to do, it goes on alone, in place of all of them.
+ *
+ * Support. Every key but a seed's is what the predecessor offers. Voxels lose that where a seed is
+ * removed, or where the key of their predecessor has changed; they are looked after first.
  */
-#include "engine/forest_parts.h"
+#include "engine/pass.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/clock.h"
 #include "base/mem.h"
@@ -29,7 +31,7 @@ enum {
     WINDOW = 16,  /* voxels served together */
     BATCH = 1024, /* queue entries taken at once */
     OFFERS = WINDOW * 26 + 1,
-    OWNED_PARTS = 16,       /* of the scene, for each worker */
+    AHEAD = 6,              /* cleared voxels between fetching one and using it */
     PATIENCE_NS = 15000000, /* that the first worker waits before it goes on alone */
 };
 
@@ -61,6 +63,166 @@ static inline const struct cell *neighbour_of(const struct forest *forest, const
                                               unsigned direction)
 {
     return (const struct cell *)((const char *)cell + forest->bytes_to[direction]);
+}
+
+/* ---- the best offer ---- */
+
+struct offer {
+    uint64_t key;
+    unsigned direction; /* from the neighbour to here */
+};
+
+/* The best offer to a voxel from neighbours with keys below `limit`, cleared ones left out; without
+ * a branch. `neighbours` and `arcs` are those of the forest, and `limits` says whether any seed has
+ * a reach: constants where possible. */
+PER_KIND struct offer best_offer(const struct forest *forest, uint32_t at, uint64_t limit,
+                                 const unsigned neighbours, const enum arc_kind arcs,
+                                 const bool limits)
+{
+    const struct cell *here = forest->cell + at;
+    const struct place place =
+        limits ? grid_place(&forest->scene->grid, at) : (struct place){0, 0, 0};
+    struct offer best = {KEY_NONE, DIRECTION_NONE};
+    for (unsigned i = 0; i < neighbours; i++) {
+        const struct cell *neighbour = here + forest->adjacency.offset[i];
+        bool offers = (neighbour->key - 1 < limit - 1) & !(neighbour->flags & CELL_CLEARED);
+        if (limits && offers)
+            offers = tree_may_hold(forest, key_root(neighbour->key), place);
+        const uint32_t weight = arc_weight(&forest->arcs, arcs, neighbour, here, neighbour->label);
+        const uint64_t key = key_extend(neighbour->key, weight) | ((uint64_t)offers - 1);
+        best.direction = key < best.key ? neighbours - 1 - i : best.direction;
+        best.key = key < best.key ? key : best.key;
+    }
+    return best;
+}
+
+/* ---- support ---- */
+
+static void fetch_around(const struct forest *forest, uint32_t at)
+{
+    const struct adjacency *adjacency = &forest->adjacency;
+    for (unsigned i = 0; i < adjacency->count; i++)
+        __builtin_prefetch(forest->cell + at + adjacency->offset[i], 1);
+}
+
+static void clear_voxel(struct forest *forest, uint32_t at)
+{
+    struct cell *cell = forest->cell + at;
+    touch(forest, at);
+    cell->key = KEY_NONE;
+    cell->label = 0;
+    cell->direction = DIRECTION_NONE;
+    cell->flags = (uint8_t)((cell->flags & ~(CELL_QUEUED | CELL_RAISED)) | CELL_CLEARED);
+}
+
+/* Clears a voxel and all its descendants, appending them to `cleared`; stops where that is to grow
+ * beyond `limit`, and where the watch says so. Descendants that are left then have the keys of
+ * before, which the inverse edit will find to be right. */
+static void clear_subtree(struct forest *forest, uint32_t top, size_t limit)
+{
+    const struct adjacency *adjacency = &forest->adjacency;
+    struct cells *cleared = &forest->cleared;
+    size_t next = cleared->count;
+    if (!mem_grow(&cleared->item, &cleared->capacity, next + 1, sizeof *cleared->item)) {
+        forest->worker[0].starved = true;
+        return;
+    }
+    cleared->item[cleared->count++] = top;
+    for (; next < cleared->count; next++) {
+        if (next >= limit) {
+            forest->lost_too_much = true;
+            return;
+        }
+        if (!mem_grow(&cleared->item, &cleared->capacity, cleared->count + adjacency->count,
+                      sizeof *cleared->item)) {
+            cleared->count = next; /* the rest has its former keys; the pass is lost */
+            forest->worker[0].starved = true;
+            return;
+        }
+        if (!goes_on(forest, 1)) {
+            cleared->count = next;
+            return;
+        }
+        const uint32_t at = cleared->item[next];
+        if (next + AHEAD < cleared->count)
+            fetch_around(forest, cleared->item[next + AHEAD]);
+        size_t count = cleared->count;
+        for (unsigned i = 0; i < adjacency->count; i++) {
+            const uint32_t child = at + (uint32_t)adjacency->offset[i];
+            cleared->item[count] = child; /* stays, if it is one */
+            count += forest->cell[child].direction == i;
+        }
+        cleared->count = count;
+        clear_voxel(forest, at);
+    }
+}
+
+void uproot(struct forest *forest, uint32_t at)
+{
+    forest->cell[at].flags &= (uint8_t)~CELL_SEED;
+    forest->seeds--;
+    if (forest->cell[at].key != KEY_NONE)
+        clear_subtree(forest, at, forest->clear_limit);
+}
+
+PER_KIND void offer_to_cleared(struct forest *forest, const bool limits)
+{
+    const struct adjacency *adjacency = &forest->adjacency;
+    const struct cells *cleared = &forest->cleared;
+    for (; forest->offered < cleared->count && goes_on(forest, 1); forest->offered++) {
+        const size_t i = forest->offered;
+        if (i + AHEAD < cleared->count)
+            fetch_around(forest, cleared->item[i + AHEAD]);
+        const struct offer offer = best_offer(forest, cleared->item[i], KEY_NONE, adjacency->count,
+                                              forest->arcs.kind, limits);
+        if (offer.key == KEY_NONE)
+            continue;
+        const uint32_t at = cleared->item[i];
+        const struct cell *from = forest->cell + at - adjacency->offset[offer.direction];
+        accept(forest, at, offer.key, from->label, offer.direction);
+    }
+}
+
+void reoffer_cleared(struct forest *forest)
+{
+    const struct cells *cleared = &forest->cleared;
+    if (forest->reaches.seeds > 0)
+        offer_to_cleared(forest, true);
+    else
+        offer_to_cleared(forest, false);
+    if (forest->offered < cleared->count)
+        return;
+    const size_t before = forest->reoffered;
+    for (; forest->reoffered < cleared->count && goes_on(forest, 1); forest->reoffered++)
+        forest->cell[cleared->item[forest->reoffered]].flags &= (uint8_t)~CELL_CLEARED;
+    forest->stats.cleared += forest->reoffered - before;
+}
+
+/*
+ * A voxel whose predecessor, in `direction`, has just been served and no longer offers it the key
+ * it has, but a greater one.
+ *
+ * extend preserves the order of levels, though not that of keys: where the level of a voxel falls,
+ * those of its offers do not rise. So while weights do not depend on labels, a voxel whose
+ * predecessor got another key is still offered its own level, only by another root. The voxel that
+ * offers it that level has a lower one, and is no descendant, for all their levels are above. So it
+ * waits at its level like any other, takes the best offer when it is served, and its children
+ * follow: nothing is cleared. Where weights depend on labels its level may rise, and where the
+ * other root has a reach it may be offered nothing any more; then its descendants cannot be
+ * distinguished from voxels that might support it, and are cleared.
+ */
+static void lose_support(struct forest *forest, uint32_t at, uint64_t offer, unsigned direction)
+{
+    struct cell *cell = forest->cell + at;
+    if (key_level(offer) == key_level(cell->key)) {
+        accept(forest, at, offer, cell[-forest->adjacency.offset[direction]].label, direction);
+        cell->flags |= CELL_RAISED;
+        forest->stats.raised++;
+    } else {
+        clear_subtree(forest, at, SIZE_MAX);
+        reoffer_cleared(forest);
+        forest->torn |= is_stopped(forest);
+    }
 }
 
 /* ---- offers ---- */
@@ -227,19 +389,14 @@ PER_KIND void serve_batch(struct forest *forest, struct worker *worker, uint32_t
 
 /* The first worker's thread asks the watch within a level too: on a plateau it may be as large as
  * the scene. Voxels of the level that were not served yet stay in the queue (T5). */
-static void look(struct forest *forest, const struct worker *worker, uint64_t units)
-{
-    if ((worker->number == 0 || forest->alone) && !goes_on(forest, units))
-        forest->cut_short = true;
-}
-
 PER_KIND void serve_level(struct forest *forest, struct worker *worker, uint32_t level,
                           const struct kind kind)
 {
     uint32_t at[BATCH];
     for (size_t count; !forest->cut_short && (count = queue_take(worker->queue, at, BATCH)) > 0;) {
         serve_batch(forest, worker, level, at, count, kind);
-        look(forest, worker, count * kind.neighbours / 6);
+        if ((worker->number == 0 || forest->alone) && !goes_on(forest, count * kind.neighbours / 6))
+            forest->cut_short = true;
     }
 }
 
@@ -416,14 +573,6 @@ static void work(void *context, unsigned number)
     }
 }
 
-static void empty_outboxes(struct forest *forest, struct worker *worker)
-{
-    for (unsigned to = 0; to < forest->workers; to++) {
-        free(worker->outbox[to].item);
-        worker->outbox[to] = (struct outbox){0};
-    }
-}
-
 enum err forest_pass(struct forest *forest)
 {
     struct pass pass = {.forest = forest, .begin_ns = clock_ns()};
@@ -444,68 +593,12 @@ enum err forest_pass(struct forest *forest)
         forest->label_digest += worker->label_digest;
         worker->served = worker->key_digest = worker->label_digest = 0;
         worker->starved = worker->too_far = false;
-        empty_outboxes(forest, worker);
+        for (unsigned to = 0; to < forest->workers; to++) {
+            free(worker->outbox[to].item);
+            worker->outbox[to] = (struct outbox){0};
+        }
         if (!all.err)
             queue_trim(worker->queue);
     }
     return all.err;
-}
-
-void forest_forget_queues(struct forest *forest)
-{
-    for (unsigned i = 0; i < forest->workers; i++)
-        queue_clear(forest->worker[i].queue);
-}
-
-static void release_workers(struct worker *worker, unsigned workers)
-{
-    for (unsigned i = 0; worker && i < workers; i++) {
-        queue_free(worker[i].queue);
-        for (unsigned to = 0; to < workers; to++)
-            free(worker[i].outbox[to].item);
-    }
-    free(worker);
-}
-
-void forest_free_workers(struct forest *forest)
-{
-    release_workers(forest->worker, forest->workers);
-    forest->worker = NULL;
-    forest->workers = 0;
-}
-
-/* Parts of the scene, several for each worker in turn: all have work wherever the trees grow. */
-static void share_cells(struct forest *forest)
-{
-    const size_t cells = forest->scene->grid.cells;
-    while (cells >> forest->owner_shift > OWNED_PARTS * (size_t)forest->workers - 1 ||
-           cells >> forest->owner_shift > 255)
-        forest->owner_shift++;
-    for (unsigned part = 0; part < 256; part++)
-        forest->owner[part] = (uint8_t)(part % forest->workers);
-}
-
-/* One worker for each thread. */
-enum err forest_set_team(struct forest *forest, struct team *team, struct fault *fault)
-{
-    const unsigned workers = team_size(team);
-    struct worker *worker = mem_array(workers, sizeof *worker);
-    if (!worker)
-        return fault_memory(fault, "a forest");
-    memset(worker, 0, workers * sizeof *worker);
-    for (unsigned i = 0; i < workers; i++) {
-        worker[i].forest = forest;
-        worker[i].number = i;
-        worker[i].queue = queue_new(forest->scene->grid.cells, forest->scene->grid.cells / workers);
-        if (!worker[i].queue) {
-            release_workers(worker, workers);
-            return fault_memory(fault, "a forest");
-        }
-    }
-    forest_free_workers(forest);
-    forest->team = team;
-    forest->worker = worker;
-    forest->workers = workers;
-    share_cells(forest);
-    return OK;
 }

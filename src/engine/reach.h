@@ -19,7 +19,7 @@
  *
  * The reach belongs to the seed as its label does: another label, or another reach, is a removal
  * and a planting. And a voxel hears of an offer that is refused where it was not before: it has
- * lost its support (engine/support.c).
+ * lost its support (engine/pass.c).
  */
 #ifndef ENGINE_REACH_H
 #define ENGINE_REACH_H

@@ -5,7 +5,6 @@
 
 #include "base/mem.h"
 #include "base/wide.h"
-#include "engine/intensities.h"
 
 /* Values side by side, which the compiler takes to pieces where the machine has no such. */
 enum { LANES = 8, BYTES = 16, FEW = 8 };
@@ -255,9 +254,9 @@ static void make_part(void *context, unsigned worker)
 
 /* ---- made and released ---- */
 
-struct relax_box relax_box_around(const struct grid *grid, const struct relax_box *label)
+struct finish_box relax_box_around(const struct grid *grid, const struct finish_box *label)
 {
-    struct relax_box box;
+    struct finish_box box;
     for (int a = 0; a < 3; a++) {
         const uint32_t first = label->first[a], last = label->last[a], end = grid->size[a] - 1;
         box.first[a] = first > RELAX_REACH ? first - RELAX_REACH : 0;
@@ -287,19 +286,20 @@ static bool allocate(struct relax_field *f)
     return fits;
 }
 
-enum err relax_field_init(struct relax_field *field, const struct scene *scene,
-                          const uint8_t *label, uint8_t which, const struct relax_box *around,
-                          const struct relax_greys *greys, struct team *team, struct fault *fault)
+enum err relax_field_init(struct relax_field *field, const struct finish_work *work, uint8_t which,
+                          const struct finish_box *around, const struct relax_greys *greys,
+                          struct fault *fault)
 {
-    struct making making = {field, label, greys, team, which};
-    *field = (struct relax_field){.scene = scene, .box = relax_box_around(&scene->grid, around)};
+    struct making making = {field, work->label, greys, work->team, which};
+    *field = (struct relax_field){.scene = work->scene,
+                                  .box = relax_box_around(&work->scene->grid, around)};
     for (int a = 0; a < 3; a++)
         field->size[a] = field->box.last[a] - field->box.first[a] + 1;
     if (!allocate(field)) {
         relax_field_release(field);
         return fault_memory(fault, "relaxed labels");
     }
-    team_run(team, make_part, &making);
+    team_run(work->team, make_part, &making);
     for (uint32_t z = 0; z < field->size[2]; z++)
         field->moving[z + 1] += field->moving[z];
     return OK;

@@ -24,9 +24,7 @@
 #ifndef ENGINE_RELAX_FIELD_H
 #define ENGINE_RELAX_FIELD_H
 
-#include "base/err.h"
-#include "base/team.h"
-#include "engine/scene.h"
+#include "engine/finish.h"
 
 enum { RELAX_ONE = 1 << 20, RELAX_REACH = 16 };
 
@@ -37,17 +35,12 @@ struct relax_greys {
 };
 void relax_find_greys(struct relax_greys *greys, const struct scene *scene, struct team *team);
 
-/* Voxels of the scene between two corners, both included. */
-struct relax_box {
-    uint32_t first[3], last[3];
-};
-
 /* Where the field of a label lies that lies there: RELAX_REACH further, within the scene. */
-struct relax_box relax_box_around(const struct grid *grid, const struct relax_box *label);
+struct finish_box relax_box_around(const struct grid *grid, const struct finish_box *label);
 
 struct relax_field {
     const struct scene *scene;
-    struct relax_box box;
+    struct finish_box box;
     uint32_t size[3]; /* of the box */
     uint8_t *far;     /* [z][y][x], rows padded: steps to the other side of the border, or many */
     size_t length, cells; /* of a stored row, which holds every other voxel; of all rows */
@@ -57,11 +50,11 @@ struct relax_field {
     size_t *moving;       /* [size[2] + 1]: voxels that move in the planes before */
 };
 
-/* The field of a label as `label` [grid.cells] has it; `around` is where that lies. ERR_MEMORY;
- * of no use where the scene's watch has stopped it. */
-enum err relax_field_init(struct relax_field *field, const struct scene *scene,
-                          const uint8_t *label, uint8_t which, const struct relax_box *around,
-                          const struct relax_greys *greys, struct team *team, struct fault *fault);
+/* The field of a label as work->label has it; `around` is where that lies. ERR_MEMORY; of no use
+ * where the scene's watch has stopped it. */
+enum err relax_field_init(struct relax_field *field, const struct finish_work *work, uint8_t which,
+                          const struct finish_box *around, const struct relax_greys *greys,
+                          struct fault *fault);
 void relax_field_release(struct relax_field *field);
 
 /* Does so many sweeps, each of which moves even voxels, then odd ones. */

@@ -5,14 +5,9 @@
 #include "base/hash.h"
 #include "base/mem.h"
 
-static size_t mask_words(const struct grid *grid)
-{
-    return grid->cells / 64 + 1;
-}
-
 size_t mask_bytes(const struct grid *grid)
 {
-    return mask_words(grid) * sizeof(uint64_t);
+    return (grid->cells / 64 + 1) * sizeof(uint64_t);
 }
 
 uint64_t *mask_new(const struct grid *grid)

@@ -1,19 +1,15 @@
 #include "engine/scene.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/hash.h"
 #include "base/mem.h"
 
-static void fill_with(struct cell *cell, size_t count, struct cell value)
-{
-    for (size_t i = 0; i < count; i++)
-        cell[i] = value;
-}
-
 static void fill_rim(struct cell *cell, size_t count)
 {
-    fill_with(cell, count, (struct cell){.flags = CELL_RIM, .direction = DIRECTION_NONE});
+    for (size_t i = 0; i < count; i++)
+        cell[i] = (struct cell){.flags = CELL_RIM, .direction = DIRECTION_NONE};
 }
 
 /* A row of unreached voxels between two cells of the rim; NULL: 0 everywhere. */
@@ -161,6 +157,64 @@ void scene_free(struct scene *scene)
     free(scene);
 }
 
+/* ---- how often each intensity occurs ---- */
+
+enum { INTENSITIES = UINT16_MAX + 1 };
+
+static const size_t VOXELS_MOST = 1u << 22;
+
+/* Each worker counts for itself, in INTENSITIES counts of its own. */
+struct counting {
+    const struct scene *scene;
+    struct team *team;
+    uint32_t *count;
+};
+
+static void count_part(void *context, unsigned worker)
+{
+    const struct counting *c = context;
+    const struct grid *grid = &c->scene->grid;
+    const size_t each = (grid->voxels + VOXELS_MOST - 1) / VOXELS_MOST;
+    const size_t rows = ((size_t)grid->size[1] * grid->size[2] + each - 1) / each;
+    const struct share share = team_share(c->team, worker, rows);
+    uint32_t *count = c->count + (size_t)worker * INTENSITIES;
+    for (size_t i = share.first; i < share.end; i++) {
+        const size_t r = i * each;
+        const struct span row =
+            grid_row(grid, (uint32_t)(r % grid->size[1]), (uint32_t)(r / grid->size[1]));
+        for (uint32_t at = row.first; at < row.end; at++)
+            count[c->scene->cell[at].intensity]++;
+    }
+}
+
+void intensities_count(uint32_t count[UINT16_MAX + 1], const struct scene *scene, struct team *team)
+{
+    const size_t workers = team_size(team);
+    uint32_t *all = workers > 1 ? mem_new(workers * INTENSITIES * sizeof *all) : NULL;
+    struct counting counting = {scene, all ? team : NULL, all ? all : count};
+    memset(count, 0, INTENSITIES * sizeof *count);
+    team_run(counting.team, count_part, &counting);
+    for (size_t i = 0; all && i < workers * INTENSITIES; i++)
+        count[i % INTENSITIES] += all[i];
+    free(all);
+}
+
+void intensities_range(int32_t range[2], const uint32_t count[UINT16_MAX + 1], uint64_t low,
+                       uint64_t high)
+{
+    uint64_t below = 0, all = 0;
+    for (int32_t i = 0; i <= UINT16_MAX; i++)
+        all += count[i];
+    range[0] = range[1] = 0;
+    for (int32_t i = 0; i <= UINT16_MAX; i++) {
+        if (below * 1000 <= all * low)
+            range[0] = i;
+        if (below * 1000 < all * high)
+            range[1] = i;
+        below += count[i];
+    }
+}
+
 /* ---- interpolation ---- */
 
 void scene_interpolated_size(uint32_t out[3], const uint32_t size[3], unsigned doubled)
@@ -294,22 +348,6 @@ struct geom_rows {
     uint8_t *value; /* [size[0]], without noise */
 };
 
-static enum err geom_rows_init(struct geom_rows *rows, const uint32_t size[3], struct fault *fault)
-{
-    *rows = (struct geom_rows){{size[0], size[1], size[2]}, NULL, NULL};
-    rows->place = mem_array(size[0], sizeof *rows->place);
-    rows->value = mem_array(size[0], sizeof *rows->value);
-    for (uint32_t x = 0; rows->place && x < size[0]; x++)
-        rows->place[x] = (int16_t)geom_place(x, size[0], 0);
-    return rows->place && rows->value ? OK : fault_memory(fault, "the synthetic scene");
-}
-
-static void geom_rows_release(struct geom_rows *rows)
-{
-    free(rows->place);
-    free(rows->value);
-}
-
 static void lay_solid(struct geom_rows *rows, const struct solid *solid, int64_t dy, int64_t dz)
 {
     const int centre = EIGHTHS * solid->centre[0];
@@ -327,9 +365,8 @@ static void lay_solid(struct geom_rows *rows, const struct solid *solid, int64_t
         rows->value[x] = abs(rows->place[x] - centre) <= reach ? value : rows->value[x];
 }
 
-/* The intensity of each voxel of the row (., y, z), `stride` bytes apart. */
-static void geom_row(struct geom_rows *rows, uint32_t y, uint32_t z, uint16_t *intensity,
-                     size_t stride)
+/* The intensity of each voxel of the row (., y, z). */
+static void geom_row(struct geom_rows *rows, uint32_t y, uint32_t z, struct cell *cell)
 {
     const int64_t place_y = geom_place(y, rows->size[1], 1);
     const int64_t place_z = geom_place(z, rows->size[2], 2);
@@ -341,27 +378,31 @@ static void geom_row(struct geom_rows *rows, uint32_t y, uint32_t z, uint16_t *i
                   place_z - EIGHTHS * geom_solid[i].centre[2]);
     for (uint32_t x = 0; x < rows->size[0]; x++) {
         const int value = rows->value[x] + (int)(hash_mix_at(voxel++, 0) % 9) - 4;
-        *intensity = (uint16_t)(value < 0 ? 0 : value);
-        intensity += stride / sizeof *intensity;
+        cell[x].intensity = (uint16_t)(value < 0 ? 0 : value);
     }
 }
 
 enum err scene_new_geom_of(struct scene **out, const uint32_t size[3], struct watch *watch,
                            struct fault *fault)
 {
-    struct geom_rows rows;
+    struct geom_rows rows = {.size = {size[0], size[1], size[2]}};
     struct scene *scene;
     *out = NULL;
     enum err err = scene_new_filled(&scene, size, NULL, watch, fault);
     if (err)
         return err;
-    err = geom_rows_init(&rows, size, fault);
+    rows.place = mem_array(size[0], sizeof *rows.place);
+    rows.value = mem_array(size[0], sizeof *rows.value);
+    if (!rows.place || !rows.value)
+        err = fault_memory(fault, "the synthetic scene");
+    for (uint32_t x = 0; !err && x < size[0]; x++)
+        rows.place[x] = (int16_t)geom_place(x, size[0], 0);
     struct task task = task_begin(watch, "synthetic scene", scene->grid.voxels);
     for (uint32_t z = 0; !err && z < size[2]; z++)
         for (uint32_t y = 0; y < size[1] && task_advance(&task, size[0]); y++)
-            geom_row(&rows, y, z, &scene->cell[grid_row(&scene->grid, y, z).first].intensity,
-                     sizeof *scene->cell);
-    geom_rows_release(&rows);
+            geom_row(&rows, y, z, scene->cell + grid_row(&scene->grid, y, z).first);
+    free(rows.place);
+    free(rows.value);
     return hand_over(out, scene, err, fault);
 }
 

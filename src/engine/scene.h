@@ -115,6 +115,17 @@ static inline void scene_fetch_ahead(const struct scene *scene, size_t cell)
         (const char *)((uintptr_t)scene->cell + (cell + AHEAD) * sizeof(struct cell)));
 }
 
+/* How often each intensity occurs: in all voxels, or in a large scene in those of every n-th row,
+ * enough for percentiles, and few enough to take no time. `team` may be NULL for one thread, which
+ * it is as well without memory. */
+void intensities_count(uint32_t count[UINT16_MAX + 1], const struct scene *scene,
+                       struct team *team);
+
+/* Two intensities, the highest of those that `low` thousandths of the voxels or fewer are below,
+ * and of those that fewer than `high` thousandths are below; 0 where nothing is counted. */
+void intensities_range(int32_t range[2], const uint32_t count[UINT16_MAX + 1], uint64_t low,
+                       uint64_t high);
+
 /*
  * A scene like `base` of which some axes are interpolated to 2n - 1 voxels: `doubled` has bit a set
  * for axis a. Voxels at whole steps are those of the base; one at half steps is the mean, halves

@@ -1,13 +1,192 @@
-#include "engine/surface_nodes.h"
+#include "engine/surface.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/mem.h"
-#include "engine/surface_cases.h"
 
+enum {
+    NODE_MARGIN = SURFACE_ONE / 16,
+    ROUNDS = 8,         /* of setting the volume, at most */
+    CLOSE_ENOUGH = 4096 /* the part of the volume that may be wrong */
+};
 static const size_t NODES_MOST = INT32_MAX;
 static const uint32_t NO_NODE = UINT32_MAX;
+
+/* ---- nodes: the points that the surfaces of all labels share ---- */
+
+/* Between two voxels that are neighbours along an axis. */
+struct surface_node {
+    uint16_t low[3]; /* the first of them, counted from 1 voxel before the scene */
+    uint8_t axis;
+    uint8_t label[2]; /* of the first and the second one; they differ */
+    uint16_t along;   /* how far from the first to the second, 1..SURFACE_ONE - 1 */
+};
+
+/* A corner of a triangle: 2 * node + 1 where the label of the surface is that of the second voxel,
+ * else 2 * node. */
+struct surface_corners {
+    uint32_t corner[3];
+};
+
+struct surface_nodes {
+    struct surface_node *node;
+    struct surface_corners *triangle; /* of all labels, as the cubes come */
+    uint32_t (*segment)[2];           /* pairs of nodes that are neighbours on a surface */
+    size_t nodes, triangles, segments;
+    size_t node_room, triangle_room, segment_room;
+    uint64_t voxels[256];
+};
+
+/* Where a node is, along one axis. */
+static uint32_t surface_node_at(const struct surface_node *node, unsigned axis)
+{
+    return node->low[axis] * (uint32_t)SURFACE_ONE + (axis == node->axis ? node->along : 0);
+}
+
+/* The label whose surface a triangle belongs to. */
+static uint8_t surface_label_of(const struct surface_nodes *nodes,
+                                const struct surface_corners *triangle)
+{
+    return nodes->node[triangle->corner[0] / 2].label[triangle->corner[0] % 2];
+}
+
+/* ---- the cases of a cube ---- */
+
+/*
+ * How a surface passes through a cube of eight voxel centres: one case for each set of them that is
+ * inside.
+ *
+ * Corner c of the cube has bit 0, 1, 2 where it is at the upper end of x, y, z. Edge 4 a + 2 v + u
+ * runs along axis a, with u and v saying on which side it is along axes a + 1 and a + 2 (mod 3).
+ *
+ * On each face of the cube a segment cuts off every run of corners that are inside. So where two
+ * corners at a diagonal are inside, they are cut off one by one, and the cube on the other side of
+ * the face does the same: nothing stays open. Segments make closed polygons of 3 to 7 corners. Each
+ * is a fan of triangles around a corner from which no diagonal lies in a face of the cube, and
+ * there always is one: so no other cube has an edge between the same two nodes.
+ *
+ * After Lorensen and Cline, "Marching cubes" (1987), with the table made at run time from these
+ * rules, as they are shorter than it.
+ */
+enum { FACES = 6, EDGES = 12, NO_EDGE = 255 };
+
+struct surface_case {
+    uint8_t triangles, segments;
+    uint8_t triangle[5][3]; /* edges of the cube, counter-clockwise seen from outside the label */
+    uint8_t segment[6]
+                   [2]; /* on the three faces at the lower ends: each segment once in all cubes */
+};
+
+/* Face 2 a + 1 is at the upper end of axis a, face 2 a at the lower one: its corners and edges
+ * counter-clockwise as seen from outside; edge i leads from corner i to the next one. */
+struct face {
+    uint8_t corner[4], edge[4];
+};
+
+/* The corner at the lower end of an edge; the upper one is 1 << (edge / 4) further. */
+static unsigned edge_corner(unsigned edge)
+{
+    const unsigned u = (edge / 4 + 1) % 3, v = (edge / 4 + 2) % 3;
+    return (edge & 1) << u | (edge >> 1 & 1) << v;
+}
+
+static uint8_t edge_between(unsigned corner, unsigned other)
+{
+    const unsigned axis = (corner ^ other) / 2; /* 1, 2, 4: 0, 1, 2 */
+    const unsigned u = (axis + 1) % 3, v = (axis + 2) % 3;
+    return (uint8_t)(4 * axis + 2 * (corner >> v & 1) + (corner >> u & 1));
+}
+
+static struct face face_of(unsigned number)
+{
+    const unsigned axis = number / 2, upper = number & 1;
+    const unsigned u = 1u << (axis + 1) % 3, v = 1u << (axis + 2) % 3;
+    const unsigned round[4] = {0, u, u | v, v};
+    struct face face;
+    for (unsigned i = 0; i < 4; i++)
+        face.corner[i] = (uint8_t)(round[upper ? i : 3 - i] | upper << axis);
+    for (unsigned i = 0; i < 4; i++)
+        face.edge[i] = edge_between(face.corner[i], face.corner[(i + 1) % 4]);
+    return face;
+}
+
+static bool share_face(unsigned edge, unsigned other)
+{
+    for (unsigned f = 0; f < FACES; f++) {
+        const struct face face = face_of(f);
+        unsigned found = 0;
+        for (unsigned i = 0; i < 4; i++)
+            found += face.edge[i] == edge || face.edge[i] == other;
+        if (found == 2)
+            return true;
+    }
+    return false;
+}
+
+/* The segments of a face: next[] leads from the edge where the inside ends to where it began, so
+ * that polygons run clockwise as seen from outside the label. */
+static void cut_corners(struct surface_case *out, uint8_t next[EDGES], unsigned set, unsigned f)
+{
+    const struct face face = face_of(f);
+    for (unsigned i = 0; i < 4; i++) {
+        unsigned first = i; /* of the run of corners inside that ends with corner i */
+        if (!(set >> face.corner[i] & 1) || set >> face.corner[(i + 1) % 4] & 1)
+            continue;
+        while (set >> face.corner[(first + 3) % 4] & 1)
+            first = (first + 3) % 4;
+        const uint8_t from = face.edge[i], to = face.edge[(first + 3) % 4];
+        next[from] = to;
+        if (f % 2 == 0) {
+            out->segment[out->segments][0] = from;
+            out->segment[out->segments++][1] = to;
+        }
+    }
+}
+
+/* The corner of the polygon that can be the middle of the fan. */
+static unsigned fan_corner(const uint8_t *polygon, unsigned count)
+{
+    unsigned middle = 0;
+    for (bool fits = false; !fits; middle += !fits) {
+        fits = true;
+        for (unsigned i = 2; i + 1 < count && fits; i++)
+            fits = !share_face(polygon[middle], polygon[(middle + i) % count]);
+    }
+    return middle;
+}
+
+static void add_polygon(struct surface_case *out, const uint8_t *polygon, unsigned count)
+{
+    const unsigned middle = fan_corner(polygon, count);
+    for (unsigned i = 1; i + 1 < count; i++) {
+        uint8_t *triangle = out->triangle[out->triangles++];
+        triangle[0] = polygon[middle];
+        triangle[1] = polygon[(middle + i + 1) % count];
+        triangle[2] = polygon[(middle + i) % count];
+    }
+}
+
+static void make_case(struct surface_case *out, unsigned set)
+{
+    uint8_t next[EDGES], polygon[EDGES];
+    *out = (struct surface_case){0};
+    for (unsigned e = 0; e < EDGES; e++)
+        next[e] = NO_EDGE;
+    for (unsigned f = 0; f < FACES; f++)
+        cut_corners(out, next, set, f);
+    for (unsigned e = 0; e < EDGES; e++) {
+        unsigned count = 0;
+        for (uint8_t at = (uint8_t)e; next[at] != NO_EDGE;) {
+            const uint8_t to = next[at];
+            next[at] = NO_EDGE;
+            polygon[count++] = at;
+            at = to;
+        }
+        if (count)
+            add_polygon(out, polygon, count);
+    }
+}
 
 /* Two planes of labels with a rim of 0, and which nodes begin there: nodes[a] along axis a. */
 struct plane {
@@ -67,13 +246,6 @@ static void take_plane(struct sweep *s, uint32_t z)
 
 /* ---- a cube ---- */
 
-/* The eight labels of the cube at a place of the lower plane. */
-static void labels_of_cube(uint8_t label[8], const struct sweep *s, size_t at)
-{
-    for (unsigned c = 0; c < 8; c++)
-        label[c] = s->plane[c >> 2].label[at + (c & 1) + (c >> 1 & 1) * s->width];
-}
-
 static uint32_t new_node(struct sweep *s, size_t at, unsigned corner, unsigned axis,
                          const uint8_t label[8])
 {
@@ -92,7 +264,7 @@ static uint32_t new_node(struct sweep *s, size_t at, unsigned corner, unsigned a
 /* The node on an edge of the cube, which is made where it is new; NO_NODE where that fails. */
 static uint32_t node_on(struct sweep *s, size_t at, unsigned edge, const uint8_t label[8])
 {
-    const unsigned corner = surface_edge_corner(edge), axis = edge / 4;
+    const unsigned corner = edge_corner(edge), axis = edge / 4;
     uint32_t *node =
         &s->plane[corner >> 2].node[axis][at + (corner & 1) + (corner >> 1 & 1) * s->width];
     if (*node == NO_NODE)
@@ -147,7 +319,8 @@ static bool join_nodes(struct sweep *s, size_t at, const uint8_t label[8], uint8
 static enum err fill_cube(struct sweep *s, size_t at)
 {
     uint8_t label[8];
-    labels_of_cube(label, s, at);
+    for (unsigned c = 0; c < 8; c++)
+        label[c] = s->plane[c >> 2].label[at + (c & 1) + (c >> 1 & 1) * s->width];
     for (unsigned c = 0; c < 8; c++) {
         bool is_first = label[c] != 0;
         for (unsigned former = 0; former < c; former++)
@@ -221,7 +394,8 @@ static enum err make_nodes(struct surface_nodes *nodes, const struct surface_sou
     s->fault = fault;
     s->width = (size_t)source->size[0] + 2;
     s->cells = s->width * ((size_t)source->size[1] + 2);
-    surface_cases_init(s->cases);
+    for (unsigned set = 0; set < 256; set++)
+        make_case(&s->cases[set], set);
     enum err err = plane_init(&s->plane[0], s->cells, fault);
     if (!err)
         err = plane_init(&s->plane[1], s->cells, fault);
@@ -231,6 +405,129 @@ static enum err make_nodes(struct surface_nodes *nodes, const struct surface_sou
     plane_release(&s->plane[1]);
     free(s);
     return err;
+}
+
+/* ---- smoothing: passes ---- */
+
+static uint16_t within_line(int64_t along)
+{
+    const int64_t most = SURFACE_ONE - NODE_MARGIN;
+    return (uint16_t)(along < NODE_MARGIN ? NODE_MARGIN : along > most ? most : along);
+}
+
+struct neighbours {
+    int32_t sum; /* of where they are along the node's axis, from where the node's line begins */
+    uint32_t count;
+};
+
+static void look_at(struct neighbours *all, const struct surface_node *node, uint32_t of,
+                    uint32_t neighbour)
+{
+    const struct surface_node *n = &node[of];
+    all[of].sum += (int32_t)(surface_node_at(&node[neighbour], n->axis) -
+                             n->low[n->axis] * (uint32_t)SURFACE_ONE);
+    all[of].count++;
+}
+
+/* The nodes go half the way to the means of their neighbours. */
+static void pass(struct surface_nodes *nodes, struct neighbours *all, struct task *task)
+{
+    memset(all, 0, nodes->nodes * sizeof *all);
+    for (size_t i = 0; i < nodes->segments && task_advance(task, 1); i++) {
+        look_at(all, nodes->node, nodes->segment[i][0], nodes->segment[i][1]);
+        look_at(all, nodes->node, nodes->segment[i][1], nodes->segment[i][0]);
+    }
+    if (watch_stops(task->watch))
+        return;
+    for (size_t i = 0; i < nodes->nodes; i++) {
+        struct surface_node *node = &nodes->node[i];
+        const int64_t count = all[i].count, way = all[i].sum - count * node->along;
+        node->along = within_line(node->along + way / (2 * count));
+    }
+}
+
+/* ---- smoothing: volumes ---- */
+
+/* By labels, six times as much, in 2^-24 voxels; sums mod 2^64, which hold what they come to. */
+struct volumes {
+    uint64_t is[256];
+    int64_t grows[256]; /* by each 1/256 voxel that all its nodes go outwards */
+};
+
+static void add_volume(struct volumes *volumes, const struct surface_nodes *nodes,
+                       const struct surface_corners *triangle)
+{
+    const struct surface_node *node[3];
+    int64_t at[3][3];
+    const uint8_t label = surface_label_of(nodes, triangle);
+    for (int i = 0; i < 3; i++) {
+        node[i] = &nodes->node[triangle->corner[i] / 2];
+        for (unsigned a = 0; a < 3; a++)
+            at[i][a] = surface_node_at(node[i], a) >> 8;
+    }
+    int64_t normal[3];
+    for (int a = 0; a < 3; a++) {
+        const int u = (a + 1) % 3, v = (a + 2) % 3;
+        normal[a] = (at[1][u] - at[0][u]) * (at[2][v] - at[0][v]) -
+                    (at[1][v] - at[0][v]) * (at[2][u] - at[0][u]);
+    }
+    volumes->is[label] += (uint64_t)(normal[2] * (at[0][2] + at[1][2] + at[2][2]));
+    for (int i = 0; i < 3; i++)
+        volumes->grows[label] +=
+            triangle->corner[i] % 2 ? -normal[node[i]->axis] : normal[node[i]->axis];
+}
+
+/* How far the nodes of each label are to go outwards, in SURFACE_ONE; false where no label has to
+ * go any further. */
+static bool find_growth(int64_t outward[256], const struct surface_nodes *nodes,
+                        struct volumes *volumes, struct task *task)
+{
+    bool grows = false;
+    memset(volumes, 0, sizeof *volumes);
+    for (size_t i = 0; i < nodes->triangles && task_advance(task, 1); i++)
+        add_volume(volumes, nodes, &nodes->triangle[i]);
+    for (unsigned label = 1; label < 256; label++) {
+        const int64_t wanted = (int64_t)(nodes->voxels[label] * 6) << 24;
+        const int64_t lacks = wanted - (int64_t)volumes->is[label];
+        const int64_t each = volumes->grows[label] > 0 ? volumes->grows[label] : 1;
+        const int64_t way = lacks / each < -64 ? -64 : lacks / each > 64 ? 64 : lacks / each;
+        outward[label] = way * 256 + (way > -64 && way < 64 ? lacks % each * 256 / each : 0);
+        grows |= lacks > wanted / CLOSE_ENOUGH || -lacks > wanted / CLOSE_ENOUGH;
+    }
+    return grows;
+}
+
+static void set_volumes(struct surface_nodes *nodes, struct task *task)
+{
+    int64_t outward[256] = {0};
+    struct volumes volumes;
+    for (int round = 0; round < ROUNDS && find_growth(outward, nodes, &volumes, task); round++)
+        for (size_t i = 0; i < nodes->nodes; i++) {
+            struct surface_node *node = &nodes->node[i];
+            node->along =
+                within_line(node->along + outward[node->label[0]] - outward[node->label[1]]);
+        }
+}
+
+/*
+ * In each pass, every node goes half the way to the mean of its neighbours, along its line and no
+ * further than to NODE_MARGIN before its ends. Then every label grows or shrinks, each node by as
+ * much, until it encloses what its voxels do.
+ */
+static enum err smooth(struct surface_nodes *nodes, unsigned passes, struct watch *watch,
+                       struct fault *fault)
+{
+    struct neighbours *all = mem_array(nodes->nodes + 1, sizeof *all);
+    if (!all)
+        return fault_memory(fault, "a surface");
+    struct task task =
+        task_begin(watch, "smoothing",
+                   (uint64_t)passes * nodes->segments + ROUNDS * (uint64_t)nodes->triangles);
+    for (unsigned i = 0; i < passes && !watch_stops(watch); i++)
+        pass(nodes, all, &task);
+    set_volumes(nodes, &task);
+    free(all);
+    return watch_fault(watch, fault);
 }
 
 /* ---- parts ---- */
@@ -313,7 +610,7 @@ enum err surface_new(struct surface **surface, const struct surface_source *sour
     if (!err && !*surface)
         err = fault_memory(fault, "a surface");
     if (!err)
-        err = surface_smooth(&nodes, passes, watch, fault);
+        err = smooth(&nodes, passes, watch, fault);
     if (!err)
         err = gather(*surface, &nodes, wanted, fault);
     if (err) {

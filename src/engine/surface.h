@@ -4,8 +4,8 @@
  * A node lies between each two voxels with a face in common that have different labels, on the line
  * between their centres. The eight centres around a corner of voxels make a cube; in each cube
  * marching cubes join the nodes on its edges, once for each label there, so that each label has a
- * surface of its own (engine/surface_cases.h). Smoothing moves nodes along their lines and never
- * to their ends. Voxels outside the scene have label 0, which has no surface.
+ * surface of its own. Smoothing moves nodes along their lines and never to their ends. Voxels
+ * outside the scene have label 0, which has no surface.
  *
  * Marching cubes, and not surface nets: with a node on each line, and no vertex in the middle of a
  * cube that two sheets must share, a surface is a manifold for any labels, without repair.

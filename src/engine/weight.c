@@ -80,58 +80,10 @@ void weight_compute(struct scene *scene, const struct adjacency *adjacency,
         team_run(work->team, weigh_part, &weighing);
 }
 
-/* ---- digest ---- */
+/* ---- digests ---- */
 
-static uint64_t rule_digest(const struct arc_rule *arcs)
-{
-    uint64_t sum = hash_mix_at(0, arcs->kind);
-    for (uint32_t label = 0; arcs->kind == ARC_POLARITY && label < 256; label++)
-        sum += hash_mix_at(1 + label, (uint64_t)(POLARITY_MOST + arcs->polarity[label]));
-    return sum;
-}
-
-struct summing {
-    const struct scene *scene;
-    struct team *team;
-    uint64_t sum[TEAM_MOST];
-};
-
-static void sum_part(void *context, unsigned worker)
-{
-    struct summing *s = context;
-    const struct grid *grid = &s->scene->grid;
-    const struct slab slab = grid_slab(grid, worker, team_size(s->team));
-    uint64_t sum = 0, voxel = (uint64_t)slab.first * grid->size[1] * grid->size[0];
-    struct task task = task_begin_part(s->scene->watch, "digest of the weights",
-                                       slab_voxels(grid, slab), slab.first);
-    for (uint32_t z = slab.first; z < slab.end; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++) {
-                scene_fetch_ahead(s->scene, c);
-                sum += hash_mix(voxel++ << 16 | s->scene->cell[c].weight);
-            }
-            if (!task_advance(&task, grid->size[0]))
-                return;
-        }
-    s->sum[worker] = sum;
-}
-
-uint64_t weight_digest(const struct scene *scene, const struct arc_rule *arcs, struct team *team)
-{
-    struct summing summing = {.scene = scene, .team = team};
-    uint64_t sum = 0;
-    if (arcs->kind != ARC_TARGET)
-        return rule_digest(arcs);
-    team_run(team, sum_part, &summing);
-    for (unsigned worker = 0; worker < team_size(team); worker++)
-        sum += summing.sum[worker];
-    return sum;
-}
-
-/* ---- plain scenes ---- */
-
-struct telling {
+/* A sum over voxels, of the weights that cells hold, or (`method`) that a plain scene's would. */
+struct digesting {
     const struct scene *scene;
     const struct adjacency *adjacency;
     const struct weight_method *method;
@@ -139,65 +91,92 @@ struct telling {
     uint64_t sum[TEAM_MOST];
 };
 
+/* A scene_weigh_row. */
+static void digest_plain_row(void *context, unsigned worker, uint32_t y, uint32_t z,
+                             uint16_t *weight)
+{
+    struct digesting *d = context;
+    const uint32_t *size = d->scene->grid.size;
+    uint64_t sum = 0, voxel = ((uint64_t)z * size[1] + y) * size[0];
+    d->method->weigh_row(weight, d->scene, d->adjacency, y, z);
+    for (uint32_t x = 0; x < size[0]; x++)
+        sum += hash_mix(voxel++ << 16 | weight[x]);
+    d->sum[worker] += sum;
+}
+
+static void digest_row(struct digesting *d, unsigned worker, uint32_t y, uint32_t z)
+{
+    const struct grid *grid = &d->scene->grid;
+    const struct span row = grid_row(grid, y, z);
+    uint64_t sum = 0, voxel = ((uint64_t)z * grid->size[1] + y) * grid->size[0];
+    for (uint32_t c = row.first; c < row.end; c++) {
+        scene_fetch_ahead(d->scene, c);
+        sum += hash_mix(voxel++ << 16 | d->scene->cell[c].weight);
+    }
+    d->sum[worker] += sum;
+}
+
+static void digest_slab(void *context, unsigned worker)
+{
+    struct digesting *d = context;
+    const struct grid *grid = &d->scene->grid;
+    const struct slab slab = grid_slab(grid, worker, team_size(d->team));
+    uint16_t weight[GRID_SIDE_MOST];
+    struct task task =
+        task_begin_part(d->scene->watch, d->method ? "weights" : "digest of the weights",
+                        slab_voxels(grid, slab), worker);
+    for (uint32_t z = slab.first; z < slab.end; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            if (d->method)
+                digest_plain_row(d, worker, y, z, weight);
+            else
+                digest_row(d, worker, y, z);
+            if (!task_advance(&task, grid->size[0]))
+                return;
+        }
+}
+
+static uint64_t sum_of(const struct digesting *d)
+{
+    uint64_t sum = 0;
+    for (unsigned worker = 0; worker < team_size(d->team); worker++)
+        sum += d->sum[worker];
+    return sum;
+}
+
+uint64_t weight_digest(const struct scene *scene, const struct arc_rule *arcs, struct team *team)
+{
+    struct digesting digesting = {.scene = scene, .team = team};
+    if (arcs->kind == ARC_TARGET) {
+        team_run(team, digest_slab, &digesting);
+        return sum_of(&digesting);
+    }
+    uint64_t sum = hash_mix_at(0, arcs->kind);
+    for (uint32_t label = 0; arcs->kind == ARC_POLARITY && label < 256; label++)
+        sum += hash_mix_at(1 + label, (uint64_t)(POLARITY_MOST + arcs->polarity[label]));
+    return sum;
+}
+
+/* ---- plain scenes ---- */
+
 bool weight_is_told(const struct weight_choice *choice)
 {
     const struct weight_method *method = weight_table[choice->kind].method;
     return method->weigh_row && choice->argument == method->row_argument;
 }
 
-/* A scene_weigh_row. */
-static void tell_row(void *context, unsigned worker, uint32_t y, uint32_t z, uint16_t *weight)
-{
-    struct telling *t = context;
-    const uint32_t *size = t->scene->grid.size;
-    uint64_t sum = 0, voxel = ((uint64_t)z * size[1] + y) * size[0];
-    t->method->weigh_row(weight, t->scene, t->adjacency, y, z);
-    for (uint32_t x = 0; x < size[0]; x++)
-        sum += hash_mix(voxel++ << 16 | weight[x]);
-    t->sum[worker] += sum;
-}
-
-static void tell_slab(void *context, unsigned worker)
-{
-    const struct telling *t = context;
-    const struct grid *grid = &t->scene->grid;
-    const struct slab slab = grid_slab(grid, worker, team_size(t->team));
-    uint16_t weight[GRID_SIDE_MOST];
-    struct task task = task_begin_part(t->scene->watch, "weights", slab_voxels(grid, slab), worker);
-    for (uint32_t z = slab.first; z < slab.end; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            tell_row(context, worker, y, z, weight);
-            if (!task_advance(&task, grid->size[0]))
-                return;
-        }
-}
-
-static uint64_t sum_of(const struct telling *telling)
-{
-    uint64_t sum = 0;
-    for (unsigned worker = 0; worker < team_size(telling->team); worker++)
-        sum += telling->sum[worker];
-    return sum;
-}
-
-static struct telling telling_of(const struct scene *scene, const struct adjacency *adjacency,
-                                 const struct weight_choice *choice, struct team *team)
-{
-    return (struct telling){scene, adjacency, weight_table[choice->kind].method, team, {0}};
-}
-
 uint64_t weight_foretell(const struct scene *scene, const struct adjacency *adjacency,
                          const struct weight_choice *choice, struct team *team)
 {
-    struct telling telling = telling_of(scene, adjacency, choice, team);
-    team_run(team, tell_slab, &telling);
-    return sum_of(&telling);
+    struct digesting d = {scene, adjacency, weight_table[choice->kind].method, team, {0}};
+    team_run(team, digest_slab, &d);
+    return sum_of(&d);
 }
 
 uint64_t weight_make_cells(struct scene *scene, const struct adjacency *adjacency,
                            const struct weight_choice *choice, struct team *team)
 {
-    struct telling telling = telling_of(scene, adjacency, choice, team);
-    scene_make_cells(scene, team, tell_row, &telling);
-    return sum_of(&telling);
+    struct digesting d = {scene, adjacency, weight_table[choice->kind].method, team, {0}};
+    scene_make_cells(scene, team, digest_plain_row, &d);
+    return sum_of(&d);
 }

@@ -5,9 +5,9 @@
 
 #include "base/mem.h"
 #include "command/act.h"
-#include "engine/centre.h"
 #include "engine/hints.h"
-#include "engine/rival.h"
+#include "engine/margin.h"
+#include "engine/measure.h"
 #include "program/pilot_marks.h"
 #include "program/shown.h"
 #include "render/mosaic.h"

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "engine/contour.h"
 #include "engine/distance.h"
 
 bool comparison_has(const struct comparison *comparison, unsigned label)

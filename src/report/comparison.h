@@ -5,7 +5,7 @@
  *
  *     Dice        2 |A and B| / (|A| + |B|), Jaccard |A and B| / |A or B|, volumes from the voxels
  *     Hausdorff   the largest distance from a voxel of either set to the nearest voxel of the other
- *     surfaces    from each voxel of either contour (engine/contour.h) the distance to the nearest
+ *     surfaces    from each voxel of either contour (engine/distance.h) the distance to the nearest
  *                 voxel of the other's. Their mean over both contours; and the 95th percentile:
  *                 the larger one of both directions, between ranks as numpy has it
  *

@@ -2,7 +2,7 @@
 
 #include "base/chart.h"
 #include "engine/gradient.h"
-#include "engine/intensities.h"
+#include "engine/scene.h"
 #include "image/geometry.h"
 
 enum { ROWS = 4 };

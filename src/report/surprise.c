@@ -1,7 +1,7 @@
 #include "report/surprise.h"
 
-#include "engine/passage.h"
 #include "engine/roi.h"
+#include "engine/way.h"
 #include "session/tally.h"
 
 /* How many labels had voxels that a seed reached: of label 0 these are more than what lies outside

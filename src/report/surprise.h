@@ -10,7 +10,7 @@
  * and one in nine of the good ones.
  *
  * It is looked for in what each edit knows anyway, the counts of labels and the list of changes;
- * only a surprise itself costs more, for the way that it came (engine/passage.h).
+ * only a surprise itself costs more, for the way that it came (engine/way.h).
  */
 #ifndef REPORT_SURPRISE_H
 #define REPORT_SURPRISE_H

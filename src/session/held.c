@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include "engine/tree.h"
+#include "engine/way.h"
 #include "session/session_inside.h"
 
 /* One seed more. */

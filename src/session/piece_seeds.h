@@ -6,7 +6,7 @@
  * piece of which nothing would be left has fewer rounds, and keeps its innermost voxels. So the
  * borders of the segmentation are left to the forest, as wide as the erosion, and no piece is lost.
  *
- * Seeds are the contour alone of what is left (engine/contour.h). A path to the voxels inside goes
+ * Seeds are the contour alone of what is left (engine/distance.h). A path to the voxels inside goes
  * through it, and it is a seed, so they belong to the same label as if all were seeds. But a seed
  * that somebody plants inside later, to correct, grows there, which it could not among seeds; and
  * seeds take memory by the surface, not by the volume. Those near it give way besides, if the

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "engine/intensities.h"
+#include "engine/scene.h"
 #include "image/geometry.h"
 #include "session/session_inside.h"
 #include "session/state.h"

@@ -11,7 +11,7 @@
  * the greater one first. What follows from the scene is found once. */
 void window_of(int32_t window[2], struct session *session);
 
-/* The window that follows from how often intensities occur (engine/intensities.h), the smaller
+/* The window that follows from how often intensities occur (engine/scene.h), the smaller
  * intensity first. */
 void window_of_counts(int32_t window[2], const uint32_t count[UINT16_MAX + 1]);
 

@@ -1,16 +1,17 @@
 /*
- * The inside of a forest, shared by forest.c (edits), support.c (voxels that lose their
- * predecessor) and pass.c (the levels, one after another), and by no other file.
+ * The inside of a forest, and the pass that solves it level by level: for forest.c, which edits
+ * seeds, and forest_walk.c, which looks at all of it. The words are those of engine/forest.h.
  */
-#ifndef ENGINE_FOREST_PARTS_H
-#define ENGINE_FOREST_PARTS_H
+#ifndef ENGINE_PASS_H
+#define ENGINE_PASS_H
 
-#include "base/team.h"
 #include "base/hash.h"
-#include "engine/forest.h"
-#include "engine/label_runs.h"
+#include "base/team.h"
+#include "engine/arc.h"
+#include "engine/changes.h"
 #include "engine/labels.h"
 #include "engine/queue.h"
+#include "engine/reach.h"
 
 /* A list of cells that grows. */
 struct cells {
@@ -69,9 +70,9 @@ struct forest {
     size_t changes, listed, change_limit;
     size_t unsettled; /* touched voxels without their final key */
     bool everything;
-    uint64_t relabelled;      /* voxels of the edit so far that have another label */
-    struct label_runs former; /* labels of before all grows anew, where they are counted */
-    bool counts_anew;         /* forest_count_anew */
+    uint64_t relabelled;         /* voxels of the edit so far that have another label */
+    struct former_labels former; /* labels of before all grows anew, where they are counted */
+    bool counts_anew;            /* forest_count_anew */
 
     struct edit *batch;   /* the edit at hand, in the order of cells, each voxel once */
     struct edit *inverse; /* the edit that takes it back, likewise */
@@ -166,8 +167,6 @@ static inline void settle(struct forest *forest, uint32_t at)
 
 /* ---- reaches, where there are any ---- */
 
-void reaches_release(struct reaches *reaches, size_t cells);
-
 static inline const struct reach *reach_of(const struct forest *forest, uint32_t root)
 {
     const uint16_t number = forest->reaches.of[root];
@@ -203,36 +202,7 @@ static inline void accept(struct forest *forest, uint32_t at, uint64_t key, uint
                    at);
 }
 
-struct offer {
-    uint64_t key;
-    unsigned direction; /* from the neighbour to here */
-};
-
-/* The best offer to a voxel from neighbours with keys below `limit`, cleared ones left out; without
- * a branch. `neighbours` and `arcs` are those of the forest, and `limits` says whether any seed has
- * a reach: constants where possible. */
-static inline __attribute__((always_inline)) struct offer
-best_offer(const struct forest *forest, uint32_t at, uint64_t limit, const unsigned neighbours,
-           const enum arc_kind arcs, const bool limits)
-{
-    const struct cell *here = forest->cell + at;
-    const struct place place =
-        limits ? grid_place(&forest->scene->grid, at) : (struct place){0, 0, 0};
-    struct offer best = {KEY_NONE, DIRECTION_NONE};
-    for (unsigned i = 0; i < neighbours; i++) {
-        const struct cell *neighbour = here + forest->adjacency.offset[i];
-        bool offers = (neighbour->key - 1 < limit - 1) & !(neighbour->flags & CELL_CLEARED);
-        if (limits && offers)
-            offers = tree_may_hold(forest, key_root(neighbour->key), place);
-        const uint32_t weight = arc_weight(&forest->arcs, arcs, neighbour, here, neighbour->label);
-        const uint64_t key = key_extend(neighbour->key, weight) | ((uint64_t)offers - 1);
-        best.direction = key < best.key ? neighbours - 1 - i : best.direction;
-        best.key = key < best.key ? key : best.key;
-    }
-    return best;
-}
-
-/* ---- support.c ---- */
+/* ---- the work ---- */
 
 /* Removes a seed: its tree is cleared, and waits for reoffer_cleared. */
 void uproot(struct forest *forest, uint32_t at);
@@ -241,20 +211,9 @@ void uproot(struct forest *forest, uint32_t at);
  * it is stopped, the next call goes on. */
 void reoffer_cleared(struct forest *forest);
 
-/* A voxel whose predecessor, in `direction`, has just been served and no longer offers it the key
- * it has, but a greater one. */
-void lose_support(struct forest *forest, uint32_t at, uint64_t offer, unsigned direction);
-
-/* ---- pass.c ---- */
-
 /* Serves every level from the lowest up, until nothing waits or something is wrong: ERR_MEMORY,
  * ERR_LIMIT (T3), or ERR_CANCELLED, where the scene's watch stops it and the forest `may_stop`. The
  * caller finds the words. */
 enum err forest_pass(struct forest *forest);
-
-void forest_free_workers(struct forest *forest);
-
-/* Empties the queues. */
-void forest_forget_queues(struct forest *forest);
 
 #endif
