@@ -21,6 +21,7 @@
 
 #include "render/field.h"
 #include "render/locator.h"
+#include "render/look.h"
 #include "render/normalise.h"
 #include "render/rendition.h"
 
@@ -28,10 +29,6 @@ enum {
     NORMAL_FIT_STEPS = 3,           /* voxels each way to which a plane is fitted */
     NORMAL_REACH = FIELD_REACH + 1, /* as FIELD_REACH, where the field is read before the surface */
 };
-
-/* Where normals come from, and what commands call it. */
-#define SHADE_MODES "surface|scene|depth|cubes"
-enum shade_mode { SHADE_SURFACE, SHADE_SCENE, SHADE_DEPTH, SHADE_CUBES };
 
 /* All that normals depend on besides the pixel. */
 struct normals {

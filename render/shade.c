@@ -15,12 +15,6 @@ enum {
     STAIRS_SEEN = 4,              /* pixels to a voxel, from which on faces of voxels are stairs */
 };
 
-struct look look_default(uint32_t number)
-{
-    return (struct look){
-        .number = number, .light = {-25000, 30000}, .cue_percent = 30, .samples = 1};
-}
-
 void shader_release(struct shader *shader)
 {
     for (int i = 0; i < TEAM_MOST; i++) {
@@ -740,11 +734,6 @@ enum err shade(struct rendition *r, const struct camera *camera, const struct bo
         mark_blocks(r, s.block);
     team_run(team, shade_share, &sharing);
     return OK;
-}
-
-bool look_is_refined(const struct look *look)
-{
-    return look->number > LOOK_FIRST && look->mode != SHADE_CUBES;
 }
 
 bool shade_refines_layers(const struct look *look, const struct camera *camera)
