@@ -78,7 +78,7 @@ static inline bool layers_are_projected(const struct rendition *rendition)
 /* Those of the rows of the rendition from one on, to be splatted into; borrows the maps. */
 struct layers layers_rows(const struct layers *layers, uint32_t top);
 
-/* What the functions of a rendition's name do where it has layers. */
+/* The four ways (render/projection.h) where a rendition has layers that are projected. */
 void layers_splat_scene(struct rendition *rendition, const struct camera *camera,
                         const struct border *border);
 void layers_splat_border(struct task *task, struct rendition *rendition,

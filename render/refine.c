@@ -4,6 +4,7 @@
 
 #include "engine/gradient.h"
 #include "render/meeting.h"
+#include "render/projection.h"
 
 enum {
     RATIO_BITS = 15,

@@ -385,7 +385,7 @@ static bool waits(const struct rendition *r, const struct shading *s)
     return rendition_is_refined(r) && !looks_around(s->look);
 }
 
-/* Surfaces of samples: then what is empty is not looked at (render/reduce.c). */
+/* Surfaces of samples: then what is empty is not looked at (render/rendition.h). */
 static bool is_reduced(const struct rendition *r, const struct shading *s)
 {
     return rendition_is_refined(r) && s->samples > 1;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "render/bands.h"
+#include "render/projection.h"
 #include "show/drawn_colours.h"
 #include "show/decorating.h"
 #include "show/window.h"

@@ -17,6 +17,7 @@
 #include "program/console.h"
 #include "command/interpreter.h"
 #include "engine/label_stats.h"
+#include "render/projection.h"
 #include "report/export.h"
 #include "show/slicing.h"
 
