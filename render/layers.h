@@ -112,10 +112,6 @@ void layers_put(struct layers *layers, size_t pixel, int64_t depth, uint32_t cel
 
 /* ---- shading ---- */
 
-/* Where layers are refined: those of the pixels of a footprint, whose maps of cubes are made. */
-struct refiner;
-void layers_refine(struct rendition *rendition, struct refiner *refiner, struct footprint tile);
-
 /* Depths, voxels and labels of the pixels of a footprint, which is a tile; true where none of them
  * shows anything. */
 bool layers_pick(struct rendition *rendition, const struct border *border, struct footprint tile);

@@ -3,12 +3,9 @@
 #include <string.h>
 
 #include "render/edge.h"
-#include "render/layers.h"
+#include "render/layers_refine.h"
 #include "render/light.h"
-#include "render/meeting.h"
-#include "render/normal.h"
 #include "render/patch.h"
-#include "render/refine.h"
 
 enum {
     EDGE = LIGHT_UNIT * 35 / 100, /* what an edge leaves of a colour */
