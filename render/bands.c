@@ -2,6 +2,7 @@
 
 #include "render/layers.h"
 #include "render/patch.h"
+#include "render/projection.h"
 
 /* More leave the caches. Of less, voxels and rows around that lie across two bands are drawn twice:
  * of voxels it takes 2 % more time to have half as many, which wide pictures spare memory by. */

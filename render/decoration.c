@@ -5,16 +5,10 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "render/marks.h"
 #include "render/notes.h"
-#include "render/slice.h"
+#include "render/slice_plan.h"
 #include "render/sweep.h"
 #include "render/text.h"
-
-enum {
-    LETTERS_FROM = 48, /* pixels of the picture's shorter side at which parts begin */
-    BARS_FROM = 128,
-};
 
 static const uint8_t black[3];
 
@@ -293,11 +287,11 @@ enum err decoration_draw(const struct canvas *canvas, const struct decoration *d
         return fault_memory(fault, "the marks of a rendition");
     if (d->parts & DECORATE_CROSS)
         draw_cross(canvas, d, unit);
-    if (d->parts & DECORATE_LEGEND && side >= BARS_FROM)
+    if (d->parts & DECORATE_LEGEND && side >= NOTES_BARS_FROM)
         draw_legend(canvas, d, unit);
-    if (d->parts & DECORATE_LETTERS && side >= LETTERS_FROM)
+    if (d->parts & DECORATE_LETTERS && side >= NOTES_LETTERS_FROM)
         draw_letters(canvas, d, unit);
-    if (d->parts & DECORATE_SCALE && side >= BARS_FROM)
+    if (d->parts & DECORATE_SCALE && side >= NOTES_BARS_FROM)
         draw_scale(canvas, d, unit);
     return OK;
 }

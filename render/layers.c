@@ -375,9 +375,10 @@ void layers_follow(struct rendition *r, const struct camera *camera, const struc
     }
     for (size_t i = 0; fits && i < pixels.count; i++)
         walk_pixel(l, camera, border, pixels.item[i]);
-    if (!fits && !seams_count(l->seams, border, NULL))
-        splat_border(r, camera, border);
-    else if (!fits)
+    if (!fits && !seams_count(l->seams, border, NULL)) {
+        task = task_begin(border->scene->watch, "rendition", border->scene->grid.cells);
+        layers_splat_border(&task, r, camera, border);
+    } else if (!fits)
         layers_raycast(r, camera, border);
     free(pixels.item);
 }

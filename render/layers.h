@@ -78,7 +78,7 @@ static inline bool layers_are_projected(const struct rendition *rendition)
 /* Those of the rows of the rendition from one on, to be splatted into; borrows the maps. */
 struct layers layers_rows(const struct layers *layers, uint32_t top);
 
-/* What the functions of a rendition's name do where it has layers. */
+/* The four ways (render/projection.h) where a rendition has layers that are projected. */
 void layers_splat_scene(struct rendition *rendition, const struct camera *camera,
                         const struct border *border);
 void layers_splat_border(struct task *task, struct rendition *rendition,
@@ -111,10 +111,6 @@ void layers_put(struct layers *layers, size_t pixel, int64_t depth, uint32_t cel
                 bool is_opaque);
 
 /* ---- shading ---- */
-
-/* Where layers are refined: those of the pixels of a footprint, whose maps of cubes are made. */
-struct refiner;
-void layers_refine(struct rendition *rendition, struct refiner *refiner, struct footprint tile);
 
 /* Depths, voxels and labels of the pixels of a footprint, which is a tile; true where none of them
  * shows anything. */

@@ -2,8 +2,6 @@
 
 #include "base/wide.h"
 #include "engine/gradient.h"
-#include "render/fixed.h"
-#include "render/normal.h"
 
 enum {
     AMBIENT = LIGHT_UNIT / 5,
@@ -27,15 +25,14 @@ static void aim(struct light *light, const struct camera *camera, const int32_t 
 {
     const int64_t pitch = angle[1], quarter = VIEW_TURN / 4;
     const int64_t level = view_sine((int32_t)(pitch + quarter));
-    const int64_t right = fixed_mul30(view_sine(angle[0]), level);
-    const int64_t behind = fixed_mul30(view_sine((int32_t)(angle[0] + quarter)), level);
+    const int64_t right = times30(view_sine(angle[0]), level);
+    const int64_t behind = times30(view_sine((int32_t)(angle[0] + quarter)), level);
     const int64_t up = view_sine((int32_t)pitch);
     int64_t half[3];
     uint64_t squares = 0;
     for (int a = 0; a < 3; a++) {
-        const int64_t along = fixed_mul30(right, camera->right[a]) +
-                              fixed_mul30(up, camera->up[a]) -
-                              fixed_mul30(behind, camera->ahead[a]);
+        const int64_t along = times30(right, camera->right[a]) + times30(up, camera->up[a]) -
+                              times30(behind, camera->ahead[a]);
         light->toward[a] = (int32_t)(along >> (30 - NORMAL_BITS));
         half[a] = (along - camera->ahead[a]) >> (30 - NORMAL_BITS);
         squares += (uint64_t)(half[a] * half[a]);
@@ -76,34 +73,6 @@ int64_t light_cue(const struct light *light, int64_t depth)
     behind = behind < 0 ? 0 : behind > light->depth_range ? light->depth_range : behind;
     return LIGHT_UNIT - ((behind >> light->cue_shift) * light->cue >> CUE_BITS);
 }
-
-static void colour_pixel(uint8_t rgba[4], const uint8_t base[3], int64_t brightness, int64_t gloss,
-                         int64_t cue)
-{
-    for (int k = 0; k < 3; k++) {
-        const int64_t v = (base[k] * brightness + gloss) * cue >> (2 * LIGHT_UNIT_BITS);
-        rgba[k] = (uint8_t)(v > 255 ? 255 : v);
-    }
-    rgba[3] = 255;
-}
-
-static inline int64_t dot(const int16_t a[3], const int32_t b[3])
-{
-    return (int64_t)a[0] * b[0] + (int64_t)a[1] * b[1] + (int64_t)a[2] * b[2];
-}
-
-void light_surface(uint8_t rgba[4], const struct light *light, const uint8_t colour[3],
-                   const int16_t normal[3], int64_t open, int64_t cue)
-{
-    const int64_t lit = dot(normal, light->toward), mirror = dot(normal, light->half);
-    const int64_t cosine = lit < 0 ? 0 : lit >> (2 * NORMAL_BITS - LIGHT_UNIT_BITS);
-    const int64_t shine = mirror < 0 ? 0 : mirror >> (2 * NORMAL_BITS - LIGHT_GLOSS_BITS);
-    const int64_t bright = AMBIENT + (DIFFUSE * cosine >> LIGHT_UNIT_BITS);
-    colour_pixel(rgba, colour, bright * open >> LIGHT_UNIT_BITS,
-                 light->gloss[shine > LIGHT_GLOSSES ? LIGHT_GLOSSES : shine], cue);
-}
-
-/* ---- many surfaces at once ---- */
 
 static inline void shine_at(int32_t gloss[NORMALISED], const struct light *light,
                             const int32_t mirror[NORMALISED])
@@ -148,5 +117,7 @@ WIDE void light_surfaces(struct lit *lit, const struct light *light,
 
 void light_flat(uint8_t rgba[4], const uint8_t colour[3], int64_t cue)
 {
-    colour_pixel(rgba, colour, LIGHT_UNIT, 0, cue);
+    for (int k = 0; k < 3; k++)
+        rgba[k] = (uint8_t)(colour[k] * cue >> LIGHT_UNIT_BITS);
+    rgba[3] = 255;
 }

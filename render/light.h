@@ -6,8 +6,7 @@
 #ifndef RENDER_LIGHT_H
 #define RENDER_LIGHT_H
 
-#include "render/normalise.h"
-#include "render/view.h"
+#include "render/normal.h"
 
 enum {
     LIGHT_UNIT_BITS = 15,
@@ -32,20 +31,16 @@ void light_init(struct light *light, const struct camera *camera, const int32_t 
 /* What the depth leaves of a colour, of LIGHT_UNIT. */
 int64_t light_cue(const struct light *light, int64_t depth);
 
-/* The colour of a surface with this normal, to which `open` of the ambient and diffuse light comes,
- * and of which the depth leaves `cue`: both 0..LIGHT_UNIT. */
-void light_surface(uint8_t rgba[4], const struct light *light, const uint8_t colour[3],
-                   const int16_t normal[3], int64_t open, int64_t cue);
-
-/* The same for many at once, as shading does it: `colour` is [red, green, blue][which], of surfaces
- * and then of pixels. */
+/* Many surfaces at once: `colour` is [red, green, blue][which], of surfaces and then of pixels.
+ * `open` of the ambient and diffuse light comes to each, and the depth leaves `cue` of its colour:
+ * both 0..LIGHT_UNIT. */
 struct lit {
     uint8_t colour[3][NORMALISED];
     uint16_t open[NORMALISED], cue[NORMALISED];
 };
 void light_surfaces(struct lit *lit, const struct light *light, const struct directions *normals);
 
-/* The same as bright from every side. */
+/* The colour of one that is as bright from every side. */
 void light_flat(uint8_t rgba[4], const uint8_t colour[3], int64_t cue);
 
 #endif

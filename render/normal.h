@@ -20,18 +20,26 @@
 #define RENDER_NORMAL_H
 
 #include "render/field.h"
-#include "render/locator.h"
-#include "render/normalise.h"
+#include "render/look.h"
 #include "render/rendition.h"
+
+enum {
+    NORMAL_BITS = 14, /* 1 of a normal's length */
+    NORMALISED = 64,  /* at once: the pixels of a tile */
+};
+
+/* Along x, y, z; of each as many as are at once. */
+struct gradients {
+    int32_t along[3][NORMALISED]; /* above -2^31 */
+};
+struct directions {
+    int16_t along[3][NORMALISED];
+};
 
 enum {
     NORMAL_FIT_STEPS = 3,           /* voxels each way to which a plane is fitted */
     NORMAL_REACH = FIELD_REACH + 1, /* as FIELD_REACH, where the field is read before the surface */
 };
-
-/* Where normals come from, and what commands call it. */
-#define SHADE_MODES "surface|scene|depth|cubes"
-enum shade_mode { SHADE_SURFACE, SHADE_SCENE, SHADE_DEPTH, SHADE_CUBES };
 
 /* All that normals depend on besides the pixel. */
 struct normals {
@@ -64,5 +72,26 @@ void normals_of(struct directions *out, struct normals *normals, const struct re
 
 /* Pixels to a voxel, at least 1. */
 int64_t normal_stride(const struct camera *camera);
+
+/* ---- gradients to normals ---- */
+
+/* Of length 2^NORMAL_BITS; 0, 0, 0 where the gradient is, which has no direction. */
+void normalise_all(struct directions *directions, const struct gradients *gradients);
+
+/* The same of one gradient, of any size below 2^63; false, and nothing is set, where it is 0. */
+bool normalise_one(int16_t direction[3], const int64_t gradient[3]);
+
+/* 2^45 over the square root of v, for v of 2^28..2^32 - 1, right to 18 bits: a chord of the curve
+ * and two steps of Newton's. */
+static inline int64_t inverse_root(uint64_t v)
+{
+    const int64_t one = INT64_C(1) << 30;
+    const int doubled = v < (UINT64_C(1) << 30);
+    const int64_t x = (int64_t)(doubled ? v << 2 : v); /* 1..4, times 2^30 */
+    int64_t r = x < 2 * one ? (one * 163 - x * 37) >> 7 : (one * 114 - x * 13) >> 7;
+    for (int i = 0; i < 2; i++)
+        r = r * (3 * one - (x * (r * r >> 30) >> 30)) >> 31;
+    return r << doubled;
+}
 
 #endif

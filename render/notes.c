@@ -1,5 +1,8 @@
 #include "render/notes.h"
 
+#include <stdlib.h>
+
+#include "base/mem.h"
 #include "render/text.h"
 
 const struct ink notes_light = {{232, 232, 232}, {0, 0, 0}};
@@ -42,4 +45,86 @@ void notes_draw_scale(const struct canvas *canvas, uint32_t unit, int64_t pixels
     canvas_box(canvas, left + pixels - u, bottom - tick, u, tick, ink->rgb);
     text_draw_outlined(canvas, left, bottom - tick - (TEXT_TALL + 3) * u, unit, words, ink->rgb,
                        ink->outline);
+}
+
+/* ---- marks ---- */
+
+static const uint8_t black[3] = {0, 0, 0}, white[3] = {255, 255, 255};
+static const uint8_t seed_grey[3] = {225, 225, 225}, eliminator_red[3] = {255, 72, 56};
+
+void marks_add(struct marks *marks, struct mark mark)
+{
+    if (mem_grow(&marks->mark, &marks->capacity, marks->count + 1, sizeof *marks->mark))
+        marks->mark[marks->count++] = mark;
+    else
+        marks->failed = true;
+}
+
+/* ---- runs of marks ---- */
+
+uint16_t mark_run(const struct mark *mark)
+{
+    return (uint16_t)(mark->eliminates ? 0 : 1 + mark->label + (mark->waits ? 256 : 0));
+}
+
+static bool is_inner(const struct mark_runs *runs, size_t at)
+{
+    const size_t x = at % runs->columns, y = at / runs->columns, step = runs->step;
+    const uint16_t *here = runs->run + at;
+    return *here && x >= step && x + step < runs->columns && y >= step && y + step < runs->rows &&
+           *(here - step) == *here && here[step] == *here &&
+           *(here - step * runs->columns) == *here && here[step * runs->columns] == *here;
+}
+
+void marks_keep_rims(struct marks *marks, const struct mark_runs *runs)
+{
+    size_t left = 0;
+    for (size_t i = 0; i < marks->count; i++)
+        if (marks->mark[i].eliminates || !is_inner(runs, marks->mark[i].at))
+            marks->mark[left++] = marks->mark[i];
+    marks->count = left;
+}
+
+/* Whether a mark covers a pixel so far from its middle: a disc, or two diagonals. */
+static bool covers(const struct mark *mark, int64_t dx, int64_t dy, int64_t radius, int64_t around)
+{
+    const int64_t reach = radius + around, x = llabs(dx), y = llabs(dy);
+    if (!mark->eliminates)
+        return x * x + y * y <= reach * reach + reach / 2;
+    return x <= reach && y <= reach && llabs(x - y) <= radius / 3 + around;
+}
+
+static void stamp(const struct canvas *canvas, const struct mark *mark, int64_t radius,
+                  int64_t around, const uint8_t rgb[3])
+{
+    const int64_t reach = radius + around;
+    for (int64_t dy = -reach; dy <= reach; dy++)
+        for (int64_t dx = -reach; dx <= reach; dx++)
+            if (covers(mark, dx, dy, radius, around))
+                canvas_dot(canvas, mark->column + dx, mark->row + dy, rgb);
+}
+
+static const uint8_t *colour_of(const struct mark *mark, const struct palette *palette)
+{
+    const uint8_t *rgb = palette->rgb[mark->label];
+    if (mark->eliminates)
+        return eliminator_red;
+    return rgb[0] || rgb[1] || rgb[2] ? rgb : seed_grey;
+}
+
+void marks_draw(const struct canvas *canvas, const struct marks *marks, int64_t unit,
+                const struct palette *palette)
+{
+    const int64_t more = notes_side(canvas) >= NOTES_LARGE_FROM;
+    for (int pass = 0; pass < 4; pass++)
+        for (size_t i = 0; i < marks->count; i++) {
+            const struct mark *mark = &marks->mark[i];
+            const int64_t radius = (mark->eliminates ? 2 * unit : unit) + more;
+            if (mark->eliminates != (pass >= 2))
+                continue;
+            if (pass % 2 == 0)
+                stamp(canvas, mark, radius, unit, mark->waits ? white : black);
+            else
+                stamp(canvas, mark, radius, 0, colour_of(mark, palette));
+        }
 }

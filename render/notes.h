@@ -1,5 +1,7 @@
 /*
- * Notes: what slices and renditions have in common of the words and bars that are drawn over them.
+ * Notes: what slices and renditions have in common of what is drawn over them: words and bars, and
+ * marks of seeds and eliminators. A seed is a dot of its label's colour, an eliminator an x, outlined
+ * in white where it waits for a run, else in black.
  *
  * Sizes follow the picture by `unit`, how many pixels a thin line is wide (slice_unit). All of it
  * has an outline, so that it shows on any ground.
@@ -7,9 +9,16 @@
 #ifndef RENDER_NOTES_H
 #define RENDER_NOTES_H
 
-#include "render/canvas.h"
+#include <stdbool.h>
 
-enum { NOTES_LARGE_FROM = 192 }; /* pixels of the shorter side from which letters are larger */
+#include "render/canvas.h"
+#include "render/palette.h"
+
+enum {                          /* pixels of the picture's shorter side */
+       NOTES_LETTERS_FROM = 48, /* at which letters of the patient's sides begin, */
+       NOTES_BARS_FROM = 128,   /* and bars, */
+       NOTES_LARGE_FROM = 192,  /* and from which letters and marks are larger */
+};
 
 /* The colours of words and bars. */
 struct ink {
@@ -31,5 +40,41 @@ void notes_draw_sides(const struct canvas *canvas, uint32_t unit, const char *co
 /* Bottom left: a bar so many pixels long, and its length in words above it. */
 void notes_draw_scale(const struct canvas *canvas, uint32_t unit, int64_t pixels, const char *words,
                       const struct ink *ink);
+
+/* ---- marks ---- */
+
+struct mark {
+    int64_t column, row; /* the pixel of its middle */
+    size_t at;           /* where it lies in struct mark_runs, if that is made */
+    uint8_t label;       /* one whose colour is black is marked in light grey */
+    bool eliminates, waits;
+};
+
+/* {0} is none; the caller frees `mark`. */
+struct marks {
+    struct mark *mark;
+    size_t count, capacity;
+    bool failed; /* there was no memory for one */
+};
+
+void marks_add(struct marks *marks, struct mark mark);
+
+/* All outlines first, so that a ball of seeds is one thing with one outline; x over dots. `unit` is
+ * how many pixels a thin line is wide. */
+void marks_draw(const struct canvas *canvas, const struct marks *marks, int64_t unit,
+                const struct palette *palette);
+
+/* Which places, row by row, have seeds that are alike: what mark_run has for them, 0 for none. */
+struct mark_runs {
+    uint16_t *run;
+    size_t columns, rows;
+    size_t step; /* from a place to its neighbours */
+};
+
+/* What is the same of the seeds of a run: their label, and whether they wait; 0 is no seed. */
+uint16_t mark_run(const struct mark *mark);
+
+/* Takes seeds away whose four neighbours are like them: of a run only the rim stays. */
+void marks_keep_rims(struct marks *marks, const struct mark_runs *runs);
 
 #endif

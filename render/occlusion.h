@@ -14,7 +14,7 @@
 #define RENDER_OCCLUSION_H
 
 #include "render/border.h"
-#include "render/locator.h"
+#include "render/view.h"
 
 enum {
     BRICK_BITS = 2,     /* a brick is 2^2 voxels long, or less along axes of larger spacing */

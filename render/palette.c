@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "render/shade.h"
+#include "render/look.h"
 
 enum { HUES = 8 };
 

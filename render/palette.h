@@ -9,7 +9,7 @@ struct palette {
 };
 
 /* Distinct colours, also for people who do not distinguish red from green, in turn; `look` is the
- * number of a look (render/shade.h). */
+ * number of a look (render/look.h). */
 void palette_default(struct palette *palette, uint32_t look);
 
 #endif

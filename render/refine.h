@@ -20,12 +20,14 @@
 #define RENDER_REFINE_H
 
 #include "render/field.h"
-#include "render/locator.h"
 #include "render/rendition.h"
 
-/* What is seen of a pixel depends on what is shown at most so many steps along each axis away from
- * voxels on its ray. */
-enum { REFINE_REACH = FIELD_REACH };
+enum {
+    REFINE_POINT_BITS = 12,     /* points are in 2^-12 voxels from the centre of voxel 0 */
+    REFINE_REACH = FIELD_REACH, /* what is seen of a pixel depends on what is shown at most so many
+                                   steps along each axis away from voxels on its ray, */
+    MEETING_REACH = 2,          /* and its label, on labels of voxels at most so many away */
+};
 
 /* In the low two bits of a depth: not on a face that is cut open. */
 enum { REFINE_WITHIN = 3 };
@@ -48,11 +50,12 @@ struct refiner {
     const struct camera *camera;
     const struct border *border;
     struct locator locator[3];
-    int64_t depth[REFINE_WHOLE + 1];   /* crossings of such a part of a voxel, */
-    int32_t step[REFINE_WHOLE + 1][3]; /* and that along each axis, in 2^-12 voxels */
-    bool cuts;                         /* something is cut away */
-    bool is_close;                     /* from look 3 on: pits, and rims of what is cut open */
-    bool meets; /* where objects meet, a point's voxel is that of render/meeting.h */
+    int64_t depth[REFINE_WHOLE + 1]; /* crossings of such a part of a voxel, */
+    int32_t step[REFINE_WHOLE + 1]
+                [3];            /* and that along each axis, in 2^-REFINE_POINT_BITS voxels */
+    bool cuts;                  /* something is cut away */
+    bool is_close;              /* from look 3 on: pits, and rims of what is cut open */
+    bool meets;                 /* where objects meet, a point's voxel is that of meeting_voxel */
     struct field_reader *shown; /* the one reader that there is of that field */
     uint8_t label;              /* whose surface is looked for; 0: of all that is shown */
     const struct seams *seams;  /* to be set where it is of a label: the border's, */
@@ -111,5 +114,22 @@ void refine_fetch(const struct refiner *refiner, const struct rendition *renditi
 
 /* What is seen of a pixel, whose maps of cubes are made. */
 void refine_pixel(struct rendition *rendition, struct refiner *refiner, uint32_t x, uint32_t y);
+
+/* ---- where objects meet ---- */
+
+/* Which voxel a point of a surface shows, where several objects meet.
+ *
+ * By its own voxel alone, the line along which two objects meet runs along faces of voxels, and is
+ * stairs where voxels are large. So shown voxels up to two steps away speak for their objects, the
+ * more the nearer they are; the object that most is said for has the point, and of its voxels the
+ * nearest is shown. A point between eight voxels of one object is that object's.
+ *
+ * The weight is that of two tents along the axes, of one step and of two, of which the former
+ * counts three times as much: at the centre of a voxel its own object has the point, and what is as
+ * small as a voxel stays.
+ *
+ * `own` is the point's own voxel, which is shown, and is given back where no other object has the
+ * point. */
+uint32_t meeting_voxel(const struct border *border, const int32_t point[3], uint32_t own);
 
 #endif

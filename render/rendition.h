@@ -2,9 +2,8 @@
  * The rendition: which voxel each pixel shows, at what depth, and in what colour.
  *
  * A pixel's key is its depth, and the least wins. Depths of two cubes never tie (render/view.h), so
- * the map is a function of what is shown and of the view, and four ways of making it agree in
- * every pixel: scene projection (splat every shown voxel), border projection (splat only
- * border voxels), the ray walk, and the incremental image (repair the former one).
+ * the map is a function of what is shown and of the view, and the four ways of making it
+ * (render/projection.h) agree in every pixel.
  *
  * Invariant R1: `cube` is what any of the four gives, and the rest follows from it; a pixel that
  * shows nothing has DEPTH_NONE, CELL_NONE, and once it is shaded label 0, colour 0 and normal 0.
@@ -59,8 +58,8 @@ struct rendition {
     uint8_t *stale;  /* [tiles_y][tiles_x], enum tile_state */
     bool *blank;     /* likewise: all but the maps of cubes are as rendition_empty leaves them, also
                         while the tile is stale */
-    uint64_t *uncovered; /* of border projection (render/cover.h): bit x % 64 of word x / 64 of a
-                            row where pixel x shows nothing yet */
+    uint64_t *uncovered; /* of border projection: bit x % 64 of word x / 64 of a row where pixel x
+                            shows nothing yet */
     uint32_t tiles_x, tiles_y;
     struct layers *layers; /* borrowed; NULL where all objects are opaque (render/layers.h) */
 };
@@ -102,31 +101,10 @@ void rendition_clear(struct rendition *rendition);
 /* Shaded pixels of which nothing is seen: `count` of them, from number `first` on. */
 void rendition_empty(struct rendition *rendition, size_t first, size_t count);
 
-/* Scene projection and border projection; the rendition has the camera's size. These, the ray walk
- * and shading are done under the scene's watch: what ends early is of no use. */
-void splat_scene(struct rendition *rendition, const struct camera *camera,
-                 const struct border *border);
-void splat_border(struct rendition *rendition, const struct camera *camera,
-                  const struct border *border);
-
-/* Border projection by any thread, which ends early where the watch has stopped, but does not poll
- * it. */
-void splat_border_quietly(struct rendition *rendition, const struct camera *camera,
-                          const struct border *border);
-
-/* Border projection by a team, each thread with rows of its own. */
-void splat_border_shared(struct rendition *rendition, const struct camera *camera,
-                         const struct border *border, struct team *team);
-
-/* Splats one voxel; the building block of both. */
-void splat_voxel(struct rendition *rendition, const struct camera *camera, uint32_t cell);
-
-/* The pixels that the cube of a voxel may cover, within the picture, widened to what the cubes
- * of voxels up to `around` steps away may cover. Empty where left > right or top > bottom. */
+/* Some pixels of a picture, both ends included. Empty where left > right or top > bottom. */
 struct footprint {
     int32_t left, top, right, bottom;
 };
-struct footprint splat_footprint(const struct camera *camera, uint32_t cell, int around);
 
 /* Marks the tiles of the pixels of a footprint, and of those up to `pixels` away. */
 void rendition_mark_stale(struct rendition *rendition, struct footprint footprint, int pixels);
@@ -137,25 +115,6 @@ void rendition_mark_stale(struct rendition *rendition, struct footprint footprin
 struct shade_reach {
     int voxels, labels, pixels;
 };
-
-/* The ray walk over the whole picture. */
-void raycast(struct rendition *rendition, const struct camera *camera, const struct border *border);
-
-/* The first solid voxel (render/border.h) on the ray of a pixel whose depth is at least `from`: its
- * depth and cell, or false. INT64_MIN starts before the scene. */
-bool raycast_pixel(const struct camera *camera, const struct border *border, uint32_t column,
-                   uint32_t row, int64_t from, int64_t *depth, uint32_t *cell);
-
-/*
- * The incremental image: `rendition` is that of the labels before the edit, by the same camera, and
- * `border` is up to date. Repairs it in time proportional to the changes, and marks the tiles whose
- * colours may change: `reach` says how far around a change they do. Changes that are "everything"
- * are splatted from nothing. Of a stale tile all pixels are looked at for what has disappeared: by
- * voxel, most would be looked at several times.
- */
-void incremental_image(struct rendition *rendition, const struct camera *camera,
-                       const struct border *border, const struct changes *changes,
-                       struct shade_reach reach);
 
 /* Makes each pixel of `out` of samples x samples pixels of `fine`, which is so much larger: the
  * nearest one's depth, voxel, label and normal; the mean colour, taken of squares, which is near to

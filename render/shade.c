@@ -3,23 +3,14 @@
 #include <string.h>
 
 #include "render/edge.h"
-#include "render/layers.h"
+#include "render/layers_refine.h"
 #include "render/light.h"
-#include "render/meeting.h"
-#include "render/normal.h"
 #include "render/patch.h"
-#include "render/refine.h"
 
 enum {
     EDGE = LIGHT_UNIT * 35 / 100, /* what an edge leaves of a colour */
     STAIRS_SEEN = 4,              /* pixels to a voxel, from which on faces of voxels are stairs */
 };
-
-struct look look_default(uint32_t number)
-{
-    return (struct look){
-        .number = number, .light = {-25000, 30000}, .cue_percent = 30, .samples = 1};
-}
 
 void shader_release(struct shader *shader)
 {
@@ -391,7 +382,7 @@ static bool waits(const struct rendition *r, const struct shading *s)
     return rendition_is_refined(r) && !looks_around(s->look);
 }
 
-/* Surfaces of samples: then what is empty is not looked at (render/reduce.c). */
+/* Surfaces of samples: then what is empty is not looked at (render/rendition.h). */
 static bool is_reduced(const struct rendition *r, const struct shading *s)
 {
     return rendition_is_refined(r) && s->samples > 1;
@@ -740,11 +731,6 @@ enum err shade(struct rendition *r, const struct camera *camera, const struct bo
         mark_blocks(r, s.block);
     team_run(team, shade_share, &sharing);
     return OK;
-}
-
-bool look_is_refined(const struct look *look)
-{
-    return look->number > LOOK_FIRST && look->mode != SHADE_CUBES;
 }
 
 bool shade_refines_layers(const struct look *look, const struct camera *camera)

@@ -1,4 +1,3 @@
-/* The grey of a slice, and its labels. What lies over them is render/slice_notes.c. */
 #include "render/slice.h"
 
 #include <stdlib.h>
@@ -6,8 +5,8 @@
 
 #include "base/mem.h"
 #include "engine/labels.h"
-#include "render/slice_notes.h"
-#include "render/slice_plan.h"
+#include "render/notes.h"
+#include "render/text.h"
 
 enum { PART = 256, HALF = PART * PART / 2 }; /* parts of the way from one voxel to the next */
 
@@ -31,12 +30,14 @@ struct sample {
     uint32_t part;
 };
 
-/* Everything that the rows of a slice share. Columns are counted from the first that shows
- * something. */
+/* A slice in the making. Columns are counted from the first that shows something. */
 struct work {
+    const struct canvas *canvas;
     const struct scene *scene;
+    const struct slice_choice *choice;
+    const struct slice_style *style;
+    struct slice_plan plan;
     struct labels labels;
-    const struct slice_plan *plan;
     uint8_t shown[256]; /* a label, or 0 where it is hidden */
     struct sample *sample;
     ptrdiff_t *reads; /* voxels to be read, as cells from the row's first */
@@ -78,8 +79,8 @@ static int64_t between(const struct slice_side *side, int64_t pixel, bool smooth
 /* Voxels rise from column to column, so each is listed once. */
 static void list_columns(struct work *work, bool smooth)
 {
-    const struct slice_side *side = &work->plan->side[0];
-    const ptrdiff_t step = work->plan->step[0];
+    const struct slice_side *side = &work->plan.side[0];
+    const ptrdiff_t step = work->plan.step[0];
     int64_t last = -1; /* the voxel listed last */
     for (size_t x = 0; x < work->columns; x++) {
         struct sample *s = &work->sample[x];
@@ -96,15 +97,16 @@ static void list_columns(struct work *work, bool smooth)
     }
 }
 
-static bool work_init(struct work *work, const struct scene *scene, const struct slice_plan *plan,
-                      const struct slice_choice *choice, const struct slice_style *style)
+/* Room for what is passed, and the columns; false when out of memory. */
+static bool work_init(struct work *work)
 {
-    const size_t columns = (size_t)(plan->side[0].end - plan->side[0].first);
-    const size_t rows = (size_t)(plan->side[1].end - plan->side[1].first);
-    *work = (struct work){
-        .scene = scene, .labels = {scene, style->finished}, .plan = plan, .columns = columns};
+    const struct slice_side *side = work->plan.side;
+    const size_t columns = (size_t)(side[0].end - side[0].first);
+    const size_t rows = (size_t)(side[1].end - side[1].first);
+    work->labels = (struct labels){work->scene, work->style->finished};
+    work->columns = columns;
     for (unsigned label = 1; label < 256; label++)
-        work->shown[label] = style->visible[label] ? (uint8_t)label : 0;
+        work->shown[label] = work->style->visible[label] ? (uint8_t)label : 0;
     work->sample = mem_array(columns, sizeof *work->sample);
     work->reads = mem_array(2 * columns, sizeof *work->reads);
     work->label = mem_array(columns * rows, 1);
@@ -118,7 +120,7 @@ static bool work_init(struct work *work, const struct scene *scene, const struct
         fine = fine && work->row[i].grey && work->row[i].label;
     }
     if (fine)
-        list_columns(work, choice->smooth);
+        list_columns(work, work->choice->smooth);
     return fine;
 }
 
@@ -132,7 +134,7 @@ static const struct row *row_of(struct work *work, int64_t voxel)
     if (row->voxel == voxel)
         return row;
     const struct cell *cell =
-        work->scene->cell + ((ptrdiff_t)work->plan->corner + voxel * work->plan->step[1]);
+        work->scene->cell + ((ptrdiff_t)work->plan.corner + voxel * work->plan.step[1]);
     for (size_t i = 0; i < work->count; i++) {
         const struct cell *at = cell + work->reads[i];
         work->intensity[i] = at->intensity;
@@ -159,18 +161,18 @@ static void paint_row(uint8_t *pixel, const uint32_t *low, const uint32_t *high,
     }
 }
 
-static void paint_grey(const struct canvas *canvas, struct work *work, bool smooth,
-                       const uint8_t *grey)
+static void paint_grey(struct work *work)
 {
-    const struct slice_side *side = &work->plan->side[1];
-    const size_t left = (size_t)work->plan->side[0].first;
+    const struct slice_side *side = &work->plan.side[1];
+    const size_t left = (size_t)work->plan.side[0].first;
     for (int64_t y = side->first; y < side->end; y++) {
         uint32_t part = 0;
-        const int64_t voxel = between(side, y, smooth, &part), near = slice_side_voxel(side, y);
+        const int64_t voxel = between(side, y, work->choice->smooth, &part);
+        const int64_t near = slice_side_voxel(side, y);
         const struct row *low = row_of(work, voxel);
         const struct row *high = part ? row_of(work, voxel + 1) : low;
-        paint_row(canvas_pixel(canvas, left, (size_t)y), low->grey, high->grey, part, grey,
-                  work->columns);
+        paint_row(canvas_pixel(work->canvas, left, (size_t)y), low->grey, high->grey, part,
+                  work->style->grey, work->columns);
         memcpy(work->label + (size_t)(y - side->first) * work->columns,
                near == voxel ? low->label : high->label, work->columns);
     }
@@ -178,18 +180,10 @@ static void paint_grey(const struct canvas *canvas, struct work *work, bool smoo
 
 /* ---- labels ---- */
 
-static void tint_row(uint8_t *pixel, const uint8_t *label, size_t columns,
-                     const struct palette *palette)
-{
-    for (size_t x = 0; x < columns; x++, pixel += 4)
-        for (int k = 0; label[x] && k < 3; k++)
-            pixel[k] = (uint8_t)((2 * pixel[k] + palette->rgb[label[x]][k] + 1) / 3);
-}
-
 /* The label of a pixel: 0 beside the scene, `own` beside the picture, whose edge is no contour. */
 static uint8_t label_at(const struct work *work, int64_t x, int64_t y, uint8_t own)
 {
-    const struct slice_side *column = &work->plan->side[0], *row = &work->plan->side[1];
+    const struct slice_side *column = &work->plan.side[0], *row = &work->plan.side[1];
     if (x < 0 || y < 0 || x >= column->pixels || y >= row->pixels)
         return own;
     if (x < column->first || y < row->first || x >= column->end || y >= row->end)
@@ -221,7 +215,7 @@ static bool on_contour_inside(const uint8_t *label, ptrdiff_t columns, int64_t r
 static void outline_row(uint8_t *pixel, const struct work *work, int64_t y, int64_t reach,
                         const struct palette *palette)
 {
-    const struct slice_side *column = &work->plan->side[0], *row = &work->plan->side[1];
+    const struct slice_side *column = &work->plan.side[0], *row = &work->plan.side[1];
     const bool is_inner = y - row->first >= reach && row->end - y > reach;
     const uint8_t *label = work->label + (size_t)(y - row->first) * work->columns;
     for (int64_t x = column->first; x < column->end; x++, pixel += 4, label++) {
@@ -232,24 +226,178 @@ static void outline_row(uint8_t *pixel, const struct work *work, int64_t y, int6
     }
 }
 
-static void paint_labels(const struct canvas *canvas, const struct work *work,
-                         const struct slice_style *style)
+static void paint_labels(const struct work *work)
 {
-    const struct slice_side *column = &work->plan->side[0], *row = &work->plan->side[1];
-    const int64_t reach = work->plan->unit;
+    const struct slice_side *column = &work->plan.side[0], *row = &work->plan.side[1];
+    const struct palette *palette = work->style->palette;
+    const size_t columns = work->columns;
     for (int64_t y = row->first; y < row->end; y++) {
-        uint8_t *pixel = canvas_pixel(canvas, (size_t)column->first, (size_t)y);
-        if (style->overlay == SLICE_TINT)
-            tint_row(pixel, work->label + (size_t)(y - row->first) * work->columns, work->columns,
-                     style->palette);
+        uint8_t *pixel = canvas_pixel(work->canvas, (size_t)column->first, (size_t)y);
+        const uint8_t *label = work->label + (size_t)(y - row->first) * columns;
+        if (work->style->overlay == SLICE_CONTOUR)
+            outline_row(pixel, work, y, work->plan.unit, palette);
         else
-            outline_row(pixel, work, y, reach, style->palette);
+            for (size_t x = 0; x < columns; x++, pixel += 4)
+                for (int k = 0; label[x] && k < 3; k++)
+                    pixel[k] = (uint8_t)((2 * pixel[k] + palette->rgb[label[x]][k] + 1) / 3);
     }
+}
+
+/* ---- seeds and eliminators ---- */
+
+static void add_mark(struct marks *marks, const struct slice_plan *plan, int64_t column_voxel,
+                     int64_t row_voxel, const struct slice_mark *mark)
+{
+    marks_add(marks, (struct mark){slice_side_pixel(&plan->side[0], column_voxel),
+                                   slice_side_pixel(&plan->side[1], row_voxel),
+                                   (size_t)(row_voxel * plan->side[0].voxels + column_voxel),
+                                   mark->label, mark->eliminates, mark->waits});
+}
+
+/* Every voxel of the slice counts, also those that no pixel shows. */
+static void add_seeds(struct marks *marks, const struct work *work)
+{
+    const struct slice_plan *plan = &work->plan;
+    for (int64_t y = 0; y < plan->side[1].voxels; y++) {
+        const int64_t row = (int64_t)plan->corner + y * plan->step[1];
+        for (int64_t x = 0; x < plan->side[0].voxels; x++) {
+            const struct cell *cell = work->scene->cell + (row + x * plan->step[0]);
+            if (cell->flags & CELL_SEED)
+                add_mark(marks, plan, x, y, &(struct slice_mark){.label = cell->label});
+        }
+    }
+    for (size_t i = 0; i < work->style->marks; i++) {
+        const struct slice_mark *mark = &work->style->mark[i];
+        const struct place p = grid_place(&work->scene->grid, mark->cell);
+        const uint32_t place[3] = {p.x, p.y, p.z};
+        if (place[plan->across] == work->choice->place[plan->across])
+            add_mark(marks, plan, slice_side_counted(&plan->side[0], place),
+                     slice_side_counted(&plan->side[1], place), mark);
+    }
+}
+
+/* Dots side by side would hide what is segmented. */
+static void keep_rims(struct marks *marks, const struct slice_plan *plan)
+{
+    struct mark_runs runs = {
+        .columns = (size_t)plan->side[0].voxels, .rows = (size_t)plan->side[1].voxels, .step = 1};
+    runs.run = mem_new(runs.columns * runs.rows * sizeof *runs.run);
+    marks->failed = marks->failed || !runs.run;
+    for (size_t i = 0; i < marks->count && !marks->failed; i++)
+        runs.run[marks->mark[i].at] = mark_run(&marks->mark[i]);
+    if (!marks->failed)
+        marks_keep_rims(marks, &runs);
+    free(runs.run);
+}
+
+/* False when out of memory. */
+static bool draw_marks(const struct work *work)
+{
+    struct marks marks = {0};
+    if (work->style->marks_seeds)
+        add_seeds(&marks, work);
+    if (work->style->marks_rims && marks.count)
+        keep_rims(&marks, &work->plan);
+    marks_draw(work->canvas, &marks, work->plan.unit, work->style->palette);
+    free(marks.mark);
+    return !marks.failed;
+}
+
+/* ---- the cross-hair ---- */
+
+/* A line along one side through `at` of the other, which leaves the middle free. */
+static void draw_line(const struct canvas *canvas, bool upright, int64_t at, int64_t middle,
+                      int64_t gap)
+{
+    const int64_t length = upright ? canvas->height : canvas->width;
+    const int64_t breadth = upright ? canvas->width : canvas->height;
+    for (int64_t i = 0; at >= 0 && at < breadth && i < length; i++) {
+        if (i >= middle - gap && i <= middle + gap)
+            continue;
+        uint8_t *pixel = upright ? canvas_pixel(canvas, (size_t)at, (size_t)i)
+                                 : canvas_pixel(canvas, (size_t)i, (size_t)at);
+        for (int k = 0; k < 3; k++)
+            pixel[k] = (uint8_t)((pixel[k] + 2 * notes_yellow[k] + 1) / 3);
+    }
+}
+
+static void draw_cross(const struct work *work)
+{
+    const struct canvas *canvas = work->canvas;
+    int64_t middle[2], gap = 6 * (int64_t)work->plan.unit;
+    if (gap > notes_side(canvas) / 8)
+        gap = notes_side(canvas) / 8;
+    for (int i = 0; i < 2; i++) {
+        const struct slice_side *side = &work->plan.side[i];
+        const int64_t half_voxel = side->spacing_pm / (2 * side->pixel_pm) + 1;
+        middle[i] = slice_side_pixel(side, slice_side_counted(side, work->choice->place));
+        gap = half_voxel > gap ? half_voxel : gap;
+    }
+    draw_line(canvas, true, middle[0], middle[1], gap);
+    draw_line(canvas, false, middle[1], middle[0], gap);
+}
+
+/* ---- letters and bars ---- */
+
+static void draw_letters(const struct work *work)
+{
+    char letter[4];
+    slice_letters(work->choice->plane, letter);
+    const char *const word[4] = {(char[]){letter[0], 0}, (char[]){letter[1], 0},
+                                 (char[]){letter[2], 0}, (char[]){letter[3], 0}};
+    notes_draw_sides(work->canvas, work->plan.unit, word, &notes_light);
+}
+
+/* About a fifth of the picture's width. */
+static void draw_scale(const struct work *work)
+{
+    const int64_t pixel_pm = work->plan.side[0].pixel_pm;
+    const uint64_t length = slice_round_length((uint64_t)pixel_pm * work->canvas->width / 4 + 1);
+    char words[32];
+    slice_length_words(words, length);
+    notes_draw_scale(work->canvas, work->plan.unit, ((int64_t)length + pixel_pm / 2) / pixel_pm,
+                     words, &notes_light);
+}
+
+/* Bottom right, with the values left of its ends. */
+static void draw_greys(const struct canvas *canvas, int64_t unit, const struct slice_style *style)
+{
+    const int64_t wide = 5 * unit, tall = canvas->height / 4;
+    const int64_t left = canvas->width - wide - 4 * unit, bottom = canvas->height - 4 * unit;
+    const int64_t before = left - 3 * unit;
+    const uint32_t scale = (uint32_t)unit;
+    canvas_box(canvas, left - unit, bottom - tall - unit, wide + 2 * unit, tall + 2 * unit,
+               notes_light.rgb);
+    for (int64_t i = 0; i < tall; i++) {
+        const uint8_t grey = (uint8_t)(255 * i / (tall - 1));
+        canvas_box(canvas, left, bottom - 1 - i, wide, 1, (uint8_t[3]){grey, grey, grey});
+    }
+    text_draw(canvas, before - text_width(style->most, scale), bottom - tall, scale, style->most,
+              notes_light.rgb);
+    text_draw(canvas, before - text_width(style->least, scale), bottom - TEXT_TALL * unit, scale,
+              style->least, notes_light.rgb);
+}
+
+static void draw_notes(const struct work *work)
+{
+    const struct scene *scene = work->scene;
+    const struct slice_choice *choice = work->choice;
+    const uint32_t side = notes_side(work->canvas), unit = work->plan.unit;
+    if (work->style->crosses)
+        draw_cross(work);
+    if (choice->notes & SLICE_LETTERS && side >= NOTES_LETTERS_FROM && !scene->sides_unknown)
+        draw_letters(work);
+    if (choice->notes & SLICE_SCALE && side >= NOTES_BARS_FROM && !scene->spacing_unknown)
+        draw_scale(work);
+    if (choice->notes & SLICE_COLOURS && side >= NOTES_BARS_FROM)
+        draw_greys(work->canvas, unit, work->style);
+    if (choice->title && side >= NOTES_BARS_FROM)
+        text_draw(work->canvas, 4 * unit, 4 * unit, unit, choice->title, notes_light.rgb);
 }
 
 /* ---- the whole ---- */
 
-static void tell_cells(const struct canvas *canvas, const struct slice_plan *plan)
+static void note_cells(const struct canvas *canvas, const struct slice_plan *plan)
 {
     const struct slice_side *column = &plan->side[0], *row = &plan->side[1];
     for (int64_t y = 0; y < row->pixels; y++) {
@@ -262,13 +410,6 @@ static void tell_cells(const struct canvas *canvas, const struct slice_plan *pla
         for (int64_t x = column->first; x < column->end; x++)
             cell[x] = (uint32_t)(first + slice_side_voxel(column, x) * plan->step[0]);
     }
-}
-
-static void tell_below(const struct canvas *canvas)
-{
-    for (uint32_t y = 0; y < canvas->height; y++)
-        for (uint32_t x = 0; x < canvas->width; x++)
-            canvas->below[y * canvas->stride + x] = *canvas_pixel(canvas, x, y);
 }
 
 /* Black beyond the scene. */
@@ -287,22 +428,22 @@ enum err slice_draw(const struct canvas *canvas, const struct scene *scene,
                     const struct slice_choice *choice, const struct slice_style *style,
                     struct fault *fault)
 {
-    struct slice_plan plan;
-    struct work work;
-    slice_plan_init(&plan, scene, choice, canvas->width, canvas->height);
-    const bool fine = work_init(&work, scene, &plan, choice, style);
+    struct work work = {.canvas = canvas, .scene = scene, .choice = choice, .style = style};
+    slice_plan_init(&work.plan, scene, choice, canvas->width, canvas->height);
+    bool fine = work_init(&work);
     if (fine) {
-        clear_around(canvas, &plan);
-        paint_grey(canvas, &work, choice->smooth, style->grey);
-        if (canvas->below)
-            tell_below(canvas);
+        clear_around(canvas, &work.plan);
+        paint_grey(&work);
+        for (uint32_t y = 0; y < canvas->height && canvas->below; y++)
+            for (uint32_t x = 0; x < canvas->width; x++)
+                canvas->below[y * canvas->stride + x] = *canvas_pixel(canvas, x, y);
         if (style->overlay != SLICE_PLAIN)
-            paint_labels(canvas, &work, style);
+            paint_labels(&work);
         if (canvas->cell)
-            tell_cells(canvas, &plan);
+            note_cells(canvas, &work.plan);
+        fine = draw_marks(&work);
+        draw_notes(&work);
     }
     work_release(&work);
-    if (!fine || !slice_notes_draw(canvas, scene, &plan, choice, style))
-        return fault_memory(fault, "a slice");
-    return OK;
+    return fine ? OK : fault_memory(fault, "a slice");
 }

@@ -1,6 +1,9 @@
 #include "render/slice_plan.h"
 
 #include <assert.h>
+#include <stdio.h>
+
+#include "render/view.h"
 
 /* The patient's axes of each plane. In the picture, both of them run downwards: columns from the
  * right (or the front) of the patient on, rows from his front (or top) on. */
@@ -71,43 +74,31 @@ static uint64_t within_reach(uint64_t pixel_pm)
     return pixel_pm < 1 ? 1 : pixel_pm > PIXEL_PM_MOST ? PIXEL_PM_MOST : pixel_pm;
 }
 
-static uint64_t length_pm(const struct scene *scene, int axis)
-{
-    return (uint64_t)scene->grid.size[axis] * scene->spacing_nm[axis] * 1000;
-}
-
 uint64_t slice_fitting_pixel(const struct scene *scene, enum slice_plane plane, uint32_t width,
                              uint32_t height)
 {
     const uint64_t pixels[2] = {width, height};
     uint64_t most = 0;
     for (int i = 0; i < 2; i++) {
-        const uint64_t length = length_pm(scene, scene_axis(scene, world_axis_of[plane][i]));
+        const int axis = scene_axis(scene, world_axis_of[plane][i]);
+        const uint64_t length = (uint64_t)scene->grid.size[axis] * scene->spacing_nm[axis] * 1000;
         const uint64_t side = (length + pixels[i] - 1) / pixels[i];
         most = side > most ? side : most;
     }
     return within_reach(most);
 }
 
-static uint64_t finest_nm(const struct scene *scene)
-{
-    uint64_t finest = scene->spacing_nm[0];
-    for (int a = 1; a < 3; a++)
-        if (scene->spacing_nm[a] < finest)
-            finest = scene->spacing_nm[a];
-    return finest;
-}
-
 uint64_t slice_zoomed_pixel(const struct scene *scene, uint32_t zoom)
 {
-    return within_reach((finest_nm(scene) * 1000000 + zoom / 2) / zoom);
+    return within_reach((UINT64_C(1000000) * view_unit(scene) + zoom / 2) / zoom);
 }
 
 void slice_magnify(struct slice_choice *choice, const struct scene *scene, uint64_t fitting_pm,
                    uint32_t times)
 {
     choice->pixel_pm = within_reach(fitting_pm * SLICE_TIMES_ONE / times);
-    choice->smooth = times == SLICE_TIMES_ONE || choice->pixel_pm * 4 > finest_nm(scene) * 1000;
+    choice->smooth =
+        times == SLICE_TIMES_ONE || choice->pixel_pm * 4 > UINT64_C(1000) * view_unit(scene);
 }
 
 /* ---- pixels and voxels ---- */
@@ -209,6 +200,36 @@ void slice_plan_init(struct slice_plan *plan, const struct scene *scene,
         plan->step[i] = side->backwards ? -grid->step[side->axis] : grid->step[side->axis];
     }
     plan->corner = grid_cell(grid, corner[0], corner[1], corner[2]);
+}
+
+/* ---- letters and lengths ---- */
+
+void slice_letters(enum slice_plane plane, char letter[4])
+{
+    for (int i = 0; i < 4; i++)
+        letter[i] = (i % 2 == 0 ? "RAS" : "LPI")[world_axis_of[plane][i / 2]];
+}
+
+uint64_t slice_round_length(uint64_t most)
+{
+    static const uint64_t first[3] = {5, 2, 1};
+    uint64_t power = 1;
+    while (power <= most / 10)
+        power *= 10;
+    for (int i = 0; i < 2; i++)
+        if (first[i] <= most / power)
+            return first[i] * power;
+    return power;
+}
+
+void slice_length_words(char out[32], uint64_t pm)
+{
+    int n = snprintf(out, 32, "%llu.%09llu", (unsigned long long)(pm / 1000000000),
+                     (unsigned long long)(pm % 1000000000));
+    while (out[n - 1] == '0')
+        n--;
+    n -= out[n - 1] == '.';
+    snprintf(out + n, 32 - (size_t)n, " mm");
 }
 
 /* ---- going on ---- */

@@ -3,7 +3,7 @@
  * their cells.
  *
  * What is seen of a voxel is linear in its place, so most of it follows from the voxel before by
- * additions. Splatting puts the result into depth buffers (render/splat.c, render/cover.c,
+ * additions. Splatting puts the result into depth buffers (render/projection.c,
  * render/layers.c).
  */
 #ifndef RENDER_SWEEP_H
@@ -54,6 +54,17 @@ static inline struct footprint footprint_at(const struct camera *camera, int64_t
 {
     return footprint_between(camera, x - reach[0] + SWEEP_ROUND_UP, y - reach[1] + SWEEP_ROUND_UP,
                              x + reach[0], y + reach[1]);
+}
+
+/* The pixels that the cube of a voxel may cover, within the picture, widened to what the cubes
+ * of voxels up to `around` steps away may cover. */
+static inline struct footprint splat_footprint(const struct camera *camera, uint32_t cell,
+                                               int around)
+{
+    const struct projection seen = project(camera, grid_place(&camera->scene->grid, cell));
+    const int64_t reach[2] = {(2 * around + 1) * camera->reach[0],
+                              (2 * around + 1) * camera->reach[1]};
+    return footprint_at(camera, seen.centre[0], seen.centre[1], reach);
 }
 
 /* ---- rows of voxels ---- */

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "engine/gradient.h"
-#include "render/fixed.h"
 
 enum {
     CORDIC_STEPS = 32,
@@ -204,11 +203,11 @@ void view_look(const struct view *view, int32_t right[3], int32_t up[3], int32_t
     int64_t sp = view_sine(view->angle[1]), cp = cosine(view->angle[1]);
     int64_t sr = view_sine(view->angle[2]), cr = cosine(view->angle[2]);
     int64_t r[3] = {-cy, -sy, 0};
-    int64_t u[3] = {fixed_mul30(sy, sp), -fixed_mul30(cy, sp), cp};
-    int64_t d[3] = {fixed_mul30(sy, cp), -fixed_mul30(cy, cp), -sp};
+    int64_t u[3] = {times30(sy, sp), -times30(cy, sp), cp};
+    int64_t d[3] = {times30(sy, cp), -times30(cy, cp), -sp};
     for (int i = 0; i < 3; i++) {
-        right[i] = (int32_t)(fixed_mul30(r[i], cr) - fixed_mul30(u[i], sr));
-        up[i] = (int32_t)(fixed_mul30(r[i], sr) + fixed_mul30(u[i], cr));
+        right[i] = (int32_t)(times30(r[i], cr) - times30(u[i], sr));
+        up[i] = (int32_t)(times30(r[i], sr) + times30(u[i], cr));
         ahead[i] = (int32_t)d[i];
     }
 }
@@ -230,7 +229,7 @@ static void cross(int64_t out[3], const int64_t a[3], const int64_t b[3])
 {
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3, k = (i + 2) % 3;
-        out[i] = fixed_mul30(a[j], b[k]) - fixed_mul30(a[k], b[j]);
+        out[i] = times30(a[j], b[k]) - times30(a[k], b[j]);
     }
 }
 
@@ -250,7 +249,7 @@ static void set_projection(struct camera *camera, const struct basis *b)
     cross(dual[1], b->ahead, b->right);
     int64_t volume = 0;
     for (int a = 0; a < 3; a++)
-        volume += fixed_mul30(dual[0][a], b->right[a]);
+        volume += times30(dual[0][a], b->right[a]);
     const uint32_t extent[2] = {camera->view.width, camera->view.height};
     for (int k = 0; k < 2; k++) {
         camera->centre[k] = ((int64_t)extent[k] - 1) * (ONE30 / 2);
@@ -272,7 +271,7 @@ static int64_t focus_depth(const struct basis *b)
     int64_t depth = 0;
     for (int a = 0; a < 3; a++) {
         int64_t t = focus_times(b->focus[a], b->side[a]) * (1 << (CROSSING_BITS - RELATIVE_BITS));
-        depth += (t >> 30) * b->ahead[a] + fixed_mul30(t & (ONE30 - 1), b->ahead[a]);
+        depth += (t >> 30) * b->ahead[a] + times30(t & (ONE30 - 1), b->ahead[a]);
     }
     return depth;
 }

@@ -12,6 +12,7 @@
 #include "render/border.h"
 #include "engine/forest.h"
 #include "render/layers.h"
+#include "render/projection.h"
 #include "render/rendition.h"
 #include "render/shade.h"
 #include "tests/check.h"

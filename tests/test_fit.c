@@ -4,7 +4,7 @@
 
 #include "image/exr.h"
 #include "render/fit.h"
-#include "render/rendition.h"
+#include "render/projection.h"
 #include "tests/folder.h"
 #include "tests/interpreting.h"
 

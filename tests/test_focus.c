@@ -5,7 +5,7 @@
 
 #include "render/border.h"
 #include "engine/forest.h"
-#include "render/rendition.h"
+#include "render/projection.h"
 
 struct stage {
     struct scene *scene;

@@ -3,10 +3,10 @@
 
 #include <math.h>
 
-#include "render/meeting.h"
+#include "render/refine.h"
 #include "tests/stage.h"
 
-enum { ONE = 1 << MEETING_BITS };
+enum { ONE = 1 << REFINE_POINT_BITS };
 
 /* The same by sums for all labels, in 2^-7 voxels. */
 static uint32_t expected_voxel(const struct stage *s, const int32_t point[3], uint32_t own)
@@ -67,7 +67,7 @@ STORY(the_object_that_most_is_said_for_has_the_point)
         uint32_t place[3];
         for (int a = 0; a < 3; a++) {
             point[a] = (int32_t)check_below(&random, grid->size[a] * ONE) - ONE / 2;
-            place[a] = (uint32_t)((point[a] + ONE / 2) >> MEETING_BITS);
+            place[a] = (uint32_t)((point[a] + ONE / 2) >> REFINE_POINT_BITS);
         }
         const uint32_t own = grid_cell(grid, place[0], place[1], place[2]);
         if (!border_shows(&s.border, own))

@@ -4,7 +4,9 @@
 
 #include <stdlib.h>
 
+#include "render/background.h"
 #include "render/mosaic.h"
+#include "render/rendition.h"
 
 static struct palette palette;
 static bool visible[256];

@@ -3,7 +3,8 @@
 
 #include <stdlib.h>
 
-#include "render/mosaic_screen.h"
+#include "render/mosaic.h"
+#include "render/rendition.h"
 
 static struct scene *scene_of(uint32_t x, uint32_t y, uint32_t z)
 {

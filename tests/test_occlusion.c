@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "render/normal.h"
 #include "tests/border_check.h"
 #include "tests/scarce_memory.h"
 #include "tests/stage.h"

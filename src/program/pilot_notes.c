@@ -33,13 +33,13 @@ static void add_note(struct notes *notes, uint32_t column, uint32_t row, char ch
             (struct image_note){(uint16_t)column, (uint16_t)row, character};
 }
 
-static void add_letters(struct notes *notes, const struct scene *scene, enum slice_plane plane,
+static void add_letters(struct notes *notes, enum slice_plane plane,
                         const struct cells *pane)
 {
     const uint32_t centre = (pane->left + pane->right + 1) / 2;
     const uint32_t middle = (pane->top + pane->bottom + 1) / 2;
     char letter[4];
-    slice_letters(scene, plane, letter);
+    slice_letters(plane, letter);
     if (pane->right < pane->left + 2 || pane->bottom < pane->top + 2)
         return; /* no room for all of them, and one alone misleads */
     add_note(notes, pane->left, middle, letter[0]);
@@ -82,7 +82,7 @@ size_t pilot_notes_add(struct image_note note[PILOT_NOTES_MOST], const struct ca
             continue;
         const struct cells pane = cells_of(screen, box);
         if (!scene->sides_unknown)
-            add_letters(&notes, scene, plane, &pane);
+            add_letters(&notes, plane, &pane);
         if (!has_bar && !scene->spacing_unknown && pane.right - pane.left >= BAR_FROM_COLUMNS - 1 &&
             pane.bottom - pane.top >= BAR_FROM_ROWS - 1)
             add_bar(

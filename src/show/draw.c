@@ -7,6 +7,7 @@
 #include "render/bands.h"
 #include "render/border.h"
 #include "render/normal.h"
+#include "render/projection.h"
 #include "render/view.h"
 #include "show/draw.h"
 #include "show/drawn_colours.h"

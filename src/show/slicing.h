@@ -9,7 +9,7 @@
 #define SHOW_SLICING_H
 
 #include "image/picture.h"
-#include "render/mosaic_screen.h"
+#include "render/mosaic.h"
 #include "session/session.h"
 
 /* What can be drawn. The first three are the planes of render/slice.h. */
@@ -41,7 +41,7 @@ enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kin
                          const struct labels *labels, uint32_t column, uint32_t row,
                          struct fault *fault);
 
-/* A mosaic as panes of a screen (render/mosaic_screen.h): the rendition is fitted in, and so is
+/* A mosaic as panes of a screen (render/mosaic.h): the rendition is fitted in, and so is
  * what it shows (session_fitting_zoom). */
 struct slicing_panel {
     struct mosaic_screen screen;

@@ -18,6 +18,7 @@
 #include "command/interpreter.h"
 #include "engine/label_stats.h"
 #include "render/border.h"
+#include "render/projection.h"
 #include "report/export.h"
 #include "session/session.h"
 #include "show/draw.h"

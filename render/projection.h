@@ -1,0 +1,54 @@
+/*
+ * Projection: four ways to the same first cube of each pixel (render/rendition.h).
+ *
+ *     scene projection    splats every shown voxel
+ *     border projection   takes border voxels alone, from the nearest to the furthest: a pixel that
+ *                         has been given one keeps it, so that what lies behind covered pixels is
+ *                         passed over, whole blocks of voxels at once
+ *     ray walk            follows the ray of each pixel
+ *     incremental image   repairs the former picture after an edit
+ *
+ * Where objects are translucent and their layers are projected (render/layers.h), these are what
+ * the four ways make.
+ */
+#ifndef RENDER_PROJECTION_H
+#define RENDER_PROJECTION_H
+
+#include "render/rendition.h"
+
+/* Scene projection and border projection; the rendition has the camera's size. These, the ray walk
+ * and shading are done under the scene's watch: what ends early is of no use. */
+void splat_scene(struct rendition *rendition, const struct camera *camera,
+                 const struct border *border);
+void splat_border(struct rendition *rendition, const struct camera *camera,
+                  const struct border *border);
+
+/* Border projection by any thread, which ends early where the watch has stopped, but does not poll
+ * it. */
+void splat_border_quietly(struct rendition *rendition, const struct camera *camera,
+                          const struct border *border);
+
+/* Border projection by a team, each thread with rows of its own. */
+void splat_border_shared(struct rendition *rendition, const struct camera *camera,
+                         const struct border *border, struct team *team);
+
+/* The ray walk over the whole picture. */
+void raycast(struct rendition *rendition, const struct camera *camera, const struct border *border);
+
+/* The first solid voxel (render/border.h) on the ray of a pixel whose depth is at least `from`: its
+ * depth and cell, or false. INT64_MIN starts before the scene. */
+bool raycast_pixel(const struct camera *camera, const struct border *border, uint32_t column,
+                   uint32_t row, int64_t from, int64_t *depth, uint32_t *cell);
+
+/*
+ * The incremental image: `rendition` is that of the labels before the edit, by the same camera, and
+ * `border` is up to date. Repairs it in time proportional to the changes, and marks the tiles whose
+ * colours may change: `reach` says how far around a change they do. Changes that are "everything"
+ * are splatted from nothing. Of a stale tile all pixels are looked at for what has disappeared: by
+ * voxel, most would be looked at several times.
+ */
+void incremental_image(struct rendition *rendition, const struct camera *camera,
+                       const struct border *border, const struct changes *changes,
+                       struct shade_reach reach);
+
+#endif
