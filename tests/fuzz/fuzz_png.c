@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "image/png.h"
-#include "image/png_read.h"
 
 enum { SIDE = 12 }; /* of the picture that it is compared with */
 
