@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "base/chart.h"
+#include "report/chart.h"
 
 enum { PROFILE_ROWS = 8, MARGIN = 9 };
 

@@ -6,7 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "base/file_draft.h"
+#include "base/file.h"
 #include "base/mem.h"
 #include "image/exr_parts.h"
 #include "image/linear.h"

@@ -8,7 +8,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
-#include "base/file_draft.h"
+#include "base/file.h"
 #include "base/mem.h"
 #include "engine/grid.h"
 #include "image/intensities.h"

@@ -21,7 +21,7 @@ void anonymiser_release(struct anonymiser *anonymiser);
 /* Adds `command` without such names to `out`. */
 void anonymise_command(struct anonymiser *anonymiser, struct buf *out, const char *command);
 
-/* Adds the commands of a journal or script, one a line: journal_script (journal/log.h) without
+/* Adds the commands of a journal or script, one a line: journal_script (journal/journal.h) without
  * comments and names. */
 enum err anonymise_script(struct buf *out, const char *bytes, size_t length, struct fault *fault);
 

@@ -6,7 +6,6 @@
 #include "base/file.h"
 #include "journal/graph.h"
 #include "journal/journal.h"
-#include "journal/log.h"
 #include "journal/walk.h"
 #include "program/anonymise.h"
 #include "program/console.h"

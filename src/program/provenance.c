@@ -6,7 +6,7 @@
 #include "base/json.h"
 #include "command/act.h"
 #include "program/anonymise.h"
-#include "journal/log.h"
+#include "journal/journal.h"
 #include "journal/walk.h"
 #include "report/export.h"
 

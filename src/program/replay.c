@@ -1,8 +1,7 @@
 /* `iftty replay`: a journal carried out again, every command shown. */
 #include <stdio.h>
 
-#include "base/file_draft.h"
-#include "base/folder.h"
+#include "base/file.h"
 #include "program/begin.h"
 #include "program/console.h"
 #include "program/programs.h"
@@ -24,7 +23,7 @@ static enum err replay_into(const struct options *o, const char *folder, struct 
 static void settle_folder(const char *folder)
 {
     struct buf text = {0};
-    if (!file_release_folder(folder))
+    if (!folder_release(folder))
         return;
     buf_add_safe_text(&text, folder);
     console_erase_progress();
@@ -35,7 +34,7 @@ static void settle_folder(const char *folder)
 enum err run_replay(const struct options *o, struct fault *fault)
 {
     struct buf fresh = {0};
-    enum err err = o->out ? file_make_folder(o->out, fault) : folder_held(&fresh, fault);
+    enum err err = o->out ? file_make_folder(o->out, fault) : folder_held(&fresh, NULL, fault);
     if (err)
         return err;
     const char *folder = o->out ? o->out : buf_text(&fresh);

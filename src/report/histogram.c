@@ -1,6 +1,6 @@
 #include "report/histogram.h"
 
-#include "base/chart.h"
+#include "report/chart.h"
 #include "engine/gradient.h"
 #include "engine/intensities.h"
 

@@ -10,8 +10,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "base/folder.h"
-#include "base/process.h"
+#include "verify/process.h"
 #include "command/command.h"
 #include "sandbox/limits.h"
 #include "verify/divergence.h"

@@ -5,7 +5,7 @@
 
 #include "base/file.h"
 #include "base/mem.h"
-#include "base/process.h"
+#include "verify/process.h"
 #include "verify/difference_picture.h"
 #include "verify/replay_file.h"
 

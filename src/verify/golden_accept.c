@@ -3,7 +3,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "base/file_draft.h"
+#include "base/file.h"
 #include "journal/golden.h"
 
 /* The next pair of a draft and its place; false at the end. */

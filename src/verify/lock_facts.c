@@ -4,7 +4,7 @@
 
 #include "base/file.h"
 #include "base/hash.h"
-#include "base/name_list.h"
+#include "verify/name_list.h"
 #include "journal/golden.h"
 #include "journal/journal.h"
 #include "journal/walk.h"

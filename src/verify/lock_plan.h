@@ -9,7 +9,7 @@
 #ifndef VERIFY_LOCK_PLAN_H
 #define VERIFY_LOCK_PLAN_H
 
-#include "base/name_list.h"
+#include "verify/name_list.h"
 #include "verify/lock.h"
 
 struct lock_plan {

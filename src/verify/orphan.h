@@ -3,7 +3,7 @@
 #ifndef VERIFY_ORPHAN_H
 #define VERIFY_ORPHAN_H
 
-#include "base/name_list.h"
+#include "verify/name_list.h"
 #include "command/interpreter.h"
 
 /* The names of all, as "third.exr", after a replay, by which the interpreter knows those that the

@@ -3,13 +3,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file_draft.h"
+#include "base/file.h"
 #include "command/golden_leftover.h"
 #include "verify/ci.h"
 #include "verify/golden_accept.h"
 #include "verify/orphan.h"
 #include "journal/journal.h"
-#include "journal/log.h"
 #include "journal/walk.h"
 #include "report/export.h"
 
@@ -94,13 +93,13 @@ static enum err write_record(struct resealing *r, const char *bytes, const struc
         add_mark(r, &comments, record);
         r->marked++;
     }
-    const char *command = is_sound ? record->command : buf_text(&reply->canonical);
-    const char *words = is_same ? record->result : buf_text(&reply->words);
+    const struct record anew = {.number = r->count + 1,
+                                .command = is_sound ? record->command : buf_text(&reply->canonical),
+                                .result = is_same ? record->result : buf_text(&reply->words)};
     const enum err err =
-        comments.failed
-            ? fault_memory(fault, "a journal")
-            : record_encode(&r->out, &r->chain, &r->chain, r->count ? "" : buf_text(&r->header),
-                            r->count + 1, buf_text(&comments), command, words, fault);
+        comments.failed ? fault_memory(fault, "a journal")
+                        : record_encode(&r->out, &r->chain, r->count ? "" : buf_text(&r->header),
+                                        buf_text(&comments), &anew, fault);
     r->count += err == OK;
     buf_release(&comments);
     return err;

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file_draft.h"
+#include "base/file.h"
 #include "verify/github.h"
 #include "verify/orphan.h"
 #include "verify/verify_journal.h"

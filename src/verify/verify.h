@@ -9,7 +9,7 @@
 #ifndef VERIFY_VERIFY_H
 #define VERIFY_VERIFY_H
 
-#include "base/process.h"
+#include "verify/process.h"
 #include "command/script.h"
 #include "verify/lock_plan.h"
 

@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "base/folder.h"
+#include "base/file.h"
 #include "base/json.h"
 #include "command/interpreter.h"
 #include "program/bench.h"

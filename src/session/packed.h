@@ -4,8 +4,8 @@
  *
  * Reading takes no memory of its own, so that a state can be gone back to when there is none left.
  */
-#ifndef BASE_PACKED_H
-#define BASE_PACKED_H
+#ifndef SESSION_PACKED_H
+#define SESSION_PACKED_H
 
 #include <stddef.h>
 

@@ -1,4 +1,4 @@
-#include "base/name_list.h"
+#include "verify/name_list.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,8 +4,8 @@
  *
  * `struct name_list list = {0}` is an empty one. It owns its texts.
  */
-#ifndef BASE_NAME_LIST_H
-#define BASE_NAME_LIST_H
+#ifndef VERIFY_NAME_LIST_H
+#define VERIFY_NAME_LIST_H
 
 #include <stdbool.h>
 #include <stddef.h>

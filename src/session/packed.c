@@ -1,4 +1,4 @@
-#include "base/packed.h"
+#include "session/packed.h"
 
 #include <limits.h>
 #include <stdlib.h>

@@ -11,8 +11,8 @@
  *          for beyond its end;
  *     (P3) no process is left when processes_run returns.
  */
-#ifndef BASE_PROCESS_H
-#define BASE_PROCESS_H
+#ifndef VERIFY_PROCESS_H
+#define VERIFY_PROCESS_H
 
 #include "base/buf.h"
 #include "base/err.h"

@@ -1,4 +1,4 @@
-#include "base/chart.h"
+#include "report/chart.h"
 
 static const char *const blocks[] = {" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
 static const char *const ascii[] = {" ", ".", ".", ".", ":", ":", ":", "#", "#"};

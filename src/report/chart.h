@@ -5,8 +5,8 @@
  *            | ▃███▁
  *         12 |▄█████▅
  */
-#ifndef BASE_CHART_H
-#define BASE_CHART_H
+#ifndef REPORT_CHART_H
+#define REPORT_CHART_H
 
 #include <stdbool.h>
 #include <stdint.h>
