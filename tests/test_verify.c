@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <zlib.h>
 
-#include "verify/divergence.h"
+#include "verify/replay_file.h"
 #include "verify/first_difference.h"
 #include "verify/verify_result.h"
 #include "verify/verify_report.h"

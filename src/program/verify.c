@@ -7,11 +7,11 @@
 #include "program/console.h"
 #include "program/programs.h"
 #include "verify/bisect.h"
-#include "verify/ci.h"
 #include "verify/diff.h"
 #include "verify/reseal.h"
 #include "verify/shard.h"
 #include "verify/signature.h"
+#include "verify/strict.h"
 
 /* ---- verify ---- */
 

@@ -1,8 +1,8 @@
 #include "report/histogram.h"
 
-#include "report/chart.h"
 #include "engine/gradient.h"
 #include "engine/intensities.h"
+#include "report/chart.h"
 
 enum { ROWS = 4 };
 

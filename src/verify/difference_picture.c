@@ -231,17 +231,6 @@ static void write_labels(const struct sheet *sheet)
     }
 }
 
-static void write_words(const struct sheet *sheet)
-{
-    write_title(sheet, 0, "A", sheet->of->name[0]);
-    write_title(sheet, 1, "B", sheet->of->name[1]);
-    write_title(sheet, 2, "where they differ", "");
-    write_labels(sheet);
-    for (uint32_t kind = A_ALONE; kind < DIFFERENCES; kind++)
-        write_entry(sheet, (int64_t)pane_left(sheet, 2) + BORDER, kind - A_ALONE,
-                    difference_rgb[kind], difference_words[kind]);
-}
-
 enum err difference_picture_draw(struct picture *picture, struct session *session,
                                  const struct difference_picture *of, struct fault *fault)
 {
@@ -253,6 +242,13 @@ enum err difference_picture_draw(struct picture *picture, struct session *sessio
         return err;
     sheet.canvas = (struct canvas){width, height, width, picture->rgba, NULL, NULL, NULL};
     canvas_box(&sheet.canvas, 0, 0, width, height, paper);
-    write_words(&sheet); /* the colours of labels are gone once the pane on the right is drawn */
+    /* First, since the colours of labels are gone once the pane on the right is drawn. */
+    write_title(&sheet, 0, "A", of->name[0]);
+    write_title(&sheet, 1, "B", of->name[1]);
+    write_title(&sheet, 2, "where they differ", "");
+    write_labels(&sheet);
+    for (uint32_t kind = A_ALONE; kind < DIFFERENCES; kind++)
+        write_entry(&sheet, (int64_t)pane_left(&sheet, 2) + BORDER, kind - A_ALONE,
+                    difference_rgb[kind], difference_words[kind]);
     return draw_panes(&sheet, fault);
 }

@@ -109,12 +109,6 @@ static void take(const struct pool *pool, struct process *process)
         close_pipe(process);
 }
 
-static bool has_bytes(const struct process *process)
-{
-    struct pollfd wait = {process->descriptor, POLLIN, 0};
-    return process->descriptor >= 0 && poll(&wait, 1, 0) > 0;
-}
-
 /* Where the parent of this program ignores SIGCHLD, a process that has ended left no status. */
 static bool has_ended(struct process *process)
 {
@@ -126,7 +120,9 @@ static bool has_ended(struct process *process)
 /* P2: what stands in the pipe is still taken, though another process may go on filling it. */
 static void end(struct pool *pool, struct process *process)
 {
-    while (has_bytes(process) && process->end.bytes.length < pool->how->most)
+    struct pollfd wait = {process->descriptor, POLLIN, 0};
+    while (process->descriptor >= 0 && poll(&wait, 1, 0) > 0 &&
+           process->end.bytes.length < pool->how->most)
         take(pool, process);
     close_pipe(process);
     if (pool->how->end) {
@@ -140,15 +136,6 @@ static void end(struct pool *pool, struct process *process)
 }
 
 /* ---- all of them ---- */
-
-static enum err begin_more(struct pool *pool, struct fault *fault)
-{
-    enum err err = OK;
-    for (unsigned i = 0; !err && i < pool->how->at_once; i++)
-        if (!pool->process[i].id && pool->begun < pool->how->count)
-            err = begin(pool, pool->process + i, fault);
-    return err;
-}
 
 /* Waits a little while for what any of them hands back, and for its end. */
 static void listen_to_all(struct pool *pool)
@@ -200,7 +187,9 @@ enum err processes_run(const struct processes *how, struct fault *fault)
     struct pool pool = {.how = how};
     enum err err = OK;
     while (!err && pool.ended < how->count) {
-        err = begin_more(&pool, fault);
+        for (unsigned i = 0; !err && i < how->at_once; i++)
+            if (!pool.process[i].id && pool.begun < how->count)
+                err = begin(&pool, pool.process + i, fault);
         if (!err)
             listen_to_all(&pool);
         tick(&pool);

@@ -19,8 +19,8 @@
  *
  * What is known of a journal, its facts, are the lines below its name, as text.
  */
-#ifndef VERIFY_LOCK_H
-#define VERIFY_LOCK_H
+#ifndef VERIFY_IFTTY_LOCK_H
+#define VERIFY_IFTTY_LOCK_H
 
 #include <stdbool.h>
 
@@ -61,5 +61,15 @@ void lock_release(struct lock *lock);
 /* Adds a line "#   pinned   ..." for each fact that differs, is gone or is new, of those that a
  * lock of this version has; false where none does. Safe to print. */
 bool lock_differs(struct buf *lines, unsigned version, const char *pinned, const char *now);
+
+/* Adds what a lock says of the journal at `path`, lines read from its bytes and from its golden
+ * images; no command is carried out. Of the goldens, the SHA-256 of each file that the journal
+ * names, and of the PNG beside it; one that cannot be read has no line. *torn is the byte from
+ * which on the journal is an unfinished record, 0 for none. ERR_INPUT for a journal that is
+ * damaged, ERR_IO, ERR_MEMORY. */
+enum err lock_facts(struct buf *out, uint64_t *torn, const char *path, struct fault *fault);
+
+/* The chain among these lines: 32 digits, not ended; NULL where there is none. */
+const char *lock_facts_chain(const char *facts);
 
 #endif
