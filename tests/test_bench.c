@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "tests/bench/report.h"
-#include "program/bench.h"
+#include "program/times.h"
 #include "tests/bench/plot.h"
 #include "tests/check.h"
 #include "tests/folder.h"

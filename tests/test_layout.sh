@@ -208,7 +208,7 @@ close_story
 
 # Help apart, which every program has (src/program/program.c).
 begin "an option is looked for in the table of programs alone"
-for file in $(sources src journal render tui | grep -v '^src/program/table\.c$'); do
+for file in $(sources src journal render tui | grep -v '^src/program/program_table\.c$'); do
     found=$(without_comments "$file" | sed 's/"--help"//; s/"-h"//' |
         grep -nE '(cmp|getopt(_long)?)\([^;]*"-{1,2}[a-z]')
     [ -z "$found" ] || fail "$file:$found"

@@ -7,7 +7,6 @@
 #include "command/act.h"
 #include "engine/centre.h"
 #include "engine/rival.h"
-#include "program/pilot_marks.h"
 #include "program/shown.h"
 #include "render/mosaic.h"
 #include "render/text.h"

@@ -11,7 +11,7 @@
 
 #include "base/mem.h"
 #include "engine/weight.h"
-#include "program/bench.h"
+#include "program/times.h"
 #include "tests/bench/growcut.h"
 #include "tests/peers/worker.h"
 

@@ -9,7 +9,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/json.h"
-#include "program/bench.h"
+#include "program/times.h"
 #include "command/interpreter.h"
 #include "journal/journal.h"
 #include "journal/replay.h"

@@ -16,7 +16,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "command/interpreter.h"
-#include "program/bench.h"
+#include "program/times.h"
 #include "tests/bench/far_end.h"
 
 enum { KEYS_MOST = 24, STARTS = 9, JOURNAL_MOST = 64 << 20 };

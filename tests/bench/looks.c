@@ -9,7 +9,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "command/interpreter.h"
-#include "program/bench.h"
+#include "program/times.h"
 
 /* "@x,y,z" stands for a place in percent of the scene's sides, so that it lies in the same solid at
  * every size. */

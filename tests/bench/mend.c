@@ -8,7 +8,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/mem.h"
-#include "program/bench.h"
+#include "program/times.h"
 #include "program/console.h"
 #include "tests/bench/effort_robot.h"
 #include "tests/bench/effort_tool.h"

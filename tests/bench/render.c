@@ -13,7 +13,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/mem.h"
-#include "program/bench.h"
+#include "program/times.h"
 #include "program/console.h"
 #include "command/interpreter.h"
 #include "engine/label_stats.h"

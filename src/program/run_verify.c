@@ -1,37 +1,126 @@
-/* `iftty verify` and its forms; `iftty log --reseal`, which is like accepting; `iftty diff`. */
-#include "verify/verify.h"
-
+/* `iftty replay`; `iftty verify` and its forms; `iftty log --reseal`, which is like accepting;
+ * `iftty diff`. */
+#include <stdio.h>
 #include <string.h>
 
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/scan.h"
+#include "journal/journal.h"
 #include "program/begin.h"
 #include "program/console.h"
 #include "program/programs.h"
 #include "verify/bisect.h"
 #include "verify/diff.h"
+#include "verify/replay_file.h"
 #include "verify/reseal.h"
-#include "verify/shard.h"
 #include "verify/signature.h"
 #include "verify/strict.h"
+#include "verify/verify.h"
+
+/* ---- replay ---- */
+
+enum err run_replay(const struct options *o, struct fault *fault)
+{
+    struct buf fresh = {0}, text = {0};
+    struct interpreter interp;
+    struct options here = *o;
+    enum err err = o->out ? file_make_folder(o->out, fault) : folder_held(&fresh, NULL, fault);
+    if (err)
+        return err;
+    here.out = o->out ? o->out : buf_text(&fresh);
+    console_handle_interrupts();
+    err = begin_confined(o, o->word[0], here.out, NULL, fault);
+    if (!err) {
+        err = begin_interpreter(&interp, &here, fault);
+        if (!err)
+            err = replay_aloud(&interp, o->word[0], &console_printer, fault);
+        interpreter_release(&interp);
+    }
+    /* The folder that was made for the files goes where there are none. */
+    if (!o->out && folder_release(here.out)) {
+        buf_add_safe_text(&text, here.out);
+        console_erase_progress();
+        fprintf(stderr, "# files are in %s\n", buf_text(&text));
+    }
+    buf_release(&text);
+    buf_release(&fresh);
+    return err;
+}
+
+/* ---- a part of many journals ---- */
+
+/*
+ * For several machines that share the work: "2/5" is the second of five. Which part a journal
+ * belongs to follows from the SHA-256 of its bytes, and from nothing else: not from its place in
+ * the list, so that a journal which is added moves no other; and not from its path, so that
+ * machines which keep it in different places agree. So every journal is in exactly one part. One
+ * that cannot be read is in all of them, where it fails.
+ */
+
+enum { SHARDS_MOST = 10000 };
+
+struct shard {
+    unsigned number, of; /* 1..of */
+};
+
+/* Reads "K/N"; false where it is none. */
+static bool shard_read(struct shard *shard, const char *text)
+{
+    int64_t number, of;
+    const char *at = text;
+    if (!scan_integer(&at, 1, SHARDS_MOST, &number) || !scan_text(&at, "/") ||
+        !scan_integer(&at, number, SHARDS_MOST, &of) || *at)
+        return false;
+    *shard = (struct shard){(unsigned)number, (unsigned)of};
+    return true;
+}
+
+static bool is_in_shard(const struct shard *shard, const char *path)
+{
+    struct buf bytes = {0};
+    char hex[SHA256_HEX];
+    uint64_t first;
+    bool has = true;
+    if (!file_read(&bytes, path, JOURNAL_BYTES_MAX, NULL)) {
+        const char *at = hex;
+        sha256_bytes_hex(hex, buf_text(&bytes), bytes.length);
+        hex[16] = '\0';
+        has = !scan_hex(&at, 16, &first) || first % shard->of == shard->number - 1;
+    }
+    buf_release(&bytes);
+    return has;
+}
+
+static void move_to(char **list, size_t to, size_t from)
+{
+    char *moved = list[from];
+    for (size_t i = from; i > to; i--)
+        list[i] = list[i - 1];
+    list[to] = moved;
+}
+
+/* Moves the journals of the shard to the front, in their order, with what stands beside them in
+ * `other` (or NULL); how many they are. */
+static size_t shard_choose(const struct shard *shard, char **path, char **other, size_t count)
+{
+    size_t chosen = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (!is_in_shard(shard, path[i]))
+            continue;
+        move_to(path, chosen, i);
+        if (other)
+            move_to(other, chosen, i);
+        chosen++;
+    }
+    return chosen;
+}
 
 /* ---- verify ---- */
 
 static bool is_chain(const char *text)
 {
     return strspn(text, "0123456789abcdef") == RECORD_CHAIN_DIGITS && !text[RECORD_CHAIN_DIGITS];
-}
-
-static enum err check_lock_options(const struct options *o, struct fault *fault)
-{
-    if (o->update_lock && !o->lock)
-        return fault_set(fault, ERR_USAGE, "--update-lock: --lock FILE says which file");
-    if (o->update_lock && ci_is_set())
-        return fault_set(fault, ERR_USAGE,
-                         "--update-lock is a person's decision, and refused where CI is set");
-    if (o->update_lock && (o->from || o->until || o->shard || o->fail_fast))
-        return fault_set(fault, ERR_USAGE,
-                         "--update-lock: all journals are verified, without --from, --until, "
-                         "--shard and --fail-fast");
-    return OK;
 }
 
 /* What options say together. */
@@ -57,7 +146,16 @@ static enum err check_options(const struct options *o, struct fault *fault)
     if (o->remove_orphans && ci_is_set())
         return fault_set(fault, ERR_USAGE,
                          "--remove-orphans is a person's decision, and refused where CI is set");
-    return check_lock_options(o, fault);
+    if (o->update_lock && !o->lock)
+        return fault_set(fault, ERR_USAGE, "--update-lock: --lock FILE says which file");
+    if (o->update_lock && ci_is_set())
+        return fault_set(fault, ERR_USAGE,
+                         "--update-lock is a person's decision, and refused where CI is set");
+    if (o->update_lock && (o->from || o->until || o->shard || o->fail_fast))
+        return fault_set(fault, ERR_USAGE,
+                         "--update-lock: all journals are verified, without --from, --until, "
+                         "--shard and --fail-fast");
+    return OK;
 }
 
 /* Those that are this machine's. */

@@ -14,12 +14,12 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "command/interpreter.h"
+#include "confine/confine.h"
 #include "image/exr.h"
 #include "image/volume.h"
 #include "journal/journal.h"
 #include "program/console.h"
 #include "program/programs.h"
-#include "confine/confine.h"
 #include "report/export.h"
 #include "report/histogram.h"
 #include "tui/cells.h"
@@ -134,18 +134,6 @@ static enum err collect(struct picture *notes, const struct picture *p)
     return err;
 }
 
-static void add_note(struct facts *f, const struct attribute *note, bool is_first)
-{
-    if (f->is_json) {
-        json_text(&f->json, note->name, note->value);
-        return;
-    }
-    buf_add_text(f->out, is_first ? "" : "\n          ");
-    buf_add_safe_text(f->out, note->name);
-    buf_add_text(f->out, ": ");
-    buf_add_safe_text(f->out, note->value);
-}
-
 static void add_notes(struct facts *f, const struct picture *p)
 {
     struct picture notes;
@@ -157,8 +145,17 @@ static void add_notes(struct facts *f, const struct picture *p)
         begin_line(f, "notes");
     if (collect(&notes, p))
         f->out->failed = true;
-    for (size_t i = 0; i < notes.attributes; i++)
-        add_note(f, &notes.attribute[i], i == 0);
+    for (size_t i = 0; i < notes.attributes; i++) {
+        const struct attribute *note = &notes.attribute[i];
+        if (f->is_json) {
+            json_text(&f->json, note->name, note->value);
+            continue;
+        }
+        buf_add_text(f->out, i == 0 ? "" : "\n          ");
+        buf_add_safe_text(f->out, note->name);
+        buf_add_text(f->out, ": ");
+        buf_add_safe_text(f->out, note->value);
+    }
     if (f->is_json)
         json_end(&f->json);
     picture_release(&notes);
@@ -196,21 +193,15 @@ static enum err add_own_exr(struct facts *f, const char *path, struct fault *fau
     return OK;
 }
 
-static enum err ask_helper(struct image_facts *facts, const char *path, struct fault *fault)
-{
-    struct image_helper *helper;
-    enum err err = image_helper_new(&helper, NULL, fault);
-    if (!err)
-        err = image_helper_about(helper, path, facts, fault);
-    image_helper_free(helper);
-    return err;
-}
-
 static enum err add_image(struct facts *f, const char *path, struct fault *fault)
 {
+    struct image_helper *helper;
     struct image_facts facts;
     struct buf channels = {0};
-    enum err err = ask_helper(&facts, path, fault);
+    enum err err = image_helper_new(&helper, NULL, fault);
+    if (!err)
+        err = image_helper_about(helper, path, &facts, fault);
+    image_helper_free(helper);
     if (err)
         return err;
     for (const char *at = facts.channels; *at; at++)
@@ -233,46 +224,39 @@ static enum err add_exr(struct facts *f, const char *path, struct fault *fault)
 
 /* ---- scenes and journals ---- */
 
-static void add_json_histogram(struct json *json, const struct histogram *h)
-{
-    json_object(json, "histogram");
-    json_real(json, "least", h->least, 9);
-    json_real(json, "most", h->most, 9);
-    json_count(json, "below", h->below);
-    json_count(json, "above", h->above);
-    json_array(json, "bins");
-    for (unsigned i = 0; i < h->bins; i++)
-        json_count(json, NULL, h->bin[i]);
-    json_end(json);
-    json_end(json);
-}
-
-/* Of intensities that are not exact. */
-static void add_scale(struct facts *f, const struct levels *levels)
-{
-    struct buf text = {0};
-    if (!levels)
-        return;
-    buf_printf(&text, "%.6g..%.6g, a level is %.3g; %zu voxel%s below, %zu above", levels->ends[0],
-               levels->ends[1], levels->step, levels->beyond[0], plural(levels->beyond[0]),
-               levels->beyond[1]);
-    add_text(f, "scale", buf_text(&text));
-    f->out->failed |= text.failed;
-    buf_release(&text);
-}
-
-/* Of all voxels, between the values that would be black and white. */
+/* Of all voxels, between the values that would be black and white; and their scale, where
+ * intensities are not exact. */
 static void add_histogram(struct facts *f, const struct volume *volume)
 {
     static uint32_t count[UINT16_MAX + 1];
+    const struct levels *levels = volume->levels;
+    const struct histogram *h = &f->histogram;
+    struct buf scale = {0};
     const size_t voxels = (size_t)volume->size[0] * volume->size[1] * volume->size[2];
     for (size_t i = 0; i < voxels; i++)
         count[volume->intensity[i]]++;
     histogram_of_counts(&f->histogram, count, &volume->geometry);
     f->has_histogram = true;
-    add_scale(f, volume->levels);
-    if (f->is_json)
-        add_json_histogram(&f->json, &f->histogram);
+    if (levels)
+        buf_printf(&scale, "%.6g..%.6g, a level is %.3g; %zu voxel%s below, %zu above",
+                   levels->ends[0], levels->ends[1], levels->step, levels->beyond[0],
+                   plural(levels->beyond[0]), levels->beyond[1]);
+    if (levels)
+        add_text(f, "scale", buf_text(&scale));
+    f->out->failed |= scale.failed;
+    buf_release(&scale);
+    if (!f->is_json)
+        return;
+    json_object(&f->json, "histogram");
+    json_real(&f->json, "least", h->least, 9);
+    json_real(&f->json, "most", h->most, 9);
+    json_count(&f->json, "below", h->below);
+    json_count(&f->json, "above", h->above);
+    json_array(&f->json, "bins");
+    for (unsigned i = 0; i < h->bins; i++)
+        json_count(&f->json, NULL, h->bin[i]);
+    json_end(&f->json);
+    json_end(&f->json);
 }
 
 /* What `open` says of the file, a line each. */
@@ -379,11 +363,13 @@ static enum err add_file(struct facts *f, const char *path, struct fault *fault)
     return err && volume_is_known(path) ? add_scene(f, path, fault) : err;
 }
 
-/* What keeps hostile files and journals in, and what is missing for it. */
-static void add_confinement(struct facts *f)
+/* With what keeps hostile files and journals in, and what is missing for it. */
+static void add_program(struct facts *f)
 {
     const int landlock = confine_version();
     const bool knows_calls = confine_knows_calls();
+    add_text(f, "version", PROGRAM_VERSION);
+    add_count(f, "semantics", SEMANTICS);
     if (f->is_json) {
         json_count(&f->json, "landlock", (uint64_t)landlock);
         json_boolean(&f->json, "seccomp", knows_calls);
@@ -400,13 +386,6 @@ static void add_confinement(struct facts *f)
     add_text(f, "seccomp",
              knows_calls ? "the helpers make few calls: no network, no other program or process"
                          : "none on this machine: the helpers may make any call of the kernel");
-}
-
-static void add_program(struct facts *f)
-{
-    add_text(f, "version", PROGRAM_VERSION);
-    add_count(f, "semantics", SEMANTICS);
-    add_confinement(f);
 }
 
 enum err run_info(const struct options *o, struct fault *fault)
@@ -433,12 +412,4 @@ enum err run_info(const struct options *o, struct fault *fault)
         fputs(buf_text(&text), stdout);
     buf_release(&text);
     return err;
-}
-
-enum err run_version(const struct options *o, struct fault *fault)
-{
-    (void)o;
-    (void)fault;
-    puts("iftty " PROGRAM_VERSION);
-    return OK;
 }

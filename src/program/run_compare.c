@@ -124,27 +124,11 @@ static enum err write_picture(struct pair *pair, const struct comparison_report 
     return err;
 }
 
-static enum err print(const struct options *o, const struct comparison_report *report,
-                      struct fault *fault)
-{
-    struct buf text = {0};
-    if (o->json)
-        comparison_write_json(&text, report);
-    else if (o->csv)
-        comparison_write_csv(&text, report);
-    else
-        comparison_write_text(&text, report);
-    const enum err err = text.failed ? fault_memory(fault, "a report") : OK;
-    if (!err)
-        console_print(NULL, buf_text(&text));
-    buf_release(&text);
-    return err;
-}
-
 static enum err compare(struct pair *pair, struct team *team, struct fault *fault)
 {
     static const char no_name[256][LABEL_NAME_BYTES];
     const struct options *o = pair->options;
+    struct buf text = {0};
     const struct comparison_report report = {
         &pair->comparison, {o->word[0], o->word[1]}, no_name, &pair->geometry};
     enum err err = read_maps(pair, fault);
@@ -152,7 +136,16 @@ static enum err compare(struct pair *pair, struct team *team, struct fault *faul
         err = comparison_make(&pair->comparison, &pair->compared, team, console_watch(), fault);
     if (!err)
         err = write_picture(pair, &report, fault);
-    return err ? err : print(o, &report, fault);
+    if (!err) {
+        (o->json  ? comparison_write_json
+         : o->csv ? comparison_write_csv
+                  : comparison_write_text)(&text, &report);
+        err = text.failed ? fault_memory(fault, "a report") : OK;
+    }
+    if (!err)
+        console_print(NULL, buf_text(&text));
+    buf_release(&text);
+    return err;
 }
 
 enum err run_compare(const struct options *o, struct fault *fault)

@@ -48,18 +48,6 @@ static void paste(struct triptych *to, uint32_t column, const uint8_t *rgba, uin
                4 * (size_t)width);
 }
 
-static bool begin_triptych(struct triptych *t, uint32_t width, uint32_t height)
-{
-    size_t pixels, bytes;
-    *t = (struct triptych){width, height, NULL};
-    if (!size_multiply(width, height, &pixels) || !size_multiply(pixels, 4, &bytes))
-        return false;
-    t->rgba = mem_array(bytes, 1);
-    for (size_t i = 0; t->rgba && i < bytes; i++)
-        t->rgba[i] = i % 4 == 3 ? 255 : GAP_GREY;
-    return t->rgba;
-}
-
 static bool draw_triptych(struct triptych *t, const struct golden_finding *finding)
 {
     const struct picture *actual = finding->actual, *expected = finding->expected;
@@ -69,8 +57,13 @@ static bool draw_triptych(struct triptych *t, const struct golden_finding *findi
     const uint32_t width = first + actual->width + (differs ? GAP + difference->width : 0);
     const uint32_t height =
         expected && expected->height > actual->height ? expected->height : actual->height;
-    if (!begin_triptych(t, width, height))
+    size_t pixels, bytes;
+    *t = (struct triptych){width, height, NULL};
+    if (!size_multiply(width, height, &pixels) || !size_multiply(pixels, 4, &bytes) ||
+        !(t->rgba = mem_array(bytes, 1)))
         return false;
+    for (size_t i = 0; i < bytes; i++)
+        t->rgba[i] = i % 4 == 3 ? 255 : GAP_GREY;
     if (expected)
         paste(t, 0, picture_colours(expected), expected->width, expected->height);
     paste(t, first, picture_colours(actual), actual->width, actual->height);
@@ -204,20 +197,10 @@ static enum err ask(void *context, const struct review_question *question, struc
 
 /* ---- the program ---- */
 
-static enum err review_one(struct review *review, struct fault *fault)
-{
-    const struct reviewer reviewer = {review, ask};
-    struct interpreter interp;
-    enum err err = begin_interpreter(&interp, review->options, fault);
-    if (!err)
-        err = reseal_review(&interp, review->journal, &reviewer, &console_printer, fault);
-    interpreter_release(&interp);
-    return err;
-}
-
 enum err run_review(const struct options *o, struct fault *fault)
 {
     struct review review = {.options = o};
+    const struct reviewer reviewer = {&review, ask};
     enum err worst = OK, err = OK;
     if (!isatty(STDIN_FILENO) || !isatty(STDOUT_FILENO))
         return fault_set(fault, ERR_USAGE,
@@ -228,8 +211,12 @@ enum err run_review(const struct options *o, struct fault *fault)
     console_handle_interrupts();
     for (int i = 0; i < o->words && (!err || err == ERR_CHECK); i++) {
         struct fault words = {0};
+        struct interpreter interp;
         review.journal = o->word[i];
-        err = review_one(&review, &words);
+        err = begin_interpreter(&interp, o, &words);
+        if (!err)
+            err = reseal_review(&interp, review.journal, &reviewer, &console_printer, &words);
+        interpreter_release(&interp);
         if (!err)
             continue;
         worst = err;

@@ -1,4 +1,4 @@
-#include "program/bench.h"
+#include "program/times.h"
 
 #include <stdlib.h>
 

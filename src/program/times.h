@@ -1,6 +1,6 @@
-/* What benchmarks share: times and what they come to, and the files that they measure on. */
-#ifndef PROGRAM_BENCH_H
-#define PROGRAM_BENCH_H
+/* Times and what they come to, and the files that benchmarks measure on. */
+#ifndef PROGRAM_TIMES_H
+#define PROGRAM_TIMES_H
 
 #include <stddef.h>
 #include <stdint.h>
