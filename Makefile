@@ -68,8 +68,7 @@ VOLUME_LIBS   = $(addsuffix $(ITK:ITK%=%),$(ITK_IO:%=-lITKIO%) -lITKMetaIO -lITK
                 $(shell pkg-config --libs hdf5 2>/dev/null) -lz
 
 # Both helpers: how they are confined.
-CONFINED      = $(BUILD)/src/base/beneath.o $(BUILD)/src/confine/confine.o \
-                $(BUILD)/src/confine/confine_calls.o
+CONFINED      = $(BUILD)/src/base/beneath.o $(BUILD)/src/confine/confine.o
 
 IMAGE_PARTS   = $(patsubst %.cc,$(BUILD)/%.o,src/image/iftty-image.cc \
                   $(wildcard src/image/image_*.cc))

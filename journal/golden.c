@@ -56,19 +56,7 @@ static void print_sample(char out[64], const struct golden_planes *planes, enum 
         snprintf(out, 64, "%" PRIu32, bits);
 }
 
-static void note_first(struct golden_difference *out, const struct golden_planes *expected,
-                       const struct golden_planes *actual, enum golden_plane plane, size_t pixel)
-{
-    out->column = (uint32_t)(pixel % expected->width);
-    out->row = (uint32_t)(pixel / expected->width);
-    out->plane = plane;
-    print_sample(out->expected, expected, plane, pixel);
-    print_sample(out->actual, actual, plane, pixel);
-    out->expected_voxel = voxel_at(expected, pixel);
-    out->actual_voxel = voxel_at(actual, pixel);
-}
-
-/* Whether a pixel differs in any plane; counts and notes it. */
+/* Whether a pixel differs in any plane; counts it, and notes the first. */
 static bool compare_pixel(struct golden_difference *out, const struct golden_planes *expected,
                           const struct golden_planes *actual, size_t pixel)
 {
@@ -77,8 +65,15 @@ static bool compare_pixel(struct golden_difference *out, const struct golden_pla
         const uint8_t *a = sample(expected, plane, pixel), *b = sample(actual, plane, pixel);
         if (!a || memcmp(a, b, 4) == 0)
             continue;
-        if (out->pixels == 0 && !differs)
-            note_first(out, expected, actual, plane, pixel);
+        if (out->pixels == 0 && !differs) {
+            out->column = (uint32_t)(pixel % expected->width);
+            out->row = (uint32_t)(pixel / expected->width);
+            out->plane = plane;
+            print_sample(out->expected, expected, plane, pixel);
+            print_sample(out->actual, actual, plane, pixel);
+            out->expected_voxel = voxel_at(expected, pixel);
+            out->actual_voxel = voxel_at(actual, pixel);
+        }
         out->pixels_of[plane]++;
         differs = true;
     }
@@ -137,7 +132,7 @@ void golden_difference_release(struct golden_difference *difference)
 }
 
 /* What a person looks for first: whether another object is shown, or the same in other colours. */
-static void tell_kind(struct buf *out, const struct golden_difference *d)
+static void write_kind(struct buf *out, const struct golden_difference *d)
 {
     const uint64_t labels = d->pixels_of[GOLDEN_LABEL], voxels = d->pixels_of[GOLDEN_VOXEL];
     if (labels)
@@ -153,7 +148,7 @@ static void tell_kind(struct buf *out, const struct golden_difference *d)
 }
 
 /* What is seen under the first pixel that differs; UINT32_MAX is nothing. */
-static void tell_voxels(struct buf *out, uint32_t expected, uint32_t actual)
+static void write_voxels(struct buf *out, uint32_t expected, uint32_t actual)
 {
     if (expected == actual)
         return;
@@ -178,8 +173,8 @@ void golden_tell(struct buf *out, const struct golden_difference *difference)
                    difference->pixels, (uint64_t)difference->width * difference->height,
                    difference->column, difference->row, plane_name[difference->plane],
                    difference->actual, difference->expected);
-        tell_kind(out, difference);
-        tell_voxels(out, difference->expected_voxel, difference->actual_voxel);
+        write_kind(out, difference);
+        write_voxels(out, difference->expected_voxel, difference->actual_voxel);
     }
 }
 

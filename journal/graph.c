@@ -39,12 +39,6 @@ struct tree {
     struct branch *on; /* that what follows belongs to */
 };
 
-static void tree_release(struct tree *tree)
-{
-    tdestroy(tree->branches, free);
-    free(tree->node);
-}
-
 static int compare_names(const void *a, const void *b)
 {
     const struct branch *x = a, *y = b;
@@ -286,19 +280,14 @@ static void draw_node(struct drawing *d, size_t number, size_t lane, bool follow
     end_line(d);
 }
 
-static void draw_note(struct drawing *d, size_t number)
-{
-    draw_rails(d, 0, d->lanes);
-    buf_printf(d->out, "(%zu ", number);
-    add_command(d, d->tree->node + number);
-    buf_printf(d->out, ": at %zu)\n", d->tree->node[number].state);
-}
-
 static void draw_record(struct drawing *d, size_t number)
 {
     struct node *node = d->tree->node + number;
     if (node->is_note) {
-        draw_note(d, number);
+        draw_rails(d, 0, d->lanes);
+        buf_printf(d->out, "(%zu ", number);
+        add_command(d, node);
+        buf_printf(d->out, ": at %zu)\n", node->state);
         return;
     }
     const bool parent_is_seen = d->tree->node[node->parent].lane != NO_LANE;
@@ -330,6 +319,7 @@ enum err graph_draw(struct buf *out, const char *bytes, size_t length, bool unic
         draw_tree(&drawing);
     if (!err && out->failed)
         err = fault_memory(fault, "the graph of a journal");
-    tree_release(&tree);
+    tdestroy(tree.branches, free);
+    free(tree.node);
     return err;
 }

@@ -1,10 +1,11 @@
 #include "journal/journal.h"
 
 #include <assert.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file_draft.h"
+#include "base/file.h"
 #include "journal/walk.h"
 
 enum { COMMENTS_MAX = 1 << 20 };
@@ -85,18 +86,6 @@ static enum err judge_content(const struct journal *journal, struct fault *fault
                    : OK;
 }
 
-static enum err append_to_file(struct journal *journal, const struct buf *bytes, bool may_wait,
-                               struct fault *fault)
-{
-    enum err err = repair_failures(journal, fault);
-    if (!err)
-        err = judge_content(journal, fault);
-    if (err)
-        return err;
-    assert(file_log_length(journal->log) == journal->kept.length); /* J3 */
-    return file_log_append(journal->log, bytes->data, bytes->length, may_wait, fault);
-}
-
 /* The one door by which bytes reach the file: J1, J2, J5, J7. */
 static enum err append_bytes(struct journal *journal, const struct buf *bytes, bool may_wait,
                              struct fault *fault)
@@ -109,7 +98,13 @@ static enum err append_bytes(struct journal *journal, const struct buf *bytes, b
         kept->failed = false; /* what it held before is whole */
         return fault_memory(fault, "the journal");
     }
-    enum err err = journal->log ? append_to_file(journal, bytes, may_wait, fault) : OK;
+    enum err err = journal->log ? repair_failures(journal, fault) : OK;
+    if (!err && journal->log)
+        err = judge_content(journal, fault);
+    if (!err && journal->log) {
+        assert(file_log_length(journal->log) == kept->length); /* J3 */
+        err = file_log_append(journal->log, bytes->data, bytes->length, may_wait, fault);
+    }
     if (!err)
         buf_add(kept, bytes->data, bytes->length);
     return err;
@@ -212,14 +207,6 @@ static enum err cut_tail(struct journal *journal, const struct buf *bytes, const
     return err;
 }
 
-/* Line 1 is as it stands in the file, for the chain of the first record. */
-static enum err keep_header(struct journal *journal, unsigned semantics, struct fault *fault)
-{
-    buf_clear(&journal->header);
-    record_header(&journal->header, semantics);
-    return journal->header.failed ? fault_memory(fault, "the journal") : OK;
-}
-
 /* Takes the sound part over. What follows it is cut off, unless the journal is open read-only. */
 static enum err take_over(struct journal *journal, const struct buf *bytes,
                           const struct walk *sound, struct buf *notice, struct fault *fault)
@@ -237,8 +224,11 @@ static enum err take_over(struct journal *journal, const struct buf *bytes,
         return err;
     journal->count = sound->records;
     journal->chain = sound->chain;
-    if (sound->offset > 0)
-        return keep_header(journal, sound->semantics, fault);
+    if (sound->offset > 0) { /* line 1 as it stands in the file, for the first record's chain */
+        buf_clear(&journal->header);
+        record_header(&journal->header, sound->semantics);
+        return journal->header.failed ? fault_memory(fault, "the journal") : OK;
+    }
     /* The program that began it may have ended before that. */
     err = journal->log ? file_log_sync_folder(journal->log, fault) : OK;
     return err ? err : append_bytes(journal, &journal->header, false, fault);
@@ -308,10 +298,12 @@ static enum err append_record(struct journal *journal, const char *command, cons
                               bool may_wait, struct fault *fault)
 {
     struct buf bytes = {0};
-    struct record_chain chain;
+    struct record_chain chain = journal->chain;
+    const struct record record = {
+        .number = journal->count + 1, .command = command, .result = words};
     const char *header = journal->count == 0 ? buf_text(&journal->header) : "";
-    enum err err = record_encode(&bytes, &chain, &journal->chain, header, journal->count + 1,
-                                 buf_text(&journal->comments), command, words, fault);
+    enum err err =
+        record_encode(&bytes, &chain, header, buf_text(&journal->comments), &record, fault);
     if (!err)
         err = append_bytes(journal, &bytes, may_wait, fault);
     if (err)
@@ -461,5 +453,84 @@ enum err journal_audit(const struct journal *journal, struct fault *fault)
                         journal->count, journal->kept.length);
     walk_release(&walk);
     buf_release(&bytes);
+    return err;
+}
+/* ---- without running it ---------------------------------------------------------------------- */
+
+enum err journal_script(struct buf *out, const char *bytes, size_t length, struct fault *fault)
+{
+    struct walk walk;
+    struct record record;
+    enum err err = walk_begin(&walk, bytes, length, fault);
+    while (!err && walk_next(&walk, &record) == WALK_RECORD) {
+        buf_add(out, walk.bytes + record.offset, (size_t)(record.result_offset - record.offset));
+        if (out->length && out->data[out->length - 1] != '\n')
+            buf_add_char(out, '\n');
+    }
+    if (walk.over == WALK_END) /* last comments of a script */
+        buf_add(out, walk.bytes + walk.offset, walk.length - walk.offset);
+    if (!err)
+        err = walk_judge(&walk, fault);
+    if (out->failed)
+        err = fault_memory(fault, "the commands of a journal");
+    walk_release(&walk);
+    return err;
+}
+
+static enum err condition_set(struct journal_condition *condition, enum journal_state state,
+                              const struct record *place, const char *text, struct fault *fault)
+{
+    condition->state = state;
+    condition->number = place->number;
+    condition->line = place->line;
+    condition->offset = place->offset;
+    snprintf(condition->text, sizeof condition->text, "%s", text);
+    return fault_set(fault, ERR_CHECK, "%s", text);
+}
+
+/* The place of a fault of the header, which belongs to the first record. */
+static const struct record line_1 = {.number = 1, .line = 1};
+
+/* Judges one record, of a journal or of a script that has result lines without a header. */
+static enum err judge(struct journal_condition *condition, const struct walk *walk,
+                      const struct record *record, struct fault *fault)
+{
+    struct fault words;
+    if (walk->is_journal && record_judge(record, &words))
+        return condition_set(condition, JOURNAL_EDITED, record, words.text, fault);
+    if (!walk->is_journal && record->has_result)
+        return condition_set(condition, JOURNAL_EDITED, &line_1,
+                             "there are result lines, but line 1 is not a journal's header", fault);
+    condition->records++;
+    condition->chain = record->chain;
+    return OK;
+}
+
+enum err journal_check(struct journal_condition *condition, const char *bytes, size_t length,
+                       struct fault *fault)
+{
+    struct walk walk;
+    struct record record;
+    struct fault words;
+    *condition = (struct journal_condition){.chain = record_chain_zero};
+    enum err err = walk_begin(&walk, bytes, length, &words);
+    if (err == ERR_INPUT)
+        return condition_set(condition, JOURNAL_DAMAGED, &line_1, words.text, fault);
+    if (err)
+        return fault_set(fault, err, "%s", words.text);
+    condition->semantics = walk.semantics;
+    while (!err && walk_next(&walk, &record) == WALK_RECORD)
+        err = judge(condition, &walk, &record, fault);
+    if (!err && walk.over == WALK_TORN)
+        err = condition_set(condition, JOURNAL_TORN, &record, walk.fault.text, fault);
+    else if (!err && walk.over == WALK_DAMAGED)
+        err = condition_set(condition, JOURNAL_DAMAGED, &record, walk.fault.text, fault);
+    if (!err) {
+        condition->state = walk.is_journal ? JOURNAL_INTACT : JOURNAL_SCRIPT;
+        snprintf(condition->text, sizeof condition->text, "%s, %zu %s%s",
+                 walk.is_journal ? "intact" : "a script", condition->records,
+                 walk.is_journal ? "record" : "command", plural(condition->records));
+    }
+    walk_release(&walk);
     return err;
 }

@@ -312,31 +312,29 @@ bool record_result_parse(const char *line, size_t length, struct record_result *
     return words_are_valid(result->words, result->words_length);
 }
 
-enum err record_encode(struct buf *out, struct record_chain *after,
-                       const struct record_chain *before, const char *header, size_t number,
-                       const char *comments, const char *command, const char *words,
-                       struct fault *fault)
+enum err record_encode(struct buf *out, struct record_chain *chain, const char *header,
+                       const char *comments, const struct record *record, struct fault *fault)
 {
     struct buf text = {0};
-    struct record_chain chain;
-    enum err err = record_command_check(command, fault);
+    struct record_chain after;
+    enum err err = record_command_check(record->command, fault);
     if (!err)
-        err = record_words_check(words, fault);
+        err = record_words_check(record->result, fault);
     if (err)
         return err;
     assert(*comments == '\0' || comments[strlen(comments) - 1] == '\n');
-    buf_printf(&text, "%s%s\n", comments, command);
+    buf_printf(&text, "%s%s\n", comments, record->command);
     const size_t result = text.length;
-    buf_printf(&text, "= %zu%s%s", number, *words ? " " : "", words);
+    buf_printf(&text, "= %zu%s%s", record->number, *record->result ? " " : "", record->result);
     if (text.length - result + SEAL_LENGTH > RECORD_LINE_MAX)
         err = fault_set(fault, ERR_LIMIT, "a result line is longer than %d bytes", RECORD_LINE_MAX);
-    record_chain_compute(&chain, before, header, strlen(header), buf_text(&text), text.length);
-    buf_printf(&text, "%s%s\n", chain_mark, chain.hex);
+    record_chain_compute(&after, chain, header, strlen(header), buf_text(&text), text.length);
+    buf_printf(&text, "%s%s\n", chain_mark, after.hex);
     if (!err && (text.failed || !buf_reserve(out, text.length)))
         err = fault_memory(fault, "a record of the journal");
     if (!err) {
         buf_add(out, text.data, text.length);
-        *after = chain;
+        *chain = after;
     }
     buf_release(&text);
     return err;

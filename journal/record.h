@@ -92,13 +92,12 @@ enum err record_comment_check(const char *comment, struct fault *fault);
 /* `line` ends like a sealed result line: " chain=" and 32 hexadecimal digits. */
 bool record_line_is_sealed(const char *line, size_t length);
 
-/* Adds a whole record to `out` and gives its chain. `before` is the chain of the record before;
- * `header` is line 1 with its line feed for record 1 and "" for the others; `comments` are whole
- * lines, or "". On failure `out` and `*after` are as they were. */
-enum err record_encode(struct buf *out, struct record_chain *after,
-                       const struct record_chain *before, const char *header, size_t number,
-                       const char *comments, const char *command, const char *words,
-                       struct fault *fault);
+/* Adds a whole record to `out`: number, command and result of `record`; nothing else of it counts.
+ * *chain is that of the record before, and then its own. `header` is line 1 with its line feed for
+ * record 1 and "" for the others; `comments` are whole lines, or "". On failure `out` and *chain
+ * are as they were. */
+enum err record_encode(struct buf *out, struct record_chain *chain, const char *header,
+                       const char *comments, const struct record *record, struct fault *fault);
 
 /* The chain that `length` bytes (a record up to but without " chain=") give after `before`. */
 void record_chain_compute(struct record_chain *out, const struct record_chain *before,

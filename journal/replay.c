@@ -27,10 +27,9 @@ static void stop_at(struct replay_report *report, enum replay_outcome outcome,
     buf_add_text(&report->command, record->command);
 }
 
-static enum err tell_divergence(const struct record *record, const char *words,
-                                const struct record_word *expected,
-                                const struct record_word *actual, struct replay_report *report,
-                                struct fault *fault)
+static enum err diverge(const struct record *record, const char *words,
+                        const struct record_word *expected, const struct record_word *actual,
+                        struct replay_report *report, struct fault *fault)
 {
     stop_at(report, REPLAY_DIVERGED, record);
     buf_add_text(&report->expected_words, record->result);
@@ -49,31 +48,6 @@ static enum err tell_divergence(const struct record *record, const char *words,
                      SHOWN_MAX, buf_text(&report->expected), SHOWN_MAX, record->command);
 }
 
-static enum err tell_failure(const struct record *record, enum err err,
-                             struct replay_report *report, struct fault *fault)
-{
-    stop_at(report, REPLAY_FAILED, record);
-    if (fault)
-        buf_add_text(&report->actual, fault->text);
-    if (err == ERR_USAGE)
-        err = ERR_CHECK; /* the journal says that this very command was understood */
-    if (fault)
-        fault->code = err;
-    return fault_prefix(fault, err, "record %zu (line %zu) fails: %.*s", record->number,
-                        record->line, SHOWN_MAX, record->command);
-}
-
-/* Notes a record without any digest, of a command that gives one. */
-static void note_bare(struct replay_report *report, const struct record *record, const char *words)
-{
-    if (!record_lacks_digest(record->result, words))
-        return;
-    if (!report->bare++) {
-        report->bare_number = record->number;
-        report->bare_line = record->line;
-    }
-}
-
 static enum err compare(const struct record *record, const struct replay_host *host,
                         const char *words, struct replay_report *report, struct fault *fault)
 {
@@ -85,10 +59,13 @@ static enum err compare(const struct record *record, const struct replay_host *h
             continue;
         }
         if (!record_word_is_among(words, &expected, &actual))
-            return tell_divergence(record, words, &expected, &actual, report, fault);
+            return diverge(record, words, &expected, &actual, report, fault);
         report->digests += record_word_is_digest(&expected);
     }
-    note_bare(report, record, words);
+    if (record_lacks_digest(record->result, words) && !report->bare++) {
+        report->bare_number = record->number;
+        report->bare_line = record->line;
+    }
     return OK;
 }
 
@@ -103,7 +80,12 @@ enum err replay_record(const struct record *record, const struct replay_host *ho
     if (!err && words.failed)
         err = fault_memory(&why, "result words");
     if (err) {
-        err = tell_failure(record, err, report, &why);
+        stop_at(report, REPLAY_FAILED, record);
+        buf_add_text(&report->actual, why.text);
+        /* the journal says that this very command was understood */
+        why.code = err == ERR_USAGE ? ERR_CHECK : err;
+        err = fault_prefix(&why, why.code, "record %zu (line %zu) fails: %.*s", record->number,
+                           record->line, SHOWN_MAX, record->command);
         if (fault)
             *fault = why;
     } else if (record->has_result) {
@@ -126,17 +108,6 @@ static void note_edit(struct replay_report *report, const struct walk *walk,
     report->edited_number = record->number;
     report->edited_line = record->line;
     report->edited_offset = record->offset;
-}
-
-/* Notes how the bytes end. */
-static enum err note_end(struct replay_report *report, const struct walk *walk, struct fault *fault)
-{
-    report->is_torn = walk->over == WALK_TORN;
-    report->torn_offset = report->is_torn ? walk->offset : 0;
-    if (walk->over != WALK_DAMAGED)
-        return OK;
-    stop_at(report, REPLAY_UNREADABLE, &walk->place);
-    return fault_set(fault, ERR_INPUT, "%s", walk->fault.text);
 }
 
 /* Adds to the words of a failure what may explain it. */
@@ -186,8 +157,13 @@ enum err replay_run(const char *bytes, size_t length, const struct replay_host *
         if (record.number == options->last)
             break;
     }
-    if (!err)
-        err = note_end(report, &walk, fault);
+    if (!err) {
+        report->is_torn = walk.over == WALK_TORN;
+        report->torn_offset = report->is_torn ? walk.offset : 0;
+        if (walk.over == WALK_DAMAGED)
+            stop_at(report, REPLAY_UNREADABLE, &walk.place);
+        err = walk_judge(&walk, fault);
+    }
     err = explain(err, report, options, fault);
     walk_release(&walk);
     return err;

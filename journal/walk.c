@@ -36,34 +36,15 @@ static bool is_blank(char c)
     return c == ' ' || c == '\t';
 }
 
-/* Scripts may be indented; a journal says things in one way. */
-static void skip_indent(const struct walk *walk, struct line *line)
-{
-    for (; !walk->is_journal && line->length > 0 && is_blank(*line->text); line->text++)
-        line->length--;
-}
-
 static bool line_is_result(const struct line *line)
 {
     return line->length > 0 && *line->text == '=';
-}
-
-static bool line_is_comment(const struct line *line)
-{
-    return line->length == 0 || *line->text == '#';
 }
 
 /* The smallest block that a disk writes whole. */
 enum { SECTOR = 512 };
 
 /* ---- the beginning --------------------------------------------------------------------------- */
-
-static size_t length_without_zeros(const char *bytes, size_t length)
-{
-    while (length > 0 && bytes[length - 1] == '\0')
-        length--;
-    return length;
-}
 
 /* A file of another kind: in a long one, what it begins with shows that it is no text. */
 static enum err check_script(const struct walk *walk, struct fault *fault)
@@ -79,7 +60,9 @@ static enum err check_script(const struct walk *walk, struct fault *fault)
 /* Finds out what the bytes are, and steps over the header of a journal. */
 static enum err read_header(struct walk *walk, struct fault *fault)
 {
-    const size_t length = length_without_zeros(walk->bytes, walk->length);
+    size_t length = walk->length;
+    while (length > 0 && walk->bytes[length - 1] == '\0')
+        length--;
     const char *feed = length ? memchr(walk->bytes, '\n', length) : NULL;
     const size_t first = feed ? (size_t)(feed - walk->bytes) : length;
     unsigned format;
@@ -207,14 +190,6 @@ static bool is_torn_by_zeros(const struct walk *walk, const struct line *line)
     return zeros_are_sectors(walk);
 }
 
-/* Nothing is left but comments, or nothing at all. */
-static enum walk_step end_of_bytes(struct walk *walk)
-{
-    const bool is_torn = walk->is_journal && (walk->offset < walk->length || walk->ends_in_zeros ||
-                                              walk->header_length == 0);
-    return is_torn ? end_torn(walk) : end_walk(walk, WALK_END, walk->offset, walk->line);
-}
-
 /* ---- a record -------------------------------------------------------------------------------- */
 
 /* Why no line of ours looks like this; NULL where it may. */
@@ -275,14 +250,20 @@ static enum walk_step find_command(struct walk *walk, struct position *at, struc
 {
     const char *wrong;
     do {
-        if (!take_line(walk, at, line))
-            return end_of_bytes(walk);
+        if (!take_line(walk, at, line)) {
+            const bool is_torn =
+                walk->is_journal &&
+                (walk->offset < walk->length || walk->ends_in_zeros || walk->header_length == 0);
+            return is_torn ? end_torn(walk) : end_walk(walk, WALK_END, walk->offset, walk->line);
+        }
         if ((wrong = line_fault(walk, line)))
             return is_torn_by_zeros(walk, line) ? end_torn(walk) : end_damaged(walk, line, wrong);
         if (walk->is_journal && !line->is_complete)
             return end_torn(walk);
-        skip_indent(walk, line);
-    } while (line_is_comment(line));
+        /* Scripts may be indented; a journal says things in one way. */
+        for (; !walk->is_journal && line->length > 0 && is_blank(*line->text); line->text++)
+            line->length--;
+    } while (line->length == 0 || *line->text == '#');
     if ((wrong = command_fault(walk, line)))
         return end_damaged(walk, line, wrong);
     return WALK_RECORD;

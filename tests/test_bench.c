@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "tests/bench/report.h"
-#include "program/bench.h"
+#include "program/times.h"
 #include "session/session.h"
 #include "session/session_inside.h"
 #include "show/draw.h"

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "confine/confine_calls.h"
+#include "confine/confine.h"
 #include "base/file.h"
 #include "base/mem.h"
 #include "image/helper.h"

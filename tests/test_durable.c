@@ -14,7 +14,6 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "journal/journal.h"
-#include "journal/log.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 

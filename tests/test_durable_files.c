@@ -10,7 +10,7 @@
 #include <errno.h>
 #include <stdlib.h>
 
-#include "base/file_draft.h"
+#include "base/file.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/interpreting.h"

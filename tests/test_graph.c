@@ -26,8 +26,8 @@ static void add(struct made *made, const char *command, const char *words)
     struct buf header = {0};
     if (!made->records)
         record_header(&header, 3);
-    CHECK(record_encode(&made->bytes, &made->chain, &made->chain, buf_text(&header),
-                        ++made->records, "", command, words, NULL) == OK);
+    const struct record record = {.number = ++made->records, .command = command, .result = words};
+    CHECK(record_encode(&made->bytes, &made->chain, buf_text(&header), "", &record, NULL) == OK);
     buf_release(&header);
 }
 

@@ -6,7 +6,7 @@
 
 #include "base/file.h"
 #include "base/mem.h"
-#include "base/packed.h"
+#include "session/packed.h"
 #include "journal/walk.h"
 #include "show/slicing.h"
 #include "tests/small_scene.h"
@@ -695,8 +695,10 @@ static void forge_taken(const char *from, const char *to, const char *key, const
             buf_printf(&words, "%.*s", took ? (int)strlen(taken) : (int)word.value_length,
                        took ? taken : word.value);
         }
-        CHECK(record_encode(&out, &chain, &chain, record.number == 1 ? buf_text(&header) : "",
-                            record.number, "", record.command, buf_text(&words), NULL) == OK);
+        const struct record anew = {
+            .number = record.number, .command = record.command, .result = buf_text(&words)};
+        CHECK(record_encode(&out, &chain, record.number == 1 ? buf_text(&header) : "", "", &anew,
+                            NULL) == OK);
     }
     CHECK(file_write(to, out.data, out.length, FILE_REPLACE, NULL) == OK);
     walk_release(&walk);

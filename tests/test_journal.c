@@ -7,7 +7,7 @@
 #include "base/buf.h"
 #include "base/file.h"
 #include "base/hash.h"
-#include "journal/log.h"
+#include "journal/journal.h"
 #include "journal/record.h"
 #include "journal/walk.h"
 #include "tests/check.h"
@@ -35,8 +35,10 @@ static void make_journal(struct buf *out, size_t where[RECORDS + 1])
     where[0] = out->length;
     for (size_t i = 0; i < RECORDS; i++) {
         struct fault fault;
-        CHECK(record_encode(out, &chain, &chain, i == 0 ? buf_text(&header) : "", i + 1,
-                            story[i].comments, story[i].command, story[i].words, &fault) == OK);
+        const struct record record = {
+            .number = i + 1, .command = story[i].command, .result = story[i].words};
+        CHECK(record_encode(out, &chain, i == 0 ? buf_text(&header) : "", story[i].comments,
+                            &record, &fault) == OK);
         where[i + 1] = out->length;
     }
     buf_release(&header);
@@ -534,14 +536,15 @@ STORY(what_would_break_a_record_is_refused)
     struct fault fault;
     buf_add_text(&out, "kept");
     for (size_t i = 0; i < sizeof bad_command / sizeof bad_command[0]; i++) {
-        CHECK(record_encode(&out, &chain, &chain, "", 1, "", bad_command[i], "", &fault) ==
-              ERR_INPUT);
+        const struct record record = {.number = 1, .command = bad_command[i], .result = ""};
+        CHECK(record_encode(&out, &chain, "", "", &record, &fault) == ERR_INPUT);
         CHECK(strchr(fault.text, '\x1b') == NULL);
     }
-    for (size_t i = 0; i < sizeof bad_words / sizeof bad_words[0]; i++)
-        if (!CHECK(record_encode(&out, &chain, &chain, "", 1, "", "run", bad_words[i], &fault) ==
-                   ERR_INPUT))
+    for (size_t i = 0; i < sizeof bad_words / sizeof bad_words[0]; i++) {
+        const struct record record = {.number = 1, .command = "run", .result = bad_words[i]};
+        if (!CHECK(record_encode(&out, &chain, "", "", &record, &fault) == ERR_INPUT))
             printf("#   %s\n", bad_words[i]);
+    }
     for (size_t i = 0; i < sizeof good_words / sizeof good_words[0]; i++)
         CHECK(record_words_check(good_words[i], NULL) == OK);
     CHECK(record_command_check("x chain=0123456789abcdef0123456789abcdeF", NULL) == OK);
@@ -567,20 +570,22 @@ STORY(lines_have_a_limit_on_both_sides)
     struct buf header = {0};
     record_header(&header, SEMANTICS);
     buf_add_text(&out, buf_text(&header));
-    CHECK(record_encode(&out, &chain, &chain, buf_text(&header), 1, "", line, "a=1", NULL) == OK);
+    struct record record = {.number = 1, .command = line, .result = "a=1"};
+    CHECK(record_encode(&out, &chain, buf_text(&header), "", &record, NULL) == OK);
     struct outcome walked = walk_all(out.data, out.length, true);
     CHECK(walked.step == WALK_END && walked.records == 1);
     /* the longest result line, and one byte more */
     const size_t value = RECORD_LINE_MAX - strlen("= 2 v=") - strlen(" chain=") - 32;
     buf_add_text(&words, "v=");
     buf_add(&words, line, value);
-    CHECK(record_encode(&out, &chain, &chain, "", 2, "", "run", buf_text(&words), NULL) == OK);
+    record = (struct record){.number = 2, .command = "run", .result = buf_text(&words)};
+    CHECK(record_encode(&out, &chain, "", "", &record, NULL) == OK);
     walked = walk_all(out.data, out.length, true);
     CHECK(walked.step == WALK_END && walked.records == 2);
     const size_t length = out.length;
     buf_add_char(&words, 'x');
-    CHECK(record_encode(&out, &chain, &chain, "", 3, "", "run", buf_text(&words), NULL) ==
-          ERR_LIMIT);
+    record = (struct record){.number = 3, .command = "run", .result = buf_text(&words)};
+    CHECK(record_encode(&out, &chain, "", "", &record, NULL) == ERR_LIMIT);
     CHECK_INT(out.length, length);
     /* an unfinished line that is too long is no beginning of a record */
     for (size_t i = 0; i <= RECORD_LINE_MAX; i++)

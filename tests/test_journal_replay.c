@@ -54,8 +54,10 @@ static void make_journal(struct buf *out)
     for (size_t i = 0; i < COMMANDS; i++) {
         buf_clear(&words);
         CHECK(add(&adder, commands[i], &words, NULL) == OK);
-        CHECK(record_encode(out, &chain, &chain, i ? "" : buf_text(&header), i + 1,
-                            i == 1 ? "# two\n" : "", commands[i], buf_text(&words), NULL) == OK);
+        const struct record record = {
+            .number = i + 1, .command = commands[i], .result = buf_text(&words)};
+        CHECK(record_encode(out, &chain, i ? "" : buf_text(&header), i == 1 ? "# two\n" : "",
+                            &record, NULL) == OK);
     }
     buf_release(&words);
     buf_release(&header);

@@ -16,7 +16,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "base/file_draft.h"
+#include "base/file.h"
 #include "image/exr.h"
 #include "tests/check.h"
 #include "tests/folder.h"

@@ -1,7 +1,7 @@
 /* Questions about distances, angles and intensities: measure, profile, the histogram of info. */
 #include "tests/small_scene.h"
 
-#include "base/chart.h"
+#include "report/chart.h"
 #include "report/histogram.h"
 #include "session/paint.h"
 

@@ -9,7 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "base/process.h"
+#include "verify/process.h"
 #include "tests/check.h"
 
 /* ---- what the processes do ---- */

@@ -10,8 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "base/file_draft.h"
-#include "base/folder.h"
+#include "base/file.h"
 #include "base/owner.h"
 #include "tests/check.h"
 #include "tests/folder.h"
@@ -206,7 +205,7 @@ STORY(folders_of_processes_that_have_ended_go_with_what_is_in_them)
 static void leave_held(void)
 {
     struct buf path = {0};
-    const bool fine = file_hold_folder(&path, folder, NULL) == OK;
+    const bool fine = folder_held(&path, folder, NULL) == OK;
     _exit(fine && file_write(file_in(buf_text(&path), "a"), "x", 1, FILE_KEEP, NULL) == OK ? 0 : 1);
 }
 
@@ -214,12 +213,12 @@ STORY(a_folder_that_is_held_goes_with_a_process_that_was_killed_and_stays_else)
 {
     struct buf kept = {0}, empty = {0}, live = {0}, next = {0};
     int status = -1;
-    CHECK(file_hold_folder(&kept, folder, NULL) == OK);
+    CHECK(folder_held(&kept, folder, NULL) == OK);
     CHECK(file_write(file_in(buf_text(&kept), "a"), "x", 1, FILE_KEEP, NULL) == OK);
-    CHECK(file_release_folder(buf_text(&kept)));
-    CHECK(file_hold_folder(&empty, folder, NULL) == OK);
-    CHECK(!file_release_folder(buf_text(&empty)) && !file_exists(buf_text(&empty)));
-    CHECK(file_hold_folder(&live, folder, NULL) == OK);
+    CHECK(folder_release(buf_text(&kept)));
+    CHECK(folder_held(&empty, folder, NULL) == OK);
+    CHECK(!folder_release(buf_text(&empty)) && !file_exists(buf_text(&empty)));
+    CHECK(folder_held(&live, folder, NULL) == OK);
     CHECK(mkdir(file_in(folder, "iftty-others"), 0700) == 0); /* it says nothing */
     CHECK(symlink(buf_text(&kept), file_in(folder, "iftty-link")) == 0);
     fflush(stdout);
@@ -228,11 +227,11 @@ STORY(a_folder_that_is_held_goes_with_a_process_that_was_killed_and_stays_else)
         leave_held();
     CHECK(waitpid(child, &status, 0) == child && status == 0);
     CHECK_INT(files_in_folder(), 5);
-    CHECK(file_hold_folder(&next, folder, NULL) == OK);
+    CHECK(folder_held(&next, folder, NULL) == OK);
     CHECK_INT(files_in_folder(), 5); /* one more, and the one of the process that has ended gone */
     CHECK(holds(file_in(buf_text(&kept), "a"), "x") && file_is_folder(buf_text(&live)));
     CHECK(file_is_folder(file_in(folder, "iftty-others")));
-    CHECK(!file_release_folder(buf_text(&live)) && !file_release_folder(buf_text(&next)));
+    CHECK(!folder_release(buf_text(&live)) && !folder_release(buf_text(&next)));
     folder_remove(buf_text(&kept));
     folder_remove(file_in(folder, "iftty-others"));
     folder_remove(file_in(folder, "iftty-link"));

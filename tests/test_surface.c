@@ -338,7 +338,7 @@ static int fails_later(enum file_step step, const char *path)
     return steps_left-- == 0 ? ENOSPC : 0;
 }
 
-/* F2: a step of writing that fails leaves the file that was there. */
+/* D2: a step of writing that fails leaves the file that was there. */
 STORY(a_disk_that_is_full_leaves_the_former_file)
 {
     struct volume_label label[256] = {{.name = ""}};

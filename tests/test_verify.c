@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <zlib.h>
 
-#include "verify/divergence.h"
+#include "verify/replay_file.h"
 #include "verify/first_difference.h"
 #include "verify/verify_result.h"
 #include "verify/verify_report.h"
@@ -70,8 +70,9 @@ static void make_journal(struct buf *out, size_t count, size_t other, size_t com
     for (size_t n = 1; n <= count; n++) {
         char words[40];
         snprintf(words, sizeof words, "forest=%zu labels=7", other && n >= other ? n + 1000 : n);
-        CHECK(record_encode(out, &chain, &chain, n == 1 ? buf_text(&header) : "", n,
-                            n == comment ? "# why\n" : "", "turn 1", words, NULL) == OK);
+        const struct record record = {.number = n, .command = "turn 1", .result = words};
+        CHECK(record_encode(out, &chain, n == 1 ? buf_text(&header) : "",
+                            n == comment ? "# why\n" : "", &record, NULL) == OK);
     }
     buf_release(&header);
 }

@@ -1,21 +1,37 @@
 #include "base/file.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <ftw.h>
 #include <limits.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "base/choice.h"
-#include "base/file_draft.h"
+#include "base/hash.h"
+#include "base/owner.h"
+#include "base/scan.h"
+
+#define DRAFT_PREFIX ".iftty-"
+#define FRESH_PREFIX "iftty-" /* of folders, one of which may be held */
+#define HOLDER_TAIL  "holder"
+
+enum {
+    NUMBERED_MOST = 9999, /* files PATH.KIND-N */
+    TAIL_MOST = 160,
+    FORGOTTEN_S = 24 * 60 * 60,
+    COPY_PIECE = 65536,
+    COPY_BYTES_MOST = 1 << 30 /* of a file of a folder */
+};
 
 /* ---- steps ---- */
-
-enum { NUMBERED_MOST = 9999 }; /* files PATH.KIND-N */
 
 int (*file_step_hook)(enum file_step step, const char *path);
 
@@ -86,7 +102,7 @@ bool file_step_cut(int fd, const char *path, uint64_t length)
     return !file_step_fails(FILE_STEP_CUT, path) && ftruncate(fd, (off_t)length) == 0;
 }
 
-/* ---- whole files ---- */
+/* ---- what is there ---- */
 
 enum err file_open(int *fd, uint64_t *bytes, const char *path, int flags, struct fault *fault)
 {
@@ -146,53 +162,16 @@ enum err file_read(struct buf *out, const char *path, size_t limit, struct fault
     return err;
 }
 
-static enum err write_draft(const char *draft, const char *path, const void *bytes, size_t length,
-                            struct fault *fault)
-{
-    const int fd = file_step_open(draft, O_WRONLY | O_CREAT | O_EXCL);
-    if (fd < 0)
-        return fault_errno(fault, "write", path);
-    const bool written = file_step_write(fd, path, bytes, length);
-    const int number = errno;
-    if (close(fd) == 0 && written)
-        return OK;
-    errno = written ? errno : number;
-    file_discard(draft);
-    return fault_errno(fault, "write", path);
-}
-
-enum err file_write(const char *path, const void *bytes, size_t length, enum file_mode mode,
-                    struct fault *fault)
-{
-    struct buf draft = {0};
-    enum err err = file_draft(&draft, path, mode, fault);
-    if (!err)
-        err = write_draft(buf_text(&draft), path, bytes, length, fault);
-    if (!err)
-        err = file_publish(buf_text(&draft), path, mode, fault);
-    buf_release(&draft);
-    return err;
-}
-
-enum err file_write_beside(struct buf *name, const char *path, const char *kind, const void *bytes,
-                           size_t length, struct fault *fault)
-{
-    for (int n = 1; n <= NUMBERED_MOST; n++) {
-        buf_clear(name);
-        buf_printf(name, "%s.%s-%d", path, kind, n);
-        if (name->failed)
-            return fault_memory(fault, "a file name");
-        if (!file_exists(buf_text(name)))
-            return file_write(buf_text(name), bytes, length, FILE_KEEP, fault);
-    }
-    return fault_set(fault, ERR_IO, "there are %d files %s.%s-N already; %s is as it was",
-                     NUMBERED_MOST, path, kind, path);
-}
-
 bool file_exists(const char *path)
 {
     struct stat status;
     return lstat(path, &status) == 0;
+}
+
+bool file_is_folder(const char *path)
+{
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
 }
 
 bool file_begins_with(const char *path, const char *text)
@@ -209,20 +188,34 @@ bool file_begins_with(const char *path, const char *text)
     return begins;
 }
 
-bool file_is_folder(const char *path)
+bool file_is_same(const char *a, const char *b)
 {
-    struct stat status;
-    return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
+    struct stat one, other;
+    return stat(a, &one) == 0 && stat(b, &other) == 0 && one.st_dev == other.st_dev &&
+           one.st_ino == other.st_ino;
 }
 
-enum err file_make_folder(const char *path, struct fault *fault)
+void file_real(struct buf *out, const char *path)
 {
-    if (mkdir(path, 0777) == 0)
-        return file_step_sync_folder(path) ? OK : fault_errno(fault, "sync the folder of", path);
-    if (errno == EEXIST && file_is_folder(path))
-        return OK;
-    return fault_errno(fault, "make the folder", path);
+    struct stat status;
+    char *real = lstat(path, &status) == 0 && S_ISLNK(status.st_mode) ? realpath(path, NULL) : NULL;
+    buf_clear(out);
+    buf_add_text(out, real ? real : path);
+    free(real);
 }
+
+enum err file_program_folder(struct buf *out, struct fault *fault)
+{
+    char self[PATH_MAX];
+    const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
+    if (length < 0)
+        return fault_errno(fault, "find the folder of this program by", "/proc/self/exe");
+    self[length] = '\0';
+    file_folder(out, self);
+    return out->failed ? fault_memory(fault, "a file name") : OK;
+}
+
+/* ---- names ---- */
 
 const char *file_name(const char *path)
 {
@@ -271,29 +264,465 @@ void file_from_home(struct buf *out, const char *name)
     buf_add_text(out, home && *home ? name + 1 : name);
 }
 
-bool file_is_same(const char *a, const char *b)
+/* Where a process may only remove empty folders, it may not even try to unlink one. */
+static int remove_one(const char *path, const struct stat *status, int type, struct FTW *where)
 {
-    struct stat one, other;
-    return stat(a, &one) == 0 && stat(b, &other) == 0 && one.st_dev == other.st_dev &&
-           one.st_ino == other.st_ino;
+    (void)status, (void)where;
+    return type == FTW_DP ? rmdir(path) : unlink(path);
 }
 
-void file_real(struct buf *out, const char *path)
+void folder_remove(const char *path)
 {
+    enum { DESCRIPTORS = 8 };
+    nftw(path, remove_one, DESCRIPTORS, FTW_DEPTH | FTW_PHYS | FTW_MOUNT);
+}
+
+/* ---- names of drafts ---- */
+
+/* The end of a name, of whole characters: a draft has its extension, and a name of any length that
+ * the file system takes. */
+static const char *tail_of(const char *name)
+{
+    const size_t length = strlen(name);
+    const char *tail = length > TAIL_MOST ? name + length - TAIL_MOST : name;
+    while (((unsigned char)*tail & 0xC0) == 0x80)
+        tail++;
+    return tail;
+}
+
+/* ".iftty-OWNER-N-TAIL" */
+static void write_name(struct buf *out, const char *tail)
+{
+    static _Atomic unsigned counter; /* pictures are written beside the session */
+    buf_add_text(out, DRAFT_PREFIX);
+    owner_write(out);
+    buf_printf(out, "-%u-%s", counter++, tail);
+}
+
+static bool read_name(const char *name, enum owner_state *state)
+{
+    const char *at = name;
+    int64_t number;
+    return scan_text(&at, DRAFT_PREFIX) && owner_read(&at, state) && scan_text(&at, "-") &&
+           scan_integer(&at, 0, UINT32_MAX, &number) && scan_text(&at, "-") && *at;
+}
+
+/* ---- what others left ---- */
+
+static bool is_forgotten(enum owner_state state, const struct stat *status)
+{
+    return (S_ISREG(status->st_mode) || S_ISDIR(status->st_mode)) && status->st_uid == geteuid() &&
+           (state == OWNER_IS_GONE ||
+            (state == OWNER_IS_HIDDEN && time(NULL) - status->st_mtime > FORGOTTEN_S));
+}
+
+void file_sweep(const char *path)
+{
+    struct buf draft = {0};
+    DIR *folder = opendir(path);
+    for (const struct dirent *entry; folder && (entry = readdir(folder));) {
+        enum owner_state state;
+        struct stat status;
+        if (!read_name(entry->d_name, &state) || state == OWNER_LIVES)
+            continue;
+        buf_clear(&draft);
+        buf_printf(&draft, "%s/%s", path, entry->d_name);
+        if (!draft.failed && lstat(buf_text(&draft), &status) == 0 && is_forgotten(state, &status))
+            folder_remove(buf_text(&draft));
+    }
+    if (folder)
+        closedir(folder);
+    buf_release(&draft);
+}
+
+/* Once for a folder, as long as no other is written to. */
+static void sweep_once(const char *folder)
+{
+    static _Atomic uint64_t last;
     struct stat status;
-    char *real = lstat(path, &status) == 0 && S_ISLNK(status.st_mode) ? realpath(path, NULL) : NULL;
-    buf_clear(out);
-    buf_add_text(out, real ? real : path);
-    free(real);
+    if (stat(folder, &status) != 0)
+        return;
+    const uint64_t place = hash_mix_at(status.st_dev, status.st_ino) | 1;
+    if (atomic_exchange(&last, place) != place)
+        file_sweep(folder);
 }
 
-enum err file_program_folder(struct buf *out, struct fault *fault)
+/* ---- drafts ---- */
+
+enum err file_may_write(const char *path, enum file_mode mode, struct fault *fault)
 {
-    char self[PATH_MAX];
-    const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
-    if (length < 0)
-        return fault_errno(fault, "find the folder of this program by", "/proc/self/exe");
-    self[length] = '\0';
-    file_folder(out, self);
-    return out->failed ? fault_memory(fault, "a file name") : OK;
+    struct buf folder = {0};
+    enum err err = OK;
+    file_folder(&folder, path);
+    if (folder.failed)
+        err = fault_memory(fault, "a file name");
+    else if (*file_name(path) == '\0' || file_is_folder(path))
+        err = fault_set(fault, ERR_IO, "%s is a folder, not a file", path);
+    else if (!file_is_folder(buf_text(&folder)))
+        err = fault_set(fault, ERR_IO, "cannot write %s: there is no folder %s", path,
+                        buf_text(&folder));
+    else if (mode == FILE_KEEP && file_exists(path))
+        err = fault_set(fault, ERR_IO, "%s exists already and was left alone", path);
+    buf_release(&folder);
+    return err;
+}
+
+enum err file_draft(struct buf *draft, const char *path, enum file_mode mode, struct fault *fault)
+{
+    enum err err = file_may_write(path, mode, fault);
+    buf_clear(draft);
+    if (err)
+        return err;
+    file_folder(draft, path);
+    sweep_once(buf_text(draft));
+    buf_add_char(draft, '/');
+    write_name(draft, tail_of(file_name(path)));
+    return draft->failed ? fault_memory(fault, "a file name") : OK;
+}
+
+void file_discard(const char *draft)
+{
+    const int number = errno;
+    unlink(draft);
+    errno = number;
+}
+
+/* ---- publishing ---- */
+
+static bool is_same_file(const char *a, const char *b)
+{
+    struct stat left, right;
+    return lstat(a, &left) == 0 && lstat(b, &right) == 0 && left.st_dev == right.st_dev &&
+           left.st_ino == right.st_ino;
+}
+
+/* Whether the last step failed because the file system has no such thing. */
+static bool is_not_supported(void)
+{
+    return errno == EINVAL || errno == ENOSYS || errno == EOPNOTSUPP || errno == EPERM ||
+           errno == EMLINK;
+}
+
+static bool rename_over(const char *draft, const char *path)
+{
+    return !file_step_fails(FILE_STEP_RENAME, path) && rename(draft, path) == 0;
+}
+
+/* NFS may have done what it says has failed, when it asked twice. */
+static bool link_to(const char *draft, const char *path)
+{
+    return !file_step_fails(FILE_STEP_LINK, path) &&
+           (link(draft, path) == 0 || (errno == EEXIST && is_same_file(draft, path)));
+}
+
+/* The weaker way, without hard links. */
+static bool rename_over_empty(const char *draft, const char *path)
+{
+    const int fd = file_step_open(path, O_WRONLY | O_CREAT | O_EXCL);
+    if (fd < 0)
+        return false;
+    close(fd);
+    if (rename_over(draft, path))
+        return true;
+    file_discard(path); /* empty, and ours */
+    return false;
+}
+
+/* D1 by the strongest way that the file system has. */
+static bool rename_new(const char *draft, const char *path)
+{
+    if (!file_step_fails(FILE_STEP_RENAME_NEW, path) &&
+        renameat2(AT_FDCWD, draft, AT_FDCWD, path, RENAME_NOREPLACE) == 0)
+        return true;
+    if (!is_not_supported())
+        return false;
+    if (link_to(draft, path)) {
+        file_discard(draft);
+        return true;
+    }
+    return is_not_supported() && rename_over_empty(draft, path);
+}
+
+enum err file_publish(const char *draft, const char *path, enum file_mode mode, struct fault *fault)
+{
+    const int fd = file_step_open(draft, O_RDONLY);
+    const bool synced = fd >= 0 && file_step_sync(fd, draft);
+    if (fd >= 0)
+        close(fd);
+    if (!synced || !(mode == FILE_KEEP ? rename_new(draft, path) : rename_over(draft, path))) {
+        const enum err err = fault_errno(fault, "write", path);
+        file_discard(draft);
+        return err;
+    }
+    if (!file_step_sync_folder(path))
+        return fault_errno(fault, "sync the folder of", path);
+    return OK;
+}
+
+/* ---- backups ---- */
+
+static enum err copy(const char *path, const char *backup, struct fault *fault)
+{
+    char piece[COPY_PIECE];
+    uint64_t bytes, at = 0;
+    int from;
+    enum err err = file_open(&from, &bytes, path, O_RDONLY, fault);
+    if (err)
+        return err;
+    const int to = file_step_open(backup, O_WRONLY | O_CREAT | O_EXCL);
+    bool fine = to >= 0;
+    for (ssize_t n = 1; fine && n != 0; at += (uint64_t)n) {
+        n = file_read_at(from, piece, sizeof piece, at);
+        fine = n >= 0 && file_step_write(to, path, piece, (size_t)n);
+    }
+    if (!fine || !file_step_sync(to, path)) {
+        err = fault_errno(fault, "keep the former", path);
+        if (to >= 0)
+            file_discard(backup);
+    }
+    if (to >= 0)
+        close(to);
+    close(from);
+    return err;
+}
+
+enum err file_backup(struct buf *backup, const char *path, struct fault *fault)
+{
+    enum err err = file_draft(backup, path, FILE_REPLACE, fault);
+    if (err || link_to(path, buf_text(backup)))
+        return err;
+    return is_not_supported() ? copy(path, buf_text(backup), fault)
+                              : fault_errno(fault, "keep the former", path);
+}
+
+enum err file_restore(const char *backup, const char *path, struct fault *fault)
+{
+    if (rename(backup, path) != 0)
+        return fault_errno(fault, "restore", path);
+    file_discard(backup); /* it stays where path was never replaced: two names of one file */
+    return file_step_sync_folder(path) ? OK : fault_errno(fault, "sync the folder of", path);
+}
+
+/* ---- whole files ---- */
+
+static enum err write_draft(const char *draft, const char *path, const void *bytes, size_t length,
+                            struct fault *fault)
+{
+    const int fd = file_step_open(draft, O_WRONLY | O_CREAT | O_EXCL);
+    if (fd < 0)
+        return fault_errno(fault, "write", path);
+    const bool written = file_step_write(fd, path, bytes, length);
+    const int number = errno;
+    if (close(fd) == 0 && written)
+        return OK;
+    errno = written ? errno : number;
+    file_discard(draft);
+    return fault_errno(fault, "write", path);
+}
+
+enum err file_write(const char *path, const void *bytes, size_t length, enum file_mode mode,
+                    struct fault *fault)
+{
+    struct buf draft = {0};
+    enum err err = file_draft(&draft, path, mode, fault);
+    if (!err)
+        err = write_draft(buf_text(&draft), path, bytes, length, fault);
+    if (!err)
+        err = file_publish(buf_text(&draft), path, mode, fault);
+    buf_release(&draft);
+    return err;
+}
+
+enum err file_write_beside(struct buf *name, const char *path, const char *kind, const void *bytes,
+                           size_t length, struct fault *fault)
+{
+    for (int n = 1; n <= NUMBERED_MOST; n++) {
+        buf_clear(name);
+        buf_printf(name, "%s.%s-%d", path, kind, n);
+        if (name->failed)
+            return fault_memory(fault, "a file name");
+        if (!file_exists(buf_text(name)))
+            return file_write(buf_text(name), bytes, length, FILE_KEEP, fault);
+    }
+    return fault_set(fault, ERR_IO, "there are %d files %s.%s-N already; %s is as it was",
+                     NUMBERED_MOST, path, kind, path);
+}
+
+/* ---- folders ---- */
+
+enum err file_make_folder(const char *path, struct fault *fault)
+{
+    if (mkdir(path, 0777) == 0)
+        return file_step_sync_folder(path) ? OK : fault_errno(fault, "sync the folder of", path);
+    if (errno == EEXIST && file_is_folder(path))
+        return OK;
+    return fault_errno(fault, "make the folder", path);
+}
+
+enum err folder_make_private(const char *path, struct fault *fault)
+{
+    struct buf part = {0};
+    enum err err = OK;
+    for (size_t at = 0; !err && path[at];) {
+        at += strspn(path + at, "/");
+        at += strcspn(path + at, "/");
+        buf_clear(&part);
+        buf_add(&part, path, at);
+        if (part.failed)
+            err = fault_memory(fault, "a path");
+        else if (mkdir(buf_text(&part), 0700) != 0 && !file_is_folder(buf_text(&part)))
+            err = fault_errno(fault, "make the folder", buf_text(&part));
+    }
+    buf_release(&part);
+    return err;
+}
+
+/* A regular file; all else is passed over. */
+static enum err copy_one(const char *from, const char *to, const char *name, struct fault *fault)
+{
+    struct buf source = {0}, target = {0}, bytes = {0};
+    struct stat status;
+    enum err err = OK;
+    buf_printf(&source, "%s/%s", from, name);
+    buf_printf(&target, "%s/%s", to, name);
+    if (source.failed || target.failed)
+        err = fault_memory(fault, "a path");
+    else if (lstat(buf_text(&source), &status) == 0 && S_ISREG(status.st_mode))
+        err = file_read(&bytes, buf_text(&source), COPY_BYTES_MOST, fault);
+    if (!err && bytes.data)
+        err = file_write(buf_text(&target), bytes.data, bytes.length, FILE_KEEP, fault);
+    buf_release(&source);
+    buf_release(&target);
+    buf_release(&bytes);
+    return err;
+}
+
+enum err folder_copy(const char *from, const char *to, struct fault *fault)
+{
+    if (mkdir(to, 0777) != 0)
+        return fault_errno(fault, "make the folder", to);
+    DIR *folder = opendir(from);
+    enum err err = folder ? OK : fault_errno(fault, "open", from);
+    for (const struct dirent *entry; !err && (entry = readdir(folder));)
+        if (*entry->d_name != '.')
+            err = copy_one(from, to, entry->d_name, fault);
+    if (folder)
+        closedir(folder);
+    if (!err && !file_step_sync_folder(to))
+        err = fault_errno(fault, "sync the folder of", to);
+    if (err)
+        folder_remove(to);
+    return err;
+}
+
+static const char *usual_place(const char *below)
+{
+    const char *usual = getenv("TMPDIR");
+    return below ? below : usual && *usual ? usual : "/tmp";
+}
+
+enum err folder_fresh(struct buf *path, const char *below, struct fault *fault)
+{
+    below = usual_place(below);
+    buf_clear(path);
+    buf_printf(path, "%s/" FRESH_PREFIX "XXXXXX", below);
+    if (path->failed)
+        return fault_memory(fault, "a path");
+    if (mkdtemp(path->data))
+        return OK;
+    const enum err err = fault_errno(fault, "make a folder below", below);
+    buf_clear(path);
+    return err;
+}
+
+enum err folder_passing(struct buf *path, const char *below, struct fault *fault)
+{
+    below = usual_place(below);
+    sweep_once(below);
+    buf_clear(path);
+    buf_printf(path, "%s/", below);
+    write_name(path, "folder");
+    if (path->failed)
+        return fault_memory(fault, "a path");
+    if (mkdir(buf_text(path), 0700) == 0)
+        return OK;
+    buf_clear(path);
+    return fault_errno(fault, "make a folder below", below);
+}
+
+/* The empty file that says who holds the folder, if there is one: its path, and what has become of
+ * that process. */
+static bool find_holder(struct buf *path, enum owner_state *state, const char *folder)
+{
+    bool found = false;
+    DIR *listing = opendir(folder);
+    for (const struct dirent *entry; listing && !found && (entry = readdir(listing));) {
+        struct stat status;
+        const char *tail = strrchr(entry->d_name, '-');
+        if (!read_name(entry->d_name, state) || strcmp(tail + 1, HOLDER_TAIL) != 0)
+            continue;
+        buf_clear(path);
+        buf_printf(path, "%s/%s", folder, entry->d_name);
+        found = !path->failed && lstat(buf_text(path), &status) == 0 && S_ISREG(status.st_mode) &&
+                status.st_size == 0;
+    }
+    if (listing)
+        closedir(listing);
+    return found;
+}
+
+static void sweep_held(const char *path)
+{
+    struct buf held = {0}, holder = {0};
+    DIR *folder = opendir(path);
+    for (const struct dirent *entry; folder && (entry = readdir(folder));) {
+        enum owner_state state;
+        struct stat status;
+        if (strncmp(entry->d_name, FRESH_PREFIX, sizeof FRESH_PREFIX - 1) != 0)
+            continue;
+        buf_clear(&held);
+        buf_printf(&held, "%s/%s", path, entry->d_name);
+        if (!held.failed && lstat(buf_text(&held), &status) == 0 && S_ISDIR(status.st_mode) &&
+            status.st_uid == geteuid() && find_holder(&holder, &state, buf_text(&held)) &&
+            is_forgotten(state, &status))
+            folder_remove(buf_text(&held));
+    }
+    if (folder)
+        closedir(folder);
+    buf_release(&held);
+    buf_release(&holder);
+}
+
+enum err folder_held(struct buf *path, const char *below, struct fault *fault)
+{
+    struct buf holder = {0};
+    sweep_held(usual_place(below));
+    enum err err = folder_fresh(path, below, fault);
+    if (err)
+        return err;
+    buf_printf(&holder, "%s/", buf_text(path));
+    write_name(&holder, HOLDER_TAIL);
+    const int fd = holder.failed ? -1 : open(buf_text(&holder), O_WRONLY | O_CREAT | O_EXCL, 0600);
+    if (holder.failed)
+        err = fault_memory(fault, "a path");
+    else if (fd < 0)
+        err = fault_errno(fault, "make", buf_text(&holder));
+    else
+        close(fd);
+    buf_release(&holder);
+    if (err) {
+        rmdir(buf_text(path));
+        buf_clear(path);
+    }
+    return err;
+}
+
+bool folder_release(const char *path)
+{
+    struct buf holder = {0};
+    enum owner_state state;
+    if (find_holder(&holder, &state, path))
+        unlink(buf_text(&holder));
+    buf_release(&holder);
+    return rmdir(path) != 0 && (errno == ENOTEMPTY || errno == EEXIST);
 }

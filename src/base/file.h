@@ -1,12 +1,25 @@
 /*
- * The file layer: the one place that writes and syncs.
+ * The file layer: the one place that writes and syncs. Files that grow are base/file_log.h.
  *
- * A whole file appears complete or not at all; base/file_draft.h says how, and does it for content
- * that a library or another program writes. Files that grow are base/file_log.h.
+ * A whole file appears under its name complete, or not at all. What is written goes into a draft, a
+ * file of a temporary name in the same folder, which is synced, renamed, and the folder synced;
+ * content that a library or another program writes does so by file_draft and file_publish. A draft
+ * of a process that was killed stays, until some process writes into that folder, which clears it
+ * away.
  *
  * Invariants
- *   F1 nothing that exists is overwritten unless the caller asked for it (FILE_REPLACE);
- *   F2 after a failure the target is what it was before.
+ *   D1 nothing that exists is overwritten unless the caller asked for it (FILE_REPLACE);
+ *   D2 at every moment, and after a loss of power, the name leads to what was there before (or to
+ *      nothing) or to the whole new file;
+ *   D3 only regular files and folders of the same user are cleared away whose names are those of
+ *      drafts, and whose process has ended (base/owner.h); where nobody can say, after a day
+ *      without a change.
+ *
+ * Where D1 needs a name to be new, the system is asked to rename without replacing. File systems
+ * that cannot (FUSE, NFS, 9p) are given a second name for the draft instead (a hard link), which
+ * fails as well where the name is taken. Where there are no hard links either, an empty file is
+ * made under the name, if there is none, and the draft renamed over it: D1 holds, and D2 but for
+ * that moment, in which a kill or a loss of power leaves an empty file.
  */
 #ifndef BASE_FILE_H
 #define BASE_FILE_H
@@ -44,8 +57,6 @@ enum err file_write_beside(struct buf *name, const char *path, const char *kind,
 bool file_exists(const char *path);
 bool file_begins_with(const char *path, const char *text); /* a regular file that can be read */
 bool file_is_folder(const char *path);
-/* Its name is on the disk, too. Fine when it exists. */
-enum err file_make_folder(const char *path, struct fault *fault);
 
 /* The part of `path` after its last slash, and the folder before it ("." where there is none). */
 const char *file_name(const char *path);
@@ -70,9 +81,67 @@ void file_real(struct buf *out, const char *path);
 /* The folder of the running program. */
 enum err file_program_folder(struct buf *out, struct fault *fault);
 
+/* ---- drafts ---- */
+
+/* Whether a file may be written under this name, as far as that is known before: its folder is
+ * there, it is no folder itself, and under FILE_KEEP there is none. */
+enum err file_may_write(const char *path, enum file_mode mode, struct fault *fault);
+
+/* Fills `draft` with a free temporary name beside `path` that has its extension, where it may be
+ * written. Clears away what others left in that folder. */
+enum err file_draft(struct buf *draft, const char *path, enum file_mode mode, struct fault *fault);
+
+/* Syncs the draft and gives it its name. On failure there is no draft. */
+enum err file_publish(const char *draft, const char *path, enum file_mode mode,
+                      struct fault *fault);
+void file_discard(const char *draft);
+
+/* A second name for what `path` holds now (a copy, where there are no hard links), so that it
+ * outlives being replaced; and back again. The caller discards a backup that is not needed. */
+enum err file_backup(struct buf *backup, const char *path, struct fault *fault);
+enum err file_restore(const char *backup, const char *path, struct fault *fault);
+
+/* Clears away the drafts in a folder whose processes have ended (D3). */
+void file_sweep(const char *folder);
+
+/* ---- folders ---- */
+
+/* Its name is on the disk, too. Fine when it exists. */
+enum err file_make_folder(const char *path, struct fault *fault);
+
+/* Makes the folder and those above it that are not there, for their owner alone. Fine when it
+ * exists. */
+enum err folder_make_private(const char *path, struct fault *fault);
+
+/* Makes the folder `to`, which must not exist, with a copy of every regular file in `from`, each
+ * synced; folders within are left out. On failure there is no `to`. */
+enum err folder_copy(const char *from, const char *to, struct fault *fault);
+
+/* Removes a file, or a folder with all that is below it on the same file system; what a link leads
+ * to stays. */
+void folder_remove(const char *path);
+
+/* path = a new folder below `below`, or where that is NULL, below $TMPDIR or else /tmp, which
+ * no other user can open. On failure `path` is empty. */
+enum err folder_fresh(struct buf *path, const char *below, struct fault *fault);
+
+/* The same for what is only passing, and is to be removed: where this process is killed before, a
+ * later one that makes such a folder there does that (D3). */
+enum err folder_passing(struct buf *path, const char *below, struct fault *fault);
+
+/* The same of one that stays if anything is in it when folder_release is called: until then it has
+ * an empty file in it whose name says which process holds it, and where that one is killed before,
+ * a later one that makes such a folder there removes it. */
+enum err folder_held(struct buf *path, const char *below, struct fault *fault);
+
+/* From now on it stays, unless it is empty: then it goes. True where it stays. */
+bool folder_release(const char *path);
+
+/* ---- steps ---- */
+
 /*
- * The steps that can fail, for the files of the file layer (file_*.c, folder.c) and those that have
- * a library write a draft. Each asks the hook first, so that tests reach every one of them: a
+ * The steps that can fail, for the files of the file layer (file*.c) and those that have a
+ * library write a draft. Each asks the hook first, so that tests reach every one of them: a
  * non-zero answer is the errno the step then fails with. NULL (the default) asks nobody.
  */
 enum file_step {

@@ -56,19 +56,15 @@ static uint64_t deadline_from_now(void)
     return clock_ns() + file_lines_patience_ms * UINT64_C(1000000);
 }
 
-static bool ends_in_a_line(int fd)
-{
-    char last;
-    const off_t end = lseek(fd, 0, SEEK_END);
-    return end <= 0 || pread(fd, &last, 1, end - 1) != 1 || last == '\n';
-}
-
 static enum err append_to(int fd, const char *path, const char *text, size_t length,
                           struct fault *fault)
 {
     struct buf bytes = {0};
     enum err err = OK;
-    buf_add_text(&bytes, ends_in_a_line(fd) ? "" : "\n");
+    char last = '\n';
+    const off_t end = lseek(fd, 0, SEEK_END);
+    if (end > 0 && pread(fd, &last, 1, end - 1) == 1 && last != '\n')
+        buf_add_char(&bytes, '\n');
     buf_add(&bytes, text, length);
     buf_add_char(&bytes, '\n');
     if (bytes.failed)

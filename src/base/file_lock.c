@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 #include "base/buf.h"
-#include "base/file_draft.h"
+#include "base/file.h"
 #include "base/owner.h"
 
 enum { LOCK_BYTES_MOST = 4096, POLL_MS = 10 };
@@ -116,11 +116,6 @@ static enum err fault_held(const struct stat *status, const char *path, struct f
 }
 
 /* ---- where the system has none ---- */
-
-static bool are_unsupported(int number)
-{
-    return number == ENOLCK || number == EOPNOTSUPP || number == ENOSYS || number == EINVAL;
-}
 
 /* "5b1f0e3c2a79d04-4d2-1a2b3c", a line feed, "process 1234 on the machine porto" */
 static enum err write_lock_file(const char *path, struct fault *fault)
@@ -223,7 +218,7 @@ enum err file_lock_take(struct file_lock *lock, int fd, const char *path, struct
     }
     if (is_ours)
         return OK;
-    if (are_unsupported(errno))
+    if (errno == ENOLCK || errno == EOPNOTSUPP || errno == ENOSYS || errno == EINVAL)
         return take_lock_file(lock, path, fault);
     if (errno == EWOULDBLOCK && fstat(fd, &status) == 0)
         return fault_held(&status, path, fault);

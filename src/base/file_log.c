@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "base/buf.h"
-#include "base/file_draft.h"
+#include "base/file.h"
 #include "base/file_lock.h"
 #include "base/mem.h"
 #include "base/team.h"
@@ -170,28 +170,17 @@ static enum err take(struct file_log *log, struct fault *fault)
     return OK;
 }
 
-static struct file_log *log_new(const char *path)
-{
-    struct file_log *log = mem_new(sizeof *log);
-    if (!log)
-        return NULL;
-    log->fd = -1;
-    log->path = strdup(path);
-    if (!log->path) {
-        free(log);
-        return NULL;
-    }
-    pthread_mutex_init(&log->lock, NULL);
-    thread_condition_init(&log->stirs);
-    return log;
-}
-
 enum err file_log_open(struct file_log **out, const char *path, bool create, struct fault *fault)
 {
-    struct file_log *log = log_new(path);
+    struct file_log *log = mem_new(sizeof *log);
     *out = NULL;
-    if (!log)
+    if (!log || !(log->path = strdup(path))) {
+        free(log);
         return fault_memory(fault, path);
+    }
+    log->fd = -1;
+    pthread_mutex_init(&log->lock, NULL);
+    thread_condition_init(&log->stirs);
     enum err err = open_file(log, create, fault);
     const bool is_made = !err && create;
     if (!err)
@@ -296,15 +285,6 @@ enum err file_log_cut(struct file_log *log, uint64_t length, struct fault *fault
     return OK;
 }
 
-/* Bytes that were not there before: a sync that fails takes nothing with it but them and what
- * waits. */
-static bool add(struct file_log *log, const void *bytes, size_t length, bool syncs)
-{
-    return lseek(log->fd, (off_t)log->length, SEEK_SET) >= 0 &&
-           file_step_write(log->fd, log->path, bytes, length) &&
-           (!syncs || file_step_sync(log->fd, log->path));
-}
-
 enum err file_log_append(struct file_log *log, const void *bytes, size_t length, bool may_wait,
                          struct fault *fault)
 {
@@ -316,7 +296,11 @@ enum err file_log_append(struct file_log *log, const void *bytes, size_t length,
         err = fault_set(fault, ERR_IO, "%s is not mended after a failure", log->path);
     if (err)
         return err;
-    if (add(log, bytes, length, syncs)) {
+    /* Bytes that were not there before: a sync that fails takes nothing with it but them and what
+     * waits. */
+    if (lseek(log->fd, (off_t)log->length, SEEK_SET) >= 0 &&
+        file_step_write(log->fd, log->path, bytes, length) &&
+        (!syncs || file_step_sync(log->fd, log->path))) {
         set_length(log, log->length + length);
         if (syncs)
             note_synced(log);

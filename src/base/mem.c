@@ -126,14 +126,6 @@ size_t mem_held(void)
     return mem_held_by(getpid());
 }
 
-static size_t within_limit(size_t bytes)
-{
-    if (limit == SIZE_MAX)
-        return bytes;
-    const size_t held = mem_held(), left = held < limit ? limit - held : 0;
-    return bytes < left ? bytes : left;
-}
-
 size_t mem_available(void)
 {
     FILE *file = fopen("/proc/meminfo", "re");
@@ -145,5 +137,8 @@ size_t mem_available(void)
             bytes = (size_t)kib * 1024;
     if (file)
         fclose(file);
-    return within_limit(bytes);
+    if (limit == SIZE_MAX)
+        return bytes;
+    const size_t held = mem_held(), left = held < limit ? limit - held : 0;
+    return bytes < left ? bytes : left;
 }

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "base/file_draft.h"
+#include "base/file.h"
 #include "image/exr.h"
 #include "report/export.h"
 #include "session/semantics.h"

@@ -2,7 +2,7 @@
  * recorded: a journal says what was done, not where it is stored. */
 #include "command/act.h"
 
-#include "base/folder.h"
+#include "base/file.h"
 #include "journal/golden.h"
 
 /* Golden images lie in a folder beside their journal, and so go with it. `made` is the path of the
@@ -57,7 +57,7 @@ static enum err continue_in(const struct act *act, const char *path)
     if (!err)
         write_folder(act->reply, buf_text(&former), path);
     if (err && goldens.length)
-        folder_discard(buf_text(&goldens));
+        folder_remove(buf_text(&goldens));
     if (err && !former.failed)
         interpreter_set_home(interp, buf_text(&former), NULL);
     buf_release(&former);

@@ -4,9 +4,9 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "base/chart.h"
 #include "image/geometry.h"
 #include "image/levels.h"
+#include "report/chart.h"
 
 enum { PROFILE_ROWS = 8, MARGIN = 9 };
 

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "base/file_draft.h"
+#include "base/file.h"
 #include "image/exr.h"
 #include "journal/golden.h"
 #include "journal/walk.h"

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "base/file_draft.h"
+#include "base/file.h"
 #include "sandbox/limits.h"
 
 static bool has_made(const struct interpreter *interp, const char *path)

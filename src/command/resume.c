@@ -2,7 +2,7 @@
 #include "command/interpreter.h"
 
 #include "base/choice.h"
-#include "base/file_draft.h"
+#include "base/file.h"
 #include "command/golden_leftover.h"
 #include "journal/replay.h"
 #include "session/semantics.h"

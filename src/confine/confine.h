@@ -1,11 +1,16 @@
 /*
  * Confinement: from now on this process and all that it starts can reach only the files that it
- * names, and no network. What a decoder may ask of the kernel besides is in confine_calls.h.
+ * names, and no network; and a decoder may make a short list of the kernel's calls alone. Neither
+ * can be taken back.
  *
  * Protects against: an error in our own checks of names, and a decoder that a hostile file takes
- * over. By Landlock, where the kernel has it (Linux 5.13; versions 1 to 6 of its interface, each of
- * which restricts a little more). It is the second defence: the caller checks names as well, since
- * a kernel without Landlock confines nothing, and says so here. It cannot be taken back.
+ * over. Files by Landlock, where the kernel has it (Linux 5.13; versions 1 to 6 of its interface,
+ * each of which restricts a little more). It is the second defence: the caller checks names as
+ * well, since a kernel without Landlock confines nothing, and says so here.
+ *
+ * Calls by seccomp; others fail with EPERM. Whatever takes the decoder over starts no program and
+ * no process, has no network, and neither traces, reads nor signals another process; memory that
+ * can be written never becomes a program.
  */
 #ifndef CONFINE_CONFINE_H
 #define CONFINE_CONFINE_H
@@ -33,5 +38,20 @@ int confine_version(void);
 /* Confines the calling thread and the threads and programs that it starts from now on. False where
  * the kernel does not: nothing has changed then. */
 bool confine_to(const struct confine_place *place, size_t places);
+
+/* Calls beside those for a decoder's own memory, the time, and the descriptors that it holds
+ * already. Which files it opens is what confine_to says. */
+enum confine_calls {
+    CONFINE_OPEN = 1,    /* open files and folders, and see what they are */
+    CONFINE_CHANGE = 2,  /* lengthen, rename and remove files, make folders */
+    CONFINE_THREADS = 4, /* start threads */
+};
+
+/* Whether this kernel can, and the list is known for this processor. */
+bool confine_knows_calls(void);
+
+/* From now on, the calling thread and those that it starts have these alone. False where that
+ * cannot be had. */
+bool confine_calls(unsigned kinds);
 
 #endif

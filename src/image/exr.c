@@ -9,7 +9,6 @@
 
 #include <openexr.h>
 
-#include "base/file_draft.h"
 #include "base/least.h"
 #include "base/mem.h"
 #include "image/linear.h"

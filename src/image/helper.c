@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file_draft.h"
+#include "base/file.h"
 #include "base/mem.h"
 #include "base/scan.h"
 #include "image/coprocess.h"

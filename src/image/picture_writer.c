@@ -7,7 +7,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "base/file_draft.h"
+#include "base/file.h"
 #include "base/team.h"
 #include "image/helper.h"
 

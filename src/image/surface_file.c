@@ -7,7 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "base/file_draft.h"
+#include "base/file.h"
 #include "engine/gradient.h"
 
 enum { FLUSH = 1 << 20 };

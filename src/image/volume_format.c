@@ -10,7 +10,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
-#include "base/file_draft.h"
+#include "base/file.h"
 #include "base/mem.h"
 #include "engine/grid.h"
 

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "confine/confine.h"
-#include "base/folder.h"
+#include "base/file.h"
 #include "base/mem.h"
 #include "base/scan.h"
 #include "engine/grid.h"

@@ -10,7 +10,7 @@
  * every use and whoever asks: whatever a hostile file makes of a library, it can
  *     (W1) reach the files that the request names, those that their headers name and, where only
  *          a library can tell these (HDF5), what lies below their folder; and no other;
- *     (W2) make the calls of confine_calls.h alone: no network, no other program, no other process;
+ *     (W2) make the calls of confine.h alone: no network, no other program, no other process;
  *     (W3) hold so much memory (the client says how much), and take so much of the processor;
  *     (W4) see no environment, and no descriptor but the socket's.
  * Where the kernel has Landlock and seccomp (`iftty info` says so), the process ends rather than do
@@ -34,7 +34,6 @@
 
 extern "C" {
 #include "confine/confine.h"
-#include "confine/confine_calls.h"
 #include "base/mem.h"
 }
 

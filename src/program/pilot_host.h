@@ -7,7 +7,7 @@
 
 #include "command/interpreter.h"
 #include "program/console.h"
-#include "program/pilot_notes.h"
+#include "program/pilot_marks.h"
 #include "engine/way.h"
 #include "session/held.h"
 #include "tui/pilot/pilot.h"

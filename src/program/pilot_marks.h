@@ -1,6 +1,10 @@
 /*
  * What the pilot marks in its picture, over what slices and rendition show: what an eliminator
  * would take, corners, a pixel, a path; and heat, which colours slices where labels are uncertain.
+ *
+ * And what is written over slices where pixels are too few for letters: the patient's sides and a
+ * scale bar, as characters in cells of the screen. Sides are named only where the scene's file says
+ * how it lies in the patient.
  */
 #ifndef PROGRAM_PILOT_MARKS_H
 #define PROGRAM_PILOT_MARKS_H
@@ -8,6 +12,7 @@
 #include "engine/way.h"
 #include "session/held.h"
 #include "show/slicing.h"
+#include "tui/picture/image_view.h"
 #include "tui/pilot/pilot.h"
 
 /* Hatched, wherever it is seen. */
@@ -34,5 +39,12 @@ void pilot_mark_way(const struct canvas *canvas, const struct scene *scene,
 #define PILOT_HEAT_HUE 0xff4010u
 void pilot_draw_heat(const struct canvas *canvas, const struct mosaic_box *box, const uint8_t *heat,
                      bool over_tint);
+
+enum { PILOT_NOTES_MOST = 64 };
+
+/* Draws the bar into the canvas, on which the panel is, and fills in the notes. Returns how
+ * many. */
+size_t pilot_notes_add(struct image_note note[PILOT_NOTES_MOST], const struct canvas *canvas,
+                       const struct session *session, const struct slicing_panel *panel);
 
 #endif

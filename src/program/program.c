@@ -3,21 +3,103 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/scan.h"
 #include "program/console.h"
+
+/* ---- options ---- */
+
+enum err option_read_flag(const struct option *option, const char *text, void *out,
+                          struct fault *fault)
+{
+    (void)text;
+    (void)fault;
+    *(bool *)((char *)out + option->at) = true;
+    return OK;
+}
+
+enum err option_read_text(const struct option *option, const char *text, void *out,
+                          struct fault *fault)
+{
+    (void)fault;
+    *(const char **)((char *)out + option->at) = text;
+    return OK;
+}
+
+enum err option_read_number(const struct option *option, const char *text, void *out,
+                            struct fault *fault)
+{
+    const char *at = text;
+    int64_t number;
+    if (!scan_integer(&at, option->least, option->most, &number) || *at)
+        return fault_set(fault, ERR_USAGE, "%s: expected a number %lld..%lld, not %s", option->name,
+                         (long long)option->least, (long long)option->most, text);
+    *(size_t *)((char *)out + option->at) = (size_t)number;
+    return OK;
+}
+
+enum err option_read_list(const struct option *option, const char *text, void *out,
+                          struct fault *fault)
+{
+    if (!scan_is_list(text, option->least, option->most))
+        return fault_set(fault, ERR_USAGE,
+                         "%s: expected numbers %lld..%lld, as in 1-90,105, not %s", option->name,
+                         (long long)option->least, (long long)option->most, text);
+    return option_read_text(option, text, out, fault);
+}
+
+uint8_t option_find(const struct option_table *table, const uint8_t *taken, const char *name)
+{
+    while (*taken && strcmp(table->row[*taken].name, name) != 0)
+        taken++;
+    return *taken;
+}
+
+/* Goes through a command line, word by word. Begins with `table`, `word` and `count`; a copy goes
+ * through it once more. */
+struct option_words {
+    const struct option_table *table;
+    char **word;
+    int count;
+    int at;    /* the next one */
+    bool over; /* "--" was met */
+    /* what option_next has found: an option or an operand, */
+    char *text;
+    bool is_option;
+    const char *value; /* and its value; NULL where it has none, or none is left */
+};
+
+static bool has_value(const struct option_table *table, const char *name)
+{
+    for (unsigned i = 1; i < table->rows; i++)
+        if (strcmp(table->row[i].name, name) == 0)
+            return table->row[i].value != NULL;
+    return false;
+}
+
+/* The next operand or option; false at the end. */
+static bool option_next(struct option_words *w)
+{
+    while (w->at < w->count) {
+        w->text = w->word[w->at++];
+        w->value = NULL;
+        w->is_option = !w->over && w->text[0] == '-' && w->text[1];
+        if (!w->is_option)
+            return true;
+        w->over = strcmp(w->text, "--") == 0;
+        if (w->over)
+            continue;
+        if (has_value(w->table, w->text) && w->at < w->count)
+            w->value = w->word[w->at++];
+        return true;
+    }
+    return false;
+}
 
 /* ---- which program ---- */
 
 static bool is_named(const struct program *program, const char *name)
 {
     return name && program->name ? strcmp(program->name, name) == 0 : name == program->name;
-}
-
-static bool knows_name(const struct program_table *table, const char *name)
-{
-    for (unsigned i = 0; i < table->rows; i++)
-        if (is_named(table->row + i, name))
-            return true;
-    return false;
 }
 
 /* What of a command line says which program is meant: its first two operands, and its options. */
@@ -74,6 +156,129 @@ static const struct program *choose(const struct program_table *table, const cha
             form = p;
     }
     return form ? form : plain;
+}
+
+/* ---- help ---- */
+
+/* Columns. Summaries are a line each: at most LINE_MOST - SUMMARY_COLUMN. */
+enum { INDENT = 4, SUMMARY_COLUMN = 35, OPTION_COLUMN = 25, LINE_MOST = 80 };
+
+void program_add_name(struct buf *out, const struct program_table *table,
+                      const struct program *program)
+{
+    buf_add_text(out, table->called);
+    if (program->name)
+        buf_printf(out, " %s", program->name);
+    if (program->form)
+        buf_printf(out, " %s", program->form);
+}
+
+void program_add_usage(struct buf *out, const struct program_table *table,
+                       const struct program *program)
+{
+    program_add_name(out, table, program);
+    const char *value = NULL;
+    if (program->form && *program->form == '-')
+        value =
+            table->option.row[option_find(&table->option, program->option, program->form)].value;
+    if (value)
+        buf_printf(out, " %s", value);
+    if (*program->words)
+        buf_printf(out, " %s", program->words);
+}
+
+/* Words in lines of at most LINE_MOST columns, each from `column` on. The cursor is at `at`, which
+ * stays a line of its own where two blanks would not fit. */
+static void add_wrapped(struct buf *out, const char *text, size_t at, size_t column)
+{
+    if (at + 1 >= column) {
+        buf_add_char(out, '\n');
+        at = 0;
+    }
+    while (*text) {
+        size_t n = strlen(text);
+        const size_t most = LINE_MOST - column;
+        for (n = n > most ? most : n; text[n] && text[n] != ' ' && n > 0; n--)
+            ;
+        n = n ? n : strcspn(text, " ");
+        buf_printf(out, "%*s%.*s\n", (int)(column - at), "", (int)n, text);
+        text += n;
+        text += strspn(text, " ");
+        at = 0;
+    }
+}
+
+static void add_option(struct buf *out, const struct option *option)
+{
+    const size_t before = out->length;
+    buf_printf(out, "%*s%s", INDENT, "", option->name);
+    if (option->value)
+        buf_add_char(out, ' ');
+    if (option->add_choices)
+        option->add_choices(out, "|", "|");
+    else if (option->value)
+        buf_add_text(out, option->value);
+    add_wrapped(out, option->help, out->length - before, OPTION_COLUMN);
+}
+
+/* But the option that a form is called by: its usage has it. */
+static void add_options(struct buf *out, const struct program_table *table,
+                        const struct program *program)
+{
+    for (const uint8_t *o = program->option; *o; o++)
+        if (*table->option.row[*o].help)
+            add_option(out, &table->option.row[*o]);
+}
+
+static void add_paragraphs(struct buf *out, const char *text)
+{
+    struct buf line = {0};
+    for (; text && *text; text += strcspn(text, "\n"), text += *text == '\n') {
+        buf_clear(&line);
+        buf_add(&line, text, strcspn(text, "\n"));
+        add_wrapped(out, buf_text(&line), 0, INDENT);
+    }
+    out->failed |= line.failed;
+    buf_release(&line);
+}
+
+bool program_add_help(struct buf *out, const struct program_table *table, const char *name)
+{
+    bool known = false;
+    for (unsigned i = 0; i < table->rows; i++) {
+        const struct program *p = table->row + i;
+        if (!p->name || strcmp(p->name, name) != 0)
+            continue;
+        buf_add_text(out, known ? "\n" : "");
+        program_add_usage(out, table, p);
+        buf_add_char(out, '\n');
+        add_wrapped(out, p->summary, 0, INDENT);
+        add_paragraphs(out, p->detail);
+        add_options(out, table, p);
+        known = true;
+    }
+    return known;
+}
+
+void program_add_overview(struct buf *out, const struct program_table *table)
+{
+    buf_printf(out, "%s\n\n", table->about);
+    for (unsigned i = 0; i < table->rows; i++) {
+        const size_t before = out->length;
+        buf_printf(out, "%*s", INDENT, "");
+        program_add_usage(out, table, table->row + i);
+        add_wrapped(out, table->row[i].summary, out->length - before, SUMMARY_COLUMN);
+    }
+    for (unsigned i = 0; i < table->rows; i++) {
+        const struct program *p = table->row + i;
+        if (p->name || p->form)
+            continue;
+        buf_add_text(out, "\nOptions of `");
+        program_add_usage(out, table, p);
+        buf_add_text(out, "`\n");
+        add_options(out, table, p);
+    }
+    buf_printf(out, "\n%s", table->closing);
 }
 
 /* ---- what is refused ---- */
@@ -190,7 +395,9 @@ enum err program_read(const struct program_table *table, int count, char **word,
                       struct options *options, struct fault *fault)
 {
     const struct hints hints = take_hints(table, count, word);
-    const char *name = knows_name(table, hints.operand[0]) ? hints.operand[0] : NULL;
+    const char *name = NULL;
+    for (unsigned i = 0; i < table->rows && !name; i++)
+        name = is_named(table->row + i, hints.operand[0]) ? hints.operand[0] : NULL;
     const struct program *program = choose(table, name, &hints);
     options->program = program;
     options->help = hints.wants_help;
@@ -206,25 +413,20 @@ enum err program_read(const struct program_table *table, int count, char **word,
     return err ? err : check_operands(table, options, fault);
 }
 
-static void print_help(const struct program_table *table, const struct program *program)
-{
-    struct buf text = {0};
-    if (program && program->name)
-        program_add_help(&text, table, program->name);
-    else
-        program_add_overview(&text, table);
-    fputs(buf_text(&text), stdout);
-    buf_release(&text);
-}
-
 int program_main(const struct program_table *table, int count, char **word, struct options *options)
 {
     struct fault fault = {0};
+    struct buf help = {0};
     console_init(table->called);
     enum err err = program_read(table, count - 1, word + 1, options, &fault);
-    if (!err && options->help)
-        print_help(table, options->program);
+    const struct program *program = options->program;
+    if (!err && !options->help)
+        err = program->run(options, &fault);
+    else if (!err && program && program->name)
+        program_add_help(&help, table, program->name);
     else if (!err)
-        err = options->program->run(options, &fault);
+        program_add_overview(&help, table);
+    fputs(buf_text(&help), stdout);
+    buf_release(&help);
     return console_finish(err, &fault);
 }

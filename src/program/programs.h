@@ -1,4 +1,4 @@
-/* The functions of the programs, for the table (table.c). What each does is said there. */
+/* The functions of the programs, for the table (program_table.c). What each does is said there. */
 #ifndef PROGRAM_PROGRAMS_H
 #define PROGRAM_PROGRAMS_H
 

@@ -1,9 +1,9 @@
 #include "report/histogram.h"
 
-#include "base/chart.h"
 #include "engine/gradient.h"
 #include "engine/scene.h"
 #include "image/geometry.h"
+#include "report/chart.h"
 
 enum { ROWS = 4 };
 

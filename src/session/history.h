@@ -23,7 +23,7 @@
 #ifndef SESSION_HISTORY_H
 #define SESSION_HISTORY_H
 
-#include "base/packed.h"
+#include "session/packed.h"
 #include "session/kept_settings.h"
 #include "session/session.h"
 

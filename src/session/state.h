@@ -19,7 +19,7 @@
 #include <stdint.h>
 
 #include "base/decimal.h"
-#include "base/packed.h"
+#include "session/packed.h"
 #include "engine/finish.h"
 #include "engine/weight.h"
 #include "render/background.h"

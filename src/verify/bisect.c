@@ -1,7 +1,7 @@
 #include "verify/bisect.h"
 
 #include <fcntl.h>
-#include <ftw.h>
+#include <fts.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,12 +10,11 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "base/folder.h"
-#include "base/process.h"
 #include "command/command.h"
 #include "sandbox/limits.h"
-#include "verify/divergence.h"
 #include "verify/first_difference.h"
+#include "verify/process.h"
+#include "verify/replay_file.h"
 
 enum { ERRORS_MOST = 1 << 20 };
 
@@ -53,34 +52,12 @@ static void describe(struct buf *text, const struct first_difference *first,
 }
 
 /* `more`: lines to be printed after those of a difference, of each. */
-static enum err print_outcome(const struct first_difference *first, const char *const name[2],
-                              const char *const more[2], const struct printer *printer,
-                              struct fault *fault)
-{
-    struct buf text = {0};
-    buf_printf(&text, "%s 1 - ", first->is_there ? "not ok" : "ok");
-    buf_add_safe_text(&text, name[0]);
-    buf_add_text(&text, " and ");
-    buf_add_safe_text(&text, name[1]);
-    buf_printf(&text, " (%zu record%s the same)\n", first->same, plural(first->same));
-    if (first->is_there)
-        describe(&text, first, name);
-    buf_printf(&text, "%s%s1..1\n", more[0], more[1]);
-    const enum err err = text.failed ? fault_memory(fault, "a report") : OK;
-    if (!err)
-        printer->print(printer->context, buf_text(&text));
-    buf_release(&text);
-    return err || !first->is_there
-               ? err
-               : fault_set(fault, ERR_CHECK, "record %zu is the first that differs",
-                           first->same + 1);
-}
-
 static enum err compare(const char *const path[2], const char *const name[2],
                         const char *const more[2], const struct printer *printer,
                         struct fault *fault)
 {
     struct first_difference first = {0};
+    struct buf text = {0};
     enum err err = first_difference_of_files(&first, FIRST_RECORD, name, path, 0, fault);
     if (!err && !first.is_there && *more[0] && *more[1]) {
         printer->print(printer->context, more[0]);
@@ -88,8 +65,22 @@ static enum err compare(const char *const path[2], const char *const name[2],
         err = fault_set(fault, ERR_INPUT, "neither build carries out what follows record %zu",
                         first.same);
     }
+    if (!err) {
+        buf_printf(&text, "%s 1 - ", first.is_there ? "not ok" : "ok");
+        buf_add_safe_text(&text, name[0]);
+        buf_add_text(&text, " and ");
+        buf_add_safe_text(&text, name[1]);
+        buf_printf(&text, " (%zu record%s the same)\n", first.same, plural(first.same));
+        if (first.is_there)
+            describe(&text, &first, name);
+        buf_printf(&text, "%s%s1..1\n", more[0], more[1]);
+        err = text.failed ? fault_memory(fault, "a report") : OK;
+    }
     if (!err)
-        err = print_outcome(&first, name, more, printer, fault);
+        printer->print(printer->context, buf_text(&text));
+    if (!err && first.is_there)
+        err = fault_set(fault, ERR_CHECK, "record %zu is the first that differs", first.same + 1);
+    buf_release(&text);
     first_difference_release(&first);
     return err;
 }
@@ -155,16 +146,8 @@ static enum err prepare(struct builds *b, struct fault *fault)
     return err ? err : prepare_side(b, b->side + 1, "other", b->how->other, fault);
 }
 
-/* Where the journal lies, and with nothing to read. */
-static bool enter(const char *commands)
-{
-    struct buf place = {0};
-    const int nothing = open("/dev/null", O_RDWR);
-    file_folder(&place, commands);
-    return nothing >= 0 && dup2(nothing, 0) >= 0 && dup2(nothing, 1) >= 0 && !place.failed &&
-           chdir(buf_text(&place)) == 0;
-}
-
+/* Where the journal lies, and with nothing to read. What it prints to standard error is handed
+ * back. */
 static void become(void *context, size_t number, struct buf *out)
 {
     const struct builds *b = context;
@@ -174,27 +157,27 @@ static void become(void *context, size_t number, struct buf *out)
                               buf_text(&side->journal), "--out",
                               buf_text(&side->folder),  b->how->scene_path ? "--scene" : NULL,
                               buf_text(&b->scene),      NULL};
-    (void)out; /* what it prints to standard error is handed back */
-    if (!b->scene.failed && enter(buf_text(&b->commands)))
+    struct buf place = {0};
+    const int nothing = open("/dev/null", O_RDWR);
+    (void)out;
+    file_folder(&place, buf_text(&b->commands));
+    if (!b->scene.failed && nothing >= 0 && dup2(nothing, 0) >= 0 && dup2(nothing, 1) >= 0 &&
+        !place.failed && chdir(buf_text(&place)) == 0)
         execv(argument[0], (char *const *)(uintptr_t)argument);
     _exit(127);
-}
-
-static uint64_t written_bytes;
-
-static int add_written(const char *path, const struct stat *status, int type, struct FTW *where)
-{
-    (void)path, (void)where;
-    written_bytes += type == FTW_F ? (uint64_t)status->st_size : 0;
-    return 0;
 }
 
 /* What both hold now, and have written so far, counts as this process's own. */
 static void count(void *context, uint64_t held_bytes)
 {
     const struct builds *b = context;
-    written_bytes = 0;
-    nftw(buf_text(&b->folder), add_written, 8, FTW_PHYS);
+    char *const folder[] = {b->folder.data, NULL};
+    FTS *tree = fts_open(folder, FTS_PHYSICAL | FTS_NOCHDIR, NULL);
+    uint64_t written_bytes = 0;
+    for (const FTSENT *entry; tree && (entry = fts_read(tree));)
+        written_bytes += entry->fts_info == FTS_F ? (uint64_t)entry->fts_statp->st_size : 0;
+    if (tree)
+        fts_close(tree);
     limits_count(held_bytes, written_bytes);
 }
 

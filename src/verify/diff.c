@@ -1,12 +1,222 @@
 #include "verify/diff.h"
 
 #include <inttypes.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/json.h"
+#include "base/mem.h"
 #include "engine/overlap.h"
-#include "verify/diff_side.h"
+#include "report/export.h"
+#include "verify/difference_picture.h"
 #include "verify/first_difference.h"
+#include "verify/process.h"
+#include "verify/replay_file.h"
+
+/* ---- one side, in its process ---- */
+
+/*
+ * What a journal comes to, which a process of its own carries out and hands back as bytes: the
+ * facts, then, where it went well, a label for each voxel, then the pixels of the picture, if there
+ * is one.
+ */
+
+/* From one process of this program to another, so they are sent as they are. */
+struct diff_facts {
+    enum err err;
+    char why[sizeof((struct fault *)0)->text];
+    uint32_t size[3], picture_width, picture_height; /* 0, 0: none */
+    uint64_t scene_digest;
+    char proof[SHA256_HEX];
+    size_t voxels, pending;
+    uint8_t is_edited, is_torn; /* booleans */
+    char label_name[256][LABEL_NAME_BYTES];
+    struct palette palette;
+};
+
+struct diff_side {
+    struct buf bytes;
+    /* Places in them, once it was carried out well. */
+    const struct diff_facts *facts;
+    const uint8_t *labels; /* [z][y][x] */
+    const uint8_t *pixels; /* [height][width][4] */
+};
+
+enum { SIDE_MOST = 16384, /* of a picture */ FRAME_MOST = 4 * SIDE_MOST * SIDE_MOST };
+
+struct work {
+    const struct diff_options *options;
+    int which;                     /* 0: A */
+    const struct diff_side *other; /* B, for A's picture; or NULL */
+};
+
+static void copy_labels(uint8_t *label, const struct scene *scene)
+{
+    const struct grid *grid = &scene->grid;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            const struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++)
+                *label++ = scene->cell[c].label;
+        }
+}
+
+/* A journal that was edited by hand, and gives the results it records, is taken with a warning. */
+static enum err carry_out(struct interpreter *interp, const struct work *work,
+                          struct diff_facts *facts, struct fault *fault)
+{
+    const struct diff_options *o = work->options;
+    struct replay_report report = {0};
+    enum err err =
+        replay_file(interp, o->path[work->which], 0, o->last, NULL, NULL, &report, fault);
+    facts->is_edited = !report.is_intact;
+    facts->is_torn = report.is_torn;
+    if (err == ERR_CHECK && report.outcome == REPLAY_SAME)
+        err = OK;
+    if (err == ERR_CHECK)
+        err = fault_prefix(fault, ERR_CHECK,
+                           "it gives other results than it records; see iftty verify");
+    if (!err && !session_has_scene(interp->session))
+        err = fault_set(fault, ERR_INPUT, "it opens no scene");
+    replay_report_release(&report);
+    return err;
+}
+
+static void note_facts(struct diff_facts *facts, const struct session *session)
+{
+    memcpy(facts->size, session_scene(session)->grid.size, sizeof facts->size);
+    memcpy(facts->proof, session_proof(session), sizeof facts->proof);
+    memcpy(facts->label_name, session_kept(session)->label_name, sizeof facts->label_name);
+    facts->palette = session_kept(session)->palette;
+    facts->scene_digest = session_scene_digest(session);
+    facts->voxels = session_scene(session)->grid.voxels;
+    facts->pending = session_pendings(session);
+}
+
+/* Names and colours of labels that A has none of are B's. */
+static void borrow(struct kept *kept, const struct diff_facts *other, const struct overlap *overlap)
+{
+    for (int label = 1; label < 256; label++) {
+        if (overlap->a[label])
+            continue;
+        memcpy(kept->palette.rgb[label], other->palette.rgb[label], 3);
+        if (!kept->label_name[label][0])
+            memcpy(kept->label_name[label], other->label_name[label], LABEL_NAME_BYTES);
+    }
+}
+
+static enum err draw(struct picture *picture, struct session *session, const struct work *work,
+                     const uint8_t *label, struct fault *fault)
+{
+    struct overlap overlap;
+    overlap_count(&overlap, label, work->other->labels, session_scene(session)->grid.voxels);
+    const struct difference_picture difference_picture = {
+        .name = {file_name(work->options->path[0]), file_name(work->options->path[1])},
+        .label = {label, work->other->labels},
+        .overlap = &overlap};
+    borrow(session_kept(session), work->other->facts, &overlap);
+    return difference_picture_draw(picture, session, &difference_picture, fault);
+}
+
+/* Labels and picture to `out`, after the facts. */
+static enum err hand_back(struct buf *out, struct session *session, const struct work *work,
+                          struct diff_facts *facts, struct fault *fault)
+{
+    const size_t voxels = session_scene(session)->grid.voxels;
+    struct picture picture = {0};
+    uint8_t *label = buf_reserve(out, voxels);
+    if (!label)
+        return fault_memory(fault, "labels");
+    copy_labels(label, session_scene(session));
+    out->length += voxels;
+    note_facts(facts, session);
+    if (!work->other || memcmp(work->other->facts->size, facts->size, sizeof facts->size) != 0)
+        return OK;
+    const enum err err = draw(&picture, session, work, label, fault);
+    if (!err) {
+        facts->picture_width = picture.width;
+        facts->picture_height = picture.height;
+        buf_add(out, picture.rgba, (size_t)4 * picture.width * picture.height);
+    }
+    picture_release(&picture);
+    return err;
+}
+
+static void carry_out_one(void *context, size_t number, struct buf *out)
+{
+    (void)number;
+    const struct work *work = context;
+    const struct diff_options *o = work->options;
+    struct interpreter interp;
+    struct fault fault = {0};
+    struct diff_facts *facts = mem_new(sizeof *facts);
+    if (!facts)
+        return;
+    buf_add(out, facts, sizeof *facts);
+    facts->err = interpreter_init(&interp, &fault);
+    interp.scene_path = o->scene_path;
+    if (!facts->err && o->begin)
+        facts->err = o->begin(o->context, o->path[work->which], &fault);
+    if (!facts->err)
+        facts->err = carry_out(&interp, work, facts, &fault);
+    if (!facts->err)
+        facts->err = hand_back(out, interp.session, work, facts, &fault);
+    memcpy(facts->why, fault.text, sizeof facts->why);
+    if (!out->failed)
+        memcpy(out->data, facts, sizeof *facts);
+    free(facts);
+    interpreter_release(&interp);
+}
+
+/* ---- one side, from outside ---- */
+
+/* What came back is of the form it should be, whatever has become of the process. */
+static bool is_whole(const struct diff_facts *f, size_t length)
+{
+    const uint64_t pixels = (uint64_t)f->picture_width * f->picture_height;
+    const uint64_t voxels = (uint64_t)f->size[0] * f->size[1] * f->size[2];
+    return f->picture_width <= SIDE_MOST && f->picture_height <= SIDE_MOST &&
+           f->size[0] <= UINT16_MAX && f->size[1] <= UINT16_MAX && f->size[2] <= UINT16_MAX &&
+           voxels == f->voxels && voxels <= UINT32_MAX && length - sizeof *f == voxels + 4 * pixels;
+}
+
+static enum err judge(struct diff_side *side, struct fault *fault)
+{
+    struct diff_facts *f = (struct diff_facts *)(void *)side->bytes.data;
+    if (side->bytes.length < sizeof *f)
+        return fault_memory(fault, "labels");
+    f->why[sizeof f->why - 1] = f->proof[sizeof f->proof - 1] = '\0';
+    for (int label = 0; label < 256; label++)
+        f->label_name[label][LABEL_NAME_BYTES - 1] = '\0';
+    /* Status 1 stands for a difference between the two, and for nothing else. */
+    if (f->err > OK && f->err <= ERR_CANCELLED)
+        return fault_set(fault, f->err == ERR_CHECK ? ERR_INPUT : f->err, "%s", f->why);
+    if (f->err || !is_whole(f, side->bytes.length))
+        return fault_set(fault, ERR_INPUT, "its process hands back what makes no sense");
+    side->facts = f;
+    side->labels = (const uint8_t *)(f + 1);
+    side->pixels = side->labels + f->voxels;
+    return OK;
+}
+
+/* Carries out options->path[which]; with `other`, the side of B, draws the picture of both. */
+static enum err carry_out_side(struct diff_side *side, const struct diff_options *options,
+                               int which, const struct diff_side *other, struct fault *fault)
+{
+    struct work work = {options, which, other};
+    const struct processes how = {.work = carry_out_one,
+                                  .context = &work,
+                                  .most =
+                                      (uint64_t)sizeof(struct diff_facts) + UINT32_MAX + FRAME_MOST,
+                                  .watch = options->watch};
+    enum err err = process_run(&side->bytes, &how, fault);
+    if (!err)
+        err = judge(side, fault);
+    return err && err != ERR_CANCELLED ? fault_prefix(fault, err, "%s", options->path[which]) : err;
+}
+
+/* ---- both ---- */
 
 struct journals {
     const struct diff_options *options;
@@ -29,31 +239,25 @@ static enum err compare_labels(struct journals *j, struct fault *fault)
 
 /* ---- the picture ---- */
 
-static enum err note_picture(struct picture *picture, const struct journals *j, struct fault *fault)
-{
-    struct buf words = {0};
-    buf_printf(&words, "%" PRIu64 " of %" PRIu64 " voxels", j->overlap.differing,
-               j->overlap.voxels);
-    enum err err = picture_note(picture, "Software", "iftty " PROGRAM_VERSION, fault);
-    if (!err)
-        err = picture_note(picture, "iftty:differ", buf_text(&words), fault);
-    buf_release(&words);
-    return err;
-}
-
 static enum err write_picture(const struct journals *j, struct fault *fault)
 {
     const struct diff_facts *a = j->side[0].facts;
     struct picture picture = {0};
+    struct buf words = {0};
     if (!j->options->picture)
         return OK;
     enum err err = picture_init(&picture, a->picture_width, a->picture_height, false, fault);
     if (!err) {
         memcpy(picture.rgba, j->side[0].pixels, (size_t)4 * picture.width * picture.height);
-        err = note_picture(&picture, j, fault);
+        err = picture_note(&picture, "Software", "iftty " PROGRAM_VERSION, fault);
     }
+    buf_printf(&words, "%" PRIu64 " of %" PRIu64 " voxels", j->overlap.differing,
+               j->overlap.voxels);
+    if (!err)
+        err = picture_note(&picture, "iftty:differ", buf_text(&words), fault);
     if (!err)
         err = image_write_png(j->options->picture, &picture, fault);
+    buf_release(&words);
     picture_release(&picture);
     return err;
 }
@@ -166,21 +370,9 @@ static void add_json_side(struct json *json, const struct journals *j, int which
     json_end(json);
 }
 
-static void add_json_label(struct json *json, const struct journals *j, uint8_t label)
-{
-    const struct overlap *o = &j->overlap;
-    json_object(json, NULL);
-    json_count(json, "label", label);
-    json_text(json, "name", name_of(j, label));
-    json_count(json, "dice_ten_thousandths", overlap_dice(o, label));
-    json_count(json, "a", o->a[label]);
-    json_count(json, "b", o->b[label]);
-    json_count(json, "both", o->both[label]);
-    json_end(json);
-}
-
 static void write_json(struct buf *out, const struct journals *j)
 {
+    const struct overlap *o = &j->overlap;
     struct json json = {.out = out};
     json_object(&json, NULL);
     json_count(&json, "same_commands", j->first_difference.same);
@@ -192,12 +384,21 @@ static void write_json(struct buf *out, const struct journals *j)
     for (int a = 0; a < 3; a++)
         json_count(&json, NULL, j->side[0].facts->size[a]);
     json_end(&json);
-    json_count(&json, "voxels", j->overlap.voxels);
-    json_count(&json, "differing", j->overlap.differing);
+    json_count(&json, "voxels", o->voxels);
+    json_count(&json, "differing", o->differing);
     json_array(&json, "labels");
-    for (int label = 1; label < 256; label++)
-        if (is_listed(&j->overlap, label))
-            add_json_label(&json, j, (uint8_t)label);
+    for (int label = 1; label < 256; label++) {
+        if (!is_listed(o, label))
+            continue;
+        json_object(&json, NULL);
+        json_count(&json, "label", (uint64_t)label);
+        json_text(&json, "name", name_of(j, label));
+        json_count(&json, "dice_ten_thousandths", overlap_dice(o, (uint8_t)label));
+        json_count(&json, "a", o->a[label]);
+        json_count(&json, "b", o->b[label]);
+        json_count(&json, "both", o->both[label]);
+        json_end(&json);
+    }
     json_end(&json);
     json_end(&json);
 }
@@ -245,9 +446,9 @@ static enum err compare(struct journals *j, const struct printer *printer, struc
         err = give(&text, printer->print, printer, fault);
     }
     if (!err)
-        err = diff_side_carry_out(j->side + 1, o, 1, NULL, fault);
+        err = carry_out_side(j->side + 1, o, 1, NULL, fault);
     if (!err)
-        err = diff_side_carry_out(j->side, o, 0, o->picture ? j->side + 1 : NULL, fault);
+        err = carry_out_side(j->side, o, 0, o->picture ? j->side + 1 : NULL, fault);
     if (!err)
         err = compare_labels(j, fault);
     if (!err)
@@ -266,8 +467,8 @@ enum err diff_journals(const struct diff_options *options, const struct printer 
 {
     struct journals j = {.options = options};
     const enum err err = compare(&j, printer, fault);
-    diff_side_release(j.side);
-    diff_side_release(j.side + 1);
+    buf_release(&j.side[0].bytes);
+    buf_release(&j.side[1].bytes);
     first_difference_release(&j.first_difference);
     return err;
 }

@@ -2,7 +2,7 @@
  * Two journals or scripts compared: the first command in which they differ, and how far the labels
  * differ that they end with.
  *
- * Each is carried out in a process of its own (diff_side.h), by the rules for the journals of
+ * Each is carried out in a process of its own, by the rules for the journals of
  * others, B first: only its labels, names and colours stay, a byte a voxel, while A is carried out.
  * The picture is drawn by A's process, which has the scene. Nothing is written but that picture,
  * and that by the process that asked for it.

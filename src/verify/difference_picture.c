@@ -100,10 +100,10 @@ static enum err render_as(const struct sheet *sheet, enum relabelled as, struct 
     struct session *session = sheet->session;
     relabel(sheet, as);
     for (int label = 1; label < 256; label++) {
-        session->border.visible[label] = as == AS_B ? sheet->visible[label] : true;
-        session->border.opacity[label] = as == AS_B ? sheet->opacity[label] : BORDER_OPAQUE;
+        session_border(session)->visible[label] = as == AS_B ? sheet->visible[label] : true;
+        session_border(session)->opacity[label] = as == AS_B ? sheet->opacity[label] : BORDER_OPAQUE;
     }
-    border_recount(&session->border);
+    border_recount(session_border(session));
     session->rendered = RENDERED_NOT;
     return session_draw(session, RENDER_BORDER, fault);
 }
@@ -144,11 +144,11 @@ static enum err draw_difference(const struct sheet *sheet, struct fault *fault)
 {
     const size_t pixels = (size_t)sheet->width * sheet->height;
     int64_t *depth = mem_array(pixels, sizeof *depth);
-    struct palette *palette = &sheet->session->now.kept.palette;
+    struct palette *palette = &session_kept(sheet->session)->palette;
     if (!depth)
         return fault_memory(fault, "a picture");
     memcpy(palette->rgb[SAME_OBJECT], ghost_rgb, 3);
-    sheet->session->now.outlook.background =
+    session_outlook(sheet->session)->background =
         BACKGROUND_PLAIN; /* black: colours tell what differs */
     enum err err = render_as(sheet, AS_OBJECT, fault);
     if (!err) {
@@ -235,17 +235,6 @@ static void write_labels(const struct sheet *sheet)
     }
 }
 
-static void write_words(const struct sheet *sheet)
-{
-    write_title(sheet, 0, "A", sheet->of->name[0]);
-    write_title(sheet, 1, "B", sheet->of->name[1]);
-    write_title(sheet, 2, "where they differ", "");
-    write_labels(sheet);
-    for (uint32_t kind = A_ALONE; kind < DIFFERENCES; kind++)
-        write_entry(sheet, (int64_t)pane_left(sheet, 2) + BORDER, kind - A_ALONE,
-                    difference_rgb[kind], difference_words[kind]);
-}
-
 enum err difference_picture_draw(struct picture *picture, struct session *session,
                                  const struct difference_picture *of, struct fault *fault)
 {
@@ -257,6 +246,13 @@ enum err difference_picture_draw(struct picture *picture, struct session *sessio
         return err;
     sheet.canvas = (struct canvas){width, height, width, picture->rgba, NULL, NULL, NULL};
     canvas_box(&sheet.canvas, 0, 0, width, height, paper);
-    write_words(&sheet); /* the colours of labels are gone once the pane on the right is drawn */
+    /* First, since the colours of labels are gone once the pane on the right is drawn. */
+    write_title(&sheet, 0, "A", of->name[0]);
+    write_title(&sheet, 1, "B", of->name[1]);
+    write_title(&sheet, 2, "where they differ", "");
+    write_labels(&sheet);
+    for (uint32_t kind = A_ALONE; kind < DIFFERENCES; kind++)
+        write_entry(&sheet, (int64_t)pane_left(&sheet, 2) + BORDER, kind - A_ALONE,
+                    difference_rgb[kind], difference_words[kind]);
     return draw_panes(&sheet, fault);
 }

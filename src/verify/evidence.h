@@ -2,6 +2,13 @@
  * Evidence for a person who looks into a failure: what was expected, what was drawn, and where the
  * two differ; in a folder, and as PNG in memory for a report. Evidence that cannot be had is left
  * out: the words of the failure stand without it.
+ *
+ * A golden image that is the same is evidence as well, and people look at the PNG beside it: what
+ * is shown has to be what was compared. Each pixel is that of the golden image, its colours over
+ * their background; each text is a note of the golden image, or says when the PNG was drawn; and
+ * nothing else is in it (image/png_read.h). Every verification asks for that, so what proves the
+ * golden image, a lock or a signature of the journal, proves the PNG. One that is not there shows
+ * nothing: only a lock, which pins its bytes, asks for it.
  */
 #ifndef VERIFY_EVIDENCE_H
 #define VERIFY_EVIDENCE_H
@@ -30,7 +37,7 @@ struct evidence_collector {
 };
 
 /* The judge that refuses every golden image that differs, collects evidence of it, and counts those
- * that do not. It borrows the collector. */
+ * that do not, whose PNGs it judges. It borrows the collector. */
 struct golden_judge evidence_judge(struct evidence_collector *collector);
 
 #endif

@@ -47,15 +47,10 @@ static void step_to_command(struct follower *f, size_t last)
     } while (f->goes_on && !is_recorded(f));
 }
 
-static void step_to_record(struct follower *f)
-{
-    f->goes_on = walk_next_sound(&f->walk, &f->record) == WALK_RECORD;
-}
-
 static enum err step(struct follower *f, size_t last, struct fault *fault)
 {
     if (f->of == FIRST_RECORD)
-        step_to_record(f);
+        f->goes_on = walk_next_sound(&f->walk, &f->record) == WALK_RECORD;
     else
         step_to_command(f, last);
     if (f->words.failed)
@@ -119,15 +114,6 @@ static enum err follow(struct first_difference *first, struct follower f[2], siz
     }
 }
 
-/* Whether the rest can be read, and is sound. */
-static enum err follow_to_end(struct follower *f, size_t last, struct fault *fault)
-{
-    enum err err = OK;
-    while (!err && f->goes_on)
-        err = step(f, last, fault);
-    return err;
-}
-
 enum err first_difference_find(struct first_difference *first, enum first_of of,
                                const char *const name[2], const struct buf bytes[2], size_t last,
                                struct fault *fault)
@@ -139,8 +125,8 @@ enum err first_difference_find(struct first_difference *first, enum first_of of,
     if (!err)
         err = follow(first, f, last, fault);
     for (int i = 0; i < 2; i++) {
-        if (!err && of == FIRST_RECORD)
-            err = follow_to_end(f + i, last, fault);
+        while (!err && of == FIRST_RECORD && f[i].goes_on) /* is the rest sound? */
+            err = step(f + i, last, fault);
         walk_release(&f[i].walk);
         buf_release(&f[i].words);
     }

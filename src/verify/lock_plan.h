@@ -9,8 +9,8 @@
 #ifndef VERIFY_LOCK_PLAN_H
 #define VERIFY_LOCK_PLAN_H
 
-#include "base/name_list.h"
-#include "verify/lock.h"
+#include "verify/iftty_lock.h"
+#include "verify/name_list.h"
 
 struct lock_plan {
     const char *path; /* of the lock; borrowed */

@@ -3,8 +3,8 @@
 #ifndef VERIFY_ORPHAN_H
 #define VERIFY_ORPHAN_H
 
-#include "base/name_list.h"
 #include "command/interpreter.h"
+#include "verify/name_list.h"
 
 /* The names of all, as "third.exr", after a replay, by which the interpreter knows those that the
  * journal gives; none where there is no such folder. What a `golden` that was killed has left

@@ -1,13 +1,29 @@
 /*
  * The replay of a journal by an interpreter, under the limits for journals that somebody else may
- * have written (sandbox/limits.h), and what its report says in words.
+ * have written (sandbox/limits.h), what its report says in words, and which records took longest.
  */
 #ifndef VERIFY_REPLAY_FILE_H
 #define VERIFY_REPLAY_FILE_H
 
 #include "command/script.h"
 #include "journal/replay.h"
-#include "verify/timing.h"
+
+/* The records that take longest, in memory that does not grow with the journal. Begins as {0}. */
+enum { TIMING_MOST = 10 };
+struct timing {
+    struct timing_row {
+        uint64_t ns;
+        size_t number;      /* of the record */
+        struct buf command; /* the beginning of it, safe to print */
+    } row[TIMING_MOST];     /* the slowest first; of two that are equal the earlier */
+    size_t rows;
+};
+
+void timing_add(struct timing *timing, size_t number, uint64_t ns, const char *command);
+
+/* Lines: "12.345 ms, record 31: run". */
+void timing_tell(struct buf *lines, const struct timing *timing);
+void timing_release(struct timing *timing);
 
 /* Carries the journal out and compares the results, and by the interpreter's judge golden images,
  * of records `first` to `last`; 0 for all. Each command is acknowledged, unless `printer` is NULL,
@@ -21,6 +37,24 @@ enum err replay_file(struct interpreter *interp, const char *path, size_t first,
  * is that of the replay. */
 void replay_describe(struct buf *text, const struct replay_report *report,
                      const struct fault *fault);
+
+/*
+ * What it means that a command gave other results than are recorded: in words, from the result
+ * words alone ("forest=0123456789abcdef labels=... seeds=12"). Which words commands have is known
+ * here and where they are made (command/interpreter.c, act_*.c), and nowhere below.
+ */
+
+/* Which two results differ, and so what they are called. */
+enum divergence_of {
+    DIVERGENCE_OF_REPLAY,  /* "7 was recorded, 9 now" */
+    DIVERGENCE_OF_JOURNALS /* "7 in the first, 9 in the second" */
+};
+
+/* Adds lines "#   meaning   ..." : whether labels or only keys differ, or a picture, or what the
+ * command read; then a line for each word that differs, counts with how many more or less, and one
+ * for those that are the same. Safe to print. */
+void divergence_describe(struct buf *lines, const char *expected, const char *actual,
+                         enum divergence_of of);
 
 /* The program `replay`: acknowledges every command, compares every result, and sums up. */
 enum err replay_aloud(struct interpreter *interp, const char *path, const struct printer *printer,

@@ -1,18 +1,18 @@
 #include "verify/reseal.h"
 
-#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
-#include "base/file_draft.h"
+#include "base/file.h"
 #include "command/golden_leftover.h"
+#include "journal/golden.h"
 #include "session/semantics.h"
-#include "verify/ci.h"
-#include "verify/golden_accept.h"
 #include "verify/orphan.h"
 #include "journal/journal.h"
-#include "journal/log.h"
 #include "journal/walk.h"
 #include "report/export.h"
+#include "verify/orphan.h"
+#include "verify/strict.h"
 
 enum {
     WHY_MOST = 1000,         /* bytes of a reason */
@@ -20,6 +20,149 @@ enum {
 };
 
 static const char unchanged[] = "nothing has changed";
+
+/* ---- golden images that are being accepted ---- */
+
+/*
+ * Each that differs, or is missing, and that a reviewer, if there is one, finds right, is drawn
+ * again into a draft beside its place, and takes that place only when all of them can, and the
+ * journal with them. Drafts that were not published are removed at the end, with their folder where
+ * it was made for them.
+ */
+struct golden_accept {
+    struct buf drafts;         /* pairs of a draft and its place, each ended by NUL */
+    struct buf folder;         /* of the golden images, where it was made for them; or "" */
+    struct buf note;           /* what was wrong with that of the command at hand, "" for nothing */
+    struct record_chain chain; /* of the record before it, for the notes in the picture */
+    struct buf why;            /* the reason, one line */
+    const struct reviewer *reviewer; /* who is asked about each picture; NULL: all are accepted */
+    const struct record *record;     /* the one at hand */
+    bool is_left;                    /* its picture is not accepted: it stays as it was */
+    size_t images;                   /* golden images accepted */
+    size_t answers[REVIEW_ANSWERS];  /* pictures that were asked about */
+};
+
+/* The next pair of a draft and its place; false at the end. */
+static bool next_draft(const struct golden_accept *accept, const char **at, const char **draft,
+                       const char **place)
+{
+    *at = *at ? *place + strlen(*place) + 1 : buf_text(&accept->drafts);
+    if (*at >= buf_text(&accept->drafts) + accept->drafts.length)
+        return false;
+    *draft = *at;
+    *place = *draft + strlen(*draft) + 1;
+    return true;
+}
+
+/* The file to be compared: the draft for that place, if there is one, or what is there. */
+static const char *source(void *context, const char *path)
+{
+    const char *at = NULL, *draft, *place;
+    while (next_draft(context, &at, &draft, &place))
+        if (strcmp(place, path) == 0)
+            return draft;
+    return path;
+}
+
+/* One file, whole, under a name of its own. */
+static enum err write_draft(struct golden_accept *accept, struct interpreter *interp,
+                            const char *path, const struct picture *picture, struct fault *fault)
+{
+    struct buf draft = {0};
+    enum err err = file_draft(&draft, path, FILE_REPLACE, fault);
+    if (!err) {
+        err = image_write(interp->helper, buf_text(&draft), FILE_KEEP, picture, fault);
+        buf_add(&accept->drafts, buf_text(&draft), draft.length + 1);
+        buf_add(&accept->drafts, path, strlen(path) + 1);
+        if (!err && accept->drafts.failed) {
+            file_discard(buf_text(&draft));
+            err = fault_memory(fault, "the names of files");
+        }
+    }
+    buf_release(&draft);
+    return err;
+}
+
+/* The image, and the PNG beside it. Their folder goes again where it was made in vain. */
+static enum err write_drafts(struct golden_accept *accept, struct interpreter *interp,
+                             const struct golden_finding *finding, struct fault *fault)
+{
+    struct buf folder = {0};
+    enum err err = golden_folder(&folder, buf_text(&interp->home), fault);
+    if (!err && !file_is_folder(buf_text(&folder))) {
+        buf_clear(&accept->folder);
+        buf_add_text(&accept->folder, buf_text(&folder));
+    }
+    if (!err)
+        err = file_make_folder(buf_text(&folder), fault);
+    if (!err && !session_is_private(interp->session))
+        err = picture_note(finding->actual, "iftty:journal", file_name(buf_text(&interp->home)),
+                           fault);
+    if (!err)
+        err = picture_note(finding->actual, "iftty:chain", accept->chain.hex, fault);
+    if (!err)
+        err = write_draft(accept, interp, finding->path, finding->actual, fault);
+    buf_printf(&folder, "/%s.png", finding->name);
+    if (!err)
+        err = folder.failed
+                  ? fault_memory(fault, "a path")
+                  : write_draft(accept, interp, buf_text(&folder), finding->actual, fault);
+    buf_release(&folder);
+    return err;
+}
+
+static enum err golden_accept_ask(struct golden_accept *accept,
+                                  const struct golden_finding *finding, const char *wrong,
+                                  struct fault *fault)
+{
+    const struct review_question question = {accept->record->number, accept->record->command, wrong,
+                                             finding};
+    const struct reviewer *reviewer = accept->reviewer;
+    enum review_answer answer = REVIEW_ACCEPT;
+    const enum err err =
+        reviewer ? reviewer->ask(reviewer->context, &question, &accept->why, &answer, fault) : OK;
+    if (!err)
+        accept->answers[answer]++;
+    accept->is_left = answer != REVIEW_ACCEPT;
+    return err;
+}
+
+static enum err differs(void *context, struct interpreter *interp,
+                        const struct golden_finding *finding, struct fault *fault)
+{
+    struct golden_accept *accept = context;
+    if (source(accept, finding->path) != finding->path)
+        return fault_set(fault, ERR_CHECK,
+                         "golden image %s is given twice, and the pictures are not the same",
+                         finding->name);
+    buf_clear(&accept->note);
+    buf_add_text(&accept->note, fault->text);
+    enum err err = golden_accept_ask(accept, finding, buf_text(&accept->note), fault);
+    if (!err && !accept->is_left)
+        err = write_drafts(accept, interp, finding, fault);
+    if (err)
+        return err;
+    if (accept->is_left)
+        buf_clear(&accept->note);
+    accept->images += !accept->is_left;
+    fault->text[0] = '\0';
+    return OK;
+}
+
+static void golden_accept_release(struct golden_accept *accept)
+{
+    const char *at = NULL, *draft, *place;
+    while (next_draft(accept, &at, &draft, &place))
+        file_discard(draft); /* it is gone already where it was published */
+    if (accept->folder.length)
+        rmdir(buf_text(&accept->folder)); /* stays where it holds anything */
+    buf_release(&accept->folder);
+    buf_release(&accept->drafts);
+    buf_release(&accept->note);
+    buf_release(&accept->why);
+}
+
+/* ---- one record ---- */
 
 struct resealing {
     struct interpreter *interp;
@@ -29,8 +172,6 @@ struct resealing {
     size_t count, marked; /* records; those that have changed */
     bool changes_header;
 };
-
-/* ---- one record ---- */
 
 /* Whether every recorded word is given now. */
 static bool all_are_given(const char *recorded, const char *words)
@@ -43,18 +184,14 @@ static bool all_are_given(const char *recorded, const char *words)
     return true;
 }
 
-static bool is_of_picture(const struct record_word *word)
-{
-    return record_key_is(word, "picture", 7) || record_key_is(word, "spin", 4);
-}
-
 /* Accepting is for pictures: any other result that has changed is refused. */
 static enum err refuse_results(const struct record *record, const char *words, struct fault *fault)
 {
     struct record_word word, now;
     const char *at = record->result, *end = at + strlen(at);
     while (record_word_next(&at, end, &word))
-        if (!record_word_is_among(words, &word, &now) && !is_of_picture(&word))
+        if (!record_word_is_among(words, &word, &now) && !record_key_is(&word, "picture", 7) &&
+            !record_key_is(&word, "spin", 4))
             return fault_set(fault, ERR_CHECK,
                              "record %zu (line %zu) gives another %.*s: no picture, but a result, "
                              "which is not accepted; iftty log --reseal takes it in; %s",
@@ -95,27 +232,16 @@ static enum err write_record(struct resealing *r, const char *bytes, const struc
         add_mark(r, &comments, record);
         r->marked++;
     }
-    const char *command = is_sound ? record->command : buf_text(&reply->canonical);
-    const char *words = is_same ? record->result : buf_text(&reply->words);
+    const struct record anew = {.number = r->count + 1,
+                                .command = is_sound ? record->command : buf_text(&reply->canonical),
+                                .result = is_same ? record->result : buf_text(&reply->words)};
     const enum err err =
-        comments.failed
-            ? fault_memory(fault, "a journal")
-            : record_encode(&r->out, &r->chain, &r->chain, r->count ? "" : buf_text(&r->header),
-                            r->count + 1, buf_text(&comments), command, words, fault);
+        comments.failed ? fault_memory(fault, "a journal")
+                        : record_encode(&r->out, &r->chain, r->count ? "" : buf_text(&r->header),
+                                        buf_text(&comments), &anew, fault);
     r->count += err == OK;
     buf_release(&comments);
     return err;
-}
-
-/* A picture that is no golden image: only its digest is known, and nobody can see what it was. */
-static enum err ask_of_digest(struct resealing *r, const struct record *record, const char *words,
-                              struct fault *fault)
-{
-    struct golden_accept *accept = r->accept;
-    if (accept->is_left || accept->note.length || all_are_given(record->result, words))
-        return OK;
-    return golden_accept_ask(accept, NULL, "its picture has another digest than is recorded",
-                             fault);
 }
 
 static enum err reseal_record(struct resealing *r, const char *bytes, const struct record *record,
@@ -142,8 +268,11 @@ static enum err reseal_record(struct resealing *r, const char *bytes, const stru
                      unchanged);
     if (!err && r->accept)
         err = refuse_results(record, buf_text(&reply.words), fault);
-    if (!err && r->accept)
-        err = ask_of_digest(r, record, buf_text(&reply.words), fault);
+    /* A picture that is no golden image: only its digest is known, nobody can see what it was. */
+    if (!err && r->accept && !r->accept->is_left && !r->accept->note.length &&
+        !all_are_given(record->result, buf_text(&reply.words)))
+        err = golden_accept_ask(r->accept, NULL, "its picture has another digest than is recorded",
+                                fault);
     if (!err)
         err = write_record(r, bytes, record, &reply, fault);
     reply_release(&reply);
@@ -193,6 +322,7 @@ static enum err publish(struct resealing *r, const char *path, const struct buf 
                         struct buf *name, struct fault *fault)
 {
     struct journal_condition condition;
+    const char *at = NULL, *draft, *place;
     enum err err = journal_check(&condition, buf_text(&r->out), r->out.length, fault);
     if (!err && r->out.length > JOURNAL_BYTES_MAX)
         err = fault_set(fault, ERR_LIMIT, "%s would hold more than %zu bytes; %s", path,
@@ -203,8 +333,11 @@ static enum err publish(struct resealing *r, const char *path, const struct buf 
     if (err)
         return err;
     r->interp->mode = MODE_LIVE; /* it is over: the user asked for what is replaced now */
-    if (r->accept)
-        err = golden_accept_publish(r->accept, r->interp, fault);
+    while (!err && r->accept && next_draft(r->accept, &at, &draft, &place)) {
+        err = interpreter_will_write(r->interp, place, FILE_REPLACE, fault);
+        if (!err)
+            err = file_publish(draft, place, FILE_REPLACE, fault);
+    }
     if (!err)
         err = file_write(path, buf_text(&r->out), r->out.length, FILE_REPLACE, fault);
     interpreter_settle_files(r->interp, err == OK);
@@ -255,7 +388,7 @@ static enum err reseal(struct resealing *r, const char *path, const struct print
     struct file_log *lock = NULL;
     struct buf bytes = {0}, former = {0};
     struct interpreter *interp = r->interp;
-    const struct golden_judge judge = golden_accept_judge(r->accept);
+    const struct golden_judge judge = {.context = r->accept, .source = source, .differs = differs};
     r->chain = record_chain_zero;
     interp->mode = MODE_REPLAY;
     interp->judge = r->accept ? &judge : NULL;

@@ -6,8 +6,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "base/file_draft.h"
-#include "base/process.h"
+#include "base/file.h"
+#include "verify/process.h"
 
 enum {
     SAID_MOST = 1 << 16, /* bytes that ssh-keygen prints */

@@ -11,7 +11,7 @@
  * bits of it, for which a signer with means could prepare two journals. The price is that a journal
  * which is continued needs another signature. Golden images are not signed: the journal names them,
  * and a replay proves them to the pixel, with their notes (command/golden_notes.h) and their PNGs
- * (golden_png.h).
+ * (evidence.h).
  *
  * A signature holds no time that anybody but the signer vouches for, so what is known of time is
  * what those know who verify. A key that ALLOWED has as valid-after or valid-before is judged as of

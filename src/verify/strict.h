@@ -21,6 +21,11 @@
 
 #include "journal/replay.h"
 
+/* Whether this is a run without a person: by the environment variable CI, set to anything but "",
+ * as by the services that carry out tests. Then verification is strict, and what is a person's
+ * decision is refused. */
+bool ci_is_set(void);
+
 struct strictness {
     const struct replay_report *report; /* of a replay that went well */
     uint64_t goldens;                   /* golden images compared */

@@ -9,9 +9,9 @@
 #ifndef VERIFY_VERIFY_H
 #define VERIFY_VERIFY_H
 
-#include "base/process.h"
 #include "command/script.h"
 #include "verify/lock_plan.h"
+#include "verify/process.h"
 
 struct verify_options {
     char *const *path; /* of the journals */

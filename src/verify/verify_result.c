@@ -80,20 +80,10 @@ static bool read_numbers(const char **at, const char *name, int64_t *number, siz
     return scan_text(at, "\n");
 }
 
-static bool read_part(const char **at, const char *end, struct buf *part)
-{
-    int64_t length;
-    if (!read_numbers(at, "part", &length, 1) || length > end - *at)
-        return false;
-    buf_add(part, *at, (size_t)length);
-    *at += length;
-    return !part->failed;
-}
-
 static bool read_all(struct verify_result *r, const char *at, const char *end)
 {
     struct buf *part;
-    int64_t number[9];
+    int64_t number[9], length;
     if (!read_numbers(&at, "result", number, 9) || number[0] > ERR_CANCELLED ||
         number[8] > EVIDENCE_MOST)
         return false;
@@ -103,9 +93,13 @@ static bool read_all(struct verify_result *r, const char *at, const char *end)
                                &r->pixels,   &r->took_ms,  &r->line};
     for (size_t i = 0; i < sizeof count / sizeof *count; i++)
         *count[i] = (uint64_t)number[i + 1];
-    for (size_t i = 0; (part = part_of(r, i)); i++)
-        if (!read_part(&at, end, part))
+    for (size_t i = 0; (part = part_of(r, i)); i++, at += length) {
+        if (!read_numbers(&at, "part", &length, 1) || length > end - at)
             return false;
+        buf_add(part, at, (size_t)length);
+        if (part->failed)
+            return false;
+    }
     return at == end;
 }
 

@@ -26,7 +26,7 @@ struct verify_result {
     struct buf why;     /* of a failure: one line, without line feed, safe to print */
     struct buf lines;   /* more about it: lines that begin with "# " */
     struct buf chain;   /* 32 digits: of the last record that was carried out; "" for none */
-    struct buf facts;   /* what a lock says of it (lock_facts.h), where that was asked for; or "" */
+    struct buf facts;   /* what a lock says of it (iftty_lock.h), where that was asked for; or "" */
     struct buf signer;  /* who signed it, where that was asked for, safe to print; or "" */
     struct buf orphans; /* golden images that it does not name: their files, each ended by NUL */
     struct buf slowest; /* of its records, where that was asked for: lines, as of timing_tell */

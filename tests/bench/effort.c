@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/folder.h"
+#include "base/file.h"
 #include "base/mem.h"
 #include "program/console.h"
 #include "tests/bench/effort_report.h"
@@ -199,7 +199,7 @@ enum err run_effort(const struct options *common, struct fault *fault)
         err = err ? err : told;
     }
     if (e->folder.length)
-        folder_discard(buf_text(&e->folder));
+        folder_remove(buf_text(&e->folder));
     interpreter_release(&e->interp);
     buf_release(&e->folder);
     buf_release(&e->report.missing);

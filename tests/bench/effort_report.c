@@ -3,7 +3,7 @@
 #include <stdio.h>
 
 #include "base/json.h"
-#include "program/bench.h"
+#include "program/times.h"
 #include "tests/bench/plot.h"
 
 enum { RUNS_MOST = 256 };

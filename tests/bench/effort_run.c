@@ -1,7 +1,7 @@
 #include "tests/bench/effort_run.h"
 
 #include "engine/overlap.h"
-#include "program/bench.h"
+#include "program/times.h"
 
 static unsigned dice_of(const struct effort_tool *tool)
 {

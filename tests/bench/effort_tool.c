@@ -11,7 +11,7 @@
 
 #include "base/mem.h"
 #include "engine/weight.h"
-#include "program/bench.h"
+#include "program/times.h"
 #include "session/finished.h"
 #include "session/session.h"
 #include "tests/bench/growcut.h"

@@ -11,7 +11,7 @@
 
 #include "base/clock.h"
 #include "base/mem.h"
-#include "program/bench.h"
+#include "program/times.h"
 
 enum {
     PACKET = 1400,

@@ -7,7 +7,7 @@
 #include "base/clock.h"
 #include "base/json.h"
 #include "base/mem.h"
-#include "program/bench.h"
+#include "program/times.h"
 #include "program/console.h"
 #include "render/border.h"
 #include "engine/forest.h"

@@ -8,9 +8,8 @@
 
 #include "base/clock.h"
 #include "base/file.h"
-#include "base/folder.h"
 #include "base/json.h"
-#include "program/bench.h"
+#include "program/times.h"
 #include "command/interpreter.h"
 #include "journal/journal.h"
 #include "journal/replay.h"
@@ -50,8 +49,8 @@ static enum err encode_many(struct buf *out, struct fault *fault)
                  i % 9);
         snprintf(words, sizeof words, "forest=%016llx labels=%016llx seeds=%u",
                  i * 0x9e3779b97f4a7c15ull, i * 0xc4ceb9fe1a85ec53ull, i);
-        err = record_encode(out, &chain, &chain, i ? "" : buf_text(&header), i + 1, "", command,
-                            words, fault);
+        const struct record record = {.number = i + 1, .command = command, .result = words};
+        err = record_encode(out, &chain, i ? "" : buf_text(&header), "", &record, fault);
     }
     buf_release(&header);
     return err;
@@ -221,7 +220,7 @@ static enum err time_recording(double *ms, const char *where, const struct buf *
         err = append_all(journal, bytes, fault);
     *ms = times_since(begin);
     journal_close(journal);
-    folder_discard(buf_text(&folder));
+    folder_remove(buf_text(&folder));
     buf_release(&folder);
     buf_release(&path);
     return err;

@@ -14,10 +14,9 @@
 #include <stdlib.h>
 
 #include "base/file.h"
-#include "base/folder.h"
 #include "base/json.h"
 #include "command/interpreter.h"
-#include "program/bench.h"
+#include "program/times.h"
 #include "tests/bench/far_end.h"
 
 enum { KEYS_MOST = 24, STARTS = 9, JOURNAL_MOST = 64 << 20 };
@@ -101,7 +100,7 @@ static enum err time_starts(struct figures *f, unsigned starts, struct fault *fa
         if (err)
             return err;
         err = time_start(f, buf_text(&folder), fault);
-        folder_discard(buf_text(&folder));
+        folder_remove(buf_text(&folder));
         buf_release(&folder);
     }
     return err;
@@ -214,7 +213,7 @@ static enum err time_keys(const char *journal, const struct graphics *graphics,
         err = press_all(e, keys, out, fault);
     far_end_free(e);
     if (folder.length)
-        folder_discard(buf_text(&folder));
+        folder_remove(buf_text(&folder));
     buf_release(&folder);
     buf_release(&path);
     return err;

@@ -6,10 +6,10 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "base/folder.h"
+#include "base/file.h"
 #include "base/json.h"
 #include "command/interpreter.h"
-#include "program/bench.h"
+#include "program/times.h"
 #include "session/session_inside.h"
 
 /* "@x,y,z" stands for a place in percent of the scene's sides, so that it lies in the same solid at

@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/folder.h"
+#include "base/file.h"
 #include "base/hash.h"
 #include "base/mem.h"
-#include "program/bench.h"
+#include "program/times.h"
 #include "program/console.h"
 #include "tests/bench/effort_robot.h"
 #include "tests/bench/effort_tool.h"
@@ -280,7 +280,7 @@ enum err run_mend(const struct options *options, struct fault *fault)
     if (!err)
         fputs(buf_text(&out), stdout);
     if (m.folder.length)
-        folder_discard(buf_text(&m.folder));
+        folder_remove(buf_text(&m.folder));
     reply_release(&m.reply);
     buf_release(&m.folder);
     buf_release(&m.line);

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/clock.h"
-#include "base/folder.h"
+#include "base/file.h"
 #include "base/hash.h"
 #include "program/console.h"
 #include "session/session_inside.h"
@@ -107,7 +107,7 @@ enum err run_noise(const struct options *options, struct fault *fault)
     if (!err)
         fputs(buf_text(&n.told), stdout);
     if (n.folder.length)
-        folder_discard(buf_text(&n.folder));
+        folder_remove(buf_text(&n.folder));
     reply_release(&n.reply);
     buf_release(&n.told);
     buf_release(&n.folder);

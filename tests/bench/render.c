@@ -10,10 +10,10 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "base/folder.h"
+#include "base/file.h"
 #include "base/json.h"
 #include "base/mem.h"
-#include "program/bench.h"
+#include "program/times.h"
 #include "program/console.h"
 #include "command/interpreter.h"
 #include "engine/label_stats.h"
@@ -485,7 +485,7 @@ enum err bench_vtk(const struct session *session, struct buf *lines, struct faul
                   : export_map(session, MAP_LABELS, &forest, buf_text(&labels), FILE_KEEP, fault);
         if (!err && !run_script(lines, buf_text(&script), buf_text(&labels)))
             buf_clear(lines);
-        folder_discard(buf_text(&folder));
+        folder_remove(buf_text(&folder));
     }
     buf_release(&script);
     buf_release(&folder);

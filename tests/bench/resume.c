@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/clock.h"
-#include "base/folder.h"
+#include "base/file.h"
 #include "command/interpreter.h"
 #include "session/session_inside.h"
 
@@ -100,7 +100,7 @@ enum err bench_resuming(struct bench_resume *figures, struct fault *fault)
         return err;
     buf_printf(&path, "%s/long.iftty", buf_text(&folder));
     err = path.failed ? fault_memory(fault, "a path") : time_all(buf_text(&path), figures, fault);
-    folder_discard(buf_text(&folder));
+    folder_remove(buf_text(&folder));
     buf_release(&folder);
     buf_release(&path);
     return err;

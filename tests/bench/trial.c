@@ -6,7 +6,7 @@
 
 #include "base/clock.h"
 #include "base/mem.h"
-#include "program/bench.h"
+#include "program/times.h"
 #include "render/projection.h"
 #include "tests/border_check.h"
 #include "session/session_inside.h"

@@ -9,8 +9,8 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "base/folder.h"
-#include "program/bench.h"
+#include "base/file.h"
+#include "program/times.h"
 
 /* The commands of a journal, and what comes after them. */
 static bool write_script(const char *path, const char *journal, const char *more)
@@ -70,7 +70,7 @@ enum err bench_turntable(struct bench_process *out, const char *commands, struct
             err = fault_set(fault, ERR_IO,
                             "the turntable of examples/brain.iftty cannot be made: expected iftty "
                             "and its image helper above this program; `make` builds them");
-        folder_discard(buf_text(&folder));
+        folder_remove(buf_text(&folder));
     }
     buf_release(&journal);
     buf_release(&program);

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "verify/lock.h"
+#include "verify/iftty_lock.h"
 
 static void check_names(const struct lock *lock)
 {

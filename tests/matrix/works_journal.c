@@ -8,7 +8,6 @@
 #include "base/file.h"
 #include "journal/golden.h"
 #include "journal/journal.h"
-#include "journal/log.h"
 #include "journal/replay.h"
 #include "tests/check.h"
 

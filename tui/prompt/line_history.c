@@ -5,7 +5,6 @@
 
 #include "base/file.h"
 #include "base/file_lines.h"
-#include "base/folder.h"
 #include "base/mem.h"
 
 enum { TRIM_AFTER = 1000 };

@@ -8,7 +8,6 @@
 #include <sys/wait.h>
 
 #include "base/file.h"
-#include "base/folder.h"
 #include "tui/term.h"
 
 enum { NOT_FOUND = 127, NOT_RUNNABLE = 126 }; /* the shell's exit status */
@@ -125,7 +124,7 @@ enum err edit_elsewhere(struct buf *text, struct fault *fault)
     buf_printf(&path, "%s/line", buf_text(&folder));
     err = path.failed ? fault_memory(fault, "a path")
                       : edit_file(text, editor, buf_text(&path), fault);
-    folder_discard(buf_text(&folder));
+    folder_remove(buf_text(&folder));
     buf_release(&path);
     buf_release(&folder);
     return err;

@@ -1,0 +1,551 @@
+/*
+ * `iftty bench`: the whole way on the scene ch2 of Debian's mricron-data, or on synth:geom where
+ * that is not there: run from scratch, single edits with their picture, full pictures, and memory.
+ *
+ * `iftty bench terminal`: what pictures cost on their way to a terminal, bytes and time. The
+ * pictures are those at the end of examples/brain.iftty (of geom.iftty where the scene ch2 is not
+ * here): its rendition of 512x512 pixels, a mosaic of 640x640, and patches of 40x40 that change in
+ * the rendition, as an edit changes them: into what is seen a few pixels beside. The painter sends
+ * them to a terminal with cells of 8x16 pixels, by every means that it knows.
+ *
+ * Medians; no time is compared with a limit. tests/bench/chafa.py has another program beside the
+ * second, `make bench-keys` the time from a key to the picture.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/json.h"
+#include "base/mem.h"
+#include "command/interpreter.h"
+#include "image/volume.h"
+#include "program/programs.h"
+#include "program/shown.h"
+#include "program/times.h"
+#include "show/slicing.h"
+#include "tui/picture/painter.h"
+
+/* ---- the whole way ---- */
+
+enum { SEEDS = 660, SCRATCH_RUNS = 5, EDITS = 60, FRAMES = 24, MOST_TIMES = 128 };
+
+struct times {
+    double ms[MOST_TIMES];
+    size_t count;
+};
+
+/* What is timed. The first three: the forest from nothing. */
+enum what { ALONE, TOGETHER, CORNERS, PLANT, ELIMINATE, BORDER, SCENE, TIMED };
+
+/* A row of the table, and what JSON calls it, which has every time once and in ms. */
+static const struct row {
+    enum what what;
+    const char *name, *text;
+    bool is_by_voxel; /* in ns */
+} table_rows[] = {
+    {ALONE, "scratch_ms", "forest from nothing, one thread", false},
+    {ALONE, NULL, "    a voxel", true},
+    {TOGETHER, "scratch_all_threads_ms", "    all threads, a voxel", true},
+    {CORNERS, "scratch_26_ms", "    one thread, 26 neighbours, a voxel", true},
+    {PLANT, "seed_ms", "a seed: update and incremental image", false},
+    {ELIMINATE, "eliminator_ms", "an eliminator: update and incremental image", false},
+    {BORDER, "border_projection_ms", "border projection, 512x512", false},
+    {SCENE, "scene_projection_ms", "scene projection, 512x512", false},
+};
+enum { ROWS = sizeof table_rows / sizeof table_rows[0] };
+
+struct way {
+    const char *scene;
+    struct times times[TIMED];
+    double bytes_per_voxel;
+    size_t voxels, border_voxels;
+    unsigned threads;
+};
+
+static void add_since(struct times *times, uint64_t begin)
+{
+    times->ms[times->count++] = times_since(begin);
+}
+
+/* A deterministic generator: the n-th number of a sequence. */
+static uint64_t draw(uint64_t *state)
+{
+    return hash_mix(++*state * UINT64_C(0x9e3779b97f4a7c15));
+}
+
+/* What a seed at this voxel would be labelled, or -1: by the atlas (1 brain, 2 cerebellum, which
+ * has its regions from 91 on), else by the intensity alone. */
+static int label_at(const struct session *session, const struct volume *atlas, size_t voxel,
+                    uint32_t cell)
+{
+    const uint16_t intensity = session_scene(session)->cell[cell].intensity;
+    const uint16_t region = atlas->intensity ? atlas->intensity[voxel] : 0;
+    if (region)
+        return region >= 91 ? 2 : 1;
+    if (!atlas->intensity && intensity > 60)
+        return 1 + (intensity > 150);
+    return intensity < 20 ? 0 : -1;
+}
+
+/* By the atlas where it is here and fits the scene. */
+static enum err plant_seeds(struct interpreter *interp, struct fault *fault)
+{
+    struct session *session = interp->session;
+    const struct grid *grid = &session_scene(session)->grid;
+    struct volume atlas = {0};
+    struct buf path = {0};
+    uint64_t state = 1;
+    enum err err = OK;
+    if (interpreter_find_scene(interp, "aal.nii.gz", false, &path, NULL) == OK &&
+        volume_read(&atlas, buf_text(&path), NULL, NULL, NULL) == OK &&
+        memcmp(atlas.size, grid->size, sizeof atlas.size) != 0)
+        volume_release(&atlas);
+    for (int planted = 0; !err && planted < SEEDS;) {
+        const size_t voxel = (size_t)(draw(&state) % grid->voxels), row = voxel / grid->size[0];
+        const uint32_t cell =
+            grid_cell(grid, (uint32_t)(voxel % grid->size[0]), (uint32_t)(row % grid->size[1]),
+                      (uint32_t)(row / grid->size[1]));
+        const int label = label_at(session, &atlas, voxel, cell);
+        if (label < 0)
+            continue;
+        err = session_plant(session, &cell, 1, (uint8_t)label, fault);
+        planted++;
+    }
+    volume_release(&atlas);
+    buf_release(&path);
+    return err ? err : session_run(session, fault);
+}
+
+/* Erases every seed and plants them all at once, which is timed: the forest from nothing. */
+static enum err time_growing(struct session *session, unsigned neighbours, struct team *team,
+                             struct times *times, struct fault *fault)
+{
+    const size_t seeds = forest_seeds(session_forest(session)), cells = session_scene(session)->grid.cells;
+    struct edit *seed = mem_array(seeds, sizeof *seed), *none = mem_array(seeds, sizeof *none);
+    enum err err = seed && none ? OK : fault_memory(fault, "a benchmark");
+    size_t count = 0;
+    for (size_t c = 0; !err && c < cells && count < seeds; c++)
+        if (session_scene(session)->cell[c].flags & CELL_SEED) {
+            none[count] = (struct edit){(uint32_t)c, EDIT_ERASE, 0};
+            seed[count++] = (struct edit){(uint32_t)c, session_scene(session)->cell[c].label, 0};
+        }
+    forest_set_adjacency(session_forest(session), neighbours);
+    if (!err)
+        err = forest_rebuild(session_forest(session), fault);
+    if (!err)
+        err = forest_set_team(session_forest(session), team, fault);
+    for (int i = 0; !err && i < SCRATCH_RUNS; i++) {
+        err = forest_edit(session_forest(session), none, seeds, fault);
+        const uint64_t begin = clock_ns();
+        err = err ? err : forest_edit(session_forest(session), seed, seeds, fault);
+        add_since(times, begin);
+    }
+    free(seed);
+    free(none);
+    return err;
+}
+
+/* Each edit as the user feels it: forest, border, digests, picture. Planted in the middle half of
+ * each axis, and taken away. */
+static enum err time_edits(struct session *session, struct times *times, struct fault *fault)
+{
+    const struct grid *grid = &session_scene(session)->grid;
+    uint64_t state = 1000;
+    enum err err = session_render(session, RENDER_BORDER, fault);
+    for (int i = 0; !err && i < EDITS; i++) {
+        uint32_t at[3];
+        for (int a = 0; a < 3; a++)
+            at[a] = grid->size[a] / 4 + (uint32_t)(draw(&state) % (grid->size[a] / 2 + 1));
+        const uint32_t cell = grid_cell(grid, at[0], at[1], at[2]);
+        uint64_t begin = clock_ns();
+        err = session_plant(session, &cell, 1, (uint8_t)(i % 3), fault);
+        err = err ? err : session_run(session, fault);
+        add_since(&times[PLANT], begin);
+        begin = clock_ns();
+        err = err ? err : session_erase_trees(session, &cell, 1, fault);
+        err = err ? err : session_run(session, fault);
+        add_since(&times[ELIMINATE], begin);
+    }
+    return err;
+}
+
+static enum err time_frames(struct session *session, struct times *times, struct fault *fault)
+{
+    struct view view = session_outlook(session)->view;
+    enum err err = OK;
+    for (int i = 0; !err && i < FRAMES; i++) {
+        view.angle[0] = i * 15000;
+        view.angle[1] = i * 7000;
+        err = session_set_view(session, &view, fault);
+        uint64_t begin = clock_ns();
+        err = err ? err : session_render(session, RENDER_BORDER, fault);
+        add_since(&times[BORDER], begin);
+        begin = clock_ns();
+        err = err ? err : session_render(session, RENDER_SCENE, fault);
+        add_since(&times[SCENE], begin);
+    }
+    return err;
+}
+
+static enum err time_session(struct session *session, struct way *way, struct fault *fault)
+{
+    struct times *times = way->times;
+    way->threads = team_size(session_team(session));
+    enum err err = time_growing(session, 26, NULL, &times[CORNERS], fault);
+    if (!err)
+        err = time_growing(session, 6, NULL, &times[ALONE], fault);
+    if (!err && way->threads > 1)
+        err = time_growing(session, 6, session_team(session), &times[TOGETHER], fault);
+    if (!err)
+        err = forest_set_team(session_forest(session), session_team(session), fault);
+    if (err)
+        return err;
+    border_recount(session_border(session));
+    err = time_edits(session, times, fault);
+    if (!err)
+        err = time_frames(session, times, fault);
+    way->voxels = session_scene(session)->grid.voxels;
+    way->border_voxels = border_count(session_border(session));
+    way->bytes_per_voxel = (double)session_memory_parts(session).scene / (double)way->voxels;
+    return err;
+}
+
+static void print_way(struct way *way)
+{
+    printf("%s: %zu voxels, %d seeds, %zu border voxels; %u threads\n\n", way->scene, way->voxels,
+           SEEDS, way->border_voxels, way->threads);
+    printf("%-44s %9s %9s %9s\n", "", "median", "9 of 10", "most");
+    for (int i = 0; i < ROWS; i++) {
+        struct times *t = &way->times[table_rows[i].what];
+        const double scale = table_rows[i].is_by_voxel ? 1e6 / (double)way->voxels : 1;
+        if (t->count > 0)
+            printf("%-44s %9.2f %9.2f %9.2f  %s\n", table_rows[i].text,
+                   times_median(t->ms, t->count) * scale,
+                   times_quantile(t->ms, t->count, 0.9) * scale,
+                   times_quantile(t->ms, t->count, 1) * scale,
+                   table_rows[i].is_by_voxel ? "ns" : "ms");
+    }
+    printf("%-44s %9.2f %9s %9s  bytes a voxel\n", "memory of the scene", way->bytes_per_voxel, "",
+           "");
+}
+
+static void write_way_json(struct json *json, struct way *way)
+{
+    json_text(json, "scene", way->scene);
+    json_count(json, "voxels", way->voxels);
+    json_count(json, "seeds", SEEDS);
+    for (int i = 0; i < ROWS; i++) {
+        struct times *t = &way->times[table_rows[i].what];
+        if (!table_rows[i].name)
+            continue;
+        json_object(json, table_rows[i].name);
+        json_fixed(json, "median", times_median(t->ms, t->count), 3);
+        json_fixed(json, "most", times_quantile(t->ms, t->count, 1), 3);
+        json_end(json);
+    }
+    json_fixed(json, "bytes_per_voxel", way->bytes_per_voxel, 2);
+}
+
+/* Opens that scene, or if `wish` is NULL, the usual one; `name` is what the figures call it. */
+static enum err open_scene(struct interpreter *interp, const char *wish, const char **name,
+                           struct fault *fault)
+{
+    struct buf path = {0};
+    *name = wish ? wish : "ch2.nii.gz";
+    enum err err = interpreter_find_scene(interp, *name, false, &path, fault);
+    if (err && !wish) {
+        *name = "synth:geom";
+        err = interpreter_find_scene(interp, *name, false, &path, fault);
+    }
+    if (!err)
+        err = session_open(interp->session, buf_text(&path), NULL, fault);
+    buf_release(&path);
+    return err;
+}
+
+/* ---- pictures on their way to a terminal ---- */
+
+enum {
+    RENDITION_SIDE = 512,
+    MOSAIC_SIDE = 640,
+    PATCH_SIDE = 40,
+    CELL_WIDTH = 8,
+    CELL_HEIGHT = 16,
+    ROUNDS = 21,
+    FRAMES_MOST = 24
+};
+
+enum { RENDITION, MOSAIC, PATCH, PICTURES };
+static const struct words {
+    const char *name, *text; /* in JSON and in the table */
+} picture_words[PICTURES] = {{"rendition", "rendition, 512x512"},
+                             {"mosaic", "mosaic, 640x640"},
+                             {"patch", "40x40 pixels of the rendition change"}};
+
+/* All protocols but the last, which shows nothing. Blocks are half a cell, in 24-bit colours. */
+enum { MEANS_MOST = 8 };
+#define MEANS ((int)graphics_auto.count - 1)
+
+/* Medians; no bytes where nothing was measured. */
+struct cost {
+    double bytes, ms;
+};
+
+struct costs {
+    const char *journal;
+    struct cost of[PICTURES][MEANS_MOST];
+};
+
+struct frames {
+    struct painter painter;
+    struct buf out;
+    double ms[FRAMES_MOST], bytes[FRAMES_MOST];
+    size_t count;
+};
+
+static void begin_frames(struct frames *f, const struct graphics *by, uint32_t side)
+{
+    const struct terminal_facts facts = {.graphics = by,
+                                         .colours = COLOURS_24BIT,
+                                         .cell_width = CELL_WIDTH,
+                                         .cell_height = CELL_HEIGHT,
+                                         .image_side_most = 10000,
+                                         .shape = BLOCK_HALF,
+                                         .answers = true};
+    *f = (struct frames){.count = 0};
+    painter_place(&f->painter, &facts, 0, 0, side / CELL_WIDTH, side / CELL_HEIGHT);
+}
+
+static bool time_frame(struct frames *f, const struct image_view *view)
+{
+    buf_clear(&f->out);
+    const uint64_t begin = clock_ns();
+    painter_show(&f->painter, view, &f->out);
+    f->ms[f->count] = times_since(begin);
+    f->bytes[f->count++] = (double)f->out.length;
+    return !f->out.failed;
+}
+
+static void end_frames(struct frames *f, bool good, struct cost *cost)
+{
+    if (good)
+        *cost = (struct cost){times_median(f->bytes, f->count), times_median(f->ms, f->count)};
+    painter_release(&f->painter);
+    buf_release(&f->out);
+}
+
+/* A whole picture, square; in blocks as large as the cells allow. False without memory. */
+static bool time_whole(struct cost *cost, const struct graphics *by, const struct image_view *view)
+{
+    struct frames f;
+    struct image_view fitting = *view;
+    uint8_t *small = NULL;
+    begin_frames(&f, by, view->width);
+    painter_size(&f.painter, &fitting.width, &fitting.height);
+    if (fitting.width < view->width)
+        fitting.rgba = small = image_view_shrink(view, fitting.width, fitting.height);
+    bool good = fitting.rgba != NULL;
+    for (int i = 0; good && i < ROUNDS; i++) {
+        painter_forget(&f.painter);
+        good = time_frame(&f, &fitting);
+    }
+    end_frames(&f, good, cost);
+    free(small);
+    return good;
+}
+
+/* Nine tenths of the patch show an object, before and after. */
+static bool is_full(const struct image_view *view, uint32_t left, uint32_t top)
+{
+    unsigned shown = 0;
+    for (uint32_t y = 0; y < PATCH_SIDE; y++)
+        for (uint32_t x = 0; x < PATCH_SIDE; x++)
+            shown += image_view_colour(view, (size_t)(top + y) * view->width + left + x) != 0;
+    return shown >= PATCH_SIDE * PATCH_SIDE * 9 / 10;
+}
+
+/* Patches all over the object; each is changed, to what is seen 5 pixels to the right of it and 3
+ * below, and comes back. */
+static bool time_patches(struct cost *cost, const struct graphics *by,
+                         const struct image_view *view)
+{
+    const size_t all = 4 * (size_t)view->width * view->height;
+    uint8_t *rgba = malloc(all);
+    struct image_view changed = *view;
+    struct frames f;
+    changed.rgba = rgba;
+    begin_frames(&f, by, view->width);
+    bool good = rgba && painter_show(&f.painter, view, &f.out);
+    for (uint32_t top = 11; good && top + PATCH_SIDE + 3 < view->height; top += 53)
+        for (uint32_t left = 17; good && left + PATCH_SIDE + 5 < view->width; left += 67) {
+            if (f.count + 2 > FRAMES_MOST || !is_full(view, left, top))
+                continue;
+            memcpy(rgba, view->rgba, all);
+            for (size_t y = top; y < top + PATCH_SIDE; y++)
+                memcpy(rgba + 4 * (y * view->width + left),
+                       view->rgba + 4 * ((y + 3) * view->width + left + 5), 4 * PATCH_SIDE);
+            good = time_frame(&f, &changed) && time_frame(&f, view);
+        }
+    end_frames(&f, good, cost);
+    free(rgba);
+    return good;
+}
+
+/* By all means; and patches of it where `patch` is given. */
+static bool time_picture(const struct image_view *view, struct cost *whole, struct cost *patch)
+{
+    bool good = true;
+    for (int m = 0; good && m < MEANS; m++) {
+        const struct graphics *by = graphics_auto.of[m];
+        good = time_whole(&whole[m], by, view);
+        /* an edit in blocks is a few cells: as coarse as that, there is no patch of 40x40 */
+        if (good && patch && by->kind == GRAPHICS_PIXELS)
+            good = time_patches(&patch[m], by, view);
+    }
+    return good;
+}
+
+/* At the end of the journal, which stays as it is. */
+static enum err resume(struct interpreter *interp, const char *journal, struct fault *fault)
+{
+    struct buf lines_of_it = {0};
+    struct session *session = interp->session;
+    interp->is_read_only = true;
+    enum err err = interpreter_resume_journal(interp, journal, &lines_of_it, fault);
+    buf_release(&lines_of_it);
+    if (err)
+        return err;
+    struct view view = session_outlook(session)->view;
+    view.width = view.height = RENDITION_SIDE;
+    err = session_set_view(session, &view, fault);
+    if (!err)
+        err = session_render(session, RENDER_BORDER, fault);
+    return err ? err : session_count_labels(session, fault);
+}
+
+static enum err time_painter(struct session *session, struct costs *costs, struct fault *fault)
+{
+    uint32_t hue[256];
+    struct canvas canvas = {0};
+    const struct rendition *r = session_frame(session);
+    struct image_view view = {.width = r->width,
+                              .height = r->height,
+                              .rgba = r->rgba,
+                              .hue = hue,
+                              .hues = shown_hues(hue, session)};
+    bool good = time_picture(&view, costs->of[RENDITION], costs->of[PATCH]);
+    struct slicing_panel panel = {.screen = {MOSAIC_SIDE, MOSAIC_SIDE, 8, 16, true, MOSAIC_AXIAL},
+                                  .words = true};
+    enum err err = slicing_draw_panel(&canvas, session, &panel, fault);
+    view.width = view.height = MOSAIC_SIDE;
+    view.rgba = canvas.rgba;
+    good = good && !err && time_picture(&view, costs->of[MOSAIC], NULL);
+    canvas_release(&canvas);
+    return err || good ? err : fault_memory(fault, "a picture for the terminal");
+}
+
+static void print_costs(const struct costs *costs)
+{
+    printf("%s, what goes to the terminal\n    %-36s", costs->journal, "");
+    for (int m = 0; m < MEANS; m++)
+        printf(" %13s", graphics_auto.of[m]->title);
+    printf("\n    %-36s", "");
+    for (int m = 0; m < MEANS; m++)
+        printf(" %7s %5s", "kB", "ms");
+    putchar('\n');
+    for (int i = 0; i < PICTURES; i++) {
+        printf("    %-36s", picture_words[i].text);
+        for (int m = 0; m < MEANS; m++) {
+            const struct cost *cost = &costs->of[i][m];
+            if (cost->bytes > 0)
+                printf(" %7.2f %5.2f", cost->bytes / 1000, cost->ms);
+            else
+                printf(" %7s %5s", "", "");
+        }
+        putchar('\n');
+    }
+}
+
+static void write_costs_json(struct json *json, const struct costs *costs)
+{
+    json_text(json, "journal", costs->journal);
+    for (int i = 0; i < PICTURES; i++) {
+        json_object(json, picture_words[i].name);
+        for (int m = 0; m < MEANS; m++) {
+            const struct cost *cost = &costs->of[i][m];
+            if (cost->bytes <= 0)
+                continue;
+            json_object(json, graphics_auto.of[m]->name);
+            json_fixed(json, "bytes", cost->bytes, 0);
+            json_fixed(json, "ms", cost->ms, 3);
+            json_end(json);
+        }
+        json_end(json);
+    }
+}
+
+/* ---- the programs ---- */
+
+/* One of the two, as an object. */
+static void print_json(struct way *way, const struct costs *costs)
+{
+    struct buf text = {0};
+    struct json json = {.out = &text};
+    json_object(&json, NULL);
+    if (way)
+        write_way_json(&json, way);
+    else
+        write_costs_json(&json, costs);
+    json_end(&json);
+    fputs(buf_text(&text), stdout);
+    buf_release(&text);
+}
+
+enum err run_bench_brain(const struct options *o, struct fault *fault)
+{
+    struct interpreter interp;
+    if (o->words && strcmp(o->word[0], "brain") != 0)
+        return fault_set(fault, ERR_USAGE, "bench: expected brain or terminal, not %s", o->word[0]);
+    struct way *way = mem_new(sizeof *way);
+    enum err err = interpreter_init(&interp, fault);
+    if (!err && !way)
+        err = fault_memory(fault, "a benchmark");
+    if (!err)
+        err = open_scene(&interp, o->scene, &way->scene, fault);
+    if (!err)
+        err = plant_seeds(&interp, fault);
+    if (!err)
+        err = time_session(interp.session, way, fault);
+    if (!err && o->json)
+        print_json(way, NULL);
+    else if (!err)
+        print_way(way);
+    free(way);
+    interpreter_release(&interp);
+    return err;
+}
+
+enum err run_bench_terminal(const struct options *o, struct fault *fault)
+{
+    struct interpreter interp;
+    struct buf journal = {0};
+    struct costs costs = {.journal = NULL};
+    enum err err = interpreter_init(&interp, fault);
+    if (!err)
+        err = bench_find_example(&journal, &interp, fault);
+    if (!err)
+        err = resume(&interp, buf_text(&journal), fault);
+    if (!err)
+        err = time_painter(interp.session, &costs, fault);
+    costs.journal = file_name(buf_text(&journal));
+    if (!err && o->json)
+        print_json(NULL, &costs);
+    else if (!err)
+        print_costs(&costs);
+    interpreter_release(&interp);
+    buf_release(&journal);
+    return err;
+}

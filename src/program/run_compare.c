@@ -1,0 +1,180 @@
+/*
+ * `iftty compare`: two label maps beside one another, without a session.
+ *
+ * Both lie on one grid, that of A. Only for a picture is a scene opened, from which the slices
+ * come: the one that is named, or A itself.
+ */
+#include <stdlib.h>
+
+#include "base/mem.h"
+#include "image/helper.h"
+#include "program/console.h"
+#include "program/programs.h"
+#include "report/comparison_picture.h"
+#include "session/map.h"
+#include "session/session.h"
+#include "session/session_inside.h"
+
+enum { PICTURE_SIDE = 1024 };
+
+/* Both maps, and what is known of their grid. */
+struct pair {
+    const struct options *options;
+    uint16_t *as;            /* the labels that the values of both become (session/regions.h) */
+    struct session *session; /* for a picture */
+    struct grid grid;
+    struct geometry geometry;
+    struct compared compared;
+    struct comparison comparison;
+};
+
+static enum err check_options(const struct options *o, struct fault *fault)
+{
+    if (o->scene && !o->picture)
+        return fault_set(fault, ERR_USAGE,
+                         "--scene: the slices of a picture come from it; expected --picture too");
+    if (o->as && o->binary)
+        return fault_set(fault, ERR_USAGE,
+                         "--as and --binary are two answers to one question; expected one of them");
+    const enum err err = image_check_png(o->picture, fault);
+    return err ? fault_prefix(fault, err, "--picture") : OK;
+}
+
+/* ---- maps ---- */
+
+static enum err take_labels(struct pair *pair, int side, struct volume *map, struct fault *fault)
+{
+    const struct options *o = pair->options;
+    const struct map_labels choice = {pair->as, o->binary ? 1 : LABEL_OWN};
+    const enum err err =
+        map_to_labels(&pair->compared.label[side], map, &choice, console_watch(), fault);
+    return err ? fault_prefix(fault, err, "%s", o->word[side]) : OK;
+}
+
+static enum err read_map(struct pair *pair, int side, struct fault *fault)
+{
+    const struct map_place place = {.grid = &pair->grid,
+                                    .geometry = &pair->geometry,
+                                    .resample = side > 0 && pair->options->resample};
+    struct volume map = {0};
+    enum err err = map_read(&map, pair->options->word[side], &place, console_watch(), fault);
+    if (!err && *map.notes)
+        console_warn(NULL, map.notes);
+    if (!err)
+        err = take_labels(pair, side, &map, fault);
+    volume_release(&map);
+    return err;
+}
+
+/* A, which says what the grid is. */
+static enum err read_first(struct pair *pair, struct fault *fault)
+{
+    struct volume map = {0};
+    enum err err = volume_read(&map, pair->options->word[0], NULL, console_watch(), fault);
+    if (!err)
+        err = grid_init(&pair->grid, map.size, fault);
+    pair->geometry = map.geometry;
+    if (!err)
+        err = take_labels(pair, 0, &map, fault);
+    volume_release(&map);
+    return err;
+}
+
+/* The scene of the picture, which says what the grid is. */
+static enum err open_scene(struct pair *pair, struct fault *fault)
+{
+    const struct options *o = pair->options;
+    enum err err = session_new(&pair->session, fault);
+    if (err)
+        return err;
+    session_set_watch(pair->session, console_watch());
+    err = session_open(pair->session, o->scene ? o->scene : o->word[0], NULL, fault);
+    if (err)
+        return err;
+    struct state next = *session_state(pair->session);
+    next.outlook.view.width = next.outlook.view.height = PICTURE_SIDE;
+    err = session_go(pair->session, &next, NULL, 0, fault);
+    if (err)
+        return err;
+    pair->grid = session_scene(pair->session)->grid;
+    pair->geometry = *session_geometry(pair->session);
+    return read_map(pair, 0, fault);
+}
+
+static enum err read_maps(struct pair *pair, struct fault *fault)
+{
+    enum err err = pair->options->picture ? open_scene(pair, fault) : read_first(pair, fault);
+    if (!err)
+        err = read_map(pair, 1, fault);
+    for (int a = 0; a < 3 && !err; a++) {
+        pair->compared.size[a] = pair->grid.size[a];
+        pair->compared.spacing_nm[a] = pair->geometry.spacing_nm[a];
+    }
+    return err;
+}
+
+/* ---- answers ---- */
+
+static enum err write_picture(struct pair *pair, const struct comparison_report *report,
+                              struct fault *fault)
+{
+    const uint32_t *place =
+        comparison_farthest(&pair->comparison, session_outlook(pair->session)->slices.cross);
+    struct picture picture = {0};
+    if (!pair->options->picture)
+        return OK;
+    enum err err =
+        comparison_picture_draw(&picture, pair->session, &pair->compared, report, place, fault);
+    if (!err)
+        err = image_write_png(pair->options->picture, &picture, fault);
+    picture_release(&picture);
+    return err;
+}
+
+static enum err compare(struct pair *pair, struct team *team, struct fault *fault)
+{
+    static const char no_name[256][LABEL_NAME_BYTES];
+    const struct options *o = pair->options;
+    struct buf text = {0};
+    const struct comparison_report report = {
+        &pair->comparison, {o->word[0], o->word[1]}, no_name, &pair->geometry};
+    enum err err = read_maps(pair, fault);
+    if (!err)
+        err = comparison_make(&pair->comparison, &pair->compared, team, console_watch(), fault);
+    if (!err)
+        err = write_picture(pair, &report, fault);
+    if (!err) {
+        (o->json  ? comparison_write_json
+         : o->csv ? comparison_write_csv
+                  : comparison_write_text)(&text, &report);
+        err = text.failed ? fault_memory(fault, "a report") : OK;
+    }
+    if (!err)
+        console_print(NULL, buf_text(&text));
+    buf_release(&text);
+    return err;
+}
+
+enum err run_compare(const struct options *o, struct fault *fault)
+{
+    struct pair *pair = mem_new(sizeof *pair);
+    struct team *team = NULL;
+    if (!pair)
+        return fault_memory(fault, "a comparison");
+    pair->options = o;
+    console_handle_interrupts();
+    enum err err = check_options(o, fault);
+    if (!err)
+        err = regions_new(&pair->as, o->regions, o->as, fault);
+    if (!err)
+        err = team_new(&team, team_size_wanted(), fault);
+    if (!err)
+        err = compare(pair, team, fault);
+    session_free(pair->session);
+    free(pair->compared.label[0]);
+    free(pair->compared.label[1]);
+    free(pair->as);
+    team_free(team);
+    free(pair);
+    return err;
+}

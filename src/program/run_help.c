@@ -1,0 +1,40 @@
+/* `iftty help` and `iftty --version`: what commands and programs say of themselves. */
+#include <stdio.h>
+#include <string.h>
+
+#include "command/command.h"
+#include "program/programs.h"
+#include "report/export.h"
+#include "tui/prompt/line_keys.h"
+
+enum err run_help(const struct options *o, struct fault *fault)
+{
+    const char *name = o->words ? o->word[0] : NULL;
+    const struct command *command = name ? command_find(name) : NULL;
+    struct buf of_command = {0}, of_program = {0};
+    if (!name || command)
+        command_help(&of_command, command);
+    else if (strcmp(name, "keys") == 0)
+        line_keys_page(&of_command);
+    if (name && !program_add_help(&of_program, &program_table, name) && !of_command.length) {
+        struct near near = near_to(name);
+        command_try_names(&near);
+        program_try_names(&program_table, &near);
+        fault_set(fault, ERR_USAGE, "there is no command or program %s%s", name,
+                  near.count ? "" : "; see `iftty help` and `iftty --help`");
+        return near_append(&near, "", fault);
+    }
+    printf("%s%s%s", buf_text(&of_command), of_command.length && of_program.length ? "\n" : "",
+           buf_text(&of_program));
+    buf_release(&of_command);
+    buf_release(&of_program);
+    return OK;
+}
+
+enum err run_version(const struct options *o, struct fault *fault)
+{
+    (void)o;
+    (void)fault;
+    puts("iftty " PROGRAM_VERSION);
+    return OK;
+}

@@ -1,0 +1,416 @@
+/*
+ * `iftty info`: what a picture, a scene, a journal or this program is.
+ *
+ * OpenEXR is read by our own reader, and by the image helper where another program wrote what ours
+ * does not take; all other pictures by the helper. Pictures are decoded: one that is damaged or cut
+ * short is an error. Of a scene the header alone is read, unless its histogram is wanted. A journal
+ * that is torn, edited or damaged is described like any, and ERR_CHECK. Nothing a file says reaches
+ * the terminal as it is.
+ */
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/json.h"
+#include "command/interpreter.h"
+#include "confine/confine.h"
+#include "image/exr.h"
+#include "image/volume.h"
+#include "journal/journal.h"
+#include "program/console.h"
+#include "program/programs.h"
+#include "report/export.h"
+#include "report/histogram.h"
+#include "session/semantics.h"
+#include "tui/cells.h"
+
+/* ---- facts ---- */
+
+/* "name      value" lines, or the members of a JSON object. */
+struct facts {
+    struct buf *out; /* for lines; JSON goes through json.out, the same */
+    struct json json;
+    bool is_json;
+    unsigned lines;
+    bool wants_histogram, has_histogram;
+    struct histogram histogram; /* for lines; it comes after them */
+};
+
+static void begin_line(struct facts *f, const char *name)
+{
+    buf_printf(f->out, "%s%-9s ", f->lines++ ? "\n" : "", name);
+}
+
+static void add_text(struct facts *f, const char *name, const char *value)
+{
+    if (f->is_json) {
+        json_text(&f->json, name, value);
+        return;
+    }
+    begin_line(f, name);
+    buf_add_safe_text(f->out, value);
+}
+
+static void add_count(struct facts *f, const char *name, uint64_t value)
+{
+    if (f->is_json) {
+        json_count(&f->json, name, value);
+        return;
+    }
+    begin_line(f, name);
+    buf_printf(f->out, "%llu", (unsigned long long)value);
+}
+
+/* "pixels" or "voxels", along each axis. */
+static void add_sides(struct facts *f, const char *name, const uint32_t *side, unsigned axes)
+{
+    if (f->is_json)
+        json_array(&f->json, name);
+    else
+        begin_line(f, name);
+    for (unsigned a = 0; a < axes; a++)
+        if (f->is_json)
+            json_count(&f->json, NULL, side[a]);
+        else
+            buf_printf(f->out, "%s%u", a ? "x" : "", side[a]);
+    if (f->is_json)
+        json_end(&f->json);
+}
+
+static void add_spacing(struct facts *f, const struct geometry *g)
+{
+    if (g->spacing_unknown) {
+        add_text(f, "spacing", "unknown");
+        return;
+    }
+    if (!f->is_json) {
+        begin_line(f, "spacing");
+        buf_printf(f->out, "%.6gx%.6gx%.6g mm", g->spacing_nm[0] / 1e6, g->spacing_nm[1] / 1e6,
+                   g->spacing_nm[2] / 1e6);
+        return;
+    }
+    json_array(&f->json, "spacing");
+    for (unsigned a = 0; a < 3; a++)
+        json_real(&f->json, NULL, g->spacing_nm[a] / 1e6, 6);
+    json_end(&f->json);
+}
+
+/* ---- pictures ---- */
+
+/* Formats with one text for everything have the notes as its lines "name: value": those lines are
+ * the notes they were. */
+static enum err take_lines(struct picture *notes, const char *text)
+{
+    struct buf line = {0};
+    enum err err = OK;
+    for (; *text && !err; text += strcspn(text, "\n"), text += *text == '\n') {
+        buf_clear(&line);
+        buf_add(&line, text, strcspn(text, "\n"));
+        char *colon = line.length ? strstr(line.data, ": ") : NULL;
+        if (colon)
+            *colon = '\0';
+        if (colon)
+            err = picture_note(notes, line.data, colon + 2, NULL);
+    }
+    err = line.failed ? ERR_MEMORY : err;
+    buf_release(&line);
+    return err;
+}
+
+/* The notes of a picture, ours before those that its format adds, each name once. */
+static enum err collect(struct picture *notes, const struct picture *p)
+{
+    enum err err = OK;
+    *notes = (struct picture){0};
+    for (int ours = 1; ours >= 0; ours--)
+        for (size_t i = 0; i < p->attributes && !err; i++) {
+            const struct attribute *note = &p->attribute[i];
+            const bool is_text = strncmp(note->value, "Software: iftty", 15) == 0;
+            if (is_text && ours)
+                err = take_lines(notes, note->value);
+            else if (!is_text && !ours && !picture_find(notes, note->name))
+                err = picture_note(notes, note->name, note->value, NULL);
+        }
+    return err;
+}
+
+static void add_notes(struct facts *f, const struct picture *p)
+{
+    struct picture notes;
+    if (!p->attributes && !f->is_json)
+        return;
+    if (f->is_json)
+        json_object(&f->json, "notes");
+    else
+        begin_line(f, "notes");
+    if (collect(&notes, p))
+        f->out->failed = true;
+    for (size_t i = 0; i < notes.attributes; i++) {
+        const struct attribute *note = &notes.attribute[i];
+        if (f->is_json) {
+            json_text(&f->json, note->name, note->value);
+            continue;
+        }
+        buf_add_text(f->out, i == 0 ? "" : "\n          ");
+        buf_add_safe_text(f->out, note->name);
+        buf_add_text(f->out, ": ");
+        buf_add_safe_text(f->out, note->value);
+    }
+    if (f->is_json)
+        json_end(&f->json);
+    picture_release(&notes);
+}
+
+static void add_picture(struct facts *f, const char *format, const char *channels, unsigned frames,
+                        const struct picture *p)
+{
+    const uint32_t side[2] = {p->width, p->height};
+    add_text(f, "format", format);
+    add_sides(f, "pixels", side, 2);
+    add_text(f, "channels", channels);
+    if (frames > 1 || f->is_json)
+        add_count(f, "frames", frames);
+    add_notes(f, p);
+}
+
+/* As our own reader has it, which knows every channel. */
+static enum err add_own_exr(struct facts *f, const char *path, struct fault *fault)
+{
+    struct picture p;
+    struct buf channels = {0};
+    enum err err = exr_read(&p, path, fault);
+    if (err)
+        return err;
+    buf_add_text(&channels, p.is_associated ? "R G B A half, associated alpha" : "R G B A half");
+    buf_add_text(&channels, !p.depth_mm ? "" : p.is_associated ? ", Z depth float" : ", Z float");
+    buf_add_text(&channels, p.label ? ", label uint" : "");
+    buf_add_text(&channels, p.voxel ? ", voxel uint" : "");
+    buf_add_text(&channels, p.normal ? ", N.X N.Y N.Z float" : "");
+    add_picture(f, p.tiled ? "openexr, tiled" : "openexr, lines", buf_text(&channels), 1, &p);
+    f->out->failed |= channels.failed;
+    buf_release(&channels);
+    picture_release(&p);
+    return OK;
+}
+
+static enum err add_image(struct facts *f, const char *path, struct fault *fault)
+{
+    struct image_helper *helper;
+    struct image_facts facts;
+    struct buf channels = {0};
+    enum err err = image_helper_new(&helper, NULL, fault);
+    if (!err)
+        err = image_helper_about(helper, path, &facts, fault);
+    image_helper_free(helper);
+    if (err)
+        return err;
+    for (const char *at = facts.channels; *at; at++)
+        buf_add_char(&channels, *at == ',' ? ' ' : *at);
+    buf_printf(&channels, " %s", facts.type);
+    add_picture(f, facts.format, buf_text(&channels), facts.frames, &facts.picture);
+    f->out->failed |= channels.failed;
+    buf_release(&channels);
+    image_facts_release(&facts);
+    return OK;
+}
+
+/* What another program wrote may be beyond our reader and not the helper's; if it is beyond both,
+ * ours says why. */
+static enum err add_exr(struct facts *f, const char *path, struct fault *fault)
+{
+    enum err err = add_own_exr(f, path, fault);
+    return err && add_image(f, path, NULL) == OK ? OK : err;
+}
+
+/* ---- scenes and journals ---- */
+
+/* Of all voxels, between the values that would be black and white; and their scale, where
+ * intensities are not exact. */
+static void add_histogram(struct facts *f, const struct volume *volume)
+{
+    static uint32_t count[UINT16_MAX + 1];
+    const struct levels *levels = volume->levels;
+    const struct histogram *h = &f->histogram;
+    struct buf scale = {0};
+    const size_t voxels = (size_t)volume->size[0] * volume->size[1] * volume->size[2];
+    for (size_t i = 0; i < voxels; i++)
+        count[volume->intensity[i]]++;
+    histogram_of_counts(&f->histogram, count, &volume->geometry);
+    f->has_histogram = true;
+    if (levels)
+        buf_printf(&scale, "%.6g..%.6g, a level is %.3g; %zu voxel%s below, %zu above",
+                   levels->ends[0], levels->ends[1], levels->step, levels->beyond[0],
+                   plural(levels->beyond[0]), levels->beyond[1]);
+    if (levels)
+        add_text(f, "scale", buf_text(&scale));
+    f->out->failed |= scale.failed;
+    buf_release(&scale);
+    if (!f->is_json)
+        return;
+    json_object(&f->json, "histogram");
+    json_real(&f->json, "least", h->least, 9);
+    json_real(&f->json, "most", h->most, 9);
+    json_count(&f->json, "below", h->below);
+    json_count(&f->json, "above", h->above);
+    json_array(&f->json, "bins");
+    for (unsigned i = 0; i < h->bins; i++)
+        json_count(&f->json, NULL, h->bin[i]);
+    json_end(&f->json);
+    json_end(&f->json);
+}
+
+/* What `open` says of the file, a line each. */
+static void add_open_notes(struct facts *f, const char *notes)
+{
+    struct buf line = {0};
+    if (f->is_json)
+        json_array(&f->json, "open_notes");
+    for (size_t n; *notes; notes += n + 1) {
+        n = strcspn(notes, "\n");
+        buf_clear(&line);
+        buf_add(&line, notes, n);
+        if (f->is_json)
+            json_text(&f->json, NULL, buf_text(&line));
+        else
+            add_text(f, "note", buf_text(&line));
+    }
+    if (f->is_json)
+        json_end(&f->json);
+    f->out->failed |= line.failed;
+    buf_release(&line);
+}
+
+/* What the header says; of a folder with several series, which there are. */
+static enum err read_header(struct volume_header *facts, const struct facts *f, const char *path,
+                            struct fault *fault)
+{
+    struct volume_reader reader;
+    struct buf list = {0};
+    const struct volume_choice choice = {.list = f->is_json ? NULL : &list};
+    const enum err err = volume_begin(&reader, path, &choice, NULL, fault);
+    *facts = reader.header;
+    volume_close(&reader);
+    fputs(buf_text(&list), stdout);
+    buf_release(&list);
+    return err;
+}
+
+static enum err add_scene(struct facts *f, const char *path, struct fault *fault)
+{
+    struct volume_header facts;
+    struct volume volume = {0};
+    char towards[4];
+    enum err err = read_header(&facts, f, path, fault);
+    if (!err && f->wants_histogram) {
+        err = volume_read(&volume, path, NULL, console_watch(), fault);
+        console_erase_progress();
+    }
+    if (err)
+        return err;
+    const bool oriented = facts.geometry.orientation != ORIENTATION_UNKNOWN;
+    geometry_axes(towards, &facts.geometry);
+    add_text(f, "format", facts.format);
+    add_sides(f, "voxels", facts.size, 3);
+    add_text(f, "type", facts.type_name);
+    if (facts.volumes > 1 || f->is_json)
+        add_count(f, "volumes", facts.volumes);
+    add_spacing(f, &facts.geometry);
+    add_text(f, "axes", oriented ? towards : "unknown");
+    add_text(f, "order", facts.big_endian ? "big-endian" : "little-endian");
+    add_open_notes(f, f->wants_histogram ? volume.notes : facts.notes);
+    if (*facts.refusal)
+        add_text(f, "refused", facts.refusal);
+    if (f->wants_histogram)
+        add_histogram(f, &volume);
+    volume_release(&volume);
+    return OK;
+}
+
+static enum err add_journal(struct facts *f, const char *path, struct fault *fault)
+{
+    struct journal_condition condition = {0};
+    struct buf bytes = {0};
+    enum err err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
+    if (!err)
+        err = journal_check(&condition, buf_text(&bytes), bytes.length, fault);
+    buf_release(&bytes);
+    if (err && err != ERR_CHECK)
+        return err;
+    add_text(f, "format", "iftty journal");
+    add_count(f, "records", condition.records);
+    add_text(f, "condition", condition.text);
+    return err;
+}
+
+/* ---- files, and the program ---- */
+
+static enum err add_file(struct facts *f, const char *path, struct fault *fault)
+{
+    if (!file_exists(path))
+        return fault_set(fault, ERR_IO, "there is no file %s", path);
+    if (!file_is_folder(path) && !file_begins_with(path, ""))
+        return fault_set(fault, ERR_INPUT, "%s is not a regular file that can be read", path);
+    add_text(f, "file", path);
+    if (file_is_folder(path) || volume_may_name_a_patient(path))
+        return add_scene(f, path, fault);
+    if (interpreter_is_journal(path))
+        return add_journal(f, path, fault);
+    if (file_begins_with(path, "\x76\x2f\x31\x01"))
+        return add_exr(f, path, fault);
+    if (volume_ending(path) && !file_begins_with(path, "#?RADIANCE"))
+        return add_scene(f, path, fault);
+    const enum err err = add_image(f, path, fault);
+    return err && volume_is_known(path) ? add_scene(f, path, fault) : err;
+}
+
+/* With what keeps hostile files and journals in, and what is missing for it. */
+static void add_program(struct facts *f)
+{
+    const int landlock = confine_version();
+    const bool knows_calls = confine_knows_calls();
+    add_text(f, "version", PROGRAM_VERSION);
+    add_count(f, "semantics", SEMANTICS);
+    if (f->is_json) {
+        json_count(&f->json, "landlock", (uint64_t)landlock);
+        json_boolean(&f->json, "seccomp", knows_calls);
+        return;
+    }
+    begin_line(f, "landlock");
+    if (landlock == 0)
+        buf_add_text(f->out, "none in this kernel: replay and verify check names alone, and the "
+                             "helpers reach what you may");
+    else
+        buf_printf(f->out,
+                   "version %d: replay, verify and the helpers reach only the files they may",
+                   landlock);
+    add_text(f, "seccomp",
+             knows_calls ? "the helpers make few calls: no network, no other program or process"
+                         : "none on this machine: the helpers may make any call of the kernel");
+}
+
+enum err run_info(const struct options *o, struct fault *fault)
+{
+    struct buf text = {0};
+    struct facts facts = {
+        .out = &text, .json = {.out = &text}, .is_json = o->json, .wants_histogram = o->histogram};
+    enum err err = OK;
+    if (o->json)
+        json_object(&facts.json, NULL);
+    if (o->words)
+        err = add_file(&facts, o->word[0], fault);
+    else
+        add_program(&facts);
+    if (o->json)
+        json_end(&facts.json);
+    else
+        buf_add_char(&text, '\n');
+    if (!o->json && facts.has_histogram)
+        histogram_write(&text, &facts.histogram, isatty(STDOUT_FILENO) && locale_is_utf8());
+    if (text.failed)
+        err = fault_memory(fault, "what a file is");
+    if (!err || err == ERR_CHECK)
+        fputs(buf_text(&text), stdout);
+    buf_release(&text);
+    return err;
+}

@@ -1,0 +1,281 @@
+/* `iftty replay`; `iftty verify` and its forms; `iftty log --reseal`, which is like accepting;
+ * `iftty diff`. */
+#include <stdio.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/scan.h"
+#include "journal/journal.h"
+#include "program/begin.h"
+#include "program/console.h"
+#include "program/programs.h"
+#include "verify/bisect.h"
+#include "verify/diff.h"
+#include "verify/replay_file.h"
+#include "verify/reseal.h"
+#include "verify/signature.h"
+#include "verify/strict.h"
+#include "verify/verify.h"
+
+/* ---- replay ---- */
+
+enum err run_replay(const struct options *o, struct fault *fault)
+{
+    struct buf fresh = {0}, text = {0};
+    struct interpreter interp;
+    struct options here = *o;
+    enum err err = o->out ? file_make_folder(o->out, fault) : folder_held(&fresh, NULL, fault);
+    if (err)
+        return err;
+    here.out = o->out ? o->out : buf_text(&fresh);
+    console_handle_interrupts();
+    err = begin_confined(o, o->word[0], here.out, NULL, fault);
+    if (!err) {
+        err = begin_interpreter(&interp, &here, fault);
+        if (!err)
+            err = replay_aloud(&interp, o->word[0], &console_printer, fault);
+        interpreter_release(&interp);
+    }
+    /* The folder that was made for the files goes where there are none. */
+    if (!o->out && folder_release(here.out)) {
+        buf_add_safe_text(&text, here.out);
+        console_erase_progress();
+        fprintf(stderr, "# files are in %s\n", buf_text(&text));
+    }
+    buf_release(&text);
+    buf_release(&fresh);
+    return err;
+}
+
+/* ---- a part of many journals ---- */
+
+/*
+ * For several machines that share the work: "2/5" is the second of five. Which part a journal
+ * belongs to follows from the SHA-256 of its bytes, and from nothing else: not from its place in
+ * the list, so that a journal which is added moves no other; and not from its path, so that
+ * machines which keep it in different places agree. So every journal is in exactly one part. One
+ * that cannot be read is in all of them, where it fails.
+ */
+
+enum { SHARDS_MOST = 10000 };
+
+struct shard {
+    unsigned number, of; /* 1..of */
+};
+
+/* Reads "K/N"; false where it is none. */
+static bool shard_read(struct shard *shard, const char *text)
+{
+    int64_t number, of;
+    const char *at = text;
+    if (!scan_integer(&at, 1, SHARDS_MOST, &number) || !scan_text(&at, "/") ||
+        !scan_integer(&at, number, SHARDS_MOST, &of) || *at)
+        return false;
+    *shard = (struct shard){(unsigned)number, (unsigned)of};
+    return true;
+}
+
+static bool is_in_shard(const struct shard *shard, const char *path)
+{
+    struct buf bytes = {0};
+    char hex[SHA256_HEX];
+    uint64_t first;
+    bool has = true;
+    if (!file_read(&bytes, path, JOURNAL_BYTES_MAX, NULL)) {
+        const char *at = hex;
+        sha256_bytes_hex(hex, buf_text(&bytes), bytes.length);
+        hex[16] = '\0';
+        has = !scan_hex(&at, 16, &first) || first % shard->of == shard->number - 1;
+    }
+    buf_release(&bytes);
+    return has;
+}
+
+static void move_to(char **list, size_t to, size_t from)
+{
+    char *moved = list[from];
+    for (size_t i = from; i > to; i--)
+        list[i] = list[i - 1];
+    list[to] = moved;
+}
+
+/* Moves the journals of the shard to the front, in their order, with what stands beside them in
+ * `other` (or NULL); how many they are. */
+static size_t shard_choose(const struct shard *shard, char **path, char **other, size_t count)
+{
+    size_t chosen = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (!is_in_shard(shard, path[i]))
+            continue;
+        move_to(path, chosen, i);
+        if (other)
+            move_to(other, chosen, i);
+        chosen++;
+    }
+    return chosen;
+}
+
+/* ---- verify ---- */
+
+static bool is_chain(const char *text)
+{
+    return strspn(text, "0123456789abcdef") == RECORD_CHAIN_DIGITS && !text[RECORD_CHAIN_DIGITS];
+}
+
+/* What options say together. */
+static enum err check_options(const struct options *o, struct fault *fault)
+{
+    if (!o->words && !o->lock)
+        return fault_set(fault, ERR_USAGE, "name a journal, or a lock by --lock FILE");
+    if (o->until && o->from > o->until)
+        return fault_set(fault, ERR_USAGE, "--from %zu --until %zu: nothing lies between", o->from,
+                         o->until);
+    if (o->strict && o->no_strict)
+        return fault_set(fault, ERR_USAGE, "--strict and --no-strict: give one of them");
+    if (o->expect && (o->words != 1 || !is_chain(o->expect)))
+        return fault_set(fault, ERR_USAGE,
+                         "--expect: expected one journal, and the 32 digits of its last chain");
+    if ((o->revoked || o->signed_at) && !o->allowed_signers)
+        return fault_set(fault, ERR_USAGE,
+                         "--revoked and --signed-at: --allowed-signers FILE asks for signatures");
+    if (o->signed_at && !signature_is_time(o->signed_at))
+        return fault_set(fault, ERR_USAGE,
+                         "--signed-at: expected YYYYMMDD, or YYYYMMDDHHMMSS, and Z for UTC, not %s",
+                         o->signed_at);
+    if (o->remove_orphans && ci_is_set())
+        return fault_set(fault, ERR_USAGE,
+                         "--remove-orphans is a person's decision, and refused where CI is set");
+    if (o->update_lock && !o->lock)
+        return fault_set(fault, ERR_USAGE, "--update-lock: --lock FILE says which file");
+    if (o->update_lock && ci_is_set())
+        return fault_set(fault, ERR_USAGE,
+                         "--update-lock is a person's decision, and refused where CI is set");
+    if (o->update_lock && (o->from || o->until || o->shard || o->fail_fast))
+        return fault_set(fault, ERR_USAGE,
+                         "--update-lock: all journals are verified, without --from, --until, "
+                         "--shard and --fail-fast");
+    return OK;
+}
+
+/* Those that are this machine's. */
+static enum err choose(const struct options *o, struct lock_plan *plan, size_t *count,
+                       struct fault *fault)
+{
+    struct shard shard;
+    *count = plan ? plan->name.count : (size_t)o->words;
+    if (!o->shard)
+        return OK;
+    if (!shard_read(&shard, o->shard))
+        return fault_set(fault, ERR_USAGE, "--shard: expected K/N, as 1/4 to 4/4, not %s",
+                         o->shard);
+    *count =
+        shard_choose(&shard, plan ? plan->journal : o->word, plan ? plan->name.name : NULL, *count);
+    return OK;
+}
+
+static enum err verify_journals(const struct options *o, struct lock_plan *plan,
+                                struct fault *fault)
+{
+    size_t count;
+    enum err err = choose(o, plan, &count, fault);
+    const struct verify_options how = {.path = plan ? plan->journal : o->word,
+                                       .count = count,
+                                       .scene_path = o->scene,
+                                       .evidence_folder = o->out,
+                                       .junit = o->junit,
+                                       .html = o->html,
+                                       .json = o->json,
+                                       .strict = o->strict || (ci_is_set() && !o->no_strict),
+                                       .fail_fast = o->fail_fast,
+                                       .timings = o->timings,
+                                       .removes_orphans = o->remove_orphans,
+                                       .expect = o->expect,
+                                       .allowed_signers = o->allowed_signers,
+                                       .revoked = o->revoked,
+                                       .signed_at = o->signed_at,
+                                       .plan = plan,
+                                       .first = o->from,
+                                       .last = o->until,
+                                       .processes = o->processes ? (unsigned)o->processes : 1,
+                                       .begin = begin_one,
+                                       .context = (void *)(uintptr_t)o,
+                                       .watch = console_watch()};
+    if (!err && o->out)
+        err = file_make_folder(o->out, fault);
+    if (err)
+        return err;
+    console_handle_interrupts();
+    return verify_files(&how, &console_printer, fault);
+}
+
+enum err run_verify(const struct options *o, struct fault *fault)
+{
+    struct lock_plan plan;
+    enum err err = check_options(o, fault);
+    if (err || !o->lock)
+        return err ? err : verify_journals(o, NULL, fault);
+    err = lock_plan_make(&plan, o->lock, o->update_lock, o->word, (size_t)o->words, fault);
+    if (!err)
+        err = verify_journals(o, &plan, fault);
+    lock_plan_release(&plan);
+    return err;
+}
+
+/* ---- the first record that differs ---- */
+
+enum err run_verify_bisect(const struct options *o, struct fault *fault)
+{
+    console_handle_interrupts();
+    return bisect_journals(o->word[0], o->word[1], &console_printer, fault);
+}
+
+/* Both builds are confined as a replay is. */
+static enum err begin_builds(void *context, const char *folder, const char *const *program,
+                             struct fault *fault)
+{
+    const struct options *o = context;
+    return begin_confined(o, o->word[0], folder, program, fault);
+}
+
+enum err run_verify_builds(const struct options *o, struct fault *fault)
+{
+    const struct bisect_builds how = {.journal = o->word[0],
+                                      .other = o->with,
+                                      .scene_path = o->scene,
+                                      .word = "run",
+                                      .watch = console_watch(),
+                                      .begin = begin_builds,
+                                      .context = (void *)(uintptr_t)o};
+    console_handle_interrupts();
+    return bisect_builds(&how, &console_printer, fault);
+}
+
+enum err run_diff(const struct options *o, struct fault *fault)
+{
+    const struct diff_options how = {.path = {o->word[0], o->word[1]},
+                                     .scene_path = o->scene,
+                                     .picture = o->picture,
+                                     .json = o->json,
+                                     .last = o->until,
+                                     .begin = begin_one,
+                                     .context = (void *)(uintptr_t)o,
+                                     .watch = console_watch()};
+    console_handle_interrupts();
+    return diff_journals(&how, &console_printer, fault);
+}
+
+/* ---- sealing anew ---- */
+
+/* With a reason, golden images are accepted; else an edited journal gets its results. */
+enum err run_reseal(const struct options *o, struct fault *fault)
+{
+    struct interpreter interp;
+    console_handle_interrupts();
+    enum err err = begin_interpreter(&interp, o, fault);
+    if (!err)
+        err = o->accept ? reseal_accept(&interp, o->word[0], o->accept, &console_printer, fault)
+                        : reseal_edited(&interp, o->word[0], &console_printer, fault);
+    interpreter_release(&interp);
+    return err;
+}

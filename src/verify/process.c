@@ -1,0 +1,232 @@
+#include "verify/process.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/mem.h"
+
+enum {
+    TICK_MS = 20,
+    END_MS = 1, /* from the end of a pipe to that of its process */
+    PIECE = 1 << 16,
+    STATUS_NO_MEMORY = 71 /* of a process that could not build what it hands back */
+};
+
+struct process {
+    pid_t id;       /* 0: free */
+    int descriptor; /* of the pipe; -1: read to its end */
+    bool is_over;   /* it was waited for, and its id may be another's */
+    size_t number;
+    struct process_end end;
+};
+
+struct pool {
+    const struct processes *how;
+    struct process process[PROCESSES_MOST];
+    size_t begun, ended; /* pieces of work */
+};
+
+/* ---- in the new process ---- */
+
+static bool send_all(int descriptor, const struct buf *bytes)
+{
+    for (size_t sent = 0; !bytes->failed && sent < bytes->length;) {
+        const ssize_t n = write(descriptor, bytes->data + sent, bytes->length - sent);
+        if (n < 0 && errno != EINTR)
+            return false;
+        sent += n > 0 ? (size_t)n : 0;
+    }
+    return !bytes->failed;
+}
+
+/* It ends with the process that started it, and by Ctrl-C as any program. */
+static _Noreturn void be_process(const struct processes *how, size_t number, int descriptor,
+                                 pid_t parent)
+{
+    struct buf bytes = {0};
+    if (signal(SIGINT, SIG_DFL) == SIG_IGN)
+        signal(SIGINT, SIG_IGN);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent || (how->takes_errors && dup2(descriptor, STDERR_FILENO) < 0))
+        _exit(1);
+    how->work(how->context, number, &bytes);
+    _exit(send_all(descriptor, &bytes) ? 0 : STATUS_NO_MEMORY);
+}
+
+/* ---- one process, from outside ---- */
+
+static enum err begin(struct pool *pool, struct process *process, struct fault *fault)
+{
+    int end[2];
+    const pid_t parent = getpid();
+    if (pipe2(end, O_CLOEXEC) != 0)
+        return fault_errno(fault, "make", "a pipe");
+    const pid_t id = fork();
+    if (id == 0)
+        be_process(pool->how, pool->begun, end[1], parent);
+    close(end[1]);
+    if (id < 0) {
+        close(end[0]);
+        return fault_errno(fault, "start", "a process");
+    }
+    *process = (struct process){.id = id, .descriptor = end[0], .number = pool->begun++};
+    return OK;
+}
+
+static void close_pipe(struct process *process)
+{
+    if (process->descriptor >= 0)
+        close(process->descriptor);
+    process->descriptor = -1;
+}
+
+/* Takes what has come. Who hands too much back is killed; of errors the rest is dropped. */
+static void take(const struct pool *pool, struct process *process)
+{
+    struct buf *bytes = &process->end.bytes;
+    char *room = buf_reserve(bytes, PIECE);
+    const ssize_t n = room ? read(process->descriptor, room, PIECE) : 0;
+    if (room) {
+        bytes->length += n > 0 ? (size_t)n : 0;
+        bytes->data[bytes->length] = '\0';
+    }
+    if (n < 0 && (errno == EINTR || errno == EAGAIN))
+        return;
+    const bool is_full = bytes->length > pool->how->most;
+    if (is_full && pool->how->takes_errors)
+        bytes->data[bytes->length = (size_t)pool->how->most] = '\0';
+    else
+        process->end.is_too_much = is_full;
+    if ((process->end.is_too_much || bytes->failed) && !process->is_over)
+        kill(process->id, SIGKILL);
+    if (n <= 0 || process->end.is_too_much)
+        close_pipe(process);
+}
+
+/* Where the parent of this program ignores SIGCHLD, a process that has ended left no status. */
+static bool has_ended(struct process *process)
+{
+    const pid_t id = waitpid(process->id, &process->end.status, WNOHANG);
+    process->is_over = id == process->id || (id < 0 && errno == ECHILD);
+    return process->is_over;
+}
+
+/* P2: what stands in the pipe is still taken, though another process may go on filling it. */
+static void end(struct pool *pool, struct process *process)
+{
+    struct pollfd wait = {process->descriptor, POLLIN, 0};
+    while (process->descriptor >= 0 && poll(&wait, 1, 0) > 0 &&
+           process->end.bytes.length < pool->how->most)
+        take(pool, process);
+    close_pipe(process);
+    if (pool->how->end) {
+        pool->how->end[process->number] = process->end;
+    } else {
+        pool->how->done(pool->how->context, process->number, &process->end);
+        buf_release(&process->end.bytes);
+    }
+    *process = (struct process){0};
+    pool->ended++;
+}
+
+/* ---- all of them ---- */
+
+/* Waits a little while for what any of them hands back, and for its end. */
+static void listen_to_all(struct pool *pool)
+{
+    struct pollfd wait[PROCESSES_MOST];
+    int most_ms = TICK_MS;
+    for (unsigned i = 0; i < PROCESSES_MOST; i++) {
+        const struct process *process = pool->process + i;
+        wait[i] = (struct pollfd){process->id ? process->descriptor : -1, POLLIN, 0};
+        if (process->id && process->descriptor < 0)
+            most_ms = END_MS;
+    }
+    if (poll(wait, PROCESSES_MOST, most_ms) > 0)
+        for (unsigned i = 0; i < PROCESSES_MOST; i++)
+            if (wait[i].revents)
+                take(pool, pool->process + i);
+    for (unsigned i = 0; i < PROCESSES_MOST; i++)
+        if (pool->process[i].id && has_ended(pool->process + i))
+            end(pool, pool->process + i);
+}
+
+static void tick(const struct pool *pool)
+{
+    uint64_t held = 0;
+    if (!pool->how->tick)
+        return;
+    for (unsigned i = 0; i < PROCESSES_MOST; i++)
+        held += pool->process[i].id ? mem_held_by(pool->process[i].id) : 0;
+    pool->how->tick(pool->how->context, held);
+}
+
+/* P3 */
+static void end_all(struct pool *pool)
+{
+    for (unsigned i = 0; i < PROCESSES_MOST; i++) {
+        struct process *process = pool->process + i;
+        if (!process->id)
+            continue;
+        kill(process->id, SIGKILL);
+        close_pipe(process);
+        while (waitpid(process->id, NULL, 0) < 0 && errno == EINTR)
+            ;
+        buf_release(&process->end.bytes);
+    }
+}
+
+enum err processes_run(const struct processes *how, struct fault *fault)
+{
+    struct pool pool = {.how = how};
+    enum err err = OK;
+    while (!err && pool.ended < how->count) {
+        for (unsigned i = 0; !err && i < how->at_once; i++)
+            if (!pool.process[i].id && pool.begun < how->count)
+                err = begin(&pool, pool.process + i, fault);
+        if (!err)
+            listen_to_all(&pool);
+        tick(&pool);
+        if (!err && watch_stops(how->watch))
+            err = fault_set(fault, ERR_CANCELLED, "cancelled");
+    }
+    end_all(&pool);
+    return err;
+}
+
+/* ---- one ---- */
+
+enum err process_judge(const struct process_end *end, struct fault *fault)
+{
+    if (end->is_too_much)
+        return fault_set(fault, ERR_INPUT, "its process hands back more than it may");
+    if (end->bytes.failed)
+        return fault_memory(fault, "what a process hands back");
+    if (WIFSIGNALED(end->status))
+        return fault_set(fault, ERR_INPUT, "its process was ended by signal %d (%s)",
+                         WTERMSIG(end->status), strsignal(WTERMSIG(end->status)));
+    const int status = WEXITSTATUS(end->status);
+    if (status == STATUS_NO_MEMORY)
+        return fault_memory(fault, "what a process hands back");
+    return status ? fault_set(fault, ERR_INPUT, "its process ended with status %d", status) : OK;
+}
+
+enum err process_run(struct buf *out, const struct processes *how, struct fault *fault)
+{
+    struct processes alone = *how;
+    struct process_end end = {0};
+    alone.count = alone.at_once = 1;
+    alone.end = &end;
+    enum err err = processes_run(&alone, fault);
+    if (!err)
+        err = process_judge(&end, fault);
+    buf_release(out);
+    *out = end.bytes;
+    return err;
+}
