@@ -106,7 +106,7 @@ struct raster_box;
 
 enum graphics_kind { GRAPHICS_NOTHING, GRAPHICS_TEXT, GRAPHICS_PIXELS };
 
-/* How a terminal keeps parts of slices (tui/picture/strips.h): it gets one, without showing it;
+/* How a terminal keeps parts of slices (tui/picture/painter.h): it gets one, without showing it;
  * shows it at a place, which is one of several that bear numbers; takes it off; frees it, or all it
  * has. */
 struct keeping {
