@@ -219,7 +219,7 @@ static bool run(const char *folder, char **word, struct fault *fault)
     const bool has_slices = word[6] && strcmp(word[6], "slices") == 0;
     if (word[6] && !has_slices && !graphics_from_name(word[6], &wish))
         return false;
-    if (term_set_mode(TERM_RAW, fault) || probe_terminal(wish, &facts, &typed, fault))
+    if (term_set_mode(TERM_RAW, fault) || graphics_probe(wish, &facts, &typed, fault))
         return false;
     buf_release(&typed);
     const struct place place = read_place(word + 2);

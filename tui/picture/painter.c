@@ -6,6 +6,7 @@
 
 #include "base/least.h"
 #include "base/mem.h"
+#include "tui/picture/protocol.h"
 
 enum {
     PIXEL_TILE = 16,
@@ -264,8 +265,9 @@ static void hide_slot(struct painter *p, unsigned i, struct buf *out)
     slot->number = 0;
 }
 
-/* Shows the strips of the view at hand that are there, and no others. A strip comes before the one in its place goes, so that nothing is black in between; but those of
- * another layout, which may lie over it, go first. */
+/* Shows the strips of the view at hand that are there, and no others. A strip comes before the one
+ * in its place goes, so that nothing is black in between; but those of another layout, which may
+ * lie over it, go first. */
 static void show_strips(struct painter *p, struct buf *out)
 {
     struct strips *k = &p->kept;

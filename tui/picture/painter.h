@@ -169,7 +169,7 @@ void painter_move_to(const struct painter *p, unsigned column, unsigned row, str
 /* Gives the memory back; the painter is as new. What is on the screen stays. */
 void painter_release(struct painter *p);
 
-/* The level of a grey in a strip, 0 .. STRIPS_GREYS - 1, and the colour that a level is shown as. */
+/* The level of a grey in a strip, below STRIPS_GREYS, and the colour that a level is shown as. */
 static inline uint8_t strips_level(uint8_t grey)
 {
     return (uint8_t)((grey * (STRIPS_GREYS - 1u) + 127) / 255);

@@ -6,6 +6,7 @@
 #include "base/clock.h"
 #include "tui/pilot/flow.h"
 #include "tui/keys.h"
+#include "tui/picture/graphics.h"
 #include "tui/picture/painter.h"
 #include "tui/pilot/pilot_keys.h"
 #include "tui/pilot/refine.h"
@@ -217,7 +218,7 @@ static enum err draw(struct pilot *p, struct fault *fault)
         return OK;
     }
     if (p->flow.failed) { /* nobody knows what has arrived */
-        probe_add_recovery(p->facts, &out);
+        graphics_add_recovery(p->facts, &out);
         painter_drop(&p->painter, &out);
         p->is_blank = true;
     }

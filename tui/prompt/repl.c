@@ -10,7 +10,6 @@
 
 #include "tui/prompt/below.h"
 #include "tui/prompt/paging.h"
-#include "tui/picture/graphics.h"
 #include "tui/term.h"
 #include "tui/cells.h"
 
@@ -137,7 +136,7 @@ static void add_picture(struct prompt *p, struct buf *out)
     if (!p->host->picture || !p->host->picture(p->host->context, &view))
         return;
     if (e->answers_due > 0 && probe_await(e->answers_due, BARRIER_MS, &e->input) == 0)
-        probe_add_recovery(&p->facts, out);
+        graphics_add_recovery(&p->facts, out);
     e->answers_due = 0;
     const struct term_size size = term_size();
     size_t before = out->length;
@@ -303,7 +302,7 @@ static enum err open_terminal(int in, struct graphics_wish wish, struct terminal
     term_set_sequences(begin, end);
     err = term_set_mode(TERM_RAW, fault);
     if (!err)
-        err = probe_terminal(wish.count ? wish : graphics_auto, facts, typed, fault);
+        err = graphics_probe(wish.count ? wish : graphics_auto, facts, typed, fault);
     return err;
 }
 

@@ -16,8 +16,7 @@
 
 #include "base/buf.h"
 #include "base/err.h"
-#include "tui/picture/image_view.h"
-#include "tui/probe.h"
+#include "tui/picture/graphics.h"
 #include "tui/prompt/line_edit.h"
 #include "tui/theme.h"
 
