@@ -22,7 +22,6 @@
 #include "tui/prompt/line.h"
 #include "tui/prompt/line_draw.h"
 #include "tui/prompt/line_keys.h"
-#include "tui/prompt/line_recall.h"
 
 /* Fills `candidates` with whole words, one a line, for the word that begins at *word_start and ends
  * at the cursor. */
