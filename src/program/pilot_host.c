@@ -14,7 +14,7 @@
 #include "report/label_report.h"
 #include "show/slicing.h"
 #include "show/window.h"
-#include "tui/pilot/setup.h"
+#include "tui/pilot/pilot_keys.h"
 
 static const uint8_t marked_pane[3] = {230, 200, 90}, words_rgb[3] = {200, 200, 200};
 

@@ -8,7 +8,7 @@
 #include "engine/way.h"
 #include "session/held.h"
 #include "show/slicing.h"
-#include "tui/pilot/pilot.h"
+#include "tui/pilot/host.h"
 
 /* Hatched, wherever it is seen. */
 void pilot_mark_held(const struct canvas *canvas, const struct session *session,
