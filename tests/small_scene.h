@@ -216,7 +216,7 @@ static inline void measures_stand(struct session *session)
 
 static inline void take_snapshot(struct snapshot *s, struct interpreter *interp)
 {
-    struct session *session = &interp->session;
+    struct session *session = interp->session;
     memset(s, 0, sizeof *s);
     s->has_scene = session->has_scene;
     s->rendered = session->rendered && !session_is_rough(session);

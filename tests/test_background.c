@@ -104,14 +104,14 @@ static void begin_with_object(struct interpreter *interp)
 static void has_background(struct interpreter *interp, const char *line, uint32_t background)
 {
     must(interp, line);
-    CHECK_INT(interp->session.now.outlook.background, background);
+    CHECK_INT(interp->session->now.outlook.background, background);
 }
 
 STORY(each_word_is_a_background_and_info_prints_it)
 {
     struct interpreter interp;
     begin_with_object(&interp);
-    CHECK_INT(interp.session.now.outlook.background, BACKGROUND_GRADIENT);
+    CHECK_INT(interp.session->now.outlook.background, BACKGROUND_GRADIENT);
     has_background(&interp, "background black", BACKGROUND_PLAIN);
     has_background(&interp, "background white", BACKGROUND_WHITE);
     has_background(&interp, "background #E0a010", BACKGROUND_PLAIN | 0xe0a010);
@@ -131,9 +131,9 @@ STORY(journals_made_before_have_the_black_they_had)
 {
     struct interpreter interp;
     begin_interpreter(&interp);
-    session_take_semantics(&interp.session, 5);
+    session_take_semantics(interp.session, 5);
     must(&interp, "open synth:geom:40x40x20");
-    CHECK_INT(interp.session.now.outlook.background, BACKGROUND_FADE);
+    CHECK_INT(interp.session->now.outlook.background, BACKGROUND_FADE);
     has_background(&interp, "background white", BACKGROUND_WHITE);
     has_background(&interp, "background black", BACKGROUND_FADE);
     interpreter_release(&interp);
@@ -158,11 +158,11 @@ STORY(files_and_the_screen_show_the_same)
         struct canvas canvas;
         must(&interp, line[i]);
         must(&interp, "render a.png replace=yes");
-        CHECK_INT(session_show_frame(&canvas, &interp.session, NULL), OK);
+        CHECK_INT(session_show_frame(&canvas, interp.session, NULL), OK);
         struct picture p = read_back(&interp, "a.png");
         CHECK(p.rgba && memcmp(p.rgba, canvas.rgba, (size_t)4 * PIXELS) == 0);
         uint8_t corner[3];
-        background_at(corner, interp.session.now.outlook.background, 0, HEIGHT);
+        background_at(corner, interp.session->now.outlook.background, 0, HEIGHT);
         CHECK(p.rgba && memcmp(p.rgba, corner, 3) == 0);
         picture_release(&p);
         canvas_release(&canvas);
@@ -204,11 +204,11 @@ STORY(an_exr_holds_the_objects_alone_whatever_is_behind)
     struct picture gradient, white;
     begin_with_object(&interp);
     must(&interp, "render gradient.exr");
-    const uint64_t digest = rendition_digest(session_frame(&interp.session));
+    const uint64_t digest = rendition_digest(session_frame(interp.session));
     must(&interp, "background white");
-    CHECK(interp.session.rendered); /* nothing is drawn anew */
+    CHECK(interp.session->rendered); /* nothing is drawn anew */
     must(&interp, "render white.exr");
-    CHECK(rendition_digest(session_frame(&interp.session)) == digest);
+    CHECK(rendition_digest(session_frame(interp.session)) == digest);
     CHECK_INT(exr_read(&gradient, "gradient.exr", NULL), OK);
     CHECK_INT(exr_read(&white, "white.exr", NULL), OK);
     CHECK(memcmp(gradient.rgba, white.rgba, (size_t)4 * PIXELS) == 0);

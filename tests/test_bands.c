@@ -184,7 +184,7 @@ STORY(bands_of_any_height_are_the_whole_and_so_is_what_follows_edits)
 static uint64_t digest_after(struct interpreter *interp, const char *line)
 {
     must(interp, line);
-    return rendition_digest(session_frame(&interp->session));
+    return rendition_digest(session_frame(interp->session));
 }
 
 STORY(a_picture_may_be_of_more_samples_than_pixels_are_allowed_and_follows_edits)
@@ -197,8 +197,8 @@ STORY(a_picture_may_be_of_more_samples_than_pixels_are_allowed_and_follows_edits
     must(&interp, "size 8192 70");
     must(&interp, "samples 4");
     const uint64_t first = digest_after(&interp, "render mode=bp");
-    CHECK(!interp.session.rendition.depth);
-    CHECK(session_memory(&interp.session) < 64u << 20);
+    CHECK(!interp.session->rendition.depth);
+    CHECK(session_memory(interp.session) < 64u << 20);
     CHECK_INT(digest_after(&interp, "render mode=ray"), first);
     must(&interp, "remove 10,10,10");
     must(&interp, "run");
@@ -222,14 +222,14 @@ STORY(a_turntable_is_drawn_in_bands_and_shows_what_renditions_show)
     must(&interp, "samples 4");
     for (uint64_t i = 0; i < 4; i++) {
         sum += hash_mix_at(i, digest_after(&interp, "render"));
-        CHECK(interp.session.rendition.depth);
+        CHECK(interp.session->rendition.depth);
         must(&interp, "turn 90 0");
     }
     snprintf(expected, sizeof expected, "spin=%016" PRIx64, sum);
     must(&interp, "view front");
     must(&interp, "spin 4 turn.gif");
     CHECK_HAS(buf_text(&reply.words), expected);
-    CHECK(!interp.session.rendition.depth);
+    CHECK(!interp.session->rendition.depth);
     interpreter_release(&interp);
 }
 

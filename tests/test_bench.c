@@ -8,6 +8,9 @@
 
 #include "tests/bench/report.h"
 #include "program/bench.h"
+#include "session/session.h"
+#include "session/session_inside.h"
+#include "show/draw.h"
 #include "tests/bench/plot.h"
 #include "tests/check.h"
 #include "tests/folder.h"
@@ -27,17 +30,17 @@ static const struct {
 
 STORY(seeds_lie_in_what_they_are_labelled)
 {
-    struct session session;
+    struct session *session;
     struct procedure procedure;
     struct seeds seeds;
-    session_init(&session);
-    CHECK(session_open(&session, "synth:geom", NULL, NULL) == OK);
-    CHECK(procedure_make(&procedure, &session, NULL, NULL) == OK);
-    CHECK(procedure_seeds(&seeds, &procedure, &session, NULL) == OK);
+    CHECK(session_new(&session, NULL) == OK);
+    CHECK(session_open(session, "synth:geom", NULL, NULL) == OK);
+    CHECK(procedure_make(&procedure, session, NULL, NULL) == OK);
+    CHECK(procedure_seeds(&seeds, &procedure, session, NULL) == OK);
     CHECK_INT(seeds.count, PROCEDURE_SEEDS);
     size_t of_label[PROCEDURE_STEPS][7] = {{0}}, wrong = 0;
     for (size_t i = 0; i < seeds.count; i++) {
-        const uint16_t intensity = session.scene->cell[seeds.edit[i].cell].intensity;
+        const uint16_t intensity = session->scene->cell[seeds.edit[i].cell].intensity;
         const int16_t label = seeds.edit[i].label;
         if (!CHECK(label >= 0 && label < 7))
             return;
@@ -58,30 +61,30 @@ STORY(seeds_lie_in_what_they_are_labelled)
         CHECK(seeds.edit[i].cell > seeds.edit[i - 1].cell);
     seeds_release(&seeds);
     procedure_release(&procedure);
-    session_release(&session);
+    session_free(session);
 }
 
 STORY(an_interpolated_scene_has_the_same_seeds)
 {
-    struct session session;
+    struct session *session;
     struct procedure procedure;
     struct seeds seeds, twice;
-    session_init(&session);
-    CHECK(session_open(&session, "synth:geom", NULL, NULL) == OK);
-    CHECK(procedure_make(&procedure, &session, NULL, NULL) == OK);
-    CHECK(procedure_seeds(&seeds, &procedure, &session, NULL) == OK);
-    const struct grid before = session.scene->grid;
-    CHECK(session_interpolate(&session, 5, NULL) == OK);
-    CHECK(procedure_seeds(&twice, &procedure, &session, NULL) == OK);
+    CHECK(session_new(&session, NULL) == OK);
+    CHECK(session_open(session, "synth:geom", NULL, NULL) == OK);
+    CHECK(procedure_make(&procedure, session, NULL, NULL) == OK);
+    CHECK(procedure_seeds(&seeds, &procedure, session, NULL) == OK);
+    const struct grid before = session->scene->grid;
+    CHECK(session_interpolate(session, 5, NULL) == OK);
+    CHECK(procedure_seeds(&twice, &procedure, session, NULL) == OK);
     for (size_t i = 0; i < seeds.count; i++) {
         struct place p = grid_place(&before, seeds.edit[i].cell);
-        CHECK_INT(twice.edit[i].cell, grid_cell(&session.scene->grid, 2 * p.x, p.y, 2 * p.z));
+        CHECK_INT(twice.edit[i].cell, grid_cell(&session->scene->grid, 2 * p.x, p.y, 2 * p.z));
         CHECK_INT(twice.edit[i].label, seeds.edit[i].label);
     }
     seeds_release(&seeds);
     seeds_release(&twice);
     procedure_release(&procedure);
-    session_release(&session);
+    session_free(session);
 }
 
 /* Columns 20 by 17 wide through what is bright in geom: regions 1..116 of a made atlas. */
@@ -101,22 +104,22 @@ static uint16_t *made_atlas(const struct scene *scene)
 
 STORY(an_atlas_says_which_seeds_are_brain)
 {
-    struct session session;
+    struct session *session;
     struct procedure procedure;
     struct seeds seeds;
-    session_init(&session);
-    CHECK(session_open(&session, "synth:geom", NULL, NULL) == OK);
-    const struct grid *grid = &session.scene->grid;
-    struct volume atlas = {.size = {200, 200, 100}, .intensity = made_atlas(session.scene)};
-    CHECK(procedure_make(&procedure, &session, &atlas, NULL) == OK);
-    CHECK(procedure_seeds(&seeds, &procedure, &session, NULL) == OK);
+    CHECK(session_new(&session, NULL) == OK);
+    CHECK(session_open(session, "synth:geom", NULL, NULL) == OK);
+    const struct grid *grid = &session->scene->grid;
+    struct volume atlas = {.size = {200, 200, 100}, .intensity = made_atlas(session->scene)};
+    CHECK(procedure_make(&procedure, session, &atlas, NULL) == OK);
+    CHECK(procedure_seeds(&seeds, &procedure, session, NULL) == OK);
     size_t of_label[3] = {0}, wrong = 0;
     for (size_t i = 0; i < seeds.count; i++) {
         const uint32_t cell = seeds.edit[i].cell, voxel = grid_voxel(grid, cell);
         const uint16_t region = atlas.intensity[voxel];
         const int16_t label = seeds.edit[i].label;
         wrong += label != (region == 0 ? 0 : region <= 90 ? 1 : 2);
-        wrong += region == 0 && session.scene->cell[cell].intensity >= 20;
+        wrong += region == 0 && session->scene->cell[cell].intensity >= 20;
         wrong += atlas.intensity[voxel - 1] != region || atlas.intensity[voxel + 200] != region;
         of_label[label]++;
     }
@@ -127,24 +130,24 @@ STORY(an_atlas_says_which_seeds_are_brain)
     seeds_release(&seeds);
     procedure_release(&procedure);
     free(atlas.intensity);
-    session_release(&session);
+    session_free(session);
 }
 
 STORY(a_map_on_another_grid_or_without_regions_is_refused)
 {
     static uint16_t nothing[200 * 200 * 100];
-    struct session session;
+    struct session *session;
     struct procedure procedure;
     struct fault fault = {0};
     struct volume atlas = {.size = {200, 200, 99}, .intensity = nothing};
-    session_init(&session);
-    CHECK(session_open(&session, "synth:geom", NULL, NULL) == OK);
-    CHECK(procedure_make(&procedure, &session, &atlas, &fault) == ERR_INPUT);
+    CHECK(session_new(&session, NULL) == OK);
+    CHECK(session_open(session, "synth:geom", NULL, NULL) == OK);
+    CHECK(procedure_make(&procedure, session, &atlas, &fault) == ERR_INPUT);
     CHECK_HAS(fault.text, "the map has 200x200x99 voxels");
     atlas.size[2] = 100;
-    CHECK(procedure_make(&procedure, &session, &atlas, &fault) == ERR_INPUT);
+    CHECK(procedure_make(&procedure, session, &atlas, &fault) == ERR_INPUT);
     CHECK_HAS(fault.text, "the map has no voxel of regions 1-90");
-    session_release(&session);
+    session_free(session);
 }
 
 /* ---- a trial on a small scene ---- */
@@ -162,8 +165,10 @@ static void scene_row(void *context, uint32_t y, uint32_t z, void *values)
 
 /* Those of the first step all over one half of the scene, the others in a corner of the other half,
  * so that they change little. Of four labels. */
-static void begin(struct session *session, struct seeds *seeds)
+static void begin(struct session **begun, struct seeds *seeds)
 {
+    CHECK(session_new(begun, NULL) == OK);
+    struct session *session = *begun;
     char path[PATH_MAX];
     const double spacing_mm[3] = {1, 1, 1};
     struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1000000, 1000000}};
@@ -173,7 +178,6 @@ static void begin(struct session *session, struct seeds *seeds)
                        &(struct volume_map){(uint32_t[]){side, side, side}, &geometry, VOXEL_UINT8,
                                             "test", scene_row, NULL, NULL},
                        NULL, NULL) == OK);
-    session_init(session);
     CHECK(session_open(session, path, NULL, NULL) == OK);
     *seeds = (struct seeds){.edit = malloc(PROCEDURE_SEEDS * sizeof(struct edit))};
     for (uint32_t i = 0; seeds->edit && i < PROCEDURE_SEEDS; i++) {
@@ -188,23 +192,23 @@ static void begin(struct session *session, struct seeds *seeds)
 
 STORY(all_experiments_give_the_same_in_every_step)
 {
-    struct session session;
+    struct session *session;
     struct seeds seeds;
     struct fault fault = {0};
     struct trial trial = {.name = "small"};
     begin(&session, &seeds);
-    if (!CHECK(trial_run(&trial, &session, &seeds, PROCEDURE_STEPS, 2, NULL, &fault) == OK))
+    if (!CHECK(trial_run(&trial, session, &seeds, PROCEDURE_STEPS, 2, NULL, &fault) == OK))
         printf("#   %s\n", fault.text);
     CHECK_INT(trial.compared, PROCEDURE_STEPS * (2 * EXPERIMENTS - 1));
     CHECK_INT(trial.steps, PROCEDURE_STEPS);
-    CHECK_INT(forest_seeds(session.forest), PROCEDURE_SEEDS);
+    CHECK_INT(forest_seeds(session->forest), PROCEDURE_SEEDS);
     const struct trial_step *last = &trial.step[PROCEDURE_STEPS - 1];
     CHECK_INT(last->seeds, PROCEDURE_SEEDS);
-    CHECK(last->keys == forest_digest(session.forest));
-    CHECK(last->labels == forest_label_digest(session.forest));
-    CHECK_INT(last->border_voxels, border_count(&session.border));
-    CHECK(session_render(&session, RENDER_RAY, NULL) == OK);
-    CHECK(rendition_digest(&session.rendition) == last->picture);
+    CHECK(last->keys == forest_digest(session->forest));
+    CHECK(last->labels == forest_label_digest(session->forest));
+    CHECK_INT(last->border_voxels, border_count(&session->border));
+    CHECK(session_render(session, RENDER_RAY, NULL) == OK);
+    CHECK(rendition_digest(&session->rendition) == last->picture);
     for (unsigned s = 0; s < trial.steps; s++)
         CHECK_INT(trial.step[s].cost[IFT_SP].served, trial.voxels);
     unsigned repaired = 0;
@@ -212,7 +216,7 @@ STORY(all_experiments_give_the_same_in_every_step)
         repaired += !trial.step[s].cost[BDIFT_BP].is_whole;
     CHECK(repaired >= 2); /* in other steps border and picture are made from nothing */
     seeds_release(&seeds);
-    session_release(&session);
+    session_free(session);
 }
 
 /* Whoever stands at the watch can spoil what is compared. */
@@ -253,32 +257,32 @@ STORY(a_difference_ends_the_trial_and_is_named)
         const char *words;
     } row[] = {{spoil_colours, "has colour"}, {spoil_weights, "digest"}, {spoil_view, "pixel"}};
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
-        struct session session;
+        struct session *session;
         struct seeds seeds;
         struct fault fault = {0};
         struct trial trial = {.name = "small"};
         begin(&session, &seeds);
-        const struct trial_watch watch = {row[i].spoil, &session};
-        CHECK(trial_run(&trial, &session, &seeds, 3, 2, &watch, &fault) == ERR_CHECK);
+        const struct trial_watch watch = {row[i].spoil, session};
+        CHECK(trial_run(&trial, session, &seeds, 3, 2, &watch, &fault) == ERR_CHECK);
         CHECK_HAS(fault.text, "small, step 2, (");
         CHECK_HAS(fault.text, " differs: ");
         CHECK_HAS(fault.text, row[i].words);
         seeds_release(&seeds);
-        session_release(&session);
+        session_free(session);
     }
 }
 
 STORY(whoever_watches_can_end_the_trial)
 {
-    struct session session;
+    struct session *session;
     struct seeds seeds;
     struct trial trial = {.name = "small"};
     const struct trial_watch watch = {stop, NULL};
     begin(&session, &seeds);
-    CHECK(trial_run(&trial, &session, &seeds, 3, 2, &watch, NULL) == ERR_CANCELLED);
+    CHECK(trial_run(&trial, session, &seeds, 3, 2, &watch, NULL) == ERR_CANCELLED);
     CHECK_INT(trial.compared, 2 * (2 * EXPERIMENTS - 1));
     seeds_release(&seeds);
-    session_release(&session);
+    session_free(session);
 }
 
 STORY(the_first_pixel_that_differs_is_named)

@@ -48,8 +48,8 @@ STORY(a_centre_is_that_of_a_slow_search)
         must(&interp, "run");
         for (unsigned label = 0; label < 6; label++) {
             uint32_t fast[3] = {0}, slow[3] = {0};
-            const bool is_there = slow_centre(interp.session.scene, label, slow);
-            CHECK(centre_of_label(interp.session.scene, label, fast) == is_there);
+            const bool is_there = slow_centre(interp.session->scene, label, slow);
+            CHECK(centre_of_label(interp.session->scene, label, fast) == is_there);
             CHECK(memcmp(fast, slow, sizeof fast) == 0);
             found += is_there;
             none += !is_there;
@@ -77,10 +77,10 @@ STORY(the_search_for_it_can_be_stopped)
     must(&interp, "open synth:geom:23x17x12");
     must(&interp, "seed 3,4,5 2");
     must(&interp, "run");
-    CHECK(centre_of_label(interp.session.scene, 2, place));
-    interp.session.scene->watch = &watch;
-    CHECK(!centre_of_label(interp.session.scene, 2, place));
-    interp.session.scene->watch = NULL;
+    CHECK(centre_of_label(interp.session->scene, 2, place));
+    interp.session->scene->watch = &watch;
+    CHECK(!centre_of_label(interp.session->scene, 2, place));
+    interp.session->scene->watch = NULL;
     interpreter_release(&interp);
 }
 

@@ -81,8 +81,8 @@ STORY(every_example_parses_and_its_canonical_form_is_its_own)
     begin_interpreter(&interp);
     must(&interp, "open synth:geom");
     for (unsigned i = 0; i < command_count(); i++) {
-        canonical(&once, command_at(i)->example, &interp.session);
-        canonical(&twice, buf_text(&once), &interp.session);
+        canonical(&once, command_at(i)->example, interp.session);
+        canonical(&twice, buf_text(&once), interp.session);
         CHECK_TEXT(buf_text(&twice), buf_text(&once));
         CHECK_TEXT(buf_text(&once), command_at(i)->example);
     }
@@ -360,13 +360,13 @@ STORY(a_random_line_and_its_canonical_form_mean_the_same)
     for (unsigned i = 0; i < 40000 && check_failures < 5; i++) {
         struct call first, second;
         random_line(&line, command_at(i % command_count()));
-        if (!CHECK(command_parse(&first, buf_text(&line), &interp.session, &fault) == OK)) {
+        if (!CHECK(command_parse(&first, buf_text(&line), interp.session, &fault) == OK)) {
             printf("#   %s: %s\n", buf_text(&line), fault.text);
             continue;
         }
         buf_clear(&once);
         command_write(&once, &first);
-        if (CHECK(command_parse(&second, buf_text(&once), &interp.session, &fault) == OK)) {
+        if (CHECK(command_parse(&second, buf_text(&once), interp.session, &fault) == OK)) {
             buf_clear(&twice);
             command_write(&twice, &second);
             CHECK_TEXT(buf_text(&twice), buf_text(&once));
@@ -393,7 +393,7 @@ STORY(a_radius_is_written_with_all_its_digits)
     begin_with_scene(&interp);
     for (size_t i = 0; i < sizeof word / sizeof word[0]; i++) {
         snprintf(line, sizeof line, "seed 0,0,0 1 radius=%s", word[i]);
-        canonical(&out, line, &interp.session);
+        canonical(&out, line, interp.session);
         CHECK_TEXT(buf_text(&out), line);
     }
     buf_release(&out);
@@ -423,11 +423,11 @@ STORY(millimetres_lead_to_the_nearest_voxel)
     struct call call;
     begin_with_scene(&interp);
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
-        canonical(&out, row[i].line, &interp.session);
+        canonical(&out, row[i].line, interp.session);
         CHECK_TEXT(buf_text(&out), row[i].canonical);
     }
     for (size_t i = 0; i < sizeof outside / sizeof outside[0]; i++) {
-        CHECK(command_parse(&call, outside[i], &interp.session, &fault) == ERR_INPUT);
+        CHECK(command_parse(&call, outside[i], interp.session, &fault) == ERR_INPUT);
         CHECK_HAS(fault.text, "lies outside the scene, whose voxels are 0,0,0 to 11,10,9");
         CHECK_HAS(fault.text, "nothing has changed");
     }
@@ -453,7 +453,7 @@ STORY(what_others_call_a_command_leads_to_it_alone)
             snprintf(key, sizeof key, "|%s|", line);
             snprintf(words, sizeof words, "unknown command %s; did you mean %s?", line,
                      command_at(i)->name);
-            CHECK_INT(command_parse(&call, line, &interp.session, &fault), ERR_USAGE);
+            CHECK_INT(command_parse(&call, line, interp.session, &fault), ERR_USAGE);
             CHECK_TEXT(fault.text, words);
             CHECK(!strstr(said, key));
             strcat(said, key + 1);
@@ -751,14 +751,14 @@ STORY(garbage_is_parsed_or_refused_in_one_plain_line)
         line[0] = '\0';
         garbage(line, sizeof line);
         fault = (struct fault){.text = ""};
-        if (command_parse(&call, line, &interp.session, &fault) != OK) {
+        if (command_parse(&call, line, interp.session, &fault) != OK) {
             CHECK(fault.text[0] != '\0' && is_plain(fault.text) && fault.code != OK);
             CHECK(fault.at <= strlen(line) + 2);
         } else if (call.command) {
             parsed++;
             buf_clear(&once);
             command_write(&once, &call);
-            canonical(&twice, buf_text(&once), &interp.session);
+            canonical(&twice, buf_text(&once), interp.session);
             CHECK_TEXT(buf_text(&twice), buf_text(&once));
             call_release(&call);
         } else {
@@ -1117,7 +1117,7 @@ static void fails_then_works(struct interpreter *interp, const char *line, const
     must(interp, line);
     if (file)
         CHECK(file_exists(place(file)));
-    CHECK(interp->session.has_scene ? forest_check(interp->session.forest, NULL) : true);
+    CHECK(interp->session->has_scene ? forest_check(interp->session->forest, NULL) : true);
     CHECK(journal_audit(interp->journal, NULL) == OK);
 }
 
@@ -1182,7 +1182,7 @@ static void make_seed_files(void)
 
 static bool has_seed(const struct interpreter *interp, uint32_t x, uint32_t y, uint32_t z)
 {
-    const struct scene *scene = interp->session.scene;
+    const struct scene *scene = interp->session->scene;
     return scene->cell[grid_cell(&scene->grid, x, y, z)].flags & CELL_SEED;
 }
 
@@ -1192,15 +1192,15 @@ STORY(a_stroke_is_balls_along_a_line)
     begin_with_scene(&interp);
     must(&interp, "seed 1,1,1 1 to=9,5,1");
     must(&interp, "run");
-    CHECK_INT(forest_seeds(interp.session.forest), 9); /* a step of the longest axis each */
+    CHECK_INT(forest_seeds(interp.session->forest), 9); /* a step of the longest axis each */
     CHECK(has_seed(&interp, 1, 1, 1) && has_seed(&interp, 5, 3, 1) && has_seed(&interp, 9, 5, 1));
     must(&interp, "undo 2");
     must(&interp, "seed 9,5,1 1 to=1,1,1 radius=1"); /* each voxel once, wherever balls overlap */
     must(&interp, "run");
-    CHECK_INT(forest_seeds(interp.session.forest), 47);
+    CHECK_INT(forest_seeds(interp.session->forest), 47);
     CHECK(has_seed(&interp, 5, 3, 2) && has_seed(&interp, 10, 5, 1) && !has_seed(&interp, 5, 3, 3));
     must(&interp, "seed 3,3,3 2 to=3,3,3");
-    CHECK_INT(session_pendings(&interp.session), 1);
+    CHECK_INT(session_pendings(interp.session), 1);
     CHECK(execute(&interp, "seed 1,1,1 1 to=99,1,1") == ERR_INPUT);
     interpreter_release(&interp);
 }
@@ -1218,7 +1218,7 @@ STORY(a_seed_that_is_erased_before_a_run_waits_no_more)
     must(&interp, "remove 4,4,4 of=tree");
     interpreter_release(&interp);
     begin_with_scene(&interp);
-    interp.session.semantics = 3; /* a journal of its time may have this */
+    interp.session->semantics = 3; /* a journal of its time may have this */
     must(&interp, "seed 4,4,4 1");
     must(&interp, "remove 4,4,4");
     must(&interp, "remove 4,4,4");
@@ -1234,12 +1234,12 @@ STORY(seeds_come_out_of_files)
     CHECK_HAS(buf_text(&reply.words), "added=2 marker=1-2 forest=");
     CHECK_HAS(buf_text(&reply.words), " pending=2");
     must(&interp, "run");
-    CHECK_INT(forest_seeds(interp.session.forest), 2);
-    const uint32_t cell = grid_cell(&interp.session.scene->grid, 10, 9, 8);
-    CHECK_INT(interp.session.scene->cell[cell].label, 2);
+    CHECK_INT(forest_seeds(interp.session->forest), 2);
+    const uint32_t cell = grid_cell(&interp.session->scene->grid, 10, 9, 8);
+    CHECK_INT(interp.session->scene->cell[cell].label, 2);
     must(&interp, "seed-file seeds.csv label=7");
     must(&interp, "run");
-    CHECK_INT(interp.session.scene->cell[cell].label, 7);
+    CHECK_INT(interp.session->scene->cell[cell].label, 7);
     must(&interp, "seed-file regions.nii"); /* four of twelve columns each */
     CHECK_HAS(buf_text(&reply.words), "added=880 marker=4-5 forest=");
     must(&interp, "seed-file regions.nii erode=1 regions=2");
@@ -1248,7 +1248,7 @@ STORY(seeds_come_out_of_files)
     must(&interp, "seed-file regions.nii each=5 label=cerebellum");
     CHECK_HAS(buf_text(&reply.words), "added=10 marker=7-8 forest=");
     must(&interp, "run");
-    CHECK(forest_check(interp.session.forest, NULL));
+    CHECK(forest_check(interp.session->forest, NULL));
     interpreter_release(&interp);
 }
 
@@ -1591,7 +1591,7 @@ STORY(voxels_too_long_for_any_picture_are_refused_in_so_many_words)
     CHECK(execute(&interp, line) == ERR_LIMIT);
     CHECK_TEXT(fault.text, "voxels of 0.1x1x3000 mm are too long for their width: no picture could "
                            "show them; nothing was opened");
-    CHECK(!interp.session.has_scene);
+    CHECK(!interp.session->has_scene);
     interpreter_release(&interp);
 }
 
@@ -1780,7 +1780,7 @@ STORY(random_edits_fail_at_random)
             snprintf(line, sizeof line, "seed %u,%u,%u %u radius=%u", x, y, z, below(5),
                      below(8) ? 0 : 1);
         }
-        if (session_pendings(&interp.session) > 48)
+        if (session_pendings(interp.session) > 48)
             snprintf(line, sizeof line, "run");
         take_snapshot(&before, &interp);
         failing_step = below(2) ? FILE_STEP_WRITE : FILE_STEP_SYNC;
@@ -1802,7 +1802,7 @@ STORY(random_edits_fail_at_random)
 static const struct cell *cell_at(const struct interpreter *interp, uint32_t x, uint32_t y,
                                   uint32_t z)
 {
-    const struct scene *scene = interp->session.scene;
+    const struct scene *scene = interp->session->scene;
     return scene->cell + grid_cell(&scene->grid, x, y, z);
 }
 
@@ -1814,11 +1814,11 @@ STORY(weights_come_out_of_a_file)
     must(&interp, "seed 10,9,8 2");
     must(&interp, "run");
     must(&interp, "weight morph radius=2");
-    const uint64_t morph = forest_digest(interp.session.forest);
+    const uint64_t morph = forest_digest(interp.session->forest);
     must(&interp, "weight weights.nii");
     CHECK_HAS(buf_text(&reply.words), "weights=");
     CHECK_INT(cell_at(&interp, 3, 4, 5)->weight, (21 + 20 + 15) % 40);
-    CHECK(forest_digest(interp.session.forest) != morph);
+    CHECK(forest_digest(interp.session->forest) != morph);
     must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), "weight of weights.nii\n");
     must(&interp, "why 3,4,5");
@@ -1828,7 +1828,7 @@ STORY(weights_come_out_of_a_file)
     must(&interp, "weight difference");
     must(&interp, "adjacency 6");
     must(&interp, "weight morph radius=2");
-    CHECK(forest_digest(interp.session.forest) == morph);
+    CHECK(forest_digest(interp.session->forest) == morph);
     make_weights("heaviest.nii", 65535 - 39);
     must(&interp, "weight heaviest.nii");
     CHECK_INT(cell_at(&interp, 0, 0, 0)->weight, 65535 - 39);
@@ -1860,7 +1860,7 @@ STORY(weights_of_steps_go_by_both_ends)
     CHECK_HAS(buf_text(&reply.text), "weight polarity 1:-50\n");
     must(&interp, "seed 0,0,0 cerebellum"); /* another label, whose polarity is 0 */
     CHECK_INT(key_cost(cell_at(&interp, 6, 0, 0)->key), 63);
-    CHECK(forest_check(interp.session.forest, NULL));
+    CHECK(forest_check(interp.session->forest, NULL));
     interpreter_release(&interp);
 }
 
@@ -2030,7 +2030,7 @@ static unsigned looks_of(struct interpreter *interp, const char *line)
 {
     struct looks looks = {0, UINT32_MAX};
     struct watch watch = {.context = &looks, .poll = after_some_polls};
-    interp->session.watch = &watch;
+    interp->session->watch = &watch;
     CHECK_INT(execute(interp, line), OK);
     interpreter_release(interp);
     begin_interesting_work(interp);
@@ -2057,9 +2057,9 @@ static unsigned stop_everywhere(struct interpreter *interp, const char *line, un
     unsigned stopped = 0;
     for (unsigned at = 0, step = 1; at < total; at = next_look(at, &step, total), stopped++) {
         looks = (struct looks){0, at};
-        interp->session.watch = &watch;
+        interp->session->watch = &watch;
         CHECK_INT(execute(interp, line), ERR_CANCELLED);
-        interp->session.watch = NULL;
+        interp->session->watch = NULL;
         CHECK_TEXT(fault.text, "cancelled; nothing has changed");
         is_as_before(before, interp, line);
     }
@@ -2100,8 +2100,8 @@ STORY(a_command_that_is_cancelled_is_undone)
     take_snapshot(&before, &interp);
     for (size_t i = 0; i < sizeof picture / sizeof picture[0]; i++) /* with nothing else to do */
         CHECK(stop_everywhere(&interp, picture[i], 4, &before) == 4);
-    CHECK(forest_check(interp.session.forest, NULL));
-    CHECK(border_check(&interp.session.border, NULL));
+    CHECK(forest_check(interp.session->forest, NULL));
+    CHECK(border_check(&interp.session->border, NULL));
     interpreter_release(&interp);
 }
 
@@ -2121,16 +2121,16 @@ STORY(interpolation_that_is_cancelled_is_undone)
     take_snapshot(&before, &interp);
     for (unsigned at = 0; err == ERR_CANCELLED; at += 1 + at / 4) {
         looks = (struct looks){0, at};
-        interp.session.watch = &watch;
+        interp.session->watch = &watch;
         err = execute(&interp, line);
-        interp.session.watch = NULL;
+        interp.session->watch = NULL;
         if (err)
             is_as_before(&before, &interp, line);
         cancelled += err == ERR_CANCELLED;
     }
     CHECK_INT(err, OK);
     CHECK(cancelled > 5);
-    CHECK_INT(interp.session.scene->grid.size[0], 239);
+    CHECK_INT(interp.session->scene->grid.size[0], 239);
     interpreter_release(&interp);
 }
 
@@ -2146,10 +2146,10 @@ STORY(opening_that_is_cancelled_opens_nothing)
         begin_interpreter(&interp);
         for (unsigned at = 0; err == ERR_CANCELLED; at += 1 + at / 4) {
             looks = (struct looks){0, at};
-            interp.session.watch = &watch;
+            interp.session->watch = &watch;
             err = execute(&interp, line[i]);
-            CHECK(err ? !interp.session.has_scene && !interp.session.scene
-                      : interp.session.has_scene);
+            CHECK(err ? !interp.session->has_scene && !interp.session->scene
+                      : interp.session->has_scene);
         }
         CHECK_INT(err, OK);
         interpreter_release(&interp);
@@ -2337,7 +2337,7 @@ static void grows_anew_after_every_failure(struct interpreter *interp, const cha
         if (!err)
             break;
         CHECK_INT(err, ERR_MEMORY);
-        CHECK_INT(session_pendings(&interp->session), before.pendings);
+        CHECK_INT(session_pendings(interp->session), before.pendings);
         const uint64_t acknowledged = interp->acknowledged;
         must(interp, "why 1,1,1");
         interp->acknowledged = acknowledged;
@@ -2376,7 +2376,7 @@ STORY(the_context_lies_behind_objects_and_goes_by_the_window)
     must(&interp, "context mip");
     record_of(words, &interp, "render"); /* the scene alone */
     CHECK(strcmp(words, alone) != 0);
-    CHECK_INT(session_frame(&interp.session)->rgba[4 * (256 * 512 + 256) + 3], 255);
+    CHECK_INT(session_frame(interp.session)->rgba[4 * (256 * 512 + 256) + 3], 255);
     must(&interp, "samples 2");
     must(&interp, "samples 1");
     record_of(other, &interp, "render");

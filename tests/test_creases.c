@@ -156,7 +156,7 @@ STORY(there_is_a_crease_where_two_objects_touch_and_nowhere_else)
 static uint64_t digest_after(struct interpreter *interp, const char *line)
 {
     must(interp, line);
-    return rendition_digest(session_frame(&interp->session));
+    return rendition_digest(session_frame(interp->session));
 }
 
 STORY(creases_follow_each_edit_of_a_session)

@@ -372,12 +372,12 @@ static void begin(struct interpreter *interp)
 static uint64_t picture(struct interpreter *interp)
 {
     must(interp, "render mode=bp");
-    return rendition_digest(&interp->session.rendition);
+    return rendition_digest(&interp->session->rendition);
 }
 
 static bool is_shown(const struct interpreter *interp, uint32_t x, uint32_t y, uint32_t z)
 {
-    return shows(&interp->session.border, x, y, z);
+    return shows(&interp->session->border, x, y, z);
 }
 
 STORY(slabs_are_counted_as_slices_are)
@@ -399,14 +399,14 @@ STORY(slabs_are_counted_as_slices_are)
     CHECK_HAS(buf_text(&reply.text), "cut away  all but coronal slices 10-10\n");
     /* Where an axis runs the other way, slice 0 is its first voxel, and was the last one. */
     must(&interp, "clip none");
-    interp.session.scene->world_sign[0] = -1;
+    interp.session->scene->world_sign[0] = -1;
     must(&interp, "clip sagittal 0-1");
     CHECK(is_shown(&interp, 0, 5, 5) && is_shown(&interp, 1, 5, 5) && !is_shown(&interp, 2, 5, 5));
     must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), "all but sagittal slices 0-1");
     CHECK(execute(&interp, "clip sagittal 0-40") == ERR_INPUT);
     CHECK_HAS(fault.text, "there are sagittal slices 0-39, right to left, not 40");
-    interp.session.semantics = 8;
+    interp.session->semantics = 8;
     CHECK(execute(&interp, "clip sagittal 0-40") == ERR_INPUT);
     CHECK_HAS(fault.text, "there are sagittal slices 0-39, left to right, not 40");
     must(&interp, "clip sagittal 0-1");
@@ -476,8 +476,8 @@ STORY(a_cut_scene_is_not_interpolated)
     must(&interp, "clip none");
     must(&interp, "focus 3,4,5");
     must(&interp, "interpolate 2 1 2");
-    CHECK_INT(interp.session.now.outlook.view.focus[0], (2 * 6 - 38) * (1 << 15));
-    CHECK_INT(interp.session.now.outlook.view.focus[1], (2 * 4 - 19) * (1 << 15));
+    CHECK_INT(interp.session->now.outlook.view.focus[0], (2 * 6 - 38) * (1 << 15));
+    CHECK_INT(interp.session->now.outlook.view.focus[1], (2 * 4 - 19) * (1 << 15));
     interpreter_release(&interp);
 }
 
@@ -561,7 +561,7 @@ STORY(cuts_are_taken_back_and_replayed_exactly)
     CHECK(interpreter_init(&interp, NULL) == OK);
     CHECK(interpreter_create_journal(&interp, path, NULL) == OK);
     for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
-        const struct session *session = &interp.session;
+        const struct session *session = interp.session;
         const struct state before = session->now;
         const bool rendered = session->rendered;
         const uint64_t seen = rendered ? rendition_digest(&session->rendition) : 0;
@@ -576,13 +576,13 @@ STORY(cuts_are_taken_back_and_replayed_exactly)
         CHECK(!session->has_scene || border_check(&session->border, NULL));
         must(&interp, line[i]);
     }
-    const struct state end = interp.session.now;
-    const uint64_t seen = rendition_digest(&interp.session.rendition);
+    const struct state end = interp.session->now;
+    const uint64_t seen = rendition_digest(&interp.session->rendition);
     interpreter_release(&interp);
     CHECK(interpreter_init(&interp, NULL) == OK);
     CHECK(interpreter_resume_journal(&interp, path, &told, &fault) == OK);
-    CHECK(memcmp(&end.kept.cut, &interp.session.now.kept.cut, sizeof end.kept.cut) == 0);
-    CHECK(memcmp(&end.outlook.view, &interp.session.now.outlook.view, sizeof end.outlook.view) ==
+    CHECK(memcmp(&end.kept.cut, &interp.session->now.kept.cut, sizeof end.kept.cut) == 0);
+    CHECK(memcmp(&end.outlook.view, &interp.session->now.outlook.view, sizeof end.outlook.view) ==
           0);
     CHECK(picture(&interp) == seen);
     interpreter_release(&interp);

@@ -231,12 +231,12 @@ STORY(what_is_below_stays_what_it_is)
     struct interpreter interp;
     begin_with_object(&interp);
     must(&interp, "render");
-    const struct rendition *frame = session_frame(&interp.session);
+    const struct rendition *frame = session_frame(interp.session);
     const uint64_t before = rendition_digest(frame);
     must(&interp, "decorate all");
     must(&interp, "render");
-    const struct rendition shown = session_picture(&interp.session);
-    CHECK(rendition_digest(session_frame(&interp.session)) == before);
+    const struct rendition shown = session_picture(interp.session);
+    CHECK(rendition_digest(session_frame(interp.session)) == before);
     CHECK(shown.cell == frame->cell && shown.depth == frame->depth && shown.rgba != frame->rgba);
     must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), ", decorate letters scale legend seeds cross, ");
@@ -287,9 +287,9 @@ STORY(what_is_no_part_is_refused)
     CHECK(execute(&interp, "decorate none letters") == ERR_USAGE);
     CHECK(execute(&interp, "decorate") == ERR_USAGE);
     CHECK(execute(&interp, "decorate cube") == ERR_USAGE);
-    CHECK_INT(interp.session.now.outlook.decorations, DECORATE_SCALE);
+    CHECK_INT(interp.session->now.outlook.decorations, DECORATE_SCALE);
     must(&interp, "decorate cross seeds legend scale letters");
-    CHECK_INT(interp.session.now.outlook.decorations, DECORATE_ALL);
+    CHECK_INT(interp.session->now.outlook.decorations, DECORATE_ALL);
     interpreter_release(&interp);
 }
 

@@ -198,10 +198,10 @@ static void draw(struct picture *picture, struct interpreter *a, const uint8_t *
                  const uint8_t *label_b)
 {
     static struct overlap overlap;
-    overlap_count(&overlap, label_a, label_b, a->session.scene->grid.voxels);
+    overlap_count(&overlap, label_a, label_b, a->session->scene->grid.voxels);
     const struct difference_picture difference_picture = {
         .name = {"a.iftty", "b.iftty"}, .label = {label_a, label_b}, .overlap = &overlap};
-    CHECK(difference_picture_draw(picture, &a->session, &difference_picture, NULL) == OK);
+    CHECK(difference_picture_draw(picture, a->session, &difference_picture, NULL) == OK);
 }
 
 STORY(the_picture_shows_both_and_where_they_differ)
@@ -210,21 +210,21 @@ STORY(the_picture_shows_both_and_where_they_differ)
     struct picture picture = {0};
     begin(&a, "seed 6,6,4 2");
     begin(&b, "seed 33,33,14 2");
-    CHECK(session_render(&a.session, RENDER_RAY, NULL) == OK);
-    CHECK(session_render(&b.session, RENDER_RAY, NULL) == OK);
-    uint8_t *label_a = labels_of(&a.session), *label_b = labels_of(&b.session);
+    CHECK(session_render(a.session, RENDER_RAY, NULL) == OK);
+    CHECK(session_render(b.session, RENDER_RAY, NULL) == OK);
+    uint8_t *label_a = labels_of(a.session), *label_b = labels_of(b.session);
     /* A keeps its rendition only until it is drawn over. */
     static struct interpreter again;
     begin(&again, "seed 6,6,4 2");
-    CHECK(session_render(&again.session, RENDER_RAY, NULL) == OK);
+    CHECK(session_render(again.session, RENDER_RAY, NULL) == OK);
     draw(&picture, &a, label_a, label_b);
     CHECK_INT(picture.width, 3 * 120 + 2 * 2);
     const uint32_t top = 11 + 8, right = 2 * (120 + 2);
     CHECK_INT(picture.height, top + 100 + 3 * 11 + 8);
-    CHECK(shows(&picture, 0, top, &again.session));
-    CHECK(shows(&picture, 120 + 2, top, &b.session));
-    CHECK(!shows(&picture, 120 + 2, top, &again.session));
-    size_t alone[3] = {0}, voxels = a.session.scene->grid.voxels;
+    CHECK(shows(&picture, 0, top, again.session));
+    CHECK(shows(&picture, 120 + 2, top, b.session));
+    CHECK(!shows(&picture, 120 + 2, top, again.session));
+    size_t alone[3] = {0}, voxels = a.session->scene->grid.voxels;
     for (size_t i = 0; i < voxels; i++)
         if (label_a[i] != label_b[i])
             alone[!label_b[i] ? 0 : !label_a[i] ? 1 : 2]++;
@@ -248,7 +248,7 @@ STORY(where_nothing_differs_all_is_grey)
     static struct interpreter a;
     struct picture picture = {0};
     begin(&a, "seed 6,6,4 2");
-    uint8_t *label = labels_of(&a.session);
+    uint8_t *label = labels_of(a.session);
     draw(&picture, &a, label, label);
     CHECK_INT(coloured(&picture, 2 * 122, 19, 119, RED, BLUE), 0);
     CHECK_INT(coloured(&picture, 2 * 122, 19, 119, BLUE, RED), 0);
@@ -263,9 +263,9 @@ STORY(what_is_hidden_does_not_differ_and_sizes_are_judged)
     static struct interpreter a;
     struct picture picture = {0};
     begin(&a, "seed 6,6,4 2");
-    uint8_t *label = labels_of(&a.session);
-    uint8_t *other = malloc(a.session.scene->grid.voxels);
-    for (size_t i = 0; i < a.session.scene->grid.voxels; i++)
+    uint8_t *label = labels_of(a.session);
+    uint8_t *other = malloc(a.session->scene->grid.voxels);
+    for (size_t i = 0; i < a.session->scene->grid.voxels; i++)
         other[i] = label[i] == 2 ? 0 : label[i];
     must(&a, "hide 2");
     draw(&picture, &a, label, other);
@@ -282,12 +282,12 @@ STORY(what_is_hidden_does_not_differ_and_sizes_are_judged)
     draw(&picture, &a, label, other);
     CHECK_INT(picture.width, 7);
     picture_release(&picture);
-    a.session.now.outlook.view.width = 8192;
+    a.session->now.outlook.view.width = 8192;
     static struct overlap overlap;
-    overlap_count(&overlap, label, other, a.session.scene->grid.voxels);
+    overlap_count(&overlap, label, other, a.session->scene->grid.voxels);
     const struct difference_picture difference_picture = {
         .name = {"a", "b"}, .label = {label, other}, .overlap = &overlap};
-    CHECK(difference_picture_draw(&picture, &a.session, &difference_picture, NULL) == ERR_LIMIT);
+    CHECK(difference_picture_draw(&picture, a.session, &difference_picture, NULL) == ERR_LIMIT);
     picture_release(&picture);
     free(label);
     free(other);

@@ -175,12 +175,12 @@ STORY(fit_is_recorded_as_what_it_comes_to)
     must(&interp, "zoom fit"); /* the seed waits: no object yet */
     CHECK_TEXT(buf_text(&reply.text), "no object is shown: the scene fits\n"
                                       "without the 257 edits that wait for `run`\n");
-    const uint32_t whole = interp.session.now.outlook.view.zoom;
+    const uint32_t whole = interp.session->now.outlook.view.zoom;
     must(&interp, "run");
     must(&interp, "clip axial 5-12");
     must(&interp, "cut 20,0,0 59,49,39");
     must(&interp, "zoom fit");
-    const struct view fitted = interp.session.now.outlook.view;
+    const struct view fitted = interp.session->now.outlook.view;
     CHECK(fitted.zoom > whole + whole / 4);
     CHECK_TEXT(buf_text(&reply.text), "");
     CHECK_HAS(buf_text(&reply.canonical), "zoom ");
@@ -190,7 +190,7 @@ STORY(fit_is_recorded_as_what_it_comes_to)
     must(&interp, "zoom 1 at=0,0,0");
     must(&interp, line);
     CHECK_TEXT(buf_text(&reply.canonical), line);
-    CHECK(memcmp(&interp.session.now.outlook.view, &fitted, sizeof fitted) == 0);
+    CHECK(memcmp(&interp.session->now.outlook.view, &fitted, sizeof fitted) == 0);
     CHECK_INT(execute(&interp, "zoom fit at=1,1,1"), ERR_USAGE);
     CHECK_HAS(fault.text, "fit finds the place");
     must(&interp, "hide 1");
@@ -203,15 +203,15 @@ STORY(in_journals_made_before_it_is_the_whole_scene)
 {
     struct interpreter interp;
     begin_interpreter(&interp);
-    session_take_semantics(&interp.session, 5);
+    session_take_semantics(interp.session, 5);
     must(&interp, "open synth:geom:60x50x40");
     must(&interp, "seed 12,12,10 1 radius=4");
     must(&interp, "run");
     must(&interp, "pan 5 5");
     must(&interp, "zoom fit");
-    const struct view *view = &interp.session.now.outlook.view;
+    const struct view *view = &interp.session->now.outlook.view;
     CHECK_TEXT(buf_text(&reply.canonical), "zoom fit");
-    CHECK_INT(view->zoom, view_fitting_zoom(interp.session.scene, view->width, view->height, 1));
+    CHECK_INT(view->zoom, view_fitting_zoom(interp.session->scene, view->width, view->height, 1));
     for (int a = 0; a < 3; a++)
         CHECK_INT(view->focus[a], 0);
     interpreter_release(&interp);
@@ -282,9 +282,9 @@ STORY(a_turntable_that_fits_fits_all_its_pictures)
     must(&interp, "run");
     must(&interp, "cut 30,0,0 59,49,39");
     must(&interp, "zoom 7");
-    const struct view before = interp.session.now.outlook.view;
+    const struct view before = interp.session->now.outlook.view;
     must(&interp, "spin 12 fit%d.exr fit=yes axis=yaw,pitch");
-    CHECK(memcmp(&interp.session.now.outlook.view, &before, sizeof before) == 0);
+    CHECK(memcmp(&interp.session->now.outlook.view, &before, sizeof before) == 0);
     for (unsigned i = 0; i < 24; i++) {
         struct picture p = {0};
         snprintf(name, sizeof name, "fit%u.exr", i);

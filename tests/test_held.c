@@ -41,7 +41,7 @@ STORY(a_tree_has_the_voxels_that_name_its_root)
         struct interpreter interp;
         begin(&interp, 5);
         must(&interp, "run");
-        const struct session *session = &interp.session;
+        const struct session *session = interp.session;
         const struct scene *scene = session->scene;
         uint32_t *voxels = calloc(scene->grid.cells, sizeof *voxels);
         for (uint32_t c = 0; c < scene->grid.cells; c++)
@@ -100,7 +100,7 @@ static void is_as_counted(const struct session *session, const struct held *held
 
 static void ask(struct interpreter *interp)
 {
-    const struct session *session = &interp->session;
+    const struct session *session = interp->session;
     const uint32_t cell = random_cell(session), marker = marker_of(session, cell);
     const struct place p = grid_place(&session->scene->grid, cell);
     struct held held;
@@ -137,7 +137,7 @@ STORY(a_single_tree_is_held_by_itself)
     struct interpreter interp;
     struct held held;
     begin_with_scene(&interp);
-    const struct session *session = &interp.session;
+    const struct session *session = interp.session;
     const uint32_t cell = grid_cell(&session->scene->grid, 3, 3, 3);
     CHECK(session_find_held(&held, session, cell, true, &fault) == ERR_INPUT);
     must(&interp, "seed 3,3,3 2 radius=1");
@@ -151,7 +151,7 @@ STORY(a_single_tree_is_held_by_itself)
     CHECK_INT(held.trees, 7);
     CHECK_INT(held.voxels, session->scene->grid.voxels);
     CHECK(session_is_held(session, &held, cell + 1));
-    interp.session.semantics = 3; /* which know no markers */
+    interp.session->semantics = 3; /* which know no markers */
     CHECK(session_find_held(&held, session, cell, false, &fault) == OK);
     CHECK(held.marker == 0 && held.seed == cell);
     interpreter_release(&interp);

@@ -291,7 +291,7 @@ STORY(a_hint_is_recorded_as_the_cross_that_it_comes_to)
     CHECK_HAS(buf_text(&reply.text), " an edge of ");
     CHECK(sscanf(buf_text(&reply.text), "1  at %u,%u,%u", &at[0], &at[1], &at[2]) == 3);
     must(&interp, "hint 1");
-    CHECK(memcmp(interp.session.now.outlook.slices.cross, at, sizeof at) == 0);
+    CHECK(memcmp(interp.session->now.outlook.slices.cross, at, sizeof at) == 0);
     char cross[64];
     snprintf(cross, sizeof cross, "cross %u,%u,%u", at[0], at[1], at[2]);
     CHECK_TEXT(buf_text(&reply.canonical), cross);

@@ -133,10 +133,10 @@ STORY(where_one_looks_from_is_not_undone)
     must(&interp, "undo");
     CHECK_TEXT(buf_text(&reply.text), "undone: 4 seed 1,1,1 1\nafter 3 label 0 background\n");
     CHECK_HAS(buf_text(&reply.words), "at=3 on=main forest=");
-    CHECK_INT(session_pendings(&interp.session), 0);
-    CHECK_INT(interp.session.now.outlook.slices.cross[0], 3);
-    CHECK(interp.session.now.outlook.look.mode != look_default(LOOK_PRESENT).mode);
-    CHECK(interp.session.now.outlook.view.angle[0] != 0);
+    CHECK_INT(session_pendings(interp.session), 0);
+    CHECK_INT(interp.session->now.outlook.slices.cross[0], 3);
+    CHECK(interp.session->now.outlook.look.mode != look_default(LOOK_PRESENT).mode);
+    CHECK(interp.session->now.outlook.view.angle[0] != 0);
     interpreter_release(&interp);
 }
 
@@ -175,24 +175,24 @@ STORY(looking_back_moves_no_branch)
     CHECK_HAS(buf_text(&reply.text), "main stays at record 7: `goto main` leads back\n");
     must(&interp, "undo"); /* one looks further back */
     must(&interp, "redo 2");
-    CHECK_INT(forest_seeds(interp.session.forest), 2);
+    CHECK_INT(forest_seeds(interp.session->forest), 2);
     must(&interp, "goto main");
-    CHECK_INT(forest_seeds(interp.session.forest), 3);
+    CHECK_INT(forest_seeds(interp.session->forest), 3);
     must(&interp, "undo"); /* from the tip: that is a change */
     must(&interp, "goto 4");
     must(&interp, "goto main");
-    CHECK_INT(forest_seeds(interp.session.forest), 2);
+    CHECK_INT(forest_seeds(interp.session->forest), 2);
     must(&interp, "goto 5");
     must(&interp, "seed 3,3,3 1"); /* and so is a command */
     must(&interp, "goto 7");
     must(&interp, "goto main");
-    CHECK_INT(forest_seeds(interp.session.forest), 2);
-    CHECK(interp.session.scene->cell[grid_cell(&interp.session.scene->grid, 3, 3, 3)].flags &
+    CHECK_INT(forest_seeds(interp.session->forest), 2);
+    CHECK(interp.session->scene->cell[grid_cell(&interp.session->scene->grid, 3, 3, 3)].flags &
           CELL_SEED);
-    interp.session.semantics = 3; /* whose meaning was another */
+    interp.session->semantics = 3; /* whose meaning was another */
     must(&interp, "goto 5");
     must(&interp, "goto main");
-    CHECK_INT(forest_seeds(interp.session.forest), 1);
+    CHECK_INT(forest_seeds(interp.session->forest), 1);
     interpreter_release(&interp);
 }
 
@@ -209,11 +209,11 @@ STORY(branches_have_names_and_are_left_and_found_again)
     must(&interp, "seed 10,9,8 2");
     must(&interp, "seed 9,9,8 2");
     must(&interp, "goto main");
-    CHECK_INT(forest_seeds(interp.session.forest), 1);
+    CHECK_INT(forest_seeds(interp.session->forest), 1);
     must(&interp, "redo"); /* along the branch one is on */
-    CHECK(!interp.session.now.kept.visible[1]);
+    CHECK(!interp.session->now.kept.visible[1]);
     must(&interp, "goto other");
-    CHECK_INT(forest_seeds(interp.session.forest), 3);
+    CHECK_INT(forest_seeds(interp.session->forest), 3);
     must(&interp, "history 3");
     CHECK_TEXT(buf_text(&reply.text), "  6 hide 1   [main]\n"
                                       "  9 seed 10,9,8 2   (from 5)\n"
@@ -291,7 +291,7 @@ static void walk_about(struct interpreter *interp, unsigned steps)
     for (unsigned i = 0; i < steps && check_failures < 5; i++) {
         struct snapshot now;
         random_line(line, sizeof line);
-        if (session_pendings(&interp->session) > 40)
+        if (session_pendings(interp->session) > 40)
             snprintf(line, sizeof line, "run");
         const size_t points = interp->history.points;
         if (execute(interp, line) != OK || interp->history.records >= 400)
@@ -477,7 +477,7 @@ STORY(without_memory_a_marker_stands_as_it_did)
             is_as_before(&before, &interp, lines[i]);
         }
     CHECK(refused > 10);
-    CHECK_INT(session_pendings(&interp.session), 0);
+    CHECK_INT(session_pendings(interp.session), 0);
     interpreter_release(&interp);
 }
 
@@ -492,9 +492,9 @@ STORY(who_is_stopped_on_the_way_is_where_he_was)
     for (size_t i = 0; i < TRAVELS; i++)
         for (unsigned looks = 0;; looks++) {
             stopping.left = looks;
-            interp.session.watch = &stopping.watch;
+            interp.session->watch = &stopping.watch;
             const enum err err = execute(&interp, travels[i]);
-            interp.session.watch = NULL;
+            interp.session->watch = NULL;
             if (err == OK) {
                 must(&interp, "goto 17");
                 take_snapshot(&before, &interp);
@@ -556,13 +556,13 @@ static unsigned stop_everywhere(struct interpreter *interp, const char *line, bo
                                           .poll = not_now,
                                           .show = shows ? show_all : NULL,
                                           .step = 1},
-                                .session = &interp->session};
+                                .session = interp->session};
     take_snapshot(&before, interp);
     for (unsigned looks = 0;; looks += 1 + looks / (shows ? 6 : 16), stopped++) {
         stopping.left = looks;
-        interp->session.watch = &stopping.watch;
+        interp->session->watch = &stopping.watch;
         const enum err err = execute(interp, line);
-        interp->session.watch = NULL;
+        interp->session->watch = NULL;
         if (err == OK)
             break;
         if (!CHECK(err == ERR_CANCELLED))
@@ -571,8 +571,8 @@ static unsigned stop_everywhere(struct interpreter *interp, const char *line, bo
             return stopped;
         is_as_before(&before, interp, line);
     }
-    if (interp->session.has_scene)
-        interp->session.scene->watch = NULL;
+    if (interp->session->has_scene)
+        interp->session->scene->watch = NULL;
     return stopped;
 }
 
@@ -599,9 +599,9 @@ STORY(what_is_shown_on_the_way_changes_nothing)
 {
     struct interpreter interp, plain;
     struct snapshot shown, expected;
-    struct stopping stopping = {.watch = {.context = &stopping, .poll = not_now, .show = show_all},
-                                .session = &interp.session};
     begin_with_scene(&interp);
+    struct stopping stopping = {.watch = {.context = &stopping, .poll = not_now, .show = show_all},
+                                .session = interp.session};
     begin_with_scene(&plain);
     must(&interp, "size 24 24");
     must(&plain, "size 24 24");
@@ -609,16 +609,16 @@ STORY(what_is_shown_on_the_way_changes_nothing)
         const char *line = i % 2 ? "render" : deeds[i / 2];
         const unsigned failures = check_failures;
         stopping.left = UINT_MAX;
-        interp.session.watch = &stopping.watch;
+        interp.session->watch = &stopping.watch;
         must(&interp, line);
-        interp.session.watch = interp.session.scene->watch = NULL;
+        interp.session->watch = interp.session->scene->watch = NULL;
         must(&plain, line);
         take_snapshot(&shown, &interp);
         take_snapshot(&expected, &plain);
         is_same_segmentation(&expected, &shown);
-        CHECK(interp.session.tally.stale || plain.session.tally.stale ||
-              memcmp(interp.session.tally.voxels, plain.session.tally.voxels,
-                     sizeof plain.session.tally.voxels) == 0);
+        CHECK(interp.session->tally.stale || plain.session->tally.stale ||
+              memcmp(interp.session->tally.voxels, plain.session->tally.voxels,
+                     sizeof plain.session->tally.voxels) == 0);
         if (i % 2)
             CHECK(shown.picture == expected.picture);
         if (check_failures > failures)

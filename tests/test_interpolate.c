@@ -3,7 +3,9 @@
  */
 #include <stdlib.h>
 
+#include "session/session_inside.h"
 #include "session/session.h"
+#include "show/draw.h"
 #include "tests/border_check.h"
 #include "tests/check.h"
 #include "tests/scarce_memory.h"
@@ -108,9 +110,10 @@ STORY(every_voxel_is_the_mean_of_those_around_it)
 
 /* ---- in a session ---- */
 
-static void begin(struct session *session)
+static void begin(struct session **begun)
 {
-    session_init(session);
+    CHECK(session_new(begun, NULL) == OK);
+    struct session *session = *begun;
     CHECK(session_open(session, "synth:geom", NULL, NULL) == OK);
     session_mark(session);
 }
@@ -120,44 +123,44 @@ STORY(geom_interpolated_is_what_opening_it_so_gives)
     static const char *const name[] = {"synth:geom:211", "synth:geom:121", "synth:geom:112"};
     static const unsigned doubled[] = {1, 2, 4};
     for (int i = 0; i < 3; i++) {
-        struct session opened, session;
-        session_init(&opened);
-        CHECK(session_open(&opened, name[i], NULL, NULL) == OK);
+        struct session *opened, *session;
+        CHECK(session_new(&opened, NULL) == OK);
+        CHECK(session_open(opened, name[i], NULL, NULL) == OK);
         begin(&session);
-        CHECK(session_interpolate(&session, doubled[i], NULL) == OK);
-        CHECK(session.scene_digest == opened.scene_digest);
-        CHECK(session.weight_digest == opened.weight_digest);
-        CHECK(memcmp(&session.now.outlook.view, &opened.now.outlook.view, sizeof(struct view)) ==
+        CHECK(session_interpolate(session, doubled[i], NULL) == OK);
+        CHECK(session->scene_digest == opened->scene_digest);
+        CHECK(session->weight_digest == opened->weight_digest);
+        CHECK(memcmp(&session->now.outlook.view, &opened->now.outlook.view, sizeof(struct view)) ==
               0);
-        CHECK(memcmp(session.geometry.to_mm, opened.geometry.to_mm, sizeof opened.geometry.to_mm) ==
-              0);
-        session_settle(&session);
-        CHECK_INT(session_memory(&session), session_memory(&opened));
-        session_release(&session);
-        session_release(&opened);
+        CHECK(memcmp(session->geometry.to_mm, opened->geometry.to_mm,
+                     sizeof opened->geometry.to_mm) == 0);
+        session_settle(session);
+        CHECK_INT(session_memory(session), session_memory(opened));
+        session_free(session);
+        session_free(opened);
     }
 }
 
 STORY(voxels_stay_where_they_are_in_the_world)
 {
-    struct session session;
+    struct session *session;
     begin(&session);
     const double placed[3][4] = {{0, -2, 0.25, 10}, {1.5, 0, 0, -20}, {0.5, 0, 3, 7}};
-    CHECK(geometry_place(&session.said, placed, ORIENTATION_SFORM));
-    CHECK(session_interpolate(&session, 5, NULL) == OK);
+    CHECK(geometry_place(&session->said, placed, ORIENTATION_SFORM));
+    CHECK(session_interpolate(session, 5, NULL) == OK);
     const uint32_t twice[3] = {2, 1, 2};
     for (int w = 0; w < 3; w++) {
-        double before = placed[w][3], now = session.geometry.to_mm[w][3];
+        double before = placed[w][3], now = session->geometry.to_mm[w][3];
         for (int a = 0; a < 3; a++) {
             before += placed[w][a] * (a + 3);
-            now += session.geometry.to_mm[w][a] * (a + 3) * twice[a];
+            now += session->geometry.to_mm[w][a] * (a + 3) * twice[a];
         }
         CHECK(before == now);
     }
-    CHECK_INT(session.geometry.spacing_nm[0], 500000);
-    CHECK_INT(session.geometry.spacing_nm[1], 1000000);
-    CHECK_INT(session.geometry.spacing_nm[2], 500000);
-    session_release(&session);
+    CHECK_INT(session->geometry.spacing_nm[0], 500000);
+    CHECK_INT(session->geometry.spacing_nm[1], 1000000);
+    CHECK_INT(session->geometry.spacing_nm[2], 500000);
+    session_free(session);
 }
 
 /* What a rollback must give back. */
@@ -191,146 +194,146 @@ STORY(a_rollback_gives_the_former_scene_back)
 {
     for (int i = 0; i < 4; i++) {
         const bool rendered = i % 2;
-        struct session session;
+        struct session *session;
         begin(&session);
-        struct state next = session.now;
+        struct state next = session->now;
         next.kept.visible[3] = false;
-        CHECK(session_go(&session, &next, NULL, 0, NULL) == OK);
-        struct view view = session.now.outlook.view;
+        CHECK(session_go(session, &next, NULL, 0, NULL) == OK);
+        struct view view = session->now.outlook.view;
         view.width = view.height = i < 2 ? 64 : 1024; /* the latter without another zoom */
-        CHECK(session_set_view(&session, &view, NULL) == OK);
+        CHECK(session_set_view(session, &view, NULL) == OK);
         if (rendered)
-            CHECK(session_render(&session, RENDER_RAY, NULL) == OK);
-        session_mark(&session);
-        const struct trace before = trace_of(&session);
-        CHECK(session_interpolate(&session, 1, NULL) == OK);
-        CHECK(!session.rendered && !session.border.visible[3]);
-        CHECK(memcmp(&before.scene, &session.scene_digest, sizeof before.scene) != 0);
-        session_rollback(&session);
-        const struct trace after = trace_of(&session);
+            CHECK(session_render(session, RENDER_RAY, NULL) == OK);
+        session_mark(session);
+        const struct trace before = trace_of(session);
+        CHECK(session_interpolate(session, 1, NULL) == OK);
+        CHECK(!session->rendered && !session->border.visible[3]);
+        CHECK(memcmp(&before.scene, &session->scene_digest, sizeof before.scene) != 0);
+        session_rollback(session);
+        const struct trace after = trace_of(session);
         CHECK(memcmp(&before, &after, sizeof before) == 0);
-        CHECK(session.former_scene.scene == NULL && session.camera.scene == session.scene);
-        CHECK(session_plant(&session, (uint32_t[]){grid_cell(&session.scene->grid, 66, 84, 50)}, 1,
+        CHECK(session->former_scene.scene == NULL && session->camera.scene == session->scene);
+        CHECK(session_plant(session, (uint32_t[]){grid_cell(&session->scene->grid, 66, 84, 50)}, 1,
                             1, NULL) == OK);
-        CHECK(session_run(&session, NULL) == OK);
-        CHECK(forest_check(session.forest, NULL) && border_check(&session.border, NULL));
-        session_release(&session);
+        CHECK(session_run(session, NULL) == OK);
+        CHECK(forest_check(session->forest, NULL) && border_check(&session->border, NULL));
+        session_free(session);
     }
 }
 
 STORY(once_seeds_are_there_it_is_refused)
 {
-    struct session session;
+    struct session *session;
     struct fault fault = {0};
     begin(&session);
-    const uint64_t digest = session.scene_digest;
-    CHECK(session_plant(&session, (uint32_t[]){grid_cell(&session.scene->grid, 5, 5, 5)}, 1, 1,
+    const uint64_t digest = session->scene_digest;
+    CHECK(session_plant(session, (uint32_t[]){grid_cell(&session->scene->grid, 5, 5, 5)}, 1, 1,
                         NULL) == OK);
-    CHECK(session_interpolate(&session, 7, &fault) == ERR_USAGE);
+    CHECK(session_interpolate(session, 7, &fault) == ERR_USAGE);
     CHECK_HAS(fault.text, "this one has 0 seeds and 1 waiting edit;");
-    CHECK(session_run(&session, NULL) == OK);
-    CHECK(session_interpolate(&session, 7, &fault) == ERR_USAGE);
+    CHECK(session_run(session, NULL) == OK);
+    CHECK(session_interpolate(session, 7, &fault) == ERR_USAGE);
     CHECK_HAS(fault.text, "before its first seed, and this one has 1 seed and 0 waiting edits;");
-    CHECK(session.scene_digest == digest && session.former_scene.scene == NULL);
-    CHECK(session_erase_trees(&session, (uint32_t[]){grid_cell(&session.scene->grid, 5, 5, 5)}, 1,
+    CHECK(session->scene_digest == digest && session->former_scene.scene == NULL);
+    CHECK(session_erase_trees(session, (uint32_t[]){grid_cell(&session->scene->grid, 5, 5, 5)}, 1,
                               NULL) == OK);
-    CHECK(session_run(&session, NULL) == OK);
-    CHECK(session_interpolate(&session, 1, &fault) == OK);
-    session_release(&session);
+    CHECK(session_run(session, NULL) == OK);
+    CHECK(session_interpolate(session, 1, &fault) == OK);
+    session_free(session);
 }
 
 STORY(a_range_holds_on_and_files_of_the_grid_refuse)
 {
-    struct session session;
+    struct session *session;
     struct fault fault = {0};
     begin(&session);
-    CHECK(session_set_range(&session, (const struct decimal[]){{1, 2, 1}, {24, 1, 1}}, NULL) == OK);
-    session_mark(&session);
-    const struct trace before = trace_of(&session);
-    const struct roi_tally tally = session.roi_tally;
-    CHECK(session_interpolate(&session, 4, NULL) == OK);
-    const struct roi_tally finer = roi_tally(&session.roi, session.scene);
-    CHECK(finer.inside > tally.inside && finer.inside == session.roi_tally.inside);
-    const uint32_t dark = grid_cell(&session.scene->grid, 0, 0, 0);
-    CHECK(session_plant(&session, (uint32_t[]){grid_cell(&session.scene->grid, 66, 110, 100)}, 1, 1,
+    CHECK(session_set_range(session, (const struct decimal[]){{1, 2, 1}, {24, 1, 1}}, NULL) == OK);
+    session_mark(session);
+    const struct trace before = trace_of(session);
+    const struct roi_tally tally = session->roi_tally;
+    CHECK(session_interpolate(session, 4, NULL) == OK);
+    const struct roi_tally finer = roi_tally(&session->roi, session->scene);
+    CHECK(finer.inside > tally.inside && finer.inside == session->roi_tally.inside);
+    const uint32_t dark = grid_cell(&session->scene->grid, 0, 0, 0);
+    CHECK(session_plant(session, (uint32_t[]){grid_cell(&session->scene->grid, 66, 110, 100)}, 1, 1,
                         NULL) == OK);
-    CHECK(session_run(&session, NULL) == OK);
-    CHECK(session.scene->cell[dark].label == 0 && forest_check(session.forest, NULL));
-    session_mark(&session);
-    CHECK(session_erase_trees(&session, (uint32_t[]){grid_cell(&session.scene->grid, 66, 110, 100)},
+    CHECK(session_run(session, NULL) == OK);
+    CHECK(session->scene->cell[dark].label == 0 && forest_check(session->forest, NULL));
+    session_mark(session);
+    CHECK(session_erase_trees(session, (uint32_t[]){grid_cell(&session->scene->grid, 66, 110, 100)},
                               1, NULL) == OK);
-    CHECK(session_run(&session, NULL) == OK);
-    session_release(&session);
+    CHECK(session_run(session, NULL) == OK);
+    session_free(session);
 
     begin(&session);
-    CHECK(session_set_range(&session, (const struct decimal[]){{1, 2, 1}, {24, 1, 1}}, NULL) == OK);
-    session_mark(&session);
-    CHECK(session_interpolate(&session, 4, NULL) == OK);
-    session_rollback(&session);
-    const struct trace after = trace_of(&session);
+    CHECK(session_set_range(session, (const struct decimal[]){{1, 2, 1}, {24, 1, 1}}, NULL) == OK);
+    session_mark(session);
+    CHECK(session_interpolate(session, 4, NULL) == OK);
+    session_rollback(session);
+    const struct trace after = trace_of(session);
     CHECK(memcmp(&before, &after, sizeof before) == 0);
-    CHECK_INT(session.roi_tally.inside, tally.inside);
-    const size_t bytes = mask_bytes(&session.scene->grid);
+    CHECK_INT(session->roi_tally.inside, tally.inside);
+    const size_t bytes = mask_bytes(&session->scene->grid);
     uint64_t *mask = malloc(bytes);
     if (CHECK(mask != NULL)) {
         memset(mask, 255, bytes);
-        CHECK(session_set_mask(&session, mask, "mask.nii", (const uint32_t[]){1, 1}, NULL) == OK);
-        CHECK(session_interpolate(&session, 1, &fault) == ERR_USAGE);
+        CHECK(session_set_mask(session, mask, "mask.nii", (const uint32_t[]){1, 1}, NULL) == OK);
+        CHECK(session_interpolate(session, 1, &fault) == ERR_USAGE);
         CHECK_HAS(fault.text, "a mask or weights out of a file lie on the scene as it is");
     }
     free(mask);
-    session_release(&session);
+    session_free(session);
 
     begin(&session);
-    uint16_t *weight = calloc(session.scene->grid.voxels, sizeof *weight);
+    uint16_t *weight = calloc(session->scene->grid.voxels, sizeof *weight);
     if (CHECK(weight != NULL))
-        CHECK(session_set_weight_map(&session, "weight.nii", weight, NULL) == OK);
-    CHECK(session_interpolate(&session, 1, &fault) == ERR_USAGE);
+        CHECK(session_set_weight_map(session, "weight.nii", weight, NULL) == OK);
+    CHECK(session_interpolate(session, 1, &fault) == ERR_USAGE);
     CHECK_HAS(fault.text, "a mask or weights out of a file lie on the scene as it is");
     free(weight);
-    session_release(&session);
+    session_free(session);
 }
 
 STORY(without_memory_nothing_has_changed)
 {
-    struct session session;
+    struct session *session;
     begin(&session);
-    const struct trace before = trace_of(&session);
+    const struct trace before = trace_of(session);
     enum err err = ERR_MEMORY;
     unsigned refused = 0;
     for (unsigned n = 0; err && n < 50; n++) {
         allow_allocations(n);
-        err = session_interpolate(&session, 1, NULL);
+        err = session_interpolate(session, 1, NULL);
         mem_allows = NULL;
         if (!err)
             break;
         refused++;
-        session_rollback(&session);
-        const struct trace after = trace_of(&session);
+        session_rollback(session);
+        const struct trace after = trace_of(session);
         CHECK(memcmp(&before, &after, sizeof before) == 0);
     }
     CHECK(err == OK && refused >= 4);
-    session_release(&session);
+    session_free(session);
 }
 
 STORY(an_axis_of_one_voxel_stays)
 {
     static const uint32_t flat[3] = {4, 1, 1};
-    struct session session;
+    struct session *session;
     begin(&session);
-    border_release(&session.border); /* a scene of one row in place of geom */
-    forest_free(session.forest);
-    scene_free(session.scene);
-    CHECK(scene_new(&session.scene, flat, NULL) == OK);
-    CHECK(forest_new(&session.forest, session.scene, 6, NULL) == OK);
-    CHECK(border_init(&session.border, session.scene, NULL) == OK);
-    CHECK(session_interpolate(&session, 6, NULL) == OK);
-    CHECK(session.former_scene.scene == NULL);
-    CHECK(session_interpolate(&session, 7, NULL) == OK);
-    CHECK_INT(session.scene->grid.size[0], 7);
-    CHECK_INT(session.scene->grid.voxels, 7);
-    CHECK_INT(session.geometry.spacing_nm[1], 1000000);
-    session_release(&session);
+    border_release(&session->border); /* a scene of one row in place of geom */
+    forest_free(session->forest);
+    scene_free(session->scene);
+    CHECK(scene_new(&session->scene, flat, NULL) == OK);
+    CHECK(forest_new(&session->forest, session->scene, 6, NULL) == OK);
+    CHECK(border_init(&session->border, session->scene, NULL) == OK);
+    CHECK(session_interpolate(session, 6, NULL) == OK);
+    CHECK(session->former_scene.scene == NULL);
+    CHECK(session_interpolate(session, 7, NULL) == OK);
+    CHECK_INT(session->scene->grid.size[0], 7);
+    CHECK_INT(session->scene->grid.voxels, 7);
+    CHECK_INT(session->geometry.spacing_nm[1], 1000000);
+    session_free(session);
 }
 
 int main(void)

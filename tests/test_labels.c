@@ -269,10 +269,10 @@ STORY(without_erosion_the_segmentation_comes_out_again)
         must(&interp, "auto on");
         must_in_folder(&interp, "labels", "map.nii", "erode=0");
         CHECK_HAS(buf_text(&reply.text), "label 2 cerebellum: 1 marker\n");
-        CHECK_INT(differing(&interp.session), 0);
-        CHECK(forest_seeds(interp.session.forest) < interp.session.scene->grid.voxels);
+        CHECK_INT(differing(interp.session), 0);
+        CHECK(forest_seeds(interp.session->forest) < interp.session->scene->grid.voxels);
         must(&interp, "undo");
-        CHECK_INT(forest_seeds(interp.session.forest), 0); /* as one */
+        CHECK_INT(forest_seeds(interp.session->forest), 0); /* as one */
         interpreter_release(&interp);
     }
 }
@@ -286,15 +286,15 @@ STORY(a_piece_is_removed_and_grown_into_as_one)
     must(&interp, "auto on");
     must_in_folder(&interp, "labels", "map.nii", "erode=2");
     CHECK_HAS(buf_text(&reply.text), "2 pieces too small");
-    const struct grid *grid = &interp.session.scene->grid;
-    CHECK_INT(interp.session.scene->cell[grid_cell(grid, 6, 5, 5)].label, 3);
+    const struct grid *grid = &interp.session->scene->grid;
+    CHECK_INT(interp.session->scene->cell[grid_cell(grid, 6, 5, 5)].label, 3);
     must(&interp, "remove 6,5,5");
-    CHECK(interp.session.scene->cell[grid_cell(grid, 6, 5, 5)].label != 3);
+    CHECK(interp.session->scene->cell[grid_cell(grid, 6, 5, 5)].label != 3);
     must_in_folder(&interp, "labels", "map.nii", "regions=1 as=7 erode=1");
-    CHECK_INT(interp.session.scene->cell[grid_cell(grid, 5, 4, 4)].label, 7);
+    CHECK_INT(interp.session->scene->cell[grid_cell(grid, 5, 4, 4)].label, 7);
     must_in_folder(&interp, "labels", "map.nii", "label=9");
-    CHECK_INT(interp.session.scene->cell[grid_cell(grid, 5, 4, 4)].label, 9);
-    CHECK_INT(interp.session.scene->cell[grid_cell(grid, 0, 0, 0)].label, 0);
+    CHECK_INT(interp.session->scene->cell[grid_cell(grid, 5, 4, 4)].label, 9);
+    CHECK_INT(interp.session->scene->cell[grid_cell(grid, 0, 0, 0)].label, 0);
     interpreter_release(&interp);
 }
 
@@ -313,14 +313,14 @@ static void paint_leak(void)
 static const struct cell *at_voxel(const struct interpreter *interp, uint32_t x, uint32_t y,
                                    uint32_t z)
 {
-    const struct session *session = &interp->session;
+    const struct session *session = interp->session;
     return session->scene->cell + grid_cell(&session->scene->grid, x, y, z);
 }
 
 static void begin_leaking(struct interpreter *interp, unsigned semantics)
 {
     begin_interpreter(interp);
-    session_take_semantics(&interp->session, semantics);
+    session_take_semantics(interp->session, semantics);
     open_scene(interp, "scene.nii");
     paint_leak();
     write_painted("leak.nii");
@@ -337,26 +337,26 @@ STORY(a_correction_moves_the_border_of_a_file)
     CHECK_INT(at_voxel(&interp, 8, 4, 3)->label, 1); /* as it was: walled in */
     interpreter_release(&interp);
     begin_leaking(&interp, SEMANTICS);
-    CHECK_INT(differing(&interp.session), 0);
-    digest = forest_digest(interp.session.forest);
+    CHECK_INT(differing(interp.session), 0);
+    digest = forest_digest(interp.session->forest);
     must(&interp, "seed 7,4,3 2");
     CHECK_INT(at_voxel(&interp, 8, 4, 3)->label, 2);
     CHECK_INT(at_voxel(&interp, 8, 4, 3)->flags & CELL_SEED, 0);
     CHECK_INT(at_voxel(&interp, 9, 4, 3)->flags & CELL_SEED, CELL_SEED); /* of its own label */
     CHECK_INT(at_voxel(&interp, 8, 8, 3)->label, 1);                     /* four voxels away */
     must(&interp, "remove 7,4,3");
-    CHECK(forest_digest(interp.session.forest) == digest);
+    CHECK(forest_digest(interp.session->forest) == digest);
     must(&interp, "undo");
     CHECK_INT(at_voxel(&interp, 8, 4, 3)->label, 2);
     must(&interp, "undo");
-    CHECK(forest_digest(interp.session.forest) == digest);
+    CHECK(forest_digest(interp.session->forest) == digest);
     must(&interp, "box 6,1,2 7,3,4 2");
     CHECK_INT(at_voxel(&interp, 8, 2, 3)->label, 2);
     must(&interp, "undo");
     must(&interp, "fill 7,1,1 2 to=7,4,1 to=7,4,4");
     CHECK_INT(at_voxel(&interp, 8, 3, 2)->label, 2);
     must(&interp, "undo");
-    CHECK(forest_digest(interp.session.forest) == digest);
+    CHECK(forest_digest(interp.session->forest) == digest);
     must(&interp, "seed 7,4,3 2 within=4");
     CHECK_INT(at_voxel(&interp, 8, 6, 3)->flags & CELL_SEED, 0);
     must(&interp, "undo");
@@ -386,7 +386,7 @@ STORY(a_file_decides_in_all_of_its_pieces_and_regions_left_out_take_nothing)
     must(&interp, "undo");
     must(&interp, "seed 3,4,4 7 radius=1"); /* within what will be label 1 */
     must_in_folder(&interp, "labels", "leak.nii", "");
-    CHECK_INT(differing(&interp.session), 0);
+    CHECK_INT(differing(interp.session), 0);
     must(&interp, "undo 2");
     must_in_folder(&interp, "labels", "leak.nii", "regions=3 as=5");
     CHECK_INT(at_voxel(&interp, 7, 8, 8)->label, 5);
@@ -439,8 +439,8 @@ static void same_from_scratch(const struct interpreter *interp)
     must(&other, "auto on");
     while (count-- > 0)
         must(&other, history->point[way[count]].command);
-    CHECK_INT(forest_seeds(other.session.forest), forest_seeds(interp->session.forest));
-    CHECK(forest_digest(other.session.forest) == forest_digest(interp->session.forest));
+    CHECK_INT(forest_seeds(other.session->forest), forest_seeds(interp->session->forest));
+    CHECK(forest_digest(other.session->forest) == forest_digest(interp->session->forest));
     interpreter_release(&other);
 }
 
@@ -465,12 +465,12 @@ STORY(what_gives_way_is_a_function_of_the_commands_that_stand)
             if (execute(&interp, line) == OK && i % 3 == 0)
                 same_from_scratch(&interp);
         }
-        CHECK(forest_check(interp.session.forest, NULL));
-        const uint64_t digest = forest_digest(interp.session.forest);
+        CHECK(forest_check(interp.session->forest, NULL));
+        const uint64_t digest = forest_digest(interp.session->forest);
         interpreter_release(&interp);
         begin_interpreter(&interp);
         CHECK(interpreter_resume_journal(&interp, place("leak.iftty"), NULL, &fault) == OK);
-        CHECK(forest_digest(interp.session.forest) == digest);
+        CHECK(forest_digest(interp.session->forest) == digest);
         execute(&interp, "undo");
         same_from_scratch(&interp);
         interpreter_release(&interp);
@@ -519,7 +519,7 @@ STORY(an_object_is_what_hangs_together_with_a_seed_within_the_range)
     char words[64];
     snprintf(words, sizeof words, "%zu voxels of label 2 cerebellum\n", expected);
     CHECK_HAS(buf_text(&reply.text), words);
-    CHECK_INT(seeds_of(&interp.session, 2), expected);
+    CHECK_INT(seeds_of(interp.session, 2), expected);
     CHECK_HAS(buf_text(&reply.words), "marker=1");
     CHECK_HAS(buf_text(&reply.text), "nothing holds label 2 cerebellum back, and a run gives it "
                                      "all of the scene\n");
@@ -528,10 +528,10 @@ STORY(an_object_is_what_hangs_together_with_a_seed_within_the_range)
     must(&interp, "object 2 threshold 100..255 from=11,10,9");
     CHECK_HAS(buf_text(&reply.text), "all of the region of interest\n");
     must(&interp, "undo 2");
-    CHECK_INT(forest_seeds(interp.session.forest), 0);
+    CHECK_INT(forest_seeds(interp.session->forest), 0);
     must(&interp, "seed 11,10,9 2");
     must(&interp, "object 2 threshold 100..255");
-    CHECK_INT(seeds_of(&interp.session, 2), expected);
+    CHECK_INT(seeds_of(interp.session, 2), expected);
     interpreter_release(&interp);
 }
 
@@ -544,10 +544,10 @@ STORY(seeds_of_another_label_stay_and_let_nothing_through)
     must(&interp, "seed 0,0,0 2"); /* all of x < 3 lies in the range, and of x > 3 */
     must(&interp, "object 2 threshold 0..1000");
     CHECK(!strstr(buf_text(&reply.text), "nothing holds"));
-    CHECK_INT(seeds_of(&interp.session, 2), 3 * 11 * 10);
-    CHECK_INT(seeds_of(&interp.session, 1), 11 * 10);
+    CHECK_INT(seeds_of(interp.session, 2), 3 * 11 * 10);
+    CHECK_INT(seeds_of(interp.session, 1), 11 * 10);
     must(&interp, "object 1 threshold 0..1000 from=9,9,9"); /* which has a range of its own */
-    CHECK_INT(seeds_of(&interp.session, 1), 9 * 11 * 10);
+    CHECK_INT(seeds_of(interp.session, 1), 9 * 11 * 10);
     interpreter_release(&interp);
 }
 
@@ -557,9 +557,9 @@ STORY(edits_that_wait_count_as_seeds)
     begin_with_scene(&interp);
     must(&interp, "seed 1,1,1 2");
     must(&interp, "object 2 threshold 0..8.5");
-    const size_t waits = session_pendings(&interp.session);
+    const size_t waits = session_pendings(interp.session);
     must(&interp, "run");
-    CHECK_INT(forest_seeds(interp.session.forest), waits - 1); /* one of them twice */
+    CHECK_INT(forest_seeds(interp.session->forest), waits - 1); /* one of them twice */
     must(&interp, "seed 9,9,9 0"); /* what waits holds an object back, too */
     must(&interp, "object 2 threshold 0..8.5");
     CHECK(!strstr(buf_text(&reply.text), "nothing holds"));

@@ -114,7 +114,7 @@ STORY(what_is_picked_is_what_is_shown)
     must(&interp, "finish majority radius=2");
     must(&interp, "finished on");
     must(&interp, "render");
-    const struct session *session = &interp.session;
+    const struct session *session = interp.session;
     for (uint32_t row = 0; row < 60; row++)
         for (uint32_t column = 0; column < 64; column++) {
             const struct rendition *frame = session_frame(session);
@@ -136,7 +136,7 @@ static void draw_panel(struct interpreter *interp)
 {
     struct slicing_panel panel = {.screen = {320, 320, 8, 16, true, MOSAIC_AXIAL}};
     struct canvas canvas;
-    if (CHECK(slicing_draw_panel(&canvas, &interp->session, &panel, &fault) == OK))
+    if (CHECK(slicing_draw_panel(&canvas, interp->session, &panel, &fault) == OK))
         canvas_release(&canvas);
 }
 
@@ -165,7 +165,7 @@ static bool are_rough(const struct session *session, const uint8_t forest[CELLS]
 /* What is shown is what is made from nothing. */
 static void is_exact(struct interpreter *interp)
 {
-    struct session *session = &interp->session;
+    struct session *session = interp->session;
     uint8_t *label;
     CHECK(!session_is_rough(session));
     CHECK(finish_make(&label, &session->now.kept.finish, session->scene, NULL, NULL) == OK);
@@ -190,7 +190,7 @@ static bool stop_after(void *context, const char *what, uint64_t done, uint64_t 
 /* Interrupted again and again, it changes nothing, and gets there in the end. */
 static void refine(struct interpreter *interp)
 {
-    struct session *session = &interp->session;
+    struct session *session = interp->session;
     uint8_t before[CELLS];
     enum err err = ERR_CANCELLED;
     for (looks_left = (int)below(6); err == ERR_CANCELLED;) {
@@ -242,7 +242,7 @@ static void write_line(char line[96])
 /* An edit, or a look, and what is shown at once; then, mostly, what is exact. */
 static bool goes_on(struct interpreter *interp)
 {
-    const struct session *session = &interp->session;
+    const struct session *session = interp->session;
     uint8_t forest[CELLS], shown[CELLS];
     char line[96];
     draw_panel(interp);
@@ -272,11 +272,11 @@ STORY(what_is_shown_follows_each_edit_and_is_exact_in_the_end)
     begin_with_objects(&interp);
     for (unsigned round = 0; round < ROUNDS; round++) {
         state = round;
-        if (interp.session.now.kept.finish.count > 4)
+        if (interp.session->now.kept.finish.count > 4)
             must(&interp, "finish none");
-        if (interp.session.now.kept.finish.count == 0)
+        if (interp.session->now.kept.finish.count == 0)
             must(&interp, "finish relax sweeps=7");
-        if (!interp.session.now.outlook.shows_finished)
+        if (!interp.session->now.outlook.shows_finished)
             must(&interp, "finished on");
         roughs += goes_on(&interp);
     }
@@ -296,9 +296,9 @@ STORY(memory_that_runs_out_leaves_what_is_shown)
     for (size_t n = 0; err == ERR_MEMORY && n < 1000; n++, refused++) {
         struct canvas canvas;
         allow_allocations(n);
-        err = slicing_draw_panel(&canvas, &interp.session, &panel, &fault);
+        err = slicing_draw_panel(&canvas, interp.session, &panel, &fault);
         if (!err)
-            err = session_refine(&interp.session, NULL, &fault);
+            err = session_refine(interp.session, NULL, &fault);
         mem_allows = NULL;
         canvas_release(&canvas);
     }

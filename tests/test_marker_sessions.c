@@ -55,7 +55,7 @@ static void planted_as(const struct standing *state, const char *when)
     bool same = true;
     seeds_of(state, label, owner);
     for (uint32_t c = 0; c < CELLS; c++) {
-        const struct cell *cell = interp.session.scene->cell + c;
+        const struct cell *cell = interp.session->scene->cell + c;
         same &= label[c] == (cell->flags & CELL_SEED ? cell->label : EDIT_ERASE);
     }
     if (!CHECK(same))
@@ -64,7 +64,7 @@ static void planted_as(const struct standing *state, const char *when)
 
 static uint32_t cell_at(uint32_t x, uint32_t y, uint32_t z)
 {
-    return grid_cell(&interp.session.scene->grid, x, y, z);
+    return grid_cell(&interp.session->scene->grid, x, y, z);
 }
 
 static void put_up(int16_t label, struct standing *state)
@@ -80,7 +80,7 @@ static bool sift(uint32_t low, uint32_t high)
 {
     bool any = false;
     for (size_t c = 0; c < CELLS; c++) {
-        const uint32_t value = interp.session.scene->cell[c].intensity;
+        const uint32_t value = interp.session->scene->cell[c].intensity;
         put[put_count - 1].covers[c] &= value >= low && value <= high;
         any |= put[put_count - 1].covers[c];
     }
@@ -92,7 +92,7 @@ static void take_away(struct standing *state, uint32_t cell, bool tree)
 {
     int16_t label[CELLS];
     uint32_t owner[CELLS];
-    const uint32_t root = key_root(interp.session.scene->cell[cell].key);
+    const uint32_t root = key_root(interp.session->scene->cell[cell].key);
     seeds_of(state, label, owner);
     if (tree) {
         put_up(EDIT_ERASE, state);
@@ -117,7 +117,7 @@ static bool has_just_planted; /* one marker, by the command before */
 static bool plant(char line[LINE], struct standing *state)
 {
     static const uint32_t ones[3] = {1, 1, 1}, spacing_nm[3] = {1000000, 1500000, 2000000};
-    const struct grid *grid = &interp.session.scene->grid;
+    const struct grid *grid = &interp.session->scene->grid;
     const unsigned way = below(6), label = below(4),
                    corners = way == 5 ? 3 + below(5) : 1 + below(5);
     const int axis = (int)below(3);
@@ -198,7 +198,7 @@ static void do_one(char line[LINE])
         }
         sketch();
     } else if (what < 8) {
-        if (!cell_is_reached(interp.session.scene->cell + cell))
+        if (!cell_is_reached(interp.session->scene->cell + cell))
             return;
         const bool tree = what == 7;
         snprintf(line, LINE, "remove %u,%u,%u%s", at[0], at[1], at[2], tree ? " of=tree" : "");
@@ -288,7 +288,7 @@ STORY(seeds_are_what_the_commands_that_stand_give)
             if (put_count >= PUT_MOST - 2)
                 break;
         }
-        CHECK(forest_check(interp.session.forest, NULL));
+        CHECK(forest_check(interp.session->forest, NULL));
         restart(journal);
         interpreter_release(&interp);
         if (i % 5 == 0)

@@ -63,7 +63,7 @@ STORY(a_profile_has_the_voxels_of_a_stroke)
     char line[96];
     begin_with_scene(&interp);
     must(&interp, "profile 0,0,0 11,5,9 values=yes");
-    const struct session *session = &interp.session;
+    const struct session *session = interp.session;
     CHECK_INT(columns_of_labels(buf_text(&reply.text)), 12);
     HAS("labels |............\n");
     for (uint32_t i = 0; i <= 11; i++) {
@@ -105,12 +105,12 @@ STORY(a_histogram_counts_each_voxel_once)
     for (int window = 0; window < 3; window++) {
         static const char *const line[] = {"window auto", "window 20 70", "window 500 900"};
         must(&interp, line[window]);
-        histogram_of_session(&h, &interp.session);
+        histogram_of_session(&h, interp.session);
         uint64_t sum = h.below + h.above;
         for (unsigned i = 0; i < h.bins; i++)
             sum += h.bin[i];
-        CHECK_INT(sum, interp.session.scene->grid.voxels);
-        CHECK_INT(h.voxels, interp.session.scene->grid.voxels);
+        CHECK_INT(sum, interp.session->scene->grid.voxels);
+        CHECK_INT(h.voxels, interp.session->scene->grid.voxels);
         must(&interp, "info");
         HAS("histogram |");
         HAS("heights are square roots of counts");

@@ -126,7 +126,7 @@ STORY(every_pixel_tells_the_voxel_it_shows)
     CHECK_INT(execute(&interp, "pick 3 3"), ERR_USAGE);
     CHECK_HAS(fault.text, "the rendition is not up to date; `render` first");
     must(&interp, "render");
-    const struct session *session = &interp.session;
+    const struct session *session = interp.session;
     unsigned objects = 0;
     for (uint32_t y = 0; y < 30; y++)
         for (uint32_t x = 0; x < 40; x++) {

@@ -112,7 +112,7 @@ STORY(a_picture_says_what_it_is_of)
     must(&interp, "view 30 20 10");
     char chain[64], scene[32];
     snprintf(chain, sizeof chain, "%s", journal_chain(interp.journal));
-    snprintf(scene, sizeof scene, "%016llx", (unsigned long long)interp.session.scene_digest);
+    snprintf(scene, sizeof scene, "%016llx", (unsigned long long)interp.session->scene_digest);
     must(&interp, "render notes.exr");
     CHECK_INT(exr_read(&p, "notes.exr", NULL), OK);
     const struct {
@@ -159,7 +159,7 @@ STORY(pictures_of_look_1_are_what_they_were)
     struct interpreter interp;
     struct picture p;
     begin_interpreter(&interp);
-    session_take_semantics(&interp.session, 5);
+    session_take_semantics(interp.session, 5);
     must(&interp, "open synth:geom:40x40x20");
     must(&interp, "seed 20,20,10 1 radius=3");
     must(&interp, "size 90 70");
@@ -230,19 +230,19 @@ STORY(matrices_lead_from_the_world_to_the_pixel)
     must(&interp, "clip axial 3-11");
     for (int turned = 0; turned < 2; turned++) {
         if (turned)
-            CHECK(geometry_place(&interp.session.geometry, oblique, ORIENTATION_SFORM));
+            CHECK(geometry_place(&interp.session->geometry, oblique, ORIENTATION_SFORM));
         for (size_t i = 0; i < sizeof view / sizeof view[0]; i++) {
             must(&interp, view[i]);
             must(&interp, "zoom 1.7 at=15,22,4");
             must(&interp, "render");
-            CHECK_INT(export_picture(&p, &interp.session, NULL), OK);
+            CHECK_INT(export_picture(&p, interp.session, NULL), OK);
             CHECK(p.space.has_world);
-            CHECK(check_places(&p, &interp.session) > 500);
+            CHECK(check_places(&p, interp.session) > 500);
             picture_release(&p);
         }
     }
-    interp.session.geometry.orientation = ORIENTATION_TOLD; /* axes, and no place */
-    CHECK_INT(export_picture(&p, &interp.session, NULL), OK);
+    interp.session->geometry.orientation = ORIENTATION_TOLD; /* axes, and no place */
+    CHECK_INT(export_picture(&p, interp.session, NULL), OK);
     CHECK(!p.space.has_world && p.space.eye_mm > 0);
     picture_release(&p);
     interpreter_release(&interp);
@@ -306,12 +306,12 @@ STORY(a_turntable_shows_what_turning_shows)
     begin_with_object(&interp);
     must(&interp, "view 350 20");
     must(&interp, "render");
-    const uint64_t before = rendition_digest(session_frame(&interp.session));
+    const uint64_t before = rendition_digest(session_frame(interp.session));
     must(&interp, "spin 4 turn%02d.exr");
     CHECK_TEXT(buf_text(&reply.text), "wrote turn00.exr to turn03.exr\n");
     CHECK_HAS(buf_text(&reply.words), "spin=");
-    CHECK(interp.session.rendered && interp.session.now.outlook.view.angle[0] == 350000);
-    CHECK(rendition_digest(session_frame(&interp.session)) == before);
+    CHECK(interp.session->rendered && interp.session->now.outlook.view.angle[0] == 350000);
+    CHECK(rendition_digest(session_frame(interp.session)) == before);
     for (unsigned i = 0; i < 4; i++) {
         must(&interp, turned[i]);
         must(&interp, "render one.exr replace=yes");
@@ -459,7 +459,7 @@ STORY(a_turntable_is_all_or_nothing)
     CHECK_INT(file_write("all2.png", "mine", 4, FILE_KEEP, NULL), OK);
     is_refused(&interp, "spin 4 all%d.png", ERR_IO, "all2.png exists already and was left alone");
     CHECK_INT(count_files("all"), 1);
-    CHECK(interp.session.rendered && interp.session.now.outlook.view.angle[0] == 0);
+    CHECK(interp.session->rendered && interp.session->now.outlook.view.angle[0] == 0);
     must(&interp, "spin 4 all%d.png replace=yes");
     CHECK_INT(count_files("all"), 4);
     CHECK_INT(file_read(&kept, "all2.png", 1 << 20, NULL), OK);
@@ -480,8 +480,8 @@ STORY(a_turntable_that_is_cancelled_leaves_nothing)
     begin_with_object(&interp);
     must(&interp, "spin 6 all%d.png replace=yes");
     CHECK_INT(file_read(&before, "all1.png", 1 << 20, NULL), OK);
-    const uint64_t digest = rendition_digest(session_frame(&interp.session));
-    interp.session.watch = &watch;
+    const uint64_t digest = rendition_digest(session_frame(interp.session));
+    interp.session->watch = &watch;
     must(&interp, "view front");
     for (size_t i = 0; i < 3; i++)
         for (int most = 1; most < 12; most += 5) {
@@ -491,10 +491,10 @@ STORY(a_turntable_that_is_cancelled_leaves_nothing)
             if (!CHECK(err == ERR_CANCELLED))
                 continue;
             CHECK_INT(count_files("gone") + count_files(".tmp"), 0);
-            CHECK(interp.session.now.outlook.view.angle[0] == 0);
+            CHECK(interp.session->now.outlook.view.angle[0] == 0);
         }
     must(&interp, "render");
-    CHECK(rendition_digest(session_frame(&interp.session)) == digest);
+    CHECK(rendition_digest(session_frame(interp.session)) == digest);
     CHECK_INT(file_read(&after, "all1.png", 1 << 20, NULL), OK);
     CHECK(after.length == before.length && memcmp(after.data, before.data, after.length) == 0);
     buf_release(&before);
@@ -602,7 +602,7 @@ STORY(a_picture_that_fails_later_changes_nothing_else)
     CHECK_INT(picture_writer_new(&interp.writer, "/nonexistent/iftty-image", NULL), OK);
     must(&interp, "render going/a.png");
     CHECK_HAS(news_of(&interp), "error: cannot start the image helper /nonexistent/iftty-image");
-    CHECK(interp.session.rendered && !file_exists("going/a.png"));
+    CHECK(interp.session->rendered && !file_exists("going/a.png"));
     must(&interp, "pick 45 35");
     interpreter_release(&interp);
 }

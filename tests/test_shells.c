@@ -9,7 +9,7 @@ static struct interpreter interp;
 
 static int label_at(uint32_t x, uint32_t y, uint32_t z)
 {
-    const struct scene *scene = interp.session.scene;
+    const struct scene *scene = interp.session->scene;
     return scene->cell[grid_cell(&scene->grid, x, y, z)].label;
 }
 
@@ -60,9 +60,9 @@ STORY(a_shell_is_one_marker)
     must(&interp, "seed 5,5,5 0 shell=yes radius=3");
     must(&interp, "remove 5,5,2");
     CHECK_HAS(buf_text(&reply.words), "removed=2");
-    CHECK_INT(forest_seeds(interp.session.forest), 1);
+    CHECK_INT(forest_seeds(interp.session->forest), 1);
     must(&interp, "undo");
-    CHECK(forest_seeds(interp.session.forest) > 50);
+    CHECK(forest_seeds(interp.session->forest) > 50);
     must(&interp, "box 0,0,0 11,10,9 0 shell=yes around=1");
     struct snapshot end, again;
     take_snapshot(&end, &interp);
@@ -101,7 +101,7 @@ STORY(a_shell_may_be_given_by_a_voxel_that_it_goes_through)
     must(&interp, "seed 5,5,5 0 shell=yes through=9,5,5");
     must(&interp, "run");
     CHECK(label_at(9, 5, 5) == 0 && label_at(5, 5, 5) == 1);
-    const struct scene *scene = interp.session.scene;
+    const struct scene *scene = interp.session->scene;
     const struct cell *cell = scene->cell;
     CHECK(cell[grid_cell(&scene->grid, 9, 5, 5)].flags & CELL_SEED);
     CHECK(!(cell[grid_cell(&scene->grid, 10, 5, 5)].flags & CELL_SEED));

@@ -179,21 +179,21 @@ STORY(slices_have_the_numbers_of_their_voxels)
         begin_interpreter(&interp);
         must(&interp, "open head.nii");
         for (int p = 0; p < 3; p++) {
-            const int axis = slice_axis(interp.session.scene, (enum slice_plane)p);
-            uint32_t *cross = interp.session.now.outlook.slices.cross;
+            const int axis = slice_axis(interp.session->scene, (enum slice_plane)p);
+            uint32_t *cross = interp.session->now.outlook.slices.cross;
             snprintf(line, sizeof line, "slice %s %d", plane[p], 2 + p);
             must(&interp, line);
             CHECK_INT(cross[axis], 2 + p);
             snprintf(words, sizeof words, "%s %d", plane[p], 2 + p);
             CHECK_HAS(buf_text(&reply.text), words);
-            interp.session.semantics = 8; /* from the feet, the back and the patient's left */
-            const uint32_t last = slice_count(interp.session.scene, (enum slice_plane)p) - 1;
+            interp.session->semantics = 8; /* from the feet, the back and the patient's left */
+            const uint32_t last = slice_count(interp.session->scene, (enum slice_plane)p) - 1;
             must(&interp, line);
-            CHECK_INT(cross[axis], interp.session.scene->world_sign[axis] < 0
+            CHECK_INT(cross[axis], interp.session->scene->world_sign[axis] < 0
                                        ? last - 2 - (uint32_t)p
                                        : 2 + (uint32_t)p);
             CHECK_HAS(buf_text(&reply.text), words);
-            interp.session.semantics = SEMANTICS;
+            interp.session->semantics = SEMANTICS;
         }
         interpreter_release(&interp);
     }
@@ -330,7 +330,7 @@ STORY(an_automatic_window_leaves_the_extremes_out)
     must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), "slices    through 5,5,0: axial 0, coronal 5, sagittal 5;");
     must(&interp, "interpolate 2 1 1"); /* another scene, another window */
-    CHECK(!interp.session.knows_window);
+    CHECK(!interp.session->knows_window);
     must(&interp, "window auto");
     CHECK_HAS(buf_text(&reply.text), "through 10,5,0: axial 0, coronal 5, sagittal 10;");
     interpreter_release(&interp);
@@ -401,7 +401,7 @@ STORY(slices_move_the_cross_hair)
 {
     struct interpreter interp;
     begin_values(&interp, 1, 0);
-    CHECK_INT(interp.session.now.outlook.slices.cross[2], 5); /* the middle */
+    CHECK_INT(interp.session->now.outlook.slices.cross[2], 5); /* the middle */
     must(&interp, "cross 1,2,3");
     must(&interp, "slice axial");
     CHECK(interp.shows_picture && interp.shown.width == 10 && interp.shown.height == 10);
@@ -416,7 +416,7 @@ STORY(slices_move_the_cross_hair)
     must(&interp, "cross 2.2,4,5mm");
     CHECK_TEXT(buf_text(&reply.canonical), "cross 2,4,5");
     refused(&interp, "slice axial 10", "N: expected one of the axial slices 0..9, not 10");
-    CHECK_INT(interp.session.now.outlook.slices.cross[2], 5);
+    CHECK_INT(interp.session->now.outlook.slices.cross[2], 5);
     must(&interp, "render");
     CHECK(interp.shows_picture && !interp.shown.rgba); /* the session's rendition */
     interpreter_release(&interp);
@@ -464,12 +464,12 @@ STORY(what_is_magnified_stays_so_and_keeps_the_cross_hair_in_sight)
     CHECK_INT(grey_of(&interp, 8, 8), 8);
     CHECK_INT(grey_of(&interp, 9, 9), 11); /* 4,4,0 */
     must(&interp, "slice axial zoom=5");
-    CHECK_INT(interp.session.now.outlook.slices.times, 1000);
-    CHECK(!interp.session.now.outlook.slices.has_middle);
+    CHECK_INT(interp.session->now.outlook.slices.times, 1000);
+    CHECK(!interp.session->now.outlook.slices.has_middle);
     must(&interp, "magnify 1.25 at=1,2,3");
-    CHECK_INT(interp.session.now.outlook.slices.zoom, 0);
+    CHECK_INT(interp.session->now.outlook.slices.zoom, 0);
     must(&interp, "magnify fit");
-    CHECK(!interp.session.now.outlook.slices.has_middle);
+    CHECK(!interp.session->now.outlook.slices.has_middle);
     must(&interp, "slice axial");
     CHECK_INT(grey_of(&interp, 7, 5), 15);
     refused(&interp, "magnify 0.5", "TIMES: expected");
@@ -495,7 +495,7 @@ static const int dot[3] = {1, 2, 253}, x_red[3] = {255, 72, 56}, rim[3] = {255, 
 static void marks_are(struct interpreter *interp, bool seed, bool eliminator, bool waiting)
 {
     struct canvas canvas;
-    CHECK(slicing_draw(&canvas, &interp->session, SLICE_KIND_AXIAL, NULL, false, &fault) == OK);
+    CHECK(slicing_draw(&canvas, interp->session, SLICE_KIND_AXIAL, NULL, false, &fault) == OK);
     CHECK(shows_colour(&canvas, dot[0], dot[1], dot[2]) == seed);
     CHECK(shows_colour(&canvas, x_red[0], x_red[1], x_red[2]) == eliminator);
     CHECK(shows_colour(&canvas, rim[0], rim[1], rim[2]) == waiting);
@@ -534,7 +534,7 @@ STORY(what_waits_and_what_was_eliminated_is_marked)
     marks_are(&interp, false, false, false);
     must(&interp, "overlay marks=on");
     must(&interp, "interpolate 2 2 1"); /* of the scene before */
-    CHECK_INT(edits_count(&interp.session.now.lists.eliminators), 0);
+    CHECK_INT(edits_count(&interp.session->now.lists.eliminators), 0);
     must(&interp, "cross 0,0,4");
     marks_are(&interp, false, false, false);
     interpreter_release(&interp);
@@ -568,8 +568,8 @@ STORY(mosaics_have_the_size_of_the_view)
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         must(&interp, sizes[i]);
         must(&interp, "mosaic");
-        CHECK(interp.shown.width == interp.session.now.outlook.view.width);
-        CHECK(interp.shown.height == interp.session.now.outlook.view.height);
+        CHECK(interp.shown.width == interp.session->now.outlook.view.width);
+        CHECK(interp.shown.height == interp.session->now.outlook.view.height);
     }
     must(&interp, "size 1 1");
     refused(&interp, "mosaic",
@@ -586,9 +586,9 @@ static uint32_t zoom_of_panel(struct interpreter *interp)
 {
     struct slicing_panel panel = {.screen = {640, 640, 8, 16, true, MOSAIC_AXIAL}};
     struct canvas canvas;
-    CHECK(slicing_draw_panel(&canvas, &interp->session, &panel, &fault) == OK);
+    CHECK(slicing_draw_panel(&canvas, interp->session, &panel, &fault) == OK);
     canvas_release(&canvas);
-    return interp->session.camera.view.zoom;
+    return interp->session->camera.view.zoom;
 }
 
 /* What it shows at a zoom of its own changes nothing that is recorded. */
@@ -596,24 +596,24 @@ STORY(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom)
 {
     struct interpreter interp;
     begin_values(&interp, 1, 0);
-    const uint32_t fitting = view_fitting_zoom(interp.session.scene, 100, 100, 1);
+    const uint32_t fitting = view_fitting_zoom(interp.session->scene, 100, 100, 1);
     CHECK(fitting > VIEW_ZOOM_ONE);
     must(&interp, "size 100 100");
     must(&interp, "seed 3,3,4 3");
     must(&interp, "render");
-    const uint64_t rendered = rendition_digest(session_frame(&interp.session));
+    const uint64_t rendered = rendition_digest(session_frame(interp.session));
     CHECK_INT(zoom_of_panel(&interp), fitting);
-    CHECK(rendition_digest(session_frame(&interp.session)) != rendered);
-    CHECK_INT(interp.session.now.outlook.view.zoom, VIEW_ZOOM_ONE);
+    CHECK(rendition_digest(session_frame(interp.session)) != rendered);
+    CHECK_INT(interp.session->now.outlook.view.zoom, VIEW_ZOOM_ONE);
     must(&interp, "pick 50 50"); /* of the view, not of the panel */
-    CHECK(rendition_digest(session_frame(&interp.session)) == rendered);
+    CHECK(rendition_digest(session_frame(interp.session)) == rendered);
     CHECK_INT(zoom_of_panel(&interp), fitting);
     must(&interp, "turn 20"); /* looks from elsewhere, and as near */
     CHECK_INT(zoom_of_panel(&interp), fitting);
     must(&interp, "turn -20");
     must(&interp, "mosaic");
     must(&interp, "render");
-    CHECK(rendition_digest(session_frame(&interp.session)) == rendered);
+    CHECK(rendition_digest(session_frame(interp.session)) == rendered);
     must(&interp, "zoom 2");
     CHECK_INT(zoom_of_panel(&interp), 2 * VIEW_ZOOM_ONE);
     must(&interp, "zoom 1");
@@ -628,7 +628,7 @@ STORY(slices_of_a_small_scene_fill_their_panes)
     begin_values(&interp, 1, 0);
     struct slicing_panel panel = {.screen = {1600, 1000, 8, 16, true, MOSAIC_AXIAL}};
     struct canvas canvas;
-    CHECK(slicing_draw_panel(&canvas, &interp.session, &panel, &fault) == OK);
+    CHECK(slicing_draw_panel(&canvas, interp.session, &panel, &fault) == OK);
     for (int pane = MOSAIC_AXIAL; pane <= MOSAIC_SAGITTAL; pane++) {
         const struct mosaic_box *box = &panel.layout.box[pane];
         const size_t side = box->width < box->height ? box->width : box->height;
@@ -681,7 +681,7 @@ STORY(a_pixel_of_a_slice_tells_its_voxel)
     CHECK_HAS(buf_text(&reply.text), "no seed reaches it\n");
     picks(&interp, "pick 9 0 of=coronal", "voxel 0,2,9 ");
     picks(&interp, "pick 0 9 of=sagittal", "voxel 1,9,0 ");
-    CHECK_INT(session_pendings(&interp.session), 1); /* asking runs nothing */
+    CHECK_INT(session_pendings(interp.session), 1); /* asking runs nothing */
     must(&interp, "run");
     picks(&interp, "pick 9 9 of=axial", "on the border of label 3\n");
     must(&interp, "slice axial zoom=5");
@@ -723,11 +723,11 @@ STORY(each_pixel_tells_the_voxel_that_it_was_drawn_of)
         for (int kind = 0; kind <= SLICE_KIND_MOSAIC; kind++) {
             struct canvas canvas;
             uint32_t wrong = 0, cell = 0;
-            CHECK(slicing_draw(&canvas, &interp.session, (enum slice_kind)kind, NULL, true,
+            CHECK(slicing_draw(&canvas, interp.session, (enum slice_kind)kind, NULL, true,
                                &fault) == OK);
             for (uint32_t p = 0; p < 60 * 45; p++)
-                wrong += slicing_cell_at(&cell, &interp.session, (enum slice_kind)kind, NULL,
-                                         p % 60, p / 60, &fault) != OK ||
+                wrong += slicing_cell_at(&cell, interp.session, (enum slice_kind)kind, NULL, p % 60,
+                                         p / 60, &fault) != OK ||
                          cell != canvas.cell[p];
             CHECK_INT(wrong, 0);
             canvas_release(&canvas);

@@ -26,7 +26,7 @@ static void is_recorded_as(const char *line)
 
 static size_t seeds(void)
 {
-    return forest_seeds(interp.session.forest);
+    return forest_seeds(interp.session->forest);
 }
 
 /* ---- one stroke, one record ---- */
@@ -76,7 +76,7 @@ STORY(parts_of_a_stroke_are_undone_done_again_and_removed_as_one)
     CHECK_INT(seeds(), 1);
     must(&interp, "goto main");
     struct held held;
-    const struct session *session = &interp.session;
+    const struct session *session = interp.session;
     const uint32_t cell = grid_cell(&session->scene->grid, 3, 2, 1);
     CHECK(session_find_held(&held, session, cell, false, &fault) == OK);
     CHECK(held.marker == 2 && held.trees == 9 && session_is_held(session, &held, cell));
@@ -210,8 +210,8 @@ STORY(only_intensities_of_the_range_are_planted)
     CHECK_HAS(buf_text(&reply.text), "left out, intensities beyond the range: ");
     must(&interp, "run");
     bool fits = true;
-    for (uint32_t c = 0; c < interp.session.scene->grid.cells; c++) {
-        const struct cell *cell = interp.session.scene->cell + c;
+    for (uint32_t c = 0; c < interp.session->scene->grid.cells; c++) {
+        const struct cell *cell = interp.session->scene->cell + c;
         const bool inside = cell->intensity >= 40 && cell->intensity <= 80;
         fits &= cell->flags & CELL_RIM || !(cell->flags & CELL_SEED) == !inside;
     }
@@ -276,14 +276,14 @@ STORY(a_label_may_be_called_by_several_words)
               "\"left hemi\"\tlabel 1\n\"right hemi\"\tlabel 2\n\"it's\"\tlabel 3\n");
     buf_release(&offers);
     resume("names.iftty");
-    CHECK_TEXT(interp.session.now.kept.label_name[1], "left hemi");
+    CHECK_TEXT(interp.session->now.kept.label_name[1], "left hemi");
     interpreter_release(&interp);
 }
 
 STORY(an_older_journal_has_single_quotes_as_letters)
 {
     begin_with_journal(&interp, "older.iftty");
-    interp.session.semantics = 3;
+    interp.session->semantics = 3;
     is_refused(&interp, "label 1 'left hemi'",
                "COLOUR: expected #rrggbb, six hexadecimal digits, not hemi'");
     must(&interp, "save labels 'old.nii replace=yes");
@@ -295,14 +295,14 @@ STORY(an_older_journal_counts_what_waits_as_it_did)
 {
     begin_with_journal(&interp, "counts.iftty");
     must(&interp, "seed 1,1,1 1 radius=3 to=11,7,5");
-    const size_t once = session_pendings(&interp.session);
+    const size_t once = session_pendings(interp.session);
     must(&interp, "run");
     const size_t planted = seeds();
     CHECK_INT(planted, once);
     must(&interp, "undo 2");
-    interp.session.semantics = 3;
+    interp.session->semantics = 3;
     must(&interp, "seed 1,1,1 1 radius=3 to=11,7,5");
-    CHECK(session_pendings(&interp.session) > once);
+    CHECK(session_pendings(interp.session) > once);
     must(&interp, "run");
     CHECK_INT(seeds(), planted);
     interpreter_release(&interp);
@@ -345,7 +345,7 @@ STORY(a_sketch_is_as_if_it_had_never_been)
         CHECK(interpreter_sketch(&interp, "seed 1,1,1 1", NULL) == OK);
         must(&interp, "redo"); /* of what was undone before */
         CHECK_HAS(buf_text(&reply.text), "remove 9,8,9");
-        CHECK(interp.session.markers.count == 2);
+        CHECK(interp.session->markers.count == 2);
         resume("sketch.iftty");
         interpreter_release(&interp);
     }
@@ -387,27 +387,27 @@ STORY(what_waits_runs_with_the_next_edit_and_not_by_going_there)
     must(&interp, "undo"); /* record 5: two edits wait */
     must(&interp, "auto on");
     CHECK_TEXT(buf_text(&reply.text), "2 edits waiting for `run` or the next edit\n");
-    CHECK_INT(session_pendings(&interp.session), 2);
+    CHECK_INT(session_pendings(interp.session), 2);
     must(&interp, "seed 5,5,5 3"); /* runs all three */
     CHECK_INT(seeds(), 3);
-    CHECK_INT(session_pendings(&interp.session), 0);
+    CHECK_INT(session_pendings(interp.session), 0);
     must(&interp, "goto 2");
     CHECK_HAS(buf_text(&reply.text),
               "after 2 seed 1,1,1 1, 1 edit waiting for `run` or the next edit");
     CHECK_INT(seeds(), 0);
-    CHECK_INT(session_pendings(&interp.session), 1);
+    CHECK_INT(session_pendings(interp.session), 1);
     must(&interp, "view left"); /* no edit */
-    CHECK_INT(session_pendings(&interp.session), 1);
+    CHECK_INT(session_pendings(interp.session), 1);
     must(&interp, "weight sobel");
     CHECK_INT(seeds(), 1);
     must(&interp, "undo");
-    CHECK_INT(session_pendings(&interp.session), 1);
+    CHECK_INT(session_pendings(interp.session), 1);
     CHECK_INT(seeds(), 0);
     must(&interp, "redo");
     CHECK_INT(seeds(), 1);
     must(&interp, "undo");
     resume("waits.iftty");
-    CHECK_INT(session_pendings(&interp.session), 1);
+    CHECK_INT(session_pendings(interp.session), 1);
     must(&interp, "run");
     CHECK_INT(seeds(), 1);
     interpreter_release(&interp);

@@ -140,7 +140,7 @@ static void begin_with_geom(struct interpreter *interp)
 {
     begin_interpreter(interp);
     must(interp, "open synth:geom:40x40x30");
-    CHECK(stands(&interp->session));
+    CHECK(stands(interp->session));
     must(interp, "auto on");
 }
 
@@ -162,14 +162,14 @@ STORY(counts_follow_whatever_is_done)
     struct interpreter interp;
     unsigned fresh = 0, counted = 0;
     begin_with_geom(&interp);
-    differences(&interp.session);
+    differences(interp.session);
     for (int i = 0; i < 400 && check_failures < 5; i++) {
         do_anything(&interp, true);
-        fresh += stands(&interp.session);
-        const uint64_t changed = differences(&interp.session);
-        if (!interp.session.edited && !interp.session.regrown)
+        fresh += stands(interp.session);
+        const uint64_t changed = differences(interp.session);
+        if (!interp.session->edited && !interp.session->regrown)
             continue;
-        CHECK_INT(session_changed_voxels(&interp.session), changed);
+        CHECK_INT(session_changed_voxels(interp.session), changed);
         counted++;
     }
     CHECK(counted > 100);
@@ -178,20 +178,20 @@ STORY(counts_follow_whatever_is_done)
     must(&interp, "range none");
     for (int i = 0; i < 60; i++)
         do_anything(&interp, false);
-    const struct tally before = interp.session.tally;
-    session_mark(&interp.session);
-    CHECK(session_count_before(&interp.session, NULL) == OK);
+    const struct tally before = interp.session->tally;
+    session_mark(interp.session);
+    CHECK(session_count_before(interp.session, NULL) == OK);
     for (uint32_t i = 0; i < 5; i++)
-        CHECK(session_plant(&interp.session,
-                            (uint32_t[]){grid_cell(&interp.session.scene->grid, 3 + i, 7, 9)}, 1, 9,
-                            NULL) == OK);
-    CHECK(session_run(&interp.session, NULL) == OK);
-    stands(&interp.session);
-    CHECK(interp.session.tally.voxels[9] >= 5);
-    CHECK_INT(interp.session.former_tally.voxels[9], 0);
-    session_rollback(&interp.session);
-    CHECK(stands(&interp.session));
-    CHECK(memcmp(&before, &interp.session.tally, sizeof before) == 0);
+        CHECK(session_plant(interp.session,
+                            (uint32_t[]){grid_cell(&interp.session->scene->grid, 3 + i, 7, 9)}, 1,
+                            9, NULL) == OK);
+    CHECK(session_run(interp.session, NULL) == OK);
+    stands(interp.session);
+    CHECK(interp.session->tally.voxels[9] >= 5);
+    CHECK_INT(interp.session->former_tally.voxels[9], 0);
+    session_rollback(interp.session);
+    CHECK(stands(interp.session));
+    CHECK(memcmp(&before, &interp.session->tally, sizeof before) == 0);
     interpreter_release(&interp);
 }
 
@@ -204,13 +204,13 @@ STORY(measures_follow_whatever_is_done)
         struct interpreter interp;
         setenv("IFTTY_THREADS", round & 1 ? "3" : "1", 1);
         begin_with_geom(&interp);
-        measures_stand(&interp.session);
+        measures_stand(interp.session);
         if (round & 2)
             must(&interp, round & 4 ? "interpolate 2 1 1" : "interpolate 1 2 1");
         for (int i = 0; i < 150 && check_failures < 5; i++) {
             do_anything(&interp, check_below(&seed, 3) == 0);
             if (check_below(&seed, round & 4 ? 8 : 1) == 0)
-                measures_stand(&interp.session);
+                measures_stand(interp.session);
         }
         interpreter_release(&interp);
     }
@@ -224,14 +224,14 @@ STORY(counts_are_right_after_a_command_was_cancelled)
     struct watch watch = {.context = &looks, .poll = stop_after_looks};
     unsigned cancelled = 0;
     begin_with_geom(&interp);
-    interp.session.watch = &watch;
+    interp.session->watch = &watch;
     for (int i = 0; i < 200 && check_failures < 5; i++) {
         looks = (int)check_below(&seed, 40);
         do_anything(&interp, true);
         cancelled += fault.code == ERR_CANCELLED;
         looks = INT_MAX;
-        stands(&interp.session);
-        measures_stand(&interp.session);
+        stands(interp.session);
+        measures_stand(interp.session);
     }
     CHECK(cancelled > 20);
     interpreter_release(&interp);
@@ -249,13 +249,13 @@ STORY(a_journal_that_is_resumed_is_counted_when_somebody_asks)
     must(&interp, "seed 20,20,15 3");
     must(&interp, "seed 2,2,2 0");
     must(&interp, "run");
-    const uint64_t voxels = interp.session.tally.voxels[3];
+    const uint64_t voxels = interp.session->tally.voxels[3];
     CHECK(voxels > 0 && voxels < 48000);
     interpreter_release(&interp);
     begin_interpreter(&interp);
     CHECK(interpreter_resume_journal(&interp, place("tally.iftty"), &told, NULL) == OK);
-    stands(&interp.session);
-    CHECK_INT(interp.session.tally.voxels[3], voxels);
+    stands(interp.session);
+    CHECK_INT(interp.session->tally.voxels[3], voxels);
     interpreter_release(&interp);
     buf_release(&told);
 }
@@ -282,8 +282,8 @@ STORY(an_edit_is_answered_with_what_it_changed)
     must(&interp, "seed 9,9,8 1"); /* 12 x 11 x 10 voxels of 1 x 1.5 x 2 mm, sheared */
     CHECK_TEXT(answer(), "1320 voxels changed, label 1: 3.91 ml");
     must(&interp, "seed 1,1,1 2");
-    const uint64_t one = interp.session.tally.voxels[1];
-    const uint64_t two = interp.session.tally.voxels[2];
+    const uint64_t one = interp.session->tally.voxels[1];
+    const uint64_t two = interp.session->tally.voxels[2];
     CHECK_INT(one + two, 1320);
     CHECK_HAS(answer(),
               one > two ? " voxels changed, label 1: " : " voxels changed, label 2 cerebellum: ");

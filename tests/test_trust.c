@@ -380,7 +380,7 @@ STORY(limits_stop_commands_of_an_interpreter_that_was_there_before_them)
     CHECK(image_helper_memory_most >= 512000000);
     CHECK(replay_file(&interp, script, 0, 0, NULL, NULL, &report, &fault) == OK);
     CHECK_INT(report.executed, 1);
-    CHECK(interp.session.watch && interp.session.watch == limits_watch());
+    CHECK(interp.session->watch && interp.session->watch == limits_watch());
     replay_report_release(&report);
     interpreter_release(&interp);
     reply_release(&reply);

@@ -3,7 +3,9 @@
 #define COMMAND_ACT_H
 
 #include "command/interpreter.h"
+#include "image/levels.h"
 #include "session/paint.h"
+#include "show/draw.h"
 #include "show/slicing.h"
 
 /* act_scene.c */

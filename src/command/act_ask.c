@@ -5,8 +5,11 @@
 
 #include "base/choice.h"
 #include "engine/rival.h"
+#include "engine/roi.h"
 #include "engine/way.h"
 #include "journal/journal.h"
+#include "session/map.h"
+#include "session/semantics.h"
 #include "show/decorating.h"
 #include "report/export.h"
 #include "report/histogram.h"
@@ -15,8 +18,8 @@ enum { RISES_MOST = 8 }; /* places where the cost rose that `why` lists */
 
 void act_write_spacing(struct buf *out, const struct session *session)
 {
-    const uint32_t *nm = session->scene->spacing_nm;
-    if (session->geometry.spacing_unknown)
+    const uint32_t *nm = session_scene(session)->spacing_nm;
+    if (session_geometry(session)->spacing_unknown)
         buf_add_text(out, " of unknown size");
     else
         buf_printf(out, " of %gx%gx%g mm", nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6);
@@ -35,10 +38,10 @@ void act_write_axes(struct buf *out, const struct geometry *geometry)
 
 void act_write_label(struct buf *out, const struct session *session, unsigned label)
 {
-    const char *name = session->now.kept.label_name[label];
+    const char *name = session_kept(session)->label_name[label];
     buf_printf(out, "%u%s%s", label, *name ? " " : "", name);
-    if (session->now.kept.label_number[label])
-        buf_printf(out, " (%u)", session->now.kept.label_number[label]);
+    if (session_kept(session)->label_number[label])
+        buf_printf(out, " (%u)", session_kept(session)->label_number[label]);
 }
 
 void act_write_waiting(const struct act *act)
@@ -52,7 +55,7 @@ void act_write_waiting(const struct act *act)
 
 void act_write_no_seeds(const struct act *act)
 {
-    if (!forest_seeds(act->session->forest))
+    if (!forest_seeds(session_forest(act->session)))
         buf_add_text(&act->reply->text, "no seed is planted: no voxel has a label\n");
 }
 
@@ -60,31 +63,31 @@ void act_write_no_seeds(const struct act *act)
 static void write_voxel_weight(struct buf *out, const struct session *session,
                                const struct cell *cell)
 {
-    const struct arc_rule *arcs = forest_arcs(session->forest);
+    const struct arc_rule *arcs = forest_arcs(session_forest(session));
     if (arcs->kind == ARC_TARGET) {
         buf_printf(out, "weight %u, ", cell->weight);
         return;
     }
-    const struct cell *cells = session->scene->cell;
-    const uint32_t before = cell_is_reached(cell)
-                                ? forest_predecessor(session->forest, (uint32_t)(cell - cells))
-                                : CELL_NONE;
+    const struct cell *cells = session_scene(session)->cell;
+    const uint32_t before = cell_is_reached(cell) ? forest_predecessor(session_forest(session),
+                                                                       (uint32_t)(cell - cells))
+                                                  : CELL_NONE;
     if (before != CELL_NONE)
         buf_printf(out, "a step of weight %u, ", arc_weight_now(arcs, cells + before, cell));
 }
 
 void act_write_voxel(struct buf *out, const struct session *session, uint32_t at)
 {
-    const struct grid *grid = &session->scene->grid;
-    const struct cell *cell = session->scene->cell + at;
+    const struct grid *grid = &session_scene(session)->grid;
+    const struct cell *cell = session_scene(session)->cell + at;
     struct place p = grid_place(grid, at);
     double mm[3];
-    geometry_point(&session->geometry, (const uint32_t[]){p.x, p.y, p.z}, mm);
+    geometry_point(session_geometry(session), (const uint32_t[]){p.x, p.y, p.z}, mm);
     buf_printf(out, "voxel %u,%u,%u", p.x, p.y, p.z);
-    if (geometry_has_place(&session->geometry))
+    if (geometry_has_place(session_geometry(session)))
         buf_printf(out, " at %.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
     buf_add_text(out, ": intensity ");
-    levels_write(out, &session->geometry, session->levels, cell->intensity);
+    levels_write(out, session_geometry(session), session_levels(session), cell->intensity);
     buf_add_text(out, ", ");
     write_voxel_weight(out, session, cell);
     if (!cell_is_reached(cell)) {
@@ -105,14 +108,14 @@ static enum err write_rival(const struct act *act, uint32_t at)
 {
     const struct session *session = act->session;
     struct rival rival;
-    if (forest_arcs(session->forest)->kind == ARC_POLARITY)
+    if (forest_arcs(session_forest(session))->kind == ARC_POLARITY)
         return OK;
-    const enum err err = rival_find(&rival, session->forest, at, act->fault);
+    const enum err err = rival_find(&rival, session_forest(session), at, act->fault);
     if (err || !rival.exists)
         return err;
     buf_add_text(&act->reply->text, "next is label ");
     act_write_label(&act->reply->text, session, rival.label);
-    if (rival.cost == key_cost(session->scene->cell[at].key))
+    if (rival.cost == key_cost(session_scene(session)->cell[at].key))
         buf_add_text(&act->reply->text, ", at the same cost\n");
     else
         buf_printf(&act->reply->text, ", at a cost of %u\n", rival.cost);
@@ -123,11 +126,11 @@ static enum err write_rival(const struct act *act, uint32_t at)
 static void write_rises(const struct act *act, const struct way *way)
 {
     const struct session *session = act->session;
-    const struct cell *cell = session->scene->cell;
+    const struct cell *cell = session_scene(session)->cell;
     size_t rises = 0;
     for (size_t i = 0; i + 1 < way->count && rises < RISES_MOST; i++) {
         const uint32_t at = way->cell[i];
-        const struct place rise = grid_place(&session->scene->grid, at);
+        const struct place rise = grid_place(&session_scene(session)->grid, at);
         if (key_hops(cell[at].key) > 0)
             continue;
         buf_printf(&act->reply->text, "    the cost rises to %u at %u,%u,%u%s\n",
@@ -141,8 +144,8 @@ enum err act_why(const struct act *act)
 {
     const struct session *session = act->session;
     const uint32_t *p = act->value[0].place;
-    const uint32_t place = grid_cell(&session->scene->grid, p[0], p[1], p[2]);
-    const struct cell *cell = session->scene->cell + place;
+    const uint32_t place = grid_cell(&session_scene(session)->grid, p[0], p[1], p[2]);
+    const struct cell *cell = session_scene(session)->cell + place;
     struct way way = {0};
     act_write_voxel(&act->reply->text, session, place);
     act_write_refusal(&act->reply->text, session, place);
@@ -150,7 +153,7 @@ enum err act_why(const struct act *act)
         return OK;
     buf_printf(&act->reply->text, "cost %u, %u step%s since it last rose\n", key_cost(cell->key),
                key_hops(cell->key), plural(key_hops(cell->key)));
-    const enum err err = way_find(&way, session->forest, place, act->fault);
+    const enum err err = way_find(&way, session_forest(session), place, act->fault);
     if (!err) {
         write_rises(act, &way);
         buf_printf(&act->reply->text, "%zu step%s from the seed in all\n", way.count - 1,
@@ -198,7 +201,7 @@ void act_write_region(struct buf *out, const struct session *session)
     struct buf roi = {0};
     if (act_write_roi(&roi, session))
         buf_printf(out, "region    %s: %zu of %zu voxels inside\n", buf_text(&roi),
-                   session->roi_tally.inside, session->scene->grid.voxels);
+                   session_roi_tally(session)->inside, session_scene(session)->grid.voxels);
     buf_release(&roi);
 }
 
@@ -243,7 +246,7 @@ static void write_memory(struct buf *out, const struct act *act)
     const struct session_memory parts = session_memory_parts(act->session);
     buf_printf(out, "memory    %.1f MB: scene %.1f, %.1f bytes a voxel; seeds %.1f; pictures %.1f",
                (double)session_memory(act->session) / 1e6, (double)parts.scene / 1e6,
-               (double)parts.scene / (double)act->session->scene->grid.voxels,
+               (double)parts.scene / (double)session_scene(act->session)->grid.voxels,
                (double)parts.seeds / 1e6, (double)parts.pictures / 1e6);
     if (parts.answers)
         buf_printf(out, "; answers %.1f", (double)parts.answers / 1e6);
@@ -261,33 +264,33 @@ enum err act_info(const struct act *act)
                      strlen(journal_path(act->interp->journal)));
         buf_printf(out, ", %zu record%s", journal_count(act->interp->journal),
                    plural(journal_count(act->interp->journal)));
-        if (session->semantics != SEMANTICS)
-            buf_printf(out, ", semantics %u", session->semantics);
+        if (session_semantics(session) != SEMANTICS)
+            buf_printf(out, ", semantics %u", session_semantics(session));
         buf_add_char(out, '\n');
     }
-    if (!session->has_scene) {
+    if (!session_has_scene(session)) {
         buf_add_text(out, "no scene is open\n");
         return OK;
     }
     const enum err err = session_complete(session, act->fault);
     if (err)
         return err;
-    const struct scene *scene = session->scene;
+    const struct scene *scene = session_scene(session);
     buf_printf(out, "scene     %ux%ux%u voxels", scene->grid.size[0], scene->grid.size[1],
                scene->grid.size[2]);
     act_write_spacing(out, session);
     buf_add_text(out, ", ");
-    act_write_axes(out, &session->geometry);
-    buf_printf(out, ", digest %016llx\n", (unsigned long long)session->scene_digest);
-    write_part(out, &session->part);
-    buf_printf(out, "values    %g * intensity %+.*g\n", session->geometry.slope,
-               geometry_digits(&session->geometry), session->geometry.intercept);
-    levels_write_scale(out, session->levels, "          ");
+    act_write_axes(out, session_geometry(session));
+    buf_printf(out, ", digest %016llx\n", (unsigned long long)session_scene_digest(session));
+    write_part(out, session_part(session));
+    buf_printf(out, "values    %g * intensity %+.*g\n", session_geometry(session)->slope,
+               geometry_digits(session_geometry(session)), session_geometry(session)->intercept);
+    levels_write_scale(out, session_levels(session), "          ");
     buf_printf(out, "forest    %zu seed%s, %zu edit%s waiting, adjacency %u, weight ",
-               forest_seeds(session->forest), plural(forest_seeds(session->forest)),
+               forest_seeds(session_forest(session)), plural(forest_seeds(session_forest(session))),
                session_pendings(session), plural(session_pendings(session)),
-               session->now.kept.adjacency);
-    act_write_weight(out, &session->now.kept);
+               session_kept(session)->adjacency);
+    act_write_weight(out, session_kept(session));
     buf_add_char(out, '\n');
     struct histogram histogram;
     histogram_of_session(&histogram, session);
@@ -297,13 +300,13 @@ enum err act_info(const struct act *act)
     if (counted)
         return counted;
     act_write_finish(out, session);
-    write_numbers(out, &session->now.kept);
+    write_numbers(out, session_kept(session));
     act_write_view(out, session);
     buf_add_text(out, "look      ");
-    settings_write(out, GROUP_LOOK, &session->now);
+    settings_write(out, GROUP_LOOK, session_state(session));
     buf_add_char(out, '\n');
     struct buf cut = {0}, opacity = {0};
-    export_opacity(&opacity, &session->now.kept);
+    export_opacity(&opacity, session_kept(session));
     if (opacity.length)
         buf_printf(out, "opacity   %s\n", buf_text(&opacity));
     buf_release(&opacity);

@@ -20,8 +20,8 @@ static void write_sides(char out[24], const struct session *session, enum slice_
 {
     uint32_t first[3] = {0};
     slicing_move(session, plane, 0, first);
-    const bool turned = slice_index(session->scene, plane, first) > 0;
-    if (session->scene->sides_unknown)
+    const bool turned = slice_index(session_scene(session), plane, first) > 0;
+    if (session_scene(session)->sides_unknown)
         *out = '\0';
     else
         snprintf(out, 24, ", %s to %s", side[plane][turned], side[plane][!turned]);
@@ -30,7 +30,7 @@ static void write_sides(char out[24], const struct session *session, enum slice_
 static void set_slab(struct cut *cut, const struct session *session, enum slice_plane plane,
                      const uint32_t range[2])
 {
-    const struct scene *scene = session->scene;
+    const struct scene *scene = session_scene(session);
     const int axis = slice_axis(scene, plane);
     uint32_t a[3] = {0}, b[3] = {0};
     slicing_move(session, plane, range[0], a);
@@ -44,7 +44,7 @@ static void set_slab(struct cut *cut, const struct session *session, enum slice_
 enum err act_clip(const struct act *act)
 {
     struct cut *cut = &act->next->kept.cut;
-    const struct scene *scene = act->session->scene;
+    const struct scene *scene = session_scene(act->session);
     const int64_t plane = act->value[0].number;
     if (plane == SLAB_NONE) {
         const struct cut whole = cut_none();
@@ -84,8 +84,8 @@ enum err act_plane(const struct act *act)
                          "view is unchanged",
                          CUT_PLANES_MOST);
     } else {
-        cut->plane[cut->planes++] =
-            cut_plane_through(act->session->scene, act->value[0].place, act->session->camera.ahead);
+        cut->plane[cut->planes++] = cut_plane_through(
+            session_scene(act->session), act->value[0].place, session_camera(act->session)->ahead);
     }
     return act_go(act);
 }
@@ -124,8 +124,8 @@ enum err act_cut(const struct act *act)
 
 bool act_write_cut(struct buf *out, const struct session *session)
 {
-    const struct cut *cut = &session->now.kept.cut;
-    const struct scene *scene = session->scene;
+    const struct cut *cut = &session_kept(session)->cut;
+    const struct scene *scene = session_scene(session);
     const char *between = "";
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
         const int axis = slice_axis(scene, plane);

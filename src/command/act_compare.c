@@ -6,7 +6,9 @@
 #include "base/file.h"
 #include "base/mem.h"
 #include "report/comparison_picture.h"
+#include "session/finished.h"
 #include "session/map.h"
+#include "session/session.h"
 
 /* The places of the parameters in the table. */
 enum { FILE_NAME, REGIONS, AS, LABEL, AT, REPORT, PICTURE, REPLACE, FINISHED, RESAMPLE };
@@ -27,10 +29,10 @@ static enum err check_names(const struct act *act)
 /* The session's; where one is chosen, that one alone. */
 static enum err take_own(struct compared *compared, const struct act *act)
 {
-    const struct grid *grid = &act->session->scene->grid;
+    const struct grid *grid = &session_scene(act->session)->grid;
     const struct value *only = &act->value[LABEL];
     uint8_t *label = compared->label[0] = mem_array(grid->voxels, 1);
-    struct task task = task_begin(act->session->watch, "present labels", grid->voxels);
+    struct task task = task_begin(session_watch(act->session), "present labels", grid->voxels);
     struct labels labels;
     enum err err = label ? act_take_labels(act, &act->value[FINISHED], &labels)
                          : fault_memory(act->fault, "the labels");
@@ -42,7 +44,7 @@ static enum err take_own(struct compared *compared, const struct act *act)
             for (const uint8_t *end = label + grid->size[0]; label < end; label++)
                 *label = only->given && *label != only->number ? 0 : *label;
         }
-    return watch_fault(act->session->watch, act->fault);
+    return watch_fault(session_watch(act->session), act->fault);
 }
 
 static enum err read_map(struct compared *compared, const struct act *act,
@@ -55,12 +57,13 @@ static enum err read_map(struct compared *compared, const struct act *act,
     struct buf path = {0};
     enum err err = interpreter_find_file(act->interp, name, &path, act->fault);
     if (!err)
-        err = map_read(&map, buf_text(&path), &place, session->watch, act->fault);
+        err = map_read(&map, buf_text(&path), &place, session_watch(session), act->fault);
     if (!err)
         buf_add_text(&act->reply->text, map.notes);
     if (!err)
         err = act_naming(
-            name, map_to_labels(&compared->label[1], &map, choice, session->watch, act->fault),
+            name,
+            map_to_labels(&compared->label[1], &map, choice, session_watch(session), act->fault),
             act->fault);
     volume_release(&map);
     buf_release(&path);
@@ -103,7 +106,7 @@ static enum err write_report(const struct act *act, const struct comparison_repo
 static enum err write_picture(const struct act *act, const struct compared *compared,
                               const struct comparison_report *report)
 {
-    const uint32_t *cross = act->session->now.outlook.slices.cross;
+    const uint32_t *cross = session_outlook(act->session)->slices.cross;
     const uint32_t *place = act->value[AT].given ? act->value[AT].place
                                                  : comparison_farthest(report->comparison, cross);
     struct picture picture = {0};
@@ -135,8 +138,8 @@ static enum err answer(const struct act *act, const struct compared *compared,
         act_is_yes(&act->value[FINISHED]) ? "the labels here, finished" : "the labels here";
     const struct comparison_report report = {comparison,
                                              {name, act->value[FILE_NAME].text},
-                                             session->now.kept.label_name,
-                                             &session->geometry};
+                                             session_kept(session)->label_name,
+                                             session_geometry(session)};
     enum err err = write_report(act, &report);
     if (!err)
         err = write_picture(act, compared, &report);
@@ -156,15 +159,16 @@ enum err act_compare(const struct act *act)
     struct comparison *comparison = mem_new(sizeof *comparison);
     enum err err = comparison ? check_names(act) : fault_memory(act->fault, "a comparison");
     for (int a = 0; a < 3; a++) {
-        compared.size[a] = session->scene->grid.size[a];
-        compared.spacing_nm[a] = session->scene->spacing_nm[a];
+        compared.size[a] = session_scene(session)->grid.size[a];
+        compared.spacing_nm[a] = session_scene(session)->spacing_nm[a];
     }
     if (!err)
         err = take_map(&compared, act);
     if (!err)
         err = take_own(&compared, act);
     if (!err)
-        err = comparison_make(comparison, &compared, session->team, session->watch, act->fault);
+        err = comparison_make(comparison, &compared, session_team(session), session_watch(session),
+                              act->fault);
     if (!err)
         err = answer(act, &compared, comparison);
     free(compared.label[0]);

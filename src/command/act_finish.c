@@ -1,16 +1,20 @@
 /* The commands `finish` and `finished`, and how commands get the labels that come of it. */
 #include "command/act.h"
 
+#include "session/finished.h"
+#include "session/session.h"
+#include "show/live_finish.h"
+
 /* The places of the parameters in the table. */
 enum { FINISH_STEP, FINISH_RADIUS, FINISH_VOXELS, FINISH_SWEEPS, FINISH_LABEL };
 
 void act_write_finish(struct buf *out, const struct session *session)
 {
-    if (!session->now.kept.finish.count)
+    if (!session_kept(session)->finish.count)
         return;
     buf_add_text(out, "finish    ");
-    finish_write(out, &session->now.kept.finish);
-    buf_add_text(out, session->now.outlook.shows_finished ? "; pictures show it\n" : "\n");
+    finish_write(out, &session_kept(session)->finish);
+    buf_add_text(out, session_outlook(session)->shows_finished ? "; pictures show it\n" : "\n");
 }
 
 /* What is given beside the name: what the row takes, and nothing else. */
@@ -55,7 +59,7 @@ static enum err add_step(struct finish_list *list, const struct act *act)
                          "them, `undo` the last one",
                          FINISH_STEPS_MOST);
     list->step[list->count++] = step;
-    return finish_check(list, act->session->scene, act->fault);
+    return finish_check(list, session_scene(act->session), act->fault);
 }
 
 enum err act_finish(const struct act *act)
@@ -99,8 +103,8 @@ enum err act_finished(const struct act *act)
 static enum err take(const struct act *act, bool finished, struct labels *labels)
 {
     struct session *session = act->session;
-    *labels = labels_of_forest(session->scene);
-    if (session->skims || !finished)
+    *labels = labels_of_forest(session_scene(session));
+    if (session_skims(session) || !finished)
         return OK;
     const enum err err = session_labels(session, true, labels, act->fault);
     if (!err) {

@@ -7,6 +7,8 @@
 #include "base/file_draft.h"
 #include "image/exr.h"
 #include "report/export.h"
+#include "session/semantics.h"
+#include "show/draw.h"
 
 /* ---- comparing ---- */
 
@@ -41,7 +43,7 @@ static enum err compare_pictures(const struct picture *expected, const struct pi
     if (!err && !difference->is_same) {
         golden_tell(&words, difference);
         err = fault_set(fault, ERR_CHECK, "golden image %s: %s", name, buf_text(&words));
-    } else if (!err && semantics_has(interp->session.semantics, MEANING_NOTES)) {
+    } else if (!err && semantics_has(session_semantics(interp->session), MEANING_NOTES)) {
         err = golden_compare_notes(expected, actual, !interp->scene_path, fault);
         if (err)
             fault_prefix(fault, err, "golden image %s", name);
@@ -63,7 +65,7 @@ static enum err compare_golden(struct interpreter *interp, const char *name, con
     if (is_read)
         err = compare_pictures(&expected, actual, name, interp, &difference, fault);
     if (is_read && err == ERR_CHECK) /* for people, who look at both */
-        export_background(&expected, &interp->session, NULL);
+        export_background(&expected, interp->session, NULL);
     const struct golden_finding finding = {name, path, actual, is_read ? &expected : NULL,
                                            is_read ? &difference : NULL};
     if (err == ERR_CHECK && judge && judge->differs)
@@ -164,7 +166,8 @@ enum err act_golden(const struct act *act)
     const struct interpreter *interp = act->interp;
     struct picture picture = {0};
     const char *name = act->value[0].text;
-    const bool can_be_drawn = semantics_has(act->session->semantics, MEANING_SMOOTH_SURFACES);
+    const bool can_be_drawn =
+        semantics_has(session_semantics(act->session), MEANING_SMOOTH_SURFACES);
     if (!golden_name_is_valid(name))
         return fault_set(act->fault, ERR_USAGE,
                          "NAME: expected at most 64 lower-case letters, digits, - and _, not %s",
@@ -178,7 +181,7 @@ enum err act_golden(const struct act *act)
         return fault_set(act->fault, ERR_USAGE,
                          "the journal has semantics %u, whose pictures this program no longer "
                          "draws; `iftty log --reseal` brings it to semantics %d",
-                         act->session->semantics, SEMANTICS);
+                         session_semantics(act->session), SEMANTICS);
     enum err err = note_name(act->interp, name, act->fault);
     if (!err)
         err = take_golden(act, &act->value[1], &act->value[2], &picture);

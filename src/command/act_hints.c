@@ -5,7 +5,12 @@
 
 #include "base/file.h"
 #include "base/json.h"
+#include "engine/hints.h"
 #include "engine/way.h"
+#include "image/geometry.h"
+#include "session/hinting.h"
+#include "session/session.h"
+#include "session/tally.h"
 
 /* The places of the parameters in the table. */
 enum { COUNT, LABEL, REPORT, REPLACE };
@@ -14,7 +19,7 @@ enum { LISTED = 10 }; /* unless a number is given */
 
 static struct place place_of(const struct act *act, uint32_t cell)
 {
-    return grid_place(&act->session->scene->grid, cell);
+    return grid_place(&session_scene(act->session)->grid, cell);
 }
 
 /* The hints of the present forest. In a session that skims it is computed first: only a journal
@@ -22,7 +27,7 @@ static struct place place_of(const struct act *act, uint32_t cell)
 static enum err find_hints(const struct act *act, const struct hint_list **hints)
 {
     struct session *session = act->session;
-    const enum err err = session->skims ? session_catch_up(session, act->fault) : OK;
+    const enum err err = session_skims(session) ? session_catch_up(session, act->fault) : OK;
     return err ? err : session_find_hints(session, hints, NULL, act->fault);
 }
 
@@ -31,10 +36,10 @@ static enum err find_hints(const struct act *act, const struct hint_list **hints
 static void write_size(struct buf *out, const struct session *session, uint32_t voxels)
 {
     buf_printf(out, "%u voxel%s", voxels, plural(voxels));
-    if (session->geometry.spacing_unknown)
+    if (session_geometry(session)->spacing_unknown)
         return;
     buf_add_text(out, ", ");
-    tally_write_volume(out, &session->geometry, voxels);
+    tally_write_volume(out, session_geometry(session), voxels);
 }
 
 /* "3  at 93,40,61: 812 voxels, 0.81 ml; label 1 brain at a cost of 12, label 0 at 12, an edge of 2
@@ -42,11 +47,11 @@ static void write_size(struct buf *out, const struct session *session, uint32_t 
 static enum err write_hint(const struct act *act, const struct hint *hint, size_t number)
 {
     const struct session *session = act->session;
-    const unsigned cost = key_cost(session->scene->cell[hint->cell].key);
+    const unsigned cost = key_cost(session_scene(session)->cell[hint->cell].key);
     const struct place p = place_of(act, hint->cell);
     struct buf *out = &act->reply->text;
     struct way way = {0};
-    const enum err err = way_find(&way, session->forest, hint->cell, act->fault);
+    const enum err err = way_find(&way, session_forest(session), hint->cell, act->fault);
     buf_printf(out, "%zu  at %u,%u,%u: ", number, p.x, p.y, p.z);
     write_size(out, session, hint->voxels);
     buf_add_text(out, "; label ");
@@ -69,16 +74,16 @@ static enum err add_hint(struct json *json, const struct act *act, const struct 
                          size_t number)
 {
     const struct session *session = act->session;
-    const unsigned cost = key_cost(session->scene->cell[hint->cell].key);
+    const unsigned cost = key_cost(session_scene(session)->cell[hint->cell].key);
     struct way way = {0};
-    const enum err err = way_find(&way, session->forest, hint->cell, act->fault);
+    const enum err err = way_find(&way, session_forest(session), hint->cell, act->fault);
     const struct place p = place_of(act, hint->cell);
     json_object(json, NULL);
     json_count(json, "number", number);
     json_format(json, "place", "%u,%u,%u", p.x, p.y, p.z);
     json_count(json, "voxels", hint->voxels);
-    if (!session->geometry.spacing_unknown)
-        json_real(json, "volume_mm3", hint->voxels * tally_voxel_mm3(&session->geometry), 9);
+    if (!session_geometry(session)->spacing_unknown)
+        json_real(json, "volume_mm3", hint->voxels * tally_voxel_mm3(session_geometry(session)), 9);
     json_count(json, "label", hint->label);
     json_count(json, "cost", cost);
     json_count(json, "next_label", hint->other);

@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "session/semantics.h"
+
 enum { LISTED = 20 };
 
 /* The number and the words of the command that led to a point. */
@@ -25,7 +27,7 @@ static void write_arrival(const struct act *act, uint32_t to, uint32_t branch)
     const size_t waits = session_pendings(act->session);
     if (waits > 0)
         buf_printf(&reply->text, ", %zu edit%s waiting for `run`%s", waits, plural(waits),
-                   act->session->now.outlook.runs_by_itself ? " or the next edit" : "");
+                   session_outlook(act->session)->runs_by_itself ? " or the next edit" : "");
     buf_add_char(&reply->text, '\n');
 }
 
@@ -43,7 +45,7 @@ static void write_tip(const struct act *act, uint32_t to, uint32_t branch)
 static enum err go(const struct act *act, uint32_t to, uint32_t branch, bool moves_tip)
 {
     struct history *history = &act->interp->history;
-    const bool has_tips = semantics_has(act->session->semantics, MEANING_BRANCH_TIPS);
+    const bool has_tips = semantics_has(session_semantics(act->session), MEANING_BRANCH_TIPS);
     enum err err =
         history_go(history, act->session, to, branch, moves_tip || !has_tips, act->fault);
     if (err)

@@ -14,6 +14,7 @@
 #include "session/numbering.h"
 #include "session/paint.h"
 #include "session/piece_seeds.h"
+#include "session/semantics.h"
 
 /* The places of the parameters in the table. */
 enum { FILE_NAME, REGIONS, AS, LABEL, ERODE, COPY, RESAMPLE, NUMBERS, LEAST };
@@ -26,7 +27,7 @@ enum { NOISE_PIECES = 1000, SEED_BYTES = 94 };
 
 static bool is_whole(const struct act *act)
 {
-    return semantics_has(act->session->semantics, MEANING_WHOLE_LABELS);
+    return semantics_has(session_semantics(act->session), MEANING_WHOLE_LABELS);
 }
 
 /* ---- the copy beside the journal ---- */
@@ -58,8 +59,8 @@ static enum err keep_copy(const struct act *act, const struct volume *map, const
         if (!err)
             err = interpreter_will_write(interp, buf_text(&path), FILE_KEEP, act->fault);
         if (!err)
-            err = label_copy_write(buf_text(&path), map, &act->session->geometry,
-                                   act->session->watch, act->fault);
+            err = label_copy_write(buf_text(&path), map, session_geometry(act->session),
+                                   session_watch(act->session), act->fault);
         if (!err)
             act_write_file_line("copied to ", buf_text(&path), act->reply);
     }
@@ -76,7 +77,7 @@ static enum err take_numbers(const struct act *act, const char *list)
     struct numbering_tally tally;
     struct buf *out = &act->reply->text;
     const enum err err =
-        numbering_take(&act->next->kept, &tally, list, &act->session->markers, act->fault);
+        numbering_take(&act->next->kept, &tally, list, session_markers(act->session), act->fault);
     if (err)
         return act_naming(act->value[FILE_NAME].text, err, act->fault);
     if (tally.regions)
@@ -104,7 +105,7 @@ static enum err number_regions(struct buf *numbers, uint16_t *as, const struct a
     for (size_t i = 0; i < voxels; i++)
         if (map->intensity[i] <= REGION_MOST)
             has[map->intensity[i]] = true;
-    numbering_list(numbers, as, has, &act->session->now.kept);
+    numbering_list(numbers, as, has, session_kept(act->session));
     free(has);
     if (numbers->failed)
         return fault_memory(act->fault, "the regions");
@@ -118,7 +119,7 @@ static enum err number_regions(struct buf *numbers, uint16_t *as, const struct a
 static enum err find_regions(struct volume *map, const struct act *act)
 {
     const uint64_t beyond = is_whole(act) && !act->value[REGIONS].given
-                                ? map_count_beyond(map, act->session->watch)
+                                ? map_count_beyond(map, session_watch(act->session))
                                 : 0;
     if (beyond)
         return fault_set(act->fault, ERR_INPUT,
@@ -126,7 +127,7 @@ static enum err find_regions(struct volume *map, const struct act *act)
                          "regions; with regions=1-255, or others, these become background; nothing "
                          "was planted",
                          (unsigned long long)beyond, beyond == 1 ? "s" : "", REGION_MOST);
-    return map_to_regions(map, 0, REGION_MOST, act->session->watch, act->fault);
+    return map_to_regions(map, 0, REGION_MOST, session_watch(act->session), act->fault);
 }
 
 static enum err read_original(struct volume *map, const struct act *act, struct buf *numbers)
@@ -144,14 +145,15 @@ static enum err read_original(struct volume *map, const struct act *act, struct 
     if (!err)
         err = interpreter_find_file(act->interp, name, &path, act->fault);
     if (!err)
-        err = map_read(map, buf_text(&path), &place, session->watch, act->fault);
+        err = map_read(map, buf_text(&path), &place, session_watch(session), act->fault);
     choice.as = as;
     if (!err)
         err = act_naming(name, find_regions(map, act), act->fault);
     if (!err && is_whole(act) && !value[AS].given && !value[LABEL].given)
         err = number_regions(numbers, as, act, map);
     if (!err)
-        err = act_naming(name, map_label(map, &choice, session->watch, act->fault), act->fault);
+        err = act_naming(name, map_label(map, &choice, session_watch(session), act->fault),
+                         act->fault);
     if (!err)
         buf_add_text(&act->reply->text, map->notes);
     free(as);
@@ -163,12 +165,13 @@ static enum err read_original(struct volume *map, const struct act *act, struct 
 static enum err read_copy(struct volume *map, const struct act *act, const char *path)
 {
     const struct session *session = act->session;
-    const struct map_place place = {
-        .grid = &session->scene->grid, .geometry = &session->geometry, .as_before = true};
+    const struct map_place place = {.grid = &session_scene(session)->grid,
+                                    .geometry = session_geometry(session),
+                                    .as_before = true};
     enum err err = interpreter_may_read(act->interp, path, act->fault);
     if (!err)
-        err = map_read(map, path, &place, session->watch, act->fault);
-    return err ? err : map_to_regions(map, 0, 255, session->watch, act->fault);
+        err = map_read(map, path, &place, session_watch(session), act->fault);
+    return err ? err : map_to_regions(map, 0, 255, session_watch(session), act->fault);
 }
 
 /* Out of the copy that was recorded, or where it is gone, out of the file, if that is the same. */
@@ -190,7 +193,7 @@ static enum err read_recorded(struct volume *map, const struct act *act, const c
     if (err && !has_copy && path.length)
         fault_prefix(act->fault, err, "there is no copy %s", buf_text(&path));
     if (!err)
-        err = label_copy_digest(digest, map, act->session->watch, act->fault);
+        err = label_copy_digest(digest, map, session_watch(act->session), act->fault);
     const bool same_numbers =
         has_copy || strcmp(buf_text(&numbers), numbered->given ? numbered->text : "") == 0;
     if (!err && (!same_numbers || strcmp(digest, recorded) != 0))
@@ -213,7 +216,7 @@ static enum err read_new(struct volume *map, const struct act *act)
                          "numbers: a journal has it beside copy=DIGEST; regions= chooses regions");
     enum err err = read_original(map, act, &numbers);
     if (!err)
-        err = label_copy_digest(digest, map, act->session->watch, act->fault);
+        err = label_copy_digest(digest, map, session_watch(act->session), act->fault);
     if (!err && numbers.length)
         buf_printf(&act->reply->canonical, " numbers=%s", buf_text(&numbers));
     buf_release(&numbers);
@@ -300,10 +303,10 @@ static void advise_names(const struct act *act, const struct piece_seeds *seeds)
 static bool is_left(const struct act *act, const struct volume *map, uint32_t cell)
 {
     const struct session *session = act->session;
-    const uint32_t number = markers_at(&session->markers, cell);
-    return number && number <= session->former_markers &&
-           session->markers.marker[number - 1].label > 0 &&
-           map->intensity[grid_voxel(&session->scene->grid, cell)] == REGION_NONE;
+    const uint32_t number = markers_at(session_markers(session), cell);
+    return number && number <= session_former_markers(session) &&
+           session_markers(session)->marker[number - 1].label > 0 &&
+           map->intensity[grid_voxel(&session_scene(session)->grid, cell)] == REGION_NONE;
 }
 
 static int compare_cells(const void *a, const void *b)
@@ -317,7 +320,7 @@ static int compare_cells(const void *a, const void *b)
 static enum err take_over(struct voxels *out, const struct act *act, const struct piece *piece,
                           struct marker_run run, size_t own)
 {
-    const struct markers *markers = &act->session->markers;
+    const struct markers *markers = session_markers(act->session);
     for (uint32_t c = run.first; c < run.end; c++) {
         const int16_t label = markers_seed(markers, c);
         if (label == EDIT_ERASE || label == piece->label ||
@@ -338,14 +341,14 @@ static enum err find_voxels(struct voxels *out, const struct act *act,
     const struct piece *piece = &seeds->piece[i];
     const size_t begin = i ? piece[-1].end : 0, first = i ? piece[-1].run_end : 0;
     const size_t own = piece->end - begin;
-    struct task task = task_begin(act->session->watch, "seeds of pieces", 0);
+    struct task task = task_begin(session_watch(act->session), "seeds of pieces", 0);
     enum err err = OK;
     out->count = 0;
     if (!mem_grow(&out->cell, &out->capacity, own, sizeof *out->cell))
         return fault_memory(act->fault, "seeds of pieces");
     for (size_t k = begin; k < piece->end; k++)
         out->cell[out->count++] = seeds->cell[k];
-    if (!is_whole(act) || !act->session->former_markers)
+    if (!is_whole(act) || !session_former_markers(act->session))
         return OK;
     for (size_t r = first; !err && r < piece->run_end && task_advance(&task, 1); r++)
         err = take_over(out, act, piece, seeds->run[r], own);
@@ -354,14 +357,14 @@ static enum err find_voxels(struct voxels *out, const struct act *act,
         if (!is_left(act, map, out->cell[k]))
             out->cell[kept++] = out->cell[k];
     out->count = piece->label == 0 ? kept : out->count;
-    return err ? err : watch_fault(act->session->watch, act->fault);
+    return err ? err : watch_fault(session_watch(act->session), act->fault);
 }
 
 /* The own numbers of labels. */
 static enum err take_state(const struct act *act)
 {
-    act->next->lists = act->session->now.lists;
-    return kept_equals(&act->next->kept, &act->session->now.kept) ? OK : act_go(act);
+    act->next->lists = session_state(act->session)->lists;
+    return kept_equals(&act->next->kept, session_kept(act->session)) ? OK : act_go(act);
 }
 
 static enum err plant(const struct act *act, const struct piece_seeds *seeds,
@@ -400,10 +403,10 @@ static enum err plant(const struct act *act, const struct piece_seeds *seeds,
 static void announce(const struct act *act, const struct piece_seeds *seeds)
 {
     const struct session *session = act->session;
-    const size_t voxels = session->scene->grid.voxels;
+    const size_t voxels = session_scene(session)->grid.voxels;
     if (seeds->pieces < NOISE_PIECES || seeds->count < voxels / 2)
         return;
-    watch_announce(session->watch,
+    watch_announce(session_watch(session),
                    "%s is more like noise, or a picture, than a segmentation: %zu pieces, of %.1f "
                    "voxels each; seeds in %zu voxels take some %.0f MB (Ctrl-C stops; `labels FILE "
                    "least=100` leaves out pieces of fewer voxels)",
@@ -439,8 +442,8 @@ enum err act_labels(const struct act *act)
                         "%s has no voxel of these regions; nothing was planted",
                         act->value[FILE_NAME].text);
     if (!err)
-        err = piece_seeds_make(&seeds, map.intensity, &session->scene->grid, &choice,
-                               session->watch, act->fault);
+        err = piece_seeds_make(&seeds, map.intensity, &session_scene(session)->grid, &choice,
+                               session_watch(session), act->fault);
     if (!err && !seeds.pieces)
         err = fault_set(act->fault, ERR_INPUT, "no piece of it has %u voxels; nothing was planted",
                         choice.least);

@@ -5,6 +5,8 @@
 #include <stdio.h>
 
 #include "base/chart.h"
+#include "image/geometry.h"
+#include "image/levels.h"
 
 enum { PROFILE_ROWS = 8, MARGIN = 9 };
 
@@ -20,8 +22,8 @@ static struct way way_between(const struct session *session, const uint32_t from
 {
     struct way way;
     double a[3], b[3];
-    geometry_point(&session->geometry, from, a);
-    geometry_point(&session->geometry, to, b);
+    geometry_point(session_geometry(session), from, a);
+    geometry_point(session_geometry(session), to, b);
     for (int i = 0; i < 3; i++) {
         way.voxels[i] = (double)to[i] - (double)from[i];
         way.mm[i] = b[i] - a[i];
@@ -37,7 +39,7 @@ static double product(const double u[3], const double v[3])
 /* "25.50 mm, 17.00 voxels"; in voxels alone where their distances are unknown. */
 static void write_length(struct buf *out, const struct session *session, const struct way *way)
 {
-    if (!session->geometry.spacing_unknown)
+    if (!session_geometry(session)->spacing_unknown)
         buf_printf(out, "%.2f mm, ", sqrt(product(way->mm, way->mm)));
     buf_printf(out, "%.2f voxels", sqrt(product(way->voxels, way->voxels)));
 }
@@ -65,7 +67,7 @@ static enum err write_angle(const struct act *act)
     const uint32_t *at = act->value[1].place;
     const struct way a = way_between(session, at, act->value[0].place);
     const struct way b = way_between(session, at, act->value[2].place);
-    const bool measures = !session->geometry.spacing_unknown;
+    const bool measures = !session_geometry(session)->spacing_unknown;
     if (product(a.voxels, a.voxels) == 0 || product(b.voxels, b.voxels) == 0)
         return fault_set(act->fault, ERR_INPUT,
                          "there is no angle at %u,%u,%u: expected two other voxels beside it",
@@ -104,7 +106,8 @@ static const struct cell *cell_at(const struct profile *p, int64_t step, uint32_
     paint_step(place, p->from, p->to, step, p->steps);
     for (int a = 0; a < 3; a++)
         at[a] = (uint32_t)place[a];
-    return p->session->scene->cell + grid_cell(&p->session->scene->grid, at[0], at[1], at[2]);
+    return session_scene(p->session)->cell +
+           grid_cell(&session_scene(p->session)->grid, at[0], at[1], at[2]);
 }
 
 static char letter_of_label(const struct cell *cell)
@@ -122,7 +125,7 @@ static void take_column(struct profile *p, unsigned column)
         uint32_t at[3];
         const struct cell *cell = cell_at(p, i, at);
         const double value =
-            levels_value(&p->session->geometry, p->session->levels, cell->intensity);
+            levels_value(session_geometry(p->session), session_levels(p->session), cell->intensity);
         sum += value;
         p->least = i == 0 || value < p->least ? value : p->least;
         p->most = i == 0 || value > p->most ? value : p->most;
@@ -148,7 +151,7 @@ static void draw(struct buf *out, const struct profile *p, bool has_blocks)
 
 static void list(struct buf *out, const struct profile *p)
 {
-    const bool measures = !p->session->geometry.spacing_unknown;
+    const bool measures = !session_geometry(p->session)->spacing_unknown;
     for (int64_t i = 0; i <= p->steps; i++) {
         uint32_t at[3];
         const struct cell *cell = cell_at(p, i, at);
@@ -156,7 +159,8 @@ static void list(struct buf *out, const struct profile *p)
         buf_printf(out, "%8.2f %s  %u,%u,%u  ",
                    sqrt(measures ? product(way.mm, way.mm) : product(way.voxels, way.voxels)),
                    measures ? "mm" : "voxels", at[0], at[1], at[2]);
-        levels_write(out, &p->session->geometry, p->session->levels, cell->intensity);
+        levels_write(out, session_geometry(p->session), session_levels(p->session),
+                     cell->intensity);
         buf_add_text(out, "  ");
         if (cell_is_reached(cell))
             act_write_label(out, p->session, cell->label);
@@ -178,10 +182,10 @@ enum err act_profile(const struct act *act)
     buf_printf(out, "%lld voxel%s", (long long)p.steps + 1, plural((uint64_t)p.steps + 1));
     if (p.steps >= p.columns)
         buf_printf(out, ", %.2g in a column", (double)(p.steps + 1) / p.columns);
-    const int digits = geometry_digits(&p.session->geometry);
+    const int digits = geometry_digits(session_geometry(p.session));
     buf_printf(out, "; values %.*g to %.*g, mean %.*g\n", digits, p.least, digits, p.most, digits,
                p.sum / (double)(p.steps + 1));
-    levels_write_scale(out, p.session->levels, "");
+    levels_write_scale(out, session_levels(p.session), "");
     if (act_is_yes(&value[2]))
         list(out, &p);
     return OK;

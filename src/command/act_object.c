@@ -8,6 +8,10 @@
 
 #include "base/mem.h"
 #include "engine/components.h"
+#include "engine/roi.h"
+#include "image/levels.h"
+#include "render/cut.h"
+#include "session/markers.h"
 
 /* The places of the parameters in the table. */
 enum { LABEL, HOW, RANGE, FROM };
@@ -37,18 +41,18 @@ static void search_release(struct search *s)
 /* In the range, in the region of interest, and without a seed of another label. */
 static bool may_belong(const struct search *s, uint32_t cell)
 {
-    const struct cell *at = s->act->session->scene->cell + cell;
+    const struct cell *at = session_scene(s->act->session)->cell + cell;
     if (!interval_holds(&s->planting.within, at->intensity) || at->flags & CELL_OUTSIDE)
         return false;
-    const int16_t seed = markers_seed(&s->act->session->markers, cell);
+    const int16_t seed = markers_seed(session_markers(s->act->session), cell);
     return seed == EDIT_ERASE || seed == s->label;
 }
 
 static enum err find_pieces(struct search *s)
 {
     const struct session *session = s->act->session;
-    const struct grid *grid = &session->scene->grid;
-    struct task task = task_begin(session->watch, "voxels in the range", grid->voxels);
+    const struct grid *grid = &session_scene(session)->grid;
+    struct task task = task_begin(session_watch(session), "voxels in the range", grid->voxels);
     memset(s->may, 0, grid->cells);
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
@@ -56,11 +60,12 @@ static enum err find_pieces(struct search *s)
             for (uint32_t c = row.first; c < row.end; c++) {
                 s->may[c] = may_belong(s, c);
                 s->unsure +=
-                    interval_splits(&s->planting.within, session->scene->cell[c].intensity);
+                    interval_splits(&s->planting.within, session_scene(session)->cell[c].intensity);
             }
         }
-    const enum err err = watch_fault(session->watch, s->act->fault);
-    return err ? err : components_find(&s->found, grid, s->may, session->watch, s->act->fault);
+    const enum err err = watch_fault(session_watch(session), s->act->fault);
+    return err ? err
+               : components_find(&s->found, grid, s->may, session_watch(session), s->act->fault);
 }
 
 /* ---- which pieces are taken ---- */
@@ -68,13 +73,13 @@ static enum err find_pieces(struct search *s)
 static bool begins_in(const struct search *s, const struct component_run *run)
 {
     const struct value *from = &s->act->value[FROM];
-    const struct grid *grid = &s->act->session->scene->grid;
+    const struct grid *grid = &session_scene(s->act->session)->grid;
     if (from->given) {
         const uint32_t cell = grid_cell(grid, from->place[0], from->place[1], from->place[2]);
         return run->first <= cell && cell < run->end;
     }
     for (uint32_t c = run->first; c < run->end; c++)
-        if (markers_seed(&s->act->session->markers, c) == s->label)
+        if (markers_seed(session_markers(s->act->session), c) == s->label)
             return true;
     return false;
 }
@@ -108,13 +113,13 @@ static enum err refuse_place(const struct search *s)
 {
     const struct session *session = s->act->session;
     const uint32_t *place = s->act->value[FROM].place;
-    const uint32_t cell = grid_cell(&session->scene->grid, place[0], place[1], place[2]);
-    const struct cell *at = session->scene->cell + cell;
+    const uint32_t cell = grid_cell(&session_scene(session)->grid, place[0], place[1], place[2]);
+    const struct cell *at = session_scene(session)->cell + cell;
     const char *why = "a seed of another label";
     struct buf intensity = {0};
     if (!interval_holds(&s->planting.within, at->intensity)) {
         buf_add_text(&intensity, "the intensity ");
-        levels_write(&intensity, &session->geometry, session->levels, at->intensity);
+        levels_write(&intensity, session_geometry(session), session_levels(session), at->intensity);
         buf_add_text(&intensity, ", beyond the range");
         why = buf_text(&intensity);
     } else if (at->flags & CELL_OUTSIDE) {
@@ -141,7 +146,7 @@ static enum err refuse_nothing(const struct search *s)
 static void warn_of_no_other(const struct search *s)
 {
     const struct session *session = s->act->session;
-    const struct markers *markers = &session->markers;
+    const struct markers *markers = session_markers(session);
     struct buf *out = &s->act->reply->text;
     for (size_t i = 0; i < markers->count; i++)
         if (markers->marker[i].stands && markers->marker[i].label != EDIT_ERASE &&
@@ -152,7 +157,7 @@ static void warn_of_no_other(const struct search *s)
     buf_printf(out,
                " back, and a run gives it all of the %s\nthat its trees reach; seeds of the "
                "background hold it, as `seed X,Y,Z 0`, or a shell or a box around it\n",
-               roi_is_none(&session->roi) ? "scene" : "region of interest");
+               roi_is_none(session_roi(session)) ? "scene" : "region of interest");
 }
 
 static enum err plant(struct search *s)
@@ -176,7 +181,7 @@ static enum err plant(struct search *s)
 
 enum err act_object(const struct act *act)
 {
-    const struct grid *grid = &act->session->scene->grid;
+    const struct grid *grid = &session_scene(act->session)->grid;
     struct search search = {.act = act,
                             .label = (int16_t)act->value[LABEL].number,
                             .planting = act_begin_planting(act->session, &act->value[RANGE]),

@@ -5,16 +5,21 @@
 
 #include "base/mem.h"
 #include "engine/gradient.h"
+#include "image/geometry.h"
+#include "image/levels.h"
+#include "session/markers.h"
 #include "session/paint.h"
+#include "session/semantics.h"
 
 /* ---- what may be planted ---- */
 
 struct planting act_begin_planting(const struct session *session, const struct value *range)
 {
     static const struct interval all = {0, UINT16_MAX, {-1, -1}};
-    return (struct planting){
-        .within =
-            range->given ? levels_within(&session->geometry, session->levels, range->real) : all};
+    return (struct planting){.within = range->given
+                                           ? levels_within(session_geometry(session),
+                                                           session_levels(session), range->real)
+                                           : all};
 }
 
 /* A shell cuts no object but the one that it encloses. Trees that are refused at a shell by their
@@ -28,8 +33,8 @@ static bool is_of_another(const struct planting *planting, const struct cell *at
 enum err act_plant(const struct act *act, struct planting *planting, uint32_t *cell, size_t count,
                    int16_t label)
 {
-    const struct cell *cells = act->session->scene->cell;
-    struct task task = task_begin(act->session->watch, "seeds", count);
+    const struct cell *cells = session_scene(act->session)->cell;
+    struct task task = task_begin(session_watch(act->session), "seeds", count);
     size_t kept = 0;
     for (size_t i = 0; i < count && task_advance(&task, 1); i++) {
         const struct cell *at = cells + cell[i];
@@ -85,8 +90,9 @@ void act_add_markers(const struct act *act)
 {
     const struct session *session = act->session;
     struct buf *words = &act->reply->words;
-    const size_t first = session->former_markers + 1, last = session->markers.count;
-    if (!semantics_has(session->semantics, MEANING_MARKERS) || last < first)
+    const size_t first = session_former_markers(session) + 1,
+                 last = session_markers(session)->count;
+    if (!semantics_has(session_semantics(session), MEANING_MARKERS) || last < first)
         return;
     buf_add_blank(words);
     buf_printf(words, "marker=%zu", first);
@@ -127,8 +133,8 @@ enum { FREES_TIMES = 3, FREES_LEAST = 2, FREES_MORE = 10, FREES_MOST = 160 };
 static enum err free_voxels(const struct act *act, struct voxels *voxels, enum err err)
 {
     const struct session *session = act->session;
-    if (!err && session->markers.count > session->former_markers)
-        err = session_free(act->session, voxels->cell, voxels->count, act->fault);
+    if (!err && session_markers(session)->count > session_former_markers(session))
+        err = session_free_voxels(act->session, voxels->cell, voxels->count, act->fault);
     voxels_release(voxels);
     return err;
 }
@@ -157,19 +163,19 @@ static enum err free_around_way(const struct act *act, const struct value *place
     const uint32_t(*corner)[3] =
         to->given ? (const uint32_t(*)[3])to->line->corner : (const uint32_t(*)[3]) & place->place;
     const bool in_mm = within->given ? within->in_mm : radius->in_mm;
-    const uint32_t *unit = in_mm ? session->scene->spacing_nm : ones;
+    const uint32_t *unit = in_mm ? session_scene(session)->spacing_nm : ones;
     const int64_t freed = within->given
                               ? within->number
                               : freed_radius(radius->given ? radius->number : 0, shortest(unit));
     const int64_t most = FREES_MOST * shortest(unit);
     struct brush brush = {0};
     struct voxels voxels = {0};
-    if (!session->markers.yields)
+    if (!session_markers(session)->yields)
         return OK;
     enum err err = brush_init(&brush, unit, freed < most ? freed : most, FREES_MOST, act->fault);
     if (!err)
-        err = paint_stroke(&voxels, &session->scene->grid, &brush, corner,
-                           to->given ? to->line->count : 1, session->watch, act->fault);
+        err = paint_stroke(&voxels, &session_scene(session)->grid, &brush, corner,
+                           to->given ? to->line->count : 1, session_watch(session), act->fault);
     brush_release(&brush);
     return free_voxels(act, &voxels, err);
 }
@@ -178,10 +184,10 @@ static enum err free_around_box(const struct act *act, const uint32_t corner[3],
                                 const uint32_t opposite[3])
 {
     const struct session *session = act->session;
-    const struct grid *grid = &session->scene->grid;
+    const struct grid *grid = &session_scene(session)->grid;
     uint32_t first[3], last[3], thin = UINT32_MAX;
     struct voxels voxels = {0};
-    if (!session->markers.yields)
+    if (!session_markers(session)->yields)
         return OK;
     for (int a = 0; a < 3; a++) {
         first[a] = corner[a] < opposite[a] ? corner[a] : opposite[a];
@@ -194,18 +200,19 @@ static enum err free_around_box(const struct act *act, const uint32_t corner[3],
         last[a] = last[a] + more < grid->size[a] ? last[a] + more : grid->size[a] - 1;
     }
     return free_voxels(act, &voxels,
-                       paint_box(&voxels, grid, first, last, session->watch, act->fault));
+                       paint_box(&voxels, grid, first, last, session_watch(session), act->fault));
 }
 
 /* Adds the balls around the voxels first..last of a row. */
 static enum err add_around(struct voxels *out, const struct act *act, const struct brush *brush,
                            uint32_t first, uint32_t last)
 {
-    const struct grid *grid = &act->session->scene->grid;
+    const struct grid *grid = &session_scene(act->session)->grid;
     const struct place a = grid_place(grid, first), b = grid_place(grid, last);
     const uint32_t corner[2][3] = {{a.x, a.y, a.z}, {b.x, b.y, b.z}};
     struct voxels around = {0};
-    enum err err = paint_stroke(&around, grid, brush, corner, 2, act->session->watch, act->fault);
+    enum err err =
+        paint_stroke(&around, grid, brush, corner, 2, session_watch(act->session), act->fault);
     if (!err && !mem_grow(&out->cell, &out->capacity, out->count + around.count, sizeof *out->cell))
         err = fault_memory(act->fault, "seeds");
     for (size_t i = 0; !err && i < around.count; i++)
@@ -219,10 +226,11 @@ static enum err free_around_polygon(const struct act *act, const struct polyline
     const struct session *session = act->session;
     struct brush brush = {0};
     struct voxels inside = {0}, voxels = {0};
-    if (!session->markers.yields)
+    if (!session_markers(session)->yields)
         return OK;
-    enum err err = paint_polygon(&inside, &session->scene->grid, (const uint32_t(*)[3])line->corner,
-                                 line->count, session->watch, act->fault);
+    enum err err =
+        paint_polygon(&inside, &session_scene(session)->grid, (const uint32_t(*)[3])line->corner,
+                      line->count, session_watch(session), act->fault);
     if (!err)
         err = brush_init(&brush, ones, FREES_LEAST, BRUSH_REACH_MOST, act->fault);
     for (size_t i = 0, next; !err && i < inside.count; i = next) {
@@ -242,8 +250,8 @@ static enum err find_unit(const uint32_t **unit, const struct act *act, const ch
                           const struct value *distance)
 {
     const struct session *session = act->session;
-    *unit = distance->in_mm ? session->scene->spacing_nm : ones;
-    return !distance->in_mm || !session->geometry.spacing_unknown
+    *unit = distance->in_mm ? session_scene(session)->spacing_nm : ones;
+    return !distance->in_mm || !session_geometry(session)->spacing_unknown
                ? OK
                : fault_set(act->fault, ERR_INPUT,
                            "%s: the scene's file does not say how large voxels are; expected a "
@@ -263,19 +271,20 @@ enum err act_find_voxels(const struct act *act, const struct value *place,
                          const struct value *radius, const struct value *to, struct voxels *voxels)
 {
     const struct session *session = act->session;
-    const struct grid *grid = &session->scene->grid;
+    const struct grid *grid = &session_scene(session)->grid;
     const bool goes_on = to && to->given;
     const uint32_t(*corner)[3] =
         goes_on ? (const uint32_t(*)[3])to->line->corner : (const uint32_t(*)[3]) & place->place;
     const size_t corners = goes_on ? to->line->count : 1;
-    const bool was_before =
-        !semantics_has(session->semantics, MEANING_STROKES) && corners <= 2 && !radius->in_mm;
+    const bool was_before = !semantics_has(session_semantics(session), MEANING_STROKES) &&
+                            corners <= 2 && !radius->in_mm;
     struct brush brush = {0};
     enum err err = make_brush(&brush, act, radius, BRUSH_REACH_MOST);
     if (!err && was_before)
         err = paint_stroke_as_before(voxels, grid, &brush, corner, corners, act->fault);
     else if (!err)
-        err = paint_stroke(voxels, grid, &brush, corner, corners, session->watch, act->fault);
+        err =
+            paint_stroke(voxels, grid, &brush, corner, corners, session_watch(session), act->fault);
     brush_release(&brush);
     return err;
 }
@@ -285,7 +294,7 @@ static bool can_join(const struct act *act, int64_t label)
 {
     const struct history *history = &act->interp->history;
     const struct point *point = history->point + history->present;
-    const struct markers *markers = &act->session->markers;
+    const struct markers *markers = session_markers(act->session);
     return point->plants && markers->count > 0 && markers->marker[markers->count - 1].stands &&
            markers->marker[markers->count - 1].label == label;
 }
@@ -297,8 +306,8 @@ static enum err look_inside(const struct act *act, const uint32_t middle[3], uin
                             bool *is_reached)
 {
     const struct session *session = act->session;
-    const enum err err = session->skims ? session_catch_up(act->session, act->fault) : OK;
-    const struct scene *scene = session->scene;
+    const enum err err = session_skims(session) ? session_catch_up(act->session, act->fault) : OK;
+    const struct scene *scene = session_scene(session);
     const struct cell *at = &scene->cell[grid_cell(&scene->grid, middle[0], middle[1], middle[2])];
     *inside = at->label;
     *is_reached = cell_is_reached(at);
@@ -341,7 +350,7 @@ static enum err find_radius(struct value *radius, const struct act *act, const u
                             const uint32_t through[3])
 {
     static const int64_t most_nm = 1000000000;
-    const struct scene *scene = act->session->scene;
+    const struct scene *scene = session_scene(act->session);
     uint64_t sum = 0;
     radius->in_mm = !scene->spacing_unknown;
     for (int a = 0; a < 3; a++) {
@@ -372,10 +381,10 @@ static enum err plant_hollow_ball(const struct act *act, const struct value *pla
     if (!err)
         err = make_brush(&brush, act, &radius, BRUSH_HOLLOW_REACH_MOST);
     if (!err)
-        err = brush_hollow(&brush, session->now.kept.adjacency, act->fault);
+        err = brush_hollow(&brush, session_kept(session)->adjacency, act->fault);
     if (!err)
-        err = paint_shell(&voxels, &session->scene->grid, &brush, place->place, session->watch,
-                          act->fault);
+        err = paint_shell(&voxels, &session_scene(session)->grid, &brush, place->place,
+                          session_watch(session), act->fault);
     brush_release(&brush);
     return err ? err : plant_shell(act, &voxels, place->place, label, around, range);
 }
@@ -391,8 +400,8 @@ static enum err plant_hollow_box(const struct act *act, const uint32_t corner[3]
         if (middle[a] == corner[a] || middle[a] == opposite[a])
             return refuse_shell(act, "a box less than 3 voxels thick has nothing inside");
     }
-    const enum err err = paint_faces(&voxels, &act->session->scene->grid, corner, opposite,
-                                     act->session->watch, act->fault);
+    const enum err err = paint_faces(&voxels, &session_scene(act->session)->grid, corner, opposite,
+                                     session_watch(act->session), act->fault);
     return err ? err : plant_shell(act, &voxels, middle, label, around, range);
 }
 
@@ -402,7 +411,7 @@ static enum err plant_hollow_box(const struct act *act, const uint32_t corner[3]
 static enum err find_reach(uint16_t *number, const struct act *act, const uint32_t centre[3],
                            const struct value *within, const struct voxels *voxels)
 {
-    const struct session *session = act->session;
+    struct session *session = act->session;
     const uint32_t *unit;
     struct reach reach = {.radius = within->number};
     enum err err = find_unit(&unit, act, "within", within);
@@ -411,13 +420,13 @@ static enum err find_reach(uint16_t *number, const struct act *act, const uint32
         reach.unit[a] = unit[a];
     }
     for (size_t i = 0; !err && i < voxels->count; i++) {
-        const struct place p = grid_place(&session->scene->grid, voxels->cell[i]);
+        const struct place p = grid_place(&session_scene(session)->grid, voxels->cell[i]);
         if (!reach_holds(&reach, p.x, p.y, p.z))
             err = fault_set(act->fault, ERR_USAGE,
                             "within: it is less than the radius; expected as much or more; "
                             "nothing was planted");
     }
-    return err ? err : forest_add_reach(session->forest, &reach, number, act->fault);
+    return err ? err : session_add_reach(session, &reach, number, act->fault);
 }
 
 /* A ball that `within` says a reach of, or not. */
@@ -477,8 +486,8 @@ enum err act_box(const struct act *act)
     if (act_is_yes(&value[SHELL]))
         return plant_hollow_box(act, value[CORNER].place, value[OPPOSITE].place,
                                 (int16_t)value[LABEL].number, &value[AROUND], &value[RANGE]);
-    enum err err = paint_box(&voxels, &act->session->scene->grid, value[CORNER].place,
-                             value[OPPOSITE].place, act->session->watch, act->fault);
+    enum err err = paint_box(&voxels, &session_scene(act->session)->grid, value[CORNER].place,
+                             value[OPPOSITE].place, session_watch(act->session), act->fault);
     err = err ? err : plant(act, &voxels, (int16_t)value[LABEL].number, &value[RANGE]);
     return err ? err : free_around_box(act, value[CORNER].place, value[OPPOSITE].place);
 }
@@ -493,9 +502,9 @@ enum err act_fill(const struct act *act)
         return fault_set(act->fault, ERR_USAGE,
                          "a polygon has three corners or more, not all ahead on one line (`box` "
                          "fills a rectangle); nothing was planted");
-    enum err err =
-        paint_polygon(&voxels, &act->session->scene->grid, (const uint32_t(*)[3])line->corner,
-                      line->count, act->session->watch, act->fault);
+    enum err err = paint_polygon(&voxels, &session_scene(act->session)->grid,
+                                 (const uint32_t(*)[3])line->corner, line->count,
+                                 session_watch(act->session), act->fault);
     err = err ? err : plant(act, &voxels, (int16_t)value[LABEL].number, &value[RANGE]);
     return err ? err : free_around_polygon(act, line);
 }

@@ -4,6 +4,11 @@
 #include <math.h>
 
 #include "engine/measure.h"
+#include "image/geometry.h"
+#include "session/finished.h"
+#include "session/session.h"
+#include "show/draw.h"
+#include "show/live_finish.h"
 
 /* The voxel that a pixel of the rendition shows, or CELL_NONE. What the pilot has drawn may be at a
  * zoom of its own. */
@@ -12,7 +17,7 @@ static enum err voxel_of_rendition(struct session *session, const struct labels 
                                    struct fault *fault)
 {
     const struct rendition *r = session_frame(session);
-    if (!session->rendered)
+    if (!session_rendered(session))
         return fault_set(fault, ERR_USAGE, "the rendition is not up to date; `render` first");
     const enum err err = session_draw_labels(session, labels, RENDER_AS_KEPT, fault);
     if (err)
@@ -29,7 +34,7 @@ static enum err voxel_of_slices(struct session *session, enum slice_kind kind,
                                 const struct labels *labels, uint32_t column, uint32_t row,
                                 uint32_t *cell, struct fault *fault)
 {
-    const struct view *view = &session->now.outlook.view;
+    const struct view *view = &session_outlook(session)->view;
     if (column >= view->width || row >= view->height)
         return fault_set(fault, ERR_INPUT, "pixel %u,%u lies outside the picture of %ux%u", column,
                          row, view->width, view->height);
@@ -39,10 +44,10 @@ static enum err voxel_of_slices(struct session *session, enum slice_kind kind,
 /* "3.61 mm from the border of label 1 brain, at 70,101,95" */
 static void write_distance(struct buf *out, const struct session *session, uint32_t cell)
 {
-    const struct scene *scene = session->scene;
+    const struct scene *scene = session_scene(session);
     const struct border_distance border = measure_border_distance(scene, cell);
     const struct place at = grid_place(&scene->grid, border.cell);
-    const char *unit = session->geometry.spacing_unknown ? "voxels" : "mm";
+    const char *unit = session_geometry(session)->spacing_unknown ? "voxels" : "mm";
     if (!border.found && border.reach_nm == UINT64_MAX)
         buf_add_text(out, "the scene holds no border of label ");
     else if (!border.found)
@@ -56,7 +61,7 @@ static void write_distance(struct buf *out, const struct session *session, uint3
     act_write_label(out, session, scene->cell[cell].label);
     if (border.found && border.squared)
         buf_printf(out, ", at %u,%u,%u", at.x, at.y, at.z);
-    if (border.squared && geometry_fill(&session->geometry) < 1)
+    if (border.squared && geometry_fill(session_geometry(session)) < 1)
         buf_add_text(out, ", as if axes were not sheared");
     buf_add_char(out, '\n');
 }
@@ -82,13 +87,13 @@ enum err act_pick(const struct act *act)
         return OK;
     }
     act_write_voxel(&act->reply->text, session, cell);
-    if (cell_is_reached(session->scene->cell + cell))
+    if (cell_is_reached(session_scene(session)->cell + cell))
         write_distance(&act->reply->text, session, cell);
-    if (labels_at(&labels, cell) != session->scene->cell[cell].label) {
+    if (labels_at(&labels, cell) != session_scene(session)->cell[cell].label) {
         buf_add_text(&act->reply->text, "finished: label ");
         act_write_label(&act->reply->text, session, labels_at(&labels, cell));
         buf_add_char(&act->reply->text, '\n');
     }
     act_write_waiting(act);
-    return watch_fault(session->watch, act->fault);
+    return watch_fault(session_watch(session), act->fault);
 }

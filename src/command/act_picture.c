@@ -3,15 +3,20 @@
 
 #include "base/file.h"
 #include "image/exr.h"
+#include "render/border.h"
+#include "render/normal.h"
+#include "session/semantics.h"
+#include "session/session.h"
 #include "show/decorating.h"
 #include "report/export.h"
+#include "show/draw.h"
 
 /* ---- pictures ---- */
 
 static enum err note_finish(const struct act *act, struct picture *picture)
 {
     struct buf steps = {0};
-    finish_write(&steps, &act->session->now.kept.finish);
+    finish_write(&steps, &session_kept(act->session)->finish);
     const enum err err = steps.failed
                              ? fault_memory(act->fault, "a note on a picture")
                              : picture_note(picture, "iftty:finish", buf_text(&steps), act->fault);
@@ -35,7 +40,7 @@ enum err act_note_picture(const struct act *act, const struct labels *labels,
 {
     const struct journal *journal = act->interp->journal;
     enum err err = labels->finished ? note_finish(act, picture) : OK;
-    if (!err && journal && !act->session->is_private)
+    if (!err && journal && !session_is_private(act->session))
         err = note_journal(act, picture);
     return err || !journal
                ? err
@@ -78,7 +83,7 @@ enum err act_draw_picture(const struct act *act, const struct labels *labels,
 
 void act_add_picture_digest(const struct act *act)
 {
-    if (!semantics_has(act->session->semantics, MEANING_SMOOTH_SURFACES))
+    if (!semantics_has(session_semantics(act->session), MEANING_SMOOTH_SURFACES))
         return;
     buf_add_blank(&act->reply->words);
     const struct rendition picture = session_picture(act->session);

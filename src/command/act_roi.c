@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 
+#include "engine/roi.h"
 #include "session/map.h"
 
 /* The places of the parameters in the table. */
@@ -28,12 +29,12 @@ void act_write_unsure(const struct act *act, size_t voxels)
         buf_printf(&act->reply->text,
                    "%zu voxel%s a level that an end of the range cuts: a level is %.3g, and values "
                    "are known to half of it\n",
-                   voxels, voxels == 1 ? " has" : "s have", act->session->levels->step);
+                   voxels, voxels == 1 ? " has" : "s have", session_levels(act->session)->step);
 }
 
 bool act_write_roi(struct buf *out, const struct session *session)
 {
-    const struct kept *kept = &session->now.kept;
+    const struct kept *kept = session_kept(session);
     if (kept->mask) {
         buf_add_text(out, "mask ");
         buf_add_safe_text(out, kept->mask_file);
@@ -48,7 +49,7 @@ bool act_write_roi(struct buf *out, const struct session *session)
 static enum err add_roi(const struct act *act, enum err err)
 {
     const struct session *session = act->session;
-    const struct roi_tally *tally = &session->roi_tally;
+    const struct roi_tally *tally = session_roi_tally(session);
     struct reply *reply = act->reply;
     if (err)
         return err;
@@ -56,7 +57,7 @@ static enum err add_roi(const struct act *act, enum err err)
     buf_printf(&reply->words, "fence=%016llx inside=%zu", (unsigned long long)tally->digest,
                tally->inside);
     buf_printf(&reply->text, "%zu of %zu voxels %s inside the region of interest\n", tally->inside,
-               session->scene->grid.voxels, tally->inside == 1 ? "is" : "are");
+               session_scene(session)->grid.voxels, tally->inside == 1 ? "is" : "are");
     return OK;
 }
 
@@ -89,19 +90,20 @@ static enum err read_mask(uint64_t **mask, const struct act *act, const char *pa
     const struct session *session = act->session;
     const char *name = act->value[MASK_FILE].text;
     struct fault *fault = act->fault;
-    const struct grid *grid = &session->scene->grid;
+    const struct grid *grid = &session_scene(session)->grid;
     struct volume map = {0};
     *mask = NULL;
     const struct map_place place =
         session_map_place(session, act_is_yes(&act->value[MASK_RESAMPLE]));
-    enum err err = map_read(&map, path, &place, session->watch, fault);
+    enum err err = map_read(&map, path, &place, session_watch(session), fault);
     if (!err)
-        err = act_naming(name, map_to_regions(&map, regions[0], regions[1], session->watch, fault),
-                         fault);
+        err = act_naming(
+            name, map_to_regions(&map, regions[0], regions[1], session_watch(session), fault),
+            fault);
     if (!err && !(*mask = mask_new(grid)))
         err = fault_memory(fault, "a mask");
     if (!err)
-        fill_mask(*mask, &map, session->scene);
+        fill_mask(*mask, &map, session_scene(session));
     if (!err)
         buf_add_text(&act->reply->text, map.notes);
     volume_release(&map);
@@ -124,7 +126,7 @@ static enum err mask_by_file(const struct act *act)
     if (err)
         return err;
     buf_printf(&act->reply->words, "file=%016llx",
-               (unsigned long long)mask_digest(mask, session->scene));
+               (unsigned long long)mask_digest(mask, session_scene(session)));
     err = act_naming(name, session_set_mask(session, mask, name, regions, act->fault), act->fault);
     free(mask);
     return err;
@@ -143,14 +145,15 @@ enum err act_mask(const struct act *act)
 /* Of all voxels of the scene. */
 static size_t count_unsure(const struct session *session, const struct decimal range[2])
 {
-    const struct grid *grid = &session->scene->grid;
-    const struct interval interval = levels_within(&session->geometry, session->levels, range);
+    const struct grid *grid = &session_scene(session)->grid;
+    const struct interval interval =
+        levels_within(session_geometry(session), session_levels(session), range);
     size_t voxels = 0;
     for (uint32_t z = 0; interval.split[0] >= 0 && z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             const struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++)
-                voxels += interval_splits(&interval, session->scene->cell[c].intensity);
+                voxels += interval_splits(&interval, session_scene(session)->cell[c].intensity);
         }
     return voxels;
 }

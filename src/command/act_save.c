@@ -6,6 +6,10 @@
 #include "report/export.h"
 #include "report/label_table.h"
 #include "session/numbering.h"
+#include "session/semantics.h"
+#include "session/session.h"
+#include "session/tally.h"
+#include "show/live_finish.h"
 
 enum err act_check_report(const struct value *file, struct fault *fault)
 {
@@ -61,7 +65,7 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
                          "cannot write %s: expected .txt or .label for ITK-SNAP, .ctab for "
                          "FreeSurfer, .ctbl for 3D Slicer, .nii.txt or .lut for mricron",
                          path);
-    const struct kept *kept = &act->session->now.kept;
+    const struct kept *kept = session_kept(act->session);
     if (format == TABLE_LUT && numbering_is_used(kept))
         return fault_set(act->fault, ERR_USAGE,
                          "cannot write %s: labels have numbers of their own, and a .lut holds 0 to "
@@ -69,10 +73,10 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
                          path);
     enum err err = session_count_labels(act->session, act->fault);
     for (int l = 0; l < 256; l++)
-        used[l] = act->session->tally.voxels[l] > 0 || *kept->label_name[l];
+        used[l] = session_tally(act->session)->voxels[l] > 0 || *kept->label_name[l];
     if (!err)
         err = numbering_check(kept, used, act->fault);
-    label_table_write(&text, format, &act->session->now.kept, used);
+    label_table_write(&text, format, session_kept(act->session), used);
     if (!err && text.failed)
         err = fault_memory(act->fault, "the names of labels");
     if (!err)
@@ -123,14 +127,14 @@ struct coverage {
 
 static struct coverage cover(const struct session *session, const struct labels *labels)
 {
-    const struct grid *grid = &session->scene->grid;
+    const struct grid *grid = &session_scene(session)->grid;
     struct coverage count = {0};
-    struct task task = task_begin(session->watch, "counting", grid->voxels);
+    struct task task = task_begin(session_watch(session), "counting", grid->voxels);
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
             const struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++) {
-                const struct cell *cell = session->scene->cell + c;
+                const struct cell *cell = session_scene(session)->cell + c;
                 const bool is_outside = cell->flags & CELL_OUTSIDE;
                 count.labelled += labels_at(labels, c) > 0;
                 count.outside += is_outside;
@@ -144,8 +148,8 @@ static struct coverage cover(const struct session *session, const struct labels 
 static enum err check_labels(const struct act *act, const struct coverage *coverage)
 {
     if (coverage->labelled || act_is_yes(&act->value[EMPTY]) ||
-        !semantics_has(act->session->semantics, MEANING_WHOLE_LABELS))
-        return watch_fault(act->session->watch, act->fault);
+        !semantics_has(session_semantics(act->session), MEANING_WHOLE_LABELS))
+        return watch_fault(session_watch(act->session), act->fault);
     return fault_set(
         act->fault, ERR_INPUT,
         "no voxel has a label above 0: plant a `seed` of one first, or write the empty "
@@ -166,7 +170,7 @@ static void warn(const struct act *act, const char *path, const struct coverage 
     const int64_t what = act->value[WHAT].number;
     warn_of_background(&act->reply->text, coverage->unreached, "that no seed reaches");
     warn_of_background(&act->reply->text, coverage->outside, "outside the region of interest");
-    if (volume_ending(path) && !geometry_has_place(&session->geometry))
+    if (volume_ending(path) && !geometry_has_place(session_geometry(session)))
         buf_add_text(&act->reply->text,
                      "where it lies is as unknown in it as in the scene's file\n");
     if ((what == MAP_LABELS || what == SAVE_SURFACE) && !act->value[FINISHED].given &&

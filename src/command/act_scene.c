@@ -10,17 +10,18 @@
 #include "base/choice.h"
 #include "base/safe.h"
 #include "session/map.h"
+#include "session/semantics.h"
 
 /* The answer of a command that gave the session its scene. */
 static void write_scene(const struct act *act)
 {
     const struct session *session = act->session;
     struct reply *reply = act->reply;
-    const struct scene *scene = session->scene;
+    const struct scene *scene = session_scene(session);
     const uint32_t *size = scene->grid.size, *nm = scene->spacing_nm;
     buf_printf(&reply->words, "scene=%016llx size=%u,%u,%u spacing-nm=%u,%u,%u weights=%016llx",
-               (unsigned long long)session->scene_digest, size[0], size[1], size[2], nm[0], nm[1],
-               nm[2], (unsigned long long)session->weight_digest);
+               (unsigned long long)session_scene_digest(session), size[0], size[1], size[2], nm[0],
+               nm[1], nm[2], (unsigned long long)session_weight_digest(session));
     buf_printf(&reply->text, "%ux%ux%u voxels", size[0], size[1], size[2]);
     act_write_spacing(&reply->text, session);
     buf_printf(&reply->text, ", %.1f MB\n", (double)session_memory(session) / 1e6);
@@ -30,7 +31,7 @@ static void write_scene(const struct act *act)
  * digest of the file's values that a level may stand for. */
 static void record_levels(const struct act *act)
 {
-    const struct levels *levels = act->session->levels;
+    const struct levels *levels = session_levels(act->session);
     if (levels)
         buf_printf(&act->reply->words, " scale=%.17g..%.17g beyond=%zu,%zu values=%016llx",
                    levels->ends[0], levels->ends[1], levels->beyond[0], levels->beyond[1],
@@ -42,15 +43,15 @@ static void write_orientation(const struct act *act)
 {
     const struct session *session = act->session;
     struct reply *reply = act->reply;
-    if (!semantics_has(session->semantics, MEANING_ORIENTATION))
+    if (!semantics_has(session_semantics(session), MEANING_ORIENTATION))
         return;
-    const struct choice who = choice_at(ORIENTATIONS, session->geometry.orientation);
+    const struct choice who = choice_at(ORIENTATIONS, session_geometry(session)->orientation);
     buf_printf(&reply->words, " orientation=%.*s", (int)who.length, who.word);
-    buf_add_text(&reply->text, session->open_notes);
-    if (session->geometry.orientation == ORIENTATION_UNKNOWN)
+    buf_add_text(&reply->text, session_open_notes(session));
+    if (session_geometry(session)->orientation == ORIENTATION_UNKNOWN)
         buf_add_text(&reply->text, "orientation unknown: no picture or answer names a side of the "
                                    "patient\n");
-    if (session->geometry.spacing_unknown)
+    if (session_geometry(session)->spacing_unknown)
         buf_add_text(&reply->text, "distances of voxels unknown: lengths and volumes are in "
                                    "voxels\n");
 }
@@ -96,28 +97,30 @@ static enum err check_words(const struct act *act, const char *name)
 static enum err take_first_weight(const struct act *act, bool *recorded)
 {
     struct session *session = act->session;
-    struct weight_choice *weight = &session->now.kept.weight;
+    struct state next = *session_state(session);
+    struct weight_choice *weight = &next.kept.weight;
+    enum err err = OK;
     const struct value *given = &act->value[OPEN_WEIGHT];
     *recorded = false;
-    if (session->has_scene)
+    if (session_has_scene(session))
         return OK; /* session_open refuses */
     if (given->given)
-        return opening_weight(weight, given->text, act->fault);
-    *recorded =
-        act->interp->mode == MODE_LIVE && semantics_has(session->semantics, MEANING_OPEN_WEIGHT);
-    if (!*recorded)
+        err = opening_weight(weight, given->text, act->fault);
+    else
+        *recorded = act->interp->mode == MODE_LIVE &&
+                    semantics_has(session_semantics(session), MEANING_OPEN_WEIGHT);
+    if (!given->given && !*recorded)
         *weight = (struct weight_choice){WEIGHT_MORPH, 1};
-    return OK;
+    return err ? err : session_go(session, &next, NULL, 0, act->fault);
 }
 
 /* What pictures say that it is called: the last part of the name that the command gives, wherever
  * the file was found. The name of a folder is often a patient's. */
 static void name_scene(const struct act *act, const char *name, const char *path)
 {
-    struct session *session = act->session;
-    session->is_private = act_is_yes(&act->value[OPEN_PRIVATE]);
-    const bool is_said = !session->is_private && !file_is_folder(path);
-    snprintf(session->scene_file, sizeof session->scene_file, "%s", is_said ? file_name(name) : "");
+    const bool is_private = act_is_yes(&act->value[OPEN_PRIVATE]);
+    const bool is_said = !is_private && !file_is_folder(path);
+    session_name_scene(act->session, is_said ? file_name(name) : "", is_private);
 }
 
 /* The proof of the scene that the record at hand has, of all of a file with a header. */
@@ -140,19 +143,19 @@ static enum err open_outside(const struct act *act, const char *name, struct vol
                              const char *proof)
 {
     struct session *session = act->session;
-    struct watch *watch = session->watch;
+    struct watch *watch = session_watch(session);
     struct buf path = {0};
     struct fault unsaid = {0};
     choice->proof = proof;
     if (watch)
         watch->is_quiet = true;
-    if (!session->has_scene && interpreter_find_outside(act->interp, name, &path))
+    if (!session_has_scene(session) && interpreter_find_outside(act->interp, name, &path))
         session_open(session, buf_text(&path), choice, &unsaid);
     if (watch)
         watch->is_quiet = false;
     choice->proof = NULL;
     buf_release(&path);
-    return session->has_scene ? OK : watch_fault(watch, act->fault);
+    return session_has_scene(session) ? OK : watch_fault(watch, act->fault);
 }
 
 /* What is recorded. */
@@ -161,10 +164,10 @@ static void write_canonical(const struct act *act, bool has_weight)
     struct buf *canonical = &act->reply->canonical;
     const struct session *session = act->session;
     buf_clear(canonical);
-    opening_write(canonical, act->command, act->value, session->series);
+    opening_write(canonical, act->command, act->value, session_series(session));
     if (has_weight) {
         buf_add_text(canonical, " weight=");
-        opening_write_weight(canonical, &session->now.kept.weight);
+        opening_write_weight(canonical, &session_kept(session)->weight);
     }
 }
 
@@ -175,7 +178,7 @@ enum err act_open(const struct act *act)
     struct volume_choice choice;
     char proof[SHA256_HEX];
     const char *name;
-    const bool had_scene = session->has_scene;
+    const bool had_scene = session_has_scene(session);
     bool has_weight = false;
     enum err err = opening_choice(&choice, &name, act->value, act->fault);
     choice.as_recorded = act->interp->mode != MODE_LIVE;
@@ -187,7 +190,7 @@ enum err act_open(const struct act *act)
     const bool by_proof = !err && has_proof(act, &choice, proof);
     if (by_proof)
         err = open_outside(act, name, &choice, proof);
-    const bool is_open = session->has_scene && !had_scene;
+    const bool is_open = session_has_scene(session) && !had_scene;
     if (!err && !is_open)
         err = find_scene(act, name, by_proof, &path);
     if (!err && !is_open)
@@ -203,8 +206,8 @@ enum err act_open(const struct act *act)
         write_orientation(act);
     if (!err)
         record_levels(act);
-    if (!err && *session->proof)
-        buf_printf(&act->reply->words, " sha256=%s", session->proof);
+    if (!err && *session_proof(session))
+        buf_printf(&act->reply->words, " sha256=%s", session_proof(session));
     return err;
 }
 
@@ -223,7 +226,7 @@ enum err act_interpolate(const struct act *act)
  * program, too, and for the maps of the scene. */
 static enum err check_orient(const struct session *session, const char *how, struct fault *fault)
 {
-    const struct geometry *said = &session->said;
+    const struct geometry *said = session_said(session);
     struct geometry oriented = *said;
     char towards[4];
     const bool is_form = strcmp(how, "sform") == 0 || strcmp(how, "qform") == 0;
@@ -258,9 +261,9 @@ enum err act_orient(const struct act *act)
     if (!by_file)
         memcpy(orient, how, strlen(how));
     err = act_go(act);
-    const struct choice who = choice_at(ORIENTATIONS, session->geometry.orientation);
+    const struct choice who = choice_at(ORIENTATIONS, session_geometry(session)->orientation);
     buf_printf(&act->reply->words, "orientation=%.*s", (int)who.length, who.word);
-    act_write_axes(&act->reply->text, &session->geometry);
+    act_write_axes(&act->reply->text, session_geometry(session));
     buf_add_char(&act->reply->text, '\n');
     return err;
 }
@@ -268,7 +271,7 @@ enum err act_orient(const struct act *act)
 void act_add_weights(const struct act *act)
 {
     buf_printf(&act->reply->words, "weights=%016llx",
-               (unsigned long long)act->session->weight_digest);
+               (unsigned long long)session_weight_digest(act->session));
 }
 
 /* After a command that may have changed weights. */
@@ -298,9 +301,9 @@ static enum err weigh_by_file(const struct act *act, const char *name)
         near_append(&near, "", fault);
     }
     if (!err)
-        err = map_read(&map, buf_text(&path), &place, session->watch, fault);
+        err = map_read(&map, buf_text(&path), &place, session_watch(session), fault);
     if (!err)
-        err = act_naming(name, map_to_weights(&map, session->watch, fault), fault);
+        err = act_naming(name, map_to_weights(&map, session_watch(session), fault), fault);
     if (!err)
         err = session_set_weight_map(session, name, map.intensity, fault);
     if (!err)

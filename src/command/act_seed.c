@@ -7,6 +7,8 @@
 #include "base/mem.h"
 #include "base/scan.h"
 #include "journal/record.h"
+#include "session/markers.h"
+#include "session/semantics.h"
 
 enum { TAKEN_MOST = 256 }; /* seeds that one record says were removed */
 
@@ -17,13 +19,14 @@ enum { TAKEN_MOST = 256 }; /* seeds that one record says were removed */
 static bool find_recorded(const struct act *act, const char *key, struct record_word *word)
 {
     const char *recorded = act->interp->recorded_words;
-    return act->session->skims && recorded && record_word_find(recorded, key, strlen(key), word);
+    return session_skims(act->session) && recorded &&
+           record_word_find(recorded, key, strlen(key), word);
 }
 
 /* Only a forest that is up to date knows which tree holds a voxel. */
 static enum err find_voxels(const struct act *act, struct voxels *v)
 {
-    enum err err = act->session->skims ? session_catch_up(act->session, act->fault) : OK;
+    enum err err = session_skims(act->session) ? session_catch_up(act->session, act->fault) : OK;
     return err ? err : act_find_voxels(act, &act->value[0], &act->value[1], NULL, v);
 }
 
@@ -33,14 +36,14 @@ static enum err find_voxels(const struct act *act, struct voxels *v)
  * line should hold. */
 static void add_taken(const struct session *session, struct reply *reply)
 {
-    const struct edit *edit = edits_first(&session->now.lists.pending);
-    const size_t before = edits_count(&session->former.lists.pending),
+    const struct edit *edit = edits_first(&session_state(session)->lists.pending);
+    const size_t before = edits_count(&session_former(session)->lists.pending),
                  now = session_pendings(session);
     const char *between = "took=";
     if (now - before > TAKEN_MOST)
         return;
     for (size_t i = before; i < now; i++) {
-        const struct place p = grid_place(&session->scene->grid, edit[i].cell);
+        const struct place p = grid_place(&session_scene(session)->grid, edit[i].cell);
         buf_printf(&reply->words, "%s%u,%u,%u", between, p.x, p.y, p.z);
         between = ";";
     }
@@ -73,7 +76,7 @@ static enum err remove_trees(const struct act *act)
     size_t count;
     enum err err;
     if (find_recorded(act, "took", &word)) {
-        err = read_taken(&session->scene->grid, &word, taken, &count, act->fault);
+        err = read_taken(&session_scene(session)->grid, &word, taken, &count, act->fault);
         err = err ? err : session_erase_seeds(session, taken, count, act->fault);
     } else {
         err = find_voxels(act, &v);
@@ -132,7 +135,7 @@ static size_t seeds_of(const struct markers *markers, uint32_t number)
 
 static void write_removed(const struct act *act, const uint32_t *number, size_t count, size_t seeds)
 {
-    const struct markers *markers = &act->session->markers;
+    const struct markers *markers = session_markers(act->session);
     struct buf *out = &act->reply->text;
     if (count > 1) {
         buf_printf(out, "%zu markers removed\n", count);
@@ -152,13 +155,13 @@ static enum err remove_markers(const struct act *act)
     size_t count;
     enum err err;
     if (find_recorded(act, "removed", &word)) {
-        err = read_removed(&session->markers, &word, &number, &count, act->fault);
+        err = read_removed(session_markers(session), &word, &number, &count, act->fault);
     } else {
         err = find_voxels(act, &v);
         if (!err)
             err = session_find_markers(session, v.cell, v.count, &number, &count, act->fault);
     }
-    const size_t seeds = !err && count == 1 ? seeds_of(&session->markers, number[0]) : 0;
+    const size_t seeds = !err && count == 1 ? seeds_of(session_markers(session), number[0]) : 0;
     if (!err)
         err = session_take_away(session, number, count, act->fault);
     if (!err) {
@@ -176,13 +179,14 @@ enum err act_remove(const struct act *act)
     enum { MARKER, TREE };
     struct session *session = act->session;
     const struct value *of = &act->value[2];
-    const int64_t usual = semantics_has(session->semantics, MEANING_MARKERS) ? MARKER : TREE;
+    const int64_t usual =
+        semantics_has(session_semantics(session), MEANING_MARKERS) ? MARKER : TREE;
     const enum err err =
         (of->given ? of->number : usual) == MARKER ? remove_markers(act) : remove_trees(act);
     if (err)
         return err;
     const uint32_t *p = act->value[0].place;
-    const uint32_t cell = grid_cell(&session->scene->grid, p[0], p[1], p[2]);
+    const uint32_t cell = grid_cell(&session_scene(session)->grid, p[0], p[1], p[2]);
     return session_note_eliminator(session, cell, act->fault);
 }
 

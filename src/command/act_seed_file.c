@@ -9,6 +9,7 @@
 #include "report/label_table.h"
 #include "session/numbering.h"
 #include "session/seed_file.h"
+#include "session/semantics.h"
 
 enum { LIST_BYTES_MOST = 64 << 20, LISTED_MOST = 12 };
 
@@ -36,8 +37,9 @@ static enum err read_list(struct seeds *seeds, const struct act *act, const char
     enum err err = file_read(&text, path, LIST_BYTES_MOST, fault);
     if (!err)
         err = act_naming(value[FILE_NAME].text,
-                         seeds_from_list(seeds, buf_text(&text), text.length, &session->scene->grid,
-                                         session->now.kept.label_name, label_of(value), fault),
+                         seeds_from_list(seeds, buf_text(&text), text.length,
+                                         &session_scene(session)->grid,
+                                         session_kept(session)->label_name, label_of(value), fault),
                          fault);
     buf_release(&text);
     return err;
@@ -51,7 +53,7 @@ enum err act_choose_regions(uint16_t **as, const struct act *act, const struct v
                          "as and label are two answers to one question; expected one of them");
     const enum err err = regions_new(as, regions->text, labels->text, act->fault);
     if (!err && !labels->given)
-        numbering_translate(*as, &act->session->now.kept);
+        numbering_translate(*as, session_kept(act->session));
     return err;
 }
 
@@ -86,11 +88,12 @@ static enum err read_map(struct seeds *seeds, const struct act *act,
     struct volume map = {0};
     struct region_tally tally;
     const struct map_place place = session_map_place(session, act_is_yes(&value[RESAMPLE]));
-    enum err err = map_read(&map, path, &place, session->watch, fault);
+    enum err err = map_read(&map, path, &place, session_watch(session), fault);
     if (!err)
         err = act_naming(value[FILE_NAME].text,
-                         seeds_from_map(seeds, &tally, &map, &session->scene->grid,
-                                        &session->geometry, choice, session->watch, fault),
+                         seeds_from_map(seeds, &tally, &map, &session_scene(session)->grid,
+                                        session_geometry(session), choice, session_watch(session),
+                                        fault),
                          fault);
     if (!err)
         buf_add_text(out, map.notes);
@@ -156,19 +159,19 @@ static enum err plant_region(const struct act *act, struct planting *planting,
                              const struct seeds *seeds, const struct region_choice *choice,
                              uint32_t region, uint32_t *cell, size_t count)
 {
-    const struct session *session = act->session;
+    struct session *session = act->session;
     planting->reach = 0;
     if (region < SEED_GROUPS_FROM || region - SEED_GROUPS_FROM >= seeds->groups)
         return act_plant(act, planting, cell, count, (uint8_t)region_label(choice, region));
     const struct seed_group *group = &seeds->group[region - SEED_GROUPS_FROM];
     struct reach reach = group->reach;
-    if (!reach.unit[0] && session->geometry.spacing_unknown)
+    if (!reach.unit[0] && session_geometry(session)->spacing_unknown)
         return fault_set(act->fault, ERR_INPUT,
                          "it has a distance in millimetres, and the scene's file does not say how "
                          "large voxels are; nothing was planted");
     for (int a = 0; a < 3; a++)
-        reach.unit[a] = reach.unit[a] ? reach.unit[a] : session->scene->spacing_nm[a];
-    const enum err err = forest_add_reach(session->forest, &reach, &planting->reach, act->fault);
+        reach.unit[a] = reach.unit[a] ? reach.unit[a] : session_scene(session)->spacing_nm[a];
+    const enum err err = session_add_reach(session, &reach, &planting->reach, act->fault);
     return err ? err : act_plant(act, planting, cell, count, group->label);
 }
 
@@ -180,11 +183,11 @@ static enum err plant(const struct act *act, const struct seeds *seeds, const ch
     struct session *session = act->session;
     size_t *end = mem_array(REGION_MOST + 1, sizeof *end), begin = 0;
     const size_t pendings = session_pendings(session);
-    enum err err = end ? seeds_by_region(seeds, &cell, end, session->watch, act->fault)
+    enum err err = end ? seeds_by_region(seeds, &cell, end, session_watch(session), act->fault)
                        : fault_memory(act->fault, "the seeds of regions");
     for (uint32_t r = 0; !err && r <= REGION_MOST; begin = end[r++])
         err = plant_region(act, planting, seeds, choice, r, cell + begin, end[r] - begin);
-    if (!err && !semantics_has(session->semantics, MEANING_SEED_ORDER))
+    if (!err && !semantics_has(session_semantics(session), MEANING_SEED_ORDER))
         session_sort_pendings(session, pendings);
     if (!err && act->value[AS].given)
         write_regions(act, path, choice->as, end);

@@ -15,19 +15,19 @@ enum { WINDOW_LOW, WINDOW_HIGH };
 
 void act_write_slices(struct buf *out, struct session *session)
 {
-    const struct slice_settings *s = &session->now.outlook.slices;
+    const struct slice_settings *s = &session_outlook(session)->slices;
     char least[WINDOW_WORDS_BYTES], most[WINDOW_WORDS_BYTES];
     window_words(least, most, session);
     buf_printf(out, "through %u,%u,%u: ", s->cross[0], s->cross[1], s->cross[2]);
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++)
-        buf_printf(out, "%s %u%s", slice_name(session->scene, plane),
+        buf_printf(out, "%s %u%s", slice_name(session_scene(session), plane),
                    slicing_number(session, plane, s->cross), plane < SLICE_SAGITTAL ? ", " : "; ");
     buf_printf(out, "window %s%s %s, ", s->has_window ? "" : "auto: ", least, most);
     if (s->times != SLICE_TIMES_ONE)
         buf_printf(out, "magnified %g, ", s->times / 1000.0);
     if (s->has_middle)
         buf_printf(out, "around %u,%u,%u, ", s->middle[0], s->middle[1], s->middle[2]);
-    settings_write(out, GROUP_SLICES, &session->now);
+    settings_write(out, GROUP_SLICES, session_state(session));
     buf_add_char(out, '\n');
 }
 
@@ -155,7 +155,7 @@ static enum err show_or_write(const struct act *act, enum slice_kind kind, const
 
 enum err act_slice(const struct act *act)
 {
-    const struct scene *scene = act->session->scene;
+    const struct scene *scene = session_scene(act->session);
     struct slice_settings *slices = &act->next->outlook.slices;
     const enum slice_plane plane = (enum slice_plane)act->value[SLICE_PLANE].number;
     const uint32_t count = slice_count(scene, plane);

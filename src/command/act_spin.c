@@ -11,8 +11,10 @@
 #include "image/exr.h"
 #include "image/helper.h"
 #include "render/fit.h"
+#include "session/session.h"
 #include "show/decorating.h"
 #include "report/export.h"
+#include "show/draw.h"
 
 /* The places of the parameters in the table. */
 enum { COUNT, NAME, AXIS, FIT, DELAY, REPLACE, SHOWN };
@@ -152,7 +154,7 @@ static enum err fit_turns(const struct spin *spin, struct view *from)
     const struct view first = *from;
     struct fit fit;
     uint32_t place[3];
-    enum err err = fit_init(&fit, &session->border, spin->act->fault);
+    enum err err = fit_init(&fit, session_border(session), spin->act->fault);
     if (err)
         return err;
     fit_place(&fit, &first, place);
@@ -160,12 +162,12 @@ static enum err fit_turns(const struct spin *spin, struct view *from)
     for (unsigned i = 0; i < spin->total; i++) {
         const struct view view = view_of(spin, &first, i);
         from->zoom =
-            least(from->zoom, fit_zoom(&fit, &view, place, session->now.outlook.look.samples));
-        watch_poll(session->watch, "turntable", 0, spin->total);
+            least(from->zoom, fit_zoom(&fit, &view, place, session_outlook(session)->look.samples));
+        watch_poll(session_watch(session), "turntable", 0, spin->total);
     }
-    view_focus_on(from, session->scene, place);
+    view_focus_on(from, session_scene(session), place);
     fit_release(&fit);
-    return watch_fault(session->watch, spin->act->fault);
+    return watch_fault(session_watch(session), spin->act->fault);
 }
 
 /* With all maps of the rendition, for what looks at them. */
@@ -204,9 +206,9 @@ static enum err turn_around(struct spin *spin)
 {
     struct session *session = spin->act->session;
     struct fault *fault = spin->act->fault;
-    const struct view before = session->now.outlook.view;
+    const struct view before = session_outlook(session)->view;
     struct view from = before;
-    const bool rendered = session->rendered == RENDERED_FOREST;
+    const bool rendered = session_rendered(session) == RENDERED_FOREST;
     enum err err = session_run(session, fault);
     if (!err)
         err = act_take_shown(spin->act, &spin->act->value[SHOWN], &spin->labels);
@@ -215,7 +217,7 @@ static enum err turn_around(struct spin *spin)
     if (!err)
         err = begin_files(spin);
     for (unsigned i = 0; i < spin->total && !err; i++) {
-        watch_poll(session->watch, "turntable", i, spin->total);
+        watch_poll(session_watch(session), "turntable", i, spin->total);
         err = show_turned(spin, &from, i);
     }
     if (!err)

@@ -5,8 +5,11 @@
 
 #include "base/file.h"
 #include "base/mem.h"
+#include "engine/forest.h"
 #include "report/label_report.h"
 #include "session/numbering.h"
+#include "session/semantics.h"
+#include "session/tally.h"
 
 /* The places of the parameters in the table. */
 enum { STATS_REPORT, STATS_REPLACE, STATS_FINISHED };
@@ -21,33 +24,33 @@ struct counts {
 static enum err count(struct counts *counts, const struct act *act)
 {
     const struct session *session = act->session;
-    const struct grid *grid = &session->scene->grid;
-    struct task task = task_begin(session->watch, "counting", grid->voxels);
+    const struct grid *grid = &session_scene(session)->grid;
+    struct task task = task_begin(session_watch(session), "counting", grid->voxels);
     *counts = (struct counts){.seeds = {0}};
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
             struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++) {
-                const struct cell *cell = session->scene->cell + c;
+                const struct cell *cell = session_scene(session)->cell + c;
                 counts->voxels[cell->label] += cell_is_reached(cell);
                 counts->seeds[cell->label] += cell->flags & CELL_SEED;
             }
         }
-    return watch_fault(session->watch, act->fault);
+    return watch_fault(session_watch(session), act->fault);
 }
 
 static void write_counts(const struct act *act, const struct counts *counts, unsigned label)
 {
     const struct session *session = act->session;
-    const double ml = tally_voxel_mm3(&session->geometry) / 1000.0;
+    const double ml = tally_voxel_mm3(session_geometry(session)) / 1000.0;
     struct buf *out = &act->reply->text;
     buf_add_text(out, "label ");
     act_write_label(out, session, label);
     buf_printf(out, ": %zu seed%s, %zu voxel%s", counts->seeds[label], plural(counts->seeds[label]),
                counts->voxels[label], plural(counts->voxels[label]));
-    if (!session->geometry.spacing_unknown)
+    if (!session_geometry(session)->spacing_unknown)
         buf_printf(out, ", %.1f ml", (double)counts->voxels[label] * ml);
-    const struct kept *kept = &session->now.kept;
+    const struct kept *kept = session_kept(session);
     if (label && kept->opacity[label] < BORDER_OPAQUE)
         buf_printf(out, ", opacity %u %%", kept->opacity[label]);
     buf_add_text(out, label && !kept->visible[label] ? ", hidden\n" : "\n");
@@ -85,15 +88,16 @@ static void write_forest(const struct act *act)
     const struct session *session = act->session;
     struct buf *out = &act->reply->text;
     buf_add_text(out, "weight ");
-    act_write_weight(out, &session->now.kept);
+    act_write_weight(out, session_kept(session));
     buf_add_char(out, '\n');
-    levels_write_scale(out, session->levels, "");
+    levels_write_scale(out, session_levels(session), "");
     act_write_region(out, session);
     act_write_finish(out, session);
     buf_printf(out, "%zu border voxel%s; forest %016llx, labels %016llx\n",
-               border_count(&session->border), plural(border_count(&session->border)),
-               (unsigned long long)forest_digest(session->forest),
-               (unsigned long long)semantics_label_digest(session->semantics, session->forest));
+               border_count(session_border(session)), plural(border_count(session_border(session))),
+               (unsigned long long)forest_digest(session_forest(session)),
+               (unsigned long long)semantics_label_digest(session_semantics(session),
+                                                          session_forest(session)));
 }
 
 static enum err answer(const struct act *act, const struct label_stats *stats,
@@ -101,21 +105,21 @@ static enum err answer(const struct act *act, const struct label_stats *stats,
 {
     const struct session *session = act->session;
     struct counts counts;
-    const struct tally *tally = &session->tally;
+    const struct tally *tally = session_tally(session);
     const bool knows_moves = tally->knows_moves && !labels->finished;
     struct area_weights area;
-    area_weights_init(&area, &session->geometry);
+    area_weights_init(&area, session_geometry(session));
     const struct label_report report = {
         .stats = stats,
         .area = &area,
         .gained = knows_moves ? tally->gained : NULL,
         .lost = knows_moves ? tally->lost : NULL,
         .before = labels->finished ? NULL : session_voxels_before_edit(session),
-        .label_name = session->now.kept.label_name,
+        .label_name = session_kept(session)->label_name,
         .label_number =
-            numbering_is_used(&session->now.kept) ? session->now.kept.label_number : NULL,
-        .geometry = &session->geometry,
-        .levels = session->levels};
+            numbering_is_used(session_kept(session)) ? session_kept(session)->label_number : NULL,
+        .geometry = session_geometry(session),
+        .levels = session_levels(session)};
     enum err err = count(&counts, act);
     if (!err)
         err = write_report(act, &report);

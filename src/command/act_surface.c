@@ -30,13 +30,14 @@ static enum err make_surface(struct surface **surface, const struct act *act,
     struct session *session = act->session;
     const struct value *label = &act->value[LABEL], *smooth = &act->value[SMOOTH];
     struct labels of = *labels;
-    const struct surface_source source = {session->scene->grid.size,
+    const struct surface_source source = {session_scene(session)->grid.size,
                                           joins ? row_of_all : row_of_labels, &of};
     bool wanted[256];
     for (int l = 0; l < 256; l++)
         wanted[l] = !label->given || label->number == l;
     const unsigned passes = smooth->given ? (unsigned)smooth->number : PASSES_USUALLY;
-    const enum err err = surface_new(surface, &source, wanted, passes, session->watch, act->fault);
+    const enum err err =
+        surface_new(surface, &source, wanted, passes, session_watch(session), act->fault);
     if (err || (*surface)->parts)
         return err;
     return label->given
@@ -53,15 +54,16 @@ static enum err write_surface(const struct act *act, const struct labels *labels
     const struct session *session = act->session;
     struct volume_label label[256];
     struct buf notes = {0};
-    export_labels(label, &session->now.kept);
+    export_labels(label, session_kept(session));
     if (labels->finished) {
         buf_add_text(&notes, "finished: ");
-        finish_write(&notes, &session->now.kept.finish);
+        finish_write(&notes, &session_kept(session)->finish);
     }
-    const struct surface_document document = {surface, &session->geometry, label, buf_text(&notes)};
-    const enum err err = notes.failed
-                             ? fault_memory(act->fault, "a surface")
-                             : surface_write(path, how, &document, session->watch, act->fault);
+    const struct surface_document document = {surface, session_geometry(session), label,
+                                              buf_text(&notes)};
+    const enum err err =
+        notes.failed ? fault_memory(act->fault, "a surface")
+                     : surface_write(path, how, &document, session_watch(session), act->fault);
     buf_release(&notes);
     return err;
 }
@@ -80,9 +82,9 @@ static void answer(const struct act *act, const struct surface *surface, bool jo
         act_write_extent(out, session, part->voxels);
         buf_add_char(out, '\n');
     }
-    if (session->geometry.spacing_unknown)
+    if (session_geometry(session)->spacing_unknown)
         buf_add_text(out, "its places are in voxels: how far apart those are is unknown\n");
-    else if (session->geometry.orientation == ORIENTATION_UNKNOWN)
+    else if (session_geometry(session)->orientation == ORIENTATION_UNKNOWN)
         buf_add_text(out, "its places are in millimetres along the axes of the voxels: the "
                           "orientation is unknown (`orient` says it)\n");
 }
@@ -95,7 +97,8 @@ enum err act_save_surface(const struct act *act, const struct labels *labels, co
     const bool joins = !act->value[LABEL].given && !surface_file_tells_labels(path);
     enum err err = make_surface(&surface, act, labels, joins);
     if (!err && most->given)
-        err = surface_reduce(surface, (size_t)most->number, act->session->watch, act->fault);
+        err =
+            surface_reduce(surface, (size_t)most->number, session_watch(act->session), act->fault);
     if (!err)
         err = write_surface(act, labels, path, how, surface);
     if (!err)

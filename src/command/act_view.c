@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "render/fit.h"
+#include "session/semantics.h"
 
 static int32_t whole_turn(int64_t angle)
 {
@@ -41,12 +42,12 @@ static enum err fit_shown(const struct act *act)
     struct view *view = &act->next->outlook.view;
     struct fit fit;
     uint32_t place[3];
-    enum err err = fit_init(&fit, &act->session->border, act->fault);
+    enum err err = fit_init(&fit, session_border(act->session), act->fault);
     if (err)
         return err;
     fit_place(&fit, view, place);
     view->zoom = fit_zoom(&fit, view, place, act->next->outlook.look.samples);
-    view_focus_on(view, act->session->scene, place);
+    view_focus_on(view, session_scene(act->session), place);
     if (fit.is_scene)
         buf_add_text(&act->reply->text, "no object is shown: the scene fits\n");
     act_write_waiting(act);
@@ -66,21 +67,21 @@ enum err act_zoom(const struct act *act)
         return fault_set(act->fault, ERR_USAGE, "fit finds the place in the centre: without at=");
     if (!zoom->text) {
         view->zoom = (uint32_t)zoom->number;
-    } else if (semantics_has(act->session->semantics, MEANING_LOOK)) {
+    } else if (semantics_has(session_semantics(act->session), MEANING_LOOK)) {
         err = fit_shown(act);
     } else {
-        view->zoom = view_fitting_zoom(act->session->scene, view->width, view->height,
+        view->zoom = view_fitting_zoom(session_scene(act->session), view->width, view->height,
                                        act->next->outlook.look.samples);
         memset(view->focus, 0, sizeof view->focus);
     }
     if (at->given)
-        view_focus_on(view, act->session->scene, at->place);
+        view_focus_on(view, session_scene(act->session), at->place);
     return err ? err : act_go(act);
 }
 
 enum err act_pan(const struct act *act)
 {
-    view_pan(&act->next->outlook.view, &act->session->camera, act->value[0].number,
+    view_pan(&act->next->outlook.view, session_camera(act->session), act->value[0].number,
              act->value[1].number);
     return act_go(act);
 }
@@ -90,7 +91,7 @@ enum err act_focus(const struct act *act)
     struct view *view = &act->next->outlook.view;
     memset(view->focus, 0, sizeof view->focus);
     if (!act->value[0].text)
-        view_focus_on(view, act->session->scene, act->value[0].place);
+        view_focus_on(view, session_scene(act->session), act->value[0].place);
     return act_go(act);
 }
 
@@ -116,15 +117,15 @@ static void write_sides(struct buf *out, const int32_t direction[3], bool sides_
 
 void act_write_view(struct buf *out, const struct session *session)
 {
-    const struct view *view = &session->now.outlook.view;
-    const bool unknown = session->scene->sides_unknown;
+    const struct view *view = &session_outlook(session)->view;
+    const bool unknown = session_scene(session)->sides_unknown;
     const char *name = unknown ? NULL : view_name(view->angle);
     int32_t right[3], up[3], ahead[3], towards[3];
     double middle[3];
     view_look(view, right, up, ahead);
     for (int i = 0; i < 3; i++) {
         towards[i] = -ahead[i];
-        middle[i] = (session->scene->grid.size[i] - 1) / 2.0 +
+        middle[i] = (session_scene(session)->grid.size[i] - 1) / 2.0 +
                     (double)view->focus[i] / (1 << VIEW_FOCUS_BITS);
     }
     buf_printf(out,

@@ -26,7 +26,7 @@ struct label_table atlas_table(const struct act *act, const char *path)
 static bool is_nameless(const struct act *act, const bool has[256])
 {
     for (unsigned label = 1; label < 256; label++)
-        if (has[label] && !*act->session->now.kept.label_name[label])
+        if (has[label] && !*session_kept(act->session)->label_name[label])
             return true;
     return false;
 }

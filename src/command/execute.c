@@ -1,7 +1,10 @@
 /* The one way in: a command is carried out and recorded, or none of it. */
 #include "base/clock.h"
 #include "command/act.h"
+#include "engine/forest.h"
 #include "sandbox/limits.h"
+#include "session/markers.h"
+#include "session/semantics.h"
 
 void reply_release(struct reply *reply)
 {
@@ -25,9 +28,10 @@ void execute_add_digests(struct reply *reply, const struct session *session)
 {
     buf_add_blank(&reply->words);
     buf_printf(&reply->words, "forest=%016llx labels=%016llx seeds=%zu",
-               (unsigned long long)forest_digest(session->forest),
-               (unsigned long long)semantics_label_digest(session->semantics, session->forest),
-               forest_seeds(session->forest));
+               (unsigned long long)forest_digest(session_forest(session)),
+               (unsigned long long)semantics_label_digest(session_semantics(session),
+                                                          session_forest(session)),
+               forest_seeds(session_forest(session)));
     if (session_pendings(session))
         buf_printf(&reply->words, " pending=%zu", session_pendings(session));
 }
@@ -42,9 +46,9 @@ enum err act_go(const struct act *act)
  * out again; a question only when it is asked: the record of its own `run` does it then. */
 static size_t edits_to_apply(const struct interpreter *interp, const struct command *command)
 {
-    const struct session *session = &interp->session;
+    const struct session *session = interp->session;
     const bool applies = command->flags & COMMAND_RECORDED
-                             ? semantics_has(session->semantics, MEANING_APPLIED)
+                             ? semantics_has(session_semantics(session), MEANING_APPLIED)
                              : interp->mode == MODE_LIVE;
     return command->flags & COMMAND_ANSWERS && applies ? session_pendings(session) : 0;
 }
@@ -68,31 +72,31 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
                     struct fault *fault)
 {
     const struct command *command = call->command;
-    struct session *session = &interp->session;
+    struct session *session = interp->session;
     uint64_t begin = clock_ns();
-    if (command->flags & COMMAND_NEEDS_SCENE && !session->has_scene)
+    if (command->flags & COMMAND_NEEDS_SCENE && !session_has_scene(session))
         return fault_set(fault, ERR_USAGE, "%s needs a scene; open one first", command->name);
     interp->applied = edits_to_apply(interp, command);
     const bool edits = command->flags & COMMAND_EDITS || interp->applied,
-               reports = edits && interp->mode == MODE_LIVE && !session->skims;
+               reports = edits && interp->mode == MODE_LIVE && !session_skims(session);
     enum err err = command->flags & COMMAND_NEEDS_SCENE ? session_complete(session, fault) : OK;
     if (!err && reports)
         err = session_count_before(session, fault);
     if (!err && interp->applied)
         err = apply(interp, session, reply, fault);
-    struct state next = session->now;
+    struct state next = *session_state(session);
     if (!err)
         err = (command->act ? command->act : act_set)(
             &(struct act){interp, session, call->value, &next, reply, fault, command});
     const bool waits =
-        !session->now.outlook.runs_by_itself || interp->history.goes_to != POINT_NONE;
+        !session_outlook(session)->runs_by_itself || interp->history.goes_to != POINT_NONE;
     if (!err && edits && !waits)
         err = session_run(session, fault);
     if (!(command->flags & COMMAND_RECORDED)) /* what there is to record is a run */
         buf_clear(&reply->words);
     if (!err && edits)
         execute_add_digests(reply, session);
-    const bool edited = reports && (session->edited || session->regrown);
+    const bool edited = reports && (session_has_edited(session) || session_has_regrown(session));
     if (!err && edited)
         err = session_count_labels(session, fault);
     if (!err && edited)
@@ -108,7 +112,7 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
 static enum err carry_out(struct interpreter *interp, const struct call *call, const char *line,
                           struct reply *reply, struct fault *fault)
 {
-    struct watch *watch = interp->session.watch;
+    struct watch *watch = session_watch(interp->session);
     enum err err = watch_fault(watch, fault);
     interp->keeps = false;
     interp->applied = 0;
@@ -145,9 +149,9 @@ static enum err begin_journal(struct interpreter *interp, struct buf *told, stru
 /* Whether a command has changed how one looks, and nothing else (J1). */
 static bool only_looks(const struct interpreter *interp, const struct reply *reply)
 {
-    const struct session *session = &interp->session;
+    const struct session *session = interp->session;
     return !reply->words.length && !interp->written.length && !history_moves(&interp->history) &&
-           kept_equals(&session->now.kept, &session->former.kept);
+           kept_equals(session_kept(session), &session_former(session)->kept);
 }
 
 static enum err append(struct interpreter *interp, const char *command, const struct reply *reply,
@@ -170,7 +174,7 @@ static enum err append(struct interpreter *interp, const char *command, const st
 static enum err record_as(struct interpreter *interp, const char *command, struct reply *reply,
                           struct fault *fault)
 {
-    enum err err = history_note(&interp->history, &interp->session, command, fault);
+    enum err err = history_note(&interp->history, interp->session, command, fault);
     if (err || interp->mode != MODE_LIVE)
         return err;
     err = begin_journal(interp, &reply->text, fault);
@@ -206,10 +210,10 @@ static void settle(struct interpreter *interp, bool stands)
     interp->job = NULL;
     history_settle(&interp->history, stands);
     if (stands) {
-        session_settle(&interp->session);
+        session_settle(interp->session);
         return;
     }
-    session_rollback(&interp->session);
+    session_rollback(interp->session);
     interp->shows_picture = false;
     canvas_release(&interp->shown);
     interp->wish = WISH_NONE;
@@ -222,7 +226,7 @@ enum err interpreter_execute(struct interpreter *interp, const char *line, struc
     reply_clear(reply);
     interp->shows_picture = false;
     canvas_release(&interp->shown);
-    enum err err = command_parse(&call, line, &interp->session, fault);
+    enum err err = command_parse(&call, line, interp->session, fault);
     if (err || !call.command)
         return err;
     bool recorded = call.command->flags & COMMAND_RECORDED;
@@ -231,7 +235,7 @@ enum err interpreter_execute(struct interpreter *interp, const char *line, struc
     if (!err)
         err = interpreter_drop_sketch(interp, fault);
     if (!err) {
-        session_mark(&interp->session);
+        session_mark(interp->session);
         err = carry_out(interp, &call, line, reply, fault);
         recorded |= interp->applied > 0;
         if (!err && recorded)
@@ -252,10 +256,10 @@ static enum err sketch(struct interpreter *interp, const struct call *call, cons
 {
     struct reply reply = {0};
     command_write(&reply.canonical, call);
-    session_mark(&interp->session);
+    session_mark(interp->session);
     enum err err = carry_out(interp, call, line, &reply, fault);
     if (!err)
-        err = history_note(&interp->history, &interp->session, buf_text(&reply.canonical), fault);
+        err = history_note(&interp->history, interp->session, buf_text(&reply.canonical), fault);
     settle(interp, err == OK);
     reply_release(&reply);
     return err;
@@ -263,19 +267,19 @@ static enum err sketch(struct interpreter *interp, const struct call *call, cons
 
 enum err interpreter_sketch(struct interpreter *interp, const char *line, struct fault *fault)
 {
-    struct session *session = &interp->session;
+    struct session *session = interp->session;
     struct call call;
     enum err err = command_parse(&call, line, session, fault);
     if (err || !call.command)
         return err;
-    if (!session->has_scene || !(call.command->flags & COMMAND_SKETCHED)) {
+    if (!session_has_scene(session) || !(call.command->flags & COMMAND_SKETCHED)) {
         err = fault_set(fault, ERR_USAGE, "%s cannot be sketched", call.command->name);
     } else {
         if (!interp->sketch.is_begun)
             interp->sketch = (struct sketch){.is_begun = true,
                                              .place = history_place(&interp->history),
-                                             .outlook = session->now.outlook,
-                                             .markers = session->markers.count};
+                                             .outlook = *session_outlook(session),
+                                             .markers = session_markers(session)->count};
         err = sketch(interp, &call, line, fault);
     }
     call_release(&call);
@@ -285,22 +289,22 @@ enum err interpreter_sketch(struct interpreter *interp, const char *line, struct
 /* Seeds go back by the way through the history, in one edit. */
 static enum err take_back_sketch(struct interpreter *interp, struct fault *fault)
 {
-    struct session *session = &interp->session;
+    struct session *session = interp->session;
     struct history *history = &interp->history;
     const struct sketch *was = &interp->sketch;
     enum err err = history_go(history, session, was->place.present, history->on, false, fault);
-    struct state before = session->now;
+    struct state before = *session_state(session);
     before.outlook = was->outlook;
     return err ? err : session_go(session, &before, NULL, 0, fault);
 }
 
 enum err interpreter_drop_sketch(struct interpreter *interp, struct fault *fault)
 {
-    struct session *session = &interp->session;
+    struct session *session = interp->session;
     if (!interp->sketch.is_begun)
         return OK;
     session_mark(session);
-    watch_ignore_stop(session->watch);
+    watch_ignore_stop(session_watch(session));
     const enum err err = take_back_sketch(interp, fault);
     history_settle(&interp->history, false);
     if (err) {
@@ -308,9 +312,9 @@ enum err interpreter_drop_sketch(struct interpreter *interp, struct fault *fault
         return err;
     }
     history_forget(&interp->history, &interp->sketch.place);
-    markers_drop(&session->markers, interp->sketch.markers, session->watch);
+    session_drop_markers(session, interp->sketch.markers);
     session_settle(session);
-    watch_begin(session->watch);
+    watch_begin(session_watch(session));
     interp->sketch.is_begun = false;
     return OK;
 }

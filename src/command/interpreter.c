@@ -3,9 +3,9 @@
 enum err interpreter_init(struct interpreter *interp, struct fault *fault)
 {
     *interp = (struct interpreter){0};
-    session_init(&interp->session);
     history_init(&interp->history);
-    return image_helper_new(&interp->helper, NULL, fault);
+    const enum err err = session_new(&interp->session, fault);
+    return err ? err : image_helper_new(&interp->helper, NULL, fault);
 }
 
 enum err interpreter_write_beside(struct interpreter *interp, struct fault *fault)
@@ -20,7 +20,7 @@ void interpreter_release(struct interpreter *interp)
     journal_close(interp->journal);
     image_helper_free(interp->helper);
     history_release(&interp->history);
-    session_release(&interp->session);
+    session_free(interp->session);
     buf_release(&interp->home);
     buf_release(&interp->written);
     buf_release(&interp->goldens);

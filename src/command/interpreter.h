@@ -3,7 +3,7 @@
  *
  * Keyboard, script and replay all call interpreter_execute. A command is carried out, recorded (if
  * it changes something), and only then acknowledged; when the record cannot be written, the session
- * is taken back to before it, and so it is where session.watch stops it. The mode says what is
+ * is taken back to before it, and so it is where the session's watch stops it. The mode says what is
  * written and what is compared.
  */
 #ifndef COMMAND_INTERPRETER_H
@@ -39,7 +39,7 @@ struct sketch {
 };
 
 struct interpreter {
-    struct session session;
+    struct session *session;
     struct history history;
     enum interpreter_mode mode;
 

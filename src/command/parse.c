@@ -9,7 +9,9 @@
 #include "base/safe.h"
 #include "base/scan.h"
 #include "command/near.h"
+#include "image/geometry.h"
 #include "journal/record.h"
+#include "session/semantics.h"
 #include "session/session.h"
 
 const struct command *command_find(const char *name)
@@ -146,7 +148,7 @@ static enum err read_position(struct value *value, const struct parameter *p, co
 {
     const char *at = word;
     int64_t part[3], place[3];
-    if (!session->has_scene)
+    if (!session_has_scene(session))
         return fault_set(fault, ERR_USAGE, "no scene is open; open one first");
     for (int a = 0; a < 3; a++)
         if ((a > 0 && !scan_text(&at, ",")) ||
@@ -160,15 +162,15 @@ static enum err read_position(struct value *value, const struct parameter *p, co
             return expect(fault, p, word, "whole voxel indices, or mm at the end");
         place[a] = part[a] / 1000000;
     }
-    if (world && !geometry_has_place(&session->geometry))
+    if (world && !geometry_has_place(session_geometry(session)))
         return fault_set(fault, ERR_INPUT,
                          "%s: where this scene lies in the world is not known; expected voxel "
                          "indices, as in 0,0,0; nothing has changed",
                          word);
     const double point[3] = {(double)part[0] / 1e6, (double)part[1] / 1e6, (double)part[2] / 1e6};
-    const uint32_t *size = session->scene->grid.size;
-    if ((world && !geometry_voxel(&session->geometry, point, place)) ||
-        !grid_contains(&session->scene->grid, place[0], place[1], place[2]))
+    const uint32_t *size = session_scene(session)->grid.size;
+    if ((world && !geometry_voxel(session_geometry(session), point, place)) ||
+        !grid_contains(&session_scene(session)->grid, place[0], place[1], place[2]))
         return fault_set(fault, ERR_INPUT,
                          "%s lies outside the scene, whose voxels are 0,0,0 to %u,%u,%u; "
                          "nothing has changed",
@@ -185,7 +187,8 @@ static enum err read_label(struct value *value, const struct parameter *p, const
     if (scan_integer(&at, p->least, 255, &value->number) && *at == '\0')
         return OK;
     for (int label = 0; label < 256; label++)
-        if (*word && strcmp(session->now.kept.label_name[label], word) == 0 && label >= p->least) {
+        if (*word && strcmp(session_kept(session)->label_name[label], word) == 0 &&
+            label >= p->least) {
             value->number = label;
             return OK;
         }
@@ -193,8 +196,8 @@ static enum err read_label(struct value *value, const struct parameter *p, const
     struct near near = near_to(word);
     near_try_choices(&near, choices);
     for (int label = (int)p->least; label < 256; label++)
-        near_try(&near, session->now.kept.label_name[label],
-                 strlen(session->now.kept.label_name[label]));
+        near_try(&near, session_kept(session)->label_name[label],
+                 strlen(session_kept(session)->label_name[label]));
     fault_set(fault, ERR_USAGE, "%s: expected %s%sa label %d..255 or the name of one, not %s%s",
               p->name, choices, *choices ? ", " : "", (int)p->least, word,
               near.count ? "" : "; name one with `label N NAME`");
@@ -511,8 +514,9 @@ enum err command_parse(struct call *call, const char *line, const struct session
 {
     unsigned count, wrong;
     const char *at = line;
-    *call = (struct call){
-        .quotes = semantics_has(session->semantics, MEANING_QUOTES) ? COMMAND_QUOTES : "\""};
+    *call = (struct call){.quotes = semantics_has(session_semantics(session), MEANING_QUOTES)
+                                        ? COMMAND_QUOTES
+                                        : "\""};
     scan_blanks(&at);
     if (*at == '#')
         return OK;

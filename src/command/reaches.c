@@ -3,7 +3,7 @@
 
 void act_write_reach(struct buf *out, const struct session *session, uint32_t seed)
 {
-    const struct reach *reach = forest_reach(session->forest, seed);
+    const struct reach *reach = forest_reach(session_forest(session), seed);
     if (!reach)
         return;
     if (reach->unit[0] == 1)
@@ -16,8 +16,8 @@ void act_write_reach(struct buf *out, const struct session *session, uint32_t se
 
 void act_write_refusal(struct buf *out, const struct session *session, uint32_t cell)
 {
-    const struct scene *scene = session->scene;
-    const uint64_t refused = forest_refused_offer(session->forest, cell);
+    const struct scene *scene = session_scene(session);
+    const uint64_t refused = forest_refused_offer(session_forest(session), cell);
     if (refused >= scene->cell[cell].key)
         return;
     const uint32_t root = key_root(refused);
@@ -31,7 +31,7 @@ void act_write_refusal(struct buf *out, const struct session *session, uint32_t 
 
 enum err act_write_reaches(const struct act *act)
 {
-    const struct forest *forest = act->session->forest;
+    const struct forest *forest = session_forest(act->session);
     const size_t seeds = forest_limited_seeds(forest);
     struct buf *out = &act->reply->text;
     size_t voxels;

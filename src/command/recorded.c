@@ -8,6 +8,8 @@
 #include "command/act.h"
 #include "command/opening.h"
 #include "command/script.h"
+#include "session/session_inside.h"
+#include "session/session_inside.h"
 
 /* ---- which script it is ---- */
 
@@ -61,7 +63,7 @@ enum err recorded_begin(struct recorded *recorded, const struct interpreter *int
     step(recorded);
     bool knows;
     const bool opens = recorded_opens_scene(input, &knows);
-    if (knows && interp->session.has_scene)
+    if (knows && session_has_scene(interp->session))
         recorded->mode = opens ? RECORDED_FOLLOWS : RECORDED_NOTHING;
     return OK;
 }
@@ -85,7 +87,7 @@ static const struct session *session_then(struct recorded *recorded,
     const struct kept_settings *settings =
         history_settings_after(&interp->history, recorded->record.number - 1);
     if (!recorded->settings)
-        *recorded->then = interp->session;
+        *recorded->then = *interp->session;
     if (settings && settings != recorded->settings) {
         recorded->then->now.kept = kept_settings_get(settings);
         recorded->settings = settings;
@@ -199,7 +201,7 @@ static enum err write_line(struct buf *out, const struct interpreter *interp, st
 {
     const enum err err = interpreter_settle_name(interp, call, fault);
     if (call->command->act == act_open)
-        opening_write(out, call->command, call->value, interp->session.series);
+        opening_write(out, call->command, call->value, session_series(interp->session));
     else
         command_write(out, call);
     return err;
@@ -209,7 +211,7 @@ static enum err write_line(struct buf *out, const struct interpreter *interp, st
 static void decide(struct recorded *recorded, const struct interpreter *interp,
                    const struct call *call, const char *canonical)
 {
-    const bool opens = call->command->act == act_open && interp->session.has_scene;
+    const bool opens = call->command->act == act_open && session_has_scene(interp->session);
     recorded->mode = opens || leads_to(call, canonical, recorded->record.command)
                          ? RECORDED_FOLLOWS
                          : RECORDED_NOTHING;
@@ -265,7 +267,7 @@ enum err recorded_take(struct recorded *recorded, struct interpreter *interp, co
     *taken = holds_back(recorded, line);
     if (*taken)
         return recorded->comments.failed ? fault_memory(fault, "a comment") : OK;
-    const struct session *session = follows ? session_then(recorded, interp) : &interp->session;
+    const struct session *session = follows ? session_then(recorded, interp) : interp->session;
     *taken = follows;
     if (command_parse(&call, line, session, fault) != OK) /* the door says it, where it has to */
         return follows ? differs(recorded, interp, line, fault) : OK;

@@ -5,6 +5,7 @@
 #include "base/file_draft.h"
 #include "command/golden_leftover.h"
 #include "journal/replay.h"
+#include "session/semantics.h"
 
 bool interpreter_is_journal(const char *path)
 {
@@ -16,7 +17,7 @@ enum err interpreter_create_journal(struct interpreter *interp, const char *path
 {
     enum err err = interpreter_set_home(interp, path, fault);
     if (!err)
-        err = journal_create(&interp->journal, path, interp->session.semantics, fault);
+        err = journal_create(&interp->journal, path, session_semantics(interp->session), fault);
     if (err)
         return err;
     err = journal_set_sync(interp->journal, interp->sync, fault);
@@ -68,7 +69,7 @@ static bool has_forest_words(const char *words, struct buf *out)
 static void take_semantics(void *context, unsigned semantics)
 {
     struct resume *resume = context;
-    session_take_semantics(&resume->interp->session, semantics);
+    session_take_semantics(resume->interp->session, semantics);
 }
 
 static void look_for_last(void *context, const struct record *record)
@@ -83,7 +84,7 @@ static enum err execute_again(void *context, const char *command, struct buf *wo
                               struct fault *fault)
 {
     const struct resume *resume = context;
-    struct session *session = &resume->interp->session;
+    struct session *session = resume->interp->session;
     struct reply reply = {0};
     enum err err = interpreter_execute(resume->interp, command, &reply, fault);
     if (!err && resume->catches_up) {
@@ -100,7 +101,7 @@ static enum err execute_again(void *context, const char *command, struct buf *wo
 static bool is_lost(void *context, const char *key, size_t length)
 {
     const struct resume *resume = context;
-    return semantics_lost(resume->interp->session.semantics, key, length) != NULL;
+    return semantics_lost(session_semantics(resume->interp->session), key, length) != NULL;
 }
 
 static enum err compare_record(struct resume *resume, const struct record *record,
@@ -130,11 +131,11 @@ static enum err compare_forest(struct resume *resume, const struct record *recor
  * to compute. What opens a scene is carried out in full either way. */
 static enum err skim_record(struct resume *resume, const struct record *record, struct fault *fault)
 {
-    struct session *session = &resume->interp->session;
+    struct session *session = resume->interp->session;
     struct record unjudged = *record;
-    if (!session->has_scene)
+    if (!session_has_scene(session))
         return compare_record(resume, record, fault);
-    if (record->number <= resume->last && !session->skims)
+    if (record->number <= resume->last && !session_skims(session))
         session_skim(session);
     if (record->number == resume->last)
         return compare_forest(resume, record, fault);
@@ -170,21 +171,16 @@ static enum err carry_out_again(struct interpreter *interp, const char *path, st
 /* As if no command had been carried out. */
 static void begin_again(struct interpreter *interp)
 {
-    struct watch *watch = interp->session.watch;
-    const uint64_t waits_from = interp->session.waits_from;
     history_release(&interp->history);
-    session_release(&interp->session);
-    session_init(&interp->session);
+    session_begin_again(interp->session);
     history_init(&interp->history);
-    interp->session.watch = watch;
-    session_let_wait(&interp->session, waits_from);
     buf_clear(&interp->goldens);
 }
 
 /* What the user is to know of the journal that was opened. */
 static void tell_opened(const struct interpreter *interp, const char *path, struct buf *told)
 {
-    semantics_tell_lost(told, interp->session.semantics);
+    semantics_tell_lost(told, session_semantics(interp->session));
     interpreter_tell_lock(interp, told);
     if (!interp->is_read_only)
         return;

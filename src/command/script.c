@@ -73,7 +73,8 @@ static bool next_line(const struct interpreter *interp, FILE *input, struct buf 
 {
     if (printer->waits)
         printer->waits(printer->context, true);
-    const bool is_there = !watch_stops(interp->session.watch) && script_read_line(input, line);
+    const bool is_there =
+        !watch_stops(session_watch(interp->session)) && script_read_line(input, line);
     if (printer->waits)
         printer->waits(printer->context, false);
     return is_there;
@@ -119,7 +120,7 @@ static bool was_answered(const struct run *run, const char *line)
     struct call call;
     if (run->recorded.mode != RECORDED_ENDS || !interp->keeps ||
         journal_count(interp->journal) > run->recorded.records ||
-        command_parse(&call, line, &interp->session, NULL) != OK)
+        command_parse(&call, line, interp->session, NULL) != OK)
         return false;
     const bool is_question = call.command && !(call.command->flags & COMMAND_RECORDED);
     call_release(&call);
@@ -191,7 +192,7 @@ enum err script_run(struct interpreter *interp, FILE *input, const char *name, b
     }
     reply_release(&reply);
     buf_release(&line);
-    if (!first && interp->wish != WISH_QUIT && watch_fault(interp->session.watch, fault)) {
+    if (!first && interp->wish != WISH_QUIT && watch_fault(session_watch(interp->session), fault)) {
         *stopped = number;
         first = fault_set(fault, ERR_CANCELLED, "cancelled before this line");
         warn(printer, name, number, fault);

@@ -1,16 +1,18 @@
 /* What an edit has done to the labels, in a line for the user. */
 #include "command/act.h"
 
+#include "image/geometry.h"
 #include "report/surprise.h"
+#include "session/tally.h"
 
 enum { LISTED_MOST = 6 };
 
 void act_write_extent(struct buf *out, const struct session *session, uint64_t voxels)
 {
-    if (session->geometry.spacing_unknown)
+    if (session_geometry(session)->spacing_unknown)
         buf_printf(out, "%llu voxel%s", (unsigned long long)voxels, plural(voxels));
     else if (voxels)
-        tally_write_volume(out, &session->geometry, voxels);
+        tally_write_volume(out, session_geometry(session), voxels);
     else
         buf_add_text(out, "0 ml");
 }
@@ -18,7 +20,7 @@ void act_write_extent(struct buf *out, const struct session *session, uint64_t v
 void act_write_volume(struct buf *out, const struct session *session, unsigned label,
                       uint64_t former)
 {
-    const uint64_t voxels = session->tally.voxels[label];
+    const uint64_t voxels = session_tally(session)->voxels[label];
     act_write_extent(out, session, voxels);
     if (former == 0 || former == voxels)
         return;
@@ -32,11 +34,11 @@ static unsigned changed_labels(const struct session *session, uint8_t label[255]
 {
     unsigned count = 0;
     for (unsigned l = 1; l < 256; l++) {
-        const uint64_t voxels = session->tally.voxels[l];
-        if (voxels == session->former_tally.voxels[l])
+        const uint64_t voxels = session_tally(session)->voxels[l];
+        if (voxels == session_former_tally(session)->voxels[l])
             continue;
         unsigned at = count++;
-        for (; at > 0 && session->tally.voxels[label[at - 1]] < voxels; at--)
+        for (; at > 0 && session_tally(session)->voxels[label[at - 1]] < voxels; at--)
             label[at] = label[at - 1];
         label[at] = (uint8_t)l;
     }
@@ -59,7 +61,7 @@ void volumes_write(struct buf *out, const struct session *session, uint64_t took
         buf_add_text(out, ", label ");
         act_write_label(out, session, label[i]);
         buf_add_text(out, ": ");
-        act_write_volume(out, session, label[i], session->former_tally.voxels[label[i]]);
+        act_write_volume(out, session, label[i], session_former_tally(session)->voxels[label[i]]);
     }
     if (count > LISTED_MOST)
         buf_printf(out, ", %u more label%s", count - LISTED_MOST, plural(count - LISTED_MOST));

@@ -25,7 +25,7 @@ enum err begin_interpreter(struct interpreter *interp, const struct options *o, 
 {
     struct buf lines = {0};
     enum err err = interpreter_init(interp, fault);
-    interp->session.watch = console_watch();
+    session_set_watch(interp->session, console_watch());
     interp->scene_path = o->scene;
     interp->out_folder = o->out;
     interp->is_read_only = o->read_only;
@@ -48,7 +48,7 @@ enum err begin_interpreter(struct interpreter *interp, const struct options *o, 
 void begin_to_wait(struct interpreter *interp)
 {
     const uint64_t least = 1000000000; /* bytes: cells that take a tenth of a second */
-    session_let_wait(&interp->session, least);
+    session_let_wait(interp->session, least);
 }
 
 enum err end_journal(struct interpreter *interp, enum err err, struct fault *fault)

@@ -15,6 +15,10 @@
 #include "image/volume.h"
 #include "program/bench.h"
 #include "program/programs.h"
+#include "render/border.h"
+#include "render/normal.h"
+#include "session/session_inside.h"
+#include "show/draw.h"
 
 enum { SEEDS = 660, SCRATCH_RUNS = 5, EDITS = 60, FRAMES = 24, MOST_TIMES = 128 };
 
@@ -69,7 +73,7 @@ static uint64_t draw(uint64_t *state)
 static int label_at(const struct session *session, const struct volume *atlas, size_t voxel,
                     uint32_t cell)
 {
-    uint16_t intensity = session->scene->cell[cell].intensity;
+    uint16_t intensity = session_scene(session)->cell[cell].intensity;
     if (!atlas->intensity)
         return intensity > 60 ? 1 + (intensity > 150) : intensity < 20 ? 0 : -1;
     uint16_t region = atlas->intensity[voxel];
@@ -93,7 +97,7 @@ static enum err plant_seeds(struct session *session, const struct volume *atlas,
     enum err err = OK;
     for (int planted = 0; !err && planted < SEEDS;) {
         size_t voxel;
-        uint32_t cell = draw_cell(&session->scene->grid, &state, &voxel);
+        uint32_t cell = draw_cell(&session_scene(session)->grid, &state, &voxel);
         int label = label_at(session, atlas, voxel, cell);
         if (label < 0)
             continue;
@@ -115,12 +119,13 @@ static uint32_t middle_cell(const struct grid *grid, uint64_t *state)
 /* The seeds that are planted, as edits; NULL when out of memory. */
 static struct edit *list_seeds(const struct session *session)
 {
-    const size_t seeds = forest_seeds(session->forest), cells = session->scene->grid.cells;
+    const size_t seeds = forest_seeds(session_forest(session)),
+                 cells = session_scene(session)->grid.cells;
     struct edit *seed = mem_array(seeds, sizeof *seed);
     size_t count = 0;
     for (size_t c = 0; seed && c < cells && count < seeds; c++)
-        if (session->scene->cell[c].flags & CELL_SEED)
-            seed[count++] = (struct edit){(uint32_t)c, session->scene->cell[c].label, 0};
+        if (session_scene(session)->cell[c].flags & CELL_SEED)
+            seed[count++] = (struct edit){(uint32_t)c, session_scene(session)->cell[c].label, 0};
     return seed;
 }
 
@@ -128,7 +133,7 @@ static struct edit *list_seeds(const struct session *session)
 static enum err time_growing(struct session *session, struct team *team, struct times *times,
                              struct fault *fault)
 {
-    const size_t seeds = forest_seeds(session->forest);
+    const size_t seeds = forest_seeds(session_forest(session));
     struct edit *seed = list_seeds(session), *none = mem_array(seeds, sizeof *none);
     enum err err = seed && none ? forest_set_team(session->forest, team, fault)
                                 : fault_memory(fault, "a benchmark");
@@ -162,8 +167,8 @@ static enum err time_scratch(struct session *session, struct figures *figures, s
     if (!err)
         err = time_growing(session, NULL, &times[ALONE], fault);
     if (!err && figures->threads > 1)
-        err = time_growing(session, session->team, &times[TOGETHER], fault);
-    return err ? err : forest_set_team(session->forest, session->team, fault);
+        err = time_growing(session, session_team(session), &times[TOGETHER], fault);
+    return err ? err : forest_set_team(session->forest, session_team(session), fault);
 }
 
 /* Each edit as the user feels it: forest, border, digests, picture. Planted and taken away. */
@@ -172,7 +177,7 @@ static enum err time_edits(struct session *session, struct figures *figures, str
     uint64_t state = 1000;
     enum err err = session_render(session, RENDER_BORDER, fault);
     for (int i = 0; !err && i < EDITS; i++) {
-        uint32_t cell = middle_cell(&session->scene->grid, &state);
+        uint32_t cell = middle_cell(&session_scene(session)->grid, &state);
         uint64_t begin = clock_ns();
         err = session_plant(session, &cell, 1, (uint8_t)(i % 3), fault);
         err = err ? err : session_run(session, fault);
@@ -187,7 +192,7 @@ static enum err time_edits(struct session *session, struct figures *figures, str
 
 static enum err time_frames(struct session *session, struct figures *figures, struct fault *fault)
 {
-    struct view view = session->now.outlook.view;
+    struct view view = session_outlook(session)->view;
     enum err err = OK;
     for (int i = 0; !err && i < FRAMES; i++) {
         view.angle[0] = i * 15000;
@@ -261,7 +266,7 @@ static enum err open_scene(struct interpreter *interp, const char *wish, const c
         err = interpreter_find_scene(interp, *name, false, &path, fault);
     }
     if (!err)
-        err = session_open(&interp->session, buf_text(&path), NULL, fault);
+        err = session_open(interp->session, buf_text(&path), NULL, fault);
     buf_release(&path);
     return err;
 }
@@ -269,12 +274,12 @@ static enum err open_scene(struct interpreter *interp, const char *wish, const c
 /* By the atlas where it is here and fits the scene. */
 static enum err plant_by_atlas(struct interpreter *interp, struct fault *fault)
 {
-    struct session *session = &interp->session;
+    struct session *session = interp->session;
     struct volume atlas = {0};
     struct buf path = {0};
     if (interpreter_find_scene(interp, "aal.nii.gz", false, &path, NULL) == OK &&
         volume_read(&atlas, buf_text(&path), NULL, NULL, NULL) == OK &&
-        memcmp(atlas.size, session->scene->grid.size, sizeof atlas.size) != 0)
+        memcmp(atlas.size, session_scene(session)->grid.size, sizeof atlas.size) != 0)
         volume_release(&atlas);
     const enum err err = plant_seeds(session, &atlas, fault);
     volume_release(&atlas);
@@ -284,7 +289,7 @@ static enum err plant_by_atlas(struct interpreter *interp, struct fault *fault)
 
 static enum err time_session(struct session *session, struct figures *figures, struct fault *fault)
 {
-    figures->threads = team_size(session->team);
+    figures->threads = team_size(session_team(session));
     enum err err = time_scratch(session, figures, fault);
     if (err)
         return err;
@@ -292,8 +297,8 @@ static enum err time_session(struct session *session, struct figures *figures, s
     err = time_edits(session, figures, fault);
     if (!err)
         err = time_frames(session, figures, fault);
-    figures->voxels = session->scene->grid.voxels;
-    figures->border_voxels = border_count(&session->border);
+    figures->voxels = session_scene(session)->grid.voxels;
+    figures->border_voxels = border_count(session_border(session));
     figures->bytes_per_voxel =
         (double)session_memory_parts(session).scene / (double)figures->voxels;
     return err;
@@ -313,7 +318,7 @@ enum err run_bench_brain(const struct options *o, struct fault *fault)
     if (!err)
         err = plant_by_atlas(&interp, fault);
     if (!err)
-        err = time_session(&interp.session, figures, fault);
+        err = time_session(interp.session, figures, fault);
     if (!err)
         (o->json ? print_json : print_table)(stdout, figures);
     free(figures);

@@ -19,6 +19,9 @@
 #include "program/bench.h"
 #include "program/programs.h"
 #include "program/shown.h"
+#include "render/border.h"
+#include "session/session.h"
+#include "show/draw.h"
 #include "show/slicing.h"
 #include "tui/picture/painter.h"
 
@@ -160,13 +163,13 @@ static bool time_patches(struct cost *cost, const struct graphics *by,
 static enum err resume(struct interpreter *interp, const char *journal, struct fault *fault)
 {
     struct buf lines_of_it = {0};
-    struct session *session = &interp->session;
+    struct session *session = interp->session;
     interp->is_read_only = true; /* it stays as it is */
     enum err err = interpreter_resume_journal(interp, journal, &lines_of_it, fault);
     buf_release(&lines_of_it);
     if (err)
         return err;
-    struct view view = session->now.outlook.view;
+    struct view view = session_outlook(session)->view;
     view.width = view.height = RENDITION_SIDE;
     err = session_set_view(session, &view, fault);
     if (!err)
@@ -218,7 +221,7 @@ static enum err time_pictures(struct figures *f, struct buf *journal, struct fau
     if (!err)
         err = resume(&interp, buf_text(journal), fault);
     if (!err)
-        err = time_painter(&interp.session, f, fault);
+        err = time_painter(interp.session, f, fault);
     interpreter_release(&interp);
     return err;
 }

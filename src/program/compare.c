@@ -12,14 +12,16 @@
 #include "program/programs.h"
 #include "report/comparison_picture.h"
 #include "session/map.h"
+#include "session/session.h"
+#include "session/session_inside.h"
 
 enum { PICTURE_SIDE = 1024 };
 
 /* Both maps, and what is known of their grid. */
 struct pair {
     const struct options *options;
-    uint16_t *as;           /* the labels that the values of both become (session/regions.h) */
-    struct session session; /* for a picture */
+    uint16_t *as;            /* the labels that the values of both become (session/regions.h) */
+    struct session *session; /* for a picture */
     struct grid grid;
     struct geometry geometry;
     struct compared compared;
@@ -82,15 +84,20 @@ static enum err read_first(struct pair *pair, struct fault *fault)
 static enum err open_scene(struct pair *pair, struct fault *fault)
 {
     const struct options *o = pair->options;
-    struct view *view = &pair->session.now.outlook.view;
-    pair->session.watch = console_watch();
-    const enum err err =
-        session_open(&pair->session, o->scene ? o->scene : o->word[0], NULL, fault);
+    enum err err = session_new(&pair->session, fault);
     if (err)
         return err;
-    view->width = view->height = PICTURE_SIDE;
-    pair->grid = pair->session.scene->grid;
-    pair->geometry = pair->session.geometry;
+    session_set_watch(pair->session, console_watch());
+    err = session_open(pair->session, o->scene ? o->scene : o->word[0], NULL, fault);
+    if (err)
+        return err;
+    struct state next = *session_state(pair->session);
+    next.outlook.view.width = next.outlook.view.height = PICTURE_SIDE;
+    err = session_go(pair->session, &next, NULL, 0, fault);
+    if (err)
+        return err;
+    pair->grid = session_scene(pair->session)->grid;
+    pair->geometry = *session_geometry(pair->session);
     return read_map(pair, 0, fault);
 }
 
@@ -112,12 +119,12 @@ static enum err write_picture(struct pair *pair, const struct comparison_report 
                               struct fault *fault)
 {
     const uint32_t *place =
-        comparison_farthest(&pair->comparison, pair->session.now.outlook.slices.cross);
+        comparison_farthest(&pair->comparison, session_outlook(pair->session)->slices.cross);
     struct picture picture = {0};
     if (!pair->options->picture)
         return OK;
     enum err err =
-        comparison_picture_draw(&picture, &pair->session, &pair->compared, report, place, fault);
+        comparison_picture_draw(&picture, pair->session, &pair->compared, report, place, fault);
     if (!err)
         err = image_write_png(pair->options->picture, &picture, fault);
     picture_release(&picture);
@@ -162,7 +169,6 @@ enum err run_compare(const struct options *o, struct fault *fault)
     if (!pair)
         return fault_memory(fault, "a comparison");
     pair->options = o;
-    session_init(&pair->session);
     console_handle_interrupts();
     enum err err = check_options(o, fault);
     if (!err)
@@ -171,7 +177,7 @@ enum err run_compare(const struct options *o, struct fault *fault)
         err = team_new(&team, team_size_wanted(), fault);
     if (!err)
         err = compare(pair, team, fault);
-    session_release(&pair->session);
+    session_free(pair->session);
     free(pair->compared.label[0]);
     free(pair->compared.label[1]);
     free(pair->as);

@@ -23,6 +23,7 @@
 #include "confine/confine_calls.h"
 #include "report/export.h"
 #include "report/histogram.h"
+#include "session/semantics.h"
 #include "tui/cells.h"
 
 /* ---- facts ---- */

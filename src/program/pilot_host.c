@@ -6,12 +6,22 @@
 #include "base/mem.h"
 #include "command/act.h"
 #include "engine/centre.h"
+#include "engine/hints.h"
 #include "engine/rival.h"
 #include "program/pilot_marks.h"
 #include "program/shown.h"
 #include "render/mosaic.h"
 #include "render/text.h"
+#include "render/view.h"
 #include "report/label_report.h"
+#include "session/held.h"
+#include "session/hinting.h"
+#include "session/markers.h"
+#include "session/session.h"
+#include "session/session_inside.h"
+#include "session/tally.h"
+#include "show/draw.h"
+#include "show/live_finish.h"
 #include "show/slicing.h"
 #include "show/window.h"
 #include "tui/pilot/pilot_keys.h"
@@ -20,7 +30,7 @@ static const uint8_t marked_pane[3] = {230, 200, 90}, words_rgb[3] = {200, 200, 
 
 static struct session *session_of(void *context)
 {
-    return &((struct pilot_interpreter *)context)->interp->session;
+    return ((struct pilot_interpreter *)context)->interp->session;
 }
 
 /* The plane of a pane of slices. */
@@ -44,13 +54,13 @@ static enum mosaic_pane mosaic_of(enum pilot_pane pane)
 
 static uint32_t cell_at_cross(const struct session *session)
 {
-    const uint32_t *p = session->now.outlook.slices.cross;
-    return grid_cell(&session->scene->grid, p[0], p[1], p[2]);
+    const uint32_t *p = session_outlook(session)->slices.cross;
+    return grid_cell(&session_scene(session)->grid, p[0], p[1], p[2]);
 }
 
 static void place_of(const struct session *session, uint32_t cell, uint32_t place[3])
 {
-    const struct place p = grid_place(&session->scene->grid, cell);
+    const struct place p = grid_place(&session_scene(session)->grid, cell);
     place[0] = p.x;
     place[1] = p.y;
     place[2] = p.z;
@@ -64,7 +74,7 @@ static void write_label(struct buf *out, const struct session *session, unsigned
     const uint64_t *before = session_voxels_before_edit(session);
     buf_add_text(out, "label ");
     act_write_label(out, session, label);
-    if (label == 0 || session->tally.stale)
+    if (label == 0 || session_tally(session)->stale)
         return;
     buf_add_char(out, ' ');
     act_write_volume(out, session, label, before ? before[label] : 0);
@@ -77,7 +87,7 @@ static unsigned changed_most(const struct session *session)
     uint64_t most = 0;
     unsigned found = 0;
     for (unsigned label = 1; before && label < 256; label++) {
-        const uint64_t now = session->tally.voxels[label];
+        const uint64_t now = session_tally(session)->voxels[label];
         const uint64_t change = now > before[label] ? now - before[label] : before[label] - now;
         found = change > most ? label : found;
         most = change > most ? change : most;
@@ -93,17 +103,17 @@ static void write_sums(struct buf *out, struct session *session, unsigned label)
     if (label == 0 || session_sum_label(session, label, &sums, NULL) != OK || !sums.voxels)
         return;
     buf_add_text(out, "  ");
-    label_report_write_sums(out, &sums, &session->geometry);
+    label_report_write_sums(out, &sums, session_geometry(session));
 }
 
 /* "label 2 cerebellum 142 ml (+1.2 ml)  intensity 93  0.5,18.0,-2.0 mm  mean 93, ..."; in the
  * background "label 0  label 2 ... (-1.2 ml)  intensity 93": of what the last edit changed. */
 static void write_where(struct buf *out, struct session *session, bool knows_sums)
 {
-    const struct cell *cell = session->scene->cell + cell_at_cross(session);
-    const struct geometry *geometry = &session->geometry;
+    const struct cell *cell = session_scene(session)->cell + cell_at_cross(session);
+    const struct geometry *geometry = session_geometry(session);
     double mm[3];
-    geometry_point(geometry, session->now.outlook.slices.cross, mm);
+    geometry_point(geometry, session_outlook(session)->slices.cross, mm);
     if (cell->flags & CELL_OUTSIDE) {
         buf_add_text(out, "outside the region of interest");
     } else if (cell_is_reached(cell)) {
@@ -116,7 +126,7 @@ static void write_where(struct buf *out, struct session *session, bool knows_sum
         write_label(out, session, changed_most(session));
     }
     buf_add_text(out, "  intensity ");
-    levels_write(out, geometry, session->levels, cell->intensity);
+    levels_write(out, geometry, session_levels(session), cell->intensity);
     if (geometry_has_place(geometry))
         buf_printf(out, "  %.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
     else if (geometry->orientation == ORIENTATION_UNKNOWN)
@@ -135,12 +145,12 @@ static void write_where(struct buf *out, struct session *session, bool knows_sum
 /* A seed of an object waits, or a voxel has its label; where nobody has counted yet, so it is. */
 static bool has_object(const struct session *session)
 {
-    const struct edit *seed = edits_first(&session->now.lists.pending);
-    bool has = session->tally.stale;
+    const struct edit *seed = edits_first(&session_state(session)->lists.pending);
+    bool has = session_tally(session)->stale;
     for (size_t i = 0; i < session_pendings(session); i++)
         has |= seed[i].label > 0;
     for (unsigned label = 1; label < 256; label++)
-        has |= session->tally.voxels[label] > 0;
+        has |= session_tally(session)->voxels[label] > 0;
     return has;
 }
 
@@ -156,33 +166,33 @@ static bool facts(void *context, struct pilot_facts *out)
     struct session *session = session_of(context);
     struct buf where = {0};
     int32_t window[2];
-    if (!session->has_scene)
+    if (!session_has_scene(session))
         return false;
-    const struct slice_settings *s = &session->now.outlook.slices;
+    const struct slice_settings *s = &session_outlook(session)->slices;
     *out = (struct pilot_facts){.waiting = session_pendings(session),
                                 .zoom = session_fitting_zoom(session),
                                 .times = s->times,
-                                .frame_width = session->now.outlook.view.width,
-                                .frame_height = session->now.outlook.view.height,
+                                .frame_width = session_outlook(session)->view.width,
+                                .frame_height = session_outlook(session)->view.height,
                                 .overlay = s->overlay,
                                 .has_object = has_object(session),
                                 .shows = shown_labels(session),
-                                .has_finish = session->now.kept.finish.count > 0};
+                                .has_finish = session_kept(session)->finish.count > 0};
     for (enum pilot_pane pane = PILOT_AXIAL; pane < PILOT_RENDITION; pane++) {
         out->place[pane] = s->cross[pane];
         const uint32_t first[3] = {0};
-        out->axis[pane] = (unsigned)slice_axis(session->scene, plane_of(pane));
+        out->axis[pane] = (unsigned)slice_axis(session_scene(session), plane_of(pane));
         out->index[pane] = slicing_number(session, plane_of(pane), s->cross);
         out->counts_down[pane] = slicing_number(session, plane_of(pane), first) !=
-                                 slice_index(session->scene, plane_of(pane), first);
-        out->plane[pane] = slice_name(session->scene, plane_of(pane));
+                                 slice_index(session_scene(session), plane_of(pane), first);
+        out->plane[pane] = slice_name(session_scene(session), plane_of(pane));
     }
-    out->intensity = levels_value(&session->geometry, session->levels,
-                                  session->scene->cell[cell_at_cross(session)].intensity);
+    out->intensity = levels_value(session_geometry(session), session_levels(session),
+                                  session_scene(session)->cell[cell_at_cross(session)].intensity);
     window_of(window, session);
     for (int i = 0; i < 2; i++)
         out->window[i] = s->has_window ? decimal_value(&s->window[i])
-                                       : geometry_value(&session->geometry, window[i]);
+                                       : geometry_value(session_geometry(session), window[i]);
     write_where(&where, session, !((const struct pilot_interpreter *)context)->onlooker);
     memcpy(out->where, buf_text(&where),
            where.length < sizeof out->where ? where.length + 1 : sizeof out->where - 1);
@@ -193,13 +203,13 @@ static bool facts(void *context, struct pilot_facts *out)
 static void move(void *context, const int64_t by[3], uint32_t place[3])
 {
     const struct session *session = session_of(context);
-    memcpy(place, session->now.outlook.slices.cross, 3 * sizeof *place);
+    memcpy(place, session_outlook(session)->slices.cross, 3 * sizeof *place);
     for (enum pilot_pane pane = PILOT_AXIAL; pane < PILOT_RENDITION; pane++) {
         const enum slice_plane plane = plane_of(pane);
-        const int64_t count = slice_count(session->scene, plane);
-        int64_t index = (int64_t)slice_index(session->scene, plane, place) + by[pane];
+        const int64_t count = slice_count(session_scene(session), plane);
+        int64_t index = (int64_t)slice_index(session_scene(session), plane, place) + by[pane];
         index = index < 0 ? 0 : index >= count ? count - 1 : index;
-        slice_move(session->scene, plane, (uint32_t)index, place);
+        slice_move(session_scene(session), plane, (uint32_t)index, place);
     }
 }
 
@@ -233,7 +243,7 @@ static uint32_t middle_of(const struct markers *markers, uint32_t number)
 static bool seed(void *context, unsigned label, int64_t by, uint32_t place[3])
 {
     const struct session *session = session_of(context);
-    const struct markers *markers = &session->markers;
+    const struct markers *markers = session_markers(session);
     const uint32_t here = cell_at_cross(session);
     int64_t count = 0, at = by > 0 ? -1 : 0;
     uint32_t *cell = mem_array(markers->count + 1, sizeof *cell);
@@ -256,8 +266,8 @@ static bool seed(void *context, unsigned label, int64_t by, uint32_t place[3])
 static bool centre(void *context, unsigned label, uint32_t place[3])
 {
     struct session *session = session_of(context);
-    return session_count_labels(session, NULL) == OK && session->tally.voxels[label] > 0 &&
-           centre_of_label(session->scene, label, place);
+    return session_count_labels(session, NULL) == OK && session_tally(session)->voxels[label] > 0 &&
+           centre_of_label(session_scene(session), label, place);
 }
 
 /* ---- how a voxel came to its label ---- */
@@ -267,9 +277,9 @@ static bool find_why(struct pilot_interpreter *pilot, uint32_t cell, struct riva
 {
     const struct session *session = session_of(pilot);
     *rival = (struct rival){.exists = false};
-    return way_find(&pilot->way, session->forest, cell, fault) == OK &&
-           (forest_arcs(session->forest)->kind == ARC_POLARITY ||
-            rival_find(rival, session->forest, cell, fault) == OK);
+    return way_find(&pilot->way, session_forest(session), cell, fault) == OK &&
+           (forest_arcs(session_forest(session))->kind == ARC_POLARITY ||
+            rival_find(rival, session_forest(session), cell, fault) == OK);
 }
 
 /* "label 1 brain at a cost of 12, by 212 steps; its strongest edge leads into 93,40,61; next is
@@ -278,8 +288,8 @@ static bool why(void *context, const uint32_t place[3], struct pilot_way *way, s
 {
     struct pilot_interpreter *pilot = context;
     const struct session *session = session_of(context);
-    const uint32_t cell = grid_cell(&session->scene->grid, place[0], place[1], place[2]);
-    const struct cell *at = session->scene->cell + cell;
+    const uint32_t cell = grid_cell(&session_scene(session)->grid, place[0], place[1], place[2]);
+    const struct cell *at = session_scene(session)->cell + cell;
     struct rival rival;
     struct fault fault;
     if (!cell_is_reached(at)) {
@@ -328,7 +338,7 @@ static enum err draw_heat(struct pilot_interpreter *pilot, struct fault *fault)
     const enum err err = session_find_hints(session, &found, &heat, fault);
     for (enum slice_plane p = SLICE_AXIAL; !err && p <= SLICE_SAGITTAL; p++)
         pilot_draw_heat(&pilot->canvas, &pilot->panel.layout.box[p], heat,
-                        session->now.outlook.slices.overlay == SLICE_TINT);
+                        session_outlook(session)->slices.overlay == SLICE_TINT);
     return err;
 }
 
@@ -360,7 +370,7 @@ static bool held(void *context, const uint32_t place[3], bool tree, struct buf *
 {
     struct pilot_interpreter *pilot = context;
     const struct session *session = session_of(pilot);
-    const uint32_t cell = grid_cell(&session->scene->grid, place[0], place[1], place[2]);
+    const uint32_t cell = grid_cell(&session_scene(session)->grid, place[0], place[1], place[2]);
     const bool found = session_find_held(&pilot->held, session, cell, tree, NULL) == OK;
     if (found)
         write_held(out, session, &pilot->held);
@@ -446,9 +456,9 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
     if (wish->marks_held)
         pilot_mark_held(&pilot->canvas, session, &pilot->held);
     for (enum slice_plane p = SLICE_AXIAL; p <= SLICE_SAGITTAL; p++)
-        pilot_mark_corners(&pilot->canvas, session->scene, panel, p, wish);
+        pilot_mark_corners(&pilot->canvas, session_scene(session), panel, p, wish);
     for (enum slice_plane p = SLICE_AXIAL; wish->marks_way && p <= SLICE_SAGITTAL; p++)
-        pilot_mark_way(&pilot->canvas, session->scene, panel, p, &pilot->way);
+        pilot_mark_way(&pilot->canvas, session_scene(session), panel, p, &pilot->way);
     if (wish->marks_pixel)
         pilot_mark_pixel(&pilot->canvas, panel, session_frame(session), wish->pixel);
     const size_t notes =
@@ -487,8 +497,8 @@ static bool ahead(void *context, const struct pilot_wish *wish, unsigned number,
     const struct mosaic_box *box = &pilot->panel.layout.box[mosaic_of(pane)];
     int64_t by[3] = {0}, far = (int64_t)number / 6 + 1;
     uint32_t place[3], most = 0;
-    for (enum pilot_pane p = PILOT_AXIAL; p < PILOT_RENDITION && session->has_scene; p++) {
-        const uint32_t count = slice_count(session->scene, plane_of(p));
+    for (enum pilot_pane p = PILOT_AXIAL; p < PILOT_RENDITION && session_has_scene(session); p++) {
+        const uint32_t count = slice_count(session_scene(session), plane_of(p));
         most = count > most ? count : most;
     }
     if (far >= most)
@@ -496,9 +506,9 @@ static bool ahead(void *context, const struct pilot_wish *wish, unsigned number,
     *view = (struct image_view){.hue = pilot->hue};
     by[pane] = number % 2 ? far : -far;
     move(context, by, place);
-    const int64_t index = slice_index(session->scene, plane_of(pane), place);
+    const int64_t index = slice_index(session_scene(session), plane_of(pane), place);
     const int64_t here =
-        slice_index(session->scene, plane_of(pane), session->now.outlook.slices.cross);
+        slice_index(session_scene(session), plane_of(pane), session_outlook(session)->slices.cross);
     if (box->width == 0 || index != here + by[pane])
         return true;
     canvas_release(&pilot->beyond);
@@ -529,7 +539,7 @@ static bool voxel_at(void *context, uint32_t column, uint32_t row, uint32_t plac
         return false;
     const uint32_t cell = canvas->cell[(size_t)row * canvas->stride + column];
     if (cell != CELL_NONE)
-        place_of(&pilot->interp->session, cell, place);
+        place_of(pilot->interp->session, cell, place);
     return cell != CELL_NONE;
 }
 
@@ -542,10 +552,10 @@ static bool pan(void *context, enum pilot_pane pane, int right, int down, uint32
     if (!pilot->canvas.rgba || box->width == 0)
         return false;
     const struct slice_choice slice =
-        mosaic_slice(session->scene, &pilot->panel.choice, pilot->canvas.width,
+        mosaic_slice(session_scene(session), &pilot->panel.choice, pilot->canvas.width,
                      pilot->canvas.height, plane_of(pane));
-    return slice_pan(session->scene, &slice, box->width, box->height, (const int[]){right, down},
-                     middle, place);
+    return slice_pan(session_scene(session), &slice, box->width, box->height,
+                     (const int[]){right, down}, middle, place);
 }
 
 static uint32_t point_along(const struct pilot_interpreter *pilot, const struct rendition *r,
@@ -582,7 +592,7 @@ static bool voxel_of_frame(void *context, uint32_t column, uint32_t row, uint32_
 {
     const struct session *session = session_of(context);
     const struct rendition *r = session_frame(session);
-    if (!session->rendered || column >= r->width || row >= r->height)
+    if (!session_rendered(session) || column >= r->width || row >= r->height)
         return false;
     const uint32_t cell = r->cell[(size_t)row * r->width + column];
     if (cell != CELL_NONE)
@@ -637,9 +647,9 @@ static bool poll_finishing(void *context, const char *what, uint64_t done, uint6
 static void show_finishing(void *context)
 {
     struct finishing *f = context;
-    f->session->scene->watch = NULL;
+    session_scene(f->session)->watch = NULL;
     f->onlooker->draw(f->onlooker->context);
-    f->session->scene->watch = &f->watch;
+    session_scene(f->session)->watch = &f->watch;
 }
 
 static enum err finish(void *context, const struct pilot_onlooker *onlooker, struct fault *fault)

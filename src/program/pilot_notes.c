@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "session/state.h"
+
 enum { BAR_FROM_COLUMNS = 16, BAR_FROM_ROWS = 7 }; /* cells of a pane */
 
 static const uint8_t black[3] = {0, 0, 0}, ink[3] = {232, 232, 232};
@@ -71,12 +73,12 @@ size_t pilot_notes_add(struct image_note note[PILOT_NOTES_MOST], const struct ca
                        const struct session *session, const struct slicing_panel *panel)
 {
     struct notes notes = {note, 0};
-    const struct scene *scene = session->scene;
+    const struct scene *scene = session_scene(session);
     const struct mosaic_screen *screen = &panel->screen;
     bool has_bar = false;
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
         const struct mosaic_box *box = &panel->layout.box[plane];
-        if (box->width == 0 || !session->now.outlook.slices.words)
+        if (box->width == 0 || !session_outlook(session)->slices.words)
             continue;
         const struct cells pane = cells_of(screen, box);
         if (!scene->sides_unknown)

@@ -51,7 +51,7 @@ static enum err execute(struct prompt *prompt, const char *line, struct buf *out
 static void start(struct prompt *prompt, struct buf *output)
 {
     struct fault fault;
-    if (prompt->has_started || !prompt->interp.session.has_scene)
+    if (prompt->has_started || !session_has_scene(prompt->interp.session))
         return;
     prompt->has_started = true;
     for (const char *at = buf_text(&prompt->config.start); *at;) {
@@ -149,7 +149,7 @@ static bool prompt_knows(void *context, const char *line)
     const struct prompt *prompt = context;
     struct call call = {0};
     struct fault why;
-    const bool knows = command_parse(&call, line, &prompt->interp.session, &why) == OK;
+    const bool knows = command_parse(&call, line, prompt->interp.session, &why) == OK;
     call_release(&call);
     return knows;
 }

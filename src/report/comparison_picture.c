@@ -63,7 +63,7 @@ static enum err draw_slices(const struct canvas *canvas, struct session *session
     struct slice_style style = {
         .overlay = SLICE_CONTOUR, .palette = &palette, .visible = visible, .crosses = true};
     struct mosaic_layout layout = {0};
-    struct mosaic_choice choice = {.notes = true, .team = session->team, .layout = &layout};
+    struct mosaic_choice choice = {.notes = true, .team = session_team(session), .layout = &layout};
     char least[WINDOW_WORDS_BYTES], most[WINDOW_WORDS_BYTES], title[3][32];
     int32_t window[2];
     window_of(window, session);
@@ -75,11 +75,11 @@ static enum err draw_slices(const struct canvas *canvas, struct session *session
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
         choice.place[plane] = place[plane];
         layout.box[plane] = mosaic_box(canvas->width, canvas->height, (enum mosaic_pane)plane);
-        snprintf(title[plane], sizeof title[plane], "%s %u", slice_name(session->scene, plane),
-                 slicing_number(session, plane, place));
+        snprintf(title[plane], sizeof title[plane], "%s %u",
+                 slice_name(session_scene(session), plane), slicing_number(session, plane, place));
         choice.title[plane] = title[plane];
     }
-    return mosaic_draw(canvas, session->scene, NULL, &choice, &style, fault);
+    return mosaic_draw(canvas, session_scene(session), NULL, &choice, &style, fault);
 }
 
 /* ---- words ---- */
@@ -172,9 +172,9 @@ static enum err draw(const struct canvas *canvas, struct session *session,
     uint8_t *label = differences_of(compared);
     if (!label)
         return fault_memory(fault, "a picture");
-    swap_labels(session->scene, label);
+    swap_labels(session_scene(session), label);
     const enum err err = draw_slices(canvas, session, place, fault);
-    swap_labels(session->scene, label);
+    swap_labels(session_scene(session), label);
     free(label);
     return err;
 }
@@ -184,7 +184,7 @@ enum err comparison_picture_draw(struct picture *picture, struct session *sessio
                                  const struct comparison_report *report, const uint32_t place[3],
                                  struct fault *fault)
 {
-    const struct view *view = &session->now.outlook.view;
+    const struct view *view = &session_outlook(session)->view;
     enum err err = slicing_check_size(view, fault);
     if (!err)
         err = picture_init(picture, view->width, view->height, false, fault);

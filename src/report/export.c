@@ -10,7 +10,10 @@
 #include "base/mem.h"
 #include "engine/margin.h"
 #include "image/volume.h"
+#include "session/session.h"
+#include "session/session_inside.h"
 #include "show/decorating.h"
+#include "show/draw.h"
 #include "show/drawn_colours.h"
 #include "session/numbering.h"
 #include "show/seen_from.h"
@@ -37,13 +40,13 @@ static void write_view(struct buf *out, const struct view *view)
 /* The same of look 2, with units, and the middle in voxels as they are numbered. */
 static void write_view_in_words(struct buf *out, const struct session *session)
 {
-    const struct view *view = &session->now.outlook.view;
+    const struct view *view = &session_outlook(session)->view;
     buf_printf(out, "yaw %g pitch %g roll %g degrees, zoom %g, %ux%u pixels",
                view->angle[0] / 1000.0, view->angle[1] / 1000.0, view->angle[2] / 1000.0,
                view->zoom / 1000.0, view->width, view->height);
     for (int a = 0; a < 3; a++)
         buf_printf(out, "%s%.7g", a ? "," : ", voxel ",
-                   (session->scene->grid.size[a] - 1) / 2.0 +
+                   (session_scene(session)->grid.size[a] - 1) / 2.0 +
                        (double)view->focus[a] / (1 << VIEW_FOCUS_BITS));
     buf_add_text(out, " in the middle");
 }
@@ -86,16 +89,16 @@ void export_opacity(struct buf *out, const struct kept *kept)
 static enum err add_view_notes(struct picture *picture, const struct session *session,
                                struct fault *fault)
 {
-    const struct cut *away = &session->now.kept.cut;
-    const struct outlook *outlook = &session->now.outlook;
+    const struct cut *away = &session_kept(session)->cut;
+    const struct outlook *outlook = session_outlook(session);
     struct buf seen = {0}, cut = {0}, opacity = {0}, look = {0};
     if (outlook->look.number == LOOK_FIRST)
         write_view(&seen, &outlook->view);
     else
         write_view_in_words(&seen, session);
-    settings_write(&look, GROUP_LOOK, &session->now);
-    write_cut(&cut, away, &session->scene->grid);
-    export_opacity(&opacity, &session->now.kept);
+    settings_write(&look, GROUP_LOOK, session_state(session));
+    write_cut(&cut, away, &session_scene(session)->grid);
+    export_opacity(&opacity, session_kept(session));
     const bool fits = !seen.failed && !cut.failed && !opacity.failed && !look.failed;
     enum err err = fits ? OK : fault_memory(fault, "a note on a picture");
     if (!err)
@@ -141,9 +144,9 @@ static enum err add_label_note(struct picture *picture, const struct session *se
                                const struct label_set *shown, struct fault *fault)
 {
     struct buf labels = {0};
-    if (session->now.outlook.look.number == LOOK_FIRST || !shown)
+    if (session_outlook(session)->look.number == LOOK_FIRST || !shown)
         return OK;
-    write_labels(&labels, shown, &session->now.kept);
+    write_labels(&labels, shown, session_kept(session));
     const enum err err = labels.failed
                              ? fault_memory(fault, "a note on a picture")
                              : picture_note(picture, "iftty:labels", buf_text(&labels), fault);
@@ -164,24 +167,24 @@ enum err export_notes(struct picture *picture, const struct session *session,
                       const struct label_set *shown, struct fault *fault)
 {
     char scene[32];
-    snprintf(scene, sizeof scene, "%016llx", (unsigned long long)session->scene_digest);
-    const enum orientation orientation = session->geometry.orientation;
+    snprintf(scene, sizeof scene, "%016llx", (unsigned long long)session_scene_digest(session));
+    const enum orientation orientation = session_geometry(session)->orientation;
     enum err err = picture_note(picture, "Software", "iftty " PROGRAM_VERSION, fault);
     if (!err && orientation == ORIENTATION_UNKNOWN)
         err = picture_note(picture, "iftty:orientation", "unknown", fault);
     if (!err && orientation == ORIENTATION_TOLD)
         err = picture_note(picture, "iftty:orientation", "as told by the user", fault);
-    if (!err && *session->scene_file)
-        err = picture_note(picture, "iftty:scene-name", session->scene_file, fault);
+    if (!err && *session_scene_name(session))
+        err = picture_note(picture, "iftty:scene-name", session_scene_name(session), fault);
     if (!err)
         err = picture_note(picture, "iftty:scene", scene, fault);
     if (!err)
         err = add_view_notes(picture, session, fault);
     if (!err)
         err = add_label_note(picture, session, shown, fault);
-    if (!err && session->now.outlook.context)
+    if (!err && session_outlook(session)->context)
         err = note_context(picture, session, fault);
-    picture->is_associated = session->now.outlook.look.number > LOOK_FIRST;
+    picture->is_associated = session_outlook(session)->look.number > LOOK_FIRST;
     return err;
 }
 
@@ -190,7 +193,8 @@ static enum err add_scale_note(struct picture *picture, const struct session *se
                                struct fault *fault)
 {
     char scale[32];
-    if (session->now.outlook.look.number == LOOK_FIRST || session->geometry.spacing_unknown)
+    if (session_outlook(session)->look.number == LOOK_FIRST ||
+        session_geometry(session)->spacing_unknown)
         return OK;
     snprintf(scale, sizeof scale, "%.9g", seen_mm_per_pixel(session));
     return picture_note(picture, "iftty:mm-per-pixel", scale, fault);
@@ -216,14 +220,15 @@ enum err export_picture(struct picture *picture, const struct session *session, 
     if (err)
         return err;
     label_set_add(&labels, r);
-    const double unit_mm = depth_unit_mm(&session->camera);
+    const double unit_mm = depth_unit_mm(session_camera(session));
     for (size_t i = 0; i < (size_t)r->width * r->height; i++) {
         bool seen = r->cell[i] != CELL_NONE;
         for (int k = 0; k < 4; k++)
             picture->rgba[4 * i + (size_t)k] = r->rgba[4 * i + (size_t)k];
         picture->depth_mm[i] = seen ? (float)((double)r->depth[i] * unit_mm) : (float)INFINITY;
         picture->label[i] = r->label[i];
-        picture->voxel[i] = seen ? grid_voxel(&session->scene->grid, r->cell[i]) : CELL_NONE;
+        picture->voxel[i] =
+            seen ? grid_voxel(&session_scene(session)->grid, r->cell[i]) : CELL_NONE;
     }
     seen_from(&picture->space, session);
     return describe_rendition(picture, session, &labels, fault);
@@ -239,14 +244,14 @@ enum err export_colours(struct picture *picture, const struct session *session, 
     label_set_add(&labels, r);
     memcpy(picture->rgba, r->rgba, (size_t)4 * r->width * r->height);
     background_put(picture->rgba, r->width, r->height, session_behind_colours(session));
-    picture->is_clear = session->now.outlook.background == BACKGROUND_CLEAR;
+    picture->is_clear = session_outlook(session)->background == BACKGROUND_CLEAR;
     return describe_rendition(picture, session, &labels, fault);
 }
 
 enum err export_drawn(struct picture *picture, struct session *session, const struct labels *labels,
                       uint64_t *digest, struct fault *fault)
 {
-    const struct view *view = &session->now.outlook.view;
+    const struct view *view = &session_outlook(session)->view;
     enum err err = picture_init(picture, view->width, view->height, false, fault);
     if (err)
         return err;
@@ -258,14 +263,14 @@ enum err export_drawn(struct picture *picture, struct session *session, const st
     }
     *digest = colours.digest;
     const struct label_set shown = drawn_labels(&colours);
-    picture->is_clear = session->now.outlook.background == BACKGROUND_CLEAR;
+    picture->is_clear = session_outlook(session)->background == BACKGROUND_CLEAR;
     return describe_rendition(picture, session, &shown, fault);
 }
 
 enum err export_background(struct picture *picture, const struct session *session,
                            struct fault *fault)
 {
-    const uint32_t background = session->now.outlook.background;
+    const uint32_t background = session_outlook(session)->background;
     const size_t bytes = (size_t)4 * picture->width * picture->height;
     picture->is_clear = background == BACKGROUND_CLEAR;
     if (picture->is_clear || background == BACKGROUND_FADE)
@@ -294,10 +299,10 @@ enum err export_normals(struct picture *picture, const struct session *session, 
     const struct rendition *r = session_frame(session);
     const size_t pixels = (size_t)r->width * r->height;
     enum err err = picture_add_normals(picture, fault);
-    if (!err && session->now.outlook.look.number > LOOK_FIRST)
-        seen_normals(picture->normal, r->normal, pixels, &session->geometry);
+    if (!err && session_outlook(session)->look.number > LOOK_FIRST)
+        seen_normals(picture->normal, r->normal, pixels, session_geometry(session));
     else if (!err)
-        export_normals_to_world(picture->normal, r->normal, pixels, session->scene);
+        export_normals_to_world(picture->normal, r->normal, pixels, session_scene(session));
     return err;
 }
 
@@ -314,12 +319,12 @@ static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
 {
     const struct map_source *source = context;
     const struct session *session = source->session;
-    struct span row = grid_row(&session->scene->grid, y, z);
+    struct span row = grid_row(&session_scene(session)->grid, y, z);
     uint8_t *byte = values;
     uint16_t *pair = values;
     uint32_t *root = values;
     for (uint32_t c = row.first; c < row.end; c++) {
-        const struct cell *cell = session->scene->cell + c;
+        const struct cell *cell = session_scene(session)->cell + c;
         bool reached = cell_is_reached(cell);
         switch (source->map) {
         case MAP_LABELS:
@@ -329,7 +334,7 @@ static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
                 *byte++ = (uint8_t)source->number[labels_at(source->labels, c)];
             break;
         case MAP_BORDER:
-            *byte++ = border_holds(&session->border, c);
+            *byte++ = border_holds(session_border(session), c);
             break;
         case MAP_COST:
             *pair++ = reached ? (uint16_t)key_cost(cell->key) : UINT16_MAX;
@@ -341,7 +346,8 @@ static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
             *pair++ = source->margin[c];
             break;
         case MAP_ROOT:
-            *root++ = reached ? grid_voxel(&session->scene->grid, key_root(cell->key)) : CELL_NONE;
+            *root++ = reached ? grid_voxel(&session_scene(session)->grid, key_root(cell->key))
+                              : CELL_NONE;
             break;
         }
     }
@@ -363,14 +369,14 @@ static void describe(struct buf *out, const char *description, const struct map_
     if (source->map != MAP_LABELS || !source->labels->finished)
         return;
     buf_add_text(out, ", finished: ");
-    finish_write(out, &source->session->now.kept.finish);
+    finish_write(out, &session_kept(source->session)->finish);
 }
 
 /* What labels are in the file: none of those that the map has is another. */
 static enum err number_labels(struct map_source *source, struct fault *fault)
 {
-    const struct kept *kept = &source->session->now.kept;
-    const struct grid *grid = &source->session->scene->grid;
+    const struct kept *kept = session_kept(source->session);
+    const struct grid *grid = &session_scene(source->session)->grid;
     bool used[256] = {false};
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
@@ -400,22 +406,22 @@ enum err export_map(const struct session *session, enum map map, const struct la
     struct map_source source = {.session = session, .labels = labels, .map = map};
     struct volume_label label[256];
     struct buf description = {0};
-    enum err err = map == MAP_MARGIN   ? margin_new(&source.margin, session->forest, fault)
+    enum err err = map == MAP_MARGIN   ? margin_new(&source.margin, session_forest(session), fault)
                    : map == MAP_LABELS ? number_labels(&source, fault)
                                        : OK;
     if (err)
         return err;
-    export_labels(label, &session->now.kept);
+    export_labels(label, session_kept(session));
     describe(&description, form[map].description, &source);
-    const struct volume_map written = {session->scene->grid.size,
-                                       &session->geometry,
+    const struct volume_map written = {session_scene(session)->grid.size,
+                                       session_geometry(session),
                                        source.is_wide ? VOXEL_UINT16 : form[map].type,
                                        buf_text(&description),
                                        fill_row,
                                        &source,
                                        map == MAP_LABELS ? label : NULL};
     err = description.failed ? fault_memory(fault, "a map")
-                             : volume_write(path, mode, &written, session->watch, fault);
+                             : volume_write(path, mode, &written, session_watch(session), fault);
     buf_release(&description);
     free(source.margin);
     return err;
@@ -436,21 +442,22 @@ static void write_reach(struct buf *out, const struct reach *reach)
 
 enum err export_seeds(struct buf *out, const struct session *session, struct fault *fault)
 {
-    const struct grid *grid = &session->scene->grid;
-    struct task task = task_begin(session->watch, "seeds", grid->voxels);
-    buf_add_text(out, forest_limited_seeds(session->forest) ? "x,y,z,label,within,of x,of y,of z\n"
-                                                            : "x,y,z,label\n");
+    const struct grid *grid = &session_scene(session)->grid;
+    struct task task = task_begin(session_watch(session), "seeds", grid->voxels);
+    buf_add_text(out, forest_limited_seeds(session_forest(session))
+                          ? "x,y,z,label,within,of x,of y,of z\n"
+                          : "x,y,z,label\n");
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
             const struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++)
-                if (session->scene->cell[c].flags & CELL_SEED) {
+                if (session_scene(session)->cell[c].flags & CELL_SEED) {
                     buf_printf(out, "%u,%u,%u,%u", c - row.first, y, z,
-                               session->scene->cell[c].label);
-                    write_reach(out, forest_reach(session->forest, c));
+                               session_scene(session)->cell[c].label);
+                    write_reach(out, forest_reach(session_forest(session), c));
                     buf_add_char(out, '\n');
                 }
         }
     return out->failed ? fault_memory(fault, "a list of seeds")
-                       : watch_fault(session->watch, fault);
+                       : watch_fault(session_watch(session), fault);
 }

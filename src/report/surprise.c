@@ -1,13 +1,15 @@
 #include "report/surprise.h"
 
 #include "engine/passage.h"
+#include "engine/roi.h"
+#include "session/tally.h"
 
 /* How many labels had voxels that a seed reached: of label 0 these are more than what lies outside
  * the region of interest. */
 static unsigned labels_before(const struct session *session)
 {
-    const uint64_t *voxels = session->former_tally.voxels;
-    const size_t outside = session->scene->grid.voxels - session->roi_tally.inside;
+    const uint64_t *voxels = session_former_tally(session)->voxels;
+    const size_t outside = session_scene(session)->grid.voxels - session_roi_tally(session)->inside;
     unsigned count = voxels[0] > outside;
     for (unsigned label = 1; label < 256; label++)
         count += voxels[label] > 0;
@@ -29,26 +31,27 @@ static unsigned find_most(const uint64_t *in, const uint64_t *than)
 
 static bool is_surprise(const struct session *session, unsigned loser, uint64_t lost)
 {
-    const uint64_t *before = session->former_tally.voxels;
-    const uint64_t gained_by = before[find_most(before, session->tally.voxels)];
+    const uint64_t *before = session_former_tally(session)->voxels;
+    const uint64_t gained_by = before[find_most(before, session_tally(session)->voxels)];
     const uint64_t least = gained_by && gained_by < before[loser] ? gained_by : before[loser];
-    const uint64_t seeds = forest_seed_changes(session->forest).count;
+    const uint64_t seeds = forest_seed_changes(session_forest(session)).count;
     return lost > SURPRISE_VOXELS && lost / SURPRISE_TIMES > seeds &&
            lost >= least / SURPRISE_SHARE && labels_before(session) > 1;
 }
 
 bool session_find_surprise(struct surprise *surprise, const struct session *session)
 {
-    const struct tally *before = &session->former_tally, *now = &session->tally;
+    const struct tally *before = session_former_tally(session), *now = session_tally(session);
     const unsigned loser = find_most(now->voxels, before->voxels);
     const uint64_t lost = before->voxels[loser] - now->voxels[loser];
     uint32_t cell;
-    if (!session->edited || before->stale || now->stale || !is_surprise(session, loser, lost))
+    if (!session_has_edited(session) || before->stale || now->stale ||
+        !is_surprise(session, loser, lost))
         return false;
     *surprise = (struct surprise){.label = (uint8_t)loser, .voxels = lost};
-    surprise->has_passage = passage_find(&cell, session->forest, loser);
+    surprise->has_passage = passage_find(&cell, session_forest(session), loser);
     if (surprise->has_passage) {
-        const struct place p = grid_place(&session->scene->grid, cell);
+        const struct place p = grid_place(&session_scene(session)->grid, cell);
         surprise->passage[0] = p.x;
         surprise->passage[1] = p.y;
         surprise->passage[2] = p.z;

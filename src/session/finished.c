@@ -1,4 +1,4 @@
-#include "session/session.h"
+#include "session/session_inside.h"
 
 #include <string.h>
 

@@ -1,5 +1,5 @@
 /* The one way to change a session: going to a state, and making anew what does not fit it. */
-#include "session/session_parts.h"
+#include "session/session_inside.h"
 
 #include "base/mem.h"
 #include "session/roi_check.h"

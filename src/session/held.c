@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "engine/tree.h"
-#include "session/session_parts.h"
+#include "session/session_inside.h"
 
 /* One seed more. */
 static void count_seed(struct held *held, const struct session *session, uint32_t seed)

@@ -6,6 +6,7 @@
 
 #include "base/mem.h"
 #include "base/scan.h"
+#include "session/session_inside.h"
 
 /* ---- life ---- */
 

@@ -1,8 +1,8 @@
 /* What is measured of the labels of a session: asked for, and kept from then on. */
-#include "session/session_parts.h"
+#include "session/session_inside.h"
 
 enum err session_find_stats(struct session *session, const struct labels *labels,
-                            struct label_stats stats[256], struct fault *fault)
+                            struct label_stats *stats, struct fault *fault)
 {
     struct label_measures once = {0};
     struct label_measures *measures = labels->finished ? &once : &session->measures;

@@ -1,5 +1,5 @@
 /* How a scene comes into a session: opened, or interpolated in the place of the one before. */
-#include "session/session_parts.h"
+#include "session/session_inside.h"
 
 #include <assert.h>
 #include <stdio.h>

@@ -6,6 +6,7 @@
 #include "base/hash.h"
 #include "base/mem.h"
 #include "base/scan.h"
+#include "session/state.h"
 
 void seeds_release(struct seeds *seeds)
 {

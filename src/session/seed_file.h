@@ -29,6 +29,7 @@
 #include "engine/grid.h"
 #include "session/map.h"
 #include "session/session.h"
+#include "session/state.h"
 
 /* Of a list, the seeds of one label and reach. Its units are 1, or 0 for those of the world, which
  * the caller knows. */

@@ -1,5 +1,5 @@
 /* Seeds of a session: planted, eliminated, run; and what labels come to have. */
-#include "session/session_parts.h"
+#include "session/session_inside.h"
 
 #include <stdlib.h>
 
@@ -7,6 +7,27 @@
 #include "base/sort.h"
 
 /* ---- markers ---- */
+
+size_t session_pendings(const struct session *session)
+{
+    return edits_count(&session->now.lists.pending);
+}
+
+enum err session_add_reach(struct session *session, const struct reach *reach, uint16_t *number,
+                           struct fault *fault)
+{
+    return forest_add_reach(session->forest, reach, number, fault);
+}
+
+void session_drop_markers(struct session *session, size_t count)
+{
+    markers_drop(&session->markers, count, session->watch);
+}
+
+void session_sort_pendings(struct session *session, size_t first)
+{
+    edits_sort_from(&session->now.lists.pending, first);
+}
 
 enum err session_plant(struct session *session, const uint32_t *cell, size_t count, int16_t label,
                        struct fault *fault)
@@ -38,8 +59,8 @@ enum err session_plant_piece(struct session *session, const uint32_t *cell, size
     return err ? err : markers_yield(&session->markers, run, runs, fault);
 }
 
-enum err session_free(struct session *session, const uint32_t *cell, size_t count,
-                      struct fault *fault)
+enum err session_free_voxels(struct session *session, const uint32_t *cell, size_t count,
+                             struct fault *fault)
 {
     const struct markers *markers = &session->markers;
     size_t i = markers->covers;

@@ -1,16 +1,27 @@
-#include "session/session.h"
+#include "session/session_inside.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
-#include "session/session_parts.h"
+#include "base/mem.h"
+#include "session/session.h"
+#include "show/draw.h"
 
-void session_init(struct session *session)
+static void begin(struct session *session, unsigned semantics)
 {
-    *session = (struct session){.semantics = SEMANTICS,
-                                .now = state_default(SEMANTICS),
-                                .roi = roi_none(),
-                                .waits_from = UINT64_MAX};
+    session->roi = roi_none();
+    session_take_semantics(session, semantics);
     session_mark(session);
+}
+
+enum err session_new(struct session **session, struct fault *fault)
+{
+    struct session *made = *session = mem_new(sizeof *made);
+    if (!made)
+        return fault_memory(fault, "a session");
+    made->waits_from = UINT64_MAX;
+    begin(made, SEMANTICS);
+    return OK;
 }
 
 void session_take_semantics(struct session *session, unsigned semantics)
@@ -46,14 +57,30 @@ void session_close_scene(struct session *session)
     session->stale = 0;
 }
 
-void session_release(struct session *session)
+/* All that is not given from outside. */
+static void end(struct session *session)
 {
     session_close_scene(session);
     team_free(session->team);
     state_release(&session->now);
     state_release(&session->former);
     markers_release(&session->markers);
-    *session = (struct session){0};
+}
+
+void session_begin_again(struct session *session)
+{
+    struct watch *watch = session->watch;
+    const uint64_t waits_from = session->waits_from;
+    end(session);
+    *session = (struct session){.watch = watch, .waits_from = waits_from};
+    begin(session, SEMANTICS);
+}
+
+void session_free(struct session *session)
+{
+    if (session)
+        end(session);
+    free(session);
 }
 
 void session_release_rendition(struct session *session)
@@ -66,6 +93,184 @@ void session_release_rendition(struct session *session)
     session->decorated_pixels = 0;
     context_forget(&session->context);
     session->rendered = RENDERED_NOT;
+}
+
+/* ---- what it knows ---- */
+
+const struct kept *session_kept(const struct session *session)
+{
+    return &session->now.kept;
+}
+
+const struct outlook *session_outlook(const struct session *session)
+{
+    return &session->now.outlook;
+}
+
+const struct state *session_state(const struct session *session)
+{
+    return &session->now;
+}
+
+const struct state *session_former(const struct session *session)
+{
+    return &session->former;
+}
+
+unsigned session_semantics(const struct session *session)
+{
+    return session->semantics;
+}
+
+bool session_skims(const struct session *session)
+{
+    return session->skims;
+}
+
+bool session_has_scene(const struct session *session)
+{
+    return session->has_scene;
+}
+
+struct scene *session_scene(const struct session *session)
+{
+    return session->scene;
+}
+
+const struct forest *session_forest(const struct session *session)
+{
+    return session->forest;
+}
+
+const struct border *session_border(const struct session *session)
+{
+    return &session->border;
+}
+
+const struct geometry *session_said(const struct session *session)
+{
+    return &session->said;
+}
+
+const struct geometry *session_geometry(const struct session *session)
+{
+    return &session->geometry;
+}
+
+const struct roi *session_roi(const struct session *session)
+{
+    return &session->roi;
+}
+
+const struct roi_tally *session_roi_tally(const struct session *session)
+{
+    return &session->roi_tally;
+}
+
+const struct markers *session_markers(const struct session *session)
+{
+    return &session->markers;
+}
+
+const struct tally *session_tally(const struct session *session)
+{
+    return &session->tally;
+}
+
+const struct tally *session_former_tally(const struct session *session)
+{
+    return &session->former_tally;
+}
+
+const struct camera *session_camera(const struct session *session)
+{
+    return &session->camera;
+}
+
+const struct map_part *session_part(const struct session *session)
+{
+    return &session->part;
+}
+
+const struct levels *session_levels(const struct session *session)
+{
+    return session->levels;
+}
+
+uint32_t session_series(const struct session *session)
+{
+    return session->series;
+}
+
+const char *session_open_notes(const struct session *session)
+{
+    return session->open_notes;
+}
+
+uint64_t session_scene_digest(const struct session *session)
+{
+    return session->scene_digest;
+}
+
+uint64_t session_weight_digest(const struct session *session)
+{
+    return session->weight_digest;
+}
+
+const char *session_proof(const struct session *session)
+{
+    return session->proof;
+}
+
+size_t session_former_markers(const struct session *session)
+{
+    return session->former_markers;
+}
+
+bool session_has_edited(const struct session *session)
+{
+    return session->edited;
+}
+
+bool session_has_regrown(const struct session *session)
+{
+    return session->regrown;
+}
+
+const char *session_scene_name(const struct session *session)
+{
+    return session->scene_file;
+}
+
+bool session_is_private(const struct session *session)
+{
+    return session->is_private;
+}
+
+enum rendered session_rendered(const struct session *session)
+{
+    return session->rendered;
+}
+
+struct team *session_team(const struct session *session)
+{
+    return session->team;
+}
+
+struct watch *session_watch(const struct session *session)
+{
+    return session->watch;
+}
+
+void session_name_scene(struct session *session, const char *name, bool is_private)
+{
+    snprintf(session->scene_file, sizeof session->scene_file, "%s", name);
+    session->is_private = is_private;
+}
+
+void session_set_watch(struct session *session, struct watch *watch)
+{
+    session->watch = watch;
 }
 
 /* Cells and what follows from them, and what else has a value for each voxel. */

@@ -31,112 +31,109 @@
 #ifndef SESSION_SESSION_H
 #define SESSION_SESSION_H
 
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/decimal.h"
 #include "base/err.h"
-#include "base/team.h"
-#include "engine/forest.h"
-#include "engine/label_stats.h"
-#include "engine/roi.h"
-#include "engine/scene.h"
-#include "image/volume.h"
-#include "render/border.h"
-#include "render/layers.h"
-#include "render/rendition.h"
-#include "show/context.h"
-#include "session/map.h"
-#include "session/finished.h"
-#include "session/hinting.h"
-#include "show/live_finish.h"
-#include "session/markers.h"
-#include "session/semantics.h"
-#include "session/state.h"
-#include "session/tally.h"
+
+struct border;
+struct camera;
+struct edit;
+struct forest;
+struct geometry;
+struct kept;
+struct label_stats;
+struct label_sums;
+struct labels;
+struct levels;
+struct map_part;
+struct map_place;
+struct marker_run;
+struct markers;
+struct outlook;
+struct reach;
+struct roi;
+struct roi_tally;
+struct scene;
+struct state;
+struct tally;
+struct team;
+struct view;
+struct volume_choice;
+struct watch;
 
 /* Whose labels the rendition shows. */
 enum rendered { RENDERED_NOT, RENDERED_FOREST, RENDERED_FINISHED };
 
-/* What interpolating a scene replaces. */
-struct former_scene {
-    struct scene *scene; /* NULL where there is none */
-    struct geometry said;
-    bool is_blended; /* its levels */
-    uint64_t scene_digest, weight_digest;
-    struct forest *forest;
-    struct border border;
-    struct roi_tally roi_tally;
-    unsigned stale;
-};
+struct session;
 
-struct session {
-    unsigned semantics; /* of the journal at hand (session/semantics.h) */
-    struct state now;
-    struct markers markers; /* of all states; those of `now` are the ones that stand */
+/* One without a scene, which the caller frees. ERR_MEMORY. */
+enum err session_new(struct session **session, struct fault *fault);
+void session_free(struct session *session);
 
-    bool has_scene;
-    struct scene *scene;
-    char scene_file[FILE_WORDS_BYTES]; /* what pictures call it: without its folder, "" for nothing;
-                                          a long name is cut */
-    bool is_private;                   /* they say neither that nor of which journal they are */
-    struct geometry said;              /* what the file says of its geometry, */
-    struct geometry geometry;          /* and what follows from it and from what `orient` says */
-    struct levels *levels;             /* where intensities are not exact; else NULL */
-    struct map_part part;              /* of its file, where it is no more than that */
-    uint32_t series; /* of a folder of DICOM that was opened, counted from 1; 0: of none */
-    char open_notes[VOLUME_NOTES_BYTES]; /* what the file left open, for the answer of `open` */
-    uint64_t scene_digest;
-    char proof[SHA256_HEX]; /* of the scene as it was opened (scene_proof) */
-    struct team *team;      /* the threads that compute; NULL for one */
+/* As it was when it was new, but for its watch and session_let_wait. */
+void session_begin_again(struct session *session);
 
-    /* What follows from the state; MADE_... of what does not fit it (S5). */
-    unsigned stale;
-    bool skims; /* session_skim */
-    bool waits; /* S7 */
-    struct forest *forest;
-    uint64_t weight_digest;
-    struct roi roi;
-    struct roi_tally roi_tally;
-    struct border border;
-    struct finished finished; /* session_labels */
-    struct hinting hinting;   /* session_find_hints */
-    struct live_finish live;  /* what panels show of finished labels */
-    struct tally tally;       /* voxels of each label, once session_count_labels has been called */
-    struct label_measures measures; /* of the forest's labels, once somebody has asked for them */
-    struct camera camera; /* of the view, `look.samples` times as large; see session_draw_fitting */
-    struct rendition rendition;  /* of camera.view's size; no maps where its samples are too many to
-                                   be stored */
-    struct context context;      /* what is behind it */
-    struct layers layers;        /* the rendition's, where objects are translucent */
-    struct rendition reduced;    /* to the view's size, where look.samples is above 1 */
-    struct drawn_colours *drawn; /* that are being drawn instead (show/drawn_colours.h), or NULL */
-    enum rendered rendered;      /* S2: what session_frame gives shows the present state */
-    uint8_t *decorated;          /* colours of the frame with what is drawn over them */
-    size_t decorated_pixels;
-    struct shader shader;
-    bool knows_window; /* what follows from the scene, once somebody has asked: */
-    int32_t window[2]; /* intensities, black and white */
-
-    /* Room for what is now and for what was, so that going back cannot fail. */
-    struct weight_work weight_work;
-    uint64_t *mask_room;
-
-    struct watch *watch; /* of all that takes long, or NULL */
-    uint64_t waits_from; /* session_let_wait; 2^64 - 1: never */
-
-    /* What the command at hand began with, and whether it has edited the seeds (then
-     * forest_seed_changes says how) or had the forest computed again. */
-    struct state former;
-    size_t former_markers;
-    struct former_scene former_scene;
-    struct tally former_tally; /* where session_count_before came before the command */
-    bool former_has_scene;
-    enum rendered former_rendered;
-    bool edited, regrown;
-    struct tally tally_before_edit; /* of the last command before it that edited */
-};
-
-void session_init(struct session *session);
 /* For a session that has done nothing yet: it goes by these from now on. */
 void session_take_semantics(struct session *session, unsigned semantics);
-void session_release(struct session *session);
+
+/* ---- what it knows: borrowed, and of use until the next command ---- */
+
+const struct state *session_state(const struct session *session);
+const struct kept *session_kept(const struct session *session);       /* of the state, */
+const struct outlook *session_outlook(const struct session *session); /* and of it too */
+unsigned session_semantics(const struct session *session);            /* of the journal at hand */
+bool session_skims(const struct session *session);                    /* since session_skim */
+
+/* Of a scene, where there is one. */
+bool session_has_scene(const struct session *session);
+struct scene *session_scene(const struct session *session);
+const struct forest *session_forest(const struct session *session);
+const struct border *session_border(const struct session *session);
+const struct geometry *session_said(const struct session *session);     /* by its file, */
+const struct geometry *session_geometry(const struct session *session); /* and after `orient` */
+const struct levels *
+session_levels(const struct session *session); /* NULL: intensities are exact */
+const struct map_part *session_part(const struct session *session); /* of its file, or {0} */
+uint32_t session_series(const struct session *session);        /* of a folder, from 1; 0: of none */
+const char *session_open_notes(const struct session *session); /* what the file left open */
+uint64_t session_scene_digest(const struct session *session);
+uint64_t session_weight_digest(const struct session *session);
+const char *session_proof(const struct session *session); /* as it was opened (scene_proof) */
+const struct roi *session_roi(const struct session *session);
+const struct roi_tally *session_roi_tally(const struct session *session);
+
+/* Markers of all states, and how many there were before the command at hand. */
+const struct markers *session_markers(const struct session *session);
+size_t session_former_markers(const struct session *session);
+
+/* Voxels of each label, once session_count_labels, session_count_before have been called. */
+const struct tally *session_tally(const struct session *session);
+const struct tally *session_former_tally(const struct session *session);
+
+/* What the command at hand began with, and whether it has edited seeds, or had the forest grow
+ * anew. */
+const struct state *session_former(const struct session *session);
+bool session_has_edited(const struct session *session);
+bool session_has_regrown(const struct session *session);
+
+/* What pictures call the scene: without its folder, "" for nothing; a long name is cut. A private
+ * one is not named by them, nor is its journal. */
+const char *session_scene_name(const struct session *session);
+bool session_is_private(const struct session *session);
+void session_name_scene(struct session *session, const char *name, bool is_private);
+
+/* The camera of the view, and what the rendition shows. */
+const struct camera *session_camera(const struct session *session);
+enum rendered session_rendered(const struct session *session);
+
+/* The threads that compute, NULL for one; and the watch of all that takes long, or NULL. */
+struct team *session_team(const struct session *session);
+struct watch *session_watch(const struct session *session);
+void session_set_watch(struct session *session, struct watch *watch);
+
 size_t session_memory(const struct session *session); /* bytes held now */
 
 /* The same by what holds them: the scene with its forest, border, masks and weights; seeds and
@@ -206,22 +203,23 @@ uint64_t session_bytes_for(const uint32_t size[3]);
 /* ---- seeds (seeds.c) ---- */
 
 /* How many edits wait for a run. */
-static inline size_t session_pendings(const struct session *session)
-{
-    return edits_count(&session->now.lists.pending);
-}
+size_t session_pendings(const struct session *session);
 
 /* Those from the `first` on wait in the order of their voxels. */
-static inline void session_sort_pendings(struct session *session, size_t first)
-{
-    edits_sort_from(&session->now.lists.pending, first);
-}
+void session_sort_pendings(struct session *session, size_t first);
+
+/* As if the markers after the first `count` had never been put up. */
+void session_drop_markers(struct session *session, size_t count);
 
 /* Puts up a marker: seeds of a label, that wait for a run; or, for EDIT_ERASE, that are to go. */
 enum err session_plant(struct session *session, const uint32_t *cell, size_t count, int16_t label,
                        struct fault *fault);
 
-/* The same of seeds that have a reach: the number of one (forest_add_reach), or 0. */
+/* The number of a reach, for session_plant_within (forest_add_reach). ERR_MEMORY, ERR_LIMIT. */
+enum err session_add_reach(struct session *session, const struct reach *reach, uint16_t *number,
+                           struct fault *fault);
+
+/* The same of seeds that have a reach: the number of one, or 0. */
 enum err session_plant_within(struct session *session, const uint32_t *cell, size_t count,
                               int16_t label, uint16_t reach, struct fault *fault);
 
@@ -233,8 +231,8 @@ enum err session_plant_piece(struct session *session, const uint32_t *cell, size
 
 /* The marker that was just put up frees those of these voxels whose markers give way to it: their
  * seeds go, while it stands. */
-enum err session_free(struct session *session, const uint32_t *cell, size_t count,
-                      struct fault *fault);
+enum err session_free_voxels(struct session *session, const uint32_t *cell, size_t count,
+                             struct fault *fault);
 
 /* The marker that was just put up goes on with the one before, which stands. */
 void session_join(struct session *session);
@@ -283,11 +281,11 @@ uint64_t session_changed_voxels(const struct session *session);
 
 /* ---- what labels have (measures.c) ---- */
 
-/* All that is known of each of these labels (session_labels). Of the forest's, what can follow
- * edits does so from now on (engine/label_stats.h): a replay that never asks never pays.
+/* All that is known of each of these labels (session_labels): stats[256]. Of the forest's, what can
+ * follow edits does so from now on (engine/label_stats.h): a replay that never asks never pays.
  * ERR_MEMORY, ERR_CANCELLED. Not for a session that skims. */
 enum err session_find_stats(struct session *session, const struct labels *labels,
-                            struct label_stats stats[256], struct fault *fault);
+                            struct label_stats *stats, struct fault *fault);
 
 /* The sums of a label of the forest, in the same way. */
 enum err session_sum_label(struct session *session, unsigned label, struct label_sums *sums,
@@ -311,49 +309,5 @@ enum err session_set_range(struct session *session, const struct decimal range[2
                            struct fault *fault);
 
 enum err session_set_view(struct session *session, const struct view *view, struct fault *fault);
-
-/* ---- pictures (draw.c) ---- */
-
-enum render_mode {
-    RENDER_AS_KEPT,
-    RENDER_SCENE,
-    RENDER_BORDER,
-    RENDER_INCREMENTAL,
-    RENDER_RAY,
-    RENDER_ONCE, /* as RENDER_AS_KEPT, for a picture that no edit will follow: stores no samples */
-};
-
-/* Makes the rendition show the present state. RENDER_AS_KEPT and RENDER_INCREMENTAL do what is
- * left to do, RENDER_ONCE too; the others start from nothing. All give the same pixels. */
-enum err session_render(struct session *session, enum render_mode mode, struct fault *fault);
-
-/* The same with the forest as it stands, whatever edits wait. */
-enum err session_draw(struct session *session, enum render_mode mode, struct fault *fault);
-
-/* The same of other labels (session_labels): from nothing, for this one picture, unless pictures
- * show finished labels (session_shows_finished). */
-enum err session_draw_labels(struct session *session, const struct labels *labels,
-                             enum render_mode mode, struct fault *fault);
-
-/* The same to be looked at alone, at the zoom below, until another of these is called, of labels
- * that are given back: the forest's, or finished ones, which may be rough (show/live_finish.h).
- */
-enum err session_draw_fitting(struct session *session, struct labels *labels, struct fault *fault);
-
-/* That of the view, thousandths; while it is the one that a scene is opened with, which nobody has
- * chosen, the one at which the scene fits. */
-uint32_t session_fitting_zoom(const struct session *session);
-
-/* To be called from `show` of the watch (base/watch.h), while a command is carried out: `draw` may
- * read the session and make pictures of it, as they are so far, and must carry out no command. What
- * the command itself goes by is put back afterwards. */
-void session_show(struct session *session, void (*draw)(void *context), void *context);
-
-/* What was rendered, at the size of the view. */
-const struct rendition *session_frame(const struct session *session);
-
-/* The same as it is shown: over its background, which is black where that is clear. ERR_MEMORY. */
-enum err session_show_frame(struct canvas *canvas, const struct session *session,
-                            struct fault *fault);
 
 #endif

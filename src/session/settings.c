@@ -1,6 +1,6 @@
 /* Settings that take more than a change of the state. A copy of it borrows what it shares with the
  * present state; what is new in it is released once the session holds it. */
-#include "session/session.h"
+#include "session/session_inside.h"
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
-#include "session/session.h"
+#include "session/session_inside.h"
 #include "show/window.h"
 
 void context_forget(struct context *context)

@@ -7,7 +7,9 @@
 #include "base/choice.h"
 #include "base/mem.h"
 #include "render/decoration.h"
-#include "session/session_parts.h"
+#include "session/session.h"
+#include "session/session_inside.h"
+#include "show/draw.h"
 
 /* ---- the legend ---- */
 

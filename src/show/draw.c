@@ -1,9 +1,14 @@
 /* Pictures of a session: its camera and its rendition. */
-#include "session/session_parts.h"
+#include "session/session_inside.h"
 
 #include <string.h>
 
+#include "base/err.h"
 #include "render/bands.h"
+#include "render/border.h"
+#include "render/normal.h"
+#include "render/view.h"
+#include "show/draw.h"
 #include "show/drawn_colours.h"
 #include "show/decorating.h"
 #include "show/window.h"

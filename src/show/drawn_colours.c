@@ -2,8 +2,10 @@
 
 #include <string.h>
 
+#include "session/finished.h"
 #include "show/decorating.h"
-#include "session/session_parts.h"
+#include "session/session_inside.h"
+#include "show/draw.h"
 
 bool session_draws_colours(const struct session *session)
 {

@@ -8,6 +8,7 @@
 #ifndef SHOW_DRAWN_COLOURS_H
 #define SHOW_DRAWN_COLOURS_H
 
+#include "render/rendition.h"
 #include "session/session.h"
 
 /* Labels that pixels show, 0 among them: a bit each. */

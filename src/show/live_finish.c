@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "session/session_parts.h"
+#include "session/session_inside.h"
 
 size_t live_finish_memory(const struct live_finish *live)
 {

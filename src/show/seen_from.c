@@ -2,6 +2,11 @@
 
 #include <math.h>
 
+#include "engine/scene.h"
+#include "image/geometry.h"
+#include "render/view.h"
+#include "session/session_inside.h"
+
 #define ONE30 1073741824.0
 
 double seen_mm_per_pixel(const struct session *session)

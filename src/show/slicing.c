@@ -9,6 +9,12 @@
 #include "base/mem.h"
 #include "render/mosaic.h"
 #include "report/export.h"
+#include "session/edits.h"
+#include "session/semantics.h"
+#include "session/session.h"
+#include "session/session_inside.h"
+#include "session/state.h"
+#include "show/draw.h"
 #include "show/window.h"
 
 /* ---- what is drawn ---- */

@@ -4,6 +4,9 @@
 #include <stdio.h>
 
 #include "engine/intensities.h"
+#include "image/geometry.h"
+#include "session/session_inside.h"
+#include "session/state.h"
 
 /* The 1st and the 99.5th percentile: few voxels are as bright as vessels and fat. */
 void window_of_counts(int32_t window[2], const uint32_t count[UINT16_MAX + 1])

@@ -8,6 +8,7 @@
 #include "base/process.h"
 #include "verify/difference_picture.h"
 #include "verify/replay_file.h"
+#include "session/session_inside.h"
 
 enum { SIDE_MOST = 16384, /* of a picture */ FRAME_MOST = 4 * SIDE_MOST * SIDE_MOST };
 
@@ -45,7 +46,7 @@ static enum err carry_out(struct interpreter *interp, const struct work *work,
     if (err == ERR_CHECK)
         err = fault_prefix(fault, ERR_CHECK,
                            "it gives other results than it records; see iftty verify");
-    if (!err && !interp->session.has_scene)
+    if (!err && !session_has_scene(interp->session))
         err = fault_set(fault, ERR_INPUT, "it opens no scene");
     replay_report_release(&report);
     return err;
@@ -53,12 +54,12 @@ static enum err carry_out(struct interpreter *interp, const struct work *work,
 
 static void note_facts(struct diff_facts *facts, const struct session *session)
 {
-    memcpy(facts->size, session->scene->grid.size, sizeof facts->size);
-    memcpy(facts->proof, session->proof, sizeof facts->proof);
-    memcpy(facts->label_name, session->now.kept.label_name, sizeof facts->label_name);
-    facts->palette = session->now.kept.palette;
-    facts->scene_digest = session->scene_digest;
-    facts->voxels = session->scene->grid.voxels;
+    memcpy(facts->size, session_scene(session)->grid.size, sizeof facts->size);
+    memcpy(facts->proof, session_proof(session), sizeof facts->proof);
+    memcpy(facts->label_name, session_kept(session)->label_name, sizeof facts->label_name);
+    facts->palette = session_kept(session)->palette;
+    facts->scene_digest = session_scene_digest(session);
+    facts->voxels = session_scene(session)->grid.voxels;
     facts->pending = session_pendings(session);
 }
 
@@ -78,7 +79,7 @@ static enum err draw(struct picture *picture, struct session *session, const str
                      const uint8_t *label, struct fault *fault)
 {
     struct overlap overlap;
-    overlap_count(&overlap, label, work->other->labels, session->scene->grid.voxels);
+    overlap_count(&overlap, label, work->other->labels, session_scene(session)->grid.voxels);
     const struct difference_picture difference_picture = {
         .name = {file_name(work->options->path[0]), file_name(work->options->path[1])},
         .label = {label, work->other->labels},
@@ -91,12 +92,12 @@ static enum err draw(struct picture *picture, struct session *session, const str
 static enum err hand_back(struct buf *out, struct session *session, const struct work *work,
                           struct diff_facts *facts, struct fault *fault)
 {
-    const size_t voxels = session->scene->grid.voxels;
+    const size_t voxels = session_scene(session)->grid.voxels;
     struct picture picture = {0};
     uint8_t *label = buf_reserve(out, voxels);
     if (!label)
         return fault_memory(fault, "labels");
-    copy_labels(label, session->scene);
+    copy_labels(label, session_scene(session));
     out->length += voxels;
     note_facts(facts, session);
     if (!work->other || memcmp(work->other->facts->size, facts->size, sizeof facts->size) != 0)
@@ -129,7 +130,7 @@ static void carry_out_one(void *context, size_t number, struct buf *out)
     if (!facts->err)
         facts->err = carry_out(&interp, work, facts, &fault);
     if (!facts->err)
-        facts->err = hand_back(out, &interp.session, work, facts, &fault);
+        facts->err = hand_back(out, interp.session, work, facts, &fault);
     memcpy(facts->why, fault.text, sizeof facts->why);
     if (!out->failed)
         memcpy(out->data, facts, sizeof *facts);

@@ -5,9 +5,13 @@
 #include <string.h>
 
 #include "base/mem.h"
+#include "render/border.h"
 #include "render/canvas.h"
 #include "render/text.h"
 #include "report/comparison_picture.h"
+#include "session/session_inside.h"
+#include "session/session_inside.h"
+#include "show/draw.h"
 
 enum {
     SEAM = 2,   /* pixels between panes */
@@ -36,7 +40,7 @@ struct sheet {
 
 static struct sheet plan_sheet(struct session *session, const struct difference_picture *of)
 {
-    const struct view *view = &session->now.outlook.view;
+    const struct view *view = &session_outlook(session)->view;
     const uint32_t scale = view->height >= 800 ? view->height / 400 : 1;
     const uint32_t line = TEXT_LINE * scale;
     struct sheet sheet = {.of = of,
@@ -46,8 +50,8 @@ static struct sheet plan_sheet(struct session *session, const struct difference_
                           .scale = scale,
                           .top = line + 2 * BORDER,
                           .bottom = ROWS * line + 2 * BORDER};
-    memcpy(sheet.visible, session->border.visible, sizeof sheet.visible);
-    memcpy(sheet.opacity, session->border.opacity, sizeof sheet.opacity);
+    memcpy(sheet.visible, session_border(session)->visible, sizeof sheet.visible);
+    memcpy(sheet.opacity, session_border(session)->opacity, sizeof sheet.opacity);
     return sheet;
 }
 
@@ -80,7 +84,7 @@ static uint8_t new_label(const struct sheet *sheet, enum relabelled as, size_t v
 
 static void relabel(const struct sheet *sheet, enum relabelled as)
 {
-    struct scene *scene = sheet->session->scene;
+    struct scene *scene = session_scene(sheet->session);
     size_t voxel = 0;
     for (uint32_t z = 0; z < scene->grid.size[2]; z++)
         for (uint32_t y = 0; y < scene->grid.size[1]; y++) {
@@ -207,7 +211,7 @@ static int64_t write_entry(const struct sheet *sheet, int64_t left, uint32_t row
 /* Labels in columns, as many as there is room for below the two panes. */
 static void write_labels(const struct sheet *sheet)
 {
-    const struct kept *kept = &sheet->session->now.kept;
+    const struct kept *kept = session_kept(sheet->session);
     const struct overlap *overlap = sheet->of->overlap;
     const int64_t end = (int64_t)pane_left(sheet, 2) - BORDER;
     int64_t left = BORDER, widest = 0;

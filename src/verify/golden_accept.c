@@ -51,8 +51,9 @@ static enum err note_origin(const struct golden_accept *accept, const struct int
                             struct picture *picture, struct fault *fault)
 {
     const char *journal = file_name(buf_text(&interp->home));
-    enum err err =
-        interp->session.is_private ? OK : picture_note(picture, "iftty:journal", journal, fault);
+    enum err err = session_is_private(interp->session)
+                       ? OK
+                       : picture_note(picture, "iftty:journal", journal, fault);
     return err ? err : picture_note(picture, "iftty:chain", accept->chain.hex, fault);
 }
 

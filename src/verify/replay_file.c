@@ -6,6 +6,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "sandbox/limits.h"
+#include "session/semantics.h"
 #include "verify/divergence.h"
 
 struct replaying {
@@ -42,13 +43,13 @@ static void note_record(void *context, const struct record *record)
 static void begin(void *context, unsigned semantics)
 {
     struct replaying *replaying = context;
-    session_take_semantics(&replaying->interp->session, semantics);
+    session_take_semantics(replaying->interp->session, semantics);
 }
 
 static bool is_lost(void *context, const char *key, size_t length)
 {
     const struct replaying *replaying = context;
-    return semantics_lost(replaying->interp->session.semantics, key, length) != NULL;
+    return semantics_lost(session_semantics(replaying->interp->session), key, length) != NULL;
 }
 
 /* A link that leads out of its folder leads to a journal, or to nothing: what else is there is not
@@ -81,8 +82,9 @@ enum err replay_file(struct interpreter *interp, const char *path, size_t first,
     const struct replay_options options = {SEMANTICS, first, last};
     enum err err = read_journal(&bytes, path, fault);
     interp->mode = MODE_REPLAY;
-    if (!interp->session.watch) /* one of a program at a terminal looks at the limits as well */
-        interp->session.watch = limits_watch();
+    if (!session_watch(
+            interp->session)) /* one of a program at a terminal looks at the limits as well */
+        session_set_watch(interp->session, limits_watch());
     if (!err)
         err = interpreter_set_home(interp, path, fault);
     if (!err)

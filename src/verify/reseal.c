@@ -5,6 +5,7 @@
 
 #include "base/file_draft.h"
 #include "command/golden_leftover.h"
+#include "session/semantics.h"
 #include "verify/ci.h"
 #include "verify/golden_accept.h"
 #include "verify/orphan.h"

@@ -6,6 +6,9 @@
 #include "base/file.h"
 #include "command/act.h"
 #include "report/export.h"
+#include "session/semantics.h"
+#include "session/session.h"
+#include "show/draw.h"
 #include "verify/lock_facts.h"
 #include "verify/orphan.h"
 #include "verify/replay_file.h"
@@ -18,11 +21,11 @@
 static void show_present(struct interpreter *interp, struct evidence *evidence)
 {
     struct picture picture = {0};
-    if (!interp->session.has_scene || evidence->pictures ||
-        session_draw(&interp->session, RENDER_AS_KEPT, NULL) ||
-        export_picture(&picture, &interp->session, NULL))
+    if (!session_has_scene(interp->session) || evidence->pictures ||
+        session_draw(interp->session, RENDER_AS_KEPT, NULL) ||
+        export_picture(&picture, interp->session, NULL))
         return;
-    export_background(&picture, &interp->session, NULL);
+    export_background(&picture, interp->session, NULL);
     evidence_add(evidence, "actual: the rendition after this command", picture.width,
                  picture.height, picture_colours(&picture));
     picture_release(&picture);
@@ -32,9 +35,9 @@ static void show_present(struct interpreter *interp, struct evidence *evidence)
 static void write_voxels(struct interpreter *interp, struct buf *lines)
 {
     struct reply reply = {0};
-    if (interp->session.has_scene &&
+    if (session_has_scene(interp->session) &&
         !act_write_counts(
-            &(struct act){.interp = interp, .session = &interp->session, .reply = &reply}))
+            &(struct act){.interp = interp, .session = interp->session, .reply = &reply}))
         for (const char *at = buf_text(&reply.text); *at;) {
             const size_t n = strcspn(at, "\n");
             buf_printf(lines, "#   %-9s", "now");

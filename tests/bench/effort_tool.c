@@ -12,6 +12,8 @@
 #include "base/mem.h"
 #include "engine/weight.h"
 #include "program/bench.h"
+#include "session/finished.h"
+#include "session/session.h"
 #include "tests/bench/growcut.h"
 #include "tests/peers/worker.h"
 
@@ -133,7 +135,7 @@ static enum err begin_iftty(struct effort_tool *tool, struct fault *fault)
 static enum err apply_iftty(struct effort_tool *tool, const struct effort_gesture *gesture,
                             struct fault *fault)
 {
-    struct session *session = &tool->interp->session;
+    struct session *session = tool->interp->session;
     struct labels labels;
     struct buf line = {0};
     effort_write_command(&line, gesture, tool->method->limits);

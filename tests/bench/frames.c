@@ -14,7 +14,10 @@
 #include "base/mem.h"
 #include "program/bench.h"
 #include "program/console.h"
-#include "session/session_parts.h"
+#include "render/border.h"
+#include "session/session.h"
+#include "session/session_inside.h"
+#include "show/draw.h"
 
 enum { TIMES_MOST = 48, ROWS_MOST = 24, TEAMS = 2 };
 
@@ -351,9 +354,9 @@ static enum err time_session(const char *journal, struct table *table,
     if (!err)
         err = bench_segment(&interp, journal, fault);
     if (!err) {
-        table->team = interp.session.team, table->which = 1;
-        err = time(&interp.session, table, fault);
-        take_team(table, &interp.session, 1);
+        table->team = interp.session->team, table->which = 1;
+        err = time(interp.session, table, fault);
+        take_team(table, interp.session, 1);
         shader_release(&table->shader[0]);
     }
     interpreter_release(&interp);

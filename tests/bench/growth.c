@@ -12,7 +12,7 @@
 #include "render/border.h"
 #include "engine/forest.h"
 #include "engine/weight.h"
-#include "session/session.h"
+#include "session/session_inside.h"
 
 /*
  * Every scene is made of the same tile, synth:geom with a lattice of seeds, repeated; the edit, a

@@ -16,6 +16,9 @@
 #include "journal/replay.h"
 #include "journal/walk.h"
 #include "report/export.h"
+#include "session/session.h"
+#include "session/session_inside.h"
+#include "show/draw.h"
 
 enum { RECORDS = 100000, ROUNDS = 5, VERIFYINGS = 3 };
 
@@ -118,8 +121,8 @@ static enum err verify_record(struct interpreter *interp, const struct record *r
     struct replay_report report = {0};
     uint64_t begin = clock_ns();
     enum err err = OK;
-    if (gives(record, "picture") && interp->session.has_scene)
-        err = session_render(&interp->session, RENDER_AS_KEPT, fault);
+    if (gives(record, "picture") && interp->session->has_scene)
+        err = session_render(interp->session, RENDER_AS_KEPT, fault);
     f->rendition_ms += times_since(begin);
     begin = clock_ns();
     err = err ? err : replay_record(record, &host, &report, fault);
@@ -140,7 +143,7 @@ static enum err verify_records(struct interpreter *interp, const struct buf *byt
     if (err)
         return err;
     if (walk.semantics) /* an older journal keeps its meaning */
-        session_take_semantics(&interp->session, walk.semantics);
+        session_take_semantics(interp->session, walk.semantics);
     while (!err && walk_next_sound(&walk, &record) == WALK_RECORD)
         err = verify_record(interp, &record, f, fault);
     if (!err && (walk.over != WALK_END || walk.records == 0))

@@ -10,6 +10,7 @@
 #include "base/json.h"
 #include "command/interpreter.h"
 #include "program/bench.h"
+#include "session/session_inside.h"
 
 /* "@x,y,z" stands for a place in percent of the scene's sides, so that it lies in the same solid at
  * every size. */
@@ -153,9 +154,9 @@ static enum err carry_out(struct interpreter *interp, const char *size, struct j
     struct buf line = {0};
     double worst = 0;
     enum err err = OK;
-    interp->session.watch = &watch;
+    interp->session->watch = &watch;
     for (size_t i = 0; !err && i < STEPS; i++) {
-        write_command(&line, steps[i], size, &interp->session);
+        write_command(&line, steps[i], size, interp->session);
         const uint64_t begin = clock_ns();
         looks = (struct looks){.last_ns = begin, .what = "begin", .before = "", .after = ""};
         err = interpreter_execute(interp, buf_text(&line), &reply, fault);

@@ -12,6 +12,7 @@
 #include "program/console.h"
 #include "tests/bench/effort_robot.h"
 #include "tests/bench/effort_tool.h"
+#include "session/session_inside.h"
 
 /*
  * The truth of an object (effort_object.h) is a label map. In each of DEFECTS copies of it one
@@ -128,7 +129,7 @@ static enum err open_map(struct mend *m, const struct way *w, struct fault *faul
 {
     enum err err = interpreter_init(&m->interp, fault);
     if (!err)
-        session_take_semantics(&m->interp.session, w->semantics);
+        session_take_semantics(m->interp.session, w->semantics);
     err = err ? err : say_file(m, "open", "scene.nii", "", fault);
     err = err ? err : say(m, "auto on", fault);
     return err ? err : say_file(m, "labels", "map.nii", w->words, fault);
@@ -137,7 +138,7 @@ static enum err open_map(struct mend *m, const struct way *w, struct fault *faul
 /* The labels now: what is wrong near the defect, and elsewhere, which the robot does not see. */
 static enum err look(struct mend *m, uint64_t *left, uint64_t *beyond, struct fault *fault)
 {
-    struct session *session = &m->interp.session;
+    struct session *session = m->interp.session;
     const struct grid *grid = &session->scene->grid;
     struct labels labels;
     const enum err err = session_labels(session, false, &labels, fault);

@@ -9,6 +9,7 @@
 #include "base/folder.h"
 #include "base/hash.h"
 #include "program/console.h"
+#include "session/session_inside.h"
 
 /* A scene of SIDE^3 voxels, and a map of the labels 0 to 7 as chance has them. */
 enum { SIDE = 200, SIDE_MOST = 400, LABELS = 8 };
@@ -68,7 +69,7 @@ static enum err say(struct noise *n, const char *line, struct fault *fault)
 static enum err measure(struct noise *n, const char *words, struct fault *fault)
 {
     char line[4200];
-    struct session *session = &n->interp.session;
+    struct session *session = n->interp.session;
     enum err err = interpreter_init(&n->interp, fault);
     session->watch = &n->watch;
     snprintf(line, sizeof line, "open synth:geom:%ux%ux%u", n->size[0], n->size[1], n->size[2]);

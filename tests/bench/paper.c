@@ -7,6 +7,7 @@
 
 #include "base/mem.h"
 #include "program/console.h"
+#include "session/session_inside.h"
 #include "tests/bench/report.h"
 #include "command/interpreter.h"
 
@@ -129,12 +130,11 @@ static enum err prepare(struct interpreter *interp, struct seeds *seeds,
                         const struct scene_choice *choice, struct fault *fault)
 {
     const struct source *from = choice->from;
-    struct session *session = &interp->session;
+    struct session *session = interp->session;
     struct procedure procedure = {0};
     enum err err = procedure_load(&procedure, interp, from->base, from->atlas, fault);
     if (!err && strcmp(from->file, from->base) != 0) {
-        session_release(session);
-        session_init(session);
+        session_begin_again(session);
         err = procedure_open(interp, from->file, fault);
     } else if (!err) {
         err = session_interpolate(session, choice->doubled, fault);
@@ -158,7 +158,7 @@ static enum err run_scene(struct run *run, struct fault *fault)
     if (!err)
         err = prepare(&interp, &seeds, &run->choice[run->at], fault);
     if (!err)
-        err = trial_run(trial, &interp.session, &seeds, run->steps, (unsigned)run->options->rounds,
+        err = trial_run(trial, interp.session, &seeds, run->steps, (unsigned)run->options->rounds,
                         &watch, fault);
     else
         fault_prefix(fault, err, "%s", trial->name);

@@ -5,6 +5,7 @@
 
 #include "base/hash.h"
 #include "base/mem.h"
+#include "session/session_inside.h"
 
 const unsigned procedure_count[PROCEDURE_STEPS] = {660,  730,  1030, 1230,
                                                    1400, 1550, 1955, PROCEDURE_SEEDS};
@@ -155,7 +156,7 @@ enum err procedure_open(struct interpreter *interp, const char *name, struct fau
     struct buf path = {0};
     enum err err = interpreter_find_scene(interp, name, false, &path, fault);
     if (!err)
-        err = session_open(&interp->session, buf_text(&path), NULL, fault);
+        err = session_open(interp->session, buf_text(&path), NULL, fault);
     buf_release(&path);
     return err;
 }
@@ -180,7 +181,7 @@ enum err procedure_load(struct procedure *procedure, struct interpreter *interp,
     if (!err && atlas)
         err = read_atlas(&map, interp, atlas, fault);
     if (!err)
-        err = procedure_make(procedure, &interp->session, atlas ? &map : NULL, fault);
+        err = procedure_make(procedure, interp->session, atlas ? &map : NULL, fault);
     volume_release(&map);
     return err;
 }

@@ -21,7 +21,7 @@
 #include "command/interpreter.h"
 #include "image/volume.h"
 #include "session/seed_file.h"
-#include "session/session.h"
+#include "session/session_inside.h"
 
 enum { PROCEDURE_STEPS = 8, PROCEDURE_SEEDS = 2105 };
 

@@ -17,8 +17,12 @@
 #include "program/console.h"
 #include "command/interpreter.h"
 #include "engine/label_stats.h"
+#include "render/border.h"
 #include "report/export.h"
+#include "session/session.h"
+#include "show/draw.h"
 #include "show/slicing.h"
+#include "session/session_inside.h"
 
 enum {
     SIDE = 512,
@@ -590,7 +594,7 @@ enum err bench_segment(struct interpreter *interp, const char *journal, struct f
     if (!err)
         err = carry_out(interp, buf_text(&path), fault);
     buf_release(&path);
-    return err ? err : session_run(&interp->session, fault);
+    return err ? err : session_run(interp->session, fault);
 }
 
 enum err run_render(const struct options *o, struct fault *fault)
@@ -600,7 +604,7 @@ enum err run_render(const struct options *o, struct fault *fault)
     struct table *table = mem_new(sizeof *table);
     console_handle_interrupts();
     enum err err = interpreter_init(&interp, fault);
-    struct session *session = &interp.session;
+    struct session *session = interp.session;
     if (!err && !table)
         err = fault_memory(fault, "a benchmark");
     if (!err)

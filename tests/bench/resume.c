@@ -6,6 +6,7 @@
 #include "base/clock.h"
 #include "base/folder.h"
 #include "command/interpreter.h"
+#include "session/session_inside.h"
 
 enum { COMMANDS = 2000, ROUNDS = 3 };
 
@@ -65,7 +66,7 @@ static enum err time_resuming(const char *path, uint64_t labels, double *ms, str
     if (!err)
         err = interpreter_resume_journal(&interp, path, NULL, fault);
     *ms = (double)(clock_ns() - begin) / 1e6;
-    if (!err && forest_label_digest(interp.session.forest) != labels)
+    if (!err && forest_label_digest(interp.session->forest) != labels)
         err = fault_set(fault, ERR_CHECK, "the resumed session is another one");
     interpreter_release(&interp);
     return err;
@@ -79,8 +80,8 @@ static enum err time_all(const char *path, struct bench_resume *f, struct fault 
     if (!err)
         err = make_session(&interp, path, fault);
     f->session_ms = (double)(clock_ns() - begin) / 1e6;
-    f->voxels = err ? 0 : interp.session.scene->grid.voxels;
-    const uint64_t labels = err ? 0 : forest_label_digest(interp.session.forest);
+    f->voxels = err ? 0 : interp.session->scene->grid.voxels;
+    const uint64_t labels = err ? 0 : forest_label_digest(interp.session->forest);
     interpreter_release(&interp);
     for (int i = 0; !err && i < ROUNDS; i++) {
         double ms;

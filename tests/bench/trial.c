@@ -8,6 +8,7 @@
 #include "base/mem.h"
 #include "program/bench.h"
 #include "tests/border_check.h"
+#include "session/session_inside.h"
 
 const char *const experiment_name[EXPERIMENTS] = {"IFT + SP", "DIFT + SP", "BDIFT + BP",
                                                   "DIFT + II", "DIFT + scan + BP"};

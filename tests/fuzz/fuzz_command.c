@@ -6,16 +6,17 @@
 
 #include "command/interpreter.h"
 #include "journal/record.h"
+#include "session/session_inside.h"
 
 static struct interpreter interp; /* kept from one line to the next */
 
 static void prepare(void)
 {
     struct fault fault;
-    struct session *session = &interp.session;
-    if (session->has_scene)
+    if (interp.session)
         return;
-    session_init(session);
+    HOLDS(session_new(&interp.session, &fault) == OK);
+    struct session *session = interp.session;
     history_init(&interp.history);
     HOLDS(session_open(session, "synth:geom:9x8x7", NULL, &fault) == OK);
     strcpy(session->now.kept.label_name[2], "cerebellum");
@@ -26,12 +27,12 @@ static void parse(const char *line)
     struct call call, again;
     struct buf first = {0}, second = {0};
     struct fault fault;
-    if (command_parse(&call, line, &interp.session, &fault))
+    if (command_parse(&call, line, interp.session, &fault))
         return;
     if (call.command) {
         command_write(&first, &call);
         HOLDS(record_command_check(buf_text(&first), &fault) == OK);
-        HOLDS(command_parse(&again, buf_text(&first), &interp.session, &fault) == OK);
+        HOLDS(command_parse(&again, buf_text(&first), interp.session, &fault) == OK);
         HOLDS(again.command == call.command);
         command_write(&second, &again);
         HOLDS(strcmp(buf_text(&first), buf_text(&second)) == 0);

@@ -1,0 +1,144 @@
+/*
+ * What a session is made of, for its own room and for the one that makes pictures of it. All others
+ * ask (session/session.h).
+ */
+#ifndef SESSION_SESSION_INSIDE_H
+#define SESSION_SESSION_INSIDE_H
+
+#include "base/team.h"
+#include "engine/forest.h"
+#include "engine/label_stats.h"
+#include "engine/roi.h"
+#include "engine/scene.h"
+#include "image/volume.h"
+#include "render/border.h"
+#include "render/layers.h"
+#include "render/rendition.h"
+#include "session/finished.h"
+#include "session/hinting.h"
+#include "session/map.h"
+#include "session/markers.h"
+#include "session/semantics.h"
+#include "session/session.h"
+#include "session/state.h"
+#include "session/tally.h"
+#include "show/context.h"
+#include "show/live_finish.h"
+
+/* What interpolating a scene replaces. */
+struct former_scene {
+    struct scene *scene; /* NULL where there is none */
+    struct geometry said;
+    bool is_blended; /* its levels */
+    uint64_t scene_digest, weight_digest;
+    struct forest *forest;
+    struct border border;
+    struct roi_tally roi_tally;
+    unsigned stale;
+};
+
+struct session {
+    unsigned semantics; /* of the journal at hand (session/semantics.h) */
+    struct state now;
+    struct markers markers; /* of all states; those of `now` are the ones that stand */
+
+    bool has_scene;
+    struct scene *scene;
+    char scene_file[FILE_WORDS_BYTES]; /* what pictures call it: without its folder, "" for nothing;
+                                          a long name is cut */
+    bool is_private;                   /* they say neither that nor of which journal they are */
+    struct geometry said;              /* what the file says of its geometry, */
+    struct geometry geometry;          /* and what follows from it and from what `orient` says */
+    struct levels *levels;             /* where intensities are not exact; else NULL */
+    struct map_part part;              /* of its file, where it is no more than that */
+    uint32_t series; /* of a folder of DICOM that was opened, counted from 1; 0: of none */
+    char open_notes[VOLUME_NOTES_BYTES]; /* what the file left open, for the answer of `open` */
+    uint64_t scene_digest;
+    char proof[SHA256_HEX]; /* of the scene as it was opened (scene_proof) */
+    struct team *team;      /* the threads that compute; NULL for one */
+
+    /* What follows from the state; MADE_... of what does not fit it (S5). */
+    unsigned stale;
+    bool skims; /* session_skim */
+    bool waits; /* S7 */
+    struct forest *forest;
+    uint64_t weight_digest;
+    struct roi roi;
+    struct roi_tally roi_tally;
+    struct border border;
+    struct finished finished; /* session_labels */
+    struct hinting hinting;   /* session_find_hints */
+    struct live_finish live;  /* what panels show of finished labels */
+    struct tally tally;       /* voxels of each label, once session_count_labels has been called */
+    struct label_measures measures; /* of the forest's labels, once somebody has asked for them */
+    struct camera camera; /* of the view, `look.samples` times as large; see session_draw_fitting */
+    struct rendition rendition;  /* of camera.view's size; no maps where its samples are too many to
+                                   be stored */
+    struct context context;      /* what is behind it */
+    struct layers layers;        /* the rendition's, where objects are translucent */
+    struct rendition reduced;    /* to the view's size, where look.samples is above 1 */
+    struct drawn_colours *drawn; /* that are being drawn instead (show/drawn_colours.h), or NULL */
+    enum rendered rendered;      /* S2: what session_frame gives shows the present state */
+    uint8_t *decorated;          /* colours of the frame with what is drawn over them */
+    size_t decorated_pixels;
+    struct shader shader;
+    bool knows_window; /* what follows from the scene, once somebody has asked: */
+    int32_t window[2]; /* intensities, black and white */
+
+    /* Room for what is now and for what was, so that going back cannot fail. */
+    struct weight_work weight_work;
+    uint64_t *mask_room;
+
+    struct watch *watch; /* of all that takes long, or NULL */
+    uint64_t waits_from; /* session_let_wait; 2^64 - 1: never */
+
+    /* What the command at hand began with, and whether it has edited the seeds (then
+     * forest_seed_changes says how) or had the forest computed again. */
+    struct state former;
+    size_t former_markers;
+    struct former_scene former_scene;
+    struct tally former_tally; /* where session_count_before came before the command */
+    bool former_has_scene;
+    enum rendered former_rendered;
+    bool edited, regrown;
+    struct tally tally_before_edit; /* of the last command before it that edited */
+};
+
+/* ---- what the files of a session share ---- */
+
+/* Back to no scene, whatever there is of one. */
+void session_close_scene(struct session *session);
+
+/* Has the geometry and the scene's axes follow from what the file says, and `orient`. */
+void session_place(struct session *session, const struct kept *kept);
+
+/* Whether the cells of a plain scene may wait, since all that opening it has to say can be said
+ * without them; and says it: `weight_digest`. */
+bool session_may_wait(const struct session *session);
+enum err session_foretell(struct session *session, struct fault *fault);
+
+/* Before the next command: what the tally was before the last one that edited. */
+void session_note_edit(struct session *session);
+
+void session_release_rendition(struct session *session);
+
+/* The camera of an outlook; ERR_LIMIT where there is none. */
+enum err session_aim(const struct session *session, const struct outlook *outlook,
+                     struct camera *camera, struct fault *fault);
+void session_take_camera(struct session *session, const struct camera *camera);
+
+/* The seeds that some voxels belong to: the voxel itself where one waits to be planted there, else
+ * the root of its tree. One that several belong to is there as often. An array that the caller
+ * frees, after errors too; it may be empty. */
+enum err session_find_seeds(const struct session *session, const uint32_t *cell, size_t count,
+                            uint32_t **seed, size_t *seeds, struct fault *fault);
+
+/* The rendition after such a change of the labels that it shows, whose border is up to date. What
+ * cannot be coloured is drawn when it is asked for. */
+void session_follow_rendition(struct session *session, enum rendered as,
+                              const struct changes *changes);
+
+/* Colours of what the maps of the rendition show, and the picture at the size of the view. */
+enum err session_colour(struct session *session, const struct border *border, struct fault *fault);
+
+#endif
