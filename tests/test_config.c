@@ -8,7 +8,7 @@
 #include "program/config.h"
 #include "tests/check.h"
 #include "tests/folder.h"
-#include "tui/pilot/pilot_press.h"
+#include "tui/pilot/pilot_keys.h"
 
 static struct config config;
 
@@ -195,7 +195,8 @@ static const char *type(const char *letters)
         const struct key_event event = {.key = KEY_CHARACTER, .point = (uint8_t)*letters};
         buf_clear(&line);
         buf_clear(&message);
-        pilot_press(&state, &event, &host, &facts, &line, &message);
+        pilot_press(
+            &(struct press){&state, &event, &host, &facts, &line, &message, 0, PILOT_NOTHING});
     }
     return buf_text(&line);
 }

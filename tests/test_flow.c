@@ -265,10 +265,10 @@ STORY(a_failed_barrier_asks_for_recovery_once)
     CHECK(!flow_may_send(&flow, 1999 * MS));
     CHECK(flow_may_send(&flow, 2000 * MS));
     CHECK(flow.failed);
-    probe_add_recovery(&sixel, &out);
+    graphics_add_recovery(&sixel, &out);
     CHECK_TEXT(buf_text(&out), "\033\\");
     buf_clear(&out);
-    probe_add_recovery(&kitty, &out);
+    graphics_add_recovery(&kitty, &out);
     CHECK_TEXT(buf_text(&out), "\033\\\033_Gm=0,q=2;\033\\");
     buf_release(&out);
     CHECK(flow_budget(&flow) <= 5000); /* 100000 bytes in 2 s at the very best */

@@ -278,7 +278,7 @@ static uint32_t expected_at(struct painter *p, const struct image_view *view, si
 {
     uint32_t colour = image_view_colour(view, i);
     if (p->has_palette && is_kept(view, i))
-        return strips_grey(view->below[i]);
+        return strips_colour(strips_level(view->below[i]));
     if (p->has_palette)
         colour = shades_shown(&p->shades, colour);
     return p->facts.graphics == &graphics_sixel ? sixel_round_trip(colour) : colour;

@@ -7,8 +7,7 @@
 #include "tests/check.h"
 #include "tui/cells.h"
 #include "tui/pilot/chord.h"
-#include "tui/pilot/pilot_press.h"
-#include "tui/pilot/typed_ahead.h"
+#include "tui/pilot/pilot_keys.h"
 #include "tui/pilot/refine.h"
 
 /* ---- a host that is a box of voxels ---- */
@@ -174,7 +173,14 @@ static void press(enum key key, unsigned modifiers, char c)
         .key = key, .modifiers = modifiers, .point = (uint8_t)c, .text = {c}, .length = 1};
     buf_clear(&line);
     buf_clear(&message);
-    deed = pilot_press(&state, &event, &host, &facts, &line, &message);
+    struct press press = {&state, &event, &host, &facts, &line, &message, 0, PILOT_NOTHING};
+    deed = pilot_press(&press);
+}
+
+static void click_on(const struct key_event *event, uint32_t column, uint32_t row)
+{
+    struct press press = {&state, event, &host, &facts, &line, &message, 0, PILOT_NOTHING};
+    pilot_click(&press, column, row);
 }
 
 /* Presses letters one after the other; the line is the last one's. */
@@ -832,7 +838,7 @@ static const char *click(enum mouse_action action, uint32_t column, uint32_t row
                                     .mouse = {.action = action, .button = button}};
     buf_clear(&line);
     buf_clear(&message);
-    pilot_click(&state, &event, column, row, &host, &facts, &line, &message);
+    click_on(&event, column, row);
     return buf_text(&line);
 }
 
@@ -956,7 +962,7 @@ STORY(slices_are_magnified_around_the_cross_hair)
                                     .modifiers = KEY_CONTROL,
                                     .mouse = {MOUSE_WHEEL_UP, MOUSE_NO_BUTTON, 1, 1}};
     buf_clear(&line);
-    pilot_click(&state, &wheel, 8, 8, &host, &facts, &line, &message);
+    click_on(&wheel, 8, 8);
     CHECK_TEXT(buf_text(&line), "magnify 2.5 at=20,25,30\n");
 }
 
@@ -1016,7 +1022,7 @@ STORY(what_a_click_says_takes_the_place_of_what_was_said)
     shows = false;
     buf_clear(&message);
     for (int i = 0; i < 2; i++)
-        pilot_click(&state, &event, 8, 9, &host, &facts, &line, &message);
+        click_on(&event, 8, 9);
     CHECK_TEXT(buf_text(&message), "nothing is seen there");
 }
 

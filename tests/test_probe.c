@@ -421,7 +421,8 @@ static void ask(struct probed *p, const struct known *t, struct graphics_wish wi
     for (unsigned round = 0; round < 3; round++) {
         buf_clear(&asked);
         buf_clear(&back);
-        probe_questions(round, &p->replies, &t->environment, wish, &asked);
+        probe_questions(round, &p->replies, &t->environment, graphics_asks(wish, &t->environment),
+                        &asked);
         p->rounds += asked.length > 0;
         answer(t, buf_text(&asked), lost, &back);
         const size_t first = cut < p->bytes ? 0 : cut - p->bytes;
@@ -430,7 +431,7 @@ static void ask(struct probed *p, const struct known *t, struct graphics_wish wi
         probe_take(&p->replies, &keys, buf_text(&back) + head, back.length - head, &p->typed);
         p->bytes += back.length;
     }
-    probe_decide(&p->replies, &t->environment, &size, wish, &p->facts);
+    graphics_decide(&p->replies, &t->environment, &size, wish, &p->facts);
     buf_release(&asked);
     buf_release(&back);
 }
@@ -570,12 +571,12 @@ STORY(a_wish_is_kept_and_asks_no_more_than_it_needs)
         }
     const struct probe_environment xterm = TERM("xterm"), linux_console = TERM("linux");
     const struct probe_environment no_color = {.term = "xterm", .no_color = true};
-    probe_questions(0, &none, &xterm, wish("none"), &asked);
-    probe_questions(0, &none, &linux_console, wish("kitty"), &asked);
+    probe_questions(0, &none, &xterm, graphics_asks(wish("none"), &xterm), &asked);
+    probe_questions(0, &none, &linux_console, graphics_asks(wish("kitty"), &linux_console), &asked);
     CHECK_INT(asked.length, 0);
-    probe_questions(0, &none, &xterm, wish("blocks"), &asked);
+    probe_questions(0, &none, &xterm, graphics_asks(wish("blocks"), &xterm), &asked);
     CHECK_TEXT(buf_text(&asked), "\033[c");
-    probe_questions(0, &none, &no_color, graphics_auto, &asked);
+    probe_questions(0, &none, &no_color, graphics_asks(graphics_auto, &no_color), &asked);
     CHECK_TEXT(buf_text(&asked), "\033[c\033[c");
     buf_release(&asked);
     buf_release(&p.typed);
@@ -623,7 +624,7 @@ STORY(colours_are_those_of_the_name)
         const struct term_size size = {.columns = 80, .rows = 24};
         const struct probe_replies none = {0};
         struct terminal_facts f;
-        probe_decide(&none, &e, &size, graphics_auto, &f);
+        graphics_decide(&none, &e, &size, graphics_auto, &f);
         CHECK_INT(f.colours, cases[i].colours);
     }
 }

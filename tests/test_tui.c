@@ -678,9 +678,9 @@ static struct terminal_facts decide(const char *term, const char *replies_text, 
     struct terminal_facts facts;
     take_all(&r, &typed, replies_text, 7);
     if (strstr(replies_text, "_Gi=31"))
-        CHECK(graphics_kitty.may_ask(&r, &e));
+        CHECK(graphics_kitty.question.may_ask(&r, &e));
     CHECK(graphics_from_name(name, &wish));
-    probe_decide(&r, &e, &size, wish, &facts);
+    graphics_decide(&r, &e, &size, wish, &facts);
     buf_release(&typed);
     return facts;
 }
@@ -729,11 +729,11 @@ STORY(a_wish_overrides_and_no_color_means_shades)
     CHECK(graphics_from_name("blocks", &only_blocks) && graphics_from_name("none", &only_none) &&
           graphics_from_name("kitty", &only_kitty));
     struct probe_environment e = {.term = "xterm", .colorterm = ""};
-    CHECK(!probe_is_silent(&e, graphics_auto));
-    CHECK(!probe_is_silent(&e, only_blocks)); /* one question: see test_probe */
-    CHECK(probe_is_silent(&e, only_none));
+    CHECK(!probe_is_silent(&e, graphics_asks(graphics_auto, &e)));
+    CHECK(!probe_is_silent(&e, graphics_asks(only_blocks, &e))); /* one question: see test_probe */
+    CHECK(probe_is_silent(&e, graphics_asks(only_none, &e)));
     e = (struct probe_environment){.term = "linux", .colorterm = ""};
-    CHECK(probe_is_silent(&e, only_kitty));
+    CHECK(probe_is_silent(&e, graphics_asks(only_kitty, &e)));
 }
 
 STORY(only_the_kitty_family_is_asked_for_kitty_graphics)
@@ -756,7 +756,7 @@ STORY(only_the_kitty_family_is_asked_for_kitty_graphics)
         struct probe_replies r = {.kind = 1};
         struct probe_environment e = {.term = cases[i].term, .colorterm = ""};
         snprintf(r.name, sizeof r.name, "%s", cases[i].name);
-        CHECK_INT(graphics_kitty.may_ask(&r, &e), cases[i].ask);
+        CHECK_INT(graphics_kitty.question.may_ask(&r, &e), cases[i].ask);
     }
 }
 
@@ -777,7 +777,7 @@ STORY(the_cell_size_comes_from_whoever_tells_a_sensible_one)
         struct probe_replies r;
         struct terminal_facts f;
         take_all(&r, &typed, cases[i].replies, 3);
-        probe_decide(&r, &e, &cases[i].size, graphics_auto, &f);
+        graphics_decide(&r, &e, &cases[i].size, graphics_auto, &f);
         CHECK_INT(f.cell_width, cases[i].width);
         CHECK_INT(f.cell_height, cases[i].height);
         CHECK_INT(f.image_side_most, 1000);

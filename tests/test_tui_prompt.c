@@ -1,6 +1,5 @@
 /* What the prompt draws besides the line itself, without a terminal: bytes in, bytes out. */
 #include "tests/check.h"
-#include "tui/prompt/below.h"
 #include "tui/prompt/line_draw.h"
 
 /* ---- the caret ---- */

@@ -60,6 +60,14 @@ size_t char_write(char out[CHAR_BYTES_MOST], uint32_t point)
     return n;
 }
 
+void char_erase(struct buf *text)
+{
+    do
+        text->length--;
+    while (text->length > 0 && (text->data[text->length] & 0xC0) == 0x80);
+    text->data[text->length] = '\0';
+}
+
 uint32_t char_letter(uint32_t point, bool upper)
 {
     if (!has_locale())

@@ -26,6 +26,9 @@ size_t char_read(const char *text, size_t length, uint32_t *point);
 enum { CHAR_BYTES_MOST = 4 };
 size_t char_write(char out[CHAR_BYTES_MOST], uint32_t point);
 
+/* Takes the last character off a text, which is not empty. */
+void char_erase(struct buf *text);
+
 /* The upper or lower case letter of a letter; what is none, or has no other, stays. */
 uint32_t char_letter(uint32_t point, bool upper);
 

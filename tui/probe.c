@@ -154,25 +154,19 @@ static bool in_tmux(const struct probe_replies *replies, const struct probe_envi
 }
 
 /* TERM=screen may be tmux too, by its settings. */
-static bool in_screen(const struct probe_replies *replies, const struct probe_environment *e)
+bool probe_is_screen(const struct probe_replies *replies, const struct probe_environment *e)
 {
     return replies->kind == KIND_SCREEN || (starts_with(e->term, "screen") && !in_tmux(replies, e));
 }
 
 bool probe_is_multiplexed(const struct probe_replies *replies, const struct probe_environment *e)
 {
-    return in_tmux(replies, e) || in_screen(replies, e);
+    return in_tmux(replies, e) || probe_is_screen(replies, e);
 }
 
-bool probe_is_silent(const struct probe_environment *e, struct graphics_wish wish)
+bool probe_is_silent(const struct probe_environment *e, struct probe_wish wish)
 {
-    return probe_is_plain(e->term) || is_console(e) || wish.of[0]->kind == GRAPHICS_NOTHING;
-}
-
-/* Text needs no facts but whether frames are answered. */
-static bool wants_text(const struct probe_environment *e, struct graphics_wish wish)
-{
-    return wish.of[0]->kind == GRAPHICS_TEXT || (wish.count > 1 && e->no_color);
+    return probe_is_plain(e->term) || is_console(e) || wish.depth == PROBE_NOTHING;
 }
 
 bool probe_is_named(const struct probe_replies *replies, const struct probe_environment *e,
@@ -189,20 +183,20 @@ static bool may_ask_modes(const struct probe_replies *replies, const struct prob
 }
 
 void probe_questions(unsigned round, const struct probe_replies *replies,
-                     const struct probe_environment *e, struct graphics_wish wish, struct buf *out)
+                     const struct probe_environment *e, struct probe_wish wish, struct buf *out)
 {
     const size_t before = out->length;
-    const bool first = round == 0, text = wants_text(e, wish);
+    const bool first = round == 0, all = wish.depth == PROBE_ALL;
     bool clears_up = false;
-    if (probe_is_silent(e, wish) || round > 1 || (!first && (text || !replies->da1)))
+    if (probe_is_silent(e, wish) || round > 1 || (!first && (!all || !replies->da1)))
         return;
-    if (first && !text)
+    if (first && all)
         buf_add_text(out, CSI_QUESTIONS);
     if (!first && may_ask_modes(replies, e))
         buf_add_text(out, MODE_QUESTION);
-    for (size_t i = 0; !first && wish.count > 1 && i < wish.count; i++)
-        if (wish.of[i]->question && wish.of[i]->may_ask(replies, e)) {
-            buf_add_text(out, wish.of[i]->question);
+    for (size_t i = 0; !first && i < wish.questions; i++)
+        if (wish.question[i].may_ask(replies, e)) {
+            buf_add_text(out, wish.question[i].text);
             clears_up = true;
         }
     if (first || out->length > before)
@@ -225,29 +219,6 @@ bool probe_is_iterm(const struct probe_replies *replies, const struct probe_envi
     return any(equals, e->term_program, program) || any(equals, e->lc_terminal, name);
 }
 
-/* A row, or what stands for it in a terminal that has only the common part of its protocol. */
-static const struct graphics *all_of(const struct graphics *g, const struct probe_replies *replies,
-                                     const struct probe_environment *e)
-{
-    const char *const maker[] = {g->made_by, NULL};
-    return !g->made_by || probe_is_named(replies, e, maker) ? g : g->instead;
-}
-
-/* Pixels are for a terminal of our own: screen passes none of them on. */
-static const struct graphics *decide_graphics(const struct probe_replies *replies,
-                                              const struct probe_environment *e,
-                                              struct graphics_wish wish)
-{
-    for (size_t i = 0; i + 1 < wish.count; i++) {
-        const struct graphics *g = wish.of[i];
-        const bool refused = probe_is_plain(e->term) ||
-                             (g->kind == GRAPHICS_PIXELS && (e->no_color || in_screen(replies, e)));
-        if (!refused && (!g->fits || g->fits(replies, e)))
-            return all_of(g, replies, e);
-    }
-    return all_of(wish.of[wish.count - 1], replies, e);
-}
-
 /* COLORTERM does not survive ssh and is stale inside screen; tmux knows 24-bit colours itself and
  * converts them to what is outside. */
 static enum colours decide_colours(const struct probe_replies *replies,
@@ -260,7 +231,7 @@ static enum colours decide_colours(const struct probe_replies *replies,
     static const char *const says_all[] = {"truecolor", "24bit", NULL};
     if (e->no_color || probe_is_plain(e->term) || starts_with(e->term, "vt"))
         return COLOURS_NONE;
-    if (in_screen(replies, e))
+    if (probe_is_screen(replies, e))
         return COLOURS_256;
     if (any(holds, replies->name, all) || any(holds, e->term, all) || replies->kind == KIND_VTE)
         return COLOURS_24BIT;
@@ -300,12 +271,9 @@ void probe_resize(struct terminal_facts *facts, const struct term_size *size)
 }
 
 void probe_decide(const struct probe_replies *replies, const struct probe_environment *e,
-                  const struct term_size *size, struct graphics_wish wish,
-                  struct terminal_facts *facts)
+                  const struct term_size *size, struct terminal_facts *facts)
 {
-    const struct graphics *graphics = decide_graphics(replies, e, wish);
-    *facts = (struct terminal_facts){.graphics = graphics,
-                                     .colours = decide_colours(replies, e),
+    *facts = (struct terminal_facts){.colours = decide_colours(replies, e),
                                      .cell_width = 8,
                                      .cell_height = 16,
                                      .image_side_most = SIDE_UNTOLD,
@@ -372,12 +340,6 @@ unsigned probe_await(unsigned count, int limit_ms, struct buf *typed)
     return await_replies(&ignored, count, limit_ms, typed);
 }
 
-void probe_add_recovery(const struct terminal_facts *facts, struct buf *out)
-{
-    buf_add_text(out, "\033\\");
-    buf_add_text(out, facts->graphics->recovery ? facts->graphics->recovery : "");
-}
-
 void probe_leave(const struct terminal_facts *facts, unsigned due)
 {
     struct buf typed = {0};
@@ -391,29 +353,17 @@ void probe_leave(const struct terminal_facts *facts, unsigned due)
     buf_release(&typed);
 }
 
-/* ESC \ has been written before; what is harmless where it was not needed. */
-static void prepare_ending(const struct terminal_facts *facts)
-{
-    char words[TERM_WORDS];
-    snprintf(words, sizeof words, "%s%s",
-             facts->graphics->recovery ? facts->graphics->recovery : "",
-             facts->synchronizes ? "\033[?2026l" : "");
-    term_set_recovery(words);
-    term_set_answers(facts->answers);
-}
-
-enum err probe_terminal(struct graphics_wish wish, struct terminal_facts *facts, struct buf *typed,
-                        struct fault *fault)
+enum err probe_terminal(struct probe_wish wish, struct probe_replies *replies,
+                        struct terminal_facts *facts, struct buf *typed, struct fault *fault)
 {
     const struct probe_environment e = probe_environment_now();
-    struct probe_replies replies = {0};
     struct buf questions = {0};
     uint64_t round_trip_ns = 0;
     bool owes = false;
     enum err err = OK;
     for (unsigned round = 0; !err && round < 2; round++) {
         buf_clear(&questions);
-        probe_questions(round, &replies, &e, wish, &questions);
+        probe_questions(round, replies, &e, wish, &questions);
         if (questions.failed)
             err = fault_memory(fault, "the questions to the terminal");
         else if (questions.length > 0)
@@ -421,15 +371,14 @@ enum err probe_terminal(struct graphics_wish wish, struct terminal_facts *facts,
         if (err || questions.length == 0)
             break;
         const uint64_t begin = clock_ns();
-        owes = await_replies(&replies, 1, LIMIT_MS, typed) == 0;
+        owes = await_replies(replies, 1, LIMIT_MS, typed) == 0;
         if (!owes)
             round_trip_ns = clock_ns() - begin;
     }
     const struct term_size size = term_size();
-    probe_decide(&replies, &e, &size, wish, facts);
+    probe_decide(replies, &e, &size, facts);
     facts->round_trip_ns = round_trip_ns;
     facts->owes = owes;
-    prepare_ending(facts);
     buf_release(&questions);
     return err;
 }

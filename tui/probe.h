@@ -37,6 +37,8 @@
 #include "tui/keys.h"
 #include "tui/term.h"
 
+enum { PROBE_QUESTIONS_MOST = 8 }; /* of those that only some terminals are asked */
+
 enum colours { COLOURS_NONE, COLOURS_16, COLOURS_256, COLOURS_24BIT };
 
 /* Pixels that a cell of text shows in two colours: 1x2, 2x2 (U+2596..259F) or 2x3
@@ -44,7 +46,7 @@ enum colours { COLOURS_NONE, COLOURS_16, COLOURS_256, COLOURS_24BIT };
 enum block_shape { BLOCK_HALF, BLOCK_QUADRANT, BLOCK_SEXTANT };
 
 struct terminal_facts {
-    const struct graphics *graphics; /* what pictures are shown by */
+    const struct graphics *graphics; /* what pictures are shown by (tui/picture/graphics.h) */
     enum colours colours;
     uint32_t cell_width, cell_height; /* px, 4..64 */
     uint32_t image_side_most;         /* px; a larger picture may not be drawn at all */
@@ -89,6 +91,10 @@ bool probe_is_plain(const char *term);
 bool probe_is_multiplexed(const struct probe_replies *replies,
                           const struct probe_environment *environment);
 
+/* Whether it is inside screen, which passes no pixels on. */
+bool probe_is_screen(const struct probe_replies *replies,
+                     const struct probe_environment *environment);
+
 /* Whether the terminal's name, or TERM where it has given none, holds one of `names`, which NULL
  * ends. */
 bool probe_is_named(const struct probe_replies *replies,
@@ -97,79 +103,36 @@ bool probe_is_named(const struct probe_replies *replies,
 bool probe_is_iterm(const struct probe_replies *replies,
                     const struct probe_environment *environment);
 
-/* ---- graphics protocols ---- */
+/* ---- what is asked ---- */
 
-struct painter;
-struct image_view;
-struct raster;
-struct raster_box;
-
-enum graphics_kind { GRAPHICS_NOTHING, GRAPHICS_TEXT, GRAPHICS_PIXELS };
-
-/* How a terminal keeps parts of slices (tui/picture/strips.h): it gets one, without showing it;
- * shows it at a place, which is one of several that bear numbers; takes it off; frees it, or all it
- * has. */
-struct keeping {
-    void (*send)(struct painter *, const struct raster *, uint32_t number, struct buf *);
-    void (*place)(const struct painter *, uint32_t number, unsigned place,
-                  const struct raster_box *, struct buf *);
-    void (*hide)(uint32_t number, unsigned place, struct buf *);
-    void (*free)(uint32_t number, struct buf *);
-    void (*free_all)(struct buf *);
-    uint32_t (*lost)(const char *reply); /* the number that a reply says it has not, or 0 */
+enum probe_depth {
+    PROBE_NOTHING,  /* no question at all */
+    PROBE_BARRIERS, /* only whether frames are answered */
+    PROBE_ALL
 };
 
-/* One way to show pictures: a row of the table in tui/picture/graphics.c, and the only place that
- * knows it. How it is found is used here, how it draws in tui/picture/painter.c. */
-struct graphics {
-    const char *name;  /* a word of --graphics */
-    const char *title; /* the same for people */
-    enum graphics_kind kind;
-
-    /* -- finding it: NULL is nothing, or always -- */
-    bool (*fits)(const struct probe_replies *, const struct probe_environment *);
-    const char *question; /* in the second round, of those that may be asked */
-    bool (*may_ask)(const struct probe_replies *, const struct probe_environment *);
-    const char *recovery; /* after ESC \, ends a transmission that was cut in two */
-    const char *made_by;  /* the terminal that has all of the protocol; NULL: all that fit, */
-    const struct graphics *instead; /* and what the others that fit are shown by */
-
-    /* -- pixels -- */
-    bool over_cells;     /* drawn over cells, so patches are whole cells; else pixels are changed */
-    bool palette_always; /* else 24 bits are possible as well */
-    uint32_t patch_cost; /* of a patch beyond its pixels, in pixels: escape, headers, palette */
-    void (*once)(struct painter *, const struct raster *, struct buf *);  /* at the cursor */
-    void (*whole)(struct painter *, const struct raster *, struct buf *); /* NULL: as a patch */
-    void (*patch)(struct painter *, const struct raster *, const struct raster_box *, struct buf *);
-    void (*remove)(struct painter *, struct buf *); /* NULL: cells are erased */
-    const struct keeping *keeping;                  /* NULL: the terminal keeps nothing */
-
-    /* -- text -- */
-    void (*cell_pixels)(const struct terminal_facts *, uint32_t *width, uint32_t *height);
-    bool (*show)(struct painter *, const struct image_view *, struct buf *);
-    void (*lines)(const struct terminal_facts *, const struct image_view *, uint32_t columns,
-                  uint32_t rows, struct buf *);
-};
-
-/* What may be used, best first: the first that fits, else the last. With one alone nothing is to be
- * found out. */
-struct graphics_wish {
-    const struct graphics *const *of;
-    size_t count;
+/* What is to be found out, beside what every terminal is asked; those that may be asked. */
+struct probe_wish {
+    enum probe_depth depth;
+    struct probe_question {
+        const char *text;
+        bool (*may_ask)(const struct probe_replies *, const struct probe_environment *);
+    } question[PROBE_QUESTIONS_MOST];
+    size_t questions;
 };
 
 /* Whether `wish` in this environment allows no question at all. */
-bool probe_is_silent(const struct probe_environment *environment, struct graphics_wish wish);
+bool probe_is_silent(const struct probe_environment *environment, struct probe_wish wish);
 
 /* Adds what is to be written in this round, 0 or 1, after the replies to the one before; nothing
  * where nothing is to be asked. It ends with a DA1 question, and what clears up after it. */
 void probe_questions(unsigned round, const struct probe_replies *replies,
-                     const struct probe_environment *environment, struct graphics_wish wish,
+                     const struct probe_environment *environment, struct probe_wish wish,
                      struct buf *out);
 
+/* All facts but `graphics`, which is NULL then. */
 void probe_decide(const struct probe_replies *replies, const struct probe_environment *environment,
-                  const struct term_size *size, struct graphics_wish wish,
-                  struct terminal_facts *facts);
+                  const struct term_size *size, struct terminal_facts *facts);
 
 /* The cell size anew, after the window changed; what the window does not say stays. */
 void probe_resize(struct terminal_facts *facts, const struct term_size *size);
@@ -178,17 +141,14 @@ void probe_resize(struct terminal_facts *facts, const struct term_size *size);
 
 struct probe_environment probe_environment_now(void);
 
-/* Asks (at most 2 s without an answer) and decides; gives tui/term.h what ends
- * our modes. What was typed meanwhile is added to `typed`. */
-enum err probe_terminal(struct graphics_wish wish, struct terminal_facts *facts, struct buf *typed,
-                        struct fault *fault);
+/* Asks (at most 2 s without an answer) and decides as probe_decide does. What was typed meanwhile
+ * is added to `typed`. */
+enum err probe_terminal(struct probe_wish wish, struct probe_replies *replies,
+                        struct terminal_facts *facts, struct buf *typed, struct fault *fault);
 
 /* Waits until the terminal has answered `count` DA1 questions, at most `limit_ms`: everything
  * written before is on screen then. What was typed is added to `typed`. Returns those answered. */
 unsigned probe_await(unsigned count, int limit_ms, struct buf *typed);
-
-/* Adds what ends a picture that the line has cut in two, where nobody knows whether it did. */
-void probe_add_recovery(const struct terminal_facts *facts, struct buf *out);
 
 /* Before term_close: ends our modes. Where answers are `due` or the mouse was asked for, asks once
  * more and waits (at most 2 s; Ctrl-C ends it) for that answer and those before it. Whatever would

@@ -419,6 +419,14 @@ enum err term_write(const void *bytes, size_t length, struct fault *fault)
     return err;
 }
 
+enum err term_write_text(struct buf *text, const char *what, struct fault *fault)
+{
+    const enum err err =
+        text->failed ? fault_memory(fault, what) : term_write(buf_text(text), text->length, fault);
+    buf_release(text);
+    return err;
+}
+
 /* Waits with the signals that set a flag let in only while waiting: none comes between the look at
  * the flags and the wait. */
 static int wait_for_input(int timeout_ms, int other, bool *only_other)

@@ -74,6 +74,10 @@ unsigned term_columns(int fd);
 /* Writes everything, through interruptions and short writes; a frame is one call. */
 enum err term_write(const void *bytes, size_t length, struct fault *fault);
 
+/* The same of a text, which is released; ERR_MEMORY, by the name of what it was to show, where it
+ * has failed. */
+enum err term_write_text(struct buf *text, const char *what, struct fault *fault);
+
 /* The same to any descriptor. */
 enum err term_write_to(int fd, const void *bytes, size_t length, struct fault *fault);
 

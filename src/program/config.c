@@ -8,7 +8,6 @@
 #include "base/safe.h"
 #include "base/scan.h"
 #include "command/near.h"
-#include "tui/pilot/pilot_press.h"
 
 enum {
     LABEL_MOST = 255,

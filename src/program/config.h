@@ -26,7 +26,7 @@
 #include <stdbool.h>
 
 #include "base/buf.h"
-#include "tui/pilot/setup.h"
+#include "tui/pilot/pilot_keys.h"
 
 enum { CONFIG_BYTES_MOST = 64 << 10, CONFIG_LINE_MOST = 1000, CONFIG_LINES_MOST = 1000 };
 

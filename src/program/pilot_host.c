@@ -24,7 +24,7 @@
 #include "show/live_finish.h"
 #include "show/slicing.h"
 #include "show/window.h"
-#include "tui/pilot/setup.h"
+#include "tui/pilot/pilot_keys.h"
 
 static const uint8_t marked_pane[3] = {230, 200, 90}, words_rgb[3] = {200, 200, 200};
 

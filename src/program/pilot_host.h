@@ -1,5 +1,5 @@
 /*
- * The pilot's host (tui/pilot/pilot.h): answers what the pilot asks from the interpreter's session.
+ * The pilot's host (tui/pilot/host.h): answers what the pilot asks from the interpreter's session.
  * What changes anything goes to the interpreter as a line.
  */
 #ifndef PROGRAM_PILOT_HOST_H
@@ -10,7 +10,7 @@
 #include "program/pilot_marks.h"
 #include "engine/way.h"
 #include "session/held.h"
-#include "tui/pilot/pilot.h"
+#include "tui/pilot/host.h"
 
 struct pilot_interpreter {
     struct interpreter *interp;

@@ -13,6 +13,7 @@
 #include "session/held.h"
 #include "show/slicing.h"
 #include "tui/picture/image_view.h"
+#include "tui/pilot/host.h"
 #include "tui/pilot/pilot.h"
 
 /* Hatched, wherever it is seen. */

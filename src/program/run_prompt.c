@@ -10,7 +10,7 @@
 #include "program/pilot_host.h"
 #include "program/programs.h"
 #include "program/shown.h"
-#include "tui/pilot/pilot_keys.h"
+#include "tui/pilot/pilot.h"
 #include "tui/prompt/line_history.h"
 #include "tui/prompt/line_keys.h"
 #include "tui/prompt/repl.h"

@@ -82,8 +82,8 @@ static void check_facts(const struct probe_replies *replies)
         const struct probe_environment e = {.term = terms[i]};
         struct terminal_facts facts;
         struct buf asked = {0};
-        probe_decide(replies, &e, &size, graphics_auto, &facts);
-        probe_questions(1, replies, &e, graphics_auto, &asked);
+        graphics_decide(replies, &e, &size, graphics_auto, &facts);
+        probe_questions(1, replies, &e, graphics_asks(graphics_auto, &e), &asked);
         HOLDS(facts.graphics && facts.cell_width >= 4 && facts.cell_width <= 64);
         HOLDS(facts.cell_height >= 4 && facts.cell_height <= 64 && facts.image_side_most > 0);
         HOLDS(facts.graphics != &graphics_sixel || replies->attributes >> 4 & 1);

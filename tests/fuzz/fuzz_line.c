@@ -8,7 +8,6 @@
 #include "tests/screen.h"
 #include "tui/prompt/line_draw.h"
 #include "tui/prompt/line_keys.h"
-#include "tui/prompt/line_recall.h"
 #include "tui/prompt/pager.h"
 
 static struct screen screen, fresh;

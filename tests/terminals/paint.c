@@ -3,7 +3,7 @@
  * in: paint FOLDER SEED EDITS COLUMN ROW COLUMNS ROWS [GRAPHICS|slices]
  *
  * GRAPHICS is a word of --graphics. With `slices` greys lie below, which the terminal is to keep
- * (tui/picture/strips.h): two slices beside each other, which change to others and back.
+ * (tui/picture/painter.h): two slices beside each other, which change to others and back.
  *
  * The picture fills COLUMNS x ROWS cells from COLUMN, ROW (0: as many as there are from there on,
  * less the window's last row, which is not for pictures). It follows from SEED and the place's size
@@ -80,7 +80,8 @@ static void lay_below(struct picture *p, uint32_t n)
         const bool is_grey = pixel[0] == pixel[1] && pixel[1] == pixel[2];
         if (y % 200 == 0 && x == 0)
             n++;
-        p->below[i] = (uint8_t)strips_grey((uint8_t)((x * x / 97 + y * y / 61 + n * x / 3) % 256));
+        p->below[i] = (uint8_t)strips_colour(
+            strips_level((uint8_t)((x * x / 97 + y * y / 61 + n * x / 3) % 256)));
         if (is_grey)
             memset(pixel, p->below[i], 3);
     }
@@ -218,7 +219,7 @@ static bool run(const char *folder, char **word, struct fault *fault)
     const bool has_slices = word[6] && strcmp(word[6], "slices") == 0;
     if (word[6] && !has_slices && !graphics_from_name(word[6], &wish))
         return false;
-    if (term_set_mode(TERM_RAW, fault) || probe_terminal(wish, &facts, &typed, fault))
+    if (term_set_mode(TERM_RAW, fault) || graphics_probe(wish, &facts, &typed, fault))
         return false;
     buf_release(&typed);
     const struct place place = read_place(word + 2);

@@ -1,5 +1,6 @@
 #include "tui/picture/graphics.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,6 +35,74 @@ void graphics_add_names(struct buf *out, const char *between, const char *before
     buf_add_text(out, any);
     for (size_t i = 0; i < PROTOCOLS; i++)
         buf_printf(out, "%s%s", i + 1 < PROTOCOLS ? between : before_last, table[i]->name);
+}
+
+/* ---- which the terminal has ---- */
+
+/* Text needs no facts but whether frames are answered. */
+struct probe_wish graphics_asks(struct graphics_wish wish, const struct probe_environment *e)
+{
+    const enum graphics_kind kind = wish.of[0]->kind;
+    const bool text = kind == GRAPHICS_TEXT || (wish.count > 1 && e->no_color);
+    struct probe_wish asks = {.depth = kind == GRAPHICS_NOTHING ? PROBE_NOTHING
+                                       : text                   ? PROBE_BARRIERS
+                                                                : PROBE_ALL};
+    for (size_t i = 0; wish.count > 1 && i < wish.count; i++)
+        if (wish.of[i]->question.text)
+            asks.question[asks.questions++] = wish.of[i]->question;
+    return asks;
+}
+
+/* A row, or what stands for it in a terminal that has only the common part of its protocol. */
+static const struct graphics *all_of(const struct graphics *g, const struct probe_replies *replies,
+                                     const struct probe_environment *e)
+{
+    const char *const maker[] = {g->made_by, NULL};
+    return !g->made_by || probe_is_named(replies, e, maker) ? g : g->instead;
+}
+
+static const struct graphics *choose(const struct probe_replies *replies,
+                                     const struct probe_environment *e, struct graphics_wish wish)
+{
+    for (size_t i = 0; i + 1 < wish.count; i++) {
+        const struct graphics *g = wish.of[i];
+        const bool refused =
+            probe_is_plain(e->term) ||
+            (g->kind == GRAPHICS_PIXELS && (e->no_color || probe_is_screen(replies, e)));
+        if (!refused && (!g->fits || g->fits(replies, e)))
+            return all_of(g, replies, e);
+    }
+    return all_of(wish.of[wish.count - 1], replies, e);
+}
+
+void graphics_decide(const struct probe_replies *replies, const struct probe_environment *e,
+                     const struct term_size *size, struct graphics_wish wish,
+                     struct terminal_facts *facts)
+{
+    probe_decide(replies, e, size, facts);
+    facts->graphics = choose(replies, e, wish);
+}
+
+enum err graphics_probe(struct graphics_wish wish, struct terminal_facts *facts, struct buf *typed,
+                        struct fault *fault)
+{
+    const struct probe_environment e = probe_environment_now();
+    struct probe_replies replies = {0};
+    char words[TERM_WORDS]; /* ESC \ has been written before; harmless where it was not needed */
+    const enum err err = probe_terminal(graphics_asks(wish, &e), &replies, facts, typed, fault);
+    facts->graphics = choose(&replies, &e, wish);
+    snprintf(words, sizeof words, "%s%s",
+             facts->graphics->recovery ? facts->graphics->recovery : "",
+             facts->synchronizes ? "\033[?2026l" : "");
+    term_set_recovery(words);
+    term_set_answers(facts->answers);
+    return err;
+}
+
+void graphics_add_recovery(const struct terminal_facts *facts, struct buf *out)
+{
+    buf_add_text(out, "\033\\");
+    buf_add_text(out, facts->graphics->recovery ? facts->graphics->recovery : "");
 }
 
 /* ---- a picture at the prompt ---- */

@@ -1,8 +1,9 @@
 /*
- * The ways to show a picture, as one table, and a picture at the prompt.
+ * The ways to show a picture, as one table; which of them a terminal has; and a picture at the
+ * prompt.
  *
- * A protocol is a file with its row (struct graphics in tui/probe.h) and a line in the table of
- * graphics.c, best first. Nothing else names one.
+ * A protocol is a file with its row (struct graphics in tui/picture/protocol.h) and a line in the
+ * table of graphics.c, best first. Nothing else names one.
  *
  *     CR  R x LF  ESC[R A  ESC 7  picture  ESC 8  ESC[R B  CR        R = its height in cells
  *
@@ -13,12 +14,18 @@
 #ifndef TUI_PICTURE_GRAPHICS_H
 #define TUI_PICTURE_GRAPHICS_H
 
-#include "base/buf.h"
-#include "tui/picture/image_view.h"
-#include "tui/probe.h"
+#include "base/err.h"
+#include "tui/picture/protocol.h"
 
 extern const struct graphics graphics_kitty, graphics_tiles, graphics_iterm, graphics_sixel,
     graphics_blocks, graphics_none;
+
+/* What may be used, best first: the first that fits, else the last. With one alone nothing is to be
+ * found out. */
+struct graphics_wish {
+    const struct graphics *const *of;
+    size_t count;
+};
 
 /* All of them, for the terminal to decide. */
 extern const struct graphics_wish graphics_auto;
@@ -28,6 +35,27 @@ bool graphics_from_name(const char *name, struct graphics_wish *wish);
 
 /* Adds "auto, kitty, tiles, iterm, sixel, blocks or none", with these words between them. */
 void graphics_add_names(struct buf *out, const char *between, const char *before_last);
+
+/* ---- which the terminal has ---- */
+
+/* What is to be asked. */
+struct probe_wish graphics_asks(struct graphics_wish wish,
+                                const struct probe_environment *environment);
+
+/* All facts, by the replies (probe_decide), and what pictures are shown by. */
+void graphics_decide(const struct probe_replies *replies,
+                     const struct probe_environment *environment, const struct term_size *size,
+                     struct graphics_wish wish, struct terminal_facts *facts);
+
+/* Asks the terminal, which must be open and raw (probe_terminal), and decides; gives tui/term.h
+ * what ends our modes. What was typed meanwhile is added to `typed`. */
+enum err graphics_probe(struct graphics_wish wish, struct terminal_facts *facts, struct buf *typed,
+                        struct fault *fault);
+
+/* Adds what ends a picture that the line has cut in two, where nobody knows whether it did. */
+void graphics_add_recovery(const struct terminal_facts *facts, struct buf *out);
+
+/* ---- a picture at the prompt ---- */
 
 /* Adds what shows `view` to `out`. The cursor must be at the start of a line and is at the start
  * of the line below the picture afterwards. A picture larger than the columns x rows of the

@@ -1,5 +1,6 @@
 /*
- * The kitty graphics protocol: pictures as PNG in base64, in chunks, and changed in place.
+ * The kitty graphics protocol: pictures as PNG in base64, in chunks, and changed in place; and, in
+ * the second part, as tiles for terminals that know only the common part of it.
  *
  *     ESC _ G a=T,C=1,f=100,i=7,z=2,q=2,m=1 ; <4096 base64 bytes> ESC \
  *     ESC _ G q=2,m=1 ; <4096 base64 bytes> ESC \
@@ -28,10 +29,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/mem.h"
 #include "tui/picture/graphics.h"
-#include "tui/picture/kitty.h"
+#include "tui/picture/painter.h"
 
 enum { CHUNK = 4096, FEW_PIXELS = 1024 };
+
+/* Numbers of pictures from here on, which others hardly use; and those of strips. */
+enum { KITTY_FIRST = 26982, KITTY_STRIPS = 270000 };
+
+#define RECOVERY "\033_Gm=0,q=2;\033\\" /* ends a transmission between two chunks */
 
 /* Strips lie below the picture; what keeps one from being dropped, a placement of this number, lies
  * below all of them. */
@@ -70,7 +77,10 @@ static void add_chunks(const struct buf *png, const char *first, const char *nex
     }
 }
 
-void kitty_show(struct painter *p, const struct raster *raster, const char *keys, struct buf *out)
+/* Adds pixels as PNG by p->effort, in chunks; `keys` are those of the first, each with its
+ * comma. */
+static void add_png(struct painter *p, const struct raster *raster, const char *keys,
+                    struct buf *out)
 {
     struct buf png = {0};
     png_add(&p->png, raster, p->effort, &png);
@@ -78,8 +88,10 @@ void kitty_show(struct painter *p, const struct raster *raster, const char *keys
     buf_release(&png);
 }
 
-void kitty_send(struct painter *p, const struct raster *part, const char *first, const char *next,
-                struct buf *out)
+/* The same as PNG or as deflated pixels, whichever is less; `next` are the keys of the chunks that
+ * follow. The keys of the size are added. */
+static void add_smaller(struct painter *p, const struct raster *part, const char *first,
+                        const char *next, struct buf *out)
 {
     struct buf png = {0}, pixels = {0};
     char keys[128];
@@ -95,7 +107,8 @@ void kitty_send(struct painter *p, const struct raster *part, const char *first,
     buf_release(&pixels);
 }
 
-void kitty_delete(uint32_t image, struct buf *out)
+/* Adds what frees a picture, wherever it is shown. */
+static void free_picture(uint32_t image, struct buf *out)
 {
     buf_printf(out, "\033_Ga=d,d=I,i=%u,q=2\033\\", image);
 }
@@ -103,7 +116,7 @@ void kitty_delete(uint32_t image, struct buf *out)
 /* A picture without a number, which stays where it is shown. */
 static void once(struct painter *p, const struct raster *raster, struct buf *out)
 {
-    kitty_show(p, raster, "a=T,C=1,f=100,", out);
+    add_png(p, raster, "a=T,C=1,f=100,", out);
 }
 
 /* A whole picture has another number than the one before, which goes when the new one is there, so
@@ -114,9 +127,9 @@ static void whole(struct painter *p, const struct raster *raster, struct buf *ou
     char keys[48];
     snprintf(keys, sizeof keys, "a=T,C=1,f=100,i=%u,z=%d,", image, PICTURE_Z);
     painter_move_to(p, 0, 0, out);
-    kitty_show(p, raster, keys, out);
+    add_png(p, raster, keys, out);
     if (former > 0)
-        kitty_delete(former, out);
+        free_picture(former, out);
     if (!out->failed)
         p->image = image;
 }
@@ -128,7 +141,7 @@ static void patch(struct painter *p, const struct raster *raster, const struct r
     char next[32], first[80];
     snprintf(next, sizeof next, "a=f,i=%u,r=1,", p->image);
     snprintf(first, sizeof first, "%sX=1,x=%u,y=%u,", next, box->left, box->top);
-    kitty_send(p, &part, first, next, out);
+    add_smaller(p, &part, first, next, out);
 }
 
 /* ---- parts of slices ---- */
@@ -139,7 +152,7 @@ static void send_strip(struct painter *p, const struct raster *raster, uint32_t 
     char keys[96];
     snprintf(keys, sizeof keys, "a=T,C=1,f=100,i=%u,p=%d,w=1,h=1,", KITTY_STRIPS + number, HOLD);
     painter_move_to(p, 0, 0, out);
-    kitty_show(p, raster, keys, out);
+    add_png(p, raster, keys, out);
 }
 
 static void place_strip(const struct painter *p, uint32_t number, unsigned place,
@@ -162,7 +175,7 @@ static void hide_strip(uint32_t number, unsigned place, struct buf *out)
 
 static void free_strip(uint32_t number, struct buf *out)
 {
-    kitty_delete(KITTY_STRIPS + number, out);
+    free_picture(KITTY_STRIPS + number, out);
 }
 
 static void free_all(struct buf *out)
@@ -186,7 +199,7 @@ static const struct keeping keeping = {send_strip, place_strip, hide_strip,
 static void take_away(struct painter *p, struct buf *out)
 {
     if (p->image > 0)
-        kitty_delete(p->image, out);
+        free_picture(p->image, out);
     p->image = 0;
 }
 
@@ -195,9 +208,8 @@ const struct graphics graphics_kitty = {
     .title = "kitty",
     .kind = GRAPHICS_PIXELS,
     .fits = fits,
-    .question = "\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\",
-    .may_ask = may_ask,
-    .recovery = "\033_Gm=0,q=2;\033\\", /* ends a transmission between two chunks */
+    .question = {"\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\", may_ask},
+    .recovery = RECOVERY,
     .made_by = "kitty",
     .instead = &graphics_tiles,
     .patch_cost = 250,
@@ -206,4 +218,137 @@ const struct graphics graphics_kitty = {
     .patch = patch,
     .remove = take_away,
     .keeping = &keeping,
+};
+
+/* ---- tiles ---- */
+
+/*
+ * Kitty's protocol without its frame edits (Ghostty, WezTerm, Konsole): whole cells are drawn over
+ * by pictures of their own.
+ *
+ *     ESC[row;columnH ESC _ G a=T,C=1,i=27007,z=25,f=100,s=64,v=32,q=2,m=0 ; <base64> ESC \
+ *     ESC _ G a=d,d=I,i=26990,q=2 ESC \         a tile of which nothing is seen any more
+ *
+ * Each tile has a number that was never used before and lies above all earlier ones, by z. For each
+ * cell the board holds the tile that is seen there; a tile that is seen nowhere is deleted after
+ * what covers it has come, so nothing flickers. A picture is `worn`, and goes whole as one tile,
+ * when tiles are many or their pixels, which the terminal holds in memory, are several times those
+ * of the picture.
+ *
+ *   B1 tile[seen[c]] has the cell c in its box, and the greatest z of all that have;
+ *   B2 tile[i].cells is the number of cells c with seen[c] == i; a tile with none is free.
+ */
+enum { TILES = 512, ROOM = 64, LAYERS_MOST = 6 };
+
+struct tile {
+    uint32_t image, cells, area; /* `area` in cells, seen or not */
+};
+
+struct board {
+    uint32_t columns, rows;
+    uint32_t tiles, z, image; /* the last number */
+    uint64_t area;            /* of all tiles */
+    struct tile tile[TILES];
+    uint16_t seen[]; /* [rows][columns] */
+};
+
+static void release_tile(struct board *b, struct tile *tile, struct buf *out)
+{
+    free_picture(tile->image, out);
+    b->area -= tile->area;
+    b->tiles--;
+    *tile = (struct tile){0};
+}
+
+/* The tile in `box`, in cells, is seen there now. A place for it is free: a picture is worn before
+ * it has none. */
+static void cover_tile(struct board *b, uint32_t image, struct raster_box box, struct buf *out)
+{
+    const uint32_t area = box.width * box.height;
+    uint16_t i = 0;
+    while (b->tile[i].image)
+        i++;
+    b->tile[i] = (struct tile){image, area, area};
+    b->tiles++;
+    b->area += area;
+    for (uint32_t y = box.top; y < box.top + box.height; y++)
+        for (uint32_t x = box.left; x < box.left + box.width; x++) {
+            uint16_t *seen = &b->seen[(size_t)y * b->columns + x];
+            if (--b->tile[*seen].cells == 0)
+                release_tile(b, &b->tile[*seen], out);
+            *seen = i;
+        }
+}
+
+static void add_tile(struct painter *p, const struct raster *part, uint32_t image, uint32_t z,
+                     struct buf *out)
+{
+    char first[64];
+    snprintf(first, sizeof first, "a=T,C=1,i=%u,z=%u,", image, z);
+    add_smaller(p, part, first, "", out);
+}
+
+static void patch_tiles(struct painter *p, const struct raster *raster,
+                        const struct raster_box *box, struct buf *out)
+{
+    const uint32_t width = p->facts.cell_width, height = p->facts.cell_height;
+    const struct raster_box cells = {box->left / width, box->top / height, box->width / width,
+                                     box->height / height};
+    const struct raster part = raster_part(raster, *box);
+    struct board *b = p->held;
+    painter_move_to(p, cells.left, cells.top, out);
+    add_tile(p, &part, ++b->image, ++b->z, out);
+    cover_tile(b, b->image, cells, out);
+    p->is_worn = b->tiles > TILES - ROOM || b->area > (uint64_t)LAYERS_MOST * b->columns * b->rows;
+}
+
+static void remove_tiles(struct painter *p, struct buf *out)
+{
+    struct board *b = p->held;
+    for (unsigned i = 0; b && i < TILES; i++)
+        if (b->tile[i].image)
+            release_tile(b, &b->tile[i], out);
+}
+
+/* One tile, the lowest, under what is there until that goes. */
+static void whole_tile(struct painter *p, const struct raster *raster, struct buf *out)
+{
+    const uint32_t columns = raster->width / p->facts.cell_width;
+    const uint32_t rows = raster->height / p->facts.cell_height;
+    const size_t cells = (size_t)columns * rows, bytes = sizeof(struct board) + 2 * cells;
+    const uint32_t image = p->held ? ((struct board *)p->held)->image + 1 : KITTY_FIRST;
+    painter_move_to(p, 0, 0, out);
+    add_tile(p, raster, image, 0, out);
+    remove_tiles(p, out);
+    if (!mem_grow(&p->held, &p->held_capacity, bytes, 1)) {
+        out->failed = true;
+        return;
+    }
+    struct board *b = p->held;
+    *b = (struct board){columns, rows, .tiles = 1, .image = image, .area = cells};
+    b->tile[0] = (struct tile){image, (uint32_t)cells, (uint32_t)cells};
+    for (size_t i = 0; i < cells; i++)
+        b->seen[i] = 0;
+}
+
+/* It is there for a terminal that kitty's own row is not made for, and for who asks for it. */
+static bool never(const struct probe_replies *replies, const struct probe_environment *environment)
+{
+    (void)replies;
+    (void)environment;
+    return false;
+}
+
+const struct graphics graphics_tiles = {
+    .name = "tiles",
+    .title = "kitty tiles",
+    .kind = GRAPHICS_PIXELS,
+    .fits = never,
+    .recovery = RECOVERY,
+    .over_cells = true,
+    .patch_cost = 300,
+    .once = once,
+    .whole = whole_tile,
+    .patch = patch_tiles,
+    .remove = remove_tiles,
 };

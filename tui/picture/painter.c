@@ -1,10 +1,12 @@
 #include "tui/picture/painter.h"
 
+#include <nettle/sha2.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/least.h"
 #include "base/mem.h"
+#include "tui/picture/protocol.h"
 
 enum {
     PIXEL_TILE = 16,
@@ -50,6 +52,249 @@ void painter_forget(struct painter *p)
     p->is_shown = false;
 }
 
+/* ---- slices that live in the terminal ---- */
+
+/* The terminal has nothing any more. */
+static void forget_strips(struct strips *k)
+{
+    k->images = 0;
+    k->pixels = 0;
+    k->strips = 0;
+    memset(k->slot, 0, sizeof k->slot);
+}
+
+static struct strips_image *find_strip(struct strips *k, const uint8_t key[STRIPS_KEY])
+{
+    for (size_t i = 0; i < k->images; i++)
+        if (memcmp(k->image[i].key, key, STRIPS_KEY) == 0)
+            return &k->image[i];
+    return NULL;
+}
+
+/* The terminal has not this one; false where that says nothing of ours. */
+static bool lose_strip(struct strips *k, uint32_t number)
+{
+    for (unsigned i = 0; i < STRIPS_MOST; i++)
+        if (k->slot[i].number == number)
+            k->slot[i].number = 0;
+    for (size_t i = 0; i < k->images; i++)
+        if (k->image[i].number == number) {
+            k->pixels -= k->image[i].pixels;
+            k->image[i] = k->image[--k->images];
+            return true;
+        }
+    return false;
+}
+
+/* Frees what was not used for longest, until so many pixels more are no longer too many. What is
+ * used by the view at hand stays. */
+static void make_room(struct painter *p, uint32_t pixels, struct buf *out)
+{
+    struct strips *k = &p->kept;
+    while (k->pixels + pixels > STRIPS_PIXELS_MOST) {
+        struct strips_image *oldest = NULL;
+        for (size_t i = 0; i < k->images; i++)
+            if (k->image[i].used < k->clock && (!oldest || k->image[i].used < oldest->used))
+                oldest = &k->image[i];
+        if (!oldest)
+            return;
+        p->facts.graphics->keeping->free(oldest->number, out);
+        lose_strip(k, oldest->number);
+    }
+}
+
+/* How many pixels a strip has: more where slices are so large that strips would be too many. */
+static uint32_t strip_pixels(const struct image_view *view)
+{
+    uint64_t all = 0;
+    for (unsigned i = 0; i < view->slices; i++)
+        all += (uint64_t)view->slice[i].width * view->slice[i].height;
+    const uint64_t each = all / (STRIPS_MOST / 2);
+    return each < STRIPS_EACH_PIXELS ? STRIPS_EACH_PIXELS
+           : each < UINT32_MAX       ? (uint32_t)each
+                                     : UINT32_MAX;
+}
+
+/* Cuts the boxes of slices into strips of whole rows of cells. */
+static void cut_strips(struct painter *p, const struct image_view *view)
+{
+    struct strips *k = &p->kept;
+    const uint32_t pixels = strip_pixels(view);
+    k->strips = 0;
+    for (unsigned i = 0; i < view->slices; i++) {
+        const struct raster_box box = view->slice[i];
+        const uint32_t row = box.width * p->facts.cell_height;
+        if (box.width == 0 || box.height == 0)
+            continue;
+        const uint32_t rows = row < pixels ? pixels / row : 1;
+        const uint32_t height = rows * p->facts.cell_height;
+        for (uint32_t y = 0; y < box.height; y += height) {
+            if (k->strips == STRIPS_MOST) {
+                k->strips = 0;
+                return;
+            }
+            k->strip[k->strips++] = (struct image_strip){
+                {box.left, box.top + y, box.width, least(height, box.height - y)}, false};
+        }
+    }
+}
+
+static void key_of(uint8_t key[STRIPS_KEY], const struct image_view *view,
+                   const struct raster_box *box)
+{
+    const uint32_t size[2] = {box->width, box->height};
+    struct sha256_ctx sha;
+    sha256_init(&sha);
+    sha256_update(&sha, sizeof size, (const uint8_t *)size);
+    for (uint32_t y = box->top; y < box->top + box->height; y++)
+        sha256_update(&sha, box->width, view->below + (size_t)y * view->width + box->left);
+    sha256_digest(&sha, STRIPS_KEY, key);
+}
+
+static void take_strip(struct strips *k, unsigned i, struct strips_image *image)
+{
+    image->used = k->clock;
+    k->number[i] = image->number;
+    k->strip[i].is_there = true;
+}
+
+static void send_strip(struct painter *p, const struct image_view *view, unsigned i,
+                       const uint8_t key[STRIPS_KEY], struct buf *out)
+{
+    struct strips *k = &p->kept;
+    const struct raster_box *box = &k->strip[i].box;
+    const uint32_t pixels = box->width * box->height;
+    uint32_t grey[STRIPS_GREYS];
+    if (!mem_grow(&k->greys, &k->greys_capacity, pixels, 1) ||
+        !mem_grow(&k->image, &k->capacity, k->images + 1, sizeof *k->image)) {
+        out->failed = true;
+        return;
+    }
+    make_room(p, pixels, out);
+    for (unsigned level = 0; level < STRIPS_GREYS; level++)
+        grey[level] = strips_colour(level);
+    for (uint32_t y = 0; y < box->height; y++)
+        for (uint32_t x = 0; x < box->width; x++)
+            k->greys[(size_t)y * box->width + x] =
+                strips_level(view->below[(size_t)(box->top + y) * view->width + box->left + x]);
+    const struct raster raster = {.width = box->width,
+                                  .height = box->height,
+                                  .stride = box->width,
+                                  .bytes = k->greys,
+                                  .colour = grey,
+                                  .colours = STRIPS_GREYS};
+    struct strips_image *image = &k->image[k->images++];
+    *image = (struct strips_image){.number = ++k->last, .pixels = pixels};
+    memcpy(image->key, key, STRIPS_KEY);
+    k->pixels += pixels;
+    p->effort = view->is_slow ? PNG_SLOW_LINE : PNG_FAST;
+    p->facts.graphics->keeping->send(p, &raster, image->number, out);
+    take_strip(k, i, image);
+}
+
+static bool is_looked_at(const struct image_view *view, const struct raster_box *box)
+{
+    return box->left >= view->focus.left && box->top >= view->focus.top &&
+           box->left < view->focus.left + view->focus.width &&
+           box->top < view->focus.top + view->focus.height;
+}
+
+/* Finds the strips of a view, and sends those that the terminal has not (painter_keep). */
+static void send_strips(struct painter *p, const struct image_view *view, size_t budget,
+                        struct buf *out)
+{
+    struct strips *k = &p->kept;
+    uint8_t key[STRIPS_MOST][STRIPS_KEY];
+    const size_t before = out->length;
+    size_t most = 0;
+    k->clock++;
+    cut_strips(p, view);
+    for (unsigned i = 0; i < k->strips; i++) {
+        key_of(key[i], view, &k->strip[i].box);
+        struct strips_image *image = find_strip(k, key[i]);
+        k->number[i] = 0;
+        if (image)
+            take_strip(k, i, image);
+    }
+    for (unsigned round = 0; budget > 0 && round < 2; round++)
+        for (unsigned i = 0; i < k->strips; i++) {
+            const size_t length = out->length;
+            struct strips_image *image = find_strip(k, key[i]); /* black ones are much alike */
+            if (k->number[i] || is_looked_at(view, &k->strip[i].box) == (round > 0))
+                continue;
+            if (image) {
+                take_strip(k, i, image);
+                continue;
+            }
+            if (most > 0 && length - before + most > budget)
+                return;
+            send_strip(p, view, i, key[i], out);
+            most = out->length - length > most ? out->length - length : most;
+        }
+}
+
+/* Makes clear what the strips show anyway: `places` has `stride` a row. */
+static void clear_strips(const struct strips *k, const struct image_view *view, uint8_t *places,
+                         uint32_t stride)
+{
+    for (unsigned i = 0; i < view->strips; i++) {
+        const struct raster_box *box = &view->strip[i].box;
+        if (!view->strip[i].is_there || k->number[i] == 0)
+            continue;
+        for (uint32_t y = box->top; y < box->top + box->height; y++) {
+            const size_t first = (size_t)y * view->width + box->left;
+            const uint8_t *rgba = view->rgba + 4 * first, *below = view->below + first;
+            uint8_t *place = places + (size_t)y * stride + box->left;
+            for (uint32_t x = 0; x < box->width; x++, rgba += 4)
+                if (rgba[0] == below[x] && rgba[1] == below[x] && rgba[2] == below[x])
+                    place[x] = RASTER_CLEAR;
+        }
+    }
+}
+
+static bool same_box(const struct raster_box *a, const struct raster_box *b)
+{
+    return memcmp(a, b, sizeof *a) == 0;
+}
+
+static void hide_slot(struct painter *p, unsigned i, struct buf *out)
+{
+    struct strips_slot *slot = &p->kept.slot[i];
+    if (slot->number)
+        p->facts.graphics->keeping->hide(slot->number, i, out);
+    slot->number = 0;
+}
+
+/* Shows the strips of the view at hand that are there, and no others. A strip comes before the one
+ * in its place goes, so that nothing is black in between; but those of another layout, which may
+ * lie over it, go first. */
+static void show_strips(struct painter *p, struct buf *out)
+{
+    struct strips *k = &p->kept;
+    for (unsigned i = 0; i < STRIPS_MOST; i++)
+        if (i >= k->strips || !same_box(&k->slot[i].box, &k->strip[i].box))
+            hide_slot(p, i, out);
+    for (unsigned i = 0; i < k->strips; i++) {
+        const struct strips_slot former = k->slot[i];
+        const struct raster_box *box = &k->strip[i].box;
+        if (!k->strip[i].is_there || (former.number == k->number[i] && same_box(&former.box, box)))
+            continue;
+        p->facts.graphics->keeping->place(p, k->number[i], i, box, out);
+        hide_slot(p, i, out);
+        k->slot[i] = (struct strips_slot){k->number[i], *box};
+    }
+}
+
+/* Takes all strips off the screen; the terminal still has them. */
+static void hide_strips(struct painter *p, struct buf *out)
+{
+    for (unsigned i = 0; i < STRIPS_MOST; i++)
+        hide_slot(p, i, out);
+    p->kept.strips = 0;
+}
+
+/* ---- coming and going ---- */
+
 static void erase(const struct painter *p, struct buf *out)
 {
     buf_add_text(out, "\033[m");
@@ -64,7 +309,7 @@ void painter_remove(struct painter *p, struct buf *out)
     if (p->holder)
         p->holder->remove(p, out);
     if (p->holder && p->holder->keeping)
-        strips_hide(p, out);
+        hide_strips(p, out);
     if (p->is_shown && !p->facts.graphics->remove)
         erase(p, out);
     p->holder = NULL;
@@ -77,7 +322,8 @@ void painter_release(struct painter *p)
         free(p->of[i].bytes);
     free(p->scratch);
     free(p->held);
-    strips_release(&p->kept);
+    free(p->kept.image);
+    free(p->kept.greys);
     shades_release(&p->shades);
     png_release(&p->png);
     *p = (struct painter){0};
@@ -250,7 +496,7 @@ static bool fill(struct painter *p, const struct image_view *view)
     if (!shades_fill(&p->shades, p->has_palette, view, p->of[1].bytes, p->width, p->height))
         return false;
     if (p->has_palette)
-        strips_clear(&p->kept, view, p->of[1].bytes, p->width);
+        clear_strips(&p->kept, view, p->of[1].bytes, p->width);
     return true;
 }
 
@@ -362,7 +608,7 @@ static bool show_pixels(struct painter *p, const struct image_view *view, struct
     take_size(p, view, out);
     if (p->facts.graphics->keeping) {
         p->kept.strips = view->strips;
-        strips_show(p, out);
+        show_strips(p, out);
     }
     if (can_patch(p, view, &stale)) {
         show_patches(p, &stale, view, out);
@@ -403,7 +649,7 @@ void painter_keep(struct painter *p, struct image_view *view, size_t budget, str
     p->kept.strips = 0;
     if (p->facts.graphics->keeping && view->below && !view->smooth && view->hue &&
         view->width <= width && view->height <= height)
-        strips_prepare(p, view, budget, out);
+        send_strips(p, view, budget, out);
     view->strip = p->kept.strip;
     view->strips = p->kept.strips;
 }
@@ -417,14 +663,14 @@ bool painter_take_reply(struct painter *p, const char *reply)
 {
     const struct keeping *keeping = p->facts.graphics->keeping;
     const uint32_t number = keeping ? keeping->lost(reply) : 0;
-    return number > 0 && strips_lost(&p->kept, number);
+    return number > 0 && lose_strip(&p->kept, number);
 }
 
 void painter_drop(struct painter *p, struct buf *out)
 {
     if (p->facts.graphics->keeping)
         p->facts.graphics->keeping->free_all(out);
-    strips_forget(&p->kept);
+    forget_strips(&p->kept);
     painter_forget(p);
 }
 

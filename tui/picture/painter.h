@@ -38,10 +38,65 @@
 
 #include "base/buf.h"
 #include "image/png.h"
-#include "tui/picture/strips.h"
 #include "tui/picture/image_view.h"
 #include "tui/picture/shades.h"
 #include "tui/probe.h"
+
+/*
+ * Slices that live in the terminal: the greys of each go over the wire once, and are placed below
+ * the picture as often as they are to be seen again.
+ *
+ *     picture       labels, cross-hair, marks, words, and the rendition; clear where a slice's own
+ *                   greys are seen
+ *     strips        parts of slices, a few rows of cells high, each a picture of the terminal's
+ *
+ * A strip is known by the SHA-256 of its pixels, so nothing has to be said of what became of them:
+ * the same slice in the same window at the same size is the same strip, seen before or sent
+ * ahead, and after an undo again. Greys are rounded to STRIPS_GREYS levels. Strips have their
+ * natural size, so that every version of kitty shows the same pixels.
+ *
+ *   K1 what the terminal has of a strip is known only by its number: one that it answers not to
+ *      have (painter_take_reply) is sent again;
+ *   K2 no number is ever used twice, for a number that is sent again leaks in kitty 0.26;
+ *   K3 at most STRIPS_PIXELS_MOST pixels are there: what was not used for longest is freed before
+ *      the terminal's own quota, which would take all that is not seen, is reached. Each strip has
+ *      a placement of one pixel that nobody sees, or it would count as that.
+ *
+ * A protocol has it if its row has a `struct keeping`.
+ */
+enum {
+    STRIPS_GREYS = 64,
+    STRIPS_KEY = 32,               /* bytes of a SHA-256 */
+    STRIPS_MOST = 96,              /* of one picture; a view with more keeps nothing */
+    STRIPS_EACH_PIXELS = 12000,    /* about: some 4 kB, which a key waits for at most */
+    STRIPS_PIXELS_MOST = 40 << 20, /* half of kitty's 320 MB, at 4 bytes a pixel */
+};
+
+struct strips_image {
+    uint8_t key[STRIPS_KEY];
+    uint32_t number, pixels;
+    uint64_t used; /* when: strips.clock */
+};
+
+/* Where a strip is shown. */
+struct strips_slot {
+    uint32_t number; /* 0: nowhere */
+    struct raster_box box;
+};
+
+struct strips {
+    struct strips_image *image;
+    size_t images, capacity;
+    uint64_t pixels, clock;
+    uint32_t last; /* the last number that was given out */
+    struct strips_slot slot[STRIPS_MOST];
+    /* of the view at hand */
+    struct image_strip strip[STRIPS_MOST];
+    uint32_t number[STRIPS_MOST]; /* 0 where the terminal has it not */
+    unsigned strips;
+    uint8_t *greys; /* of the strip at hand, as places */
+    size_t greys_capacity;
+};
 
 struct painter_picture {
     uint8_t *bytes; /* places in the palette, or colours, or what text needs */
@@ -86,9 +141,10 @@ void painter_size(const struct painter *p, uint32_t *width, uint32_t *height);
  * thrown away, and the next picture goes whole. */
 bool painter_show(struct painter *p, const struct image_view *view, struct buf *out);
 
-/* Before painter_show, where the terminal can keep parts of slices (tui/picture/strips.h): adds
- * what sends it those of the view's that it lacks, within `budget` bytes, and has the view know
- * which are there. Shows nothing yet, so a view that is not shown now may be sent ahead. */
+/* Before painter_show, where the terminal can keep strips of slices: adds what sends it those of
+ * the view's that it lacks, where one looks first, as long as they have no more than `budget` bytes
+ * in all, but one at least; none where that is 0. Has the view know which are there. Shows nothing
+ * yet, so a view that is not shown now may be sent ahead. */
 void painter_keep(struct painter *p, struct image_view *view, size_t budget, struct buf *out);
 
 /* Whether the terminal has room for parts of slices that are not wanted yet. */
@@ -112,5 +168,15 @@ void painter_move_to(const struct painter *p, unsigned column, unsigned row, str
 
 /* Gives the memory back; the painter is as new. What is on the screen stays. */
 void painter_release(struct painter *p);
+
+/* The level of a grey in a strip, below STRIPS_GREYS, and the colour that a level is shown as. */
+static inline uint8_t strips_level(uint8_t grey)
+{
+    return (uint8_t)((grey * (STRIPS_GREYS - 1u) + 127) / 255);
+}
+static inline uint32_t strips_colour(unsigned level)
+{
+    return (level * 255 + (STRIPS_GREYS - 1) / 2) / (STRIPS_GREYS - 1) * UINT32_C(0x010101);
+}
 
 #endif

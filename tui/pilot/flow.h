@@ -15,8 +15,8 @@
  *   L2 when the oldest answer is overdue nothing is sent until it is there: the line has become
  *      slower, or stands still, and what is on it is all that ever queues up. After FLOW_LIMIT_NS
  *      without it all of them are given up; the transfer may have been cut on the way, so the next
- *      frame begins with what ends it (`failed`, probe_add_recovery), and until the barriers have
- *      been sorted out again there is one frame at a time;
+ *      frame begins with what ends it (`failed`, graphics_add_recovery), and until the barriers
+ *      have been sorted out again there is one frame at a time;
  *   L3 a frame has as many bytes as the line carries in FLOW_TARGET_NS: a picture that needs more
  *      is sent coarser (tui/pilot/refine.h), for quality is to drop before latency does. When
  *      nothing moves any more the caller sends the full picture.

@@ -6,10 +6,9 @@
 #include "base/clock.h"
 #include "tui/pilot/flow.h"
 #include "tui/keys.h"
+#include "tui/picture/graphics.h"
 #include "tui/picture/painter.h"
-#include "tui/pilot/pilot_keys.h"
 #include "tui/pilot/refine.h"
-#include "tui/pilot/typed_ahead.h"
 #include "tui/prompt/pager.h"
 #include "tui/term.h"
 #include "tui/cells.h"
@@ -217,7 +216,7 @@ static enum err draw(struct pilot *p, struct fault *fault)
         return OK;
     }
     if (p->flow.failed) { /* nobody knows what has arrived */
-        probe_add_recovery(p->facts, &out);
+        graphics_add_recovery(p->facts, &out);
         painter_drop(&p->painter, &out);
         p->is_blank = true;
     }
@@ -609,7 +608,7 @@ static enum err take_key(struct pilot *p, const struct key_event *event, struct 
 {
     struct pilot_facts facts;
     struct buf lines = {0};
-    enum pilot_deed deed = PILOT_NOTHING;
+    struct press press = {p->state, event, p->host, &facts, &lines, &p->message, 0, PILOT_NOTHING};
     uint32_t column, row;
     if (event->key == KEY_PASTE_END && p->pasted.length)
         return ask_for_pasted(p, fault);
@@ -621,9 +620,9 @@ static enum err take_key(struct pilot *p, const struct key_event *event, struct 
     }
     if (event->key != KEY_MOUSE) {
         buf_clear(&p->message);
-        deed = pilot_press(p->state, event, p->host, &facts, &lines, &p->message);
+        pilot_press(&press);
     } else if (pixel_of(p, &event->mouse, &column, &row)) {
-        pilot_click(p->state, event, column, row, p->host, &facts, &lines, &p->message);
+        pilot_click(&press, column, row);
     }
     p->is_stale = true;
     enum err err = p->state->drops ? p->host->drop(p->host->context, fault) : OK;
@@ -632,7 +631,7 @@ static enum err take_key(struct pilot *p, const struct key_event *event, struct 
                            : carry_out_all(p, buf_text(&lines), fault);
     buf_release(&lines);
     p->state->sketches = false;
-    return err ? err : do_deed(p, deed, fault);
+    return err ? err : do_deed(p, press.deed, fault);
 }
 
 /* Keys of a paste are its text (P3). Ctrl-C ends one that does not end, unless it is a part of it:

@@ -2,8 +2,8 @@
 
 #include <string.h>
 
+#include "base/scan.h"
 #include "tui/pilot/chord.h"
-#include "tui/pilot/pilot_press.h"
 
 enum { COUNT_MOST = 9999 };
 
@@ -264,47 +264,43 @@ static bool is_passing(enum pilot_mode mode)
            mode == PILOT_RANGING;
 }
 
-enum pilot_deed pilot_press(struct pilot_state *state, const struct key_event *event,
-                            const struct pilot_host *host, const struct pilot_facts *facts,
-                            struct buf *line, struct buf *message)
+enum pilot_deed pilot_press(struct press *p)
 {
-    struct press press = {state, event, host, facts, line, message, 0, PILOT_NOTHING};
+    struct pilot_state *state = p->state;
     state->is_silent = state->tells_all = state->sketches = state->drops = false;
-    if (is_passing(state->mode) && !find_row(state, event) && !may_lead(state, event))
+    if (is_passing(state->mode) && !find_row(state, p->event) && !may_lead(state, p->event))
         state->mode = state->base;
-    if (take_back(&press) || count_on(&press) || lead_on(&press))
+    if (take_back(p) || count_on(p) || lead_on(p))
         return PILOT_NOTHING;
-    dispatch(&press);
+    dispatch(p);
     state->count = state->leader = 0;
-    if (press.deed == PILOT_PROMPT || press.deed == PILOT_LEAVE || line->length || !is_at_it(state))
-        end_stroke(state, facts, line);
-    return press.deed;
+    if (p->deed == PILOT_PROMPT || p->deed == PILOT_LEAVE || p->line->length || !is_at_it(state))
+        end_stroke(state, p->facts, p->line);
+    return p->deed;
 }
 
 /* ---- the mouse ---- */
 
-static void turn_wheel(struct pilot_state *state, bool up, unsigned modifiers, enum pilot_pane pane,
-                       const struct pilot_host *host, const struct pilot_facts *facts,
-                       struct buf *line, struct buf *message)
+static void turn_wheel(struct press *p, bool up, enum pilot_pane pane)
 {
+    struct pilot_state *state = p->state;
     int64_t by[3] = {0, 0, 0};
     uint32_t place[3];
     if (pane == PILOT_RENDITION) {
-        pilot_zoom(facts->zoom, up, line);
+        pilot_zoom(p->facts->zoom, up, p->line);
         return;
     }
-    if (modifiers & KEY_CONTROL) {
-        state->is_silent = true;
-        pilot_magnify_by(facts, up ? 1 : -1, line);
+    if (p->event->modifiers & KEY_CONTROL) {
+        pilot_magnify_by(p, up ? 1 : -1);
         return;
     }
     by[pane] = up ? 1 : -1;
-    host->move(host->context, by, place);
+    p->host->move(p->host->context, by, place);
     if (pilot_confirms(state->mode)) { /* what is shown is not under it any more */
         state->mode = state->base;
-        buf_clear(message);
+        buf_clear(p->message);
     }
-    pilot_cross(state, facts, place, line);
+    pilot_cross(p, place);
 }
 
 static void drop_ball(struct pilot_state *state)
@@ -315,7 +311,7 @@ static void drop_ball(struct pilot_state *state)
 
 /* The right button goes down in the middle of a ball and up where its shell is to be. The
  * cross-hair goes along. */
-static void enclose(const struct press *p, const uint32_t place[3], enum pilot_pane pane)
+static void enclose(struct press *p, const uint32_t place[3], enum pilot_pane pane)
 {
     struct pilot_state *state = p->state;
     struct pilot_facts there = *p->facts;
@@ -331,7 +327,7 @@ static void enclose(const struct press *p, const uint32_t place[3], enum pilot_p
     if (!state->encloses)
         return;
     if (action != MOUSE_RELEASED) {
-        pilot_cross(state, p->facts, place, p->line);
+        pilot_cross(p, place);
         return;
     }
     memcpy(there.place, place, sizeof there.place);
@@ -342,14 +338,13 @@ static void enclose(const struct press *p, const uint32_t place[3], enum pilot_p
 }
 
 /* What the mouse does, but for the end of a stroke. */
-static void click(struct pilot_state *state, const struct key_event *event, uint32_t column,
-                  uint32_t row, const struct pilot_host *host, const struct pilot_facts *facts,
-                  struct buf *line, struct buf *message)
+static void click(struct press *p, uint32_t column, uint32_t row)
 {
-    const struct mouse *mouse = &event->mouse;
+    struct pilot_state *state = p->state;
+    const struct mouse *mouse = &p->event->mouse;
     uint32_t place[3];
     enum pilot_pane pane;
-    const bool shows = host->voxel_at(host->context, column, row, place, &pane);
+    const bool shows = p->host->voxel_at(p->host->context, column, row, place, &pane);
     const bool pulls = mouse->button == MOUSE_RIGHT && shows && pane != PILOT_RENDITION;
     state->drags &= mouse->action == MOUSE_MOVED;
     if (state->encloses && !pulls &&
@@ -358,37 +353,101 @@ static void click(struct pilot_state *state, const struct key_event *event, uint
     state->is_silent = state->tells_all = state->sketches = state->drops = false;
     if (state->mode == PILOT_PICKING && pane == PILOT_RENDITION && mouse->button == MOUSE_LEFT &&
         mouse->action != MOUSE_RELEASED) {
-        host->frame_pixel(host->context, column, row, state->pixel);
+        p->host->frame_pixel(p->host->context, column, row, state->pixel);
         return;
     }
     if (mouse->action == MOUSE_WHEEL_UP || mouse->action == MOUSE_WHEEL_DOWN) {
-        turn_wheel(state, mouse->action == MOUSE_WHEEL_UP, event->modifiers, pane, host, facts,
-                   line, message);
+        turn_wheel(p, mouse->action == MOUSE_WHEEL_UP, pane);
     } else if (mouse->button == MOUSE_LEFT && mouse->action == MOUSE_PRESSED) {
         if (!shows) {
-            buf_clear(message);
-            buf_add_text(message, "nothing is seen there");
+            buf_clear(p->message);
+            buf_add_text(p->message, "nothing is seen there");
             return;
         }
         state->mode = state->base = PILOT_MOVING;
         state->drags = true;
         if (pane != PILOT_RENDITION)
             state->pane = pane;
-        pilot_cross(state, facts, place, line);
+        pilot_cross(p, place);
     } else if (pulls) {
-        enclose(&(struct press){state, event, host, facts, line, message, 0, PILOT_NOTHING}, place,
-                pane);
+        enclose(p, place, pane);
     } else if (state->drags && shows && pane == state->pane) {
-        pilot_go_to(state, facts, place, line);
+        pilot_go_to(p, place);
     }
 }
 
-void pilot_click(struct pilot_state *state, const struct key_event *event, uint32_t column,
-                 uint32_t row, const struct pilot_host *host, const struct pilot_facts *facts,
-                 struct buf *line, struct buf *message)
+void pilot_click(struct press *p, uint32_t column, uint32_t row)
 {
-    const bool moves = event->mouse.action == MOUSE_MOVED;
-    click(state, event, column, row, host, facts, line, message);
-    if (line->length || !moves)
-        end_stroke(state, facts, line);
+    click(p, column, row);
+    if (p->line->length || p->event->mouse.action != MOUSE_MOVED)
+        end_stroke(p->state, p->facts, p->line);
+}
+
+/* ---- keys typed ahead ---- */
+
+bool typed_ahead_has_room(const struct typed_ahead *ahead)
+{
+    const size_t count = ahead->count;
+    return count == 0 || (count < TYPED_AHEAD_MOST && ahead->event[count - 1].key != KEY_PASTE_END);
+}
+
+void typed_ahead_add(struct typed_ahead *ahead, const struct key_event *event)
+{
+    if (ahead->count < TYPED_AHEAD_MOST)
+        ahead->event[ahead->count++] = *event;
+}
+
+bool typed_ahead_take(struct typed_ahead *ahead, struct key_event *event)
+{
+    if (ahead->taken == ahead->count)
+        return false;
+    *event = ahead->event[ahead->taken++];
+    if (ahead->taken == ahead->count)
+        ahead->taken = ahead->count = 0;
+    return true;
+}
+
+/* "cross X,Y,Z" and no more, or nothing at all. */
+static bool only_moves(const struct buf *line, uint32_t place[3], bool *moves)
+{
+    const char *at = buf_text(line);
+    *moves = scan_text(&at, "cross ");
+    for (int a = 0; *moves && a < 3; a++) {
+        int64_t n;
+        if ((a > 0 && !scan_text(&at, ",")) || !scan_integer(&at, 0, UINT32_MAX, &n))
+            return false;
+        place[a] = (uint32_t)n;
+    }
+    return *at == '\0' || (*moves && at[0] == '\n' && at[1] == '\0');
+}
+
+/* False where the key does more than move, and changes the state then. */
+static bool show_one(const struct key_event *event, struct pilot_state *state,
+                     const struct pilot_host *host, struct buf *line, struct buf *message)
+{
+    struct pilot_state next = *state;
+    struct pilot_facts facts;
+    struct press press = {&next, event, host, &facts, line, message, 0, PILOT_NOTHING};
+    uint32_t place[3];
+    bool moves;
+    buf_clear(line);
+    if (event->key == KEY_MOUSE || !pilot_only_moves(&next, event) ||
+        !host->facts(host->context, &facts) || pilot_press(&press) != PILOT_NOTHING ||
+        next.mode != state->mode || !only_moves(line, place, &moves))
+        return false;
+    *state = next;
+    if (moves)
+        host->peek(host->context, place);
+    return true;
+}
+
+void typed_ahead_show(const struct typed_ahead *ahead, struct pilot_state *state,
+                      const struct pilot_host *host)
+{
+    struct buf line = {0}, message = {0};
+    for (size_t i = ahead->taken; i < ahead->count; i++)
+        if (!show_one(ahead->event + i, state, host, &line, &message))
+            break;
+    buf_release(&line);
+    buf_release(&message);
 }

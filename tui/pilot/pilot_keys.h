@@ -8,14 +8,60 @@
  * As in vim, digits are a count for the key after them, a key that takes none says so, some keys
  * wait for a second one, and Escape takes back what was begun. No digit alone plants anything but
  * in PILOT_PICKING, where one corrects what the rendition shows.
+ *
+ * What finds the row for a key is in pilot_keys.c, what rows do in pilot_acts.c and, where it
+ * plants or removes, in pilot_plant.c; the table, and what users have made of it, in pilot_table.c.
  */
 #ifndef TUI_PILOT_PILOT_KEYS_H
 #define TUI_PILOT_PILOT_KEYS_H
 
+#include "base/decimal.h"
 #include "base/polyline.h"
 #include "tui/keys.h"
-#include "tui/pilot/pilot.h"
-#include "tui/pilot/setup.h"
+#include "tui/pilot/host.h"
+#include "tui/theme.h"
+
+/* ---- how the pilot is set up ---- */
+
+enum {
+    SETUP_WINDOWS_MOST = 9, /* a digit each */
+    SETUP_ROWS_MOST = 128,  /* of the table of keys */
+    SETUP_NAME_BYTES = 12,
+    SETUP_KEYS_BYTES = 48
+};
+
+/* A window of greys, in thousandths of real values. */
+struct setup_window {
+    char name[SETUP_NAME_BYTES];
+    int64_t centre, width;
+};
+
+/* With what one plants. */
+struct pilot_brush {
+    unsigned label;
+    unsigned radius; /* voxels, or halves of a millimetre where it is in_mm; 0 for one voxel */
+    bool in_mm;
+    bool has_range; /* only voxels whose intensity is within: real values */
+    struct decimal range[2];
+};
+
+struct pilot_setup {
+    const struct theme *theme;
+    struct pilot_brush brush; /* to begin with */
+    struct setup_window window[SETUP_WINDOWS_MOST];
+    size_t windows;
+    char keys[SETUP_ROWS_MOST][SETUP_KEYS_BYTES]; /* by row; "" where the user has said none */
+};
+
+/* Without a word of the user: windows for CT. */
+extern const struct pilot_setup pilot_setup_default;
+
+/* A window under that name, in place of the one that has it. ERR_USAGE for a name that is too long,
+ * ERR_LIMIT for one window too many. */
+enum err setup_window(struct pilot_setup *setup, const char *name, int64_t centre, int64_t width,
+                      struct fault *fault);
+
+/* ---- what is chosen, from one time to the next ---- */
 
 enum pilot_mode {
     PILOT_MOVING,     /* keys move the cross-hair, plant, turn .. */
@@ -107,21 +153,28 @@ void pilot_state_release(struct pilot_state *state);
 /* The pilot is entered once more: what was chosen is as it was, what was begun is not. */
 void pilot_state_enter(struct pilot_state *state);
 
+/* A key, and what it is pressed upon. */
+struct press {
+    struct pilot_state *state;
+    const struct key_event *event;
+    const struct pilot_host *host;
+    const struct pilot_facts *facts;
+    struct buf *line, *message;
+    int by;               /* of the row, once it is found; 0 and PILOT_NOTHING before, */
+    enum pilot_deed deed; /* and what it asks of the loop */
+};
+
 /* Adds the line of the command that the key stands for to `line`, if any; several, parted by line
  * feeds, are carried out one after the other until one fails. `message` gets a word for the user
  * where there is something to say. */
-enum pilot_deed pilot_press(struct pilot_state *state, const struct key_event *event,
-                            const struct pilot_host *host, const struct pilot_facts *facts,
-                            struct buf *line, struct buf *message);
+enum pilot_deed pilot_press(struct press *press);
+
+/* The same for a mouse report, which lies in the picture at this pixel. */
+void pilot_click(struct press *press, uint32_t column, uint32_t row);
 
 /* Whether a key only moves the cross-hair, and draws nothing, or begins another one: it can be
  * shown while something else is carried out. */
 bool pilot_only_moves(const struct pilot_state *state, const struct key_event *event);
-
-/* The same for a mouse report, which lies in the picture at this pixel. */
-void pilot_click(struct pilot_state *state, const struct key_event *event, uint32_t column,
-                 uint32_t row, const struct pilot_host *host, const struct pilot_facts *facts,
-                 struct buf *line, struct buf *message);
 
 /* Adds what the keys do in the present mode, in a line that fits 80 columns. */
 void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *facts,
@@ -136,5 +189,181 @@ void pilot_add_decimal(struct buf *line, double value);
 /* Adds the page of keys for a window of so many columns: two entries on a line of at most 78, or
  * one; or each in two lines, to be broken by cells_wrap. */
 void pilot_keys_page(struct buf *out, const struct pilot_setup *setup, unsigned columns);
+
+/* ---- keys typed ahead ---- */
+
+/*
+ * Keys that were typed while a command is carried out: they are taken when it has ended, in their
+ * order, and until then shown as far as they only move the cross-hair.
+ */
+enum { TYPED_AHEAD_MOST = 128 };
+
+/* {0} is empty. */
+struct typed_ahead {
+    struct key_event event[TYPED_AHEAD_MOST];
+    size_t count, taken;
+};
+
+/* Whether there is room for another; it is not asked for after a paste, whose text is kept once. */
+bool typed_ahead_has_room(const struct typed_ahead *ahead);
+void typed_ahead_add(struct typed_ahead *ahead, const struct key_event *event);
+
+/* The first of them, which goes; false where there is none. */
+bool typed_ahead_take(struct typed_ahead *ahead, struct key_event *event);
+
+/* Has the host show the cross-hair where those keys will lead, and `state` what they will make of
+ * it, up to the first that does anything else. */
+void typed_ahead_show(const struct typed_ahead *ahead, struct pilot_state *state,
+                      const struct pilot_host *host);
+
+/* ---- the table ---- */
+
+#define PILOT_IN(mode) (1u << (mode))
+
+enum pilot_flag {
+    PILOT_COUNTS = 1,      /* the row takes a count */
+    PILOT_CHANGES = 2,     /* `.` repeats it */
+    PILOT_STAYS = 4,       /* the mode does not change */
+    PILOT_IS_SILENT = 8,   /* what the line does is seen below the picture anyway */
+    PILOT_TELLS_ALL = 16,  /* each line of its answer is of use */
+    PILOT_ONLY_MOVES = 32, /* it asks nothing of the segmentation, and changes nothing of it */
+    PILOT_OUTLINES = 64    /* it plants what the corners enclose */
+};
+
+/* Words of keys are those of tui/pilot/chord.h; the first row that fits is taken. */
+struct pilot_row {
+    const char *name;    /* NULL: of the page alone */
+    const char *keys;    /* on the page, */
+    const char *also;    /* and those that do the same and are not shown there */
+    const char *shown;   /* on the page in place of the keys of this row and those that join it */
+    unsigned in;         /* these modes */
+    const char *command; /* what it does: this line, with the cross-hair's place for '@', */
+    void (*act)(struct press *);
+    int by; /* this, or that: which of several things that the function does */
+    enum pilot_deed deed;
+    enum pilot_mode then; /* the mode afterwards; PILOT_MOVING stands for the state's `base` */
+    unsigned flags;
+    const char *help; /* on the page; "" joins the row before; NULL begins another part of the page
+                         where the row has no keys, else it is not there */
+    const char
+        *hint; /* after its key, below the picture as long as one of its modes lasts; or NULL */
+};
+
+extern const struct pilot_row pilot_table[];
+extern const size_t pilot_rows;
+
+/* Gives an action of the table the keys, words of tui/pilot/chord.h. ERR_USAGE for what is no key,
+ * or a key that another action was given. */
+enum err setup_keys(struct pilot_setup *setup, size_t row, const char *words, struct fault *fault);
+
+/* The row of that name; SIZE_MAX for none. */
+size_t setup_row(const char *name);
+
+/* The keys that the user has given a row, or NULL. */
+const char *setup_own(const struct pilot_setup *setup, const struct pilot_row *row);
+
+/* Adds the keys that a row has, of those that the page shows, with blanks between; at most `most`.
+ */
+void setup_add_keys(struct buf *out, const struct pilot_setup *setup, const struct pilot_row *row,
+                    size_t most);
+
+/* Adds the first key of the row of that name; of one with a range, as s0-9, the key with this
+ * character, as s0. For messages, which name the keys that the user has. */
+void setup_add_first_key(struct buf *out, const struct pilot_setup *setup, const char *name);
+void setup_add_key_to(struct buf *out, const struct pilot_setup *setup, const char *name, char c);
+
+/* Whether a row has the keys of the table, all of them. */
+bool setup_is_plain(const struct pilot_setup *setup, const struct pilot_row *row);
+
+/* ---- what rows do ---- */
+
+/* `by` of pilot_move: which way on the screen, and whether far. */
+enum { PILOT_LEFT, PILOT_DOWN, PILOT_UP, PILOT_RIGHT, PILOT_WAYS, PILOT_FAR = PILOT_WAYS };
+
+/* Goes to a place; with the pen down, a stroke leads there. pilot_cross draws none; whether it
+ * moves. */
+void pilot_go_to(struct press *p, const uint32_t place[3]);
+bool pilot_cross(struct press *p, const uint32_t place[3]);
+/* Magnifies slices by so many steps of a quarter or so, or less, around the cross-hair. False where
+ * they are as large, or as small, as can be. */
+bool pilot_magnify_by(struct press *p, int64_t steps);
+/* Sets the corners of the last box or polygon once more, beside the cross-hair. False, with a
+ * message, where that cannot be. */
+bool pilot_move_shape(struct press *p);
+/* Takes LOW..HIGH; false where `at` begins with something else. */
+bool pilot_scan_range(const char **at, struct decimal range[2]);
+/* Goes there, draws nothing, and can be taken back. */
+void pilot_jump(struct press *p, const uint32_t place[3]);
+/* The voxel that is meant: under the cross-hair, or the one that the pixel of the rendition shows,
+ * and then the cross-hair goes there. False, with a message, where that shows none. */
+bool pilot_take_voxel(struct press *p, uint32_t place[3]);
+/* The count typed before the key; `at` moved by so many, and no further than 0 .. end - 1. */
+int64_t pilot_times(const struct press *p);
+uint32_t pilot_shifted(uint32_t at, int64_t by, uint32_t end);
+/* Adds the first key of the row of that name to the message, and words after it. */
+void pilot_say_key(struct press *p, const char *name, const char *words);
+/* A value to a thousandth, or of smaller and of huge values to so many digits. */
+struct decimal pilot_decimal(double value);
+double pilot_magnitude(double value);
+/* Whether the path that is shown has one; else false, with a message. */
+bool pilot_has_edge(struct press *p);
+/* " 90,108,90" after some words. */
+void pilot_add_place(struct buf *line, const char *before, const uint32_t place[3]);
+/* The stroke that the pen has drawn, as the lines of its command. */
+void pilot_add_stroke(struct pilot_state *state, const struct pilot_facts *facts, struct buf *line);
+void pilot_zoom(uint32_t now, bool nearer, struct buf *line);
+
+/* What rows do. `by` where it matters: 1 for the one, -1 for its counterpart. */
+void pilot_move(struct press *p);         /* one of the ways */
+void pilot_change_slice(struct press *p); /* on, back */
+void pilot_to_slice(struct press *p);     /* the first, the last, that of the count */
+void pilot_next_pane(struct press *p);
+void pilot_set_mark(struct press *p);
+void pilot_go_to_mark(struct press *p);
+void pilot_measure(struct press *p); /* from a mark to the cross-hair */
+void pilot_go_back(struct press *p);
+void pilot_next_seed(struct press *p); /* next, previous */
+void pilot_go_to_centre(struct press *p);
+void pilot_plant(struct press *p);
+void pilot_plant_label(struct press *p);
+void pilot_choose_label(struct press *p); /* next, previous, that of the count */
+void pilot_change_radius(struct press *p);
+void pilot_change_unit(struct press *p); /* of the radius */
+void pilot_take_range(struct press *p);  /* around the intensity at the cross-hair */
+void pilot_begin_range(struct press *p);
+void pilot_type_range(struct press *p);
+void pilot_erase_typed(struct press *p);
+void pilot_end_range(struct press *p);
+void pilot_set_corner(struct press *p);
+void pilot_plant_box(struct press *p);
+void pilot_plant_polygon(struct press *p);
+void pilot_plant_shell(struct press *p); /* 1: of a box; 0: of a ball */
+void pilot_lower_pen(struct press *p);
+void pilot_begin_stroke(struct press *p);
+void pilot_drop_stroke(struct press *p);
+void pilot_show_held(struct press *p); /* 1: the single tree; 0: its marker */
+void pilot_repeat(struct press *p);
+void pilot_hide(struct press *p);
+void pilot_show_all(struct press *p);
+void pilot_undo(struct press *p); /* undo, redo */
+void pilot_explain(struct press *p);
+void pilot_go_to_edge(struct press *p);    /* that of the path that is shown */
+void pilot_plant_at_edge(struct press *p); /* 1: the label of the digit; 0: what would come next */
+void pilot_enclose_at_edge(struct press *p); /* a shell through it */
+void pilot_stroke_at_edge(struct press *p);
+void pilot_go_to_hint(struct press *p); /* next, previous, that of the count */
+void pilot_show_heat(struct press *p);
+void pilot_turn(struct press *p); /* one of the ways */
+void pilot_roll(struct press *p);
+void pilot_pan(struct press *p); /* one of the ways */
+void pilot_change_zoom(struct press *p);
+void pilot_change_overlay(struct press *p);
+void pilot_change_labels(struct press *p); /* finished ones, the forest's */
+void pilot_magnify(struct press *p);       /* more, less; 0 for whole slices */
+void pilot_recentre(struct press *p);
+void pilot_show_alone(struct press *p);
+void pilot_preset(struct press *p); /* the window of that number */
+void pilot_begin_picking(struct press *p);
+void pilot_end_picking(struct press *p); /* 1: at the voxel; 0: where the cross-hair is */
 
 #endif

@@ -7,8 +7,8 @@
  * Words stay sharp in coarse tiles, and where one looks gets fine first. What tiles cost is learnt
  * from the frames that were sent. Pure.
  *
- * Where the terminal has the greys of a slice (tui/picture/strips.h) little is left to be sent, and
- * tiles are fine at once; where it will get them tiles wait for that.
+ * Where the terminal has the greys of a slice (tui/picture/painter.h) little is left to be sent,
+ * and tiles are fine at once; where it will get them tiles wait for that.
  *
  *     struct refine r = {0};
  *     refine_begin(&r, &wanted, moves, budget, &shown)    shown: what to have on the screen

@@ -1,10 +1,97 @@
 #include "tui/prompt/line.h"
 
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/mem.h"
 #include "tui/cells.h"
-#include "tui/prompt/line_recall.h"
+
+/* ---- undo ---- */
+
+static void line_undo_clear(struct line_undo *u)
+{
+    u->count = 0;
+    buf_release(&u->removed);
+}
+
+static void line_undo_release(struct line_undo *u)
+{
+    free(u->change);
+    buf_release(&u->removed);
+    *u = (struct line_undo){0};
+}
+
+/* Puts bytes before the last `tail` ones of what is held. */
+static void hold(struct line_undo *u, size_t tail, const char *bytes, size_t length)
+{
+    char *end = buf_reserve(&u->removed, length);
+    if (!end)
+        return;
+    memmove(end - tail + length, end - tail, tail);
+    memcpy(end - tail, bytes, length);
+    u->removed.length += length;
+    u->removed.data[u->removed.length] = '\0';
+}
+
+/* Makes the change a part of the last step; false where it does not fit that. */
+static bool join(struct line_undo *u, const struct line_change *c, const char *removed,
+                 enum line_step step)
+{
+    struct line_change *last = u->count ? &u->change[u->count - 1] : NULL;
+    if (step == STEP_NEW || !last)
+        return false;
+    if (step == STEP_TYPED && c->removed == 0 && c->at == last->at + last->added) {
+        last->added += c->added;
+    } else if (step == STEP_OVER && c->at == last->at && c->removed == last->added) {
+        last->added = c->added;
+    } else if (step == STEP_ERASED && c->added + last->added == 0 &&
+               (c->at == last->at || c->at + c->removed == last->at)) {
+        hold(u, c->at == last->at ? 0 : last->removed, removed, c->removed);
+        last->removed += c->removed;
+        last->at = c->at;
+    } else {
+        return false;
+    }
+    return true;
+}
+
+static void line_undo_note(struct line_undo *u, const struct line_change *change,
+                           const char *removed, enum line_step step)
+{
+    if (!join(u, change, removed, step)) {
+        if (!mem_grow(&u->change, &u->capacity, u->count + 1, sizeof *u->change)) {
+            line_undo_clear(u);
+            return;
+        }
+        u->change[u->count++] = *change;
+        if (change->removed > 0)
+            hold(u, 0, removed, change->removed);
+    }
+    if (u->removed.failed)
+        line_undo_clear(u);
+    while (u->count > LINE_UNDO_MOST || u->removed.length > LINE_UNDO_BYTES) {
+        const size_t oldest = u->change[0].removed; /* bytes */
+        memmove(u->change, u->change + 1, --u->count * sizeof *u->change);
+        u->removed.length -= oldest;
+        if (oldest > 0)
+            memmove(u->removed.data, u->removed.data + oldest, u->removed.length + 1);
+    }
+}
+
+/* Takes the last step off: *removed is what to put back, valid until the next note. False where
+ * there is none. */
+static bool line_undo_take(struct line_undo *u, struct line_change *change, const char **removed)
+{
+    if (u->count == 0)
+        return false;
+    *change = u->change[--u->count];
+    u->removed.length -= change->removed;
+    *removed = buf_text(&u->removed) + u->removed.length;
+    return true;
+}
+
+/* ---- the line ---- */
 
 void line_init(struct line *l, const struct line_history *history)
 {
@@ -248,6 +335,118 @@ static void change_letters(struct line *l, enum line_action action)
     buf_release(&changed);
 }
 
+/* ---- one line after another ---- */
+
+/* Shows entry `place`; the line of today waits in the draft meanwhile. */
+static void show_entry(struct line *l, size_t place, enum line_step step)
+{
+    if (place == l->place || place > l->history->count)
+        return;
+    if (l->place == l->history->count) {
+        buf_clear(&l->draft);
+        buf_add(&l->draft, buf_text(&l->text), l->text.length);
+    }
+    l->place = place;
+    const char *text = place == l->history->count ? buf_text(&l->draft) : l->history->line[place];
+    line_change(l, 0, l->text.length, text, strlen(text), step);
+}
+
+/* Lines shown one after another are one step. */
+static enum line_step step_after(const struct line *l, enum line_last before)
+{
+    return before == LAST_RECALLED && l->place < l->history->count ? STEP_OVER : STEP_NEW;
+}
+
+static bool is_entry(const struct line *l, size_t place)
+{
+    return strcmp(l->history->line[place], buf_text(&l->text)) == 0;
+}
+
+/* What the lines to be looked through begin with, from now on. */
+static void begin_browsing(struct line *l)
+{
+    if (l->place < l->history->count && !is_entry(l, l->place))
+        l->place = l->history->count;
+    buf_clear(&l->prefix);
+    buf_add(&l->prefix, buf_text(&l->text), l->cursor);
+}
+
+static bool is_wanted(const struct line *l, size_t place)
+{
+    return strncmp(l->history->line[place], buf_text(&l->prefix), l->prefix.length) == 0 &&
+           !is_entry(l, place);
+}
+
+static size_t older(const struct line *l)
+{
+    for (size_t place = l->place; place-- > 0;)
+        if (is_wanted(l, place))
+            return place;
+    return l->place;
+}
+
+static size_t newer(const struct line *l)
+{
+    size_t place = l->place;
+    do
+        place++;
+    while (place < l->history->count && !is_wanted(l, place));
+    return place;
+}
+
+/* ---- last words ---- */
+
+/* The last word of a line, with its quotes. */
+static const char *last_word(const char *line, size_t *length)
+{
+    const char *word = line;
+    bool quoted = false, blank = true;
+    *length = 0;
+    for (const char *at = line; *at; at++) {
+        if (blank && *at != ' ')
+            word = at;
+        blank = *at == ' ' && !quoted;
+        if (quoted && *at == '\\' && at[1])
+            at++;
+        else if (*at == '"')
+            quoted = !quoted;
+        if (!blank)
+            *length = (size_t)(at + 1 - word);
+    }
+    return word;
+}
+
+static void cite(struct line *l, bool again)
+{
+    size_t place = again ? l->cited : l->history->count, length;
+    if (place == 0)
+        return;
+    const char *word = last_word(l->history->line[--place], &length);
+    l->cited = place;
+    l->cited_at = again ? l->cited_at : l->cursor;
+    line_change(l, l->cited_at, l->cursor, word, length, again ? STEP_OVER : STEP_NEW);
+}
+
+/* LINE_OLDER and what follows it; `before` is what was done before it. */
+static void recall(struct line *l, enum line_action action, enum line_last before)
+{
+    const bool again = before == LAST_RECALLED;
+    const enum line_step step = step_after(l, before);
+    l->last = action == LINE_CITE ? LAST_CITED : LAST_RECALLED;
+    if (action != LINE_CITE && !again)
+        begin_browsing(l);
+    if (action == LINE_CITE)
+        cite(l, before == LAST_CITED);
+    else if (action == LINE_OLDER)
+        show_entry(l, older(l), step);
+    else if (action == LINE_NEWER)
+        show_entry(l, newer(l), step);
+    else
+        show_entry(l, action == LINE_OLDEST ? 0 : l->history->count, step);
+}
+
+/* ---- actions ---- */
+
 /* Where an action leads the cursor, or up to where it takes text away. */
 static size_t (*const target_of[])(const struct line *, size_t) = {
     [LINE_LEFT] = previous,
@@ -295,5 +494,116 @@ void line_act(struct line *l, enum line_action action)
     else if (action == LINE_UNDO)
         undo(l);
     else
-        line_recall(l, action, before);
+        recall(l, action, before);
+}
+
+/* ---- search ---- */
+
+/* Looks for the wanted text from entry `place` on towards the oldest. */
+static void search_from(struct line *l, size_t place)
+{
+    const char *wanted = buf_text(&l->wanted);
+    for (size_t i = place + 1; i-- > 0;) {
+        const char *found = i < l->history->count ? strstr(l->history->line[i], wanted) : NULL;
+        if (found) {
+            show_entry(l, i, step_after(l, l->last));
+            l->cursor = (size_t)(found - l->history->line[i]);
+            l->last = LAST_RECALLED;
+            l->search_failed = false;
+            return;
+        }
+    }
+    l->search_failed = true;
+}
+
+void line_search_begin(struct line *l)
+{
+    l->last = LAST_OTHER;
+    l->searching = true;
+    l->search_failed = false;
+    buf_clear(&l->wanted);
+}
+
+void line_search_add(struct line *l, const char *bytes, size_t length)
+{
+    buf_add(&l->wanted, bytes, length);
+    search_from(l, l->place);
+}
+
+/* A shorter text matches wherever the longer one did, or later; begin at the newest again. */
+void line_search_erase(struct line *l)
+{
+    if (l->wanted.length == 0)
+        return;
+    char_erase(&l->wanted);
+    l->search_failed = false;
+    if (l->wanted.length > 0)
+        search_from(l, l->history->count);
+}
+
+void line_search_again(struct line *l)
+{
+    if (l->wanted.length > 0 && l->place > 0)
+        search_from(l, l->place - 1);
+    else
+        l->search_failed = l->wanted.length > 0;
+}
+
+void line_search_end(struct line *l, bool keep)
+{
+    l->searching = l->search_failed = false;
+    if (!keep)
+        show_entry(l, l->history->count, step_after(l, l->last));
+    l->last = LAST_OTHER;
+}
+
+/* ---- suggestions ---- */
+
+enum { SUGGESTIONS_TRIED = 50 }; /* lines that begin so, newest first */
+
+/* The rest would begin with a character, not with a mark upon the last one typed. */
+static bool goes_on(const char *rest)
+{
+    uint32_t point;
+    if (*rest == '\0')
+        return false;
+    char_read(rest, strlen(rest), &point);
+    return point == CHAR_BROKEN || char_width(point) > 0;
+}
+
+const char *line_suggestion(const struct line *l, line_knows_function *knows, void *context)
+{
+    const size_t length = l->text.length;
+    unsigned tried = 0;
+    if (length == 0 || l->cursor < length)
+        return "";
+    for (size_t i = l->history->count; i-- > 0 && tried < SUGGESTIONS_TRIED;) {
+        const char *entry = l->history->line[i];
+        if (strncmp(entry, l->text.data, length) != 0 || !goes_on(entry + length))
+            continue;
+        if (knows(context, entry))
+            return entry + length;
+        tried++;
+    }
+    return "";
+}
+
+/* The end of the first word of what is suggested. */
+static size_t first_word(const struct line *l, const char *rest)
+{
+    struct line whole = {.cursor = l->cursor};
+    buf_add(&whole.text, buf_text(&l->text), l->text.length);
+    buf_add_text(&whole.text, rest);
+    const size_t end = whole.text.failed ? l->cursor : line_word_right(&whole, l->cursor);
+    buf_release(&whole.text);
+    return end - l->cursor;
+}
+
+bool line_take_suggestion(struct line *l, const char *rest, enum line_action action)
+{
+    if (*rest == '\0' || (action != LINE_RIGHT && action != LINE_END && action != LINE_WORD_RIGHT))
+        return false;
+    const size_t length = action == LINE_WORD_RIGHT ? first_word(l, rest) : strlen(rest);
+    line_replace(l, l->cursor, l->cursor, rest, length);
+    return true;
 }

@@ -1,6 +1,6 @@
 /*
- * The line being typed: text, cursor and what keys do to them. Pure; drawing is line_draw.h, the
- * terminal line_edit.h.
+ * The line being typed: text, cursor, what keys do to them, undo, and older lines that come into
+ * it. Pure; drawing is line_draw.h, the terminal line_edit.h.
  *
  * Invariants
  *   L1 the text has no control characters, and is UTF-8 as far as what was inserted is;
@@ -15,7 +15,44 @@
 
 #include "base/buf.h"
 #include "tui/prompt/line_history.h"
-#include "tui/prompt/line_undo.h"
+
+/* ---- undo ---- */
+
+/*
+ * What was done to a line, so that it can be taken back step by step, the last step first.
+ *
+ * A step says where the text changed, how much was added there, and holds what was removed: taking
+ * it back puts that in the place of what was added. What is typed up to the next word is one step,
+ * and so are characters erased one after another, and older lines looked through.
+ *
+ * Bounded: the oldest steps go when there are LINE_UNDO_MOST, or what they hold is more than
+ * LINE_UNDO_BYTES. A step that cannot be held, for its size or for the lack of memory, takes all
+ * before it along, since they would no longer fit the text.
+ */
+enum { LINE_UNDO_MOST = 1000, LINE_UNDO_BYTES = 1 << 20 };
+
+struct line_change {
+    size_t at;             /* bytes before it in the text */
+    size_t removed, added; /* bytes */
+    size_t cursor;         /* before the change */
+};
+
+/* `struct line_undo u = {0}` is empty and ready. */
+struct line_undo {
+    struct line_change *change; /* the oldest first */
+    size_t count, capacity;
+    struct buf removed; /* by all of them, in their order */
+};
+
+/* Whether a change is a step of its own, or more of the last one, where it fits that. */
+enum line_step {
+    STEP_NEW,
+    STEP_TYPED,  /* added where the last addition ended */
+    STEP_ERASED, /* removed right before or right after what was removed last */
+    STEP_OVER    /* in the place of all that the last step added */
+};
+
+/* ---- the line ---- */
 
 /* What was done last, which the same done again goes on with. */
 enum line_last { LAST_OTHER, LAST_TYPED, LAST_ERASED, LAST_KILLED, LAST_RECALLED, LAST_CITED };
@@ -91,5 +128,34 @@ void line_act(struct line *l, enum line_action action);
 /* The ends of the character and of the word after `at`. */
 size_t line_next(const struct line *l, size_t at);
 size_t line_word_right(const struct line *l, size_t at);
+
+/* ---- older lines ---- */
+
+/*
+ * Older lines come into the line being edited: one after another, by search, by their last words,
+ * or as a suggestion of how it may go on. Pure.
+ *
+ * The lines looked through with LINE_OLDER and LINE_NEWER begin with what stood before the cursor
+ * when that began. One that is the same as what is shown is passed over. An older line that has
+ * been changed is the line of today.
+ */
+/* Incremental search backwards through the history. The entry found is shown as the text. */
+void line_search_begin(struct line *l);
+void line_search_add(struct line *l, const char *bytes, size_t length);
+void line_search_erase(struct line *l);
+void line_search_again(struct line *l);          /* an older match */
+void line_search_end(struct line *l, bool keep); /* the entry stays, or the old line comes back */
+
+/* Whether a line of the history would do now what it did: a name that it needs may be gone. */
+typedef bool line_knows_function(void *context, const char *text);
+
+/* What is suggested: the rest of the newest line that begins with the text, is longer, and is
+ * known. "" where there is none, for an empty line, or where the cursor is not at the end; it may
+ * hold what is not safe to print. It lives as long as the history does not change. */
+const char *line_suggestion(const struct line *l, line_knows_function *knows, void *context);
+
+/* Takes a suggestion, or the next word of it, as LINE_RIGHT, LINE_END or LINE_WORD_RIGHT at the end
+ * of the line do; false for another action, or for "". */
+bool line_take_suggestion(struct line *l, const char *rest, enum line_action action);
 
 #endif

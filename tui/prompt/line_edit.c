@@ -1,9 +1,13 @@
 #include "tui/prompt/line_edit.h"
 
+#include <errno.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 
-#include "tui/prompt/below.h"
-#include "tui/prompt/other_editor.h"
+#include "base/file.h"
 #include "tui/probe.h"
 #include "tui/term.h"
 
@@ -72,19 +76,11 @@ static void draw_line(struct line_editor *e, const char *prompt, struct buf *out
     buf_release(&hint);
 }
 
-static enum err write_out(struct buf *out, struct fault *fault)
-{
-    enum err err = out->failed ? fault_memory(fault, "drawing the line")
-                               : term_write(buf_text(out), out->length, fault);
-    buf_release(out);
-    return err;
-}
-
 static enum err redraw(struct line_editor *e, const char *prompt, struct fault *fault)
 {
     struct buf out = {0};
     draw_line(e, prompt, &out);
-    return write_out(&out, fault);
+    return term_write_text(&out, "drawing the line", fault);
 }
 
 /* Draws the line once more with the cursor at its end, then `more`; what follows begins a line. */
@@ -99,7 +95,7 @@ static enum err leave_line(struct line_editor *e, const char *prompt, const char
     e->submits = false;
     buf_add_text(&out, more);
     e->drawing = (struct line_drawing){0};
-    return write_out(&out, fault);
+    return term_write_text(&out, "drawing the line", fault);
 }
 
 /* To the start of the line's rows, which go. */
@@ -123,16 +119,7 @@ static enum err show_above(struct line_editor *e, const char *prompt, const stru
     }
     out.failed |= text->failed;
     draw_line(e, prompt, &out);
-    return write_out(&out, fault);
-}
-
-static enum err show_news(struct line_editor *e, const char *prompt, struct fault *fault)
-{
-    struct buf text = {0};
-    e->news(e->context, &text);
-    const enum err err = show_above(e, prompt, &text, fault);
-    buf_release(&text);
-    return err;
+    return term_write_text(&out, "drawing the line", fault);
 }
 
 /* ---- completion ---- */
@@ -177,7 +164,7 @@ static enum err complete_word(struct line_editor *e, const char *prompt, struct 
         return err;
     }
     draw_line(e, prompt, &out);
-    return write_out(&out, fault);
+    return term_write_text(&out, "drawing the line", fault);
 }
 
 /* ---- keys ---- */
@@ -187,15 +174,6 @@ static enum outcome act(struct line_editor *e, enum line_action action)
     if (!line_take_suggestion(&e->line, e->hint ? suggestion(e) : "", action))
         line_act(&e->line, action);
     return GO_ON;
-}
-
-static enum outcome submit_host_line(struct line_editor *e)
-{
-    if (!e->line_of_ctrl_o)
-        return GO_ON;
-    line_clear(&e->line);
-    line_insert(&e->line, e->line_of_ctrl_o, strlen(e->line_of_ctrl_o));
-    return SUBMIT;
 }
 
 static enum outcome key_by_table(struct line_editor *e, const struct key_event *event)
@@ -220,7 +198,11 @@ static enum outcome key_by_table(struct line_editor *e, const struct key_event *
     case DUTY_OTHER_EDITOR: /* not for one line amid what has the whole screen */
         return e->is_one_line ? GO_ON : EDIT;
     case DUTY_HOST_LINE:
-        return submit_host_line(e);
+        if (!e->line_of_ctrl_o)
+            return GO_ON;
+        line_clear(&e->line);
+        line_insert(&e->line, e->line_of_ctrl_o, strlen(e->line_of_ctrl_o));
+        return SUBMIT;
     case DUTY_MORE:
     case DUTY_NONE:
         return GO_ON;
@@ -319,15 +301,6 @@ void line_editor_mend(struct line_editor *e, uint8_t byte)
 
 /* ---- the loop ---- */
 
-/* What has been taken in is forgotten when nothing is left. */
-static void tidy_input(struct line_editor *e)
-{
-    if (e->taken < e->input.length)
-        return;
-    buf_clear(&e->input);
-    e->taken = 0;
-}
-
 /* The LF of a CR LF in a paste says nothing new. */
 bool line_editor_next(struct line_editor *e, struct key_event *event)
 {
@@ -339,7 +312,10 @@ bool line_editor_next(struct line_editor *e, struct key_event *event)
         e->after_return = e->pasting && byte == '\r';
         complete = !second && keys_feed(&e->keys, byte, event);
     }
-    tidy_input(e);
+    if (e->taken == e->input.length) {
+        buf_clear(&e->input);
+        e->taken = 0;
+    }
     return complete;
 }
 
@@ -407,6 +383,133 @@ void line_editor_suspend(struct line_editor *e)
     term_suspend();
 }
 
+/* ---- another editor ---- */
+
+/*
+ * The line in an editor of the user's choice: $VISUAL, else $EDITOR, on a file that nobody else can
+ * read, which is gone afterwards.
+ *
+ * The words of the variable go to the shell, as `EDITOR="code --wait"` needs it. While the editor
+ * runs the terminal is its own, as our caller found it; Ctrl-C and Ctrl-\ are for the editor alone.
+ * Line feeds come back as blanks, other control characters not at all, so that nothing is
+ * submitted.
+ */
+enum { OTHER_EDITOR_BYTES_MOST = 1 << 20 };   /* that are taken back */
+enum { NOT_FOUND = 127, NOT_RUNNABLE = 126 }; /* the shell's exit status */
+
+/* Signals are as a program expects to find them. */
+static int spawn(pid_t *process, char *const *word)
+{
+    posix_spawnattr_t attributes;
+    sigset_t none, all;
+    sigemptyset(&none);
+    sigfillset(&all);
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setsigdefault(&attributes, &all);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+    const int number = posix_spawn(process, "/bin/sh", NULL, &attributes, word, environ);
+    posix_spawnattr_destroy(&attributes);
+    return number;
+}
+
+static enum err judge(const char *editor, int status, struct fault *fault)
+{
+    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
+    if (status == 0)
+        return OK;
+    if (code == NOT_FOUND || code == NOT_RUNNABLE)
+        return fault_set(fault, ERR_INPUT,
+                         "there is no editor %s; set VISUAL or EDITOR to one before iftty", editor);
+    return fault_set(fault, ERR_INPUT, "%s ended with %s %d; the line is as it was", editor,
+                     WIFEXITED(status) ? "status" : "signal",
+                     WIFEXITED(status) ? code : WTERMSIG(status));
+}
+
+/* Runs the editor, which has the terminal, and waits for its end. */
+static enum err run(const char *editor, const char *path, struct fault *fault)
+{
+    struct buf command = {0};
+    struct sigaction ignore = {.sa_handler = SIG_IGN}, interrupt, quit;
+    pid_t process;
+    int status = 0;
+    buf_printf(&command, "%s \"$@\"", editor);
+    if (command.failed)
+        return fault_memory(fault, "the editor's name");
+    char *const word[] = {(char[]){"sh"}, (char[]){"-c"},          command.data,
+                          (char[]){"sh"}, (char *)(uintptr_t)path, NULL};
+    sigaction(SIGINT, &ignore, &interrupt);
+    sigaction(SIGQUIT, &ignore, &quit);
+    errno = spawn(&process, word);
+    enum err err = errno ? fault_errno(fault, "start", editor) : OK;
+    while (!err && waitpid(process, &status, 0) < 0)
+        if (errno != EINTR)
+            err = fault_errno(fault, "wait for", editor);
+    sigaction(SIGINT, &interrupt, NULL);
+    sigaction(SIGQUIT, &quit, NULL);
+    buf_release(&command);
+    return err ? err : judge(editor, status, fault);
+}
+
+/* One line: what ends lines is a blank, but for the last; the rest has no control characters. */
+static void flatten(struct buf *text)
+{
+    size_t kept = 0;
+    while (text->length > 0 && strchr("\r\n \t", text->data[text->length - 1]))
+        text->length--;
+    for (size_t i = 0; i < text->length; i++) {
+        const char c = strchr("\n\t", text->data[i]) && text->data[i] ? ' ' : text->data[i];
+        if ((unsigned char)c >= ' ' && c != 127)
+            text->data[kept++] = c;
+    }
+    text->length = kept;
+    if (text->data)
+        text->data[kept] = '\0';
+}
+
+static enum err edit_file(struct buf *text, const char *editor, const char *path,
+                          struct fault *fault)
+{
+    struct buf written = {0};
+    buf_printf(&written, "%s\n", buf_text(text));
+    enum err err = file_write(path, buf_text(&written), written.length, FILE_KEEP, fault);
+    if (!err)
+        err = term_set_mode(TERM_AS_FOUND, fault);
+    if (!err)
+        err = run(editor, path, fault);
+    const enum err ours = term_set_mode(TERM_RAW, err ? NULL : fault);
+    if (!err && !ours)
+        err = file_read(&written, path, OTHER_EDITOR_BYTES_MOST, fault);
+    if (!err && !ours) {
+        flatten(&written);
+        buf_clear(text);
+        buf_add(text, buf_text(&written), written.length);
+    }
+    buf_release(&written);
+    return err ? err : ours;
+}
+
+static enum err edit_elsewhere(struct buf *text, struct fault *fault)
+{
+    struct buf folder = {0}, path = {0};
+    const char *visual = getenv("VISUAL");
+    const char *editor = visual && *visual ? visual : getenv("EDITOR");
+    if (!editor || !*editor)
+        return fault_set(fault, ERR_USAGE,
+                         "neither VISUAL nor EDITOR names an editor; `export EDITOR=nano` before "
+                         "iftty, say");
+    enum err err = folder_fresh(&folder, NULL, fault);
+    if (err)
+        return err;
+    buf_printf(&path, "%s/line", buf_text(&folder));
+    err = path.failed ? fault_memory(fault, "a path")
+                      : edit_file(text, editor, buf_text(&path), fault);
+    folder_discard(buf_text(&folder));
+    buf_release(&path);
+    buf_release(&folder);
+    return err;
+}
+
 /* The line is gone while another editor has it, and comes again at the same place. */
 static enum err edit_line_elsewhere(struct line_editor *e, const char *prompt, struct fault *fault)
 {
@@ -414,7 +517,7 @@ static enum err edit_line_elsewhere(struct line_editor *e, const char *prompt, s
     struct fault why;
     line_editor_take_answers(e);
     erase_line(e, &out);
-    enum err err = write_out(&out, fault);
+    enum err err = term_write_text(&out, "drawing the line", fault);
     buf_add(&text, buf_text(&e->line.text), e->line.text.length);
     const enum err failed = err ? OK : edit_elsewhere(&text, &why);
     if (!err && !failed && strcmp(buf_text(&text), buf_text(&e->line.text)) != 0)
@@ -428,10 +531,13 @@ static enum err edit_line_elsewhere(struct line_editor *e, const char *prompt, s
     return err;
 }
 
+/* ---- the end of a line ---- */
+
 /* Does what a key led to, short of the end of the line. */
 static enum err follow(struct line_editor *e, const char *prompt, enum outcome outcome,
                        struct fault *fault)
 {
+    struct buf news = {0};
     enum err err;
     switch (outcome) {
     case ABANDON:
@@ -455,7 +561,10 @@ static enum err follow(struct line_editor *e, const char *prompt, enum outcome o
     case EDIT:
         return edit_line_elsewhere(e, prompt, fault);
     case NEWS:
-        return show_news(e, prompt, fault);
+        e->news(e->context, &news);
+        err = show_above(e, prompt, &news, fault);
+        buf_release(&news);
+        return err;
     default:
         return OK;
     }

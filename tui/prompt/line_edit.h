@@ -4,7 +4,7 @@
  * The keys are in line_keys.c.
  *
  * After a line with the cursor at its end stands in grey how it may go on; that is no part of the
- * line. First comes what is suggested, the rest of an older line (line_recall.h), which Right, End
+ * line. First comes what is suggested, the rest of an older line (line.h), which Right, End
  * and Alt-F there take; then what may follow all that, as the host says.
  *
  * All that has arrived is taken in before the line is drawn, and a bracketed paste to its end, so
@@ -22,7 +22,6 @@
 #include "tui/prompt/line.h"
 #include "tui/prompt/line_draw.h"
 #include "tui/prompt/line_keys.h"
-#include "tui/prompt/line_recall.h"
 
 /* Fills `candidates` with whole words, one a line, for the word that begins at *word_start and ends
  * at the cursor. */

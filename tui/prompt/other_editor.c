@@ -1,4 +1,3 @@
-#include "tui/prompt/other_editor.h"
 
 #include <errno.h>
 #include <signal.h>

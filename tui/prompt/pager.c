@@ -7,6 +7,7 @@
 
 #include "base/mem.h"
 #include "tui/cells.h"
+#include "tui/term.h"
 
 void pager_init(struct pager *p, const char *text, size_t length)
 {
@@ -26,11 +27,6 @@ void pager_release(struct pager *p)
 static bool is_colour(const char *text)
 {
     return *text == '\033';
-}
-
-static bool is_plain_colour(const char *text, size_t length)
-{
-    return length == 3 || (length == 4 && text[2] == '0');
 }
 
 static bool add_row(struct pager *p, const struct pager_row *row)
@@ -55,8 +51,8 @@ static bool cut(struct pager *p, size_t line, size_t start, size_t end, size_t *
             row = (struct pager_row){at, 0, line, *colour};
             used = 0;
         }
-        if (is_colour(text))
-            *colour = is_plain_colour(text, n) ? SIZE_MAX : at;
+        if (is_colour(text)) /* ESC[m and ESC[0m take it away */
+            *colour = n == 3 || (n == 4 && text[2] == '0') ? SIZE_MAX : at;
         used += cells;
         row.length += n;
     }
@@ -162,21 +158,12 @@ static void search(struct pager *p, bool back)
 
 /* ---- keys ---- */
 
-static void erase_wanted(struct pager *p)
-{
-    struct buf *b = &p->wanted;
-    while (b->length > 0 && (b->data[--b->length] & 0xC0) == 0x80)
-        ;
-    if (b->data)
-        b->data[b->length] = '\0';
-}
-
 static void search_key(struct pager *p, const struct key_event *event)
 {
     if (event->key == KEY_CHARACTER && event->modifiers == 0) {
         buf_add(&p->wanted, event->text, event->length);
     } else if (event->key == KEY_BACKSPACE && p->wanted.length > 0) {
-        erase_wanted(p);
+        char_erase(&p->wanted);
     } else if (event->key == KEY_ENTER) {
         p->asks = false;
         search(p, false);
@@ -327,4 +314,107 @@ void pager_print(const struct pager *p, struct buf *out)
         add_row_text(p, i, false, out);
         buf_add_text(out, "\r\n");
     }
+}
+
+/* ---- at the terminal ---- */
+
+enum { ROWS_LEAST = 4, COLUMNS_LEAST = 12 };
+
+#define OTHER_SCREEN "\033[?1049h"
+#define USUAL_SCREEN "\033[m\033[?1049l"
+
+/* False for an event that leaves. */
+static bool take_event(struct line_editor *e, struct pager *p, const struct key_event *event)
+{
+    if (event->key == KEY_REPLY) {
+        line_editor_reply(e);
+        return true;
+    }
+    if (event->key == KEY_PASTE_BEGIN)
+        e->pasting = true;
+    if (event->key == KEY_CHARACTER && event->modifiers == KEY_CONTROL && event->point == 'z') {
+        line_editor_suspend(e);
+        return true;
+    }
+    return event->key != KEY_PASTE_BEGIN && pager_key(p, event);
+}
+
+/* False when a key leaves, or the terminal has gone. */
+static bool take_input(struct line_editor *e, struct pager *p)
+{
+    struct key_event event;
+    while (line_editor_next(e, &event))
+        if (!take_event(e, p, &event))
+            return false;
+    return true;
+}
+
+static bool wait(struct line_editor *e, struct pager *p)
+{
+    struct key_event event;
+    const bool waiting = keys_waiting(&e->keys);
+    switch (term_read(&e->input, waiting ? KEYS_TIMEOUT_MS : -1, -1)) {
+    case TERM_BYTES:
+        return take_input(e, p);
+    case TERM_TIMEOUT:
+        return !line_editor_time_out(e, &event) || take_event(e, p, &event);
+    case TERM_SIGNAL:
+        term_was_continued();
+        term_was_resized();
+        return true;
+    default:
+        return false;
+    }
+}
+
+static enum err draw(struct pager *p, struct fault *fault)
+{
+    struct buf out = {0};
+    const struct term_size size = term_size();
+    out.failed = !pager_fit(p, size.columns, size.rows);
+    pager_draw(p, &out);
+    return term_write_text(&out, "a page", fault);
+}
+
+static enum err leave(const struct pager *p, struct fault *fault)
+{
+    struct buf out = {0};
+    const enum err err = term_change_sequences(TERM_PROMPT_BEGINS, TERM_PROMPT_ENDS, fault);
+    if (err)
+        return err;
+    pager_print(p, &out);
+    return term_write_text(&out, "a page", fault);
+}
+
+static enum err show(struct line_editor *e, struct pager *p, struct fault *fault)
+{
+    bool stays = true;
+    enum err err = term_change_sequences(TERM_PROMPT_BEGINS OTHER_SCREEN,
+                                         USUAL_SCREEN TERM_PROMPT_ENDS, fault);
+    while (!err && stays) {
+        err = draw(p, fault);
+        stays = !err && wait(e, p);
+    }
+    const enum err left = leave(p, err ? NULL : fault);
+    return err ? err : left;
+}
+
+/* What has been typed meanwhile, once the answers that are due have come. */
+static bool is_typed_on(struct line_editor *e)
+{
+    line_editor_take_answers(e);
+    term_read(&e->input, 0, -1);
+    return e->pasting || e->taken < e->input.length;
+}
+
+enum err page_text(struct line_editor *e, const struct buf *text, bool *paged, struct fault *fault)
+{
+    struct pager p;
+    const struct term_size size = term_size();
+    pager_init(&p, buf_text(text), text->length);
+    *paged = size.rows >= ROWS_LEAST && size.columns >= COLUMNS_LEAST && !text->failed &&
+             pager_fit(&p, size.columns, size.rows) && pager_is_needed(&p) && !is_typed_on(e);
+    const enum err err = *paged ? show(e, &p, fault) : OK;
+    pager_release(&p);
+    return err;
 }

@@ -9,7 +9,8 @@
  * The text is safe to print; colours (CSI .. m) go on from one row to the next. Lines are broken as
  * cells_wrap breaks them, and words that are wider than the screen at its edge, so that a row of
  * ours is a row of the screen. Another size of the screen keeps the line that is at the top. The
- * last row of the screen says where one is. Pure: events in, bytes out.
+ * last row of the screen says where one is. Pure: events in, bytes out; page_text alone is at the
+ * terminal.
  *
  * Promises
  *   V1 nothing is drawn beyond the screen, and no row waits with a wrap when the next is drawn;
@@ -23,7 +24,8 @@
 #include <stddef.h>
 
 #include "base/buf.h"
-#include "tui/keys.h"
+#include "base/err.h"
+#include "tui/prompt/line_edit.h"
 
 struct pager_row {
     size_t start, length; /* in pager.wrapped */
@@ -60,5 +62,14 @@ bool pager_key(struct pager *p, const struct key_event *event);
 /* The whole screen, from anywhere on it; and the rows that show, as lines that end in CR LF. */
 void pager_draw(const struct pager *p, struct buf *out);
 void pager_print(const struct pager *p, struct buf *out);
+
+/* ---- at the terminal, on its other screen ---- */
+
+/* Shows `text`, lines that are safe to print, until a key that leaves; the page that was looked at
+ * last then stands above the prompt. *paged says whether it was shown: not where it fits the
+ * screen, nor in a screen of less than 4 rows or 12 columns, nor where somebody has typed on
+ * already, whose keys are for the prompt. A paste leaves, and is the prompt's as a whole. The
+ * terminal is open and raw. */
+enum err page_text(struct line_editor *e, const struct buf *text, bool *paged, struct fault *fault);
 
 #endif

@@ -8,9 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "tui/prompt/below.h"
-#include "tui/prompt/paging.h"
-#include "tui/picture/graphics.h"
+#include "tui/prompt/pager.h"
 #include "tui/term.h"
 #include "tui/cells.h"
 
@@ -137,7 +135,7 @@ static void add_picture(struct prompt *p, struct buf *out)
     if (!p->host->picture || !p->host->picture(p->host->context, &view))
         return;
     if (e->answers_due > 0 && probe_await(e->answers_due, BARRIER_MS, &e->input) == 0)
-        probe_add_recovery(&p->facts, out);
+        graphics_add_recovery(&p->facts, out);
     e->answers_due = 0;
     const struct term_size size = term_size();
     size_t before = out->length;
@@ -148,16 +146,6 @@ static void add_picture(struct prompt *p, struct buf *out)
         buf_add_text(out, "\033[c");
         e->answers_due = 1;
     }
-}
-
-/* The error below the line that it is about, which was typed after `prompt`. */
-static void add_error_below(struct buf *text, const char *prompt, const char *line, enum err err,
-                            const struct fault *fault, bool coloured)
-{
-    const struct caret caret = {prompt, line, fault->at - 1, text->length == 0, coloured};
-    if (fault->at > 0)
-        caret_add(text, &caret, term_size().columns);
-    add_error(text, err, fault, coloured);
 }
 
 /* What a command had to say, in one write, or in a pager where it `may_page`; no picture is paged.
@@ -181,12 +169,12 @@ static enum err show(struct prompt *p, struct buf *text, bool may_page, struct f
         cells_wrap(&out, text, term_size().columns);
     }
     if (!err && !paged)
-        err = term_write(buf_text(&out), out.length, fault);
+        return term_write_text(&out, "the output", fault);
     buf_release(&out);
     return err;
 }
 
-/* Runs a command and shows what it has to say. */
+/* Runs a command, which was typed after `prompt`, and shows what it has to say. */
 static enum err execute(struct prompt *p, const char *prompt, const char *line, struct fault *fault)
 {
     struct buf text = {0};
@@ -198,8 +186,13 @@ static enum err execute(struct prompt *p, const char *prompt, const char *line, 
     err = term_set_mode(TERM_RAW, fault);
     end_line(&text);
     const bool may_page = !failed || text.length > 0; /* an error alone stays where it is */
-    if (failed)
-        add_error_below(&text, prompt, line, failed, &of_command, p->facts.colours != COLOURS_NONE);
+    if (failed) {
+        const bool coloured = p->facts.colours != COLOURS_NONE;
+        const struct caret caret = {prompt, line, of_command.at - 1, text.length == 0, coloured};
+        if (of_command.at > 0)
+            caret_add(&text, &caret, term_size().columns);
+        add_error(&text, failed, &of_command, coloured);
+    }
     if (!err)
         err = show(p, &text, may_page, fault);
     buf_release(&text);
@@ -224,12 +217,9 @@ static enum err begin(struct prompt *p, struct fault *fault)
     buf_add_text(&out, "\r\033[K");
     end_line(&text);
     cells_wrap(&out, &text, term_size().columns);
-    if (out.failed && !err)
-        err = fault_memory(fault, "the output");
-    term_write(buf_text(&out), out.length, NULL);
+    const enum err shown = term_write_text(&out, "the output", err ? NULL : fault);
     buf_release(&text);
-    buf_release(&out);
-    return err;
+    return err ? err : shown;
 }
 
 /* An error of what takes the whole screen is printed, and the prompt goes on. */
@@ -245,9 +235,7 @@ static enum err give_screen(struct prompt *p, bool *ended, struct fault *fault)
     }
     if (err)
         add_error(&words, err, &why, p->facts.colours != COLOURS_NONE);
-    err = words.length ? term_write(buf_text(&words), words.length, fault) : OK;
-    buf_release(&words);
-    return err;
+    return term_write_text(&words, "the error", fault);
 }
 
 /* A history that cannot be stored is no reason to stop: one warning. */
@@ -258,21 +246,13 @@ static void warn_of_history(struct prompt *p, enum err err, const struct fault *
         return;
     p->history_path = NULL;
     buf_printf(&words, "history: %s; IFTTY_HISTORY= (empty) stores none\r\n", fault->text);
-    term_write(buf_text(&words), words.length, NULL);
-    buf_release(&words);
-}
-
-static void keep_line(struct prompt *p)
-{
-    struct fault fault;
-    if (p->history_path && p->editor.stored)
-        warn_of_history(p, line_history_append(&p->editor.history, p->history_path, &fault),
-                        &fault);
+    term_write_text(&words, "a warning", NULL);
 }
 
 static enum err run_prompt(struct prompt *p, struct fault *fault)
 {
     struct buf prompt = {0};
+    struct fault of_history;
     bool ended = false;
     enum err err = begin(p, fault);
     while (!err && !p->host->finished(p->host->context)) {
@@ -281,7 +261,10 @@ static enum err run_prompt(struct prompt *p, struct fault *fault)
         err = line_edit(&p->editor, buf_text(&prompt), &ended, fault);
         if (err || ended)
             break;
-        keep_line(p);
+        if (p->history_path && p->editor.stored)
+            warn_of_history(p,
+                            line_history_append(&p->editor.history, p->history_path, &of_history),
+                            &of_history);
         if (!is_blank(buf_text(&p->editor.line.text)))
             err = execute(p, buf_text(&prompt), buf_text(&p->editor.line.text), fault);
         if (!err && p->host->screen && p->host->wants_screen(p->host->context))
@@ -293,17 +276,16 @@ static enum err run_prompt(struct prompt *p, struct fault *fault)
     return err;
 }
 
-static enum err open_terminal(int in, struct graphics_wish wish, struct terminal_facts *facts,
-                              struct buf *typed, const char *begin, const char *end,
-                              struct fault *fault)
+static enum err open_terminal(int in, struct graphics_wish wish, bool prompts,
+                              struct terminal_facts *facts, struct buf *typed, struct fault *fault)
 {
     enum err err = term_open(in, STDOUT_FILENO, fault);
     if (err)
         return err;
-    term_set_sequences(begin, end);
+    term_set_sequences(prompts ? TERM_PROMPT_BEGINS : "", prompts ? TERM_PROMPT_ENDS : "");
     err = term_set_mode(TERM_RAW, fault);
     if (!err)
-        err = probe_terminal(wish.count ? wish : graphics_auto, facts, typed, fault);
+        err = graphics_probe(wish.count ? wish : graphics_auto, facts, typed, fault);
     return err;
 }
 
@@ -320,8 +302,8 @@ static enum err run_interactive(const struct repl_host *host, const struct repl_
     p.editor.line_of_ctrl_o = host->screen_line;
     if (options->history_path)
         loaded = line_history_load(&p.editor.history, options->history_path, &of_history);
-    enum err err = open_terminal(STDIN_FILENO, options->graphics, &p.facts, &p.editor.input,
-                                 TERM_PROMPT_BEGINS, TERM_PROMPT_ENDS, fault);
+    enum err err =
+        open_terminal(STDIN_FILENO, options->graphics, true, &p.facts, &p.editor.input, fault);
     if (!err)
         warn_of_history(&p, loaded, &of_history);
     if (p.facts.colours != COLOURS_NONE)
@@ -360,7 +342,7 @@ bool show_picture_once(struct graphics_wish wish, const struct image_view *view)
     int in = own ? open("/dev/tty", O_RDWR | O_CLOEXEC | O_NOCTTY) : STDIN_FILENO;
     if (in < 0)
         return false;
-    if (tcgetpgrp(in) == getpgrp() && open_terminal(in, wish, &facts, &typed, "", "", NULL) == OK) {
+    if (tcgetpgrp(in) == getpgrp() && open_terminal(in, wish, false, &facts, &typed, NULL) == OK) {
         const struct term_size size = term_size();
         show_inline(&facts, view, size.columns, size.rows, &out);
         shown = out.length > 0 && !out.failed && term_write(out.data, out.length, NULL) == OK;

@@ -16,8 +16,7 @@
 
 #include "base/buf.h"
 #include "base/err.h"
-#include "tui/picture/image_view.h"
-#include "tui/probe.h"
+#include "tui/picture/graphics.h"
 #include "tui/prompt/line_edit.h"
 #include "tui/theme.h"
 
@@ -62,7 +61,7 @@ struct repl_host {
 struct repl_options {
     struct graphics_wish graphics; /* one, whatever the terminal says; {0}: it decides */
     const char *history_path;      /* NULL: no history file */
-    bool pages; /* at a terminal, what is longer than the screen has a pager (paging.h) */
+    bool pages; /* at a terminal, what is longer than the screen has a pager (pager.h) */
     const struct theme *theme; /* NULL: the one of dark terminals */
 };
 

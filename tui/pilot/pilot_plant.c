@@ -1,0 +1,455 @@
+/* What keys do that plant or remove: seeds, strokes, boxes, polygons and shells, with a brush. */
+#include "tui/pilot/pilot_keys.h"
+
+#include <string.h>
+
+#include "base/scan.h"
+
+enum {
+    RADIUS_MOST = 32,
+    LABELS = 256,
+    CORNERS_MOST = 1000,
+    LINE_MOST = 60000 /* bytes; a journal takes 65535 */
+};
+
+/* ---- lines ---- */
+
+void pilot_add_place(struct buf *line, const char *before, const uint32_t place[3])
+{
+    buf_printf(line, "%s%u,%u,%u", before, place[0], place[1], place[2]);
+}
+
+/* "2.5mm" */
+static void add_radius(struct buf *out, const struct pilot_brush *brush)
+{
+    pilot_add_decimal(out, brush->in_mm ? brush->radius / 2.0 : brush->radius);
+    buf_add_text(out, brush->in_mm ? "mm" : "");
+}
+
+/* "80..120" */
+static void add_range(struct buf *out, const struct pilot_brush *brush)
+{
+    decimal_write(out, &brush->range[0]);
+    buf_add_text(out, "..");
+    decimal_write(out, &brush->range[1]);
+}
+
+/* " 2 range=80..120" */
+static void add_label(struct buf *line, const struct pilot_brush *brush)
+{
+    buf_printf(line, " %u", brush->label);
+    if (!brush->has_range)
+        return;
+    buf_add_text(line, " range=");
+    add_range(line, brush);
+}
+
+/* The command of a seed, without its line feed. */
+static void begin_seed(struct buf *line, const uint32_t place[3], const struct pilot_brush *brush)
+{
+    pilot_add_place(line, "seed ", place);
+    add_label(line, brush);
+    if (!brush->radius)
+        return;
+    buf_add_text(line, " radius=");
+    add_radius(line, brush);
+}
+
+/* A seed of the brush; with another end, a stroke to there. */
+static void add_seed(struct press *p, const uint32_t place[3], const uint32_t *other_end)
+{
+    begin_seed(p->line, place, &p->state->brush);
+    if (other_end)
+        pilot_add_place(p->line, " to=", other_end);
+    buf_add_char(p->line, '\n');
+    p->state->is_silent = false;
+}
+
+/* ---- the brush ---- */
+
+void pilot_add_brush(struct buf *out, const struct pilot_brush *brush)
+{
+    if (brush->radius) {
+        buf_add_text(out, " r");
+        add_radius(out, brush);
+    }
+    if (brush->has_range) {
+        buf_add_char(out, ' ');
+        add_range(out, brush);
+    }
+}
+
+static void say_brush(struct press *p)
+{
+    const struct pilot_brush *brush = &p->state->brush;
+    buf_add_text(p->message, "the brush: label ");
+    p->host->label(p->host->context, brush->label, p->message);
+    buf_add_text(p->message, ", radius ");
+    add_radius(p->message, brush);
+    if (!brush->has_range)
+        return;
+    buf_add_text(p->message, ", intensities ");
+    add_range(p->message, brush);
+}
+
+void pilot_choose_label(struct press *p)
+{
+    const uint32_t count = p->state->count;
+    if (count >= LABELS) {
+        buf_printf(p->message, "labels are 0 to %d, not %u", LABELS - 1, count);
+        return;
+    }
+    p->state->brush.label =
+        count ? count : (p->state->brush.label + (p->by < 0 ? LABELS - 1 : 1)) % LABELS;
+    say_brush(p);
+}
+
+void pilot_change_radius(struct press *p)
+{
+    struct pilot_brush *brush = &p->state->brush;
+    const uint32_t most = brush->in_mm ? 2 * RADIUS_MOST : RADIUS_MOST;
+    brush->radius = pilot_shifted(brush->radius, p->by * pilot_times(p), most + 1);
+    say_brush(p);
+}
+
+/* From so many voxels to so many millimetres, and back. */
+void pilot_change_unit(struct press *p)
+{
+    struct pilot_brush *brush = &p->state->brush;
+    brush->in_mm = !brush->in_mm;
+    brush->radius = brush->in_mm ? 2 * brush->radius : brush->radius / 2;
+    say_brush(p);
+}
+
+/* As wide on each side as the count says, or a twentieth of the window, in whole numbers if so. */
+void pilot_take_range(struct press *p)
+{
+    struct pilot_brush *brush = &p->state->brush;
+    const double here = p->facts->intensity;
+    double width = pilot_magnitude(p->facts->window[1] - p->facts->window[0]) / 20;
+    width = p->state->count             ? p->state->count
+            : width > 1 && width < 1e12 ? (double)(int64_t)width
+                                        : width;
+    brush->has_range = true;
+    brush->range[0] = pilot_decimal(here - width);
+    brush->range[1] = pilot_decimal(here + width);
+    say_brush(p);
+}
+
+void pilot_begin_range(struct press *p)
+{
+    p->state->typed[0] = '\0';
+}
+
+void pilot_type_range(struct press *p)
+{
+    char *typed = p->state->typed;
+    const size_t length = strlen(typed);
+    if (length < PILOT_RANGE_BYTES - 1) {
+        typed[length] = (char)p->event->point;
+        typed[length + 1] = '\0';
+    }
+}
+
+void pilot_erase_typed(struct press *p)
+{
+    const size_t length = strlen(p->state->typed);
+    p->state->typed[length ? length - 1 : 0] = '\0';
+}
+
+bool pilot_scan_range(const char **at, struct decimal range[2])
+{
+    return decimal_scan(at, &range[0]) && scan_text(at, "..") && decimal_scan(at, &range[1]) &&
+           decimal_value(&range[0]) <= decimal_value(&range[1]);
+}
+
+/* Nothing typed takes the range away. */
+void pilot_end_range(struct press *p)
+{
+    struct pilot_brush *brush = &p->state->brush;
+    const char *at = p->state->typed;
+    struct decimal range[2];
+    if (*at && !(pilot_scan_range(&at, range) && *at == '\0')) {
+        buf_printf(p->message,
+                   "expected LOW..HIGH, as in 40..1200.5, not %s; the brush is as it "
+                   "was",
+                   p->state->typed);
+        return;
+    }
+    brush->has_range = p->state->typed[0] != '\0';
+    if (brush->has_range)
+        memcpy(brush->range, range, sizeof range);
+    say_brush(p);
+}
+
+/* ---- seeds ---- */
+
+void pilot_plant(struct press *p)
+{
+    struct pilot_state *state = p->state;
+    uint32_t place[3];
+    if (!pilot_take_voxel(p, place))
+        return;
+    add_seed(p, place, state->stroke.is_set ? state->stroke.place : NULL);
+    state->stroke.is_set = false;
+}
+
+void pilot_plant_label(struct press *p)
+{
+    p->state->brush.label = p->event->point - '0';
+    pilot_plant(p);
+}
+
+/* As large as the brush, whose label it then is. */
+void pilot_plant_at_edge(struct press *p)
+{
+    struct pilot_state *state = p->state;
+    if (!pilot_has_edge(p))
+        return;
+    state->brush.label = p->by ? p->event->point - '0' : state->way.next;
+    pilot_jump(p, state->way.edge);
+    add_seed(p, state->way.edge, NULL);
+}
+
+/* That of the ball around the path's seed through the edge. */
+void pilot_enclose_at_edge(struct press *p)
+{
+    const struct pilot_way *way = &p->state->way;
+    if (!pilot_has_edge(p))
+        return;
+    if (memcmp(way->root, way->edge, sizeof way->root) == 0 || way->label == way->next) {
+        buf_add_text(p->message, "there is no shell between a voxel and itself");
+        return;
+    }
+    pilot_jump(p, way->edge);
+    pilot_add_place(p->line, "seed ", way->root);
+    buf_printf(p->line, " %u shell=yes around=%u", way->next, way->label);
+    pilot_add_place(p->line, " through=", way->edge);
+    buf_add_char(p->line, '\n');
+    p->state->is_silent = false;
+}
+
+void pilot_show_held(struct press *p)
+{
+    struct buf held = {0};
+    uint32_t place[3];
+    if (!pilot_take_voxel(p, place))
+        return;
+    if (p->host->held(p->host->context, place, p->by, &held)) {
+        p->state->mode = p->by ? PILOT_CONFIRMING_TREE : PILOT_CONFIRMING;
+        buf_printf(p->message, "%s; ", buf_text(&held));
+        pilot_say_key(p, p->by ? "eliminate-that-tree" : "eliminate-it", " removes it");
+    } else {
+        buf_add_text(p->message, "no tree holds this voxel");
+    }
+    p->message->failed |= held.failed;
+    buf_release(&held);
+}
+
+/* ---- strokes ---- */
+
+void pilot_go_to(struct press *p, const uint32_t place[3])
+{
+    struct pilot_pen *pen = &p->state->pen;
+    if (!pilot_cross(p, place) || !pen->is_down)
+        return;
+    pen->brush = p->state->brush;
+    p->line->failed |= (pen->line.count == 0 && !polyline_add(&pen->line, p->facts->place)) ||
+                       !polyline_add(&pen->line, place);
+    add_seed(p, place, p->facts->place);
+    p->state->sketches = p->state->is_silent = true;
+}
+
+/* Parts of a stroke that is too long for a line of the journal are joined. */
+void pilot_add_stroke(struct pilot_state *state, const struct pilot_facts *facts, struct buf *line)
+{
+    const struct pilot_pen *pen = &state->pen;
+    const uint32_t(*corner)[3] = (const uint32_t(*)[3])pen->line.corner;
+    const char *end = "\n";
+    pilot_add_place(line, "cross ", facts->place);
+    buf_add_text(line, end);
+    size_t begin = line->length;
+    begin_seed(line, corner[0], &pen->brush);
+    for (size_t i = 1; i < pen->line.count; i++) {
+        if (line->length - begin > LINE_MOST) {
+            buf_add_text(line, end);
+            end = " joined=yes\n";
+            begin = line->length;
+            begin_seed(line, corner[i - 1], &pen->brush);
+        }
+        pilot_add_place(line, " to=", corner[i]);
+    }
+    buf_add_text(line, end);
+    state->is_silent = false;
+}
+
+void pilot_lower_pen(struct press *p)
+{
+    p->state->pen.is_down = !p->state->pen.is_down;
+    if (!p->state->pen.is_down) /* else what stands below the picture says so as long as it is */
+        buf_add_text(p->message, "the pen is up");
+}
+
+void pilot_begin_stroke(struct press *p)
+{
+    memcpy(p->state->stroke.place, p->facts->place, sizeof p->state->stroke.place);
+    p->state->stroke.is_set = true;
+    buf_add_text(p->message, "one end of a stroke; a seed where the other is draws it");
+}
+
+/* One end of it; the next seed is the other. */
+void pilot_stroke_at_edge(struct press *p)
+{
+    struct pilot_state *state = p->state;
+    if (!pilot_has_edge(p))
+        return;
+    state->brush.label = state->way.next;
+    memcpy(state->stroke.place, state->way.edge, sizeof state->stroke.place);
+    state->stroke.is_set = true;
+    pilot_jump(p, state->way.edge);
+    buf_add_text(p->message, "one end of a stroke; a seed where the other is draws it");
+}
+
+void pilot_drop_stroke(struct press *p)
+{
+    struct pilot_state *state = p->state;
+    state->drops = state->pen.line.count > 1;
+    if (state->drops)
+        buf_add_text(p->message, "the stroke is dropped, and the pen is up");
+    else if (state->outline.count)
+        buf_add_text(p->message, "the corners are dropped");
+    state->pen.line.count = state->outline.count = 0;
+    state->stroke.is_set = state->pen.is_down = false;
+}
+
+/* ---- boxes and polygons ---- */
+
+/* Whether a slice of some plane goes through all corners and the place. */
+static bool is_flat(const struct polyline *outline, const uint32_t place[3])
+{
+    bool same[3] = {true, true, true};
+    for (size_t i = 0; i < outline->count; i++)
+        for (int a = 0; a < 3; a++)
+            same[a] &= outline->corner[i][a] == place[a];
+    return same[0] || same[1] || same[2];
+}
+
+void pilot_set_corner(struct press *p)
+{
+    struct polyline *outline = &p->state->outline;
+    if (outline->count >= 2 && !is_flat(outline, p->facts->place)) {
+        buf_add_text(p->message, "this lies in another slice than the corners so far; ");
+        pilot_say_key(p, "drop", " drops them");
+        return;
+    }
+    if (outline->count >= CORNERS_MOST || !polyline_add(outline, p->facts->place)) {
+        buf_printf(p->message, "a polygon has %d corners at most", CORNERS_MOST);
+        return;
+    }
+    buf_printf(p->message, "%zu corner%s", outline->count, outline->count == 1 ? "" : "s");
+    if (outline->count == 2)
+        return;
+    buf_add_text(p->message, "; ");
+    if (outline->count > 1) {
+        pilot_say_key(p, "polygon", " plants the polygon");
+        return;
+    }
+    pilot_say_key(p, "box", " plants the box to the cross-hair, ");
+    pilot_say_key(p, "enclose-in-box", " its faces, ");
+    pilot_say_key(p, "enclose", " a ball's shell");
+}
+
+/* The corners are set no more, but remembered for `.`. */
+static void keep_shape(struct press *p)
+{
+    struct pilot_shape *shape = &p->state->shape;
+    const struct polyline former = shape->outline;
+    shape->outline = p->state->outline;
+    memcpy(shape->place, p->facts->place, sizeof shape->place);
+    p->state->outline = former;
+    p->state->outline.count = 0;
+}
+
+/* Whether one corner is set; says what to do where not. */
+static bool has_one_corner(struct press *p, const char *what, const char *corner)
+{
+    const struct polyline *outline = &p->state->outline;
+    if (outline->count == 1)
+        return true;
+    buf_printf(p->message, "%s takes one %s, and there are %zu; ", what, corner, outline->count);
+    pilot_say_key(p, outline->count ? "drop" : "corner",
+                  outline->count ? " drops them" : " sets it");
+    return false;
+}
+
+/* From the corner to the cross-hair. */
+void pilot_plant_box(struct press *p)
+{
+    struct polyline *outline = &p->state->outline;
+    if (!has_one_corner(p, "a box", "corner"))
+        return;
+    pilot_add_place(p->line, "box ", outline->corner[0]);
+    pilot_add_place(p->line, " ", p->facts->place);
+    add_label(p->line, &p->state->brush);
+    buf_add_char(p->line, '\n');
+    keep_shape(p);
+}
+
+/* The background's, around the label of the brush: of the box between the corner and the
+ * cross-hair, or of the ball around the one through the other. */
+void pilot_plant_shell(struct press *p)
+{
+    const struct polyline *outline = &p->state->outline;
+    const unsigned inside = p->state->brush.label;
+    if (!has_one_corner(p, p->by ? "a box" : "a ball", p->by ? "corner" : "middle"))
+        return;
+    pilot_add_place(p->line, p->by ? "box " : "seed ", outline->corner[0]);
+    if (p->by)
+        pilot_add_place(p->line, " ", p->facts->place);
+    buf_add_text(p->line, " 0 shell=yes");
+    if (inside)
+        buf_printf(p->line, " around=%u", inside);
+    if (!p->by)
+        pilot_add_place(p->line, " through=", p->facts->place);
+    buf_add_char(p->line, '\n');
+    keep_shape(p);
+}
+
+void pilot_plant_polygon(struct press *p)
+{
+    struct polyline *outline = &p->state->outline;
+    if (outline->count < 3) {
+        buf_printf(p->message, "a polygon takes 3 corners or more, and there %s %zu; ",
+                   outline->count == 1 ? "is" : "are", outline->count);
+        pilot_say_key(p, "corner", " sets one");
+        return;
+    }
+    pilot_add_place(p->line, "fill ", outline->corner[0]);
+    add_label(p->line, &p->state->brush);
+    for (size_t i = 1; i < outline->count; i++)
+        pilot_add_place(p->line, " to=", outline->corner[i]);
+    buf_add_char(p->line, '\n');
+    keep_shape(p);
+}
+
+bool pilot_move_shape(struct press *p)
+{
+    const struct pilot_shape *shape = &p->state->shape;
+    struct polyline *outline = &p->state->outline;
+    bool fits = true;
+    outline->count = 0;
+    for (size_t i = 0; fits && i < shape->outline.count; i++) {
+        int64_t at[3];
+        for (int a = 0; a < 3; a++) {
+            at[a] = (int64_t)shape->outline.corner[i][a] + p->facts->place[a] - shape->place[a];
+            fits &= at[a] >= 0;
+        }
+        const uint32_t corner[3] = {(uint32_t)at[0], (uint32_t)at[1], (uint32_t)at[2]};
+        fits = fits && polyline_add(outline, corner);
+    }
+    if (fits)
+        return true;
+    outline->count = 0;
+    buf_add_text(p->message, "here it would leave the scene");
+    return false;
+}
