@@ -8,6 +8,57 @@
 #include "show/draw.h"
 #include "show/slicing.h"
 
+/* A command that is being carried out: by whom, with which values, and where its answer goes. */
+struct act {
+    struct interpreter *interp;
+    struct session *session; /* the interpreter's */
+    const struct call *call; /* NULL where no command is carried out */
+    struct state *next;      /* a copy of the session's state, to be changed; act_go goes there */
+    struct reply *reply;
+    struct fault *fault;
+};
+
+/* What the command was given for the parameter of this name, which it has in the table. */
+static inline const struct value *act_value(const struct act *act, const char *name)
+{
+    return call_value(act->call, name);
+}
+
+/* Whether one of these parameters, "a|b|c", is given. */
+static inline bool act_has(const struct act *act, const char *names)
+{
+    return call_has(act->call, names);
+}
+
+/* The word that it is given as (struct value); NULL where it is not given, or no word. */
+static inline const char *act_text(const struct act *act, const char *name)
+{
+    return act_value(act, name)->text;
+}
+
+/* The number; where it is not given, 0, or `usual`. */
+static inline int64_t act_number(const struct act *act, const char *name)
+{
+    return act_value(act, name)->number;
+}
+
+static inline int64_t act_number_or(const struct act *act, const char *name, int64_t usual)
+{
+    return act_has(act, name) ? act_number(act, name) : usual;
+}
+
+/* The place X,Y,Z, or the first and last of a range. */
+static inline const uint32_t *act_place(const struct act *act, const char *name)
+{
+    return act_value(act, name)->place;
+}
+
+/* Of the choices yes|no; "no" where it is not given. */
+static inline bool act_is_yes(const struct act *act, const char *name)
+{
+    return act_has(act, name) && act_number(act, name) == 0;
+}
+
 /* act_scene.c */
 enum err act_open(const struct act *act);
 enum err act_interpolate(const struct act *act);
@@ -135,11 +186,10 @@ void surprise_write(struct buf *out, const struct session *session, const char *
 /* The labels that a command shows, saves or counts, once the edits that wait have been run: with
  * `finished=yes`, the finished ones, whose digest is added to the words of the record. In a session
  * that skims they are of no meaning. */
-enum err act_take_labels(const struct act *act, const struct value *finished,
-                         struct labels *labels);
+enum err act_take_labels(const struct act *act, struct labels *labels);
 
 /* The same for a picture: where `finished=` is not given, as `finished on|off` has it. */
-enum err act_take_shown(const struct act *act, const struct value *finished, struct labels *labels);
+enum err act_take_shown(const struct act *act, struct labels *labels);
 
 /* "finish    majority radius=1, largest" as a line, and whether pictures show it; nothing where
  * there are no steps. */
@@ -181,7 +231,7 @@ struct planting {
     size_t unsure; /* taken or not, of levels that the range splits */
 };
 
-/* `range` is the parameter of that name, given or not. */
+/* `range` is the parameter of that name, given or not, or NULL. */
 struct planting act_begin_planting(const struct session *session, const struct value *range);
 
 /* Plants one more marker, of those of the cells that may be planted, which come to the front. */
@@ -195,9 +245,8 @@ void act_write_unsure(const struct act *act, size_t voxels);
 /* Says what was left out; ERR_INPUT where that was all. */
 enum err act_write_planting(const struct act *act, const struct planting *planting);
 
-/* The voxels of a ball of the radius, or, where `to` is not NULL and given, of a stroke. */
-enum err act_find_voxels(const struct act *act, const struct value *place,
-                         const struct value *radius, const struct value *to, struct voxels *voxels);
+/* The voxels of a ball of `radius` at PLACE, or, where `to` is not NULL and given, of a stroke. */
+enum err act_find_voxels(const struct act *act, const struct value *to, struct voxels *voxels);
 
 /* The region of interest: "mask brain.nii regions 1-90, range 40..1200"; false where there is none.
  */
@@ -212,12 +261,11 @@ void act_write_weight(struct buf *out, const struct kept *kept);
 /* A line for each label that has voxels: its seeds, voxels and volume. */
 enum err act_write_counts(const struct act *act);
 
-/* ERR_USAGE where the name of a report, if one is given, ends in neither .json nor .csv. */
-enum err act_check_report(const struct value *file, struct fault *fault);
+/* ERR_USAGE where `report`, if it is given, ends in neither .json nor .csv. */
+enum err act_check_report(const struct act *act);
 
-/* Writes the text to the file that a parameter names, unless replay writes none, and says so. */
-enum err act_write_text(const struct act *act, const struct value *file,
-                        const struct value *replace, const struct buf *text);
+/* Writes the text to the file that `report` names, unless replay writes none, and says so. */
+enum err act_write_report(const struct act *act, const struct buf *text);
 
 /* What is cut away: "all but axial slices 10-60, 1 plane, 2 boxes"; false where nothing is. */
 bool act_write_cut(struct buf *out, const struct session *session);
@@ -239,8 +287,7 @@ enum err act_draw_picture(const struct act *act, const struct labels *labels,
 
 /* Runs the edits that wait, and makes the rendition, finished where that is asked for, of whose
  * labels *labels is. */
-enum err act_render_labels(const struct act *act, const struct value *finished,
-                           enum render_mode mode, struct labels *labels);
+enum err act_render_labels(const struct act *act, enum render_mode mode, struct labels *labels);
 
 /* Adds the digest of the rendition to the words of the record. */
 void act_add_picture_digest(const struct act *act);
@@ -248,19 +295,12 @@ void act_add_picture_digest(const struct act *act);
 /* A line of the answer: what was done with the file at `path`, as "wrote ". */
 void act_write_file_line(const char *doing, const char *path, struct reply *reply);
 
-/* What a parameter of the choices yes|no says, "no" where it is not given. */
-static inline bool act_is_yes(const struct value *value)
-{
-    return value->given && value->number == 0;
-}
-
-/* regions_new of the parameters regions and as, by the own numbers of labels
- * (session/numbering.h); ERR_USAGE where a label for all is given too, which may be NULL. */
-enum err act_choose_regions(uint16_t **as, const struct act *act, const struct value *regions,
-                            const struct value *labels, const struct value *label);
+/* regions_new of `regions` and `as`, by the own numbers of labels (session/numbering.h); ERR_USAGE
+ * where a label for all is given too, which may be NULL. */
+enum err act_choose_regions(uint16_t **as, const struct act *act, const struct value *label);
 
 /* What `replace=yes|no` says. */
-enum file_mode act_file_mode(const struct value *replace);
+enum file_mode act_file_mode(const struct act *act);
 
 /* A picture as a file that is there when this returns. */
 enum err act_write_now(struct interpreter *interp, const char *path, enum file_mode mode,

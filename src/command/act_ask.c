@@ -143,7 +143,7 @@ static void write_rises(const struct act *act, const struct way *way)
 enum err act_why(const struct act *act)
 {
     const struct session *session = act->session;
-    const uint32_t *p = act->value[0].place;
+    const uint32_t *p = act_place(act, "PLACE");
     const uint32_t place = grid_cell(&session_scene(session)->grid, p[0], p[1], p[2]);
     const struct cell *cell = session_scene(session)->cell + place;
     struct way way = {0};
@@ -321,7 +321,7 @@ enum err act_info(const struct act *act)
 
 enum err act_help(const struct act *act)
 {
-    const char *about = act->value[0].given ? act->value[0].text : NULL;
+    const char *about = act_has(act, "COMMAND") ? act_text(act, "COMMAND") : NULL;
     const struct command *command = about ? command_find(about) : NULL;
     if (!about || command)
         command_help(&act->reply->text, command);

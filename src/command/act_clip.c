@@ -45,10 +45,10 @@ enum err act_clip(const struct act *act)
 {
     struct cut *cut = &act->next->kept.cut;
     const struct scene *scene = session_scene(act->session);
-    const int64_t plane = act->value[0].number;
+    const int64_t plane = act_number(act, "PLANE");
     if (plane == SLAB_NONE) {
         const struct cut whole = cut_none();
-        if (act->value[1].given)
+        if (act_has(act, "SLICES"))
             return fault_set(act->fault, ERR_USAGE,
                              "`clip none` takes no slices; the view is unchanged");
         memcpy(cut->first, whole.first, sizeof cut->first);
@@ -59,14 +59,14 @@ enum err act_clip(const struct act *act)
     const char *name = slice_name(scene, (enum slice_plane)plane);
     char sides[24];
     write_sides(sides, act->session, (enum slice_plane)plane);
-    if (!act->value[1].given)
+    if (!act_has(act, "SLICES"))
         return fault_set(act->fault, ERR_USAGE, "expected %s slices A-B within 0-%u%s", name,
                          count - 1, sides);
-    if (act->value[1].place[1] >= count)
+    if (act_place(act, "SLICES")[1] >= count)
         return fault_set(act->fault, ERR_INPUT,
                          "there are %s slices 0-%u%s, not %u; the view is unchanged", name,
-                         count - 1, sides, act->value[1].place[1]);
-    set_slab(cut, act->session, (enum slice_plane)plane, act->value[1].place);
+                         count - 1, sides, act_place(act, "SLICES")[1]);
+    set_slab(cut, act->session, (enum slice_plane)plane, act_place(act, "SLICES"));
     return act_go(act);
 }
 
@@ -75,7 +75,7 @@ enum err act_clip(const struct act *act)
 enum err act_plane(const struct act *act)
 {
     struct cut *cut = &act->next->kept.cut;
-    if (act->value[0].text) {
+    if (act_text(act, "PLACE")) {
         memset(cut->plane, 0, sizeof cut->plane);
         cut->planes = 0;
     } else if (cut->planes == CUT_PLANES_MOST) {
@@ -84,8 +84,9 @@ enum err act_plane(const struct act *act)
                          "view is unchanged",
                          CUT_PLANES_MOST);
     } else {
-        cut->plane[cut->planes++] = cut_plane_through(
-            session_scene(act->session), act->value[0].place, session_camera(act->session)->ahead);
+        cut->plane[cut->planes++] =
+            cut_plane_through(session_scene(act->session), act_place(act, "PLACE"),
+                              session_camera(act->session)->ahead);
     }
     return act_go(act);
 }
@@ -103,10 +104,10 @@ static struct cut_box box_between(const uint32_t corner[3], const uint32_t oppos
 enum err act_cut(const struct act *act)
 {
     struct cut *cut = &act->next->kept.cut;
-    if ((act->value[0].text != NULL) == act->value[1].given)
+    if ((act_text(act, "CORNER") != NULL) == act_has(act, "OPPOSITE"))
         return fault_set(act->fault, ERR_USAGE,
                          "expected two corners X,Y,Z X,Y,Z, or none alone; the view is unchanged");
-    if (act->value[0].text) {
+    if (act_text(act, "CORNER")) {
         memset(cut->box, 0, sizeof cut->box);
         cut->boxes = 0;
     } else if (cut->boxes == CUT_BOXES_MOST) {
@@ -115,7 +116,7 @@ enum err act_cut(const struct act *act)
             "there are %d boxes already, the most; `cut none` removes them; the view is unchanged",
             CUT_BOXES_MOST);
     } else {
-        cut->box[cut->boxes++] = box_between(act->value[0].place, act->value[1].place);
+        cut->box[cut->boxes++] = box_between(act_place(act, "CORNER"), act_place(act, "OPPOSITE"));
     }
     return act_go(act);
 }

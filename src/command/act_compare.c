@@ -10,15 +10,12 @@
 #include "session/map.h"
 #include "session/session.h"
 
-/* The places of the parameters in the table. */
-enum { FILE_NAME, REGIONS, AS, LABEL, AT, REPORT, PICTURE, REPLACE, FINISHED, RESAMPLE };
-
 static enum err check_names(const struct act *act)
 {
-    const enum err err = act_check_report(&act->value[REPORT], act->fault);
+    const enum err err = act_check_report(act);
     if (err)
         return err;
-    if (act->value[AT].given && !act->value[PICTURE].given)
+    if (act_has(act, "at") && !act_has(act, "picture"))
         return fault_set(act->fault, ERR_USAGE,
                          "at: it says where slices of the picture lie; expected picture=FILE too");
     return OK;
@@ -30,12 +27,11 @@ static enum err check_names(const struct act *act)
 static enum err take_own(struct compared *compared, const struct act *act)
 {
     const struct grid *grid = &session_scene(act->session)->grid;
-    const struct value *only = &act->value[LABEL];
+    const struct value *only = act_value(act, "label");
     uint8_t *label = compared->label[0] = mem_array(grid->voxels, 1);
     struct task task = task_begin(session_watch(act->session), "present labels", grid->voxels);
     struct labels labels;
-    enum err err = label ? act_take_labels(act, &act->value[FINISHED], &labels)
-                         : fault_memory(act->fault, "the labels");
+    enum err err = label ? act_take_labels(act, &labels) : fault_memory(act->fault, "the labels");
     if (err)
         return err;
     for (uint32_t z = 0; z < grid->size[2]; z++)
@@ -51,8 +47,8 @@ static enum err read_map(struct compared *compared, const struct act *act,
                          const struct map_labels *choice)
 {
     const struct session *session = act->session;
-    const char *name = act->value[FILE_NAME].text;
-    const struct map_place place = session_map_place(session, act_is_yes(&act->value[RESAMPLE]));
+    const char *name = act_text(act, "FILE");
+    const struct map_place place = session_map_place(session, act_is_yes(act, "resample"));
     struct volume map = {0};
     struct buf path = {0};
     enum err err = interpreter_find_file(act->interp, name, &path, act->fault);
@@ -72,12 +68,10 @@ static enum err read_map(struct compared *compared, const struct act *act,
 
 static enum err take_map(struct compared *compared, const struct act *act)
 {
-    const struct value *value = act->value;
     uint16_t *as = NULL;
-    enum err err = act_choose_regions(&as, act, &value[REGIONS], &value[AS], &value[LABEL]);
+    enum err err = act_choose_regions(&as, act, act_value(act, "label"));
     if (!err) {
-        const struct map_labels choice = {as, value[LABEL].given ? (int)value[LABEL].number
-                                                                 : LABEL_OWN};
+        const struct map_labels choice = {as, (int)act_number_or(act, "label", LABEL_OWN)};
         err = read_map(compared, act, &choice);
     }
     free(as);
@@ -88,15 +82,14 @@ static enum err take_map(struct compared *compared, const struct act *act)
 
 static enum err write_report(const struct act *act, const struct comparison_report *report)
 {
-    const struct value *file = &act->value[REPORT];
     struct buf text = {0};
-    if (!file->given)
+    if (!act_has(act, "report"))
         return OK;
-    if (file_is_named(file->text, ".json"))
+    if (file_is_named(act_text(act, "report"), ".json"))
         comparison_write_json(&text, report);
     else
         comparison_write_csv(&text, report);
-    const enum err err = act_write_text(act, file, &act->value[REPLACE], &text);
+    const enum err err = act_write_report(act, &text);
     buf_release(&text);
     return err;
 }
@@ -107,24 +100,22 @@ static enum err write_picture(const struct act *act, const struct compared *comp
                               const struct comparison_report *report)
 {
     const uint32_t *cross = session_outlook(act->session)->slices.cross;
-    const uint32_t *place = act->value[AT].given ? act->value[AT].place
-                                                 : comparison_farthest(report->comparison, cross);
+    const uint32_t *place =
+        act_has(act, "at") ? act_place(act, "at") : comparison_farthest(report->comparison, cross);
     struct picture picture = {0};
     struct buf path = {0};
     struct labels labels;
-    if (!act->value[PICTURE].given)
+    if (!act_has(act, "picture"))
         return OK;
-    enum err err =
-        session_labels(act->session, act_is_yes(&act->value[FINISHED]), &labels, act->fault);
+    enum err err = session_labels(act->session, act_is_yes(act, "finished"), &labels, act->fault);
     if (!err)
-        err = interpreter_output_path(act->interp, act->value[PICTURE].text, &path, act->fault);
+        err = interpreter_output_path(act->interp, act_text(act, "picture"), &path, act->fault);
     if (!err && path.length)
         err = comparison_picture_draw(&picture, act->session, compared, report, place, act->fault);
     if (!err && path.length)
         err = act_note_picture(act, &labels, &picture);
     if (!err && path.length)
-        err =
-            act_write_picture(act, buf_text(&path), act_file_mode(&act->value[REPLACE]), &picture);
+        err = act_write_picture(act, buf_text(&path), act_file_mode(act), &picture);
     picture_release(&picture);
     buf_release(&path);
     return err;
@@ -135,9 +126,9 @@ static enum err answer(const struct act *act, const struct compared *compared,
 {
     const struct session *session = act->session;
     const char *name =
-        act_is_yes(&act->value[FINISHED]) ? "the labels here, finished" : "the labels here";
+        act_is_yes(act, "finished") ? "the labels here, finished" : "the labels here";
     const struct comparison_report report = {comparison,
-                                             {name, act->value[FILE_NAME].text},
+                                             {name, act_text(act, "FILE")},
                                              session_kept(session)->label_name,
                                              session_geometry(session)};
     enum err err = write_report(act, &report);

@@ -5,9 +5,6 @@
 #include "session/session.h"
 #include "show/live_finish.h"
 
-/* The places of the parameters in the table. */
-enum { FINISH_STEP, FINISH_RADIUS, FINISH_VOXELS, FINISH_SWEEPS, FINISH_LABEL };
-
 void act_write_finish(struct buf *out, const struct session *session)
 {
     if (!session_kept(session)->finish.count)
@@ -18,39 +15,39 @@ void act_write_finish(struct buf *out, const struct session *session)
 }
 
 /* What is given beside the name: what the row takes, and nothing else. */
-static enum err take_argument(struct finish_step *step, const struct value *value,
-                              struct fault *fault)
+static enum err take_argument(struct finish_step *step, const struct act *act)
 {
     static const struct {
         const char *name;
         enum finish_argument takes;
-    } argument[] = {[FINISH_RADIUS] = {"radius", FINISH_TAKES_RADIUS},
-                    [FINISH_VOXELS] = {"voxels", FINISH_TAKES_VOXELS},
-                    [FINISH_SWEEPS] = {"sweeps", FINISH_TAKES_SWEEPS}};
+    } argument[] = {{"radius", FINISH_TAKES_RADIUS},
+                    {"voxels", FINISH_TAKES_VOXELS},
+                    {"sweeps", FINISH_TAKES_SWEEPS}};
     const struct finish_row *row = &finish_table[step->kind];
     step->argument = row->usual;
-    for (int i = FINISH_RADIUS; i <= FINISH_SWEEPS; i++) {
-        if (value[i].given && row->takes != argument[i].takes)
-            return fault_set(fault, ERR_USAGE, "%s: `finish %s` has none", argument[i].name,
+    for (size_t i = 0; i < sizeof argument / sizeof *argument; i++) {
+        const struct value *value = act_value(act, argument[i].name);
+        if (value->given && row->takes != argument[i].takes)
+            return fault_set(act->fault, ERR_USAGE, "%s: `finish %s` has none", argument[i].name,
                              row->name);
         if (row->takes != argument[i].takes)
             continue;
-        if (!value[i].given && !row->usual)
-            return fault_set(fault, ERR_USAGE, "%s: `finish %s` needs it", argument[i].name,
+        if (!value->given && !row->usual)
+            return fault_set(act->fault, ERR_USAGE, "%s: `finish %s` needs it", argument[i].name,
                              row->name);
-        if (value[i].given)
-            step->argument = (uint32_t)value[i].number;
-        step->in_nm = value[i].in_mm;
+        if (value->given)
+            step->argument = (uint32_t)value->number;
+        step->in_nm = value->in_mm;
     }
     return OK;
 }
 
 static enum err add_step(struct finish_list *list, const struct act *act)
 {
-    const struct value *label = &act->value[FINISH_LABEL];
-    struct finish_step step = {.kind = (uint32_t)act->value[FINISH_STEP].number,
+    const struct value *label = act_value(act, "label");
+    struct finish_step step = {.kind = (uint32_t)act_number(act, "STEP"),
                                .label = label->given ? (uint32_t)label->number : FINISH_ALL_LABELS};
-    const enum err err = take_argument(&step, act->value, act->fault);
+    const enum err err = take_argument(&step, act);
     if (err)
         return err;
     if (list->count == FINISH_STEPS_MOST)
@@ -64,12 +61,11 @@ static enum err add_step(struct finish_list *list, const struct act *act)
 
 enum err act_finish(const struct act *act)
 {
-    const struct value *step = &act->value[FINISH_STEP];
+    const struct value *step = act_value(act, "STEP");
     struct finish_list *list = &act->next->kept.finish;
     const bool clears = step->given && step->number == FINISH_KIND_COUNT;
-    for (int i = FINISH_RADIUS; i <= FINISH_LABEL && (clears || !step->given); i++)
-        if (act->value[i].given)
-            return fault_set(act->fault, ERR_USAGE, "expected a step: " FINISH_KINDS);
+    if ((clears || !step->given) && act_has(act, "radius|voxels|sweeps|label"))
+        return fault_set(act->fault, ERR_USAGE, "expected a step: " FINISH_KINDS);
     if (clears)
         *list = (struct finish_list){0};
     enum err err = step->given && !clears ? add_step(list, act) : OK;
@@ -85,7 +81,7 @@ enum err act_finish(const struct act *act)
 
 enum err act_finished(const struct act *act)
 {
-    const bool shows = act->value[0].number == 0;
+    const bool shows = act_number(act, "STATE") == 0;
     act->next->outlook.shows_finished = shows;
     const enum err err = act_go(act);
     if (err)
@@ -115,13 +111,15 @@ static enum err take(const struct act *act, bool finished, struct labels *labels
     return err;
 }
 
-enum err act_take_labels(const struct act *act, const struct value *finished, struct labels *labels)
+enum err act_take_labels(const struct act *act, struct labels *labels)
 {
-    return take(act, act_is_yes(finished), labels);
+    return take(act, act_is_yes(act, "finished"), labels);
 }
 
-enum err act_take_shown(const struct act *act, const struct value *finished, struct labels *labels)
+enum err act_take_shown(const struct act *act, struct labels *labels)
 {
-    return take(act, finished->given ? act_is_yes(finished) : session_shows_finished(act->session),
+    return take(act,
+                act_has(act, "finished") ? act_is_yes(act, "finished")
+                                         : session_shows_finished(act->session),
                 labels);
 }

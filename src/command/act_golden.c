@@ -117,19 +117,18 @@ static enum err write_golden(struct interpreter *interp, const char *name, const
 /* ---- the command ---- */
 
 /* The rendition, which takes in the edits that wait, or a slice or mosaic; and its digest. */
-static enum err take_golden(const struct act *act, const struct value *of,
-                            const struct value *finished, struct picture *picture)
+static enum err take_golden(const struct act *act, struct picture *picture)
 {
     struct labels labels;
-    const bool is_slice = of->given && of->number > 0;
+    const int64_t of = act_number(act, "of"); /* 0: the rendition */
     if (act->interp->mode == MODE_SKIM)
-        return is_slice ? OK : session_run(act->session, act->fault);
-    enum err err = is_slice ? act_take_shown(act, finished, &labels)
-                            : act_render_labels(act, finished, RENDER_AS_KEPT, &labels);
+        return of ? OK : session_run(act->session, act->fault);
+    enum err err =
+        of ? act_take_shown(act, &labels) : act_render_labels(act, RENDER_AS_KEPT, &labels);
     if (err)
         return err;
-    if (is_slice)
-        return act_take_slices(act, (enum slice_kind)(of->number - 1), &labels, picture);
+    if (of)
+        return act_take_slices(act, (enum slice_kind)(of - 1), &labels, picture);
     act_add_picture_digest(act);
     return act_take_picture(act, &labels, NULL, picture);
 }
@@ -165,7 +164,7 @@ enum err act_golden(const struct act *act)
 {
     const struct interpreter *interp = act->interp;
     struct picture picture = {0};
-    const char *name = act->value[0].text;
+    const char *name = act_text(act, "NAME");
     const bool can_be_drawn =
         semantics_has(session_semantics(act->session), MEANING_SMOOTH_SURFACES);
     if (!golden_name_is_valid(name))
@@ -184,7 +183,7 @@ enum err act_golden(const struct act *act)
                          session_semantics(act->session), SEMANTICS);
     enum err err = note_name(act->interp, name, act->fault);
     if (!err)
-        err = take_golden(act, &act->value[1], &act->value[2], &picture);
+        err = take_golden(act, &picture);
     if (err)
         return err;
     if (!interp->home.length && interp->mode == MODE_LIVE)

@@ -12,9 +12,6 @@
 #include "session/session.h"
 #include "session/tally.h"
 
-/* The places of the parameters in the table. */
-enum { COUNT, LABEL, REPORT, REPLACE };
-
 enum { LISTED = 10 }; /* unless a number is given */
 
 static struct place place_of(const struct act *act, uint32_t cell)
@@ -102,7 +99,7 @@ static enum err add_hint(struct json *json, const struct act *act, const struct 
 
 static bool is_wanted(const struct act *act, const struct hint *hint)
 {
-    const struct value *label = &act->value[LABEL];
+    const struct value *label = act_value(act, "label");
     return !label->given || hint->label == label->number || hint->other == label->number;
 }
 
@@ -112,7 +109,7 @@ static enum err write_report(const struct act *act, const struct hint_list *hint
     struct buf text = {0};
     struct json json = {.out = &text, .lines = 2};
     enum err err = OK;
-    if (!act->value[REPORT].given)
+    if (!act_has(act, "report"))
         return OK;
     json_object(&json, NULL);
     json_count(&json, "border_voxels", hints->border);
@@ -125,7 +122,7 @@ static enum err write_report(const struct act *act, const struct hint_list *hint
     json_end(&json);
     json_end(&json);
     if (!err)
-        err = act_write_text(act, &act->value[REPORT], &act->value[REPLACE], &text);
+        err = act_write_report(act, &text);
     buf_release(&text);
     return err;
 }
@@ -134,14 +131,14 @@ static enum err write_report(const struct act *act, const struct hint_list *hint
 
 enum err act_hints(const struct act *act)
 {
-    const struct value *count = &act->value[COUNT], *report = &act->value[REPORT];
-    const size_t most = count->given ? (size_t)count->number : LISTED;
+    const size_t most = (size_t)act_number_or(act, "COUNT", LISTED);
+    const char *report = act_text(act, "report");
     const struct hint_list *hints;
     struct buf *out = &act->reply->text;
     size_t wanted = 0;
-    if (report->given && !file_is_named(report->text, ".json"))
+    if (report && !file_is_named(report, ".json"))
         return fault_set(act->fault, ERR_USAGE,
-                         "report: expected a name that ends in .json, not %s", report->text);
+                         "report: expected a name that ends in .json, not %s", report);
     enum err err = find_hints(act, &hints);
     if (!err)
         err = write_report(act, hints);
@@ -162,7 +159,7 @@ enum err act_hints(const struct act *act)
 /* Recorded as the `cross` that it comes to: no replay has to find it again. */
 enum err act_hint(const struct act *act)
 {
-    const size_t number = (size_t)act->value[0].number;
+    const size_t number = (size_t)act_number(act, "N");
     const struct hint_list *hints;
     enum err err = find_hints(act, &hints);
     if (err)

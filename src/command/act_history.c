@@ -72,7 +72,7 @@ static void write_undone(const struct history *history, uint32_t to, struct repl
 
 static size_t wanted(const struct act *act)
 {
-    return act->value[0].given ? (size_t)act->value[0].number : 1;
+    return (size_t)act_number_or(act, "COUNT", 1);
 }
 
 static void write_fewer(const struct act *act, size_t count, const char *what)
@@ -111,13 +111,13 @@ enum err act_goto(const struct act *act)
 {
     uint32_t to, branch;
     enum err err =
-        history_find(&act->interp->history, act->value[0].text, &to, &branch, act->fault);
+        history_find(&act->interp->history, act_text(act, "PLACE"), &to, &branch, act->fault);
     return err ? err : go(act, to, branch, false);
 }
 
 enum err act_branch(const struct act *act)
 {
-    const char *name = act->value[0].text;
+    const char *name = act_text(act, "NAME");
     enum err err = act_check_name(name, BRANCH_NAME_BYTES, false, act->fault);
     if (!err)
         err = history_branch(&act->interp->history, name, act->fault);
@@ -130,7 +130,7 @@ enum err act_branch(const struct act *act)
 enum err act_history(const struct act *act)
 {
     const struct history *history = &act->interp->history;
-    const size_t count = act->value[0].given ? (size_t)act->value[0].number : LISTED;
+    const size_t count = (size_t)act_number_or(act, "COUNT", LISTED);
     const size_t first = history->points > count ? history->points - count : 0;
     for (size_t i = first; i < history->points; i++) {
         const struct point *point = history->point + i;

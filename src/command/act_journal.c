@@ -101,14 +101,14 @@ enum err act_journal(const struct act *act)
             act->fault, ERR_INPUT,
             "`journal` is not for scripts of a journal: where it is stored is no part of it");
     struct buf path = {0};
-    if (act->value[0].given) {
-        file_from_home(&path, act->value[0].text);
+    if (act_has(act, "FILE")) {
+        file_from_home(&path, act_text(act, "FILE"));
         err = path.failed ? fault_memory(act->fault, "a path") : record_in(act, buf_text(&path));
     }
     buf_release(&path);
     if (err)
         return fault_prefix(act->fault, err, "the journal stays where it was");
-    if (act->value[0].given)
+    if (act_has(act, "FILE"))
         act->interp->new_journal = NULL;
     write_journal(act->interp, act->reply);
     return OK;
@@ -124,10 +124,10 @@ enum err act_sync(const struct act *act)
     if (act->interp->mode != MODE_LIVE)
         return OK; /* nothing is written */
     const enum file_sync sync =
-        act->value[0].given ? (enum file_sync)act->value[0].number : act->interp->sync;
+        act_has(act, "WHEN") ? (enum file_sync)act_number(act, "WHEN") : act->interp->sync;
     if (act->interp->journal)
-        err = act->value[0].given ? journal_set_sync(act->interp->journal, sync, act->fault)
-                                  : journal_sync(act->interp->journal, act->fault);
+        err = act_has(act, "WHEN") ? journal_set_sync(act->interp->journal, sync, act->fault)
+                                   : journal_sync(act->interp->journal, act->fault);
     if (err)
         return fault_prefix(act->fault, err, "`journal FILE` continues in another file");
     act->interp->sync = sync;

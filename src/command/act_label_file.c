@@ -8,12 +8,9 @@
 
 enum { TABLE_BYTES_MOST = 16 << 20 };
 
-/* The places of the parameters in the table. */
-enum { FILE_NAME, REGIONS, AS };
-
 static enum err read_table(struct label_table *table, const struct act *act)
 {
-    const char *name = act->value[FILE_NAME].text;
+    const char *name = act_text(act, "FILE");
     struct buf path = {0}, text = {0};
     enum err err = interpreter_find_file(act->interp, name, &path, act->fault);
     if (!err)
@@ -32,7 +29,7 @@ static void write_tally(const struct act *act, const struct label_tally *tally)
     struct buf *out = &act->reply->text;
     buf_printf(out, "%u name%s and %u colour%s of labels\n", tally->names, plural(tally->names),
                tally->colours, plural(tally->colours));
-    if (tally->beyond && !act->value[REGIONS].given)
+    if (tally->beyond && !act_has(act, "regions"))
         buf_printf(out, "%u more entr%s for no label 1..255; choose with regions=A,B as=1,2\n",
                    tally->beyond, tally->beyond == 1 ? "y is" : "ies are");
     if (tally->changed) {
@@ -49,11 +46,11 @@ enum err act_label_file(const struct act *act)
     struct label_table table = {0};
     struct label_tally tally;
     uint16_t *as = NULL;
-    enum err err = act_choose_regions(&as, act, &act->value[REGIONS], &act->value[AS], NULL);
+    enum err err = act_choose_regions(&as, act, NULL);
     if (!err)
         err = read_table(&table, act);
     if (!err)
-        err = act_naming(act->value[FILE_NAME].text,
+        err = act_naming(act_text(act, "FILE"),
                          label_table_apply(&act->next->kept, &tally, &table, as, act->fault),
                          act->fault);
     free(as);

@@ -16,9 +16,6 @@
 #include "session/piece_seeds.h"
 #include "session/semantics.h"
 
-/* The places of the parameters in the table. */
-enum { FILE_NAME, REGIONS, AS, LABEL, ERODE, COPY, RESAMPLE, NUMBERS, LEAST };
-
 /* Rounds of erosion that a record (one with copy=) without them means. */
 enum { ERODE_BEFORE = 2, LISTED_MOST = 10 };
 
@@ -79,7 +76,7 @@ static enum err take_numbers(const struct act *act, const char *list)
     const enum err err =
         numbering_take(&act->next->kept, &tally, list, session_markers(act->session), act->fault);
     if (err)
-        return act_naming(act->value[FILE_NAME].text, err, act->fault);
+        return act_naming(act_text(act, "FILE"), err, act->fault);
     if (tally.regions)
         buf_printf(
             out,
@@ -118,7 +115,7 @@ static enum err number_regions(struct buf *numbers, uint16_t *as, const struct a
 /* Those that stand for no region are told, where all regions are meant. */
 static enum err find_regions(struct volume *map, const struct act *act)
 {
-    const uint64_t beyond = is_whole(act) && !act->value[REGIONS].given
+    const uint64_t beyond = is_whole(act) && !act_has(act, "regions")
                                 ? map_count_beyond(map, session_watch(act->session))
                                 : 0;
     if (beyond)
@@ -133,14 +130,13 @@ static enum err find_regions(struct volume *map, const struct act *act)
 static enum err read_original(struct volume *map, const struct act *act, struct buf *numbers)
 {
     const struct session *session = act->session;
-    const char *name = act->value[FILE_NAME].text;
-    const struct map_place place = session_map_place(session, act_is_yes(&act->value[RESAMPLE]));
-    const struct value *value = act->value;
-    struct map_labels choice = {.label = value[LABEL].given ? (int)value[LABEL].number : LABEL_OWN};
+    const char *name = act_text(act, "FILE");
+    const struct map_place place = session_map_place(session, act_is_yes(act, "resample"));
+    struct map_labels choice = {.label = (int)act_number_or(act, "label", LABEL_OWN)};
     struct buf path = {0};
     uint16_t *as = NULL;
-    enum err err = act_choose_regions(&as, act, &value[REGIONS], &value[AS], &value[LABEL]);
-    if (!err && !value[REGIONS].given)
+    enum err err = act_choose_regions(&as, act, act_value(act, "label"));
+    if (!err && !act_has(act, "regions"))
         as[0] = 0; /* the background */
     if (!err)
         err = interpreter_find_file(act->interp, name, &path, act->fault);
@@ -149,7 +145,7 @@ static enum err read_original(struct volume *map, const struct act *act, struct 
     choice.as = as;
     if (!err)
         err = act_naming(name, find_regions(map, act), act->fault);
-    if (!err && is_whole(act) && !value[AS].given && !value[LABEL].given)
+    if (!err && is_whole(act) && !act_has(act, "as|label"))
         err = number_regions(numbers, as, act, map);
     if (!err)
         err = act_naming(name, map_label(map, &choice, session_watch(session), act->fault),
@@ -177,7 +173,7 @@ static enum err read_copy(struct volume *map, const struct act *act, const char 
 /* Out of the copy that was recorded, or where it is gone, out of the file, if that is the same. */
 static enum err read_recorded(struct volume *map, const struct act *act, const char *recorded)
 {
-    const struct value *numbered = &act->value[NUMBERS];
+    const struct value *numbered = act_value(act, "numbers");
     struct buf path = {0}, numbers = {0};
     char digest[LABEL_COPY_DIGEST];
     if (!label_copy_is_digest(recorded))
@@ -200,7 +196,7 @@ static enum err read_recorded(struct volume *map, const struct act *act, const c
         err = fault_set(act->fault, ERR_INPUT,
                         "%s holds other labels than were recorded (%s, not %s); nothing was "
                         "planted",
-                        has_copy ? buf_text(&path) : act->value[FILE_NAME].text, digest, recorded);
+                        has_copy ? buf_text(&path) : act_text(act, "FILE"), digest, recorded);
     buf_release(&numbers);
     buf_release(&path);
     return err;
@@ -211,7 +207,7 @@ static enum err read_new(struct volume *map, const struct act *act)
 {
     char digest[LABEL_COPY_DIGEST];
     struct buf numbers = {0};
-    if (act->value[NUMBERS].given)
+    if (act_has(act, "numbers"))
         return fault_set(act->fault, ERR_USAGE,
                          "numbers: a journal has it beside copy=DIGEST; regions= chooses regions");
     enum err err = read_original(map, act, &numbers);
@@ -228,7 +224,7 @@ static enum err read_new(struct volume *map, const struct act *act)
 
 static enum err read_labels(struct volume *map, const struct act *act)
 {
-    const struct value *copy = &act->value[COPY];
+    const struct value *copy = act_value(act, "copy");
     if (!copy->given)
         return read_new(map, act);
     enum err err = read_recorded(map, act, copy->text);
@@ -267,7 +263,7 @@ static void write_pieces(const struct act *act, const struct piece_seeds *seeds,
     memcpy(left, seeds->labels, sizeof left);
     for (unsigned label = 0; label < 256; label++)
         labels += left[label] > 0;
-    buf_add_safe_text(out, act->value[FILE_NAME].text);
+    buf_add_safe_text(out, act_text(act, "FILE"));
     buf_printf(out, ": %u label%s%s, %zu marker%s, %zu seed%s\n", labels - has_background,
                plural(labels - has_background), has_background ? " and the background" : "",
                seeds->pieces, plural(seeds->pieces), planted, plural(planted));
@@ -294,7 +290,7 @@ static void advise_names(const struct act *act, const struct piece_seeds *seeds)
     bool has[256];
     for (unsigned label = 0; label < 256; label++)
         has[label] = seeds->labels[label] > 0;
-    atlas_advise_names(act, has, &act->value[REGIONS], &act->value[AS]);
+    atlas_advise_names(act, has);
 }
 
 /* Whether seeds of an object that stood before are left where they are: in the background that
@@ -370,7 +366,7 @@ static enum err take_state(const struct act *act)
 static enum err plant(const struct act *act, const struct piece_seeds *seeds,
                       const struct volume *map)
 {
-    struct planting planting = act_begin_planting(act->session, &(const struct value){0});
+    struct planting planting = act_begin_planting(act->session, NULL);
     struct voxels voxels = {0};
     uint64_t digest = 0;
     enum err err = OK;
@@ -391,12 +387,12 @@ static enum err plant(const struct act *act, const struct piece_seeds *seeds,
     if (err)
         return err;
     write_pieces(act, seeds, planting.planted);
-    if (!act->value[LABEL].given)
+    if (!act_has(act, "label"))
         advise_names(act, seeds);
     buf_printf(&act->reply->words, "file=%016llx added=%zu", (unsigned long long)digest,
                planting.planted);
     act_add_markers(act);
-    return act_naming(act->value[FILE_NAME].text, act_write_planting(act, &planting), act->fault);
+    return act_naming(act_text(act, "FILE"), act_write_planting(act, &planting), act->fault);
 }
 
 /* Before much is planted: where most voxels are seeds, the file is not what it was taken for. */
@@ -410,7 +406,7 @@ static void announce(const struct act *act, const struct piece_seeds *seeds)
                    "%s is more like noise, or a picture, than a segmentation: %zu pieces, of %.1f "
                    "voxels each; seeds in %zu voxels take some %.0f MB (Ctrl-C stops; `labels FILE "
                    "least=100` leaves out pieces of fewer voxels)",
-                   file_name(act->value[FILE_NAME].text), seeds->pieces,
+                   file_name(act_text(act, "FILE")), seeds->pieces,
                    (double)voxels / (double)seeds->pieces, seeds->count,
                    (double)seeds->count * SEED_BYTES / 1e6);
 }
@@ -427,10 +423,10 @@ static bool has_regions(const struct volume *map)
 enum err act_labels(const struct act *act)
 {
     const struct session *session = act->session;
-    const struct value *erode = &act->value[ERODE];
-    const bool is_new = is_whole(act) && !act->value[COPY].given;
+    const struct value *erode = act_value(act, "erode");
+    const bool is_new = is_whole(act) && !act_has(act, "copy");
     const unsigned rounds = erode->given ? (unsigned)erode->number : is_new ? 0 : ERODE_BEFORE;
-    const struct piece_choice choice = {rounds, (uint32_t)act->value[LEAST].number,
+    const struct piece_choice choice = {rounds, (uint32_t)act_number(act, "least"),
                                         is_whole(act) ? 0 : REGION_NONE};
     struct volume map = {0};
     struct piece_seeds seeds = {0};
@@ -440,7 +436,7 @@ enum err act_labels(const struct act *act)
     if (!err && !has_regions(&map))
         err = fault_set(act->fault, ERR_INPUT,
                         "%s has no voxel of these regions; nothing was planted",
-                        act->value[FILE_NAME].text);
+                        act_text(act, "FILE"));
     if (!err)
         err = piece_seeds_make(&seeds, map.intensity, &session_scene(session)->grid, &choice,
                                session_watch(session), act->fault);

@@ -64,9 +64,9 @@ static double angle_between(const double u[3], const double v[3])
 static enum err write_angle(const struct act *act)
 {
     const struct session *session = act->session;
-    const uint32_t *at = act->value[1].place;
-    const struct way a = way_between(session, at, act->value[0].place);
-    const struct way b = way_between(session, at, act->value[2].place);
+    const uint32_t *at = act_place(act, "OTHER");
+    const struct way a = way_between(session, at, act_place(act, "PLACE"));
+    const struct way b = way_between(session, at, act_place(act, "THIRD"));
     const bool measures = !session_geometry(session)->spacing_unknown;
     if (product(a.voxels, a.voxels) == 0 || product(b.voxels, b.voxels) == 0)
         return fault_set(act->fault, ERR_INPUT,
@@ -80,11 +80,11 @@ static enum err write_angle(const struct act *act)
 
 enum err act_measure(const struct act *act)
 {
-    const struct value *place = act->value;
-    write_distance(act, place[0].place, place[1].place);
-    if (!place[2].given)
+    const uint32_t *other = act_place(act, "OTHER");
+    write_distance(act, act_place(act, "PLACE"), other);
+    if (!act_has(act, "THIRD"))
         return OK;
-    write_distance(act, place[1].place, place[2].place);
+    write_distance(act, other, act_place(act, "THIRD"));
     return write_angle(act);
 }
 
@@ -95,7 +95,7 @@ struct profile {
     const uint32_t *from, *to;
     int64_t steps;
     unsigned columns;
-    double value[CHART_COLUMNS]; /* the mean in each column */
+    double mean[CHART_COLUMNS]; /* of each column */
     char label[CHART_COLUMNS + 1];
     double least, most, sum; /* of all voxels */
 };
@@ -132,7 +132,7 @@ static void take_column(struct profile *p, unsigned column)
         p->label[column] = letter_of_label(cell);
     }
     p->sum += sum;
-    p->value[column] = sum / (double)(end - first);
+    p->mean[column] = sum / (double)(end - first);
 }
 
 static void draw(struct buf *out, const struct profile *p, bool has_blocks)
@@ -141,7 +141,7 @@ static void draw(struct buf *out, const struct profile *p, bool has_blocks)
     char top[16], bottom[16];
     const double wide = p->most > p->least ? p->most - p->least : 1;
     for (unsigned c = 0; c < p->columns; c++) /* the least value has one eighth */
-        eighths[c] = (uint16_t)(1 + (p->value[c] - p->least) / wide * (8 * PROFILE_ROWS - 1));
+        eighths[c] = (uint16_t)(1 + (p->mean[c] - p->least) / wide * (8 * PROFILE_ROWS - 1));
     snprintf(top, sizeof top, "%.6g", p->most);
     snprintf(bottom, sizeof bottom, "%.6g", p->least);
     chart_write(
@@ -171,8 +171,8 @@ static void list(struct buf *out, const struct profile *p)
 enum err act_profile(const struct act *act)
 {
     struct buf *out = &act->reply->text;
-    const struct value *value = act->value;
-    struct profile p = {.session = act->session, .from = value[0].place, .to = value[1].place};
+    struct profile p = {
+        .session = act->session, .from = act_place(act, "PLACE"), .to = act_place(act, "OTHER")};
     p.steps = paint_steps(p.from, p.to);
     p.columns = p.steps < CHART_COLUMNS ? (unsigned)p.steps + 1 : CHART_COLUMNS;
     for (unsigned c = 0; c < p.columns; c++)
@@ -186,7 +186,7 @@ enum err act_profile(const struct act *act)
     buf_printf(out, "; values %.*g to %.*g, mean %.*g\n", digits, p.least, digits, p.most, digits,
                p.sum / (double)(p.steps + 1));
     levels_write_scale(out, session_levels(p.session), "");
-    if (act_is_yes(&value[2]))
+    if (act_is_yes(act, "values"))
         list(out, &p);
     return OK;
 }

@@ -13,9 +13,6 @@
 #include "render/cut.h"
 #include "session/markers.h"
 
-/* The places of the parameters in the table. */
-enum { LABEL, HOW, RANGE, FROM };
-
 /* What is looked through: which voxels may belong to the object, and their pieces. */
 struct search {
     const struct act *act;
@@ -72,7 +69,7 @@ static enum err find_pieces(struct search *s)
 
 static bool begins_in(const struct search *s, const struct component_run *run)
 {
-    const struct value *from = &s->act->value[FROM];
+    const struct value *from = act_value(s->act, "from");
     const struct grid *grid = &session_scene(s->act->session)->grid;
     if (from->given) {
         const uint32_t cell = grid_cell(grid, from->place[0], from->place[1], from->place[2]);
@@ -112,7 +109,7 @@ static enum err take_pieces(struct search *s)
 static enum err refuse_place(const struct search *s)
 {
     const struct session *session = s->act->session;
-    const uint32_t *place = s->act->value[FROM].place;
+    const uint32_t *place = act_place(s->act, "from");
     const uint32_t cell = grid_cell(&session_scene(session)->grid, place[0], place[1], place[2]);
     const struct cell *at = session_scene(session)->cell + cell;
     const char *why = "a seed of another label";
@@ -133,7 +130,7 @@ static enum err refuse_place(const struct search *s)
 
 static enum err refuse_nothing(const struct search *s)
 {
-    if (s->act->value[FROM].given)
+    if (act_has(s->act, "from"))
         return refuse_place(s);
     return fault_set(
         s->act->fault, ERR_INPUT,
@@ -183,8 +180,8 @@ enum err act_object(const struct act *act)
 {
     const struct grid *grid = &session_scene(act->session)->grid;
     struct search search = {.act = act,
-                            .label = (int16_t)act->value[LABEL].number,
-                            .planting = act_begin_planting(act->session, &act->value[RANGE]),
+                            .label = (int16_t)act_number(act, "LABEL"),
+                            .planting = act_begin_planting(act->session, act_value(act, "RANGE")),
                             .may = mem_array(grid->cells, 1)};
     enum err err = search.may ? find_pieces(&search) : fault_memory(act->fault, "an object");
     if (!err) {

@@ -16,7 +16,7 @@
 struct planting act_begin_planting(const struct session *session, const struct value *range)
 {
     static const struct interval all = {0, UINT16_MAX, {-1, -1}};
-    return (struct planting){.within = range->given
+    return (struct planting){.within = range && range->given
                                            ? levels_within(session_geometry(session),
                                                            session_levels(session), range->real)
                                            : all};
@@ -111,11 +111,10 @@ static enum err plant_all(const struct act *act, struct planting *planting, stru
     return err ? err : act_write_planting(act, planting);
 }
 
-static enum err plant(const struct act *act, struct voxels *voxels, int16_t label,
-                      const struct value *range)
+static enum err plant(const struct act *act, struct voxels *voxels)
 {
-    struct planting planting = act_begin_planting(act->session, range);
-    return plant_all(act, &planting, voxels, label);
+    struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
+    return plant_all(act, &planting, voxels, (int16_t)act_number(act, "LABEL"));
 }
 
 /* ---- what gives way ---- */
@@ -155,18 +154,17 @@ static int64_t freed_radius(int64_t radius, int64_t voxel)
 static const uint32_t ones[3] = {1, 1, 1};
 
 /* Around balls at each step of a way. */
-static enum err free_around_way(const struct act *act, const struct value *place,
-                                const struct value *radius, const struct value *to,
-                                const struct value *within)
+static enum err free_around_way(const struct act *act)
 {
     const struct session *session = act->session;
-    const uint32_t(*corner)[3] =
-        to->given ? (const uint32_t(*)[3])to->line->corner : (const uint32_t(*)[3]) & place->place;
+    const struct value *radius = act_value(act, "radius"), *to = act_value(act, "to"),
+                       *within = act_value(act, "within");
+    const uint32_t(*corner)[3] = to->given ? (const uint32_t(*)[3])to->line->corner
+                                           : (const uint32_t(*)[3])act_place(act, "PLACE");
     const bool in_mm = within->given ? within->in_mm : radius->in_mm;
     const uint32_t *unit = in_mm ? session_scene(session)->spacing_nm : ones;
-    const int64_t freed = within->given
-                              ? within->number
-                              : freed_radius(radius->given ? radius->number : 0, shortest(unit));
+    const int64_t freed =
+        within->given ? within->number : freed_radius(radius->number, shortest(unit));
     const int64_t most = FREES_MOST * shortest(unit);
     struct brush brush = {0};
     struct voxels voxels = {0};
@@ -180,9 +178,9 @@ static enum err free_around_way(const struct act *act, const struct value *place
     return free_voxels(act, &voxels, err);
 }
 
-static enum err free_around_box(const struct act *act, const uint32_t corner[3],
-                                const uint32_t opposite[3])
+static enum err free_around_box(const struct act *act)
 {
+    const uint32_t *corner = act_place(act, "CORNER"), *opposite = act_place(act, "OPPOSITE");
     const struct session *session = act->session;
     const struct grid *grid = &session_scene(session)->grid;
     uint32_t first[3], last[3], thin = UINT32_MAX;
@@ -267,14 +265,14 @@ static enum err make_brush(struct brush *brush, const struct act *act, const str
     return err ? err : brush_init(brush, unit, radius->number, most, act->fault);
 }
 
-enum err act_find_voxels(const struct act *act, const struct value *place,
-                         const struct value *radius, const struct value *to, struct voxels *voxels)
+enum err act_find_voxels(const struct act *act, const struct value *to, struct voxels *voxels)
 {
+    const struct value *radius = act_value(act, "radius");
     const struct session *session = act->session;
     const struct grid *grid = &session_scene(session)->grid;
     const bool goes_on = to && to->given;
     const uint32_t(*corner)[3] =
-        goes_on ? (const uint32_t(*)[3])to->line->corner : (const uint32_t(*)[3]) & place->place;
+        (const uint32_t(*)[3])(goes_on ? to->line->corner[0] : act_place(act, "PLACE"));
     const size_t corners = goes_on ? to->line->count : 1;
     const bool was_before = !semantics_has(session_semantics(session), MEANING_STROKES) &&
                             corners <= 2 && !radius->in_mm;
@@ -290,8 +288,9 @@ enum err act_find_voxels(const struct act *act, const struct value *place,
 }
 
 /* The command before has planted, as its one marker, seeds of the label. */
-static bool can_join(const struct act *act, int64_t label)
+static bool can_join(const struct act *act)
 {
+    const int64_t label = act_number(act, "LABEL");
     const struct history *history = &act->interp->history;
     const struct point *point = history->point + history->present;
     const struct markers *markers = session_markers(act->session);
@@ -315,19 +314,18 @@ static enum err look_inside(const struct act *act, const uint32_t middle[3], uin
 }
 
 /* Plants a shell around the object `around`, unless given that in its middle. */
-static enum err plant_shell(const struct act *act, struct voxels *voxels, const uint32_t middle[3],
-                            int16_t label, const struct value *around, const struct value *range)
+static enum err plant_shell(const struct act *act, struct voxels *voxels, const uint32_t middle[3])
 {
-    struct planting planting = act_begin_planting(act->session, range);
+    const int16_t label = (int16_t)act_number(act, "LABEL");
+    struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
     bool is_reached = false;
     enum err err = look_inside(act, middle, &planting.inside, &is_reached);
     planting.is_shell = true;
-    if (around->given)
-        planting.inside = (uint8_t)around->number;
+    planting.inside = (uint8_t)act_number_or(act, "around", planting.inside);
     if (!err && !voxels->count)
         err = fault_set(act->fault, ERR_INPUT,
                         "shell: none of it lies in the scene; nothing was planted");
-    if (!err && planting.inside == label && (around->given || is_reached))
+    if (!err && planting.inside == label && (is_reached || act_has(act, "around")))
         err = fault_set(act->fault, ERR_INPUT,
                         "shell: label %u is that of the object inside as well; a shell takes the "
                         "label of what lies around it, and around=LABEL names the object; nothing "
@@ -344,11 +342,12 @@ static enum err refuse_shell(const struct act *act, const char *why)
     return fault_set(act->fault, ERR_USAGE, "shell: %s; nothing was planted", why);
 }
 
-/* The radius of the ball that a voxel lies on: in the world, or in voxels where nobody knows how
- * large those are; no less than the distance of the centres, so that the voxel is in it. */
-static enum err find_radius(struct value *radius, const struct act *act, const uint32_t middle[3],
-                            const uint32_t through[3])
+/* The radius of the ball that the voxel `through` lies on: in the world, or in voxels where nobody
+ * knows how large those are; no less than the distance of the centres, so that the voxel is in it.
+ */
+static enum err find_radius(struct value *radius, const struct act *act)
 {
+    const uint32_t *middle = act_place(act, "PLACE"), *through = act_place(act, "through");
     static const int64_t most_nm = 1000000000;
     const struct scene *scene = session_scene(act->session);
     uint64_t sum = 0;
@@ -365,17 +364,17 @@ static enum err find_radius(struct value *radius, const struct act *act, const u
     return OK;
 }
 
-static enum err plant_hollow_ball(const struct act *act, const struct value *place, int16_t label,
-                                  const struct value *given, const struct value *through,
-                                  const struct value *around, const struct value *range)
+static enum err plant_hollow_ball(const struct act *act)
 {
     const struct session *session = act->session;
-    struct value radius = *given;
+    const uint32_t *middle = act_place(act, "PLACE");
+    const bool is_through = act_has(act, "through");
+    struct value radius = *act_value(act, "radius");
     struct voxels voxels = {0};
     struct brush brush = {0};
-    if (given->given && through->given)
+    if (radius.given && is_through)
         return refuse_shell(act, "`radius` or `through`, not both");
-    enum err err = through->given ? find_radius(&radius, act, place->place, through->place) : OK;
+    enum err err = is_through ? find_radius(&radius, act) : OK;
     if (!err && radius.number == 0)
         return refuse_shell(act, "a ball of radius 0 has nothing inside; give a radius");
     if (!err)
@@ -383,16 +382,15 @@ static enum err plant_hollow_ball(const struct act *act, const struct value *pla
     if (!err)
         err = brush_hollow(&brush, session_kept(session)->adjacency, act->fault);
     if (!err)
-        err = paint_shell(&voxels, &session_scene(session)->grid, &brush, place->place,
+        err = paint_shell(&voxels, &session_scene(session)->grid, &brush, middle,
                           session_watch(session), act->fault);
     brush_release(&brush);
-    return err ? err : plant_shell(act, &voxels, place->place, label, around, range);
+    return err ? err : plant_shell(act, &voxels, middle);
 }
 
-static enum err plant_hollow_box(const struct act *act, const uint32_t corner[3],
-                                 const uint32_t opposite[3], int16_t label,
-                                 const struct value *around, const struct value *range)
+static enum err plant_hollow_box(const struct act *act)
 {
+    const uint32_t *corner = act_place(act, "CORNER"), *opposite = act_place(act, "OPPOSITE");
     struct voxels voxels = {0};
     uint32_t middle[3];
     for (int a = 0; a < 3; a++) {
@@ -402,21 +400,21 @@ static enum err plant_hollow_box(const struct act *act, const uint32_t corner[3]
     }
     const enum err err = paint_faces(&voxels, &session_scene(act->session)->grid, corner, opposite,
                                      session_watch(act->session), act->fault);
-    return err ? err : plant_shell(act, &voxels, middle, label, around, range);
+    return err ? err : plant_shell(act, &voxels, middle);
 }
 
 /* ---- balls, strokes, and shells of balls ---- */
 
 /* The number of the reach of a ball's seeds; no seed of it lies beyond. */
-static enum err find_reach(uint16_t *number, const struct act *act, const uint32_t centre[3],
-                           const struct value *within, const struct voxels *voxels)
+static enum err find_reach(uint16_t *number, const struct act *act, const struct voxels *voxels)
 {
     struct session *session = act->session;
+    const struct value *within = act_value(act, "within");
     const uint32_t *unit;
     struct reach reach = {.radius = within->number};
     enum err err = find_unit(&unit, act, "within", within);
     for (int a = 0; !err && a < 3; a++) {
-        reach.centre[a] = centre[a];
+        reach.centre[a] = act_place(act, "PLACE")[a];
         reach.unit[a] = unit[a];
     }
     for (size_t i = 0; !err && i < voxels->count; i++) {
@@ -430,73 +428,62 @@ static enum err find_reach(uint16_t *number, const struct act *act, const uint32
 }
 
 /* A ball that `within` says a reach of, or not. */
-static enum err plant_ball(const struct act *act, struct voxels *voxels, const uint32_t centre[3],
-                           int16_t label, const struct value *range, const struct value *within)
+static enum err plant_ball(const struct act *act, struct voxels *voxels)
 {
-    struct planting planting = act_begin_planting(act->session, range);
-    enum err err = within->given ? find_reach(&planting.reach, act, centre, within, voxels) : OK;
+    struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
+    enum err err = act_has(act, "within") ? find_reach(&planting.reach, act, voxels) : OK;
     if (!err)
-        err = plant_all(act, &planting, voxels, label);
+        err = plant_all(act, &planting, voxels, (int16_t)act_number(act, "LABEL"));
     voxels_release(voxels);
     return err;
 }
 
 enum err act_seed(const struct act *act)
 {
-    enum { PLACE, LABEL, RADIUS, RANGE, TO, JOINED, SHELL, AROUND, THROUGH, WITHIN };
-    const struct value *value = act->value;
-    const bool is_shell = act_is_yes(&value[SHELL]);
+    const bool is_shell = act_is_yes(act, "shell");
     struct voxels voxels = {0};
-    if (value[WITHIN].given && (is_shell || value[TO].given || value[JOINED].given))
+    if (act_has(act, "within") && (is_shell || act_has(act, "to|joined")))
         return fault_set(act->fault, ERR_USAGE,
                          "within: it is that of one ball, and of no stroke or shell; nothing was "
                          "planted");
-    if (is_shell && (value[TO].given || value[JOINED].given))
+    if (is_shell && act_has(act, "to|joined"))
         return refuse_shell(act, "it is that of one ball, and of no stroke");
-    if ((value[AROUND].given || value[THROUGH].given) && !is_shell)
+    if (act_has(act, "around|through") && !is_shell)
         return fault_set(act->fault, ERR_USAGE, "%s: it is for shell=yes; nothing was planted",
-                         value[AROUND].given ? "around" : "through");
+                         act_has(act, "around") ? "around" : "through");
     if (is_shell)
-        return plant_hollow_ball(act, &value[PLACE], (int16_t)value[LABEL].number, &value[RADIUS],
-                                 &value[THROUGH], &value[AROUND], &value[RANGE]);
-    if (value[JOINED].given && !can_join(act, value[LABEL].number))
+        return plant_hollow_ball(act);
+    if (act_has(act, "joined") && !can_join(act))
         return fault_set(act->fault, ERR_USAGE,
                          "joined: the command before has not planted seeds of label %lld; nothing "
                          "was planted",
-                         (long long)value[LABEL].number);
-    enum err err = act_find_voxels(act, &value[PLACE], &value[RADIUS], &value[TO], &voxels);
+                         (long long)act_number(act, "LABEL"));
+    enum err err = act_find_voxels(act, act_value(act, "to"), &voxels);
     if (!err)
-        err = plant_ball(act, &voxels, value[PLACE].place, (int16_t)value[LABEL].number,
-                         &value[RANGE], &value[WITHIN]);
-    if (!err && value[JOINED].given)
+        err = plant_ball(act, &voxels);
+    if (!err && act_has(act, "joined"))
         session_join(act->session);
-    return err ? err
-               : free_around_way(act, &value[PLACE], &value[RADIUS], &value[TO], &value[WITHIN]);
+    return err ? err : free_around_way(act);
 }
 
 /* ---- boxes and polygons ---- */
 
 enum err act_box(const struct act *act)
 {
-    enum { CORNER, OPPOSITE, LABEL, RANGE, SHELL, AROUND };
-    const struct value *value = act->value;
     struct voxels voxels = {0};
-    if (value[AROUND].given && !act_is_yes(&value[SHELL]))
+    if (act_has(act, "around") && !act_is_yes(act, "shell"))
         return fault_set(act->fault, ERR_USAGE, "around: it is for shell=yes; nothing was planted");
-    if (act_is_yes(&value[SHELL]))
-        return plant_hollow_box(act, value[CORNER].place, value[OPPOSITE].place,
-                                (int16_t)value[LABEL].number, &value[AROUND], &value[RANGE]);
-    enum err err = paint_box(&voxels, &session_scene(act->session)->grid, value[CORNER].place,
-                             value[OPPOSITE].place, session_watch(act->session), act->fault);
-    err = err ? err : plant(act, &voxels, (int16_t)value[LABEL].number, &value[RANGE]);
-    return err ? err : free_around_box(act, value[CORNER].place, value[OPPOSITE].place);
+    if (act_is_yes(act, "shell"))
+        return plant_hollow_box(act);
+    enum err err = paint_box(&voxels, &session_scene(act->session)->grid, act_place(act, "CORNER"),
+                             act_place(act, "OPPOSITE"), session_watch(act->session), act->fault);
+    err = err ? err : plant(act, &voxels);
+    return err ? err : free_around_box(act);
 }
 
 enum err act_fill(const struct act *act)
 {
-    enum { PLACE, LABEL, RANGE, TO };
-    const struct value *value = act->value;
-    const struct polyline *line = value[TO].line;
+    const struct polyline *line = act_value(act, "to")->line;
     struct voxels voxels = {0};
     if (!line || line->count < 3)
         return fault_set(act->fault, ERR_USAGE,
@@ -505,6 +492,6 @@ enum err act_fill(const struct act *act)
     enum err err = paint_polygon(&voxels, &session_scene(act->session)->grid,
                                  (const uint32_t(*)[3])line->corner, line->count,
                                  session_watch(act->session), act->fault);
-    err = err ? err : plant(act, &voxels, (int16_t)value[LABEL].number, &value[RANGE]);
+    err = err ? err : plant(act, &voxels);
     return err ? err : free_around_polygon(act, line);
 }

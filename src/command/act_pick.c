@@ -69,20 +69,21 @@ static void write_distance(struct buf *out, const struct session *session, uint3
 enum err act_pick(const struct act *act)
 {
     struct session *session = act->session;
-    const uint32_t column = (uint32_t)act->value[0].number, row = (uint32_t)act->value[1].number;
-    const bool is_slice = act->value[2].given && act->value[2].number > 0;
+    const uint32_t column = (uint32_t)act_number(act, "COLUMN"),
+                   row = (uint32_t)act_number(act, "ROW");
+    const int64_t of = act_number(act, "of"); /* 0: the rendition */
     uint32_t cell = CELL_NONE;
     struct labels labels;
     enum err err = session_labels(session, session_shows_finished(session), &labels, act->fault);
     if (!err)
-        err = is_slice ? voxel_of_slices(session, (enum slice_kind)(act->value[2].number - 1),
-                                         &labels, column, row, &cell, act->fault)
-                       : voxel_of_rendition(session, &labels, column, row, &cell, act->fault);
+        err = of ? voxel_of_slices(session, (enum slice_kind)(of - 1), &labels, column, row, &cell,
+                                   act->fault)
+                 : voxel_of_rendition(session, &labels, column, row, &cell, act->fault);
     if (err)
         return err;
     if (cell == CELL_NONE) {
         buf_printf(&act->reply->text, "pixel %u,%u shows %s\n", column, row,
-                   is_slice ? "no voxel" : "no object");
+                   of ? "no voxel" : "no object");
         act_write_waiting(act);
         return OK;
     }

@@ -91,9 +91,9 @@ void act_add_picture_digest(const struct act *act)
                (unsigned long long)rendition_digest(&picture));
 }
 
-enum file_mode act_file_mode(const struct value *replace)
+enum file_mode act_file_mode(const struct act *act)
 {
-    return act_is_yes(replace) ? FILE_REPLACE : FILE_KEEP;
+    return act_is_yes(act, "replace") ? FILE_REPLACE : FILE_KEEP;
 }
 
 void act_write_file_line(const char *doing, const char *path, struct reply *reply)
@@ -151,27 +151,25 @@ enum err act_write_picture(const struct act *act, const char *path, enum file_mo
 
 static enum err render_file(const struct act *act, const struct labels *labels)
 {
-    const struct value *value = act->value;
     struct picture picture;
     struct buf path = {0};
-    enum err err = interpreter_output_path(act->interp, value[0].text, &path, act->fault);
+    enum err err = interpreter_output_path(act->interp, act_text(act, "FILE"), &path, act->fault);
     if (!err && path.length) {
-        err = act_take_picture(act, labels, value[0].text, &picture);
+        err = act_take_picture(act, labels, act_text(act, "FILE"), &picture);
         if (!err) {
-            picture.tiled = value[3].given && value[3].number == 1;
-            err = act_write_picture(act, buf_text(&path), act_file_mode(&value[2]), &picture);
+            picture.tiled = act_number(act, "layout") == 1;
+            err = act_write_picture(act, buf_text(&path), act_file_mode(act), &picture);
         }
     }
     buf_release(&path);
     return err;
 }
 
-enum err act_render_labels(const struct act *act, const struct value *finished,
-                           enum render_mode mode, struct labels *labels)
+enum err act_render_labels(const struct act *act, enum render_mode mode, struct labels *labels)
 {
     enum err err = session_run(act->session, act->fault);
     if (!err)
-        err = act_take_shown(act, finished, labels);
+        err = act_take_shown(act, labels);
     if (!err)
         err = session_draw_labels(act->session, labels, mode, act->fault);
     return err ? err : session_decorate(act->session, labels, act->fault);
@@ -181,16 +179,15 @@ enum err act_render(const struct act *act)
 {
     static const enum render_mode mode[] = {RENDER_SCENE, RENDER_BORDER, RENDER_INCREMENTAL,
                                             RENDER_RAY};
-    if (act->value[3].given && !(act->value[0].given && exr_is_named(act->value[0].text)))
+    if (act_has(act, "layout") && !(act_has(act, "FILE") && exr_is_named(act_text(act, "FILE"))))
         return fault_set(act->fault, ERR_USAGE, "layout: only an .exr has lines or tiles");
     struct labels labels;
     const enum err err = act_render_labels(
-        act, &act->value[4], act->value[1].given ? mode[act->value[1].number] : RENDER_AS_KEPT,
-        &labels);
+        act, act_has(act, "mode") ? mode[act_number(act, "mode")] : RENDER_AS_KEPT, &labels);
     if (err || act->interp->mode == MODE_SKIM)
         return err;
     act_add_picture_digest(act);
-    if (act->value[0].given)
+    if (act_has(act, "FILE"))
         return render_file(act, &labels);
     act->interp->shows_picture = true;
     write_seen(session_frame(act->session), act->reply);

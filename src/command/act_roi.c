@@ -6,10 +6,6 @@
 #include "engine/roi.h"
 #include "session/map.h"
 
-/* The places of the parameters in the table. */
-enum { MASK_FILE, MASK_REGIONS, MASK_RESAMPLE };
-enum { RANGE_LOW, RANGE_HIGH };
-
 enum err act_naming(const char *file, enum err err, struct fault *fault)
 {
     return err ? fault_prefix(fault, err, "%s", file) : OK;
@@ -88,13 +84,12 @@ static enum err read_mask(uint64_t **mask, const struct act *act, const char *pa
                           const uint32_t regions[2])
 {
     const struct session *session = act->session;
-    const char *name = act->value[MASK_FILE].text;
+    const char *name = act_text(act, "FILE");
     struct fault *fault = act->fault;
     const struct grid *grid = &session_scene(session)->grid;
     struct volume map = {0};
     *mask = NULL;
-    const struct map_place place =
-        session_map_place(session, act_is_yes(&act->value[MASK_RESAMPLE]));
+    const struct map_place place = session_map_place(session, act_is_yes(act, "resample"));
     enum err err = map_read(&map, path, &place, session_watch(session), fault);
     if (!err)
         err = act_naming(
@@ -113,8 +108,8 @@ static enum err read_mask(uint64_t **mask, const struct act *act, const char *pa
 static enum err mask_by_file(const struct act *act)
 {
     struct session *session = act->session;
-    const char *name = act->value[MASK_FILE].text;
-    const struct value *given = &act->value[MASK_REGIONS];
+    const char *name = act_text(act, "FILE");
+    const struct value *given = act_value(act, "regions");
     const uint32_t regions[2] = {given->given ? given->place[0] : 1,
                                  given->given ? given->place[1] : (uint32_t)REGION_MOST};
     struct buf path = {0};
@@ -134,8 +129,8 @@ static enum err mask_by_file(const struct act *act)
 
 enum err act_mask(const struct act *act)
 {
-    const bool is_file = act->value[MASK_FILE].number < 0;
-    if (!is_file && act->value[MASK_REGIONS].given)
+    const bool is_file = act_number(act, "FILE") < 0;
+    if (!is_file && act_has(act, "regions"))
         return fault_set(act->fault, ERR_USAGE,
                          "regions: `mask none` has no regions; nothing has changed");
     return add_roi(act, is_file ? mask_by_file(act)
@@ -160,9 +155,10 @@ static size_t count_unsure(const struct session *session, const struct decimal r
 
 enum err act_range(const struct act *act)
 {
-    const bool is_range = !act->value[RANGE_LOW].text;
-    const struct decimal range[2] = {act->value[RANGE_LOW].real[0], act->value[RANGE_HIGH].real[0]};
-    if (is_range != act->value[RANGE_HIGH].given)
+    const bool is_range = !act_text(act, "LOW");
+    const struct decimal range[2] = {act_value(act, "LOW")->real[0],
+                                     act_value(act, "HIGH")->real[0]};
+    if (is_range != act_has(act, "HIGH"))
         return fault_set(act->fault, ERR_USAGE,
                          "expected LOW and HIGH, or none alone; nothing has changed");
     if (is_range && decimal_value(&range[1]) < decimal_value(&range[0]))

@@ -11,22 +11,22 @@
 #include "session/tally.h"
 #include "show/live_finish.h"
 
-enum err act_check_report(const struct value *file, struct fault *fault)
+enum err act_check_report(const struct act *act)
 {
-    if (!file->given || file_is_named(file->text, ".json|.csv"))
-        return OK;
-    return fault_set(fault, ERR_USAGE, "report: expected a name that ends in .json or .csv, not %s",
-                     file->text);
+    const char *file = act_text(act, "report");
+    return !file || file_is_named(file, ".json|.csv")
+               ? OK
+               : fault_set(act->fault, ERR_USAGE,
+                           "report: expected a name that ends in .json or .csv, not %s", file);
 }
 
-enum err act_write_text(const struct act *act, const struct value *file,
-                        const struct value *replace, const struct buf *text)
+enum err act_write_report(const struct act *act, const struct buf *text)
 {
-    const enum file_mode mode = act_file_mode(replace);
+    const enum file_mode mode = act_file_mode(act);
     struct buf path = {0};
-    enum err err = text->failed
-                       ? fault_memory(act->fault, "a report")
-                       : interpreter_output_path(act->interp, file->text, &path, act->fault);
+    enum err err = text->failed ? fault_memory(act->fault, "a report")
+                                : interpreter_output_path(act->interp, act_text(act, "report"),
+                                                          &path, act->fault);
     if (!err && path.length)
         err = interpreter_will_write(act->interp, buf_text(&path), mode, act->fault);
     if (!err && path.length)
@@ -37,8 +37,7 @@ enum err act_write_text(const struct act *act, const struct value *file,
     return err;
 }
 
-/* The places of the parameters in the table; what is saved comes after the maps. */
-enum { WHAT, FILE_NAME, REPLACE, FINISHED, LABEL, SMOOTH, TRIANGLES, EMPTY };
+/* What is saved comes after the maps. */
 enum { SAVE_SEEDS = MAP_MARGIN + 1, SAVE_NAMES, SAVE_SURFACE };
 
 static enum err save_seeds(const struct act *act, const char *path, enum file_mode how)
@@ -88,27 +87,26 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
 /* Those that mean nothing to what is saved are refused. */
 static enum err check_parameters(const struct act *act)
 {
-    const struct value *value = act->value;
-    const int64_t what = value[WHAT].number;
-    if (what == SAVE_SURFACE && !value[EMPTY].given)
-        return surface_file_check(value[FILE_NAME].text, act->fault);
-    if (value[FINISHED].given && what != MAP_LABELS)
+    const int64_t what = act_number(act, "MAP");
+    if (what == SAVE_SURFACE && !act_has(act, "empty"))
+        return surface_file_check(act_text(act, "FILE"), act->fault);
+    if (act_has(act, "finished") && what != MAP_LABELS)
         return fault_set(act->fault, ERR_USAGE,
                          "finished: of labels alone, and of surfaces (`save labels FILE "
                          "finished=yes`)");
-    if (value[EMPTY].given && what != MAP_LABELS)
+    if (act_has(act, "empty") && what != MAP_LABELS)
         return fault_set(act->fault, ERR_USAGE, "empty: of `save labels` alone");
-    if (value[LABEL].given || value[SMOOTH].given || value[TRIANGLES].given)
+    if (act_has(act, "label|smooth|triangles"))
         return fault_set(act->fault, ERR_USAGE,
                          "label=, smooth= and triangles= are for `save surface`, not for %s",
-                         value[WHAT].text);
+                         act_text(act, "MAP"));
     return OK;
 }
 
 static enum err save(const struct act *act, const struct labels *labels, const char *path)
 {
-    const enum file_mode how = act_file_mode(&act->value[REPLACE]);
-    const int64_t what = act->value[WHAT].number;
+    const enum file_mode how = act_file_mode(act);
+    const int64_t what = act_number(act, "MAP");
     const enum err err = interpreter_will_write(act->interp, path, how, act->fault);
     if (err)
         return err;
@@ -147,7 +145,7 @@ static struct coverage cover(const struct session *session, const struct labels 
 /* A map without a label would be taken for an answer by who reads it. */
 static enum err check_labels(const struct act *act, const struct coverage *coverage)
 {
-    if (coverage->labelled || act_is_yes(&act->value[EMPTY]) ||
+    if (coverage->labelled || act_is_yes(act, "empty") ||
         !semantics_has(session_semantics(act->session), MEANING_WHOLE_LABELS))
         return watch_fault(session_watch(act->session), act->fault);
     return fault_set(
@@ -167,13 +165,13 @@ static void warn_of_background(struct buf *out, uint64_t voxels, const char *whi
 static void warn(const struct act *act, const char *path, const struct coverage *coverage)
 {
     const struct session *session = act->session;
-    const int64_t what = act->value[WHAT].number;
+    const int64_t what = act_number(act, "MAP");
     warn_of_background(&act->reply->text, coverage->unreached, "that no seed reaches");
     warn_of_background(&act->reply->text, coverage->outside, "outside the region of interest");
     if (volume_ending(path) && !geometry_has_place(session_geometry(session)))
         buf_add_text(&act->reply->text,
                      "where it lies is as unknown in it as in the scene's file\n");
-    if ((what == MAP_LABELS || what == SAVE_SURFACE) && !act->value[FINISHED].given &&
+    if ((what == MAP_LABELS || what == SAVE_SURFACE) && !act_has(act, "finished") &&
         session_shows_finished(session))
         buf_add_text(&act->reply->text, "it has the labels of the forest; `finished=yes` writes "
                                         "those that pictures show\n");
@@ -181,7 +179,7 @@ static void warn(const struct act *act, const char *path, const struct coverage 
 
 enum err act_save(const struct act *act)
 {
-    const int64_t what = act->value[WHAT].number;
+    const int64_t what = act_number(act, "MAP");
     struct coverage coverage = {0};
     struct buf path = {0};
     struct labels labels;
@@ -189,9 +187,9 @@ enum err act_save(const struct act *act)
     if (!err)
         err = session_run(act->session, act->fault);
     if (!err)
-        err = act_take_labels(act, &act->value[FINISHED], &labels);
+        err = act_take_labels(act, &labels);
     if (!err)
-        err = interpreter_output_path(act->interp, act->value[FILE_NAME].text, &path, act->fault);
+        err = interpreter_output_path(act->interp, act_text(act, "FILE"), &path, act->fault);
     if (!err && path.length) {
         const bool has_labels = what == MAP_LABELS || what == SAVE_SURFACE;
         if (has_labels)

@@ -82,13 +82,12 @@ static enum err check_words(const struct act *act, const char *name)
 {
     if (strncmp(name, "synth:", 6) != 0 || act->interp->mode != MODE_LIVE)
         return OK;
-    for (int i = OPEN_SERIES; i <= OPEN_STRAIGHTEN; i++)
-        if (act->value[i].given)
-            return fault_set(
-                act->fault, ERR_USAGE,
-                "series, data, missing, skip, spacing, huge and straighten are about a "
-                "file, and a synthetic scene is made as it is to be; nothing was "
-                "opened");
+    if (act_has(act, "series|data|missing|skip|size|type|endian|offset|spacing|huge|private|"
+                     "straighten"))
+        return fault_set(act->fault, ERR_USAGE,
+                         "series, data, missing, skip, spacing, huge and straighten are about a "
+                         "file, and a synthetic scene is made as it is to be; nothing was "
+                         "opened");
     return OK;
 }
 
@@ -100,16 +99,16 @@ static enum err take_first_weight(const struct act *act, bool *recorded)
     struct state next = *session_state(session);
     struct weight_choice *weight = &next.kept.weight;
     enum err err = OK;
-    const struct value *given = &act->value[OPEN_WEIGHT];
+    const char *given = act_text(act, "weight");
     *recorded = false;
     if (session_has_scene(session))
         return OK; /* session_open refuses */
-    if (given->given)
-        err = opening_weight(weight, given->text, act->fault);
+    if (given)
+        err = opening_weight(weight, given, act->fault);
     else
         *recorded = act->interp->mode == MODE_LIVE &&
                     semantics_has(session_semantics(session), MEANING_OPEN_WEIGHT);
-    if (!given->given && !*recorded)
+    if (!given && !*recorded)
         *weight = (struct weight_choice){WEIGHT_MORPH, 1};
     return err ? err : session_go(session, &next, NULL, 0, act->fault);
 }
@@ -118,7 +117,7 @@ static enum err take_first_weight(const struct act *act, bool *recorded)
  * the file was found. The name of a folder is often a patient's. */
 static void name_scene(const struct act *act, const char *name, const char *path)
 {
-    const bool is_private = act_is_yes(&act->value[OPEN_PRIVATE]);
+    const bool is_private = act_is_yes(act, "private");
     const bool is_said = !is_private && !file_is_folder(path);
     session_name_scene(act->session, is_said ? file_name(name) : "", is_private);
 }
@@ -164,7 +163,7 @@ static void write_canonical(const struct act *act, bool has_weight)
     struct buf *canonical = &act->reply->canonical;
     const struct session *session = act->session;
     buf_clear(canonical);
-    opening_write(canonical, act->command, act->value, session_series(session));
+    opening_write(canonical, act->call, session_series(session));
     if (has_weight) {
         buf_add_text(canonical, " weight=");
         opening_write_weight(canonical, &session_kept(session)->weight);
@@ -180,7 +179,7 @@ enum err act_open(const struct act *act)
     const char *name;
     const bool had_scene = session_has_scene(session);
     bool has_weight = false;
-    enum err err = opening_choice(&choice, &name, act->value, act->fault);
+    enum err err = opening_choice(&choice, &name, act);
     choice.as_recorded = act->interp->mode != MODE_LIVE;
     choice.list = choice.as_recorded ? NULL : &act->reply->list;
     if (!err)
@@ -213,9 +212,8 @@ enum err act_open(const struct act *act)
 
 enum err act_interpolate(const struct act *act)
 {
-    unsigned doubled = 0;
-    for (unsigned a = 0; a < 3; a++)
-        doubled |= (unsigned)(act->value[a].number == 2) << a;
+    const unsigned doubled = (act_number(act, "X") == 2) | (act_number(act, "Y") == 2) << 1 |
+                             (act_number(act, "Z") == 2) << 2;
     enum err err = session_interpolate(act->session, doubled, act->fault);
     if (!err)
         write_scene(act);
@@ -251,7 +249,7 @@ static enum err check_orient(const struct session *session, const char *how, str
 enum err act_orient(const struct act *act)
 {
     const struct session *session = act->session;
-    const char *how = act->value[0].text;
+    const char *how = act_text(act, "HOW");
     char *orient = act->next->kept.orient;
     const bool by_file = strcmp(how, "file") == 0;
     enum err err = by_file ? OK : check_orient(session, how, act->fault);
@@ -282,15 +280,11 @@ static enum err add_weights(const struct act *act, enum err err)
     return err;
 }
 
-/* The place of the parameter in the table, after the name and what those of weights take. */
-enum { WEIGHT_RESAMPLE = 1 + WEIGHT_ARGUMENT_COUNT };
-
 static enum err weigh_by_file(const struct act *act, const char *name)
 {
     struct session *session = act->session;
     struct fault *fault = act->fault;
-    const struct map_place place =
-        session_map_place(session, act_is_yes(&act->value[WEIGHT_RESAMPLE]));
+    const struct map_place place = session_map_place(session, act_is_yes(act, "resample"));
     struct volume map = {0};
     struct buf path = {0};
     enum err err = interpreter_find_file(act->interp, name, &path, fault);
@@ -316,37 +310,35 @@ static enum err weigh_by_file(const struct act *act, const char *name)
 #define ARGUMENT_NAME(name, type, least, most) name
 
 /* What is given beside the name: what the row takes, and nothing else. */
-static enum err take_argument(struct weight_choice *choice, const struct value *value,
-                              struct fault *fault)
+static enum err take_argument(struct weight_choice *choice, const struct act *act)
 {
     static const char *const name[] = {WEIGHT_ARGUMENTS(ARGUMENT_NAME, ARGUMENT_NAME)};
     const struct weight_row *row = &weight_table[choice->kind];
     for (unsigned i = 0; i < WEIGHT_ARGUMENT_COUNT; i++)
-        if (value[i].given && row->takes != i)
-            return fault_set(fault, ERR_USAGE, "%s: `weight %s` has none", name[i], row->name);
-    if (value[WEIGHT_ARGUMENT_COUNT].given && choice->kind != WEIGHT_FILE)
-        return fault_set(fault, ERR_USAGE, "resample: `weight %s` has none", row->name);
+        if (act_has(act, name[i]) && row->takes != i)
+            return fault_set(act->fault, ERR_USAGE, "%s: `weight %s` has none", name[i], row->name);
+    if (act_has(act, "resample") && choice->kind != WEIGHT_FILE)
+        return fault_set(act->fault, ERR_USAGE, "resample: `weight %s` has none", row->name);
     if (row->takes == WEIGHT_TAKES_NOTHING)
         return OK;
-    const struct value *given = &value[row->takes];
-    if (!given->given && !row->usual)
-        return fault_set(fault, ERR_USAGE, "%s: `weight %s` needs one", name[row->takes],
+    if (!act_has(act, name[row->takes]) && !row->usual)
+        return fault_set(act->fault, ERR_USAGE, "%s: `weight %s` needs one", name[row->takes],
                          row->name);
-    choice->argument = given->given ? (uint32_t)given->number : row->usual;
+    choice->argument = (uint32_t)act_number_or(act, name[row->takes], row->usual);
     return OK;
 }
 
 enum err act_weight(const struct act *act)
 {
-    const bool is_file = act->value[0].number < 0;
+    const bool is_file = act_number(act, "FILE") < 0;
     struct kept *kept = &act->next->kept;
-    kept->weight =
-        (struct weight_choice){is_file ? WEIGHT_FILE : (enum weight_kind)act->value[0].number, 0};
-    const enum err err = take_argument(&kept->weight, act->value + 1, act->fault);
+    kept->weight = (struct weight_choice){
+        is_file ? WEIGHT_FILE : (enum weight_kind)act_number(act, "FILE"), 0};
+    const enum err err = take_argument(&kept->weight, act);
     if (err)
         return err;
     if (is_file)
-        return add_weights(act, weigh_by_file(act, act->value[0].text));
+        return add_weights(act, weigh_by_file(act, act_text(act, "FILE")));
     kept->weight_map = NULL;
     memset(kept->weight_file, 0, sizeof kept->weight_file);
     return add_weights(act, act_go(act));
@@ -354,7 +346,7 @@ enum err act_weight(const struct act *act)
 
 enum err act_polarity(const struct act *act)
 {
-    act->next->kept.polarity[act->value[0].number] = (int8_t)act->value[1].number;
+    act->next->kept.polarity[act_number(act, "LABEL")] = (int8_t)act_number(act, "PERCENT");
     if (act->next->kept.weight.kind != WEIGHT_POLARITY)
         buf_add_text(&act->reply->text, "used only under `weight polarity`\n");
     return add_weights(act, act_go(act));
@@ -383,7 +375,7 @@ enum err act_check_name(const char *name, size_t room, bool blanks, struct fault
 static enum err take_number(const struct act *act, size_t label)
 {
     struct kept *kept = &act->next->kept;
-    const struct value *number = &act->value[3];
+    const struct value *number = act_value(act, "number");
     if (!number->given)
         return OK;
     if (label == 0)
@@ -399,8 +391,8 @@ static enum err take_number(const struct act *act, size_t label)
 enum err act_label(const struct act *act)
 {
     struct kept *kept = &act->next->kept;
-    const size_t label = (size_t)act->value[0].number;
-    const char *name = act->value[1].text;
+    const size_t label = (size_t)act_number(act, "LABEL");
+    const char *name = act_text(act, "NAME");
     const enum err err = act_check_name(name, LABEL_NAME_BYTES, true, act->fault);
     if (err)
         return err;
@@ -412,7 +404,7 @@ enum err act_label(const struct act *act)
         return numbered;
     memset(kept->label_name[label], 0, LABEL_NAME_BYTES);
     memcpy(kept->label_name[label], name, strlen(name));
-    for (int k = 0; act->value[2].given && k < 3; k++)
-        kept->palette.rgb[label][k] = (uint8_t)(act->value[2].number >> (16 - 8 * k));
+    for (int k = 0; act_has(act, "COLOUR") && k < 3; k++)
+        kept->palette.rgb[label][k] = (uint8_t)(act_number(act, "COLOUR") >> (16 - 8 * k));
     return act_go(act);
 }

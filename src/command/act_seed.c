@@ -27,7 +27,7 @@ static bool find_recorded(const struct act *act, const char *key, struct record_
 static enum err find_voxels(const struct act *act, struct voxels *v)
 {
     enum err err = session_skims(act->session) ? session_catch_up(act->session, act->fault) : OK;
-    return err ? err : act_find_voxels(act, &act->value[0], &act->value[1], NULL, v);
+    return err ? err : act_find_voxels(act, NULL, v);
 }
 
 /* ---- single trees ---- */
@@ -178,14 +178,13 @@ enum err act_remove(const struct act *act)
 {
     enum { MARKER, TREE };
     struct session *session = act->session;
-    const struct value *of = &act->value[2];
     const int64_t usual =
         semantics_has(session_semantics(session), MEANING_MARKERS) ? MARKER : TREE;
     const enum err err =
-        (of->given ? of->number : usual) == MARKER ? remove_markers(act) : remove_trees(act);
+        act_number_or(act, "of", usual) == MARKER ? remove_markers(act) : remove_trees(act);
     if (err)
         return err;
-    const uint32_t *p = act->value[0].place;
+    const uint32_t *p = act_place(act, "PLACE");
     const uint32_t cell = grid_cell(&session_scene(session)->grid, p[0], p[1], p[2]);
     return session_note_eliminator(session, cell, act->fault);
 }
@@ -200,7 +199,7 @@ enum err act_run(const struct act *act)
 enum err act_auto(const struct act *act)
 {
     const size_t waits = session_pendings(act->session);
-    act->next->outlook.runs_by_itself = act->value[0].number == 0;
+    act->next->outlook.runs_by_itself = act_number(act, "STATE") == 0;
     if (waits && act->next->outlook.runs_by_itself)
         buf_printf(&act->reply->text, "%zu edit%s waiting for `run` or the next edit\n", waits,
                    plural(waits));

@@ -13,46 +13,40 @@
 
 enum { LIST_BYTES_MOST = 64 << 20, LISTED_MOST = 12 };
 
-/* The places of the parameters in the table. */
-enum { FILE_NAME, LABEL, RANGE, REGIONS, AS, ERODE, EACH, GENERATOR, RESAMPLE };
-
-static int label_of(const struct value *value)
+static int label_of(const struct act *act)
 {
-    return value[LABEL].given ? (int)value[LABEL].number : LABEL_OWN;
+    return (int)act_number_or(act, "label", LABEL_OWN);
 }
 
 static enum err read_list(struct seeds *seeds, const struct act *act, const char *path)
 {
     const struct session *session = act->session;
-    const struct value *value = act->value;
     struct fault *fault = act->fault;
     struct buf text = {0};
-    for (int i = REGIONS; i <= RESAMPLE; i++)
-        if (value[i].given)
-            return fault_set(
-                fault, ERR_USAGE,
-                "regions, as, erode, each, generator and resample are for label maps, and %s is "
-                "a list; nothing was planted",
-                value[FILE_NAME].text);
+    if (act_has(act, "regions|as|erode|each|generator|resample"))
+        return fault_set(
+            fault, ERR_USAGE,
+            "regions, as, erode, each, generator and resample are for label maps, and %s is "
+            "a list; nothing was planted",
+            act_text(act, "FILE"));
     enum err err = file_read(&text, path, LIST_BYTES_MOST, fault);
     if (!err)
-        err = act_naming(value[FILE_NAME].text,
+        err = act_naming(act_text(act, "FILE"),
                          seeds_from_list(seeds, buf_text(&text), text.length,
                                          &session_scene(session)->grid,
-                                         session_kept(session)->label_name, label_of(value), fault),
+                                         session_kept(session)->label_name, label_of(act), fault),
                          fault);
     buf_release(&text);
     return err;
 }
 
-enum err act_choose_regions(uint16_t **as, const struct act *act, const struct value *regions,
-                            const struct value *labels, const struct value *label)
+enum err act_choose_regions(uint16_t **as, const struct act *act, const struct value *label)
 {
-    if (label && labels->given && label->given)
+    if (label && label->given && act_has(act, "as"))
         return fault_set(act->fault, ERR_USAGE,
                          "as and label are two answers to one question; expected one of them");
-    const enum err err = regions_new(as, regions->text, labels->text, act->fault);
-    if (!err && !labels->given)
+    const enum err err = regions_new(as, act_text(act, "regions"), act_text(act, "as"), act->fault);
+    if (!err && !act_has(act, "as"))
         numbering_translate(*as, session_kept(act->session));
     return err;
 }
@@ -60,15 +54,14 @@ enum err act_choose_regions(uint16_t **as, const struct act *act, const struct v
 /* What the parameters say of regions, with the labels that they become, which the caller frees. */
 static enum err choose_regions(struct region_choice *choice, uint16_t **as, const struct act *act)
 {
-    const struct value *value = act->value;
     *choice = (struct region_choice){
         .first = REGION_MOST,
-        .label = label_of(value),
-        .erode = (unsigned)value[ERODE].number,
-        .each = (uint32_t)value[EACH].number,
-        .generator = value[GENERATOR].given ? (uint64_t)value[GENERATOR].number : 1,
+        .label = label_of(act),
+        .erode = (unsigned)act_number(act, "erode"),
+        .each = (uint32_t)act_number(act, "each"),
+        .generator = (uint64_t)act_number_or(act, "generator", 1),
     };
-    const enum err err = act_choose_regions(as, act, &value[REGIONS], &value[AS], &value[LABEL]);
+    const enum err err = act_choose_regions(as, act, act_value(act, "label"));
     for (uint32_t r = 0; !err && r <= REGION_MOST; r++)
         if ((*as)[r] != REGION_NONE) {
             choice->first = r < choice->first ? r : choice->first;
@@ -82,15 +75,14 @@ static enum err read_map(struct seeds *seeds, const struct act *act,
                          const struct region_choice *choice, const char *path)
 {
     const struct session *session = act->session;
-    const struct value *value = act->value;
     struct fault *fault = act->fault;
     struct buf *out = &act->reply->text;
     struct volume map = {0};
     struct region_tally tally;
-    const struct map_place place = session_map_place(session, act_is_yes(&value[RESAMPLE]));
+    const struct map_place place = session_map_place(session, act_is_yes(act, "resample"));
     enum err err = map_read(&map, path, &place, session_watch(session), fault);
     if (!err)
-        err = act_naming(value[FILE_NAME].text,
+        err = act_naming(act_text(act, "FILE"),
                          seeds_from_map(seeds, &tally, &map, &session_scene(session)->grid,
                                         session_geometry(session), choice, session_watch(session),
                                         fault),
@@ -151,7 +143,7 @@ static void advise_names(const struct act *act, const struct region_choice *choi
     for (uint32_t r = 0; r <= REGION_MOST; begin = end[r++])
         if (end[r] > begin && region_label(choice, r) < 256) /* beyond: groups of a list */
             has[region_label(choice, r)] = true;
-    atlas_advise_names(act, has, &act->value[REGIONS], &act->value[AS]);
+    atlas_advise_names(act, has);
 }
 
 /* Those of a list may end within a distance. */
@@ -189,9 +181,9 @@ static enum err plant(const struct act *act, const struct seeds *seeds, const ch
         err = plant_region(act, planting, seeds, choice, r, cell + begin, end[r] - begin);
     if (!err && !semantics_has(session_semantics(session), MEANING_SEED_ORDER))
         session_sort_pendings(session, pendings);
-    if (!err && act->value[AS].given)
+    if (!err && act_has(act, "as"))
         write_regions(act, path, choice->as, end);
-    if (!err && !act->value[LABEL].given)
+    if (!err && !act_has(act, "label"))
         advise_names(act, choice, end);
     free(end);
     free(cell);
@@ -202,9 +194,9 @@ enum err act_seed_file(const struct act *act)
 {
     struct buf path = {0};
     struct seeds seeds = {0};
-    struct region_choice choice = {.label = label_of(act->value)}; /* all there is of a list */
+    struct region_choice choice = {.label = label_of(act)}; /* all there is of a list */
     uint16_t *as = NULL;
-    const char *name = act->value[FILE_NAME].text;
+    const char *name = act_text(act, "FILE");
     enum err err = interpreter_find_file(act->interp, name, &path, act->fault);
     if (!err && file_is_named(name, ".csv"))
         err = read_list(&seeds, act, buf_text(&path));
@@ -213,7 +205,7 @@ enum err act_seed_file(const struct act *act)
         if (!err)
             err = read_map(&seeds, act, &choice, buf_text(&path));
     }
-    struct planting planting = act_begin_planting(act->session, &act->value[RANGE]);
+    struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
     if (!err)
         err = plant(act, &seeds, buf_text(&path), &choice, &planting);
     buf_printf(&act->reply->words, "file=%016llx added=%zu",

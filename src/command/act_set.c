@@ -34,11 +34,11 @@ static int64_t held(const struct setting_member *member, const struct value *val
 
 enum err act_set(const struct act *act)
 {
-    const struct parameter *parameter = act->command->parameter;
+    const struct parameter *parameter = act->call->command->parameter;
     unsigned given = 0, made = 0;
     for (int i = 0; parameter[i].type; i++) {
         const struct setting_member *member = &parameter[i].sets;
-        const struct value *value = &act->value[i];
+        const struct value *value = act_value(act, parameter[i].name);
         given += value->given;
         made |= member->made;
         if (value->given)
@@ -48,11 +48,11 @@ enum err act_set(const struct act *act)
     }
     if (!given)
         return fault_set(act->fault, ERR_USAGE, "expected what to change, as in `%s`",
-                         act->command->example);
+                         act->call->command->example);
     const enum err err = act_go(act);
     if (!err && made & MADE_WEIGHTS)
         act_add_weights(act);
-    if (!err && act->command->group == GROUP_SLICES)
+    if (!err && act->call->command->group == GROUP_SLICES)
         act_write_slices(&act->reply->text, act->session);
     return err;
 }

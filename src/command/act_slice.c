@@ -5,12 +5,6 @@
 #include "show/slicing.h"
 #include "show/window.h"
 
-/* The places of the parameters in the table. */
-enum { SLICE_PLANE, SLICE_NUMBER, SLICE_FILE, SLICE_ZOOM, SLICE_REPLACE, SLICE_FINISHED };
-enum { MOSAIC_FILE, MOSAIC_REPLACE, MOSAIC_FINISHED };
-enum { MAGNIFY_TIMES, MAGNIFY_AT };
-enum { WINDOW_LOW, WINDOW_HIGH };
-
 /* ---- how ---- */
 
 void act_write_slices(struct buf *out, struct session *session)
@@ -43,7 +37,7 @@ static enum err go_and_say(const struct act *act)
 enum err act_cross(const struct act *act)
 {
     for (int a = 0; a < 3; a++)
-        act->next->outlook.slices.cross[a] = act->value[0].place[a];
+        act->next->outlook.slices.cross[a] = act_place(act, "PLACE")[a];
     return go_and_say(act);
 }
 
@@ -59,7 +53,7 @@ static void magnify(struct slice_settings *slices, uint32_t times, const uint32_
 
 enum err act_magnify(const struct act *act)
 {
-    const struct value *times = &act->value[MAGNIFY_TIMES], *at = &act->value[MAGNIFY_AT];
+    const struct value *times = act_value(act, "TIMES"), *at = act_value(act, "at");
     const bool is_whole = times->text || times->number == SLICE_TIMES_ONE;
     if (is_whole && at->given)
         return fault_set(act->fault, ERR_USAGE,
@@ -72,10 +66,10 @@ enum err act_magnify(const struct act *act)
 enum err act_window(const struct act *act)
 {
     struct slice_settings *slices = &act->next->outlook.slices;
-    const bool is_auto = act->value[WINDOW_LOW].text != NULL;
-    const struct decimal window[2] = {act->value[WINDOW_LOW].real[0],
-                                      act->value[WINDOW_HIGH].real[0]};
-    if (is_auto == act->value[WINDOW_HIGH].given)
+    const bool is_auto = act_text(act, "LOW") != NULL;
+    const struct decimal window[2] = {act_value(act, "LOW")->real[0],
+                                      act_value(act, "HIGH")->real[0]};
+    if (is_auto == act_has(act, "HIGH"))
         return fault_set(act->fault, ERR_USAGE,
                          "expected LOW and HIGH, or auto alone; nothing has changed");
     if (!is_auto && decimal_value(&window[1]) <= decimal_value(&window[0]))
@@ -129,8 +123,7 @@ static enum err show_inline(const struct act *act, enum slice_kind kind,
 }
 
 /* To the file that is named, or inline. */
-static enum err show_or_write(const struct act *act, enum slice_kind kind, const struct value *file,
-                              const struct value *replace, const struct value *finished)
+static enum err show_or_write(const struct act *act, enum slice_kind kind)
 {
     struct picture picture = {0};
     struct labels labels;
@@ -138,15 +131,15 @@ static enum err show_or_write(const struct act *act, enum slice_kind kind, const
     if (act->interp->mode == MODE_SKIM)
         return OK;
     act_write_slices(&act->reply->text, act->session);
-    enum err err = act_take_shown(act, finished, &labels);
-    if (!err && !file->given)
+    enum err err = act_take_shown(act, &labels);
+    if (!err && !act_has(act, "FILE"))
         return show_inline(act, kind, &labels);
     if (!err)
         err = act_take_slices(act, kind, &labels, &picture);
     if (!err)
-        err = interpreter_output_path(act->interp, file->text, &path, act->fault);
+        err = interpreter_output_path(act->interp, act_text(act, "FILE"), &path, act->fault);
     if (!err && path.length)
-        err = act_write_picture(act, buf_text(&path), act_file_mode(replace), &picture);
+        err = act_write_picture(act, buf_text(&path), act_file_mode(act), &picture);
     else
         picture_release(&picture);
     buf_release(&path);
@@ -157,27 +150,23 @@ enum err act_slice(const struct act *act)
 {
     const struct scene *scene = session_scene(act->session);
     struct slice_settings *slices = &act->next->outlook.slices;
-    const enum slice_plane plane = (enum slice_plane)act->value[SLICE_PLANE].number;
+    const enum slice_plane plane = (enum slice_plane)act_number(act, "PLANE");
     const uint32_t count = slice_count(scene, plane);
-    if (act->value[SLICE_NUMBER].given && act->value[SLICE_NUMBER].number >= count)
+    if (act_has(act, "N") && act_number(act, "N") >= count)
         return fault_set(act->fault, ERR_INPUT,
                          "N: expected one of the %s slices 0..%u, not %lld; nothing has changed",
-                         act->value[SLICE_PLANE].text, count - 1,
-                         (long long)act->value[SLICE_NUMBER].number);
-    if (act->value[SLICE_NUMBER].given)
-        slicing_move(act->session, plane, (uint32_t)act->value[SLICE_NUMBER].number, slices->cross);
-    if (act->value[SLICE_ZOOM].given) {
+                         act_text(act, "PLANE"), count - 1, (long long)act_number(act, "N"));
+    if (act_has(act, "N"))
+        slicing_move(act->session, plane, (uint32_t)act_number(act, "N"), slices->cross);
+    if (act_has(act, "zoom")) {
         magnify(slices, SLICE_TIMES_ONE, NULL);
-        slices->zoom = act->value[SLICE_ZOOM].text ? 0 : (uint32_t)act->value[SLICE_ZOOM].number;
+        slices->zoom = act_text(act, "zoom") ? 0 : (uint32_t)act_number(act, "zoom");
     }
     enum err err = act_go(act);
-    return err ? err
-               : show_or_write(act, (enum slice_kind)plane, &act->value[SLICE_FILE],
-                               &act->value[SLICE_REPLACE], &act->value[SLICE_FINISHED]);
+    return err ? err : show_or_write(act, (enum slice_kind)plane);
 }
 
 enum err act_mosaic(const struct act *act)
 {
-    return show_or_write(act, SLICE_KIND_MOSAIC, &act->value[MOSAIC_FILE],
-                         &act->value[MOSAIC_REPLACE], &act->value[MOSAIC_FINISHED]);
+    return show_or_write(act, SLICE_KIND_MOSAIC);
 }

@@ -16,9 +16,6 @@
 #include "report/export.h"
 #include "show/draw.h"
 
-/* The places of the parameters in the table. */
-enum { COUNT, NAME, AXIS, FIT, DELAY, REPLACE, SHOWN };
-
 /* "turn%03d.png": what stands before the number of a picture, how many digits it has at least, and
  * what follows it. */
 struct pattern {
@@ -211,8 +208,8 @@ static enum err turn_around(struct spin *spin)
     const bool rendered = session_rendered(session) == RENDERED_FOREST;
     enum err err = session_run(session, fault);
     if (!err)
-        err = act_take_shown(spin->act, &spin->act->value[SHOWN], &spin->labels);
-    if (!err && act_is_yes(&spin->act->value[FIT]))
+        err = act_take_shown(spin->act, &spin->labels);
+    if (!err && act_is_yes(spin->act, "fit"))
         err = fit_turns(spin, &from);
     if (!err)
         err = begin_files(spin);
@@ -247,10 +244,10 @@ static void write_outcome(const struct spin *spin, struct reply *reply)
 }
 
 /* "yaw,roll": one turn after the other, about each axis once. */
-static enum err read_axes(struct spin *spin, const struct value *value)
+static enum err read_axes(struct spin *spin)
 {
     static const char axes[] = "yaw|pitch|roll";
-    const char *whole = value->given ? value->text : "yaw", *at = whole;
+    const char *given = act_text(spin->act, "axis"), *whole = given ? given : "yaw", *at = whole;
     bool taken[3] = {false};
     int axis = 0;
     for (spin->axes = 0; *at && spin->axes < 3 && axis >= 0; at += *at == ',') {
@@ -274,14 +271,13 @@ static enum err read_axes(struct spin *spin, const struct value *value)
 
 static enum err prepare(struct spin *spin)
 {
-    const struct value *value = spin->act->value;
     struct fault *fault = spin->act->fault;
-    if (!read_pattern(&spin->pattern, value[NAME].text))
+    if (!read_pattern(&spin->pattern, act_text(spin->act, "FILE")))
         return fault_set(fault, ERR_USAGE,
                          "FILE: expected one %%d or %%0Nd in its name, as in turn%%03d.png, or a "
                          "name that ends in .gif or .tif; not %s",
-                         value[NAME].text);
-    const enum err err = read_axes(spin, &value[AXIS]);
+                         act_text(spin->act, "FILE"));
+    const enum err err = read_axes(spin);
     spin->needs_maps = is_exr(spin) || !session_draws_colours(spin->act->session);
     spin->total = spin->count * spin->axes;
     if (!err && spin->total > IMAGE_FRAMES_MOST)
@@ -293,10 +289,9 @@ static enum err prepare(struct spin *spin)
 enum err act_spin(const struct act *act)
 {
     struct spin spin = {.act = act,
-                        .count = (unsigned)act->value[COUNT].number,
-                        .delay_ms =
-                            act->value[DELAY].given ? (unsigned)act->value[DELAY].number : 100,
-                        .mode = act_file_mode(&act->value[REPLACE])};
+                        .count = (unsigned)act_number(act, "N"),
+                        .delay_ms = (unsigned)act_number_or(act, "delay", 100),
+                        .mode = act_file_mode(act)};
     enum err err = prepare(&spin);
     if (err)
         return err;

@@ -11,9 +11,6 @@
 #include "session/semantics.h"
 #include "session/tally.h"
 
-/* The places of the parameters in the table. */
-enum { STATS_REPORT, STATS_REPLACE, STATS_FINISHED };
-
 /* ---- counts ---- */
 
 /* Of the forest: seeds, and voxels that a seed reaches. */
@@ -70,15 +67,14 @@ enum err act_write_counts(const struct act *act)
 
 static enum err write_report(const struct act *act, const struct label_report *report)
 {
-    const struct value *file = &act->value[STATS_REPORT];
     struct buf text = {0};
-    if (!file->given)
+    if (!act_has(act, "report"))
         return OK;
-    if (file_is_named(file->text, ".json"))
+    if (file_is_named(act_text(act, "report"), ".json"))
         label_report_write_json(&text, report);
     else
         label_report_write_csv(&text, report);
-    const enum err err = act_write_text(act, file, &act->value[STATS_REPLACE], &text);
+    const enum err err = act_write_report(act, &text);
     buf_release(&text);
     return err;
 }
@@ -142,12 +138,11 @@ static enum err answer(const struct act *act, const struct label_stats *stats,
 enum err act_stats(const struct act *act)
 {
     struct labels labels;
-    enum err err = act_check_report(&act->value[STATS_REPORT], act->fault);
+    enum err err = act_check_report(act);
     if (err)
         return err;
     struct label_stats *stats = mem_array(256, sizeof *stats);
-    err = stats ? act_take_labels(act, &act->value[STATS_FINISHED], &labels)
-                : fault_memory(act->fault, "counts of labels");
+    err = stats ? act_take_labels(act, &labels) : fault_memory(act->fault, "counts of labels");
     if (!err)
         err = session_find_stats(act->session, &labels, stats, act->fault);
     if (!err)

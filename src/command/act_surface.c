@@ -6,9 +6,6 @@
 
 enum { PASSES_USUALLY = 20 };
 
-/* The places of the parameters in the table. */
-enum { LABEL = 4, SMOOTH, TRIANGLES };
-
 static void row_of_labels(void *context, uint32_t y, uint32_t z, uint8_t *label)
 {
     const struct labels *labels = context;
@@ -28,7 +25,7 @@ static enum err make_surface(struct surface **surface, const struct act *act,
                              const struct labels *labels, bool joins)
 {
     struct session *session = act->session;
-    const struct value *label = &act->value[LABEL], *smooth = &act->value[SMOOTH];
+    const struct value *label = act_value(act, "label"), *smooth = act_value(act, "smooth");
     struct labels of = *labels;
     const struct surface_source source = {session_scene(session)->grid.size,
                                           joins ? row_of_all : row_of_labels, &of};
@@ -93,8 +90,8 @@ enum err act_save_surface(const struct act *act, const struct labels *labels, co
                           enum file_mode how)
 {
     struct surface *surface = NULL;
-    const struct value *most = &act->value[TRIANGLES];
-    const bool joins = !act->value[LABEL].given && !surface_file_tells_labels(path);
+    const struct value *most = act_value(act, "triangles");
+    const bool joins = !act_has(act, "label") && !surface_file_tells_labels(path);
     enum err err = make_surface(&surface, act, labels, joins);
     if (!err && most->given)
         err =

@@ -12,16 +12,18 @@ static int32_t whole_turn(int64_t angle)
     return (int32_t)(turned < 0 ? turned + VIEW_TURN : turned);
 }
 
+static const char *const axis[3] = {"YAW", "PITCH", "ROLL"}; /* of a view's angles */
+
 enum err act_view(const struct act *act)
 {
     struct view *view = &act->next->outlook.view;
-    if (act->value[0].text) {
-        if (act->value[1].given || act->value[2].given)
+    if (act_text(act, "YAW")) {
+        if (act_has(act, "PITCH|ROLL"))
             return fault_set(act->fault, ERR_USAGE, "a named view takes no angles");
-        view_by_name(act->value[0].text, view->angle);
+        view_by_name(act_text(act, "YAW"), view->angle);
     } else {
         for (int i = 0; i < 3; i++)
-            view->angle[i] = whole_turn(act->value[i].given ? act->value[i].number : 0);
+            view->angle[i] = whole_turn(act_number(act, axis[i]));
     }
     return act_go(act);
 }
@@ -30,8 +32,8 @@ enum err act_turn(const struct act *act)
 {
     int32_t *angle = act->next->outlook.view.angle;
     for (int i = 0; i < 3; i++)
-        if (act->value[i].given)
-            angle[i] = whole_turn(angle[i] + act->value[i].number);
+        if (act_has(act, axis[i]))
+            angle[i] = whole_turn(angle[i] + act_number(act, axis[i]));
     return act_go(act);
 }
 
@@ -61,7 +63,7 @@ static enum err fit_shown(const struct act *act)
 enum err act_zoom(const struct act *act)
 {
     struct view *view = &act->next->outlook.view;
-    const struct value *zoom = &act->value[0], *at = &act->value[1];
+    const struct value *zoom = act_value(act, "FACTOR"), *at = act_value(act, "at");
     enum err err = OK;
     if (zoom->text && at->given)
         return fault_set(act->fault, ERR_USAGE, "fit finds the place in the centre: without at=");
@@ -81,8 +83,8 @@ enum err act_zoom(const struct act *act)
 
 enum err act_pan(const struct act *act)
 {
-    view_pan(&act->next->outlook.view, session_camera(act->session), act->value[0].number,
-             act->value[1].number);
+    view_pan(&act->next->outlook.view, session_camera(act->session), act_number(act, "RIGHT"),
+             act_number(act, "DOWN"));
     return act_go(act);
 }
 
@@ -90,8 +92,8 @@ enum err act_focus(const struct act *act)
 {
     struct view *view = &act->next->outlook.view;
     memset(view->focus, 0, sizeof view->focus);
-    if (!act->value[0].text)
-        view_focus_on(view, session_scene(act->session), act->value[0].place);
+    if (!act_text(act, "PLACE"))
+        view_focus_on(view, session_scene(act->session), act_place(act, "PLACE"));
     return act_go(act);
 }
 
@@ -147,7 +149,7 @@ void act_write_view(struct buf *out, const struct session *session)
 /* One label, or where a word is given, all of them. */
 static enum err set_visible(const struct act *act, bool is_visible)
 {
-    const struct value *label = &act->value[0];
+    const struct value *label = act_value(act, "LABEL");
     const int first = label->text ? 1 : (int)label->number;
     for (int i = first; i <= (label->text ? 255 : first); i++)
         act->next->kept.visible[i] = is_visible;
@@ -162,11 +164,11 @@ enum err act_hide(const struct act *act)
 enum err act_opacity(const struct act *act)
 {
     uint8_t *opacity = act->next->kept.opacity;
-    const struct value *label = &act->value[0];
+    const struct value *label = act_value(act, "LABEL");
     if (label->text)
-        memset(opacity, (int)act->value[1].number, sizeof act->next->kept.opacity);
+        memset(opacity, (int)act_number(act, "PERCENT"), sizeof act->next->kept.opacity);
     else
-        opacity[label->number] = (uint8_t)act->value[1].number;
+        opacity[label->number] = (uint8_t)act_number(act, "PERCENT");
     return act_go(act);
 }
 

@@ -31,29 +31,28 @@ static bool is_nameless(const struct act *act, const bool has[256])
     return false;
 }
 
-static void write_advice(const struct act *act, const struct value *regions, const struct value *as)
+static void write_advice(const struct act *act)
 {
     struct buf *out = &act->reply->text, name = {0};
-    name_table(&name, act->value[0].text);
+    name_table(&name, act_text(act, "FILE"));
     buf_add_text(out, "their names: `label-file ");
     buf_add_safe_text(out, buf_text(&name));
-    if (regions->given)
-        buf_printf(out, " regions=%s", regions->text);
-    if (as->given)
-        buf_printf(out, " as=%s", as->text);
+    if (act_has(act, "regions"))
+        buf_printf(out, " regions=%s", act_text(act, "regions"));
+    if (act_has(act, "as"))
+        buf_printf(out, " as=%s", act_text(act, "as"));
     buf_add_text(out, "`\n");
     buf_release(&name);
 }
 
-void atlas_advise_names(const struct act *act, const bool has[256], const struct value *regions,
-                        const struct value *as)
+void atlas_advise_names(const struct act *act, const bool has[256])
 {
     struct buf path = {0};
     if (is_nameless(act, has) &&
-        interpreter_find_file(act->interp, act->value[0].text, &path, NULL) == OK) {
+        interpreter_find_file(act->interp, act_text(act, "FILE"), &path, NULL) == OK) {
         struct label_table table = atlas_table(act, buf_text(&path));
         if (table.count)
-            write_advice(act, regions, as);
+            write_advice(act);
         label_table_release(&table);
     }
     buf_release(&path);

@@ -11,10 +11,8 @@
 /* Empty where there is none that can be read; the caller releases it. */
 struct label_table atlas_table(const struct act *act, const char *path);
 
-/* After labels were planted out of the file that the first parameter names: a line with the command
- * that names them, where one of them (`has`, but for the background) has no name, and the table is
- * there. `regions` and `as` are the parameters of these names. */
-void atlas_advise_names(const struct act *act, const bool has[256], const struct value *regions,
-                        const struct value *as);
+/* After labels were planted out of FILE, of `regions` and `as`: a line with the command that names
+ * them, where one of them (`has`, but for the background) has no name, and the table is there. */
+void atlas_advise_names(const struct act *act, const bool has[256]);
 
 #endif

@@ -24,7 +24,6 @@
 
 struct interpreter;
 struct session;
-struct state;
 
 /* What a parameter was given as. */
 struct value {
@@ -49,24 +48,15 @@ struct reply {
                         they are shown, and kept nowhere */
 };
 
-/* A command that is being carried out: by whom, with which values, and where its answer goes. */
-struct act {
-    struct interpreter *interp;
-    struct session *session;   /* the interpreter's */
-    const struct value *value; /* in the order of the table's parameters */
-    struct state *next;        /* a copy of the session's state, to be changed; act_go goes there */
-    struct reply *reply;
-    struct fault *fault;
-    const struct command *command; /* NULL where none is carried out */
-};
-
+/* A command with what it is given. */
 struct call {
-    const struct command *command; /* NULL for an empty line or a comment */
-    struct value value[PARAMETERS_MOST];
-    const char *quotes;   /* that words may stand between */
-    struct buf store;     /* the words that values point into */
-    struct buf settled;   /* the same, of a file as the record has it */
-    struct polyline line; /* the same for the corners of a line */
+    const struct command *command;       /* NULL for an empty line or a comment */
+    struct value value[PARAMETERS_MOST]; /* in the order of the command's parameters; others find
+                                            them by their names */
+    const char *quotes;                  /* that words may stand between */
+    struct buf store;                    /* the words that values point into */
+    struct buf settled;                  /* the same, of a file as the record has it */
+    struct polyline line;                /* the same for the corners of a line */
 };
 
 /* The headings of help, and the commands, from 0: those of the table, then those of settings. NULL
@@ -87,6 +77,14 @@ void command_try_names(struct near *near);
 enum err command_parse(struct call *call, const char *line, const struct session *session,
                        struct fault *fault);
 void call_release(struct call *call);
+
+/* The value of the parameter of this name, which the command has; and a number in place of what
+ * was given for it. */
+const struct value *call_value(const struct call *call, const char *name);
+void call_set_number(struct call *call, const char *name, int64_t number);
+
+/* Whether one of these parameters, "a|b|c", which the command has, is given. */
+bool call_has(const struct call *call, const char *names);
 
 /* An error of a command that was parsed: where its words name a word of the line, a file say,
  * fault->at says where that begins. */

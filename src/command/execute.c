@@ -86,8 +86,8 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
         err = apply(interp, session, reply, fault);
     struct state next = *session_state(session);
     if (!err)
-        err = (command->act ? command->act : act_set)(
-            &(struct act){interp, session, call->value, &next, reply, fault, command});
+        err = (command->act ? command->act
+                            : act_set)(&(struct act){interp, session, call, &next, reply, fault});
     const bool waits =
         !session_outlook(session)->runs_by_itself || interp->history.goes_to != POINT_NONE;
     if (!err && edits && !waits)

@@ -25,7 +25,8 @@ bool golden_note_is_of_its_time(const struct attribute *note)
         return false;
     value += sizeof program - 1;
     const size_t major = strspn(value, digits);
-    return major && value[major] == '.' && is_of(value + major + 1, "0123456789.", 1, 16);
+    value += major;
+    return major && *value == '.' && is_of(value + 1, "0123456789.", 1, 16);
 }
 
 static enum err refuse_note(const struct attribute *note, const char *drawn, struct fault *fault)

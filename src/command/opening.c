@@ -40,20 +40,19 @@ static enum err choose_box(struct volume_choice *choice, const char *list, struc
                                  axis, plural((uint64_t)axis));
 }
 
-static enum err choose_layout(struct raw_layout *raw, const struct value *value,
-                              struct fault *fault)
+static enum err choose_layout(struct raw_layout *raw, const struct act *act)
 {
     enum voxel_type type = VOXEL_UINT8;
-    if (!value[OPEN_SIZE].given || !value[OPEN_TYPE].given)
-        return fault_set(fault, ERR_USAGE,
+    if (!act_has(act, "size") || !act_has(act, "type"))
+        return fault_set(act->fault, ERR_USAGE,
                          "raw: expected its layout: size=X,Y,Z type=" OPEN_TYPES
                          ", and where it differs, endian=big offset=BYTES spacing=X,Y,Z in mm");
-    if (!scan_three(raw->size, value[OPEN_SIZE].text, 0))
-        return fault_set(fault, ERR_USAGE, "size: expected X,Y,Z in voxels, as 512,512,400");
-    voxel_type_named(&type, value[OPEN_TYPE].text);
+    if (!scan_three(raw->size, act_text(act, "size"), 0))
+        return fault_set(act->fault, ERR_USAGE, "size: expected X,Y,Z in voxels, as 512,512,400");
+    voxel_type_named(&type, act_text(act, "type"));
     raw->type = type;
-    raw->big_endian = value[OPEN_ENDIAN].given && value[OPEN_ENDIAN].number == 1;
-    raw->offset = value[OPEN_OFFSET].given ? (uint64_t)value[OPEN_OFFSET].number : 0;
+    raw->big_endian = act_number(act, "endian") == 1;
+    raw->offset = (uint64_t)act_number(act, "offset");
     return OK;
 }
 
@@ -74,51 +73,45 @@ static enum err choose_series(struct volume_choice *choice, const char *text, st
     return OK;
 }
 
-enum err opening_choice(struct volume_choice *choice, const char **name, const struct value *value,
-                        struct fault *fault)
+enum err opening_choice(struct volume_choice *choice, const char **name, const struct act *act)
 {
+    struct fault *fault = act->fault;
     enum err err = OK;
-    *name = value[OPEN_FILE].text;
+    *name = act_text(act, "FILE");
     *choice = (struct volume_choice){
-        .has_volume = value[OPEN_VOLUME].given,
-        .volume = (uint32_t)value[OPEN_VOLUME].number,
-        .data = value[OPEN_DATA].given ? value[OPEN_DATA].text : NULL,
-        .skip = value[OPEN_SKIP].given ? value[OPEN_SKIP].text : NULL,
-        .fills_gaps = value[OPEN_MISSING].given,
-        .huge = value[OPEN_HUGE].given && value[OPEN_HUGE].number == 0,
-        .straightens = value[OPEN_STRAIGHTEN].given && value[OPEN_STRAIGHTEN].number == 0,
+        .has_volume = act_has(act, "volume"),
+        .volume = (uint32_t)act_number(act, "volume"),
+        .reduce = (uint32_t)act_number(act, "reduce"),
+        .data = act_text(act, "data"),
+        .skip = act_text(act, "skip"),
+        .fills_gaps = act_has(act, "missing"),
+        .huge = act_is_yes(act, "huge"),
+        .straightens = act_is_yes(act, "straighten"),
     };
-    if (value[OPEN_REDUCE].given)
-        choice->reduce = (uint32_t)value[OPEN_REDUCE].number;
-    if (value[OPEN_SERIES].given)
-        err = choose_series(choice, value[OPEN_SERIES].text, fault);
-    if (!err && value[OPEN_CROP].given)
-        err = choose_box(choice, value[OPEN_CROP].text, fault);
+    if (act_has(act, "series"))
+        err = choose_series(choice, act_text(act, "series"), fault);
+    if (!err && act_has(act, "crop"))
+        err = choose_box(choice, act_text(act, "crop"), fault);
     const bool is_raw = scan_text(name, RAW);
     if (!err && is_raw)
-        err = choose_layout(&choice->raw, value, fault);
-    for (int i = OPEN_SIZE; i <= OPEN_OFFSET && !is_raw; i++)
-        if (value[i].given)
-            return fault_set(fault, ERR_USAGE,
-                             "size, type, endian and offset are for `open raw:FILE`, whose layout "
-                             "nothing else says");
-    if (!err && value[OPEN_SPACING].given &&
-        !scan_three(choice->spacing_nm, value[OPEN_SPACING].text, 6))
+        err = choose_layout(&choice->raw, act);
+    if (!is_raw && act_has(act, "size|type|endian|offset"))
+        return fault_set(fault, ERR_USAGE,
+                         "size, type, endian and offset are for `open raw:FILE`, whose layout "
+                         "nothing else says");
+    if (!err && act_has(act, "spacing") &&
+        !scan_three(choice->spacing_nm, act_text(act, "spacing"), 6))
         err =
             fault_set(fault, ERR_USAGE, "spacing: expected X,Y,Z in millimetres, as 0.5,0.5,1.25");
     return err;
 }
 
-void opening_write(struct buf *out, const struct command *open, const struct value *value,
-                   uint32_t series)
+void opening_write(struct buf *out, const struct call *open, uint32_t series)
 {
-    struct call call = {.command = open};
-    memcpy(call.value, value, sizeof call.value);
-    if (value[OPEN_SERIES].given && series) {
-        call.value[OPEN_SERIES].text = NULL;
-        call.value[OPEN_SERIES].number = series;
-    }
-    command_write(out, &call);
+    struct call recorded = *open;
+    if (series && call_has(open, "series"))
+        call_set_number(&recorded, "series", series);
+    command_write(out, &recorded);
 }
 
 /* ---- weights ---- */

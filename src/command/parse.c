@@ -1,5 +1,6 @@
 #include "command/command.h"
 
+#include <assert.h>
 #include <ctype.h>
 #include <stdio.h>
 #include <string.h>
@@ -442,14 +443,15 @@ static enum err fill(struct call *call, const char *word, const struct session *
     const char *whole = word;
     int i = command_parameter_for(call->command, call->value, &word);
     const struct parameter *p = &call->command->parameter[i < 0 ? 0 : i];
+    struct value *value = &call->value[i < 0 ? 0 : i];
     enum err err = OK;
     if (i < 0)
         err = usage_fault(fault, call->command, "one word too many: ", whole);
-    else if (call->value[i].given && p->type != VALUE_LINE && p->type != VALUE_PARTS)
+    else if (value->given && p->type != VALUE_LINE && p->type != VALUE_PARTS)
         return usage_fault(fault, call->command, "given twice: ", whole);
     else
-        err = read_value(&call->value[i], p, word, session, fault);
-    if (!err && i >= 0 && p->type == VALUE_LINE && !polyline_add(&call->line, call->value[i].place))
+        err = read_value(value, p, word, session, fault);
+    if (!err && i >= 0 && p->type == VALUE_LINE && !polyline_add(&call->line, value->place))
         err = fault_memory(fault, "a line");
     if (err == ERR_USAGE && word == whole)
         is_near_a_key(call->command, word, fault);
@@ -460,7 +462,7 @@ static enum err fill(struct call *call, const char *word, const struct session *
 static enum err lead_line(struct call *call, struct value *value, struct fault *fault)
 {
     struct polyline whole = {0};
-    bool fits = polyline_add(&whole, call->value[0].place);
+    bool fits = polyline_add(&whole, call->value->place);
     for (size_t i = 0; fits && i < call->line.count; i++)
         fits = polyline_add(&whole, call->line.corner[i]);
     polyline_release(&call->line);
@@ -487,13 +489,15 @@ static enum err read_words(struct call *call, unsigned count, const struct sessi
             return err;
     }
     const struct parameter *p = call->command->parameter;
-    for (int i = 0; p[i].type; i++)
-        if (!p[i].optional && !call->value[i].given)
+    struct value *line = NULL;
+    for (int i = 0; p[i].type; i++) {
+        struct value *value = &call->value[i];
+        if (!p[i].optional && !value->given)
             return usage_fault(fault, call->command, "missing: ", p[i].name);
-    for (int i = 0; p[i].type; i++)
-        if (p[i].type == VALUE_LINE && call->value[i].given)
-            return lead_line(call, &call->value[i], fault);
-    return OK;
+        if (p[i].type == VALUE_LINE && value->given)
+            line = value;
+    }
+    return line ? lead_line(call, line, fault) : OK;
 }
 
 /* Where the word of this number begins; after the last one, a blank later. */
@@ -547,9 +551,11 @@ void command_point_at(const struct call *call, const char *line, struct fault *f
     const struct parameter *p = call->command->parameter;
     const char *wrong = NULL, *at = line;
     struct buf word = {0};
-    for (int i = 0; p[i].type && !wrong; i++)
-        if (call->value[i].text && names(fault->text, call->value[i].text))
-            wrong = call->value[i].text;
+    for (int i = 0; p[i].type && !wrong; i++) {
+        const char *text = call->value[i].text;
+        if (text && names(fault->text, text))
+            wrong = text;
+    }
     for (scan_blanks(&at); wrong && *at; scan_blanks(&at)) {
         const char *start = at;
         buf_clear(&word);
@@ -569,6 +575,42 @@ void call_release(struct call *call)
     polyline_release(&call->line);
     *call = (struct call){0};
 }
+
+/* ---- by name ---- */
+
+/* Which parameter it is, in the order of the table. */
+static size_t number_of(const struct command *command, const char *name, size_t length)
+{
+    const struct parameter *p = command->parameter;
+    size_t at = 0;
+    while (p[at].type && (strncmp(p[at].name, name, length) != 0 || p[at].name[length]))
+        at++;
+    assert(p[at].type);
+    return at;
+}
+
+const struct value *call_value(const struct call *call, const char *name)
+{
+    return call->value + number_of(call->command, name, strlen(name));
+}
+
+void call_set_number(struct call *call, const char *name, int64_t number)
+{
+    struct value *value = call->value + number_of(call->command, name, strlen(name));
+    value->text = NULL;
+    value->number = number;
+}
+
+bool call_has(const struct call *call, const char *names)
+{
+    struct choice name;
+    bool has = false;
+    while (choice_next(&name, &names))
+        has |= (call->value + number_of(call->command, name.word, name.length))->given;
+    return has;
+}
+
+/* ---- lines beside others ---- */
 
 bool command_opens(struct buf *name, const char *line)
 {
@@ -677,17 +719,18 @@ void command_write(struct buf *out, const struct call *call)
     const struct parameter *p = call->command->parameter;
     buf_add_text(out, call->command->name);
     for (int i = 0; p[i].type; i++) {
-        if (!call->value[i].given && p[i].type == VALUE_LINE && !p[i].optional)
-            write_corner(out, p[i].name, call->value[0].place); /* a line that stays at its place */
-        if (!call->value[i].given)
+        const struct value *value = &call->value[i];
+        if (!value->given && p[i].type == VALUE_LINE && !p[i].optional)
+            write_corner(out, p[i].name, call->value->place); /* a line that stays at its place */
+        if (!value->given)
             continue;
         if (p[i].type == VALUE_LINE) {
-            write_line(out, p[i].name, call->value[i].line);
+            write_line(out, p[i].name, value->line);
             continue;
         }
         buf_add_char(out, ' ');
         if (p[i].keyed)
             buf_printf(out, "%s=", p[i].name);
-        write_value(out, &p[i], &call->value[i]);
+        write_value(out, &p[i], value);
     }
 }

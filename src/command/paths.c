@@ -234,9 +234,11 @@ enum err interpreter_settle_name(const struct interpreter *interp, struct call *
                           : interp->new_journal ? interp->new_journal
                                                 : NULL;
     struct value *value = NULL;
-    for (int i = 0; p[i].type; i++)
-        if (p[i].is_read && call->value[i].given && call->value[i].number < 0)
-            value = &call->value[i];
+    for (int i = 0; p[i].type; i++) {
+        struct value *given = &call->value[i];
+        if (p[i].is_read && given->given && given->number < 0)
+            value = given;
+    }
     if (!value || interp->mode != MODE_LIVE || (p->is_scene && interp->scene_path))
         return OK;
     const char *name = value->text;

@@ -130,7 +130,7 @@ static bool leads_to(const struct call *call, const char *canonical, const char 
     if (strncmp(command, canonical, length) == 0 && are_added(call, command + length))
         return command[length] == '\0' || command[length] == ' ';
     return comes_to && begins_with_name(command, comes_to) &&
-           (strcmp(comes_to, call->command->name) != 0 || call->value[0].text);
+           (strcmp(comes_to, call->command->name) != 0 || call->value->text);
 }
 
 /* The record at hand was met. */
@@ -201,7 +201,7 @@ static enum err write_line(struct buf *out, const struct interpreter *interp, st
 {
     const enum err err = interpreter_settle_name(interp, call, fault);
     if (call->command->act == act_open)
-        opening_write(out, call->command, call->value, session_series(interp->session));
+        opening_write(out, call, session_series(interp->session));
     else
         command_write(out, call);
     return err;
