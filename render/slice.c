@@ -342,7 +342,7 @@ static void draw_cross(const struct work *work)
 static void draw_letters(const struct work *work)
 {
     char letter[4];
-    slice_letters(work->choice->plane, letter);
+    slice_letters(work->scene, work->choice->plane, letter);
     const char *const word[4] = {(char[]){letter[0], 0}, (char[]){letter[1], 0},
                                  (char[]){letter[2], 0}, (char[]){letter[3], 0}};
     notes_draw_sides(work->canvas, work->plan.unit, word, &notes_light);

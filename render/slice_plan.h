@@ -69,7 +69,7 @@ uint32_t slice_unit(uint32_t width, uint32_t height);
 
 /* The patient's sides at the left, right, top and bottom of a picture: R L A P S I. For scenes
  * whose sides are known. */
-void slice_letters(enum slice_plane plane, char letter[4]);
+void slice_letters(const struct scene *scene, enum slice_plane plane, char letter[4]);
 
 /* The longest of 1, 2, 5, 10, 20, 50... that is at most `most`, which is 1 or more; and "20 mm",
  * "0.05 mm" for as many picometres. */

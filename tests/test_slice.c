@@ -865,10 +865,16 @@ STORY(letters_say_where_the_patients_sides_are)
 STORY(letters_are_told_as_they_are_drawn)
 {
     static const char *const expected[3] = {"RLAP", "RLSI", "APSI"};
-    for (int plane = 0; plane < 3; plane++) {
+    static const int8_t turned[3] = {2, 0, 1};
+    for (unsigned flips = 0; flips < 16; flips++) {
+        uint32_t cross;
         char letter[5] = "";
-        slice_letters((enum slice_plane)plane, letter);
-        CHECK_TEXT(letter, expected[plane]);
+        struct scene *scene = body_scene(flips & 8 ? turned : world_order, flips & 7, &cross);
+        for (int plane = 0; plane < 3; plane++) {
+            slice_letters(scene, (enum slice_plane)plane, letter);
+            CHECK_TEXT(letter, expected[plane]);
+        }
+        scene_free(scene);
     }
 }
 

@@ -6,8 +6,10 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/file.h"
 #include "engine/grid.h"
 #include "image/straighten.h"
+#include "image/volume.h"
 
 static uint64_t state = 1;
 static double between(double low, double high)

@@ -4,7 +4,7 @@ enum err interpreter_init(struct interpreter *interp, struct fault *fault)
 {
     *interp = (struct interpreter){0};
     history_init(&interp->history);
-    const enum err err = session_new(interp->session, fault);
+    const enum err err = session_new(&interp->session, fault);
     return err ? err : image_helper_new(&interp->helper, NULL, fault);
 }
 

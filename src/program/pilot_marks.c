@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "session/state.h"
+
 static const uint8_t marked_tree[3] = {255, 255, 255}, marked_pixel[3] = {255, 255, 255},
                      marked_way[3] = {230, 200, 90};
 

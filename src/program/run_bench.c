@@ -25,7 +25,12 @@
 #include "program/programs.h"
 #include "program/shown.h"
 #include "program/times.h"
+#include "render/border.h"
+#include "render/look.h"
+#include "render/rendition.h"
+#include "show/draw.h"
 #include "show/slicing.h"
+#include "session/session_inside.h"
 #include "tui/picture/painter.h"
 
 /* ---- the whole way ---- */
@@ -123,7 +128,8 @@ static enum err plant_seeds(struct interpreter *interp, struct fault *fault)
 static enum err time_growing(struct session *session, unsigned neighbours, struct team *team,
                              struct times *times, struct fault *fault)
 {
-    const size_t seeds = forest_seeds(session_forest(session)), cells = session_scene(session)->grid.cells;
+    const size_t seeds = forest_seeds(session_forest(session)),
+                 cells = session_scene(session)->grid.cells;
     struct edit *seed = mem_array(seeds, sizeof *seed), *none = mem_array(seeds, sizeof *none);
     enum err err = seed && none ? OK : fault_memory(fault, "a benchmark");
     size_t count = 0;
@@ -132,15 +138,15 @@ static enum err time_growing(struct session *session, unsigned neighbours, struc
             none[count] = (struct edit){(uint32_t)c, EDIT_ERASE, 0};
             seed[count++] = (struct edit){(uint32_t)c, session_scene(session)->cell[c].label, 0};
         }
-    forest_set_adjacency(session_forest(session), neighbours);
+    forest_set_adjacency(session->forest, neighbours);
     if (!err)
-        err = forest_rebuild(session_forest(session), fault);
+        err = forest_rebuild(session->forest, fault);
     if (!err)
-        err = forest_set_team(session_forest(session), team, fault);
+        err = forest_set_team(session->forest, team, fault);
     for (int i = 0; !err && i < SCRATCH_RUNS; i++) {
-        err = forest_edit(session_forest(session), none, seeds, fault);
+        err = forest_edit(session->forest, none, seeds, fault);
         const uint64_t begin = clock_ns();
-        err = err ? err : forest_edit(session_forest(session), seed, seeds, fault);
+        err = err ? err : forest_edit(session->forest, seed, seeds, fault);
         add_since(times, begin);
     }
     free(seed);
@@ -200,10 +206,10 @@ static enum err time_session(struct session *session, struct way *way, struct fa
     if (!err && way->threads > 1)
         err = time_growing(session, 6, session_team(session), &times[TOGETHER], fault);
     if (!err)
-        err = forest_set_team(session_forest(session), session_team(session), fault);
+        err = forest_set_team(session->forest, session_team(session), fault);
     if (err)
         return err;
-    border_recount(session_border(session));
+    border_recount(&session->border);
     err = time_edits(session, times, fault);
     if (!err)
         err = time_frames(session, times, fault);

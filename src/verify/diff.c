@@ -12,6 +12,7 @@
 #include "verify/difference_picture.h"
 #include "verify/first_difference.h"
 #include "verify/process.h"
+#include "session/session_inside.h"
 #include "verify/replay_file.h"
 
 /* ---- one side, in its process ---- */
@@ -115,7 +116,7 @@ static enum err draw(struct picture *picture, struct session *session, const str
         .name = {file_name(work->options->path[0]), file_name(work->options->path[1])},
         .label = {label, work->other->labels},
         .overlap = &overlap};
-    borrow(session_kept(session), work->other->facts, &overlap);
+    borrow(&session->now.kept, work->other->facts, &overlap);
     return difference_picture_draw(picture, session, &difference_picture, fault);
 }
 

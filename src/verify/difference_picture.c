@@ -10,7 +10,6 @@
 #include "render/text.h"
 #include "report/comparison_picture.h"
 #include "session/session_inside.h"
-#include "session/session_inside.h"
 #include "show/draw.h"
 
 enum {
@@ -100,10 +99,10 @@ static enum err render_as(const struct sheet *sheet, enum relabelled as, struct 
     struct session *session = sheet->session;
     relabel(sheet, as);
     for (int label = 1; label < 256; label++) {
-        session_border(session)->visible[label] = as == AS_B ? sheet->visible[label] : true;
-        session_border(session)->opacity[label] = as == AS_B ? sheet->opacity[label] : BORDER_OPAQUE;
+        session->border.visible[label] = as == AS_B ? sheet->visible[label] : true;
+        session->border.opacity[label] = as == AS_B ? sheet->opacity[label] : BORDER_OPAQUE;
     }
-    border_recount(session_border(session));
+    border_recount(&session->border);
     session->rendered = RENDERED_NOT;
     return session_draw(session, RENDER_BORDER, fault);
 }
@@ -144,11 +143,11 @@ static enum err draw_difference(const struct sheet *sheet, struct fault *fault)
 {
     const size_t pixels = (size_t)sheet->width * sheet->height;
     int64_t *depth = mem_array(pixels, sizeof *depth);
-    struct palette *palette = &session_kept(sheet->session)->palette;
+    struct palette *palette = &sheet->session->now.kept.palette;
     if (!depth)
         return fault_memory(fault, "a picture");
     memcpy(palette->rgb[SAME_OBJECT], ghost_rgb, 3);
-    session_outlook(sheet->session)->background =
+    sheet->session->now.outlook.background =
         BACKGROUND_PLAIN; /* black: colours tell what differs */
     enum err err = render_as(sheet, AS_OBJECT, fault);
     if (!err) {

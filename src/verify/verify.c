@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "command/act.h"
 #include "report/export.h"
+#include "session/semantics.h"
 #include "verify/iftty_lock.h"
 #include "verify/orphan.h"
 #include "verify/replay_file.h"

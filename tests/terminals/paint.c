@@ -26,19 +26,19 @@
 
 enum { HUES = 8, SHADES = 16, ANSWER_MS = 20000 };
 
-struct picture {
+struct known {
     uint32_t width, height;
     uint8_t *rgba;
     uint8_t *below; /* of slices, or NULL */
     uint64_t random;
 };
 
-static uint32_t below(struct picture *p, uint32_t most)
+static uint32_t below(struct known *p, uint32_t most)
 {
     return (uint32_t)(check_random(&p->random) % most);
 }
 
-static void put(struct picture *p, uint32_t x, uint32_t y, uint32_t hue, uint32_t shade)
+static void put(struct known *p, uint32_t x, uint32_t y, uint32_t hue, uint32_t shade)
 {
     uint8_t *pixel = p->rgba + 4 * ((size_t)y * p->width + x);
     const uint32_t level = 40 + 14 * shade; /* at most 250 */
@@ -49,7 +49,7 @@ static void put(struct picture *p, uint32_t x, uint32_t y, uint32_t hue, uint32_
 }
 
 /* A patch that is a disc, a bar, single pixels, or black. */
-static void change(struct picture *p, uint32_t side)
+static void change(struct known *p, uint32_t side)
 {
     const uint32_t w = 1 + below(p, side < p->width ? side : p->width);
     const uint32_t h = 1 + below(p, side < p->height ? side : p->height);
@@ -72,7 +72,7 @@ static void change(struct picture *p, uint32_t side)
 }
 
 /* Greys as the terminal has them, of slice number `n`; what is black shows them. */
-static void lay_below(struct picture *p, uint32_t n)
+static void lay_below(struct known *p, uint32_t n)
 {
     for (size_t i = 0; p->below && i < (size_t)p->width * p->height; i++) {
         uint8_t *pixel = p->rgba + 4 * i;
@@ -87,7 +87,7 @@ static void lay_below(struct picture *p, uint32_t n)
     }
 }
 
-static bool begin_picture(struct picture *p, bool has_slices)
+static bool begin_picture(struct known *p, bool has_slices)
 {
     p->rgba = calloc((size_t)p->width * p->height, 4);
     p->below = has_slices ? calloc((size_t)p->width * p->height, 1) : NULL;
@@ -101,7 +101,7 @@ static bool begin_picture(struct picture *p, bool has_slices)
     return true;
 }
 
-static void write_picture(const struct picture *p, const char *path)
+static void write_picture(const struct known *p, const char *path)
 {
     FILE *out = fopen(path, "wb");
     if (!out)
@@ -145,7 +145,7 @@ struct sent {
     double ms; /* from before the first frame until the last was parsed */
 };
 
-static void show(struct painter *painter, const struct picture *p, struct buf *bytes)
+static void show(struct painter *painter, const struct known *p, struct buf *bytes)
 {
     static const uint32_t hue[] = {0xFF5533};
     const uint32_t half = p->width / 2;
@@ -164,7 +164,7 @@ static void show(struct painter *painter, const struct picture *p, struct buf *b
 }
 
 /* Shows the picture and its edits; false where the terminal does not follow. */
-static bool paint(struct painter *painter, struct picture *p, unsigned edits, struct sent *sent,
+static bool paint(struct painter *painter, struct known *p, unsigned edits, struct sent *sent,
                   struct fault *fault)
 {
     struct buf bytes = {0};
@@ -209,7 +209,7 @@ static void wait_key(void)
 
 static bool run(const char *folder, char **word, struct fault *fault)
 {
-    struct picture p = {.random = strtoull(word[0], NULL, 10)};
+    struct known p = {.random = strtoull(word[0], NULL, 10)};
     struct painter painter = {0};
     struct terminal_facts facts;
     struct sent sent = {0};
