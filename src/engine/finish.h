@@ -8,7 +8,7 @@
  *
  * What holds for all steps
  *   N1 a voxel that no seed reaches, or that lies outside the region of interest, has label 0, as
- *      the background has, and steps do not tell them apart: they may give such a voxel a label;
+ *      the background has, and steps do not distinguish them: they may give such a voxel a label;
  *   N2 nothing lies beyond the scene: what a step counts or asks, it counts and asks of voxels. So
  *      the edge of the scene is no border of an object;
  *   N3 a step reads labels as the step before has left them, all of them, and writes others: within

@@ -11,7 +11,7 @@ enum { LANES = 8, BYTES = 16, FEW = 8 };
 typedef int32_t lanes __attribute__((vector_size(4 * LANES)));
 typedef uint16_t half_lanes __attribute__((vector_size(2 * LANES)));
 typedef uint8_t bytes __attribute__((vector_size(BYTES)));
-typedef uint8_t few_bytes __attribute__((vector_size(FEW))); /* which labels have behind the last */
+typedef uint8_t few_bytes __attribute__((vector_size(FEW))); /* which labels have after the last */
 
 /* ---- what a difference of greys lets through ---- */
 

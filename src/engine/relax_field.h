@@ -19,7 +19,7 @@
  *
  * Voxels of one parity have neighbours of the other alone: so within a half-sweep nothing depends
  * on order, and any number of threads, and any width of vectors, gives the same bits. Nor does it
- * matter how far another plane is, as long as those beside it are neither behind nor ahead.
+ * matter how far another plane is, as long as those beside it are as far.
  */
 #ifndef ENGINE_RELAX_FIELD_H
 #define ENGINE_RELAX_FIELD_H

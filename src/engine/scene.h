@@ -11,8 +11,8 @@
  *      and the flag CELL_OUTSIDE: to the forest it is as the rim;
  *   S3 intensity belongs to the scene, weight to engine/weight.h, the rest to engine/forest.h;
  *   S4 a scene is *plain* while `plain` holds its intensities: then its cells are not made, and
- *      nobody may touch them. Cells are eight times as large, and whoever only opens a scene does
- *      not need them yet.
+ *      nobody may touch them. Cells are eight times as large, and to open a scene does not need
+ *      them yet.
  */
 #ifndef ENGINE_SCENE_H
 #define ENGINE_SCENE_H
@@ -99,7 +99,7 @@ enum err scene_new_plain(struct scene **scene, const uint32_t size[3], uint16_t 
 void scene_free(struct scene *scene);
 
 /* Makes the cells of a plain scene, by a team and under its watch; where that stops it, the scene
- * stays plain. `weigh` tells the weights of a row, so that each cell is written once; NULL: 0. */
+ * stays plain. `weigh` gives the weights of a row, so that each cell is written once; NULL: 0. */
 typedef void scene_weigh_row(void *context, unsigned worker, uint32_t y, uint32_t z,
                              uint16_t *weight);
 void scene_make_cells(struct scene *scene, struct team *team, scene_weigh_row *weigh,
