@@ -631,19 +631,3 @@ void surface_free(struct surface *surface)
     }
     free(surface);
 }
-
-/* By the flow of z through the triangles; sums mod 2^64, which hold what they come to. */
-int64_t surface_volume(const struct surface *surface, const struct surface_part *part)
-{
-    uint64_t sum = 0;
-    for (size_t i = part->triangle; i < part->triangle + part->triangles; i++) {
-        int64_t at[3][3];
-        for (int k = 0; k < 3; k++)
-            for (int a = 0; a < 3; a++)
-                at[k][a] = surface->point[surface->triangle[i].point[k]].at[a] >> 8;
-        const int64_t normal = (at[1][0] - at[0][0]) * (at[2][1] - at[0][1]) -
-                               (at[1][1] - at[0][1]) * (at[2][0] - at[0][0]);
-        sum += (uint64_t)(normal * (at[0][2] + at[1][2] + at[2][2]));
-    }
-    return (int64_t)sum;
-}
