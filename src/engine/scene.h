@@ -46,8 +46,7 @@ struct cell {
     uint16_t intensity;
     union {
         struct {
-            uint8_t
-                label; /* of the root; 0 is the background, and of voxels that no seed reaches */
+            uint8_t label;        /* of the root; 0: background, or no seed reaches the voxel */
             uint8_t direction;    /* of the adjacency, from predecessor to here; DIRECTION_NONE */
             uint8_t flags;        /* enum cell_flag */
             uint8_t former_label; /* of a touched voxel, before the edit; else 0 */

@@ -74,8 +74,7 @@ enum { FACES = 6, EDGES = 12, NO_EDGE = 255 };
 struct surface_case {
     uint8_t triangles, segments;
     uint8_t triangle[5][3]; /* edges of the cube, counter-clockwise seen from outside the label */
-    uint8_t segment[6]
-                   [2]; /* on the three faces at the lower ends: each segment once in all cubes */
+    uint8_t segment[6][2];  /* on the three faces at the lower ends: each once in all cubes */
 };
 
 /* Face 2 a + 1 is at the upper end of axis a, face 2 a at the lower one: its corners and edges
