@@ -104,4 +104,21 @@ static inline bool surface_check(const struct surface *s)
     return surface_is_closed(s) && surface_is_manifold(s) && surface_has_no_point_twice(s);
 }
 
+/* Six times the enclosed volume, in 2^-24 voxels; below 0 where triangles face inwards. By the flow
+ * of z through them; sums mod 2^64, which hold what they come to. */
+static inline int64_t surface_volume(const struct surface *surface, const struct surface_part *part)
+{
+    uint64_t sum = 0;
+    for (size_t i = part->triangle; i < part->triangle + part->triangles; i++) {
+        int64_t at[3][3];
+        for (int k = 0; k < 3; k++)
+            for (int a = 0; a < 3; a++)
+                at[k][a] = surface->point[surface->triangle[i].point[k]].at[a] >> 8;
+        const int64_t normal = (at[1][0] - at[0][0]) * (at[2][1] - at[0][1]) -
+                               (at[1][1] - at[0][1]) * (at[2][0] - at[0][0]);
+        sum += (uint64_t)(normal * (at[0][2] + at[1][2] + at[2][2]));
+    }
+    return (int64_t)sum;
+}
+
 #endif

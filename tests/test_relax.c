@@ -1,12 +1,12 @@
 /*
- * Relaxation against a plain model, which is written from the words of engine/relax_field.h and
- * engine/finish_relax.c and shares nothing with them: fields of 64 bits, one array each, all
- * distances by flooding, one voxel after another.
+ * Relaxation against a plain model, which is written from the words of engine/finish_relax.h and
+ * shares nothing with it: fields of 64 bits, one array each, all distances by flooding, one voxel
+ * after another.
  */
 #include <stdlib.h>
 
 #include "base/mem.h"
-#include "engine/relax_field.h"
+#include "engine/finish_relax.h"
 #include "tests/finish_fails.h"
 
 enum { LONG = 60, SHORT = 8, MOST = LONG * SHORT * SHORT, LABELS = 5 };

@@ -8,7 +8,7 @@
  *
  * What holds for all steps
  *   N1 a voxel that no seed reaches, or that lies outside the region of interest, has label 0, as
- *      the background has, and steps do not tell them apart: they may give such a voxel a label;
+ *      the background has, and steps do not distinguish them: they may give such a voxel a label;
  *   N2 nothing lies beyond the scene: what a step counts or asks, it counts and asks of voxels. So
  *      the edge of the scene is no border of an object;
  *   N3 a step reads labels as the step before has left them, all of them, and writes others: within
@@ -34,7 +34,7 @@
  *   relax       Labels settle on the edges of the scene: each has a field that is 1 in it and 0
  *               elsewhere, and every voxel near a border moves `sweeps` times towards the mean of
  *               its neighbours, those across an edge counting little; then the greatest field wins
- *               (engine/relax_field.h, engine/finish_relax.c). Seeds and voxels outside the region
+ *               (engine/finish_relax.h). Seeds and voxels outside the region
  *               of interest keep their labels. For one label: where a voxel would lose or get that
  *               label.
  *   close       A voxel of label 0 takes a label but 0 where every ball of `radius` over it has a
@@ -76,7 +76,7 @@ enum finish_argument {
 enum finish_heed { FINISH_HEEDS_LABELS, FINISH_HEEDS_SEEDS };
 
 /* The steps, one row each: KIND, name, what it takes, that where none is given (0: it must be),
- * what it heeds, and a line of help. A row names a function, which one file defines: finish_NAME. */
+ * what it heeds, and a line of help. A row names a function of one file: finish_NAME. */
 #define FINISH_LIST(FIRST, NEXT)                                                                   \
     FIRST(RELAX, relax, SWEEPS, 60, SEEDS, "relax: labels settle on the edges of the scene.\n")    \
     NEXT(MAJORITY, majority, RADIUS, 1, LABELS,                                                    \
@@ -174,7 +174,8 @@ void finish_clear(struct finish_work *work);
 /* How many voxels a step reaches along each axis. */
 void finish_reach(uint32_t reach[3], const struct finish_step *step, const struct scene *scene);
 
-/* Voxels of the scene between two corners, both included; none where the first is above the last. */
+/* Voxels of the scene between two corners, both included; none where the first is above the
+ * last. */
 struct finish_box {
     uint32_t first[3], last[3];
 };

@@ -170,9 +170,6 @@ enum err forest_count_refused(const struct forest *forest, size_t *voxels, struc
 uint64_t forest_digest(const struct forest *forest);
 uint64_t forest_label_digest(const struct forest *forest);
 
-/* Both, counted again from every voxel. */
-void forest_recount(const struct forest *forest, uint64_t *keys, uint64_t *labels);
-
 /* Checks T1, T2, T3 and T4 at every voxel. False, with words, where one fails. */
 bool forest_check(const struct forest *forest, struct fault *fault);
 

@@ -1,5 +1,5 @@
-/* Walks through the whole forest: its digests counted again, its invariants checked, and the voxels
- * counted that every tree around them is kept from. */
+/* Walks through the whole forest: its invariants checked, and the voxels counted that every tree
+ * around them is kept from. */
 #include "engine/forest.h"
 
 #include <stdlib.h>
@@ -7,26 +7,6 @@
 #include "base/mem.h"
 #include "engine/pass.h"
 #include "engine/roi.h"
-
-void forest_recount(const struct forest *forest, uint64_t *keys, uint64_t *labels)
-{
-    const struct grid *grid = &forest->scene->grid;
-    struct task task = task_begin(forest->scene->watch, "digests", grid->voxels);
-    *keys = *labels = 0;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++) {
-                const struct cell *cell = forest->cell + c;
-                if (!cell_is_reached(cell))
-                    continue;
-                *keys += key_share(c, cell->key);
-                *labels += label_share(c, cell->label);
-            }
-            if (!task_advance(&task, grid->size[0]))
-                return;
-        }
-}
 
 /* ---- the invariants of engine/forest.h, at every voxel ---- */
 
@@ -75,6 +55,27 @@ static const char *voxel_wrong(const struct forest *forest, uint32_t at)
     return from->label == cell->label ? NULL : "T2: its label is not that of its predecessor";
 }
 
+/* Both digests, from every voxel. */
+static void recount(const struct forest *forest, uint64_t *keys, uint64_t *labels)
+{
+    const struct grid *grid = &forest->scene->grid;
+    struct task task = task_begin(forest->scene->watch, "digests", grid->voxels);
+    *keys = *labels = 0;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++) {
+                const struct cell *cell = forest->cell + c;
+                if (!cell_is_reached(cell))
+                    continue;
+                *keys += key_share(c, cell->key);
+                *labels += label_share(c, cell->label);
+            }
+            if (!task_advance(&task, grid->size[0]))
+                return;
+        }
+}
+
 bool forest_check(const struct forest *forest, struct fault *fault)
 {
     const struct scene *scene = forest->scene;
@@ -92,7 +93,7 @@ bool forest_check(const struct forest *forest, struct fault *fault)
                 seeds += scene->cell[at].flags & CELL_SEED;
             }
     uint64_t keys, labels;
-    forest_recount(forest, &keys, &labels);
+    recount(forest, &keys, &labels);
     if (keys != forest->key_digest || labels != forest->label_digest || seeds != forest->seeds) {
         fault_set(fault, ERR_CHECK,
                   "T4: a digest or the number of seeds is not what a recount gives");

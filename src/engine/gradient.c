@@ -23,16 +23,6 @@ uint32_t square_root(uint64_t n)
     return (uint32_t)(root * root > n ? root - 1 : root);
 }
 
-static uint32_t before(uint32_t i)
-{
-    return i > 0 ? i - 1 : 0;
-}
-
-static uint32_t after(uint32_t i, uint32_t size)
-{
-    return i + 1 < size ? i + 1 : i;
-}
-
 /* ---- sobel ---- */
 
 /* For one row, each with one more value at either end: its neighbourhood along y and z smoothed
@@ -50,13 +40,13 @@ static uint64_t sobel_bytes(const struct grid *grid, uint32_t argument)
 static void slopes_of_row(struct slopes *s, const struct scene *scene, uint32_t y, uint32_t z)
 {
     const struct grid *grid = &scene->grid;
-    const uint32_t ys[3] = {before(y), y, after(y, grid->size[1])};
-    const uint32_t zs[3] = {before(z), z, after(z, grid->size[2])};
     const uint32_t width = grid->size[0];
     const struct cell *row[3][3]; /* [z][y] */
     for (int k = 0; k < 3; k++)
         for (int j = 0; j < 3; j++)
-            row[k][j] = scene->cell + grid_cell(grid, 0, ys[j], zs[k]);
+            row[k][j] =
+                scene->cell + grid_cell(grid, 0, grid_held((int64_t)y + j - 1, grid->size[1]),
+                                        grid_held((int64_t)z + k - 1, grid->size[2]));
     for (uint32_t x = 0; x < width; x++) {
         int32_t smooth[3], slope[3]; /* along y, of each z */
         for (int k = 0; k < 3; k++) {
@@ -181,29 +171,10 @@ static uint64_t gauss_bytes(const struct grid *grid, uint32_t sigma_thousandths)
            (uint64_t)s.plane * s.deep * sizeof *s.intensity;
 }
 
-static void smoother_place(struct smoother *s, void *work)
-{
-    s->sum = work;
-    s->along_z = (uint32_t *)(s->sum + s->width);
-    s->smoothed = s->along_z + s->plane;
-    s->padded = s->smoothed + 3 * s->plane;
-    s->intensity = (uint16_t *)(s->padded + s->width + 2 * s->gauss.radius);
-}
-
 /* A row whose voxels take `each` units. */
 static bool row_is_done(struct smoother *s, uint32_t each)
 {
     return task_advance(&s->task, (uint64_t)each * s->width);
-}
-
-/* Position i + k or i - k, held inside. */
-static uint32_t held_above(uint32_t i, uint32_t k, uint32_t size)
-{
-    return k < size - i ? i + k : size - 1;
-}
-static uint32_t held_below(uint32_t i, uint32_t k)
-{
-    return i > k ? i - k : 0;
 }
 
 static const uint16_t *intensities(const struct smoother *s, uint32_t y, uint32_t z)
@@ -236,8 +207,8 @@ static void smooth_along_z(struct smoother *s, uint32_t y, uint32_t z)
         to[x] = s->gauss.weight[0] * here[x];
     for (uint32_t k = 1; k <= s->gauss.radius; k++) {
         const uint32_t weight = s->gauss.weight[k];
-        const uint16_t *a = intensities(s, y, held_below(z, k));
-        const uint16_t *b = intensities(s, y, held_above(z, k, s->depth));
+        const uint16_t *a = intensities(s, y, grid_held((int64_t)z - k, s->depth));
+        const uint16_t *b = intensities(s, y, grid_held((int64_t)z + k, s->depth));
         for (uint32_t x = 0; x < s->width; x++)
             to[x] += weight * ((uint32_t)a[x] + b[x]);
     }
@@ -257,8 +228,8 @@ static void smooth_along_y(struct smoother *s, uint32_t y)
         s->sum[x] = (uint64_t)s->gauss.weight[0] * here[x];
     for (uint32_t k = 1; k <= radius; k++) {
         const uint64_t weight = s->gauss.weight[k];
-        const uint32_t *a = plane + (size_t)held_below(y, k) * s->width;
-        const uint32_t *b = plane + (size_t)held_above(y, k, s->height) * s->width;
+        const uint32_t *a = plane + (size_t)grid_held((int64_t)y - k, s->height) * s->width;
+        const uint32_t *b = plane + (size_t)grid_held((int64_t)y + k, s->height) * s->width;
         for (uint32_t x = 0; x < s->width; x++)
             s->sum[x] += weight * ((uint64_t)a[x] + b[x]);
     }
@@ -285,7 +256,7 @@ static void smooth_along_x(struct smoother *s, uint32_t *to)
 static void smooth_plane(struct smoother *s, uint32_t z)
 {
     const uint32_t terms = s->gauss.radius + 1;
-    while (s->loaded <= held_above(z, s->gauss.radius, s->depth))
+    while (s->loaded <= grid_held((int64_t)z + s->gauss.radius, s->depth))
         load_plane(s);
     for (uint32_t y = 0; y < s->height && row_is_done(s, terms); y++)
         smooth_along_z(s, y, z);
@@ -307,13 +278,16 @@ static uint64_t half_squared(uint32_t a, uint32_t b)
 static void weigh_row(const struct smoother *s, struct scene *scene, uint32_t y, uint32_t z)
 {
     const uint32_t *here = smoothed(s, y, z);
-    const uint32_t *y0 = smoothed(s, before(y), z), *y1 = smoothed(s, after(y, s->height), z);
-    const uint32_t *z0 = smoothed(s, y, before(z)), *z1 = smoothed(s, y, after(z, s->depth));
+    const uint32_t *y0 = smoothed(s, grid_held((int64_t)y - 1, s->height), z);
+    const uint32_t *y1 = smoothed(s, grid_held((int64_t)y + 1, s->height), z);
+    const uint32_t *z0 = smoothed(s, y, grid_held((int64_t)z - 1, s->depth));
+    const uint32_t *z1 = smoothed(s, y, grid_held((int64_t)z + 1, s->depth));
     const uint64_t step = s->gauss.weight[0] + s->gauss.weight[1];
     struct cell *cell = scene->cell + grid_row(&scene->grid, y, z).first;
     for (uint32_t x = 0; x < s->width; x++) {
-        const uint64_t sum = half_squared(here[before(x)], here[after(x, s->width)]) +
-                             half_squared(y0[x], y1[x]) + half_squared(z0[x], z1[x]);
+        const uint64_t sum =
+            half_squared(here[x > 0 ? x - 1 : x], here[x + 1 < s->width ? x + 1 : x]) +
+            half_squared(y0[x], y1[x]) + half_squared(z0[x], z1[x]);
         const uint64_t length = (2 * (uint64_t)square_root(sum) + step / 2) / step;
         cell[x].weight = (uint16_t)(length < WEIGHT_MOST ? length : WEIGHT_MOST);
     }
@@ -325,13 +299,18 @@ static void gauss_weigh(struct scene *scene, const struct adjacency *adjacency,
     (void)adjacency;
     struct smoother s;
     smoother_init(&s, &scene->grid, sigma_thousandths);
-    smoother_place(&s, work);
+    s.sum = work;
+    s.along_z = (uint32_t *)(s.sum + s.width);
+    s.smoothed = s.along_z + s.plane;
+    s.padded = s.smoothed + 3 * s.plane;
+    s.intensity = (uint16_t *)(s.padded + s.width + 2 * s.gauss.radius);
     s.scene = scene;
     s.task = task_begin_part(scene->watch, "weights",
                              (3 * (uint64_t)s.gauss.radius + 5) * slab_voxels(&scene->grid, slab),
                              slab.first);
-    s.loaded = held_below(before(slab.first), s.gauss.radius);
-    for (uint32_t z = before(slab.first); z <= slab.first; z++)
+    const uint32_t first = slab.first > 0 ? slab.first - 1 : 0;
+    s.loaded = grid_held((int64_t)first - s.gauss.radius, s.depth);
+    for (uint32_t z = first; z <= slab.first; z++)
         smooth_plane(&s, z);
     for (uint32_t z = slab.first; z < slab.end; z++) {
         if (z + 1 < s.depth)

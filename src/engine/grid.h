@@ -54,6 +54,12 @@ static inline bool grid_contains(const struct grid *grid, int64_t x, int64_t y, 
            z < grid->size[2];
 }
 
+/* A position along an axis of `size` voxels, or the nearest that there is. */
+static inline uint32_t grid_held(int64_t at, uint32_t size)
+{
+    return at < 0 ? 0 : at < size ? (uint32_t)at : size - 1;
+}
+
 /* The position of a voxel's cell. */
 struct place grid_place(const struct grid *grid, uint32_t cell);
 

@@ -195,34 +195,24 @@ static bool grow_place(struct finding *f, size_t first)
     return true;
 }
 
-static struct place middle_of(const struct finding *f)
-{
-    uint64_t sum[3] = {0};
-    for (size_t i = 0; i < f->placed; i++) {
-        const struct place p = grid_place(&f->scene->grid, f->voxel[f->place[i]].cell);
-        sum[0] += p.x;
-        sum[1] += p.y;
-        sum[2] += p.z;
-    }
-    return (struct place){(uint32_t)(sum[0] / f->placed), (uint32_t)(sum[1] / f->placed),
-                          (uint32_t)(sum[2] / f->placed)};
-}
-
-static uint64_t squared_distance(struct place a, struct place b)
-{
-    const int64_t x = (int64_t)a.x - b.x, y = (int64_t)a.y - b.y, z = (int64_t)a.z - b.z;
-    return (uint64_t)(x * x + y * y + z * z);
-}
-
 /* Of the place at hand. */
 static struct hint make_hint(const struct finding *f)
 {
-    const struct place middle = middle_of(f);
     struct hint hint = {.voxels = (uint32_t)f->placed, .cell = CELL_NONE};
-    uint64_t nearest = 0;
+    int64_t middle[3] = {0}, nearest = 0;
+    for (size_t i = 0; i < f->placed; i++) {
+        const struct place p = grid_place(&f->scene->grid, f->voxel[f->place[i]].cell);
+        middle[0] += p.x;
+        middle[1] += p.y;
+        middle[2] += p.z;
+    }
+    for (int a = 0; a < 3; a++)
+        middle[a] /= (int64_t)f->placed;
     for (size_t i = 0; i < f->placed; i++) {
         const struct edge_voxel *v = f->voxel + f->place[i];
-        const uint64_t far = squared_distance(grid_place(&f->scene->grid, v->cell), middle);
+        const struct place p = grid_place(&f->scene->grid, v->cell);
+        const int64_t x = p.x - middle[0], y = p.y - middle[1], z = p.z - middle[2];
+        const int64_t far = x * x + y * y + z * z;
         hint.doubt += (uint64_t)(f->limit[0] - v->certainty) + 1;
         if (hint.cell != CELL_NONE &&
             (v->certainty > hint.certainty || (v->certainty == hint.certainty && far >= nearest)))

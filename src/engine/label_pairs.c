@@ -44,17 +44,6 @@ static int kind_of(int x, int y, int z)
     return abs(x) + 3 * abs(y) + 9 * abs(z);
 }
 
-static struct neighbour neighbour_at(const struct label_pairs *pairs, int x, int y, int z)
-{
-    const int at[3] = {x, y, z};
-    struct neighbour neighbour = {.offset = 0};
-    for (int a = 0; a < 3; a++) {
-        neighbour.step[a] = at[a] * (int)pairs->step[a];
-        neighbour.offset += at[a] * pairs->cells[a];
-    }
-    return neighbour;
-}
-
 static void look_around(struct label_pairs *pairs)
 {
     unsigned count = 0;
@@ -62,9 +51,16 @@ static void look_around(struct label_pairs *pairs)
         pairs->first[kind] = (uint8_t)count;
         for (int z = -REACH; z <= REACH; z++)
             for (int y = -REACH; y <= REACH; y++)
-                for (int x = -REACH; x <= REACH; x++)
-                    if (kind_of(x, y, z) == kind)
-                        pairs->around[count++] = neighbour_at(pairs, x, y, z);
+                for (int x = -REACH; x <= REACH; x++) {
+                    const int step[3] = {x, y, z};
+                    if (kind_of(x, y, z) != kind)
+                        continue;
+                    for (int a = 0; a < 3; a++) {
+                        pairs->around[count].step[a] = step[a] * (int)pairs->step[a];
+                        pairs->around[count].offset += step[a] * pairs->cells[a];
+                    }
+                    count++;
+                }
     }
     pairs->first[PAIR_KINDS] = (uint8_t)count;
 }

@@ -36,7 +36,7 @@ enum err label_pairs_new(struct label_pairs **pairs, const struct scene *scene,
                          struct fault *fault);
 void label_pairs_free(struct label_pairs *pairs);
 
-/* An edit of the forest has changed labels; NULL is told nothing. */
+/* An edit of the forest has changed labels; to NULL nothing happens. */
 void label_pairs_follow(struct label_pairs *pairs, const struct changes *changes);
 /* The labels of the forest are others in a way that nobody says. */
 void label_pairs_forget(struct label_pairs *pairs);

@@ -1,6 +1,6 @@
 /*
  * Labels as they are handed out: those of the forest, or finished ones (engine/finish.h), which lie
- * in an array of their own. Whoever shows, saves or counts labels reads them through this, and does
+ * in an array of their own. What shows, saves or counts labels reads them through this, and does
  * not know which they are.
  */
 #ifndef ENGINE_LABELS_H

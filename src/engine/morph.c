@@ -28,26 +28,15 @@ struct tile {
     uint16_t value[3][ROWS + 2][STRIDE];
 };
 
-/* Index i - 1 of `size`, or the nearest there is. */
-static uint32_t before(uint32_t i)
-{
-    return i > 0 ? i - 1 : 0;
-}
-
-static uint32_t nearest(uint32_t i, uint32_t size)
-{
-    return i < size ? i : size - 1;
-}
-
 static void take_row(uint16_t *out, const struct tile *tile, uint32_t y, uint32_t z)
 {
     const struct grid *grid = &tile->scene->grid;
     const struct cell *cell = tile->scene->cell + grid_row(grid, y, z).first;
     const struct cell *first = cell + tile->x;
-    out[0] = cell[before(tile->x)].intensity;
+    out[0] = cell[grid_held((int64_t)tile->x - 1, grid->size[0])].intensity;
     for (uint32_t i = 0; i < tile->width; i++)
         out[1 + i] = first[i].intensity;
-    out[1 + tile->width] = cell[nearest(tile->x + tile->width, grid->size[0])].intensity;
+    out[1 + tile->width] = cell[grid_held(tile->x + tile->width, grid->size[0])].intensity;
 }
 
 /* Plane z - 1 into its place in the ring. */
@@ -55,8 +44,8 @@ static void take_plane(struct tile *tile, uint32_t z)
 {
     const struct grid *grid = &tile->scene->grid;
     for (uint32_t j = 0; j < tile->rows + 2; j++)
-        take_row(tile->value[z % 3][j], tile, nearest(before(tile->y + j), grid->size[1]),
-                 nearest(before(z), grid->size[2]));
+        take_row(tile->value[z % 3][j], tile, grid_held((int64_t)tile->y + j - 1, grid->size[1]),
+                 grid_held((int64_t)z - 1, grid->size[2]));
 }
 
 static uint16_t larger(uint16_t a, uint16_t b)
@@ -175,9 +164,8 @@ static void weigh_near(struct scene *scene, const struct adjacency *adjacency, s
 static const uint16_t *plain_row(const struct scene *scene, int64_t y, int64_t z)
 {
     const uint32_t *size = scene->grid.size;
-    const size_t row = y < 0 ? 0 : nearest((uint32_t)y, size[1]);
-    const size_t plane = z < 0 ? 0 : nearest((uint32_t)z, size[2]);
-    return scene->plain + (plane * size[1] + row) * size[0];
+    return scene->plain +
+           ((size_t)grid_held(z, size[2]) * size[1] + grid_held(y, size[1])) * size[0];
 }
 
 /* One voxel, by the rows of its neighbours. */
@@ -186,8 +174,7 @@ static uint16_t weigh_voxel(const uint16_t *const row[], const struct adjacency 
 {
     uint16_t high = row[adjacency->count][x], low = high;
     for (unsigned n = 0; n < adjacency->count; n++) {
-        const int8_t step = adjacency->step[n][0];
-        const uint32_t at = step < 0 ? before(x) : step > 0 ? nearest(x + 1, width) : x;
+        const uint32_t at = grid_held((int64_t)x + adjacency->step[n][0], width);
         high = larger(high, row[n][at]);
         low = row[n][at] < low ? row[n][at] : low;
     }

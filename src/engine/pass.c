@@ -400,55 +400,45 @@ PER_KIND void serve_level(struct forest *forest, struct worker *worker, uint32_t
     }
 }
 
-PER_KIND void serve_level_by(struct forest *forest, struct worker *worker, uint32_t level,
-                             const unsigned neighbours, const enum arc_kind arcs)
+PER_KIND void serve_around(struct forest *forest, struct worker *worker, uint32_t level,
+                           const struct kind kind)
+{
+    struct kind faces = kind, corners = kind;
+    faces.neighbours = 6;
+    corners.neighbours = 26;
+    if (forest->adjacency.count == 6)
+        serve_level(forest, worker, level, faces);
+    else
+        serve_level(forest, worker, level, corners);
+}
+
+PER_KIND void serve_by(struct forest *forest, struct worker *worker, uint32_t level,
+                       const enum arc_kind arcs)
 {
     if (!forest->from_scratch)
-        serve_level(forest, worker, level, (struct kind){neighbours, arcs, true, false, false});
+        serve_around(forest, worker, level, (struct kind){.arcs = arcs, .mends = true});
     else if (!forest->shared)
-        serve_level(forest, worker, level, (struct kind){neighbours, arcs, false, false, false});
+        serve_around(forest, worker, level, (struct kind){.arcs = arcs});
     else
-        serve_level(forest, worker, level, (struct kind){neighbours, arcs, false, true, false});
+        serve_around(forest, worker, level, (struct kind){.arcs = arcs, .shares = true});
 }
 
 /* Where seeds have reaches, what else there is is looked at on the way: such forests are few. */
-static void serve_limited(struct forest *forest, struct worker *worker, uint32_t level)
-{
-    const bool mends = !forest->from_scratch, shares = forest->shared;
-    const enum arc_kind arcs = forest->arcs.kind;
-    if (forest->adjacency.count == 6)
-        serve_level(forest, worker, level, (struct kind){6, arcs, mends, shares, true});
-    else
-        serve_level(forest, worker, level, (struct kind){26, arcs, mends, shares, true});
-}
-
 static void serve(struct forest *forest, struct worker *worker, uint32_t level)
 {
-    const bool faces = forest->adjacency.count == 6;
-    if (forest->reaches.seeds > 0) {
-        serve_limited(forest, worker, level);
-        return;
-    }
-    switch (forest->arcs.kind) {
-    case ARC_TARGET:
-        if (faces)
-            serve_level_by(forest, worker, level, 6, ARC_TARGET);
-        else
-            serve_level_by(forest, worker, level, 26, ARC_TARGET);
-        break;
-    case ARC_DIFFERENCE:
-        if (faces)
-            serve_level_by(forest, worker, level, 6, ARC_DIFFERENCE);
-        else
-            serve_level_by(forest, worker, level, 26, ARC_DIFFERENCE);
-        break;
-    case ARC_POLARITY:
-        if (faces)
-            serve_level_by(forest, worker, level, 6, ARC_POLARITY);
-        else
-            serve_level_by(forest, worker, level, 26, ARC_POLARITY);
-        break;
-    }
+    const enum arc_kind arcs = forest->arcs.kind;
+    if (forest->reaches.seeds > 0)
+        serve_around(forest, worker, level,
+                     (struct kind){.arcs = arcs,
+                                   .mends = !forest->from_scratch,
+                                   .shares = forest->shared,
+                                   .limits = true});
+    else if (arcs == ARC_TARGET)
+        serve_by(forest, worker, level, ARC_TARGET);
+    else if (arcs == ARC_DIFFERENCE)
+        serve_by(forest, worker, level, ARC_DIFFERENCE);
+    else
+        serve_by(forest, worker, level, ARC_POLARITY);
 }
 
 /* Takes the offers that the other workers have posted to this one. */

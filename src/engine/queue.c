@@ -93,41 +93,36 @@ void queue_free(struct queue *queue)
     free(queue);
 }
 
-static inline struct chunk *chunk_at(const struct queue *queue, uint32_t handle)
-{
-    return queue->pool + handle;
-}
-
 /* Puts an empty chunk before *head. */
 static bool open_chunk(struct queue *queue, uint32_t *head)
 {
     uint32_t handle = queue->free;
     if (handle) {
-        queue->free = chunk_at(queue, handle)->next;
+        queue->free = queue->pool[handle].next;
     } else if (queue->used < queue->chunks) {
         handle = queue->used++;
     } else {
         queue->failed = true;
         return false;
     }
-    chunk_at(queue, handle)->next = *head;
-    chunk_at(queue, handle)->count = 0;
+    queue->pool[handle].next = *head;
+    queue->pool[handle].count = 0;
     *head = handle;
     return true;
 }
 
 static void release_chunk(struct queue *queue, uint32_t handle)
 {
-    chunk_at(queue, handle)->next = queue->free;
+    queue->pool[handle].next = queue->free;
     queue->free = handle;
 }
 
 static inline void add_to(struct queue *queue, uint32_t *head, uint32_t word)
 {
-    if (!*head || chunk_at(queue, *head)->count == CHUNK_ENTRIES)
+    if (!*head || queue->pool[*head].count == CHUNK_ENTRIES)
         if (!open_chunk(queue, head))
             return;
-    struct chunk *chunk = chunk_at(queue, *head);
+    struct chunk *chunk = queue->pool + *head;
     chunk->cell[chunk->count++] = word;
 }
 
@@ -170,10 +165,10 @@ void queue_push_hops(struct queue *queue, uint32_t level, const uint32_t *cell, 
     if (count > 0)
         marks_set(&queue->hops, level & 0xFFFF);
     while (count > 0) {
-        if (!*head || chunk_at(queue, *head)->count == CHUNK_ENTRIES)
+        if (!*head || queue->pool[*head].count == CHUNK_ENTRIES)
             if (!open_chunk(queue, head))
                 return;
-        struct chunk *chunk = chunk_at(queue, *head);
+        struct chunk *chunk = queue->pool + *head;
         const uint32_t room = CHUNK_ENTRIES - chunk->count;
         const uint32_t part = count < room ? (uint32_t)count : room;
         for (uint32_t i = 0; i < part; i++)
@@ -189,7 +184,7 @@ static uint32_t take_chunk(struct queue *queue, uint32_t *head)
 {
     uint32_t handle = *head;
     if (handle)
-        *head = chunk_at(queue, handle)->next;
+        *head = queue->pool[handle].next;
     return handle;
 }
 
@@ -204,7 +199,7 @@ static void open_cost(struct queue *queue, uint32_t cost)
     if (queue->by_hops[0])
         marks_set(&queue->hops, 0);
     for (uint32_t handle; (handle = take_chunk(queue, &queue->later[cost]));) {
-        const struct chunk *chunk = chunk_at(queue, handle);
+        const struct chunk *chunk = queue->pool + handle;
         for (uint32_t i = 0; i + 1 < chunk->count; i += 2)
             add_at_hops(queue, chunk->cell[i], chunk->cell[i + 1]);
         release_chunk(queue, handle);
@@ -236,7 +231,7 @@ size_t queue_take(struct queue *queue, uint32_t *cells, size_t capacity)
             marks_unset(&queue->hops, hops);
             break;
         }
-        const struct chunk *chunk = chunk_at(queue, handle);
+        const struct chunk *chunk = queue->pool + handle;
         memcpy(cells + count, chunk->cell, chunk->count * sizeof *cells);
         count += chunk->count;
         release_chunk(queue, handle);
@@ -252,7 +247,7 @@ void queue_rewind(struct queue *queue)
     queue->open = false;
     while (marks_lowest(&queue->hops, &hops)) {
         for (uint32_t handle; (handle = take_chunk(queue, &queue->by_hops[hops]));) {
-            const struct chunk *chunk = chunk_at(queue, handle);
+            const struct chunk *chunk = queue->pool + handle;
             for (uint32_t i = 0; i < chunk->count; i++)
                 add_at_cost(queue, cost, hops, chunk->cell[i]);
             release_chunk(queue, handle);

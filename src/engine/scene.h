@@ -11,8 +11,8 @@
  *      and the flag CELL_OUTSIDE: to the forest it is as the rim;
  *   S3 intensity belongs to the scene, weight to engine/weight.h, the rest to engine/forest.h;
  *   S4 a scene is *plain* while `plain` holds its intensities: then its cells are not made, and
- *      nobody may touch them. Cells are eight times as large, and whoever only opens a scene does
- *      not need them yet.
+ *      nobody may touch them. Cells are eight times as large, and to open a scene does not need
+ *      them yet.
  */
 #ifndef ENGINE_SCENE_H
 #define ENGINE_SCENE_H
@@ -46,8 +46,7 @@ struct cell {
     uint16_t intensity;
     union {
         struct {
-            uint8_t
-                label; /* of the root; 0 is the background, and of voxels that no seed reaches */
+            uint8_t label;        /* of the root; 0: background, or no seed reaches the voxel */
             uint8_t direction;    /* of the adjacency, from predecessor to here; DIRECTION_NONE */
             uint8_t flags;        /* enum cell_flag */
             uint8_t former_label; /* of a touched voxel, before the edit; else 0 */
@@ -99,7 +98,7 @@ enum err scene_new_plain(struct scene **scene, const uint32_t size[3], uint16_t 
 void scene_free(struct scene *scene);
 
 /* Makes the cells of a plain scene, by a team and under its watch; where that stops it, the scene
- * stays plain. `weigh` tells the weights of a row, so that each cell is written once; NULL: 0. */
+ * stays plain. `weigh` gives the weights of a row, so that each cell is written once; NULL: 0. */
 typedef void scene_weigh_row(void *context, unsigned worker, uint32_t y, uint32_t z,
                              uint16_t *weight);
 void scene_make_cells(struct scene *scene, struct team *team, scene_weigh_row *weigh,

@@ -1,4 +1,4 @@
-/* What tells one scene from another: a digest and a proof, of a plain scene or of its cells. */
+/* By what scenes are known apart: a digest and a proof, of a plain scene or of its cells. */
 #include "engine/scene.h"
 
 #include <endian.h>

@@ -74,8 +74,7 @@ enum { FACES = 6, EDGES = 12, NO_EDGE = 255 };
 struct surface_case {
     uint8_t triangles, segments;
     uint8_t triangle[5][3]; /* edges of the cube, counter-clockwise seen from outside the label */
-    uint8_t segment[6]
-                   [2]; /* on the three faces at the lower ends: each segment once in all cubes */
+    uint8_t segment[6][2];  /* on the three faces at the lower ends: each once in all cubes */
 };
 
 /* Face 2 a + 1 is at the upper end of axis a, face 2 a at the lower one: its corners and edges
@@ -630,20 +629,4 @@ void surface_free(struct surface *surface)
         free(surface->triangle);
     }
     free(surface);
-}
-
-/* By the flow of z through the triangles; sums mod 2^64, which hold what they come to. */
-int64_t surface_volume(const struct surface *surface, const struct surface_part *part)
-{
-    uint64_t sum = 0;
-    for (size_t i = part->triangle; i < part->triangle + part->triangles; i++) {
-        int64_t at[3][3];
-        for (int k = 0; k < 3; k++)
-            for (int a = 0; a < 3; a++)
-                at[k][a] = surface->point[surface->triangle[i].point[k]].at[a] >> 8;
-        const int64_t normal = (at[1][0] - at[0][0]) * (at[2][1] - at[0][1]) -
-                               (at[1][1] - at[0][1]) * (at[2][0] - at[0][0]);
-        sum += (uint64_t)(normal * (at[0][2] + at[1][2] + at[2][2]));
-    }
-    return (int64_t)sum;
 }

@@ -86,7 +86,4 @@ void surface_free(struct surface *surface);
 enum err surface_reduce(struct surface *surface, size_t most, struct watch *watch,
                         struct fault *fault);
 
-/* Six times the enclosed volume, in 2^-24 voxels; below 0 where triangles face inwards. */
-int64_t surface_volume(const struct surface *surface, const struct surface_part *part);
-
 #endif

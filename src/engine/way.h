@@ -24,8 +24,7 @@
 struct way {
     uint32_t *cell; /* [count]: from the voxel to its seed */
     size_t count, capacity;
-    uint32_t
-        edge; /* the voxel into which the strongest edge leads; CELL_NONE where the cost is 0 */
+    uint32_t edge; /* into which voxel the strongest one leads; CELL_NONE where the cost is 0 */
 };
 
 /* Of a voxel that a seed reaches, in place of the former one. ERR_MEMORY. */

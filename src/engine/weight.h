@@ -110,8 +110,8 @@ enum err weight_work_reserve(struct weight_work *work, const struct grid *grid,
 void weight_compute(struct scene *scene, const struct adjacency *adjacency,
                     const struct weight_choice *choice, struct weight_work *work);
 
-/* Whether the weights of a plain scene (engine/scene.h) can be told: what weight_digest will say,
- * by weight_foretell, and what the cells are made with, by weight_make_cells. Both are done by a
+/* Whether the weights of a plain scene (engine/scene.h) are known: what weight_digest will give, by
+ * weight_foretell, and what the cells are made with, by weight_make_cells. Both are done by a
  * team, and under the scene's watch: where that stops them, the digest is of no use, and the scene
  * stays plain. */
 bool weight_is_told(const struct weight_choice *choice);

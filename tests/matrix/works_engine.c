@@ -7,7 +7,7 @@
 #include "base/hash.h"
 #include "engine/labels.h"
 #include "engine/roi.h"
-#include "engine/surface.h"
+#include "tests/surface_check.h"
 
 static const struct {
     const char *name;

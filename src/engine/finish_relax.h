@@ -1,10 +1,14 @@
 /*
- * The field of one label, which relaxation lets settle on the edges of the scene (engine/finish.h).
+ * Relaxation: the step that lets labels settle on the edges of the scene (engine/finish.h).
  *
- * It lies in a box around the label. Each voxel has a value u, RELAX_ONE in the label and 0
- * elsewhere at first. Those of the *band* move: voxels from which at most RELAX_REACH steps along
- * the axes lead to one on the other side of the label's border. All others keep their value, as do
- * seeds and voxels outside the region of interest.
+ * Each label but 0 has a field; that of label 0 is what all others leave of RELAX_ONE, or nothing.
+ * A voxel of some band takes the label of the greatest, of several its own if that is one of them,
+ * or the smallest. So one field is made at a time, and of each voxel only the best so far is kept.
+ *
+ * The field of a label lies in a box around it. Each voxel has a value u, RELAX_ONE in the label
+ * and 0 elsewhere at first. Those of the *band* move: voxels from which at most RELAX_REACH steps
+ * along the axes lead to one on the other side of the label's border. All others keep their value,
+ * as do seeds and voxels outside the region of interest.
  *
  * In a half-sweep all voxels of one parity of x + y + z move, each to
  *
@@ -14,15 +18,15 @@
  *
  * where halves round to the even one, so that the field of what is not the label would be exactly
  * RELAX_ONE - u; 1536/1024 is over-relaxation by 24/16. c(n) is what a difference of intensities
- * lets through, 65536 for none down to 1 (relax_field.c); beyond the scene and outside the region
+ * lets through, 65536 for none down to 1 (finish_relax.c); beyond the scene and outside the region
  * of interest it is 0.
  *
  * Voxels of one parity have neighbours of the other alone: so within a half-sweep nothing depends
  * on order, and any number of threads, and any width of vectors, gives the same bits. Nor does it
- * matter how far another plane is, as long as those beside it are neither behind nor ahead.
+ * matter how far another plane is, as long as those beside it are as far.
  */
-#ifndef ENGINE_RELAX_FIELD_H
-#define ENGINE_RELAX_FIELD_H
+#ifndef ENGINE_FINISH_RELAX_H
+#define ENGINE_FINISH_RELAX_H
 
 #include "engine/finish.h"
 
@@ -34,9 +38,6 @@ struct relax_greys {
     uint8_t of[UINT16_MAX + 1];
 };
 void relax_find_greys(struct relax_greys *greys, const struct scene *scene, struct team *team);
-
-/* Where the field of a label lies that lies there: RELAX_REACH further, within the scene. */
-struct finish_box relax_box_around(const struct grid *grid, const struct finish_box *label);
 
 struct relax_field {
     const struct scene *scene;
@@ -60,9 +61,7 @@ void relax_field_release(struct relax_field *field);
 /* Does so many sweeps, each of which moves even voxels, then odd ones. */
 void relax_field_sweep(struct relax_field *field, uint32_t sweeps, struct team *team);
 
-/* Of a voxel of the box, counted from its first corner: whether it belongs to the band, and its
- * value. */
-bool relax_is_in_band(const struct relax_field *field, uint32_t x, uint32_t y, uint32_t z);
+/* Of a voxel of the box, counted from its first corner. */
 int32_t relax_value(const struct relax_field *field, uint32_t x, uint32_t y, uint32_t z);
 
 #endif
