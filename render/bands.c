@@ -63,14 +63,6 @@ static bool is_reduced(const struct drawing *d)
     return d->out || d->bands->look->samples > 1;
 }
 
-/* Pixels of a band, from its first row on, where nobody else has them. */
-static struct rendition pixels_of(const struct drawing *d, struct band band, unsigned thread)
-{
-    const uint32_t samples = d->bands->look->samples;
-    return d->out ? rendition_rows(d->out, band.top / samples, band.height / samples)
-                  : rendition_rows(&d->pixels[thread], 0, band.height / samples);
-}
-
 static void draw_band(const struct drawing *d, struct band band, unsigned thread)
 {
     const struct bands *bands = d->bands;
@@ -85,9 +77,12 @@ static void draw_band(const struct drawing *d, struct band band, unsigned thread
         bands->project(&drawn, &camera, bands->border);
     shade_rows(&drawn, above / TILE, above / TILE + fine.tiles_y, &camera, bands->border,
                bands->palette, bands->look, bands->shader, thread);
-    struct rendition pixels = is_reduced(d) ? pixels_of(d, band, thread) : fine;
-    if (is_reduced(d))
-        rendition_reduce(&pixels, &fine, samples);
+    struct rendition pixels = fine;
+    if (is_reduced(d)) {
+        pixels = d->out ? rendition_rows(d->out, band.top / samples, band.height / samples)
+                        : rendition_rows(&d->pixels[thread], 0, band.height / samples);
+        rendition_reduce(&pixels, &fine, samples, NULL);
+    }
     if (bands->take)
         bands->take(bands->context, &pixels, band.top / samples);
 }
@@ -116,16 +111,18 @@ static enum err make_room(struct drawing *d, struct fault *fault)
     const uint32_t height = most < all ? most : all;
     enum err err = shader_prepare(bands->shader, team_size(d->team), bands->camera, bands->border,
                                   bands->look, fault);
-    for (unsigned i = 0; i < team_size(d->team) && !err; i++)
-        err = rendition_init(&d->room[i], width, height, fault);
-    for (unsigned i = 0; i < team_size(d->team) && !d->out && is_reduced(d) && !err; i++)
-        err = rendition_init(&d->pixels[i], width / samples, rows_of(bands), fault);
-    for (unsigned i = 0; i < team_size(d->team) && !err; i++)
-        err = layers_take(&d->layers[i], &d->room[i], bands->border, &bands->shader->seams,
-                          shade_refines_layers(bands->look, bands->camera), fault);
-    for (unsigned i = 0; i < team_size(d->team) && !err; i++)
-        err = rendition_refined(&d->room[i],
-                                shade_refines(bands->look, bands->camera, bands->border), fault);
+    for (unsigned i = 0; i < team_size(d->team) && !err; i++) {
+        struct rendition *room = &d->room[i];
+        err = rendition_init(room, width, height, fault);
+        if (!err && !d->out && is_reduced(d))
+            err = rendition_init(&d->pixels[i], width / samples, rows_of(bands), fault);
+        if (!err)
+            err = layers_take(&d->layers[i], room, bands->border, &bands->shader->seams,
+                              shade_refines_layers(bands->look, bands->camera), fault);
+        if (!err)
+            err = rendition_refined(room, shade_refines(bands->look, bands->camera, bands->border),
+                                    fault);
+    }
     return err;
 }
 

@@ -283,14 +283,6 @@ struct fit {
     int64_t n, x, y, xx, xy, yy, d, xd, yd;
 };
 
-static void add_to_fit(struct fit *fit, int64_t x, int64_t y, int64_t d)
-{
-    fit->n++;
-    fit->x += x, fit->y += y, fit->d += d;
-    fit->xx += x * x, fit->xy += x * y, fit->yy += y * y;
-    fit->xd += x * d, fit->yd += y * d;
-}
-
 /* Pixels of the same surface: what lies steeper than 4 to 1 is another. */
 static struct fit fit_around(const struct rendition *r, const struct normals *normals, uint32_t x,
                              uint32_t y)
@@ -307,8 +299,12 @@ static struct fit fit_around(const struct rendition *r, const struct normals *no
                 continue;
             const int64_t d = (depth - own) >> (CROSSING_PIXEL_BITS - 8);
             const int64_t steep = 4 * 256 * stride * (2 + (i < 0 ? -i : i) + (j < 0 ? -j : j));
-            if (d < steep && d > -steep)
-                add_to_fit(&fit, i, j, d);
+            if (d >= steep || d <= -steep)
+                continue;
+            fit.n++;
+            fit.x += i, fit.y += j, fit.d += d;
+            fit.xx += i * i, fit.xy += i * j, fit.yy += j * j;
+            fit.xd += i * d, fit.yd += j * d;
         }
     return fit;
 }

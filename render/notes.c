@@ -85,22 +85,15 @@ void marks_keep_rims(struct marks *marks, const struct mark_runs *runs)
     marks->count = left;
 }
 
-/* Whether a mark covers a pixel so far from its middle: a disc, or two diagonals. */
-static bool covers(const struct mark *mark, int64_t dx, int64_t dy, int64_t radius, int64_t around)
-{
-    const int64_t reach = radius + around, x = llabs(dx), y = llabs(dy);
-    if (!mark->eliminates)
-        return x * x + y * y <= reach * reach + reach / 2;
-    return x <= reach && y <= reach && llabs(x - y) <= radius / 3 + around;
-}
-
+/* A disc, or two diagonals, and what is around it. */
 static void stamp(const struct canvas *canvas, const struct mark *mark, int64_t radius,
                   int64_t around, const uint8_t rgb[3])
 {
     const int64_t reach = radius + around;
     for (int64_t dy = -reach; dy <= reach; dy++)
         for (int64_t dx = -reach; dx <= reach; dx++)
-            if (covers(mark, dx, dy, radius, around))
+            if (mark->eliminates ? llabs(llabs(dx) - llabs(dy)) <= radius / 3 + around
+                                 : dx * dx + dy * dy <= reach * reach + reach / 2)
                 canvas_dot(canvas, mark->column + dx, mark->row + dy, rgb);
 }
 

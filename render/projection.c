@@ -345,19 +345,22 @@ bool raycast_pixel(const struct camera *camera, const struct border *border, uin
 
 void raycast(struct rendition *r, const struct camera *camera, const struct border *border)
 {
-    if (layers_are_projected(r)) {
-        layers_raycast(r, camera, border);
-        return;
-    }
-    rendition_clear(r);
+    const bool has_layers = layers_are_projected(r);
     const uint32_t *size = border->scene->grid.size;
     const uint64_t row = r->width * ((uint64_t)size[0] + size[1] + size[2]); /* steps at most */
+    if (has_layers)
+        layers_clear(r);
+    else
+        rendition_clear(r);
     struct task task = task_begin(border->scene->watch, "rendition", row * r->height);
     for (uint32_t y = 0; y < r->height && task_advance(&task, row); y++)
         for (uint32_t x = 0; x < r->width; x++) {
-            size_t pixel = (size_t)y * r->width + x;
-            raycast_pixel(camera, border, x, y, INT64_MIN, &r->cube.depth[pixel],
-                          &r->cube.cell[pixel]);
+            const size_t pixel = (size_t)y * r->width + x;
+            if (has_layers)
+                layers_walk(r->layers, camera, border, pixel);
+            else
+                raycast_pixel(camera, border, x, y, INT64_MIN, &r->cube.depth[pixel],
+                              &r->cube.cell[pixel]);
         }
 }
 
@@ -432,7 +435,12 @@ void incremental_image(struct rendition *r, const struct camera *camera,
 {
     const size_t tiles = (size_t)r->tiles_x * r->tiles_y;
     if (layers_are_projected(r)) {
-        layers_follow(r, camera, border, changes, reach);
+        if (!layers_follow(r, camera, border, changes, reach)) {
+            if (!seams_count(r->layers->seams, border, NULL))
+                splat_border(r, camera, border);
+            else
+                raycast(r, camera, border);
+        }
         return;
     }
     if (r->layers)

@@ -83,27 +83,6 @@ static void shade_cut_face(uint8_t rgba[4], const struct shading *s, uint32_t ce
     light_flat(rgba, tinted, cue);
 }
 
-/* What depth, and an edge of look 1, leave of a colour. */
-static uint16_t cue_of(const struct rendition *r, const struct shading *s, uint32_t x, uint32_t y)
-{
-    const int64_t cue = light_cue(&s->light, r->depth[(size_t)y * r->width + x]);
-    if (s->look->edges && !draws_edges(s->look) && !r->layers && edge_hides(r, x, y))
-        return (uint16_t)(cue * EDGE >> LIGHT_UNIT_BITS);
-    return (uint16_t)cue;
-}
-
-static void occlude_pixels(struct lit *lit, const struct rendition *r, const struct shading *s,
-                           const struct tile_pixels *pixels, const struct directions *normals)
-{
-    for (unsigned i = 0; i < pixels->count; i++) {
-        const uint32_t x = pixels->x[i], y = pixels->y[i];
-        const int16_t normal[3] = {normals->along[0][i], normals->along[1][i],
-                                   normals->along[2][i]};
-        lit->open[i] =
-            occluder_leaves(&s->occluder, normal, r->depth[(size_t)y * r->width + x], x, y);
-    }
-}
-
 /* Normals of pixels, of which those from `known` on have theirs. */
 static void take_normals(struct directions *normals, const struct rendition *r, struct shading *s,
                          struct tile_pixels *pixels, unsigned known)
@@ -123,18 +102,26 @@ static void take_normals(struct directions *normals, const struct rendition *r, 
 static void shade_pixels(struct rendition *r, struct shading *s, struct tile_pixels *pixels,
                          unsigned known)
 {
+    const bool has_dark_edges = s->look->edges && !draws_edges(s->look) && !r->layers;
     struct directions normals;
     struct lit lit = {0};
     take_normals(&normals, r, s, pixels, known);
     for (unsigned i = 0; i < pixels->count; i++) {
-        const size_t pixel = (size_t)pixels->y[i] * r->width + pixels->x[i];
-        lit.cue[i] = cue_of(r, s, pixels->x[i], pixels->y[i]);
+        const uint32_t x = pixels->x[i], y = pixels->y[i];
+        const size_t pixel = (size_t)y * r->width + x;
+        const int64_t cue = light_cue(&s->light, r->depth[pixel]);
+        const bool is_dark = has_dark_edges && edge_hides(r, x, y);
+        lit.cue[i] = (uint16_t)(is_dark ? cue * EDGE >> LIGHT_UNIT_BITS : cue);
         lit.open[i] = LIGHT_UNIT;
         for (int k = 0; k < 3; k++)
             lit.colour[k][i] = s->palette->rgb[r->label[pixel]][k];
     }
-    if (s->occludes)
-        occlude_pixels(&lit, r, s, pixels, &normals);
+    for (unsigned i = 0; i < pixels->count && s->occludes; i++) {
+        const uint32_t x = pixels->x[i], y = pixels->y[i];
+        const int16_t normal[3] = {normals.along[0][i], normals.along[1][i], normals.along[2][i]};
+        lit.open[i] =
+            occluder_leaves(&s->occluder, normal, r->depth[(size_t)y * r->width + x], x, y);
+    }
     light_surfaces(&lit, &s->light, &normals);
     for (unsigned i = 0; i < pixels->count; i++) {
         const size_t pixel = (size_t)pixels->y[i] * r->width + pixels->x[i];
@@ -146,17 +133,6 @@ static void shade_pixels(struct rendition *r, struct shading *s, struct tile_pix
             shade_cut_face(r->rgba + 4 * pixel, s, r->cell[pixel], s->palette->rgb[r->label[pixel]],
                            lit.cue[i]);
     }
-}
-
-static void draw_edge(struct rendition *r, const struct edges *edges, const struct palette *palette,
-                      uint32_t x, uint32_t y)
-{
-    const size_t pixel = (size_t)y * r->width + x;
-    const enum edge edge = edge_at(edges, x, y);
-    uint8_t *rgba = r->rgba + 4 * pixel;
-    for (int k = 0; k < 3 && edge; k++)
-        rgba[k] = edge == EDGE_LIGHT ? (uint8_t)((palette->rgb[r->label[pixel]][k] + 255) / 2)
-                                     : (uint8_t)(rgba[k] * EDGE >> LIGHT_UNIT_BITS);
 }
 
 /* ---- tiles ---- */
@@ -220,12 +196,6 @@ static bool label_tile(struct rendition *r, const struct border *border, struct 
     return is_empty;
 }
 
-static void darken(uint8_t rgba[4])
-{
-    for (int k = 0; k < 3; k++)
-        rgba[k] = (uint8_t)(rgba[k] * EDGE >> LIGHT_UNIT_BITS);
-}
-
 static void take_pixels(struct tile_pixels *pixels, const struct rendition *r, struct tile tile,
                         tile_mask mask)
 {
@@ -265,13 +235,6 @@ static bool is_bare(const struct rendition *r, struct tile tile)
     return all == CELL_NONE;
 }
 
-/* Nothing is seen of such a tile. */
-static void empty_tile(struct rendition *r, struct tile tile)
-{
-    for (uint32_t y = tile.top; y < tile.bottom; y++)
-        rendition_empty(r, (size_t)y * r->width + tile.left, tile.right - tile.left);
-}
-
 static struct patches patches_at(struct rendition *r, struct shading *s, struct tile tile)
 {
     return (struct patches){.r = r,
@@ -282,11 +245,6 @@ static struct patches patches_at(struct rendition *r, struct shading *s, struct 
                             .side = s->block * TILE,
                             .samples = s->samples,
                             .has_lattice = s->look->number > LOOK_THIRD};
-}
-
-static bool is_whole(struct tile tile)
-{
-    return tile.right - tile.left == TILE && tile.bottom - tile.top == TILE;
 }
 
 static void refine_pixels(struct rendition *r, struct shading *s, struct tile tile)
@@ -342,7 +300,8 @@ static enum tile_state shade_patched(struct rendition *r, struct shading *s, str
 static enum tile_state refine_tile(struct rendition *r, struct shading *s, struct tile tile,
                                    struct patches *p)
 {
-    if (s->has_patches && is_whole(tile)) {
+    const bool is_whole = tile.right - tile.left == TILE && tile.bottom - tile.top == TILE;
+    if (s->has_patches && is_whole) {
         patches_refine_tile(p, tile.left - p->left, tile.top - p->top);
         return shade_patched(r, s, tile, patched_at(p, tile));
     }
@@ -366,8 +325,10 @@ static void blend_tile(struct rendition *r, struct shading *s, struct tile tile)
     const bool has_edges = s->look->edges && !draws_edges(s->look);
     for (uint32_t y = tile.top; has_edges && y < tile.bottom; y++)
         for (uint32_t x = tile.left; x < tile.right; x++)
-            if (edge_hides(r, x, y))
-                darken(r->rgba + 4 * ((size_t)y * r->width + x));
+            for (size_t k = 0; k < 3 && edge_hides(r, x, y); k++) {
+                uint8_t *level = r->rgba + 4 * ((size_t)y * r->width + x) + k;
+                *level = (uint8_t)(*level * EDGE >> LIGHT_UNIT_BITS);
+            }
 }
 
 /* Whether what a pixel looks like depends on depths and labels of pixels around. */
@@ -396,7 +357,8 @@ static void label_tiles(struct rendition *r, size_t first, size_t end, struct sh
         const struct tile tile = tile_at(r, i);
         const bool bare = !r->layers && is_bare(r, tile);
         if (bare && !is_reduced(r, s) && !r->blank[i])
-            empty_tile(r, tile);
+            for (uint32_t y = tile.top; y < tile.bottom; y++)
+                rendition_empty(r, (size_t)y * r->width + tile.left, tile.right - tile.left);
         r->blank[i] = bare && (r->blank[i] || !is_reduced(r, s));
         if (!bare && waits(r, s))
             continue;
@@ -405,14 +367,6 @@ static void label_tiles(struct rendition *r, size_t first, size_t end, struct sh
         if (bare || label_tile(r, s->border, tile))
             r->stale[i] = TILE_EMPTY;
     }
-}
-
-/* Has what the next tile to be refined looks at come to the caches meanwhile. */
-static void fetch_next(const struct rendition *r, const struct shading *s, size_t tile, size_t end)
-{
-    const size_t next = rendition_tile(r, tile + 1, end, TILE_STALE);
-    if (next < end)
-        refine_fetch(&s->refiner, r, footprint_of(tile_at(r, next)));
 }
 
 static void shade_tiles(struct rendition *r, size_t first, size_t end, struct shading *s,
@@ -425,7 +379,9 @@ static void shade_tiles(struct rendition *r, size_t first, size_t end, struct sh
         const struct tile tile = tile_at(r, i);
         if (waits(r, s) && !r->layers) {
             struct patches p = patches_at(r, s, tile);
-            fetch_next(r, s, i, end);
+            const size_t after = rendition_tile(r, i + 1, end, TILE_STALE);
+            if (after < end) /* what it looks at comes to the caches meanwhile */
+                refine_fetch(&s->refiner, r, footprint_of(tile_at(r, after)));
             r->stale[i] = (uint8_t)refine_tile(r, s, tile, &p);
             continue;
         }
@@ -546,6 +502,18 @@ static void shade_some(struct rendition *r, size_t first, size_t end, struct sha
         shade_blocks(r, block_row(r, first, s->block), block_row(r, end, s->block), s, task);
 }
 
+/* The line over a pixel, if there is one. */
+static void draw_edge(struct rendition *r, const struct edges *edges, const struct palette *palette,
+                      uint32_t x, uint32_t y)
+{
+    const size_t pixel = (size_t)y * r->width + x;
+    const enum edge edge = r->cell[pixel] == CELL_NONE ? EDGE_NONE : edge_at(edges, x, y);
+    uint8_t *rgba = r->rgba + 4 * pixel;
+    for (int k = 0; k < 3 && edge; k++)
+        rgba[k] = edge == EDGE_LIGHT ? (uint8_t)((palette->rgb[r->label[pixel]][k] + 255) / 2)
+                                     : (uint8_t)(rgba[k] * EDGE >> LIGHT_UNIT_BITS);
+}
+
 /* Edges look at normals of pixels around, so they come once all are there. */
 static void draw_edges(struct rendition *r, size_t first, size_t end, const struct shading *s)
 {
@@ -556,8 +524,7 @@ static void draw_edges(struct rendition *r, size_t first, size_t end, const stru
         const struct tile tile = tile_at(r, i);
         for (uint32_t y = tile.top; y < tile.bottom; y++)
             for (uint32_t x = tile.left; x < tile.right; x++)
-                if (r->cell[(size_t)y * r->width + x] != CELL_NONE)
-                    draw_edge(r, &edges, s->palette, x, y);
+                draw_edge(r, &edges, s->palette, x, y);
         r->stale[i] = TILE_SHADED;
     }
 }

@@ -114,7 +114,7 @@ static struct rendition draw_reduced(struct stage *s, uint32_t number)
     s->look.number = number;
     draw(s, true);
     CHECK(rendition_init(&out, s->view.width / samples, s->view.height / samples, NULL) == OK);
-    rendition_reduce(&out, &s->rendition, samples);
+    rendition_reduce(&out, &s->rendition, samples, NULL);
     return out;
 }
 

@@ -81,7 +81,7 @@ enum err session_colour(struct session *session, const struct border *border, st
     enum err err = shade(&session->rendition, &session->camera, border, &kept->palette, look,
                          &session->shader, fault);
     if (!err && look->samples > 1)
-        rendition_reduce_shared(&session->reduced, &session->rendition, look->samples,
+        rendition_reduce(&session->reduced, &session->rendition, look->samples,
                                 session->team);
     return err;
 }

@@ -145,7 +145,7 @@ static void sample(struct stage *s, struct rendition *reduced, const char *name,
     resize(s, WIDTH / n * n, HEIGHT / n * n);
     s->look.samples = n;
     tell_picture(s, name, (int)n);
-    rendition_reduce(reduced, &s->rendition, n);
+    rendition_reduce(reduced, &s->rendition, n, NULL);
     tell(rendition_digest(reduced), "rendition/%s/reduced/%u", name, n);
 }
 
