@@ -8,7 +8,6 @@
 #include "render/notes.h"
 #include "render/slice_plan.h"
 #include "render/sweep.h"
-#include "render/text.h"
 
 static const uint8_t black[3];
 
@@ -107,18 +106,6 @@ static bool next_row(struct rows *rows, int64_t unit, int64_t *top)
     return *top + TEXT_TALL * unit <= rows->end;
 }
 
-/* The name, as much of it as leaves room for the amount. */
-static void write_line(char words[80], const struct legend_line *line, int64_t room)
-{
-    const int64_t amount = (int64_t)strlen(line->amount) + 2, name = (int64_t)strlen(line->name);
-    if (name + amount <= room)
-        snprintf(words, 80, "%s  %s", line->name, line->amount);
-    else if (room > amount + 3)
-        snprintf(words, 80, "%.*s..  %s", (int)(room - amount - 2), line->name, line->amount);
-    else
-        snprintf(words, 80, "%s", line->amount);
-}
-
 static void draw_line(const struct canvas *canvas, const struct decoration *d, int64_t unit,
                       int64_t top, const struct legend_line *line)
 {
@@ -127,10 +114,17 @@ static void draw_line(const struct canvas *canvas, const struct decoration *d, i
     const int64_t room = (right - words_left) / (TEXT_ADVANCE * unit);
     const struct ink *ink = ink_of(d);
     char words[80];
-    write_line(words, line, room);
+    const int64_t amount = (int64_t)strlen(line->amount) + 2, name = (int64_t)strlen(line->name);
+    if (name + amount <= room) /* the name, as much of it as leaves room for the amount */
+        snprintf(words, sizeof words, "%s  %s", line->name, line->amount);
+    else if (room > amount + 3)
+        snprintf(words, sizeof words, "%.*s..  %s", (int)(room - amount - 2), line->name,
+                 line->amount);
+    else
+        snprintf(words, sizeof words, "%s", line->amount);
     canvas_box(canvas, left - unit, top - unit, side + 2 * unit, side + 2 * unit, ink->outline);
     canvas_box(canvas, left, top, side, side, d->palette->rgb[line->label]);
-    text_draw_outlined(canvas, words_left, top, (uint32_t)unit, words, ink->rgb, ink->outline);
+    text_draw_outlined(canvas, words_left, top, (uint32_t)unit, words, ink);
 }
 
 static void draw_legend(const struct canvas *canvas, const struct decoration *d, uint32_t unit)
@@ -148,7 +142,7 @@ static void draw_legend(const struct canvas *canvas, const struct decoration *d,
         draw_line(canvas, d, unit, top, &d->line[i]);
     snprintf(words, sizeof words, "and %zu more", d->lines - fit);
     if (fit < d->lines && next_row(&rows, unit, &top))
-        text_draw_outlined(canvas, 4 * unit, top, unit, words, ink_of(d)->rgb, ink_of(d)->outline);
+        text_draw_outlined(canvas, 4 * unit, top, unit, words, ink_of(d));
 }
 
 /* ---- seeds and the cross-hair ---- */

@@ -625,11 +625,6 @@ static inline lanes inside_of(const struct levels *levels, int i, lanes value, u
     return chosen(low < high, kept, inside);
 }
 
-static inline lanes times_unit(lanes inside)
-{
-    return (lanes)((wraps)inside * FIELD_INSIDE_UNIT);
-}
-
 static void find_inside(struct field_block *block, const struct values *values,
                         const struct patterns *patterns)
 {
@@ -642,8 +637,9 @@ static void find_inside(struct field_block *block, const struct values *values,
             int16_t value[ROW + 8] = {0}, row[ROW];
             memcpy(value, &values->row[z + 1][y + 1], ROW * sizeof *value);
             for (int x = 0; x < ROW; x += 8)
-                put(row + x, times_unit(inside_of(&levels, (z * SAMPLES + y) * ROW + x,
-                                                  lanes_at(value + x + 1), shown >> x)));
+                put(row + x, (lanes)(FIELD_INSIDE_UNIT *
+                                     (wraps)inside_of(&levels, (z * SAMPLES + y) * ROW + x,
+                                                      lanes_at(value + x + 1), shown >> x)));
             memcpy(block->inside[z][y], row, sizeof block->inside[z][y]);
         }
 }

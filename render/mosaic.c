@@ -201,29 +201,7 @@ static void average(uint8_t rgb[3], const struct rendition *r, const struct mosa
     }
 }
 
-static uint32_t fading_pixel(uint8_t rgb[3], const struct rendition *r,
-                             const struct mosaic_box *source)
-{
-    if (source->width == 2 && source->height == 2)
-        average_four(rgb, r, (size_t)source->top * r->width + source->left);
-    else
-        average(rgb, r, source);
-    return first_cell(r, source);
-}
-
 /* ---- pixels of the pane ---- */
-
-/* As samples are (render/rendition.h), over what is behind; the cell of the nearest is given back.
- */
-static uint32_t mean_pixel(uint8_t rgb[3], const struct rendition *r,
-                           const struct mosaic_box *source, const uint8_t behind[3])
-{
-    uint8_t rgba[4];
-    const size_t nearest =
-        rendition_mean(rgba, r, source->left, source->top, source->width, source->height);
-    background_over(rgb, rgba, behind);
-    return r->cell[nearest];
-}
 
 /* One row of the pane; source_of has each pixel's source. `behind` is NULL where colours fade. */
 static void draw_row(const struct canvas *pane, const struct fitting *f, const struct rendition *r,
@@ -244,8 +222,19 @@ static void draw_row(const struct canvas *pane, const struct fitting *f, const s
         }
         source.left = f->from_left + left;
         source.width = at > left ? at - left : 1;
-        const uint32_t shown =
-            behind ? mean_pixel(pixel, r, &source, behind) : fading_pixel(pixel, r, &source);
+        uint32_t shown;
+        if (behind) { /* the mean is that of samples (render/rendition.h), and the nearest counts */
+            uint8_t rgba[4];
+            shown = r->cell[rendition_mean(rgba, r, source.left, source.top, source.width,
+                                           source.height)];
+            background_over(pixel, rgba, behind);
+        } else {
+            shown = first_cell(r, &source);
+            if (source.width == 2 && source.height == 2)
+                average_four(pixel, r, (size_t)source.top * r->width + source.left);
+            else
+                average(pixel, r, &source);
+        }
         if (cell)
             cell[x] = shown;
     }

@@ -226,17 +226,6 @@ static void slopes_before(struct points *points, struct normals *normals)
     }
 }
 
-/* From points on the surface. */
-static void slopes_at(struct points *points, struct normals *normals)
-{
-    for (unsigned i = 0; i < points->count; i++) {
-        normals->shown.label = points->label[i];
-        const struct gradient inward = field_at(&normals->shown, points->at[i]);
-        for (int a = 0; a < 3; a++)
-            points->outward.along[a][i] = -inward.along[a] * normals->scale[a];
-    }
-}
-
 /* What a pixel shows faces the viewer, if barely. */
 static void turn_to_viewer(struct directions *normal, unsigned i, const struct normals *normals)
 {
@@ -262,8 +251,12 @@ static void field_normals(struct points *points, struct normals *normals)
     struct gradients *outward = &points->outward;
     if (normals->looks_out)
         slopes_before(points, normals);
-    else
-        slopes_at(points, normals);
+    for (unsigned i = 0; i < points->count && !normals->looks_out; i++) { /* on the surface */
+        normals->shown.label = points->label[i];
+        const struct gradient inward = field_at(&normals->shown, points->at[i]);
+        for (int a = 0; a < 3; a++)
+            outward->along[a][i] = -inward.along[a] * normals->scale[a];
+    }
     for (unsigned i = 0; i < points->count && normals->mode == SHADE_SCENE; i++)
         add_scene(outward, i, normals, points->at[i]);
     normalise_points(points);

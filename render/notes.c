@@ -3,7 +3,6 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
-#include "render/text.h"
 
 const struct ink notes_light = {{232, 232, 232}, {0, 0, 0}};
 const struct ink notes_dark = {{16, 16, 16}, {255, 255, 255}};
@@ -29,7 +28,7 @@ void notes_draw_sides(const struct canvas *canvas, uint32_t unit, const char *co
         const int64_t bottom = canvas->height - tall;
         const int64_t left = i == 0 ? margin : i == 1 ? right - margin : right / 2;
         const int64_t top = i == 2 ? margin : i == 3 ? bottom - margin : bottom / 2;
-        text_draw_outlined(canvas, left, top, scale, word[i], ink->rgb, ink->outline);
+        text_draw_outlined(canvas, left, top, scale, word[i], ink);
     }
 }
 
@@ -43,8 +42,7 @@ void notes_draw_scale(const struct canvas *canvas, uint32_t unit, int64_t pixels
     canvas_box(canvas, left, bottom - u, pixels, u, ink->rgb);
     canvas_box(canvas, left, bottom - tick, u, tick, ink->rgb);
     canvas_box(canvas, left + pixels - u, bottom - tick, u, tick, ink->rgb);
-    text_draw_outlined(canvas, left, bottom - tick - (TEXT_TALL + 3) * u, unit, words, ink->rgb,
-                       ink->outline);
+    text_draw_outlined(canvas, left, bottom - tick - (TEXT_TALL + 3) * u, unit, words, ink);
 }
 
 /* ---- marks ---- */

@@ -202,25 +202,20 @@ uint32_t bricks_around(const struct bricks *bricks, const int32_t point[3])
 
 /* ---- of pixels ---- */
 
-/* A quarter of the longest side of a brick, which is no less than that of any other, in smallest
- * spacings times 256. */
-static uint64_t unit_of(const struct scene *scene)
+/* How far a point is from the surface along an axis, in 1/256 voxels. It goes by a quarter of the
+ * longest side of a brick, which is no less than that of any other, in smallest spacings times 256.
+ */
+static int32_t away_along(const struct scene *scene, int point, int a)
 {
     const uint64_t least = view_unit(scene);
     uint64_t unit = 256;
-    for (int a = 0; a < 3; a++) {
+    for (int b = 0; b < 3; b++) {
         const uint64_t own =
-            (256 * (uint64_t)scene->spacing_nm[a] << brick_bits(scene, a)) / (least << BRICK_BITS);
+            (256 * (uint64_t)scene->spacing_nm[b] << brick_bits(scene, b)) / (least << BRICK_BITS);
         unit = own > unit ? own : unit;
     }
-    return unit < COARSEST * 256 ? unit : COARSEST * 256;
-}
-
-/* How far a point is from the surface along an axis, in 1/256 voxels. */
-static int32_t away_along(const struct scene *scene, int point, int a)
-{
-    const uint64_t spacings = unit_of(scene) * (uint64_t)points[point].away;
-    return (int32_t)(spacings * view_unit(scene) / scene->spacing_nm[a]);
+    unit = unit < COARSEST * 256 ? unit : COARSEST * 256;
+    return (int32_t)(unit * (uint64_t)points[point].away * least / scene->spacing_nm[a]);
 }
 
 void occluder_init(struct occluder *occluder, const struct bricks *bricks,
