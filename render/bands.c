@@ -117,8 +117,8 @@ static enum err make_room(struct drawing *d, struct fault *fault)
         if (!err && !d->out && is_reduced(d))
             err = rendition_init(&d->pixels[i], width / samples, rows_of(bands), fault);
         if (!err)
-            err = layers_take(&d->layers[i], room, bands->border, &bands->shader->seams,
-                              shade_refines_layers(bands->look, bands->camera), fault);
+            err = shade_take_layers(bands->shader, &d->layers[i], room, bands->camera,
+                                    bands->border, bands->look, fault);
         if (!err)
             err = rendition_refined(room, shade_refines(bands->look, bands->camera, bands->border),
                                     fault);

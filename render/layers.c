@@ -5,6 +5,7 @@
 
 #include "base/mem.h"
 #include "render/normal.h"
+#include "render/seams.h"
 #include "render/sweep.h"
 #include "render/walk.h"
 

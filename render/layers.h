@@ -29,7 +29,8 @@
 #define RENDER_LAYERS_H
 
 #include "render/rendition.h"
-#include "render/seams.h"
+
+struct seams;
 
 enum {
     LAYERS_MOST = 8,

@@ -2,6 +2,7 @@
 
 #include "render/normal.h"
 #include "render/patch.h"
+#include "render/seams.h"
 #include "render/walk.h"
 
 enum {

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "render/layers.h"
+#include "render/seams.h"
 #include "render/sweep.h"
 #include "render/walk.h"
 

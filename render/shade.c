@@ -1,34 +1,60 @@
 #include "render/shade.h"
 
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/mem.h"
 #include "render/edge.h"
 #include "render/layers_refine.h"
 #include "render/light.h"
+#include "render/occlusion.h"
 #include "render/patch.h"
+#include "render/seams.h"
 
 enum {
     EDGE = LIGHT_UNIT * 35 / 100, /* what an edge leaves of a colour */
     STAIRS_SEEN = 4,              /* pixels to a voxel, from which on faces of voxels are stairs */
 };
 
+/* Each thread has its own fields. */
+struct shader_part {
+    struct field shown, scene;
+};
+struct shader_store {
+    struct shader_part part[TEAM_MOST];
+    struct seams seams;   /* for layers (render/layers.h) and creases */
+    struct bricks bricks; /* for ambient occlusion */
+};
+
 void shader_release(struct shader *shader)
 {
-    for (int i = 0; i < TEAM_MOST; i++) {
-        field_release(&shader->part[i].shown);
-        field_release(&shader->part[i].scene);
-        shader->part[i] = (struct shader_part){0};
+    struct shader_store *store = shader->store;
+    for (int i = 0; i < TEAM_MOST && store; i++) {
+        field_release(&store->part[i].shown);
+        field_release(&store->part[i].scene);
     }
-    seams_release(&shader->seams);
-    bricks_release(&shader->bricks);
+    if (store) {
+        seams_release(&store->seams);
+        bricks_release(&store->bricks);
+    }
+    free(store);
+    shader->store = NULL;
 }
 
 size_t shader_bytes(const struct shader *shader)
 {
-    size_t bytes = seams_bytes(&shader->seams) + bricks_bytes(&shader->bricks);
-    for (int i = 0; i < TEAM_MOST; i++)
-        bytes += field_bytes(&shader->part[i].shown) + field_bytes(&shader->part[i].scene);
+    const struct shader_store *store = shader->store;
+    size_t bytes = store ? seams_bytes(&store->seams) + bricks_bytes(&store->bricks) : 0;
+    for (int i = 0; i < TEAM_MOST && store; i++)
+        bytes += field_bytes(&store->part[i].shown) + field_bytes(&store->part[i].scene);
     return bytes;
+}
+
+static enum err make_store(struct shader *shader, struct fault *fault)
+{
+    if (!shader->store)
+        shader->store = mem_new(sizeof *shader->store);
+    return shader->store ? OK : fault_memory(fault, "shading");
 }
 
 /* ---- pixels ---- */
@@ -536,6 +562,20 @@ static enum shade_mode mode_of(const struct look *look, const struct border *bor
     return look->mode == SHADE_DEPTH && !knows_depths ? SHADE_SURFACE : look->mode;
 }
 
+/* Whether layers are refined where objects are translucent and the border has a skin. */
+static bool refines_layers(const struct look *look, const struct camera *camera)
+{
+    return look->number > LOOK_THIRD && look_is_refined(look) &&
+           normal_stride(camera) >= STAIRS_SEEN;
+}
+
+bool shade_refines(const struct look *look, const struct camera *camera,
+                   const struct border *border)
+{
+    return look_is_refined(look) && border->has_skin &&
+           (!border_is_translucent(border) || refines_layers(look, camera));
+}
+
 /* ---- fields and bricks ---- */
 
 /* Translucent objects let the light in. */
@@ -544,16 +584,13 @@ static bool occludes(const struct look *look, const struct border *border)
     return look->ao_percent > 0 && !border_is_translucent(border);
 }
 
-static enum err prepare(struct field *field, bool *has, const struct border *border,
-                        enum field_kind kind, unsigned threads, struct fault *fault)
+static enum err prepare(struct field *field, const struct border *border, enum field_kind kind,
+                        unsigned threads, struct fault *fault)
 {
-    if (*has && field->kind == kind && field_fits(field, border, threads))
+    if (field->kind == kind && field_fits(field, border, threads))
         return OK;
-    if (*has)
-        field_release(field);
-    const enum err err = field_init(field, border, kind, threads, fault);
-    *has = err == OK;
-    return err;
+    field_release(field);
+    return field_init(field, border, kind, threads, fault);
 }
 
 enum err shader_prepare(struct shader *shader, unsigned threads, const struct camera *camera,
@@ -562,24 +599,42 @@ enum err shader_prepare(struct shader *shader, unsigned threads, const struct ca
     const enum shade_mode mode = mode_of(look, border);
     const bool is_refined = shade_refines(look, camera, border);
     const bool has_layers = is_refined && border_is_translucent(border);
-    const enum field_kind surface = has_layers ? FIELD_SURFACES : FIELD_SURFACE;
+    const enum field_kind kind = !is_refined  ? FIELD_SHOWN
+                                 : has_layers ? FIELD_SURFACES
+                                              : FIELD_SURFACE;
     const unsigned most = team_size(shader->team);
-    enum err err = OK;
+    enum err err = make_store(shader, fault);
+    struct shader_store *store = shader->store;
     for (unsigned i = 0; i < threads && !err; i++) {
-        struct shader_part *part = shader->part + i;
-        if (is_refined)
-            err = prepare(&part->shown, &part->has_shown, border, surface, most, fault);
-        else if (mode != SHADE_DEPTH)
-            err = prepare(&part->shown, &part->has_shown, border, FIELD_SHOWN, most, fault);
-        part->shown.seams = &shader->seams;
+        struct shader_part *part = store->part + i;
+        if (is_refined || mode != SHADE_DEPTH)
+            err = prepare(&part->shown, border, kind, most, fault);
+        part->shown.seams = &store->seams;
         if (!err && mode == SHADE_SCENE)
-            err = prepare(&part->scene, &part->has_scene, border, FIELD_SCENE, most, fault);
+            err = prepare(&part->scene, border, FIELD_SCENE, most, fault);
     }
     if (!err && (look->creases || has_layers))
-        err = seams_count(&shader->seams, border, fault);
+        err = seams_count(&store->seams, border, fault);
     if (!err && has_layers)
-        seams_find_near(&shader->seams);
-    return !err && occludes(look, border) ? bricks_take(&shader->bricks, border, fault) : err;
+        seams_find_near(&store->seams);
+    return !err && occludes(look, border) ? bricks_take(&store->bricks, border, fault) : err;
+}
+
+enum err shade_take_layers(struct shader *shader, struct layers *layers,
+                           struct rendition *rendition, const struct camera *camera,
+                           const struct border *border, const struct look *look,
+                           struct fault *fault)
+{
+    const enum err err = make_store(shader, fault);
+    return err ? err
+               : layers_take(layers, rendition, border, &shader->store->seams,
+                             refines_layers(look, camera), fault);
+}
+
+void shade_follow(struct shader *shader, const struct border *border, const struct changes *changes)
+{
+    if (shader->store)
+        seams_follow(&shader->store->seams, border, changes, NULL); /* else shading counts them */
 }
 
 /* ---- pictures ---- */
@@ -599,11 +654,11 @@ static void shading_init(struct shading *s, const struct camera *camera,
     light_init(&s->light, camera, look->light, look->cue_percent);
     if (look_is_refined(look))
         refiner_init(&s->refiner, camera, border);
-    s->refiner.seams = &shader->seams;
+    s->refiner.seams = &shader->store->seams;
     s->refiner.is_close = look->number > LOOK_SECOND;
     s->refiner.meets = look->number > LOOK_SECOND && normal_stride(camera) >= STAIRS_SEEN;
     if (s->occludes)
-        occluder_init(&s->occluder, &shader->bricks, camera, look->ao_percent);
+        occluder_init(&s->occluder, &shader->store->bricks, camera, look->ao_percent);
     s->has_patches =
         look->number > LOOK_SECOND && !looks_around(look) && !border_is_translucent(border);
     s->samples = s->has_patches && look->number > LOOK_THIRD ? look->samples : 1;
@@ -630,7 +685,7 @@ void shade_rows(struct rendition *r, uint32_t first, uint32_t end, const struct 
     struct task task = task_begin_part(camera->scene->watch, NULL, 0, 1);
     const size_t all = (size_t)r->tiles_x * r->tiles_y;
     shading_init(&s, camera, border, palette, look, shader);
-    take_fields(&s, &shader->part[number]);
+    take_fields(&s, &shader->store->part[number]);
     label_tiles(r, 0, all, &s);
     if (draws_edges(look)) /* which look at rows around */
         shade_tiles(r, 0, all, &s, &task);
@@ -667,7 +722,7 @@ static void shade_share(void *context, unsigned thread)
     struct task task =
         task_begin_part(s.camera->scene->watch, "shading", (uint64_t)r->width * r->height, thread);
     const struct share rows = team_share(team, thread, r->tiles_y);
-    take_fields(&s, &sharing->shader->part[thread]);
+    take_fields(&s, &sharing->shader->store->part[thread]);
     label_tiles(r, rows.first * r->tiles_x, rows.end * r->tiles_x, &s);
     team_wait(team);
     const struct share tiles = team_share(team, thread, rendition_count(r, TILE_STALE));
@@ -698,19 +753,6 @@ enum err shade(struct rendition *r, const struct camera *camera, const struct bo
         mark_blocks(r, s.block);
     team_run(team, shade_share, &sharing);
     return OK;
-}
-
-bool shade_refines_layers(const struct look *look, const struct camera *camera)
-{
-    return look->number > LOOK_THIRD && look_is_refined(look) &&
-           normal_stride(camera) >= STAIRS_SEEN;
-}
-
-bool shade_refines(const struct look *look, const struct camera *camera,
-                   const struct border *border)
-{
-    return look_is_refined(look) && border->has_skin &&
-           (!border_is_translucent(border) || shade_refines_layers(look, camera));
 }
 
 struct shade_reach shade_reach(const struct look *look, const struct camera *camera)

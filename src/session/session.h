@@ -41,7 +41,7 @@
 #include "render/border.h"
 #include "render/layers.h"
 #include "render/rendition.h"
-#include "render/shade.h"
+#include "render/shader.h"
 #include "show/context.h"
 #include "session/map.h"
 #include "session/finished.h"

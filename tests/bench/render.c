@@ -18,6 +18,7 @@
 #include "command/interpreter.h"
 #include "engine/label_stats.h"
 #include "render/projection.h"
+#include "render/shade.h"
 #include "report/export.h"
 #include "show/slicing.h"
 

@@ -8,6 +8,7 @@
 #include "base/mem.h"
 #include "program/bench.h"
 #include "render/projection.h"
+#include "render/shade.h"
 #include "tests/border_check.h"
 
 const char *const experiment_name[EXPERIMENTS] = {"IFT + SP", "DIFT + SP", "BDIFT + BP",

@@ -59,8 +59,8 @@ static void begin_picture(struct stage *s)
 {
     shader_release(&s->shader);
     must(stage_fit_border(s), &(struct fault){0}, "a border");
-    must(layers_take(&s->layers, &s->rendition, &s->border, &s->shader.seams,
-                     shade_refines_layers(&s->look, &s->camera), NULL),
+    must(shade_take_layers(&s->shader, &s->layers, &s->rendition, &s->camera, &s->border, &s->look,
+                           NULL),
          &(struct fault){0}, "layers");
 }
 
