@@ -14,11 +14,6 @@ static uint32_t blocks_along(const struct grid *grid, int a)
     return walk_blocks(grid, a, MIP_BLOCK_BITS);
 }
 
-static size_t blocks_in(const struct grid *grid)
-{
-    return (size_t)blocks_along(grid, 0) * blocks_along(grid, 1) * blocks_along(grid, 2);
-}
-
 void mip_release(struct mip *mip)
 {
     free(mip->grey);
@@ -101,10 +96,10 @@ static enum err take_source(struct drawing *d, const struct mip_source *source, 
         return OK;
     mip_release(mip);
     mip->grey = mem_new(source->scene->grid.cells);
-    mip->most = mem_new(blocks_in(&source->scene->grid));
+    mip->most = mem_new(walk_blocks_in(&source->scene->grid, MIP_BLOCK_BITS));
     if (!mip->grey || !mip->most)
         return fault_memory(fault, "the scene's brightness");
-    mip->bytes = source->scene->grid.cells + blocks_in(&source->scene->grid);
+    mip->bytes = source->scene->grid.cells + walk_blocks_in(&source->scene->grid, MIP_BLOCK_BITS);
     mip->of = *source;
     for (int64_t i = 0; i < INTENSITIES; i++) {
         const int64_t grey = (i - window[0]) * WHITE / ((int64_t)window[1] - window[0]);

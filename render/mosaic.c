@@ -35,46 +35,29 @@ static struct mosaic_box box_of(const struct mosaic_choice *choice, uint32_t wid
 
 /* ---- slices ---- */
 
-/* At the largest scale at which all that are shown fit. */
-static uint64_t fitting_pm(const struct scene *scene, const struct mosaic_choice *choice,
-                           uint32_t width, uint32_t height)
-{
-    uint64_t most = 0;
-    for (enum slice_plane p = SLICE_AXIAL; p <= SLICE_SAGITTAL; p++) {
-        const struct mosaic_box box = box_of(choice, width, height, (enum mosaic_pane)p);
-        const uint64_t pixel_pm =
-            box.width ? slice_fitting_pixel(scene, p, box.width, box.height) : 0;
-        most = pixel_pm > most ? pixel_pm : most;
-    }
-    return most;
-}
-
-/* On a screen, lines and letters of all slices are as in the largest. */
-static uint32_t unit_of(const struct mosaic_choice *choice, uint32_t width, uint32_t height)
-{
-    uint32_t most = 0;
-    for (int pane = 0; choice->layout && pane < MOSAIC_RENDITION; pane++) {
-        const struct mosaic_box box = box_of(choice, width, height, (enum mosaic_pane)pane);
-        const uint32_t unit = slice_unit(box.width, box.height);
-        most = box.width && unit > most ? unit : most;
-    }
-    return most;
-}
-
+/* All that are shown have the largest scale at which they fit; and on a screen, the lines and
+ * letters that the largest of them has. */
 struct slice_choice mosaic_slice(const struct scene *scene, const struct mosaic_choice *choice,
                                  uint32_t width, uint32_t height, enum slice_plane plane)
 {
     const bool has_axial = box_of(choice, width, height, MOSAIC_AXIAL).width > 0;
-    struct slice_choice slice = {.plane = plane,
-                                 .title = choice->title[plane],
-                                 .has_middle = choice->has_middle,
-                                 .unit = unit_of(choice, width, height)};
+    struct slice_choice slice = {
+        .plane = plane, .title = choice->title[plane], .has_middle = choice->has_middle};
+    uint64_t fitting_pm = 0;
+    for (enum slice_plane p = SLICE_AXIAL; p <= SLICE_SAGITTAL; p++) {
+        const struct mosaic_box box = box_of(choice, width, height, (enum mosaic_pane)p);
+        if (box.width == 0)
+            continue;
+        const uint64_t pixel_pm = slice_fitting_pixel(scene, p, box.width, box.height);
+        const uint32_t unit = choice->layout ? slice_unit(box.width, box.height) : 0;
+        fitting_pm = pixel_pm > fitting_pm ? pixel_pm : fitting_pm;
+        slice.unit = unit > slice.unit ? unit : slice.unit;
+    }
     for (int a = 0; a < 3; a++) {
         slice.place[a] = choice->place[a];
         slice.middle[a] = choice->middle[a];
     }
-    slice_magnify(&slice, scene, fitting_pm(scene, choice, width, height),
-                  choice->times ? choice->times : SLICE_TIMES_ONE);
+    slice_magnify(&slice, scene, fitting_pm, choice->times ? choice->times : SLICE_TIMES_ONE);
     if (choice->notes) /* the bars once: they hold for all three */
         slice.notes = plane == SLICE_AXIAL || !has_axial
                           ? SLICE_LETTERS | SLICE_SCALE | SLICE_COLOURS
@@ -242,19 +225,6 @@ static void draw_row(const struct canvas *pane, const struct fitting *f, const s
 
 /* ---- the whole ---- */
 
-static void draw_rendition(const struct canvas *pane, const struct mosaic_choice *choice,
-                           const struct rendition *r, const struct fitting *f)
-{
-    uint8_t behind[3];
-    for (uint32_t y = 0; y < pane->height; y++) {
-        background_at(behind, background_opaque(choice->background), y, pane->height);
-        if (!fades(choice))
-            canvas_box(pane, 0, y, pane->width, 1, behind);
-        if (y - f->top < f->shown_height) /* huge where above */
-            draw_row(pane, f, r, y - f->top, fades(choice) ? NULL : behind);
-    }
-}
-
 /* Panes share nothing but what is only read, so each may be drawn by another thread. */
 struct drawing {
     const struct canvas *canvas;
@@ -265,29 +235,39 @@ struct drawing {
     enum err err[MOSAIC_PANES];
 };
 
-static void draw_pane(struct drawing *d, enum mosaic_pane pane)
+static void draw_rendition(const struct canvas *pane, const struct drawing *d)
 {
-    const uint32_t width = d->canvas->width, height = d->canvas->height;
-    const struct mosaic_box box = box_of(d->choice, width, height, pane);
-    if (box.width == 0)
-        return;
-    const struct canvas part = canvas_part(d->canvas, box.left, box.top, box.width, box.height);
-    if (pane == MOSAIC_RENDITION) {
-        const struct fitting f = fit(d->rendition, d->choice, width, height);
-        draw_rendition(&part, d->choice, d->rendition, &f);
-        return;
+    const struct fitting f = fit(d->rendition, d->choice, d->canvas->width, d->canvas->height);
+    const bool is_fading = fades(d->choice);
+    uint8_t behind[3];
+    for (uint32_t y = 0; y < pane->height; y++) {
+        background_at(behind, background_opaque(d->choice->background), y, pane->height);
+        if (!is_fading)
+            canvas_box(pane, 0, y, pane->width, 1, behind);
+        if (y - f.top < f.shown_height) /* huge where above */
+            draw_row(pane, &f, d->rendition, y - f.top, is_fading ? NULL : behind);
     }
-    const struct slice_choice slice =
-        mosaic_slice(d->scene, d->choice, width, height, (enum slice_plane)pane);
-    d->err[pane] = slice_draw(&part, d->scene, &slice, d->style, NULL);
 }
 
 static void draw_share(void *context, unsigned worker)
 {
     struct drawing *d = context;
+    const uint32_t width = d->canvas->width, height = d->canvas->height;
     const struct share share = team_share(d->choice->team, worker, MOSAIC_PANES);
-    for (size_t pane = share.first; pane < share.end; pane++)
-        draw_pane(d, (enum mosaic_pane)pane);
+    for (size_t i = share.first; i < share.end; i++) {
+        const enum mosaic_pane pane = (enum mosaic_pane)i;
+        const struct mosaic_box box = box_of(d->choice, width, height, pane);
+        if (box.width == 0)
+            continue;
+        const struct canvas part = canvas_part(d->canvas, box.left, box.top, box.width, box.height);
+        if (pane == MOSAIC_RENDITION) {
+            draw_rendition(&part, d);
+            continue;
+        }
+        const struct slice_choice slice =
+            mosaic_slice(d->scene, d->choice, width, height, (enum slice_plane)pane);
+        d->err[pane] = slice_draw(&part, d->scene, &slice, d->style, NULL);
+    }
 }
 
 enum err mosaic_draw(const struct canvas *canvas, const struct scene *scene,

@@ -95,14 +95,6 @@ static void stamp(const struct canvas *canvas, const struct mark *mark, int64_t 
                 canvas_dot(canvas, mark->column + dx, mark->row + dy, rgb);
 }
 
-static const uint8_t *colour_of(const struct mark *mark, const struct palette *palette)
-{
-    const uint8_t *rgb = palette->rgb[mark->label];
-    if (mark->eliminates)
-        return eliminator_red;
-    return rgb[0] || rgb[1] || rgb[2] ? rgb : seed_grey;
-}
-
 void marks_draw(const struct canvas *canvas, const struct marks *marks, int64_t unit,
                 const struct palette *palette)
 {
@@ -110,12 +102,16 @@ void marks_draw(const struct canvas *canvas, const struct marks *marks, int64_t 
     for (int pass = 0; pass < 4; pass++)
         for (size_t i = 0; i < marks->count; i++) {
             const struct mark *mark = &marks->mark[i];
+            const uint8_t *label = palette->rgb[mark->label];
+            const uint8_t *rgb = mark->eliminates                   ? eliminator_red
+                                 : label[0] || label[1] || label[2] ? label
+                                                                    : seed_grey;
             const int64_t radius = (mark->eliminates ? 2 * unit : unit) + more;
             if (mark->eliminates != (pass >= 2))
                 continue;
             if (pass % 2 == 0)
                 stamp(canvas, mark, radius, unit, mark->waits ? white : black);
             else
-                stamp(canvas, mark, radius, 0, colour_of(mark, palette));
+                stamp(canvas, mark, radius, 0, rgb);
         }
 }

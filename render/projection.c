@@ -316,16 +316,6 @@ void splat_border_shared(struct rendition *r, const struct camera *camera,
 
 /* ---- the ray walk ---- */
 
-/* To the first solid voxel before the ray comes to a crossing. */
-static bool find_solid(struct walk *walk, const struct border *border, int64_t end)
-{
-    do
-        if (border_is_solid(border, walk->cell))
-            return true;
-    while (walk_on(walk) && walk->at < end);
-    return false;
-}
-
 /* Most blocks of voxels on its way are empty. */
 bool raycast_pixel(const struct camera *camera, const struct border *border, uint32_t column,
                    uint32_t row, int64_t from, int64_t *depth, uint32_t *cell)
@@ -334,12 +324,16 @@ bool raycast_pixel(const struct camera *camera, const struct border *border, uin
     if (!walk_begin(&blocks, camera, BORDER_BLOCK_BITS, column, row, from))
         return false;
     do {
-        if (border->occupied[blocks.cell] && walk_begin(&walk, camera, 0, column, row, blocks.at) &&
-            find_solid(&walk, border, walk_leaves(&blocks))) {
-            *depth = walk.at;
-            *cell = walk.cell;
-            return true;
-        }
+        if (!border->occupied[blocks.cell] || !walk_begin(&walk, camera, 0, column, row, blocks.at))
+            continue;
+        const int64_t end = walk_leaves(&blocks);
+        do {
+            if (border_is_solid(border, walk.cell)) {
+                *depth = walk.at;
+                *cell = walk.cell;
+                return true;
+            }
+        } while (walk_on(&walk) && walk.at < end);
     } while (walk_on(&blocks));
     return false;
 }

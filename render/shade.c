@@ -482,21 +482,6 @@ static void shade_square(struct rendition *r, struct shading *s, struct patches 
                      (struct square){square.x + (i & 1) * half, square.y + (i >> 1) * half, half});
 }
 
-/* Rows of tiles, which begin with a row of blocks. */
-static void shade_blocks(struct rendition *r, uint32_t first, uint32_t end, struct shading *s,
-                         struct task *task)
-{
-    struct square block = {.side = s->block};
-    for (block.y = first; block.y < end; block.y += block.side)
-        for (block.x = 0; block.x < r->tiles_x; block.x += block.side) {
-            const struct tile tile = {.left = block.x * TILE, .top = block.y * TILE};
-            struct patches p = patches_at(r, s, tile);
-            shade_square(r, s, &p, block);
-            if (!task_advance(task, (uint64_t)TILE * TILE * block.side * block.side))
-                return;
-        }
-}
-
 static void mark_blocks(struct rendition *r, uint32_t side)
 {
     const size_t all = (size_t)r->tiles_x * r->tiles_y;
@@ -522,10 +507,20 @@ static uint32_t block_row(const struct rendition *r, size_t tile, uint32_t side)
 static void shade_some(struct rendition *r, size_t first, size_t end, struct shading *s,
                        struct task *task)
 {
-    if (s->block == 1 || !waits(r, s))
+    struct square block = {.side = s->block};
+    if (s->block == 1 || !waits(r, s)) {
         shade_tiles(r, first, end, s, task);
-    else
-        shade_blocks(r, block_row(r, first, s->block), block_row(r, end, s->block), s, task);
+        return;
+    }
+    const uint32_t after = block_row(r, end, s->block);
+    for (block.y = block_row(r, first, s->block); block.y < after; block.y += block.side)
+        for (block.x = 0; block.x < r->tiles_x; block.x += block.side) {
+            const struct tile tile = {.left = block.x * TILE, .top = block.y * TILE};
+            struct patches p = patches_at(r, s, tile);
+            shade_square(r, s, &p, block);
+            if (!task_advance(task, (uint64_t)TILE * TILE * block.side * block.side))
+                return;
+        }
 }
 
 /* The line over a pixel, if there is one. */
