@@ -48,12 +48,6 @@ void background_over(uint8_t rgb[3], const uint8_t rgba[4], const uint8_t behind
     }
 }
 
-static void fade(uint8_t rgb[3], const uint8_t rgba[4])
-{
-    for (int k = 0; k < 3; k++)
-        rgb[k] = (uint8_t)((rgba[k] * rgba[3] + 127) / 255);
-}
-
 void background_put_rows(uint8_t *rgba, uint32_t width, uint32_t top, uint32_t rows,
                          uint32_t height, uint32_t background)
 {
@@ -63,10 +57,10 @@ void background_put_rows(uint8_t *rgba, uint32_t width, uint32_t top, uint32_t r
         for (uint32_t x = 0; x < width; x++, rgba += 4) {
             if (rgba[3] == 255)
                 continue;
-            if (background == BACKGROUND_FADE)
-                fade(rgba, rgba);
-            else
+            if (background != BACKGROUND_FADE)
                 background_over(rgba, rgba, behind);
+            for (int k = 0; k < 3 && background == BACKGROUND_FADE; k++)
+                rgba[k] = (uint8_t)((rgba[k] * rgba[3] + 127) / 255);
             rgba[3] = 255;
         }
     }

@@ -8,101 +8,75 @@
  * of voxels it takes 2 % more time to have half as many, which wide pictures spare memory by. */
 enum { SAMPLES_HIGH = 64, SAMPLES_LEAST_HIGH = 32, SAMPLES_A_BAND = 1 << 18 };
 
+struct drawing {
+    const struct bands *bands;
+    struct rendition *out; /* or NULL */
+    struct team *team;
+    uint32_t reach;  /* rows of samples that are drawn on both sides of a band, */
+    uint32_t most;   /* and those of a band, of whole blocks of patches */
+    bool is_reduced; /* else pixels are what is drawn */
+    struct rendition room[TEAM_MOST], pixels[TEAM_MOST]; /* for each thread */
+    struct layers layers[TEAM_MOST];
+};
+
 static uint32_t round_up(uint32_t rows, uint32_t unit)
 {
     return (rows + unit - 1) / unit * unit;
 }
 
-/* Rows of samples that are drawn on both sides of a band. */
-static uint32_t reach_of(const struct bands *bands)
+static struct drawing drawing_of(struct rendition *out, const struct bands *bands)
 {
-    return round_up((uint32_t)shade_reach(bands->look, bands->camera).pixels, TILE);
-}
-
-/* Of whole blocks of patches. */
-static uint32_t rows_of(const struct bands *bands)
-{
-    const uint32_t reach = reach_of(bands);
-    uint32_t high = reach > SAMPLES_HIGH ? reach : SAMPLES_HIGH;
-    if (!reach && SAMPLES_A_BAND / bands->camera->view.width < high)
+    const uint32_t samples = bands->look->samples;
+    struct drawing d = {.bands = bands, .out = out, .is_reduced = out || samples > 1};
+    d.team = bands->project == splat_border ? bands->shader->team : NULL;
+    d.reach = round_up((uint32_t)shade_reach(bands->look, bands->camera).pixels, TILE);
+    uint32_t high = d.reach > SAMPLES_HIGH ? d.reach : SAMPLES_HIGH;
+    if (!d.reach && SAMPLES_A_BAND / bands->camera->view.width < high)
         high = SAMPLES_LEAST_HIGH;
     if (bands->rows)
-        high = bands->rows * bands->look->samples;
-    return round_up(high, PATCH_SIDE) / bands->look->samples;
+        high = bands->rows * samples;
+    d.most = round_up(high, PATCH_SIDE) / samples * samples;
+    return d;
 }
 
-/* Rows of samples: those of a band, and what is drawn for it. */
-struct band {
-    uint32_t top, height, drawn_top, drawn_height;
-};
-
-static struct band band_at(const struct bands *bands, uint32_t number)
-{
-    const uint32_t samples = bands->look->samples, all = bands->camera->view.height;
-    const uint32_t reach = reach_of(bands), most = rows_of(bands) * samples;
-    struct band band = {.top = number * most};
-    band.height = all - band.top < most ? all - band.top : most;
-    band.drawn_top = band.top < reach ? 0 : band.top - reach;
-    const uint32_t below = all - (band.top + band.height);
-    const uint32_t drawn_end = band.top + band.height + (below < reach ? below : reach);
-    band.drawn_height = drawn_end - band.drawn_top;
-    return band;
-}
-
-struct drawing {
-    const struct bands *bands;
-    struct rendition *out; /* or NULL */
-    struct team *team;
-    struct rendition room[TEAM_MOST], pixels[TEAM_MOST]; /* for each thread */
-    struct layers layers[TEAM_MOST];
-};
-
-/* Else pixels are what is drawn. */
-static bool is_reduced(const struct drawing *d)
-{
-    return d->out || d->bands->look->samples > 1;
-}
-
-/* Pixels of a band, from its first row on, where nobody else has them. */
-static struct rendition pixels_of(const struct drawing *d, struct band band, unsigned thread)
-{
-    const uint32_t samples = d->bands->look->samples;
-    return d->out ? rendition_rows(d->out, band.top / samples, band.height / samples)
-                  : rendition_rows(&d->pixels[thread], 0, band.height / samples);
-}
-
-static void draw_band(const struct drawing *d, struct band band, unsigned thread)
+/* The band of `height` rows of samples from row `top` on. */
+static void draw_band(const struct drawing *d, uint32_t top, uint32_t height, unsigned thread)
 {
     const struct bands *bands = d->bands;
     const struct rendition *room = &d->room[thread];
-    const uint32_t samples = bands->look->samples, above = band.top - band.drawn_top;
-    const struct camera camera = camera_rows(bands->camera, band.drawn_top, band.drawn_height);
-    struct rendition drawn = rendition_rows(room, 0, band.drawn_height);
-    struct rendition fine = rendition_rows(room, above, band.height);
+    const uint32_t samples = bands->look->samples, all = bands->camera->view.height;
+    const uint32_t above = top < d->reach ? top : d->reach, rest = all - (top + height);
+    const uint32_t drawn_height = above + height + (rest < d->reach ? rest : d->reach);
+    const struct camera camera = camera_rows(bands->camera, top - above, drawn_height);
+    struct rendition drawn = rendition_rows(room, 0, drawn_height);
+    struct rendition fine = rendition_rows(room, above, height);
     if (bands->project == splat_border)
         splat_border_quietly(&drawn, &camera, bands->border);
     else
         bands->project(&drawn, &camera, bands->border);
     shade_rows(&drawn, above / TILE, above / TILE + fine.tiles_y, &camera, bands->border,
                bands->palette, bands->look, bands->shader, thread);
-    struct rendition pixels = is_reduced(d) ? pixels_of(d, band, thread) : fine;
-    if (is_reduced(d))
-        rendition_reduce(&pixels, &fine, samples);
+    struct rendition pixels = fine;
+    if (d->is_reduced) {
+        pixels = d->out ? rendition_rows(d->out, top / samples, height / samples)
+                        : rendition_rows(&d->pixels[thread], 0, height / samples);
+        rendition_reduce(&pixels, &fine, samples, NULL);
+    }
     if (bands->take)
-        bands->take(bands->context, &pixels, band.top / samples);
+        bands->take(bands->context, &pixels, top / samples);
 }
 
 static void draw_share(void *context, unsigned thread)
 {
     const struct drawing *d = context;
-    const struct camera *camera = d->bands->camera;
-    struct task task = task_begin_part(camera->scene->watch, "rendition",
-                                       (uint64_t)camera->view.width * camera->view.height, thread);
-    const uint32_t most = rows_of(d->bands) * d->bands->look->samples;
-    for (uint32_t i = thread; i * most < camera->view.height; i += team_size(d->team)) {
-        const struct band band = band_at(d->bands, i);
-        draw_band(d, band, thread);
-        if (!task_advance(&task, (uint64_t)band.height * camera->view.width))
+    const struct view *view = &d->bands->camera->view;
+    struct task task = task_begin_part(d->bands->camera->scene->watch, "rendition",
+                                       (uint64_t)view->width * view->height, thread);
+    for (uint32_t i = thread; i * d->most < view->height; i += team_size(d->team)) {
+        const uint32_t top = i * d->most, rest = view->height - top;
+        const uint32_t height = rest < d->most ? rest : d->most;
+        draw_band(d, top, height, thread);
+        if (!task_advance(&task, (uint64_t)height * view->width))
             return;
     }
 }
@@ -110,30 +84,29 @@ static void draw_share(void *context, unsigned thread)
 static enum err make_room(struct drawing *d, struct fault *fault)
 {
     const struct bands *bands = d->bands;
-    const uint32_t samples = bands->look->samples, width = bands->camera->view.width;
-    const uint32_t most = rows_of(bands) * samples + 2 * reach_of(bands);
-    const uint32_t all = bands->camera->view.height;
-    const uint32_t height = most < all ? most : all;
+    const struct view *view = &bands->camera->view;
+    const uint32_t samples = bands->look->samples, most = d->most + 2 * d->reach;
+    const uint32_t height = most < view->height ? most : view->height;
     enum err err = shader_prepare(bands->shader, team_size(d->team), bands->camera, bands->border,
                                   bands->look, fault);
-    for (unsigned i = 0; i < team_size(d->team) && !err; i++)
-        err = rendition_init(&d->room[i], width, height, fault);
-    for (unsigned i = 0; i < team_size(d->team) && !d->out && is_reduced(d) && !err; i++)
-        err = rendition_init(&d->pixels[i], width / samples, rows_of(bands), fault);
-    for (unsigned i = 0; i < team_size(d->team) && !err; i++)
-        err = layers_take(&d->layers[i], &d->room[i], bands->border, &bands->shader->seams,
-                          shade_refines_layers(bands->look, bands->camera), fault);
-    for (unsigned i = 0; i < team_size(d->team) && !err; i++)
-        err = rendition_refined(&d->room[i],
-                                shade_refines(bands->look, bands->camera, bands->border), fault);
+    for (unsigned i = 0; i < team_size(d->team) && !err; i++) {
+        struct rendition *room = &d->room[i];
+        err = rendition_init(room, view->width, height, fault);
+        if (!err && !d->out && d->is_reduced)
+            err = rendition_init(&d->pixels[i], view->width / samples, d->most / samples, fault);
+        if (!err)
+            err = shade_take_layers(bands->shader, &d->layers[i], room, bands->camera,
+                                    bands->border, bands->look, fault);
+        if (!err)
+            err = rendition_refined(room, shade_refines(bands->look, bands->camera, bands->border),
+                                    fault);
+    }
     return err;
 }
 
 enum err bands_draw(struct rendition *out, const struct bands *bands, struct fault *fault)
 {
-    struct drawing d = {.bands = bands,
-                        .out = out,
-                        .team = bands->project == splat_border ? bands->shader->team : NULL};
+    struct drawing d = drawing_of(out, bands);
     const enum err err = make_room(&d, fault);
     if (!err)
         team_run(d.team, draw_share, &d);

@@ -8,7 +8,7 @@
  * What comes out is the whole drawn at once and reduced, bit for bit.
  *
  * Threads have bands in turn, and nothing in common but what they read. What is made of a picture
- * need not be stored: whoever wants no more than colours takes those of each band, and the rest of
+ * need not be stored: one who wants no more than colours takes those of each band, and the rest of
  * it is drawn over by the next.
  */
 #ifndef RENDER_BANDS_H

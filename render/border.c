@@ -15,9 +15,7 @@ static uint32_t blocks_along(const struct border *border, int a)
 /* None of a border that is zeroed. */
 static size_t blocks_in(const struct border *border)
 {
-    if (!border->scene)
-        return 0;
-    return (size_t)blocks_along(border, 0) * blocks_along(border, 1) * blocks_along(border, 2);
+    return border->scene ? walk_blocks_in(&border->scene->grid, BORDER_BLOCK_BITS) : 0;
 }
 
 enum err border_init(struct border *border, const struct scene *scene, struct fault *fault)

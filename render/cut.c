@@ -70,12 +70,6 @@ struct stretch {
     int64_t first, end;
 };
 
-/* a / b rounded up, b above 0. */
-static int64_t divided_up(int64_t a, int64_t b)
-{
-    return a / b + (a % b > 0);
-}
-
 /* What a plane leaves of the row of voxels 0..size-1. */
 static struct stretch left_by_plane(const struct cut_plane *plane, int64_t size, uint32_t y,
                                     uint32_t z)
@@ -85,7 +79,7 @@ static struct stretch left_by_plane(const struct cut_plane *plane, int64_t size,
     if (along == 0)
         return (struct stretch){0, missing <= 0 ? size : 0};
     if (along > 0) /* from where x * along >= missing on */
-        return (struct stretch){missing <= 0 ? 0 : divided_up(missing, along), size};
+        return (struct stretch){missing <= 0 ? 0 : (missing - 1) / along + 1, size};
     return (struct stretch){0, missing > 0 ? 0 : missing / along + 1};
 }
 

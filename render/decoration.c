@@ -8,7 +8,6 @@
 #include "render/notes.h"
 #include "render/slice_plan.h"
 #include "render/sweep.h"
-#include "render/text.h"
 
 static const uint8_t black[3];
 
@@ -19,29 +18,24 @@ static const struct ink *ink_of(const struct decoration *d)
 
 /* ---- letters ---- */
 
-static int64_t size_of(int32_t v)
-{
-    return v < 0 ? -(int64_t)v : v;
-}
-
 /* The sides within some 67 degrees of a direction in the patient, the nearest first. */
 static void write_sides(char word[DECORATION_WORD], const int32_t direction[3], bool sides_unknown)
 {
     static const char *const side[2][3][2] = {{{"R", "L"}, {"A", "P"}, {"S", "I"}},
                                               {{"+x", "-x"}, {"+y", "-y"}, {"+z", "-z"}}};
     const int64_t least = view_sine(22500);
-    bool is_told[3] = {false};
+    bool is_taken[3] = {false};
     size_t length = 0;
     word[0] = '\0';
     for (int i = 0; i < 3; i++) {
         int nearest = -1;
         for (int a = 0; a < 3; a++)
-            if (!is_told[a] && size_of(direction[a]) >= least &&
-                (nearest < 0 || size_of(direction[a]) > size_of(direction[nearest])))
+            if (!is_taken[a] && llabs(direction[a]) >= least &&
+                (nearest < 0 || llabs(direction[a]) > llabs(direction[nearest])))
                 nearest = a;
         if (nearest < 0)
             return;
-        is_told[nearest] = true;
+        is_taken[nearest] = true;
         length += (size_t)snprintf(word + length, DECORATION_WORD - length, "%s",
                                    side[sides_unknown][nearest][direction[nearest] < 0]);
     }
@@ -59,31 +53,18 @@ void decoration_sides(char word[4][DECORATION_WORD], const struct camera *camera
     }
 }
 
-static void draw_letters(const struct canvas *canvas, const struct decoration *d, uint32_t unit)
-{
-    char word[4][DECORATION_WORD];
-    decoration_sides(word, d->camera);
-    const char *const sides[4] = {word[0], word[1], word[2], word[3]};
-    notes_draw_sides(canvas, unit, sides, ink_of(d));
-}
-
 /* ---- the scale ---- */
-
-static bool has_even_spacing(const struct scene *scene)
-{
-    const uint32_t *nm = scene->spacing_nm;
-    return nm[0] == nm[1] && nm[1] == nm[2];
-}
 
 int64_t decoration_scale(char words[32], const struct camera *camera, uint32_t samples,
                          uint32_t width)
 {
     const struct scene *scene = camera->scene;
+    const uint32_t *nm = scene->spacing_nm;
     const uint64_t pixel_pm =
         (uint64_t)camera->unit_nm * 1000 * VIEW_ZOOM_ONE * samples / (uint64_t)camera->view.zoom;
-    const uint64_t most = pixel_pm * width / 4, voxel_pm = (uint64_t)scene->spacing_nm[0] * 1000;
+    const uint64_t most = pixel_pm * width / 4, voxel_pm = (uint64_t)nm[0] * 1000;
     uint64_t length = most ? slice_round_length(most) : 0;
-    if (scene->spacing_unknown && (!has_even_spacing(scene) || most < voxel_pm))
+    if (scene->spacing_unknown && (nm[0] != nm[1] || nm[1] != nm[2] || most < voxel_pm))
         return 0;
     if (scene->spacing_unknown) {
         const uint64_t voxels = slice_round_length(most / voxel_pm);
@@ -93,14 +74,6 @@ int64_t decoration_scale(char words[32], const struct camera *camera, uint32_t s
         slice_length_words(words, length);
     }
     return pixel_pm ? (int64_t)((length + pixel_pm / 2) / pixel_pm) : 0;
-}
-
-static void draw_scale(const struct canvas *canvas, const struct decoration *d, uint32_t unit)
-{
-    char words[32];
-    const int64_t pixels = decoration_scale(words, d->camera, d->samples, canvas->width);
-    if (pixels > 0)
-        notes_draw_scale(canvas, unit, pixels, words, ink_of(d));
 }
 
 /* ---- the legend ---- */
@@ -133,18 +106,6 @@ static bool next_row(struct rows *rows, int64_t unit, int64_t *top)
     return *top + TEXT_TALL * unit <= rows->end;
 }
 
-/* The name, as much of it as leaves room for the amount. */
-static void write_line(char words[80], const struct legend_line *line, int64_t room)
-{
-    const int64_t amount = (int64_t)strlen(line->amount) + 2, name = (int64_t)strlen(line->name);
-    if (name + amount <= room)
-        snprintf(words, 80, "%s  %s", line->name, line->amount);
-    else if (room > amount + 3)
-        snprintf(words, 80, "%.*s..  %s", (int)(room - amount - 2), line->name, line->amount);
-    else
-        snprintf(words, 80, "%s", line->amount);
-}
-
 static void draw_line(const struct canvas *canvas, const struct decoration *d, int64_t unit,
                       int64_t top, const struct legend_line *line)
 {
@@ -153,10 +114,17 @@ static void draw_line(const struct canvas *canvas, const struct decoration *d, i
     const int64_t room = (right - words_left) / (TEXT_ADVANCE * unit);
     const struct ink *ink = ink_of(d);
     char words[80];
-    write_line(words, line, room);
+    const int64_t amount = (int64_t)strlen(line->amount) + 2, name = (int64_t)strlen(line->name);
+    if (name + amount <= room) /* the name, as much of it as leaves room for the amount */
+        snprintf(words, sizeof words, "%s  %s", line->name, line->amount);
+    else if (room > amount + 3)
+        snprintf(words, sizeof words, "%.*s..  %s", (int)(room - amount - 2), line->name,
+                 line->amount);
+    else
+        snprintf(words, sizeof words, "%s", line->amount);
     canvas_box(canvas, left - unit, top - unit, side + 2 * unit, side + 2 * unit, ink->outline);
     canvas_box(canvas, left, top, side, side, d->palette->rgb[line->label]);
-    text_draw_outlined(canvas, words_left, top, (uint32_t)unit, words, ink->rgb, ink->outline);
+    text_draw_outlined(canvas, words_left, top, (uint32_t)unit, words, ink);
 }
 
 static void draw_legend(const struct canvas *canvas, const struct decoration *d, uint32_t unit)
@@ -174,7 +142,7 @@ static void draw_legend(const struct canvas *canvas, const struct decoration *d,
         draw_line(canvas, d, unit, top, &d->line[i]);
     snprintf(words, sizeof words, "and %zu more", d->lines - fit);
     if (fit < d->lines && next_row(&rows, unit, &top))
-        text_draw_outlined(canvas, 4 * unit, top, unit, words, ink_of(d)->rgb, ink_of(d)->outline);
+        text_draw_outlined(canvas, 4 * unit, top, unit, words, ink_of(d));
 }
 
 /* ---- seeds and the cross-hair ---- */
@@ -289,9 +257,17 @@ enum err decoration_draw(const struct canvas *canvas, const struct decoration *d
         draw_cross(canvas, d, unit);
     if (d->parts & DECORATE_LEGEND && side >= NOTES_BARS_FROM)
         draw_legend(canvas, d, unit);
-    if (d->parts & DECORATE_LETTERS && side >= NOTES_LETTERS_FROM)
-        draw_letters(canvas, d, unit);
-    if (d->parts & DECORATE_SCALE && side >= NOTES_BARS_FROM)
-        draw_scale(canvas, d, unit);
+    if (d->parts & DECORATE_LETTERS && side >= NOTES_LETTERS_FROM) {
+        char word[4][DECORATION_WORD];
+        decoration_sides(word, d->camera);
+        const char *const sides[4] = {word[0], word[1], word[2], word[3]};
+        notes_draw_sides(canvas, unit, sides, ink_of(d));
+    }
+    if (d->parts & DECORATE_SCALE && side >= NOTES_BARS_FROM) {
+        char words[32];
+        const int64_t pixels = decoration_scale(words, d->camera, d->samples, canvas->width);
+        if (pixels > 0)
+            notes_draw_scale(canvas, unit, pixels, words, ink_of(d));
+    }
     return OK;
 }

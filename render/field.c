@@ -96,17 +96,6 @@ static uint32_t slots_for(const struct border *border, unsigned threads)
     return slots;
 }
 
-/* By how much intensities are shifted left, so that the largest has SCENE_BITS. Of no use where the
- * scene's watch has stopped it. */
-static int brighter_by(const struct scene *scene)
-{
-    struct task task = task_begin(scene->watch, "intensities", scene->grid.cells);
-    unsigned all = 1;
-    for (size_t c = 0; c < scene->grid.cells && task_advance(&task, 1); c++)
-        all |= scene->cell[c].intensity;
-    return SCENE_BITS - (32 - __builtin_clz(all));
-}
-
 enum err field_init(struct field *field, const struct border *border, enum field_kind kind,
                     unsigned threads, struct fault *fault)
 {
@@ -120,8 +109,14 @@ enum err field_init(struct field *field, const struct border *border, enum field
         return fault_memory(fault, "shading");
     }
     fill_tables(field->tables);
-    if (kind == FIELD_SCENE)
-        field->brighter = brighter_by(border->scene);
+    if (kind == FIELD_SCENE) { /* the largest intensity has SCENE_BITS */
+        const struct scene *scene = border->scene;
+        struct task task = task_begin(scene->watch, "intensities", scene->grid.cells);
+        unsigned all = 1;
+        for (size_t c = 0; c < scene->grid.cells && task_advance(&task, 1); c++)
+            all |= scene->cell[c].intensity;
+        field->brighter = SCENE_BITS - (32 - __builtin_clz(all));
+    }
     const enum err err = watch_fault(border->scene->watch, fault);
     if (err)
         field_release(field);
@@ -468,14 +463,6 @@ static inline void find_thin_rows(struct thin *thin, const struct patterns *patt
     thin->has_gaps |= (gaps[0] | gaps[1] | gaps[2] | gaps[3]) != 0;
 }
 
-static void find_thin(struct thin *thin, const struct patterns *patterns)
-{
-    thin->has_shown = thin->has_gaps = false;
-    for (int z = 0; z < SAMPLES; z++)
-        for (int y = 0; y < SAMPLES; y += 4)
-            find_thin_rows(thin, patterns, y, z);
-}
-
 /* ---- eight at once ---- */
 
 static inline lanes chosen(lanes mask, lanes a, lanes b)
@@ -597,7 +584,10 @@ static void find_levels(struct levels *levels, const struct values *values,
     memcpy(levels->most.at, values->row, PLACES * sizeof *levels->most.at);
     spread(&levels->least, lesser);
     spread(&levels->most, greater);
-    find_thin(&thin, patterns);
+    thin.has_shown = thin.has_gaps = false;
+    for (int z = 0; z < SAMPLES; z++)
+        for (int y = 0; y < SAMPLES; y += 4)
+            find_thin_rows(&thin, patterns, y, z);
     levels->inside.is_any = thin.has_shown;
     levels->outside.is_any = thin.has_gaps;
     if (thin.has_shown)
@@ -625,11 +615,6 @@ static inline lanes inside_of(const struct levels *levels, int i, lanes value, u
     return chosen(low < high, kept, inside);
 }
 
-static inline lanes times_unit(lanes inside)
-{
-    return (lanes)((wraps)inside * FIELD_INSIDE_UNIT);
-}
-
 static void find_inside(struct field_block *block, const struct values *values,
                         const struct patterns *patterns)
 {
@@ -642,8 +627,9 @@ static void find_inside(struct field_block *block, const struct values *values,
             int16_t value[ROW + 8] = {0}, row[ROW];
             memcpy(value, &values->row[z + 1][y + 1], ROW * sizeof *value);
             for (int x = 0; x < ROW; x += 8)
-                put(row + x, times_unit(inside_of(&levels, (z * SAMPLES + y) * ROW + x,
-                                                  lanes_at(value + x + 1), shown >> x)));
+                put(row + x, (lanes)(FIELD_INSIDE_UNIT *
+                                     (wraps)inside_of(&levels, (z * SAMPLES + y) * ROW + x,
+                                                      lanes_at(value + x + 1), shown >> x)));
             memcpy(block->inside[z][y], row, sizeof block->inside[z][y]);
         }
 }

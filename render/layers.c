@@ -5,6 +5,7 @@
 
 #include "base/mem.h"
 #include "render/normal.h"
+#include "render/seams.h"
 #include "render/sweep.h"
 #include "render/walk.h"
 
@@ -34,15 +35,6 @@ size_t layers_bytes(const struct layers *l)
            (l->root ? SQUARES : 0);
 }
 
-/* Those of level^2 - level + 1 to level^2 + level are nearest to the level. */
-static void fill_roots(uint8_t *root)
-{
-    for (uint32_t square = 0, level = 0; square < SQUARES; square++) {
-        level += square > level * level + level;
-        root[square] = (uint8_t)level;
-    }
-}
-
 static enum err make_room(struct layers *l, uint32_t width, uint32_t height, struct fault *fault)
 {
     const size_t pixels = (size_t)width * height;
@@ -65,7 +57,11 @@ static enum err make_room(struct layers *l, uint32_t width, uint32_t height, str
     }
     l->width = width;
     l->height = height;
-    fill_roots(l->root);
+    /* Those of level^2 - level + 1 to level^2 + level are nearest to the level. */
+    for (uint32_t square = 0, level = 0; square < SQUARES; square++) {
+        level += square > level * level + level;
+        l->root[square] = (uint8_t)level;
+    }
     return OK;
 }
 
@@ -107,8 +103,7 @@ void layers_put_none(struct layers *l, size_t pixel)
     l->count[pixel] = 0;
 }
 
-/* Nothing is seen, and all is to be shaded. */
-static void clear(struct rendition *r)
+void layers_clear(struct rendition *r)
 {
     rendition_clear(r);
     for (size_t pixel = 0; pixel < (size_t)r->width * r->height; pixel++)
@@ -162,8 +157,8 @@ static bool is_recent(uint64_t labels, uint8_t label)
     return false;
 }
 
-static void walk_pixel(struct layers *l, const struct camera *camera, const struct border *border,
-                       size_t pixel)
+void layers_walk(struct layers *l, const struct camera *camera, const struct border *border,
+                 size_t pixel)
 {
     struct walk walk;
     uint64_t before = 0;
@@ -182,17 +177,6 @@ static void walk_pixel(struct layers *l, const struct camera *camera, const stru
             put_among(l, pixel, walk.at, walk.cell, label);
         before = before << 8 | label;
     } while (walk_on(&walk));
-}
-
-void layers_raycast(struct rendition *r, const struct camera *camera, const struct border *border)
-{
-    clear(r);
-    const uint32_t *size = border->scene->grid.size;
-    const uint64_t row = r->width * ((uint64_t)size[0] + size[1] + size[2]); /* steps at most */
-    struct task task = task_begin(border->scene->watch, "rendition", row * r->height);
-    for (uint32_t y = 0; y < r->height && task_advance(&task, row); y++)
-        for (uint32_t x = 0; x < r->width; x++)
-            walk_pixel(r->layers, camera, border, (size_t)y * r->width + x);
 }
 
 /* ---- splatting ---- */
@@ -270,7 +254,7 @@ void layers_splat_scene(struct rendition *r, const struct camera *camera,
 {
     struct sweep sweep;
     sweep_init(&sweep, camera);
-    clear(r);
+    layers_clear(r);
     struct task task = task_begin(border->scene->watch, "rendition", border->scene->grid.cells);
     for (size_t w = 0; w < border->words && task_advance(&task, 64); w++)
         for (uint64_t word = border->shown[w]; word; word &= word - 1) {
@@ -280,19 +264,6 @@ void layers_splat_scene(struct rendition *r, const struct camera *camera,
             if (axes)
                 splat_faces(r->layers, &sweep, border, (struct faces){cell, axes, label});
         }
-}
-
-static void splat_row(struct layers *l, struct sweep *sweep, const struct border *border, size_t w,
-                      uint64_t row, const uint64_t begins[3])
-{
-    for (; row; row &= row - 1) {
-        const unsigned bit = (unsigned)__builtin_ctzll(row);
-        const uint32_t cell = (uint32_t)(w * 64) + bit;
-        const uint64_t axes =
-            (begins[0] >> bit & 1) | (begins[1] >> bit & 1) << 1 | (begins[2] >> bit & 1) << 2;
-        splat_faces(l, sweep, border,
-                    (struct faces){cell, (unsigned)axes, seams_label(l->seams, cell)});
-    }
 }
 
 static void splat_word(struct rendition *r, struct sweep *sweep, const struct border *border,
@@ -306,8 +277,14 @@ static void splat_word(struct rendition *r, struct sweep *sweep, const struct bo
                     seams_toward(l->seams, w, a, step);
     }
     for (uint64_t word = border->shown[w] & (begins[0] | begins[1] | begins[2]); word;) {
-        const uint64_t row = sweep_take_row(sweep, w, &word);
-        splat_row(r->layers, sweep, border, w, row, begins);
+        for (uint64_t row = sweep_take_row(sweep, w, &word); row; row &= row - 1) {
+            const unsigned bit = (unsigned)__builtin_ctzll(row);
+            const uint32_t cell = (uint32_t)(w * 64) + bit;
+            const uint64_t axes =
+                (begins[0] >> bit & 1) | (begins[1] >> bit & 1) << 1 | (begins[2] >> bit & 1) << 2;
+            splat_faces(r->layers, sweep, border,
+                        (struct faces){cell, (unsigned)axes, seams_label(l->seams, cell)});
+        }
     }
 }
 
@@ -316,7 +293,7 @@ void layers_splat_border(struct task *task, struct rendition *r, const struct ca
 {
     struct sweep sweep;
     sweep_init(&sweep, camera);
-    clear(r);
+    layers_clear(r);
     for (size_t i = 0; i < border->words && task_advance(task, 64); i++) {
         const size_t w = camera->flip[2] ? border->words - 1 - i : i;
         if (border->shown[w])
@@ -357,7 +334,7 @@ int layers_reach(struct shade_reach reach)
 
 /* A layer depends on the labels on both sides of its face alone, which the ray goes through: rays
  * that meet a voxel of another label are walked again, and no other. */
-void layers_follow(struct rendition *r, const struct camera *camera, const struct border *border,
+bool layers_follow(struct rendition *r, const struct camera *camera, const struct border *border,
                    const struct changes *changes, struct shade_reach reach)
 {
     struct layers *l = r->layers;
@@ -374,13 +351,9 @@ void layers_follow(struct rendition *r, const struct camera *camera, const struc
         fits = note_pixels(&pixels, l, splat_footprint(camera, c->cell, 0));
     }
     for (size_t i = 0; fits && i < pixels.count; i++)
-        walk_pixel(l, camera, border, pixels.item[i]);
-    if (!fits && !seams_count(l->seams, border, NULL)) {
-        task = task_begin(border->scene->watch, "rendition", border->scene->grid.cells);
-        layers_splat_border(&task, r, camera, border);
-    } else if (!fits)
-        layers_raycast(r, camera, border);
+        layers_walk(l, camera, border, pixels.item[i]);
     free(pixels.item);
+    return fits;
 }
 
 /* ---- what a pixel shows ---- */

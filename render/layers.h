@@ -29,7 +29,8 @@
 #define RENDER_LAYERS_H
 
 #include "render/rendition.h"
-#include "render/seams.h"
+
+struct seams;
 
 enum {
     LAYERS_MOST = 8,
@@ -78,14 +79,19 @@ static inline bool layers_are_projected(const struct rendition *rendition)
 /* Those of the rows of the rendition from one on, to be splatted into; borrows the maps. */
 struct layers layers_rows(const struct layers *layers, uint32_t top);
 
-/* The four ways (render/projection.h) where a rendition has layers that are projected. */
+/* Nothing is seen, and all is to be shaded. */
+void layers_clear(struct rendition *rendition);
+
+/* Of the four ways (render/projection.h), where a rendition has layers that are projected: scene
+ * projection; border projection; the ray of a pixel; and the incremental image, which is false where
+ * layers are to be made anew, since all has changed or there was no memory. */
 void layers_splat_scene(struct rendition *rendition, const struct camera *camera,
                         const struct border *border);
 void layers_splat_border(struct task *task, struct rendition *rendition,
                          const struct camera *camera, const struct border *border);
-void layers_raycast(struct rendition *rendition, const struct camera *camera,
-                    const struct border *border);
-void layers_follow(struct rendition *rendition, const struct camera *camera,
+void layers_walk(struct layers *layers, const struct camera *camera, const struct border *border,
+                 size_t pixel);
+bool layers_follow(struct rendition *rendition, const struct camera *camera,
                    const struct border *border, const struct changes *changes,
                    struct shade_reach reach);
 

@@ -2,6 +2,7 @@
 
 #include "render/normal.h"
 #include "render/patch.h"
+#include "render/seams.h"
 #include "render/walk.h"
 
 enum {
@@ -81,13 +82,6 @@ static void come_to(struct passage *p, const struct walk *walk, uint8_t label)
         put_layer(p, label, depth, cell);
 }
 
-static void come_to_all(struct passage *p, const struct walk *walk)
-{
-    const struct solid solid = refine_solid(p->refiner, walk->cell);
-    for (int i = 0; i < solid.labels; i++)
-        come_to(p, walk, solid.label[i]);
-}
-
 /* What the ray has come through without an edge was all of one label, if that of anything. */
 static void come_from(struct passage *p, const struct walk *walk)
 {
@@ -126,7 +120,9 @@ static void passage_walk(struct passage *p, uint32_t x, uint32_t y, int64_t from
          before = p->cube) {
         if (p->cube > before)
             come_from(p, &walk);
-        come_to_all(p, &walk);
+        const struct solid solid = refine_solid(p->refiner, walk.cell);
+        for (int i = 0; i < solid.labels; i++)
+            come_to(p, &walk, solid.label[i]);
         p->cube++;
         if (!walk_on(&walk))
             return;
@@ -143,11 +139,6 @@ struct refining {
     tile_mask done; /* which pixels of the tile have their layers */
 };
 
-static size_t pixel_of(const struct refining *f, uint32_t x, uint32_t y)
-{
-    return (size_t)(f->top + y) * f->r->width + f->left + x;
-}
-
 static inline tile_mask bit_of(uint32_t x, uint32_t y)
 {
     return (tile_mask)1 << (y * TILE + x);
@@ -155,7 +146,7 @@ static inline tile_mask bit_of(uint32_t x, uint32_t y)
 
 static size_t walk_pixel(struct refining *f, uint32_t x, uint32_t y)
 {
-    const size_t pixel = pixel_of(f, x, y);
+    const size_t pixel = (size_t)(f->top + y) * f->r->width + f->left + x;
     if (f->done & bit_of(x, y))
         return pixel;
     f->done |= bit_of(x, y);

@@ -13,14 +13,6 @@ enum {
 
 /* ---- where it comes from ---- */
 
-static int32_t mirrored(int32_t cosine)
-{
-    int64_t v = (int64_t)cosine * LIGHT_UNIT / LIGHT_GLOSSES;
-    for (int i = 0; i < SHINE; i++)
-        v = v * v / LIGHT_UNIT;
-    return (int32_t)(SPECULAR * v);
-}
-
 static void aim(struct light *light, const struct camera *camera, const int32_t angle[2])
 {
     const int64_t pitch = angle[1], quarter = VIEW_TURN / 4;
@@ -41,8 +33,12 @@ static void aim(struct light *light, const struct camera *camera, const int32_t 
     const int64_t length = squares ? square_root(squares) : 1;
     for (int a = 0; a < 3; a++)
         light->half[a] = (int32_t)(half[a] * (1 << NORMAL_BITS) / length);
-    for (int i = 0; i <= LIGHT_GLOSSES; i++)
-        light->gloss[i] = mirrored(i);
+    for (int64_t i = 0; i <= LIGHT_GLOSSES; i++) {
+        int64_t mirrored = i * LIGHT_UNIT / LIGHT_GLOSSES;
+        for (int k = 0; k < SHINE; k++)
+            mirrored = mirrored * mirrored / LIGHT_UNIT;
+        light->gloss[i] = (int32_t)(SPECULAR * mirrored);
+    }
 }
 
 void light_init(struct light *light, const struct camera *camera, const int32_t angle[2],
@@ -74,15 +70,6 @@ int64_t light_cue(const struct light *light, int64_t depth)
     return LIGHT_UNIT - ((behind >> light->cue_shift) * light->cue >> CUE_BITS);
 }
 
-static inline void shine_at(int32_t gloss[NORMALISED], const struct light *light,
-                            const int32_t mirror[NORMALISED])
-{
-    for (int i = 0; i < NORMALISED; i++) {
-        const int32_t shine = mirror[i] < 0 ? 0 : mirror[i] >> (2 * NORMAL_BITS - LIGHT_GLOSS_BITS);
-        gloss[i] = light->gloss[shine > LIGHT_GLOSSES ? LIGHT_GLOSSES : shine];
-    }
-}
-
 static inline void dots(int32_t dot[NORMALISED], const struct directions *normals,
                         const int32_t way[3])
 {
@@ -99,7 +86,10 @@ WIDE void light_surfaces(struct lit *lit, const struct light *light,
     int32_t toward[NORMALISED], mirror[NORMALISED], gloss[NORMALISED];
     dots(toward, normals, light->toward);
     dots(mirror, normals, light->half);
-    shine_at(gloss, light, mirror);
+    for (int i = 0; i < NORMALISED; i++) {
+        const int32_t shine = mirror[i] < 0 ? 0 : mirror[i] >> (2 * NORMAL_BITS - LIGHT_GLOSS_BITS);
+        gloss[i] = light->gloss[shine > LIGHT_GLOSSES ? LIGHT_GLOSSES : shine];
+    }
     for (int i = 0; i < NORMALISED; i++) {
         const int32_t cosine =
             (toward[i] < 0 ? 0 : toward[i]) >> (2 * NORMAL_BITS - LIGHT_UNIT_BITS);

@@ -14,11 +14,6 @@ static uint32_t blocks_along(const struct grid *grid, int a)
     return walk_blocks(grid, a, MIP_BLOCK_BITS);
 }
 
-static size_t blocks_in(const struct grid *grid)
-{
-    return (size_t)blocks_along(grid, 0) * blocks_along(grid, 1) * blocks_along(grid, 2);
-}
-
 void mip_release(struct mip *mip)
 {
     free(mip->grey);
@@ -41,15 +36,6 @@ struct drawing {
 };
 
 /* ---- a byte for each voxel ---- */
-
-static void fill_greys(uint8_t grey_of[INTENSITIES], const int32_t window[2])
-{
-    const int64_t width = (int64_t)window[1] - window[0];
-    for (int64_t i = 0; i < INTENSITIES; i++) {
-        const int64_t grey = (i - window[0]) * WHITE / width;
-        grey_of[i] = (uint8_t)(grey < 0 ? 0 : grey > WHITE ? WHITE : grey);
-    }
-}
 
 static void fill_share(void *context, unsigned thread)
 {
@@ -100,25 +86,25 @@ static void find_most(void *context, unsigned thread)
         }
 }
 
-static bool is_same_source(const struct mip_source *a, const struct mip_source *b)
-{
-    return a->scene == b->scene && a->digest == b->digest && a->window[0] == b->window[0] &&
-           a->window[1] == b->window[1] && memcmp(&a->cut, &b->cut, sizeof a->cut) == 0;
-}
-
 static enum err take_source(struct drawing *d, const struct mip_source *source, struct fault *fault)
 {
     struct mip *mip = d->mip;
-    if (is_same_source(&mip->of, source))
+    const struct mip_source *of = &mip->of;
+    const int32_t *window = source->window;
+    if (of->scene == source->scene && of->digest == source->digest && of->window[0] == window[0] &&
+        of->window[1] == window[1] && memcmp(&of->cut, &source->cut, sizeof of->cut) == 0)
         return OK;
     mip_release(mip);
     mip->grey = mem_new(source->scene->grid.cells);
-    mip->most = mem_new(blocks_in(&source->scene->grid));
+    mip->most = mem_new(walk_blocks_in(&source->scene->grid, MIP_BLOCK_BITS));
     if (!mip->grey || !mip->most)
         return fault_memory(fault, "the scene's brightness");
-    mip->bytes = source->scene->grid.cells + blocks_in(&source->scene->grid);
+    mip->bytes = source->scene->grid.cells + walk_blocks_in(&source->scene->grid, MIP_BLOCK_BITS);
     mip->of = *source;
-    fill_greys(d->grey_of, source->window);
+    for (int64_t i = 0; i < INTENSITIES; i++) {
+        const int64_t grey = (i - window[0]) * WHITE / ((int64_t)window[1] - window[0]);
+        d->grey_of[i] = (uint8_t)(grey < 0 ? 0 : grey > WHITE ? WHITE : grey);
+    }
     team_run(d->team, fill_share, d);
     const enum err err = cut_away(mip, fault);
     team_run(d->team, find_most, d);
@@ -197,15 +183,6 @@ struct tone {
     uint8_t level, alpha;
 };
 
-/* Below 64, shines through, and lighter by as much. */
-static struct tone tone_of(uint32_t brightness)
-{
-    const uint32_t alpha = brightness < 64 ? 4 * brightness : WHITE;
-    const uint32_t level =
-        alpha ? square_root(((uint64_t)WHITE * brightness * brightness + alpha / 2) / alpha) : 0;
-    return (struct tone){(uint8_t)level, (uint8_t)alpha};
-}
-
 static void put_behind(uint8_t out[4], const uint8_t rgba[4], struct tone tone)
 {
     const uint32_t front = WHITE * (uint32_t)rgba[3],
@@ -222,8 +199,13 @@ static void put_behind(uint8_t out[4], const uint8_t rgba[4], struct tone tone)
 void mip_put_behind(uint8_t *out, const uint8_t *rgba, const uint8_t *brightness, size_t count)
 {
     struct tone tone[WHITE + 1];
-    for (uint32_t b = 0; b <= WHITE; b++)
-        tone[b] = tone_of(b);
+    for (uint32_t b = 0; b <= WHITE;
+         b++) { /* below 64, it shines through, and is lighter by that */
+        const uint32_t alpha = b < 64 ? 4 * b : WHITE;
+        const uint32_t level =
+            alpha ? square_root(((uint64_t)WHITE * b * b + alpha / 2) / alpha) : 0;
+        tone[b] = (struct tone){(uint8_t)level, (uint8_t)alpha};
+    }
     for (size_t i = 0; i < count; i++, out += 4, rgba += 4) {
         const struct tone t = tone[brightness[i]];
         const uint8_t grey[4] = {t.level, t.level, t.level, t.alpha};

@@ -9,14 +9,15 @@
 
 static const uint8_t seam_grey[3] = {56, 56, 56};
 
-uint32_t mosaic_seam(uint32_t width, uint32_t height)
+/* How many pixels are free between panes. */
+static uint32_t seam_of(uint32_t width, uint32_t height)
 {
     return width < 128 || height < 128 ? 1 : 2;
 }
 
 struct mosaic_box mosaic_box(uint32_t width, uint32_t height, enum mosaic_pane pane)
 {
-    const uint32_t seam = mosaic_seam(width, height);
+    const uint32_t seam = seam_of(width, height);
     const uint32_t left = (width - seam) / 2, top = (height - seam) / 2;
     const bool is_right = pane == MOSAIC_SAGITTAL || pane == MOSAIC_RENDITION;
     const bool is_low = pane == MOSAIC_AXIAL || pane == MOSAIC_RENDITION;
@@ -25,55 +26,38 @@ struct mosaic_box mosaic_box(uint32_t width, uint32_t height, enum mosaic_pane p
                                is_low ? height - seam - top : top};
 }
 
-struct mosaic_box mosaic_choice_box(const struct mosaic_choice *choice, uint32_t width,
-                                    uint32_t height, enum mosaic_pane pane)
+/* The same of a choice; no width where it is not shown. */
+static struct mosaic_box box_of(const struct mosaic_choice *choice, uint32_t width, uint32_t height,
+                                enum mosaic_pane pane)
 {
     return choice->layout ? choice->layout->box[pane] : mosaic_box(width, height, pane);
 }
 
 /* ---- slices ---- */
 
-/* At the largest scale at which all that are shown fit. */
-static uint64_t fitting_pm(const struct scene *scene, const struct mosaic_choice *choice,
-                           uint32_t width, uint32_t height)
-{
-    uint64_t most = 0;
-    for (enum slice_plane p = SLICE_AXIAL; p <= SLICE_SAGITTAL; p++) {
-        const struct mosaic_box box = mosaic_choice_box(choice, width, height, (enum mosaic_pane)p);
-        const uint64_t pixel_pm =
-            box.width ? slice_fitting_pixel(scene, p, box.width, box.height) : 0;
-        most = pixel_pm > most ? pixel_pm : most;
-    }
-    return most;
-}
-
-/* On a screen, lines and letters of all slices are as in the largest. */
-static uint32_t unit_of(const struct mosaic_choice *choice, uint32_t width, uint32_t height)
-{
-    uint32_t most = 0;
-    for (int pane = 0; choice->layout && pane < MOSAIC_RENDITION; pane++) {
-        const struct mosaic_box box =
-            mosaic_choice_box(choice, width, height, (enum mosaic_pane)pane);
-        const uint32_t unit = slice_unit(box.width, box.height);
-        most = box.width && unit > most ? unit : most;
-    }
-    return most;
-}
-
+/* All that are shown have the largest scale at which they fit; and on a screen, the lines and
+ * letters that the largest of them has. */
 struct slice_choice mosaic_slice(const struct scene *scene, const struct mosaic_choice *choice,
                                  uint32_t width, uint32_t height, enum slice_plane plane)
 {
-    const bool has_axial = mosaic_choice_box(choice, width, height, MOSAIC_AXIAL).width > 0;
-    struct slice_choice slice = {.plane = plane,
-                                 .title = choice->title[plane],
-                                 .has_middle = choice->has_middle,
-                                 .unit = unit_of(choice, width, height)};
+    const bool has_axial = box_of(choice, width, height, MOSAIC_AXIAL).width > 0;
+    struct slice_choice slice = {
+        .plane = plane, .title = choice->title[plane], .has_middle = choice->has_middle};
+    uint64_t fitting_pm = 0;
+    for (enum slice_plane p = SLICE_AXIAL; p <= SLICE_SAGITTAL; p++) {
+        const struct mosaic_box box = box_of(choice, width, height, (enum mosaic_pane)p);
+        if (box.width == 0)
+            continue;
+        const uint64_t pixel_pm = slice_fitting_pixel(scene, p, box.width, box.height);
+        const uint32_t unit = choice->layout ? slice_unit(box.width, box.height) : 0;
+        fitting_pm = pixel_pm > fitting_pm ? pixel_pm : fitting_pm;
+        slice.unit = unit > slice.unit ? unit : slice.unit;
+    }
     for (int a = 0; a < 3; a++) {
         slice.place[a] = choice->place[a];
         slice.middle[a] = choice->middle[a];
     }
-    slice_magnify(&slice, scene, fitting_pm(scene, choice, width, height),
-                  choice->times ? choice->times : SLICE_TIMES_ONE);
+    slice_magnify(&slice, scene, fitting_pm, choice->times ? choice->times : SLICE_TIMES_ONE);
     if (choice->notes) /* the bars once: they hold for all three */
         slice.notes = plane == SLICE_AXIAL || !has_axial
                           ? SLICE_LETTERS | SLICE_SCALE | SLICE_COLOURS
@@ -96,7 +80,7 @@ struct fitting {
 static struct fitting fit(const struct rendition *r, const struct mosaic_choice *choice,
                           uint32_t width, uint32_t height)
 {
-    const struct mosaic_box whole = mosaic_choice_box(choice, width, height, MOSAIC_RENDITION);
+    const struct mosaic_box whole = box_of(choice, width, height, MOSAIC_RENDITION);
     const struct mosaic_box *box = &whole;
     struct fitting f = {.width = r->width, .height = r->height};
     if (!choice->layout && width == r->width && height == r->height) {
@@ -200,91 +184,46 @@ static void average(uint8_t rgb[3], const struct rendition *r, const struct mosa
     }
 }
 
-static uint32_t fading_pixel(uint8_t rgb[3], const struct rendition *r,
-                             const struct mosaic_box *source)
-{
-    if (source->width == 2 && source->height == 2)
-        average_four(rgb, r, (size_t)source->top * r->width + source->left);
-    else
-        average(rgb, r, source);
-    return first_cell(r, source);
-}
-
 /* ---- pixels of the pane ---- */
-
-/* As samples are (render/rendition.h), over what is behind; the cell of the nearest is given back.
- */
-static uint32_t mean_pixel(uint8_t rgb[3], const struct rendition *r,
-                           const struct mosaic_box *source, const uint8_t behind[3])
-{
-    uint8_t rgba[4];
-    const size_t nearest =
-        rendition_mean(rgba, r, source->left, source->top, source->width, source->height);
-    background_over(rgb, rgba, behind);
-    return r->cell[nearest];
-}
-
-/* x * length / shown for x = 0, 1, 2 and so on, without divisions. */
-struct steps {
-    uint32_t at, rest; /* at + rest / shown, to be exact */
-    uint32_t shown, whole, part;
-};
-
-static void step(struct steps *s)
-{
-    s->at += s->whole;
-    s->rest += s->part;
-    if (s->rest >= s->shown) {
-        s->rest -= s->shown;
-        s->at++;
-    }
-}
 
 /* One row of the pane; source_of has each pixel's source. `behind` is NULL where colours fade. */
 static void draw_row(const struct canvas *pane, const struct fitting *f, const struct rendition *r,
                      uint32_t y, const uint8_t *behind)
 {
-    struct steps across = {.shown = f->shown_width,
-                           .whole = f->width / f->shown_width,
-                           .part = f->width % f->shown_width};
+    const uint32_t whole = f->width / f->shown_width, part = f->width % f->shown_width;
+    uint32_t at = 0, rest = 0; /* at + rest / shown is x * width / shown, without divisions */
     struct mosaic_box source = source_of(f, 0, y);
     uint8_t *pixel = canvas_pixel(pane, f->left, f->top + y);
     uint32_t *cell = pane->cell ? pane->cell + (f->top + y) * pane->stride + f->left : NULL;
     for (uint32_t x = 0; x < f->shown_width; x++, pixel += 4) {
-        const uint32_t left = across.at;
-        step(&across);
+        const uint32_t left = at;
+        at += whole;
+        rest += part;
+        if (rest >= f->shown_width) {
+            rest -= f->shown_width;
+            at++;
+        }
         source.left = f->from_left + left;
-        source.width = across.at > left ? across.at - left : 1;
-        const uint32_t shown =
-            behind ? mean_pixel(pixel, r, &source, behind) : fading_pixel(pixel, r, &source);
+        source.width = at > left ? at - left : 1;
+        uint32_t shown;
+        if (behind) { /* the mean is that of samples (render/rendition.h), and the nearest counts */
+            uint8_t rgba[4];
+            shown = r->cell[rendition_mean(rgba, r, source.left, source.top, source.width,
+                                           source.height)];
+            background_over(pixel, rgba, behind);
+        } else {
+            shown = first_cell(r, &source);
+            if (source.width == 2 && source.height == 2)
+                average_four(pixel, r, (size_t)source.top * r->width + source.left);
+            else
+                average(pixel, r, &source);
+        }
         if (cell)
             cell[x] = shown;
     }
 }
 
 /* ---- the whole ---- */
-
-/* To the right of a pane and below it, where the picture goes on. */
-static void draw_seams(const struct canvas *canvas, const struct mosaic_box *box)
-{
-    const int64_t seam = mosaic_seam(canvas->width, canvas->height);
-    const int64_t right = (int64_t)box->left + box->width, bottom = (int64_t)box->top + box->height;
-    canvas_box(canvas, right, box->top, seam, box->height + seam, seam_grey);
-    canvas_box(canvas, box->left, bottom, box->width + seam, seam, seam_grey);
-}
-
-static void draw_rendition(const struct canvas *pane, const struct mosaic_choice *choice,
-                           const struct rendition *r, const struct fitting *f)
-{
-    uint8_t behind[3];
-    for (uint32_t y = 0; y < pane->height; y++) {
-        background_at(behind, background_opaque(choice->background), y, pane->height);
-        if (!fades(choice))
-            canvas_box(pane, 0, y, pane->width, 1, behind);
-        if (y - f->top < f->shown_height) /* huge where above */
-            draw_row(pane, f, r, y - f->top, fades(choice) ? NULL : behind);
-    }
-}
 
 /* Panes share nothing but what is only read, so each may be drawn by another thread. */
 struct drawing {
@@ -296,29 +235,39 @@ struct drawing {
     enum err err[MOSAIC_PANES];
 };
 
-static void draw_pane(struct drawing *d, enum mosaic_pane pane)
+static void draw_rendition(const struct canvas *pane, const struct drawing *d)
 {
-    const uint32_t width = d->canvas->width, height = d->canvas->height;
-    const struct mosaic_box box = mosaic_choice_box(d->choice, width, height, pane);
-    if (box.width == 0)
-        return;
-    const struct canvas part = canvas_part(d->canvas, box.left, box.top, box.width, box.height);
-    if (pane == MOSAIC_RENDITION) {
-        const struct fitting f = fit(d->rendition, d->choice, width, height);
-        draw_rendition(&part, d->choice, d->rendition, &f);
-        return;
+    const struct fitting f = fit(d->rendition, d->choice, d->canvas->width, d->canvas->height);
+    const bool is_fading = fades(d->choice);
+    uint8_t behind[3];
+    for (uint32_t y = 0; y < pane->height; y++) {
+        background_at(behind, background_opaque(d->choice->background), y, pane->height);
+        if (!is_fading)
+            canvas_box(pane, 0, y, pane->width, 1, behind);
+        if (y - f.top < f.shown_height) /* huge where above */
+            draw_row(pane, &f, d->rendition, y - f.top, is_fading ? NULL : behind);
     }
-    const struct slice_choice slice =
-        mosaic_slice(d->scene, d->choice, width, height, (enum slice_plane)pane);
-    d->err[pane] = slice_draw(&part, d->scene, &slice, d->style, NULL);
 }
 
 static void draw_share(void *context, unsigned worker)
 {
     struct drawing *d = context;
+    const uint32_t width = d->canvas->width, height = d->canvas->height;
     const struct share share = team_share(d->choice->team, worker, MOSAIC_PANES);
-    for (size_t pane = share.first; pane < share.end; pane++)
-        draw_pane(d, (enum mosaic_pane)pane);
+    for (size_t i = share.first; i < share.end; i++) {
+        const enum mosaic_pane pane = (enum mosaic_pane)i;
+        const struct mosaic_box box = box_of(d->choice, width, height, pane);
+        if (box.width == 0)
+            continue;
+        const struct canvas part = canvas_part(d->canvas, box.left, box.top, box.width, box.height);
+        if (pane == MOSAIC_RENDITION) {
+            draw_rendition(&part, d);
+            continue;
+        }
+        const struct slice_choice slice =
+            mosaic_slice(d->scene, d->choice, width, height, (enum slice_plane)pane);
+        d->err[pane] = slice_draw(&part, d->scene, &slice, d->style, NULL);
+    }
 }
 
 enum err mosaic_draw(const struct canvas *canvas, const struct scene *scene,
@@ -326,11 +275,15 @@ enum err mosaic_draw(const struct canvas *canvas, const struct scene *scene,
                      const struct slice_style *style, struct fault *fault)
 {
     struct drawing d = {canvas, scene, rendition, choice, style, {OK}};
+    const int64_t seam = seam_of(canvas->width, canvas->height);
     for (int pane = 0; pane < MOSAIC_PANES; pane++) {
         const struct mosaic_box box =
-            mosaic_choice_box(choice, canvas->width, canvas->height, (enum mosaic_pane)pane);
-        if (box.width)
-            draw_seams(canvas, &box);
+            box_of(choice, canvas->width, canvas->height, (enum mosaic_pane)pane);
+        const int64_t right = (int64_t)box.left + box.width, bottom = (int64_t)box.top + box.height;
+        if (box.width == 0)
+            continue;
+        canvas_box(canvas, right, box.top, seam, box.height + seam, seam_grey);
+        canvas_box(canvas, box.left, bottom, box.width + seam, seam, seam_grey);
     }
     team_run(choice->team, draw_share, &d);
     for (int i = 0; i < MOSAIC_PANES; i++)
@@ -344,7 +297,7 @@ struct mosaic_point mosaic_point_of(uint32_t width, uint32_t height,
                                     const struct rendition *rendition, uint32_t column,
                                     uint32_t row)
 {
-    const struct mosaic_box box = mosaic_choice_box(choice, width, height, MOSAIC_RENDITION);
+    const struct mosaic_box box = box_of(choice, width, height, MOSAIC_RENDITION);
     const struct fitting f = fit(rendition, choice, width, height);
     const uint32_t x = column < f.from_left ? 0 : column - f.from_left;
     const uint32_t y = row < f.from_top ? 0 : row - f.from_top;
@@ -353,30 +306,25 @@ struct mosaic_point mosaic_point_of(uint32_t width, uint32_t height,
         box.top + f.top + (uint32_t)((uint64_t)y * f.shown_height / f.height)};
 }
 
-static uint32_t rendition_cell_at(const struct rendition *r, const struct mosaic_choice *choice,
-                                  const struct fitting *f, uint32_t x, uint32_t y)
-{
-    static const uint8_t any[3];
-    uint8_t rgb[3];
-    if (x - f->left >= f->shown_width || y - f->top >= f->shown_height)
-        return CELL_NONE; /* huge where left or above */
-    const struct mosaic_box source = source_of(f, x - f->left, y - f->top);
-    return fades(choice) ? first_cell(r, &source) : mean_pixel(rgb, r, &source, any);
-}
-
 uint32_t mosaic_cell_at(const struct scene *scene, uint32_t width, uint32_t height,
                         const struct rendition *rendition, const struct mosaic_choice *choice,
                         uint32_t column, uint32_t row)
 {
     for (int i = 0; i < MOSAIC_PANES; i++) {
         const enum mosaic_pane pane = (enum mosaic_pane)i;
-        const struct mosaic_box box = mosaic_choice_box(choice, width, height, pane);
+        const struct mosaic_box box = box_of(choice, width, height, pane);
         const uint32_t x = column - box.left, y = row - box.top; /* huge where left or above */
         if (x >= box.width || y >= box.height)
             continue;
         if (pane == MOSAIC_RENDITION) {
             const struct fitting f = fit(rendition, choice, width, height);
-            return rendition_cell_at(rendition, choice, &f, x, y);
+            uint8_t rgba[4];
+            if (x - f.left >= f.shown_width || y - f.top >= f.shown_height)
+                return CELL_NONE;
+            const struct mosaic_box s = source_of(&f, x - f.left, y - f.top);
+            return fades(choice) ? first_cell(rendition, &s)
+                                 : rendition->cell[rendition_mean(rgba, rendition, s.left, s.top,
+                                                                  s.width, s.height)];
         }
         const struct slice_choice slice =
             mosaic_slice(scene, choice, width, height, (enum slice_plane)pane);
@@ -393,38 +341,13 @@ static const struct arrangement {
     const char *columns, *rows;
     struct stay {
         uint8_t column, row, columns, rows; /* the first that a pane lies in, and how many */
-    } stay[MOSAIC_PANES];
+    } stay[MOSAIC_PANES];                   /* axial, coronal, sagittal, rendition */
 } arrangement_table[] = {
-    {"xy",
-     "zy",
-     {[MOSAIC_CORONAL] = {0, 0, 1, 1},
-      [MOSAIC_SAGITTAL] = {1, 0, 1, 1},
-      [MOSAIC_AXIAL] = {0, 1, 1, 1},
-      [MOSAIC_RENDITION] = {1, 1, 1, 1}}},
-    {"xyr",
-     "zy",
-     {[MOSAIC_CORONAL] = {0, 0, 1, 1},
-      [MOSAIC_SAGITTAL] = {1, 0, 1, 1},
-      [MOSAIC_AXIAL] = {0, 1, 1, 1},
-      [MOSAIC_RENDITION] = {2, 0, 1, 2}}},
-    {"xy",
-     "zyr",
-     {[MOSAIC_CORONAL] = {0, 0, 1, 1},
-      [MOSAIC_SAGITTAL] = {1, 0, 1, 1},
-      [MOSAIC_AXIAL] = {0, 1, 1, 1},
-      [MOSAIC_RENDITION] = {0, 2, 2, 1}}},
-    {"xyxr",
-     "m",
-     {[MOSAIC_CORONAL] = {0, 0, 1, 1},
-      [MOSAIC_SAGITTAL] = {1, 0, 1, 1},
-      [MOSAIC_AXIAL] = {2, 0, 1, 1},
-      [MOSAIC_RENDITION] = {3, 0, 1, 1}}},
-    {"m",
-     "zzyr",
-     {[MOSAIC_CORONAL] = {0, 0, 1, 1},
-      [MOSAIC_SAGITTAL] = {0, 1, 1, 1},
-      [MOSAIC_AXIAL] = {0, 2, 1, 1},
-      [MOSAIC_RENDITION] = {0, 3, 1, 1}}},
+    {"xy", "zy", {{0, 1, 1, 1}, {0, 0, 1, 1}, {1, 0, 1, 1}, {1, 1, 1, 1}}},
+    {"xyr", "zy", {{0, 1, 1, 1}, {0, 0, 1, 1}, {1, 0, 1, 1}, {2, 0, 1, 2}}},
+    {"xy", "zyr", {{0, 1, 1, 1}, {0, 0, 1, 1}, {1, 0, 1, 1}, {0, 2, 2, 1}}},
+    {"xyxr", "m", {{2, 0, 1, 1}, {0, 0, 1, 1}, {1, 0, 1, 1}, {3, 0, 1, 1}}},
+    {"m", "zzyr", {{0, 2, 1, 1}, {0, 0, 1, 1}, {0, 1, 1, 1}, {0, 3, 1, 1}}},
 };
 enum { ARRANGEMENTS = sizeof arrangement_table / sizeof *arrangement_table, TRACKS_MOST = 4 };
 
@@ -495,7 +418,7 @@ static void place_panes(struct mosaic_layout *layout, const struct arrangement *
                         const struct mosaic_screen *screen, const struct lengths *lengths,
                         uint64_t scale)
 {
-    const uint32_t seam = mosaic_seam(screen->width, screen->height);
+    const uint32_t seam = seam_of(screen->width, screen->height);
     uint32_t column[TRACKS_MOST + 1], row[TRACKS_MOST + 1];
     place_tracks(column, a->columns, lengths, scale, screen->width, screen->cell_width);
     place_tracks(row, a->rows, lengths, scale, screen->height, screen->cell_height);
@@ -527,13 +450,6 @@ static uint64_t arrange(struct mosaic_layout *layout, const struct arrangement *
            side * side;
 }
 
-/* Whether there are cells for all tracks. */
-static bool has_room(const struct arrangement *a, const struct mosaic_screen *screen)
-{
-    return strlen(a->columns) * CELLS_LEAST <= screen->width / screen->cell_width &&
-           strlen(a->rows) * CELLS_LEAST <= screen->height / screen->cell_height;
-}
-
 bool mosaic_fits(const struct mosaic_screen *screen)
 {
     return screen->width >= MOSAIC_SIDE_LEAST && screen->height >= MOSAIC_SIDE_LEAST &&
@@ -554,7 +470,10 @@ void mosaic_lay_out(struct mosaic_layout *layout, const struct scene *scene,
     for (int i = 0; i < ARRANGEMENTS; i++) {
         const struct arrangement *a = &arrangement_table[i];
         struct mosaic_layout next;
-        const uint64_t used = has_room(a, screen) ? arrange(&next, a, screen, &lengths) : 0;
+        const bool has_room = /* cells for all tracks */
+            strlen(a->columns) * CELLS_LEAST <= screen->width / screen->cell_width &&
+            strlen(a->rows) * CELLS_LEAST <= screen->height / screen->cell_height;
+        const uint64_t used = has_room ? arrange(&next, a, screen, &lengths) : 0;
         if (used > most) {
             most = used;
             *layout = next;

@@ -45,15 +45,8 @@ struct mosaic_choice {
     uint32_t background;                /* of the rendition's pane (render/background.h) */
 };
 
-/* How many pixels are free between panes. */
-uint32_t mosaic_seam(uint32_t width, uint32_t height);
-
 /* Where a pane lies in a picture of halves, of MOSAIC_SIDE_LEAST pixels a side or more. */
 struct mosaic_box mosaic_box(uint32_t width, uint32_t height, enum mosaic_pane pane);
-
-/* The same of a choice; no width where it is not shown. */
-struct mosaic_box mosaic_choice_box(const struct mosaic_choice *choice, uint32_t width,
-                                    uint32_t height, enum mosaic_pane pane);
 
 /* What one of the slices is. */
 struct slice_choice mosaic_slice(const struct scene *scene, const struct mosaic_choice *choice,

@@ -226,17 +226,6 @@ static void slopes_before(struct points *points, struct normals *normals)
     }
 }
 
-/* From points on the surface. */
-static void slopes_at(struct points *points, struct normals *normals)
-{
-    for (unsigned i = 0; i < points->count; i++) {
-        normals->shown.label = points->label[i];
-        const struct gradient inward = field_at(&normals->shown, points->at[i]);
-        for (int a = 0; a < 3; a++)
-            points->outward.along[a][i] = -inward.along[a] * normals->scale[a];
-    }
-}
-
 /* What a pixel shows faces the viewer, if barely. */
 static void turn_to_viewer(struct directions *normal, unsigned i, const struct normals *normals)
 {
@@ -262,8 +251,12 @@ static void field_normals(struct points *points, struct normals *normals)
     struct gradients *outward = &points->outward;
     if (normals->looks_out)
         slopes_before(points, normals);
-    else
-        slopes_at(points, normals);
+    for (unsigned i = 0; i < points->count && !normals->looks_out; i++) { /* on the surface */
+        normals->shown.label = points->label[i];
+        const struct gradient inward = field_at(&normals->shown, points->at[i]);
+        for (int a = 0; a < 3; a++)
+            outward->along[a][i] = -inward.along[a] * normals->scale[a];
+    }
     for (unsigned i = 0; i < points->count && normals->mode == SHADE_SCENE; i++)
         add_scene(outward, i, normals, points->at[i]);
     normalise_points(points);
@@ -283,14 +276,6 @@ struct fit {
     int64_t n, x, y, xx, xy, yy, d, xd, yd;
 };
 
-static void add_to_fit(struct fit *fit, int64_t x, int64_t y, int64_t d)
-{
-    fit->n++;
-    fit->x += x, fit->y += y, fit->d += d;
-    fit->xx += x * x, fit->xy += x * y, fit->yy += y * y;
-    fit->xd += x * d, fit->yd += y * d;
-}
-
 /* Pixels of the same surface: what lies steeper than 4 to 1 is another. */
 static struct fit fit_around(const struct rendition *r, const struct normals *normals, uint32_t x,
                              uint32_t y)
@@ -307,8 +292,12 @@ static struct fit fit_around(const struct rendition *r, const struct normals *no
                 continue;
             const int64_t d = (depth - own) >> (CROSSING_PIXEL_BITS - 8);
             const int64_t steep = 4 * 256 * stride * (2 + (i < 0 ? -i : i) + (j < 0 ? -j : j));
-            if (d < steep && d > -steep)
-                add_to_fit(&fit, i, j, d);
+            if (d >= steep || d <= -steep)
+                continue;
+            fit.n++;
+            fit.x += i, fit.y += j, fit.d += d;
+            fit.xx += i * i, fit.xy += i * j, fit.yy += j * j;
+            fit.xd += i * d, fit.yd += j * d;
         }
     return fit;
 }

@@ -3,7 +3,6 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
-#include "render/text.h"
 
 const struct ink notes_light = {{232, 232, 232}, {0, 0, 0}};
 const struct ink notes_dark = {{16, 16, 16}, {255, 255, 255}};
@@ -29,7 +28,7 @@ void notes_draw_sides(const struct canvas *canvas, uint32_t unit, const char *co
         const int64_t bottom = canvas->height - tall;
         const int64_t left = i == 0 ? margin : i == 1 ? right - margin : right / 2;
         const int64_t top = i == 2 ? margin : i == 3 ? bottom - margin : bottom / 2;
-        text_draw_outlined(canvas, left, top, scale, word[i], ink->rgb, ink->outline);
+        text_draw_outlined(canvas, left, top, scale, word[i], ink);
     }
 }
 
@@ -43,8 +42,7 @@ void notes_draw_scale(const struct canvas *canvas, uint32_t unit, int64_t pixels
     canvas_box(canvas, left, bottom - u, pixels, u, ink->rgb);
     canvas_box(canvas, left, bottom - tick, u, tick, ink->rgb);
     canvas_box(canvas, left + pixels - u, bottom - tick, u, tick, ink->rgb);
-    text_draw_outlined(canvas, left, bottom - tick - (TEXT_TALL + 3) * u, unit, words, ink->rgb,
-                       ink->outline);
+    text_draw_outlined(canvas, left, bottom - tick - (TEXT_TALL + 3) * u, unit, words, ink);
 }
 
 /* ---- marks ---- */
@@ -85,31 +83,16 @@ void marks_keep_rims(struct marks *marks, const struct mark_runs *runs)
     marks->count = left;
 }
 
-/* Whether a mark covers a pixel so far from its middle: a disc, or two diagonals. */
-static bool covers(const struct mark *mark, int64_t dx, int64_t dy, int64_t radius, int64_t around)
-{
-    const int64_t reach = radius + around, x = llabs(dx), y = llabs(dy);
-    if (!mark->eliminates)
-        return x * x + y * y <= reach * reach + reach / 2;
-    return x <= reach && y <= reach && llabs(x - y) <= radius / 3 + around;
-}
-
+/* A disc, or two diagonals, and what is around it. */
 static void stamp(const struct canvas *canvas, const struct mark *mark, int64_t radius,
                   int64_t around, const uint8_t rgb[3])
 {
     const int64_t reach = radius + around;
     for (int64_t dy = -reach; dy <= reach; dy++)
         for (int64_t dx = -reach; dx <= reach; dx++)
-            if (covers(mark, dx, dy, radius, around))
+            if (mark->eliminates ? llabs(llabs(dx) - llabs(dy)) <= radius / 3 + around
+                                 : dx * dx + dy * dy <= reach * reach + reach / 2)
                 canvas_dot(canvas, mark->column + dx, mark->row + dy, rgb);
-}
-
-static const uint8_t *colour_of(const struct mark *mark, const struct palette *palette)
-{
-    const uint8_t *rgb = palette->rgb[mark->label];
-    if (mark->eliminates)
-        return eliminator_red;
-    return rgb[0] || rgb[1] || rgb[2] ? rgb : seed_grey;
 }
 
 void marks_draw(const struct canvas *canvas, const struct marks *marks, int64_t unit,
@@ -119,12 +102,16 @@ void marks_draw(const struct canvas *canvas, const struct marks *marks, int64_t 
     for (int pass = 0; pass < 4; pass++)
         for (size_t i = 0; i < marks->count; i++) {
             const struct mark *mark = &marks->mark[i];
+            const uint8_t *label = palette->rgb[mark->label];
+            const uint8_t *rgb = mark->eliminates                   ? eliminator_red
+                                 : label[0] || label[1] || label[2] ? label
+                                                                    : seed_grey;
             const int64_t radius = (mark->eliminates ? 2 * unit : unit) + more;
             if (mark->eliminates != (pass >= 2))
                 continue;
             if (pass % 2 == 0)
                 stamp(canvas, mark, radius, unit, mark->waits ? white : black);
             else
-                stamp(canvas, mark, radius, 0, colour_of(mark, palette));
+                stamp(canvas, mark, radius, 0, rgb);
         }
 }

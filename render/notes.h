@@ -13,6 +13,7 @@
 
 #include "render/canvas.h"
 #include "render/palette.h"
+#include "render/text.h"
 
 enum {                          /* pixels of the picture's shorter side */
        NOTES_LETTERS_FROM = 48, /* at which letters of the patient's sides begin, */
@@ -20,12 +21,9 @@ enum {                          /* pixels of the picture's shorter side */
        NOTES_LARGE_FROM = 192,  /* and from which letters and marks are larger */
 };
 
-/* The colours of words and bars. */
-struct ink {
-    uint8_t rgb[3], outline[3];
-};
-extern const struct ink notes_light, notes_dark; /* as slices have it; for what is mostly bright */
-extern const uint8_t notes_yellow[3];            /* of the cross-hair */
+/* Of words and bars, as slices have it; for what is mostly bright. */
+extern const struct ink notes_light, notes_dark;
+extern const uint8_t notes_yellow[3]; /* of the cross-hair */
 
 /* The picture's shorter side. */
 uint32_t notes_side(const struct canvas *canvas);

@@ -5,7 +5,6 @@
 
 #include "base/mem.h"
 #include "render/light.h"
-#include "render/normal.h"
 
 enum {
     COARSEST = 16,  /* smallest spacings to the unit of the points' distances, at most */
@@ -23,18 +22,10 @@ static const struct {
 
 /* ---- the bricks ---- */
 
-static uint64_t smallest_spacing(const struct scene *scene)
-{
-    uint64_t least = scene->spacing_nm[0];
-    for (int a = 1; a < 3; a++)
-        least = scene->spacing_nm[a] < least ? scene->spacing_nm[a] : least;
-    return least;
-}
-
 /* So that it is at most six smallest spacings long. */
 static unsigned brick_bits(const struct scene *scene, int a)
 {
-    const uint64_t least = smallest_spacing(scene);
+    const uint64_t least = view_unit(scene);
     unsigned bits = BRICK_BITS;
     while (bits > 0 && (uint64_t)scene->spacing_nm[a] << bits > 6 * least)
         bits--;
@@ -101,16 +92,6 @@ static bool is_stale(const struct bricks *bricks, uint32_t z)
     return false;
 }
 
-/* How many of each 2^bits bits side by side are 1, in their place. */
-static inline uint64_t sums_of(uint64_t word, unsigned bits)
-{
-    if (bits > 0)
-        word = (word & UINT64_C(0x5555555555555555)) + (word >> 1 & UINT64_C(0x5555555555555555));
-    if (bits > 1)
-        word = (word & UINT64_C(0x3333333333333333)) + (word >> 2 & UINT64_C(0x3333333333333333));
-    return word;
-}
-
 /* Adds what a row of voxels shows to a row of bricks. */
 static void count_row(uint8_t *count, const struct border *border, struct span row, unsigned bits)
 {
@@ -119,7 +100,12 @@ static void count_row(uint8_t *count, const struct border *border, struct span r
         uint64_t word = border_shown_from(border, (ptrdiff_t)c);
         if (row.end - c < 64)
             word &= ~(UINT64_MAX << (row.end - c));
-        word = sums_of(word, bits);
+        if (bits > 0) /* how many of each 2^bits bits side by side are 1, in their place */
+            word =
+                (word & UINT64_C(0x5555555555555555)) + (word >> 1 & UINT64_C(0x5555555555555555));
+        if (bits > 1)
+            word =
+                (word & UINT64_C(0x3333333333333333)) + (word >> 2 & UINT64_C(0x3333333333333333));
         for (uint8_t *brick = count; word; word >>= side, brick++)
             *brick = (uint8_t)(*brick + (word & ((1u << side) - 1)));
         count += 64 >> bits;
@@ -216,25 +202,20 @@ uint32_t bricks_around(const struct bricks *bricks, const int32_t point[3])
 
 /* ---- of pixels ---- */
 
-/* A quarter of the longest side of a brick, which is no less than that of any other, in smallest
- * spacings times 256. */
-static uint64_t unit_of(const struct scene *scene)
-{
-    const uint64_t least = smallest_spacing(scene);
-    uint64_t unit = 256;
-    for (int a = 0; a < 3; a++) {
-        const uint64_t own =
-            (256 * (uint64_t)scene->spacing_nm[a] << brick_bits(scene, a)) / (least << BRICK_BITS);
-        unit = own > unit ? own : unit;
-    }
-    return unit < COARSEST * 256 ? unit : COARSEST * 256;
-}
-
-/* How far a point is from the surface along an axis, in 1/256 voxels. */
+/* How far a point is from the surface along an axis, in 1/256 voxels. It goes by a quarter of the
+ * longest side of a brick, which is no less than that of any other, in smallest spacings times 256.
+ */
 static int32_t away_along(const struct scene *scene, int point, int a)
 {
-    const uint64_t spacings = unit_of(scene) * (uint64_t)points[point].away;
-    return (int32_t)(spacings * smallest_spacing(scene) / scene->spacing_nm[a]);
+    const uint64_t least = view_unit(scene);
+    uint64_t unit = 256;
+    for (int b = 0; b < 3; b++) {
+        const uint64_t own =
+            (256 * (uint64_t)scene->spacing_nm[b] << brick_bits(scene, b)) / (least << BRICK_BITS);
+        unit = own > unit ? own : unit;
+    }
+    unit = unit < COARSEST * 256 ? unit : COARSEST * 256;
+    return (int32_t)(unit * (uint64_t)points[point].away * least / scene->spacing_nm[a]);
 }
 
 void occluder_init(struct occluder *occluder, const struct bricks *bricks,
@@ -248,10 +229,13 @@ void occluder_init(struct occluder *occluder, const struct bricks *bricks,
     }
 }
 
-static int64_t sum_at(const struct occluder *occluder, const int16_t normal[3],
-                      const int32_t point[3])
+uint16_t occluder_leaves(const struct occluder *occluder, const int16_t normal[3], int64_t depth,
+                         uint32_t x, uint32_t y)
 {
+    int32_t point[3];
     int64_t sum = 0;
+    for (int a = 0; a < 3; a++)
+        point[a] = locator_point(&occluder->locator[a], depth, x, y);
     for (int i = 0; i < OCCLUSION_POINTS; i++) {
         int32_t at[3];
         for (int a = 0; a < 3; a++)
@@ -259,26 +243,12 @@ static int64_t sum_at(const struct occluder *occluder, const int16_t normal[3],
         const int64_t full = bricks_around(occluder->bricks, at);
         sum += (full - (points[i].flat << FULL_BITS)) * points[i].weight;
     }
-    return sum / BRICK_FULL;
-}
-
-/* Of LIGHT_UNIT. */
-static int64_t occluded(int64_t sum)
-{
-    if (sum <= 0)
-        return 0;
-    const int64_t part = sum < GRADUAL ? sum * sum / (2 * GRADUAL) : sum - GRADUAL / 2;
-    return part < LIGHT_UNIT ? part : LIGHT_UNIT;
-}
-
-uint16_t occluder_leaves(const struct occluder *occluder, const int16_t normal[3], int64_t depth,
-                         uint32_t x, uint32_t y)
-{
-    int32_t point[3];
-    for (int a = 0; a < 3; a++)
-        point[a] = locator_point(&occluder->locator[a], depth, x, y);
-    const int64_t lost = occluded(sum_at(occluder, normal, point)) * occluder->percent / 100;
-    return (uint16_t)(LIGHT_UNIT - lost);
+    sum /= BRICK_FULL;
+    const int64_t part = sum <= 0        ? 0
+                         : sum < GRADUAL ? sum * sum / (2 * GRADUAL)
+                                         : sum - GRADUAL / 2;
+    const int64_t occluded = part < LIGHT_UNIT ? part : LIGHT_UNIT;
+    return (uint16_t)(LIGHT_UNIT - occluded * occluder->percent / 100);
 }
 
 int occlusion_reach(const struct scene *scene)

@@ -45,24 +45,16 @@ static const uint32_t further[255 - HUES] = {
     0x962d69, 0xa578c3, 0x78691e, 0x3ce196,
 };
 
-static void repeat_hues(struct palette *palette)
-{
-    for (int label = 1 + HUES; label < 256; label++) {
-        const uint8_t *base = hue[(label - 1) % HUES];
-        const int dim = (label - 1) / HUES % 4; /* further rounds are darker */
-        for (int k = 0; k < 3; k++)
-            palette->rgb[label][k] = (uint8_t)(base[k] * (8 - dim) / 8);
-    }
-}
-
 void palette_default(struct palette *palette, uint32_t look)
 {
     memset(palette, 0, sizeof *palette);
     memcpy(palette->rgb[1], hue, sizeof hue);
-    if (look == LOOK_FIRST)
-        repeat_hues(palette);
-    else
-        for (int label = 1 + HUES; label < 256; label++)
-            for (int k = 0; k < 3; k++)
-                palette->rgb[label][k] = (uint8_t)(further[label - 1 - HUES] >> (16 - 8 * k));
+    for (int label = 1 + HUES; label < 256; label++) {
+        const uint8_t *base = hue[(label - 1) % HUES];
+        const int bright = 8 - (label - 1) / HUES % 4; /* in look 1 further rounds are darker */
+        const uint32_t rgb = further[label - 1 - HUES];
+        for (int k = 0; k < 3; k++)
+            palette->rgb[label][k] = look == LOOK_FIRST ? (uint8_t)(base[k] * bright / 8)
+                                                        : (uint8_t)(rgb >> (16 - 8 * k));
+    }
 }

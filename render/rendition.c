@@ -220,23 +220,20 @@ struct mean {
     uint64_t alpha, squares[COLOURS - 1];
 };
 
-static inline void add_to_mean(struct mean *mean, const struct rendition *fine, size_t at)
-{
-    const uint8_t *rgba = fine->rgba + COLOURS * at;
-    mean->nearest = fine->depth[at] < fine->depth[mean->nearest] ? at : mean->nearest;
-    mean->alpha += rgba[3];
-    for (int k = 0; k < COLOURS - 1; k++)
-        mean->squares[k] += (uint32_t)rgba[3] * rgba[k] * rgba[k];
-}
-
 /* Of a box of pixels. */
 static inline struct mean mean_of(const struct rendition *fine, size_t first, uint32_t width,
                                   uint32_t height)
 {
     struct mean mean = {.nearest = first};
     for (uint32_t j = 0; j < height; j++)
-        for (uint32_t i = 0; i < width; i++)
-            add_to_mean(&mean, fine, first + (size_t)j * fine->width + i);
+        for (uint32_t i = 0; i < width; i++) {
+            const size_t at = first + (size_t)j * fine->width + i;
+            const uint8_t *rgba = fine->rgba + COLOURS * at;
+            mean.nearest = fine->depth[at] < fine->depth[mean.nearest] ? at : mean.nearest;
+            mean.alpha += rgba[3];
+            for (int k = 0; k < COLOURS - 1; k++)
+                mean.squares[k] += (uint32_t)rgba[3] * rgba[k] * rgba[k];
+        }
     return mean;
 }
 
@@ -365,16 +362,11 @@ static void reduce_share(void *context, unsigned thread)
     reduce_rows(r->out, r->fine, r->samples, rows.first, rows.end);
 }
 
-void rendition_reduce_shared(struct rendition *out, struct rendition *fine, uint32_t samples,
-                             struct team *team)
+void rendition_reduce(struct rendition *out, struct rendition *fine, uint32_t samples,
+                      struct team *team)
 {
     if (rendition_count(fine, NOT_FRESH) < TILES_SHARED)
         team = NULL;
     struct reducing reducing = {out, fine, samples, team};
     team_run(team, reduce_share, &reducing);
-}
-
-void rendition_reduce(struct rendition *out, struct rendition *fine, uint32_t samples)
-{
-    reduce_rows(out, fine, samples, 0, fine->tiles_y);
 }

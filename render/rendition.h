@@ -119,11 +119,9 @@ struct shade_reach {
 /* Makes each pixel of `out` of samples x samples pixels of `fine`, which is so much larger: the
  * nearest one's depth, voxel, label and normal; the mean colour, taken of squares, which is near to
  * what light does, and each weighted by its alpha; and the mean alpha. `samples` divides TILE. Only
- * tiles of `fine` that are not fresh are looked at, and then are. */
-void rendition_reduce(struct rendition *out, struct rendition *fine, uint32_t samples);
-/* The same by a team. */
-void rendition_reduce_shared(struct rendition *out, struct rendition *fine, uint32_t samples,
-                             struct team *team);
+ * tiles of `fine` that are not fresh are looked at, and then are. By a team, or NULL. */
+void rendition_reduce(struct rendition *out, struct rendition *fine, uint32_t samples,
+                      struct team *team);
 
 /* The same for one pixel that stands for a box of others, which may be covered in part: its colour
  * and alpha; the pixel of the box that lies nearest is given back. */

@@ -1,34 +1,60 @@
 #include "render/shade.h"
 
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/mem.h"
 #include "render/edge.h"
 #include "render/layers_refine.h"
 #include "render/light.h"
+#include "render/occlusion.h"
 #include "render/patch.h"
+#include "render/seams.h"
 
 enum {
     EDGE = LIGHT_UNIT * 35 / 100, /* what an edge leaves of a colour */
     STAIRS_SEEN = 4,              /* pixels to a voxel, from which on faces of voxels are stairs */
 };
 
+/* Each thread has its own fields. */
+struct shader_part {
+    struct field shown, scene;
+};
+struct shader_store {
+    struct shader_part part[TEAM_MOST];
+    struct seams seams;   /* for layers (render/layers.h) and creases */
+    struct bricks bricks; /* for ambient occlusion */
+};
+
 void shader_release(struct shader *shader)
 {
-    for (int i = 0; i < TEAM_MOST; i++) {
-        field_release(&shader->part[i].shown);
-        field_release(&shader->part[i].scene);
-        shader->part[i] = (struct shader_part){0};
+    struct shader_store *store = shader->store;
+    for (int i = 0; i < TEAM_MOST && store; i++) {
+        field_release(&store->part[i].shown);
+        field_release(&store->part[i].scene);
     }
-    seams_release(&shader->seams);
-    bricks_release(&shader->bricks);
+    if (store) {
+        seams_release(&store->seams);
+        bricks_release(&store->bricks);
+    }
+    free(store);
+    shader->store = NULL;
 }
 
 size_t shader_bytes(const struct shader *shader)
 {
-    size_t bytes = seams_bytes(&shader->seams) + bricks_bytes(&shader->bricks);
-    for (int i = 0; i < TEAM_MOST; i++)
-        bytes += field_bytes(&shader->part[i].shown) + field_bytes(&shader->part[i].scene);
+    const struct shader_store *store = shader->store;
+    size_t bytes = store ? seams_bytes(&store->seams) + bricks_bytes(&store->bricks) : 0;
+    for (int i = 0; i < TEAM_MOST && store; i++)
+        bytes += field_bytes(&store->part[i].shown) + field_bytes(&store->part[i].scene);
     return bytes;
+}
+
+static enum err make_store(struct shader *shader, struct fault *fault)
+{
+    if (!shader->store)
+        shader->store = mem_new(sizeof *shader->store);
+    return shader->store ? OK : fault_memory(fault, "shading");
 }
 
 /* ---- pixels ---- */
@@ -83,27 +109,6 @@ static void shade_cut_face(uint8_t rgba[4], const struct shading *s, uint32_t ce
     light_flat(rgba, tinted, cue);
 }
 
-/* What depth, and an edge of look 1, leave of a colour. */
-static uint16_t cue_of(const struct rendition *r, const struct shading *s, uint32_t x, uint32_t y)
-{
-    const int64_t cue = light_cue(&s->light, r->depth[(size_t)y * r->width + x]);
-    if (s->look->edges && !draws_edges(s->look) && !r->layers && edge_hides(r, x, y))
-        return (uint16_t)(cue * EDGE >> LIGHT_UNIT_BITS);
-    return (uint16_t)cue;
-}
-
-static void occlude_pixels(struct lit *lit, const struct rendition *r, const struct shading *s,
-                           const struct tile_pixels *pixels, const struct directions *normals)
-{
-    for (unsigned i = 0; i < pixels->count; i++) {
-        const uint32_t x = pixels->x[i], y = pixels->y[i];
-        const int16_t normal[3] = {normals->along[0][i], normals->along[1][i],
-                                   normals->along[2][i]};
-        lit->open[i] =
-            occluder_leaves(&s->occluder, normal, r->depth[(size_t)y * r->width + x], x, y);
-    }
-}
-
 /* Normals of pixels, of which those from `known` on have theirs. */
 static void take_normals(struct directions *normals, const struct rendition *r, struct shading *s,
                          struct tile_pixels *pixels, unsigned known)
@@ -123,18 +128,26 @@ static void take_normals(struct directions *normals, const struct rendition *r, 
 static void shade_pixels(struct rendition *r, struct shading *s, struct tile_pixels *pixels,
                          unsigned known)
 {
+    const bool has_dark_edges = s->look->edges && !draws_edges(s->look) && !r->layers;
     struct directions normals;
     struct lit lit = {0};
     take_normals(&normals, r, s, pixels, known);
     for (unsigned i = 0; i < pixels->count; i++) {
-        const size_t pixel = (size_t)pixels->y[i] * r->width + pixels->x[i];
-        lit.cue[i] = cue_of(r, s, pixels->x[i], pixels->y[i]);
+        const uint32_t x = pixels->x[i], y = pixels->y[i];
+        const size_t pixel = (size_t)y * r->width + x;
+        const int64_t cue = light_cue(&s->light, r->depth[pixel]);
+        const bool is_dark = has_dark_edges && edge_hides(r, x, y);
+        lit.cue[i] = (uint16_t)(is_dark ? cue * EDGE >> LIGHT_UNIT_BITS : cue);
         lit.open[i] = LIGHT_UNIT;
         for (int k = 0; k < 3; k++)
             lit.colour[k][i] = s->palette->rgb[r->label[pixel]][k];
     }
-    if (s->occludes)
-        occlude_pixels(&lit, r, s, pixels, &normals);
+    for (unsigned i = 0; i < pixels->count && s->occludes; i++) {
+        const uint32_t x = pixels->x[i], y = pixels->y[i];
+        const int16_t normal[3] = {normals.along[0][i], normals.along[1][i], normals.along[2][i]};
+        lit.open[i] =
+            occluder_leaves(&s->occluder, normal, r->depth[(size_t)y * r->width + x], x, y);
+    }
     light_surfaces(&lit, &s->light, &normals);
     for (unsigned i = 0; i < pixels->count; i++) {
         const size_t pixel = (size_t)pixels->y[i] * r->width + pixels->x[i];
@@ -146,17 +159,6 @@ static void shade_pixels(struct rendition *r, struct shading *s, struct tile_pix
             shade_cut_face(r->rgba + 4 * pixel, s, r->cell[pixel], s->palette->rgb[r->label[pixel]],
                            lit.cue[i]);
     }
-}
-
-static void draw_edge(struct rendition *r, const struct edges *edges, const struct palette *palette,
-                      uint32_t x, uint32_t y)
-{
-    const size_t pixel = (size_t)y * r->width + x;
-    const enum edge edge = edge_at(edges, x, y);
-    uint8_t *rgba = r->rgba + 4 * pixel;
-    for (int k = 0; k < 3 && edge; k++)
-        rgba[k] = edge == EDGE_LIGHT ? (uint8_t)((palette->rgb[r->label[pixel]][k] + 255) / 2)
-                                     : (uint8_t)(rgba[k] * EDGE >> LIGHT_UNIT_BITS);
 }
 
 /* ---- tiles ---- */
@@ -220,12 +222,6 @@ static bool label_tile(struct rendition *r, const struct border *border, struct 
     return is_empty;
 }
 
-static void darken(uint8_t rgba[4])
-{
-    for (int k = 0; k < 3; k++)
-        rgba[k] = (uint8_t)(rgba[k] * EDGE >> LIGHT_UNIT_BITS);
-}
-
 static void take_pixels(struct tile_pixels *pixels, const struct rendition *r, struct tile tile,
                         tile_mask mask)
 {
@@ -265,13 +261,6 @@ static bool is_bare(const struct rendition *r, struct tile tile)
     return all == CELL_NONE;
 }
 
-/* Nothing is seen of such a tile. */
-static void empty_tile(struct rendition *r, struct tile tile)
-{
-    for (uint32_t y = tile.top; y < tile.bottom; y++)
-        rendition_empty(r, (size_t)y * r->width + tile.left, tile.right - tile.left);
-}
-
 static struct patches patches_at(struct rendition *r, struct shading *s, struct tile tile)
 {
     return (struct patches){.r = r,
@@ -282,11 +271,6 @@ static struct patches patches_at(struct rendition *r, struct shading *s, struct 
                             .side = s->block * TILE,
                             .samples = s->samples,
                             .has_lattice = s->look->number > LOOK_THIRD};
-}
-
-static bool is_whole(struct tile tile)
-{
-    return tile.right - tile.left == TILE && tile.bottom - tile.top == TILE;
 }
 
 static void refine_pixels(struct rendition *r, struct shading *s, struct tile tile)
@@ -342,7 +326,8 @@ static enum tile_state shade_patched(struct rendition *r, struct shading *s, str
 static enum tile_state refine_tile(struct rendition *r, struct shading *s, struct tile tile,
                                    struct patches *p)
 {
-    if (s->has_patches && is_whole(tile)) {
+    const bool is_whole = tile.right - tile.left == TILE && tile.bottom - tile.top == TILE;
+    if (s->has_patches && is_whole) {
         patches_refine_tile(p, tile.left - p->left, tile.top - p->top);
         return shade_patched(r, s, tile, patched_at(p, tile));
     }
@@ -366,8 +351,10 @@ static void blend_tile(struct rendition *r, struct shading *s, struct tile tile)
     const bool has_edges = s->look->edges && !draws_edges(s->look);
     for (uint32_t y = tile.top; has_edges && y < tile.bottom; y++)
         for (uint32_t x = tile.left; x < tile.right; x++)
-            if (edge_hides(r, x, y))
-                darken(r->rgba + 4 * ((size_t)y * r->width + x));
+            for (size_t k = 0; k < 3 && edge_hides(r, x, y); k++) {
+                uint8_t *level = r->rgba + 4 * ((size_t)y * r->width + x) + k;
+                *level = (uint8_t)(*level * EDGE >> LIGHT_UNIT_BITS);
+            }
 }
 
 /* Whether what a pixel looks like depends on depths and labels of pixels around. */
@@ -396,7 +383,8 @@ static void label_tiles(struct rendition *r, size_t first, size_t end, struct sh
         const struct tile tile = tile_at(r, i);
         const bool bare = !r->layers && is_bare(r, tile);
         if (bare && !is_reduced(r, s) && !r->blank[i])
-            empty_tile(r, tile);
+            for (uint32_t y = tile.top; y < tile.bottom; y++)
+                rendition_empty(r, (size_t)y * r->width + tile.left, tile.right - tile.left);
         r->blank[i] = bare && (r->blank[i] || !is_reduced(r, s));
         if (!bare && waits(r, s))
             continue;
@@ -405,14 +393,6 @@ static void label_tiles(struct rendition *r, size_t first, size_t end, struct sh
         if (bare || label_tile(r, s->border, tile))
             r->stale[i] = TILE_EMPTY;
     }
-}
-
-/* Has what the next tile to be refined looks at come to the caches meanwhile. */
-static void fetch_next(const struct rendition *r, const struct shading *s, size_t tile, size_t end)
-{
-    const size_t next = rendition_tile(r, tile + 1, end, TILE_STALE);
-    if (next < end)
-        refine_fetch(&s->refiner, r, footprint_of(tile_at(r, next)));
 }
 
 static void shade_tiles(struct rendition *r, size_t first, size_t end, struct shading *s,
@@ -425,7 +405,9 @@ static void shade_tiles(struct rendition *r, size_t first, size_t end, struct sh
         const struct tile tile = tile_at(r, i);
         if (waits(r, s) && !r->layers) {
             struct patches p = patches_at(r, s, tile);
-            fetch_next(r, s, i, end);
+            const size_t after = rendition_tile(r, i + 1, end, TILE_STALE);
+            if (after < end) /* what it looks at comes to the caches meanwhile */
+                refine_fetch(&s->refiner, r, footprint_of(tile_at(r, after)));
             r->stale[i] = (uint8_t)refine_tile(r, s, tile, &p);
             continue;
         }
@@ -500,21 +482,6 @@ static void shade_square(struct rendition *r, struct shading *s, struct patches 
                      (struct square){square.x + (i & 1) * half, square.y + (i >> 1) * half, half});
 }
 
-/* Rows of tiles, which begin with a row of blocks. */
-static void shade_blocks(struct rendition *r, uint32_t first, uint32_t end, struct shading *s,
-                         struct task *task)
-{
-    struct square block = {.side = s->block};
-    for (block.y = first; block.y < end; block.y += block.side)
-        for (block.x = 0; block.x < r->tiles_x; block.x += block.side) {
-            const struct tile tile = {.left = block.x * TILE, .top = block.y * TILE};
-            struct patches p = patches_at(r, s, tile);
-            shade_square(r, s, &p, block);
-            if (!task_advance(task, (uint64_t)TILE * TILE * block.side * block.side))
-                return;
-        }
-}
-
 static void mark_blocks(struct rendition *r, uint32_t side)
 {
     const size_t all = (size_t)r->tiles_x * r->tiles_y;
@@ -540,10 +507,32 @@ static uint32_t block_row(const struct rendition *r, size_t tile, uint32_t side)
 static void shade_some(struct rendition *r, size_t first, size_t end, struct shading *s,
                        struct task *task)
 {
-    if (s->block == 1 || !waits(r, s))
+    struct square block = {.side = s->block};
+    if (s->block == 1 || !waits(r, s)) {
         shade_tiles(r, first, end, s, task);
-    else
-        shade_blocks(r, block_row(r, first, s->block), block_row(r, end, s->block), s, task);
+        return;
+    }
+    const uint32_t after = block_row(r, end, s->block);
+    for (block.y = block_row(r, first, s->block); block.y < after; block.y += block.side)
+        for (block.x = 0; block.x < r->tiles_x; block.x += block.side) {
+            const struct tile tile = {.left = block.x * TILE, .top = block.y * TILE};
+            struct patches p = patches_at(r, s, tile);
+            shade_square(r, s, &p, block);
+            if (!task_advance(task, (uint64_t)TILE * TILE * block.side * block.side))
+                return;
+        }
+}
+
+/* The line over a pixel, if there is one. */
+static void draw_edge(struct rendition *r, const struct edges *edges, const struct palette *palette,
+                      uint32_t x, uint32_t y)
+{
+    const size_t pixel = (size_t)y * r->width + x;
+    const enum edge edge = r->cell[pixel] == CELL_NONE ? EDGE_NONE : edge_at(edges, x, y);
+    uint8_t *rgba = r->rgba + 4 * pixel;
+    for (int k = 0; k < 3 && edge; k++)
+        rgba[k] = edge == EDGE_LIGHT ? (uint8_t)((palette->rgb[r->label[pixel]][k] + 255) / 2)
+                                     : (uint8_t)(rgba[k] * EDGE >> LIGHT_UNIT_BITS);
 }
 
 /* Edges look at normals of pixels around, so they come once all are there. */
@@ -556,8 +545,7 @@ static void draw_edges(struct rendition *r, size_t first, size_t end, const stru
         const struct tile tile = tile_at(r, i);
         for (uint32_t y = tile.top; y < tile.bottom; y++)
             for (uint32_t x = tile.left; x < tile.right; x++)
-                if (r->cell[(size_t)y * r->width + x] != CELL_NONE)
-                    draw_edge(r, &edges, s->palette, x, y);
+                draw_edge(r, &edges, s->palette, x, y);
         r->stale[i] = TILE_SHADED;
     }
 }
@@ -569,6 +557,20 @@ static enum shade_mode mode_of(const struct look *look, const struct border *bor
     return look->mode == SHADE_DEPTH && !knows_depths ? SHADE_SURFACE : look->mode;
 }
 
+/* Whether layers are refined where objects are translucent and the border has a skin. */
+static bool refines_layers(const struct look *look, const struct camera *camera)
+{
+    return look->number > LOOK_THIRD && look_is_refined(look) &&
+           normal_stride(camera) >= STAIRS_SEEN;
+}
+
+bool shade_refines(const struct look *look, const struct camera *camera,
+                   const struct border *border)
+{
+    return look_is_refined(look) && border->has_skin &&
+           (!border_is_translucent(border) || refines_layers(look, camera));
+}
+
 /* ---- fields and bricks ---- */
 
 /* Translucent objects let the light in. */
@@ -577,16 +579,13 @@ static bool occludes(const struct look *look, const struct border *border)
     return look->ao_percent > 0 && !border_is_translucent(border);
 }
 
-static enum err prepare(struct field *field, bool *has, const struct border *border,
-                        enum field_kind kind, unsigned threads, struct fault *fault)
+static enum err prepare(struct field *field, const struct border *border, enum field_kind kind,
+                        unsigned threads, struct fault *fault)
 {
-    if (*has && field->kind == kind && field_fits(field, border, threads))
+    if (field->kind == kind && field_fits(field, border, threads))
         return OK;
-    if (*has)
-        field_release(field);
-    const enum err err = field_init(field, border, kind, threads, fault);
-    *has = err == OK;
-    return err;
+    field_release(field);
+    return field_init(field, border, kind, threads, fault);
 }
 
 enum err shader_prepare(struct shader *shader, unsigned threads, const struct camera *camera,
@@ -595,24 +594,42 @@ enum err shader_prepare(struct shader *shader, unsigned threads, const struct ca
     const enum shade_mode mode = mode_of(look, border);
     const bool is_refined = shade_refines(look, camera, border);
     const bool has_layers = is_refined && border_is_translucent(border);
-    const enum field_kind surface = has_layers ? FIELD_SURFACES : FIELD_SURFACE;
+    const enum field_kind kind = !is_refined  ? FIELD_SHOWN
+                                 : has_layers ? FIELD_SURFACES
+                                              : FIELD_SURFACE;
     const unsigned most = team_size(shader->team);
-    enum err err = OK;
+    enum err err = make_store(shader, fault);
+    struct shader_store *store = shader->store;
     for (unsigned i = 0; i < threads && !err; i++) {
-        struct shader_part *part = shader->part + i;
-        if (is_refined)
-            err = prepare(&part->shown, &part->has_shown, border, surface, most, fault);
-        else if (mode != SHADE_DEPTH)
-            err = prepare(&part->shown, &part->has_shown, border, FIELD_SHOWN, most, fault);
-        part->shown.seams = &shader->seams;
+        struct shader_part *part = store->part + i;
+        if (is_refined || mode != SHADE_DEPTH)
+            err = prepare(&part->shown, border, kind, most, fault);
+        part->shown.seams = &store->seams;
         if (!err && mode == SHADE_SCENE)
-            err = prepare(&part->scene, &part->has_scene, border, FIELD_SCENE, most, fault);
+            err = prepare(&part->scene, border, FIELD_SCENE, most, fault);
     }
     if (!err && (look->creases || has_layers))
-        err = seams_count(&shader->seams, border, fault);
+        err = seams_count(&store->seams, border, fault);
     if (!err && has_layers)
-        seams_find_near(&shader->seams);
-    return !err && occludes(look, border) ? bricks_take(&shader->bricks, border, fault) : err;
+        seams_find_near(&store->seams);
+    return !err && occludes(look, border) ? bricks_take(&store->bricks, border, fault) : err;
+}
+
+enum err shade_take_layers(struct shader *shader, struct layers *layers,
+                           struct rendition *rendition, const struct camera *camera,
+                           const struct border *border, const struct look *look,
+                           struct fault *fault)
+{
+    const enum err err = make_store(shader, fault);
+    return err ? err
+               : layers_take(layers, rendition, border, &shader->store->seams,
+                             refines_layers(look, camera), fault);
+}
+
+void shade_follow(struct shader *shader, const struct border *border, const struct changes *changes)
+{
+    if (shader->store)
+        seams_follow(&shader->store->seams, border, changes, NULL); /* else shading counts them */
 }
 
 /* ---- pictures ---- */
@@ -632,11 +649,11 @@ static void shading_init(struct shading *s, const struct camera *camera,
     light_init(&s->light, camera, look->light, look->cue_percent);
     if (look_is_refined(look))
         refiner_init(&s->refiner, camera, border);
-    s->refiner.seams = &shader->seams;
+    s->refiner.seams = &shader->store->seams;
     s->refiner.is_close = look->number > LOOK_SECOND;
     s->refiner.meets = look->number > LOOK_SECOND && normal_stride(camera) >= STAIRS_SEEN;
     if (s->occludes)
-        occluder_init(&s->occluder, &shader->bricks, camera, look->ao_percent);
+        occluder_init(&s->occluder, &shader->store->bricks, camera, look->ao_percent);
     s->has_patches =
         look->number > LOOK_SECOND && !looks_around(look) && !border_is_translucent(border);
     s->samples = s->has_patches && look->number > LOOK_THIRD ? look->samples : 1;
@@ -663,7 +680,7 @@ void shade_rows(struct rendition *r, uint32_t first, uint32_t end, const struct 
     struct task task = task_begin_part(camera->scene->watch, NULL, 0, 1);
     const size_t all = (size_t)r->tiles_x * r->tiles_y;
     shading_init(&s, camera, border, palette, look, shader);
-    take_fields(&s, &shader->part[number]);
+    take_fields(&s, &shader->store->part[number]);
     label_tiles(r, 0, all, &s);
     if (draws_edges(look)) /* which look at rows around */
         shade_tiles(r, 0, all, &s, &task);
@@ -700,7 +717,7 @@ static void shade_share(void *context, unsigned thread)
     struct task task =
         task_begin_part(s.camera->scene->watch, "shading", (uint64_t)r->width * r->height, thread);
     const struct share rows = team_share(team, thread, r->tiles_y);
-    take_fields(&s, &sharing->shader->part[thread]);
+    take_fields(&s, &sharing->shader->store->part[thread]);
     label_tiles(r, rows.first * r->tiles_x, rows.end * r->tiles_x, &s);
     team_wait(team);
     const struct share tiles = team_share(team, thread, rendition_count(r, TILE_STALE));
@@ -731,19 +748,6 @@ enum err shade(struct rendition *r, const struct camera *camera, const struct bo
         mark_blocks(r, s.block);
     team_run(team, shade_share, &sharing);
     return OK;
-}
-
-bool shade_refines_layers(const struct look *look, const struct camera *camera)
-{
-    return look->number > LOOK_THIRD && look_is_refined(look) &&
-           normal_stride(camera) >= STAIRS_SEEN;
-}
-
-bool shade_refines(const struct look *look, const struct camera *camera,
-                   const struct border *border)
-{
-    return look_is_refined(look) && border->has_skin &&
-           (!border_is_translucent(border) || shade_refines_layers(look, camera));
 }
 
 struct shade_reach shade_reach(const struct look *look, const struct camera *camera)

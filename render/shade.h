@@ -9,41 +9,24 @@
 #ifndef RENDER_SHADE_H
 #define RENDER_SHADE_H
 
-#include <stdbool.h>
-
-#include "base/team.h"
-#include "render/field.h"
+#include "render/layers.h"
 #include "render/look.h"
-#include "render/occlusion.h"
 #include "render/palette.h"
-#include "render/rendition.h"
-#include "render/seams.h"
+#include "render/shader.h"
 
 /* Whether a picture shows surfaces between voxel centres. */
 bool shade_refines(const struct look *look, const struct camera *camera,
                    const struct border *border);
-/* Whether layers are refined where objects are translucent and the border has a skin. */
-bool shade_refines_layers(const struct look *look, const struct camera *camera);
 
-/* What shading stores between one picture and the next, so that the next is made faster; each
- * thread has its own. */
-struct shader_part {
-    struct field shown, scene;
-    bool has_shown, has_scene;
-};
-struct shader {
-    int32_t window[2]; /* to be set where something is cut: the intensities that are black and
-                          white on faces cut open; they differ, and either may be the greater */
-    struct team *team; /* to be set: the threads that share the work, or NULL */
-    struct shader_part part[TEAM_MOST];
-    struct seams seams;   /* for layers (render/layers.h) and creases */
-    struct bricks bricks; /* for ambient occlusion */
-};
+/* layers_take with the shader's seams; they are refined where the look says so. */
+enum err shade_take_layers(struct shader *shader, struct layers *layers,
+                           struct rendition *rendition, const struct camera *camera,
+                           const struct border *border, const struct look *look,
+                           struct fault *fault);
 
-/* Frees what is stored; the shader, whose window and team stay, may be used again. A new one is
- * zeroed. */
-void shader_release(struct shader *shader);
-size_t shader_bytes(const struct shader *shader);
+/* Has what is stored for creases follow an edit, of which the border knows already. */
+void shade_follow(struct shader *shader, const struct border *border,
+                  const struct changes *changes);
 
 /* How far colours depend on what is around. */
 struct shade_reach shade_reach(const struct look *look, const struct camera *camera);

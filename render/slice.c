@@ -6,7 +6,6 @@
 #include "base/mem.h"
 #include "engine/labels.h"
 #include "render/notes.h"
-#include "render/text.h"
 
 enum { PART = 256, HALF = PART * PART / 2 }; /* parts of the way from one voxel to the next */
 
@@ -339,26 +338,6 @@ static void draw_cross(const struct work *work)
 
 /* ---- letters and bars ---- */
 
-static void draw_letters(const struct work *work)
-{
-    char letter[4];
-    slice_letters(work->scene, work->choice->plane, letter);
-    const char *const word[4] = {(char[]){letter[0], 0}, (char[]){letter[1], 0},
-                                 (char[]){letter[2], 0}, (char[]){letter[3], 0}};
-    notes_draw_sides(work->canvas, work->plan.unit, word, &notes_light);
-}
-
-/* About a fifth of the picture's width. */
-static void draw_scale(const struct work *work)
-{
-    const int64_t pixel_pm = work->plan.side[0].pixel_pm;
-    const uint64_t length = slice_round_length((uint64_t)pixel_pm * work->canvas->width / 4 + 1);
-    char words[32];
-    slice_length_words(words, length);
-    notes_draw_scale(work->canvas, work->plan.unit, ((int64_t)length + pixel_pm / 2) / pixel_pm,
-                     words, &notes_light);
-}
-
 /* Bottom right, with the values left of its ends. */
 static void draw_greys(const struct canvas *canvas, int64_t unit, const struct slice_style *style)
 {
@@ -385,10 +364,23 @@ static void draw_notes(const struct work *work)
     const uint32_t side = notes_side(work->canvas), unit = work->plan.unit;
     if (work->style->crosses)
         draw_cross(work);
-    if (choice->notes & SLICE_LETTERS && side >= NOTES_LETTERS_FROM && !scene->sides_unknown)
-        draw_letters(work);
-    if (choice->notes & SLICE_SCALE && side >= NOTES_BARS_FROM && !scene->spacing_unknown)
-        draw_scale(work);
+    if (choice->notes & SLICE_LETTERS && side >= NOTES_LETTERS_FROM && !scene->sides_unknown) {
+        char letter[4];
+        slice_letters(scene, choice->plane, letter);
+        const char *const word[4] = {(char[]){letter[0], 0}, (char[]){letter[1], 0},
+                                     (char[]){letter[2], 0}, (char[]){letter[3], 0}};
+        notes_draw_sides(work->canvas, unit, word, &notes_light);
+    }
+    if (choice->notes & SLICE_SCALE && side >= NOTES_BARS_FROM && !scene->spacing_unknown) {
+        /* About a fifth of the picture's width. */
+        const int64_t pixel_pm = work->plan.side[0].pixel_pm;
+        const uint64_t most = (uint64_t)pixel_pm * work->canvas->width / 4 + 1;
+        const uint64_t length = slice_round_length(most);
+        char words[32];
+        slice_length_words(words, length);
+        notes_draw_scale(work->canvas, unit, ((int64_t)length + pixel_pm / 2) / pixel_pm, words,
+                         &notes_light);
+    }
     if (choice->notes & SLICE_COLOURS && side >= NOTES_BARS_FROM)
         draw_greys(work->canvas, unit, work->style);
     if (choice->title && side >= NOTES_BARS_FROM)

@@ -154,19 +154,6 @@ static int64_t origin2(const struct slice_side *side, int64_t place, int64_t mid
     return within(seen, 0, length2 - picture2);
 }
 
-static void place_side(struct slice_side *side, const struct slice_choice *choice)
-{
-    side->origin2 =
-        origin2(side, slice_side_counted(side, choice->place),
-                slice_side_counted(side, choice->has_middle ? choice->middle : choice->place));
-    side->first = 0;
-    side->end = side->pixels;
-    while (side->first < side->end && slice_side_voxel(side, side->first) < 0)
-        side->first++;
-    while (side->first < side->end && slice_side_voxel(side, side->end - 1) >= side->voxels)
-        side->end--;
-}
-
 uint32_t slice_unit(uint32_t width, uint32_t height)
 {
     return 1 + (width < height ? width : height) / UNIT_PIXELS;
@@ -195,7 +182,14 @@ void slice_plan_init(struct slice_plan *plan, const struct scene *scene,
         side->pixel_pm =
             (int64_t)(choice->pixel_pm ? choice->pixel_pm
                                        : slice_fitting_pixel(scene, choice->plane, width, height));
-        place_side(side, choice);
+        side->origin2 =
+            origin2(side, slice_side_counted(side, choice->place),
+                    slice_side_counted(side, choice->has_middle ? choice->middle : choice->place));
+        side->end = side->pixels;
+        while (side->first < side->end && slice_side_voxel(side, side->first) < 0)
+            side->first++;
+        while (side->first < side->end && slice_side_voxel(side, side->end - 1) >= side->voxels)
+            side->end--;
         corner[side->axis] = side->backwards ? (uint32_t)side->voxels - 1 : 0;
         plan->step[i] = side->backwards ? -grid->step[side->axis] : grid->step[side->axis];
     }

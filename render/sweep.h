@@ -128,21 +128,6 @@ static inline void sweep_init(struct sweep *sweep, const struct camera *camera)
         sweep->set[faces] = face_set_of(camera, faces);
 }
 
-/* Whether the picture holds all pixels that cubes of the row at hand may cover. */
-static inline bool sweep_holds(const struct sweep *sweep)
-{
-    const uint32_t extent[2] = {sweep->camera->view.width, sweep->camera->view.height};
-    const int64_t last = (int64_t)(sweep->end - sweep->first) - 1;
-    bool holds = true;
-    for (int k = 0; k < 2; k++) {
-        const int64_t a = sweep->seen.centre[k], b = a + last * sweep->along_x.centre[k];
-        const int64_t reach = sweep->camera->reach[k] + 2; /* a face's is rounded up */
-        holds = holds && (a < b ? a : b) - reach >= 0 &&
-                (a > b ? a : b) + reach < ((int64_t)extent[k] - 1) << 30;
-    }
-    return holds;
-}
-
 /* To the row of voxels (., y, z), all but whether it is within the picture. */
 static inline void sweep_at_row(struct sweep *sweep, uint32_t y, uint32_t z)
 {
@@ -150,6 +135,18 @@ static inline void sweep_at_row(struct sweep *sweep, uint32_t y, uint32_t z)
     sweep->first = row.first;
     sweep->end = row.end;
     sweep->seen = project(sweep->camera, (struct place){0, y, z});
+}
+
+/* Where pixels that cubes of the row at hand may cover lie along a side of the picture: those of
+ * cells `from` to `to` of it, counted from its first. */
+static inline void sweep_reach(const struct sweep *sweep, int k, int64_t from, int64_t to,
+                               int64_t reach[2])
+{
+    const int64_t first = sweep->seen.centre[k], along = sweep->along_x.centre[k];
+    const int64_t a = first + from * along, b = first + to * along;
+    const int64_t around = sweep->camera->reach[k] + 2; /* a face's is rounded up */
+    reach[0] = (a < b ? a : b) - around;
+    reach[1] = (a > b ? a : b) + around;
 }
 
 /* Most rows with something to show lie beside the one before: then nothing is divided. */
@@ -167,7 +164,13 @@ static inline void sweep_to_row(struct sweep *sweep, uint32_t cell)
         const struct place p = grid_place(grid, cell);
         sweep_at_row(sweep, p.y, p.z);
     }
-    sweep->is_within = sweep_holds(sweep);
+    const uint32_t extent[2] = {sweep->camera->view.width, sweep->camera->view.height};
+    sweep->is_within = true;
+    for (int k = 0; k < 2; k++) {
+        int64_t reach[2];
+        sweep_reach(sweep, k, 0, (int64_t)(sweep->end - sweep->first) - 1, reach);
+        sweep->is_within &= reach[0] >= 0 && reach[1] < ((int64_t)extent[k] - 1) << 30;
+    }
 }
 
 /* Which pixels the cell's faces may cover; all of them are the cube. `near` is where the three near
@@ -193,21 +196,6 @@ static inline struct footprint sweep_to(struct sweep *sweep, uint32_t cell, unsi
                               (int32_t)(bottom >> 30)};
 }
 
-/* Whether the picture may show any of the cells from one to another one of the row at hand. */
-static inline bool sweep_sees(const struct sweep *sweep, uint32_t from, uint32_t to)
-{
-    const uint32_t extent[2] = {sweep->camera->view.width, sweep->camera->view.height};
-    for (int k = 0; k < 2; k++) {
-        const int64_t first = sweep->seen.centre[k], along = sweep->along_x.centre[k];
-        const int64_t a = first + (int64_t)(from - sweep->first) * along;
-        const int64_t b = first + (int64_t)(to - sweep->first) * along;
-        const int64_t reach = sweep->camera->reach[k] + 2; /* a face's is rounded up */
-        if ((a > b ? a : b) + reach < 0 || (a < b ? a : b) - reach > ((int64_t)extent[k] << 30))
-            return false;
-    }
-    return true;
-}
-
 /* Takes the cells of the first row there are out of a word of them, which is not 0, the sweep to
  * that row, and gives those back; 0 where the picture shows none, as it may be a part of one. */
 static inline uint64_t sweep_take_row(struct sweep *sweep, size_t w, uint64_t *word)
@@ -219,7 +207,14 @@ static inline uint64_t sweep_take_row(struct sweep *sweep, size_t w, uint64_t *w
     const uint64_t row = *word & ~beyond;
     *word &= beyond;
     const uint32_t last = at + 63 - (uint32_t)__builtin_clzll(row);
-    return sweep->is_within || sweep_sees(sweep, first, last) ? row : 0;
+    const uint32_t extent[2] = {sweep->camera->view.width, sweep->camera->view.height};
+    for (int k = 0; k < 2 && !sweep->is_within; k++) {
+        int64_t reach[2];
+        sweep_reach(sweep, k, first - sweep->first, last - sweep->first, reach);
+        if (reach[1] < 0 || reach[0] > (int64_t)extent[k] << 30)
+            return 0;
+    }
+    return row;
 }
 
 /* ---- cubes ---- */

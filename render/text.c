@@ -98,16 +98,6 @@ static const char sheet[8][ROWS][BAND * (COLUMNS + 1)] = {
 
 static const char box[ROWS][COLUMNS + 1] = {"#####", "#...#", "#...#", "#...#", "#...#",
                                             "#...#", "#####", ".....", "....."};
-static const uint8_t black[3];
-
-/* Row `row` of a letter: five characters, '#' where it is inked. */
-static const char *row_of(unsigned char letter, int row)
-{
-    const unsigned number = (unsigned)letter - FIRST;
-    if (letter < FIRST || letter > LAST)
-        return box[row];
-    return sheet[number / BAND][row] + number % BAND * (COLUMNS + 1);
-}
 
 static void mark(const struct canvas *canvas, int64_t left, int64_t top, int64_t side)
 {
@@ -117,8 +107,8 @@ static void mark(const struct canvas *canvas, int64_t left, int64_t top, int64_t
 }
 
 /* Every inked pixel as a square, `around` wider on each side. */
-static void ink(const struct canvas *canvas, int64_t left, int64_t top, int64_t scale,
-                int64_t around, const char *words, const uint8_t rgb[3])
+static void draw(const struct canvas *canvas, int64_t left, int64_t top, int64_t scale,
+                 int64_t around, const char *words, const uint8_t rgb[3])
 {
     const int64_t side = scale + 2 * around, margin = left;
     for (; *words; words++, left += TEXT_ADVANCE * scale) {
@@ -127,8 +117,11 @@ static void ink(const struct canvas *canvas, int64_t left, int64_t top, int64_t 
             top += TEXT_LINE * scale;
             continue;
         }
+        const unsigned number = (unsigned)(unsigned char)*words - FIRST; /* huge before the first */
         for (int row = 0; row < ROWS; row++) {
-            const char *inked = row_of((unsigned char)*words, row);
+            const char *inked = number > LAST - FIRST
+                                    ? box[row]
+                                    : sheet[number / BAND][row] + number % BAND * (COLUMNS + 1);
             const int64_t y = top + row * scale - around;
             for (int column = 0; column < COLUMNS; column++) {
                 const int64_t x = left + column * scale - around;
@@ -143,16 +136,17 @@ static void ink(const struct canvas *canvas, int64_t left, int64_t top, int64_t 
 }
 
 void text_draw_outlined(const struct canvas *canvas, int64_t left, int64_t top, uint32_t scale,
-                        const char *words, const uint8_t rgb[3], const uint8_t outline[3])
+                        const char *words, const struct ink *ink)
 {
-    ink(canvas, left, top, scale, (scale + 1) / 2, words, outline);
-    ink(canvas, left, top, scale, 0, words, rgb);
+    draw(canvas, left, top, scale, (scale + 1) / 2, words, ink->outline);
+    draw(canvas, left, top, scale, 0, words, ink->rgb);
 }
 
 void text_draw(const struct canvas *canvas, int64_t left, int64_t top, uint32_t scale,
                const char *words, const uint8_t rgb[3])
 {
-    text_draw_outlined(canvas, left, top, scale, words, rgb, black);
+    text_draw_outlined(canvas, left, top, scale, words,
+                       &(struct ink){{rgb[0], rgb[1], rgb[2]}, {0}});
 }
 
 int64_t text_width(const char *words, uint32_t scale)

@@ -24,8 +24,11 @@ void text_draw(const struct canvas *canvas, int64_t left, int64_t top, uint32_t 
                const char *words, const uint8_t rgb[3]);
 
 /* The same with another outline than black. */
+struct ink {
+    uint8_t rgb[3], outline[3];
+};
 void text_draw_outlined(const struct canvas *canvas, int64_t left, int64_t top, uint32_t scale,
-                        const char *words, const uint8_t rgb[3], const uint8_t outline[3]);
+                        const char *words, const struct ink *ink);
 
 /* Columns from the first letter's left to the last one's right, of one line. */
 int64_t text_width(const char *words, uint32_t scale);

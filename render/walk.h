@@ -26,6 +26,12 @@ static inline uint32_t walk_blocks(const struct grid *grid, int a, unsigned bits
     return ((grid->size[a] - 1) >> bits) + 1;
 }
 
+static inline size_t walk_blocks_in(const struct grid *grid, unsigned bits)
+{
+    return (size_t)walk_blocks(grid, 0, bits) * walk_blocks(grid, 1, bits) *
+           walk_blocks(grid, 2, bits);
+}
+
 /* To the cube in which the ray is at `from`, or is first where it comes into the scene later;
  * INT64_MIN starts before the scene. False where it is in none. */
 static inline bool walk_begin(struct walk *walk, const struct camera *camera, unsigned bits,

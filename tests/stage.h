@@ -112,8 +112,8 @@ static inline void stage_fill(struct rendition *r, uint32_t samples)
 static inline void stage_take_layers(struct stage *s, struct rendition *rendition)
 {
     CHECK(stage_fit_border(s) == OK);
-    CHECK(layers_take(&s->layers, rendition, &s->border, &s->shader.seams,
-                      shade_refines_layers(&s->look, &s->camera), NULL) == OK);
+    CHECK(shade_take_layers(&s->shader, &s->layers, rendition, &s->camera, &s->border, &s->look,
+                            NULL) == OK);
 }
 
 /* The stage's picture of what is shown, by its view. */

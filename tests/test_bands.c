@@ -80,7 +80,7 @@ static void begin(struct stage *s, struct rendition *fine, struct rendition *out
 static void colour(struct stage *s, struct rendition *fine, struct rendition *out)
 {
     CHECK(shade(fine, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) == OK);
-    rendition_reduce(out, fine, s->look.samples);
+    rendition_reduce(out, fine, s->look.samples, NULL);
 }
 
 static bool same(const struct rendition *a, const struct rendition *b)

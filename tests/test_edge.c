@@ -47,7 +47,7 @@ static struct rendition draw(struct stage *s, uint32_t samples, bool edges)
     splat_border(&s->rendition, &s->camera, &s->border);
     CHECK(shade(&s->rendition, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) ==
           OK);
-    rendition_reduce(&out, &s->rendition, samples);
+    rendition_reduce(&out, &s->rendition, samples, NULL);
     s->view.zoom = zoom;
     return out;
 }

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
+#include "render/seams.h"
 #include "tests/ray_search.h"
 #include "tests/stage.h"
 

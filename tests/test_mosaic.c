@@ -196,7 +196,7 @@ STORY(a_pixel_of_the_pane_is_what_samples_come_to)
     memset(fine.label, 1, 20 * 20);
     memset(fine.normal, 0, 20 * 20 * 4 * sizeof *fine.normal);
     CHECK(rendition_init(&reduced, 10, 10, NULL) == OK);
-    rendition_reduce(&reduced, &fine, 2);
+    rendition_reduce(&reduced, &fine, 2, NULL);
     struct canvas mosaic = take(scene, &r, &choice, &style);
     for (uint32_t y = 0; y < 10; y++)
         for (uint32_t x = 0; x < 10; x++) {

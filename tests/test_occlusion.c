@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "render/normal.h"
+#include "render/occlusion.h"
 #include "tests/border_check.h"
 #include "tests/scarce_memory.h"
 #include "tests/stage.h"
@@ -443,13 +444,17 @@ STORY(translucent_objects_let_the_light_in)
     put(&s, is_in_block);
     s.border.opacity[2] = 50;
     draw(&s, 0, none);
-    CHECK(shader_bytes(&s.shader) > 0);
+    const size_t bytes = shader_bytes(&s.shader);
+    CHECK(bytes > 0);
     draw(&s, 100, all);
     CHECK(memcmp(none, all, sizeof none) == 0);
-    CHECK_INT(bricks_bytes(&s.shader.bricks), 0);
+    CHECK_INT(shader_bytes(&s.shader), bytes);
     s.border.opacity[2] = 100;
+    draw(&s, 0, none);
+    const size_t without = shader_bytes(&s.shader);
     draw(&s, 100, all);
     CHECK(memcmp(none, all, sizeof none) != 0);
+    CHECK(shader_bytes(&s.shader) > without);
     stage_release(&s);
 }
 

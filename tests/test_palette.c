@@ -10,7 +10,7 @@
 #include <math.h>
 
 #include "render/palette.h"
-#include "render/shade.h"
+#include "render/look.h"
 
 enum { EYES = 3 }; /* all cones; without long ones, protanopia; without middle ones, deuteranopia */
 

@@ -114,7 +114,7 @@ static struct rendition draw_reduced(struct stage *s, uint32_t number)
     s->look.number = number;
     draw(s, true);
     CHECK(rendition_init(&out, s->view.width / samples, s->view.height / samples, NULL) == OK);
-    rendition_reduce(&out, &s->rendition, samples);
+    rendition_reduce(&out, &s->rendition, samples, NULL);
     return out;
 }
 
@@ -185,13 +185,14 @@ STORY(most_pixels_of_a_smooth_surface_are_in_patches)
     for (int i = 0; i < 4; i++) {
         s.view = (struct view){.width = 512, .height = 512, .zoom = zoom[i]};
         draw(&s, true);
-        struct shader_part *part = &s.shader.part[0];
+        struct field shown_field;
         struct refiner refiner;
         struct normals normals;
         size_t shown = 0, between = 0;
+        CHECK(field_init(&shown_field, &s.border, FIELD_SURFACE, 1, NULL) == OK);
         refiner_init(&refiner, &s.camera, &s.border);
-        refiner.shown = &(struct field_reader){.field = &part->shown};
-        normals_init(&normals, &s.camera, SHADE_SURFACE, true, &part->shown, NULL);
+        refiner.shown = &(struct field_reader){.field = &shown_field};
+        normals_init(&normals, &s.camera, SHADE_SURFACE, true, &shown_field, NULL);
         for (uint32_t y = 0; y < 512; y += TILE)
             for (uint32_t x = 0; x < 512; x += TILE) {
                 struct patches patches = {.r = &s.rendition,
@@ -209,6 +210,7 @@ STORY(most_pixels_of_a_smooth_surface_are_in_patches)
         const double share = (double)between / (double)shown;
         if (!CHECK(share >= least[i] && share <= 1))
             printf("# zoom %u: %.3f of %zu pixels\n", zoom[i], share, shown);
+        field_release(&shown_field);
     }
     stage_release(&s);
 }

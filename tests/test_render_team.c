@@ -55,7 +55,7 @@ static void begin(struct stage *s, struct rendition *fine, struct rendition *out
 static void colour(struct stage *s, struct rendition *fine, struct rendition *out)
 {
     CHECK(shade(fine, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) == OK);
-    rendition_reduce_shared(out, fine, s->look.samples, s->shader.team);
+    rendition_reduce(out, fine, s->look.samples, s->shader.team);
 }
 
 /* The digest of the picture, and of the one after an edit that takes a ball out. */

@@ -436,7 +436,7 @@ STORY(samples_become_their_mean_and_the_nearest_of_them)
         fine.label[sample[i].at] = (uint8_t)(i + 1);
         fine.normal[4 * sample[i].at] = (int16_t)(i + 1);
     }
-    rendition_reduce(&out, &fine, 2);
+    rendition_reduce(&out, &fine, 2, NULL);
     CHECK_INT(out.rgba[0], 141); /* the root of 20000 */
     CHECK_INT(out.rgba[3], 191);
     CHECK_INT(out.depth[0], 5);

@@ -14,7 +14,7 @@
 #include "render/border.h"
 #include "render/layers.h"
 #include "render/rendition.h"
-#include "render/shade.h"
+#include "render/shader.h"
 #include "session/finished.h"
 #include "session/hinting.h"
 #include "session/map.h"

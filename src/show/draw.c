@@ -86,8 +86,7 @@ enum err session_colour(struct session *session, const struct border *border, st
     enum err err = shade(&session->rendition, &session->camera, border, &kept->palette, look,
                          &session->shader, fault);
     if (!err && look->samples > 1)
-        rendition_reduce_shared(&session->reduced, &session->rendition, look->samples,
-                                session->team);
+        rendition_reduce(&session->reduced, &session->rendition, look->samples, session->team);
     return err;
 }
 
@@ -177,9 +176,8 @@ static enum err draw_border(struct session *session, struct border *border, enum
     if (err)
         return err;
     if (session->rendition.depth) {
-        err =
-            layers_take(&session->layers, &session->rendition, border, &session->shader.seams,
-                        shade_refines_layers(&session->now.outlook.look, &session->camera), fault);
+        err = shade_take_layers(&session->shader, &session->layers, &session->rendition,
+                                &session->camera, border, &session->now.outlook.look, fault);
         if (err)
             return err;
         if (project == splat_border)
@@ -228,7 +226,7 @@ void session_follow_rendition(struct session *session, enum rendered as,
     if (!session->rendition.depth)
         return;
     if (session->now.outlook.look.creases && !session->rendition.layers)
-        seams_follow(&session->shader.seams, border, changes, NULL); /* else shading counts them */
+        shade_follow(&session->shader, border, changes);
     incremental_image(&session->rendition, &session->camera, border, changes,
                       shade_reach(&session->now.outlook.look, &session->camera));
     enum err err = session_colour(session, border, NULL);

@@ -19,6 +19,7 @@
 #include "engine/label_stats.h"
 #include "render/border.h"
 #include "render/projection.h"
+#include "render/shade.h"
 #include "report/export.h"
 #include "session/session.h"
 #include "show/draw.h"

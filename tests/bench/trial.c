@@ -8,6 +8,7 @@
 #include "base/mem.h"
 #include "program/times.h"
 #include "render/projection.h"
+#include "render/shade.h"
 #include "tests/border_check.h"
 #include "session/session_inside.h"
 

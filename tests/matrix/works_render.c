@@ -59,8 +59,8 @@ static void begin_picture(struct stage *s)
 {
     shader_release(&s->shader);
     must(stage_fit_border(s), &(struct fault){0}, "a border");
-    must(layers_take(&s->layers, &s->rendition, &s->border, &s->shader.seams,
-                     shade_refines_layers(&s->look, &s->camera), NULL),
+    must(shade_take_layers(&s->shader, &s->layers, &s->rendition, &s->camera, &s->border, &s->look,
+                           NULL),
          &(struct fault){0}, "layers");
 }
 
@@ -145,7 +145,7 @@ static void sample(struct stage *s, struct rendition *reduced, const char *name,
     resize(s, WIDTH / n * n, HEIGHT / n * n);
     s->look.samples = n;
     tell_picture(s, name, (int)n);
-    rendition_reduce(reduced, &s->rendition, n);
+    rendition_reduce(reduced, &s->rendition, n, NULL);
     tell(rendition_digest(reduced), "rendition/%s/reduced/%u", name, n);
 }
 
