@@ -5,7 +5,7 @@
 
 #include "base/safe.h"
 #include "command/golden_notes.h"
-#include "image/png_read.h"
+#include "image/png.h"
 
 /* Whether the pixel of the file is that of the picture: over what is behind it, or with its alpha
  * where that is clear. */

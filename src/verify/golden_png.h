@@ -1,7 +1,7 @@
 /*
  * The PNG beside a golden image, which people look at: what is shown has to be what was compared.
  * Each pixel is that of the golden image, its colours over their background; each text is a note of
- * the golden image, or says when the PNG was drawn; and nothing else is in it (image/png_read.h).
+ * the golden image, or says when the PNG was drawn; and nothing else is in it (image/png.h).
  * Every verification asks for that, so what proves the golden image, a lock or a signature of the
  * journal, proves the PNG.
  *

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "image/picture.h"
 #include "image/png.h"
-#include "image/png_read.h"
 
 enum { SIDE = 12 }; /* of the picture that it is compared with */
 
