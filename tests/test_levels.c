@@ -7,8 +7,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "image/intensities.h"
-#include "image/voxels.h"
+#include "image/quantise.h"
+#include "image/volume.h"
 
 static uint64_t state = 28;
 static uint32_t draw(uint32_t below)
@@ -135,7 +135,7 @@ static struct volume make(enum voxel_type type, size_t count, double slope, bool
         put_number(bytes + i * width, type, number[i]);
     }
     v.intensity = (uint16_t *)(void *)bytes;
-    CHECK_INT(intensities_make(&v, &header, NULL, NULL), OK);
+    CHECK_INT(quantise(&v, &header, NULL, NULL), OK);
     return v;
 }
 

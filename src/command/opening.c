@@ -4,7 +4,7 @@
 
 #include "base/choice.h"
 #include "base/scan.h"
-#include "image/voxels.h"
+#include "image/volume_format.h"
 
 static const char RAW[] = "raw:";
 enum { SERIES_MOST = 100000 };

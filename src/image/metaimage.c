@@ -20,7 +20,7 @@
  *
  * From: https://itk.org/Wiki/ITK/MetaIO/Documentation
  */
-#include "image/voxels.h"
+#include "image/volume_format.h"
 
 static void write_reals(struct buf *out, const char *field, const double *value, int count)
 {

@@ -27,7 +27,7 @@
 #include <string.h>
 
 #include "engine/grid.h"
-#include "image/voxels.h"
+#include "image/volume_format.h"
 
 enum {
     VERSION_AT = 0,
@@ -282,6 +282,5 @@ const struct volume_format mgh_format = {
     .endings = ".mgh|.mgz|.mgh.gz",
     .recognises = recognises,
     .read_header = read_header,
-    .read_voxels = voxels_read,
     .write = write,
 };

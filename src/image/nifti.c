@@ -1,9 +1,9 @@
 /*
  * NIfTI: scenes in, label and cost maps out; and ANALYZE 7.5, of which it is made.
  *
- * Single files and pairs (image/pair.h) are read, NIfTI-1 and NIfTI-2, plain or gzip, both byte
+ * Single files and pairs (nifti.h) are read, NIfTI-1 and NIfTI-2, plain or gzip, both byte
  * orders; geometry.slope and .intercept include the file's own scl_slope and scl_inter. What
- * differs in ANALYZE is in image/analyze.h; the rest here holds for it, too.
+ * differs in ANALYZE is in nifti_header.c; the rest here holds for it, too.
  *
  * Where the voxels lie: the sform if its code is positive and its matrix can be inverted, else the
  * qform likewise; where they contradict each other, or there is neither, it is unknown. Where axes
@@ -19,6 +19,9 @@
  *
  * From: nifti1.h and nifti2.h at https://nifti.nimh.nih.gov, whose field names are used below.
  */
+#include "image/nifti.h"
+
+#include <ctype.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -26,10 +29,12 @@
 
 #include "base/safe.h"
 #include "engine/grid.h"
-#include "image/analyze.h"
 #include "image/nifti_header.h"
-#include "image/pair.h"
-#include "image/voxels.h"
+
+#define BOTH     "; expected both files of the pair"
+#define EXCHANGE "; the .hdr and the .img may have each other's names"
+
+enum { ENDING = 4 /* ".hdr" or ".img" */ };
 
 /* Extensions longer than this are an accident or an attack; the longest known are some MB. */
 static const double OFFSET_MOST = 256 << 20;
@@ -91,7 +96,7 @@ static enum err read_fields(struct nifti_header *header, char *notes, struct vol
     if (!err)
         nifti_header_decode(header, bytes);
     if (!err && header->kind == NIFTI_ANALYZE)
-        analyze_take(header, bytes, notes);
+        nifti_header_take_analyze(header, bytes, notes);
     return err;
 }
 
@@ -215,6 +220,60 @@ static enum err take_fields(struct volume_header *out, struct nifti_header *head
 
 /* ---- pairs ---- */
 
+static bool is_voxels(const char *path)
+{
+    return file_is_named(path, PAIR_VOXELS);
+}
+
+/* Its ending in small letters or capitals, as that of `path` is. */
+static void name_other(struct buf *other, const char *path, const char *end, bool is_packed)
+{
+    const char *to = is_voxels(path) ? ".hdr" : ".img";
+    buf_clear(other);
+    buf_add(other, path, (size_t)(end - path));
+    for (int i = 0; i < ENDING; i++)
+        buf_add_char(other, (char)(isupper((unsigned char)end[i]) ? toupper(to[i]) : to[i]));
+    buf_add_text(other, !is_packed ? "" : end[ENDING] ? end + ENDING : ".gz");
+}
+
+bool pair_other(struct buf *other, const char *path)
+{
+    const char *end = file_ending(path, PAIR_HEADERS "|" PAIR_VOXELS);
+    buf_clear(other);
+    if (!end)
+        return false;
+    const bool is_packed = end[ENDING] != '\0';
+    for (int i = 0; i < 2; i++) {
+        name_other(other, path, end, i ? !is_packed : is_packed);
+        if (!other->failed && file_exists(buf_text(other)))
+            return true;
+    }
+    name_other(other, path, end, is_packed);
+    return false;
+}
+
+/* What it is called, and where it should be, is said where there is none. */
+static enum err go_to_other(struct volume_source *source, bool to_voxels, struct fault *fault)
+{
+    struct buf other = {0};
+    enum err err;
+    if (pair_other(&other, source->path)) {
+        err = source_switch(source, buf_text(&other), fault);
+        if (err)
+            fault_prefix(fault, err, "%s", file_name(buf_text(&other)));
+    } else if (to_voxels)
+        err = fault_set(fault, ERR_IO, "there is no %s beside it, with its voxels" BOTH,
+                        file_name(buf_text(&other)));
+    else
+        err = fault_set(fault, ERR_IO,
+                        "there is no %s beside it, with its header" BOTH
+                        "; `open raw:FILE size=X,Y,Z type=T` reads voxels without one",
+                        file_name(buf_text(&other)));
+    err = other.failed ? fault_memory(fault, "a path") : err;
+    buf_release(&other);
+    return err;
+}
+
 /* SPM has the place of an ANALYZE in a file of MATLAB, which is named alone. */
 static void note_matrix(char *notes, const char *path)
 {
@@ -233,7 +292,8 @@ static void note_matrix(char *notes, const char *path)
 static enum err take_pair(struct volume_header *out, struct nifti_header *header,
                           struct volume_source *source, struct fault *fault)
 {
-    const enum err err = pair_go_to_voxels(source, fault);
+    const enum err err = is_voxels(source->path) ? source_switch(source, source->path, fault)
+                                                 : go_to_other(source, true, fault);
     if (err)
         return err;
     if (header->kind == NIFTI_ANALYZE)
@@ -249,8 +309,14 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
     enum err err = read_fields(&header, out->notes, source, fault);
     if (err || header.kind == NIFTI_SINGLE)
         return err ? err : take_fields(out, &header, source, fault);
-    err = pair_check_header(source->path, fault);
-    return err ? err : take_pair(out, &header, source, fault);
+    if (is_voxels(source->path))
+        return fault_set(fault, ERR_INPUT,
+                         "it begins with a header, and its name is that of the voxels" EXCHANGE);
+    if (!file_is_named(source->path, PAIR_HEADERS))
+        return fault_set(fault, ERR_INPUT,
+                         "the header of a pair, ANALYZE or NIfTI, by its magic, which is neither "
+                         "\"n+1\" nor \"n+2\"; expected the names A.hdr and A.img");
+    return take_pair(out, &header, source, fault);
 }
 
 /* A file that the name says to be of a pair, and that begins with no header. */
@@ -258,7 +324,17 @@ static enum err read_beside(struct volume_header *out, struct volume_source *sou
                             struct fault *fault)
 {
     struct nifti_header header;
-    enum err err = pair_go_to_header(source, fault);
+    uint8_t begin[NIFTI_LEAST_BYTES];
+    if (!is_voxels(source->path)) {
+        const bool has_other = go_to_other(source, false, NULL) == OK;
+        if (has_other && nifti_header_is_one(begin, source_peek(source, begin, sizeof begin)))
+            return fault_set(fault, ERR_INPUT,
+                             "it begins with no header, and its .img does" EXCHANGE);
+        return fault_set(
+            fault, ERR_INPUT,
+            "no header of ANALYZE or NIfTI: its first four bytes are neither 348 nor 540");
+    }
+    enum err err = go_to_other(source, false, fault);
     if (err)
         return err;
     err = read_fields(&header, out->notes, source, fault);
@@ -270,11 +346,6 @@ static enum err read_beside(struct volume_header *out, struct volume_source *sou
 }
 
 /* ---- writing ---- */
-
-static int16_t datatype_written(enum voxel_type type)
-{
-    return type == VOXEL_UINT8 ? 2 : type == VOXEL_UINT16 ? 512 : 768;
-}
 
 /* As much of the description as there is room for, and never half a character. */
 static void describe(struct nifti_header *header, const char *description)
@@ -301,7 +372,7 @@ static enum err write(const char *path, enum file_mode mode, const struct volume
         if (header.dim[a] > INT16_MAX)
             header.bytes = NIFTI_MOST_BYTES;
     }
-    header.datatype = datatype_written(map->type);
+    header.datatype = map->type == VOXEL_UINT8 ? 2 : map->type == VOXEL_UINT16 ? 512 : 768;
     header.bitpix = INT64_C(8) * voxel_bytes(map->type);
     nifti_header_place(&header, map->geometry);
     header.vox_offset = (double)header.bytes + 4;
@@ -317,21 +388,12 @@ const struct volume_format nifti_format = {
     .endings = ".nii|.nii.gz",
     .recognises = nifti_header_is_one,
     .read_header = read_header,
-    .read_voxels = voxels_read,
     .write = write,
 };
-
-static bool recognises_none(const uint8_t *begin, size_t length)
-{
-    (void)begin, (void)length;
-    return false; /* what begins with a header is taken above */
-}
 
 extern const struct volume_format pair_format;
 const struct volume_format pair_format = {
     .name = "ANALYZE",
     .endings = PAIR_HEADERS "|" PAIR_VOXELS,
-    .recognises = recognises_none,
-    .read_header = read_beside,
-    .read_voxels = voxels_read,
+    .read_header = read_beside, /* what begins with a header is taken above */
 };

@@ -180,6 +180,82 @@ void nifti_header_encode(const struct nifti_header *header, uint8_t *bytes)
     memcpy(bytes + description_at[number], header->descrip, NIFTI_DESCRIPTION - 1);
 }
 
+/* ---- ANALYZE ----
+ *
+ * ANALYZE 7.5: the format that NIfTI-1 grew from, whose header has the same length.
+ *
+ * Sizes, type, spacing and offset are where NIfTI has them. Where NIfTI has the place of voxels in
+ * the patient, ANALYZE has names, dates and numbers of the patient, and one byte, `orient`, which
+ * most programs write without looking. So its orientation is unknown.
+ *
+ *     byte 56     4 characters: the unit of length, "mm" where there is none
+ *     byte 112    float32: what SPM multiplies the values by; 0 for none
+ *     byte 116    float32: what SPM 2 adds to them
+ *     byte 252    orient: 0 to 5
+ *
+ * From: Mayo Clinic, ANALYZE 7.5 File Format; spm_hread.m and spm_type.m of SPM99 and SPM2. */
+
+enum { UNIT_AT = 56, UNIT_BYTES = 4, ORIENT_AT = 252 };
+
+/* Types of voxels that SPM has added, and what they are in NIfTI. */
+static int64_t analyze_datatype(int64_t code)
+{
+    switch (code) {
+    case 130:
+        return 256; /* int8 */
+    case 132:
+        return 512; /* uint16 */
+    case 136:
+        return 768; /* uint32 */
+    default:
+        return code;
+    }
+}
+
+/* Millimetres in its unit; 0 where that is not known. */
+static double analyze_unit_mm(const uint8_t *bytes)
+{
+    static const struct {
+        const char *name;
+        double mm;
+    } unit[] = {{"mm", 1}, {"cm", 10}, {"um", 0.001}, {"m", 1000}};
+    char name[UNIT_BYTES + 1] = "";
+    memcpy(name, bytes + UNIT_AT, UNIT_BYTES);
+    name[strcspn(name, " ")] = '\0';
+    for (size_t i = 0; i < sizeof unit / sizeof unit[0]; i++)
+        if (strcmp(name, unit[i].name) == 0)
+            return unit[i].mm;
+    return *name ? 0 : 1;
+}
+
+void nifti_header_take_analyze(struct nifti_header *header, const uint8_t *bytes,
+                               char notes[VOLUME_NOTES_BYTES])
+{
+    const double mm = analyze_unit_mm(bytes);
+    header->datatype = analyze_datatype(header->datatype);
+    if (mm == 0)
+        volume_note(notes, "its unit of length is none that is known (mm, cm, um, m)");
+    header->xyzt_units = 2; /* millimetres */
+    header->pixdim[0] = 1;
+    for (int a = 1; a <= 3; a++) /* in single precision, as a map that is saved has it */
+        header->pixdim[a] = (double)(float)(header->pixdim[a] * mm);
+    header->qform_code = header->sform_code = 0;
+    memset(header->quatern, 0, sizeof header->quatern);
+    memset(header->qoffset, 0, sizeof header->qoffset);
+    memset(header->srow, 0, sizeof header->srow);
+    volume_note(notes,
+                "it is ANALYZE, which does not say which side is left: its orient byte, %u, is not "
+                "to be relied on",
+                bytes[ORIENT_AT]);
+    const bool is_scaled =
+        isfinite(header->scl_slope) && isfinite(header->scl_inter) && header->scl_slope != 0;
+    if (is_scaled && (header->scl_slope != 1 || header->scl_inter != 0))
+        volume_note(notes, "its values are multiplied by %g, then %g is added, as SPM writes it",
+                    header->scl_slope, header->scl_inter);
+}
+
+/* ---- where voxels lie ---- */
+
 /* Millimetres in the header's unit of length. */
 static double unit_mm(const struct nifti_header *header)
 {

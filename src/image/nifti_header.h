@@ -13,12 +13,11 @@
 #include <stdint.h>
 
 #include "base/err.h"
-#include "image/geometry.h"
-#include "image/volume.h"
+#include "image/volume_format.h"
 
 enum { NIFTI_LEAST_BYTES = 348, NIFTI_MOST_BYTES = 540, NIFTI_DESCRIPTION = 80 };
 
-/* Where the voxels are: after the header in the same file, or in another (image/pair.h), whose
+/* Where the voxels are: after the header in the same file, or in another (nifti.h), whose
  * header says that it is NIfTI's or else is ANALYZE's. */
 enum nifti_kind { NIFTI_SINGLE, NIFTI_PAIR, NIFTI_ANALYZE };
 
@@ -49,6 +48,11 @@ enum err nifti_header_recognise(struct nifti_header *header, const uint8_t *byte
 
 /* The other fields, out of header->bytes bytes. */
 void nifti_header_decode(struct nifti_header *header, const uint8_t *bytes);
+
+/* Makes of what was decoded of `bytes` what ANALYZE means by it, with a note on what it leaves open.
+ */
+void nifti_header_take_analyze(struct nifti_header *header, const uint8_t *bytes,
+                               char notes[VOLUME_NOTES_BYTES]);
 
 /* header->bytes bytes, little-endian, for a single file. */
 void nifti_header_encode(const struct nifti_header *header, uint8_t *bytes);

@@ -34,7 +34,7 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
-#include "image/voxels.h"
+#include "image/volume_format.h"
 
 /* ---- header ---- */
 

@@ -7,7 +7,7 @@
 
 #include "base/mem.h"
 #include "engine/grid.h"
-#include "image/voxels.h"
+#include "image/volume_format.h"
 
 /* ---- which ---- */
 

@@ -16,7 +16,7 @@
 #ifndef IMAGE_PART_H
 #define IMAGE_PART_H
 
-#include "image/volume.h"
+#include "image/volume_format.h"
 
 /* Makes the size and the place of what the header says those of the part that header->choice asks
  * for, and notes what is left out. ERR_USAGE where the box is not in the volume; ERR_LIMIT where

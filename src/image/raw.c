@@ -1,21 +1,13 @@
 /*
- * Raw: voxels without a header, x fastest, in a layout that the user says (raw.h); plain or gzip.
+ * Raw: voxels without a header, x fastest, in a layout that the user says; plain or gzip.
  *
  * Such a file knows neither where its voxels lie nor how far apart they are. Bytes after the last
  * voxel are noted, since they may come from a layout that is wrong.
  */
-#include "image/raw.h"
-
 #include <stdio.h>
 
 #include "engine/grid.h"
-#include "image/voxels.h"
-
-static bool recognises(const uint8_t *begin, size_t length)
-{
-    (void)begin, (void)length;
-    return false; /* it is taken by its layout */
-}
+#include "image/volume_format.h"
 
 static enum err read_header(struct volume_header *out, struct volume_source *source,
                             struct fault *fault)
@@ -48,7 +40,5 @@ const struct volume_format raw_format = {
     .name = "raw",
     .endings = "",
     .takes = TAKES_LAYOUTS,
-    .recognises = recognises,
     .read_header = read_header,
-    .read_voxels = voxels_read,
 };

@@ -9,14 +9,134 @@
 #include <zlib.h>
 
 #include "base/file.h"
-#include "image/inflater.h"
-#include "image/volume_helper.h"
+#include "base/mem.h"
+
+#if __has_include(<isa-l/igzip_lib.h>)
+#include <isa-l/igzip_lib.h>
+#define HAS_ISAL
+#endif
 
 enum {
     DEFLATE_MOST = 1032,    /* deflate at its best: 258 bytes for two bits */
     CHUNK = 16 << 10,       /* bytes that zlib reads at a time */
     BEYOND_MOST = 64 << 10, /* a multiple of 4096 */
 };
+
+/* ---- ISA-L ---- */
+
+#ifdef HAS_ISAL
+
+enum { ISAL_CHUNK = 64 << 10, PASSED = 16 << 10 }; /* bytes read at a time, and passed over */
+enum { GZIP_MAGIC = 0x1f };
+
+struct inflater {
+    int fd;
+    uint64_t at;    /* bytes that were read of the file */
+    bool has_ended; /* the last stream, with the right checksum */
+    bool has_failed;
+    struct inflate_state state;
+    uint8_t chunk[ISAL_CHUNK], passed[PASSED];
+};
+
+static void begin_stream(struct inflater *inflater)
+{
+    struct inflate_state *state = &inflater->state;
+    uint8_t *const next_in = state->next_in;
+    const uint32_t avail_in = state->avail_in;
+    isal_inflate_init(state);
+    state->crc_flag = ISAL_GZIP;
+    state->next_in = next_in;
+    state->avail_in = avail_in;
+}
+
+/* Of a file that is open, and stays open and the caller's; where in it others read, is theirs. NULL
+ * without memory. */
+static struct inflater *inflater_new(int fd)
+{
+    struct inflater *inflater = mem_array(1, sizeof *inflater);
+    if (!inflater)
+        return NULL;
+    inflater->fd = fd;
+    inflater->at = 0;
+    inflater->has_ended = inflater->has_failed = false;
+    inflater->state.next_in = inflater->chunk;
+    inflater->state.avail_in = 0;
+    begin_stream(inflater);
+    return inflater;
+}
+
+/* Has something to inflate at hand; false at the end of the file. */
+static bool refill(struct inflater *inflater)
+{
+    struct inflate_state *state = &inflater->state;
+    if (state->avail_in)
+        return true;
+    const ssize_t n = file_read_at(inflater->fd, inflater->chunk, ISAL_CHUNK, inflater->at);
+    if (n <= 0)
+        return false;
+    inflater->at += (uint64_t)n;
+    state->next_in = inflater->chunk;
+    state->avail_in = (uint32_t)n;
+    return true;
+}
+
+/* At most `most` bytes to `to`; a call that gives none may be followed by one that does. What the
+ * last bytes of a file lead to may still be to come when they have been taken. */
+static size_t inflate_some(struct inflater *inflater, uint8_t *to, uint32_t most)
+{
+    struct inflate_state *state = &inflater->state;
+    const bool was_refilled = refill(inflater);
+    state->next_out = to;
+    state->avail_out = most;
+    const int result = isal_inflate(state);
+    const bool has_ended = state->block_state == ISAL_BLOCK_FINISH;
+    const size_t given = most - state->avail_out;
+    if (result < 0 || (!was_refilled && !given && !has_ended))
+        inflater->has_failed = true;
+    else if (has_ended && refill(inflater) && *state->next_in == GZIP_MAGIC)
+        begin_stream(inflater); /* of a file of several streams, one after another */
+    else if (has_ended) /* what follows and does not begin as one is left alone, as zlib does */
+        inflater->has_ended = true;
+    return given;
+}
+
+/* The next bytes into `to`, or nowhere (NULL). Returns how many: fewer than `most` where the last
+ * stream has ended, or where anything is wrong. */
+static size_t inflater_take(struct inflater *inflater, void *to, size_t most)
+{
+    const size_t piece = to ? UINT32_MAX : PASSED;
+    uint8_t *at = to ? to : inflater->passed;
+    size_t done = 0;
+    while (done < most && !inflater->has_ended && !inflater->has_failed) {
+        const size_t left = most - done;
+        const size_t n = inflate_some(inflater, at, (uint32_t)(left < piece ? left : piece));
+        at += to ? n : 0;
+        done += n;
+    }
+    return done;
+}
+
+#else
+
+struct inflater {
+    bool has_ended;
+};
+
+static struct inflater *inflater_new(int fd)
+{
+    (void)fd;
+    return NULL;
+}
+
+static size_t inflater_take(struct inflater *inflater, void *to, size_t most)
+{
+    (void)inflater, (void)to, (void)most;
+    return 0;
+}
+
+#endif
+
+/* ---- a file ---- */
 
 enum err source_open(struct volume_source *source, const char *path, struct watch *watch,
                      struct fault *fault)
@@ -49,11 +169,12 @@ void source_close(struct volume_source *source)
 {
     if (source->gz)
         gzclose_r(source->gz);
-    inflater_free(source->inflater);
-    volume_helper_free(source->helper);
+    free(source->inflater);
+    if (source->decoder)
+        source->decoder->free(source->decoder);
     source->gz = NULL;
     source->inflater = NULL;
-    source->helper = NULL;
+    source->decoder = NULL;
 }
 
 enum err source_switch(struct volume_source *source, const char *path, struct fault *fault)
@@ -102,7 +223,7 @@ size_t source_peek(struct volume_source *source, uint8_t *bytes, size_t most)
 /* Has zlib go on from where the inflater is. */
 static void give_up(struct volume_source *source)
 {
-    inflater_free(source->inflater);
+    free(source->inflater);
     source->inflater = NULL;
     gzseek(source->gz, (z_off_t)source->at, SEEK_SET);
 }
@@ -115,12 +236,17 @@ static int take(struct volume_source *source, uint8_t *to, unsigned most)
     if (source->inflater) {
         n = inflater_take(source->inflater, to, most);
         source->at += n;
-        if (n < most && !inflater_has_ended(source->inflater))
+        if (n < most && !source->inflater->has_ended)
             give_up(source);
     }
-    if (n > 0 || source->inflater)
-        return (int)n;
-    return gzread(source->gz, to, most);
+    return n > 0 || source->inflater ? (int)n : gzread(source->gz, to, most);
+}
+
+static enum err take_decoded(struct volume_source *source, uint8_t *to, size_t length,
+                             struct fault *fault)
+{
+    source->at += length;
+    return source->decoder->take(source->decoder, to, length, fault);
 }
 
 enum err source_read(struct volume_source *source, void *to, size_t length, const char *part,
@@ -131,31 +257,16 @@ enum err source_read(struct volume_source *source, void *to, size_t length, cons
     uint8_t *at = to;
     while (length > 0) {
         unsigned piece = (unsigned)(length < piece_most ? length : piece_most);
-        const enum err err =
-            source->helper ? volume_helper_take(source->helper, at, piece, fault) : OK;
-        int n = source->helper ? (int)piece : take(source, at, piece);
+        const enum err err = source->decoder ? take_decoded(source, at, piece, fault) : OK;
+        const int n = source->decoder ? (int)piece : take(source, at, piece);
         if (err || n <= 0)
             return err ? err : source_fault(source, part, fault);
-        source->at += source->helper ? piece : 0;
         at += n;
         length -= (size_t)n;
         if (!task_advance(&task, (uint64_t)n))
             return watch_fault(watch, fault);
     }
     return OK;
-}
-
-static enum err pass_helped(struct volume_source *source, uint64_t offset, struct fault *fault)
-{
-    uint8_t passed[4096];
-    enum err err = OK;
-    while (source->at < offset && !err) {
-        const uint64_t left = offset - source->at;
-        const size_t n = left < sizeof passed ? (size_t)left : sizeof passed;
-        err = volume_helper_take(source->helper, passed, n, fault);
-        source->at += n;
-    }
-    return err;
 }
 
 /* As far as the inflater gets, and the watch lets it. */
@@ -173,10 +284,17 @@ static void pass_inflated(struct volume_source *source, uint64_t offset)
 enum err source_go_to(struct volume_source *source, uint64_t offset, const char *part,
                       struct fault *fault)
 {
-    if (source->helper)
-        return pass_helped(source, offset, fault);
+    uint8_t passed[4096];
+    enum err err = OK;
+    while (source->decoder && source->at < offset && !err) {
+        const uint64_t left = offset - source->at;
+        err = take_decoded(source, passed, left < sizeof passed ? (size_t)left : sizeof passed,
+                           fault);
+    }
+    if (source->decoder)
+        return err;
     if (source->inflater && offset < source->at) {
-        inflater_free(source->inflater);
+        free(source->inflater);
         source->inflater = inflater_new(source->fd);
         source->at = 0;
     }
@@ -192,22 +310,17 @@ enum err source_go_to(struct volume_source *source, uint64_t offset, const char 
                                                              : OK;
 }
 
-/* Whether the inflater has seen the end of the stream, or that this is far away. */
-static bool ends_well(struct volume_source *source)
-{
-    const size_t n = inflater_take(source->inflater, NULL, BEYOND_MOST);
-    source->at += n;
-    return n == BEYOND_MOST || inflater_has_ended(source->inflater);
-}
-
 enum err source_finish(struct volume_source *source, struct fault *fault)
 {
     char beyond[4096];
     int code;
-    if (source->inflater && ends_well(source))
-        return OK;
-    if (source->inflater)
+    if (source->inflater) {
+        const size_t n = inflater_take(source->inflater, NULL, BEYOND_MOST);
+        source->at += n;
+        if (n == BEYOND_MOST || source->inflater->has_ended)
+            return OK; /* it has ended, or its end is far away */
         give_up(source);
+    }
     for (size_t left = source->packed ? BEYOND_MOST : 0; left > 0; left -= sizeof beyond)
         if (gzread(source->gz, beyond, sizeof beyond) < (int)sizeof beyond) {
             gzerror(source->gz, &code);

@@ -14,7 +14,7 @@
 #ifndef IMAGE_STRAIGHTEN_H
 #define IMAGE_STRAIGHTEN_H
 
-#include "image/volume.h"
+#include "image/volume_format.h"
 
 /* How large a volume of this size and place becomes. ERR_LIMIT where that is more than a grid holds
  * or eight times the voxels. */

@@ -2,20 +2,19 @@
 
 #include <fcntl.h>
 #include <inttypes.h>
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/buf.h"
 #include "base/choice.h"
+#include "base/mem.h"
 #include "image/foreign.h"
-#include "image/pair.h"
+#include "image/nifti.h"
 #include "image/part.h"
+#include "image/quantise.h"
 #include "image/straighten.h"
 #include "image/swelling.h"
-#include "image/voxels.h"
 
 #define DECLARE(format, note) extern const struct volume_format format;
 VOLUME_FORMATS(DECLARE)
@@ -23,19 +22,6 @@ VOLUME_FORMATS(DECLARE)
 #define POINT_AT(format, note) &format,
 static const struct volume_format *const formats[] = {VOLUME_FORMATS(POINT_AT)};
 enum { FORMATS = sizeof formats / sizeof formats[0], FIRST_BYTES = 1024 };
-
-void volume_note(char notes[VOLUME_NOTES_BYTES], const char *format, ...)
-{
-    const size_t length = strlen(notes), room = VOLUME_NOTES_BYTES - length;
-    va_list arguments;
-    va_start(arguments, format);
-    const int n = vsnprintf(notes + length, room, format, arguments);
-    va_end(arguments);
-    if (n < 0 || (size_t)n + 1 >= room)
-        notes[length] = '\0';
-    else
-        memcpy(notes + length + n, "\n", 2);
-}
 
 /* ---- which format ---- */
 
@@ -80,27 +66,22 @@ const char *volume_ending(const char *path)
     return format ? file_ending(path, format->endings) : NULL;
 }
 
-/* "NIfTI (.nii or .nii.gz)": the formats that are read, or those that are written. */
-static void list_formats(struct buf *out, bool write)
+/* With the formats that are read, or those that are written: "NIfTI (.nii or .nii.gz), ..". */
+static enum err refuse(const char *words, bool write, enum err err, struct fault *fault)
 {
+    struct buf list = {0};
     for (int i = 0; i < FORMATS; i++) {
         const char *endings = formats[i]->endings, *between = " (";
         struct choice ending;
         if (!can(formats[i], write) || formats[i]->takes & TAKES_LAYOUTS)
             continue;
-        buf_printf(out, "%s%s", out->length ? ", " : "", formats[i]->name);
+        buf_printf(&list, "%s%s", list.length ? ", " : "", formats[i]->name);
         if (formats[i]->takes & TAKES_FOLDERS) /* many formats, of more endings */
             continue;
         for (; choice_next(&ending, &endings); between = " or ")
-            buf_printf(out, "%s%.*s", between, (int)ending.length, ending.word);
-        buf_add_char(out, ')');
+            buf_printf(&list, "%s%.*s", between, (int)ending.length, ending.word);
+        buf_add_char(&list, ')');
     }
-}
-
-static enum err refuse(const char *words, bool write, enum err err, struct fault *fault)
-{
-    struct buf list = {0};
-    list_formats(&list, write);
     fault_set(fault, err, "%s%s", words, buf_text(&list));
     buf_release(&list);
     return err;
@@ -120,7 +101,7 @@ static const struct volume_format *format_recognising(const uint8_t *begin, size
     if (is_dicom(begin, length))
         return format_taking(TAKES_FOLDERS);
     for (int i = 0; i < FORMATS; i++)
-        if (can(formats[i], false) && formats[i]->recognises(begin, length))
+        if (formats[i]->recognises && formats[i]->recognises(begin, length))
             return formats[i];
     return NULL;
 }
@@ -166,17 +147,6 @@ static enum err find_format(const struct volume_format **format, struct volume_s
 
 /* ---- reading ---- */
 
-static void note_shear(struct volume_header *header)
-{
-    const double degrees = geometry_shear(&header->geometry);
-    if (degrees >= 0.1 && !header->choice.straightens)
-        volume_note(header->notes,
-                    "its axes are sheared: %.2g degrees off a right angle; volumes, surfaces and "
-                    "`measure` allow for it, and pictures, radii and distances do not: "
-                    "straighten=yes brings them to right angles",
-                    degrees);
-}
-
 static void note_tilt(char notes[VOLUME_NOTES_BYTES], const struct geometry *geometry)
 {
     const double degrees = geometry_tilt(geometry);
@@ -203,8 +173,13 @@ enum err volume_begin(struct volume_reader *reader, const char *path,
         err = reader->format->read_header(header, &reader->source, fault);
     if (!err && !header->choice.straightens) /* else of what comes out */
         note_tilt(header->notes, &header->geometry);
-    if (!err)
-        note_shear(header);
+    const double degrees = err ? 0 : geometry_shear(&header->geometry);
+    if (degrees >= 0.1 && !header->choice.straightens)
+        volume_note(header->notes,
+                    "its axes are sheared: %.2g degrees off a right angle; volumes, surfaces and "
+                    "`measure` allow for it, and pictures, radii and distances do not: "
+                    "straighten=yes brings them to right angles",
+                    degrees);
     return err ? fault_prefix(fault, err, "%s", path) : OK;
 }
 
@@ -259,23 +234,6 @@ static enum err check_words(struct volume_header *header, struct fault *fault)
     return OK;
 }
 
-/* Refuses voxels that cannot be read, and a choice that does not fit. */
-static enum err check_choice(struct volume_header *header, struct fault *fault)
-{
-    if (*header->refusal)
-        return fault_set(fault, ERR_INPUT, "%s", header->refusal);
-    if (header->volumes > 1 && !header->choice.has_volume)
-        return fault_set(fault, ERR_INPUT,
-                         "a series of %" PRIu32 " volumes; choose one, as in `open FILE volume=0`, "
-                         "of 0 to %" PRIu32,
-                         header->volumes, header->volumes - 1);
-    if (header->choice.volume >= header->volumes)
-        return fault_set(fault, ERR_INPUT,
-                         "there is no volume %" PRIu32 "; it holds %" PRIu32 ", counted from 0",
-                         header->choice.volume, header->volumes);
-    return part_choose(header, fault);
-}
-
 enum err volume_choose(struct volume_reader *reader, const struct volume_choice *choice,
                        struct fault *fault)
 {
@@ -285,8 +243,21 @@ enum err volume_choose(struct volume_reader *reader, const struct volume_choice 
     enum err err = check_words(header, fault);
     if (!err)
         err = take_spacing(header, fault);
-    if (!err)
-        err = check_choice(header, fault);
+    if (err)
+        ;
+    else if (*header->refusal)
+        err = fault_set(fault, ERR_INPUT, "%s", header->refusal);
+    else if (header->volumes > 1 && !header->choice.has_volume)
+        err = fault_set(fault, ERR_INPUT,
+                        "a series of %" PRIu32
+                        " volumes; choose one, as in `open FILE volume=0`, of 0 to %" PRIu32,
+                        header->volumes, header->volumes - 1);
+    else if (header->choice.volume >= header->volumes)
+        err = fault_set(fault, ERR_INPUT,
+                        "there is no volume %" PRIu32 "; it holds %" PRIu32 ", counted from 0",
+                        header->choice.volume, header->volumes);
+    else
+        err = part_choose(header, fault);
     memcpy(header->made, header->size, sizeof header->made);
     if (!err && header->choice.straightens)
         err = straighten_size(header->made, header->size, &header->geometry, fault);
@@ -325,9 +296,41 @@ static enum err check_swelling(const struct volume_header *header, struct fault 
                      (double)header->bytes / 1e6, (double)bytes / 1e9);
 }
 
+/* Numbers of the file, at the end of the memory that intensities take, or of more where they are
+ * wider. */
+static enum err read_numbers(struct volume *out, struct volume_reader *reader, struct fault *fault)
+{
+    const struct volume_header *header = &reader->header;
+    struct volume_source *source = &reader->source;
+    const size_t width = voxel_bytes(header->type), count = voxels_in(header->size);
+    const size_t needed = count * width, wide = count * (width > 2 ? width : 2);
+    uint64_t offset = header->offset;
+    if (!source->decoder) /* which sends the chosen volume alone */
+        offset += header->choice.volume * voxels_in(header->whole) * width;
+    enum err err =
+        reader->format->begin_voxels ? reader->format->begin_voxels(header, source, fault) : OK;
+    if (err)
+        return err;
+    if (wide > mem_available())
+        return fault_set(fault, ERR_MEMORY, "%zu MB of voxels; this machine has %zu MB left",
+                         wide >> 20, mem_available() >> 20);
+    uint8_t *voxels = mem_array(wide, 1);
+    if (!voxels)
+        return fault_memory(fault, "the voxels");
+    out->intensity = (uint16_t *)(void *)voxels;
+    voxels += wide - needed;
+    if (part_is_less(header))
+        return part_read(voxels, header, offset, source, source->watch, fault);
+    err = source_go_to(source, offset, "the extensions of its header", fault);
+    if (!err)
+        err = source_read(source, voxels, needed, "the voxels", source->watch, fault);
+    return err ? err : source_finish(source, fault);
+}
+
 enum err volume_take(struct volume *out, struct volume_reader *reader, struct fault *fault)
 {
     const struct volume_header *header = &reader->header;
+    struct watch *watch = reader->source.watch;
     *out = (struct volume){.geometry = header->geometry};
     out->choice = header->choice;
     out->series = header->series;
@@ -336,10 +339,17 @@ enum err volume_take(struct volume *out, struct volume_reader *reader, struct fa
     memcpy(out->notes, header->notes, sizeof out->notes);
     enum err err = check_swelling(header, fault);
     if (!err)
-        err =
-            reader->format->read_voxels(out, header, &reader->source, reader->source.watch, fault);
+        err = read_numbers(out, reader, fault);
+    if (!err)
+        err = quantise(out, header, watch, fault);
+    if (!err)
+        err = watch_fault(watch, fault);
+    if (!err && voxel_bytes(header->type) > 2) {
+        void *smaller = realloc(out->intensity, voxels_in(out->size) * sizeof *out->intensity);
+        out->intensity = smaller ? smaller : out->intensity;
+    }
     if (!err && header->choice.straightens)
-        err = straighten(out, reader->source.watch, fault);
+        err = straighten(out, watch, fault);
     if (!err && header->choice.straightens)
         note_tilt(out->notes, &out->geometry);
     if (err)
@@ -362,13 +372,6 @@ enum err volume_read(struct volume *out, const char *path, const struct volume_c
         err = volume_take(out, &reader, fault);
     volume_close(&reader);
     return err;
-}
-
-void volume_release(struct volume *volume)
-{
-    free(volume->intensity);
-    free(volume->levels);
-    *volume = (struct volume){0};
 }
 
 /* ---- writing ---- */

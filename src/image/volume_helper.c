@@ -12,7 +12,7 @@
 #include "base/scan.h"
 #include "engine/grid.h"
 #include "image/coprocess.h"
-#include "image/voxels.h"
+#include "image/volume_format.h"
 
 static const char PROGRAM[] = "iftty-volume";
 
@@ -51,6 +51,7 @@ bool volume_helper_is_wary;
 bool volume_helper_needs_landlock;
 
 struct volume_helper {
+    struct source_decoder decoder; /* first: what the source knows of it */
     struct coprocess process;
     uint64_t left;   /* bytes of the present piece */
     struct buf room; /* the folder that it may write into; empty for none */
@@ -61,15 +62,47 @@ enum err volume_helper_default_program(struct buf *out, struct fault *fault)
     return coprocess_beside(out, PROGRAM, fault);
 }
 
-void volume_helper_free(struct volume_helper *helper)
+/* Ends it, whatever it does. */
+static void free_helper(struct source_decoder *decoder)
 {
-    if (!helper)
-        return;
+    struct volume_helper *helper = (struct volume_helper *)decoder;
     coprocess_release(&helper->process);
     if (helper->room.length)
         folder_remove(buf_text(&helper->room));
     buf_release(&helper->room);
     free(helper);
+}
+
+/* The next bytes of the voxels. */
+static enum err take_bytes(struct source_decoder *decoder, void *to, size_t length,
+                           struct fault *fault)
+{
+    struct volume_helper *helper = (struct volume_helper *)decoder;
+    static const int64_t most = PIECE_MOST;
+    struct coprocess *process = &helper->process;
+    uint8_t *at = to;
+    while (length > 0) {
+        char line[COPROCESS_LINE];
+        int64_t piece;
+        const char *rest = line;
+        if (helper->left == 0) {
+            const enum err err = coprocess_answer(process, line, NULL, NULL, fault);
+            if (err)
+                return err;
+            if (!scan_text(&rest, "piece ") || !coprocess_numbers(rest, 1, &most, &piece)) {
+                coprocess_odd(process);
+                return coprocess_fault(process, NULL, NULL, fault);
+            }
+            helper->left = (uint64_t)piece;
+        }
+        const size_t n = helper->left < length ? (size_t)helper->left : length;
+        if (!coprocess_receive(process, at, n))
+            return coprocess_fault(process, NULL, NULL, fault);
+        at += n;
+        length -= n;
+        helper->left -= n;
+    }
+    return OK;
 }
 
 /* ---- which kind ---- */
@@ -136,24 +169,24 @@ static const char *kind_of(struct volume_source *source)
 
 /* ---- asking ---- */
 
-static enum err begin(struct volume_helper **out, struct watch *watch, struct fault *fault)
+/* Starts one for the source, which owns it then. */
+static enum err begin(struct volume_source *source, struct fault *fault)
 {
     struct volume_helper *helper = mem_new(sizeof *helper);
-    const uint64_t available = mem_available();
-    *out = helper;
+    const uint64_t available = mem_available(), most = volume_helper_memory_most;
     if (!helper)
         return fault_memory(fault, "the volume helper");
+    helper->decoder = (struct source_decoder){take_bytes, free_helper};
+    source->decoder = &helper->decoder;
     struct coprocess *process = &helper->process;
     enum err err = coprocess_init(process, PROGRAM, volume_helper_program, fault);
     process->kind = "the volume helper";
     process->hint = "; it reads what NIfTI is not: `make` builds it (of ITK, which Debian has as "
                     "libinsighttoolkit5-dev)";
     process->patience_ms = volume_helper_patience_ms;
-    process->watch = watch;
+    process->watch = source->watch;
     process->doing = "reading";
-    process->memory = volume_helper_memory_most && volume_helper_memory_most < available
-                          ? volume_helper_memory_most
-                          : available;
+    process->memory = most && most < available ? most : available;
     if (!err)
         err = coprocess_start(process, fault);
     if (!err && !coprocess_limit(process, HELD_BEFORE, process->memory))
@@ -177,18 +210,14 @@ static enum err make_room(struct volume_helper *helper, struct volume_source *so
                : OK;
 }
 
-static const char *or_none(const char *text)
-{
-    return text ? text : "";
-}
-
 static bool ask(struct volume_helper *helper, const char *kind, const char *path,
                 const struct volume_choice *choice)
 {
     struct coprocess *process = &helper->process;
     char line[COPROCESS_LINE];
-    const char *text[] = {or_none(choice->series_name), or_none(choice->skip),
-                          or_none(choice->data), buf_text(&helper->room), path};
+    const char *text[] = {choice->series_name ? choice->series_name : "",
+                          choice->skip ? choice->skip : "", choice->data ? choice->data : "",
+                          buf_text(&helper->room), path};
     enum { TEXTS = sizeof text / sizeof *text };
     const unsigned flags = (volume_helper_is_wary ? 0u : (unsigned)FOLLOW_LINKS) |
                            (choice->fills_gaps ? (unsigned)FILL_GAPS : 0u) |
@@ -237,10 +266,9 @@ static enum err receive_list(struct buf *list, struct coprocess *process, const 
 
 /* The line that answers, after those that say how far it is, each further than the one before, and
  * those that are about series. */
-static enum err receive_answer(struct volume_header *out, struct volume_helper *helper,
+static enum err receive_answer(struct volume_header *out, struct coprocess *process,
                                char line[COPROCESS_LINE], struct fault *fault)
 {
-    struct coprocess *process = &helper->process;
     int64_t before = -1;
     for (;;) {
         static const int64_t most[2] = {FILES_MOST, FILES_MOST}, most_series = SERIES_MOST;
@@ -272,36 +300,6 @@ static enum err receive_answer(struct volume_header *out, struct volume_helper *
 
 /* ---- what it says ---- */
 
-struct said {
-    int64_t size[3], volumes, known, format, type, notes;
-};
-
-static bool receive_words(struct volume_header *out, struct coprocess *process,
-                          const struct said *said)
-{
-    out->format[said->format] = out->type_name[said->type] = out->notes[said->notes] = '\0';
-    if (!coprocess_receive(process, out->format, (size_t)said->format) ||
-        !coprocess_receive(process, out->type_name, (size_t)said->type) ||
-        !coprocess_receive(process, out->notes, (size_t)said->notes))
-        return false;
-    return are_lines(out->notes, strlen(out->notes)) || coprocess_odd(process);
-}
-
-static bool receive_header(struct volume_header *out, struct coprocess *process, const char *line,
-                           struct said *said, double number[NUMBERS])
-{
-    static const int64_t most[] = {UINT16_MAX, UINT16_MAX,  UINT16_MAX, VOLUMES_MOST,
-                                   3,          FORMAT_MOST, TYPE_MOST,  NOTES_MOST};
-    int64_t value[8];
-    if (!scan_text(&line, "volume ") || !coprocess_numbers(line, 8, most, value) || value[0] < 1 ||
-        value[1] < 1 || value[2] < 1 || value[3] < 1)
-        return coprocess_odd(process);
-    *said = (struct said){
-        {value[0], value[1], value[2]}, value[3], value[4], value[5], value[6], value[7]};
-    return receive_words(out, process, said) &&
-           coprocess_receive(process, number, NUMBERS * sizeof *number);
-}
-
 /* Spacing along the columns of the matrix; unknown where it is none. */
 static void take_geometry(struct volume_header *out, const double number[NUMBERS],
                           bool knows_spacing, bool knows_place)
@@ -324,56 +322,67 @@ static void take_geometry(struct volume_header *out, const double number[NUMBERS
         geometry_place_spaced(geometry);
 }
 
-/* That a file of so many bytes may hold what it claims to. */
-static enum err check_claim(const struct volume_header *header, const struct volume_source *source,
-                            struct fault *fault)
+/* What the line and what follows it say; false where that makes no sense. */
+static bool receive_header(struct volume_header *out, struct coprocess *process, const char *line,
+                           double number[NUMBERS])
 {
-    struct grid grid;
-    size_t bytes = voxel_bytes(header->type);
-    const enum err err = grid_init(&grid, header->size, fault);
-    if (err)
-        return err;
+    enum { VOLUMES = 3, KNOWN, FORMAT_LENGTH, TYPE_LENGTH, NOTES_LENGTH, VALUES };
+    static const int64_t most[VALUES] = {UINT16_MAX, UINT16_MAX,  UINT16_MAX, VOLUMES_MOST,
+                                         3,          FORMAT_MOST, TYPE_MOST,  NOTES_MOST};
+    int64_t value[VALUES];
+    if (!scan_text(&line, "volume ") || !coprocess_numbers(line, VALUES, most, value) ||
+        value[0] < 1 || value[1] < 1 || value[2] < 1 || value[VOLUMES] < 1)
+        return coprocess_odd(process);
+    out->format[value[FORMAT_LENGTH]] = out->type_name[value[TYPE_LENGTH]] = '\0';
+    out->notes[value[NOTES_LENGTH]] = '\0';
+    if (!coprocess_receive(process, out->format, (size_t)value[FORMAT_LENGTH]) ||
+        !coprocess_receive(process, out->type_name, (size_t)value[TYPE_LENGTH]) ||
+        !coprocess_receive(process, out->notes, (size_t)value[NOTES_LENGTH]) ||
+        !(are_lines(out->notes, strlen(out->notes)) || coprocess_odd(process)) ||
+        !coprocess_receive(process, number, NUMBERS * sizeof *number))
+        return false;
     for (int a = 0; a < 3; a++)
-        if (!size_multiply(bytes, header->size[a], &bytes))
-            return fault_set(fault, ERR_LIMIT, "its voxels do not fit the memory of any machine");
-    if (!source->is_folder && !source->may_be_beside && bytes > CLAIMED_FREELY &&
-        bytes / PACKED_BEST > source->bytes)
-        return fault_set(fault, ERR_INPUT,
-                         "cut short or false: its header claims %zu bytes of voxels, and it has "
-                         "%" PRIu64 " bytes",
-                         bytes, source->bytes);
-    return OK;
+        out->size[a] = (uint32_t)value[a];
+    out->volumes = (uint32_t)value[VOLUMES];
+    out->big_endian = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
+    take_geometry(out, number, value[KNOWN] & SPACING, value[KNOWN] & PLACE);
+    return true;
 }
 
-static enum err take_header(struct volume_header *out, struct volume_helper *helper,
-                            const char *line, struct fault *fault)
+/* Takes it, if a file of so many bytes may hold what it claims to. */
+static enum err take_header(struct volume_header *out, struct coprocess *process, const char *line,
+                            struct fault *fault)
 {
-    struct said said = {.size = {0}};
     double number[NUMBERS];
-    if (!receive_header(out, &helper->process, line, &said, number))
-        return coprocess_fault(&helper->process, NULL, NULL, fault);
-    for (int a = 0; a < 3; a++)
-        out->size[a] = (uint32_t)said.size[a];
-    out->volumes = (uint32_t)said.volumes;
-    out->big_endian = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
+    struct grid grid;
+    if (!receive_header(out, process, line, number))
+        return coprocess_fault(process, NULL, NULL, fault);
     if (!voxel_type_named(&out->type, out->type_name))
         snprintf(out->refusal, sizeof out->refusal, "its voxels are %s, which are not read",
                  out->type_name);
-    take_geometry(out, number, said.known & SPACING, said.known & PLACE);
     out->geometry.slope = number[12];
     out->geometry.intercept = number[13];
     if (!isfinite(number[12]) || !isfinite(number[13]) || number[12] == 0)
         return fault_set(fault, ERR_INPUT,
                          "its numbers are scaled by %g and %g; expected finite ones", number[12],
                          number[13]);
-    return OK;
+    const enum err err = grid_init(&grid, out->size, fault);
+    size_t bytes = voxel_bytes(out->type);
+    for (int a = 0; a < 3 && !err; a++)
+        if (!size_multiply(bytes, out->size[a], &bytes))
+            return fault_set(fault, ERR_LIMIT, "its voxels do not fit the memory of any machine");
+    if (!err && bytes > CLAIMED_FREELY && bytes / PACKED_BEST > out->bytes)
+        return fault_set(fault, ERR_INPUT,
+                         "cut short or false: its header claims %zu bytes of voxels, and it has "
+                         "%" PRIu64 " bytes",
+                         bytes, out->bytes);
+    return err;
 }
 
 static enum err read_header(struct volume_header *out, struct volume_source *source,
                             struct fault *fault)
 {
     char line[COPROCESS_LINE];
-    struct volume_helper *helper = NULL;
     const char *kind = kind_of(source);
     if (source->packed)
         return fault_set(fault, ERR_INPUT, "packed by gzip; `gunzip` it first");
@@ -383,31 +392,26 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
         return fault_set(fault, ERR_INPUT,
                          "its reader is a library, and this kernel has no Landlock to keep it to "
                          "this file; `--unconfined` has it read all the same");
-    enum err err = begin(&helper, source->watch, fault);
-    source->helper = helper;
+    enum err err = begin(source, fault);
+    struct volume_helper *helper = (struct volume_helper *)source->decoder;
     if (!err)
         err = make_room(helper, source, fault);
     if (err)
         return err;
-    source->may_be_beside =
-        strcmp(kind, "nrrd") == 0 || strcmp(kind, "meta") == 0 || strcmp(kind, "any") == 0;
-    if (source->is_folder || source->may_be_beside)
+    if (source->is_folder || strcmp(kind, "nrrd") == 0 || strcmp(kind, "meta") == 0 ||
+        strcmp(kind, "any") == 0) /* its voxels may be in another file */
         out->bytes = UINT64_MAX;
     if (!ask(helper, kind, source->path, &out->choice))
         return coprocess_fault(&helper->process, NULL, NULL, fault);
-    err = receive_answer(out, helper, line, fault);
-    if (!err)
-        err = take_header(out, helper, line, fault);
-    return err ? err : check_claim(out, source, fault);
+    err = receive_answer(out, &helper->process, line, fault);
+    return err ? err : take_header(out, &helper->process, line, fault);
 }
 
-/* ---- voxels ---- */
-
 /* Lets it hold the volume, and a second one on its way, and gives it the time for it. */
-static enum err allow(struct volume_helper *helper, const struct volume_header *header,
-                      struct fault *fault)
+static enum err begin_voxels(const struct volume_header *header, struct volume_source *source,
+                             struct fault *fault)
 {
-    struct coprocess *process = &helper->process;
+    struct coprocess *process = &((struct volume_helper *)source->decoder)->process;
     const uint32_t *whole = header->whole;
     const uint64_t bytes =
         (uint64_t)whole[0] * whole[1] * whole[2] * voxel_bytes(header->type) * header->volumes;
@@ -419,45 +423,6 @@ static enum err allow(struct volume_helper *helper, const struct volume_header *
                                                       : coprocess_fault(process, NULL, NULL, fault);
 }
 
-enum err volume_helper_take(struct volume_helper *helper, void *to, size_t length,
-                            struct fault *fault)
-{
-    static const int64_t most = PIECE_MOST;
-    struct coprocess *process = &helper->process;
-    uint8_t *at = to;
-    while (length > 0) {
-        char line[COPROCESS_LINE];
-        int64_t piece;
-        const char *rest = line;
-        if (helper->left == 0) {
-            const enum err err = coprocess_answer(process, line, NULL, NULL, fault);
-            if (err)
-                return err;
-            if (!scan_text(&rest, "piece ") || !coprocess_numbers(rest, 1, &most, &piece)) {
-                coprocess_odd(process);
-                return coprocess_fault(process, NULL, NULL, fault);
-            }
-            helper->left = (uint64_t)piece;
-        }
-        const size_t n = helper->left < length ? (size_t)helper->left : length;
-        if (!coprocess_receive(process, at, n))
-            return coprocess_fault(process, NULL, NULL, fault);
-        at += n;
-        length -= n;
-        helper->left -= n;
-    }
-    return OK;
-}
-
-static enum err read_voxels(struct volume *volume, const struct volume_header *header,
-                            struct volume_source *source, struct watch *watch, struct fault *fault)
-{
-    struct volume_header chosen = *header;
-    chosen.choice.volume = 0; /* it sends no other */
-    const enum err err = allow(source->helper, header, fault);
-    return err ? err : voxels_read(volume, &chosen, source, watch, fault);
-}
-
 extern const struct volume_format helped_format;
 const struct volume_format helped_format = {
     .name = "DICOM, NRRD, MetaImage, MINC, HDF5, MRC, LSM, TIFF, VTK, GIPL, GE, Siemens and Bruker",
@@ -466,5 +431,5 @@ const struct volume_format helped_format = {
     .takes = TAKES_FOLDERS,
     .recognises = recognises,
     .read_header = read_header,
-    .read_voxels = read_voxels,
+    .begin_voxels = begin_voxels,
 };

@@ -45,17 +45,10 @@
 #ifndef IMAGE_VOLUME_HELPER_H
 #define IMAGE_VOLUME_HELPER_H
 
+#include <stdbool.h>
+#include <stdint.h>
+
 #include "base/err.h"
-#include "base/watch.h"
-
-struct volume_helper;
-
-/* The next bytes of the voxels. Watched. */
-enum err volume_helper_take(struct volume_helper *helper, void *to, size_t length,
-                            struct fault *fault);
-
-/* Ends it, whatever it does. NULL is fine. */
-void volume_helper_free(struct volume_helper *helper);
 
 /* For tests: another program, NULL for iftty-volume beside the running one; and how long it may
  * stay silent, apart from a second for each 20 MB of voxels. */

@@ -6,7 +6,7 @@
 
 #include "confine/confine.h"
 #include "base/file.h"
-#include "image/pair.h"
+#include "image/nifti.h"
 
 /* Files that may name others with their voxels, which are to lie beside them. */
 static const char HEADERS_ALONE[] = ".mhd|.nhdr|.h5|.hdf5|.hdf|.ims";

@@ -6,7 +6,7 @@
  *     (T1) for reading, the scene that was given by --scene, and regular files below the folder of
  *          the journal or a folder of scenes ($IFTTY_SCENES): no links that lead out of that
  *          folder, no devices, pipes or sockets; what an absolute name, one with ".." or one with
- *          "~/" names is looked for there by the last part. With one file of a pair (image/pair.h)
+ *          "~/" names is looked for there by the last part. With one file of a pair (image/nifti.h)
  *          the other is read, of which the same holds. A scene may be a folder there (of DICOM,
  *          say), in which links are left alone. What a header names is read below the folder of the
  *          header alone (image/volume_parts.hh), on every kernel. A library reads only where the

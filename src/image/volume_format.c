@@ -1,8 +1,10 @@
-#include "image/voxels.h"
+#include "image/volume_format.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -11,8 +13,6 @@
 #include "base/file_draft.h"
 #include "base/mem.h"
 #include "engine/grid.h"
-#include "image/intensities.h"
-#include "image/part.h"
 
 enum { PACKED_CHUNK = 256 << 10 /* bytes that zlib writes at a time */ };
 
@@ -46,12 +46,50 @@ bool voxel_type_named(enum voxel_type *out, const char *name)
     return false;
 }
 
-static size_t voxels_in(const uint32_t size[3])
+size_t voxels_in(const uint32_t size[3])
 {
     return (size_t)size[0] * size[1] * size[2];
 }
 
+void voxels_reorder(void *value, size_t count, enum voxel_type type, bool big_endian)
+{
+    uint16_t *two = value;
+    uint32_t *four = value;
+    uint64_t *eight = value;
+    if (big_endian == (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__))
+        return;
+    switch (voxel_bytes(type)) {
+    case 2:
+        for (size_t i = 0; i < count; i++)
+            two[i] = (uint16_t)(two[i] << 8 | two[i] >> 8);
+        break;
+    case 4:
+        for (size_t i = 0; i < count; i++)
+            four[i] = __builtin_bswap32(four[i]);
+        break;
+    case 8:
+        for (size_t i = 0; i < count; i++)
+            eight[i] = __builtin_bswap64(eight[i]);
+        break;
+    default:
+        break;
+    }
+}
+
 /* ---- reading ---- */
+
+void volume_note(char notes[VOLUME_NOTES_BYTES], const char *format, ...)
+{
+    const size_t length = strlen(notes), room = VOLUME_NOTES_BYTES - length;
+    va_list arguments;
+    va_start(arguments, format);
+    const int n = vsnprintf(notes + length, room, format, arguments);
+    va_end(arguments);
+    if (n < 0 || (size_t)n + 1 >= room)
+        notes[length] = '\0';
+    else
+        memcpy(notes + length + n, "\n", 2);
+}
 
 enum err voxels_check(const struct volume_header *header, const struct volume_source *source,
                       struct fault *fault)
@@ -79,44 +117,11 @@ void voxels_note_rest(struct volume_header *header, const struct volume_source *
                     source->bytes - end, advice);
 }
 
-static enum err stream_voxels(uint8_t *to, size_t needed, uint64_t offset,
-                              struct volume_source *source, struct watch *watch,
-                              struct fault *fault)
+void volume_release(struct volume *volume)
 {
-    enum err err = source_go_to(source, offset, "the extensions of its header", fault);
-    if (!err)
-        err = source_read(source, to, needed, "the voxels", watch, fault);
-    return err ? err : source_finish(source, fault);
-}
-
-enum err voxels_read(struct volume *volume, const struct volume_header *header,
-                     struct volume_source *source, struct watch *watch, struct fault *fault)
-{
-    const size_t count = voxels_in(header->size), needed = count * voxel_bytes(header->type);
-    const size_t held = count * sizeof(uint16_t);
-    const size_t volume_bytes = voxels_in(header->whole) * voxel_bytes(header->type);
-    const size_t offset = (size_t)header->offset + header->choice.volume * volume_bytes;
-    const size_t wide = needed > held ? needed : held, lead = wide - needed;
-    if (wide > mem_available())
-        return fault_set(fault, ERR_MEMORY, "%zu MB of voxels; this machine has %zu MB left",
-                         wide >> 20, mem_available() >> 20);
-    uint8_t *voxels = mem_array(wide, 1);
-    if (!voxels)
-        return fault_memory(fault, "the voxels");
-    volume->intensity = (uint16_t *)(void *)voxels;
-    enum err err = part_is_less(header)
-                       ? part_read(voxels + lead, header, offset, source, watch, fault)
-                       : stream_voxels(voxels + lead, needed, offset, source, watch, fault);
-    if (!err)
-        err = intensities_make(volume, header, watch, fault);
-    if (!err)
-        err = watch_fault(watch, fault);
-    if (!err && wide > held) {
-        void *smaller = realloc(voxels, held);
-        if (smaller)
-            volume->intensity = smaller;
-    }
-    return err;
+    free(volume->intensity);
+    free(volume->levels);
+    *volume = (struct volume){0};
 }
 
 /* ---- writing ---- */
@@ -145,7 +150,7 @@ static bool put_rows(gzFile gz, const char *path, const struct volume_map *map, 
     for (uint32_t z = 0; z < map->size[2]; z++)
         for (uint32_t y = 0; y < map->size[1]; y++) {
             map->row(map->context, y, z, values);
-            intensities_reorder(values, map->size[0], map->type, false);
+            voxels_reorder(values, map->size[0], map->type, false);
             if (!put(gz, path, values, bytes) || !task_advance(&task, bytes))
                 return false;
         }

@@ -1,4 +1,4 @@
-#include "image/intensities.h"
+#include "image/quantise.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -6,42 +6,289 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "image/outliers.h"
-#include "image/voxels.h"
 
 enum { PIECE = 1 << 16 /* values between two looks at the watch */ };
+enum { DIGIT = 16 /* bits */, OUTLIERS_ROOM = 1 << DIGIT /* a count of each */ };
 static const double DOUBLE_EXACT = 9007199254740992; /* whole numbers up to here */
 
-/* ---- byte order ---- */
+/* ---- orders ----
+ *
+ * The numbers of a file as unsigned whole numbers that rise as they do, so that what is asked of
+ * their order alone (the least, the thousandth) is answered without floating point. Numbers that
+ * are equal have equal orders; what is no number, or infinite, has none. */
 
-static void swap_16(uint16_t *value, size_t count)
+/* Above every finite real number; of whole ones, the greatest of uint64 has it. */
+#define ORDER_NONE UINT64_MAX
+
+static inline bool order_is_real(enum voxel_type type)
 {
-    for (size_t i = 0; i < count; i++)
-        value[i] = (uint16_t)(value[i] << 8 | value[i] >> 8);
+    return type == VOXEL_FLOAT32 || type == VOXEL_FLOAT64;
 }
 
-static void swap_32(uint32_t *value, size_t count)
+/* The order of 0. */
+static inline uint64_t order_zero(enum voxel_type type)
 {
-    for (size_t i = 0; i < count; i++)
-        value[i] = __builtin_bswap32(value[i]);
+    return type == VOXEL_UINT32 || type == VOXEL_UINT64 ? 0
+           : type == VOXEL_FLOAT32                      ? UINT64_C(1) << 31
+                                                        : UINT64_C(1) << 63;
 }
 
-static void swap_64(uint64_t *value, size_t count)
+static inline double real_at(const uint8_t *at, bool is_double)
 {
-    for (size_t i = 0; i < count; i++)
-        value[i] = __builtin_bswap64(value[i]);
+    double wide;
+    float narrow;
+    if (is_double) {
+        memcpy(&wide, at, sizeof wide);
+        return wide;
+    }
+    memcpy(&narrow, at, sizeof narrow);
+    return (double)narrow;
 }
 
-void intensities_reorder(void *value, size_t count, enum voxel_type type, bool big_endian)
+/* Of a number that a real type has. */
+static inline uint64_t order_of_real(double value, enum voxel_type type)
 {
-    if (big_endian == (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__))
-        return;
-    if (voxel_bytes(type) == 2)
-        swap_16(value, count);
-    if (voxel_bytes(type) == 4)
-        swap_32(value, count);
-    if (voxel_bytes(type) == 8)
-        swap_64(value, count);
+    uint64_t bits;
+    uint32_t few;
+    if (!isfinite(value))
+        return ORDER_NONE;
+    if (type == VOXEL_FLOAT32) {
+        const float narrow = (float)value + 0.0F; /* -0 is 0 */
+        memcpy(&few, &narrow, sizeof few);
+        return few >> 31 ? ~few : few | UINT32_C(1) << 31;
+    }
+    value += 0.0;
+    memcpy(&bits, &value, sizeof bits);
+    return bits >> 63 ? ~bits : bits | UINT64_C(1) << 63;
+}
+
+/* Of the number at `at`, of 4 or 8 bytes. */
+static inline uint64_t order_at(const uint8_t *at, enum voxel_type type)
+{
+    uint64_t wide;
+    uint32_t narrow;
+    if (order_is_real(type))
+        return order_of_real(real_at(at, type == VOXEL_FLOAT64), type);
+    if (type == VOXEL_INT64 || type == VOXEL_UINT64) {
+        memcpy(&wide, at, sizeof wide);
+        return wide ^ order_zero(type);
+    }
+    memcpy(&narrow, at, sizeof narrow);
+    return type == VOXEL_INT32 ? (uint64_t)(int64_t)(int32_t)narrow ^ order_zero(type) : narrow;
+}
+
+/* The number of an order, or what is nearest to it in double precision. */
+static inline double order_number(uint64_t order, enum voxel_type type)
+{
+    const uint64_t zero = order_zero(type);
+    if (!order_is_real(type))
+        return order < zero ? -(double)(zero - order) : (double)(order - zero);
+    const uint64_t bits = order >= zero ? order ^ zero : ~order;
+    const uint32_t few = (uint32_t)bits;
+    double value;
+    float narrow;
+    memcpy(&value, &bits, sizeof value);
+    memcpy(&narrow, &few, sizeof narrow);
+    return type == VOXEL_FLOAT32 ? (double)narrow : value;
+}
+
+/* Numbers of 4 or 8 bytes, in the order of this machine. */
+struct numbers {
+    const uint8_t *at;
+    size_t count;
+    enum voxel_type type;
+    size_t odd;               /* of them, so many have no order */
+    uint64_t least, greatest; /* orders of the ends of their range; `least` is that of 0, which odd
+                                 ones are taken for, where no number is below */
+};
+
+/* ---- outliers ----
+ *
+ * Whether a few numbers, far from all others, take the levels that the others need.
+ *
+ * A pure function of how often each number occurs: ranks of numbers and comparisons of their
+ * differences, no sum, so that neither the order of voxels nor the machine matters.
+ *
+ * T(k) is the range that is left when the least and the greatest number, however often they occur
+ * (fill values, say), and k more voxels at each end are put aside; n is the number of voxels that
+ * are numbers.
+ *
+ *     k = 8, or n / 2^20 if that is more, or n / 128 if that is less than 8
+ *     the core is what T(k) is the range of; T(k) is to be above 0, and at most half of all
+ *     k becomes 8 k, and the core with it, as long as that is at most n / 128, and T(8 k) is above
+ *     0, at most a half and at least a 32nd of T(k): a tail that thins out, as quotients have
+ *     outliers take the levels of others where T(k) is less than a 16th of all in the end: 4096
+ *     levels, as CT has, would be left
+ *
+ * So what is put aside is very few voxels, or a tail without an end of its own. An object that is
+ * bright as nothing else is stays within the scale, whatever is around it: beyond its own values
+ * T falls at once, which is no tail. */
+
+/* The first test; that of each further one, and of how many voxels it may be at most. */
+enum { ASIDE_LEAST = 8, ASIDE_SHARE = 20, MORE = 8, MOST_SHARE = 128 };
+enum { THINS_OUT = 2, FALLS_OFF = 32, TAKES_LEVELS = 16 };
+
+/* How often the ends of the range occur. */
+static void count_extremes(size_t out[2], const struct numbers *n, struct watch *watch)
+{
+    const unsigned width = voxel_bytes(n->type);
+    struct task task = task_begin(watch, "outliers", n->count);
+    out[0] = out[1] = 0;
+    for (size_t i = 0, end; i < n->count && task_advance(&task, PIECE); i = end)
+        for (end = i + PIECE < n->count ? i + PIECE : n->count; i < end; i++) {
+            const uint64_t order = order_at(n->at + width * i, n->type);
+            out[0] += order == n->least;
+            out[1] += order == n->greatest;
+        }
+}
+
+static void count_digits(uint64_t *room, const struct numbers *n, unsigned shift, uint64_t above,
+                         struct watch *watch)
+{
+    const unsigned width = voxel_bytes(n->type);
+    const uint64_t range = n->greatest - n->least;
+    struct task task = task_begin(watch, "outliers", n->count);
+    memset(room, 0, OUTLIERS_ROOM * sizeof *room);
+    for (size_t i = 0, end; i < n->count && task_advance(&task, PIECE); i = end)
+        for (end = i + PIECE < n->count ? i + PIECE : n->count; i < end; i++) {
+            const uint64_t key = order_at(n->at + width * i, n->type) - n->least;
+            if (key <= range && key >> shift >> DIGIT == above)
+                room[key >> shift & (OUTLIERS_ROOM - 1)]++;
+        }
+}
+
+/* The order that so many voxels precede, digit by digit. */
+static uint64_t order_of_rank(const struct numbers *n, size_t rank, uint64_t *room,
+                              struct watch *watch)
+{
+    uint64_t above = 0;
+    unsigned shift = 0;
+    while ((n->greatest - n->least) >> shift >> DIGIT)
+        shift += DIGIT;
+    for (;; shift -= DIGIT) {
+        uint64_t digit = 0;
+        count_digits(room, n, shift, above, watch);
+        for (; digit + 1 < OUTLIERS_ROOM && rank >= room[digit]; digit++)
+            rank -= room[digit];
+        above = above << DIGIT | digit;
+        if (shift == 0)
+            return n->least + above;
+    }
+}
+
+/* Half of a difference, which no double is too wide for. */
+static double half_width(const struct numbers *n, const uint64_t order[2])
+{
+    if (!order_is_real(n->type))
+        return (double)(order[1] - order[0]) / 2;
+    return order_number(order[1], n->type) / 2 - order_number(order[0], n->type) / 2;
+}
+
+/* Enough for most scenes, and found before all of it was looked at: more voxels than are put aside
+ * lie within the lowest 16th of the range, and as many within the highest two fifths. */
+static bool is_spread(const struct numbers *n, size_t aside, struct watch *watch)
+{
+    const unsigned width = voxel_bytes(n->type);
+    const uint64_t ends[2] = {n->least, n->greatest};
+    const double least = order_number(n->least, n->type) / 2, range = half_width(n, ends);
+    const double greatest = order_number(n->greatest, n->type) / 2;
+    const double low = least + range / 16, high = greatest - range * 2 / 5;
+    struct task task = task_begin(watch, "outliers", n->count);
+    size_t below = 0, above = 0;
+    for (size_t i = 0, end; i < n->count && task_advance(&task, PIECE); i = end) {
+        for (end = i + PIECE < n->count ? i + PIECE : n->count; i < end; i++) {
+            const uint8_t *at = n->at + width * i;
+            const double half = order_is_real(n->type)
+                                    ? real_at(at, n->type == VOXEL_FLOAT64) / 2
+                                    : order_number(order_at(at, n->type), n->type) / 2;
+            below += half > least && half <= low;
+            above += half >= high && half < greatest;
+        }
+        if (below > aside && above > aside)
+            return true;
+    }
+    return false;
+}
+
+/* Puts an order into a list that ascends, in place of the last one; of falling orders where
+ * `flip` has all bits. */
+static void insert(uint64_t *list, size_t last, uint64_t order, uint64_t flip)
+{
+    size_t i = last;
+    for (; i > 0 && (list[i - 1] ^ flip) > (order ^ flip); i--)
+        list[i] = list[i - 1];
+    list[i] = order;
+}
+
+/* What T(k) is the range of, for the first, small k; false where nothing is left of it. */
+static bool put_first_aside(uint64_t core[2], const struct numbers *n, size_t k, uint64_t *room,
+                            struct watch *watch)
+{
+    const unsigned width = voxel_bytes(n->type);
+    uint64_t *lowest = room, *highest = room + k + 1;
+    struct task task = task_begin(watch, "outliers", n->count);
+    size_t between = 0;
+    for (size_t i = 0; i <= k; i++) {
+        lowest[i] = n->greatest;
+        highest[i] = n->least;
+    }
+    for (size_t i = 0, end; i < n->count && task_advance(&task, PIECE); i = end)
+        for (end = i + PIECE < n->count ? i + PIECE : n->count; i < end; i++) {
+            const uint64_t order = order_at(n->at + width * i, n->type);
+            if (order <= n->least || order >= n->greatest)
+                continue;
+            between++;
+            if (order < lowest[k])
+                insert(lowest, k, order, 0);
+            if (order > highest[k])
+                insert(highest, k, order, UINT64_MAX);
+        }
+    core[0] = lowest[k];
+    core[1] = highest[k];
+    return between > 2 * k && core[0] < core[1];
+}
+
+/* The same for any k, by ranks. */
+static bool put_aside(uint64_t core[2], const struct numbers *n, const size_t extreme[2], size_t k,
+                      uint64_t *room, struct watch *watch)
+{
+    const size_t count = n->count - n->odd;
+    if (extreme[0] + k >= count || extreme[1] + k >= count - extreme[0] - k)
+        return false;
+    core[0] = order_of_rank(n, extreme[0] + k, room, watch);
+    core[1] = order_of_rank(n, count - 1 - extreme[1] - k, room, watch);
+    return core[0] < core[1];
+}
+
+/* Whether outliers take the levels of the others, whose orders are core[0] .. core[1] then. `room`
+ * is [OUTLIERS_ROOM], for the work. Of no use where the watch (or NULL) stopped it. */
+static bool find_outliers(uint64_t core[2], const struct numbers *n, uint64_t *room,
+                          struct watch *watch)
+{
+    const size_t count = n->count - n->odd, most = count / MOST_SHARE;
+    const size_t share = count >> ASIDE_SHARE;
+    const uint64_t ends[2] = {n->least, n->greatest};
+    uint64_t next[2];
+    size_t extreme[2];
+    size_t k = share > ASIDE_LEAST ? share : most < ASIDE_LEAST ? most : ASIDE_LEAST;
+    if (n->least == n->greatest || is_spread(n, k, watch) ||
+        !put_first_aside(core, n, k, room, watch))
+        return false;
+    double width = half_width(n, core);
+    const double all = half_width(n, ends);
+    if (width > all / THINS_OUT)
+        return false;
+    count_extremes(extreme, n, watch);
+    for (k *= MORE; k > 0 && k <= most; k *= MORE) {
+        if (!put_aside(next, n, extreme, k, room, watch))
+            break;
+        const double less = half_width(n, next);
+        if (less > width / THINS_OUT || less < width / FALLS_OFF)
+            break;
+        memcpy(core, next, sizeof next);
+        width = less;
+    }
+    return width < all / TAKES_LEVELS;
 }
 
 /* ---- 8 and 16 bits ---- */
@@ -141,8 +388,8 @@ static enum err want_levels(struct fitting *f)
 }
 
 /* Whether the scale is cut, to a core then. */
-static enum err find_outliers(bool *is_clamped, uint64_t core[2], const struct fitting *f,
-                              const struct numbers *numbers)
+static enum err look_for_outliers(bool *is_clamped, uint64_t core[2], const struct fitting *f,
+                                  const struct numbers *numbers)
 {
     *is_clamped = false;
     if (f->volume->choice.by_extremes)
@@ -150,7 +397,7 @@ static enum err find_outliers(bool *is_clamped, uint64_t core[2], const struct f
     uint64_t *room = mem_array(OUTLIERS_ROOM, sizeof *room);
     if (!room)
         return fault_memory(f->fault, "the scale of the scene");
-    *is_clamped = outliers_find(core, numbers, room, f->task->watch);
+    *is_clamped = find_outliers(core, numbers, room, f->task->watch);
     free(room);
     return OK;
 }
@@ -229,7 +476,7 @@ static enum err fit_whole(struct way_back *back, struct fitting *f)
     uint64_t core[2];
     enum err err = OK;
     if (steps.step > 1) {
-        err = find_outliers(&is_clamped, core, f, &numbers);
+        err = look_for_outliers(&is_clamped, core, f, &numbers);
         if (!err && is_clamped)
             steps = steps_around(core, &numbers);
         if (!err)
@@ -388,7 +635,7 @@ static enum err find_line(struct line *line, const struct extent *extent, struct
     }
     if (range == 0 || f->volume->choice.by_extremes)
         return OK;
-    enum err err = find_outliers(&is_clamped, core, f, &numbers);
+    enum err err = look_for_outliers(&is_clamped, core, f, &numbers);
     if (!err)
         err = want_levels(f);
     if (!err && is_clamped) {
@@ -489,10 +736,10 @@ static void note_levels(struct volume *volume)
 
 /* ---- all ---- */
 
-enum err intensities_make(struct volume *volume, const struct volume_header *header,
-                          struct watch *watch, struct fault *fault)
+enum err quantise(struct volume *volume, const struct volume_header *header, struct watch *watch,
+                  struct fault *fault)
 {
-    const size_t count = (size_t)header->size[0] * header->size[1] * header->size[2];
+    const size_t count = voxels_in(header->size);
     const enum voxel_type type = header->type;
     const unsigned width = voxel_bytes(type);
     struct task task = task_begin(watch, "intensities", 3 * (uint64_t)count);
@@ -502,7 +749,7 @@ enum err intensities_make(struct volume *volume, const struct volume_header *hea
     enum err err = OK;
     for (size_t i = 0, n; i < count && task_advance(&task, PIECE); i += n) {
         n = count - i < PIECE ? count - i : PIECE;
-        intensities_reorder(at + i * width, n, type, header->big_endian);
+        voxels_reorder(at + i * width, n, type, header->big_endian);
     }
     if (width == 1)
         widen_bytes(volume->intensity, count, type == VOXEL_INT8, &task);

@@ -1,5 +1,5 @@
 /*
- * Intensities: the numbers of a file as the 16 bits that a scene holds, and the way back.
+ * Quantisation: the numbers of a file as the 16 bits that a scene holds, and the way back.
  *
  *     uint8, uint16     as they are
  *     int8, int16       less the least value found, where that is negative
@@ -11,8 +11,8 @@
  *                       constant image is 0 everywhere); a voxel that is no number or infinite has
  *                       the least value, or 0 where none is below; they are counted in a note
  *
- * Where a few numbers far from all others would take the levels of those (image/outliers.h says
- * when), the scale is linear over the rest, and what lies beyond it is put to its ends, counted in
+ * Where a few numbers far from all others would take the levels of those (which is when, is in
+ * quantise.c), the scale is linear over the rest, and what lies beyond it is put to its ends, counted in
  * a note:
  *
  *     core              the rest, low .. high; W = high - low
@@ -24,19 +24,16 @@
  * With choice.by_extremes no scale is cut, and no real number taken for a whole one, unless
  * choice.whole_are_exact.
  */
-#ifndef IMAGE_INTENSITIES_H
-#define IMAGE_INTENSITIES_H
+#ifndef IMAGE_QUANTISE_H
+#define IMAGE_QUANTISE_H
 
-#include "image/volume.h"
+#include "image/volume_format.h"
 
 /* Turns the numbers at volume->intensity, of header->type and in its byte order, into intensities
  * in their place; of one byte a voxel they stand in the upper half of the array. Slope and
  * intercept of the volume lead to what header->geometry's make of the numbers. Watched: of no use
  * where the watch (or NULL) stops it. ERR_MEMORY. */
-enum err intensities_make(struct volume *volume, const struct volume_header *header,
-                          struct watch *watch, struct fault *fault);
-
-/* Between the order of this machine and that of a file, in place. */
-void intensities_reorder(void *value, size_t count, enum voxel_type type, bool big_endian);
+enum err quantise(struct volume *volume, const struct volume_header *header, struct watch *watch,
+                  struct fault *fault);
 
 #endif
