@@ -12,7 +12,7 @@
 #include "confine/confine_calls.h"
 #include "base/file.h"
 #include "base/mem.h"
-#include "image/helper.h"
+#include "image/image_helper.h"
 #include "image/volume.h"
 #include "image/volume_helper.h"
 

@@ -12,7 +12,7 @@
 #include "base/file.h"
 #include "base/mem.h"
 #include "image/exr.h"
-#include "image/helper.h"
+#include "image/image_helper.h"
 
 static char folder[FOLDER_LENGTH];
 static struct image_helper *helper;

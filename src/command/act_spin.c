@@ -9,7 +9,7 @@
 #include "base/hash.h"
 #include "base/least.h"
 #include "image/exr.h"
-#include "image/helper.h"
+#include "image/image_helper.h"
 #include "render/fit.h"
 #include "show/decorating.h"
 #include "report/export.h"

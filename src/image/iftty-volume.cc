@@ -7,16 +7,13 @@
  * header names, or that may lie beside it). A decoder that crashes takes only this process along.
  *
  *     volume_answer.cc   the answers, and how reading ends
- *     volume_names.cc    files that headers of text name
- *     volume_sources.cc  files that data sets of HDF5 name
- *     volume_itk.cc      the formats of ITK
+ *     volume_names.cc    headers of text, and the files that they name
+ *     volume_itk.cc      the formats of ITK, and slices as pictures
  *     volume_bytes.cc    whether a file has the bytes that its header promises
- *     volume_hdf5.cc     data sets of HDF5
- *     volume_slice.cc    what DICOM says of a slice
- *     volume_pixels.cc   the pixels of a file
- *     volume_mosaic.cc   slices that lie side by side in one picture
- *     volume_choice.cc   which series of a folder
- *     volume_series.cc   the slices of a series
+ *     volume_hdf5.cc     data sets of HDF5, and the files that they name
+ *     volume_dicom.cc    what DICOM says of slices, and the images of a mosaic
+ *     volume_pixels.cc   the pixels of a file of DICOM
+ *     volume_series.cc   which series of a folder, and its slices in their places
  *     volume_folder.cc   folders of slices
  */
 #include <cstdlib>

@@ -74,11 +74,7 @@ static enum err write(const char *path, enum file_mode mode, const struct volume
 {
     struct buf header = {0};
     write_header(&header, map);
-    const enum err err = header.failed ? fault_memory(fault, "the header of a volume")
-                                       : voxels_write(path, mode, header.data, header.length,
-                                                      PACKED_NOT, map, watch, fault);
-    buf_release(&header);
-    return err;
+    return voxels_write(path, mode, &header, PACKED_NOT, map, watch, fault);
 }
 
 extern const struct volume_format metaimage_format;

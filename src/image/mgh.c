@@ -26,6 +26,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/buf.h"
 #include "engine/grid.h"
 #include "image/volume_format.h"
 
@@ -213,18 +214,13 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
 
 /* ---- writing ---- */
 
-/* In single precision: spacing as it was read, where that is what the matrix says. */
-static double step_mm(const struct geometry *geometry, int a)
-{
-    const double step = geometry_step_mm(geometry, a), said = geometry->spacing_nm[a] / 1e6;
-    return (double)(float)(fabs(step - said) <= 1e-6 * step ? said : step);
-}
-
 static void put_place(uint8_t *bytes, const struct geometry *geometry, const uint32_t size[3])
 {
     double number[NUMBERS] = {0};
-    for (int a = 0; a < 3; a++)
-        number[a] = step_mm(geometry, a);
+    for (int a = 0; a < 3; a++) { /* in single precision; as it was read, where the matrix agrees */
+        const double step = geometry_step_mm(geometry, a), said = geometry->spacing_nm[a] / 1e6;
+        number[a] = (double)(float)(fabs(step - said) <= 1e-6 * step ? said : step);
+    }
     for (int w = 0; w < 3; w++) {
         number[MIDDLE + w] = geometry->to_mm[w][3];
         for (int a = 0; a < 3; a++) {
@@ -256,6 +252,7 @@ static enum err write(const char *path, enum file_mode mode, const struct volume
 {
     uint8_t bytes[HEADER_BYTES] = {0};
     struct volume_map written = *map, narrow = *map;
+    struct buf header = {0};
     if (map->type == VOXEL_UINT32)
         return fault_set(fault, ERR_USAGE,
                          "cannot write %s: FreeSurfer's files hold no numbers up to 4294967295; "
@@ -271,7 +268,8 @@ static enum err write(const char *path, enum file_mode mode, const struct volume
         put_int(bytes + SIZE_AT + 4 * a, a < 3 ? (int32_t)map->size[a] : 1);
     put_int(bytes + TYPE_AT, map->type == VOXEL_UINT8 ? UINT8 : INT32);
     put_place(bytes, map->geometry, map->size);
-    return voxels_write(path, mode, bytes, sizeof bytes,
+    buf_add(&header, bytes, sizeof bytes);
+    return voxels_write(path, mode, &header,
                         file_is_named(path, ".mgh") ? PACKED_NOT : PACKED_WHOLE, &written, watch,
                         fault);
 }

@@ -196,26 +196,6 @@ static bool intensity_of_zero(uint16_t *zero, const struct geometry *geometry)
     return fabs(geometry_value(geometry, *zero)) <= fabs(geometry->slope) / 2;
 }
 
-static enum err resample_all(struct volume *map, uint16_t *out, const uint32_t size[3],
-                             const struct way *way, struct watch *watch, struct fault *fault)
-{
-    struct task task = task_begin(watch, "resampling", (uint64_t)size[0] * size[1] * size[2]);
-    size_t beyond = 0;
-    uint16_t zero = 0;
-    const bool has_zero = intensity_of_zero(&zero, &map->geometry);
-    for (uint32_t z = 0; z < size[2]; z++)
-        for (uint32_t y = 0; y < size[1] && task_advance(&task, size[0]); y++, out += size[0])
-            beyond += resample_row(out, map, zero, way, size[0], y, z);
-    if (beyond && !has_zero)
-        return fault_set(fault, ERR_INPUT,
-                         "%zu voxels of the scene lie outside the map, which has no value 0 for "
-                         "them; nothing has changed",
-                         beyond);
-    if (beyond)
-        volume_note(map->notes, "%zu voxels of the scene lie outside the map: 0 there", beyond);
-    return watch_fault(watch, fault);
-}
-
 /* The map's voxels are of another number now, in another place. */
 static void take(struct volume *map, uint16_t *intensity, const uint32_t size[3],
                  const struct geometry *scene)
@@ -239,10 +219,23 @@ static enum err resample_map(struct volume *map, uint16_t *out, const uint32_t s
         return fault_set(fault, ERR_INPUT,
                          "the map and the scene lie too far apart, or their voxels differ too much "
                          "in size, to be resampled; nothing has changed");
-    const enum err err = resample_all(map, out, size, &way, watch, fault);
+    struct task task = task_begin(watch, "resampling", (uint64_t)size[0] * size[1] * size[2]);
+    size_t beyond = 0;
+    uint16_t zero = 0;
+    const bool has_zero = intensity_of_zero(&zero, &map->geometry);
+    for (uint32_t z = 0; z < size[2]; z++)
+        for (uint32_t y = 0; y < size[1] && task_advance(&task, size[0]); y++, out += size[0])
+            beyond += resample_row(out, map, zero, &way, size[0], y, z);
+    if (beyond && !has_zero)
+        return fault_set(fault, ERR_INPUT,
+                         "%zu voxels of the scene lie outside the map, which has no value 0 for "
+                         "them; nothing has changed",
+                         beyond);
+    if (beyond)
+        volume_note(map->notes, "%zu voxels of the scene lie outside the map: 0 there", beyond);
     volume_note(map->notes, "resampled from %ux%ux%u voxels by the nearest", map->size[0],
                 map->size[1], map->size[2]);
-    return err;
+    return watch_fault(watch, fault);
 }
 
 static enum err reorder_map(struct volume *map, uint16_t *out, const uint32_t size[3],

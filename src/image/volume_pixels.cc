@@ -242,11 +242,32 @@ bool read_packed(std::vector<char> &bytes, const Slice &slice)
     return true;
 }
 
+/* The pixels of a mosaic, image after image. */
+void split_mosaic(std::vector<char> &bytes, const Slice &slice)
+{
+    const size_t width = slice.bits / 8, row = slice.columns * width, image = row * slice.rows;
+    std::vector<char> split(bytes.size());
+    for (size_t i = 0; i < slice.frames; i++) {
+        const size_t corner = i / slice.tiles * image * slice.tiles + i % slice.tiles * row;
+        for (size_t y = 0; y < slice.rows; y++)
+            std::memcpy(&split[i * image + y * row], &bytes[corner + y * row * slice.tiles], row);
+        /* What is left of the square is blank: where it is not, there are more than is said. */
+        for (size_t at = width; i >= slice.images && at < image; at += width)
+            if (std::memcmp(&split[i * image], &split[i * image + at], width) != 0)
+                refuse("a mosaic that holds more images than its private header says");
+    }
+    bytes.swap(split);
+}
+
 bool read_pixels(std::vector<char> &bytes, const Slice &slice)
 {
     if (slice.samples != 1 || (slice.bits != 8 && slice.bits != 16 && slice.bits != 32))
         return false;
-    return slice.is_packed ? read_packed(bytes, slice) : read_plain(bytes, slice);
+    if (!(slice.is_packed ? read_packed(bytes, slice) : read_plain(bytes, slice)))
+        return false;
+    if (slice.tiles > 1)
+        split_mosaic(bytes, slice);
+    return true;
 }
 
 void check_pixels(Volume &volume, const std::vector<Slice> &slices)

@@ -32,13 +32,15 @@
  * (wire.hh). Nothing here ever raises SIGPIPE or waits without end: a helper that is silent for
  * image_helper_patience_ms is ended.
  */
-#ifndef IMAGE_HELPER_H
-#define IMAGE_HELPER_H
+#ifndef IMAGE_IMAGE_HELPER_H
+#define IMAGE_IMAGE_HELPER_H
 
 #include "base/buf.h"
 #include "base/err.h"
 #include "base/file.h"
 #include "image/picture.h"
+
+#define IMAGE_HELPER "iftty-image" /* the program, beside the running one */
 
 struct image_helper;
 
@@ -116,9 +118,6 @@ struct image_facts {
 enum err image_helper_about(struct image_helper *helper, const char *path, struct image_facts *out,
                             struct fault *fault);
 void image_facts_release(struct image_facts *facts);
-
-/* The path of iftty-image beside the running program. */
-enum err image_helper_default_program(struct buf *out, struct fault *fault);
 
 /* How long a helper may stay silent; tests wait less. */
 extern int image_helper_patience_ms;

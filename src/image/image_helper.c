@@ -1,4 +1,4 @@
-#include "image/helper.h"
+#include "image/image_helper.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,8 +9,6 @@
 #include "base/scan.h"
 #include "image/coprocess.h"
 #include "image/exr.h"
-
-static const char PROGRAM[] = "iftty-image";
 
 enum {
     PATH_MOST = 4096,
@@ -34,7 +32,7 @@ enum err image_helper_new(struct image_helper **out, const char *program, struct
     *out = NULL;
     if (!helper)
         return fault_memory(fault, "the image helper");
-    const enum err err = coprocess_init(&helper->process, PROGRAM, program, fault);
+    const enum err err = coprocess_init(&helper->process, IMAGE_HELPER, program, fault);
     helper->process.kind = "the image helper";
     helper->process.hint = " (.exr works without it)";
     if (err)
@@ -76,14 +74,6 @@ static bool transmit_notes(struct image_helper *helper, const struct picture *pi
     return true;
 }
 
-/* RGB over black: what is transparent fades. */
-static void fade_pixels(uint8_t *rgb, const uint8_t *rgba, size_t pixels)
-{
-    for (size_t i = 0; i < pixels; i++)
-        for (size_t c = 0; c < 3; c++)
-            rgb[3 * i + c] = (uint8_t)((rgba[4 * i + c] * rgba[4 * i + 3] + 127) / 255);
-}
-
 static bool transmit_pixels(struct image_helper *helper, const struct picture *picture,
                             unsigned channels, uint8_t *piece)
 {
@@ -92,7 +82,10 @@ static bool transmit_pixels(struct image_helper *helper, const struct picture *p
         return coprocess_transmit(&helper->process, picture->rgba, 4 * pixels);
     for (size_t done = 0; done < pixels;) {
         size_t n = pixels - done < SEND_PIECE / 3 ? pixels - done : SEND_PIECE / 3;
-        fade_pixels(piece, picture_colours(picture) + 4 * done, n);
+        const uint8_t *rgba = picture_colours(picture) + 4 * done;
+        for (size_t i = 0; i < n; i++)
+            for (size_t c = 0; c < 3; c++) /* over black: what is transparent fades */
+                piece[3 * i + c] = (uint8_t)((rgba[4 * i + c] * rgba[4 * i + 3] + 127) / 255);
         if (!coprocess_transmit(&helper->process, piece, 3 * n))
             return false;
         done += n;
@@ -132,26 +125,6 @@ static void forget(struct image_movie *movie)
     *movie = (struct image_movie){0};
 }
 
-static enum err request_writing(const struct image_movie *movie, const struct picture *like,
-                                unsigned frames, unsigned delay_ms, struct fault *fault)
-{
-    struct image_helper *helper = movie->helper;
-    const char *path = buf_text(&movie->draft);
-    char line[COPROCESS_LINE];
-    enum err err = check_request("write", path, like, fault);
-    if (!err)
-        err = image_helper_start(helper, fault);
-    if (err)
-        return err;
-    int length =
-        snprintf(line, sizeof line, "write %zu %u %u %zu %u %u %u\n", strlen(path), like->width,
-                 like->height, like->attributes, frames, delay_ms, movie->channels);
-    if (!coprocess_transmit(&helper->process, line, (size_t)length) ||
-        !coprocess_transmit(&helper->process, path, strlen(path)) || !transmit_notes(helper, like))
-        return coprocess_fault(&helper->process, "write", movie->path, fault);
-    return OK;
-}
-
 enum err image_movie_begin(struct image_movie *movie, struct image_helper *helper, const char *path,
                            enum file_mode mode, const struct picture *like, unsigned frames,
                            unsigned delay_ms, struct fault *fault)
@@ -165,9 +138,22 @@ enum err image_movie_begin(struct image_movie *movie, struct image_helper *helpe
                          path);
     *movie = (struct image_movie){
         .helper = helper, .path = path, .mode = mode, .channels = has_alpha ? 4 : 3};
+    struct coprocess *process = &helper->process;
+    char line[COPROCESS_LINE];
     enum err err = file_draft(&movie->draft, path, mode, fault);
+    const char *draft = buf_text(&movie->draft);
     if (!err)
-        err = request_writing(movie, like, frames, delay_ms, fault);
+        err = check_request("write", draft, like, fault);
+    if (!err)
+        err = image_helper_start(helper, fault);
+    if (!err) {
+        const int length = snprintf(line, sizeof line, "write %zu %u %u %zu %u %u %u\n",
+                                    strlen(draft), like->width, like->height, like->attributes,
+                                    frames, delay_ms, movie->channels);
+        if (!coprocess_transmit(process, line, (size_t)length) ||
+            !coprocess_transmit(process, draft, strlen(draft)) || !transmit_notes(helper, like))
+            err = coprocess_fault(process, "write", path, fault);
+    }
     if (err)
         forget(movie);
     return err;
@@ -325,15 +311,6 @@ enum err image_helper_read(struct image_helper *helper, const char *path, struct
     return err;
 }
 
-static enum err receive_word(struct image_helper *helper, char **out, size_t length,
-                             struct fault *fault)
-{
-    *out = calloc(length + 1, 1);
-    if (!*out)
-        return fault_memory(fault, "what a picture is");
-    return coprocess_receive(&helper->process, *out, length) ? OK : ERR_IO;
-}
-
 static enum err receive_facts(struct image_helper *helper, const char *line, void *facts,
                               struct fault *fault)
 {
@@ -351,8 +328,14 @@ static enum err receive_facts(struct image_helper *helper, const char *line, voi
     out->frames = (unsigned)number[2];
     char **const word[3] = {&out->format, &out->type, &out->channels};
     enum err err = OK;
-    for (int i = 0; i < 3 && !err; i++)
-        err = receive_word(helper, word[i], (size_t)number[4 + i], fault);
+    for (int i = 0; i < 3 && !err; i++) {
+        const size_t length = (size_t)number[4 + i];
+        *word[i] = calloc(length + 1, 1);
+        if (!*word[i])
+            err = fault_memory(fault, "what a picture is");
+        else if (!coprocess_receive(&helper->process, *word[i], length))
+            err = ERR_IO;
+    }
     for (int64_t i = 0; i < number[3] && !err; i++)
         err = receive_note(helper, &out->picture, fault);
     return err;
@@ -375,9 +358,4 @@ void image_facts_release(struct image_facts *facts)
     free(facts->type);
     free(facts->channels);
     *facts = (struct image_facts){0};
-}
-
-enum err image_helper_default_program(struct buf *out, struct fault *fault)
-{
-    return coprocess_beside(out, PROGRAM, fault);
 }
