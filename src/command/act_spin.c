@@ -87,9 +87,11 @@ static enum err begin_file(struct spin *spin, const struct picture *like)
     struct fault *fault = spin->act->fault;
     const bool counts = spin->pattern.counts;
     const enum err err = interpreter_will_write(interp, path, spin->mode, fault);
-    return err ? err
-               : image_movie_begin(&spin->movie, interp->helper, path, spin->mode, like,
-                                   counts ? 1 : spin->total, counts ? 0 : spin->delay_ms, fault);
+    if (err)
+        return err;
+    spin->movie = (struct image_movie){.helper = interp->helper, .path = path, .mode = spin->mode};
+    return image_movie_begin(&spin->movie, like, counts ? 1 : spin->total,
+                             counts ? 0 : spin->delay_ms, fault);
 }
 
 /* Where picture `number` goes; nowhere, where replay writes none. */

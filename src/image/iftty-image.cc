@@ -140,15 +140,6 @@ int count_threads()
     return 1;
 }
 
-/* The library begins a thread and ends it, and does not wait until it is gone: a process that is
- * made meanwhile may wait for ever for what that thread held. Threads from before are asleep. */
-void await_threads(int before)
-{
-    constexpr int tries_most = 1000;
-    for (int tries = 0; count_threads() > before && tries < tries_most; tries++)
-        usleep(1000);
-}
-
 /* All that it reads from elsewhere, it reads now. */
 void prepare_library()
 {
@@ -158,7 +149,11 @@ void prepare_library()
     OIIO::attribute("limits:imagesize_MB", 4096);
     OIIO::attribute("limits:channels", 64);
     OIIO::get_string_attribute("format_list");
-    await_threads(before);
+    /* The library begins a thread and ends it, and does not wait until it is gone: a process that is
+     * made meanwhile may wait for ever for what that thread held. Threads from before are asleep. */
+    constexpr int tries_most = 1000;
+    for (int tries = 0; count_threads() > before && tries < tries_most; tries++)
+        usleep(1000);
 }
 
 } // namespace

@@ -80,10 +80,10 @@ enum err image_write_png(const char *path, const struct picture *picture, struct
  */
 enum { IMAGE_FRAMES_MOST = 1000 };
 struct image_movie {
-    struct image_helper *helper;
-    const char *path; /* the caller's */
+    struct image_helper *helper; /* the caller says these three, */
+    const char *path;            /* and this stays its own; */
     enum file_mode mode;
-    unsigned channels;
+    unsigned channels; /* the rest is zero before it begins */
     struct buf draft;
 };
 
@@ -92,8 +92,7 @@ bool image_movie_is_named(const char *path);
 
 /* Begins a file of `frames` pictures, 1..IMAGE_FRAMES_MOST, each seen for `delay_ms`; `like` gives
  * their size, and the notes. After an error of this and the next two nothing is left of it. */
-enum err image_movie_begin(struct image_movie *movie, struct image_helper *helper, const char *path,
-                           enum file_mode mode, const struct picture *like, unsigned frames,
+enum err image_movie_begin(struct image_movie *movie, const struct picture *like, unsigned frames,
                            unsigned delay_ms, struct fault *fault);
 enum err image_movie_add(struct image_movie *movie, const struct picture *picture,
                          struct fault *fault);

@@ -120,15 +120,6 @@ float linear_of(uint8_t level)
     return light;
 }
 
-bool write_frame(OIIO::ImageOutput &out, const std::vector<uint8_t> &pixels)
-{
-    if (out.spec().format != OIIO::TypeFloat)
-        return out.write_image(OIIO::TypeUInt8, pixels.data());
-    std::vector<float> light(pixels.size());
-    std::transform(pixels.begin(), pixels.end(), light.begin(), linear_of);
-    return out.write_image(OIIO::TypeFloat, light.data());
-}
-
 /* Opens for the frame `number`; some formats need to know all of them first. */
 bool open_frame(OIIO::ImageOutput &out, const Request &request, const OIIO::ImageSpec &spec,
                 uint64_t number)
@@ -164,7 +155,15 @@ std::string write_frames(const Request &request, const std::vector<Note> &notes,
         if (!words.empty())
             continue;
         try {
-            if (!open_frame(*out, request, spec, i) || !write_frame(*out, pixels))
+            bool fine = open_frame(*out, request, spec, i);
+            if (fine && out->spec().format == OIIO::TypeFloat) {
+                std::vector<float> light(pixels.size());
+                std::transform(pixels.begin(), pixels.end(), light.begin(), linear_of);
+                fine = out->write_image(OIIO::TypeFloat, light.data());
+            } else if (fine) {
+                fine = out->write_image(OIIO::TypeUInt8, pixels.data());
+            }
+            if (!fine)
                 words = reason(*out);
         } catch (const std::bad_alloc &) {
             throw;

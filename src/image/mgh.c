@@ -126,24 +126,6 @@ static enum err read_size(struct volume_header *out, const uint8_t *bytes, struc
 }
 
 /* The distances that it says, or where directions are none of unit length, those of its matrix. */
-static void read_spacing(struct geometry *geometry, const double spacing_mm[3],
-                         const double to_mm[3][4], char *notes)
-{
-    const struct geometry placed = {.to_mm = {{to_mm[0][0], to_mm[0][1], to_mm[0][2]},
-                                              {to_mm[1][0], to_mm[1][1], to_mm[1][2]},
-                                              {to_mm[2][0], to_mm[2][1], to_mm[2][2]}}};
-    for (int a = 0; a < 3; a++) {
-        const double step = geometry_step_mm(&placed, a);
-        const bool same = fabs(step - spacing_mm[a]) <= 1e-6 * step;
-        if (geometry_spacing(&geometry->spacing_nm[a], same ? spacing_mm[a] : step))
-            continue;
-        volume_note(notes, "its voxels are said to be %g mm apart; expected 1 nm to 4 m", step);
-        geometry->spacing_unknown = true;
-    }
-    for (int a = 0; a < 3 && geometry->spacing_unknown; a++)
-        geometry->spacing_nm[a] = 1000000;
-}
-
 static void read_place(struct volume_header *out, const uint8_t *bytes)
 {
     struct geometry *geometry = &out->geometry;
@@ -157,7 +139,18 @@ static void read_place(struct volume_header *out, const uint8_t *bytes)
             to_mm[w][3] -= to_mm[w][a] * out->size[a] / 2;
         }
     }
-    read_spacing(geometry, number, (const double(*)[4])to_mm, out->notes);
+    memcpy(geometry->to_mm, to_mm, sizeof to_mm);
+    for (int a = 0; a < 3; a++) {
+        const double step = geometry_step_mm(geometry, a);
+        const bool same = fabs(step - number[a]) <= 1e-6 * step;
+        if (geometry_spacing(&geometry->spacing_nm[a], same ? number[a] : step))
+            continue;
+        volume_note(out->notes, "its voxels are said to be %g mm apart; expected 1 nm to 4 m",
+                    step);
+        geometry->spacing_unknown = true;
+    }
+    for (int a = 0; a < 3 && geometry->spacing_unknown; a++)
+        geometry->spacing_nm[a] = 1000000;
     if (!geometry->spacing_unknown &&
         geometry_place(geometry, (const double(*)[4])to_mm, ORIENTATION_FILE))
         return;

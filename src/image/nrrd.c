@@ -1,5 +1,5 @@
 /*
- * NRRD: label and other maps out, for 3D Slicer and whoever reads with ITK or teem.
+ * NRRD: label and other maps out, for 3D Slicer and all that read with ITK or teem.
  *
  *     NRRD0004
  *     content: iftty labels
@@ -38,13 +38,6 @@
 
 /* ---- header ---- */
 
-static const char *type_name(enum voxel_type type)
-{
-    return type == VOXEL_UINT8    ? "unsigned char"
-           : type == VOXEL_UINT16 ? "unsigned short"
-                                  : "unsigned int";
-}
-
 /* "(-1,0,0)": a column of the way to the world. */
 static void write_column(struct buf *out, const double to_mm[3][4], int column)
 {
@@ -73,7 +66,11 @@ static void write_header(struct buf *out, const struct volume_map *map)
 {
     const struct geometry *geometry = map->geometry;
     buf_printf(out, "NRRD0004\ncontent: %s\ntype: %s\ndimension: 3\nsizes: %u %u %u\n",
-               map->description, type_name(map->type), map->size[0], map->size[1], map->size[2]);
+               map->description,
+               map->type == VOXEL_UINT8    ? "unsigned char"
+               : map->type == VOXEL_UINT16 ? "unsigned short"
+                                           : "unsigned int",
+               map->size[0], map->size[1], map->size[2]);
     if (geometry_has_place(geometry))
         write_place(out, geometry);
     else if (!geometry->spacing_unknown) {

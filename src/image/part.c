@@ -119,6 +119,8 @@ static void put_number(uint8_t *at, double value, const struct volume_header *he
 
 struct blocks {
     const struct volume_header *header;
+    struct volume_source *source;
+    uint64_t offset; /* of the volume in it */
     unsigned width;  /* bytes of a number */
     uint8_t *row;    /* of the file */
     double *sum;     /* of the blocks of one plane of the part, */
@@ -162,8 +164,8 @@ static void pick_row(uint8_t *to, const struct blocks *blocks)
 }
 
 /* Plane z of the box, counted from its beginning. */
-static enum err read_plane(uint8_t *to, struct blocks *blocks, uint32_t z, uint64_t offset,
-                           struct volume_source *source, struct task *task, struct fault *fault)
+static enum err read_plane(uint8_t *to, struct blocks *blocks, uint32_t z, struct task *task,
+                           struct fault *fault)
 {
     const struct volume_header *header = blocks->header;
     const uint32_t *whole = header->whole, *step = header->step;
@@ -171,9 +173,9 @@ static enum err read_plane(uint8_t *to, struct blocks *blocks, uint32_t z, uint6
     const size_t part_bytes = (size_t)header->size[0] * blocks->width;
     const uint64_t row = ((uint64_t)header->begin[2] + z) * whole[1] + header->begin[1];
     const size_t plane = (size_t)(z / step[2]) * header->size[1];
-    enum err err = source_go_to(source, offset + row * bytes, "the voxels", fault);
+    enum err err = source_go_to(blocks->source, blocks->offset + row * bytes, "the voxels", fault);
     for (uint32_t y = 0; y < header->size[1] * step[1] && !err; y++) {
-        err = source_read(source, blocks->row, bytes, "the voxels", NULL, fault);
+        err = source_read(blocks->source, blocks->row, bytes, "the voxels", NULL, fault);
         if (!err && blocks->sum)
             add_row(blocks, y / step[1]);
         else if (!err && is_middle(y, step[1]) && is_middle(z, step[2]))
@@ -198,7 +200,8 @@ enum err part_read(void *to, const struct volume_header *header, uint64_t offset
 {
     const bool means = header->choice.reduce > 1 && !header->choice.nearest;
     const size_t plane = means ? (size_t)header->size[0] * header->size[1] : 0;
-    struct blocks blocks = {.header = header, .width = voxel_bytes(header->type)};
+    struct blocks blocks = {
+        .header = header, .source = source, .offset = offset, .width = voxel_bytes(header->type)};
     blocks.row = mem_array(header->whole[0], blocks.width);
     blocks.sum = means ? mem_array(plane, sizeof *blocks.sum) : NULL;
     blocks.count = means ? mem_array(plane, sizeof *blocks.count) : NULL;
@@ -212,7 +215,7 @@ enum err part_read(void *to, const struct volume_header *header, uint64_t offset
         watch, "reading", (uint64_t)planes * header->size[1] * header->step[1] * header->whole[0]);
     enum err err = fits ? OK : fault_memory(fault, "a plane of voxels");
     for (uint32_t z = 0; z < planes && !err; z++)
-        err = read_plane(to, &blocks, z, offset, source, &task, fault);
+        err = read_plane(to, &blocks, z, &task, fault);
     if (!err)
         err = source_finish(source, fault);
     free(blocks.row);

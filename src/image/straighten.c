@@ -180,19 +180,6 @@ static void straighten_row(struct work *work, int64_t second, int64_t third)
     }
 }
 
-/* The intensity of the least real value. */
-static uint16_t least_of(const struct volume *volume)
-{
-    const size_t count = voxels_in(volume->size);
-    const bool falls = volume->geometry.slope < 0;
-    uint16_t least = volume->intensity[0];
-    for (size_t i = 0; i < count; i++) {
-        const uint16_t is = volume->intensity[i];
-        least = (falls ? is > least : is < least) ? is : least;
-    }
-    return least;
-}
-
 /* The same places, by the voxels of what comes out. False, and nothing changes, where these would
  * be no distance apart. */
 static bool place(struct geometry *geometry, const struct shear *s)
@@ -236,7 +223,12 @@ enum err straighten(struct volume *volume, struct watch *watch, struct fault *fa
                         .from = volume->intensity,
                         .to = out,
                         .size = volume->size,
-                        .beyond = least_of(volume)};
+                        .beyond = volume->intensity[0]};
+    const bool falls = volume->geometry.slope < 0;
+    for (size_t i = 0; i < voxels_in(volume->size); i++) { /* that of the least real value */
+        const uint16_t is = volume->intensity[i];
+        work.beyond = (falls ? is > work.beyond : is < work.beyond) ? is : work.beyond;
+    }
     for (int a = 0; a < 3; a++) {
         work.from_step[a] = a ? work.from_step[a - 1] * volume->size[a - 1] : 1;
         work.to_step[a] = a ? work.to_step[a - 1] * s.size[a - 1] : 1;

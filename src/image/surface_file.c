@@ -200,7 +200,7 @@ static void write_stl(struct output *out)
 
 /* ---- PLY ---- */
 
-static void write_ply_header(struct output *out)
+static void write_ply(struct output *out)
 {
     const struct surface *s = out->surface;
     buf_printf(&out->bytes, "ply\nformat binary_little_endian 1.0\ncomment iftty surface: %s\n",
@@ -215,12 +215,6 @@ static void write_ply_header(struct output *out)
                "property uchar red\nproperty uchar green\nproperty uchar blue\n"
                "element face %zu\nproperty list uchar int vertex_indices\nend_header\n",
                s->points, s->triangles);
-}
-
-static void write_ply(struct output *out)
-{
-    const struct surface *s = out->surface;
-    write_ply_header(out);
     for (unsigned p = 0; p < s->parts; p++)
         for (size_t i = 0; i < s->part[p].points && go_on(out); i++) {
             put_point(out, (uint32_t)(s->part[p].point + i));

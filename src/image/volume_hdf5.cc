@@ -48,16 +48,6 @@ class Handle
 
 /* ---- values that lie elsewhere ---- */
 
-/* How a data set is opened for its values, so that what it names is looked up in the folder of its
- * file, and nowhere before. The caller closes it. */
-hid_t looking_beside()
-{
-    const hid_t access = H5Pcreate(H5P_DATASET_ACCESS);
-    H5Pset_efile_prefix(access, "${ORIGIN}");
-    H5Pset_virtual_prefix(access, "${ORIGIN}");
-    return access;
-}
-
 /* ---- values in files of no format ---- */
 
 std::string wrong_with_storage(hid_t made, const std::string &path, int files)
@@ -123,6 +113,9 @@ herr_t follow_none(const char *, const char *, const char *, const char *, unsig
     return -1;
 }
 
+/* Why the data set of the file at `path` cannot be read: what it names is not sound, or holds less
+ * than is asked of it, for which the library has zeros; "" where it can. Nothing that a name leads
+ * to is opened before the name is known to be sound. */
 std::string wrong_inside(hid_t set, const std::string &path, size_t depth,
                          std::set<std::string> &files);
 
@@ -206,15 +199,6 @@ std::string wrong_inside(hid_t set, const std::string &path, size_t depth,
                                               : "";
 }
 
-/* Why the data set of the file at `path` cannot be read: what it names is not sound, or holds less
- * than is asked of it, for which the library has zeros; "" where it can. Nothing that a name leads
- * to is opened before the name is known to be sound. */
-std::string wrong_with_sources(hid_t set, const std::string &path)
-{
-    std::set<std::string> files;
-    return wrong_inside(set, path, 0, files);
-}
-
 /* What to say of values that no source has, as far as that is known; "" for none. */
 std::string note_of_sources(hid_t set)
 {
@@ -270,7 +254,7 @@ herr_t look_at_object(hid_t file, const char *name, const H5O_info_t *info, void
     return search.wrong.empty() ? 0 : 1;
 }
 
-/* The same as wrong_with_sources of all data sets of the file, and of links to other files, for a
+/* The same of all data sets of the file, and of links to other files, for a
  * library that goes its own way through it. */
 std::string wrong_with_any(hid_t file, const std::string &path)
 {
@@ -323,7 +307,8 @@ bool describe_set(DataSet &set, hid_t file, const char *name, const std::string 
     if (id < 0)
         return false;
     set.name = name;
-    set.wrong = wrong_with_sources(id, path);
+    std::set<std::string> files;
+    set.wrong = wrong_inside(id, path, 0, files);
     if (!set.wrong.empty())
         return true;
     Handle space(H5Dget_space(id), H5Sclose);
@@ -478,7 +463,9 @@ void open_hdf5(Volume &volume, const Request &request)
     uint64_t rest = request.volume;
     for (size_t a = rank - 3; a-- > 0; rest /= chosen.side[a])
         from[a] = rest % chosen.side[a];
-    Handle access(looking_beside(), H5Pclose);
+    Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
+    H5Pset_efile_prefix(access, "${ORIGIN}"); /* what it names is looked up in the folder of its */
+    H5Pset_virtual_prefix(access, "${ORIGIN}"); /* file, and nowhere before */
     const std::shared_ptr<Handle> set =
         std::make_shared<Handle>(H5Dopen2(*file, chosen.name.c_str(), access), H5Dclose);
     place_set(volume, *set);

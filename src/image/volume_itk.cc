@@ -188,7 +188,7 @@ void describe(Volume &volume, const itk::ImageIOBase::Pointer &io, const Request
 }
 
 /* What the resolution of a picture says of its pixels: many programs write one without knowing, and
- * none says how far apart slices are. So it is told, and not taken. ITK has 1 where there is none.
+ * none says how far apart slices are. So it is noted, and not taken. ITK has 1 where there is none.
  */
 void note_resolution(Volume &volume, itk::ImageIOBase &io)
 {

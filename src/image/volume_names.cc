@@ -133,24 +133,17 @@ long number_of(const std::string &word)
     return std::stol(word);
 }
 
-/* "%03d": where the only conversion begins, and where it ends; a header may hold any other for its
- * reader to stumble over. */
-std::pair<size_t, size_t> conversion_in(const std::string &pattern)
-{
-    const size_t begin = pattern.find('%');
-    const size_t end = pattern.find_first_not_of("0123456789", begin + 1);
-    if (end == std::string::npos || pattern[end] != 'd' || end - begin > 4 ||
-        pattern.find('%', end) != std::string::npos)
-        refuse_header();
-    return {begin, end + 1};
-}
-
 /* Names that are counted: "slice%03d.raw" with the first number, the last and the step. */
 std::vector<std::string> count_names(const std::string &pattern, long first, long last, long step)
 {
     std::vector<std::string> names;
-    const auto [begin, end] = conversion_in(pattern);
-    const std::string digits = pattern.substr(begin + 1, end - begin - 2);
+    /* Its only conversion; a header may hold any other for its reader to stumble over. */
+    const size_t begin = pattern.find('%');
+    const size_t letter = pattern.find_first_not_of("0123456789", begin + 1), end = letter + 1;
+    if (letter == std::string::npos || pattern[letter] != 'd' || letter - begin > 4 ||
+        pattern.find('%', letter) != std::string::npos)
+        refuse_header();
+    const std::string digits = pattern.substr(begin + 1, letter - begin - 1);
     const size_t width = digits.empty() ? 0 : static_cast<size_t>(number_of(digits));
     const char fill = digits[0] == '0' ? '0' : ' ';
     if (step == 0 || first < 0 || (last - first) / step < 0)
@@ -166,7 +159,7 @@ std::vector<std::string> count_names(const std::string &pattern, long first, lon
     return names;
 }
 
-/* A line from `at` on, without its end, and `at` behind it. */
+/* A line from `at` on, without its end, and `at` after it. */
 std::string next_line(const std::string &text, size_t &at)
 {
     const size_t end = std::min(text.find('\n', at), text.size());
@@ -242,7 +235,7 @@ std::vector<std::string> names_in_nrrd(const Text &text)
 
 const char meta_field[] = "ElementDataFile";
 
-/* The value of the field that begins at `at`, and the line behind it. */
+/* The value of the field that begins at `at`, and the line after it. */
 std::string meta_value(const std::string &text, size_t &at)
 {
     const std::string line = next_line(text, at);

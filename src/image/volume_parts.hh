@@ -14,16 +14,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <iosfwd>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
-
-namespace gdcm
-{
-class TransferSyntax;
-}
 
 namespace volume
 {
@@ -146,12 +140,6 @@ bool scan(std::vector<Slice> &slices, const std::string &path, bool splits_mosai
 
 /* Whether a file of DICOM says that it is an image, as one does that was cut before its pixels. */
 bool is_of_images(const std::string &path);
-
-/* A file of DICOM as it is read: what is deflated, inflated. Nothing where it is none. */
-std::unique_ptr<std::istream> open_bytes(const std::string &path);
-
-/* Where the pixels of a file lie, and what is missing of them. `in` is where its header ends. */
-void find_pixels(Slice &slice, std::istream &in, const gdcm::TransferSyntax &syntax);
 
 /* Refuses slices of which pixels are missing, by the name of the first such file. */
 void check_pixels(Volume &volume, const std::vector<Slice> &slices);

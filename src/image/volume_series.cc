@@ -47,21 +47,6 @@ std::vector<Series> series_of(std::vector<Slice> slices)
     return all;
 }
 
-/* Files that are there twice count once. */
-size_t drop_copies(Series &series)
-{
-    std::set<std::pair<std::string, unsigned>> seen;
-    const size_t before = series.size();
-    series.erase(
-        std::remove_if(
-            series.begin(), series.end(),
-            [&](const Slice &slice) {
-                return !slice.object.empty() && !seen.insert({slice.object, slice.frame}).second;
-            }),
-        series.end());
-    return before - series.size();
-}
-
 bool have_places(const Series &series)
 {
     return series[0].has_position && series[0].has_axes;
@@ -98,14 +83,6 @@ bool is_same_place(const Slice &a, const Slice &b)
 
 constexpr size_t more_most = 18; /* of "; and 100000 more" */
 
-/* The modality by its code; nothing else that may stand there is said. */
-std::string modality_of(const Slice &slice)
-{
-    static const std::set<std::string> known = {"CT", "MR", "PT", "NM", "US",  "CR",     "DX", "MG",
-                                                "XA", "RF", "OT", "SC", "OCT", "RTDOSE", "SEG"};
-    return known.count(slice.modality) ? slice.modality : "of another modality";
-}
-
 /* "TE 4.9 ms", "b 0 to 1000"; nothing where it is not said. */
 std::string range_of(const Series &series, double Slice::*number, const char *name,
                      const char *unit)
@@ -119,7 +96,7 @@ std::string range_of(const Series &series, double Slice::*number, const char *na
                         : words_of("%s %.4g%s", name, most, unit);
 }
 
-/* What one can tell it by. */
+/* What one can know it by. */
 struct Entry {
     std::string description, rest; /* "18 slices of 56x64, MR, 4x4x5 mm" */
     std::string apart[3];          /* said where it differs from another that is alike else */
@@ -144,14 +121,18 @@ double step_of(Series series, size_t &volumes)
 
 Entry entry_of(const Series &series, bool lists)
 {
-    const Slice &slice = series[0];
+    static const std::set<std::string> known = {"CT", "MR", "PT", "NM", "US",  "CR",     "DX", "MG",
+                                                "XA", "RF", "OT", "SC", "OCT", "RTDOSE", "SEG"};
+    const Slice &slice = series[0]; /* of its modality nothing is said but a code that is known */
+    const char *modality =
+        known.count(slice.modality) ? slice.modality.c_str() : "of another modality";
     Entry entry;
     size_t volumes = 1;
     const double step = step_of(series, volumes);
     if (lists)
         entry.description = slice.names_patient ? "" : slice.description;
     entry.rest = words_of("%s of %ux%u, %s", plural_of(series.size() / volumes, "slice").c_str(),
-                          slice.columns, slice.rows, modality_of(slice).c_str());
+                          slice.columns, slice.rows, modality);
     if (volumes > 1)
         entry.rest += words_of(", %zu volumes", volumes);
     if (slice.spacing[0] > 0 && step > 0)
@@ -547,7 +528,13 @@ void stack_slices(Volume &volume, const std::vector<Slice> &slices, const Reques
     for (const Slice &slice : series)
         if (!slice.fault.empty())
             throw Refusal{about_file(slice.name, "is " + slice.fault)};
-    const size_t copies = drop_copies(series);
+    std::set<std::pair<std::string, unsigned>> seen; /* files that are there twice count once */
+    const auto is_copy = [&](const Slice &slice) {
+        return !slice.object.empty() && !seen.insert({slice.object, slice.frame}).second;
+    };
+    const auto end = std::remove_if(series.begin(), series.end(), is_copy);
+    const auto copies = static_cast<size_t>(series.end() - end);
+    series.erase(end, series.end());
     sort_slices(series);
     volume.volumes = count_volumes(series);
     if (request.volume >= volume.volumes)
