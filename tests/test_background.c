@@ -3,7 +3,7 @@
 #include <unistd.h>
 
 #include "image/exr.h"
-#include "image/helper.h"
+#include "image/image_helper.h"
 #include "render/mosaic.h"
 #include "report/export.h"
 #include "tests/folder.h"

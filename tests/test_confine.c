@@ -12,7 +12,7 @@
 #include "confine/confine.h"
 #include "base/file.h"
 #include "base/mem.h"
-#include "image/helper.h"
+#include "image/image_helper.h"
 #include "image/volume.h"
 #include "image/volume_helper.h"
 
@@ -85,12 +85,10 @@ STORY(the_image_helper_is_confined_before_the_first_pixel_comes)
 {
     struct image_helper *helper = NULL;
     struct picture picture;
-    struct image_movie movie;
     CHECK_INT(image_helper_new(&helper, program("iftty-image"), NULL), OK);
+    struct image_movie movie = {helper, file_in(folder, "a.gif"), .mode = FILE_REPLACE};
     CHECK_INT(picture_init(&picture, 8, 8, false, NULL), OK);
-    CHECK_INT(image_movie_begin(&movie, helper, file_in(folder, "a.gif"), FILE_REPLACE, &picture, 2,
-                                0, NULL),
-              OK);
+    CHECK_INT(image_movie_begin(&movie, &picture, 2, 0, NULL), OK);
     const int taker = child_of(getpid());
     int worker = 0;
     WAIT_UNTIL((worker = child_of(taker)) > 0);

@@ -12,7 +12,7 @@
 #include "base/file.h"
 #include "base/mem.h"
 #include "image/exr.h"
-#include "image/helper.h"
+#include "image/image_helper.h"
 
 static char folder[FOLDER_LENGTH];
 static struct image_helper *helper;
@@ -203,10 +203,9 @@ static const char *write_frames(const char *name, unsigned frames, unsigned dela
 {
     static struct fault fault;
     struct picture p = sample(40, 30);
-    struct image_movie movie;
+    struct image_movie movie = {helper, file_in(folder, name), .mode = FILE_REPLACE};
     fault = (struct fault){0};
-    enum err err = image_movie_begin(&movie, helper, file_in(folder, name), FILE_REPLACE, &p,
-                                     frames, delay_ms, &fault);
+    enum err err = image_movie_begin(&movie, &p, frames, delay_ms, &fault);
     for (unsigned i = 0; i < frames && !err; i++) {
         for (size_t k = 0; k < (size_t)40 * 30 * 4; k++)
             p.rgba[k] = k % 4 == 3 ? 255 : (uint8_t)(40 * (i + 1));
@@ -245,10 +244,8 @@ STORY(a_format_of_one_picture_refuses_several)
 STORY(frames_that_never_come_cost_one_helper)
 {
     struct picture p = sample(40, 30), q;
-    struct image_movie movie;
-    CHECK_INT(
-        image_movie_begin(&movie, helper, file_in(folder, "a.gif"), FILE_REPLACE, &p, 3, 0, NULL),
-        OK);
+    struct image_movie movie = {helper, file_in(folder, "a.gif"), .mode = FILE_REPLACE};
+    CHECK_INT(image_movie_begin(&movie, &p, 3, 0, NULL), OK);
     CHECK_INT(image_movie_add(&movie, &p, NULL), OK);
     image_movie_abandon(&movie);
     CHECK_TEXT(there_and_back(&p, "a.png", &q), "");

@@ -1164,9 +1164,10 @@ STORY(doubles_of_a_nifti_2_are_written_as_one)
                                             .pixdim = {1, third, 1, 1},
                                             .srow = {{third}, {0, 1}, {0, 0, 1, third}}};
         CHECK_INT(write_sample(plain, size, &g, VOXEL_UINT8, FILE_REPLACE, NULL), OK);
-        struct volume_header header;
-        CHECK_INT(volume_about(&header, plain, NULL), OK);
-        CHECK_TEXT(header.format, wide ? "nifti-2" : "nifti-1");
+        struct volume_reader reader;
+        CHECK_INT(volume_begin(&reader, plain, NULL, NULL, NULL), OK);
+        CHECK_TEXT(reader.header.format, wide ? "nifti-2" : "nifti-1");
+        volume_close(&reader);
         CHECK_INT(volume_read(&v, plain, NULL, NULL, NULL), OK);
         CHECK(memcmp(&v.geometry.fields.srow, &g.fields.srow, sizeof g.fields.srow) == 0);
         CHECK(v.geometry.fields.pixdim[1] == third);

@@ -12,7 +12,7 @@
 #include "base/buf.h"
 #include "base/file.h"
 #include "image/exr.h"
-#include "image/helper.h"
+#include "image/image_helper.h"
 #include "image/picture_writer.h"
 
 static char folder[FOLDER_LENGTH];

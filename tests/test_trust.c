@@ -19,7 +19,7 @@
 #include "sandbox/limits.h"
 #include "sandbox/trust.h"
 #include "engine/scene.h"
-#include "image/helper.h"
+#include "image/image_helper.h"
 #include "tests/folder.h"
 
 /* ---- SHA-256 ---- */

@@ -9,7 +9,7 @@
 #include "base/hash.h"
 #include "base/least.h"
 #include "image/exr.h"
-#include "image/helper.h"
+#include "image/image_helper.h"
 #include "render/fit.h"
 #include "session/session.h"
 #include "show/decorating.h"
@@ -86,9 +86,11 @@ static enum err begin_file(struct spin *spin, const struct picture *like)
     struct fault *fault = spin->act->fault;
     const bool counts = spin->pattern.counts;
     const enum err err = interpreter_will_write(interp, path, spin->mode, fault);
-    return err ? err
-               : image_movie_begin(&spin->movie, interp->helper, path, spin->mode, like,
-                                   counts ? 1 : spin->total, counts ? 0 : spin->delay_ms, fault);
+    if (err)
+        return err;
+    spin->movie = (struct image_movie){.helper = interp->helper, .path = path, .mode = spin->mode};
+    return image_movie_begin(&spin->movie, like, counts ? 1 : spin->total,
+                             counts ? 0 : spin->delay_ms, fault);
 }
 
 /* Where picture `number` goes; nowhere, where replay writes none. */

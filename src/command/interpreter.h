@@ -12,7 +12,7 @@
 #include "base/file.h"
 #include "command/command.h"
 #include "command/golden_judge.h"
-#include "image/helper.h"
+#include "image/image_helper.h"
 #include "image/picture_writer.h"
 #include "journal/journal.h"
 #include "render/canvas.h"

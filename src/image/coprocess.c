@@ -321,23 +321,17 @@ bool coprocess_numbers(const char *line, unsigned count, const int64_t most[], i
 
 /* ---- its end ---- */
 
-/* A helper that has closed the socket is about to end, and its status says why; one that goes on
- * is as silent as any other. */
-static void await_end(struct coprocess *c)
-{
-    const int end = (int)syscall(SYS_pidfd_open, c->process, 0);
-    if (end < 0)
-        return;
-    uint64_t until = latest_ns(c, 0);
-    wait_for(c, end, POLLIN, &until);
-    close(end);
-}
-
 enum err coprocess_fault(struct coprocess *c, const char *doing, const char *path,
                          struct fault *fault)
 {
-    if (c->trouble == GONE)
-        await_end(c);
+    /* One that has closed the socket is about to end, and its status says why; one that goes on is
+     * as silent as any other. */
+    const int end_of_it = c->trouble == GONE ? (int)syscall(SYS_pidfd_open, c->process, 0) : -1;
+    if (end_of_it >= 0) {
+        uint64_t until = latest_ns(c, 0);
+        wait_for(c, end_of_it, POLLIN, &until);
+        close(end_of_it);
+    }
     const int status = coprocess_stop(c);
     char end[128] = "ended early";
     if (c->trouble == STOPPED)

@@ -28,19 +28,6 @@ static uint32_t number_at(const uint8_t *at)
     return at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
 }
 
-/* The text of an item; NULL where it is cut short. */
-static const uint8_t *take_item(struct rest *rest, size_t *length)
-{
-    const uint8_t *item = take(rest, ITEM);
-    if (!item)
-        return NULL;
-    *length = number_at(item + LENGTH_AT);
-    const uint8_t *text = take(rest, *length);
-    if (text && !take(rest, -*length % 4))
-        rest->length = 0; /* the last one may end with its text */
-    return text;
-}
-
 static bool is_number(double *out, const uint8_t *text, size_t length)
 {
     char digits[DIGITS + 1] = "", *end;
@@ -63,10 +50,13 @@ int csa_numbers(double *out, int most, const uint8_t *bytes, size_t length, cons
         bool takes = strnlen((const char *)element, NAME) == strlen(name) &&
                      memcmp(element, name, strlen(name)) == 0;
         for (uint32_t items = number_at(element + COUNT_AT); items > 0; items--) {
-            size_t bytes_in;
-            const uint8_t *text = take_item(&rest, &bytes_in);
+            const uint8_t *item = take(&rest, ITEM);
+            const size_t bytes_in = item ? number_at(item + LENGTH_AT) : 0;
+            const uint8_t *text = item ? take(&rest, bytes_in) : NULL;
             if (!text)
                 return -1;
+            if (!take(&rest, -bytes_in % 4))
+                rest.length = 0; /* the last one may end with its text */
             takes = takes && count < most && is_number(&out[count], text, bytes_in);
             count += takes;
         }

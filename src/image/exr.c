@@ -9,6 +9,7 @@
 
 #include <openexr.h>
 
+#include "base/file.h"
 #include "base/least.h"
 #include "base/mem.h"
 #include "image/linear.h"
@@ -238,19 +239,6 @@ static enum err library_fault(const char *what, const struct stream *stream, exr
 
 /* ---- writing ---- */
 
-/* What a file of this kind says, and where it was seen from (OpenEXR's standard attributes). */
-static exr_result_t put_kind(exr_context_t context, const struct picture *picture)
-{
-    exr_attr_m44f_t camera, ndc;
-    exr_result_t result = exr_attr_set_string(context, 0, ALPHA, ALPHA_VALUE);
-    if (result || !picture->space.has_world)
-        return result;
-    memcpy(camera.m, picture->space.to_camera, sizeof camera.m);
-    memcpy(ndc.m, picture->space.to_ndc, sizeof ndc.m);
-    result = exr_attr_set_m44f(context, 0, "worldToCamera", &camera);
-    return result ? result : exr_attr_set_m44f(context, 0, "worldToNDC", &ndc);
-}
-
 static exr_result_t put_header(exr_context_t context, const struct picture *picture)
 {
     const exr_attr_box2i_t window = {
@@ -276,7 +264,15 @@ static exr_result_t put_header(exr_context_t context, const struct picture *pict
         result = exr_attr_set_string(context, part, picture->attribute[i].name,
                                      picture->attribute[i].value);
     if (!result && picture->is_associated)
-        result = put_kind(context, picture);
+        result = exr_attr_set_string(context, part, ALPHA, ALPHA_VALUE);
+    if (!result && picture->is_associated && picture->space.has_world) { /* standard attributes */
+        exr_attr_m44f_t camera, ndc;
+        memcpy(camera.m, picture->space.to_camera, sizeof camera.m);
+        memcpy(ndc.m, picture->space.to_ndc, sizeof ndc.m);
+        result = exr_attr_set_m44f(context, part, "worldToCamera", &camera);
+        if (!result)
+            result = exr_attr_set_m44f(context, part, "worldToNDC", &ndc);
+    }
     if (!result)
         result = exr_write_header(context);
     return result;
@@ -611,29 +607,21 @@ static void take_halves(struct reader *r, const struct block *block)
     }
 }
 
-/* Where a block stands in the file; refuses one of another place or size than it has. */
-static exr_result_t find_chunk(struct reader *r, exr_chunk_info_t *chunk, const struct block *block)
-{
-    const uint32_t *step = r->form.step;
-    const int32_t top = r->window.min.y + (int32_t)block->y;
-    const exr_result_t result =
-        r->form.tiled ? exr_read_tile_chunk_info(r->context, 0, (int)(block->x / step[0]),
-                                                 (int)(block->y / step[1]), 0, 0, chunk)
-                      : exr_read_scanline_chunk_info(r->context, 0, top, chunk);
-    if (result)
-        return result;
-    const bool fits = chunk->height == (int32_t)block->height &&
-                      chunk->width == (int32_t)block->width &&
-                      (r->form.tiled || chunk->start_y == top);
-    return fits ? EXR_ERR_SUCCESS : EXR_ERR_BAD_CHUNK_LEADER;
-}
-
 static exr_result_t get_block(void *context, const struct block *block)
 {
     struct reader *r = context;
     exr_decode_pipeline_t *pipeline = &r->pipeline;
     exr_chunk_info_t chunk;
-    exr_result_t result = find_chunk(r, &chunk, block);
+    const uint32_t *step = r->form.step;
+    const int32_t top = r->window.min.y + (int32_t)block->y;
+    exr_result_t result = r->form.tiled
+                              ? exr_read_tile_chunk_info(r->context, 0, (int)(block->x / step[0]),
+                                                         (int)(block->y / step[1]), 0, 0, &chunk)
+                              : exr_read_scanline_chunk_info(r->context, 0, top, &chunk);
+    if (!result &&
+        (chunk.height != (int32_t)block->height || chunk.width != (int32_t)block->width ||
+         (!r->form.tiled && chunk.start_y != top)))
+        result = EXR_ERR_BAD_CHUNK_LEADER; /* of another place or size than it has */
     if (!result)
         result = r->begun ? exr_decoding_update(r->context, 0, &chunk, pipeline)
                           : exr_decoding_initialize(r->context, 0, &chunk, pipeline);

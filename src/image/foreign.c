@@ -10,12 +10,7 @@
 #define WEB_PAGE "a web page, as a download that was refused leaves it; fetch the file again"
 #define PICTURE  "; a scene is a volume, or a folder of slices as TIFF, PNG or DICOM"
 
-/* By its bytes; a name alone where there are none. */
-static const struct foreign {
-    const char *endings;
-    unsigned at, length;
-    const char *bytes, *advice;
-} known[] = {
+const struct foreign foreign_formats[] = {
     {"", 257, 5, "ustar", "a tar archive" UNPACK},
     {"", 0, 4, "PK\3\4", "a zip archive" UNPACK},
     {"", 0, 6, "7z\xbc\xaf\x27\x1c", "a 7z archive" UNPACK},
@@ -33,7 +28,7 @@ static const struct foreign {
     {"", 0, 4, "%PDF", "a PDF document" PICTURE},
     {".head|.brik|.brik.gz", 0, 0, NULL,
      "a data set of AFNI, which is not read: `3dAFNItoNIFTI FILE` makes a NIfTI of it"},
-    {".par|.rec", 0, 0, NULL,
+    {".par", 0, 0, NULL,
      "a PAR/REC of Philips, which is not read: `dcm2niix FOLDER` makes a NIfTI of it"},
     {"", 0, 7, "MATRIX7", "an ECAT volume, which is not read: `dcm2niix FILE` makes a NIfTI of it"},
     {"", 0, 6, "MATLAB", "a file of MATLAB, which is not read: `niftiwrite` there makes a NIfTI"},
@@ -55,8 +50,9 @@ static const struct foreign {
     {"", 0, 9, "<!doctype", WEB_PAGE},
     {"", 0, 5, "<html", WEB_PAGE},
     {"", 0, 5, "<?xml", "an XML file; a scene is a volume, or a folder of slices"},
-    {".ima|.rda", 0, 0, NULL,
+    {".rda", 0, 0, NULL,
      "a file of a Siemens scanner that is not read: `dcm2niix FOLDER` may make a NIfTI of it"},
+    {0},
 };
 
 bool foreign_is_picture(const char *advice)
@@ -66,8 +62,7 @@ bool foreign_is_picture(const char *advice)
 
 const char *foreign_advice(const char *path, const uint8_t *begin, size_t length, bool by_name)
 {
-    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
-        const struct foreign *f = &known[i];
+    for (const struct foreign *f = foreign_formats; f->advice; f++) {
         const bool is_named = !*f->endings || file_is_named(path, f->endings);
         const bool has_bytes = f->bytes ? f->at + f->length <= length &&
                                               memcmp(begin + f->at, f->bytes, f->length) == 0

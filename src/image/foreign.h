@@ -7,6 +7,17 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* By its bytes; a name alone where there are none. */
+struct foreign {
+    const char *endings;
+    unsigned at, length;
+    const char *bytes, *advice;
+};
+
+/* Up to one without advice. What a format reads that there is now, has no place here
+ * (tests/test_foreign.c). */
+extern const struct foreign foreign_formats[];
+
 /* "a data set of AFNI, which is not read: `3dAFNItoNIFTI FILE` makes a NIfTI of it"; NULL for what
  * is not known. `begin` is what a file begins with, inflated where it is gzip; by_name:
  * whether its name alone is enough. */

@@ -139,7 +139,7 @@ void geometry_to_lps(const struct geometry *geometry, double to_lps_mm[3][4])
             to_lps_mm[w][i] = w < 2 ? 0 - geometry->to_mm[w][i] : geometry->to_mm[w][i];
 }
 
-static bool tell(struct geometry *geometry, const char *letters)
+static bool take_letters(struct geometry *geometry, const char *letters)
 {
     int8_t axis[3] = {0}, sign[3] = {0};
     double spacing_mm[3];
@@ -169,7 +169,7 @@ bool geometry_orient(struct geometry *geometry, const char *how)
     const int form = choice_find(ORIENTATIONS, how);
     const bool by_s = form == ORIENTATION_SFORM, by_q = form == ORIENTATION_QFORM;
     if (!by_s && !by_q)
-        return tell(geometry, how);
+        return take_letters(geometry, how);
     if ((by_s ? geometry->sform : geometry->qform).code <= 0)
         return false;
     geometry_take_form(geometry, (enum orientation)form);

@@ -11,7 +11,7 @@
  *
  * Nothing is guessed. A file may say neither how its voxels lie in the patient nor how far apart
  * they are, or say two things that contradict each other: then there are axes and distances all
- * the same, for pictures need some, but `orientation` and `spacing_unknown` tell that they mean
+ * the same, for pictures need some, but `orientation` and `spacing_unknown` say that they mean
  * nothing. Nobody may print a side of the patient, a place in the world, or a length from such.
  */
 #ifndef IMAGE_GEOMETRY_H
@@ -60,7 +60,7 @@ struct geometry {
     struct geometry_fields fields;
 };
 
-/* Whether to_mm is a place in the world. What the user tells is a direction of axes, no place. */
+/* Whether to_mm is a place in the world. What the user says is a direction of axes, no place. */
 static inline bool geometry_has_place(const struct geometry *geometry)
 {
     return geometry->orientation != ORIENTATION_UNKNOWN &&
@@ -101,7 +101,7 @@ void geometry_axes(char letters[4], const struct geometry *geometry);
 void geometry_to_lps(const struct geometry *geometry, double to_lps_mm[3][4]);
 
 /* What `orient` says of a scene: "sform" or "qform", which it has to have; or the axes that letters
- * such as "RAS" tell, in place of what was: voxels as far apart, and voxel 0,0,0 at the origin.
+ * such as "RAS" say, in place of what was: voxels as far apart, and voxel 0,0,0 at the origin.
  * False where that cannot be: the letters are one each of R or L, A or P, S or I. */
 bool geometry_orient(struct geometry *geometry, const char *how);
 

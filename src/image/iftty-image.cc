@@ -1,15 +1,13 @@
 /*
  * iftty-image: reads and writes images by OpenImageIO for the program that started it.
  *
- * Requests come on standard input, answers go to standard output; helper.h has the protocol byte
+ * Requests come on standard input, answers go to standard output; image_helper.h has the protocol byte
  * for byte. The end of input, or a request that breaks the protocol, ends the program.
  *
  * This process takes what a request asks and no byte of a picture. Each request is carried out in a
  * process of its own, which is made of this one with the library loaded, takes from itself all but
- * the file that is named (wire.hh), and ends with the answer. So what a hostile picture makes of it
+ * the file that is named (wire.hh), answers (image_oiio.cc), and ends. So what a hostile picture makes of it
  * is gone before the next is read or written; if it dies, this process ends the same way.
- *
- *     image_read.cc, image_write.cc   the answers
  */
 #include <cerrno>
 #include <csignal>
@@ -24,7 +22,7 @@
 
 #include <OpenImageIO/imageio.h>
 
-#include "image/image_parts.hh"
+#include "image/image_oiio.hh"
 #include "image/wire.hh"
 
 namespace
@@ -108,17 +106,6 @@ void confine_to_file(Request &request)
 
 /* ---- */
 
-/* Ends as the process did that carried a request out. */
-void end_like(int status)
-{
-    if (WIFSIGNALED(status)) {
-        signal(WTERMSIG(status), SIG_DFL);
-        raise(WTERMSIG(status));
-    }
-    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-        leave(WIFEXITED(status) ? WEXITSTATUS(status) : 3);
-}
-
 void serve()
 {
     Request request = receive_request();
@@ -135,7 +122,12 @@ void serve()
         ;
     if (process < 0)
         leave(3);
-    end_like(status);
+    if (WIFSIGNALED(status)) { /* ends as that did */
+        signal(WTERMSIG(status), SIG_DFL);
+        raise(WTERMSIG(status));
+    }
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+        leave(WIFEXITED(status) ? WEXITSTATUS(status) : 3);
 }
 
 /* Threads of this process; 1 where the kernel does not say. */
@@ -148,15 +140,6 @@ int count_threads()
     return 1;
 }
 
-/* The library begins a thread and ends it, and does not wait until it is gone: a process that is
- * made meanwhile may wait for ever for what that thread held. Threads from before are asleep. */
-void await_threads(int before)
-{
-    constexpr int tries_most = 1000;
-    for (int tries = 0; count_threads() > before && tries < tries_most; tries++)
-        usleep(1000);
-}
-
 /* All that it reads from elsewhere, it reads now. */
 void prepare_library()
 {
@@ -166,7 +149,11 @@ void prepare_library()
     OIIO::attribute("limits:imagesize_MB", 4096);
     OIIO::attribute("limits:channels", 64);
     OIIO::get_string_attribute("format_list");
-    await_threads(before);
+    /* The library begins a thread and ends it, and does not wait until it is gone: a process that is
+     * made meanwhile may wait for ever for what that thread held. Threads from before are asleep. */
+    constexpr int tries_most = 1000;
+    for (int tries = 0; count_threads() > before && tries < tries_most; tries++)
+        usleep(1000);
 }
 
 } // namespace

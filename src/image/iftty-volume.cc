@@ -7,16 +7,12 @@
  * header names, or that may lie beside it). A decoder that crashes takes only this process along.
  *
  *     volume_answer.cc   the answers, and how reading ends
- *     volume_names.cc    files that headers of text name
- *     volume_sources.cc  files that data sets of HDF5 name
- *     volume_itk.cc      the formats of ITK
+ *     volume_names.cc    headers of text, and the files that they name
+ *     volume_itk.cc      the formats of ITK, and slices as pictures
  *     volume_bytes.cc    whether a file has the bytes that its header promises
- *     volume_hdf5.cc     data sets of HDF5
- *     volume_slice.cc    what DICOM says of a slice
- *     volume_pixels.cc   the pixels of a file
- *     volume_mosaic.cc   slices that lie side by side in one picture
- *     volume_choice.cc   which series of a folder
- *     volume_series.cc   the slices of a series
+ *     volume_hdf5.cc     data sets of HDF5, and the files that they name
+ *     volume_dicom.cc    what a file of DICOM says of slices and mosaics, and its pixels
+ *     volume_series.cc   which series of a folder, and its slices in their places
  *     volume_folder.cc   folders of slices
  */
 #include <cstdlib>
@@ -106,18 +102,6 @@ Request receive_request()
     return request;
 }
 
-void open(Volume &volume, const Request &request, const Files &files)
-{
-    if (request.kind == "folder")
-        open_folder(volume, request, files);
-    else if (request.kind == "dicom")
-        open_dicom(volume, request);
-    else if (request.kind == "hdf5")
-        open_hdf5(volume, request);
-    else
-        open_by_itk(volume, request, request.kind);
-}
-
 /* Libraries print to standard error, which leads nowhere, and GDCM more than it needs to. */
 void serve()
 {
@@ -134,7 +118,14 @@ void serve()
         if (request.kind == "folder")
             walk(files, request.path, request.follows_links, 0);
         confine_to_request(request, files);
-        open(volume, request, files);
+        if (request.kind == "folder")
+            open_folder(volume, request, files);
+        else if (request.kind == "dicom")
+            open_dicom(volume, request);
+        else if (request.kind == "hdf5")
+            open_hdf5(volume, request);
+        else
+            open_by_itk(volume, request, request.kind);
         answer(volume);
         return;
     } catch (const Refusal &refusal) {

@@ -61,16 +61,6 @@ double levels_value(const struct geometry *geometry, const struct levels *levels
                                                     : geometry_value(geometry, intensity);
 }
 
-/* A whole number with all digits that double precision has of it. */
-static void write_exact(struct buf *out, int digits, double value)
-{
-    const bool is_whole = fabs(value) < 1e15 && value == floor(value);
-    if (isinf(value))
-        buf_add_text(out, "no number");
-    else
-        buf_printf(out, is_whole ? "%.*f" : "%.*g", is_whole ? 0 : digits, value);
-}
-
 void levels_write(struct buf *out, const struct geometry *geometry, const struct levels *levels,
                   uint16_t intensity)
 {
@@ -78,7 +68,12 @@ void levels_write(struct buf *out, const struct geometry *geometry, const struct
     const struct level *level = known(levels, intensity);
     const bool is_beyond = intensity == 0 || intensity == LEVELS - 1;
     if (level && level->least == level->greatest) {
-        write_exact(out, digits, level->least);
+        const double value = level->least; /* a whole one with all digits that it has */
+        const bool is_whole = fabs(value) < 1e15 && value == floor(value);
+        if (isinf(value))
+            buf_add_text(out, "no number");
+        else
+            buf_printf(out, is_whole ? "%.*f" : "%.*g", is_whole ? 0 : digits, value);
     } else if (level && levels->is_clamped && is_beyond) {
         buf_printf(out, "%.*g..%.*g", digits, level->least, digits, level->greatest);
     } else {

@@ -27,22 +27,16 @@ const uint16_t linear_half[256] = {
     0x3bca, 0x3bdc, 0x3bee, 0x3c00,
 };
 
-/* The half nearest to level / 255. */
-static uint16_t alpha_half(unsigned level)
-{
-    float value = (float)level / 255.0f;
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    if (bits == 0)
-        return 0;
-    bits -= (uint32_t)(127 - 15) << 23; /* levels from 1 up are normal halves */
-    return (uint16_t)((bits + 0xfff + (bits >> 13 & 1)) >> 13);
-}
-
 void linear_alpha(uint16_t half[256])
 {
-    for (unsigned level = 0; level < 256; level++)
-        half[level] = alpha_half(level);
+    half[0] = 0;
+    for (unsigned level = 1; level < 256; level++) { /* all are normal halves */
+        const float value = (float)level / 255.0f;
+        uint32_t bits;
+        memcpy(&bits, &value, sizeof bits);
+        bits -= (uint32_t)(127 - 15) << 23;
+        half[level] = (uint16_t)((bits + 0xfff + (bits >> 13 & 1)) >> 13);
+    }
 }
 
 void linear_invert(uint8_t level[HALF_ONE + 1], const uint16_t half[256])

@@ -1,5 +1,5 @@
 /*
- * MetaImage: maps out as .mha, header and voxels in one file, for whoever reads with ITK.
+ * MetaImage: maps out as .mha, header and voxels in one file, for all that read with ITK.
  *
  *     ObjectType = Image
  *     NDims = 3
@@ -49,36 +49,27 @@ static void write_place(struct buf *out, const struct geometry *geometry)
     write_reals(out, "ElementSpacing", spacing, 3);
 }
 
-static void write_header(struct buf *out, const struct volume_map *map)
+static enum err write(const char *path, enum file_mode mode, const struct volume_map *map,
+                      struct watch *watch, struct fault *fault)
 {
     const struct geometry *geometry = map->geometry;
     const uint32_t *nm = geometry->spacing_nm;
-    buf_printf(out,
+    struct buf header = {0};
+    buf_printf(&header,
                "ObjectType = Image\nComment = %s\nNDims = 3\nBinaryData = True\n"
                "BinaryDataByteOrderMSB = False\nCompressedData = False\n",
                map->description);
     if (geometry_has_place(geometry))
-        write_place(out, geometry);
+        write_place(&header, geometry);
     else if (!geometry->spacing_unknown)
-        write_reals(out, "ElementSpacing", (const double[3]){nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6},
-                    3);
-    buf_printf(out, "DimSize = %u %u %u\nElementType = %s\nElementDataFile = LOCAL\n", map->size[0],
-               map->size[1], map->size[2],
+        write_reals(&header, "ElementSpacing",
+                    (const double[3]){nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6}, 3);
+    buf_printf(&header, "DimSize = %u %u %u\nElementType = %s\nElementDataFile = LOCAL\n",
+               map->size[0], map->size[1], map->size[2],
                map->type == VOXEL_UINT8    ? "MET_UCHAR"
                : map->type == VOXEL_UINT16 ? "MET_USHORT"
                                            : "MET_UINT");
-}
-
-static enum err write(const char *path, enum file_mode mode, const struct volume_map *map,
-                      struct watch *watch, struct fault *fault)
-{
-    struct buf header = {0};
-    write_header(&header, map);
-    const enum err err = header.failed ? fault_memory(fault, "the header of a volume")
-                                       : voxels_write(path, mode, header.data, header.length,
-                                                      PACKED_NOT, map, watch, fault);
-    buf_release(&header);
-    return err;
+    return voxels_write(path, mode, &header, PACKED_NOT, map, watch, fault);
 }
 
 extern const struct volume_format metaimage_format;

@@ -26,6 +26,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/buf.h"
 #include "engine/grid.h"
 #include "image/volume_format.h"
 
@@ -125,24 +126,6 @@ static enum err read_size(struct volume_header *out, const uint8_t *bytes, struc
 }
 
 /* The distances that it says, or where directions are none of unit length, those of its matrix. */
-static void read_spacing(struct geometry *geometry, const double spacing_mm[3],
-                         const double to_mm[3][4], char *notes)
-{
-    const struct geometry placed = {.to_mm = {{to_mm[0][0], to_mm[0][1], to_mm[0][2]},
-                                              {to_mm[1][0], to_mm[1][1], to_mm[1][2]},
-                                              {to_mm[2][0], to_mm[2][1], to_mm[2][2]}}};
-    for (int a = 0; a < 3; a++) {
-        const double step = geometry_step_mm(&placed, a);
-        const bool same = fabs(step - spacing_mm[a]) <= 1e-6 * step;
-        if (geometry_spacing(&geometry->spacing_nm[a], same ? spacing_mm[a] : step))
-            continue;
-        volume_note(notes, "its voxels are said to be %g mm apart; expected 1 nm to 4 m", step);
-        geometry->spacing_unknown = true;
-    }
-    for (int a = 0; a < 3 && geometry->spacing_unknown; a++)
-        geometry->spacing_nm[a] = 1000000;
-}
-
 static void read_place(struct volume_header *out, const uint8_t *bytes)
 {
     struct geometry *geometry = &out->geometry;
@@ -156,7 +139,18 @@ static void read_place(struct volume_header *out, const uint8_t *bytes)
             to_mm[w][3] -= to_mm[w][a] * out->size[a] / 2;
         }
     }
-    read_spacing(geometry, number, (const double(*)[4])to_mm, out->notes);
+    memcpy(geometry->to_mm, to_mm, sizeof to_mm);
+    for (int a = 0; a < 3; a++) {
+        const double step = geometry_step_mm(geometry, a);
+        const bool same = fabs(step - number[a]) <= 1e-6 * step;
+        if (geometry_spacing(&geometry->spacing_nm[a], same ? number[a] : step))
+            continue;
+        volume_note(out->notes, "its voxels are said to be %g mm apart; expected 1 nm to 4 m",
+                    step);
+        geometry->spacing_unknown = true;
+    }
+    for (int a = 0; a < 3 && geometry->spacing_unknown; a++)
+        geometry->spacing_nm[a] = 1000000;
     if (!geometry->spacing_unknown &&
         geometry_place(geometry, (const double(*)[4])to_mm, ORIENTATION_FILE))
         return;
@@ -213,18 +207,13 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
 
 /* ---- writing ---- */
 
-/* In single precision: spacing as it was read, where that is what the matrix says. */
-static double step_mm(const struct geometry *geometry, int a)
-{
-    const double step = geometry_step_mm(geometry, a), said = geometry->spacing_nm[a] / 1e6;
-    return (double)(float)(fabs(step - said) <= 1e-6 * step ? said : step);
-}
-
 static void put_place(uint8_t *bytes, const struct geometry *geometry, const uint32_t size[3])
 {
     double number[NUMBERS] = {0};
-    for (int a = 0; a < 3; a++)
-        number[a] = step_mm(geometry, a);
+    for (int a = 0; a < 3; a++) { /* in single precision; as it was read, where the matrix agrees */
+        const double step = geometry_step_mm(geometry, a), said = geometry->spacing_nm[a] / 1e6;
+        number[a] = (double)(float)(fabs(step - said) <= 1e-6 * step ? said : step);
+    }
     for (int w = 0; w < 3; w++) {
         number[MIDDLE + w] = geometry->to_mm[w][3];
         for (int a = 0; a < 3; a++) {
@@ -256,6 +245,7 @@ static enum err write(const char *path, enum file_mode mode, const struct volume
 {
     uint8_t bytes[HEADER_BYTES] = {0};
     struct volume_map written = *map, narrow = *map;
+    struct buf header = {0};
     if (map->type == VOXEL_UINT32)
         return fault_set(fault, ERR_USAGE,
                          "cannot write %s: FreeSurfer's files hold no numbers up to 4294967295; "
@@ -271,7 +261,8 @@ static enum err write(const char *path, enum file_mode mode, const struct volume
         put_int(bytes + SIZE_AT + 4 * a, a < 3 ? (int32_t)map->size[a] : 1);
     put_int(bytes + TYPE_AT, map->type == VOXEL_UINT8 ? UINT8 : INT32);
     put_place(bytes, map->geometry, map->size);
-    return voxels_write(path, mode, bytes, sizeof bytes,
+    buf_add(&header, bytes, sizeof bytes);
+    return voxels_write(path, mode, &header,
                         file_is_named(path, ".mgh") ? PACKED_NOT : PACKED_WHOLE, &written, watch,
                         fault);
 }

@@ -122,42 +122,27 @@ static enum err read_size(uint32_t size[3], uint32_t *volumes, const struct nift
     return OK;
 }
 
-static void read_scale(struct nifti_header *header, char *notes)
+/* What is said of voxels that can be read. */
+static enum err read_layout(struct volume_header *out, struct nifti_header *header,
+                            const struct volume_source *source, struct fault *fault)
 {
     const bool is_odd = !isfinite(header->scl_slope) || !isfinite(header->scl_inter);
     if (is_odd)
-        volume_note(notes, "scl_slope is %g and scl_inter %g: values are not scaled",
+        volume_note(out->notes, "scl_slope is %g and scl_inter %g: values are not scaled",
                     header->scl_slope, header->scl_inter);
     if (is_odd || header->scl_slope == 0) { /* nifti1.h: then there is no scaling of either kind */
         header->scl_slope = 1;
         header->scl_inter = 0;
     }
-}
-
-/* Where the voxels begin. */
-static enum err read_offset(uint64_t *offset, const struct nifti_header *header,
-                            struct fault *fault)
-{
     /* After the header four bytes say whether extensions follow. */
     const double least = header->kind == NIFTI_SINGLE ? (double)header->bytes + 4 : 0;
-    const double given = header->vox_offset == 0 ? least : header->vox_offset;
-    if (!(given >= least && given <= OFFSET_MOST) || given != floor(given))
+    const double begin = header->vox_offset == 0 ? least : header->vox_offset;
+    if (!(begin >= least && begin <= OFFSET_MOST) || begin != floor(begin))
         return fault_set(fault, ERR_INPUT,
                          "vox_offset is %g; expected a whole number of bytes from %g to %g",
                          header->vox_offset, least, OFFSET_MOST);
-    *offset = (uint64_t)given;
-    return OK;
-}
-
-/* What is said of voxels that can be read. */
-static enum err read_layout(struct volume_header *out, struct nifti_header *header,
-                            const struct volume_source *source, struct fault *fault)
-{
-    read_scale(header, out->notes);
-    enum err err = read_offset(&out->offset, header, fault);
-    if (err)
-        return err;
-    err = voxels_check(out, source, fault);
+    out->offset = (uint64_t)begin;
+    const enum err err = voxels_check(out, source, fault);
     if (header->kind == NIFTI_SINGLE) {
         voxels_note_rest(out, source, "does its header say all of its volumes?");
         return err;
@@ -165,20 +150,6 @@ static enum err read_layout(struct volume_header *out, struct nifti_header *head
     out->bytes = source->bytes;
     voxels_note_rest(out, source, "is this .img the one of this .hdr?");
     return err ? fault_prefix(fault, err, "its .img") : OK;
-}
-
-static const char *format_of(const struct nifti_header *header)
-{
-    const bool is_first = header->bytes == NIFTI_LEAST_BYTES;
-    switch (header->kind) {
-    case NIFTI_SINGLE:
-        return is_first ? "nifti-1" : "nifti-2";
-    case NIFTI_PAIR:
-        return is_first ? "nifti-1 pair" : "nifti-2 pair";
-    case NIFTI_ANALYZE:
-        break;
-    }
-    return "analyze";
 }
 
 /* Values of grayordinates, points of surfaces and voxels in a list: its grid is 1x1x1, and what
@@ -198,7 +169,11 @@ static enum err take_fields(struct volume_header *out, struct nifti_header *head
     if (err)
         return err;
     const struct datatype *datatype = datatype_of(header->datatype);
-    snprintf(out->format, sizeof out->format, "%s", format_of(header));
+    snprintf(out->format, sizeof out->format, "%s%s",
+             header->kind == NIFTI_ANALYZE        ? "analyze"
+             : header->bytes == NIFTI_LEAST_BYTES ? "nifti-1"
+                                                  : "nifti-2",
+             header->kind == NIFTI_PAIR ? " pair" : "");
     snprintf(out->type_name, sizeof out->type_name, "%s", datatype->name);
     out->big_endian = header->big_endian;
     if (is_cifti(header))
@@ -274,20 +249,6 @@ static enum err go_to_other(struct volume_source *source, bool to_voxels, struct
     return err;
 }
 
-/* SPM has the place of an ANALYZE in a file of MATLAB, which is named alone. */
-static void note_matrix(char *notes, const char *path)
-{
-    const char *end = file_ending(path, PAIR_HEADERS "|" PAIR_VOXELS);
-    struct buf matrix = {0};
-    buf_add(&matrix, path, (size_t)(end - path));
-    buf_add_text(&matrix, ".mat");
-    if (!matrix.failed && file_exists(buf_text(&matrix)))
-        volume_note(notes,
-                    "the .mat of SPM beside it may say where its voxels lie; it is not read: "
-                    "`nib-convert FILE A.nii` (nibabel) makes a NIfTI of them");
-    buf_release(&matrix);
-}
-
 /* The voxels of a pair, whose header was read, and what is said of both. */
 static enum err take_pair(struct volume_header *out, struct nifti_header *header,
                           struct volume_source *source, struct fault *fault)
@@ -296,8 +257,17 @@ static enum err take_pair(struct volume_header *out, struct nifti_header *header
                                                  : go_to_other(source, true, fault);
     if (err)
         return err;
-    if (header->kind == NIFTI_ANALYZE)
-        note_matrix(out->notes, source->path);
+    if (header->kind == NIFTI_ANALYZE) { /* SPM has its place in a file of MATLAB */
+        struct buf matrix = {0};
+        buf_add(&matrix, source->path,
+                (size_t)(file_ending(source->path, PAIR_HEADERS "|" PAIR_VOXELS) - source->path));
+        buf_add_text(&matrix, ".mat");
+        if (!matrix.failed && file_exists(buf_text(&matrix)))
+            volume_note(out->notes,
+                        "the .mat of SPM beside it may say where its voxels lie; it is not read: "
+                        "`nib-convert FILE A.nii` (nibabel) makes a NIfTI of them");
+        buf_release(&matrix);
+    }
     return take_fields(out, header, source, fault);
 }
 
@@ -347,25 +317,12 @@ static enum err read_beside(struct volume_header *out, struct volume_source *sou
 
 /* ---- writing ---- */
 
-/* As much of the description as there is room for, and never half a character. */
-static void describe(struct nifti_header *header, const char *description)
-{
-    const size_t length = strnlen(description, sizeof header->descrip - 1);
-    size_t fits = 0;
-    while (fits < length) {
-        size_t n = safe_character(description + fits, strlen(description + fits));
-        if (fits + (n ? n : 1) > length)
-            break;
-        fits += n ? n : 1;
-    }
-    memcpy(header->descrip, description, fits);
-}
-
 /* The header and the four bytes after it that say "no extensions". */
 static enum err write(const char *path, enum file_mode mode, const struct volume_map *map,
                       struct watch *watch, struct fault *fault)
 {
     uint8_t bytes[NIFTI_MOST_BYTES + 4] = {0};
+    struct buf begin = {0};
     struct nifti_header header = {.bytes = NIFTI_LEAST_BYTES, .scl_slope = 1, .dim = {3}};
     for (int a = 1; a < 8; a++) {
         header.dim[a] = a <= 3 ? map->size[a - 1] : 1;
@@ -376,10 +333,19 @@ static enum err write(const char *path, enum file_mode mode, const struct volume
     header.bitpix = INT64_C(8) * voxel_bytes(map->type);
     nifti_header_place(&header, map->geometry);
     header.vox_offset = (double)header.bytes + 4;
-    describe(&header, map->description);
+    const size_t length = strnlen(map->description, sizeof header.descrip - 1);
+    size_t fits = 0; /* of the description, and never half a character */
+    for (size_t n; fits < length; fits += n) {
+        n = safe_character(map->description + fits, strlen(map->description + fits));
+        n = n ? n : 1;
+        if (fits + n > length)
+            break;
+    }
+    memcpy(header.descrip, map->description, fits);
     nifti_header_encode(&header, bytes);
-    return voxels_write(path, mode, bytes, header.bytes + 4,
-                        file_is_named(path, ".gz") ? PACKED_WHOLE : PACKED_NOT, map, watch, fault);
+    buf_add(&begin, bytes, header.bytes + 4);
+    return voxels_write(path, mode, &begin, file_is_named(path, ".gz") ? PACKED_WHOLE : PACKED_NOT,
+                        map, watch, fault);
 }
 
 extern const struct volume_format nifti_format;

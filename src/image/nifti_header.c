@@ -197,21 +197,6 @@ void nifti_header_encode(const struct nifti_header *header, uint8_t *bytes)
 
 enum { UNIT_AT = 56, UNIT_BYTES = 4, ORIENT_AT = 252 };
 
-/* Types of voxels that SPM has added, and what they are in NIfTI. */
-static int64_t analyze_datatype(int64_t code)
-{
-    switch (code) {
-    case 130:
-        return 256; /* int8 */
-    case 132:
-        return 512; /* uint16 */
-    case 136:
-        return 768; /* uint32 */
-    default:
-        return code;
-    }
-}
-
 /* Millimetres in its unit; 0 where that is not known. */
 static double analyze_unit_mm(const uint8_t *bytes)
 {
@@ -232,7 +217,10 @@ void nifti_header_take_analyze(struct nifti_header *header, const uint8_t *bytes
                                char notes[VOLUME_NOTES_BYTES])
 {
     const double mm = analyze_unit_mm(bytes);
-    header->datatype = analyze_datatype(header->datatype);
+    header->datatype = header->datatype == 130   ? 256 /* int8, which SPM has added, */
+                       : header->datatype == 132 ? 512 /* uint16 */
+                       : header->datatype == 136 ? 768 /* and uint32 */
+                                                 : header->datatype;
     if (mm == 0)
         volume_note(notes, "its unit of length is none that is known (mm, cm, um, m)");
     header->xyzt_units = 2; /* millimetres */
@@ -259,24 +247,8 @@ void nifti_header_take_analyze(struct nifti_header *header, const uint8_t *bytes
 /* Millimetres in the header's unit of length. */
 static double unit_mm(const struct nifti_header *header)
 {
-    switch (header->xyzt_units & 7) {
-    case 1:
-        return 1000;
-    case 3:
-        return 0.001;
-    default:
-        return 1;
-    }
-}
-
-static void note_unit(char *notes, const struct nifti_header *header)
-{
-    const unsigned unit = (unsigned)header->xyzt_units & 7;
-    if (unit == 0)
-        volume_note(notes, "it does not say the unit of its lengths: taken as millimetres");
-    else if (unit > 3)
-        volume_note(notes, "the unit of its lengths is %u, which is none: taken as millimetres",
-                    unit);
+    const int64_t unit = header->xyzt_units & 7;
+    return unit == 1 ? 1000 : unit == 3 ? 0.001 : 1;
 }
 
 /* The matrix of the quaternion (a, b, c, d), whose a >= 0 the file leaves out; nifti1.h, method 2.
@@ -383,19 +355,6 @@ static void compare_lengths(const struct geometry *geometry, char *notes)
                     mm[0], mm[1], mm[2]);
 }
 
-static struct geometry_fields fields_of(const struct nifti_header *header)
-{
-    struct geometry_fields fields = {.given = true,
-                                     .xyzt_units = header->xyzt_units,
-                                     .qform_code = header->qform_code,
-                                     .sform_code = header->sform_code};
-    memcpy(fields.pixdim, header->pixdim, sizeof fields.pixdim);
-    memcpy(fields.quatern, header->quatern, sizeof fields.quatern);
-    memcpy(fields.qoffset, header->qoffset, sizeof fields.qoffset);
-    memcpy(fields.srow, header->srow, sizeof fields.srow);
-    return fields;
-}
-
 /* A pixdim that is no distance has the sform say it. */
 static void measure_by_sform(struct geometry *geometry, char *notes)
 {
@@ -414,8 +373,22 @@ void nifti_header_geometry(struct geometry *geometry, char notes[VOLUME_NOTES_BY
     static const double voxels_mm[3] = {1, 1, 1};
     const double unit = unit_mm(header);
     double spacing_mm[3];
-    *geometry = (struct geometry){.slope = 1, .fields = fields_of(header)};
-    note_unit(notes, header);
+    *geometry = (struct geometry){.slope = 1,
+                                  .fields = {.given = true,
+                                             .xyzt_units = header->xyzt_units,
+                                             .qform_code = header->qform_code,
+                                             .sform_code = header->sform_code}};
+    struct geometry_fields *fields = &geometry->fields;
+    memcpy(fields->pixdim, header->pixdim, sizeof fields->pixdim);
+    memcpy(fields->quatern, header->quatern, sizeof fields->quatern);
+    memcpy(fields->qoffset, header->qoffset, sizeof fields->qoffset);
+    memcpy(fields->srow, header->srow, sizeof fields->srow);
+    const unsigned unit_code = (unsigned)header->xyzt_units & 7;
+    if (unit_code == 0)
+        volume_note(notes, "it does not say the unit of its lengths: taken as millimetres");
+    else if (unit_code > 3)
+        volume_note(notes, "the unit of its lengths is %u, which is none: taken as millimetres",
+                    unit_code);
     read_spacing(geometry, spacing_mm, notes, header);
     struct geometry_form *sform = &geometry->sform, *qform = &geometry->qform;
     sform->code = usable_code(header->sform_code);
@@ -501,25 +474,20 @@ static bool fit_single(const double *value, size_t count)
     return fit;
 }
 
-/* As they were read; where only a NIfTI-2 holds them, it is one. */
-static void place_fields(struct nifti_header *header, const struct geometry_fields *fields)
-{
-    if (!fit_single(fields->pixdim, 4) || !fit_single(fields->quatern, 3) ||
-        !fit_single(fields->qoffset, 3) || !fit_single(&fields->srow[0][0], 12))
-        header->bytes = NIFTI_MOST_BYTES;
-    header->xyzt_units = fields->xyzt_units;
-    header->qform_code = fields->qform_code;
-    header->sform_code = fields->sform_code;
-    memcpy(header->pixdim, fields->pixdim, sizeof fields->pixdim);
-    memcpy(header->quatern, fields->quatern, sizeof fields->quatern);
-    memcpy(header->qoffset, fields->qoffset, sizeof fields->qoffset);
-    memcpy(header->srow, fields->srow, sizeof fields->srow);
-}
-
 void nifti_header_place(struct nifti_header *header, const struct geometry *geometry)
 {
-    if (geometry->fields.given) {
-        place_fields(header, &geometry->fields);
+    const struct geometry_fields *fields = &geometry->fields;
+    if (fields->given) { /* as they were read; where only a NIfTI-2 holds them, it is one */
+        if (!fit_single(fields->pixdim, 4) || !fit_single(fields->quatern, 3) ||
+            !fit_single(fields->qoffset, 3) || !fit_single(&fields->srow[0][0], 12))
+            header->bytes = NIFTI_MOST_BYTES;
+        header->xyzt_units = fields->xyzt_units;
+        header->qform_code = fields->qform_code;
+        header->sform_code = fields->sform_code;
+        memcpy(header->pixdim, fields->pixdim, sizeof fields->pixdim);
+        memcpy(header->quatern, fields->quatern, sizeof fields->quatern);
+        memcpy(header->qoffset, fields->qoffset, sizeof fields->qoffset);
+        memcpy(header->srow, fields->srow, sizeof fields->srow);
         return;
     }
     enum { MILLIMETRES = 2, SCANNER = 1 };

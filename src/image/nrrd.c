@@ -1,5 +1,5 @@
 /*
- * NRRD: label and other maps out, for 3D Slicer and whoever reads with ITK or teem.
+ * NRRD: label and other maps out, for 3D Slicer and all that read with ITK or teem.
  *
  *     NRRD0004
  *     content: iftty labels
@@ -38,13 +38,6 @@
 
 /* ---- header ---- */
 
-static const char *type_name(enum voxel_type type)
-{
-    return type == VOXEL_UINT8    ? "unsigned char"
-           : type == VOXEL_UINT16 ? "unsigned short"
-                                  : "unsigned int";
-}
-
 /* "(-1,0,0)": a column of the way to the world. */
 static void write_column(struct buf *out, const double to_mm[3][4], int column)
 {
@@ -69,25 +62,26 @@ static void write_place(struct buf *out, const struct geometry *geometry)
     buf_add_char(out, '\n');
 }
 
-static void write_spacings(struct buf *out, const struct geometry *geometry)
-{
-    buf_add_text(out, "spacings:");
-    for (int a = 0; a < 3; a++) {
-        buf_add_char(out, ' ');
-        buf_add_real(out, geometry->spacing_nm[a] / 1e6);
-    }
-    buf_add_char(out, '\n');
-}
-
 static void write_header(struct buf *out, const struct volume_map *map)
 {
     const struct geometry *geometry = map->geometry;
     buf_printf(out, "NRRD0004\ncontent: %s\ntype: %s\ndimension: 3\nsizes: %u %u %u\n",
-               map->description, type_name(map->type), map->size[0], map->size[1], map->size[2]);
+               map->description,
+               map->type == VOXEL_UINT8    ? "unsigned char"
+               : map->type == VOXEL_UINT16 ? "unsigned short"
+                                           : "unsigned int",
+               map->size[0], map->size[1], map->size[2]);
     if (geometry_has_place(geometry))
         write_place(out, geometry);
-    else if (!geometry->spacing_unknown)
-        write_spacings(out, geometry);
+    else if (!geometry->spacing_unknown) {
+        const uint32_t *nm = geometry->spacing_nm;
+        buf_add_text(out, "spacings:");
+        for (int a = 0; a < 3; a++) {
+            buf_add_char(out, ' ');
+            buf_add_real(out, nm[a] / 1e6);
+        }
+        buf_add_char(out, '\n');
+    }
     buf_add_text(out, "kinds: domain domain domain\nendian: little\nencoding: gzip\n");
 }
 
@@ -99,17 +93,6 @@ struct extent {
     bool any;
     uint32_t first[3], last[3];
 };
-
-static void add_place(struct extent *extent, const uint32_t place[3])
-{
-    for (int a = 0; a < 3; a++) {
-        if (!extent->any || place[a] < extent->first[a])
-            extent->first[a] = place[a];
-        if (!extent->any || place[a] > extent->last[a])
-            extent->last[a] = place[a];
-    }
-    extent->any = true;
-}
 
 static unsigned number_at(const void *row, bool is_wide, uint32_t x)
 {
@@ -128,19 +111,18 @@ static void find_extents(struct extent extent[LABELS], const struct volume_map *
             map->row(map->context, y, z, row);
             for (uint32_t x = 0; x < size[0]; x++) {
                 const unsigned is = number_at(row, is_wide, x);
-                if (x == 0 || x + 1 == size[0] || is != number_at(row, is_wide, x - 1) ||
-                    is != number_at(row, is_wide, x + 1))
-                    add_place(&extent[label[is]], (const uint32_t[3]){x, y, z});
+                if (x > 0 && x + 1 < size[0] && is == number_at(row, is_wide, x - 1) &&
+                    is == number_at(row, is_wide, x + 1))
+                    continue;
+                struct extent *of = &extent[label[is]];
+                const uint32_t place[3] = {x, y, z};
+                for (int a = 0; a < 3; a++) {
+                    of->first[a] = !of->any || place[a] < of->first[a] ? place[a] : of->first[a];
+                    of->last[a] = !of->any || place[a] > of->last[a] ? place[a] : of->last[a];
+                }
+                of->any = true;
             }
         }
-}
-
-static void write_extent(struct buf *out, const struct extent *extent)
-{
-    for (int a = 0; a < 3; a++)
-        buf_printf(out, "%s%u %d", a ? " " : "", extent->first[a],
-                   extent->any ? (int)extent->last[a] : -1);
-    buf_add_char(out, '\n');
 }
 
 static void write_segment(struct buf *out, unsigned number, const struct volume_label *look,
@@ -159,7 +141,10 @@ static void write_segment(struct buf *out, unsigned number, const struct volume_
                label);
     buf_printf(out, "Segment%u_Layer:=0\nSegment%u_Tags:=|\nSegment%u_Extent:=", number, number,
                number);
-    write_extent(out, extent);
+    for (int a = 0; a < 3; a++)
+        buf_printf(out, "%s%u %d", a ? " " : "", extent->first[a],
+                   extent->any ? (int)extent->last[a] : -1);
+    buf_add_char(out, '\n');
 }
 
 static enum err write_segments(struct buf *out, const struct volume_map *map, struct watch *watch,
@@ -203,11 +188,8 @@ static enum err write(const char *path, enum file_mode mode, const struct volume
     if (is_segmentation)
         err = write_segments(&header, map, watch, fault);
     buf_add_char(&header, '\n');
-    if (!err && header.failed)
-        err = fault_memory(fault, "the header of a volume");
     if (!err)
-        err =
-            voxels_write(path, mode, header.data, header.length, PACKED_VOXELS, map, watch, fault);
+        return voxels_write(path, mode, &header, PACKED_VOXELS, map, watch, fault);
     buf_release(&header);
     return err;
 }

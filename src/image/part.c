@@ -16,28 +16,22 @@ bool part_is_less(const struct volume_header *header)
     return header->choice.has_crop || header->choice.reduce > 1;
 }
 
-static enum err check_crop(const struct volume_header *header, struct fault *fault)
-{
-    const uint32_t *size = header->whole, *first = header->choice.first;
-    const uint32_t *last = header->choice.last;
-    for (int a = 0; a < 3; a++)
-        if (first[a] > last[a] || last[a] >= size[a])
-            return fault_set(fault, ERR_USAGE,
-                             "crop: %" PRIu32 "-%" PRIu32 " is not in the %" PRIu32
-                             " voxels along %c, 0-%" PRIu32,
-                             first[a], last[a], size[a], 'x' + a, size[a] - 1);
-    return OK;
-}
-
 enum err part_choose(struct volume_header *header, struct fault *fault)
 {
     const struct volume_choice *choice = &header->choice;
     const uint32_t reduce = choice->reduce > 1 ? choice->reduce : 1;
     double first[3], step[3];
     struct grid grid;
+    enum err err = OK;
     memcpy(header->whole, header->size, sizeof header->whole);
-    enum err err = choice->has_crop ? check_crop(header, fault) : OK;
-    for (int a = 0; a < 3 && !err; a++) {
+    for (int a = 0; a < 3 && choice->has_crop; a++)
+        if (choice->first[a] > choice->last[a] || choice->last[a] >= header->whole[a])
+            return fault_set(fault, ERR_USAGE,
+                             "crop: %" PRIu32 "-%" PRIu32 " is not in the %" PRIu32
+                             " voxels along %c, 0-%" PRIu32,
+                             choice->first[a], choice->last[a], header->whole[a], 'x' + a,
+                             header->whole[a] - 1);
+    for (int a = 0; a < 3; a++) {
         const uint32_t begin = choice->has_crop ? choice->first[a] : 0;
         const uint32_t count = choice->has_crop ? choice->last[a] - begin + 1 : header->whole[a];
         header->begin[a] = begin;
@@ -52,7 +46,7 @@ enum err part_choose(struct volume_header *header, struct fault *fault)
                         "which fill no block",
                         rest, count, 'x' + a);
     }
-    if (!err && part_is_less(header) && !geometry_derive(&header->geometry, first, step))
+    if (part_is_less(header) && !geometry_derive(&header->geometry, first, step))
         err = fault_set(fault, ERR_INPUT,
                         "reduce=%" PRIu32 ": its voxels would be more than 4 m apart; those of the "
                         "file are %g x %g x %g mm",
@@ -67,23 +61,12 @@ enum err part_choose(struct volume_header *header, struct fault *fault)
 
 /* ---- numbers in the order of the file ---- */
 
-static uint64_t get_bits(const uint8_t *at, unsigned width, bool big_endian)
-{
-    uint64_t bits = 0;
-    for (unsigned i = 0; i < width; i++)
-        bits |= (uint64_t)at[big_endian ? width - 1 - i : i] << 8 * i;
-    return bits;
-}
-
-static void put_bits(uint8_t *at, uint64_t bits, unsigned width, bool big_endian)
-{
-    for (unsigned i = 0; i < width; i++)
-        at[big_endian ? width - 1 - i : i] = (uint8_t)(bits >> 8 * i);
-}
-
 static double get_number(const uint8_t *at, const struct volume_header *header)
 {
-    const uint64_t bits = get_bits(at, voxel_bytes(header->type), header->big_endian);
+    const unsigned width = voxel_bytes(header->type);
+    uint64_t bits = 0;
+    for (unsigned i = 0; i < width; i++)
+        bits |= (uint64_t)at[header->big_endian ? width - 1 - i : i] << 8 * i;
     const uint32_t narrow = (uint32_t)bits;
     float single;
     double wide;
@@ -127,13 +110,17 @@ static void put_number(uint8_t *at, double value, const struct volume_header *he
     default:
         bits = value < 0x1p63 ? (uint64_t)(int64_t)floor(value + 0.5) : INT64_MAX;
     }
-    put_bits(at, bits, voxel_bytes(header->type), header->big_endian);
+    const unsigned width = voxel_bytes(header->type);
+    for (unsigned i = 0; i < width; i++)
+        at[header->big_endian ? width - 1 - i : i] = (uint8_t)(bits >> 8 * i);
 }
 
 /* ---- blocks ---- */
 
 struct blocks {
     const struct volume_header *header;
+    struct volume_source *source;
+    uint64_t offset; /* of the volume in it */
     unsigned width;  /* bytes of a number */
     uint8_t *row;    /* of the file */
     double *sum;     /* of the blocks of one plane of the part, */
@@ -176,21 +163,9 @@ static void pick_row(uint8_t *to, const struct blocks *blocks)
                    blocks->width);
 }
 
-/* Writes the means of a plane, and begins anew. */
-static void put_plane(uint8_t *to, struct blocks *blocks)
-{
-    const size_t count = (size_t)blocks->header->size[0] * blocks->header->size[1];
-    for (size_t i = 0; i < count; i++) {
-        const double mean = blocks->count[i] ? blocks->sum[i] / blocks->count[i] : (double)NAN;
-        put_number(to + i * blocks->width, mean, blocks->header);
-        blocks->sum[i] = 0;
-        blocks->count[i] = 0;
-    }
-}
-
 /* Plane z of the box, counted from its beginning. */
-static enum err read_plane(uint8_t *to, struct blocks *blocks, uint32_t z, uint64_t offset,
-                           struct volume_source *source, struct task *task, struct fault *fault)
+static enum err read_plane(uint8_t *to, struct blocks *blocks, uint32_t z, struct task *task,
+                           struct fault *fault)
 {
     const struct volume_header *header = blocks->header;
     const uint32_t *whole = header->whole, *step = header->step;
@@ -198,9 +173,9 @@ static enum err read_plane(uint8_t *to, struct blocks *blocks, uint32_t z, uint6
     const size_t part_bytes = (size_t)header->size[0] * blocks->width;
     const uint64_t row = ((uint64_t)header->begin[2] + z) * whole[1] + header->begin[1];
     const size_t plane = (size_t)(z / step[2]) * header->size[1];
-    enum err err = source_go_to(source, offset + row * bytes, "the voxels", fault);
+    enum err err = source_go_to(blocks->source, blocks->offset + row * bytes, "the voxels", fault);
     for (uint32_t y = 0; y < header->size[1] * step[1] && !err; y++) {
-        err = source_read(source, blocks->row, bytes, "the voxels", NULL, fault);
+        err = source_read(blocks->source, blocks->row, bytes, "the voxels", NULL, fault);
         if (!err && blocks->sum)
             add_row(blocks, y / step[1]);
         else if (!err && is_middle(y, step[1]) && is_middle(z, step[2]))
@@ -208,22 +183,16 @@ static enum err read_plane(uint8_t *to, struct blocks *blocks, uint32_t z, uint6
         if (!err && !task_advance(task, whole[0]))
             err = watch_fault(task->watch, fault);
     }
-    if (!err && blocks->sum && (z + 1) % step[2] == 0)
-        put_plane(to + plane * part_bytes, blocks);
-    return err;
-}
-
-static enum err read_planes(uint8_t *to, struct blocks *blocks, uint64_t offset,
-                            struct volume_source *source, struct watch *watch, struct fault *fault)
-{
-    const struct volume_header *header = blocks->header;
-    const uint32_t planes = header->size[2] * header->step[2];
-    struct task task = task_begin(
-        watch, "reading", (uint64_t)planes * header->size[1] * header->step[1] * header->whole[0]);
-    enum err err = OK;
-    for (uint32_t z = 0; z < planes && !err; z++)
-        err = read_plane(to, blocks, z, offset, source, &task, fault);
-    return err ? err : source_finish(source, fault);
+    if (err || !blocks->sum || (z + 1) % step[2] != 0)
+        return err;
+    to += plane * part_bytes;
+    for (size_t i = 0; i < (size_t)header->size[0] * header->size[1]; i++) { /* and begins anew */
+        const double mean = blocks->count[i] ? blocks->sum[i] / blocks->count[i] : (double)NAN;
+        put_number(to + i * blocks->width, mean, header);
+        blocks->sum[i] = 0;
+        blocks->count[i] = 0;
+    }
+    return OK;
 }
 
 enum err part_read(void *to, const struct volume_header *header, uint64_t offset,
@@ -231,7 +200,8 @@ enum err part_read(void *to, const struct volume_header *header, uint64_t offset
 {
     const bool means = header->choice.reduce > 1 && !header->choice.nearest;
     const size_t plane = means ? (size_t)header->size[0] * header->size[1] : 0;
-    struct blocks blocks = {.header = header, .width = voxel_bytes(header->type)};
+    struct blocks blocks = {
+        .header = header, .source = source, .offset = offset, .width = voxel_bytes(header->type)};
     blocks.row = mem_array(header->whole[0], blocks.width);
     blocks.sum = means ? mem_array(plane, sizeof *blocks.sum) : NULL;
     blocks.count = means ? mem_array(plane, sizeof *blocks.count) : NULL;
@@ -240,8 +210,14 @@ enum err part_read(void *to, const struct volume_header *header, uint64_t offset
         blocks.count[i] = 0;
     }
     const bool fits = blocks.row && (!means || (blocks.sum && blocks.count));
-    const enum err err = fits ? read_planes(to, &blocks, offset, source, watch, fault)
-                              : fault_memory(fault, "a plane of voxels");
+    const uint32_t planes = header->size[2] * header->step[2];
+    struct task task = task_begin(
+        watch, "reading", (uint64_t)planes * header->size[1] * header->step[1] * header->whole[0]);
+    enum err err = fits ? OK : fault_memory(fault, "a plane of voxels");
+    for (uint32_t z = 0; z < planes && !err; z++)
+        err = read_plane(to, &blocks, z, &task, fault);
+    if (!err)
+        err = source_finish(source, fault);
     free(blocks.row);
     free(blocks.sum);
     free(blocks.count);

@@ -9,7 +9,7 @@
 
 #include "base/file.h"
 #include "base/team.h"
-#include "image/helper.h"
+#include "image/image_helper.h"
 
 enum { POLL_MS = 100 };
 
@@ -200,38 +200,26 @@ bool picture_writer_holds(struct picture_writer *writer, const char *path)
     return holds;
 }
 
-/* Jobs that wait will not be written. Under the lock. */
-static void cancel_waiting(struct picture_writer *writer)
-{
-    struct fault fault;
-    for (struct picture_job *job; (job = take(writer)) != NULL; picture_job_free(job)) {
-        fault_set(&fault, ERR_CANCELLED, "cancelled: %s was not written", job->path);
-        report(writer, ERR_CANCELLED, job->path, &fault);
-    }
-}
-
-static void wait_a_moment(struct picture_writer *writer)
-{
-    struct timespec until;
-    clock_gettime(CLOCK_MONOTONIC, &until);
-    until.tv_nsec += POLL_MS * 1000000L;
-    until.tv_sec += until.tv_nsec / 1000000000L;
-    until.tv_nsec %= 1000000000L;
-    pthread_cond_timedwait(&writer->done, &writer->lock, &until);
-}
-
 enum err picture_writer_wait(struct picture_writer *writer, struct watch *watch,
                              struct fault *fault)
 {
     bool stopped = false;
     pthread_mutex_lock(&writer->lock);
     while (writer->first || writer->current) {
-        wait_a_moment(writer);
+        struct timespec until;
+        clock_gettime(CLOCK_MONOTONIC, &until);
+        until.tv_nsec += POLL_MS * 1000000L;
+        until.tv_sec += until.tv_nsec / 1000000000L;
+        until.tv_nsec %= 1000000000L;
+        pthread_cond_timedwait(&writer->done, &writer->lock, &until);
         pthread_mutex_unlock(&writer->lock);
         stopped = stopped || watch_poll(watch, "writing pictures", 0, 0);
         pthread_mutex_lock(&writer->lock);
-        if (stopped)
-            cancel_waiting(writer);
+        for (struct picture_job *job; stopped && (job = take(writer)); picture_job_free(job)) {
+            struct fault cancelled;
+            fault_set(&cancelled, ERR_CANCELLED, "cancelled: %s was not written", job->path);
+            report(writer, ERR_CANCELLED, job->path, &cancelled);
+        }
     }
     pthread_mutex_unlock(&writer->lock);
     return stopped ? watch_fault(watch, fault) : OK;

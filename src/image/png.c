@@ -6,6 +6,7 @@
 
 #include "base/mem.h"
 #include "base/safe.h"
+#include "image/picture.h"
 
 enum { HEADER = 13, AROUND = 12 /* the data of a chunk */, KEYWORD_MOST = 79 };
 enum { COLOURED = 2, INDEXED = 3, WITH_ALPHA = 6 }; /* kinds of pixels, as the header names them */

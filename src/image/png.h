@@ -13,7 +13,6 @@
 
 #include "base/buf.h"
 #include "base/err.h"
-#include "image/picture.h"
 #include "image/raster.h"
 
 /* Whether time counts, or bytes do. On pictures rounded to a palette deflate's level 1 makes 45 kB
@@ -56,6 +55,7 @@ enum err png_encode(struct buf *out, uint32_t width, uint32_t height, const uint
  * it is compared with: ERR_CHECK for another. ERR_INPUT for another form, with what it is;
  * ERR_MEMORY. On error *out is empty.
  */
+struct picture;
 enum err png_read(struct picture *out, const void *bytes, size_t length, uint32_t width,
                   uint32_t height, struct fault *fault);
 

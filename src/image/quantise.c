@@ -128,20 +128,6 @@ struct numbers {
 enum { ASIDE_LEAST = 8, ASIDE_SHARE = 20, MORE = 8, MOST_SHARE = 128 };
 enum { THINS_OUT = 2, FALLS_OFF = 32, TAKES_LEVELS = 16 };
 
-/* How often the ends of the range occur. */
-static void count_extremes(size_t out[2], const struct numbers *n, struct watch *watch)
-{
-    const unsigned width = voxel_bytes(n->type);
-    struct task task = task_begin(watch, "outliers", n->count);
-    out[0] = out[1] = 0;
-    for (size_t i = 0, end; i < n->count && task_advance(&task, PIECE); i = end)
-        for (end = i + PIECE < n->count ? i + PIECE : n->count; i < end; i++) {
-            const uint64_t order = order_at(n->at + width * i, n->type);
-            out[0] += order == n->least;
-            out[1] += order == n->greatest;
-        }
-}
-
 static void count_digits(uint64_t *room, const struct numbers *n, unsigned shift, uint64_t above,
                          struct watch *watch)
 {
@@ -248,18 +234,6 @@ static bool put_first_aside(uint64_t core[2], const struct numbers *n, size_t k,
     return between > 2 * k && core[0] < core[1];
 }
 
-/* The same for any k, by ranks. */
-static bool put_aside(uint64_t core[2], const struct numbers *n, const size_t extreme[2], size_t k,
-                      uint64_t *room, struct watch *watch)
-{
-    const size_t count = n->count - n->odd;
-    if (extreme[0] + k >= count || extreme[1] + k >= count - extreme[0] - k)
-        return false;
-    core[0] = order_of_rank(n, extreme[0] + k, room, watch);
-    core[1] = order_of_rank(n, count - 1 - extreme[1] - k, room, watch);
-    return core[0] < core[1];
-}
-
 /* Whether outliers take the levels of the others, whose orders are core[0] .. core[1] then. `room`
  * is [OUTLIERS_ROOM], for the work. Of no use where the watch (or NULL) stopped it. */
 static bool find_outliers(uint64_t core[2], const struct numbers *n, uint64_t *room,
@@ -269,7 +243,7 @@ static bool find_outliers(uint64_t core[2], const struct numbers *n, uint64_t *r
     const size_t share = count >> ASIDE_SHARE;
     const uint64_t ends[2] = {n->least, n->greatest};
     uint64_t next[2];
-    size_t extreme[2];
+    size_t extreme[2] = {0, 0};
     size_t k = share > ASIDE_LEAST ? share : most < ASIDE_LEAST ? most : ASIDE_LEAST;
     if (n->least == n->greatest || is_spread(n, k, watch) ||
         !put_first_aside(core, n, k, room, watch))
@@ -278,9 +252,20 @@ static bool find_outliers(uint64_t core[2], const struct numbers *n, uint64_t *r
     const double all = half_width(n, ends);
     if (width > all / THINS_OUT)
         return false;
-    count_extremes(extreme, n, watch);
-    for (k *= MORE; k > 0 && k <= most; k *= MORE) {
-        if (!put_aside(next, n, extreme, k, room, watch))
+    const unsigned bytes = voxel_bytes(n->type); /* how often the ends of the range occur: */
+    struct task task = task_begin(watch, "outliers", n->count);
+    for (size_t i = 0, end; i < n->count && task_advance(&task, PIECE); i = end)
+        for (end = i + PIECE < n->count ? i + PIECE : n->count; i < end; i++) {
+            const uint64_t order = order_at(n->at + bytes * i, n->type);
+            extreme[0] += order == n->least;
+            extreme[1] += order == n->greatest;
+        }
+    for (k *= MORE; k > 0 && k <= most; k *= MORE) { /* the same by ranks */
+        if (extreme[0] + k >= count || extreme[1] + k >= count - extreme[0] - k)
+            break;
+        next[0] = order_of_rank(n, extreme[0] + k, room, watch);
+        next[1] = order_of_rank(n, count - 1 - extreme[1] - k, room, watch);
+        if (next[0] >= next[1])
             break;
         const double less = half_width(n, next);
         if (less > width / THINS_OUT || less < width / FALLS_OFF)

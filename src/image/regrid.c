@@ -36,21 +36,6 @@ static bool is_the_grid(const uint32_t map_size[3], const struct geometry *map,
 
 /* ---- other orders of axes ---- */
 
-/* The map's way to the world in that order; nothing else of `out` is filled. */
-static void put_in_order(struct geometry *out, const struct geometry *map,
-                         const uint32_t map_size[3], const struct regrid_order *order)
-{
-    for (int w = 0; w < 3; w++) {
-        out->to_mm[w][3] = map->to_mm[w][3];
-        for (int a = 0; a < 3; a++) {
-            const double step = map->to_mm[w][order->axis[a]];
-            out->to_mm[w][a] = order->is_reversed[a] ? -step : step;
-            if (order->is_reversed[a])
-                out->to_mm[w][3] += step * (map_size[order->axis[a]] - 1);
-        }
-    }
-}
-
 bool regrid_find_order(struct regrid_order *order, const uint32_t map_size[3],
                        const struct geometry *map, const uint32_t size[3],
                        const struct geometry *scene)
@@ -70,7 +55,15 @@ bool regrid_find_order(struct regrid_order *order, const uint32_t map_size[3],
         }
         if (!fits)
             continue;
-        put_in_order(&placed, map, map_size, &tried);
+        for (int w = 0; w < 3; w++) { /* the way to the world in that order, and nothing else */
+            placed.to_mm[w][3] = map->to_mm[w][3];
+            for (int a = 0; a < 3; a++) {
+                const double step = map->to_mm[w][tried.axis[a]];
+                placed.to_mm[w][a] = tried.is_reversed[a] ? -step : step;
+                if (tried.is_reversed[a])
+                    placed.to_mm[w][3] += step * (size[a] - 1);
+            }
+        }
         const double apart = geometry_apart(&placed, scene, size);
         if (!(apart <= least) || (found && apart == least))
             continue;
@@ -136,6 +129,7 @@ enum err regrid_check(const uint32_t map_size[3], const struct geometry *map,
 /* From voxels of the scene to those of the map: place = (way * (i, j, k, 1)) / 2^30. */
 struct way {
     int64_t row[3][4];
+    uint16_t zero; /* the intensity that stands for 0, where the map ends */
 };
 
 /* False where that leads further off than integers hold. */
@@ -163,8 +157,8 @@ static bool find_way(struct way *way, const struct geometry *map, const uint32_t
 }
 
 /* One row of the scene; returns how many of its voxels the map does not reach. */
-static size_t resample_row(uint16_t *out, const struct volume *map, uint16_t zero,
-                           const struct way *way, uint32_t count, uint32_t y, uint32_t z)
+static size_t resample_row(uint16_t *out, const struct volume *map, const struct way *way,
+                           uint32_t count, uint32_t y, uint32_t z)
 {
     const uint32_t *size = map->size;
     size_t beyond = 0;
@@ -179,8 +173,8 @@ static size_t resample_row(uint16_t *out, const struct volume *map, uint16_t zer
             inside &= at[r] >= 0 && place[r] < size[r];
             at[r] += way->row[r][0];
         }
-        out[x] =
-            inside ? map->intensity[(place[2] * size[1] + place[1]) * size[0] + place[0]] : zero;
+        out[x] = inside ? map->intensity[(place[2] * size[1] + place[1]) * size[0] + place[0]]
+                        : way->zero;
         beyond += !inside;
     }
     return beyond;
@@ -194,26 +188,6 @@ static bool intensity_of_zero(uint16_t *zero, const struct geometry *geometry)
         return false;
     *zero = (uint16_t)is;
     return fabs(geometry_value(geometry, *zero)) <= fabs(geometry->slope) / 2;
-}
-
-static enum err resample_all(struct volume *map, uint16_t *out, const uint32_t size[3],
-                             const struct way *way, struct watch *watch, struct fault *fault)
-{
-    struct task task = task_begin(watch, "resampling", (uint64_t)size[0] * size[1] * size[2]);
-    size_t beyond = 0;
-    uint16_t zero = 0;
-    const bool has_zero = intensity_of_zero(&zero, &map->geometry);
-    for (uint32_t z = 0; z < size[2]; z++)
-        for (uint32_t y = 0; y < size[1] && task_advance(&task, size[0]); y++, out += size[0])
-            beyond += resample_row(out, map, zero, way, size[0], y, z);
-    if (beyond && !has_zero)
-        return fault_set(fault, ERR_INPUT,
-                         "%zu voxels of the scene lie outside the map, which has no value 0 for "
-                         "them; nothing has changed",
-                         beyond);
-    if (beyond)
-        volume_note(map->notes, "%zu voxels of the scene lie outside the map: 0 there", beyond);
-    return watch_fault(watch, fault);
 }
 
 /* The map's voxels are of another number now, in another place. */
@@ -234,29 +208,26 @@ static void take(struct volume *map, uint16_t *intensity, const uint32_t size[3]
 static enum err resample_map(struct volume *map, uint16_t *out, const uint32_t size[3],
                              const struct geometry *scene, struct watch *watch, struct fault *fault)
 {
-    struct way way;
+    struct way way = {.zero = 0};
     if (!find_way(&way, &map->geometry, size, scene))
         return fault_set(fault, ERR_INPUT,
                          "the map and the scene lie too far apart, or their voxels differ too much "
                          "in size, to be resampled; nothing has changed");
-    const enum err err = resample_all(map, out, size, &way, watch, fault);
+    struct task task = task_begin(watch, "resampling", (uint64_t)size[0] * size[1] * size[2]);
+    size_t beyond = 0;
+    const bool has_zero = intensity_of_zero(&way.zero, &map->geometry);
+    for (uint32_t z = 0; z < size[2]; z++)
+        for (uint32_t y = 0; y < size[1] && task_advance(&task, size[0]); y++, out += size[0])
+            beyond += resample_row(out, map, &way, size[0], y, z);
+    if (beyond && !has_zero)
+        return fault_set(fault, ERR_INPUT,
+                         "%zu voxels of the scene lie outside the map, which has no value 0 for "
+                         "them; nothing has changed",
+                         beyond);
+    if (beyond)
+        volume_note(map->notes, "%zu voxels of the scene lie outside the map: 0 there", beyond);
     volume_note(map->notes, "resampled from %ux%ux%u voxels by the nearest", map->size[0],
                 map->size[1], map->size[2]);
-    return err;
-}
-
-static enum err reorder_map(struct volume *map, uint16_t *out, const uint32_t size[3],
-                            const struct geometry *scene, const struct regrid_order *order,
-                            struct watch *watch, struct fault *fault)
-{
-    char is[4], becomes[4];
-    geometry_axes(is, &map->geometry);
-    geometry_axes(becomes, scene);
-    reorder(out, map, size, order, watch);
-    volume_note(map->notes,
-                "its axes run towards %s and the scene's towards %s: taken voxel by voxel, in the "
-                "scene's order",
-                is, becomes);
     return watch_fault(watch, fault);
 }
 
@@ -276,8 +247,19 @@ enum err regrid(struct volume *map, const uint32_t size[3], const struct geometr
     uint16_t *out = mem_array((size_t)size[0] * size[1] * size[2], sizeof *out);
     if (!out)
         return fault_memory(fault, "a map");
-    err = is_ordered ? reorder_map(map, out, size, scene, &order, watch, fault)
-                     : resample_map(map, out, size, scene, watch, fault);
+    if (is_ordered) {
+        char is[4], becomes[4];
+        geometry_axes(is, &map->geometry);
+        geometry_axes(becomes, scene);
+        reorder(out, map, size, &order, watch);
+        volume_note(map->notes,
+                    "its axes run towards %s and the scene's towards %s: taken voxel by voxel, in "
+                    "the scene's order",
+                    is, becomes);
+        err = watch_fault(watch, fault);
+    } else {
+        err = resample_map(map, out, size, scene, watch, fault);
+    }
     if (err) {
         free(out);
         return err;

@@ -10,7 +10,8 @@
 enum { FRACTION_BITS = 30, WEIGHT_BITS = 15, SWELLS_MOST = 8 };
 #define WHOLE (INT64_C(1) << FRACTION_BITS)
 
-static const double SAME = 1e-6; /* cosines of angles, of files in single precision */
+static const double SHEAR_LEAST = 0.1; /* degrees off a right angle */
+static const double SAME = 1e-6;       /* cosines of angles, of files in single precision */
 
 /* The axes in their order: `first` and `second` stay in their plane. A voxel i of the volume lies
  * at second + by_third * third along the second axis, and at first + first_by_second * second +
@@ -92,11 +93,6 @@ static bool find_shear(struct shear *s, const uint32_t size[3], const struct geo
     return fits;
 }
 
-static bool is_sheared(const struct geometry *geometry)
-{
-    return geometry_shear(geometry) >= 0.1;
-}
-
 static enum err plan(struct shear *s, const uint32_t size[3], const struct geometry *geometry,
                      struct fault *fault)
 {
@@ -116,7 +112,7 @@ enum err straighten_size(uint32_t out[3], const uint32_t size[3], const struct g
 {
     struct shear s;
     memcpy(out, size, 3 * sizeof *out);
-    if (!is_sheared(geometry))
+    if (geometry_shear(geometry) < SHEAR_LEAST)
         return OK;
     const enum err err = plan(&s, size, geometry, fault);
     if (!err)
@@ -184,26 +180,6 @@ static void straighten_row(struct work *work, int64_t second, int64_t third)
     }
 }
 
-static void set_steps(size_t step[3], const uint32_t size[3])
-{
-    step[0] = 1;
-    step[1] = size[0];
-    step[2] = (size_t)size[0] * size[1];
-}
-
-/* The intensity of the least real value. */
-static uint16_t least_of(const struct volume *volume)
-{
-    const size_t count = (size_t)volume->size[0] * volume->size[1] * volume->size[2];
-    const bool falls = volume->geometry.slope < 0;
-    uint16_t least = volume->intensity[0];
-    for (size_t i = 0; i < count; i++) {
-        const uint16_t is = volume->intensity[i];
-        least = (falls ? is > least : is < least) ? is : least;
-    }
-    return least;
-}
-
 /* The same places, by the voxels of what comes out. False, and nothing changes, where these would
  * be no distance apart. */
 static bool place(struct geometry *geometry, const struct shear *s)
@@ -230,7 +206,7 @@ enum err straighten(struct volume *volume, struct watch *watch, struct fault *fa
 {
     struct shear s;
     const double degrees = geometry_shear(&volume->geometry);
-    if (!is_sheared(&volume->geometry)) {
+    if (degrees < SHEAR_LEAST) {
         volume_note(volume->notes,
                     volume->geometry.orientation == ORIENTATION_UNKNOWN
                         ? "it does not say how its axes lie: they are not straightened"
@@ -247,9 +223,16 @@ enum err straighten(struct volume *volume, struct watch *watch, struct fault *fa
                         .from = volume->intensity,
                         .to = out,
                         .size = volume->size,
-                        .beyond = least_of(volume)};
-    set_steps(work.from_step, volume->size);
-    set_steps(work.to_step, s.size);
+                        .beyond = volume->intensity[0]};
+    const bool falls = volume->geometry.slope < 0;
+    for (size_t i = 0; i < voxels_in(volume->size); i++) { /* that of the least real value */
+        const uint16_t is = volume->intensity[i];
+        work.beyond = (falls ? is > work.beyond : is < work.beyond) ? is : work.beyond;
+    }
+    for (int a = 0; a < 3; a++) {
+        work.from_step[a] = a ? work.from_step[a - 1] * volume->size[a - 1] : 1;
+        work.to_step[a] = a ? work.to_step[a - 1] * s.size[a - 1] : 1;
+    }
     const uint32_t rows = s.size[s.second];
     struct task task = task_begin(watch, "straightening", (uint64_t)rows * s.size[s.third]);
     for (uint32_t third = 0; third < s.size[s.third]; third++)

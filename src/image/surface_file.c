@@ -32,20 +32,6 @@ struct output {
     struct world world;
 };
 
-static bool is_of_the_world(const struct geometry *geometry)
-{
-    return !geometry->spacing_unknown && geometry->orientation != ORIENTATION_UNKNOWN;
-}
-
-/* What a file says of its places. 3D Slicer looks for the words SPACE=RAS. */
-static const char *what_places_are(const struct geometry *geometry)
-{
-    if (is_of_the_world(geometry))
-        return "millimetres; SPACE=RAS";
-    return geometry->spacing_unknown ? "voxels, along their axes"
-                                     : "millimetres, along the axes of voxels; orientation unknown";
-}
-
 /* ---- the world ---- */
 
 /* Each sum of the row's terms fits 62 bits: a point is below 2^16 voxels. */
@@ -214,7 +200,7 @@ static void write_stl(struct output *out)
 
 /* ---- PLY ---- */
 
-static void write_ply_header(struct output *out)
+static void write_ply(struct output *out)
 {
     const struct surface *s = out->surface;
     buf_printf(&out->bytes, "ply\nformat binary_little_endian 1.0\ncomment iftty surface: %s\n",
@@ -229,12 +215,6 @@ static void write_ply_header(struct output *out)
                "property uchar red\nproperty uchar green\nproperty uchar blue\n"
                "element face %zu\nproperty list uchar int vertex_indices\nend_header\n",
                s->points, s->triangles);
-}
-
-static void write_ply(struct output *out)
-{
-    const struct surface *s = out->surface;
-    write_ply_header(out);
     for (unsigned p = 0; p < s->parts; p++)
         for (size_t i = 0; i < s->part[p].points && go_on(out); i++) {
             put_point(out, (uint32_t)(s->part[p].point + i));
@@ -430,16 +410,22 @@ enum err surface_write(const char *path, enum file_mode mode,
                        struct fault *fault)
 {
     const struct surface *surface = document->surface;
+    const struct geometry *geometry = document->geometry;
+    const bool is_spaced = !geometry->spacing_unknown;
     struct output out = {.surface = surface,
                          .label = document->label,
-                         .is_of_the_world = is_of_the_world(document->geometry)};
+                         .is_of_the_world =
+                             is_spaced && geometry->orientation != ORIENTATION_UNKNOWN};
     struct buf draft = {0}, says = {0};
-    buf_add_text(&says, what_places_are(document->geometry));
-    buf_printf(&says, "%s%s", *document->notes ? "; " : "", document->notes);
-    world_init(&out.world, document->geometry);
+    buf_printf(&says, "%s%s%s",
+               out.is_of_the_world ? "millimetres; SPACE=RAS" /* words that 3D Slicer looks for */
+               : is_spaced         ? "millimetres, along the axes of voxels; orientation unknown"
+                                   : "voxels, along their axes",
+               *document->notes ? "; " : "", document->notes);
+    world_init(&out.world, geometry);
     enum err err = says.failed ? fault_memory(fault, "a surface") : surface_file_check(path, fault);
     if (!err)
-        err = check_precision(document->geometry, surface, &out.world, fault);
+        err = check_precision(geometry, surface, &out.world, fault);
     if (!err)
         err = file_draft(&draft, path, mode, fault);
     if (!err) {

@@ -264,15 +264,6 @@ enum err volume_choose(struct volume_reader *reader, const struct volume_choice 
     return err ? fault_prefix(fault, err, "%s", reader->path) : OK;
 }
 
-enum err volume_about(struct volume_header *out, const char *path, struct fault *fault)
-{
-    struct volume_reader reader;
-    const enum err err = volume_begin(&reader, path, NULL, NULL, fault);
-    *out = reader.header;
-    volume_close(&reader);
-    return err;
-}
-
 enum err volume_open(struct volume_reader *reader, const char *path,
                      const struct volume_choice *choice, struct watch *watch, struct fault *fault)
 {
@@ -372,13 +363,6 @@ enum err volume_read(struct volume *out, const char *path, const struct volume_c
         err = volume_take(out, &reader, fault);
     volume_close(&reader);
     return err;
-}
-
-void volume_release(struct volume *volume)
-{
-    free(volume->intensity);
-    free(volume->levels);
-    *volume = (struct volume){0};
 }
 
 /* ---- writing ---- */

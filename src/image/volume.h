@@ -43,12 +43,8 @@ const char *volume_ending(const char *path);
 bool volume_may_name_a_patient(const char *path);
 
 /* Whether its first bytes are those of a volume and of no slice, or of a format that is refused
- * with what converts it: then volume_about has more to say of it than a reader of pictures. */
+ * with what converts it: then volume_begin has more to say of it than a reader of pictures. */
 bool volume_is_known(const char *path);
-
-/* What the header of `path` says, of voxels that cannot be read too (as those of the root map that
- * `save` writes). Others are refused where volume_read would refuse the header. */
-enum err volume_about(struct volume_header *out, const char *path, struct fault *fault);
 
 /* A file that is open to be read: its header is known and was found good, of its voxels nothing is
  * held. So a caller can see how large it is before. */
@@ -81,7 +77,6 @@ void volume_close(struct volume_reader *reader);
  * ERR_INPUT for content, ERR_LIMIT, ERR_IO, ERR_MEMORY, ERR_CANCELLED. */
 enum err volume_read(struct volume *out, const char *path, const struct volume_choice *choice,
                      struct watch *watch, struct fault *fault);
-void volume_release(struct volume *volume);
 
 /* Writes a map as `path`, in the format that the name says; whole or not at all, as where the watch
  * (or NULL) stops it. The same values give the same bytes: a gzip file has no time and no name. */

@@ -1,4 +1,12 @@
-#include "image/volume_bytes.hh"
+/*
+ * Bytes counted: whether a file is as long as its header promises, before a library fills up with
+ * zeros what is missing.
+ *
+ * Formats whose parts say where they lie (TIFF, PNG, HDF5, netCDF, which MINC 1 is) are gone
+ * through part by part; of the others the voxels are one run of bytes, in the file or beside it.
+ * What a file has more than its header promises is nobody's concern.
+ */
+#include "image/volume_parts.hh"
 
 #include <algorithm>
 #include <cstdlib>
@@ -297,12 +305,6 @@ bool names_files(const Header &header)
     return header.field.count("data file") || header.field.count("datafile");
 }
 
-bool has_whole_header(const std::string &kind, const std::string &path)
-{
-    const Header header = header_of(kind, path);
-    return header.end > 0 || (kind == "nrrd" && names_files(header));
-}
-
 void count_parts(const std::string &kind, const std::string &path, const std::string &what)
 {
     static const std::set<std::string> counted = {"tiff", "lsm",  "png", "hdf5",
@@ -311,7 +313,8 @@ void count_parts(const std::string &kind, const std::string &path, const std::st
         return;
     Counted file(path, what);
     if (kind == "nrrd" || kind == "meta") {
-        if (!has_whole_header(kind, path))
+        const Header header = header_of(kind, path);
+        if (header.end == 0 && !(kind == "nrrd" && names_files(header)))
             refuse("%scut short: it has %llu bytes, and ends within its header; fetch it again",
                    what.c_str(), wide(file.bytes()));
         return;
@@ -436,14 +439,6 @@ Run run_of_vtk(Run run)
     return run;
 }
 
-Run run_of_mrc(Run run)
-{
-    Counted file(run.path, "");
-    file.is_big_endian = file.number(212, 1) == 0x11;
-    run.at = sum_of(1024, file.number(92, 4));
-    return run;
-}
-
 /* Of scanners each file is a slice; the voxels of Stimulate are beside the header. */
 Run run_of_scanner(Run run, const std::string &kind, const Volume &volume)
 {
@@ -468,8 +463,12 @@ std::vector<Run> runs_of(const Volume &volume, const std::string &kind, const Re
         return runs_of_nrrd(run, request.named);
     if (kind == "vtk")
         return {run_of_vtk(run)};
-    if (kind == "mrc")
-        return {run_of_mrc(run)};
+    if (kind == "mrc") {
+        Counted file(run.path, "");
+        file.is_big_endian = file.number(212, 1) == 0x11;
+        run.at = sum_of(1024, file.number(92, 4));
+        return {run};
+    }
     if (scanners.count(kind))
         return {run_of_scanner(run, kind, volume)};
     if (kind != "gipl")

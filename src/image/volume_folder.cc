@@ -1,10 +1,7 @@
-/* Folders: a series of DICOM, or slices as TIFF or PNG in the order of their names. */
-#include "image/volume_bytes.hh"
-#include "image/volume_itk.hh"
+/* Folders: which of their files are slices, and of what. */
 #include "image/volume_parts.hh"
 
 #include <algorithm>
-#include <cctype>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -19,14 +16,6 @@ namespace volume
 constexpr size_t files_most = 100000;
 constexpr size_t depth_most = 6;
 
-std::string real_path(const std::string &path)
-{
-    char *real = realpath(path.c_str(), nullptr);
-    const std::string text = real ? real : "";
-    std::free(real);
-    return text;
-}
-
 void add_file(Files &files, const std::string &path, bool follows_links)
 {
     struct stat status;
@@ -37,7 +26,9 @@ void add_file(Files &files, const std::string &path, bool follows_links)
             files.links++;
             return;
         }
-        files.targets.push_back(real_path(path));
+        char *real = realpath(path.c_str(), nullptr);
+        files.targets.emplace_back(real ? real : "");
+        std::free(real);
     }
     if (S_ISREG(status.st_mode))
         files.path.push_back(path);
@@ -69,39 +60,6 @@ void walk(Files &files, const std::string &folder, bool follows_links, size_t de
     }
 }
 
-/* Names as people count: slice9 before slice10. */
-bool is_before(const std::string &a, const std::string &b)
-{
-    size_t i = 0, j = 0;
-    while (i < a.size() && j < b.size()) {
-        if (std::isdigit(static_cast<unsigned char>(a[i])) &&
-            std::isdigit(static_cast<unsigned char>(b[j]))) {
-            const auto end = [](const std::string &s, size_t at) {
-                while (at < s.size() && std::isdigit(static_cast<unsigned char>(s[at])))
-                    at++;
-                return at;
-            };
-            const auto digits = [](const std::string &s, size_t from, size_t to) {
-                while (from + 1 < to && s[from] == '0')
-                    from++;
-                return s.substr(from, to - from);
-            };
-            const size_t m = end(a, i), n = end(b, j);
-            const std::string p = digits(a, i, m), q = digits(b, j, n);
-            if (p != q)
-                return p.size() != q.size() ? p.size() < q.size() : p < q;
-            i = m;
-            j = n;
-        } else if (a[i] != b[j]) {
-            return a[i] < b[j];
-        } else {
-            i++;
-            j++;
-        }
-    }
-    return a.size() - i < b.size() - j;
-}
-
 /* "png", "tiff" or nothing, by the first bytes. */
 std::string picture_kind(const std::string &path)
 {
@@ -113,86 +71,6 @@ std::string picture_kind(const std::string &path)
     if (std::memcmp(bytes, "II*\0", 4) == 0 || std::memcmp(bytes, "MM\0*", 4) == 0)
         return "tiff";
     return "";
-}
-
-itk::ImageIOBase::Pointer open_picture(const std::string &kind, const std::string &path,
-                                       size_t number, size_t all)
-{
-    const itk::ImageIOBase::Pointer io = find_kind(kind, path)->make();
-    io->SetFileName(path);
-    try {
-        io->ReadImageInformation();
-    } catch (const std::exception &) {
-        refuse("slice %zu of %zu cannot be decoded", number, all);
-    }
-    return io;
-}
-
-void send_pictures(const Volume &volume, const std::vector<std::string> &path,
-                   const std::string &kind)
-{
-    std::vector<char> bytes(bytes_in(volume, 1) / volume.size[2]);
-    for (size_t z = 0; z < path.size(); z++) {
-        const itk::ImageIOBase::Pointer io = open_picture(kind, path[z], z + 1, path.size());
-        const bool is_flat = io->GetNumberOfDimensions() < 3 || io->GetDimensions(2) == 1;
-        if (!is_flat || io->GetDimensions(0) != volume.size[0] ||
-            io->GetDimensions(1) != volume.size[1] || io->GetNumberOfComponents() != 1 ||
-            volume.type != type_of(*io))
-            refuse("slice %zu of %zu is %zux%zu with %u values of %s a pixel, and the first "
-                   "%llux%llu with 1 of %s; expected slices of one kind",
-                   z + 1, path.size(), static_cast<size_t>(io->GetDimensions(0)),
-                   static_cast<size_t>(io->GetDimensions(1)), io->GetNumberOfComponents(),
-                   type_of(*io), wide(volume.size[0]), wide(volume.size[1]), volume.type.c_str());
-        io->SetIORegion(whole_region(*io));
-        io->Read(bytes.data());
-        send_piece(bytes.data(), bytes.size());
-    }
-}
-
-/* Says where numbers in names leave some out: the last number of each name. */
-void note_gaps(Volume &volume, const std::vector<std::string> &path)
-{
-    long former = -1;
-    size_t gaps = 0;
-    std::string first;
-    for (size_t i = 0; i < path.size(); i++) {
-        size_t end = path[i].find_last_of("0123456789");
-        size_t begin = end;
-        while (begin != std::string::npos && begin > 0 &&
-               std::isdigit(static_cast<unsigned char>(path[i][begin - 1])))
-            begin--;
-        if (end == std::string::npos || end - begin > 9)
-            return;
-        const long number = std::atol(path[i].c_str() + begin);
-        if (former >= 0 && number != former + 1 && gaps++ == 0)
-            first = words_of("after slice %zu", i);
-        former = number;
-    }
-    if (gaps)
-        note(volume, words_of("the numbers in the names of the slices leave some out (the first "
-                              "time %s)",
-                              first.c_str()));
-}
-
-void stack_pictures(Volume &volume, std::vector<std::string> path, const std::string &kind)
-{
-    std::sort(path.begin(), path.end(), is_before);
-    for (size_t z = 0; z < path.size(); z++)
-        count_parts(
-            kind, path[z],
-            words_of("slice %zu of %zu, %s, is ", z + 1, path.size(), last_name(path[z]).c_str()));
-    const itk::ImageIOBase::Pointer io = open_picture(kind, path[0], 1, path.size());
-    if (io->GetNumberOfComponents() != 1)
-        refuse("slice 1 of %zu has %u values a pixel (colour); expected one", path.size(),
-               io->GetNumberOfComponents());
-    volume.format = kind == "png" ? "PNG slices" : "TIFF slices";
-    volume.type = type_of(*io);
-    volume.size[0] = io->GetDimensions(0);
-    volume.size[1] = io->GetDimensions(1);
-    volume.size[2] = path.size();
-    note_gaps(volume, path);
-    note_resolution(volume, *io);
-    volume.send = [&volume, path, kind]() { send_pictures(volume, path, kind); };
 }
 
 /* Leaves out the files that are to be, by their names below the folder; how many. */

@@ -117,6 +117,13 @@ void voxels_note_rest(struct volume_header *header, const struct volume_source *
                     source->bytes - end, advice);
 }
 
+void volume_release(struct volume *volume)
+{
+    free(volume->intensity);
+    free(volume->levels);
+    *volume = (struct volume){0};
+}
+
 /* ---- writing ---- */
 
 /* Tests make the step fail here, as they do in the file layer. */
@@ -151,15 +158,15 @@ static bool put_rows(gzFile gz, const char *path, const struct volume_map *map, 
 }
 
 /* A new file `draft` that begins with the header, and goes on as gzip where that is packed. */
-static enum err create(gzFile *gz, const char *draft, const char *path, const void *header,
-                       size_t header_bytes, enum packing packing, struct fault *fault)
+static enum err create(gzFile *gz, const char *draft, const char *path, const struct buf *header,
+                       enum packing packing, struct fault *fault)
 {
     const int fd = file_step_open(draft, O_WRONLY | O_CREAT | O_EXCL);
-    const bool first = packing == PACKED_VOXELS; /* before the stream begins */
     enum err err = OK;
     if (fd < 0)
         return fault_errno(fault, "write", path);
-    if (first && !file_step_write(fd, path, header, header_bytes))
+    if (packing == PACKED_VOXELS && /* before the stream begins */
+        !file_step_write(fd, path, header->data, header->length))
         err = fault_errno(fault, "write", path);
     *gz = err ? NULL : gzdopen(fd, packing == PACKED_NOT ? "wbT" : "wb1");
     if (!*gz) {
@@ -171,29 +178,24 @@ static enum err create(gzFile *gz, const char *draft, const char *path, const vo
     return OK;
 }
 
-/* False, with errno, where a step failed; the last one is to close. */
-static bool close_after(gzFile gz, bool fine)
-{
-    const int number = errno;
-    if (gzclose_w(gz) != Z_OK && fine)
-        return false;
-    errno = number;
-    return fine;
-}
-
-static enum err write_draft(const char *draft, const char *path, const void *header,
-                            size_t header_bytes, enum packing packing, const struct volume_map *map,
-                            struct watch *watch, struct fault *fault)
+static enum err write_draft(const char *draft, const char *path, const struct buf *header,
+                            enum packing packing, const struct volume_map *map, struct watch *watch,
+                            struct fault *fault)
 {
     void *values = mem_array(map->size[0], voxel_bytes(map->type));
     gzFile gz;
-    enum err err = values ? create(&gz, draft, path, header, header_bytes, packing, fault)
-                          : fault_memory(fault, path);
+    enum err err =
+        values ? create(&gz, draft, path, header, packing, fault) : fault_memory(fault, path);
     if (!err) {
         errno = EIO;
-        const bool fine = (packing == PACKED_VOXELS || put(gz, path, header, header_bytes)) &&
-                          put_rows(gz, path, map, values, watch);
-        if (!close_after(gz, fine)) {
+        const bool fine =
+            (packing == PACKED_VOXELS || put(gz, path, header->data, header->length)) &&
+            put_rows(gz, path, map, values, watch);
+        const int number = errno;
+        const bool closed = gzclose_w(gz) == Z_OK;
+        if (!fine)
+            errno = number;
+        if (!fine || !closed) {
             err = watch && watch->stopped ? watch_fault(watch, fault)
                                           : fault_errno(fault, "write", path);
             file_discard(draft);
@@ -203,19 +205,21 @@ static enum err write_draft(const char *draft, const char *path, const void *hea
     return err;
 }
 
-enum err voxels_write(const char *path, enum file_mode mode, const void *header,
-                      size_t header_bytes, enum packing packing, const struct volume_map *map,
-                      struct watch *watch, struct fault *fault)
+enum err voxels_write(const char *path, enum file_mode mode, struct buf *header,
+                      enum packing packing, const struct volume_map *map, struct watch *watch,
+                      struct fault *fault)
 {
     struct grid grid;
     struct buf draft = {0};
-    enum err err = grid_init(&grid, map->size, fault);
+    enum err err = header->failed ? fault_memory(fault, "the header of a volume")
+                                  : grid_init(&grid, map->size, fault);
     if (!err)
         err = file_draft(&draft, path, mode, fault);
     if (!err)
-        err = write_draft(buf_text(&draft), path, header, header_bytes, packing, map, watch, fault);
+        err = write_draft(buf_text(&draft), path, header, packing, map, watch, fault);
     if (!err)
         err = file_publish(buf_text(&draft), path, mode, fault);
     buf_release(&draft);
+    buf_release(header);
     return err;
 }

@@ -100,6 +100,8 @@ struct volume {
     char notes[VOLUME_NOTES_BYTES];
 };
 
+void volume_release(struct volume *volume);
+
 /* What the header of a file says. */
 struct volume_header {
     uint32_t size[3];
@@ -172,9 +174,9 @@ void voxels_note_rest(struct volume_header *header, const struct volume_source *
 /* What of a file is gzip. */
 enum packing { PACKED_NOT, PACKED_VOXELS, PACKED_WHOLE };
 
-/* For volume_format.write: `header`, then the voxels, little-endian. */
-enum err voxels_write(const char *path, enum file_mode mode, const void *header,
-                      size_t header_bytes, enum packing packing, const struct volume_map *map,
-                      struct watch *watch, struct fault *fault);
+/* For volume_format.write: `header`, which is released, then the voxels, little-endian. */
+enum err voxels_write(const char *path, enum file_mode mode, struct buf *header,
+                      enum packing packing, const struct volume_map *map, struct watch *watch,
+                      struct fault *fault);
 
 #endif

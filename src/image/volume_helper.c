@@ -7,14 +7,12 @@
 #include <string.h>
 
 #include "confine/confine.h"
-#include "base/file.h"
+#include "base/folder.h"
 #include "base/mem.h"
 #include "base/scan.h"
 #include "engine/grid.h"
 #include "image/coprocess.h"
 #include "image/volume_format.h"
-
-static const char PROGRAM[] = "iftty-volume";
 
 enum {
     PATH_MOST = 4096,
@@ -56,11 +54,6 @@ struct volume_helper {
     uint64_t left;   /* bytes of the present piece */
     struct buf room; /* the folder that it may write into; empty for none */
 };
-
-enum err volume_helper_default_program(struct buf *out, struct fault *fault)
-{
-    return coprocess_beside(out, PROGRAM, fault);
-}
 
 /* Ends it, whatever it does. */
 static void free_helper(struct source_decoder *decoder)
@@ -179,7 +172,7 @@ static enum err begin(struct volume_source *source, struct fault *fault)
     helper->decoder = (struct source_decoder){take_bytes, free_helper};
     source->decoder = &helper->decoder;
     struct coprocess *process = &helper->process;
-    enum err err = coprocess_init(process, PROGRAM, volume_helper_program, fault);
+    enum err err = coprocess_init(process, VOLUME_HELPER, volume_helper_program, fault);
     process->kind = "the volume helper";
     process->hint = "; it reads what NIfTI is not: `make` builds it (of ITK, which Debian has as "
                     "libinsighttoolkit5-dev)";

@@ -48,7 +48,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "base/err.h"
+#define VOLUME_HELPER "iftty-volume" /* the program, beside the running one */
 
 /* For tests: another program, NULL for iftty-volume beside the running one; and how long it may
  * stay silent, apart from a second for each 20 MB of voxels. */
@@ -62,9 +62,5 @@ extern bool volume_helper_is_wary;
 
 /* Whether nothing is read where the kernel does not confine the helper. */
 extern bool volume_helper_needs_landlock;
-
-/* The path of iftty-volume beside the running program. */
-struct buf;
-enum err volume_helper_default_program(struct buf *out, struct fault *fault);
 
 #endif

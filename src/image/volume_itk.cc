@@ -1,11 +1,12 @@
-/* The formats that ITK reads, by its readers directly, without its templates of images: this
- * compiles in seconds. */
-#include "image/volume_itk.hh"
+/* The formats that ITK reads, and slices as TIFF or PNG in the order of their names, by its readers
+ * directly, without its templates of images: this compiles in seconds. */
+#include "image/volume_parts.hh"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <set>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include <itkGEAdwImageIO.h>
 #include <itkGiplImageIO.h>
 #include <itkHDF5ImageIO.h>
+#include <itkImageIOBase.h>
 #include <itkLSMImageIO.h>
 #include <itkMINCImageIO.h>
 #include <itkMRCImageIO.h>
@@ -27,15 +29,20 @@
 #include <itkVTKImageIO.h>
 #include <metaImage.h>
 
-#include "image/volume_bytes.hh"
-#include "image/volume_parts.hh"
-
 namespace volume
 {
 
-constexpr size_t fields_most = 1000;
-
 /* ---- what ITK reads ---- */
+
+/* How a format says where its voxels lie. */
+enum class World { LPS, RAS, NONE };
+
+struct Kind {
+    const char *name, *format;
+    itk::ImageIOBase::Pointer (*make)();
+    World world;
+    unsigned known; /* of a format that always says it */
+};
 
 const char *type_of(itk::ImageIOBase &io)
 {
@@ -147,12 +154,12 @@ void send_in_parts(const Volume &volume, itk::ImageIOBase &io, uint64_t number)
     }
 }
 
-std::vector<long> sides_of(itk::ImageIOBase &io)
+itk::ImageIORegion whole_region(itk::ImageIOBase &io)
 {
-    std::vector<long> sides;
+    itk::ImageIORegion region(io.GetNumberOfDimensions());
     for (unsigned a = 0; a < io.GetNumberOfDimensions(); a++)
-        sides.push_back(static_cast<long>(io.GetDimensions(a)));
-    return sides;
+        region.SetSize(a, io.GetDimensions(a));
+    return region;
 }
 
 /* What is left to do once the reader has read its header. */
@@ -180,7 +187,9 @@ void describe(Volume &volume, const itk::ImageIOBase::Pointer &io, const Request
     };
 }
 
-/* ITK has 1 where there is none. */
+/* What the resolution of a picture says of its pixels: many programs write one without knowing, and
+ * none says how far apart slices are. So it is noted, and not taken. ITK has 1 where there is none.
+ */
 void note_resolution(Volume &volume, itk::ImageIOBase &io)
 {
     const double x = io.GetSpacing(0), y = io.GetSpacing(1);
@@ -191,39 +200,7 @@ void note_resolution(Volume &volume, itk::ImageIOBase &io)
                               x, y, x, y));
 }
 
-/* ---- headers of text ---- */
-
-std::string Header::value(const char *name) const
-{
-    const auto found = field.find(name);
-    return found == field.end() ? "" : found->second;
-}
-
-std::string trimmed(const std::string &text)
-{
-    const size_t first = text.find_first_not_of(" \t\r"), last = text.find_last_not_of(" \t\r");
-    return first == std::string::npos ? "" : text.substr(first, last - first + 1);
-}
-
-/* That of a MetaImage, of "NAME = VALUE", ends with the field that says where its voxels are; a
- * NRRD's, of "NAME: VALUE", with an empty line. */
-Header header_of(const std::string &kind, const std::string &path)
-{
-    const bool is_meta = kind == "meta";
-    Header header;
-    std::ifstream file(path, std::ios::binary);
-    std::string line;
-    for (uint64_t at = 0; header.end == 0 && std::getline(file, line);) {
-        at += line.size() + (file.eof() ? 0 : 1);
-        const size_t between = line.find(is_meta ? '=' : ':');
-        const std::string name = in_small_letters(trimmed(line.substr(0, between)));
-        if (between != std::string::npos && line[0] != '#' && header.field.size() < fields_most)
-            header.field[name] = trimmed(line.substr(between + 1));
-        if (is_meta ? name == "elementdatafile" : trimmed(line).empty())
-            header.end = at;
-    }
-    return header;
-}
+/* ---- what headers of text leave open ---- */
 
 /* NRRD: a place only where it names the space, and distances where it gives them all. */
 unsigned known_by_nrrd(const std::string &path)
@@ -284,19 +261,14 @@ const Kind kinds[] = {
     {"itk-hdf5", "HDF5 of ITK", make<itk::HDF5ImageIO>, World::LPS, SPACING | ORIENTATION},
 };
 
-/* Those that no first bytes tell are tried in turn. */
-bool is_tried(const Kind &kind)
-{
-    static const std::set<std::string> names = {"ge4",    "ge5",  "geadw",    "siemens",
-                                                "bruker", "gipl", "stimulate"};
-    return names.count(kind.name) > 0;
-}
-
+/* NULL for none; of "any", the first that takes the file, of those that no first bytes tell. */
 const Kind *find_kind(const std::string &name, const std::string &path)
 {
+    static const std::set<std::string> tried = {"ge4",    "ge5",  "geadw",    "siemens",
+                                                "bruker", "gipl", "stimulate"};
     for (const Kind &kind : kinds)
         if (name == kind.name ||
-            (name == "any" && is_tried(kind) && kind.make()->CanReadFile(path.c_str())))
+            (name == "any" && tried.count(kind.name) > 0 && kind.make()->CanReadFile(path.c_str())))
             return &kind;
     return nullptr;
 }
@@ -314,11 +286,15 @@ void open_by_itk(Volume &volume, const Request &request, const std::string &name
     if (name == "any")
         check_stimulate(request);
     io->ReadImageInformation();
-    if (name == "meta")
+    if (name == "meta") {
+        std::vector<long> sides;
+        for (unsigned a = 0; a < io->GetNumberOfDimensions(); a++)
+            sides.push_back(static_cast<long>(io->GetDimensions(a)));
         check_meta(
             request,
             static_cast<itk::MetaImageIO &>(*io).GetMetaImagePointer()->ElementDataFileName(),
-            sides_of(*io));
+            sides);
+    }
     volume.format = kind->format;
     volume.known = name == "nrrd"   ? known_by_nrrd(request.path)
                    : name == "meta" ? known_by_meta(request.path)
@@ -337,12 +313,119 @@ void open_by_itk(Volume &volume, const Request &request, const std::string &name
                 number *= 1e3; /* metres */
 }
 
-itk::ImageIORegion whole_region(itk::ImageIOBase &io)
+/* ---- slices as pictures ---- */
+
+/* Names as people count: slice9 before slice10. */
+bool is_before(const std::string &a, const std::string &b)
 {
-    itk::ImageIORegion region(io.GetNumberOfDimensions());
-    for (unsigned a = 0; a < io.GetNumberOfDimensions(); a++)
-        region.SetSize(a, io.GetDimensions(a));
-    return region;
+    size_t i = 0, j = 0;
+    while (i < a.size() && j < b.size()) {
+        if (std::isdigit(static_cast<unsigned char>(a[i])) &&
+            std::isdigit(static_cast<unsigned char>(b[j]))) {
+            const auto end = [](const std::string &s, size_t at) {
+                while (at < s.size() && std::isdigit(static_cast<unsigned char>(s[at])))
+                    at++;
+                return at;
+            };
+            const auto digits = [](const std::string &s, size_t from, size_t to) {
+                while (from + 1 < to && s[from] == '0')
+                    from++;
+                return s.substr(from, to - from);
+            };
+            const size_t m = end(a, i), n = end(b, j);
+            const std::string p = digits(a, i, m), q = digits(b, j, n);
+            if (p != q)
+                return p.size() != q.size() ? p.size() < q.size() : p < q;
+            i = m;
+            j = n;
+        } else if (a[i] != b[j]) {
+            return a[i] < b[j];
+        } else {
+            i++;
+            j++;
+        }
+    }
+    return a.size() - i < b.size() - j;
+}
+
+itk::ImageIOBase::Pointer open_picture(const std::string &kind, const std::string &path,
+                                       size_t number, size_t all)
+{
+    const itk::ImageIOBase::Pointer io = find_kind(kind, path)->make();
+    io->SetFileName(path);
+    try {
+        io->ReadImageInformation();
+    } catch (const std::exception &) {
+        refuse("slice %zu of %zu cannot be decoded", number, all);
+    }
+    return io;
+}
+
+void send_pictures(const Volume &volume, const std::vector<std::string> &path,
+                   const std::string &kind)
+{
+    std::vector<char> bytes(bytes_in(volume, 1) / volume.size[2]);
+    for (size_t z = 0; z < path.size(); z++) {
+        const itk::ImageIOBase::Pointer io = open_picture(kind, path[z], z + 1, path.size());
+        const bool is_flat = io->GetNumberOfDimensions() < 3 || io->GetDimensions(2) == 1;
+        if (!is_flat || io->GetDimensions(0) != volume.size[0] ||
+            io->GetDimensions(1) != volume.size[1] || io->GetNumberOfComponents() != 1 ||
+            volume.type != type_of(*io))
+            refuse("slice %zu of %zu is %zux%zu with %u values of %s a pixel, and the first "
+                   "%llux%llu with 1 of %s; expected slices of one kind",
+                   z + 1, path.size(), static_cast<size_t>(io->GetDimensions(0)),
+                   static_cast<size_t>(io->GetDimensions(1)), io->GetNumberOfComponents(),
+                   type_of(*io), wide(volume.size[0]), wide(volume.size[1]), volume.type.c_str());
+        io->SetIORegion(whole_region(*io));
+        io->Read(bytes.data());
+        send_piece(bytes.data(), bytes.size());
+    }
+}
+
+/* Says where numbers in names leave some out: the last number of each name. */
+void note_gaps(Volume &volume, const std::vector<std::string> &path)
+{
+    long former = -1;
+    size_t gaps = 0;
+    std::string first;
+    for (size_t i = 0; i < path.size(); i++) {
+        size_t end = path[i].find_last_of("0123456789");
+        size_t begin = end;
+        while (begin != std::string::npos && begin > 0 &&
+               std::isdigit(static_cast<unsigned char>(path[i][begin - 1])))
+            begin--;
+        if (end == std::string::npos || end - begin > 9)
+            return;
+        const long number = std::atol(path[i].c_str() + begin);
+        if (former >= 0 && number != former + 1 && gaps++ == 0)
+            first = words_of("after slice %zu", i);
+        former = number;
+    }
+    if (gaps)
+        note(volume, words_of("the numbers in the names of the slices leave some out (the first "
+                              "time %s)",
+                              first.c_str()));
+}
+
+void stack_pictures(Volume &volume, std::vector<std::string> path, const std::string &kind)
+{
+    std::sort(path.begin(), path.end(), is_before);
+    for (size_t z = 0; z < path.size(); z++)
+        count_parts(
+            kind, path[z],
+            words_of("slice %zu of %zu, %s, is ", z + 1, path.size(), last_name(path[z]).c_str()));
+    const itk::ImageIOBase::Pointer io = open_picture(kind, path[0], 1, path.size());
+    if (io->GetNumberOfComponents() != 1)
+        refuse("slice 1 of %zu has %u values a pixel (colour); expected one", path.size(),
+               io->GetNumberOfComponents());
+    volume.format = kind == "png" ? "PNG slices" : "TIFF slices";
+    volume.type = type_of(*io);
+    volume.size[0] = io->GetDimensions(0);
+    volume.size[1] = io->GetDimensions(1);
+    volume.size[2] = path.size();
+    note_gaps(volume, path);
+    note_resolution(volume, *io);
+    volume.send = [&volume, path, kind]() { send_pictures(volume, path, kind); };
 }
 
 } // namespace volume

@@ -1,4 +1,4 @@
-/* Names inside headers of text, NRRD and MetaImage: which files the voxels lie in. */
+/* Headers of text, NRRD and MetaImage: their fields, and which files they name for the voxels. */
 #include "image/volume_parts.hh"
 
 #include <algorithm>
@@ -15,6 +15,41 @@ namespace volume
 
 constexpr size_t header_most = 1 << 20; /* bytes; lists of names with it */
 constexpr uint64_t files_most = 100000;
+constexpr size_t fields_most = 1000;
+
+/* ---- fields ---- */
+
+std::string Header::value(const char *name) const
+{
+    const auto found = field.find(name);
+    return found == field.end() ? "" : found->second;
+}
+
+std::string trimmed(const std::string &text)
+{
+    const size_t first = text.find_first_not_of(" \t\r"), last = text.find_last_not_of(" \t\r");
+    return first == std::string::npos ? "" : text.substr(first, last - first + 1);
+}
+
+/* That of a MetaImage, of "NAME = VALUE", ends with the field that says where its voxels are; a
+ * NRRD's, of "NAME: VALUE", with an empty line. */
+Header header_of(const std::string &kind, const std::string &path)
+{
+    const bool is_meta = kind == "meta";
+    Header header;
+    std::ifstream file(path, std::ios::binary);
+    std::string line;
+    for (uint64_t at = 0; header.end == 0 && std::getline(file, line);) {
+        at += line.size() + (file.eof() ? 0 : 1);
+        const size_t between = line.find(is_meta ? '=' : ':');
+        const std::string name = in_small_letters(trimmed(line.substr(0, between)));
+        if (between != std::string::npos && line[0] != '#' && header.field.size() < fields_most)
+            header.field[name] = trimmed(line.substr(between + 1));
+        if (is_meta ? name == "elementdatafile" : trimmed(line).empty())
+            header.end = at;
+    }
+    return header;
+}
 
 /* ---- one name ---- */
 
@@ -57,7 +92,7 @@ std::string take_name(const std::string &header, const std::string &name)
     return folder_of(header) + name;
 }
 
-/* ---- headers of text ---- */
+/* ---- lines ---- */
 
 struct Text {
     std::string bytes;
@@ -98,24 +133,17 @@ long number_of(const std::string &word)
     return std::stol(word);
 }
 
-/* "%03d": where the only conversion begins, and where it ends; a header may hold any other for its
- * reader to stumble over. */
-std::pair<size_t, size_t> conversion_in(const std::string &pattern)
-{
-    const size_t begin = pattern.find('%');
-    const size_t end = pattern.find_first_not_of("0123456789", begin + 1);
-    if (end == std::string::npos || pattern[end] != 'd' || end - begin > 4 ||
-        pattern.find('%', end) != std::string::npos)
-        refuse_header();
-    return {begin, end + 1};
-}
-
 /* Names that are counted: "slice%03d.raw" with the first number, the last and the step. */
 std::vector<std::string> count_names(const std::string &pattern, long first, long last, long step)
 {
     std::vector<std::string> names;
-    const auto [begin, end] = conversion_in(pattern);
-    const std::string digits = pattern.substr(begin + 1, end - begin - 2);
+    /* Its only conversion; a header may hold any other for its reader to stumble over. */
+    const size_t begin = pattern.find('%');
+    const size_t letter = pattern.find_first_not_of("0123456789", begin + 1), end = letter + 1;
+    if (letter == std::string::npos || pattern[letter] != 'd' || letter - begin > 4 ||
+        pattern.find('%', letter) != std::string::npos)
+        refuse_header();
+    const std::string digits = pattern.substr(begin + 1, letter - begin - 1);
     const size_t width = digits.empty() ? 0 : static_cast<size_t>(number_of(digits));
     const char fill = digits[0] == '0' ? '0' : ' ';
     if (step == 0 || first < 0 || (last - first) / step < 0)
@@ -131,7 +159,7 @@ std::vector<std::string> count_names(const std::string &pattern, long first, lon
     return names;
 }
 
-/* A line from `at` on, without its end, and `at` behind it. */
+/* A line from `at` on, without its end, and `at` after it. */
 std::string next_line(const std::string &text, size_t &at)
 {
     const size_t end = std::min(text.find('\n', at), text.size());
@@ -150,12 +178,6 @@ bool is_list(const std::string &value)
 }
 
 /* ---- NRRD ---- */
-
-bool is_data_file(const std::string &name)
-{
-    const std::string field = in_small_letters(name);
-    return field == "data file" || field == "datafile";
-}
 
 /* Whether its reader takes the value for a pattern: the first % of which there are not two. */
 bool is_pattern(const std::string &value)
@@ -178,7 +200,9 @@ std::vector<std::string> names_in_nrrd(const Text &text)
         const size_t colon = line.find(": ");
         if (line.empty())
             return names;
-        if (colon == std::string::npos || line[0] == '#' || !is_data_file(line.substr(0, colon)))
+        const std::string field = in_small_letters(line.substr(0, colon));
+        if (colon == std::string::npos || line[0] == '#' ||
+            (field != "data file" && field != "datafile"))
             continue;
         const size_t begin = line.find_first_not_of(" \t", colon + 2);
         const std::string value = begin == std::string::npos ? "" : line.substr(begin);
@@ -211,7 +235,7 @@ std::vector<std::string> names_in_nrrd(const Text &text)
 
 const char meta_field[] = "ElementDataFile";
 
-/* The value of the field that begins at `at`, and the line behind it. */
+/* The value of the field that begins at `at`, and the line after it. */
 std::string meta_value(const std::string &text, size_t &at)
 {
     const std::string line = next_line(text, at);
@@ -247,19 +271,6 @@ void check_number(size_t files, const std::vector<long> &sides, size_t dimension
                plural_of(pieces, "piece").c_str());
 }
 
-std::vector<std::string> names_in_list(const std::string &text, size_t at)
-{
-    std::vector<std::string> names;
-    while (at < text.size()) {
-        std::string name = next_line(text, at);
-        name.erase(name.find_last_not_of(" \t") + 1);
-        names.push_back(name);
-    }
-    while (!names.empty() && names.back().empty())
-        names.pop_back();
-    return names;
-}
-
 /* Its reader takes the last word of the header's fields to be this one, and stops there. */
 std::string meta_says(const Text &text, size_t &at)
 {
@@ -275,16 +286,11 @@ std::string meta_says(const Text &text, size_t &at)
     return meta_value(text.bytes, at);
 }
 
-bool is_local(const std::string &value)
-{
-    return value == "LOCAL" || value == "Local" || value == "local";
-}
-
 std::vector<std::string> names_in_meta(const Text &text, const std::string &path)
 {
     size_t at;
     const std::string value = meta_says(text, at);
-    if (at == std::string::npos || is_local(value))
+    if (at == std::string::npos || value == "LOCAL" || value == "Local" || value == "local")
         return {};
     if (!text.is_whole || value.empty() || text.bytes.find(meta_field, at) != std::string::npos)
         refuse_header();
@@ -292,7 +298,13 @@ std::vector<std::string> names_in_meta(const Text &text, const std::string &path
     const std::vector<std::string> word = words_in(value);
     if (is_list(value)) {
         const size_t given = word.size() > 1 ? static_cast<size_t>(number_of(word[1])) : 0;
-        const std::vector<std::string> names = names_in_list(text.bytes, at);
+        std::vector<std::string> names;
+        while (at < text.bytes.size()) {
+            names.push_back(next_line(text.bytes, at));
+            names.back().erase(names.back().find_last_not_of(" \t") + 1);
+        }
+        while (!names.empty() && names.back().empty())
+            names.pop_back();
         check_number(names.size(), sides,
                      given < 1 || given > sides.size() ? sides.size() - 1 : given);
         return names;

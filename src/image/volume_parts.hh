@@ -14,15 +14,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <iosfwd>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
-
-namespace gdcm
-{
-class TransferSyntax;
-}
 
 namespace volume
 {
@@ -139,8 +134,6 @@ struct Slice {
     std::string lack;              /* what is missing, in words of ours; "" for nothing */
 };
 
-using Series = std::vector<Slice>;
-
 /* The slices of a file; false where it is no DICOM. One without pixels adds none. Mosaics hold
  * several, unless they are to be one. */
 bool scan(std::vector<Slice> &slices, const std::string &path, bool splits_mosaics);
@@ -148,16 +141,10 @@ bool scan(std::vector<Slice> &slices, const std::string &path, bool splits_mosai
 /* Whether a file of DICOM says that it is an image, as one does that was cut before its pixels. */
 bool is_of_images(const std::string &path);
 
-/* A file of DICOM as it is read: what is deflated, inflated. Nothing where it is none. */
-std::unique_ptr<std::istream> open_bytes(const std::string &path);
-
-/* Where the pixels of a file lie, and what is missing of them. `in` is where its header ends. */
-void find_pixels(Slice &slice, std::istream &in, const gdcm::TransferSyntax &syntax);
-
 /* Refuses slices of which pixels are missing, by the name of the first such file. */
 void check_pixels(Volume &volume, const std::vector<Slice> &slices);
 
-/* The pixels of all frames of its file, in the order of this machine; false where they cannot be
+/* The pixels of all frames of its file, of a mosaic image after image, in the order of this machine; false where they cannot be
  * had. */
 bool read_pixels(std::vector<char> &bytes, const Slice &slice);
 
@@ -166,20 +153,8 @@ void normal_of(double normal[3], const double axis[6]);
 /* What is wrong with a file, by its name where it is one of a folder, and how to go on without. */
 std::string about_file(const std::string &name, const std::string &what);
 
-/* ---- slices in their order (volume_series.cc) ---- */
-
-bool have_places(const Series &series);
-bool is_same_place(const Slice &a, const Slice &b);
-
-/* By their places along the normal of the first; those of one place, and all where they have none,
- * by time, echo and number. */
-void sort_slices(Series &series);
-
-/* The one that is asked for, counted from 0; refuses, with what there is, where that is not one. */
-size_t choose_series(const std::vector<Series> &all, const Request &request);
-
-/* The pixels of a mosaic, image after image. */
-void split_mosaic(std::vector<char> &bytes, const Slice &slice);
+/* A description of a series as it is said, between quotes. */
+std::string description_of(const std::string &said);
 
 /* Takes one of the series that the slices make, and arranges them. */
 void stack_slices(Volume &volume, const std::vector<Slice> &slices, const Request &request);
@@ -193,7 +168,28 @@ struct Files {
 /* The regular files below a folder, hidden ones left out, in the order of their names. */
 void walk(Files &files, const std::string &folder, bool follows_links, size_t depth);
 
-/* ---- files that others name (volume_names.cc, volume_sources.cc) ---- */
+/* ---- whether a file is whole (volume_bytes.cc) ---- */
+
+/* Of formats whose parts say where they lie, before a library reads one; nothing of others. `what` begins the
+ * words of a refusal: "slice 3 of 9 is ", or "" for the file that was asked for. */
+void count_parts(const std::string &kind, const std::string &path, const std::string &what);
+
+/* Of the others, once its header is known: of voxels that are packed, or written as text, when they
+ * are to be sent. */
+void count_voxels(Volume &volume, const std::string &kind, const Request &request);
+
+/* ---- headers of text, and files that others name (volume_names.cc) ---- */
+
+/* The header of a NRRD or MetaImage, which is one of lines. */
+struct Header {
+    /* Of names in small letters, without the blanks around them. */
+    std::map<std::string, std::string> field;
+    uint64_t end = 0; /* how many bytes it has; 0 where it does not end */
+
+    std::string value(const char *name) const; /* "" for none */
+};
+
+Header header_of(const std::string &kind, const std::string &path);
 
 /* "./" where the path has none; else with its slash. */
 std::string folder_of(const std::string &path);
@@ -211,6 +207,9 @@ std::vector<std::string> named_files(const Request &request);
 /* That the library has read the same in a MetaImage; and the name in a Stimulate. */
 void check_meta(const Request &request, const std::string &name, const std::vector<long> &sides);
 void check_stimulate(const Request &request);
+
+/* Slices as pictures, "png" or "tiff", in the order of their names. */
+void stack_pictures(Volume &volume, std::vector<std::string> path, const std::string &kind);
 
 void open_by_itk(Volume &volume, const Request &request, const std::string &name);
 void open_hdf5(Volume &volume, const Request &request);

@@ -12,21 +12,17 @@
 namespace volume
 {
 
-/* ---- which slices ---- */
+using Series = std::vector<Slice>;
 
-bool are_parallel(const Slice &a, const Slice &b)
-{
-    for (int i = 0; i < 6; i++)
-        if (std::fabs(a.axis[i] - b.axis[i]) > 1e-3)
-            return false;
-    return true;
-}
+/* ---- which slices ---- */
 
 bool are_alike(const Slice &a, const Slice &b)
 {
     return a.series == b.series && a.columns == b.columns && a.rows == b.rows &&
            a.samples == b.samples && a.has_axes == b.has_axes && a.has_position == b.has_position &&
-           are_parallel(a, b) && std::fabs(a.spacing[0] - b.spacing[0]) <= 1e-4 * a.spacing[0] &&
+           std::equal(a.axis, a.axis + 6, b.axis,
+                      [](double p, double q) { return std::fabs(p - q) <= 1e-3; }) &&
+           std::fabs(a.spacing[0] - b.spacing[0]) <= 1e-4 * a.spacing[0] &&
            std::fabs(a.spacing[1] - b.spacing[1]) <= 1e-4 * a.spacing[1];
 }
 
@@ -51,26 +47,13 @@ std::vector<Series> series_of(std::vector<Slice> slices)
     return all;
 }
 
-/* Files that are there twice count once. */
-size_t drop_copies(Series &series)
-{
-    std::set<std::pair<std::string, unsigned>> seen;
-    const size_t before = series.size();
-    series.erase(
-        std::remove_if(
-            series.begin(), series.end(),
-            [&](const Slice &slice) {
-                return !slice.object.empty() && !seen.insert({slice.object, slice.frame}).second;
-            }),
-        series.end());
-    return before - series.size();
-}
-
 bool have_places(const Series &series)
 {
     return series[0].has_position && series[0].has_axes;
 }
 
+/* By their places along the normal of the first; those of one place, and all where they have none,
+ * by time, echo and number. */
 void sort_slices(Series &series)
 {
     double normal[3];
@@ -90,6 +73,171 @@ bool is_same_place(const Slice &a, const Slice &b)
 {
     return std::fabs(a.along - b.along) < 0.0075;
 }
+
+/* ---- which series ----
+ *
+ * They are told apart by what their files say of them. A description is shown to the user who
+ * chooses (Request.lists), and to nobody else: who names a series by a piece of its description is
+ * answered with its number, which is what is recorded. One that holds a name or number of the
+ * patient is not shown at all. */
+
+constexpr size_t more_most = 18; /* of "; and 100000 more" */
+
+/* "TE 4.9 ms", "b 0 to 1000"; nothing where it is not said. */
+std::string range_of(const Series &series, double Slice::*number, const char *name,
+                     const char *unit)
+{
+    const auto is_less = [number](const Slice &a, const Slice &b) { return a.*number < b.*number; };
+    const double least = *std::min_element(series.begin(), series.end(), is_less).*number;
+    const double most = *std::max_element(series.begin(), series.end(), is_less).*number;
+    if (!std::isfinite(most) || most < 0)
+        return "";
+    return least < most ? words_of("%s %.4g to %.4g%s", name, std::max(least, 0.0), most, unit)
+                        : words_of("%s %.4g%s", name, most, unit);
+}
+
+/* What one can know it by. */
+struct Entry {
+    std::string description, rest; /* "18 slices of 56x64, MR, 4x4x5 mm" */
+    std::string apart[3];          /* said where it differs from another that is alike else */
+};
+
+/* How far its slices are apart, the usual distance, and how many lie in one place. */
+double step_of(Series series, size_t &volumes)
+{
+    std::vector<double> steps;
+    sort_slices(series);
+    for (size_t i = 1; i < series.size(); i++)
+        if (!is_same_place(series[i - 1], series[i]))
+            steps.push_back(series[i].along - series[i - 1].along);
+    const size_t places = steps.size() + 1;
+    volumes = have_places(series) && series.size() % places == 0 ? series.size() / places : 1;
+    if (steps.empty())
+        return series[0].between > 0 ? series[0].between : series[0].thickness;
+    std::nth_element(steps.begin(), steps.begin() + static_cast<long>(steps.size() / 2),
+                     steps.end());
+    return steps[steps.size() / 2];
+}
+
+Entry entry_of(const Series &series, bool lists)
+{
+    static const std::set<std::string> known = {"CT", "MR", "PT", "NM", "US",  "CR",     "DX", "MG",
+                                                "XA", "RF", "OT", "SC", "OCT", "RTDOSE", "SEG"};
+    const Slice &slice = series[0]; /* of its modality nothing is said but a code that is known */
+    const char *modality =
+        known.count(slice.modality) ? slice.modality.c_str() : "of another modality";
+    Entry entry;
+    size_t volumes = 1;
+    const double step = step_of(series, volumes);
+    if (lists)
+        entry.description = slice.names_patient ? "" : slice.description;
+    entry.rest = words_of("%s of %ux%u, %s", plural_of(series.size() / volumes, "slice").c_str(),
+                          slice.columns, slice.rows, modality);
+    if (volumes > 1)
+        entry.rest += words_of(", %zu volumes", volumes);
+    if (slice.spacing[0] > 0 && step > 0)
+        entry.rest += words_of(", %.4gx%.4gx%.4g mm", slice.spacing[1], slice.spacing[0], step);
+    if (!slice.fault.empty())
+        entry.rest += ", cannot be read";
+    entry.apart[0] = range_of(series, &Slice::echo_ms, "TE", " ms");
+    entry.apart[1] = range_of(series, &Slice::weighting, "b", "");
+    entry.apart[2] = slice.kind;
+    return entry;
+}
+
+/* Entries as they are shown: `1: "t1_mprage", 18 slices of ..`. */
+std::vector<std::string> entries_of(const std::vector<Series> &all,
+                                    const std::vector<size_t> &wanted, bool lists)
+{
+    std::vector<Entry> entries;
+    std::vector<std::string> texts;
+    for (const size_t i : wanted)
+        entries.push_back(entry_of(all[i], lists));
+    for (size_t i = 0; i < entries.size(); i++) {
+        const Entry &entry = entries[i];
+        std::string text = std::to_string(wanted[i] + 1) + ": ";
+        if (!entry.description.empty())
+            text += "\"" + entry.description + "\", ";
+        text += entry.rest;
+        for (size_t k = 0; k < 3; k++)
+            if (!entry.apart[k].empty() &&
+                std::any_of(entries.begin(), entries.end(), [&](const Entry &other) {
+                    return other.description == entry.description &&
+                           other.apart[k] != entry.apart[k];
+                }))
+                text += ", " + entry.apart[k];
+        texts.push_back(text);
+    }
+    return texts;
+}
+
+/* Those whose description is that piece, or else has it, whatever the size of its letters. */
+std::vector<size_t> find_series(const std::vector<Series> &all, const std::string &piece)
+{
+    const std::string small = in_small_letters(description_of(piece));
+    std::vector<size_t> same, having;
+    for (size_t i = 0; i < all.size(); i++) {
+        const std::string description = in_small_letters(all[i][0].description);
+        if (description == small)
+            same.push_back(i);
+        if (description.find(small) != std::string::npos)
+            having.push_back(i);
+    }
+    return same.empty() ? having : same;
+}
+
+/* Refuses, with those that there are: in one line where they fit, in lines of their own where those
+ * are wanted, else as many as fit, and how many more there are. */
+[[noreturn]] void refuse_series(const std::string &words, const std::vector<std::string> &entries,
+                                const Request &request)
+{
+    size_t room = words_room(request), said = 0;
+    std::string line = words + ": ", lines;
+    for (const std::string &entry : entries)
+        lines += entry + "\n";
+    const bool fits = line.size() + lines.size() + entries.size() <= room;
+    if (!fits && request.lists) {
+        answer_list(lines);
+        throw Refusal{words + "; they are listed"};
+    }
+    room -= fits ? 0 : std::min(room, more_most);
+    for (; said < entries.size() && line.size() + entries[said].size() + 2 <= room; said++)
+        line += (said ? "; " : "") + entries[said];
+    if (said < entries.size())
+        line += words_of("%sand %zu more", said ? "; " : "", entries.size() - said);
+    throw Refusal{line};
+}
+
+/* The one that is asked for, counted from 0; refuses, with what there is, where that is not one. */
+size_t choose_series(const std::vector<Series> &all, const Request &request)
+{
+    std::vector<size_t> every(all.size());
+    for (size_t i = 0; i < all.size(); i++)
+        every[i] = i;
+    const bool is_named = !request.wanted.empty();
+    const std::vector<size_t> found = is_named ? find_series(all, request.wanted) : every;
+    if (request.series > 0 && request.series <= all.size())
+        return request.series - 1;
+    if (request.series == 0 && found.size() == 1)
+        return found[0];
+    std::string words;
+    if (request.series > 0)
+        words = words_of("there is no series %llu; it holds %zu series", wide(request.series),
+                         all.size());
+    else if (found.empty())
+        words = words_of("no series has that in its description; it holds %zu; choose one with "
+                         "series=N",
+                         all.size());
+    else if (is_named)
+        words = words_of("%zu of its %zu series have that in their description; choose one with "
+                         "series=N",
+                         found.size(), all.size());
+    else
+        words = words_of("it holds %zu series; choose one with series=N%s", all.size(),
+                         request.lists ? ", or with a piece of its description" : "");
+    refuse_series(words, entries_of(all, found.empty() ? every : found, request.lists), request);
+}
+/* ---- in their places ---- */
 
 /* How many slices lie in each place, which must be as many everywhere. */
 size_t count_volumes(const Series &series)
@@ -312,8 +460,6 @@ class Decoder
             if (!read_pixels(bytes_, slice))
                 return nullptr;
             path_ = slice.path;
-            if (slice.tiles > 1)
-                split_mosaic(bytes_, slice);
         }
         return &bytes_[frame * slice.frame];
     }
@@ -341,17 +487,6 @@ void send_blank(const Volume &volume, const Stack &stack, const Slice &slice)
     send_piece(bytes.data(), bytes.size());
 }
 
-void send_real(const char *from, const Slice &slice)
-{
-    std::vector<float> real(size_t{slice.columns} * slice.rows);
-    for (size_t i = 0; i < real.size(); i++)
-        real[i] = static_cast<float>(static_cast<double>(number_at(from + i * (slice.bits / 8),
-                                                                   slice.bits, slice.is_signed)) *
-                                         slice.slope +
-                                     slice.intercept);
-    send_piece(real.data(), real.size() * sizeof(float));
-}
-
 void send_stack(const Volume &volume, const Stack &stack)
 {
     Decoder decoder;
@@ -369,20 +504,37 @@ void send_stack(const Volume &volume, const Stack &stack)
         const char *bytes = decoder.decode(slice);
         if (!bytes)
             throw Refusal{words};
-        if (stack.is_real)
-            send_real(bytes, slice);
-        else
-            send_piece(bytes, size_t{slice.columns} * slice.rows * (slice.bits / 8));
+        const size_t pixels = size_t{slice.columns} * slice.rows, width = slice.bits / 8;
+        if (!stack.is_real) {
+            send_piece(bytes, pixels * width);
+            continue;
+        }
+        std::vector<float> real(pixels);
+        for (size_t i = 0; i < pixels; i++) {
+            const int64_t number = number_at(bytes + i * width, slice.bits, slice.is_signed);
+            real[i] =
+                static_cast<float>(static_cast<double>(number) * slice.slope + slice.intercept);
+        }
+        send_piece(real.data(), pixels * sizeof(float));
     }
 }
 
-/* Slices that have been found, of which `wanted` is a series. */
-void stack_series(Volume &volume, Series series, const Request &request)
+void stack_slices(Volume &volume, const std::vector<Slice> &slices, const Request &request)
 {
+    const std::vector<Series> all = series_of(slices);
+    const size_t number = choose_series(all, request);
+    Series series = all[number];
+    volume.series = number + 1;
     for (const Slice &slice : series)
         if (!slice.fault.empty())
             throw Refusal{about_file(slice.name, "is " + slice.fault)};
-    const size_t copies = drop_copies(series);
+    std::set<std::pair<std::string, unsigned>> seen; /* files that are there twice count once */
+    const auto is_copy = [&](const Slice &slice) {
+        return !slice.object.empty() && !seen.insert({slice.object, slice.frame}).second;
+    };
+    const auto end = std::remove_if(series.begin(), series.end(), is_copy);
+    const auto copies = static_cast<size_t>(series.end() - end);
+    series.erase(end, series.end());
     sort_slices(series);
     volume.volumes = count_volumes(series);
     if (request.volume >= volume.volumes)
@@ -419,14 +571,6 @@ void stack_series(Volume &volume, Series series, const Request &request)
     volume.size[1] = stack->slice[0].rows;
     volume.size[2] = stack->slice.size();
     volume.send = [&volume, stack]() { send_stack(volume, *stack); };
-}
-
-void stack_slices(Volume &volume, const std::vector<Slice> &slices, const Request &request)
-{
-    const std::vector<Series> all = series_of(slices);
-    const size_t number = choose_series(all, request);
-    volume.series = number + 1;
-    stack_series(volume, all[number], request);
 }
 
 void open_dicom(Volume &volume, const Request &request)

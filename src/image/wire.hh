@@ -7,7 +7,7 @@
  * kills it, whatever it is doing, so that nothing is read or written for nobody.
  *
  * Before the first byte of a file is decoded, `confine` takes everything else from the process, in
- * every use and whoever asks: whatever a hostile file makes of a library, it can
+ * every use and for every client: whatever a hostile file makes of a library, it can
  *     (W1) reach the files that the request names, those that their headers name and, where only
  *          a library can tell these (HDF5), what lies below their folder; and no other;
  *     (W2) make the calls of confine.h alone: no network, no other program, no other process;
@@ -50,11 +50,11 @@ inline int fd = -1;
     _exit(status); /* no destructors: plugins have been seen to hang in theirs */
 }
 
-inline void receive(void *bytes, size_t length)
+/* All of it, by read or write. */
+template <typename Call, typename Bytes> void pass(Call call, Bytes *at, size_t length)
 {
-    auto *at = static_cast<char *>(bytes);
     while (length > 0) {
-        const ssize_t n = read(fd, at, length);
+        const ssize_t n = call(fd, at, length);
         if (n < 0 && errno == EINTR)
             continue;
         if (n <= 0)
@@ -64,18 +64,14 @@ inline void receive(void *bytes, size_t length)
     }
 }
 
+inline void receive(void *bytes, size_t length)
+{
+    pass(read, static_cast<char *>(bytes), length);
+}
+
 inline void transmit(const void *bytes, size_t length)
 {
-    auto *at = static_cast<const char *>(bytes);
-    while (length > 0) {
-        const ssize_t n = write(fd, at, length);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n <= 0)
-            leave(0);
-        at += n;
-        length -= static_cast<size_t>(n);
-    }
+    pass(write, static_cast<const char *>(bytes), length);
 }
 
 inline void transmit(const std::string &text)

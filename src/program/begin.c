@@ -4,6 +4,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "image/coprocess.h"
+#include "image/image_helper.h"
 #include "image/volume_helper.h"
 #include "journal/golden.h"
 #include "journal/walk.h"
@@ -93,9 +95,9 @@ enum err begin_confined(const struct options *o, const char *journal, const char
     struct limits limits;
     enum err err = limits_read(&limits, o->limit_memory, o->limit_time, o->limit_output, fault);
     if (!err)
-        err = image_helper_default_program(&images, fault);
+        err = coprocess_beside(&images, IMAGE_HELPER, fault);
     if (!err)
-        err = volume_helper_default_program(&volumes, fault);
+        err = coprocess_beside(&volumes, VOLUME_HELPER, fault);
     if (!err)
         err = golden_folder(&goldens, journal, fault);
     if (!err && !o->scene)

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
-#include "image/helper.h"
+#include "image/image_helper.h"
 #include "program/console.h"
 #include "program/programs.h"
 #include "report/comparison_picture.h"

@@ -1,6 +1,6 @@
 #include "program/shown.h"
 
-#include "image/helper.h"
+#include "image/image_helper.h"
 #include "program/programs.h"
 #include "session/session.h"
 #include "session/tally.h"

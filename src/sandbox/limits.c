@@ -9,7 +9,7 @@
 #include "base/clock.h"
 #include "base/mem.h"
 #include "base/scan.h"
-#include "image/helper.h"
+#include "image/image_helper.h"
 #include "image/volume_helper.h"
 
 enum { POLL_EVERY_NS = 20000000 };

@@ -60,7 +60,10 @@ void fuzz_volume(const char *path)
     struct volume_header facts;
     struct volume volume;
     struct fault fault = {.text = ""};
-    enum err err = volume_about(&facts, path, &fault);
+    struct volume_reader reader;
+    enum err err = volume_begin(&reader, path, NULL, NULL, &fault);
+    facts = reader.header;
+    volume_close(&reader);
     HOLDS(!err || (fault.text[0] && !strpbrk(fault.text, "\n\r\033")));
     if (err || (uint64_t)facts.size[0] * facts.size[1] * facts.size[2] > VOXELS_MOST)
         return;

@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 #include "image/coprocess.h"
-#include "image/helper.h"
+#include "image/image_helper.h"
 #include "image/volume.h"
 #include "image/volume_helper.h"
 

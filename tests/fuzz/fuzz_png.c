@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "image/picture.h"
 #include "image/png.h"
 
 enum { SIDE = 12 }; /* of the picture that it is compared with */

@@ -1,5 +1,5 @@
 /* iftty-image with what a hostile picture would try in place of OpenImageIO. */
-#include "image/image_parts.hh"
+#include "image/image_oiio.hh"
 #include "image/wire.hh"
 #include "tests/probe/attempts.hh"
 

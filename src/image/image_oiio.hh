@@ -1,8 +1,8 @@
 /*
- * What the parts of iftty-image share: what is asked, and who answers.
+ * What iftty-image is asked, and the answers, which OpenImageIO makes (image_oiio.cc).
  */
-#ifndef IMAGE_IMAGE_PARTS_HH
-#define IMAGE_IMAGE_PARTS_HH
+#ifndef IMAGE_IMAGE_OIIO_HH
+#define IMAGE_IMAGE_OIIO_HH
 
 #include <cstdint>
 #include <string>

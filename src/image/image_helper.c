@@ -1,4 +1,4 @@
-#include "image/helper.h"
+#include "image/image_helper.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,8 +9,6 @@
 #include "base/scan.h"
 #include "image/coprocess.h"
 #include "image/exr.h"
-
-static const char PROGRAM[] = "iftty-image";
 
 enum {
     PATH_MOST = 4096,
@@ -34,7 +32,7 @@ enum err image_helper_new(struct image_helper **out, const char *program, struct
     *out = NULL;
     if (!helper)
         return fault_memory(fault, "the image helper");
-    const enum err err = coprocess_init(&helper->process, PROGRAM, program, fault);
+    const enum err err = coprocess_init(&helper->process, IMAGE_HELPER, program, fault);
     helper->process.kind = "the image helper";
     helper->process.hint = " (.exr works without it)";
     if (err)
@@ -76,14 +74,6 @@ static bool transmit_notes(struct image_helper *helper, const struct picture *pi
     return true;
 }
 
-/* RGB over black: what is transparent fades. */
-static void fade_pixels(uint8_t *rgb, const uint8_t *rgba, size_t pixels)
-{
-    for (size_t i = 0; i < pixels; i++)
-        for (size_t c = 0; c < 3; c++)
-            rgb[3 * i + c] = (uint8_t)((rgba[4 * i + c] * rgba[4 * i + 3] + 127) / 255);
-}
-
 static bool transmit_pixels(struct image_helper *helper, const struct picture *picture,
                             unsigned channels, uint8_t *piece)
 {
@@ -92,7 +82,10 @@ static bool transmit_pixels(struct image_helper *helper, const struct picture *p
         return coprocess_transmit(&helper->process, picture->rgba, 4 * pixels);
     for (size_t done = 0; done < pixels;) {
         size_t n = pixels - done < SEND_PIECE / 3 ? pixels - done : SEND_PIECE / 3;
-        fade_pixels(piece, picture_colours(picture) + 4 * done, n);
+        const uint8_t *rgba = picture_colours(picture) + 4 * done;
+        for (size_t i = 0; i < n; i++)
+            for (size_t c = 0; c < 3; c++) /* over black: what is transparent fades */
+                piece[3 * i + c] = (uint8_t)((rgba[4 * i + c] * rgba[4 * i + 3] + 127) / 255);
         if (!coprocess_transmit(&helper->process, piece, 3 * n))
             return false;
         done += n;
@@ -132,42 +125,37 @@ static void forget(struct image_movie *movie)
     *movie = (struct image_movie){0};
 }
 
-static enum err request_writing(const struct image_movie *movie, const struct picture *like,
-                                unsigned frames, unsigned delay_ms, struct fault *fault)
-{
-    struct image_helper *helper = movie->helper;
-    const char *path = buf_text(&movie->draft);
-    char line[COPROCESS_LINE];
-    enum err err = check_request("write", path, like, fault);
-    if (!err)
-        err = image_helper_start(helper, fault);
-    if (err)
-        return err;
-    int length =
-        snprintf(line, sizeof line, "write %zu %u %u %zu %u %u %u\n", strlen(path), like->width,
-                 like->height, like->attributes, frames, delay_ms, movie->channels);
-    if (!coprocess_transmit(&helper->process, line, (size_t)length) ||
-        !coprocess_transmit(&helper->process, path, strlen(path)) || !transmit_notes(helper, like))
-        return coprocess_fault(&helper->process, "write", movie->path, fault);
-    return OK;
-}
-
-enum err image_movie_begin(struct image_movie *movie, struct image_helper *helper, const char *path,
-                           enum file_mode mode, const struct picture *like, unsigned frames,
+enum err image_movie_begin(struct image_movie *movie, const struct picture *like, unsigned frames,
                            unsigned delay_ms, struct fault *fault)
 {
+    const char *path = movie->path;
     const bool has_alpha = like->is_clear && file_is_named(path, ".png|.tif|.tiff");
     const char *dot = strrchr(file_name(path), '.');
+    struct coprocess *process = &movie->helper->process;
+    char line[COPROCESS_LINE];
+    enum err err = OK;
+    movie->channels = has_alpha ? 4 : 3;
     if (!dot || dot == file_name(path) || dot[1] == '\0')
-        return fault_set(fault, ERR_USAGE,
-                         "cannot write %s: its name says no format; expected for instance .png, "
-                         ".exr, .tif or .jpg",
-                         path);
-    *movie = (struct image_movie){
-        .helper = helper, .path = path, .mode = mode, .channels = has_alpha ? 4 : 3};
-    enum err err = file_draft(&movie->draft, path, mode, fault);
+        err = fault_set(fault, ERR_USAGE,
+                        "cannot write %s: its name says no format; expected for instance .png, "
+                        ".exr, .tif or .jpg",
+                        path);
     if (!err)
-        err = request_writing(movie, like, frames, delay_ms, fault);
+        err = file_draft(&movie->draft, path, movie->mode, fault);
+    const char *draft = buf_text(&movie->draft);
+    if (!err)
+        err = check_request("write", draft, like, fault);
+    if (!err)
+        err = image_helper_start(movie->helper, fault);
+    if (!err) {
+        const int length = snprintf(line, sizeof line, "write %zu %u %u %zu %u %u %u\n",
+                                    strlen(draft), like->width, like->height, like->attributes,
+                                    frames, delay_ms, movie->channels);
+        if (!coprocess_transmit(process, line, (size_t)length) ||
+            !coprocess_transmit(process, draft, strlen(draft)) ||
+            !transmit_notes(movie->helper, like))
+            err = coprocess_fault(process, "write", path, fault);
+    }
     if (err)
         forget(movie);
     return err;
@@ -212,10 +200,10 @@ void image_movie_abandon(struct image_movie *movie)
 enum err image_write(struct image_helper *helper, const char *path, enum file_mode mode,
                      const struct picture *picture, struct fault *fault)
 {
-    struct image_movie movie;
+    struct image_movie movie = {.helper = helper, .path = path, .mode = mode};
     if (exr_is_named(path))
         return exr_write(path, mode, picture, fault);
-    enum err err = image_movie_begin(&movie, helper, path, mode, picture, 1, 0, fault);
+    enum err err = image_movie_begin(&movie, picture, 1, 0, fault);
     if (!err)
         err = image_movie_add(&movie, picture, fault);
     return err ? err : image_movie_end(&movie, fault);
@@ -242,6 +230,13 @@ enum err image_write_png(const char *path, const struct picture *picture, struct
 
 /* ---- reading ---- */
 
+/* What it sent makes no sense. */
+static enum err odd(struct image_helper *helper)
+{
+    coprocess_odd(&helper->process);
+    return ERR_IO;
+}
+
 static enum err receive_note(struct image_helper *helper, struct picture *out, struct fault *fault)
 {
     static const int64_t most[2] = {NAME_MOST, VALUE_MOST};
@@ -249,10 +244,8 @@ static enum err receive_note(struct image_helper *helper, struct picture *out, s
     int64_t length[2];
     if (!coprocess_receive_line(&helper->process, line))
         return ERR_IO;
-    if (!coprocess_numbers(line, 2, most, length)) {
-        coprocess_odd(&helper->process);
-        return ERR_IO;
-    }
+    if (!coprocess_numbers(line, 2, most, length))
+        return odd(helper);
     const size_t name = (size_t)length[0], value = (size_t)length[1];
     char *text = calloc(name + value + 2, 1); /* two strings, each with its NUL */
     if (!text)
@@ -265,36 +258,10 @@ static enum err receive_note(struct image_helper *helper, struct picture *out, s
     return err;
 }
 
-/* Takes the rest of an answer into `out`. ERR_IO with trouble of the process, or what `fault` says.
- */
-typedef enum err take_answer(struct image_helper *helper, const char *line, void *out,
-                             struct fault *fault);
-
-static enum err receive_picture(struct image_helper *helper, const char *line, void *picture,
-                                struct fault *fault)
-{
-    struct picture *out = picture;
-    static const int64_t most[3] = {PICTURE_SIDE_MOST, PICTURE_SIDE_MOST, NOTES_MOST};
-    int64_t number[3];
-    if (!scan_text(&line, "picture ") || !coprocess_numbers(line, 3, most, number) ||
-        number[0] < 1 || number[1] < 1) {
-        coprocess_odd(&helper->process);
-        return ERR_IO;
-    }
-    enum err err = picture_init(out, (uint32_t)number[0], (uint32_t)number[1], false, fault);
-    for (int64_t i = 0; i < number[2] && !err; i++)
-        err = receive_note(helper, out, fault);
-    if (!err &&
-        !coprocess_receive(&helper->process, out->rgba, 4 * (size_t)out->width * out->height))
-        err = ERR_IO;
-    return err;
-}
-
-/* Asks `request` of a path and takes the answer. */
+/* Asks `request` of a path, and takes the first line of the answer. */
 static enum err ask(struct image_helper *helper, const char *request, const char *path,
-                    take_answer *take, void *out, struct fault *fault)
+                    char line[COPROCESS_LINE], struct fault *fault)
 {
-    char line[COPROCESS_LINE];
     enum err err = check_request("read", path, NULL, fault);
     if (!err)
         err = image_helper_start(helper, fault);
@@ -304,10 +271,14 @@ static enum err ask(struct image_helper *helper, const char *request, const char
     if (!coprocess_transmit(&helper->process, line, (size_t)length) ||
         !coprocess_transmit(&helper->process, path, strlen(path)))
         return coprocess_fault(&helper->process, "read", path, fault);
-    err = coprocess_answer(&helper->process, line, "read", path, fault);
-    if (err)
-        return err;
-    err = take(helper, line, out, fault);
+    return coprocess_answer(&helper->process, line, "read", path, fault);
+}
+
+/* After the rest of the answer: what went wrong, ERR_IO with trouble of the process or what `fault`
+ * says. */
+static enum err settle(struct image_helper *helper, const char *path, enum err err,
+                       struct fault *fault)
+{
     if (err && helper->process.trouble != FINE)
         return coprocess_fault(&helper->process, "read", path, fault);
     if (err)
@@ -318,54 +289,65 @@ static enum err ask(struct image_helper *helper, const char *request, const char
 enum err image_helper_read(struct image_helper *helper, const char *path, struct picture *out,
                            struct fault *fault)
 {
+    static const int64_t most[3] = {PICTURE_SIDE_MOST, PICTURE_SIDE_MOST, NOTES_MOST};
+    char line[COPROCESS_LINE];
+    const char *at = line;
+    int64_t number[3];
     *out = (struct picture){0};
-    const enum err err = ask(helper, "read", path, receive_picture, out, fault);
+    enum err err = ask(helper, "read", path, line, fault);
+    if (err)
+        return err;
+    if (!scan_text(&at, "picture ") || !coprocess_numbers(at, 3, most, number) || number[0] < 1 ||
+        number[1] < 1)
+        err = odd(helper);
+    if (!err)
+        err = picture_init(out, (uint32_t)number[0], (uint32_t)number[1], false, fault);
+    for (int64_t i = 0; !err && i < number[2]; i++)
+        err = receive_note(helper, out, fault);
+    if (!err &&
+        !coprocess_receive(&helper->process, out->rgba, 4 * (size_t)out->width * out->height))
+        err = ERR_IO;
+    err = settle(helper, path, err, fault);
     if (err)
         picture_release(out);
-    return err;
-}
-
-static enum err receive_word(struct image_helper *helper, char **out, size_t length,
-                             struct fault *fault)
-{
-    *out = calloc(length + 1, 1);
-    if (!*out)
-        return fault_memory(fault, "what a picture is");
-    return coprocess_receive(&helper->process, *out, length) ? OK : ERR_IO;
-}
-
-static enum err receive_facts(struct image_helper *helper, const char *line, void *facts,
-                              struct fault *fault)
-{
-    struct image_facts *out = facts;
-    static const int64_t most[7] = {PICTURE_SIDE_MOST, PICTURE_SIDE_MOST, INT32_MAX, NOTES_MOST,
-                                    WORDS_MOST,        WORDS_MOST,        WORDS_MOST};
-    int64_t number[7];
-    if (!scan_text(&line, "about ") || !coprocess_numbers(line, 7, most, number) || number[0] < 1 ||
-        number[1] < 1) {
-        coprocess_odd(&helper->process);
-        return ERR_IO;
-    }
-    out->picture.width = (uint32_t)number[0];
-    out->picture.height = (uint32_t)number[1];
-    out->frames = (unsigned)number[2];
-    char **const word[3] = {&out->format, &out->type, &out->channels};
-    enum err err = OK;
-    for (int i = 0; i < 3 && !err; i++)
-        err = receive_word(helper, word[i], (size_t)number[4 + i], fault);
-    for (int64_t i = 0; i < number[3] && !err; i++)
-        err = receive_note(helper, &out->picture, fault);
     return err;
 }
 
 enum err image_helper_about(struct image_helper *helper, const char *path, struct image_facts *out,
                             struct fault *fault)
 {
+    static const int64_t most[7] = {PICTURE_SIDE_MOST, PICTURE_SIDE_MOST, INT32_MAX, NOTES_MOST,
+                                    WORDS_MOST,        WORDS_MOST,        WORDS_MOST};
+    char **const word[3] = {&out->format, &out->type, &out->channels};
+    char line[COPROCESS_LINE];
+    const char *at = line;
+    int64_t number[7];
     *out = (struct image_facts){0};
-    const enum err err = ask(helper, "about", path, receive_facts, out, fault);
+    enum err err = ask(helper, "about", path, line, fault);
     if (err)
+        return err;
+    if (!scan_text(&at, "about ") || !coprocess_numbers(at, 7, most, number) || number[0] < 1 ||
+        number[1] < 1)
+        err = odd(helper);
+    for (int i = 0; i < 3 && !err; i++) {
+        const size_t length = (size_t)number[4 + i];
+        *word[i] = calloc(length + 1, 1);
+        if (!*word[i])
+            err = fault_memory(fault, "what a picture is");
+        else if (!coprocess_receive(&helper->process, *word[i], length))
+            err = ERR_IO;
+    }
+    for (int64_t i = 0; !err && i < number[3]; i++)
+        err = receive_note(helper, &out->picture, fault);
+    err = settle(helper, path, err, fault);
+    if (err) {
         image_facts_release(out);
-    return err;
+        return err;
+    }
+    out->picture.width = (uint32_t)number[0];
+    out->picture.height = (uint32_t)number[1];
+    out->frames = (unsigned)number[2];
+    return OK;
 }
 
 void image_facts_release(struct image_facts *facts)
@@ -375,9 +357,4 @@ void image_facts_release(struct image_facts *facts)
     free(facts->type);
     free(facts->channels);
     *facts = (struct image_facts){0};
-}
-
-enum err image_helper_default_program(struct buf *out, struct fault *fault)
-{
-    return coprocess_beside(out, PROGRAM, fault);
 }

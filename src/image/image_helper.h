@@ -32,13 +32,15 @@
  * (wire.hh). Nothing here ever raises SIGPIPE or waits without end: a helper that is silent for
  * image_helper_patience_ms is ended.
  */
-#ifndef IMAGE_HELPER_H
-#define IMAGE_HELPER_H
+#ifndef IMAGE_IMAGE_HELPER_H
+#define IMAGE_IMAGE_HELPER_H
 
 #include "base/buf.h"
 #include "base/err.h"
 #include "base/file.h"
 #include "image/picture.h"
+
+#define IMAGE_HELPER "iftty-image" /* the program, beside the running one */
 
 struct image_helper;
 
@@ -78,10 +80,10 @@ enum err image_write_png(const char *path, const struct picture *picture, struct
  */
 enum { IMAGE_FRAMES_MOST = 1000 };
 struct image_movie {
-    struct image_helper *helper;
-    const char *path; /* the caller's */
+    struct image_helper *helper; /* the caller says these three, */
+    const char *path;            /* and this stays its own; */
     enum file_mode mode;
-    unsigned channels;
+    unsigned channels; /* the rest is zero before it begins */
     struct buf draft;
 };
 
@@ -90,8 +92,7 @@ bool image_movie_is_named(const char *path);
 
 /* Begins a file of `frames` pictures, 1..IMAGE_FRAMES_MOST, each seen for `delay_ms`; `like` gives
  * their size, and the notes. After an error of this and the next two nothing is left of it. */
-enum err image_movie_begin(struct image_movie *movie, struct image_helper *helper, const char *path,
-                           enum file_mode mode, const struct picture *like, unsigned frames,
+enum err image_movie_begin(struct image_movie *movie, const struct picture *like, unsigned frames,
                            unsigned delay_ms, struct fault *fault);
 enum err image_movie_add(struct image_movie *movie, const struct picture *picture,
                          struct fault *fault);
@@ -116,9 +117,6 @@ struct image_facts {
 enum err image_helper_about(struct image_helper *helper, const char *path, struct image_facts *out,
                             struct fault *fault);
 void image_facts_release(struct image_facts *facts);
-
-/* The path of iftty-image beside the running program. */
-enum err image_helper_default_program(struct buf *out, struct fault *fault);
 
 /* How long a helper may stay silent; tests wait less. */
 extern int image_helper_patience_ms;
