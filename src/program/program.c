@@ -360,19 +360,6 @@ static enum err check_operands(const struct program_table *table, const struct o
 
 /* ---- reading ---- */
 
-/* An option that the program takes or does not. */
-static enum err read_option(const struct program_table *table, const struct option_words *w,
-                            struct options *o, struct fault *fault)
-{
-    const struct option *row =
-        table->option.row + option_find(&table->option, o->program->option, w->text);
-    if (!row->name)
-        return refuse_option(table, o->program, w->text, fault);
-    if (row->value && !w->value)
-        return fault_set(fault, ERR_USAGE, "%s needs a value, %s", w->text, row->value);
-    return row->read(row, w->value, o, fault);
-}
-
 /* Operands and options, without the first `skip` operands, which said which program is meant. */
 static enum err read_words(const struct program_table *table, struct option_words w, int skip,
                            struct options *o, struct fault *fault)
@@ -381,12 +368,18 @@ static enum err read_words(const struct program_table *table, struct option_word
     o->word = w.word;
     o->words = 0;
     while (!err && option_next(&w)) {
-        if (w.is_option)
-            err = read_option(table, &w, o, fault);
-        else if (skip > 0)
+        const struct option *row =
+            table->option.row + option_find(&table->option, o->program->option, w.text);
+        if (!w.is_option && skip > 0)
             skip--;
-        else
+        else if (!w.is_option)
             o->word[o->words++] = w.text;
+        else if (!row->name)
+            err = refuse_option(table, o->program, w.text, fault);
+        else if (row->value && !w.value)
+            err = fault_set(fault, ERR_USAGE, "%s needs a value, %s", w.text, row->value);
+        else
+            err = row->read(row, w.value, o, fault);
     }
     return err;
 }

@@ -149,34 +149,26 @@ static enum err compare_texts(const struct picture *file, const struct picture *
     return OK;
 }
 
-/* A file of more bytes than pixels and notes can take is another one. */
-static enum err read_png(struct picture *file, const struct interpreter *interp, const char *path,
-                         const struct picture *picture, struct fault *fault)
-{
-    struct buf bytes = {0};
-    const size_t most = (size_t)8 * picture->width * picture->height + (4 << 20);
-    enum err err = interpreter_may_read(interp, path, fault);
-    if (!err)
-        err = file_read(&bytes, path, most, fault);
-    if (!err)
-        err =
-            png_read(file, buf_text(&bytes), bytes.length, picture->width, picture->height, fault);
-    buf_release(&bytes);
-    return err;
-}
-
 static enum err judge_png(struct interpreter *interp, const struct golden_finding *finding,
                           struct fault *fault)
 {
-    struct buf path = {0};
+    const struct picture *actual = finding->actual;
+    struct buf path = {0}, bytes = {0};
     struct picture file = {0};
     buf_add(&path, finding->path, strlen(finding->path) - strlen("exr"));
     buf_add_text(&path, "png");
     enum err err = path.failed ? fault_memory(fault, "a path") : OK;
     if (!err && file_exists(buf_text(&path))) {
-        err = read_png(&file, interp, buf_text(&path), finding->actual, fault);
+        /* A file of more bytes than pixels and notes can take is another one. */
+        const size_t most = (size_t)8 * actual->width * actual->height + (4 << 20);
+        err = interpreter_may_read(interp, buf_text(&path), fault);
         if (!err)
-            err = compare_pixels(&file, finding->actual, fault);
+            err = file_read(&bytes, buf_text(&path), most, fault);
+        if (!err)
+            err = png_read(&file, buf_text(&bytes), bytes.length, actual->width, actual->height,
+                           fault);
+        if (!err)
+            err = compare_pixels(&file, actual, fault);
         if (!err)
             err = compare_texts(&file, finding->expected, fault);
         if (err && err != ERR_MEMORY) {
@@ -186,6 +178,7 @@ static enum err judge_png(struct interpreter *interp, const struct golden_findin
         }
     }
     picture_release(&file);
+    buf_release(&bytes);
     buf_release(&path);
     return err;
 }

@@ -206,7 +206,7 @@ void lock_plan_release(struct lock_plan *plan)
 
 /* ---- written anew ---- */
 
-static void tell(struct buf *lines, const char *what, const char *name)
+static void add_line(struct buf *lines, const char *what, const char *name)
 {
     buf_printf(lines, "# %s ", what);
     buf_add_safe_text(lines, name);
@@ -222,7 +222,7 @@ static void drop_missing(struct lock_plan *plan, struct buf *lines)
             i++;
             continue;
         }
-        tell(lines, "no longer in the lock:", name);
+        add_line(lines, "no longer in the lock:", name);
         lock_remove(&plan->lock, name);
     }
 }
@@ -234,7 +234,7 @@ enum err lock_plan_write(struct lock_plan *plan, const char *const *facts, struc
     const size_t before = lines->length;
     bool fine = true;
     if (plan->lock.version < LOCK_VERSION)
-        tell(lines, "in the present form, which pins PNGs too:", plan->path);
+        add_line(lines, "in the present form, which pins PNGs too:", plan->path);
     plan->lock.version = LOCK_VERSION;
     if (plan->is_whole)
         drop_missing(plan, lines);
@@ -242,7 +242,7 @@ enum err lock_plan_write(struct lock_plan *plan, const char *const *facts, struc
         const char *name = plan->name.name[i], *former = lock_facts_of(&plan->lock, name);
         if (former && strcmp(former, facts[i]) == 0)
             continue;
-        tell(lines, former ? "changed in the lock:" : "new in the lock:", name);
+        add_line(lines, former ? "changed in the lock:" : "new in the lock:", name);
         fine = lock_set(&plan->lock, name, facts[i]);
     }
     lock_write(&text, &plan->lock);
@@ -250,7 +250,7 @@ enum err lock_plan_write(struct lock_plan *plan, const char *const *facts, struc
     if (!err && (lines->length > before || !file_exists(plan->path)))
         err = file_write(plan->path, buf_text(&text), text.length, FILE_REPLACE, fault);
     else if (!err)
-        tell(lines, "nothing has changed in", plan->path);
+        add_line(lines, "nothing has changed in", plan->path);
     buf_release(&text);
     return err;
 }
