@@ -69,21 +69,6 @@ static uint64_t fs_rights(unsigned rights)
     return fs;
 }
 
-/* A place that cannot be opened cannot be reached either. */
-static void allow(int set, const struct confine_place *place, uint64_t handled)
-{
-    struct stat status;
-    const int fd = open(place->path, O_PATH | O_CLOEXEC);
-    if (fd < 0)
-        return;
-    struct beneath rule = {fs_rights(place->rights) & handled, fd};
-    if (fstat(fd, &status) == 0 && !S_ISDIR(status.st_mode))
-        rule.allowed &= FS_OF_FILES;
-    if (rule.allowed)
-        syscall(SYS_landlock_add_rule, set, RULE_PATH_BENEATH, &rule, 0);
-    close(fd);
-}
-
 bool confine_to(const struct confine_place *place, size_t places)
 {
     const int version = confine_version();
@@ -95,8 +80,18 @@ bool confine_to(const struct confine_place *place, size_t places)
     const int set = version ? create(&ruleset, words * sizeof ruleset.fs, 0) : -1;
     if (set < 0)
         return false;
-    for (size_t i = 0; i < places; i++)
-        allow(set, &place[i], ruleset.fs);
+    for (size_t i = 0; i < places; i++) {
+        struct stat status;
+        const int fd = open(place[i].path, O_PATH | O_CLOEXEC);
+        if (fd < 0) /* a place that cannot be opened cannot be reached either */
+            continue;
+        struct beneath rule = {fs_rights(place[i].rights) & ruleset.fs, fd};
+        if (fstat(fd, &status) == 0 && !S_ISDIR(status.st_mode))
+            rule.allowed &= FS_OF_FILES;
+        if (rule.allowed)
+            syscall(SYS_landlock_add_rule, set, RULE_PATH_BENEATH, &rule, 0);
+        close(fd);
+    }
     const bool is_confined = prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
                              syscall(SYS_landlock_restrict_self, set, 0) == 0;
     close(set);

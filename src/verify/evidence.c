@@ -49,19 +49,6 @@ static void write_file(const struct evidence_collector *collector, struct interp
     buf_release(&path);
 }
 
-static void write_files(const struct evidence_collector *collector, struct interpreter *interp,
-                        const struct golden_finding *finding)
-{
-    const struct golden_difference *difference = finding->difference;
-    const struct picture image = {
-        .width = difference->width, .height = difference->height, .rgba = difference->image};
-    if (file_make_folder(collector->folder, NULL))
-        return;
-    write_file(collector, interp, finding->name, "actual.exr", finding->actual);
-    if (difference->image)
-        write_file(collector, interp, finding->name, "difference.png", &image);
-}
-
 static void add_pictures(struct evidence *evidence, const struct golden_finding *finding)
 {
     const struct picture *actual = finding->actual, *expected = finding->expected;
@@ -83,9 +70,15 @@ static enum err collect(void *context, struct interpreter *interp,
                         const struct golden_finding *finding, struct fault *fault)
 {
     const struct evidence_collector *collector = context;
+    const struct golden_difference *difference = finding->difference;
     (void)fault; /* says what is wrong already */
-    if (collector->folder && finding->difference)
-        write_files(collector, interp, finding);
+    if (collector->folder && difference && !file_make_folder(collector->folder, NULL)) {
+        const struct picture image = {
+            .width = difference->width, .height = difference->height, .rgba = difference->image};
+        write_file(collector, interp, finding->name, "actual.exr", finding->actual);
+        if (difference->image)
+            write_file(collector, interp, finding->name, "difference.png", &image);
+    }
     if (collector->evidence)
         add_pictures(collector->evidence, finding);
     return ERR_CHECK;

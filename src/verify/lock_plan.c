@@ -155,28 +155,20 @@ static enum err make_paths(struct lock_plan *plan, struct fault *fault)
     return fine ? OK : fault_memory(fault, "names of journals");
 }
 
-static enum err read_lock(struct lock_plan *plan, struct fault *fault)
-{
-    struct buf bytes = {0};
-    plan->lock.version = LOCK_VERSION;
-    if (plan->updates && !file_exists(plan->path))
-        return OK;
-    plan->lock.version = 0;
-    enum err err = file_read(&bytes, plan->path, LOCK_BYTES_MAX, fault);
-    if (!err) {
-        err = lock_read(&plan->lock, buf_text(&bytes), bytes.length, fault);
-        if (err)
-            fault_prefix(fault, err, "%s", plan->path);
-    }
-    buf_release(&bytes);
-    return err;
-}
-
 enum err lock_plan_make(struct lock_plan *plan, const char *path, bool updates, char *const *named,
                         size_t count, struct fault *fault)
 {
     *plan = (struct lock_plan){.path = path, .updates = updates, .is_whole = count == 0};
-    enum err err = read_lock(plan, fault);
+    struct buf bytes = {0};
+    enum err err = OK;
+    if (updates && !file_exists(path)) {
+        plan->lock.version = LOCK_VERSION;
+    } else {
+        err = file_read(&bytes, path, LOCK_BYTES_MAX, fault);
+        if (!err && (err = lock_read(&plan->lock, buf_text(&bytes), bytes.length, fault)))
+            fault_prefix(fault, err, "%s", path);
+    }
+    buf_release(&bytes);
     if (!err && updates && !plan->is_whole && plan->lock.version < LOCK_VERSION)
         err = fault_set(fault, ERR_USAGE,
                         "%s is of the form before, which pins no PNGs: --update-lock with no "
