@@ -47,7 +47,7 @@ enum err golden_compare(const struct golden_planes *expected, const struct golde
 void golden_difference_release(struct golden_difference *difference);
 
 /* One line about *difference for a person: "12 pixels differ, first column 3, row 4: ...". */
-void golden_tell(struct buf *out, const struct golden_difference *difference);
+void golden_describe(struct buf *out, const struct golden_difference *difference);
 
 /* Golden names are [a-z0-9][a-z0-9_-]{0,63}: nothing that leads to another folder. */
 bool golden_name_is_valid(const char *name);

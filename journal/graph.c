@@ -6,7 +6,7 @@
 
 #include "base/mem.h"
 #include "base/scan.h"
-#include "journal/walk.h"
+#include "journal/record.h"
 
 #define NO_LANE SIZE_MAX
 
@@ -298,25 +298,20 @@ static void draw_record(struct drawing *d, size_t number)
         hold(d, lane, node->children > 0);
 }
 
-static void draw_tree(struct drawing *d)
-{
-    struct node *beginning = d->tree->node;
-    beginning->lane = 0;
-    if (beginning->children != 1 || d->tree->present == 0)
-        draw_node(d, 0, 0, false);
-    hold(d, 0, beginning->children > 0);
-    for (size_t i = 1; i < d->tree->nodes; i++)
-        draw_record(d, i);
-}
-
 enum err graph_draw(struct buf *out, const char *bytes, size_t length, bool unicode,
                     struct fault *fault)
 {
     struct tree tree = {.bytes = bytes};
     struct drawing drawing = {.out = out, .strokes = unicode ? &box : &ascii, .tree = &tree};
     enum err err = read_tree(&tree, length, fault);
-    if (!err)
-        draw_tree(&drawing);
+    if (!err) {
+        tree.node[0].lane = 0;
+        if (tree.node[0].children != 1 || tree.present == 0)
+            draw_node(&drawing, 0, 0, false);
+        hold(&drawing, 0, tree.node[0].children > 0);
+        for (size_t i = 1; i < tree.nodes; i++)
+            draw_record(&drawing, i);
+    }
     if (!err && out->failed)
         err = fault_memory(fault, "the graph of a journal");
     tdestroy(tree.branches, free);

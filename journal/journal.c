@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "journal/walk.h"
+#include "journal/record.h"
 
 enum { COMMENTS_MAX = 1 << 20 };
 
@@ -133,21 +133,6 @@ enum err journal_create(struct journal **out, const char *path, unsigned semanti
 
 /* ---- opening what is there ------------------------------------------------------------------- */
 
-/* Up to `semantics`; 0: any will do. */
-static enum err judge_semantics(const struct walk *walk, unsigned semantics, struct fault *fault)
-{
-    if (!walk->is_journal && walk->length > 0)
-        return fault_set(fault, ERR_INPUT,
-                         "it has no header: this is a script, not a journal; run it instead");
-    if (semantics != 0 && walk->semantics > semantics)
-        return fault_set(fault, ERR_INPUT,
-                         "its commands have the meaning of version %u, and this program knows "
-                         "those up to version %u; continue it in a newer one, or run it as a "
-                         "script into a new journal",
-                         walk->semantics, semantics);
-    return OK;
-}
-
 /* Walks the sound part and changes nothing: whatever would be refused is refused here. The walk has
  * the memory of it, and is released by the caller. */
 static enum err survey(struct walk *walk, const struct buf *bytes,
@@ -155,8 +140,15 @@ static enum err survey(struct walk *walk, const struct buf *bytes,
 {
     struct record record;
     enum err err = walk_begin(walk, bytes->data, bytes->length, fault);
-    if (!err)
-        err = judge_semantics(walk, resume->any_semantics ? 0 : resume->semantics, fault);
+    if (!err && !walk->is_journal && walk->length > 0)
+        err = fault_set(fault, ERR_INPUT,
+                        "it has no header: this is a script, not a journal; run it instead");
+    else if (!err && !resume->any_semantics && walk->semantics > resume->semantics)
+        err = fault_set(fault, ERR_INPUT,
+                        "its commands have the meaning of version %u, and this program knows "
+                        "those up to version %u; continue it in a newer one, or run it as a "
+                        "script into a new journal",
+                        walk->semantics, resume->semantics);
     if (!err && walk->semantics && resume->on_semantics)
         resume->on_semantics(resume->context, walk->semantics);
     while (!err && walk_next_sound(walk, &record) == WALK_RECORD)
@@ -277,16 +269,17 @@ enum err journal_open(struct journal **out, const char *path, const struct journ
     return err;
 }
 
-enum err journal_repair(const char *path, unsigned semantics, struct buf *told, struct fault *fault)
+enum err journal_repair(const char *path, unsigned semantics, struct buf *notice,
+                        struct fault *fault)
 {
     struct journal *journal;
     const struct journal_resume how = {
         .semantics = semantics, .any_semantics = true, .cuts_damage = true};
-    enum err err = journal_open(&journal, path, &how, told, fault);
+    enum err err = journal_open(&journal, path, &how, notice, fault);
     if (err)
         return err;
-    if (told->length == 0)
-        buf_printf(told, "intact, %zu record%s; nothing was changed", journal_count(journal),
+    if (notice->length == 0)
+        buf_printf(notice, "intact, %zu record%s; nothing was changed", journal_count(journal),
                    plural(journal_count(journal)));
     journal_close(journal);
     return OK;

@@ -19,7 +19,7 @@
  *   J7 the session outlives the file: every byte is in memory too, so that the record can continue
  *      in another file (journal_continue) when this one is full, gone or failing.
  *
- * journal/FORMAT.md describes the bytes; they are encoded and walked by record.h and walk.h. A
+ * journal/FORMAT.md describes the bytes; they are encoded and walked by record.h. A
  * journal holds at most JOURNAL_BYTES_MAX bytes, so that a reader knows what memory it takes.
  */
 #ifndef JOURNAL_JOURNAL_H
@@ -66,10 +66,10 @@ enum err journal_open(struct journal **journal, const char *path,
                       const struct journal_resume *resume, struct buf *notice, struct fault *fault);
 
 /* Keeps what is sound of the journal at `path`, whatever its semantics, saves the rest beside it as
- * journal_open does, and adds a line to `told`: how many records are left, what was cut off, from
+ * journal_open does, and adds a line to `notice`: how many records are left, what was cut off, from
  * which byte, and where it is now; or that there was nothing to do. ERR_INPUT where not even line 1
  * can be read. `semantics` is for a file that has no header yet. */
-enum err journal_repair(const char *path, unsigned semantics, struct buf *told,
+enum err journal_repair(const char *path, unsigned semantics, struct buf *notice,
                         struct fault *fault);
 
 /* Appends the record of a command that has been carried out: one write, one sync. Words are

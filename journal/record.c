@@ -78,7 +78,8 @@ void record_header(struct buf *out, unsigned semantics)
     buf_printf(out, "%s\n", line);
 }
 
-bool record_header_parse(const char *line, size_t length, unsigned *format, unsigned *semantics)
+/* Takes line 1 (without its line feed) apart; false where it is not a header. */
+static bool parse_header(const char *line, size_t length, unsigned *format, unsigned *semantics)
 {
     char text[HEADER_MAX], again[HEADER_MAX];
     const char *at = text;
@@ -98,13 +99,15 @@ bool record_header_parse(const char *line, size_t length, unsigned *format, unsi
     return true;
 }
 
-bool record_header_is_meant(const char *text, size_t length)
+/* `text` begins as headers do, and so may be one that cannot be read. */
+static bool is_meant_as_header(const char *text, size_t length)
 {
     const size_t begin = sizeof header_begin - 1;
     return length >= begin && memcmp(text, header_begin, begin) == 0;
 }
 
-bool record_header_is_begun(const char *text, size_t length)
+/* `text` is one byte or more of the beginning of a header of ours, its line feed not among them. */
+static bool is_begun_header(const char *text, size_t length)
 {
     char begin[HEADER_MAX];
     const size_t whole =
@@ -119,6 +122,27 @@ bool record_header_is_begun(const char *text, size_t length)
 }
 
 /* ---- what may stand in a record -------------------------------------------------------------- */
+
+/* Takes the 32 digits that end a sealed line; false where it does not end so. */
+static bool take_seal(const char *line, size_t length, struct record_chain *chain)
+{
+    if (length < SEAL_LENGTH || memcmp(line + length - SEAL_LENGTH, chain_mark, MARK_LENGTH) != 0)
+        return false;
+    const char *digit = line + length - RECORD_CHAIN_DIGITS;
+    for (unsigned i = 0; i < RECORD_CHAIN_DIGITS; i++)
+        if (!is_digit(digit[i]) && !(digit[i] >= 'a' && digit[i] <= 'f'))
+            return false;
+    memcpy(chain->hex, digit, RECORD_CHAIN_DIGITS);
+    chain->hex[RECORD_CHAIN_DIGITS] = '\0';
+    return true;
+}
+
+/* `line` ends like a sealed result line: " chain=" and 32 hexadecimal digits. */
+static bool is_sealed(const char *line, size_t length)
+{
+    struct record_chain chain;
+    return take_seal(line, length, &chain);
+}
 
 /* Control characters are refused in what we write, so that a journal can be shown as it is. */
 static enum err line_check(const char *what, const char *line, struct fault *fault)
@@ -143,7 +167,7 @@ enum err record_command_check(const char *command, struct fault *fault)
                          "a command is not empty and does not begin with a blank, '#' or '=': "
                          "%.200s",
                          command);
-    if (record_line_is_sealed(command, strlen(command)))
+    if (is_sealed(command, strlen(command)))
         return fault_set(fault, ERR_INPUT, "a command does not end like a result line: %.200s",
                          command);
     return OK;
@@ -270,27 +294,17 @@ void record_chain_compute(struct record_chain *out, const struct record_chain *b
     sha256_hex(out->hex, &sha, RECORD_CHAIN_DIGITS / 2);
 }
 
-/* Takes the 32 digits that end a sealed line; false where it does not end so. */
-static bool take_seal(const char *line, size_t length, struct record_chain *chain)
-{
-    if (length < SEAL_LENGTH || memcmp(line + length - SEAL_LENGTH, chain_mark, MARK_LENGTH) != 0)
-        return false;
-    const char *digit = line + length - RECORD_CHAIN_DIGITS;
-    for (unsigned i = 0; i < RECORD_CHAIN_DIGITS; i++)
-        if (!is_digit(digit[i]) && !(digit[i] >= 'a' && digit[i] <= 'f'))
-            return false;
-    memcpy(chain->hex, digit, RECORD_CHAIN_DIGITS);
-    chain->hex[RECORD_CHAIN_DIGITS] = '\0';
-    return true;
-}
-
-bool record_line_is_sealed(const char *line, size_t length)
-{
+/* A result line taken apart: places in the line that was given, no copies. */
+struct result {
+    uint64_t number;
+    const char *words;
+    size_t words_length;
     struct record_chain chain;
-    return take_seal(line, length, &chain);
-}
+    size_t covered; /* bytes of the line that the chain covers */
+};
 
-bool record_result_parse(const char *line, size_t length, struct record_result *result)
+/* False where `line` (without its line feed) is not a well-formed result line. */
+static bool parse_result(const char *line, size_t length, struct result *result)
 {
     if (!take_seal(line, length, &result->chain))
         return false;
@@ -338,4 +352,333 @@ enum err record_encode(struct buf *out, struct record_chain *chain, const char *
     }
     buf_release(&text);
     return err;
+}
+
+/* ---- a walk: lines --------------------------------------------------------------------------- */
+
+/* One line of the bytes, without its line feed. */
+struct line {
+    const char *text;
+    size_t length;
+    size_t offset;
+    size_t number;
+    bool is_complete; /* its line feed is there */
+};
+
+struct position {
+    size_t offset;
+    size_t line;
+};
+
+static bool take_line(const struct walk *walk, struct position *at, struct line *line)
+{
+    if (at->offset == walk->length)
+        return false;
+    const char *text = walk->bytes + at->offset;
+    const size_t rest = walk->length - at->offset;
+    const char *feed = memchr(text, '\n', rest);
+    const size_t length = feed ? (size_t)(feed - text) : rest;
+    *line = (struct line){text, length, at->offset, at->line, feed != NULL};
+    at->offset += length + (feed != NULL);
+    at->line++;
+    return true;
+}
+
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t';
+}
+
+static bool line_is_result(const struct line *line)
+{
+    return line->length > 0 && *line->text == '=';
+}
+
+/* The smallest block that a disk writes whole. */
+enum { SECTOR = 512 };
+
+/* ---- a walk: the beginning ------------------------------------------------------------------- */
+
+/* Finds out what the bytes are, and steps over the header of a journal. */
+static enum err read_header(struct walk *walk, struct fault *fault)
+{
+    size_t length = walk->length;
+    while (length > 0 && walk->bytes[length - 1] == '\0')
+        length--;
+    const char *feed = length ? memchr(walk->bytes, '\n', length) : NULL;
+    const size_t first = feed ? (size_t)(feed - walk->bytes) : length;
+    unsigned format;
+    const bool is_begun =
+        !feed && (length ? is_begun_header(walk->bytes, length) : walk->length > 0);
+    if (!is_begun && !is_meant_as_header(walk->bytes, first)) {
+        /* A file of another kind: in a long one, what it begins with shows that it is no text. */
+        const char *zero = memchr(walk->bytes, '\0', walk->length < SECTOR ? walk->length : SECTOR);
+        return zero ? fault_set(fault, ERR_INPUT,
+                                "this is neither a journal, which begins with a header, nor a "
+                                "script, which is text: byte %zu is zero",
+                                (size_t)(zero - walk->bytes))
+                    : OK;
+    }
+    walk->is_journal = true;
+    walk->ends_in_zeros = length < walk->length;
+    walk->length = length;
+    if (is_begun)
+        return OK; /* walk_next finds it torn */
+    if (first && walk->bytes[first - 1] == '\r')
+        return fault_set(fault, ERR_INPUT, "line 1: %s", RECORD_WINDOWS);
+    if (!parse_header(walk->bytes, first, &format, &walk->semantics))
+        return fault_set(fault, ERR_INPUT,
+                         "the header in line 1 is malformed; \"# iftty journal %d semantics N\" "
+                         "was expected, not: %.*s",
+                         RECORD_FORMAT, first < 100 ? (int)first : 100, walk->bytes);
+    if (format != RECORD_FORMAT)
+        return fault_set(fault, ERR_INPUT,
+                         "this is a journal of format %u; this program reads format %d", format,
+                         RECORD_FORMAT);
+    assert(feed); /* a header without it is only begun */
+    walk->offset = walk->header_length = first + 1;
+    walk->line = 2;
+    return OK;
+}
+
+enum err walk_begin(struct walk *walk, const char *bytes, size_t length, struct fault *fault)
+{
+    *walk = (struct walk){.bytes = bytes ? bytes : "", .length = length, .line = 1};
+    walk->chain = record_chain_zero;
+    const enum err err = read_header(walk, fault);
+    /* All memory that the walk will need: walk_next cannot fail for the lack of it. */
+    if (err || (buf_reserve(&walk->command, RECORD_LINE_MAX) &&
+                buf_reserve(&walk->result, RECORD_LINE_MAX)))
+        return err;
+    walk_release(walk);
+    return fault_memory(fault, "reading a journal");
+}
+
+void walk_release(struct walk *walk)
+{
+    buf_release(&walk->command);
+    buf_release(&walk->result);
+}
+
+enum err walk_judge(const struct walk *walk, struct fault *fault)
+{
+    return walk->over == WALK_DAMAGED ? fault_set(fault, ERR_INPUT, "%s", walk->fault.text) : OK;
+}
+
+/* ---- a walk: the ends ------------------------------------------------------------------------ */
+
+static enum walk_step end_walk(struct walk *walk, enum walk_step step, size_t offset, size_t line)
+{
+    walk->over = step;
+    walk->place = (struct record){.number = walk->records + 1,
+                                  .line = line,
+                                  .offset = offset,
+                                  .end = walk->length,
+                                  .command = "",
+                                  .result = ""};
+    return step;
+}
+
+static enum walk_step end_damaged(struct walk *walk, const struct line *line, const char *what)
+{
+    fault_set(&walk->fault, ERR_INPUT, "record %zu is damaged at line %zu, byte %zu: %s",
+              walk->records + 1, line->number, line->offset, what);
+    return end_walk(walk, WALK_DAMAGED, line->offset, line->number);
+}
+
+static enum walk_step end_torn(struct walk *walk)
+{
+    fault_set(&walk->fault, ERR_INPUT,
+              "record %zu is torn: its write did not finish (line %zu, from byte %zu)",
+              walk->records + 1, walk->line, walk->offset);
+    return end_walk(walk, WALK_TORN, walk->offset, walk->line);
+}
+
+/* Zeros stand only where sectors were not written: from a sector's beginning, or the end of what
+ * was written before, to a sector's end or the last byte. No writer writes single zero bytes. */
+static bool zeros_are_sectors(const struct walk *walk)
+{
+    for (size_t at = walk->offset; at < walk->length; at++) {
+        size_t end = at;
+        while (end < walk->length && walk->bytes[end] == '\0')
+            end++;
+        if (end > at && ((at > 0 && at % SECTOR != 0 && walk->bytes[at - 1] != '\n') ||
+                         (end != walk->length && end % SECTOR != 0)))
+            return false;
+        at = end;
+    }
+    return true;
+}
+
+/* What may have waited to be synced (J1) is the record of a command that changed nothing of the
+ * segmentation: it has no words. What is left of a result line shows it: "= 12 chain=...". */
+static bool may_have_waited(const struct line *line)
+{
+    const char *zero = memchr(line->text, '\0', line->length);
+    const char *at = line->text + 1, *end = zero ? zero : line->text + line->length;
+    at += at < end && *at == ' ';
+    while (at < end && *at >= '0' && *at <= '9')
+        at++;
+    const size_t left = (size_t)(end - at), most = MARK_LENGTH;
+    return at <= end && memcmp(at, chain_mark, left < most ? left : most) == 0;
+}
+
+/* A disk may write the sectors of what was not synced in any order, and lose power between two:
+ * zeros then stand where one was not written, and bytes after them. Such a record is the last:
+ * after its result line, if that is there, nothing follows; or all that follows may have waited. */
+static bool is_torn_by_zeros(const struct walk *walk, const struct line *line)
+{
+    struct position at = {walk->offset, walk->line};
+    struct line later;
+    if (!walk->is_journal || !memchr(line->text, '\0', line->length))
+        return false;
+    while (take_line(walk, &at, &later))
+        if (line_is_result(&later) && !may_have_waited(&later) && at.offset < walk->length)
+            return false;
+    return zeros_are_sectors(walk);
+}
+
+/* ---- a walk: a record ------------------------------------------------------------------------ */
+
+/* Why no line of ours looks like this; NULL where it may. */
+static const char *line_fault(const struct walk *walk, const struct line *line)
+{
+    if (line->length > RECORD_LINE_MAX)
+        return "the line is longer than 65535 bytes";
+    if (memchr(line->text, '\0', line->length))
+        return "the line holds a zero byte";
+    if (walk->is_journal && line->is_complete && line->length &&
+        line->text[line->length - 1] == '\r')
+        return RECORD_WINDOWS;
+    return NULL;
+}
+
+static const char *command_fault(const struct walk *walk, const struct line *line)
+{
+    if (line_is_result(line))
+        return "a result line stands without its command";
+    if (walk->is_journal && is_blank(*line->text))
+        return "a command line begins with a blank";
+    if (walk->is_journal && is_sealed(line->text, line->length))
+        return "a result line is malformed or runs into the line before";
+    return NULL;
+}
+
+static void set_text(struct buf *text, const char *bytes, size_t length)
+{
+    buf_clear(text);
+    buf_add(text, bytes, length);
+    assert(!text->failed);
+}
+
+/* The result line of the record that begins at walk->offset; judges number and chain. */
+static void judge_result(struct walk *walk, const struct line *line, const struct result *result,
+                         struct record *record)
+{
+    struct record_chain chain;
+    const bool is_first = walk->records == 0;
+    const char *begin = walk->bytes + walk->offset;
+    const size_t covered = line->offset - walk->offset + result->covered;
+    record_chain_compute(&chain, &walk->chain, walk->bytes, is_first ? walk->header_length : 0,
+                         begin, covered);
+    set_text(&walk->result, result->words, result->words_length);
+    record->has_result = true;
+    record->result = buf_text(&walk->result);
+    record->noted = result->number;
+    record->number_fits = result->number == walk->noted + 1;
+    record->chain = result->chain;
+    record->chain_fits =
+        walk->is_journal && memcmp(chain.hex, result->chain.hex, RECORD_CHAIN_DIGITS) == 0;
+    walk->noted = result->number;
+    walk->chain = result->chain;
+}
+
+/* Finds the next command line; WALK_RECORD when it is in `line`. */
+static enum walk_step find_command(struct walk *walk, struct position *at, struct line *line)
+{
+    const char *wrong;
+    do {
+        if (!take_line(walk, at, line)) {
+            const bool is_torn =
+                walk->is_journal &&
+                (walk->offset < walk->length || walk->ends_in_zeros || walk->header_length == 0);
+            return is_torn ? end_torn(walk) : end_walk(walk, WALK_END, walk->offset, walk->line);
+        }
+        if ((wrong = line_fault(walk, line)))
+            return is_torn_by_zeros(walk, line) ? end_torn(walk) : end_damaged(walk, line, wrong);
+        if (walk->is_journal && !line->is_complete)
+            return end_torn(walk);
+        /* Scripts may be indented; a journal says things in one way. */
+        for (; !walk->is_journal && line->length > 0 && is_blank(*line->text); line->text++)
+            line->length--;
+    } while (line->length == 0 || *line->text == '#');
+    if ((wrong = command_fault(walk, line)))
+        return end_damaged(walk, line, wrong);
+    return WALK_RECORD;
+}
+
+/* Takes the result line that stands at `at`, if one does: *has_result says so. */
+static enum walk_step find_result(struct walk *walk, struct position *at, bool *has_result,
+                                  struct line *line, struct result *result)
+{
+    struct position after = *at;
+    const char *wrong;
+    *has_result = false;
+    if (!take_line(walk, &after, line))
+        return walk->is_journal ? end_torn(walk) : WALK_RECORD;
+    if (!line_is_result(line))
+        return WALK_RECORD;
+    if ((wrong = line_fault(walk, line)))
+        return is_torn_by_zeros(walk, line) ? end_torn(walk) : end_damaged(walk, line, wrong);
+    if (walk->is_journal && !line->is_complete)
+        return end_torn(walk);
+    if (!parse_result(line->text, line->length, result))
+        return end_damaged(walk, line, "the result line is malformed");
+    *has_result = true;
+    *at = after;
+    return WALK_RECORD;
+}
+
+enum walk_step walk_next(struct walk *walk, struct record *record)
+{
+    struct position at = {walk->offset, walk->line};
+    struct line line, result_line;
+    struct result result;
+    bool has_result = false;
+    if (walk->over == WALK_RECORD && find_command(walk, &at, &line) == WALK_RECORD)
+        find_result(walk, &at, &has_result, &result_line, &result);
+    if (walk->over != WALK_RECORD) {
+        *record = walk->place;
+        return walk->over;
+    }
+    set_text(&walk->command, line.text, line.length);
+    *record = (struct record){.number = walk->records + 1,
+                              .line = line.number,
+                              .offset = walk->offset,
+                              .command_offset = line.offset,
+                              .result_offset = has_result ? result_line.offset : at.offset,
+                              .end = at.offset,
+                              .command = buf_text(&walk->command),
+                              .result = ""};
+    if (has_result)
+        judge_result(walk, &result_line, &result, record);
+    walk->offset = at.offset;
+    walk->line = at.line;
+    walk->records++;
+    return WALK_RECORD;
+}
+
+enum walk_step walk_next_sound(struct walk *walk, struct record *record)
+{
+    const struct walk before = *walk;
+    const enum walk_step step = walk_next(walk, record);
+    struct fault why;
+    if (step != WALK_RECORD || !walk->is_journal || !record_judge(record, &why))
+        return step;
+    const size_t line = record->line;
+    *walk = before; /* take the record back */
+    walk->fault = why;
+    end_walk(walk, WALK_DAMAGED, walk->offset, line);
+    *record = walk->place;
+    return WALK_DAMAGED;
 }

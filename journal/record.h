@@ -5,8 +5,8 @@
  *     seed 20,30,40 2
  *     = 3 forest=0123456789abcdef seeds=3 chain=<32 hexadecimal digits>
  *
- * journal/FORMAT.md describes the bytes. This file encodes a record and takes one apart; it neither
- * reads nor writes files, and knows nothing of what a command means.
+ * journal/FORMAT.md describes the bytes. This file encodes a record and walks over many in memory;
+ * it neither reads nor writes files, and knows nothing of what a command means.
  *
  * Why a chain in a text: the journal stays a script that anyone may read and edit, and an
  * edit always leaves a trace. It is a seal against accidents and quiet edits, not a
@@ -68,15 +68,6 @@ enum err record_judge(const struct record *record, struct fault *fault);
 /* Line 1 of a journal, line feed included. `semantics` is 1..999999999. */
 void record_header(struct buf *out, unsigned semantics);
 
-/* Takes line 1 (without its line feed) apart; false where it is not a header. */
-bool record_header_parse(const char *line, size_t length, unsigned *format, unsigned *semantics);
-
-/* `text` begins as headers do, and so may be one that cannot be read. */
-bool record_header_is_meant(const char *text, size_t length);
-
-/* `text` is one byte or more of the beginning of a header of ours, its line feed not among them. */
-bool record_header_is_begun(const char *text, size_t length);
-
 /* ERR_INPUT or ERR_LIMIT and words where `command` cannot stand in a record: empty, too long, a
  * blank, '#' or '=' at its beginning, a control character, or the look of a sealed result line at
  * its end. */
@@ -89,9 +80,6 @@ enum err record_words_check(const char *words, struct fault *fault);
 /* The same for one comment, a line that begins with '#' or is empty. */
 enum err record_comment_check(const char *comment, struct fault *fault);
 
-/* `line` ends like a sealed result line: " chain=" and 32 hexadecimal digits. */
-bool record_line_is_sealed(const char *line, size_t length);
-
 /* Adds a whole record to `out`: number, command and result of `record`; nothing else of it counts.
  * *chain is that of the record before, and then its own. `header` is line 1 with its line feed for
  * record 1 and "" for the others; `comments` are whole lines, or "". On failure `out` and *chain
@@ -103,18 +91,6 @@ enum err record_encode(struct buf *out, struct record_chain *chain, const char *
 void record_chain_compute(struct record_chain *out, const struct record_chain *before,
                           const char *header, size_t header_length, const char *bytes,
                           size_t length);
-
-/* A result line taken apart: places in the line that was given, no copies. */
-struct record_result {
-    uint64_t number;
-    const char *words;
-    size_t words_length;
-    struct record_chain chain;
-    size_t covered; /* bytes of the line that the chain covers */
-};
-
-/* False where `line` (without its line feed) is not a well-formed result line. */
-bool record_result_parse(const char *line, size_t length, struct record_result *result);
 
 /* One result word: places in the text it came from. */
 struct record_word {
@@ -145,5 +121,68 @@ bool record_word_find(const char *words, const char *key, size_t key_length,
  * where they have none. */
 bool record_word_is_among(const char *words, const struct record_word *like,
                           struct record_word *found);
+
+/* ---- a walk ---- */
+
+/*
+ * Over the records of a journal, or the commands of a script, in memory.
+ *
+ * One walker reads both, so that a journal is a script and a script is a journal without proof.
+ * Bytes that begin with a header line are a journal; all others are a script.
+ *
+ * What a walk distinguishes in a journal:
+ *   sound     record_judge(&record) is OK;
+ *   unsound   a record that can be read, but whose result is missing or whose number or chain does
+ *             not fit: edited or damaged. The walk goes on. The next record is chained to what this
+ *             one *says* its chain is, so that only records that were touched are unsound;
+ *   torn      what follows the last record is a beginning of one: a write that did not finish.
+ *             Every prefix of a journal is sound records and at most one torn record. Zeros at the
+ *             end count as not written: that is what file systems leave after a loss of power;
+ *   damaged   bytes that no writer of ours leaves and no reader can use: a result line that
+ *             is malformed or has lost its command, a line too long, a zero byte. The walk ends.
+ *
+ * In a script nothing is torn: the last line may lack its line feed, commands may be indented, and
+ * a result line is not expected. One that is there is given, but fits no chain.
+ *
+ * Where the walk is not over its record's bytes, nothing here writes; the bytes stay the caller's.
+ */
+enum walk_step { WALK_RECORD, WALK_END, WALK_TORN, WALK_DAMAGED };
+
+struct walk {
+    const char *bytes;
+    size_t length;
+    bool is_journal;
+    bool ends_in_zeros;        /* after `length`, in a journal */
+    unsigned semantics;        /* of the header; 0 where there is none */
+    size_t header_length;      /* bytes of line 1 in a journal, line feed included */
+    size_t offset;             /* of the next record: all before it has been given */
+    size_t line;               /* number of the line at `offset`, from 1 */
+    size_t records;            /* given so far */
+    uint64_t noted;            /* the number that the last result line held */
+    struct record_chain chain; /* and its chain */
+    enum walk_step over;       /* WALK_RECORD while the walk goes on */
+    struct record place;       /* where it ended */
+    struct fault fault;        /* why it ended, for WALK_TORN and WALK_DAMAGED */
+    struct buf command, result;
+};
+
+/* Begins a walk over `length` bytes, which must stay until walk_release. ERR_INPUT for a header
+ * that is malformed or of a format we do not know, and for no header before bytes that are no text,
+ * ERR_MEMORY; then there is nothing to release, and walk_release is fine too. */
+enum err walk_begin(struct walk *walk, const char *bytes, size_t length, struct fault *fault);
+
+/* The next record; its texts stay until the next call. At WALK_TORN and WALK_DAMAGED `record`
+ * holds the number, line and offset of what was found, and walk->fault the words; a torn record
+ * begins at its offset, while damage stands at its offset in a record that begins at walk->offset.
+ * Once over, the walk gives the same answer again. */
+enum walk_step walk_next(struct walk *walk, struct record *record);
+
+/* The same, but an unsound record of a journal ends the walk as WALK_DAMAGED. */
+enum walk_step walk_next_sound(struct walk *walk, struct record *record);
+
+/* ERR_INPUT and the words of it where the walk ended in damage, else OK. */
+enum err walk_judge(const struct walk *walk, struct fault *fault);
+
+void walk_release(struct walk *walk);
 
 #endif

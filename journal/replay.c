@@ -3,7 +3,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-#include "journal/walk.h"
+#include "journal/record.h"
 
 enum { SHOWN_MAX = 80 }; /* bytes of a text from a journal that a message repeats */
 
@@ -97,19 +97,6 @@ enum err replay_record(const struct record *record, const struct replay_host *ho
     return err;
 }
 
-/* Notes the first record that is not as it was written. */
-static void note_edit(struct replay_report *report, const struct walk *walk,
-                      const struct record *record)
-{
-    const bool is_sound = walk->is_journal ? !record_judge(record, NULL) : !record->has_result;
-    if (is_sound || !report->is_intact)
-        return;
-    report->is_intact = false;
-    report->edited_number = record->number;
-    report->edited_line = record->line;
-    report->edited_offset = record->offset;
-}
-
 /* Adds to the words of a failure what may explain it. */
 static enum err explain(enum err err, const struct replay_report *report,
                         const struct replay_options *options, struct fault *fault)
@@ -148,10 +135,15 @@ enum err replay_run(const char *bytes, size_t length, const struct replay_host *
     if (host->begin && walk.semantics)
         host->begin(host->context, walk.semantics);
     while (!err && walk_next(&walk, &record) == WALK_RECORD) {
-        if (record.number >= options->first)
-            note_edit(report, &walk, &record);
-        else
+        const bool is_sound = walk.is_journal ? !record_judge(&record, NULL) : !record.has_result;
+        if (record.number < options->first) {
             record.has_result = false;
+        } else if (!is_sound && report->is_intact) { /* the first that is not as it was written */
+            report->is_intact = false;
+            report->edited_number = record.number;
+            report->edited_line = record.line;
+            report->edited_offset = record.offset;
+        }
         report->chain = record.chain;
         err = replay_record(&record, host, report, fault);
         if (record.number == options->last)

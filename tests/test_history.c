@@ -7,7 +7,7 @@
 #include "base/file.h"
 #include "base/mem.h"
 #include "session/packed.h"
-#include "journal/walk.h"
+#include "journal/record.h"
 #include "show/slicing.h"
 #include "tests/small_scene.h"
 

@@ -9,7 +9,6 @@
 #include "base/hash.h"
 #include "journal/journal.h"
 #include "journal/record.h"
-#include "journal/walk.h"
 #include "tests/check.h"
 
 enum { RECORDS = 5, SEMANTICS = 1 };

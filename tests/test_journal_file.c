@@ -11,7 +11,7 @@
 #include "base/buf.h"
 #include "base/file.h"
 #include "journal/journal.h"
-#include "journal/walk.h"
+#include "journal/record.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 

@@ -375,7 +375,7 @@ STORY(the_first_difference_is_told_in_words)
     CHECK_INT(d.pixels, 2);
     CHECK_INT(d.image[0], 30); /* grey 90 at a third, equal in all channels */
     CHECK_INT(d.image[2], 30);
-    golden_tell(&words, &d);
+    golden_describe(&words, &d);
     CHECK_TEXT(buf_text(&words),
                "2 of 6 pixels differ, first column 1, row 0: depth is 12.5 (0x41480000), "
                "2.5 (0x40200000) was expected; labels differ in 1 pixel, voxels differ in 1 pixel; "
@@ -387,21 +387,21 @@ STORY(the_first_difference_is_told_in_words)
     CHECK_TEXT(d.expected, "90,90,90,255");
     CHECK_TEXT(d.actual, "90,90,90,0");
     buf_clear(&words);
-    golden_tell(&words, &d);
+    golden_describe(&words, &d);
     CHECK_HAS(buf_text(&words), "; colours alone differ, labels and voxels are the same");
     golden_difference_release(&d);
     other.voxel[1] = UINT32_MAX;
     other.rgba[0][3] = 255;
     compare(&other, &d);
     buf_clear(&words);
-    golden_tell(&words, &d);
+    golden_describe(&words, &d);
     CHECK_HAS(buf_text(&words), "; it shows nothing instead of voxel 200");
     golden_difference_release(&d);
     other = plain;
     other.depth[3] += 1;
     compare(&other, &d);
     buf_clear(&words);
-    golden_tell(&words, &d);
+    golden_describe(&words, &d);
     CHECK_HAS(buf_text(&words), "; depths differ, labels and voxels are the same");
     golden_difference_release(&d);
     buf_release(&words);
@@ -432,7 +432,7 @@ STORY(another_size_or_a_missing_plane_is_told)
     b.width--;
     CHECK(golden_compare(&a, &b, &d, NULL) == OK);
     CHECK(d.shape_differs && !d.is_same && !d.image);
-    golden_tell(&words, &d);
+    golden_describe(&words, &d);
     CHECK_HAS(buf_text(&words), "sizes");
     golden_difference_release(&d);
     b = planes(&plain);

@@ -20,7 +20,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "journal/journal.h"
-#include "journal/walk.h"
+#include "journal/record.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/orphans.h"

@@ -264,19 +264,6 @@ void file_from_home(struct buf *out, const char *name)
     buf_add_text(out, home && *home ? name + 1 : name);
 }
 
-/* Where a process may only remove empty folders, it may not even try to unlink one. */
-static int remove_one(const char *path, const struct stat *status, int type, struct FTW *where)
-{
-    (void)status, (void)where;
-    return type == FTW_DP ? rmdir(path) : unlink(path);
-}
-
-void folder_remove(const char *path)
-{
-    enum { DESCRIPTORS = 8 };
-    nftw(path, remove_one, DESCRIPTORS, FTW_DEPTH | FTW_PHYS | FTW_MOUNT);
-}
-
 /* ---- names of drafts ---- */
 
 /* The end of a name, of whole characters: a draft has its extension, and a name of any length that
@@ -308,6 +295,19 @@ static bool read_name(const char *name, enum owner_state *state)
 }
 
 /* ---- what others left ---- */
+
+/* Where a process may only remove empty folders, it may not even try to unlink one. */
+static int remove_one(const char *path, const struct stat *status, int type, struct FTW *where)
+{
+    (void)status, (void)where;
+    return type == FTW_DP ? rmdir(path) : unlink(path);
+}
+
+void folder_remove(const char *path)
+{
+    enum { DESCRIPTORS = 8 };
+    nftw(path, remove_one, DESCRIPTORS, FTW_DEPTH | FTW_PHYS | FTW_MOUNT);
+}
 
 static bool is_forgotten(enum owner_state state, const struct stat *status)
 {

@@ -156,26 +156,9 @@ static void take_away(const char *path)
     buf_release(&text);
 }
 
-static enum err fault_lock_file(const char *path, const char *lock, const struct buf *text,
-                                struct fault *fault)
-{
-    struct buf who = {0};
-    const char *line = strchr(buf_text(text), '\n');
-    if (line)
-        buf_add_safe(&who, line + 1, strcspn(line + 1, "\n"));
-    enum err err = fault_set(
-        fault, ERR_IO,
-        "%s is being written by another session, by %s: its file system has no locks, and "
-        "%s stands for one; where that session has ended, delete it; --read-only opens "
-        "the journal for looking",
-        path, who.length ? buf_text(&who) : "an unknown process", lock);
-    buf_release(&who);
-    return err;
-}
-
 static enum err take_lock_file(struct file_lock *lock, const char *path, struct fault *fault)
 {
-    struct buf name = {0}, text = {0};
+    struct buf name = {0}, text = {0}, who = {0};
     enum err err = OK;
     buf_printf(&name, "%s.lock", path);
     const char *at = buf_text(&name);
@@ -192,8 +175,17 @@ static enum err take_lock_file(struct file_lock *lock, const char *path, struct 
         if (err)
             file_discard(at);
     } else if (file_read(&text, at, LOCK_BYTES_MOST, NULL) == OK) {
-        err = fault_lock_file(path, at, &text, fault);
+        const char *line = strchr(buf_text(&text), '\n');
+        if (line)
+            buf_add_safe(&who, line + 1, strcspn(line + 1, "\n"));
+        err = fault_set(
+            fault, ERR_IO,
+            "%s is being written by another session, by %s: its file system has no locks, and "
+            "%s stands for one; where that session has ended, delete it; --read-only opens "
+            "the journal for looking",
+            path, who.length ? buf_text(&who) : "an unknown process", at);
     }
+    buf_release(&who);
     buf_release(&name);
     buf_release(&text);
     return err;

@@ -14,7 +14,7 @@
  *      loss of power, or stand after a shorter append;
  *   G2 nothing is appended to a file that is not at its path any more (deleted, moved, replaced),
  *      nor to one that another process has made longer or shorter; the owner, who knows the
- *      content, is told when it may have been written to (file_log_was_touched);
+ *      content, can ask whether it may have been written to (file_log_was_touched);
  *   G3 a sync that has failed is never repeated and believed: systems forget what they could
  *      not write. What stands after `synced` is written anew (file_log_rewrite) before anything
  *      else is appended;

@@ -1,5 +1,5 @@
 /*
- * Which process has made a file, as a word for the file's name: so that another process can tell
+ * Which process has made a file, as a word for the file's name: so that another process can say
  * whether it still runs, and clear away what it left when it was killed.
  *
  *     5b1f0e3c2a79d04-4d2-1a2b3c     the system, the process, when that began

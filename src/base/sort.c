@@ -32,26 +32,19 @@ static bool deal_out(const uint64_t *from, uint64_t *to, size_t count, unsigned 
     return !watch || !watch->stopped;
 }
 
-/* An insertion sort: of few, in place and at once. */
-static void sort_few(uint64_t *number, size_t count)
+enum err sort_by_upper_half(uint64_t *number, size_t count, struct watch *watch,
+                            struct fault *fault)
 {
-    for (size_t i = 1; i < count; i++) {
+    enum { FEW = 64 };
+    for (size_t i = 1; i < count && count <= FEW; i++) { /* by insertion, in place and at once */
         const uint64_t one = number[i];
         size_t at = i;
         for (; at > 0 && number[at - 1] >> 32 > one >> 32; at--)
             number[at] = number[at - 1];
         number[at] = one;
     }
-}
-
-enum err sort_by_upper_half(uint64_t *number, size_t count, struct watch *watch,
-                            struct fault *fault)
-{
-    enum { FEW = 64 };
-    if (count <= FEW) {
-        sort_few(number, count);
+    if (count <= FEW)
         return OK;
-    }
     uint64_t *room = mem_array(count, sizeof *room);
     size_t *begin = mem_array(DIGITS, sizeof *begin);
     const bool fits = room && begin;

@@ -41,7 +41,7 @@ static enum err compare_pictures(const struct picture *expected, const struct pi
     const struct golden_planes e = planes_of(expected), a = planes_of(actual);
     enum err err = golden_compare(&e, &a, difference, fault);
     if (!err && !difference->is_same) {
-        golden_tell(&words, difference);
+        golden_describe(&words, difference);
         err = fault_set(fault, ERR_CHECK, "golden image %s: %s", name, buf_text(&words));
     } else if (!err && semantics_has(session_semantics(interp->session), MEANING_NOTES)) {
         err = golden_compare_notes(expected, actual, !interp->scene_path, fault);

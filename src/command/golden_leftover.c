@@ -8,7 +8,7 @@
 #include "base/file.h"
 #include "image/exr.h"
 #include "journal/golden.h"
-#include "journal/walk.h"
+#include "journal/record.h"
 
 static const char image_ending[] = ".exr";
 

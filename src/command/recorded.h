@@ -21,7 +21,7 @@
 #include <stdio.h>
 
 #include "command/interpreter.h"
-#include "journal/walk.h"
+#include "journal/record.h"
 
 struct recorded {
     enum recorded_mode {

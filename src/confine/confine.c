@@ -56,12 +56,6 @@ int confine_version(void)
     return version > 0 ? version : 0;
 }
 
-static uint64_t fs_handled(int version)
-{
-    return FS_VERSION_1 | (version >= 2 ? FS_REFER : 0u) | (version >= 3 ? FS_TRUNCATE : 0u) |
-           (version >= 5 ? FS_IOCTL_DEV : 0u);
-}
-
 static uint64_t fs_rights(unsigned rights)
 {
     uint64_t fs = 0;
@@ -75,32 +69,29 @@ static uint64_t fs_rights(unsigned rights)
     return fs;
 }
 
-/* A place that cannot be opened cannot be reached either. */
-static void allow(int set, const struct confine_place *place, uint64_t handled)
-{
-    struct stat status;
-    const int fd = open(place->path, O_PATH | O_CLOEXEC);
-    if (fd < 0)
-        return;
-    struct beneath rule = {fs_rights(place->rights) & handled, fd};
-    if (fstat(fd, &status) == 0 && !S_ISDIR(status.st_mode))
-        rule.allowed &= FS_OF_FILES;
-    if (rule.allowed)
-        syscall(SYS_landlock_add_rule, set, RULE_PATH_BENEATH, &rule, 0);
-    close(fd);
-}
-
 bool confine_to(const struct confine_place *place, size_t places)
 {
     const int version = confine_version();
-    const struct ruleset ruleset = {fs_handled(version), NET_BIND_AND_CONNECT,
-                                    SCOPE_SOCKETS_AND_SIGNALS};
+    const struct ruleset ruleset = {FS_VERSION_1 | (version >= 2 ? FS_REFER : 0u) |
+                                        (version >= 3 ? FS_TRUNCATE : 0u) |
+                                        (version >= 5 ? FS_IOCTL_DEV : 0u),
+                                    NET_BIND_AND_CONNECT, SCOPE_SOCKETS_AND_SIGNALS};
     const size_t words = version >= 6 ? 3 : version >= 4 ? 2 : 1;
     const int set = version ? create(&ruleset, words * sizeof ruleset.fs, 0) : -1;
     if (set < 0)
         return false;
-    for (size_t i = 0; i < places; i++)
-        allow(set, &place[i], ruleset.fs);
+    for (size_t i = 0; i < places; i++) {
+        struct stat status;
+        const int fd = open(place[i].path, O_PATH | O_CLOEXEC);
+        if (fd < 0) /* a place that cannot be opened cannot be reached either */
+            continue;
+        struct beneath rule = {fs_rights(place[i].rights) & ruleset.fs, fd};
+        if (fstat(fd, &status) == 0 && !S_ISDIR(status.st_mode))
+            rule.allowed &= FS_OF_FILES;
+        if (rule.allowed)
+            syscall(SYS_landlock_add_rule, set, RULE_PATH_BENEATH, &rule, 0);
+        close(fd);
+    }
     const bool is_confined = prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
                              syscall(SYS_landlock_restrict_self, set, 0) == 0;
     close(set);
@@ -211,14 +202,8 @@ static void answer(struct filter *filter, uint32_t with)
 
 static const uint32_t REFUSE = SECCOMP_RET_ERRNO | EPERM;
 
-/* Lets the call through; another one goes on after these steps. */
-static void add_call(struct filter *filter, uint32_t number)
-{
-    add(filter, BPF_JMP | BPF_JEQ | BPF_K, number, 0, 1);
-    answer(filter, SECCOMP_RET_ALLOW);
-}
-
-/* Or refuses it. Both processors are little-endian. */
+/* Lets the call through or refuses it; another one goes on after these steps. Both processors are
+ * little-endian. */
 static void add_checked(struct filter *filter, const struct call *call)
 {
     const bool is_reverse = call->when == IF_LESS || call->when == UNLESS_BITS;
@@ -242,8 +227,10 @@ static void make_filter(struct filter *filter, unsigned kinds)
     add(filter, BPF_JMP | BPF_JGE | BPF_K, ANOTHER_ABI, 0, 1);
     answer(filter, REFUSE);
     for (unsigned i = 0; i < LISTS; i++)
-        for (size_t n = 0; n < list[i].count && (list[i].kind & kinds) == list[i].kind; n++)
-            add_call(filter, list[i].call[n]);
+        for (size_t n = 0; n < list[i].count && (list[i].kind & kinds) == list[i].kind; n++) {
+            add(filter, BPF_JMP | BPF_JEQ | BPF_K, list[i].call[n], 0, 1);
+            answer(filter, SECCOMP_RET_ALLOW);
+        }
     for (unsigned i = 0; i < CHECKED; i++)
         if ((checked[i].kind & kinds) == checked[i].kind)
             add_checked(filter, &checked[i]);

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "confine/confine.h"
-#include "base/folder.h"
 #include "base/mem.h"
 #include "base/scan.h"
 #include "engine/grid.h"

@@ -8,18 +8,18 @@
 #include "image/image_helper.h"
 #include "image/volume_helper.h"
 #include "journal/golden.h"
-#include "journal/walk.h"
+#include "journal/record.h"
 #include "program/console.h"
 #include "sandbox/limits.h"
 #include "sandbox/trust.h"
 #include "tui/cells.h"
 
-static enum err create_journal(struct interpreter *interp, const char *path, struct buf *told,
+static enum err create_journal(struct interpreter *interp, const char *path, struct buf *lines,
                                struct fault *fault)
 {
     const enum err err = interpreter_create_journal(interp, path, fault);
     if (!err)
-        interpreter_tell_lock(interp, told);
+        interpreter_tell_lock(interp, lines);
     return err;
 }
 
@@ -63,7 +63,7 @@ enum err end_journal(struct interpreter *interp, enum err err, struct fault *fau
 }
 
 /* path = the file elsewhere that the journal's first `open` leads to, where that has a proof; empty
- * for none. A journal that cannot be read is for the replay to tell of. */
+ * for none. A journal that cannot be read is left to the replay. */
 static enum err find_outside(struct buf *path, const char *journal, struct fault *fault)
 {
     struct buf bytes = {0}, name = {0};

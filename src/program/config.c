@@ -12,7 +12,7 @@
 enum {
     LABEL_MOST = 255,
     RADIUS_MOST = 32,
-    TOLD_MOST = 10, /* lines that are wrong */
+    NOTED_MOST = 10, /* lines that are wrong */
 };
 #define REAL_MOST INT64_C(1000000000) /* thousandths */
 
@@ -172,37 +172,26 @@ enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
 /* ---- lines ---- */
 
-static enum err refuse_kind(const char *word, struct fault *fault)
-{
-    struct near near = near_to(word);
-    fault_set(fault, ERR_USAGE, "expected theme, brush, window, key, pager or start, not %s", word);
-    for (size_t i = 0; i < KINDS; i++)
-        near_try(&near, kinds[i].name, strlen(kinds[i].name));
-    return near_append(&near, "", fault);
-}
-
 static enum err take_line(struct config *config, const char *line, struct fault *fault)
 {
     struct buf word = {0};
+    enum err err = OK;
     take_word(&line, &word);
     size_t kind = 0;
     while (kind < KINDS && strcmp(kinds[kind].name, buf_text(&word)) != 0)
         kind++;
-    const enum err err =
-        kind < KINDS ? kinds[kind].take(config, line, fault) : refuse_kind(buf_text(&word), fault);
+    if (kind < KINDS) {
+        err = kinds[kind].take(config, line, fault);
+    } else {
+        struct near near = near_to(buf_text(&word));
+        fault_set(fault, ERR_USAGE, "expected theme, brush, window, key, pager or start, not %s",
+                  buf_text(&word));
+        for (size_t i = 0; i < KINDS; i++)
+            near_try(&near, kinds[i].name, strlen(kinds[i].name));
+        err = near_append(&near, "", fault);
+    }
     buf_release(&word);
     return err;
-}
-
-/* Blanks alone part words, and none stands at an end. */
-static void tidy(struct buf *line, const char *text, size_t length)
-{
-    while (length > 0 && strchr(" \t\r", text[length - 1]))
-        length--;
-    while (length > 0 && strchr(" \t", *text))
-        text++, length--;
-    for (size_t i = 0; i < length; i++)
-        buf_add_char(line, text[i] == '\t' ? ' ' : text[i]);
 }
 
 /* Text that is no more than it looks: printable, in UTF-8. */
@@ -226,8 +215,13 @@ static enum err take_bytes(struct config *config, const char *text, size_t lengt
 {
     struct buf line = {0};
     enum err err = check_bytes(text, length, fault);
-    if (!err)
-        tidy(&line, text, length);
+    /* Blanks alone part words, and none stands at an end. */
+    while (length > 0 && strchr(" \t\r", text[length - 1]))
+        length--;
+    while (length > 0 && strchr(" \t", *text))
+        text++, length--;
+    for (size_t i = 0; i < length && !err; i++)
+        buf_add_char(&line, text[i] == '\t' ? ' ' : text[i]);
     if (!err && line.length && *line.data != '#')
         err = take_line(config, buf_text(&line), fault);
     if (!err && line.failed)
@@ -237,9 +231,9 @@ static enum err take_bytes(struct config *config, const char *text, size_t lengt
 }
 
 /* The line that is being read is left out. */
-static void tell(struct config *config, const struct fault *fault)
+static void note_wrong(struct config *config, const struct fault *fault)
 {
-    if (++config->wrong > TOLD_MOST)
+    if (++config->wrong > NOTED_MOST)
         return;
     buf_add_safe_text(&config->words, buf_text(&config->path));
     buf_printf(&config->words, ":%zu: %s; left out\n", config->line, fault->text);
@@ -255,15 +249,15 @@ void config_take(struct config *config, const char *text, size_t length)
         if (++config->line > CONFIG_LINES_MOST) {
             fault_set(&fault, ERR_LIMIT, "it and those after it are more than %d lines",
                       CONFIG_LINES_MOST);
-            tell(config, &fault);
+            note_wrong(config, &fault);
             break;
         }
         if (take_bytes(config, at, n, &fault))
-            tell(config, &fault);
+            note_wrong(config, &fault);
         at += n + (feed != NULL);
     }
-    if (config->wrong > TOLD_MOST)
-        buf_printf(&config->words, "and %zu lines more\n", config->wrong - TOLD_MOST);
+    if (config->wrong > NOTED_MOST)
+        buf_printf(&config->words, "and %zu lines more\n", config->wrong - NOTED_MOST);
 }
 
 /* ---- the file ---- */

@@ -106,20 +106,7 @@ static bool is_named(const struct program *program, const char *name)
 struct hints {
     const char *operand[2];
     struct option_words words; /* at its beginning */
-    bool wants_help;
 };
-
-static struct hints take_hints(const struct program_table *table, int count, char **word)
-{
-    struct hints hints = {.words = {.table = &table->option, .word = word, .count = count}};
-    int operands = 0;
-    for (struct option_words w = hints.words; operands < 2 && option_next(&w);)
-        if (!w.is_option)
-            hints.operand[operands++] = w.text;
-    for (int i = 0; i < count && strcmp(word[i], "--") != 0; i++)
-        hints.wants_help |= strcmp(word[i], "--help") == 0 || strcmp(word[i], "-h") == 0;
-    return hints;
-}
 
 /* Whether the command line holds the option, or the second operand, that a form is called by. */
 static bool gives_form(const struct hints *hints, const char *form)
@@ -307,19 +294,6 @@ static void add_takers(struct buf *out, const struct program_table *table, const
     }
 }
 
-/* An option that no program has may be a misspelt one of this program, in any of its forms. */
-static struct near options_near(const struct program_table *table, const struct program *program,
-                                const char *option)
-{
-    struct near near = near_to(option);
-    for (unsigned i = 0; i < table->rows; i++) {
-        const struct program *p = table->row + i;
-        for (const uint8_t *o = p->option; *o && is_named(p, program->name); o++)
-            near_try(&near, table->option.row[*o].name, strlen(table->option.row[*o].name));
-    }
-    return near;
-}
-
 static enum err refuse_option(const struct program_table *table, const struct program *program,
                               const char *option, struct fault *fault)
 {
@@ -330,7 +304,13 @@ static enum err refuse_option(const struct program_table *table, const struct pr
         fault_set(fault, ERR_USAGE, "`%s` has no option %s; it belongs to %s", buf_text(&name),
                   option, buf_text(&takers));
     } else {
-        const struct near near = options_near(table, program, option);
+        /* it may be a misspelt one of this program, in any of its forms */
+        struct near near = near_to(option);
+        for (unsigned i = 0; i < table->rows; i++) {
+            const struct program *p = table->row + i;
+            for (const uint8_t *o = p->option; *o && is_named(p, program->name); o++)
+                near_try(&near, table->option.row[*o].name, strlen(table->option.row[*o].name));
+        }
         fault_set(fault, ERR_USAGE, "`%s` has no option %s; see `%s --help`", buf_text(&name),
                   option, buf_text(&name));
         near_append(&near, "", fault);
@@ -360,19 +340,6 @@ static enum err check_operands(const struct program_table *table, const struct o
 
 /* ---- reading ---- */
 
-/* An option that the program takes or does not. */
-static enum err read_option(const struct program_table *table, const struct option_words *w,
-                            struct options *o, struct fault *fault)
-{
-    const struct option *row =
-        table->option.row + option_find(&table->option, o->program->option, w->text);
-    if (!row->name)
-        return refuse_option(table, o->program, w->text, fault);
-    if (row->value && !w->value)
-        return fault_set(fault, ERR_USAGE, "%s needs a value, %s", w->text, row->value);
-    return row->read(row, w->value, o, fault);
-}
-
 /* Operands and options, without the first `skip` operands, which said which program is meant. */
 static enum err read_words(const struct program_table *table, struct option_words w, int skip,
                            struct options *o, struct fault *fault)
@@ -381,12 +348,18 @@ static enum err read_words(const struct program_table *table, struct option_word
     o->word = w.word;
     o->words = 0;
     while (!err && option_next(&w)) {
-        if (w.is_option)
-            err = read_option(table, &w, o, fault);
-        else if (skip > 0)
+        const struct option *row =
+            table->option.row + option_find(&table->option, o->program->option, w.text);
+        if (!w.is_option && skip > 0)
             skip--;
-        else
+        else if (!w.is_option)
             o->word[o->words++] = w.text;
+        else if (!row->name)
+            err = refuse_option(table, o->program, w.text, fault);
+        else if (row->value && !w.value)
+            err = fault_set(fault, ERR_USAGE, "%s needs a value, %s", w.text, row->value);
+        else
+            err = row->read(row, w.value, o, fault);
     }
     return err;
 }
@@ -394,13 +367,19 @@ static enum err read_words(const struct program_table *table, struct option_word
 enum err program_read(const struct program_table *table, int count, char **word,
                       struct options *options, struct fault *fault)
 {
-    const struct hints hints = take_hints(table, count, word);
+    struct hints hints = {.words = {.table = &table->option, .word = word, .count = count}};
     const char *name = NULL;
+    int operands = 0;
+    for (struct option_words w = hints.words; operands < 2 && option_next(&w);)
+        if (!w.is_option)
+            hints.operand[operands++] = w.text;
+    options->help = false;
+    for (int i = 0; i < count && strcmp(word[i], "--") != 0; i++)
+        options->help |= strcmp(word[i], "--help") == 0 || strcmp(word[i], "-h") == 0;
     for (unsigned i = 0; i < table->rows && !name; i++)
         name = is_named(table->row + i, hints.operand[0]) ? hints.operand[0] : NULL;
     const struct program *program = choose(table, name, &hints);
     options->program = program;
-    options->help = hints.wants_help;
     if (options->help)
         return OK;
     if (!program && hints.operand[0])

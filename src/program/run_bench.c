@@ -25,12 +25,7 @@
 #include "program/programs.h"
 #include "program/shown.h"
 #include "program/times.h"
-#include "render/border.h"
-#include "render/look.h"
-#include "render/rendition.h"
-#include "show/draw.h"
 #include "show/slicing.h"
-#include "session/session_inside.h"
 #include "tui/picture/painter.h"
 
 /* ---- the whole way ---- */
@@ -128,8 +123,7 @@ static enum err plant_seeds(struct interpreter *interp, struct fault *fault)
 static enum err time_growing(struct session *session, unsigned neighbours, struct team *team,
                              struct times *times, struct fault *fault)
 {
-    const size_t seeds = forest_seeds(session_forest(session)),
-                 cells = session_scene(session)->grid.cells;
+    const size_t seeds = forest_seeds(session_forest(session)), cells = session_scene(session)->grid.cells;
     struct edit *seed = mem_array(seeds, sizeof *seed), *none = mem_array(seeds, sizeof *none);
     enum err err = seed && none ? OK : fault_memory(fault, "a benchmark");
     size_t count = 0;
@@ -414,28 +408,19 @@ static bool time_picture(const struct image_view *view, struct cost *whole, stru
     return good;
 }
 
-/* At the end of the journal, which stays as it is. */
-static enum err resume(struct interpreter *interp, const char *journal, struct fault *fault)
-{
-    struct buf lines_of_it = {0};
-    struct session *session = interp->session;
-    interp->is_read_only = true;
-    enum err err = interpreter_resume_journal(interp, journal, &lines_of_it, fault);
-    buf_release(&lines_of_it);
-    if (err)
-        return err;
-    struct view view = session_outlook(session)->view;
-    view.width = view.height = RENDITION_SIDE;
-    err = session_set_view(session, &view, fault);
-    if (!err)
-        err = session_render(session, RENDER_BORDER, fault);
-    return err ? err : session_count_labels(session, fault);
-}
-
 static enum err time_painter(struct session *session, struct costs *costs, struct fault *fault)
 {
     uint32_t hue[256];
     struct canvas canvas = {0};
+    struct view shown = session_outlook(session)->view;
+    shown.width = shown.height = RENDITION_SIDE;
+    enum err err = session_set_view(session, &shown, fault);
+    if (!err)
+        err = session_render(session, RENDER_BORDER, fault);
+    if (!err)
+        err = session_count_labels(session, fault);
+    if (err)
+        return err;
     const struct rendition *r = session_frame(session);
     struct image_view view = {.width = r->width,
                               .height = r->height,
@@ -445,7 +430,7 @@ static enum err time_painter(struct session *session, struct costs *costs, struc
     bool good = time_picture(&view, costs->of[RENDITION], costs->of[PATCH]);
     struct slicing_panel panel = {.screen = {MOSAIC_SIDE, MOSAIC_SIDE, 8, 16, true, MOSAIC_AXIAL},
                                   .words = true};
-    enum err err = slicing_draw_panel(&canvas, session, &panel, fault);
+    err = slicing_draw_panel(&canvas, session, &panel, fault);
     view.width = view.height = MOSAIC_SIDE;
     view.rgba = canvas.rgba;
     good = good && !err && time_picture(&view, costs->of[MOSAIC], NULL);
@@ -537,13 +522,14 @@ enum err run_bench_brain(const struct options *o, struct fault *fault)
 enum err run_bench_terminal(const struct options *o, struct fault *fault)
 {
     struct interpreter interp;
-    struct buf journal = {0};
+    struct buf journal = {0}, lines_of_it = {0};
     struct costs costs = {.journal = NULL};
     enum err err = interpreter_init(&interp, fault);
     if (!err)
         err = bench_find_example(&journal, &interp, fault);
+    interp.is_read_only = true; /* the journal stays as it is */
     if (!err)
-        err = resume(&interp, buf_text(&journal), fault);
+        err = interpreter_resume_journal(&interp, buf_text(&journal), &lines_of_it, fault);
     if (!err)
         err = time_painter(interp.session, &costs, fault);
     costs.journal = file_name(buf_text(&journal));
@@ -552,6 +538,7 @@ enum err run_bench_terminal(const struct options *o, struct fault *fault)
     else if (!err)
         print_costs(&costs);
     interpreter_release(&interp);
+    buf_release(&lines_of_it);
     buf_release(&journal);
     return err;
 }

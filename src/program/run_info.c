@@ -215,14 +215,6 @@ static enum err add_image(struct facts *f, const char *path, struct fault *fault
     return OK;
 }
 
-/* What another program wrote may be beyond our reader and not the helper's; if it is beyond both,
- * ours says why. */
-static enum err add_exr(struct facts *f, const char *path, struct fault *fault)
-{
-    enum err err = add_own_exr(f, path, fault);
-    return err && add_image(f, path, NULL) == OK ? OK : err;
-}
-
 /* ---- scenes and journals ---- */
 
 /* Of all voxels, between the values that would be black and white; and their scale, where
@@ -356,8 +348,12 @@ static enum err add_file(struct facts *f, const char *path, struct fault *fault)
         return add_scene(f, path, fault);
     if (interpreter_is_journal(path))
         return add_journal(f, path, fault);
-    if (file_begins_with(path, "\x76\x2f\x31\x01"))
-        return add_exr(f, path, fault);
+    if (file_begins_with(path, "\x76\x2f\x31\x01")) {
+        /* What another program wrote may be beyond our reader and not the helper's; if it is beyond
+         * both, ours says why. */
+        const enum err err = add_own_exr(f, path, fault);
+        return err && add_image(f, path, NULL) == OK ? OK : err;
+    }
     if (volume_ending(path) && !file_begins_with(path, "#?RADIANCE"))
         return add_scene(f, path, fault);
     const enum err err = add_image(f, path, fault);

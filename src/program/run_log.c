@@ -11,7 +11,7 @@
 #include "image/volume.h"
 #include "journal/graph.h"
 #include "journal/journal.h"
-#include "journal/walk.h"
+#include "journal/record.h"
 #include "program/console.h"
 #include "program/programs.h"
 #include "report/export.h"
@@ -389,11 +389,21 @@ static enum err read_journal(struct buf *bytes, const struct options *o, struct 
     return file_read(bytes, o->word[0], JOURNAL_BYTES_MAX, fault);
 }
 
-/* Line by line, without what a terminal would obey. */
-static void print_safe(const struct buf *text)
+/* What `write` makes of a journal, printed also where it ends with an error: line by line, without
+ * what a terminal would obey. */
+static enum err print_written(enum err (*write)(struct buf *out, const char *bytes, size_t length,
+                                                struct fault *fault),
+                              const struct options *o, struct fault *fault)
 {
-    struct buf line = {0};
-    for (const char *at = buf_text(text), *end = at + text->length; at < end;) {
+    struct buf bytes = {0}, text = {0}, line = {0};
+    enum err err = read_journal(&bytes, o, fault);
+    if (!err)
+        err = write(&text, buf_text(&bytes), bytes.length, fault);
+    if (err && bytes.length)
+        fault_prefix(fault, err, "%s", o->word[0]);
+    if (!err && text.failed)
+        err = fault_memory(fault, "what a journal says");
+    for (const char *at = buf_text(&text), *end = at + text.length; at < end;) {
         const char *feed = memchr(at, '\n', (size_t)(end - at));
         const size_t n = feed ? (size_t)(feed - at) : (size_t)(end - at);
         buf_clear(&line);
@@ -402,22 +412,6 @@ static void print_safe(const struct buf *text)
         at += n + 1;
     }
     buf_release(&line);
-}
-
-/* What `write` makes of a journal, printed also where it ends with an error. */
-static enum err print_written(enum err (*write)(struct buf *out, const char *bytes, size_t length,
-                                                struct fault *fault),
-                              const struct options *o, struct fault *fault)
-{
-    struct buf bytes = {0}, text = {0};
-    enum err err = read_journal(&bytes, o, fault);
-    if (!err)
-        err = write(&text, buf_text(&bytes), bytes.length, fault);
-    if (err && bytes.length)
-        fault_prefix(fault, err, "%s", o->word[0]);
-    if (!err && text.failed)
-        err = fault_memory(fault, "what a journal says");
-    print_safe(&text);
     buf_release(&text);
     buf_release(&bytes);
     return err;

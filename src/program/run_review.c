@@ -90,20 +90,6 @@ static void show(const struct review *review, const struct golden_finding *findi
     free(t.rgba);
 }
 
-static void introduce(const struct review *review, const struct review_question *question)
-{
-    struct buf text = {0};
-    buf_add_char(&text, '\n');
-    buf_add_safe_text(&text, review->journal);
-    buf_printf(&text, ", record %zu: ", question->record);
-    buf_add_safe_text(&text, question->command);
-    buf_add_char(&text, '\n');
-    buf_add_safe_text(&text, question->wrong);
-    buf_add_char(&text, '\n');
-    console_print(NULL, buf_text(&text));
-    buf_release(&text);
-}
-
 /* ---- keys ---- */
 
 /* The next key that is one of `keys`; 0 for Ctrl-C, or where the terminal has gone. */
@@ -177,7 +163,16 @@ static enum err ask(void *context, const struct review_question *question, struc
     char key = 'q';
     enum err err = OK;
     if (!review->has_quit) {
-        introduce(review, question);
+        struct buf text = {0};
+        buf_add_char(&text, '\n');
+        buf_add_safe_text(&text, review->journal);
+        buf_printf(&text, ", record %zu: ", question->record);
+        buf_add_safe_text(&text, question->command);
+        buf_add_char(&text, '\n');
+        buf_add_safe_text(&text, question->wrong);
+        buf_add_char(&text, '\n');
+        console_print(NULL, buf_text(&text));
+        buf_release(&text);
         if (question->finding)
             show(review, question->finding);
         puts("a accept   r reject   s skip   q quit");

@@ -92,14 +92,6 @@ static bool is_in_shard(const struct shard *shard, const char *path)
     return has;
 }
 
-static void move_to(char **list, size_t to, size_t from)
-{
-    char *moved = list[from];
-    for (size_t i = from; i > to; i--)
-        list[i] = list[i - 1];
-    list[to] = moved;
-}
-
 /* Moves the journals of the shard to the front, in their order, with what stands beside them in
  * `other` (or NULL); how many they are. */
 static size_t shard_choose(const struct shard *shard, char **path, char **other, size_t count)
@@ -108,9 +100,13 @@ static size_t shard_choose(const struct shard *shard, char **path, char **other,
     for (size_t i = 0; i < count; i++) {
         if (!is_in_shard(shard, path[i]))
             continue;
-        move_to(path, chosen, i);
-        if (other)
-            move_to(other, chosen, i);
+        char *const first = path[chosen], *const beside = other ? other[chosen] : NULL;
+        path[chosen] = path[i];
+        path[i] = first;
+        if (other) {
+            other[chosen] = other[i];
+            other[i] = beside;
+        }
         chosen++;
     }
     return chosen;

@@ -45,30 +45,28 @@ static bool read_amount(uint64_t *out, const char *text, const char *units, cons
     return *out > 0 && *out < UINT64_C(1) << 53;
 }
 
-static enum err read_option(uint64_t *out, const char *option, const char *text, const char *units,
-                            const uint64_t *worth, const char *expected, struct fault *fault)
-{
-    if (!text || read_amount(out, text, units, worth))
-        return OK;
-    return fault_set(fault, ERR_USAGE, "%s: expected %s, not %s", option, expected, text);
-}
-
 enum err limits_read(struct limits *limits, const char *memory, const char *time,
                      const char *output, struct fault *fault)
 {
     static const char bytes[] = " kMGT", spans[] = " smh";
     static const uint64_t bytes_worth[] = {1, 1000, 1000000, 1000000000, 1000000000000};
     static const uint64_t spans_worth[] = {1000, 1000, 60000, 3600000};
+    static const char some_bytes[] = "bytes such as 500M or 2G";
+    const struct {
+        const char *name, *text, *units, *expected;
+        const uint64_t *worth;
+        uint64_t *out;
+    } option[] = {
+        {"memory", memory, bytes, some_bytes, bytes_worth, &limits->memory_bytes},
+        {"time", time, spans, "seconds such as 90, or 20m or 1h", spans_worth, &limits->time_ms},
+        {"output", output, bytes, some_bytes, bytes_worth, &limits->output_bytes}};
     *limits = (struct limits){0};
-    enum err err = read_option(&limits->memory_bytes, "--limit-memory", memory, bytes, bytes_worth,
-                               "bytes such as 500M or 2G", fault);
-    if (!err)
-        err = read_option(&limits->time_ms, "--limit-time", time, spans, spans_worth,
-                          "seconds such as 90, or 20m or 1h", fault);
-    if (!err)
-        err = read_option(&limits->output_bytes, "--limit-output", output, bytes, bytes_worth,
-                          "bytes such as 500M or 2G", fault);
-    return err;
+    for (size_t i = 0; i < sizeof option / sizeof *option; i++)
+        if (option[i].text &&
+            !read_amount(option[i].out, option[i].text, option[i].units, option[i].worth))
+            return fault_set(fault, ERR_USAGE, "--limit-%s: expected %s, not %s", option[i].name,
+                             option[i].expected, option[i].text);
+    return OK;
 }
 
 /* ---- while they hold ---- */
@@ -172,16 +170,6 @@ static uint64_t bytes_of(const struct buf *written)
     return bytes;
 }
 
-/* Files may be as large as before. True where they were limited. */
-static bool restore_file_size(void)
-{
-    const bool was_set = now.is_file_size_set;
-    if (was_set)
-        setrlimit(RLIMIT_FSIZE, &now.file_size);
-    now.is_file_size_set = false;
-    return was_set;
-}
-
 /* An error that a limit has caused names its option. */
 static enum err explain(enum err err, bool files_were_limited, struct fault *fault)
 {
@@ -198,7 +186,10 @@ enum err limits_judge(enum err err, const struct buf *written, struct fault *fau
 {
     if (!now.hold)
         return err;
-    const bool files_were_limited = restore_file_size();
+    const bool files_were_limited = now.is_file_size_set;
+    if (files_were_limited)
+        setrlimit(RLIMIT_FSIZE, &now.file_size);
+    now.is_file_size_set = false;
     now.polled_ns = 0;
     limits_stop();
     if (now.state != WITHIN)

@@ -213,15 +213,6 @@ static void gather_folder_of(struct gathering *g, const char *path, unsigned rig
     buf_release(&folder);
 }
 
-static void gather_list(struct gathering *g, const char *list)
-{
-    while (*list) {
-        const size_t length = strcspn(list, ":");
-        gather_part(g, list, length, CONFINE_READ);
-        list += length + (list[length] == ':');
-    }
-}
-
 /* A journal may be a link to one, whose folder is not the one that names are looked up in. */
 static void gather_journals(struct gathering *g, const struct trust_places *places)
 {
@@ -247,16 +238,6 @@ static void gather_system(struct gathering *g)
     gather(g, "/dev/null", CONFINE_DEVICE);
 }
 
-static void gather_programs(struct gathering *g, const char *const *program)
-{
-    if (program && *program) {
-        gather(g, "/bin", CONFINE_READ | CONFINE_RUN);
-        gather(g, "/usr/bin", CONFINE_READ | CONFINE_RUN);
-    }
-    for (; program && *program; program++)
-        gather_folder_of(g, *program, CONFINE_READ | CONFINE_RUN);
-}
-
 /* A scene that lies anywhere, and what is read with it. */
 static void gather_scene(struct gathering *g, const char *path)
 {
@@ -278,12 +259,21 @@ bool trust_confine(const struct trust_places *places)
         gather(&g, places->helper[i], CONFINE_READ | CONFINE_RUN);
     gather_scene(&g, places->scene);
     gather_scene(&g, places->outside);
-    gather_list(&g, places->scenes);
+    for (const char *list = places->scenes; *list; list += *list == ':') {
+        const size_t length = strcspn(list, ":");
+        gather_part(&g, list, length, CONFINE_READ);
+        list += length;
+    }
     for (const char *const *at = places->written; at && *at; at++) {
         gather(&g, *at, CONFINE_WRITE);
         gather_folder_of(&g, *at, CONFINE_EMPTY);
     }
-    gather_programs(&g, places->run);
+    if (places->run && *places->run) {
+        gather(&g, "/bin", CONFINE_READ | CONFINE_RUN);
+        gather(&g, "/usr/bin", CONFINE_READ | CONFINE_RUN);
+    }
+    for (const char *const *program = places->run; program && *program; program++)
+        gather_folder_of(&g, *program, CONFINE_READ | CONFINE_RUN);
     gather_journals(&g, places);
     const bool is_confined = !g.is_full && confine_to(g.place, g.places);
     while (g.places > 0)

@@ -228,23 +228,6 @@ static enum err judge(struct side *side, const struct process_end *end, struct f
     return words->failed ? fault_memory(fault, "a report") : OK;
 }
 
-static void builds_release(struct builds *b)
-{
-    for (int i = 0; i < 2; i++) {
-        struct side *side = b->side + i;
-        buf_release(&side->program);
-        buf_release(&side->folder);
-        buf_release(&side->journal);
-        buf_release(&side->words);
-        buf_release(&b->end[i].bytes);
-    }
-    if (b->folder.length)
-        folder_remove(buf_text(&b->folder));
-    buf_release(&b->folder);
-    buf_release(&b->commands);
-    buf_release(&b->scene);
-}
-
 enum err bisect_builds(const struct bisect_builds *how, const struct printer *printer,
                        struct fault *fault)
 {
@@ -260,6 +243,17 @@ enum err bisect_builds(const struct bisect_builds *how, const struct printer *pr
         const char *const more[2] = {buf_text(&b.side[0].words), buf_text(&b.side[1].words)};
         err = compare(path, name, more, printer, fault);
     }
-    builds_release(&b);
+    for (int i = 0; i < 2; i++) {
+        buf_release(&b.side[i].program);
+        buf_release(&b.side[i].folder);
+        buf_release(&b.side[i].journal);
+        buf_release(&b.side[i].words);
+        buf_release(&b.end[i].bytes);
+    }
+    if (b.folder.length)
+        folder_remove(buf_text(&b.folder));
+    buf_release(&b.folder);
+    buf_release(&b.commands);
+    buf_release(&b.scene);
     return err;
 }

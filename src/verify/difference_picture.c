@@ -148,7 +148,7 @@ static enum err draw_difference(const struct sheet *sheet, struct fault *fault)
         return fault_memory(fault, "a picture");
     memcpy(palette->rgb[SAME_OBJECT], ghost_rgb, 3);
     sheet->session->now.outlook.background =
-        BACKGROUND_PLAIN; /* black: colours tell what differs */
+        BACKGROUND_PLAIN; /* black: colours show what differs */
     enum err err = render_as(sheet, AS_OBJECT, fault);
     if (!err) {
         memcpy(depth, session_frame(sheet->session)->depth, pixels * sizeof *depth);
@@ -163,19 +163,6 @@ static enum err draw_difference(const struct sheet *sheet, struct fault *fault)
         put_kinds(sheet, depth);
     free(depth);
     return err;
-}
-
-static enum err draw_panes(const struct sheet *sheet, struct fault *fault)
-{
-    enum err err = session_draw(sheet->session, RENDER_AS_KEPT, fault);
-    if (err)
-        return err;
-    err = put_frame(sheet, 0, fault);
-    if (!err)
-        err = render_as(sheet, AS_B, fault);
-    if (!err)
-        err = put_frame(sheet, 1, fault);
-    return err ? err : draw_difference(sheet, fault);
 }
 
 /* ---- words ---- */
@@ -253,5 +240,12 @@ enum err difference_picture_draw(struct picture *picture, struct session *sessio
     for (uint32_t kind = A_ALONE; kind < DIFFERENCES; kind++)
         write_entry(&sheet, (int64_t)pane_left(&sheet, 2) + BORDER, kind - A_ALONE,
                     difference_rgb[kind], difference_words[kind]);
-    return draw_panes(&sheet, fault);
+    err = session_draw(session, RENDER_AS_KEPT, fault);
+    if (!err)
+        err = put_frame(&sheet, 0, fault);
+    if (!err)
+        err = render_as(&sheet, AS_B, fault);
+    if (!err)
+        err = put_frame(&sheet, 1, fault);
+    return err ? err : draw_difference(&sheet, fault);
 }

@@ -48,19 +48,6 @@ static void write_file(const struct evidence_collector *collector, struct interp
     buf_release(&path);
 }
 
-static void write_files(const struct evidence_collector *collector, struct interpreter *interp,
-                        const struct golden_finding *finding)
-{
-    const struct golden_difference *difference = finding->difference;
-    const struct picture image = {
-        .width = difference->width, .height = difference->height, .rgba = difference->image};
-    if (file_make_folder(collector->folder, NULL))
-        return;
-    write_file(collector, interp, finding->name, "actual.exr", finding->actual);
-    if (difference->image)
-        write_file(collector, interp, finding->name, "difference.png", &image);
-}
-
 static void add_pictures(struct evidence *evidence, const struct golden_finding *finding)
 {
     const struct picture *actual = finding->actual, *expected = finding->expected;
@@ -82,9 +69,15 @@ static enum err collect(void *context, struct interpreter *interp,
                         const struct golden_finding *finding, struct fault *fault)
 {
     const struct evidence_collector *collector = context;
+    const struct golden_difference *difference = finding->difference;
     (void)fault; /* says what is wrong already */
-    if (collector->folder && finding->difference)
-        write_files(collector, interp, finding);
+    if (collector->folder && difference && !file_make_folder(collector->folder, NULL)) {
+        const struct picture image = {
+            .width = difference->width, .height = difference->height, .rgba = difference->image};
+        write_file(collector, interp, finding->name, "actual.exr", finding->actual);
+        if (difference->image)
+            write_file(collector, interp, finding->name, "difference.png", &image);
+    }
     if (collector->evidence)
         add_pictures(collector->evidence, finding);
     return ERR_CHECK;
@@ -148,34 +141,26 @@ static enum err compare_texts(const struct picture *file, const struct picture *
     return OK;
 }
 
-/* A file of more bytes than pixels and notes can take is another one. */
-static enum err read_png(struct picture *file, const struct interpreter *interp, const char *path,
-                         const struct picture *picture, struct fault *fault)
-{
-    struct buf bytes = {0};
-    const size_t most = (size_t)8 * picture->width * picture->height + (4 << 20);
-    enum err err = interpreter_may_read(interp, path, fault);
-    if (!err)
-        err = file_read(&bytes, path, most, fault);
-    if (!err)
-        err =
-            png_read(file, buf_text(&bytes), bytes.length, picture->width, picture->height, fault);
-    buf_release(&bytes);
-    return err;
-}
-
 static enum err judge_png(struct interpreter *interp, const struct golden_finding *finding,
                           struct fault *fault)
 {
-    struct buf path = {0};
+    const struct picture *actual = finding->actual;
+    struct buf path = {0}, bytes = {0};
     struct picture file = {0};
     buf_add(&path, finding->path, strlen(finding->path) - strlen("exr"));
     buf_add_text(&path, "png");
     enum err err = path.failed ? fault_memory(fault, "a path") : OK;
     if (!err && file_exists(buf_text(&path))) {
-        err = read_png(&file, interp, buf_text(&path), finding->actual, fault);
+        /* A file of more bytes than pixels and notes can take is another one. */
+        const size_t most = (size_t)8 * actual->width * actual->height + (4 << 20);
+        err = interpreter_may_read(interp, buf_text(&path), fault);
         if (!err)
-            err = compare_pixels(&file, finding->actual, fault);
+            err = file_read(&bytes, buf_text(&path), most, fault);
+        if (!err)
+            err = png_read(&file, buf_text(&bytes), bytes.length, actual->width, actual->height,
+                           fault);
+        if (!err)
+            err = compare_pixels(&file, actual, fault);
         if (!err)
             err = compare_texts(&file, finding->expected, fault);
         if (err && err != ERR_MEMORY) {
@@ -185,6 +170,7 @@ static enum err judge_png(struct interpreter *interp, const struct golden_findin
         }
     }
     picture_release(&file);
+    buf_release(&bytes);
     buf_release(&path);
     return err;
 }

@@ -6,7 +6,7 @@
  * A golden image that is the same is evidence as well, and people look at the PNG beside it: what
  * is shown has to be what was compared. Each pixel is that of the golden image, its colours over
  * their background; each text is a note of the golden image, or says when the PNG was drawn; and
- * nothing else is in it (image/png_read.h). Every verification asks for that, so what proves the
+ * nothing else is in it (image/png.h). Every verification asks for that, so what proves the
  * golden image, a lock or a signature of the journal, proves the PNG. One that is not there shows
  * nothing: only a lock, which pins its bytes, asks for it.
  */

@@ -6,7 +6,7 @@
 #include "base/scan.h"
 #include "command/command.h"
 #include "journal/journal.h"
-#include "journal/walk.h"
+#include "journal/record.h"
 
 /* A walk through one of the two, and the command it has come to. */
 struct follower {
@@ -100,20 +100,6 @@ static enum err note(struct first_difference *first, const struct follower f[2],
     return OK;
 }
 
-static enum err follow(struct first_difference *first, struct follower f[2], size_t last,
-                       struct fault *fault)
-{
-    for (;; first->same++) {
-        enum err err = step(f, last, fault);
-        if (!err)
-            err = step(f + 1, last, fault);
-        if (err)
-            return err;
-        if (!are_same(f))
-            return note(first, f, fault);
-    }
-}
-
 enum err first_difference_find(struct first_difference *first, enum first_of of,
                                const char *const name[2], const struct buf bytes[2], size_t last,
                                struct fault *fault)
@@ -122,8 +108,15 @@ enum err first_difference_find(struct first_difference *first, enum first_of of,
     enum err err = begin(f, bytes, fault);
     if (!err)
         err = begin(f + 1, bytes + 1, fault);
-    if (!err)
-        err = follow(first, f, last, fault);
+    for (bool differs = false; !err && !differs;) {
+        err = step(f, last, fault);
+        if (!err)
+            err = step(f + 1, last, fault);
+        differs = !err && !are_same(f);
+        first->same += !err && !differs;
+        if (differs)
+            err = note(first, f, fault);
+    }
     for (int i = 0; i < 2; i++) {
         while (!err && of == FIRST_RECORD && f[i].goes_on) /* is the rest sound? */
             err = step(f + i, last, fault);

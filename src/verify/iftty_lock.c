@@ -10,7 +10,7 @@
 #include "base/scan.h"
 #include "journal/golden.h"
 #include "journal/journal.h"
-#include "journal/walk.h"
+#include "journal/record.h"
 #include "sandbox/trust.h"
 #include "verify/name_list.h"
 
@@ -291,7 +291,7 @@ static const char *find_line(const char *facts, const char *line)
     return NULL;
 }
 
-static void tell(struct buf *lines, const char *line, const char *what, const char *other)
+static void add_line(struct buf *lines, const char *line, const char *what, const char *other)
 {
     const size_t subject = subject_of(line), whole = strcspn(line, "\n");
     buf_printf(lines, "#   pinned   ");
@@ -316,12 +316,12 @@ bool lock_differs(struct buf *lines, unsigned version, const char *pinned, const
         const size_t length = strcspn(at, "\n");
         if (other && strcspn(other, "\n") == length && strncmp(at, other, length) == 0)
             continue;
-        tell(lines, at, other ? "and it is" : "and there is none now", other);
+        add_line(lines, at, other ? "and it is" : "and there is none now", other);
         differs = true;
     }
     for (const char *at = now; *at; at += strcspn(at, "\n"), at += *at == '\n')
         if (!find_line(pinned, at) && (version >= LOCK_WITH_PNG || kind_of(at) != KIND_PNG)) {
-            tell(lines, at, "which the lock has not", NULL);
+            add_line(lines, at, "which the lock has not", NULL);
             differs = true;
         }
     return differs;
@@ -350,8 +350,9 @@ static bool add_file(struct name_list *lines, const char *path, const char *name
     return fine;
 }
 
-static enum err walk_through(struct walk *walk, struct name_list *scenes, struct name_list *goldens)
+static enum err add_facts(struct buf *out, struct walk *walk, const char *path, struct fault *fault)
 {
+    struct name_list scenes = {0}, goldens = {0}, lines = {0};
     struct record record;
     struct record_word scene;
     struct buf text = {0};
@@ -361,37 +362,26 @@ static enum err walk_through(struct walk *walk, struct name_list *scenes, struct
         if (record_word_find(record.result, "scene", 5, &scene) && scene.value_length == 16 &&
             record_word_is_digest(&scene)) {
             buf_printf(&text, "scene %.16s", scene.value);
-            fine = !text.failed && name_list_add(scenes, buf_text(&text));
+            fine = !text.failed && name_list_add(&scenes, buf_text(&text));
         }
         buf_clear(&text);
         if (fine && strncmp(record.command, "golden ", 7) == 0) {
             buf_add(&text, record.command + 7, strcspn(record.command + 7, " "));
-            fine = !text.failed && (!text.length || name_list_add(goldens, buf_text(&text)));
+            fine = !text.failed && (!text.length || name_list_add(&goldens, buf_text(&text)));
         }
     }
     buf_release(&text);
-    name_list_sort(scenes);
-    name_list_sort(goldens);
-    return fine ? OK : ERR_MEMORY;
-}
-
-static void add_lines(struct buf *out, const struct name_list *lines)
-{
-    for (size_t i = 0; i < lines->count; i++)
-        buf_printf(out, "%s\n", lines->name[i]);
-}
-
-static enum err add_facts(struct buf *out, struct walk *walk, const char *path, struct fault *fault)
-{
-    struct name_list scenes = {0}, goldens = {0}, lines = {0};
-    enum err err = walk_through(walk, &scenes, &goldens);
-    bool fine = !err;
+    name_list_sort(&scenes);
+    name_list_sort(&goldens);
     for (size_t i = 0; fine && i < 2 * goldens.count; i++)
         fine = add_file(&lines, path, goldens.name[i % goldens.count], i >= goldens.count);
     buf_printf(out, "chain %s\nrecords %zu\n", walk->chain.hex, walk->records);
-    add_lines(out, &scenes);
-    add_lines(out, &lines);
-    err = fine && !out->failed ? walk_judge(walk, fault) : fault_memory(fault, "a lock");
+    for (size_t i = 0; i < scenes.count; i++)
+        buf_printf(out, "%s\n", scenes.name[i]);
+    for (size_t i = 0; i < lines.count; i++)
+        buf_printf(out, "%s\n", lines.name[i]);
+    const enum err err =
+        fine && !out->failed ? walk_judge(walk, fault) : fault_memory(fault, "a lock");
     name_list_release(&scenes);
     name_list_release(&goldens);
     name_list_release(&lines);

@@ -155,28 +155,20 @@ static enum err make_paths(struct lock_plan *plan, struct fault *fault)
     return fine ? OK : fault_memory(fault, "names of journals");
 }
 
-static enum err read_lock(struct lock_plan *plan, struct fault *fault)
-{
-    struct buf bytes = {0};
-    plan->lock.version = LOCK_VERSION;
-    if (plan->updates && !file_exists(plan->path))
-        return OK;
-    plan->lock.version = 0;
-    enum err err = file_read(&bytes, plan->path, LOCK_BYTES_MAX, fault);
-    if (!err) {
-        err = lock_read(&plan->lock, buf_text(&bytes), bytes.length, fault);
-        if (err)
-            fault_prefix(fault, err, "%s", plan->path);
-    }
-    buf_release(&bytes);
-    return err;
-}
-
 enum err lock_plan_make(struct lock_plan *plan, const char *path, bool updates, char *const *named,
                         size_t count, struct fault *fault)
 {
     *plan = (struct lock_plan){.path = path, .updates = updates, .is_whole = count == 0};
-    enum err err = read_lock(plan, fault);
+    struct buf bytes = {0};
+    enum err err = OK;
+    if (updates && !file_exists(path)) {
+        plan->lock.version = LOCK_VERSION;
+    } else {
+        err = file_read(&bytes, path, LOCK_BYTES_MAX, fault);
+        if (!err && (err = lock_read(&plan->lock, buf_text(&bytes), bytes.length, fault)))
+            fault_prefix(fault, err, "%s", path);
+    }
+    buf_release(&bytes);
     if (!err && updates && !plan->is_whole && plan->lock.version < LOCK_VERSION)
         err = fault_set(fault, ERR_USAGE,
                         "%s is of the form before, which pins no PNGs: --update-lock with no "
@@ -206,7 +198,7 @@ void lock_plan_release(struct lock_plan *plan)
 
 /* ---- written anew ---- */
 
-static void tell(struct buf *lines, const char *what, const char *name)
+static void add_line(struct buf *lines, const char *what, const char *name)
 {
     buf_printf(lines, "# %s ", what);
     buf_add_safe_text(lines, name);
@@ -222,7 +214,7 @@ static void drop_missing(struct lock_plan *plan, struct buf *lines)
             i++;
             continue;
         }
-        tell(lines, "no longer in the lock:", name);
+        add_line(lines, "no longer in the lock:", name);
         lock_remove(&plan->lock, name);
     }
 }
@@ -234,7 +226,7 @@ enum err lock_plan_write(struct lock_plan *plan, const char *const *facts, struc
     const size_t before = lines->length;
     bool fine = true;
     if (plan->lock.version < LOCK_VERSION)
-        tell(lines, "in the present form, which pins PNGs too:", plan->path);
+        add_line(lines, "in the present form, which pins PNGs too:", plan->path);
     plan->lock.version = LOCK_VERSION;
     if (plan->is_whole)
         drop_missing(plan, lines);
@@ -242,7 +234,7 @@ enum err lock_plan_write(struct lock_plan *plan, const char *const *facts, struc
         const char *name = plan->name.name[i], *former = lock_facts_of(&plan->lock, name);
         if (former && strcmp(former, facts[i]) == 0)
             continue;
-        tell(lines, former ? "changed in the lock:" : "new in the lock:", name);
+        add_line(lines, former ? "changed in the lock:" : "new in the lock:", name);
         fine = lock_set(&plan->lock, name, facts[i]);
     }
     lock_write(&text, &plan->lock);
@@ -250,7 +242,7 @@ enum err lock_plan_write(struct lock_plan *plan, const char *const *facts, struc
     if (!err && (lines->length > before || !file_exists(plan->path)))
         err = file_write(plan->path, buf_text(&text), text.length, FILE_REPLACE, fault);
     else if (!err)
-        tell(lines, "nothing has changed in", plan->path);
+        add_line(lines, "nothing has changed in", plan->path);
     buf_release(&text);
     return err;
 }

@@ -15,8 +15,8 @@ struct search {
     const struct interpreter *interp;
     const char *journal;
     struct buf folder, path;
-    struct buf bytes; /* of the journal, once they are asked for */
-    struct buf *told; /* or NULL */
+    struct buf bytes;  /* of the journal, once they are asked for */
+    struct buf *lines; /* or NULL */
 };
 
 /* One that is nothing is named, and counts for nothing. */
@@ -25,17 +25,17 @@ static bool is_leftover(struct search *search, const char *name)
     struct buf *path = &search->path;
     buf_clear(path);
     buf_printf(path, "%s/%s", buf_text(&search->folder), name);
-    if (!search->told || path->failed ||
+    if (!search->lines || path->failed ||
         interpreter_may_read(search->interp, buf_text(path), NULL) ||
         (!search->bytes.length &&
          file_read(&search->bytes, search->journal, JOURNAL_BYTES_MAX, NULL)) ||
         !golden_is_leftover(buf_text(path), search->journal, buf_text(&search->bytes),
                             search->bytes.length))
         return false;
-    buf_add_text(search->told, "# ");
-    buf_add_safe_text(search->told, buf_text(path));
-    buf_add_text(search->told, " was passed over: its command was ended before it was recorded; "
-                               "continuing the journal removes it\n");
+    buf_add_text(search->lines, "# ");
+    buf_add_safe_text(search->lines, buf_text(path));
+    buf_add_text(search->lines, " was passed over: its command was ended before it was recorded; "
+                                "continuing the journal removes it\n");
     return true;
 }
 
@@ -54,36 +54,29 @@ static bool is_lone_png(struct search *search, const char *name)
     return !file_exists(buf_text(path));
 }
 
-static enum err look_through(struct name_list *orphans, struct search *search, struct fault *fault)
+enum err orphan_find(struct name_list *orphans, const struct interpreter *interp,
+                     const char *journal_path, struct buf *lines, struct fault *fault)
 {
-    const struct dirent *entry;
-    DIR *folder = opendir(buf_text(&search->folder));
-    enum err err = folder ? OK : fault_errno(fault, "read", buf_text(&search->folder));
-    while (!err && (entry = readdir(folder))) {
+    struct search search = {.interp = interp, .journal = journal_path, .lines = lines};
+    *orphans = (struct name_list){0};
+    enum err err = golden_folder(&search.folder, journal_path, fault);
+    const bool is_there = !err && file_is_folder(buf_text(&search.folder));
+    DIR *folder = is_there ? opendir(buf_text(&search.folder)) : NULL;
+    if (is_there && !folder)
+        err = fault_errno(fault, "read", buf_text(&search.folder));
+    for (const struct dirent *entry; folder && !err && (entry = readdir(folder));) {
         const char *name = entry->d_name;
         if (*name == '.')
             continue;
-        const bool is_orphan =
-            exr_is_named(name)
-                ? !golden_is_named(&search->interp->goldens, name) && !is_leftover(search, name)
-                : is_lone_png(search, name);
+        const bool is_orphan = exr_is_named(name) ? !golden_is_named(&interp->goldens, name) &&
+                                                        !is_leftover(&search, name)
+                                                  : is_lone_png(&search, name);
         if (is_orphan && !name_list_add(orphans, name))
             err = fault_memory(fault, "names of files");
     }
     if (folder)
         closedir(folder);
     name_list_sort(orphans);
-    return err;
-}
-
-enum err orphan_find(struct name_list *orphans, const struct interpreter *interp,
-                     const char *journal_path, struct buf *told, struct fault *fault)
-{
-    struct search search = {.interp = interp, .journal = journal_path, .told = told};
-    *orphans = (struct name_list){0};
-    enum err err = golden_folder(&search.folder, journal_path, fault);
-    if (!err && file_is_folder(buf_text(&search.folder)))
-        err = look_through(orphans, &search, fault);
     buf_release(&search.folder);
     buf_release(&search.path);
     buf_release(&search.bytes);
@@ -107,11 +100,11 @@ enum err orphan_judge(const struct name_list *orphans, const char *journal_path,
     return err;
 }
 
-enum err orphan_check(const struct interpreter *interp, const char *journal_path, struct buf *told,
+enum err orphan_check(const struct interpreter *interp, const char *journal_path, struct buf *lines,
                       struct fault *fault)
 {
     struct name_list orphans;
-    enum err err = orphan_find(&orphans, interp, journal_path, told, fault);
+    enum err err = orphan_find(&orphans, interp, journal_path, lines, fault);
     if (!err)
         err = orphan_judge(&orphans, journal_path, fault);
     name_list_release(&orphans);

@@ -8,17 +8,17 @@
 
 /* The names of all, as "third.exr", after a replay, by which the interpreter knows those that the
  * journal gives; none where there is no such folder. What a `golden` that was killed has left
- * (command/golden_leftover.h) is passed over with a line of comment in `told`, or, where that is
+ * (command/golden_leftover.h) is passed over with a line of comment in `lines`, or, where that is
  * NULL, is one of them. ERR_IO, ERR_MEMORY. To be released, whatever is returned. */
 enum err orphan_find(struct name_list *orphans, const struct interpreter *interp,
-                     const char *journal_path, struct buf *told, struct fault *fault);
+                     const char *journal_path, struct buf *lines, struct fault *fault);
 
 /* ERR_CHECK with the first of them, where there are any. */
 enum err orphan_judge(const struct name_list *orphans, const char *journal_path,
                       struct fault *fault);
 
 /* Both. */
-enum err orphan_check(const struct interpreter *interp, const char *journal_path, struct buf *told,
+enum err orphan_check(const struct interpreter *interp, const char *journal_path, struct buf *lines,
                       struct fault *fault);
 
 /* Removes one that orphan_find has named, and the PNG beside it. */

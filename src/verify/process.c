@@ -167,21 +167,6 @@ static void tick(const struct pool *pool)
     pool->how->tick(pool->how->context, held);
 }
 
-/* P3 */
-static void end_all(struct pool *pool)
-{
-    for (unsigned i = 0; i < PROCESSES_MOST; i++) {
-        struct process *process = pool->process + i;
-        if (!process->id)
-            continue;
-        kill(process->id, SIGKILL);
-        close_pipe(process);
-        while (waitpid(process->id, NULL, 0) < 0 && errno == EINTR)
-            ;
-        buf_release(&process->end.bytes);
-    }
-}
-
 enum err processes_run(const struct processes *how, struct fault *fault)
 {
     struct pool pool = {.how = how};
@@ -196,7 +181,16 @@ enum err processes_run(const struct processes *how, struct fault *fault)
         if (!err && watch_stops(how->watch))
             err = fault_set(fault, ERR_CANCELLED, "cancelled");
     }
-    end_all(&pool);
+    for (unsigned i = 0; i < PROCESSES_MOST; i++) { /* P3 */
+        struct process *process = pool.process + i;
+        if (!process->id)
+            continue;
+        kill(process->id, SIGKILL);
+        close_pipe(process);
+        while (waitpid(process->id, NULL, 0) < 0 && errno == EINTR)
+            ;
+        buf_release(&process->end.bytes);
+    }
     return err;
 }
 

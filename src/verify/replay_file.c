@@ -12,7 +12,7 @@
 
 /* ---- which records take longest ---- */
 
-void timing_add(struct timing *timing, size_t number, uint64_t ns, const char *command)
+static void timing_add(struct timing *timing, size_t number, uint64_t ns, const char *command)
 {
     struct timing_row fresh = {.ns = ns, .number = number};
     size_t at = timing->rows;
@@ -28,7 +28,7 @@ void timing_add(struct timing *timing, size_t number, uint64_t ns, const char *c
     timing->rows++;
 }
 
-void timing_tell(struct buf *lines, const struct timing *timing)
+void timing_write(struct buf *lines, const struct timing *timing)
 {
     for (size_t i = 0; i < timing->rows; i++) {
         const struct timing_row *row = timing->row + i;

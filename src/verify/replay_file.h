@@ -19,10 +19,8 @@ struct timing {
     size_t rows;
 };
 
-void timing_add(struct timing *timing, size_t number, uint64_t ns, const char *command);
-
 /* Lines: "12.345 ms, record 31: run". */
-void timing_tell(struct buf *lines, const struct timing *timing);
+void timing_write(struct buf *lines, const struct timing *timing);
 void timing_release(struct timing *timing);
 
 /* Carries the journal out and compares the results, and by the interpreter's judge golden images,

@@ -9,7 +9,7 @@
 #include "session/semantics.h"
 #include "verify/orphan.h"
 #include "journal/journal.h"
-#include "journal/walk.h"
+#include "journal/record.h"
 #include "report/export.h"
 #include "verify/orphan.h"
 #include "verify/strict.h"
@@ -281,22 +281,6 @@ static enum err reseal_record(struct resealing *r, const char *bytes, const stru
 
 /* ---- the journal ---- */
 
-static enum err judge_header(struct resealing *r, const struct walk *walk, struct fault *fault)
-{
-    if (!walk->is_journal)
-        return fault_set(fault, ERR_CHECK,
-                         "this is a script, not a journal: run it into a new one; %s", unchanged);
-    r->changes_header = walk->semantics != SEMANTICS;
-    if (r->changes_header && r->accept)
-        return fault_set(fault, ERR_CHECK,
-                         "it was written with semantics %u, here is %u: iftty log --reseal comes "
-                         "first; %s",
-                         walk->semantics, (unsigned)SEMANTICS, unchanged);
-    record_header(&r->header, SEMANTICS);
-    buf_add(&r->out, buf_text(&r->header), r->header.length);
-    return OK;
-}
-
 /* Carries all of it out, into r->out. */
 static enum err reseal_bytes(struct resealing *r, const struct buf *bytes, struct fault *fault)
 {
@@ -305,7 +289,17 @@ static enum err reseal_bytes(struct resealing *r, const struct buf *bytes, struc
     enum err err = walk_begin(&walk, buf_text(bytes), bytes->length, fault);
     if (err)
         return err;
-    err = judge_header(r, &walk, fault);
+    r->changes_header = walk.semantics != SEMANTICS;
+    if (!walk.is_journal)
+        err = fault_set(fault, ERR_CHECK,
+                        "this is a script, not a journal: run it into a new one; %s", unchanged);
+    else if (r->changes_header && r->accept)
+        err = fault_set(fault, ERR_CHECK,
+                        "it was written with semantics %u, here is %u: iftty log --reseal comes "
+                        "first; %s",
+                        walk.semantics, (unsigned)SEMANTICS, unchanged);
+    record_header(&r->header, SEMANTICS);
+    buf_add(&r->out, buf_text(&r->header), r->header.length);
     while (!err && walk_next(&walk, &record) == WALK_RECORD)
         err = reseal_record(r, walk.bytes, &record, fault);
     if (!err && walk.over != WALK_END)
@@ -372,13 +366,13 @@ static void report(const struct resealing *r, const char *path, const struct buf
 static enum err judge_goldens(const struct resealing *r, const char *path, const struct buf *bytes,
                               const struct printer *printer, struct fault *fault)
 {
-    struct buf told = {0};
-    golden_remove_leftovers(path, &r->interp->goldens, buf_text(bytes), bytes->length, &told);
+    struct buf lines = {0};
+    golden_remove_leftovers(path, &r->interp->goldens, buf_text(bytes), bytes->length, &lines);
     const bool is_asked = r->accept && !r->accept->reviewer;
-    const enum err err = is_asked ? orphan_check(r->interp, path, &told, fault) : OK;
-    if (told.length)
-        printer->warn(printer->context, buf_text(&told));
-    buf_release(&told);
+    const enum err err = is_asked ? orphan_check(r->interp, path, &lines, fault) : OK;
+    if (lines.length)
+        printer->warn(printer->context, buf_text(&lines));
+    buf_release(&lines);
     return err;
 }
 

@@ -77,48 +77,38 @@ static void close_bytes(int descriptor)
         close(descriptor);
 }
 
-void signature_path(struct buf *path, const char *journal)
+/* path = JOURNAL.sig, where the signature of a journal lies. */
+static void signature_path(struct buf *path, const char *journal)
 {
     buf_printf(path, "%s.sig", journal);
 }
 
 /* ---- making ---- */
 
-static enum err sign_into(const char *draft, int input, const char *key, struct watch *watch,
-                          struct fault *fault)
-{
-    const char *const argument[] = {"ssh-keygen",        "-q", "-Y", "sign", "-n",
-                                    SIGNATURE_NAMESPACE, "-f", key,  NULL};
-    const struct keygen keygen = {argument, input, draft};
-    struct buf said = {0};
-    int status;
-    enum err err = run(&keygen, &status, &said, watch, fault);
-    if (!err && status)
-        err = fault_set(fault, ERR_IO,
-                        "ssh-keygen could not sign with the key %s; nothing was "
-                        "written",
-                        key);
-    buf_release(&said);
-    return err;
-}
-
 enum err signature_make(const char *journal, const struct buf *bytes, const char *key,
                         struct watch *watch, struct fault *fault)
 {
-    struct buf path = {0}, draft = {0};
-    int input = -1;
+    const char *const argument[] = {"ssh-keygen",        "-q", "-Y", "sign", "-n",
+                                    SIGNATURE_NAMESPACE, "-f", key,  NULL};
+    struct buf path = {0}, draft = {0}, said = {0};
+    int input = -1, status = 0;
     signature_path(&path, journal);
     enum err err = path.failed ? fault_memory(fault, "a path")
                                : file_draft(&draft, buf_text(&path), FILE_KEEP, fault);
     if (!err)
         err = open_bytes(&input, bytes, fault);
     if (!err)
-        err = sign_into(buf_text(&draft), input, key, watch, fault);
+        err =
+            run(&(struct keygen){argument, input, buf_text(&draft)}, &status, &said, watch, fault);
+    if (!err && status)
+        err = fault_set(fault, ERR_IO,
+                        "ssh-keygen could not sign with the key %s; nothing was written", key);
     if (!err)
         err = file_publish(buf_text(&draft), buf_text(&path), FILE_KEEP, fault);
     else if (draft.length)
         file_discard(buf_text(&draft));
     close_bytes(input);
+    buf_release(&said);
     buf_release(&path);
     buf_release(&draft);
     return err;
@@ -249,8 +239,8 @@ static void add_comment(struct buf *who, const char *fingerprint, const struct b
 
 /* Of a signer that is a pattern nothing is known but the key: "ED25519 key SHA256:..., COMMENT, one
  * that ALLOWED has for *". */
-static enum err tell_key(struct buf *who, const char *key, const char *principal,
-                         const struct checking *c, struct fault *fault)
+static enum err add_key(struct buf *who, const char *key, const char *principal,
+                        const struct checking *c, struct fault *fault)
 {
     static const char *const argument[] = {"ssh-keygen", "-l", "-f", "-", NULL};
     struct keygen keygen = {argument, -1, NULL};
@@ -273,7 +263,7 @@ static enum err tell_key(struct buf *who, const char *key, const char *principal
 }
 
 /* Takes what ssh-keygen says of a good signature apart: "... signature for WHO with KEY". */
-static enum err tell_who(struct buf *who, const struct buf *said, const char *principal,
+static enum err take_who(struct buf *who, const struct buf *said, const char *principal,
                          const struct checking *c, struct fault *fault)
 {
     static const char before[] = " signature for ";
@@ -282,7 +272,7 @@ static enum err tell_who(struct buf *who, const struct buf *said, const char *pr
     const size_t length = strlen(principal);
     if (at && strpbrk(principal, "*?!") && strncmp(name, principal, length) == 0 &&
         strncmp(name + length, " with ", 6) == 0)
-        return tell_key(who, name + length + 6, principal, c, fault);
+        return add_key(who, name + length + 6, principal, c, fault);
     buf_add_safe(who, name, strcspn(name, "\n"));
     return OK;
 }
@@ -327,21 +317,8 @@ static enum err check_as(struct buf *who, const char *principal, const struct ch
     if (!err && status)
         err = refuse(c, principal, &said, fault);
     else if (!err)
-        err = tell_who(who, &said, principal, c, fault);
+        err = take_who(who, &said, principal, c, fault);
     buf_release(&said);
-    return err;
-}
-
-/* By the first of them for whom it holds. */
-static enum err check_all(struct buf *who, struct buf *principals, const struct checking *c,
-                          struct fault *fault)
-{
-    enum err err = ERR_CHECK;
-    char *rest, *principal = strtok_r(principals->data, "\n", &rest);
-    for (int i = 0; err == ERR_CHECK && principal && i < PRINCIPALS_MOST; i++) {
-        err = check_as(who, principal, c, fault);
-        principal = strtok_r(NULL, "\n", &rest);
-    }
     return err;
 }
 
@@ -372,8 +349,14 @@ enum err signature_check(struct buf *who, const char *journal, const struct buf 
         err = open_bytes(&c.input, bytes, fault);
     if (!err)
         err = find_principals(&principals, &c, fault);
-    if (!err)
-        err = check_all(who, &principals, &c, fault);
+    if (!err) { /* by the first of them for whom it holds */
+        char *rest, *principal = strtok_r(principals.data, "\n", &rest);
+        err = ERR_CHECK;
+        for (int i = 0; err == ERR_CHECK && principal && i < PRINCIPALS_MOST; i++) {
+            err = check_as(who, principal, &c, fault);
+            principal = strtok_r(NULL, "\n", &rest);
+        }
+    }
     close_bytes(c.input);
     buf_release(&principals);
     buf_release(&path);

@@ -5,8 +5,8 @@
  *     ssh-keygen -Y sign -n iftty-journal -f KEY <JOURNAL >JOURNAL.sig
  *     ssh-keygen -Y verify -n iftty-journal -f ALLOWED -I WHO [-r REVOKED] -s JOURNAL.sig <JOURNAL
  *
- * What is signed are the bytes of the journal, not a statement about it: whoever has ssh-keygen can
- * check that without this program; there is no second form that two programs could read in two
+ * What is signed are the bytes of the journal, not a statement about it: anybody who has ssh-keygen
+ * can check that without this program; there is no second form that two programs could read in two
  * ways; and the signature rests on SHA-512, where a statement of the last chain would rest on 128
  * bits of it, for which a signer with means could prepare two journals. The price is that a journal
  * which is continued needs another signature. Golden images are not signed: the journal names them,
@@ -29,9 +29,6 @@
 #include "base/watch.h"
 
 #define SIGNATURE_NAMESPACE "iftty-journal"
-
-/* path = JOURNAL.sig, where the signature of a journal lies. */
-void signature_path(struct buf *path, const char *journal);
 
 /* Signs the bytes with the key in a file (a public one has an agent sign) and writes JOURNAL.sig,
  * which must not exist. Who has to type a passphrase is asked by ssh-keygen. ERR_IO. */

@@ -59,13 +59,13 @@ static void write_voxels(struct interpreter *interp, struct buf *lines)
 }
 
 /* Those that are to be removed are no failure. */
-static enum err judge_orphans(const struct verify_options *options, const char *path,
+static enum err judge_orphans(const struct verify_options *options,
                               const struct interpreter *interp, struct verify_result *result,
                               struct fault *fault)
 {
     struct name_list orphans;
-    struct buf *told = options->removes_orphans ? NULL : &result->lines;
-    enum err err = orphan_find(&orphans, interp, path, told, fault);
+    struct buf *lines = options->removes_orphans ? NULL : &result->lines;
+    enum err err = orphan_find(&orphans, interp, result->path, lines, fault);
     for (size_t i = 0; !err && i < orphans.count; i++) {
         buf_add(&result->orphans, orphans.name[i], strlen(orphans.name[i]) + 1);
         buf_printf(&result->lines, "#   %-9s", "orphan");
@@ -73,14 +73,14 @@ static enum err judge_orphans(const struct verify_options *options, const char *
         buf_add_char(&result->lines, '\n');
     }
     if (!err && !options->removes_orphans)
-        err = orphan_judge(&orphans, path, fault);
+        err = orphan_judge(&orphans, result->path, fault);
     name_list_release(&orphans);
     return err;
 }
 
 /* What a replay that went well leaves to be asked. */
 static enum err judge_whole(const struct verify_options *options, const struct interpreter *interp,
-                            const char *path, const struct replay_report *report,
+                            const struct replay_report *report,
                             const struct evidence_collector *collector,
                             struct verify_result *result, struct fault *fault)
 {
@@ -94,7 +94,7 @@ static enum err judge_whole(const struct verify_options *options, const struct i
         return fault_set(fault, ERR_CHECK,
                          "it ends with record %zu: nothing to compare from %zu on",
                          report->executed, options->first);
-    const enum err err = options->last ? OK : judge_orphans(options, path, interp, result, fault);
+    const enum err err = options->last ? OK : judge_orphans(options, interp, result, fault);
     return err || !options->strict ? err : strict_judge(&strictness, fault);
 }
 
@@ -115,17 +115,6 @@ static void place_evidence(struct buf *folder, const struct verify_options *opti
 }
 
 /* ---- what else is known of a journal ---- */
-
-static enum err judge_expected(const struct verify_options *options, const char *chain,
-                               struct fault *fault)
-{
-    if (!options->expect || strncmp(chain, options->expect, RECORD_CHAIN_DIGITS) == 0)
-        return OK;
-    return fault_set(fault, ERR_CHECK,
-                     "its last chain is %.*s, and %s was expected: it is another journal, or has "
-                     "more records or fewer",
-                     (int)RECORD_CHAIN_DIGITS, chain, options->expect);
-}
 
 static enum err judge_pinned(const struct lock_plan *plan, size_t number,
                              struct verify_result *result, struct fault *fault)
@@ -163,25 +152,28 @@ static enum err judge_facts(const struct verify_options *options, size_t number,
         return fault_set(fault, ERR_CHECK, "it was changed while it was verified");
     if (torn)
         return strict_refuse_torn(torn, options->expect ? "--expect" : "--lock", fault);
-    err = judge_expected(options, chain, fault);
-    return err ? err : judge_pinned(options->plan, number, result, fault);
+    if (options->expect && strncmp(chain, options->expect, RECORD_CHAIN_DIGITS) != 0)
+        return fault_set(fault, ERR_CHECK,
+                         "its last chain is %.*s, and %s was expected: it is another journal, or "
+                         "has more records or fewer",
+                         (int)RECORD_CHAIN_DIGITS, chain, options->expect);
+    return judge_pinned(options->plan, number, result, fault);
 }
 
 /* Before the walls are there: ssh-keygen, not this program, reads what others wrote. `sha256` is of
  * the bytes that are signed. */
-static enum err judge_signature(const struct verify_options *options, const char *path,
-                                struct verify_result *result, char sha256[SHA256_HEX],
-                                struct fault *fault)
+static enum err judge_signature(const struct verify_options *options, struct verify_result *result,
+                                char sha256[SHA256_HEX], struct fault *fault)
 {
     const struct signature_rules rules = {options->allowed_signers, options->revoked,
                                           options->signed_at};
     struct buf bytes = {0};
     if (!rules.allowed)
         return OK;
-    enum err err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
+    enum err err = file_read(&bytes, result->path, JOURNAL_BYTES_MAX, fault);
     sha256_bytes_hex(sha256, buf_text(&bytes), bytes.length);
     if (!err)
-        err = signature_check(&result->signer, path, &bytes, &rules, options->watch, fault);
+        err = signature_check(&result->signer, result->path, &bytes, &rules, options->watch, fault);
     if (!err)
         buf_printf(&result->lines,
                    "# signed by %s\n# when, no signature says: the key was judged as of %s\n",
@@ -201,9 +193,10 @@ static void add_failure(struct verify_result *result, enum err err, const struct
 
 /* ---- in the process of a journal ---- */
 
-static void replay_one(const struct verify_options *options, const char *path,
-                       struct verify_result *result, char sha256[SHA256_HEX])
+static void replay_one(const struct verify_options *options, struct verify_result *result,
+                       char sha256[SHA256_HEX])
 {
+    const char *path = result->path;
     struct interpreter interp;
     struct replay_report report = {0};
     struct timing timing = {.rows = 0};
@@ -226,7 +219,7 @@ static void replay_one(const struct verify_options *options, const char *path,
     replay_describe(&result->lines, &report, &fault);
     const bool is_told = err && result->lines.length;
     if (!err)
-        err = judge_whole(options, &interp, path, &report, &collector, result, &fault);
+        err = judge_whole(options, &interp, &report, &collector, result, &fault);
     if (report.outcome == REPLAY_DIVERGED) {
         write_voxels(&interp, &result->lines);
         if (collector.evidence)
@@ -242,7 +235,7 @@ static void replay_one(const struct verify_options *options, const char *path,
         buf_add_text(&result->chain, report.chain.hex);
     result->took_ms = (clock_ns() - begin) / 1000000;
     result->line = report.line;
-    timing_tell(&result->slowest, &timing);
+    timing_write(&result->slowest, &timing);
     timing_release(&timing);
     memcpy(sha256, report.sha256, SHA256_HEX);
     replay_report_release(&report);
@@ -253,17 +246,16 @@ static void replay_one(const struct verify_options *options, const char *path,
 static void verify_journal(const struct verify_options *options, size_t number,
                            struct verify_result *result)
 {
-    const char *path = options->path[number];
     char replayed[SHA256_HEX] = "", signed_bytes[SHA256_HEX] = "";
     struct fault fault = {0}, unsigned_words = {0};
-    if (options->plan && !options->plan->updates && !file_exists(path)) {
+    if (options->plan && !options->plan->updates && !file_exists(result->path)) {
         fault_set(&fault, ERR_CHECK, "missing: %s names it, and there is no such file",
                   options->plan->path);
         verify_result_fail(result, ERR_CHECK, false, &fault);
         return;
     }
-    enum err unsigned_err = judge_signature(options, path, result, signed_bytes, &unsigned_words);
-    replay_one(options, path, result, replayed);
+    enum err unsigned_err = judge_signature(options, result, signed_bytes, &unsigned_words);
+    replay_one(options, result, replayed);
     if (!unsigned_err && *signed_bytes && *replayed && strcmp(signed_bytes, replayed) != 0)
         unsigned_err =
             fault_set(&unsigned_words, ERR_CHECK, "it was changed while it was verified");
@@ -286,7 +278,7 @@ struct verification {
 static void work(void *context, size_t number, struct buf *out)
 {
     const struct verification *v = context;
-    struct verify_result result = {.path = NULL};
+    struct verify_result result = {.path = v->options->path[number]};
     verify_journal(v->options, number, &result);
     verify_result_write(out, &result);
 }
@@ -315,7 +307,7 @@ static void print_result(const struct verification *v, size_t number)
         buf_add_text(&text, " # SKIP not verified: another failed before");
     } else if (!r->err) {
         buf_add_text(&text, " (");
-        verify_result_tell(&text, r);
+        verify_result_describe(&text, r);
         buf_add_char(&text, ')');
     }
     buf_add_char(&text, '\n');
@@ -464,7 +456,7 @@ static enum err report(const struct verification *v, struct fault *fault)
     const struct verify_options *o = v->options;
     const enum err err = update_lock(v, sum_up(v, fault), fault);
     enum err unwritten = OK;
-    github_tell(v->result, o->count, v->printer);
+    github_report(v->result, o->count, v->printer);
     if (o->junit)
         unwritten = verify_report(o->junit, VERIFY_JUNIT, v->result, o->count, fault);
     if (!unwritten && o->html)

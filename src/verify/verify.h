@@ -23,7 +23,7 @@ struct verify_options {
     bool json;                   /* one JSON object is printed instead of TAP */
     bool strict;                 /* what leaves anything unproven is a failure (strict.h) */
     bool fail_fast;       /* the first failure ends it: what is not verified yet is skipped */
-    bool timings;         /* the slowest records of each are told */
+    bool timings;         /* the slowest records of each are printed */
     bool removes_orphans; /* of journals that verify otherwise */
     const char *expect;   /* the last chain that the only journal is to have, or NULL */
     const char *allowed_signers;     /* who may have signed each (signature.h), or NULL */

@@ -153,15 +153,6 @@ static void add_failure(struct buf *out, size_t number, const struct verify_resu
     buf_add_text(out, "</section>\n");
 }
 
-static void add_slowest(struct buf *out, const struct verify_result *r)
-{
-    buf_add_text(out, "<h2>The slowest records of ");
-    markup_add(out, r->path);
-    buf_add_text(out, "</h2>\n<pre>");
-    markup_add(out, buf_text(&r->slowest));
-    buf_add_text(out, "</pre>\n");
-}
-
 static void add_page(struct buf *out, const struct verify_result *result, size_t count)
 {
     const struct verify_sum sum = verify_sum(result, count);
@@ -182,9 +173,15 @@ static void add_page(struct buf *out, const struct verify_result *result, size_t
     for (size_t i = 0; i < count; i++)
         if (result[i].err)
             add_failure(out, i + 1, result + i);
-    for (size_t i = 0; i < count; i++)
-        if (result[i].slowest.length)
-            add_slowest(out, result + i);
+    for (size_t i = 0; i < count; i++) {
+        if (!result[i].slowest.length)
+            continue;
+        buf_add_text(out, "<h2>The slowest records of ");
+        markup_add(out, result[i].path);
+        buf_add_text(out, "</h2>\n<pre>");
+        markup_add(out, buf_text(&result[i].slowest));
+        buf_add_text(out, "</pre>\n");
+    }
     buf_add_text(out, "</body>\n</html>\n");
 }
 
@@ -263,14 +260,6 @@ enum err verify_report(const char *file, enum verify_form form, const struct ver
     return err;
 }
 
-/* ---- GitHub Actions ---- */
-
-bool github_is_there(void)
-{
-    const char *actions = getenv("GITHUB_ACTIONS");
-    return actions && *actions;
-}
-
 /* ---- GitHub Actions: a line for each failure ---- */
 
 /* A value of a workflow command: `also` are further characters that end one. */
@@ -288,7 +277,7 @@ static void add_value(struct buf *out, const char *text, const char *also)
     buf_release(&safe);
 }
 
-void github_errors(struct buf *out, const struct verify_result *result, size_t count)
+static void github_errors(struct buf *out, const struct verify_result *result, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         const struct verify_result *r = result + i;
@@ -304,7 +293,7 @@ void github_errors(struct buf *out, const struct verify_result *result, size_t c
     }
 }
 
-/* ---- and a summary ---- */
+/* ---- GitHub Actions: a summary ---- */
 
 static void add_markdown(struct buf *out, const char *text)
 {
@@ -321,25 +310,23 @@ static void add_markdown(struct buf *out, const char *text)
     buf_release(&safe);
 }
 
-static void add_summary_row(struct buf *out, const struct verify_result *r)
-{
-    buf_add_text(out, r->is_skipped ? "| skipped | "
-                      : r->err      ? "| **failed** | "
-                                    : "| verified | ");
-    add_markdown(out, r->path);
-    buf_printf(out, " | %" PRIu64 " | %" PRIu64 " | %" PRIu64 " | %" PRIu64 " | %" PRIu64 " |\n",
-               r->executed, r->digests, r->goldens, r->pixels, r->took_ms);
-}
-
-void github_summary(struct buf *out, const struct verify_result *result, size_t count)
+static void github_summary(struct buf *out, const struct verify_result *result, size_t count)
 {
     const struct verify_sum sum = verify_sum(result, count);
     size_t shown = 0;
     buf_printf(out, "### iftty verify: %zu verified, %zu failed\n\n", sum.verified, sum.failed);
     buf_add_text(out, "| | journal | commands | digests | golden images | pixels | ms |\n"
                       "|---|---|--:|--:|--:|--:|--:|\n");
-    for (size_t i = 0; i < count && out->length < SUMMARY_MOST / 2; i++)
-        add_summary_row(out, result + i);
+    for (size_t i = 0; i < count && out->length < SUMMARY_MOST / 2; i++) {
+        const struct verify_result *r = result + i;
+        buf_add_text(out, r->is_skipped ? "| skipped | "
+                          : r->err      ? "| **failed** | "
+                                        : "| verified | ");
+        add_markdown(out, r->path);
+        buf_printf(out,
+                   " | %" PRIu64 " | %" PRIu64 " | %" PRIu64 " | %" PRIu64 " | %" PRIu64 " |\n",
+                   r->executed, r->digests, r->goldens, r->pixels, r->took_ms);
+    }
     buf_add_char(out, '\n');
     for (size_t i = 0; i < count && shown < FAILURES_SHOWN; i++) {
         if (!result[i].err)
@@ -367,12 +354,12 @@ static enum err append(const char *path, const struct buf *text, struct fault *f
     return err;
 }
 
-void github_tell(const struct verify_result *result, size_t count, const struct printer *printer)
+void github_report(const struct verify_result *result, size_t count, const struct printer *printer)
 {
-    const char *path = getenv("GITHUB_STEP_SUMMARY");
+    const char *actions = getenv("GITHUB_ACTIONS"), *path = getenv("GITHUB_STEP_SUMMARY");
     struct buf errors = {0}, summary = {0};
     struct fault fault;
-    if (!github_is_there())
+    if (!actions || !*actions)
         return;
     github_errors(&errors, result, count);
     github_summary(&summary, result, count);

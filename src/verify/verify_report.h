@@ -34,14 +34,8 @@ enum err verify_report(const char *file, enum verify_form form, const struct ver
  * are written as %25 %2C %3A %0A, and in the table everything but letters, digits and blanks as
  * numbered entities.
  */
-bool github_is_there(void);
-
-/* The two texts. */
-void github_errors(struct buf *out, const struct verify_result *result, size_t count);
-void github_summary(struct buf *out, const struct verify_result *result, size_t count);
-
-/* Where it is there: errors go to standard error, the summary to its file. A summary that cannot be
+/* Errors go to standard error, the summary to its file. A summary that cannot be
  * written is a line there, and no failure. */
-void github_tell(const struct verify_result *result, size_t count, const struct printer *printer);
+void github_report(const struct verify_result *result, size_t count, const struct printer *printer);
 
 #endif

@@ -27,7 +27,7 @@ void verify_result_fail(struct verify_result *result, enum err err, bool is_told
         buf_printf(&result->lines, "# %s\n", fault->text);
 }
 
-void verify_result_tell(struct buf *out, const struct verify_result *r)
+void verify_result_describe(struct buf *out, const struct verify_result *r)
 {
     buf_printf(out,
                "%" PRIu64 " command%s, %" PRIu64 " result%s with %" PRIu64 " digest%s, %" PRIu64

@@ -29,7 +29,7 @@ struct verify_result {
     struct buf facts;   /* what a lock says of it (iftty_lock.h), where that was asked for; or "" */
     struct buf signer;  /* who signed it, where that was asked for, safe to print; or "" */
     struct buf orphans; /* golden images that it does not name: their files, each ended by NUL */
-    struct buf slowest; /* of its records, where that was asked for: lines, as of timing_tell */
+    struct buf slowest; /* of its records, where that was asked for: lines, as of timing_write */
     struct evidence evidence;
 };
 
@@ -41,7 +41,7 @@ void verify_result_fail(struct verify_result *result, enum err err, bool is_told
 
 /* Adds what was compared: "10 commands, 10 results with 14 digests, 1 golden image of 1200
  * pixels". */
-void verify_result_tell(struct buf *out, const struct verify_result *result);
+void verify_result_describe(struct buf *out, const struct verify_result *result);
 
 void verify_result_write(struct buf *out, const struct verify_result *result);
 

@@ -13,7 +13,7 @@
 #include "command/interpreter.h"
 #include "journal/journal.h"
 #include "journal/replay.h"
-#include "journal/walk.h"
+#include "journal/record.h"
 #include "report/export.h"
 #include "session/session.h"
 #include "session/session_inside.h"

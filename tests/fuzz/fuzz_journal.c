@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "journal/journal.h"
-#include "journal/walk.h"
+#include "journal/record.h"
 
 /* A record that is sound, and has no comments, is what encoding it gives. */
 static void encode_again(const struct walk *walk, const struct record *record,

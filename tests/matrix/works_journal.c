@@ -103,7 +103,7 @@ static void golden(void)
     const struct golden_planes a = {SIDE, SIDE, {rgba[0], depth[0], NULL, voxel[0]}},
                                b = {SIDE, SIDE, {rgba[1], depth[1], NULL, voxel[1]}};
     must(golden_compare(&a, &b, &difference, &fault), &fault, "a comparison");
-    golden_tell(&text, &difference);
+    golden_describe(&text, &difference);
     tell(bytes_digest(buf_text(&text), text.length), "golden/words");
     tell(bytes_digest(difference.image, SIDE * SIDE * 4), "golden/image");
     golden_difference_release(&difference);
