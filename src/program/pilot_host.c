@@ -73,11 +73,11 @@ static void write_label(struct buf *out, const struct session *session, unsigned
 {
     const uint64_t *before = session_voxels_before_edit(session);
     buf_add_text(out, "label ");
-    act_write_label(out, session, label);
+    label_report_write_name(out, session, label);
     if (label == 0 || session_tally(session)->stale)
         return;
     buf_add_char(out, ' ');
-    act_write_volume(out, session, label, before ? before[label] : 0);
+    label_report_write_volume(out, session, label, before ? before[label] : 0);
 }
 
 /* Of the labels that the last edit changed, the one of which it changed most; 0 for none. */
@@ -136,7 +136,7 @@ static void write_where(struct buf *out, struct session *session, bool knows_sum
     if (session_shows_finished(session) && session->live.label &&
         session->live.label[cell_at_cross(session)] != cell->label) {
         buf_add_text(out, "  finished label ");
-        act_write_label(out, session, session->live.label[cell_at_cross(session)]);
+        label_report_write_name(out, session, session->live.label[cell_at_cross(session)]);
     }
     if (knows_sums)
         write_sums(out, session, cell->label);
@@ -215,7 +215,7 @@ static void move(void *context, const int64_t by[3], uint32_t place[3])
 
 static void label(void *context, unsigned number, struct buf *out)
 {
-    act_write_label(out, session_of(context), number);
+    label_report_write_name(out, session_of(context), number);
 }
 
 /* ---- seeds and labels ---- */
@@ -305,7 +305,7 @@ static bool why(void *context, const uint32_t place[3], struct pilot_way *way, s
                               .has_edge = pilot->way.edge != CELL_NONE};
     place_of(session, key_root(at->key), way->root);
     buf_add_text(out, "label ");
-    act_write_label(out, session, at->label);
+    label_report_write_name(out, session, at->label);
     buf_printf(out, " at a cost of %u, %zu step%s from its seed", key_cost(at->key),
                pilot->way.count - 1, plural(pilot->way.count - 1));
     if (way->has_edge) {
@@ -314,7 +314,7 @@ static bool why(void *context, const uint32_t place[3], struct pilot_way *way, s
     }
     if (rival.exists) {
         buf_add_text(out, "; next is label ");
-        act_write_label(out, session, rival.label);
+        label_report_write_name(out, session, rival.label);
         buf_printf(out, " at %u", rival.cost);
     }
     return true;
@@ -363,7 +363,7 @@ static void write_held(struct buf *out, const struct session *session, const str
         buf_printf(out, ", %zu seed%s wait%s", held->waits, plural(held->waits),
                    held->waits == 1 ? "s" : "");
     buf_add_text(out, ", label ");
-    act_write_label(out, session, held->label);
+    label_report_write_name(out, session, held->label);
 }
 
 static bool held(void *context, const uint32_t place[3], bool tree, struct buf *out)
