@@ -227,22 +227,17 @@ enum err term_set_mode(enum term_mode mode, struct fault *fault)
 
 /* ---- signals ---- */
 
-static size_t signal_place(int number)
-{
-    size_t i = 0;
-    while (taken_signal[i] != number)
-        i++;
-    return i;
-}
-
 /* Gives the terminal back and lets the signal take its usual course: it is blocked while this
  * runs, so the raise takes effect on return. */
 static void on_end(int number)
 {
     int kept = errno;
+    size_t place = 0;
+    while (taken_signal[place] != number)
+        place++;
     give_back(true, number == SIGTERM || number == SIGINT || number == SIGQUIT);
     term.mode = TERM_AS_FOUND;
-    sigaction(number, &former[signal_place(number)], NULL);
+    sigaction(number, &former[place], NULL);
     raise(number);
     errno = kept;
 }

@@ -165,9 +165,6 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
     const enum err err = draw(pilot, wish, fault);
     if (err)
         return err;
-    for (size_t i = 0; i < panes->notes; i++)
-        pilot->note[i] = (struct image_note){panes->note[i].column, panes->note[i].row,
-                                             panes->note[i].character};
     for (enum pane pane = PANE_AXIAL; pane < PANE_RENDITION; pane++)
         pilot->slice[pane] = panes_box(panes, pane);
     *view = (struct image_view){.width = wish->width,
@@ -175,7 +172,7 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
                                 .rgba = panes->canvas.rgba,
                                 .focus = panes_box(panes, (enum pane)wish->pane),
                                 .words = panes->canvas.words,
-                                .note = pilot->note,
+                                .note = panes->note,
                                 .notes = panes->notes,
                                 .below = panes->canvas.below,
                                 .slice = pilot->slice,

@@ -16,7 +16,6 @@ struct pilot_interpreter {
     bool smooth;        /* all bits of every colour, where the terminal can */
     struct panes panes; /* the last picture, */
     struct raster_box slice[PANES_SLICES], beyond; /* and where slices are in it, and beyond */
-    struct image_note note[PANES_NOTES_MOST];
     struct held held;     /* what was asked for last, until the next command, */
     struct voxel_why why; /* and the path that was */
     uint32_t hue[256];

@@ -28,8 +28,9 @@ struct voxel_why {
 };
 void voxel_why_release(struct voxel_why *why);
 
-/* Finds it, and adds it in words: "label 1 brain at a cost of 12, 212 steps from its seed, strongest
- * edge into 93,40,61; next is label 0 at 15". False, with words, where there is nothing to find. */
+/* Finds it, and adds it in words: "label 1 brain at a cost of 12, 212 steps from its seed,
+ * strongest edge into 93,40,61; next is label 0 at 15". False, with words, where there is nothing
+ * to find. */
 bool voxel_why_find(struct voxel_why *why, const struct session *session, const uint32_t place[3],
                     struct buf *out);
 

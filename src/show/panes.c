@@ -169,7 +169,7 @@ struct cells {
 static void add_note(struct panes *p, uint32_t column, uint32_t row, char character)
 {
     if (p->notes < PANES_NOTES_MOST)
-        p->note[p->notes++] = (struct pane_note){(uint16_t)column, (uint16_t)row, character};
+        p->note[p->notes++] = (struct raster_note){(uint16_t)column, (uint16_t)row, character};
 }
 
 static void add_letters(struct panes *p, const struct scene *scene, enum slice_plane plane,

@@ -3,8 +3,8 @@
  * lies under its pixels, and what lies beyond it.
  *
  *     marks    hatching for what an eliminator would take, crosses for corners and a pixel, a path
- *              back to a seed: white where it lies in a slice, yellow in front of it or behind, with
- *              a cross around its strongest edge
+ *              back to a seed: white where it lies in a slice, yellow in front of it or behind,
+ *              with a cross around its strongest edge
  *     heat     colours slices where labels are uncertain: greys get it, and tints where they are
  *              drawn over; no words, contours or marks
  *     notes    what is written over slices where pixels are too few for letters: the patient's
@@ -41,16 +41,11 @@ struct panes_wish {
     size_t corners;
 };
 
-struct pane_note {
-    uint16_t column, row; /* a cell of the screen */
-    char character;
-};
-
 /* {0} is none yet. */
 struct panes {
     struct canvas canvas;       /* the picture, with cells, words and what lies below */
     struct slicing_panel panel; /* what it is of */
-    struct pane_note note[PANES_NOTES_MOST];
+    struct raster_note note[PANES_NOTES_MOST];
     size_t notes;
     struct canvas beyond; /* a slice that may be wanted next */
 };
@@ -81,8 +76,8 @@ bool panes_voxel_at(const struct panes *panes, const struct session *session, ui
 bool panes_pan(const struct panes *panes, const struct session *session, enum pane pane,
                const int by[2], uint32_t middle[3], uint32_t place[3]);
 
-/* The rendition's own pixel, {column, row}, that the picture shows at one of its pixels, or the last
- * one before that; as it was where there is no rendition. */
+/* The rendition's own pixel, {column, row}, that the picture shows at one of its pixels, or the
+ * last one before that; as it was where there is no rendition. */
 void panes_frame_pixel(const struct panes *panes, const struct session *session, uint32_t column,
                        uint32_t row, uint32_t pixel[2]);
 

@@ -190,7 +190,7 @@ static void add_notes(struct block *cell, uint32_t columns, uint32_t rows,
 {
     static const uint32_t ink = 0xE8E8E8, paper = 0x000000;
     for (size_t i = 0; i < view->notes; i++) {
-        const struct image_note *note = &view->note[i];
+        const struct raster_note *note = &view->note[i];
         if (note->column >= columns || note->row >= rows)
             continue;
         struct block *at = &cell[(size_t)note->row * columns + note->column];
