@@ -191,16 +191,6 @@ enum err term_write_end(struct fault *fault)
     return term_write(term.end.bytes, (size_t)term.end.length, fault);
 }
 
-static enum err write_sequence(enum term_mode before, enum term_mode mode, struct fault *fault)
-{
-    if (mode == TERM_AS_FOUND && !term.end_written)
-        return term_write(term.end.bytes, (size_t)term.end.length, fault);
-    term.end_written = false;
-    if (mode != TERM_AS_FOUND && before == TERM_AS_FOUND)
-        return term_write(term.begin.bytes, (size_t)term.begin.length, fault);
-    return OK;
-}
-
 enum err term_set_mode(enum term_mode mode, struct fault *fault)
 {
     enum term_mode before = (enum term_mode)term.mode;
@@ -220,7 +210,14 @@ enum err term_set_mode(enum term_mode mode, struct fault *fault)
         guarded->on = before != TERM_AS_FOUND;
         return fault_errno(fault, "set the modes of", "the terminal");
     }
-    enum err err = write_sequence(before, mode, fault);
+    enum err err = OK;
+    if (mode == TERM_AS_FOUND && !term.end_written) {
+        err = term_write(term.end.bytes, (size_t)term.end.length, fault);
+    } else {
+        term.end_written = false;
+        if (mode != TERM_AS_FOUND && before == TERM_AS_FOUND)
+            err = term_write(term.begin.bytes, (size_t)term.begin.length, fault);
+    }
     guarded->on = mode != TERM_AS_FOUND;
     return err;
 }
@@ -303,13 +300,6 @@ static void take_signals(void)
     }
 }
 
-static void give_signals_back(void)
-{
-    for (size_t i = 0; i < SIGNALS; i++)
-        if (is_taken[i])
-            sigaction(taken_signal[i], &former[i], NULL);
-}
-
 /* Handlers need a stack of their own where ours has overflowed. */
 static void take_stack(void)
 {
@@ -363,7 +353,9 @@ void term_close(void)
     term_set_mode(TERM_AS_FOUND, NULL);
     term.open = 0;
     guardian_end(&term.guardian);
-    give_signals_back();
+    for (size_t i = 0; i < SIGNALS; i++)
+        if (is_taken[i])
+            sigaction(taken_signal[i], &former[i], NULL);
 }
 
 /* ---- size, input, output ---- */

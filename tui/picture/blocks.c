@@ -169,17 +169,14 @@ static struct block coloured(const uint32_t *colour, unsigned count, enum colour
     return (struct block){ink, paper, (uint8_t)parts, 0};
 }
 
-static uint32_t luminance(uint32_t colour)
-{
-    return (299 * (colour >> 16) + 587 * (colour >> 8 & 255) + 114 * (colour & 255)) / 1000;
-}
-
 static struct block colourless(const uint32_t *colour, unsigned count)
 {
     static const char ink[] = " .:-=+*#%@";
     uint32_t light = count / 2;
-    for (unsigned i = 0; i < count; i++)
-        light += luminance(colour[i]);
+    for (unsigned i = 0; i < count; i++) /* luminance */
+        light +=
+            (299 * (colour[i] >> 16) + 587 * (colour[i] >> 8 & 255) + 114 * (colour[i] & 255)) /
+            1000;
     light /= count;
     return (struct block){BLOCK_DEFAULT, BLOCK_DEFAULT,
                           (uint8_t)ink[(light * (sizeof ink - 2) + 127) / 255], 0};

@@ -310,7 +310,7 @@ static void keep_last_line(struct buf *message, const char *text)
 /* What a command said, below the picture: its last line, or all of them as one. */
 static void keep_answer(struct pilot *p, struct buf *output)
 {
-    if (!p->state->tells_all) {
+    if (!p->state->says_all) {
         keep_last_line(&p->message, buf_text(output));
         return;
     }

@@ -115,7 +115,7 @@ static void carry_out(struct press *p, const struct pilot_row *row)
     p->by = row->by;
     p->deed = row->deed;
     p->state->is_silent = row->flags & PILOT_IS_SILENT;
-    p->state->tells_all = row->flags & PILOT_TELLS_ALL;
+    p->state->says_all = row->flags & PILOT_SAYS_ALL;
     if (!(row->flags & PILOT_STAYS))
         p->state->mode = row->then ? row->then : p->state->base;
     if (row->command) {
@@ -249,7 +249,7 @@ static bool may_lead(const struct pilot_state *state, const struct key_event *ev
 enum pilot_deed pilot_press(struct press *p)
 {
     struct pilot_state *state = p->state;
-    state->is_silent = state->tells_all = state->sketches = state->drops = false;
+    state->is_silent = state->says_all = state->sketches = state->drops = false;
     const bool is_passing = state->mode != PILOT_MOVING && state->mode != PILOT_PICKING;
     if (is_passing && !find_row(state, p->event) && !may_lead(state, p->event))
         state->mode = state->base; /* a key of another mode does what it does there */
@@ -264,20 +264,21 @@ enum pilot_deed pilot_press(struct press *p)
 
 /* ---- the mouse ---- */
 
-static void turn_wheel(struct press *p, bool up, enum pilot_pane pane)
+/* By p->by, 1 for up. */
+static void turn_wheel(struct press *p, enum pilot_pane pane)
 {
     struct pilot_state *state = p->state;
     int64_t by[3] = {0, 0, 0};
     uint32_t place[3];
     if (pane == PILOT_RENDITION) {
-        pilot_zoom(p->facts->zoom, up, p->line);
+        pilot_change_zoom(p);
         return;
     }
     if (p->event->modifiers & KEY_CONTROL) {
-        pilot_magnify_by(p, up ? 1 : -1);
+        pilot_magnify_by(p, p->by);
         return;
     }
-    by[pane] = up ? 1 : -1;
+    by[pane] = p->by;
     p->host->move(p->host->context, by, place);
     if (pilot_confirms(state->mode)) { /* what is shown is not under it any more */
         state->mode = state->base;
@@ -333,14 +334,15 @@ static void click(struct press *p, uint32_t column, uint32_t row)
     if (state->encloses && !pulls &&
         (mouse->button != MOUSE_RIGHT || mouse->action == MOUSE_RELEASED))
         drop_ball(state);
-    state->is_silent = state->tells_all = state->sketches = state->drops = false;
+    state->is_silent = state->says_all = state->sketches = state->drops = false;
     if (state->mode == PILOT_PICKING && pane == PILOT_RENDITION && mouse->button == MOUSE_LEFT &&
         mouse->action != MOUSE_RELEASED) {
         p->host->frame_pixel(p->host->context, column, row, state->pixel);
         return;
     }
     if (mouse->action == MOUSE_WHEEL_UP || mouse->action == MOUSE_WHEEL_DOWN) {
-        turn_wheel(p, mouse->action == MOUSE_WHEEL_UP, pane);
+        p->by = mouse->action == MOUSE_WHEEL_UP ? 1 : -1;
+        turn_wheel(p, pane);
     } else if (mouse->button == MOUSE_LEFT && mouse->action == MOUSE_PRESSED) {
         if (!shows) {
             buf_clear(p->message);
