@@ -798,7 +798,7 @@ STORY(cells_show_what_they_should_after_every_edit)
  * picture that has none. */
 STORY(notes_stand_in_cells_of_text)
 {
-    static const struct image_note note[] = {
+    static const struct raster_note note[] = {
         {0, 0, 'R'}, {3, 1, 'L'}, {29, 14, 'A'}, {30, 2, 'x'}, {4, 15, 'x'}};
     for (int colours = 0; colours < 4; colours++) {
         struct terminal_facts facts = facts_of(&graphics_blocks, 8, 16);

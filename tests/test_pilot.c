@@ -235,7 +235,7 @@ STORY(counts_are_those_of_vim)
     facts.place[0] = 39;
     CHECK_TEXT(type("h"), ""); /* nowhere to go is no command */
     CHECK_TEXT(type("5u"), "undo 5\n");
-    CHECK(state.tells_all);
+    CHECK(state.says_all);
     CHECK_TEXT(type("u"), "undo\n");
     press(KEY_CHARACTER, KEY_CONTROL, 'r');
     CHECK_TEXT(buf_text(&line), "redo\n");

@@ -11,7 +11,6 @@
 #include "tests/sixel_decode.h"
 #include "tui/picture/blocks.h"
 #include "tui/cells.h"
-#include "tui/picture/colour_table.h"
 #include "tui/keys.h"
 #include "tui/prompt/line.h"
 #include "tui/prompt/line_draw.h"

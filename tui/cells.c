@@ -25,22 +25,15 @@ static bool has_locale(void)
     return utf8 != (locale_t)0;
 }
 
-/* Negative for what has no width: a code point without a character. */
-static int width_by_libc(uint32_t point)
+unsigned char_width(uint32_t point)
 {
-    if (!has_locale())
+    enum { FIRST_MARK = 0x300 };
+    if (point < FIRST_MARK || !has_locale())
         return 1;
     const locale_t former = uselocale(utf8);
     const int width = wcwidth((wchar_t)point);
     uselocale(former);
-    return width;
-}
-
-unsigned char_width(uint32_t point)
-{
-    enum { FIRST_MARK = 0x300 };
-    const int width = point < FIRST_MARK ? 1 : width_by_libc(point);
-    return width < 0 ? 1 : (unsigned)width;
+    return width < 0 ? 1 : (unsigned)width; /* a code point without a character has none */
 }
 
 size_t char_read(const char *text, size_t length, uint32_t *point)

@@ -46,28 +46,16 @@ static void keep_descriptors(int from[DESCRIPTORS])
     closefrom(DESCRIPTORS);
 }
 
-static void await_end(bool has_parent)
-{
-    struct pollfd ready[2] = {{.fd = PIPE, .events = POLLIN},
-                              {.fd = has_parent ? PARENT : -1, .events = POLLIN}};
-    while (poll(ready, 2, -1) <= 0)
-        ;
-}
-
-static bool same_modes(const struct termios *a, const struct termios *b)
-{
-    const tcflag_t passing = FLUSHO | PENDIN;
-    return a->c_iflag == b->c_iflag && a->c_oflag == b->c_oflag &&
-           (a->c_lflag & ~passing) == (b->c_lflag & ~passing);
-}
-
 /* Where the foreground job is not known, the modes decide. */
 static void give_back(const struct watch *w)
 {
     const struct guarded *g = w->guarded;
     const pid_t foreground = tcgetpgrp(IN);
+    const tcflag_t passing = FLUSHO | PENDIN;
     struct termios now;
-    const bool ours = tcgetattr(IN, &now) == 0 && same_modes(&now, &g->ours);
+    const bool ours = tcgetattr(IN, &now) == 0 && now.c_iflag == g->ours.c_iflag &&
+                      now.c_oflag == g->ours.c_oflag &&
+                      (now.c_lflag & ~passing) == (g->ours.c_lflag & ~passing);
     if (foreground < 0 ? !ours : foreground != w->job && foreground != w->shell)
         return;
     if (ours) {
@@ -80,14 +68,16 @@ static void give_back(const struct watch *w)
 
 static _Noreturn void guard(const struct watch *w, int from[DESCRIPTORS])
 {
-    const bool has_parent = from[PARENT] >= 0;
+    struct pollfd ready[2] = {{.fd = PIPE, .events = POLLIN},
+                              {.fd = from[PARENT] >= 0 ? PARENT : -1, .events = POLLIN}};
     prctl(PR_SET_NAME, "iftty-guardian");
     setpgid(0, 0);
     ignore_signals();
     keep_descriptors(from);
     int ignored = chdir("/");
     (void)ignored;
-    await_end(has_parent);
+    while (poll(ready, 2, -1) <= 0)
+        ;
     if (w->guarded->on)
         give_back(w);
     _exit(0);
@@ -95,20 +85,16 @@ static _Noreturn void guard(const struct watch *w, int from[DESCRIPTORS])
 
 /* ---- in the parent ---- */
 
-static struct guarded *shared_memory(void)
-{
-    static struct guarded unshared;
-    void *place = mmap(NULL, sizeof(struct guarded), PROT_READ | PROT_WRITE,
-                       MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    return place == MAP_FAILED ? &unshared : place;
-}
-
 void guardian_start(struct guardian *g, int in, int out)
 {
+    static struct guarded unshared;
     int ends[2];
     sigset_t all, before;
-    if (!g->guarded)
-        g->guarded = shared_memory();
+    if (!g->guarded) {
+        void *place = mmap(NULL, sizeof(struct guarded), PROT_READ | PROT_WRITE,
+                           MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+        g->guarded = place == MAP_FAILED ? &unshared : place;
+    }
     *g = (struct guardian){.guarded = g->guarded, .pipe = -1};
     if (pipe2(ends, O_CLOEXEC) != 0)
         return;

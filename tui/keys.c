@@ -180,16 +180,6 @@ static bool emit_mouse(struct keys *k, unsigned code, unsigned column, unsigned 
     return true;
 }
 
-/* "<0;11;6" and the final byte. */
-static bool end_sgr_mouse(struct keys *k, uint8_t final, struct key_event *event)
-{
-    const char *text = k->body + 2;
-    const unsigned code = parameter(&text), column = parameter(&text), row = parameter(&text);
-    if (text != k->body + k->length - 1)
-        return emit(k, KEY_OTHER, 0, event);
-    return emit_mouse(k, code, column, row, final == 'm', event);
-}
-
 /* Three bytes, each 32 more than it says; which button was let go is not said. */
 static bool feed_csi_mouse(struct keys *k, uint8_t byte, struct key_event *event)
 {
@@ -205,8 +195,13 @@ static bool feed_csi_mouse(struct keys *k, uint8_t byte, struct key_event *event
 static bool end_csi(struct keys *k, uint8_t final, struct key_event *event)
 {
     const char *text = k->body + 1;
-    if (*text == '<' && (final == 'M' || final == 'm'))
-        return end_sgr_mouse(k, final, event);
+    if (*text == '<' && (final == 'M' || final == 'm')) { /* "<0;11;6" and the final byte */
+        text++;
+        const unsigned code = parameter(&text), column = parameter(&text), row = parameter(&text);
+        if (text != k->body + k->length - 1)
+            return emit(k, KEY_OTHER, 0, event);
+        return emit_mouse(k, code, column, row, final == 'm', event);
+    }
     if (final == 'M' && k->length == 2) {
         k->state = KEYS_CSI_MOUSE;
         return false;
@@ -224,14 +219,6 @@ static bool end_csi(struct keys *k, uint8_t final, struct key_event *event)
     unsigned number = parameter(&text), modifier = parameter(&text);
     unsigned modifiers = modifier > 0 ? (modifier - 1) & 7 : 0;
     return emit(k, final == '~' ? tilde_key(number) : letter_key(final), modifiers, event);
-}
-
-static bool feed_csi(struct keys *k, uint8_t byte, struct key_event *event)
-{
-    store(k, byte);
-    if (byte < 0x40)
-        return false;
-    return end_csi(k, byte, event);
 }
 
 static bool feed_ss3(struct keys *k, uint8_t byte, struct key_event *event)
@@ -278,7 +265,8 @@ static bool feed(struct keys *k, uint8_t byte, struct key_event *event)
     case KEYS_ESC:
         return feed_escape(k, byte, event);
     case KEYS_CSI:
-        return feed_csi(k, byte, event);
+        store(k, byte);
+        return byte >= 0x40 && end_csi(k, byte, event);
     case KEYS_CSI_LINUX:
         return emit(k, KEY_OTHER, 0, event);
     case KEYS_CSI_MOUSE:

@@ -15,25 +15,19 @@ void progress_init(struct progress *progress, int fd)
         .fd = fd, .shows = isatty(fd) == 1, .has_blocks = locale_is_utf8(), .columns = 80};
 }
 
-static void add_bar(struct buf *out, unsigned percent)
-{
-    buf_add_char(out, '[');
-    for (unsigned i = 0; i < BAR; i++)
-        buf_add_char(out, i * 100 < percent * BAR ? '#' : '-');
-    buf_add_char(out, ']');
-}
-
-/* Whole cells, and of the last one as many eighths from the left as there are. */
-static void add_block_bar(struct buf *out, double part)
+/* In blocks whole cells, and of the last one as many eighths from the left as there are. */
+static void add_bar(struct buf *out, double part, unsigned percent, bool has_blocks)
 {
     static const char *const eighths[] = {" ", "▏", "▎", "▍", "▌", "▋", "▊", "▉", "█"};
     const unsigned all = (unsigned)(part * BAR * 8);
-    buf_add_text(out, "▕");
+    buf_add_text(out, has_blocks ? "▕" : "[");
     for (unsigned i = 0; i < BAR; i++) {
         const unsigned left = all > 8 * i ? all - 8 * i : 0;
-        buf_add_text(out, eighths[left < 8 ? left : 8]);
+        buf_add_text(out, has_blocks                ? eighths[left < 8 ? left : 8]
+                          : i * 100 < percent * BAR ? "#"
+                                                    : "-");
     }
-    buf_add_text(out, "▏");
+    buf_add_text(out, has_blocks ? "▏" : "]");
 }
 
 void progress_line(struct buf *out, const struct progress_step *step, bool has_blocks,
@@ -45,10 +39,7 @@ void progress_line(struct buf *out, const struct progress_step *step, bool has_b
     if (step->total) {
         const double part = (double)done / (double)step->total;
         const unsigned percent = (unsigned)((double)done * 100.0 / (double)step->total);
-        if (has_blocks)
-            add_block_bar(&line, part);
-        else
-            add_bar(&line, percent);
+        add_bar(&line, part, percent, has_blocks);
         buf_printf(&line, " %3u %%, ", percent);
     } else if (step->done) {
         buf_printf(&line, "%llu voxels, ", (unsigned long long)step->done);
@@ -78,16 +69,6 @@ static void put(struct progress *progress, const struct buf *line)
         term_write_to(progress->fd, out.data, out.length, NULL);
     progress->drawn = width;
     buf_release(&out);
-}
-
-/* In the background a line would run into what others write. */
-static bool is_in_front(struct progress *progress)
-{
-    const unsigned columns = term_columns(progress->fd);
-    if (columns > 1)
-        progress->columns = columns;
-    const pid_t front = tcgetpgrp(progress->fd);
-    return front < 0 || front == getpgrp();
 }
 
 /* Notices where another step begins, or the same one anew. */
@@ -130,7 +111,11 @@ void progress_show(struct progress *progress, const char *what, uint64_t done, u
         now_ns - progress->drawn_ns < 1000 / PROGRESS_A_SECOND * ms)
         return;
     progress->drawn_ns = now_ns;
-    if (!is_in_front(progress))
+    const unsigned columns = term_columns(progress->fd);
+    const pid_t front = tcgetpgrp(progress->fd);
+    if (columns > 1)
+        progress->columns = columns;
+    if (front >= 0 && front != getpgrp()) /* a line would run into what others write */
         return;
     struct progress_step step = {.what = what, .done = done, .total = total};
     step.seconds = (now_ns - progress->begun_ns) / (1000 * ms);

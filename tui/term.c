@@ -191,16 +191,6 @@ enum err term_write_end(struct fault *fault)
     return term_write(term.end.bytes, (size_t)term.end.length, fault);
 }
 
-static enum err write_sequence(enum term_mode before, enum term_mode mode, struct fault *fault)
-{
-    if (mode == TERM_AS_FOUND && !term.end_written)
-        return term_write(term.end.bytes, (size_t)term.end.length, fault);
-    term.end_written = false;
-    if (mode != TERM_AS_FOUND && before == TERM_AS_FOUND)
-        return term_write(term.begin.bytes, (size_t)term.begin.length, fault);
-    return OK;
-}
-
 enum err term_set_mode(enum term_mode mode, struct fault *fault)
 {
     enum term_mode before = (enum term_mode)term.mode;
@@ -220,29 +210,31 @@ enum err term_set_mode(enum term_mode mode, struct fault *fault)
         guarded->on = before != TERM_AS_FOUND;
         return fault_errno(fault, "set the modes of", "the terminal");
     }
-    enum err err = write_sequence(before, mode, fault);
+    enum err err = OK;
+    if (mode == TERM_AS_FOUND && !term.end_written) {
+        err = term_write(term.end.bytes, (size_t)term.end.length, fault);
+    } else {
+        term.end_written = false;
+        if (mode != TERM_AS_FOUND && before == TERM_AS_FOUND)
+            err = term_write(term.begin.bytes, (size_t)term.begin.length, fault);
+    }
     guarded->on = mode != TERM_AS_FOUND;
     return err;
 }
 
 /* ---- signals ---- */
 
-static size_t signal_place(int number)
-{
-    size_t i = 0;
-    while (taken_signal[i] != number)
-        i++;
-    return i;
-}
-
 /* Gives the terminal back and lets the signal take its usual course: it is blocked while this
  * runs, so the raise takes effect on return. */
 static void on_end(int number)
 {
     int kept = errno;
+    size_t place = 0;
+    while (taken_signal[place] != number)
+        place++;
     give_back(true, number == SIGTERM || number == SIGINT || number == SIGQUIT);
     term.mode = TERM_AS_FOUND;
-    sigaction(number, &former[signal_place(number)], NULL);
+    sigaction(number, &former[place], NULL);
     raise(number);
     errno = kept;
 }
@@ -308,13 +300,6 @@ static void take_signals(void)
     }
 }
 
-static void give_signals_back(void)
-{
-    for (size_t i = 0; i < SIGNALS; i++)
-        if (is_taken[i])
-            sigaction(taken_signal[i], &former[i], NULL);
-}
-
 /* Handlers need a stack of their own where ours has overflowed. */
 static void take_stack(void)
 {
@@ -368,7 +353,9 @@ void term_close(void)
     term_set_mode(TERM_AS_FOUND, NULL);
     term.open = 0;
     guardian_end(&term.guardian);
-    give_signals_back();
+    for (size_t i = 0; i < SIGNALS; i++)
+        if (is_taken[i])
+            sigaction(taken_signal[i], &former[i], NULL);
 }
 
 /* ---- size, input, output ---- */

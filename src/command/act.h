@@ -4,6 +4,7 @@
 
 #include "command/interpreter.h"
 #include "image/levels.h"
+#include "report/label_report.h"
 #include "session/paint.h"
 #include "show/draw.h"
 #include "show/slicing.h"
@@ -195,14 +196,6 @@ enum err act_take_shown(const struct act *act, struct labels *labels);
  * there are no steps. */
 void act_write_finish(struct buf *out, const struct session *session);
 
-/* The volume of so many voxels: "1.24 l", or "3 voxels" where their distances are unknown. */
-void act_write_extent(struct buf *out, const struct session *session, uint64_t voxels);
-
-/* "142 ml (+1.2 ml)": all of a label, as the tally has it, and how much more than the voxels that
- * it had before, where it had any and has others now. */
-void act_write_volume(struct buf *out, const struct session *session, unsigned label,
-                      uint64_t former);
-
 /* Has the session take on the state act->next. */
 enum err act_go(const struct act *act);
 
@@ -333,9 +326,6 @@ void act_add_weights(const struct act *act);
  * the picture. */
 enum err act_take_slices(const struct act *act, enum slice_kind kind, const struct labels *labels,
                          struct picture *picture);
-
-/* "2 cerebellum", or "2" where the label has no name; "2 cerebellum (1008)" with its own number. */
-void act_write_label(struct buf *out, const struct session *session, unsigned label);
 
 /* A line where edits wait for `run`: what was answered of the labels is without them. */
 void act_write_waiting(const struct act *act);

@@ -36,14 +36,6 @@ void act_write_axes(struct buf *out, const struct geometry *geometry)
                    geometry->orientation == ORIENTATION_TOLD ? " as told by the user" : "");
 }
 
-void act_write_label(struct buf *out, const struct session *session, unsigned label)
-{
-    const char *name = session_kept(session)->label_name[label];
-    buf_printf(out, "%u%s%s", label, *name ? " " : "", name);
-    if (session_kept(session)->label_number[label])
-        buf_printf(out, " (%u)", session_kept(session)->label_number[label]);
-}
-
 void act_write_waiting(const struct act *act)
 {
     const size_t waits = session_pendings(act->session);
@@ -97,7 +89,7 @@ void act_write_voxel(struct buf *out, const struct session *session, uint32_t at
     }
     struct place root = grid_place(grid, key_root(cell->key));
     buf_add_text(out, "label ");
-    act_write_label(out, session, cell->label);
+    label_report_write_name(out, session, cell->label);
     buf_printf(out, ", of the seed at %u,%u,%u", root.x, root.y, root.z);
     act_write_reach(out, session, key_root(cell->key));
     buf_add_char(out, '\n');
@@ -114,7 +106,7 @@ static enum err write_rival(const struct act *act, uint32_t at)
     if (err || !rival.exists)
         return err;
     buf_add_text(&act->reply->text, "next is label ");
-    act_write_label(&act->reply->text, session, rival.label);
+    label_report_write_name(&act->reply->text, session, rival.label);
     if (rival.cost == key_cost(session_scene(session)->cell[at].key))
         buf_add_text(&act->reply->text, ", at the same cost\n");
     else

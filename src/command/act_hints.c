@@ -52,9 +52,9 @@ static enum err write_hint(const struct act *act, const struct hint *hint, size_
     buf_printf(out, "%zu  at %u,%u,%u: ", number, p.x, p.y, p.z);
     write_size(out, session, hint->voxels);
     buf_add_text(out, "; label ");
-    act_write_label(out, session, hint->label);
+    label_report_write_name(out, session, hint->label);
     buf_printf(out, " at a cost of %u, label ", cost);
-    act_write_label(out, session, hint->other);
+    label_report_write_name(out, session, hint->other);
     buf_printf(out, " at %u, an edge of %u between them", cost + hint->margin, hint->edge);
     if (!err && way.edge != CELL_NONE) {
         const struct place edge = place_of(act, way.edge);

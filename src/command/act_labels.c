@@ -239,7 +239,7 @@ static void write_label_pieces(const struct act *act, unsigned label, uint32_t p
 {
     struct buf *out = &act->reply->text;
     buf_add_text(out, "label ");
-    act_write_label(out, act->session, label);
+    label_report_write_name(out, act->session, label);
     buf_printf(out, ": %u marker%s\n", pieces, plural(pieces));
 }
 

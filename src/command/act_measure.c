@@ -163,7 +163,7 @@ static void list(struct buf *out, const struct profile *p)
                      cell->intensity);
         buf_add_text(out, "  ");
         if (cell_is_reached(cell))
-            act_write_label(out, p->session, cell->label);
+            label_report_write_name(out, p->session, cell->label);
         buf_add_text(out, cell_is_reached(cell) ? "\n" : "no seed reaches it\n");
     }
 }

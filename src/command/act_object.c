@@ -150,7 +150,7 @@ static void warn_of_no_other(const struct search *s)
             markers->marker[i].label != s->label)
             return;
     buf_add_text(out, "no other label has a seed: nothing holds label ");
-    act_write_label(out, session, (unsigned)s->label);
+    label_report_write_name(out, session, (unsigned)s->label);
     buf_printf(out,
                " back, and a run gives it all of the %s\nthat its trees reach; seeds of the "
                "background hold it, as `seed X,Y,Z 0`, or a shell or a box around it\n",
@@ -167,7 +167,7 @@ static enum err plant(struct search *s)
         return err;
     buf_printf(&act->reply->text, "%zu voxel%s of label ", s->planting.planted,
                plural(s->planting.planted));
-    act_write_label(&act->reply->text, act->session, (unsigned)s->label);
+    label_report_write_name(&act->reply->text, act->session, (unsigned)s->label);
     buf_add_char(&act->reply->text, '\n');
     warn_of_no_other(s);
     act_write_unsure(act, s->unsure);

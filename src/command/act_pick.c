@@ -58,7 +58,7 @@ static void write_distance(struct buf *out, const struct session *session, uint3
     else
         buf_printf(out, "%.2f %s from the border of label ", sqrt((double)border.squared) / 1e6,
                    unit);
-    act_write_label(out, session, scene->cell[cell].label);
+    label_report_write_name(out, session, scene->cell[cell].label);
     if (border.found && border.squared)
         buf_printf(out, ", at %u,%u,%u", at.x, at.y, at.z);
     if (border.squared && geometry_fill(session_geometry(session)) < 1)
@@ -92,7 +92,7 @@ enum err act_pick(const struct act *act)
         write_distance(&act->reply->text, session, cell);
     if (labels_at(&labels, cell) != session_scene(session)->cell[cell].label) {
         buf_add_text(&act->reply->text, "finished: label ");
-        act_write_label(&act->reply->text, session, labels_at(&labels, cell));
+        label_report_write_name(&act->reply->text, session, labels_at(&labels, cell));
         buf_add_char(&act->reply->text, '\n');
     }
     act_write_waiting(act);

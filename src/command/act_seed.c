@@ -142,7 +142,7 @@ static void write_removed(const struct act *act, const uint32_t *number, size_t 
         return;
     }
     buf_printf(out, "marker %u removed: %zu seed%s of label ", number[0], seeds, plural(seeds));
-    act_write_label(out, act->session, (unsigned)markers->marker[number[0] - 1].label);
+    label_report_write_name(out, act->session, (unsigned)markers->marker[number[0] - 1].label);
     buf_add_char(out, '\n');
 }
 

@@ -111,7 +111,7 @@ static void write_region(const struct act *act, const struct label_table *table,
             break;
         }
     buf_add_text(out, " is label ");
-    act_write_label(out, act->session, label);
+    label_report_write_name(out, act->session, label);
     buf_printf(out, ", %zu seed%s\n", count, plural(count));
 }
 

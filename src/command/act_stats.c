@@ -42,7 +42,7 @@ static void write_counts(const struct act *act, const struct counts *counts, uns
     const double ml = tally_voxel_mm3(session_geometry(session)) / 1000.0;
     struct buf *out = &act->reply->text;
     buf_add_text(out, "label ");
-    act_write_label(out, session, label);
+    label_report_write_name(out, session, label);
     buf_printf(out, ": %zu seed%s, %zu voxel%s", counts->seeds[label], plural(counts->seeds[label]),
                counts->voxels[label], plural(counts->voxels[label]));
     if (!session_geometry(session)->spacing_unknown)

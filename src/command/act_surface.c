@@ -74,9 +74,9 @@ static void answer(const struct act *act, const struct surface *surface, bool jo
         const struct surface_part *part = &surface->part[p];
         buf_add_text(out, joins ? "all labels" : "label ");
         if (!joins)
-            act_write_label(out, session, part->label);
+            label_report_write_name(out, session, part->label);
         buf_printf(out, ": %zu triangles around ", part->triangles);
-        act_write_extent(out, session, part->voxels);
+        label_report_write_extent(out, session, part->voxels);
         buf_add_char(out, '\n');
     }
     if (session_geometry(session)->spacing_unknown)

@@ -25,7 +25,7 @@ void act_write_refusal(struct buf *out, const struct session *session, uint32_t 
     buf_printf(out, "it lies beyond the seed at %u,%u,%u", p.x, p.y, p.z);
     act_write_reach(out, session, root);
     buf_add_text(out, ", of label ");
-    act_write_label(out, session, scene->cell[root].label);
+    label_report_write_name(out, session, scene->cell[root].label);
     buf_printf(out, ", which would take it at a cost of %u\n", key_cost(refused));
 }
 

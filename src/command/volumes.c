@@ -7,28 +7,6 @@
 
 enum { LISTED_MOST = 6 };
 
-void act_write_extent(struct buf *out, const struct session *session, uint64_t voxels)
-{
-    if (session_geometry(session)->spacing_unknown)
-        buf_printf(out, "%llu voxel%s", (unsigned long long)voxels, plural(voxels));
-    else if (voxels)
-        tally_write_volume(out, session_geometry(session), voxels);
-    else
-        buf_add_text(out, "0 ml");
-}
-
-void act_write_volume(struct buf *out, const struct session *session, unsigned label,
-                      uint64_t former)
-{
-    const uint64_t voxels = session_tally(session)->voxels[label];
-    act_write_extent(out, session, voxels);
-    if (former == 0 || former == voxels)
-        return;
-    buf_add_text(out, voxels > former ? " (+" : " (-");
-    act_write_extent(out, session, voxels > former ? voxels - former : former - voxels);
-    buf_add_char(out, ')');
-}
-
 /* The labels whose number of voxels has changed, the largest first; of equals, the lower number. */
 static unsigned changed_labels(const struct session *session, uint8_t label[255])
 {
@@ -59,9 +37,10 @@ void volumes_write(struct buf *out, const struct session *session, uint64_t took
         buf_printf(out, "%llu voxel%s changed", (unsigned long long)changed, plural(changed));
     for (unsigned i = 0; i < count && i < LISTED_MOST; i++) {
         buf_add_text(out, ", label ");
-        act_write_label(out, session, label[i]);
+        label_report_write_name(out, session, label[i]);
         buf_add_text(out, ": ");
-        act_write_volume(out, session, label[i], session_former_tally(session)->voxels[label[i]]);
+        label_report_write_volume(out, session, label[i],
+                                  session_former_tally(session)->voxels[label[i]]);
     }
     if (count > LISTED_MOST)
         buf_printf(out, ", %u more label%s", count - LISTED_MOST, plural(count - LISTED_MOST));
@@ -80,9 +59,9 @@ void surprise_write(struct buf *out, const struct session *session, const char *
         buf_printf(out, "this `%s` took ", command);
     else
         buf_add_text(out, "what waited took ");
-    act_write_extent(out, session, surprise.voxels);
+    label_report_write_extent(out, session, surprise.voxels);
     buf_add_text(out, " of label ");
-    act_write_label(out, session, surprise.label);
+    label_report_write_name(out, session, surprise.label);
     if (surprise.has_passage)
         buf_printf(out, " through %u,%u,%u", surprise.passage[0], surprise.passage[1],
                    surprise.passage[2]);

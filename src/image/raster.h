@@ -33,6 +33,13 @@ struct raster_box {
     uint32_t left, top, width, height;
 };
 
+/* An ASCII character in a cell of the screen, for pictures made of text, whose pixels are too few
+ * for letters. */
+struct raster_note {
+    uint16_t column, row; /* of the picture's cells */
+    char character;
+};
+
 struct raster raster_part(const struct raster *raster, struct raster_box box);
 
 /* The colours that do occur, numbered from 0 in the palette's order: place[p] is the number of what

@@ -7,22 +7,20 @@
 
 #include "command/interpreter.h"
 #include "program/console.h"
-#include "program/pilot_marks.h"
 #include "engine/way.h"
+#include "program/pilot_marks.h"
+#include "report/voxel_facts.h"
 #include "session/held.h"
+#include "show/panes.h"
 #include "tui/pilot/host.h"
 
 struct pilot_interpreter {
     struct interpreter *interp;
-    bool smooth;                              /* all bits of every colour, where the terminal can */
-    struct canvas canvas;                     /* the last picture, */
-    struct slicing_panel panel;               /* what it is of, */
-    struct canvas beyond;                     /* a slice that was sent ahead, */
-    struct raster_box around;                 /* all of it */
-    struct image_note note[PILOT_NOTES_MOST]; /* and what is written over it */
-    struct raster_box slice[3];               /* where the slices are in it */
-    struct held held;                         /* what was asked for last, until the next command, */
-    struct way way;                           /* and the path that was */
+    bool smooth;        /* all bits of every colour, where the terminal can */
+    struct panes panes; /* the last picture, */
+    struct raster_box slice[PANES_SLICES], beyond; /* and where slices are in it, and beyond */
+    struct held held;     /* what was asked for last, until the next command, */
+    struct voxel_why why; /* and the path that was */
     uint32_t hue[256];
 
     const struct pilot_onlooker *onlooker; /* while a command is carried out, or NULL */

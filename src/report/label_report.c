@@ -6,6 +6,38 @@
 #include "report/figures.h"
 #include "session/tally.h"
 
+/* ---- names and volumes ---- */
+
+void label_report_write_name(struct buf *out, const struct session *session, unsigned label)
+{
+    const char *name = session_kept(session)->label_name[label];
+    buf_printf(out, "%u%s%s", label, *name ? " " : "", name);
+    if (session_kept(session)->label_number[label])
+        buf_printf(out, " (%u)", session_kept(session)->label_number[label]);
+}
+
+void label_report_write_extent(struct buf *out, const struct session *session, uint64_t voxels)
+{
+    if (session_geometry(session)->spacing_unknown)
+        buf_printf(out, "%llu voxel%s", (unsigned long long)voxels, plural(voxels));
+    else if (voxels)
+        tally_write_volume(out, session_geometry(session), voxels);
+    else
+        buf_add_text(out, "0 ml");
+}
+
+void label_report_write_volume(struct buf *out, const struct session *session, unsigned label,
+                               uint64_t former)
+{
+    const uint64_t voxels = session_tally(session)->voxels[label];
+    label_report_write_extent(out, session, voxels);
+    if (former == 0 || former == voxels)
+        return;
+    buf_add_text(out, voxels > former ? " (+" : " (-");
+    label_report_write_extent(out, session, voxels > former ? voxels - former : former - voxels);
+    buf_add_char(out, ')');
+}
+
 static void add_three(struct figures *figures, const char *const name[3], const double value[3])
 {
     for (int a = 0; a < 3; a++)

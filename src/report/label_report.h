@@ -12,6 +12,7 @@
 #include "engine/label_stats.h"
 #include "image/levels.h"
 #include "report/label_area.h"
+#include "session/session.h"
 #include "session/state.h"
 
 /* What is reported, all of it borrowed. */
@@ -34,6 +35,17 @@ void label_report_write_text(struct buf *out, const struct label_report *report,
  * box around it, in voxels where their distances are unknown. */
 void label_report_write_sums(struct buf *out, const struct label_sums *sums,
                              const struct geometry *geometry);
+
+/* "2 cerebellum", or "2" where the label has no name; "2 cerebellum (1008)" with its own number. */
+void label_report_write_name(struct buf *out, const struct session *session, unsigned label);
+
+/* The volume of so many voxels: "1.24 l", or "3 voxels" where their distances are unknown. */
+void label_report_write_extent(struct buf *out, const struct session *session, uint64_t voxels);
+
+/* "142 ml (+1.2 ml)": all of a label, as the tally has it, and how much more than the voxels that
+ * it had before, where it had any and has others now. */
+void label_report_write_volume(struct buf *out, const struct session *session, unsigned label,
+                               uint64_t former);
 
 /* An object with an object for each label that has voxels. */
 void label_report_write_json(struct buf *out, const struct label_report *report);

@@ -44,6 +44,10 @@ uint32_t session_fitting_zoom(const struct session *session);
  * the command itself goes by is put back afterwards. */
 void session_show(struct session *session, void (*draw)(void *context), void *context);
 
+/* Within `draw`: the cross-hair is shown at another place. The caller puts the former one back, so
+ * that no command finds this one. */
+void session_show_cross(struct session *session, const uint32_t place[3]);
+
 /* What was rendered, at the size of the view. */
 const struct rendition *session_frame(const struct session *session);
 

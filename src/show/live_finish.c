@@ -167,6 +167,13 @@ bool session_is_rough(const struct session *session)
     return session_shows_finished(session) && !finish_source_is_present(&session->live.of, session);
 }
 
+uint8_t live_finish_label(const struct session *session, uint32_t cell)
+{
+    return session_shows_finished(session) && session->live.label
+               ? session->live.label[cell]
+               : session->scene->cell[cell].label;
+}
+
 enum err session_refine(struct session *session, struct watch *watch, struct fault *fault)
 {
     struct labels exact;
@@ -178,4 +185,12 @@ enum err session_refine(struct session *session, struct watch *watch, struct fau
         err = live_finish_take(session, &exact, fault);
     session->scene->watch = former;
     return err;
+}
+
+void session_show_refining(struct session *session, void (*draw)(void *context), void *context)
+{
+    struct watch *const watch = session->scene->watch;
+    session->scene->watch = NULL;
+    draw(context);
+    session->scene->watch = watch;
 }

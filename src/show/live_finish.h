@@ -36,9 +36,16 @@ bool session_shows_finished(const struct session *session);
 /* Whether what a panel would show now is rough. */
 bool session_is_rough(const struct session *session);
 
+/* The label that panels show at a voxel: the finished one where they show such and have them, else
+ * the forest's. */
+uint8_t live_finish_label(const struct session *session, uint32_t cell);
+
 /* Makes it exact, under a watch of its own. ERR_CANCELLED where that has stopped it, ERR_LIMIT,
  * ERR_MEMORY: nothing has changed then. */
 enum err session_refine(struct session *session, struct watch *watch, struct fault *fault);
+
+/* To be called from `show` of that watch: `draw` makes pictures, which the watch does not stop. */
+void session_show_refining(struct session *session, void (*draw)(void *context), void *context);
 
 /* ---- for the files of the session ---- */
 

@@ -45,6 +45,16 @@ void window_of(int32_t window[2], struct session *session)
         window[1] += falls ? -1 : 1;
 }
 
+void window_values(double value[2], struct session *session)
+{
+    const struct slice_settings *s = &session->now.outlook.slices;
+    int32_t window[2];
+    window_of(window, session);
+    for (int i = 0; i < 2; i++)
+        value[i] = s->has_window ? decimal_value(&s->window[i])
+                                 : geometry_value(&session->geometry, window[i]);
+}
+
 /* "12.5", or four digits of a value too small for thousandths. */
 static void write_value(char out[WINDOW_WORDS_BYTES], double value)
 {
@@ -58,12 +68,8 @@ static void write_value(char out[WINDOW_WORDS_BYTES], double value)
 void window_words(char least[WINDOW_WORDS_BYTES], char most[WINDOW_WORDS_BYTES],
                   struct session *session)
 {
-    const struct slice_settings *s = &session->now.outlook.slices;
-    const struct geometry *geometry = &session->geometry;
-    char *const words[2] = {least, most};
-    int32_t window[2];
-    window_of(window, session);
-    for (int i = 0; i < 2; i++)
-        write_value(words[i], s->has_window ? decimal_value(&s->window[i])
-                                            : geometry_value(geometry, window[i]));
+    double value[2];
+    window_values(value, session);
+    write_value(least, value[0]);
+    write_value(most, value[1]);
 }

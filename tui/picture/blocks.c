@@ -169,17 +169,14 @@ static struct block coloured(const uint32_t *colour, unsigned count, enum colour
     return (struct block){ink, paper, (uint8_t)parts, 0};
 }
 
-static uint32_t luminance(uint32_t colour)
-{
-    return (299 * (colour >> 16) + 587 * (colour >> 8 & 255) + 114 * (colour & 255)) / 1000;
-}
-
 static struct block colourless(const uint32_t *colour, unsigned count)
 {
     static const char ink[] = " .:-=+*#%@";
     uint32_t light = count / 2;
-    for (unsigned i = 0; i < count; i++)
-        light += luminance(colour[i]);
+    for (unsigned i = 0; i < count; i++) /* luminance */
+        light +=
+            (299 * (colour[i] >> 16) + 587 * (colour[i] >> 8 & 255) + 114 * (colour[i] & 255)) /
+            1000;
     light /= count;
     return (struct block){BLOCK_DEFAULT, BLOCK_DEFAULT,
                           (uint8_t)ink[(light * (sizeof ink - 2) + 127) / 255], 0};
@@ -190,7 +187,7 @@ static void add_notes(struct block *cell, uint32_t columns, uint32_t rows,
 {
     static const uint32_t ink = 0xE8E8E8, paper = 0x000000;
     for (size_t i = 0; i < view->notes; i++) {
-        const struct image_note *note = &view->note[i];
+        const struct raster_note *note = &view->note[i];
         if (note->column >= columns || note->row >= rows)
             continue;
         struct block *at = &cell[(size_t)note->row * columns + note->column];

@@ -14,13 +14,6 @@
 
 #include "image/raster.h"
 
-/* An ASCII character in a cell of the screen, for pictures made of text, whose pixels are too few
- * for letters. */
-struct image_note {
-    uint16_t column, row; /* of the picture's cells */
-    char character;
-};
-
 /* A part of a slice, and whether the terminal has its greys. */
 struct image_strip {
     struct raster_box box;
@@ -36,7 +29,7 @@ struct image_view {
     unsigned hues;       /* 0 where no label shows: greys alone */
     struct raster_box focus; /* where one looks: it gets fine before the rest; empty: nowhere */
     const uint8_t *words; /* [height][width]: not 0 where words stand, which stay sharp; or NULL */
-    const struct image_note *note; /* [notes]; those outside the picture are passed over */
+    const struct raster_note *note; /* [notes]; those outside the picture are passed over */
     size_t notes;
     const uint8_t *below; /* [height][width]: greys of slices without what lies over them */
     const struct raster_box

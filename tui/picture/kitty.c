@@ -21,7 +21,7 @@
  * kitty drops what is placed nowhere, so a strip has one pixel below the others; what it has
  * dropped it says under q=1, as ESC _ G i=9,p=4;ENOENT:.. ESC \. ESC[2J drops all. No z is below 0,
  * where pictures lie under text: kitty draws that in several passes, and Mesa's llvmpipe gets the
- * one wrong that clears what stood behind text before.
+ * one wrong that clears what stood below text before.
  * Source:
  * https://sw.kovidgoyal.net/kitty/graphics-protocol/
  */

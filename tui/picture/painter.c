@@ -285,14 +285,6 @@ static void show_strips(struct painter *p, struct buf *out)
     }
 }
 
-/* Takes all strips off the screen; the terminal still has them. */
-static void hide_strips(struct painter *p, struct buf *out)
-{
-    for (unsigned i = 0; i < STRIPS_MOST; i++)
-        hide_slot(p, i, out);
-    p->kept.strips = 0;
-}
-
 /* ---- coming and going ---- */
 
 static void erase(const struct painter *p, struct buf *out)
@@ -308,8 +300,9 @@ void painter_remove(struct painter *p, struct buf *out)
 {
     if (p->holder)
         p->holder->remove(p, out);
-    if (p->holder && p->holder->keeping)
-        hide_strips(p, out);
+    for (unsigned i = 0; p->holder && p->holder->keeping && i < STRIPS_MOST; i++)
+        hide_slot(p, i, out); /* the terminal still has it */
+    p->kept.strips = 0;
     if (p->is_shown && !p->facts.graphics->remove)
         erase(p, out);
     p->holder = NULL;

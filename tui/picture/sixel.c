@@ -177,13 +177,6 @@ static unsigned percent(uint32_t channel)
     return (channel * 100 + 127) / 255;
 }
 
-static void add_colours(struct buf *out, const uint32_t *colour, unsigned count)
-{
-    for (unsigned i = 0; i < count; i++)
-        buf_printf(out, "#%u;2;%u;%u;%u", i, percent(colour[i] >> 16),
-                   percent(colour[i] >> 8 & 255), percent(colour[i] & 255));
-}
-
 static void once(struct painter *p, const struct raster *raster, struct buf *out)
 {
     uint8_t number[RASTER_COLOURS_MOST];
@@ -197,7 +190,10 @@ static void once(struct painter *p, const struct raster *raster, struct buf *out
     }
     band.run = p->scratch;
     buf_printf(out, "\033P0;1q\"1;1;%u;%u", raster->width, raster->height);
-    add_colours(out, used, raster_used(raster, number, used, NULL));
+    const unsigned colours = raster_used(raster, number, used, NULL);
+    for (unsigned i = 0; i < colours; i++)
+        buf_printf(out, "#%u;2;%u;%u;%u", i, percent(used[i] >> 16), percent(used[i] >> 8 & 255),
+                   percent(used[i] & 255));
     for (uint32_t y = 0; y < raster->height; y += BAND) {
         const uint32_t rows = raster->height - y < BAND ? raster->height - y : BAND;
         gather(&band, raster->bytes + y * raster->stride, raster->stride, raster->width, rows);

@@ -2,7 +2,7 @@
 
 #include "base/least.h"
 
-enum { TELLS_FROM = 2000 }; /* bytes */
+enum { SAMPLE_FROM = 2000 }; /* bytes */
 
 #define SLACK_NS UINT64_C(50000000)  /* answers are later than expected by so much */
 #define PAUSE_NS UINT64_C(200000000) /* and by so much where a terminal pauses */
@@ -98,7 +98,7 @@ static void learn(struct flow *f, const struct flow_frame *frame, uint64_t took_
     f->surprises = ns > 4 * expected + PAUSE_NS ? f->surprises + 1 : 0;
     if (f->surprises == 2)
         forget(f);
-    if (frame->tells || f->samples == 0 || f->surprises > 1)
+    if (frame->is_sample || f->samples == 0 || f->surprises > 1)
         add_sample(f, bytes, ns);
 }
 
@@ -183,8 +183,8 @@ void flow_sent(struct flow *f, size_t bytes, uint64_t now_ns)
     f->settled_ns = 0;
     if (f->silent || f->due == FLOW_FRAMES)
         return;
-    const bool tells = bytes >= TELLS_FROM || bytes >= flow_budget(f) / 2;
-    f->frame[(f->first + f->due++) % FLOW_FRAMES] = (struct flow_frame){now_ns, bytes, tells};
+    const bool is_sample = bytes >= SAMPLE_FROM || bytes >= flow_budget(f) / 2;
+    f->frame[(f->first + f->due++) % FLOW_FRAMES] = (struct flow_frame){now_ns, bytes, is_sample};
 }
 
 /* Whose is it? Where many are late, they may come as slowly as it took to give them up. */

@@ -63,7 +63,7 @@ enum { FLOW_FRAMES = 16, FLOW_SAMPLES = 12 };
 struct flow_frame {
     uint64_t sent_ns;
     size_t bytes;
-    bool tells; /* it is large enough to tell what the line carries */
+    bool is_sample; /* it is large enough to show what the line carries */
 };
 
 struct flow {

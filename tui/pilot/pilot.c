@@ -61,6 +61,12 @@ struct pilot {
     bool is_showing;
 };
 
+static void say_error(struct pilot *p, const struct fault *why)
+{
+    buf_clear(&p->message);
+    buf_printf(&p->message, "error: %s", why->text);
+}
+
 /* ---- text ---- */
 
 /* A row of text in these colours, CSI .. m, cut to the screen, without a line feed. */
@@ -106,11 +112,6 @@ static void add_status(struct buf *row, const struct pilot_state *state,
     buf_printf(row, "  %s", facts->where);
 }
 
-static const char *alarm_of(const struct pilot *p)
-{
-    return p->facts->colours == COLOURS_NONE ? "\033[7m" : p->state->setup->theme->alarm;
-}
-
 /* Two rows at the foot of the screen. The upper one shows where the cross-hair is, what a key would
  * plant and what waits, then the voxel: a narrow screen cuts off what can be missed first. The
  * lower one has the last message, or what the keys do now. A message of more than a row takes both,
@@ -118,6 +119,8 @@ static const char *alarm_of(const struct pilot *p)
 static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_facts *facts,
                      const struct term_size *size)
 {
+    const char *const alarm =
+        p->facts->colours == COLOURS_NONE ? "\033[7m" : p->state->setup->theme->alarm;
     struct buf upper = {0}, lower = {0};
     if (p->is_pasting)
         buf_add_text(&lower,
@@ -132,7 +135,7 @@ static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_
     else
         add_status(&upper, p->state, p->host, facts);
     add_row(out, size->rows - 2, size->columns, buf_text(&upper),
-            p->state->pen.is_down ? alarm_of(p) : "");
+            p->state->pen.is_down ? alarm : "");
     add_row(out, size->rows - 1, size->columns, second ? second + 1 : buf_text(&lower), "");
     out->failed |= upper.failed || lower.failed;
     buf_release(&upper);
@@ -185,8 +188,7 @@ static void add_picture(struct pilot *p, struct buf *out)
     if (p->facts->graphics->kind == GRAPHICS_NOTHING)
         return;
     if (p->host->picture(p->host->context, &wish, &view, &fault)) {
-        buf_clear(&p->message);
-        buf_printf(&p->message, "error: %s", fault.text);
+        say_error(p, &fault);
         return;
     }
     const size_t budget = flow_budget(&p->flow), before = out->length;
@@ -202,6 +204,15 @@ static void add_picture(struct pilot *p, struct buf *out)
     refine_sent(&p->refine, out->length - before - kept);
     if (p->is_stale)
         p->further = 0;
+}
+
+static enum err send_frame(struct pilot *p, struct buf *out, struct fault *fault)
+{
+    const uint64_t now_ns = clock_ns();
+    const size_t bytes = out->length;
+    const enum err err = term_write_text(out, "a frame", fault);
+    flow_sent(&p->flow, bytes, now_ns);
+    return err;
 }
 
 /* The whole of the present state in one write, and a question whose answer says that it is there.
@@ -235,12 +246,7 @@ static enum err draw(struct pilot *p, struct fault *fault)
         buf_add_text(&out, "\033[c");
     p->is_stale = p->is_blank = false;
     p->shows = facts.shows;
-    const uint64_t now_ns = clock_ns();
-    enum err err =
-        out.failed ? fault_memory(fault, "a frame") : term_write(buf_text(&out), out.length, fault);
-    flow_sent(&p->flow, out.length, now_ns);
-    buf_release(&out);
-    return err;
+    return send_frame(p, &out, fault);
 }
 
 /* A frame of its own, which shows nothing: a part of a slice that may be wanted next, while the
@@ -262,12 +268,7 @@ static enum err send_ahead(struct pilot *p, struct fault *fault)
         return OK;
     }
     buf_add_text(&out, "\033[c");
-    const uint64_t now_ns = clock_ns();
-    const enum err err =
-        out.failed ? fault_memory(fault, "a frame") : term_write(buf_text(&out), out.length, fault);
-    flow_sent(&p->flow, out.length, now_ns);
-    buf_release(&out);
-    return err;
+    return send_frame(p, &out, fault);
 }
 
 /* Where the picture goes, by the size of the screen. */
@@ -287,10 +288,8 @@ static enum err clear_picture(struct pilot *p, bool all_anew, struct fault *faul
     if (all_anew) /* what the terminal keeps as well */
         painter_drop(&p->painter, &out);
     buf_add_text(&out, blank_of(p));
-    const enum err err = term_write(buf_text(&out), out.length, fault);
-    buf_release(&out);
     p->is_stale = p->is_blank = true;
-    return err;
+    return term_write_text(&out, "a blank screen", fault);
 }
 
 /* ---- commands ---- */
@@ -311,7 +310,7 @@ static void keep_last_line(struct buf *message, const char *text)
 /* What a command said, below the picture: its last line, or all of them as one. */
 static void keep_answer(struct pilot *p, struct buf *output)
 {
-    if (!p->state->tells_all) {
+    if (!p->state->says_all) {
         keep_last_line(&p->message, buf_text(output));
         return;
     }
@@ -357,9 +356,7 @@ static enum err go_to_foot(struct fault *fault)
 {
     struct buf place = {0};
     buf_printf(&place, "\033[%u;1H", term_size().rows);
-    const enum err err = term_write(buf_text(&place), place.length, fault);
-    buf_release(&place);
-    return err;
+    return term_write_text(&place, "a place", fault);
 }
 
 static void show_so_far(void *context)
@@ -380,36 +377,29 @@ static void show_so_far(void *context)
     p->is_showing = false;
 }
 
-static enum err execute(struct pilot *p, const char *line, struct buf *output, struct fault *why)
-{
-    const struct pilot_onlooker onlooker = {p, NULL, wants_show, show_so_far};
-    p->reads_ns = p->shows_ns = after_ms(clock_ns(), SHOWN_AFTER_MS);
-    p->host->look_on(p->host->context, &onlooker);
-    const enum err err = p->state->sketches ? p->host->sketch(p->host->context, line, why)
-                                            : p->host->execute(p->host->context, line, output, why);
-    p->host->look_on(p->host->context, NULL);
-    return err;
-}
-
 /* Carries out one line. While it works, the cursor is where progress may be shown. */
 static enum err carry_out(struct pilot *p, const char *line, struct buf *output,
                           enum err *of_command, struct fault *fault)
 {
+    const struct pilot_onlooker onlooker = {p, NULL, wants_show, show_so_far};
+    const struct pilot_host *host = p->host;
     struct fault why = {0};
     enum err err = go_to_foot(fault);
     if (!err)
         err = term_set_mode(TERM_QUIET, fault);
     if (err)
         return err;
-    *of_command = execute(p, line, output, &why);
+    p->reads_ns = p->shows_ns = after_ms(clock_ns(), SHOWN_AFTER_MS);
+    host->look_on(host->context, &onlooker);
+    *of_command = p->state->sketches ? host->sketch(host->context, line, &why)
+                                     : host->execute(host->context, line, output, &why);
+    host->look_on(host->context, NULL);
     err = term_set_mode(TERM_RAW, fault);
-    if (*of_command) {
-        buf_clear(&p->message);
-        buf_printf(&p->message, "error: %s", why.text);
-    }
+    if (*of_command)
+        say_error(p, &why);
     p->is_stale = true;
     p->gives_up = false;
-    p->is_over = p->host->finished(p->host->context);
+    p->is_over = host->finished(host->context);
     return err;
 }
 
@@ -438,26 +428,16 @@ static enum err carry_out_all(struct pilot *p, const char *lines, struct fault *
 
 static void await_key(struct pilot *p, struct key_event *event);
 
-static bool has_lines(const char *text)
-{
-    const char *feed = strchr(text, '\n');
-    return feed && feed[1];
-}
-
 /* What fits the screen is left by any key. */
 static enum err draw_page(const struct pilot *p, struct pager *pager, struct fault *fault)
 {
     const struct term_size size = term_size();
-    struct buf page = {0};
-    const bool fits = pager_fit(pager, size.columns, size.rows);
+    struct buf page = {.failed = !pager_fit(pager, size.columns, size.rows)};
     buf_add_text(&page, blank_of(p));
     pager_draw(pager, &page);
     if (!pager_is_needed(pager))
         buf_printf(&page, "\033[%u;1H(any key)\033[K", size.rows);
-    const enum err err = !fits || page.failed ? fault_memory(fault, "a page")
-                                              : term_write(buf_text(&page), page.length, fault);
-    buf_release(&page);
-    return err;
+    return term_write_text(&page, "a page", fault);
 }
 
 /* Until a key leaves; another size of the screen too is left by. */
@@ -495,14 +475,6 @@ static enum err show_pages(struct pilot *p, const struct buf *text, struct fault
     return err;
 }
 
-static enum err show_answer(struct pilot *p, const struct buf *text, struct fault *fault)
-{
-    if (has_lines(buf_text(text)))
-        return show_pages(p, text, fault);
-    keep_last_line(&p->message, buf_text(text));
-    return OK;
-}
-
 /* A frame has been drawn, while a line is edited below. */
 static void frame_answered(void *asker)
 {
@@ -516,7 +488,7 @@ static enum err ask_for_command(struct pilot *p, struct fault *fault)
     enum err of_command = OK;
     bool ended = false;
     buf_printf(&place, "\033[%u;1H\033[K\033[?25h", term_size().rows);
-    enum err err = term_write(buf_text(&place), place.length, fault);
+    enum err err = term_write_text(&place, "a place", fault);
     p->editor->is_one_line = true;
     p->editor->answered = frame_answered;
     p->editor->asker = p;
@@ -530,10 +502,12 @@ static enum err ask_for_command(struct pilot *p, struct fault *fault)
     const char *line = buf_text(&p->editor->line.text);
     if (!err && !ended && line[strspn(line, " \t")]) {
         err = carry_out(p, line, &output, &of_command, fault);
-        if (!err && !of_command)
-            err = show_answer(p, &output, fault);
+        const char *feed = strchr(buf_text(&output), '\n');
+        if (!err && !of_command && feed && feed[1])
+            err = show_pages(p, &output, fault);
+        else if (!err && !of_command)
+            keep_last_line(&p->message, buf_text(&output));
     }
-    buf_release(&place);
     buf_release(&output);
     return err;
 }
@@ -561,19 +535,9 @@ static enum err ask_for_pasted(struct pilot *p, struct fault *fault)
 
 /* ---- keys ---- */
 
-static enum err suspend(struct pilot *p, struct fault *fault)
-{
-    enum err err = clear_picture(p, true, fault);
-    if (p->flow.due) /* or the shell gets the answers as input */
-        probe_await(p->flow.due, 2000, &p->editor->input);
-    p->flow.due = 0;
-    term_suspend();
-    lay_out(p);
-    return err;
-}
-
 static enum err do_deed(struct pilot *p, enum pilot_deed deed, struct fault *fault)
 {
+    enum err err = OK;
     switch (deed) {
     case PILOT_PROMPT:
         return ask_for_command(p, fault);
@@ -582,14 +546,20 @@ static enum err do_deed(struct pilot *p, enum pilot_deed deed, struct fault *fau
     case PILOT_REDRAW:
         return clear_picture(p, true, fault);
     case PILOT_SUSPEND:
-        return suspend(p, fault);
+        err = clear_picture(p, true, fault);
+        if (p->flow.due) /* or the shell gets the answers as input */
+            probe_await(p->flow.due, 2000, &p->editor->input);
+        p->flow.due = 0;
+        term_suspend();
+        lay_out(p);
+        break;
     case PILOT_LEAVE:
         p->is_over = true;
-        return OK;
+        break;
     case PILOT_NOTHING:
         break;
     }
-    return OK;
+    return err;
 }
 
 /* The pixel of the picture under the middle of a cell. False beside the picture. */
@@ -716,20 +686,16 @@ static bool is_ahead(const struct pilot *p)
            p->further < AHEAD_OVER && !p->flow.silent && p->facts->graphics->keeping != NULL;
 }
 
-/* How long to wait for input: for the rest of a sequence, or until a frame may go. */
-static int patience_ms(const struct pilot *p)
-{
-    if (awaits_rest(p))
-        return KEYS_TIMEOUT_MS;
-    return !p->is_paging && (has_more(p) || is_ahead(p)) ? flow_wait_ms(&p->flow, clock_ns()) : -1;
-}
-
-/* Waits once: bytes, news, a signal, or nothing for as long as that makes sense. True with a key
- * that was only complete because nothing followed. */
+/* Waits once: bytes, news, a signal, or nothing, until a sequence would be complete or a frame may
+ * go. True with a key that was only complete because nothing followed. */
 static bool wait_once(struct pilot *p, struct key_event *event)
 {
     struct line_editor *e = p->editor;
-    const enum term_input input = term_read(&e->input, patience_ms(p), e->news_descriptor);
+    const bool has_frame = !p->is_paging && (has_more(p) || is_ahead(p));
+    const int patience_ms = awaits_rest(p) ? KEYS_TIMEOUT_MS
+                            : has_frame    ? flow_wait_ms(&p->flow, clock_ns())
+                                           : -1;
+    const enum term_input input = term_read(&e->input, patience_ms, e->news_descriptor);
     if (input == TERM_CLOSED) {
         p->is_over = p->has_ended = true;
     } else if (input == TERM_OTHER && e->news) {
@@ -789,10 +755,8 @@ static void finish_labels(struct pilot *p)
     const enum err err = p->host->finish(p->host->context, &onlooker, &why);
     p->is_stale = err != ERR_CANCELLED || p->ahead_shown > 0;
     p->gives_up = err != OK && err != ERR_CANCELLED;
-    if (p->gives_up) {
-        buf_clear(&p->message);
-        buf_printf(&p->message, "error: %s", why.text);
-    }
+    if (p->gives_up)
+        say_error(p, &why);
 }
 
 /* For a page of text: a key, with nothing else going on; or another size of the screen. */
@@ -851,7 +815,7 @@ enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
     host->drop(host->context, NULL); /* what was being drawn when the input ended */
     painter_remove(&p.painter, &out);
     painter_drop(&p.painter, &out);
-    term_write(buf_text(&out), out.length, NULL);
+    term_write_text(&out, "a blank screen", NULL);
     term_change_sequences(TERM_PROMPT_BEGINS, TERM_PROMPT_ENDS, NULL);
     editor->answers_due += p.flow.due;
     *ended = p.has_ended;
@@ -859,6 +823,5 @@ enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
     refine_release(&p.refine);
     buf_release(&p.pasted);
     buf_release(&p.message);
-    buf_release(&out);
     return err;
 }

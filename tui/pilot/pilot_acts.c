@@ -355,18 +355,14 @@ void pilot_roll(struct press *p)
     buf_printf(p->line, "turn 0 0 %d\n", p->by * by);
 }
 
-void pilot_zoom(uint32_t now, bool nearer, struct buf *line)
-{
-    uint32_t next = nearer ? now + now / 4 + 1 : now - now / 5;
-    next = next < ZOOM_LEAST ? ZOOM_LEAST : next > ZOOM_MOST ? ZOOM_MOST : next;
-    buf_add_text(line, "zoom ");
-    pilot_add_decimal(line, next / 1000.0);
-    buf_add_char(line, '\n');
-}
-
 void pilot_change_zoom(struct press *p)
 {
-    pilot_zoom(p->facts->zoom, p->by > 0, p->line);
+    const uint32_t now = p->facts->zoom;
+    uint32_t next = p->by > 0 ? now + now / 4 + 1 : now - now / 5;
+    next = next < ZOOM_LEAST ? ZOOM_LEAST : next > ZOOM_MOST ? ZOOM_MOST : next;
+    buf_add_text(p->line, "zoom ");
+    pilot_add_decimal(p->line, next / 1000.0);
+    buf_add_char(p->line, '\n');
 }
 
 void pilot_change_overlay(struct press *p)

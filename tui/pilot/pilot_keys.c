@@ -88,7 +88,7 @@ static bool has_led(const char *words, uint32_t leader)
 }
 
 /* What may follow the leader: "gg first-slice  gc centre"; whether anything may. */
-static bool tell_led(const struct pilot_state *state, uint32_t leader, struct buf *message)
+static bool add_led(const struct pilot_state *state, uint32_t leader, struct buf *message)
 {
     const char *gap = "";
     struct buf keys = {0};
@@ -108,16 +108,6 @@ static bool tell_led(const struct pilot_state *state, uint32_t leader, struct bu
 
 /* ---- doing it ---- */
 
-static void add_command(struct press *p, const char *command)
-{
-    const size_t place = strcspn(command, "@");
-    const uint32_t *at = p->facts->place;
-    buf_add(p->line, command, place);
-    if (command[place])
-        buf_printf(p->line, "%u,%u,%u", at[0], at[1], at[2]);
-    buf_add_text(p->line, command + place + (command[place] != '\0'));
-}
-
 /* A change is remembered once it has become a command. */
 static void carry_out(struct press *p, const struct pilot_row *row)
 {
@@ -125,21 +115,20 @@ static void carry_out(struct press *p, const struct pilot_row *row)
     p->by = row->by;
     p->deed = row->deed;
     p->state->is_silent = row->flags & PILOT_IS_SILENT;
-    p->state->tells_all = row->flags & PILOT_TELLS_ALL;
+    p->state->says_all = row->flags & PILOT_SAYS_ALL;
     if (!(row->flags & PILOT_STAYS))
         p->state->mode = row->then ? row->then : p->state->base;
-    if (row->command)
-        add_command(p, row->command);
+    if (row->command) {
+        const size_t place = strcspn(row->command, "@");
+        buf_add(p->line, row->command, place);
+        if (row->command[place])
+            pilot_add_place(p->line, "", p->facts->place);
+        buf_add_text(p->line, row->command + place + (row->command[place] != '\0'));
+    }
     if (row->act)
         row->act(p);
     if (row->flags & PILOT_CHANGES && p->line->length > before)
         p->state->change = (struct pilot_change){row, *p->event, p->state->count};
-}
-
-static void refuse_count(struct press *p, const struct pilot_row *row)
-{
-    setup_add_keys(p->message, p->state->setup, row, 1);
-    buf_add_text(p->message, " takes no count; nothing was done");
 }
 
 static void dispatch(struct press *p)
@@ -147,12 +136,12 @@ static void dispatch(struct press *p)
     const struct pilot_row *row = find_row(p->state, p->event);
     if (!row && p->event->key != KEY_OTHER) {
         buf_add_text(p->message, "this key does nothing here; ");
-        setup_add_first_key(p->message, p->state->setup, "keys");
-        buf_add_text(p->message, " shows the keys");
+        pilot_say_key(p, "keys", " shows the keys");
     } else if (!row) {
         return;
     } else if (p->state->count && !(row->flags & PILOT_COUNTS)) {
-        refuse_count(p, row);
+        setup_add_keys(p->message, p->state->setup, row, 1);
+        buf_add_text(p->message, " takes no count; nothing was done");
     } else {
         carry_out(p, row);
     }
@@ -211,7 +200,7 @@ static bool lead_on(struct press *p)
     struct pilot_state *state = p->state;
     const struct key_event *event = p->event;
     if (state->leader || event->key != KEY_CHARACTER || event->modifiers ||
-        find_among(state, event, true) || !tell_led(state, event->point, p->message))
+        find_among(state, event, true) || !add_led(state, event->point, p->message))
         return false;
     state->leader = event->point;
     return true;
@@ -252,24 +241,18 @@ static bool may_lead(const struct pilot_state *state, const struct key_event *ev
 {
     struct buf keys = {0};
     const bool may =
-        event->key == KEY_CHARACTER && !event->modifiers && tell_led(state, event->point, &keys);
+        event->key == KEY_CHARACTER && !event->modifiers && add_led(state, event->point, &keys);
     buf_release(&keys);
     return may;
-}
-
-/* Modes that a key of another one ends, and does what it does there. */
-static bool is_passing(enum pilot_mode mode)
-{
-    return pilot_confirms(mode) || mode == PILOT_EXPLAINING || mode == PILOT_WINDOWING ||
-           mode == PILOT_RANGING;
 }
 
 enum pilot_deed pilot_press(struct press *p)
 {
     struct pilot_state *state = p->state;
-    state->is_silent = state->tells_all = state->sketches = state->drops = false;
-    if (is_passing(state->mode) && !find_row(state, p->event) && !may_lead(state, p->event))
-        state->mode = state->base;
+    state->is_silent = state->says_all = state->sketches = state->drops = false;
+    const bool is_passing = state->mode != PILOT_MOVING && state->mode != PILOT_PICKING;
+    if (is_passing && !find_row(state, p->event) && !may_lead(state, p->event))
+        state->mode = state->base; /* a key of another mode does what it does there */
     if (take_back(p) || count_on(p) || lead_on(p))
         return PILOT_NOTHING;
     dispatch(p);
@@ -281,20 +264,21 @@ enum pilot_deed pilot_press(struct press *p)
 
 /* ---- the mouse ---- */
 
-static void turn_wheel(struct press *p, bool up, enum pilot_pane pane)
+/* By p->by, 1 for up. */
+static void turn_wheel(struct press *p, enum pilot_pane pane)
 {
     struct pilot_state *state = p->state;
     int64_t by[3] = {0, 0, 0};
     uint32_t place[3];
     if (pane == PILOT_RENDITION) {
-        pilot_zoom(p->facts->zoom, up, p->line);
+        pilot_change_zoom(p);
         return;
     }
     if (p->event->modifiers & KEY_CONTROL) {
-        pilot_magnify_by(p, up ? 1 : -1);
+        pilot_magnify_by(p, p->by);
         return;
     }
-    by[pane] = up ? 1 : -1;
+    by[pane] = p->by;
     p->host->move(p->host->context, by, place);
     if (pilot_confirms(state->mode)) { /* what is shown is not under it any more */
         state->mode = state->base;
@@ -350,14 +334,15 @@ static void click(struct press *p, uint32_t column, uint32_t row)
     if (state->encloses && !pulls &&
         (mouse->button != MOUSE_RIGHT || mouse->action == MOUSE_RELEASED))
         drop_ball(state);
-    state->is_silent = state->tells_all = state->sketches = state->drops = false;
+    state->is_silent = state->says_all = state->sketches = state->drops = false;
     if (state->mode == PILOT_PICKING && pane == PILOT_RENDITION && mouse->button == MOUSE_LEFT &&
         mouse->action != MOUSE_RELEASED) {
         p->host->frame_pixel(p->host->context, column, row, state->pixel);
         return;
     }
     if (mouse->action == MOUSE_WHEEL_UP || mouse->action == MOUSE_WHEEL_DOWN) {
-        turn_wheel(p, mouse->action == MOUSE_WHEEL_UP, pane);
+        p->by = mouse->action == MOUSE_WHEEL_UP ? 1 : -1;
+        turn_wheel(p, pane);
     } else if (mouse->button == MOUSE_LEFT && mouse->action == MOUSE_PRESSED) {
         if (!shows) {
             buf_clear(p->message);

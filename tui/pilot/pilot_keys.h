@@ -141,7 +141,7 @@ struct pilot_state {
     bool sketches;  /* the last lines are a sketch */
     bool drops;     /* the sketch is to be dropped */
     bool is_silent; /* what the last line does is seen below the picture anyway */
-    bool tells_all; /* all lines of what it says are of use, not the last alone */
+    bool says_all;  /* all lines of what it says are of use, not the last alone */
     struct pilot_change change;
     struct pilot_shape shape;
 };
@@ -225,7 +225,7 @@ enum pilot_flag {
     PILOT_CHANGES = 2,     /* `.` repeats it */
     PILOT_STAYS = 4,       /* the mode does not change */
     PILOT_IS_SILENT = 8,   /* what the line does is seen below the picture anyway */
-    PILOT_TELLS_ALL = 16,  /* each line of its answer is of use */
+    PILOT_SAYS_ALL = 16,   /* each line of its answer is of use */
     PILOT_ONLY_MOVES = 32, /* it asks nothing of the segmentation, and changes nothing of it */
     PILOT_OUTLINES = 64    /* it plants what the corners enclose */
 };
@@ -311,7 +311,6 @@ bool pilot_has_edge(struct press *p);
 void pilot_add_place(struct buf *line, const char *before, const uint32_t place[3]);
 /* The stroke that the pen has drawn, as the lines of its command. */
 void pilot_add_stroke(struct pilot_state *state, const struct pilot_facts *facts, struct buf *line);
-void pilot_zoom(uint32_t now, bool nearer, struct buf *line);
 
 /* What rows do. `by` where it matters: 1 for the one, -1 for its counterpart. */
 void pilot_move(struct press *p);         /* one of the ways */

@@ -113,7 +113,7 @@ const struct pilot_row pilot_table[] = {
     {KEY("show-all", "E", "", BOTH), DO(pilot_show_all, 0), .help = ""},
     {KEY("drop", "Escape", "", MOVING), DO(pilot_drop_stroke, 0), .help = "no pen, no corners"},
     {KEY("run", "Space", "", BOTH), .command = "run\n", .help = "run what waits"},
-    {KEY("undo", "u", "", BOTH), DO(pilot_undo, -1), .flags = COUNTS | PILOT_TELLS_ALL,
+    {KEY("undo", "u", "", BOTH), DO(pilot_undo, -1), .flags = COUNTS | PILOT_SAYS_ALL,
      .help = "undo, redo, again", .hint = "undo"},
     {KEY("redo", "Ctrl-R", "", BOTH), DO(pilot_undo, 1), .flags = COUNTS, .help = ""},
     {KEY("repeat", ".", "", BOTH), DO(pilot_repeat, 0), .help = ""},

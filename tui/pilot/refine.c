@@ -151,17 +151,6 @@ static void coarsen_between(struct refine *r, const struct image_view *wanted, s
     }
 }
 
-static bool begin_size(struct refine *r, const struct image_view *wanted)
-{
-    if (r->rgba && r->width == wanted->width && r->height == wanted->height)
-        return true;
-    refine_forget(r);
-    r->rgba = calloc((size_t)wanted->width * wanted->height, 4);
-    r->width = wanted->width;
-    r->height = wanted->height;
-    return r->rgba != NULL;
-}
-
 bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves, size_t budget,
                   struct image_view *shown)
 {
@@ -169,8 +158,13 @@ bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves,
         memcpy(r->cost, cost_at_first, sizeof r->cost);
     r->stales = 0;
     r->waits = false;
-    if (!begin_size(r, wanted) || !list_stale(r, wanted, true, moves) ||
-        !list_stale(r, wanted, false, moves))
+    if (!r->rgba || r->width != wanted->width || r->height != wanted->height) {
+        refine_forget(r);
+        r->rgba = calloc((size_t)wanted->width * wanted->height, 4);
+        r->width = wanted->width;
+        r->height = wanted->height;
+    }
+    if (!r->rgba || !list_stale(r, wanted, true, moves) || !list_stale(r, wanted, false, moves))
         return false;
     const size_t stale = r->stales;
     const double may = (double)budget;

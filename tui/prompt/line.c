@@ -362,15 +362,6 @@ static bool is_entry(const struct line *l, size_t place)
     return strcmp(l->history->line[place], buf_text(&l->text)) == 0;
 }
 
-/* What the lines to be looked through begin with, from now on. */
-static void begin_browsing(struct line *l)
-{
-    if (l->place < l->history->count && !is_entry(l, l->place))
-        l->place = l->history->count;
-    buf_clear(&l->prefix);
-    buf_add(&l->prefix, buf_text(&l->text), l->cursor);
-}
-
 static bool is_wanted(const struct line *l, size_t place)
 {
     return strncmp(l->history->line[place], buf_text(&l->prefix), l->prefix.length) == 0 &&
@@ -433,8 +424,12 @@ static void recall(struct line *l, enum line_action action, enum line_last befor
     const bool again = before == LAST_RECALLED;
     const enum line_step step = step_after(l, before);
     l->last = action == LINE_CITE ? LAST_CITED : LAST_RECALLED;
-    if (action != LINE_CITE && !again)
-        begin_browsing(l);
+    if (action != LINE_CITE && !again) { /* what the lines to be looked through begin with */
+        if (l->place < l->history->count && !is_entry(l, l->place))
+            l->place = l->history->count;
+        buf_clear(&l->prefix);
+        buf_add(&l->prefix, buf_text(&l->text), l->cursor);
+    }
     if (action == LINE_CITE)
         cite(l, before == LAST_CITED);
     else if (action == LINE_OLDER)
@@ -588,22 +583,18 @@ const char *line_suggestion(const struct line *l, line_knows_function *knows, vo
     return "";
 }
 
-/* The end of the first word of what is suggested. */
-static size_t first_word(const struct line *l, const char *rest)
-{
-    struct line whole = {.cursor = l->cursor};
-    buf_add(&whole.text, buf_text(&l->text), l->text.length);
-    buf_add_text(&whole.text, rest);
-    const size_t end = whole.text.failed ? l->cursor : line_word_right(&whole, l->cursor);
-    buf_release(&whole.text);
-    return end - l->cursor;
-}
-
 bool line_take_suggestion(struct line *l, const char *rest, enum line_action action)
 {
     if (*rest == '\0' || (action != LINE_RIGHT && action != LINE_END && action != LINE_WORD_RIGHT))
         return false;
-    const size_t length = action == LINE_WORD_RIGHT ? first_word(l, rest) : strlen(rest);
+    size_t length = strlen(rest);
+    if (action == LINE_WORD_RIGHT) { /* the first word of what is suggested */
+        struct line whole = {.cursor = l->cursor};
+        buf_add(&whole.text, buf_text(&l->text), l->text.length);
+        buf_add_text(&whole.text, rest);
+        length = whole.text.failed ? 0 : line_word_right(&whole, l->cursor) - l->cursor;
+        buf_release(&whole.text);
+    }
     line_replace(l, l->cursor, l->cursor, rest, length);
     return true;
 }

@@ -570,18 +570,20 @@ static enum err follow(struct line_editor *e, const char *prompt, enum outcome o
     }
 }
 
-/* Edits until the line is submitted or the end has come. */
-static enum err edit(struct line_editor *e, const char *prompt, enum outcome *outcome,
-                     struct fault *fault)
+enum err line_edit(struct line_editor *e, const char *prompt, bool *ended, struct fault *fault)
 {
     enum screen screen = STALE;
     enum err err = OK;
-    *outcome = take_input(e);
-    while (!err && *outcome != SUBMIT && *outcome != END && *outcome != GONE) {
-        if (*outcome != GO_ON) {
-            err = follow(e, prompt, *outcome, fault);
+    line_clear(&e->line);
+    e->line.text.failed = false;
+    e->keys_before[0] = '\0';
+    e->drawing = (struct line_drawing){0};
+    enum outcome outcome = take_input(e);
+    while (!err && outcome != SUBMIT && outcome != END && outcome != GONE) {
+        if (outcome != GO_ON) {
+            err = follow(e, prompt, outcome, fault);
             screen = e->taken < e->input.length ? STALE : DRAWN;
-            *outcome = take_input(e);
+            outcome = take_input(e);
             continue;
         }
         if (screen == STALE) {
@@ -589,21 +591,10 @@ static enum err edit(struct line_editor *e, const char *prompt, enum outcome *ou
             screen = DRAWN;
         }
         if (!err)
-            *outcome = wait_for_input(e, &screen);
+            outcome = wait_for_input(e, &screen);
     }
     if (!err && (e->line.text.failed || e->input.failed))
         err = fault_memory(fault, "the line typed");
-    return err;
-}
-
-enum err line_edit(struct line_editor *e, const char *prompt, bool *ended, struct fault *fault)
-{
-    enum outcome outcome;
-    line_clear(&e->line);
-    e->line.text.failed = false;
-    e->keys_before[0] = '\0';
-    e->drawing = (struct line_drawing){0};
-    enum err err = edit(e, prompt, &outcome, fault);
     if (!err && outcome != GONE)
         err = leave_line(e, prompt, "\r\n", fault);
     e->stored = !err && outcome == SUBMIT &&

@@ -48,7 +48,7 @@ struct line_editor {
     bool unanswered;   /* the terminal was asked and has not answered: what it says may come yet */
     bool after_return; /* of CR LF in a paste, the LF says nothing new */
     unsigned answers_due;          /* DA1 questions sent, not answered yet */
-    void (*answered)(void *asker); /* told of other answers to DA1 that come meanwhile, or NULL */
+    void (*answered)(void *asker); /* called at other answers to DA1 that come meanwhile; or NULL */
     void *asker;
     struct line_drawing drawing;
     line_complete_function *complete; /* may be NULL */
@@ -65,11 +65,11 @@ struct line_editor {
 void line_editor_init(struct line_editor *e, line_complete_function *complete, void *context);
 void line_editor_release(struct line_editor *e);
 
-/* To be told of each byte before keys_feed: a slow connection may cut an answer of the terminal
+/* Takes each byte before keys_feed does: a slow connection may cut an answer of the terminal
  * right after its ESC, which was taken for the Escape key then. */
 void line_editor_mend(struct line_editor *e, uint8_t byte);
 
-/* For whoever else reads the editor's input, as a pager does: the next key of what has been read,
+/* For others who read the editor's input, as a pager does: the next key of what has been read,
  * and the one that bytes are which nothing followed in time; false where there is none. */
 bool line_editor_next(struct line_editor *e, struct key_event *event);
 bool line_editor_time_out(struct line_editor *e, struct key_event *event);
@@ -77,7 +77,7 @@ bool line_editor_time_out(struct line_editor *e, struct key_event *event);
 /* The terminal has said something: perhaps an answer that was due. */
 void line_editor_reply(struct line_editor *e);
 
-/* Waits for the answers that are due: whoever has the terminal next would take them for keys. */
+/* Waits for the answers that are due: what has the terminal next would take them for keys. */
 void line_editor_take_answers(struct line_editor *e);
 
 /* Stops as Ctrl-Z does, when they have come; returns when it goes on. */

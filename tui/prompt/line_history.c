@@ -77,20 +77,17 @@ enum err line_history_load(struct line_history *h, const char *path, struct faul
     return err;
 }
 
-static enum err make_folder(const char *path, struct fault *fault)
-{
-    struct buf folder = {0};
-    file_folder(&folder, path);
-    enum err err = folder.failed ? fault_memory(fault, "a path")
-                                 : folder_make_private(buf_text(&folder), fault);
-    buf_release(&folder);
-    return err;
-}
-
 enum err line_history_append(struct line_history *h, const char *path, struct fault *fault)
 {
     const char *line = h->line[h->count - 1];
-    enum err err = file_exists(path) ? OK : make_folder(path, fault);
+    enum err err = OK;
+    if (!file_exists(path)) {
+        struct buf folder = {0};
+        file_folder(&folder, path);
+        err = folder.failed ? fault_memory(fault, "a path")
+                            : folder_make_private(buf_text(&folder), fault);
+        buf_release(&folder);
+    }
     if (!err)
         err = file_lines_append(path, line, strlen(line), fault);
     if (err || h->appended++ < TRIM_AFTER)

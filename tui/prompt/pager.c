@@ -340,22 +340,16 @@ static bool take_event(struct line_editor *e, struct pager *p, const struct key_
 }
 
 /* False when a key leaves, or the terminal has gone. */
-static bool take_input(struct line_editor *e, struct pager *p)
-{
-    struct key_event event;
-    while (line_editor_next(e, &event))
-        if (!take_event(e, p, &event))
-            return false;
-    return true;
-}
-
 static bool wait(struct line_editor *e, struct pager *p)
 {
     struct key_event event;
     const bool waiting = keys_waiting(&e->keys);
+    bool stays = true;
     switch (term_read(&e->input, waiting ? KEYS_TIMEOUT_MS : -1, -1)) {
     case TERM_BYTES:
-        return take_input(e, p);
+        while (stays && line_editor_next(e, &event))
+            stays = take_event(e, p, &event);
+        return stays;
     case TERM_TIMEOUT:
         return !line_editor_time_out(e, &event) || take_event(e, p, &event);
     case TERM_SIGNAL:
@@ -376,18 +370,9 @@ static enum err draw(struct pager *p, struct fault *fault)
     return term_write_text(&out, "a page", fault);
 }
 
-static enum err leave(const struct pager *p, struct fault *fault)
-{
-    struct buf out = {0};
-    const enum err err = term_change_sequences(TERM_PROMPT_BEGINS, TERM_PROMPT_ENDS, fault);
-    if (err)
-        return err;
-    pager_print(p, &out);
-    return term_write_text(&out, "a page", fault);
-}
-
 static enum err show(struct line_editor *e, struct pager *p, struct fault *fault)
 {
+    struct buf out = {0};
     bool stays = true;
     enum err err = term_change_sequences(TERM_PROMPT_BEGINS OTHER_SCREEN,
                                          USUAL_SCREEN TERM_PROMPT_ENDS, fault);
@@ -395,7 +380,12 @@ static enum err show(struct line_editor *e, struct pager *p, struct fault *fault
         err = draw(p, fault);
         stays = !err && wait(e, p);
     }
-    const enum err left = leave(p, err ? NULL : fault);
+    struct fault *const why = err ? NULL : fault;
+    enum err left = term_change_sequences(TERM_PROMPT_BEGINS, TERM_PROMPT_ENDS, why);
+    pager_print(p, &out);
+    if (!left)
+        left = term_write_text(&out, "a page", why);
+    buf_release(&out);
     return err ? err : left;
 }
 

@@ -35,6 +35,13 @@ static void end_line(struct buf *out)
 
 /* ---- plain input ---- */
 
+static enum err print(struct buf *text, struct fault *fault)
+{
+    const enum err err = term_write_to(STDOUT_FILENO, buf_text(text), text->length, fault);
+    buf_release(text);
+    return err;
+}
+
 static enum err run_line(const struct repl_host *host, const char *line, struct fault *fault)
 {
     struct buf output = {0}, words = {0};
@@ -43,12 +50,11 @@ static enum err run_line(const struct repl_host *host, const char *line, struct 
     end_line(&output);
     if (output.failed && !err)
         err = fault_memory(&of_command, "the output");
-    enum err written = term_write_to(STDOUT_FILENO, buf_text(&output), output.length, fault);
+    const enum err written = print(&output, fault);
     if (err) {
         add_error(&words, err, &of_command, false);
         term_write_to(STDERR_FILENO, buf_text(&words), words.length, NULL);
     }
-    buf_release(&output);
     buf_release(&words);
     if (!written && err && fault)
         *fault = (struct fault){.code = err};
@@ -61,20 +67,7 @@ static enum err print_prompt(const struct repl_host *host, struct fault *fault)
     if (host->news)
         host->news(host->context, &prompt);
     host->prompt(host->context, &prompt);
-    enum err err = term_write_to(STDOUT_FILENO, buf_text(&prompt), prompt.length, fault);
-    buf_release(&prompt);
-    return err;
-}
-
-static enum err begin_plain(const struct repl_host *host, struct fault *fault)
-{
-    struct buf output = {0};
-    const enum err err = host->begin ? host->begin(host->context, &output, fault) : OK;
-    end_line(&output);
-    const enum err written =
-        term_write_to(STDOUT_FILENO, buf_text(&output), output.length, err ? NULL : fault);
-    buf_release(&output);
-    return err ? err : written;
+    return print(&prompt, fault);
 }
 
 /* Waits at a terminal that takes in whole lines. Ctrl-C has emptied the line: begin another. */
@@ -89,11 +82,14 @@ static void wait_for_line(const struct repl_host *host)
 
 static enum err run_plain(const struct repl_host *host, bool prompts, struct fault *fault)
 {
+    struct buf output = {0};
     char *line = NULL;
     size_t capacity = 0;
-    enum err first = begin_plain(host, fault);
-    if (first)
-        return first;
+    enum err first = host->begin ? host->begin(host->context, &output, fault) : OK;
+    end_line(&output);
+    const enum err written = print(&output, first ? NULL : fault);
+    if (first || written)
+        return first ? first : written;
     while (!host->finished(host->context)) {
         struct fault ignored;
         if (prompts && print_prompt(host, &ignored))

@@ -31,21 +31,17 @@ struct repl_host {
     void (*prompt)(void *context, struct buf *out);
     /* Does what `line` (not blank) says; adds text to print to `output`, with an error too. */
     enum err (*execute)(void *context, const char *line, struct buf *output, struct fault *fault);
-    /* Adds whole words, one a line, for the word from *word_start to the cursor. May be NULL. */
-    void (*complete)(void *context, const char *line, size_t cursor, struct buf *candidates,
-                     size_t *word_start);
-    /* Adds what may follow the line, safe to print: shown in grey after it, at a terminal with
-     * colours. May be NULL. */
-    void (*hint)(void *context, const char *line, size_t length, struct buf *out);
-    /* Whether a line of the history would be understood now, and so may be suggested; with hints
-     * only. May be NULL. */
-    bool (*knows)(void *context, const char *line);
+    /* As of the line editor; may be NULL. Hints, and suggestions with them, are shown at a terminal
+     * with colours. */
+    line_complete_function *complete;
+    line_hint_function *hint;
+    line_knows_function *knows;
     /* True once after a command made a picture to show; its pixels stay until the next execute.
      * Asked only at a terminal. May be NULL. */
     bool (*picture)(void *context, struct image_view *out);
-    /* Adds lines on what has happened beside the commands: asked when news_descriptor is readable,
-     * while a line is edited, and before a plain prompt. May be NULL. */
-    void (*news)(void *context, struct buf *output);
+    /* On what has happened beside the commands: asked when news_descriptor is readable, while a
+     * line is edited, and before a plain prompt. May be NULL. */
+    line_news_function *news;
     int news_descriptor;
     /* True once after a command that asked for the whole screen, and what runs there, with the
      * terminal open and raw: until it gives the prompt back, or *ended. Ctrl-O does the command

@@ -1,0 +1,212 @@
+#include "report/voxel_facts.h"
+
+#include <stdlib.h>
+
+#include "base/mem.h"
+#include "report/label_report.h"
+#include "session/markers.h"
+#include "session/tally.h"
+#include "show/live_finish.h"
+
+static uint32_t cell_at(const struct session *session, const uint32_t p[3])
+{
+    return grid_cell(&session_scene(session)->grid, p[0], p[1], p[2]);
+}
+
+static void place_of(const struct session *session, uint32_t cell, uint32_t place[3])
+{
+    const struct place p = grid_place(&session_scene(session)->grid, cell);
+    place[0] = p.x;
+    place[1] = p.y;
+    place[2] = p.z;
+}
+
+/* ---- of a voxel ---- */
+
+/* "label 2 cerebellum 142 ml (+1.2 ml)": all of the label, and what the last edit changed of it. */
+static void write_label(struct buf *out, const struct session *session, unsigned label)
+{
+    const uint64_t *before = session_voxels_before_edit(session);
+    buf_add_text(out, "label ");
+    label_report_write_name(out, session, label);
+    if (label == 0 || session_tally(session)->stale)
+        return;
+    buf_add_char(out, ' ');
+    label_report_write_volume(out, session, label, before ? before[label] : 0);
+}
+
+/* Of the labels that the last edit changed, the one of which it changed most; 0 for none. */
+static unsigned changed_most(const struct session *session)
+{
+    const uint64_t *before = session_voxels_before_edit(session);
+    uint64_t most = 0;
+    unsigned found = 0;
+    for (unsigned label = 1; before && label < 256; label++) {
+        const uint64_t now = session_tally(session)->voxels[label];
+        const uint64_t change = now > before[label] ? now - before[label] : before[label] - now;
+        found = change > most ? label : found;
+        most = change > most ? change : most;
+    }
+    return found;
+}
+
+void voxel_facts_write(struct buf *out, struct session *session, const uint32_t place[3],
+                       bool knows_sums)
+{
+    const uint32_t at = cell_at(session, place);
+    const struct cell *cell = session_scene(session)->cell + at;
+    const struct geometry *geometry = session_geometry(session);
+    struct label_sums sums;
+    double mm[3];
+    geometry_point(geometry, place, mm);
+    if (cell->flags & CELL_OUTSIDE) {
+        buf_add_text(out, "outside the region of interest");
+    } else if (cell_is_reached(cell)) {
+        write_label(out, session, cell->label);
+    } else {
+        buf_add_text(out, "no label");
+    }
+    if (!cell->label && changed_most(session)) {
+        buf_add_text(out, "  ");
+        write_label(out, session, changed_most(session));
+    }
+    buf_add_text(out, "  intensity ");
+    levels_write(out, geometry, session_levels(session), cell->intensity);
+    if (geometry_has_place(geometry))
+        buf_printf(out, "  %.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
+    else if (geometry->orientation == ORIENTATION_UNKNOWN)
+        buf_add_text(out, "  orientation unknown");
+    else if (geometry->orientation == ORIENTATION_TOLD)
+        buf_add_text(out, "  sides as told by the user");
+    const unsigned shown = live_finish_label(session, at);
+    if (shown != cell->label) {
+        buf_add_text(out, "  finished label ");
+        label_report_write_name(out, session, shown);
+    }
+    if (knows_sums && cell->label && session_sum_label(session, cell->label, &sums, NULL) == OK &&
+        sums.voxels) {
+        buf_add_text(out, "  ");
+        label_report_write_sums(out, &sums, geometry);
+    }
+}
+
+double voxel_facts_intensity(const struct session *session, const uint32_t place[3])
+{
+    return levels_value(session_geometry(session), session_levels(session),
+                        session_scene(session)->cell[cell_at(session, place)].intensity);
+}
+
+void voxel_why_release(struct voxel_why *why)
+{
+    way_release(&why->way);
+}
+
+bool voxel_why_find(struct voxel_why *why, const struct session *session, const uint32_t place[3],
+                    struct buf *out)
+{
+    const struct forest *forest = session_forest(session);
+    const uint32_t cell = cell_at(session, place);
+    const struct cell *at = session_scene(session)->cell + cell;
+    struct rival rival = {.exists = false};
+    struct fault fault;
+    if (!cell_is_reached(at)) {
+        buf_add_text(out, "no seed reaches this voxel");
+        return false;
+    }
+    enum err err = way_find(&why->way, forest, cell, &fault);
+    if (!err && forest_arcs(forest)->kind != ARC_POLARITY)
+        err = rival_find(&rival, forest, cell, &fault);
+    if (err) {
+        buf_printf(out, "error: %s", fault.text);
+        return false;
+    }
+    const size_t steps = why->way.count - 1;
+    why->label = at->label;
+    why->next = rival.exists ? rival.label : 0;
+    why->has_edge = why->way.edge != CELL_NONE;
+    place_of(session, key_root(at->key), why->root);
+    buf_add_text(out, "label ");
+    label_report_write_name(out, session, at->label);
+    buf_printf(out, " at a cost of %u, %zu step%s from its seed", key_cost(at->key), steps,
+               plural(steps));
+    if (why->has_edge) {
+        place_of(session, why->way.edge, why->edge);
+        buf_printf(out, ", strongest edge into %u,%u,%u", why->edge[0], why->edge[1], why->edge[2]);
+    }
+    if (rival.exists) {
+        buf_add_text(out, "; next is label ");
+        label_report_write_name(out, session, rival.label);
+        buf_printf(out, " at %u", rival.cost);
+    }
+    return true;
+}
+
+bool voxel_facts_find_held(struct held *held, const struct session *session,
+                           const uint32_t place[3], bool tree, struct buf *out)
+{
+    uint32_t seed[3];
+    if (session_find_held(held, session, cell_at(session, place), tree, NULL) != OK)
+        return false;
+    if (held->marker) {
+        buf_printf(out, "marker %u: %s%zu tree%s, ", held->marker,
+                   held->has_more ? "at least " : "", held->trees, plural(held->trees));
+    } else {
+        place_of(session, held->seed, seed);
+        buf_printf(out, "the tree of the seed at %u,%u,%u: ", seed[0], seed[1], seed[2]);
+    }
+    if (held->has_more)
+        buf_printf(out, "more than %d voxels", HELD_MOST);
+    else
+        buf_printf(out, "%zu voxel%s", held->voxels, plural(held->voxels));
+    if (held->waits)
+        buf_printf(out, ", %zu seed%s wait%s", held->waits, plural(held->waits),
+                   held->waits == 1 ? "s" : "");
+    buf_add_text(out, ", label ");
+    label_report_write_name(out, session, held->label);
+    return true;
+}
+
+/* ---- of a label ---- */
+
+/* A voxel that stands for a marker: of those that it decides about, one in the middle. CELL_NONE
+ * where others cover it. */
+static uint32_t middle_of(const struct markers *markers, uint32_t number)
+{
+    const struct marker *marker = markers->marker + number - 1;
+    for (size_t i = 0; i < marker->voxels; i++) {
+        const size_t at = (marker->voxels / 2 + i) % marker->voxels;
+        const uint32_t cell = markers->cover[marker->first + at].cell;
+        if (markers_at(markers, cell) == number)
+            return cell;
+    }
+    return CELL_NONE;
+}
+
+bool voxel_facts_next_seed(const struct session *session, unsigned label, int64_t by,
+                           uint32_t place[3])
+{
+    const struct markers *markers = session_markers(session);
+    const uint32_t here = cell_at(session, session_outlook(session)->slices.cross);
+    int64_t count = 0, at = by > 0 ? -1 : 0;
+    uint32_t *cell = mem_array(markers->count + 1, sizeof *cell);
+    for (uint32_t n = 1; cell && n <= markers->count; n++) {
+        const struct marker *marker = markers->marker + n - 1;
+        if (!marker->stands || marker->label != (int)label)
+            continue;
+        const uint32_t middle = middle_of(markers, n);
+        if (middle == here && (by > 0 || at == 0)) /* of two at one place, the further one */
+            at = count;
+        if (middle != CELL_NONE)
+            cell[count++] = middle;
+    }
+    if (count > 0)
+        place_of(session, cell[((at + by) % count + count) % count], place);
+    free(cell);
+    return count > 0;
+}
+
+bool voxel_facts_centre(struct session *session, unsigned label, uint32_t place[3])
+{
+    return session_count_labels(session, NULL) == OK && session_tally(session)->voxels[label] > 0 &&
+           centre_of_label(session_scene(session), label, place);
+}

@@ -1,0 +1,422 @@
+#include "show/panes.h"
+
+#include <string.h>
+
+#include "engine/way.h"
+#include "render/text.h"
+#include "session/held.h"
+#include "session/hinting.h"
+#include "session/state.h"
+#include "session/tally.h"
+#include "show/draw.h"
+
+_Static_assert((int)PANE_AXIAL == (int)SLICE_AXIAL && (int)PANE_CORONAL == (int)SLICE_CORONAL &&
+                   (int)PANE_SAGITTAL == (int)SLICE_SAGITTAL &&
+                   (int)PANE_RENDITION == (int)MOSAIC_RENDITION,
+               "panes are planes, and those of a mosaic");
+
+static const uint8_t white[3] = {255, 255, 255}, yellow[3] = {230, 200, 90},
+                     words_rgb[3] = {200, 200, 200}, black[3] = {0, 0, 0}, ink[3] = {232, 232, 232};
+
+void panes_release(struct panes *p)
+{
+    canvas_release(&p->canvas);
+    canvas_release(&p->beyond);
+    *p = (struct panes){0};
+}
+
+static void place_of(const struct session *session, uint32_t cell, uint32_t place[3])
+{
+    const struct place p = grid_place(&session_scene(session)->grid, cell);
+    place[0] = p.x;
+    place[1] = p.y;
+    place[2] = p.z;
+}
+
+/* What the slice of a pane is. */
+static struct slice_choice slice_of(const struct panes *p, const struct session *session,
+                                    enum slice_plane plane)
+{
+    return mosaic_slice(session_scene(session), &p->panel.choice, p->canvas.width, p->canvas.height,
+                        plane);
+}
+
+/* ---- marks ---- */
+
+/* A cross of short lines around a pixel. */
+static void mark_point(const struct canvas *canvas, int64_t column, int64_t row, int gap)
+{
+    enum { ARM = 6 };
+    for (int i = gap; i < gap + ARM; i++) {
+        canvas_dot(canvas, column - i, row, white);
+        canvas_dot(canvas, column + i, row, white);
+        canvas_dot(canvas, column, row - i, white);
+        canvas_dot(canvas, column, row + i, white);
+    }
+}
+
+/* Hatched, wherever it is seen: known without colours. */
+static void mark_held(const struct canvas *canvas, const struct session *session,
+                      const struct held *held)
+{
+    for (uint32_t y = 0; y < canvas->height; y++)
+        for (uint32_t x = y % 2; x < canvas->width; x += 2) {
+            const uint32_t at = canvas->cell[y * canvas->stride + x];
+            if (at != CELL_NONE && session_is_held(session, held, at))
+                memcpy(canvas_pixel(canvas, x, y), white, sizeof white);
+        }
+}
+
+/* The pixel that stands for a voxel in a slice, be it of that slice or not. False beside it. */
+static bool find_pixel(const struct scene *scene, const struct slice_choice *slice,
+                       const struct mosaic_box *box, uint32_t cell, int64_t pixel[2])
+{
+    const struct place p = grid_place(&scene->grid, cell);
+    uint32_t place[3] = {p.x, p.y, p.z}, found[2];
+    slice_move(scene, slice->plane, slice_index(scene, slice->plane, slice->place), place);
+    if (!slice_pixel_of(scene, slice, box->width, box->height, place, found))
+        return false;
+    pixel[0] = (int64_t)box->left + found[0];
+    pixel[1] = (int64_t)box->top + found[1];
+    return true;
+}
+
+static void mark_way(const struct canvas *canvas, const struct scene *scene,
+                     const struct slice_choice *slice, const struct mosaic_box *box,
+                     const struct way *way)
+{
+    int64_t pixel[2];
+    for (size_t i = 0; i < way->count; i++) {
+        const struct place p = grid_place(&scene->grid, way->cell[i]);
+        const uint32_t place[3] = {p.x, p.y, p.z};
+        const bool lies_in_it = slice_index(scene, slice->plane, place) ==
+                                slice_index(scene, slice->plane, slice->place);
+        if (find_pixel(scene, slice, box, way->cell[i], pixel))
+            canvas_box(canvas, pixel[0], pixel[1], 2, 2, lies_in_it ? white : yellow);
+    }
+    if (way->edge != CELL_NONE && find_pixel(scene, slice, box, way->edge, pixel))
+        mark_point(canvas, pixel[0], pixel[1], 3);
+}
+
+/* The grey of a pixel, mixed with half of the heat's colour, or with three quarters of it. */
+static void mix(uint8_t *pixel, uint8_t grey, uint8_t heat)
+{
+    const unsigned quarters = heat + 1u;
+    for (int k = 0; k < 3; k++) {
+        const unsigned hue = PANES_HEAT_HUE >> (16 - 8 * k) & 255;
+        pixel[k] = (uint8_t)((hue * quarters + grey * (4 - quarters)) / 4);
+    }
+}
+
+static enum err draw_heat(const struct panes *p, struct session *session, struct fault *fault)
+{
+    const struct canvas *canvas = &p->canvas;
+    const bool over_tint = session_outlook(session)->slices.overlay == SLICE_TINT;
+    const struct hint_list *found;
+    const uint8_t *heat;
+    const enum err err = session_find_hints(session, &found, &heat, fault);
+    for (enum slice_plane plane = SLICE_AXIAL; !err && plane <= SLICE_SAGITTAL; plane++) {
+        const struct mosaic_box *box = &p->panel.layout.box[plane];
+        for (uint32_t y = box->top; y < box->top + box->height; y++)
+            for (uint32_t x = box->left; x < box->left + box->width; x++) {
+                const size_t at = y * canvas->stride + x;
+                const uint32_t cell = canvas->cell[at];
+                const uint8_t grey = canvas->below[at], *pixel = canvas_pixel(canvas, x, y);
+                const bool is_grey = pixel[0] == grey && pixel[1] == grey && pixel[2] == grey;
+                if (cell != CELL_NONE && heat[cell] && !canvas->words[at] && (is_grey || over_tint))
+                    mix(canvas_pixel(canvas, x, y), grey, heat[cell]);
+            }
+    }
+    return err;
+}
+
+/* Just inside a box. */
+static void draw_frame(const struct canvas *canvas, const struct mosaic_box *box)
+{
+    const int64_t left = box->left, top = box->top, width = box->width, height = box->height;
+    canvas_box(canvas, left, top, width, 1, yellow);
+    canvas_box(canvas, left, top + height - 1, width, 1, yellow);
+    canvas_box(canvas, left, top, 1, height, yellow);
+    canvas_box(canvas, left + width - 1, top, 1, height, yellow);
+}
+
+/* In the middle of a box, where it has room for them. */
+static void draw_lines(const struct canvas *canvas, const struct mosaic_box *box,
+                       const char *const line[PANES_LINES])
+{
+    const int64_t width = box->width, height = box->height;
+    int64_t widest = 0;
+    for (int i = 0; i < PANES_LINES; i++)
+        widest = text_width(line[i], 1) > widest ? text_width(line[i], 1) : widest;
+    const uint32_t scale = 2 * widest < width ? 2 : 1;
+    const int64_t tall = TEXT_LINE * scale * 3 / 2;
+    for (int i = 0; i < PANES_LINES && widest <= width && PANES_LINES * tall <= height; i++)
+        text_draw(canvas, box->left + (width - text_width(line[i], scale)) / 2,
+                  box->top + height / 2 + (2 * i - PANES_LINES) * tall / 2, scale, line[i],
+                  words_rgb);
+}
+
+/* ---- notes ---- */
+
+enum { BAR_FROM_COLUMNS = 16, BAR_FROM_ROWS = 7 }; /* cells of a pane */
+
+/* A pane in cells: the first ones, and the last that are no other pane's neighbours, so that no two
+ * letters stand together. */
+struct cells {
+    uint32_t left, top, right, bottom;
+};
+
+static void add_note(struct panes *p, uint32_t column, uint32_t row, char character)
+{
+    if (p->notes < PANES_NOTES_MOST)
+        p->note[p->notes++] = (struct raster_note){(uint16_t)column, (uint16_t)row, character};
+}
+
+static void add_letters(struct panes *p, const struct scene *scene, enum slice_plane plane,
+                        const struct cells *pane)
+{
+    const uint32_t centre = (pane->left + pane->right + 1) / 2;
+    const uint32_t middle = (pane->top + pane->bottom + 1) / 2;
+    char letter[4];
+    slice_letters(scene, plane, letter);
+    if (pane->right < pane->left + 2 || pane->bottom < pane->top + 2)
+        return; /* no room for all of them, and one alone misleads */
+    add_note(p, pane->left, middle, letter[0]);
+    add_note(p, pane->right, middle, letter[1]);
+    add_note(p, centre, pane->top, letter[2]);
+    add_note(p, centre, pane->bottom, letter[3]);
+}
+
+/* Bottom left: a bar in the lower part of a row of cells, and its length above it. None where that
+ * would reach the middle, where a letter is. */
+static void add_bar(struct panes *p, const struct mosaic_box *box, const struct cells *pane,
+                    uint64_t pixel_pm)
+{
+    const struct mosaic_screen *screen = &p->panel.screen;
+    const uint64_t length = slice_round_length(pixel_pm * box->width / 3 + 1);
+    const int64_t pixels = (int64_t)((length + pixel_pm / 2) / pixel_pm);
+    const int64_t tall = screen->cell_height, thick = (tall + 2) / 3;
+    const int64_t left = (pane->left + 1) * (int64_t)screen->cell_width,
+                  top = (pane->bottom - 1) * tall;
+    char words[32];
+    slice_length_words(words, length);
+    if (pane->left + 2 + strlen(words) > (pane->left + pane->right) / 2)
+        return;
+    canvas_box(&p->canvas, left, top, pixels, tall - thick, black);
+    canvas_box(&p->canvas, left, top + tall - thick, pixels, thick, ink);
+    for (uint32_t i = 0; words[i]; i++)
+        add_note(p, pane->left + 1 + i, pane->bottom - 2, words[i]);
+}
+
+static void add_notes(struct panes *p, const struct session *session)
+{
+    const struct scene *scene = session_scene(session);
+    const struct mosaic_screen *screen = &p->panel.screen;
+    bool has_bar = false;
+    for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
+        const struct mosaic_box *box = &p->panel.layout.box[plane];
+        if (box->width == 0 || !session_outlook(session)->slices.words)
+            continue;
+        const struct cells pane = {box->left / screen->cell_width, box->top / screen->cell_height,
+                                   (box->left + box->width) / screen->cell_width - 1,
+                                   (box->top + box->height) / screen->cell_height - 1};
+        if (!scene->sides_unknown)
+            add_letters(p, scene, plane, &pane);
+        if (!has_bar && !scene->spacing_unknown && pane.right - pane.left >= BAR_FROM_COLUMNS - 1 &&
+            pane.bottom - pane.top >= BAR_FROM_ROWS - 1)
+            add_bar(p, box, &pane, slice_of(p, session, plane).pixel_pm);
+        has_bar = true;
+    }
+}
+
+/* ---- the picture ---- */
+
+bool panes_have_object(const struct session *session)
+{
+    const struct edit *seed = edits_first(&session_state(session)->lists.pending);
+    bool has = session_tally(session)->stale;
+    for (size_t i = 0; i < session_pendings(session); i++)
+        has |= seed[i].label > 0;
+    for (unsigned label = 1; label < 256; label++)
+        has |= session_tally(session)->voxels[label] > 0;
+    return has;
+}
+
+static void draw_marks(struct panes *p, const struct session *session,
+                       const struct panes_wish *wish)
+{
+    const struct scene *scene = session_scene(session);
+    const struct canvas *canvas = &p->canvas;
+    if (wish->held)
+        mark_held(canvas, session, wish->held);
+    for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
+        const struct mosaic_box *box = &p->panel.layout.box[plane];
+        const struct slice_choice slice = slice_of(p, session, plane);
+        uint32_t pixel[2];
+        for (size_t i = 0; i < wish->corners && box->width > 0; i++)
+            if (slice_pixel_of(scene, &slice, box->width, box->height, wish->corner[i], pixel))
+                mark_point(canvas, (int64_t)box->left + pixel[0], (int64_t)box->top + pixel[1], 1);
+    }
+    for (enum slice_plane plane = SLICE_AXIAL; wish->way && plane <= SLICE_SAGITTAL; plane++) {
+        const struct slice_choice slice = slice_of(p, session, plane);
+        if (p->panel.layout.box[plane].width > 0)
+            mark_way(canvas, scene, &slice, &p->panel.layout.box[plane], wish->way);
+    }
+    if (wish->pixel) {
+        const struct mosaic_point at =
+            mosaic_point_of(canvas->width, canvas->height, &p->panel.choice, session_frame(session),
+                            wish->pixel[0], wish->pixel[1]);
+        mark_point(canvas, at.column, at.row, 2);
+    }
+}
+
+enum err panes_draw(struct panes *p, struct session *session, const struct panes_wish *wish,
+                    struct fault *fault)
+{
+    const struct mosaic_box *box = p->panel.layout.box;
+    canvas_release(&p->canvas);
+    p->notes = 0;
+    p->panel = (struct slicing_panel){.screen = {wish->width, wish->height, wish->cell_width,
+                                                 wish->cell_height, !wish->is_alone,
+                                                 (enum mosaic_pane)wish->pane},
+                                      .words = wish->words};
+    enum err err = session_count_labels(session, fault); /* for the hues */
+    if (!err)
+        err = slicing_draw_panel(&p->canvas, session, &p->panel, fault);
+    if (!err && wish->heat)
+        err = draw_heat(p, session, fault);
+    if (err)
+        return err;
+    if (!wish->is_alone)
+        draw_frame(&p->canvas, &box[wish->pane]);
+    if (wish->words && !panes_have_object(session))
+        draw_lines(&p->canvas, &box[PANE_RENDITION], wish->line);
+    draw_marks(p, session, wish);
+    if (!wish->words)
+        add_notes(p, session);
+    return OK;
+}
+
+struct raster_box panes_box(const struct panes *p, enum pane pane)
+{
+    const struct mosaic_box *box = &p->panel.layout.box[pane];
+    return (struct raster_box){box->left, box->top, box->width, box->height};
+}
+
+bool panes_draw_beyond(struct panes *p, struct session *session, enum pane first, unsigned number)
+{
+    const enum slice_plane plane = (enum slice_plane)((first + number % 6 / 2) % PANES_SLICES);
+    const int64_t far = (int64_t)number / 6 + 1;
+    const struct scene *scene = session_scene(session);
+    int64_t by[PANES_SLICES] = {0};
+    uint32_t place[3], most = 0;
+    for (enum slice_plane a = SLICE_AXIAL; session_has_scene(session) && a <= SLICE_SAGITTAL; a++)
+        most = slice_count(scene, a) > most ? slice_count(scene, a) : most;
+    if (far >= most)
+        return false;
+    canvas_release(&p->beyond);
+    by[plane] = number % 2 ? far : -far;
+    panes_move(session, by, place);
+    const int64_t here = slice_index(scene, plane, session_outlook(session)->slices.cross);
+    if (p->panel.layout.box[plane].width == 0 ||
+        slice_index(scene, plane, place) != here + by[plane])
+        return true;
+    return slicing_draw_below(&p->beyond, session, &p->panel, plane, place, NULL) == OK;
+}
+
+/* ---- under its pixels ---- */
+
+bool panes_voxel_at(const struct panes *p, const struct session *session, uint32_t column,
+                    uint32_t row, uint32_t place[3], enum pane *pane)
+{
+    const struct canvas *canvas = &p->canvas;
+    *pane = PANE_RENDITION;
+    for (enum pane a = PANE_AXIAL; a < PANE_RENDITION && canvas->rgba; a++) {
+        const struct mosaic_box *box = &p->panel.layout.box[a];
+        if (column - box->left < box->width && row - box->top < box->height)
+            *pane = a;
+    }
+    if (!canvas->rgba || column >= canvas->width || row >= canvas->height)
+        return false;
+    const uint32_t cell = canvas->cell[(size_t)row * canvas->stride + column];
+    if (cell != CELL_NONE)
+        place_of(session, cell, place);
+    return cell != CELL_NONE;
+}
+
+bool panes_pan(const struct panes *p, const struct session *session, enum pane pane,
+               const int by[2], uint32_t middle[3], uint32_t place[3])
+{
+    const struct mosaic_box *box = &p->panel.layout.box[pane];
+    if (!p->canvas.rgba || box->width == 0)
+        return false;
+    const struct slice_choice slice = slice_of(p, session, (enum slice_plane)pane);
+    return slice_pan(session_scene(session), &slice, box->width, box->height, by, middle, place);
+}
+
+/* Where the picture shows a pixel of the rendition, along its columns or `down` its rows. */
+static uint32_t point_along(const struct panes *p, const struct rendition *r, bool down,
+                            uint32_t pixel)
+{
+    const struct mosaic_point at = mosaic_point_of(
+        p->canvas.width, p->canvas.height, &p->panel.choice, r, down ? 0 : pixel, down ? pixel : 0);
+    return down ? at.row : at.column;
+}
+
+void panes_frame_pixel(const struct panes *p, const struct session *session, uint32_t column,
+                       uint32_t row, uint32_t pixel[2])
+{
+    const struct rendition *r = session_frame(session);
+    const uint32_t size[2] = {r->width, r->height}, wanted[2] = {column, row};
+    if (!p->canvas.rgba || !session_rendered(session))
+        return;
+    for (int i = 0; i < 2; i++) {
+        uint32_t low = 0, high = size[i];
+        while (high - low > 1) {
+            const uint32_t middle = low + (high - low) / 2;
+            if (point_along(p, r, i == 1, middle) <= wanted[i])
+                low = middle;
+            else
+                high = middle;
+        }
+        pixel[i] = low;
+    }
+}
+
+/* ---- of a session ---- */
+
+bool panes_voxel_of_frame(const struct session *session, uint32_t column, uint32_t row,
+                          uint32_t place[3])
+{
+    const struct rendition *r = session_frame(session);
+    if (!session_rendered(session) || column >= r->width || row >= r->height)
+        return false;
+    const uint32_t cell = r->cell[(size_t)row * r->width + column];
+    if (cell != CELL_NONE)
+        place_of(session, cell, place);
+    return cell != CELL_NONE;
+}
+
+void panes_move(const struct session *session, const int64_t by[PANES_SLICES], uint32_t place[3])
+{
+    const struct scene *scene = session_scene(session);
+    memcpy(place, session_outlook(session)->slices.cross, 3 * sizeof *place);
+    for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
+        const int64_t count = slice_count(scene, plane);
+        int64_t index = (int64_t)slice_index(scene, plane, place) + by[plane];
+        index = index < 0 ? 0 : index >= count ? count - 1 : index;
+        slice_move(scene, plane, (uint32_t)index, place);
+    }
+}
+
+struct pane_slice panes_slice(const struct session *session, enum pane pane)
+{
+    static const uint32_t first[3] = {0};
+    const struct scene *scene = session_scene(session);
+    const enum slice_plane plane = (enum slice_plane)pane;
+    return (struct pane_slice){
+        .plane = slice_name(scene, plane),
+        .axis = (unsigned)slice_axis(scene, plane),
+        .number = slicing_number(session, plane, session_outlook(session)->slices.cross),
+        .counts_down = slicing_number(session, plane, first) != slice_index(scene, plane, first)};
+}

@@ -1,0 +1,109 @@
+/*
+ * Panes: slices and rendition of a session as one picture for a screen; what is marked in it, what
+ * lies under its pixels, and what lies beyond it.
+ *
+ *     marks    hatching for what an eliminator would take, crosses for corners and a pixel, a path
+ *              back to a seed: white where it lies in a slice, yellow in front of it or behind,
+ *              with a cross around its strongest edge
+ *     heat     colours slices where labels are uncertain: greys get it, and tints where they are
+ *              drawn over; no words, contours or marks
+ *     notes    what is written over slices where pixels are too few for letters: the patient's
+ *              sides, where the scene's file says how it lies in the patient, and a scale bar, as
+ *              characters in cells of the screen
+ *
+ * Edits that wait for a run are marked, as in show/slicing.h, which draws the slices.
+ */
+#ifndef SHOW_PANES_H
+#define SHOW_PANES_H
+
+#include "image/raster.h"
+#include "show/slicing.h"
+
+enum pane { PANE_AXIAL, PANE_CORONAL, PANE_SAGITTAL, PANE_RENDITION };
+enum { PANES_SLICES = 3, PANES_LINES = 4, PANES_NOTES_MOST = 64 };
+
+struct held;
+struct way;
+
+/* How the picture is wanted. What is borrowed is of use while it is drawn. */
+struct panes_wish {
+    uint32_t width, height;           /* pixels, and */
+    uint32_t cell_width, cell_height; /* those of a character's cell */
+    enum pane pane;                   /* that has a frame, */
+    bool is_alone;                    /* or all of the picture */
+    bool words;                       /* letters and titles can be read in the pixels */
+    const char *line[PANES_LINES];    /* in an empty rendition, where words can be read */
+    bool heat;
+    const struct held *held;     /* that is hatched, or NULL */
+    const struct way *way;       /* that is marked, or NULL */
+    const uint32_t *pixel;       /* [2] of the rendition, by its own column and row, or NULL */
+    const uint32_t (*corner)[3]; /* voxels that are marked in the slices */
+    size_t corners;
+};
+
+/* {0} is none yet. */
+struct panes {
+    struct canvas canvas;       /* the picture, with cells, words and what lies below */
+    struct slicing_panel panel; /* what it is of */
+    struct raster_note note[PANES_NOTES_MOST];
+    size_t notes;
+    struct canvas beyond; /* a slice that may be wanted next */
+};
+void panes_release(struct panes *panes);
+
+/* Draws, of a session with a scene. Errors are those of slicing_draw_panel and of hints. */
+enum err panes_draw(struct panes *panes, struct session *session, const struct panes_wish *wish,
+                    struct fault *fault);
+
+/* Where a pane lies in the picture; no width where it is not shown. */
+struct raster_box panes_box(const struct panes *panes, enum pane pane);
+
+/* Of slices that may be wanted next, `number` by `number` from 0 on: those on both sides of what is
+ * shown, the nearer ones first, and of the pane `first` (a slice's) before the others. Draws its
+ * greys into `beyond`, which has no pixels where there is none on that side. False where there is
+ * no more, or no memory. */
+bool panes_draw_beyond(struct panes *panes, struct session *session, enum pane first,
+                       unsigned number);
+
+/* The voxel that the picture shows at a pixel, and in which pane that is; false for none, with the
+ * pane none the less. */
+bool panes_voxel_at(const struct panes *panes, const struct session *session, uint32_t column,
+                    uint32_t row, uint32_t place[3], enum pane *pane);
+
+/* The voxel in the middle of the slices of a pane, and the place of the cross-hair, once the
+ * picture has gone on by so many eighths of it, {right, down}. False where it is shown to its
+ * end. */
+bool panes_pan(const struct panes *panes, const struct session *session, enum pane pane,
+               const int by[2], uint32_t middle[3], uint32_t place[3]);
+
+/* The rendition's own pixel, {column, row}, that the picture shows at one of its pixels, or the
+ * last one before that; as it was where there is no rendition. */
+void panes_frame_pixel(const struct panes *panes, const struct session *session, uint32_t column,
+                       uint32_t row, uint32_t pixel[2]);
+
+/* ---- of a session, whatever is drawn ---- */
+
+/* The voxel under a pixel of the rendition, by its own columns and rows; false for none. */
+bool panes_voxel_of_frame(const struct session *session, uint32_t column, uint32_t row,
+                          uint32_t place[3]);
+
+/* The place that lies so many slices along each plane's count from the cross-hair; as far as the
+ * scene goes. */
+void panes_move(const struct session *session, const int64_t by[PANES_SLICES], uint32_t place[3]);
+
+/* The slice of a pane through the cross-hair. */
+struct pane_slice {
+    const char *plane; /* what slices of that are called, "axial" or "z", */
+    unsigned axis;     /* the axis that they are counted along, 0 for x, */
+    uint32_t number;   /* and its number */
+    bool counts_down;  /* the next one towards head, front or right has a lower number */
+};
+struct pane_slice panes_slice(const struct session *session, enum pane pane);
+
+/* A seed of an object waits, or a voxel has its label; where nobody has counted yet, so it is. */
+bool panes_have_object(const struct session *session);
+
+/* A colour of its own in the picture: that of heat. */
+#define PANES_HEAT_HUE 0xff4010u
+
+#endif
