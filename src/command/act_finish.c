@@ -3,7 +3,7 @@
 
 #include "session/finished.h"
 #include "session/session.h"
-#include "show/live_finish.h"
+#include "show/draw.h"
 
 /* The places of the parameters in the table. */
 enum { FINISH_STEP, FINISH_RADIUS, FINISH_VOXELS, FINISH_SWEEPS, FINISH_LABEL };

@@ -21,7 +21,6 @@
 #include "session/session_inside.h"
 #include "session/tally.h"
 #include "show/draw.h"
-#include "show/live_finish.h"
 #include "show/slicing.h"
 #include "show/window.h"
 #include "tui/pilot/setup.h"
@@ -133,10 +132,10 @@ static void write_where(struct buf *out, struct session *session, bool knows_sum
         buf_add_text(out, "  orientation unknown");
     else if (geometry->orientation == ORIENTATION_TOLD)
         buf_add_text(out, "  sides as told by the user");
-    if (session_shows_finished(session) && session->live.label &&
-        session->live.label[cell_at_cross(session)] != cell->label) {
+    const uint8_t finished = session_shown_label(session, cell_at_cross(session));
+    if (finished != cell->label) {
         buf_add_text(out, "  finished label ");
-        act_write_label(out, session, session->live.label[cell_at_cross(session)]);
+        act_write_label(out, session, finished);
     }
     if (knows_sums)
         write_sums(out, session, cell->label);
@@ -573,7 +572,7 @@ static void frame_pixel(void *context, uint32_t column, uint32_t row, uint32_t p
     const struct pilot_interpreter *pilot = context;
     const struct rendition *r = session_frame(session_of(context));
     const uint32_t size[2] = {r->width, r->height}, wanted[2] = {column, row};
-    if (!pilot->canvas.rgba || !session_of(context)->rendered)
+    if (!pilot->canvas.rgba || !session_rendered(session_of(context)))
         return;
     for (int i = 0; i < 2; i++) {
         uint32_t low = 0, high = size[i];
