@@ -11,6 +11,7 @@
 #include "image/exr.h"
 #include "image/volume.h"
 #include "render/text.h"
+#include "show/pictures.h"
 #include "show/slicing.h"
 #include "tests/interpreting.h"
 #include "tests/folder.h"
@@ -330,7 +331,7 @@ STORY(an_automatic_window_leaves_the_extremes_out)
     must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), "slices    through 5,5,0: axial 0, coronal 5, sagittal 5;");
     must(&interp, "interpolate 2 1 1"); /* another scene, another window */
-    CHECK(!interp.session->knows_window);
+    CHECK(!interp.session->pictures->knows_window);
     must(&interp, "window auto");
     CHECK_HAS(buf_text(&reply.text), "through 10,5,0: axial 0, coronal 5, sagittal 10;");
     interpreter_release(&interp);
@@ -588,7 +589,7 @@ static uint32_t zoom_of_panel(struct interpreter *interp)
     struct canvas canvas;
     CHECK(slicing_draw_panel(&canvas, interp->session, &panel, &fault) == OK);
     canvas_release(&canvas);
-    return interp->session->camera.view.zoom;
+    return interp->session->pictures->camera.view.zoom;
 }
 
 /* What it shows at a zoom of its own changes nothing that is recorded. */

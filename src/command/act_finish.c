@@ -3,7 +3,7 @@
 
 #include "session/finished.h"
 #include "session/session.h"
-#include "show/live_finish.h"
+#include "show/draw.h"
 
 void act_write_finish(struct buf *out, const struct session *session)
 {

@@ -13,7 +13,7 @@
 #include "render/fit.h"
 #include "session/session.h"
 #include "show/decorating.h"
-#include "report/export.h"
+#include "show/export_picture.h"
 #include "show/draw.h"
 
 /* "turn%03d.png": what stands before the number of a picture, how many digits it has at least, and
@@ -280,7 +280,7 @@ static enum err prepare(struct spin *spin)
                          "name that ends in .gif or .tif; not %s",
                          act_text(spin->act, "FILE"));
     const enum err err = read_axes(spin);
-    spin->needs_maps = is_exr(spin) || !session_draws_colours(spin->act->session);
+    spin->needs_maps = is_exr(spin) || !export_takes_colours(spin->act->session);
     spin->total = spin->count * spin->axes;
     if (!err && spin->total > IMAGE_FRAMES_MOST)
         return fault_set(fault, ERR_USAGE, "%u turns of %u pictures: at most %d pictures in all",

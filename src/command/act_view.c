@@ -83,8 +83,12 @@ enum err act_zoom(const struct act *act)
 
 enum err act_pan(const struct act *act)
 {
-    view_pan(&act->next->outlook.view, session_camera(act->session), act_number(act, "RIGHT"),
-             act_number(act, "DOWN"));
+    struct camera camera;
+    const enum err err =
+        session_aim(act->session, session_outlook(act->session), &camera, act->fault);
+    if (err)
+        return err;
+    view_pan(&act->next->outlook.view, &camera, act_number(act, "RIGHT"), act_number(act, "DOWN"));
     return act_go(act);
 }
 

@@ -8,7 +8,7 @@
 #include "engine/weight.h"
 #include "render/decoration.h"
 #include "render/view.h"
-#include "report/export.h"
+#include "report/export_map.h"
 #include "session/piece_seeds.h"
 #include "session/seed_file.h"
 #include "show/slicing.h"

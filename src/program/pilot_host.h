@@ -8,7 +8,6 @@
 #include "command/interpreter.h"
 #include "program/console.h"
 #include "engine/way.h"
-#include "program/pilot_marks.h"
 #include "report/voxel_facts.h"
 #include "session/held.h"
 #include "show/panes.h"

@@ -13,7 +13,7 @@
 #include "report/comparison_picture.h"
 #include "session/map.h"
 #include "session/session.h"
-#include "session/session_inside.h"
+#include "session/state.h"
 
 enum { PICTURE_SIDE = 1024 };
 

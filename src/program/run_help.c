@@ -4,7 +4,6 @@
 
 #include "command/command.h"
 #include "program/programs.h"
-#include "report/export.h"
 #include "tui/prompt/line_keys.h"
 
 enum err run_help(const struct options *o, struct fault *fault)

@@ -14,7 +14,6 @@
 #include "journal/record.h"
 #include "program/console.h"
 #include "program/programs.h"
-#include "report/export.h"
 #include "report/label_table.h"
 #include "session/semantics.h"
 #include "tui/cells.h"

@@ -64,3 +64,8 @@ uint64_t session_finished_digest(const struct session *session)
     return session->now.kept.finish.count ? session->finished.digest
                                           : forest_label_digest(session->forest);
 }
+
+const struct finished *session_finished(const struct session *session)
+{
+    return &session->finished;
+}

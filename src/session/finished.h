@@ -34,12 +34,15 @@ void finished_release(struct finished *finished);
 
 /*
  * Labels as they are to be handed out: the forest's, or, where `finished`, what the steps of
- * session->now.kept.finish make of them. Borrowed: of use until the next command. The session has a
+ * the state's kept.finish make of them. Borrowed: of use until the next command. The session has a
  * scene and does not skim; edits that wait count for nothing, so session_run comes before.
  * ERR_LIMIT where a step reaches too far for the scene (finish_check), ERR_MEMORY, ERR_CANCELLED.
  */
 enum err session_labels(struct session *session, bool finished, struct labels *labels,
                         struct fault *fault);
+
+/* Those that session_labels made last, be they still of the present state or not. */
+const struct finished *session_finished(const struct session *session);
 
 /* The digest of the finished labels that session_labels gave last. */
 uint64_t session_finished_digest(const struct session *session);

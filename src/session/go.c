@@ -128,10 +128,11 @@ static void forget_labels(struct session *session)
 {
     tally_forget(&session->tally);
     label_measures_forget(&session->measures);
-    live_finish_drop(session);
+    if (session->pictures)
+        session->follower->forget_labels(session->pictures);
 }
 
-/* Tally, measures, borders and rendition after a change of the forest (S2). */
+/* Tally, measures, border and pictures after a change of the forest (S2). */
 static void follow_forest(struct session *session)
 {
     const struct changes changes = forest_changes(session->forest);
@@ -141,8 +142,8 @@ static void follow_forest(struct session *session)
         border_update(&session->border, &changes);
     if (watch_stops(session->watch))
         session->stale |= MADE_BORDER;
-    session_follow_rendition(session, RENDERED_FOREST, &changes);
-    live_finish_follow(session, &changes);
+    if (session->pictures)
+        session->follower->follow(session->pictures, &changes);
 }
 
 /* A forest that is to grow anew, or is not wanted yet, has its seeds changed and no more. */
@@ -176,6 +177,17 @@ static enum err grow(struct session *session, struct fault *fault)
 }
 
 /* ---- going ---- */
+
+enum err session_aim(const struct session *session, const struct outlook *outlook,
+                     struct camera *camera, struct fault *fault)
+{
+    const uint32_t samples = outlook->look.samples;
+    struct view fine = outlook->view; /* `samples` pixels for each of its own, along both sides */
+    fine.width *= samples;
+    fine.height *= samples;
+    fine.zoom *= samples;
+    return camera_init(camera, session->scene, &fine, fault);
+}
 
 /* One part after the other, in the order in which they follow from each other. */
 static enum err make(struct session *session, unsigned part,
@@ -260,8 +272,7 @@ enum err session_go(struct session *session, const struct state *state, const st
                     size_t seeds, struct fault *fault)
 {
     const unsigned parts = session->stale | state_difference(&session->now, state);
-    const bool aims =
-        session->has_scene && (parts & MADE_CAMERA || session->camera.scene != session->scene);
+    const bool aims = session->has_scene && parts & MADE_CAMERA;
     struct camera camera;
     if (aims)
         session_place(session, &state->kept);
@@ -276,10 +287,10 @@ enum err session_go(struct session *session, const struct state *state, const st
     state_assign(&session->now, state);
     if (!session->has_scene)
         return OK;
-    if (aims)
-        session_take_camera(session, &camera);
+    if (aims && session->pictures)
+        session->follower->take_camera(session->pictures, &camera);
     if (parts & (MADE_BORDER | MADE_COLOURS)) {
-        session->rendered = RENDERED_NOT;
+        session_forget_pictures(session);
         kept_show(&state->kept, &session->border);
     }
     session->stale = parts & ~(unsigned)(MADE_CAMERA | MADE_COLOURS);
@@ -289,7 +300,7 @@ enum err session_go(struct session *session, const struct state *state, const st
 void session_skim(struct session *session)
 {
     session->skims = true;
-    session->rendered = RENDERED_NOT;
+    session_forget_pictures(session);
     session->stale |= MADE_FOREST;
     forest_suspend(session->forest);
 }

@@ -2,7 +2,7 @@
  * The session: one person's work on one scene.
  *
  * What a command can change is a value, the state (session/state.h). All else follows from it:
- * weights, region of interest, forest, border, tally, camera and rendition. There is one way to
+ * weights, region of interest, forest, border, tally and pictures. There is one way to
  * change anything: session_go, which takes on a state and makes anew what differs, seeds by the
  * difference of the two sets where the forest can be updated, and by a rebuild where arcs or the
  * region are others. A command copies the present state, changes the copy, and goes there. Taking
@@ -14,9 +14,8 @@
  * Invariants
  *   S1 a command is all or nothing: session_mark before it, and session_rollback takes back
  *      whatever it did, exactly;
- *   S2 the border fits the forest, the visible labels and the cut; the rendition, where `rendered`,
- *      is that of those labels, their border and the camera, pixel for pixel, whichever mode made
- *      it;
+ *   S2 the border fits the forest, the visible labels and the cut, and pictures of the session hear
+ *      of all that changes (session/follower.h);
  *   S3 without a scene only session_open does anything, and settings can be made; all else asks
  *      has_scene first;
  *   S4 a scene that was interpolated is kept, with what hangs on it, until the command stands;
@@ -53,6 +52,7 @@ struct map_place;
 struct marker_run;
 struct markers;
 struct outlook;
+struct pictures;
 struct reach;
 struct roi;
 struct roi_tally;
@@ -63,9 +63,6 @@ struct team;
 struct view;
 struct volume_choice;
 struct watch;
-
-/* Whose labels the rendition shows. */
-enum rendered { RENDERED_NOT, RENDERED_FOREST, RENDERED_FINISHED };
 
 struct session;
 
@@ -125,9 +122,9 @@ const char *session_scene_name(const struct session *session);
 bool session_is_private(const struct session *session);
 void session_name_scene(struct session *session, const char *name, bool is_private);
 
-/* The camera of the view, and what the rendition shows. */
-const struct camera *session_camera(const struct session *session);
-enum rendered session_rendered(const struct session *session);
+/* The camera of an outlook, finer by as many times as it has samples; ERR_LIMIT for none. */
+enum err session_aim(const struct session *session, const struct outlook *outlook,
+                     struct camera *camera, struct fault *fault);
 
 /* The threads that compute, NULL for one; and the watch of all that takes long, or NULL. */
 struct team *session_team(const struct session *session);
@@ -171,6 +168,15 @@ enum err session_go(struct session *session, const struct state *state, const st
  * many commands and looks at the last state only. */
 void session_skim(struct session *session);
 enum err session_catch_up(struct session *session, struct fault *fault);
+
+/* To be called from `show` of the watch (base/watch.h), while a command is carried out: `draw` may
+ * read the session and make pictures of it, as they are so far, and must carry out no command. What
+ * the command itself goes by is put back afterwards. */
+void session_show(struct session *session, void (*draw)(void *context), void *context);
+
+/* Within `draw`: the cross-hair is shown at another place. The caller puts the former one back, so
+ * that no command finds this one. */
+void session_show_cross(struct session *session, const uint32_t place[3]);
 
 /* ---- the scene (open.c) ---- */
 

@@ -5,7 +5,6 @@
 
 #include "base/choice.h"
 #include "render/decoration.h"
-#include "show/context.h"
 
 /* ---- the table ---- */
 

@@ -2,11 +2,13 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "engine/scene.h"
 #include "image/geometry.h"
-#include "session/session_inside.h"
+#include "session/follower.h"
 #include "session/state.h"
+#include "show/pictures.h"
 
 /* The 1st and the 99.5th percentile: few voxels are as bright as vessels and fat. */
 void window_of_counts(int32_t window[2], const uint32_t count[UINT16_MAX + 1])
@@ -14,12 +16,21 @@ void window_of_counts(int32_t window[2], const uint32_t count[UINT16_MAX + 1])
     intensities_range(window, count, 10, 995);
 }
 
-static void find_window(struct session *session)
+/* Found once, where there is memory to remember it. */
+static void find_window(int32_t window[2], struct session *session)
 {
     static uint32_t count[UINT16_MAX + 1];
-    intensities_count(count, session->scene, session->team);
-    window_of_counts(session->window, count);
-    session->knows_window = true;
+    struct pictures *p = NULL;
+    if (pictures_begin(&p, session, NULL) == OK && p->knows_window) {
+        memcpy(window, p->window, sizeof p->window);
+        return;
+    }
+    intensities_count(count, session_scene(session), session_team(session));
+    window_of_counts(window, count);
+    if (!p)
+        return;
+    memcpy(p->window, window, sizeof p->window);
+    p->knows_window = true;
 }
 
 /* A real value as an intensity. */
@@ -34,13 +45,15 @@ static int32_t intensity_of(const struct geometry *geometry, const struct decima
 
 void window_of(int32_t window[2], struct session *session)
 {
-    const struct slice_settings *s = &session->now.outlook.slices;
-    const bool falls = session->geometry.slope < 0;
-    if (!s->has_window && !session->knows_window)
-        find_window(session);
+    const struct slice_settings *s = &session_outlook(session)->slices;
+    const struct geometry *geometry = session_geometry(session);
+    const bool falls = geometry->slope < 0;
+    int32_t found[2];
+    if (!s->has_window)
+        find_window(found, session);
     for (int i = 0; i < 2; i++)
-        window[i] = s->has_window ? intensity_of(&session->geometry, &s->window[i])
-                                  : session->window[falls ? 1 - i : i];
+        window[i] =
+            s->has_window ? intensity_of(geometry, &s->window[i]) : found[falls ? 1 - i : i];
     if (window[0] == window[1])
         window[1] += falls ? -1 : 1;
 }

@@ -8,11 +8,9 @@
 #include "base/json.h"
 #include "base/mem.h"
 #include "engine/overlap.h"
-#include "report/export.h"
 #include "verify/difference_picture.h"
 #include "verify/first_difference.h"
 #include "verify/process.h"
-#include "session/session_inside.h"
 #include "verify/replay_file.h"
 
 /* ---- one side, in its process ---- */
@@ -116,8 +114,10 @@ static enum err draw(struct picture *picture, struct session *session, const str
         .name = {file_name(work->options->path[0]), file_name(work->options->path[1])},
         .label = {label, work->other->labels},
         .overlap = &overlap};
-    borrow(&session->now.kept, work->other->facts, &overlap);
-    return difference_picture_draw(picture, session, &difference_picture, fault);
+    struct state next = *session_state(session);
+    borrow(&next.kept, work->other->facts, &overlap);
+    const enum err err = session_go(session, &next, NULL, 0, fault);
+    return err ? err : difference_picture_draw(picture, session, &difference_picture, fault);
 }
 
 /* Labels and picture to `out`, after the facts. */

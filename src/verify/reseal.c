@@ -10,7 +10,7 @@
 #include "verify/orphan.h"
 #include "journal/journal.h"
 #include "journal/record.h"
-#include "report/export.h"
+#include "show/export_picture.h"
 #include "verify/orphan.h"
 #include "verify/strict.h"
 

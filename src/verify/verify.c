@@ -6,7 +6,6 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "command/act.h"
-#include "report/export.h"
 #include "session/semantics.h"
 #include "verify/iftty_lock.h"
 #include "verify/orphan.h"
