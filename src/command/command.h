@@ -23,6 +23,7 @@
 #include "session/setting.h"
 
 struct interpreter;
+struct kept;
 struct session;
 
 /* What a parameter was given as. */
@@ -76,6 +77,10 @@ void command_try_names(struct near *near);
  * that is wrong; for one that is missing, a place after the end. The caller releases `call`. */
 enum err command_parse(struct call *call, const char *line, const struct session *session,
                        struct fault *fault);
+
+/* The same with the names that labels have in `kept`, whatever they are called now. */
+enum err command_parse_by(struct call *call, const char *line, const struct session *session,
+                          const struct kept *kept, struct fault *fault);
 void call_release(struct call *call);
 
 /* The value of the parameter of this name, which the command has; and a number in place of what
