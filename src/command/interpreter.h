@@ -3,8 +3,8 @@
  *
  * Keyboard, script and replay all call interpreter_execute. A command is carried out, recorded (if
  * it changes something), and only then acknowledged; when the record cannot be written, the session
- * is taken back to before it, and so it is where the session's watch stops it. The mode says what is
- * written and what is compared.
+ * is taken back to before it, and so it is where the session's watch stops it. The mode says what
+ * is written and what is compared.
  */
 #ifndef COMMAND_INTERPRETER_H
 #define COMMAND_INTERPRETER_H
