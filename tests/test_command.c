@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "command/complete.h"
 #include "base/choice.h"
 #include "base/file.h"
 #include "tests/small_scene.h"

@@ -4,6 +4,7 @@
  */
 #include <stdlib.h>
 
+#include "command/complete.h"
 #include "base/mem.h"
 #include "session/held.h"
 #include "tests/small_scene.h"

@@ -3,7 +3,7 @@
 
 #include "base/choice.h"
 #include "base/file_draft.h"
-#include "command/golden_leftover.h"
+#include "command/golden_judge.h"
 #include "journal/replay.h"
 #include "session/semantics.h"
 

@@ -4,6 +4,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "command/complete.h"
 #include "program/begin.h"
 #include "program/config.h"
 #include "program/console.h"

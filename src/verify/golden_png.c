@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/safe.h"
-#include "command/golden_notes.h"
+#include "command/golden_judge.h"
 #include "image/png_read.h"
 
 /* Whether the pixel of the file is that of the picture: over what is behind it, or with its alpha

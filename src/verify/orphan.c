@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "command/golden_leftover.h"
+#include "command/golden_judge.h"
 #include "image/exr.h"
 #include "journal/golden.h"
 

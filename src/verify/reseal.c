@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/file_draft.h"
-#include "command/golden_leftover.h"
+#include "command/golden_judge.h"
 #include "session/semantics.h"
 #include "verify/ci.h"
 #include "verify/golden_accept.h"
