@@ -10,6 +10,8 @@
 #include <limits.h>
 #include <unistd.h>
 
+#include "image/helper.h"
+#include "command/execute.h"
 #include "session/session_inside.h"
 #include "show/draw.h"
 #include "verify/replay_file.h"

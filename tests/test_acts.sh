@@ -62,9 +62,9 @@ begin "one that does is found, also behind a function that several acts call"
 if needs python3; then
     mkdir "$work/tree"
     cp -r "$top/src" "$top/render" "$top/journal" "$work/tree"
-    sed -i 's/"replace"/"replaced"/' "$work/tree"/src/command/act_*.c
+    sed -i 's/"replace"/"replaced"/' "$work/tree"/src/command/act*.c
     sed -i 's/act_has(act, "around|through")/act_has(act, "around|thorough")/' \
-        "$work/tree"/src/command/act_*.c
+        "$work/tree"/src/command/act*.c
     found=$(python3 "$work/asked.py" "$work/tree")
     for line in "asks for replaced, which \`spin\` has not" \
         "asks for thorough, which \`seed\` has not"; do

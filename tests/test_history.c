@@ -4,9 +4,11 @@
  */
 #include <pthread.h>
 
+#include "command/resume.h"
 #include "base/file.h"
 #include "base/mem.h"
 #include "base/packed.h"
+#include "journal/journal.h"
 #include "journal/walk.h"
 #include "show/slicing.h"
 #include "tests/small_scene.h"

@@ -16,6 +16,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "command/resume.h"
 #include "base/file_draft.h"
 #include "image/exr.h"
 #include "tests/check.h"

@@ -5,8 +5,12 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "journal/journal.h"
+#include "command/resume.h"
 #include "base/file.h"
 #include "image/exr.h"
+#include "image/helper.h"
+#include "image/picture_writer.h"
 #include "report/export.h"
 #include "show/seen_from.h"
 #include "tests/interpreting.h"

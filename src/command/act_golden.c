@@ -1,11 +1,14 @@
 /* The command `golden`: stores a picture beside the journal, and compares it in a replay. */
 #include "command/act.h"
-#include "command/golden_judge.h"
 
 #include <string.h>
 
 #include "base/file_draft.h"
+#include "command/act_picture.h"
+#include "command/files.h"
+#include "command/golden_judge.h"
 #include "image/exr.h"
+#include "journal/journal.h"
 #include "report/export.h"
 #include "session/semantics.h"
 #include "show/draw.h"

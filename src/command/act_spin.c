@@ -8,13 +8,15 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/least.h"
+#include "command/act_picture.h"
+#include "command/files.h"
 #include "image/exr.h"
 #include "image/helper.h"
 #include "render/fit.h"
 #include "session/session.h"
 #include "show/decorating.h"
-#include "report/export.h"
 #include "show/draw.h"
+#include "show/drawn_colours.h"
 
 /* "turn%03d.png": what stands before the number of a picture, how many digits it has at least, and
  * what follows it. */

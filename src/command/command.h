@@ -40,15 +40,6 @@ struct value {
                                     there */
 };
 
-/* What a command answers: text for the user, "key=value" words for the journal. */
-struct reply {
-    struct buf text;  /* lines, each ended by a line feed, safe to print */
-    struct buf words; /* separated by single spaces */
-    struct buf canonical;
-    struct buf list; /* of an error: lines to choose from. They may hold what is said of a patient:
-                        they are shown, and kept nowhere */
-};
-
 /* A command with what it is given. */
 struct call {
     const struct command *command;       /* NULL for an empty line or a comment */

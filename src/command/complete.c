@@ -21,8 +21,10 @@
 #include "base/mem.h"
 #include "base/safe.h"
 #include "base/scan.h"
+#include "command/command.h"
 #include "command/interpreter.h"
 #include "journal/golden.h"
+#include "session/parameter.h"
 
 /* ---- the line, as far as the cursor ---- */
 

@@ -3,8 +3,11 @@
 #include <string.h>
 
 #include "base/scan.h"
-#include "command/act.h"
-#include "command/opening.h"
+#include "command/command.h"
+#include "command/execute.h"
+#include "command/files.h"
+#include "command/table.h"
+#include "journal/journal.h"
 #include "journal/walk.h"
 
 /* ---- lines ---- */
@@ -236,10 +239,9 @@ static enum err take(struct recorded *recorded, const char *line, struct call *c
     const enum err err = interpreter_settle_name(interp, call, fault);
     if (err)
         return err;
-    if (opens)
-        opening_write(&reply->canonical, call, session_series(session));
-    else
-        command_write(&reply->canonical, call);
+    if (opens && session_series(session) && call_has(call, "series"))
+        call_set_number(call, "series", session_series(session));
+    command_write(&reply->canonical, call);
     const bool is_met = leads_to(call, buf_text(&reply->canonical), recorded->record.command);
     if (recorded->mode == RECORDED_UNDECIDED && is_recorded) /* by the first that would be */
         recorded->mode =

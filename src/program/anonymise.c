@@ -1,3 +1,4 @@
+#include "session/parameter.h"
 #include "program/anonymise.h"
 
 #include <ctype.h>
@@ -5,7 +6,8 @@
 
 #include "base/choice.h"
 #include "base/file.h"
-#include "command/act.h"
+#include "command/command.h"
+#include "command/table.h"
 #include "image/volume.h"
 #include "report/label_table.h"
 #include "journal/walk.h"

@@ -1,11 +1,16 @@
+#include "command/files.h"
+#include "command/command.h"
+#include "command/resume.h"
 #include "program/begin.h"
 
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "image/helper.h"
 #include "image/volume_helper.h"
 #include "journal/golden.h"
+#include "journal/journal.h"
 #include "journal/walk.h"
 #include "program/console.h"
 #include "sandbox/limits.h"

@@ -1,3 +1,4 @@
+#include "command/files.h"
 #include "program/bench.h"
 
 #include <stdlib.h>

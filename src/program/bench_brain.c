@@ -11,6 +11,7 @@
 #include "base/hash.h"
 #include "base/json.h"
 #include "base/mem.h"
+#include "command/files.h"
 #include "command/interpreter.h"
 #include "image/volume.h"
 #include "program/bench.h"

@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "command/resume.h"
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/json.h"

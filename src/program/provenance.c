@@ -1,10 +1,12 @@
+#include "session/parameter.h"
 #include "program/provenance.h"
 
 #include <stdio.h>
 #include <string.h>
 
 #include "base/json.h"
-#include "command/act.h"
+#include "command/command.h"
+#include "command/table.h"
 #include "program/anonymise.h"
 #include "journal/log.h"
 #include "journal/walk.h"

@@ -3,6 +3,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "journal/journal.h"
 #include "command/script.h"
 #include "program/begin.h"
 #include "program/console.h"

@@ -1,4 +1,6 @@
 /* `iftty verify` and its forms; `iftty log --reseal`, which is like accepting; `iftty diff`. */
+#include "base/file.h"
+#include "journal/record.h"
 #include "verify/verify.h"
 
 #include <string.h>

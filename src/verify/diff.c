@@ -1,3 +1,4 @@
+#include "image/helper.h"
 #include "verify/diff.h"
 
 #include <inttypes.h>

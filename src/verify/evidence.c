@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "command/interpreter.h"
+#include "image/helper.h"
 #include "image/png.h"
 #include "verify/golden_png.h"
 

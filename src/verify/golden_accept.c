@@ -1,3 +1,5 @@
+#include "image/helper.h"
+#include "command/files.h"
 #include "verify/golden_accept.h"
 
 #include <string.h>

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/safe.h"
+#include "command/files.h"
 #include "command/golden_judge.h"
 #include "image/png_read.h"
 

@@ -10,6 +10,7 @@
 #ifndef VERIFY_GOLDEN_PNG_H
 #define VERIFY_GOLDEN_PNG_H
 
+#include "command/golden_judge.h"
 #include "command/interpreter.h"
 
 /* OK, or ERR_CHECK. The finding is of a golden image that is the same as what is drawn. */

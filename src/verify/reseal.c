@@ -4,6 +4,8 @@
 #include <string.h>
 
 #include "base/file_draft.h"
+#include "command/execute.h"
+#include "command/files.h"
 #include "command/golden_judge.h"
 #include "session/semantics.h"
 #include "verify/ci.h"

@@ -1,10 +1,11 @@
+#include "journal/journal.h"
 #include "verify/verify_journal.h"
 
 #include <string.h>
 
 #include "base/clock.h"
 #include "base/file.h"
-#include "command/act.h"
+#include "command/act_stats.h"
 #include "report/export.h"
 #include "session/semantics.h"
 #include "session/session.h"

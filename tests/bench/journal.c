@@ -11,6 +11,8 @@
 #include "base/folder.h"
 #include "base/json.h"
 #include "program/bench.h"
+#include "command/execute.h"
+#include "command/golden_judge.h"
 #include "command/interpreter.h"
 #include "journal/journal.h"
 #include "journal/replay.h"

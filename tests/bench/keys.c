@@ -16,6 +16,7 @@
 #include "base/file.h"
 #include "base/folder.h"
 #include "base/json.h"
+#include "command/files.h"
 #include "command/interpreter.h"
 #include "program/bench.h"
 #include "tests/bench/far_end.h"

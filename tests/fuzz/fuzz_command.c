@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "command/command.h"
 #include "command/complete.h"
 #include "command/interpreter.h"
 #include "journal/record.h"
