@@ -10,6 +10,7 @@
 #include <limits.h>
 #include <unistd.h>
 
+#include "command/execute.h"
 #include "session/session_inside.h"
 #include "show/draw.h"
 #include "verify/replay_file.h"

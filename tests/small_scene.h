@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "journal/journal.h"
 #include "base/file.h"
 #include "base/safe.h"
 #include "image/volume.h"

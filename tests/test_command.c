@@ -8,6 +8,11 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "session/parameter.h"
+#include "journal/journal.h"
+#include "command/command.h"
+#include "command/complete.h"
+#include "command/resume.h"
 #include "base/choice.h"
 #include "base/file.h"
 #include "tests/small_scene.h"

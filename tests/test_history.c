@@ -4,10 +4,12 @@
  */
 #include <pthread.h>
 
+#include "command/resume.h"
 #include "base/file.h"
 #include "base/mem.h"
-#include "session/packed.h"
+#include "journal/journal.h"
 #include "journal/record.h"
+#include "session/packed.h"
 #include "show/slicing.h"
 #include "tests/small_scene.h"
 

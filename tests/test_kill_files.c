@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "command/resume.h"
 #include "image/exr.h"
 #include "tests/check.h"
 #include "tests/folder.h"

@@ -5,6 +5,7 @@
  */
 #include <stdlib.h>
 
+#include "command/resume.h"
 #include "base/mem.h"
 #include "session/piece_seeds.h"
 #include "session/regions.h"

@@ -174,14 +174,14 @@ found=$(printf '%s\n' "$libraries" |
 close_story
 
 # Programs of the command line (src/main.c) may share a name with a command; they are not commands.
-# A key of JSON may be the same word.
+# A key of JSON may be the same word, and a parameter that an act asks for.
 begin "the name of a command is written in the table alone"
 names=$(sed -n 's/^    {[CS][A-Z]*("\([a-z-]*\)",.*/\1/p' src/command/table.c src/session/setting.c)
 [ "$(printf '%s\n' "$names" | wc -l)" -gt 15 ] || fail "the table was not understood: $names"
 pattern=$(printf '%s\n' "$names" | sed 's/.*/"&"/' | paste -sd '|' -)
 found=$(grep -E '^src/(command|session|show|report)/' "$work/code" |
     grep -vE '^[^:]*/(table|setting)\.c:' | grep -E ":.*($pattern)" |
-    grep -vE 'json_[a-z]+\(&?json, "|task_begin\([^;]*,')
+    grep -vE '(json_[a-z]+\(&?json|(act|call)_[a-z_]+\([a-z>-]+), "|task_begin\([^;]*,')
 [ -z "$found" ] || fail "$found"
 found=$(grep -v '^[^:]*/table\.c:' "$work/code" | grep -E "str(n|case)?cmp\([^;]*($pattern)")
 [ -z "$found" ] || fail "$found"

@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "command/command.h"
 #include "command/interpreter.h"
 #include "engine/measure.h"
 #include "show/pictures.h"

@@ -5,8 +5,11 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "journal/journal.h"
+#include "command/resume.h"
 #include "base/file.h"
 #include "image/exr.h"
+#include "image/picture_writer.h"
 #include "show/export_picture.h"
 #include "tests/interpreting.h"
 #include "tests/folder.h"

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "command/golden_judge.h"
 #include "base/file.h"
 #include "image/exr.h"
 #include "image/volume.h"

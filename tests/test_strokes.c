@@ -4,6 +4,9 @@
  */
 #include <stdlib.h>
 
+#include "command/complete.h"
+#include "command/execute.h"
+#include "command/resume.h"
 #include "base/mem.h"
 #include "session/held.h"
 #include "tests/small_scene.h"

@@ -1,5 +1,6 @@
 /* How many voxels each label has: kept up to date through edits that change little and much,
  * undone, cancelled and failed, and told in a line after each edit. */
+#include "command/resume.h"
 #include "tests/small_scene.h"
 #include "tests/stopping.h"
 

@@ -1,99 +1,308 @@
-/* Commands that only answer: nothing changes, nothing is recorded. */
+/* Questions about places: nothing changes, and nothing is recorded but where `hint` leads. */
 #include "command/act.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <string.h>
 
-#include "base/choice.h"
-#include "engine/margin.h"
-#include "engine/roi.h"
+#include "base/chart.h"
+#include "base/file.h"
+#include "base/json.h"
+#include "command/act_info.h"
+#include "engine/hints.h"
+#include "engine/measure.h"
+#include "engine/rival.h"
 #include "engine/way.h"
-#include "journal/journal.h"
-#include "session/map.h"
-#include "session/semantics.h"
-#include "show/decorating.h"
-#include "show/export_picture.h"
-#include "report/histogram.h"
+#include "image/geometry.h"
+#include "image/levels.h"
+#include "session/finished.h"
+#include "session/hinting.h"
+#include "session/paint.h"
+#include "session/session.h"
+#include "session/tally.h"
+#include "show/draw.h"
+#include "show/live_finish.h"
+#include "show/slicing.h"
 
-enum { RISES_MOST = 8 }; /* places where the cost rose that `why` lists */
+/* ---- what is under a pixel ---- */
 
-void act_write_spacing(struct buf *out, const struct session *session)
+/* The voxel that a pixel of the rendition shows, or CELL_NONE. What the pilot has drawn may be at a
+ * zoom of its own. */
+static enum err voxel_of_rendition(struct session *session, const struct labels *labels,
+                                   uint32_t column, uint32_t row, uint32_t *cell,
+                                   struct fault *fault)
 {
-    const uint32_t *nm = session_scene(session)->spacing_nm;
-    if (session_geometry(session)->spacing_unknown)
-        buf_add_text(out, " of unknown size");
+    const struct rendition *r = session_frame(session);
+    if (!session_rendered(session))
+        return fault_set(fault, ERR_USAGE, "the rendition is not up to date; `render` first");
+    const enum err err = session_draw_labels(session, labels, RENDER_AS_KEPT, fault);
+    if (err)
+        return err;
+    if (column >= r->width || row >= r->height)
+        return fault_set(fault, ERR_INPUT, "pixel %u,%u lies outside the picture of %ux%u", column,
+                         row, r->width, r->height);
+    *cell = r->cell[(size_t)row * r->width + column];
+    return OK;
+}
+
+/* The same of a slice or mosaic, as it would be drawn now. */
+static enum err voxel_of_slices(struct session *session, enum slice_kind kind,
+                                const struct labels *labels, uint32_t column, uint32_t row,
+                                uint32_t *cell, struct fault *fault)
+{
+    const struct view *view = &session_outlook(session)->view;
+    if (column >= view->width || row >= view->height)
+        return fault_set(fault, ERR_INPUT, "pixel %u,%u lies outside the picture of %ux%u", column,
+                         row, view->width, view->height);
+    return slicing_cell_at(cell, session, kind, labels, column, row, fault);
+}
+
+/* "3.61 mm from the border of label 1 brain, at 70,101,95" */
+static void write_border_distance(struct buf *out, const struct session *session, uint32_t cell)
+{
+    const struct scene *scene = session_scene(session);
+    const struct border_distance border = measure_border_distance(scene, cell);
+    const struct place at = grid_place(&scene->grid, border.cell);
+    const char *unit = session_geometry(session)->spacing_unknown ? "voxels" : "mm";
+    if (!border.found && border.reach_nm == UINT64_MAX)
+        buf_add_text(out, "the scene holds no border of label ");
+    else if (!border.found)
+        buf_printf(out, "more than %g %s from the border of label ", (double)border.reach_nm / 1e6,
+                   unit);
+    else if (border.squared == 0)
+        buf_add_text(out, "on the border of label ");
     else
-        buf_printf(out, " of %gx%gx%g mm", nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6);
-}
-
-void act_write_axes(struct buf *out, const struct geometry *geometry)
-{
-    char towards[4];
-    geometry_axes(towards, geometry);
-    if (geometry->orientation == ORIENTATION_UNKNOWN)
-        buf_add_text(out, "orientation unknown");
-    else
-        buf_printf(out, "axes towards %s%s", towards,
-                   geometry->orientation == ORIENTATION_TOLD ? " as told by the user" : "");
-}
-
-void act_write_waiting(const struct act *act)
-{
-    const size_t waits = session_pendings(act->session);
-    if (waits == 1)
-        buf_add_text(&act->reply->text, "without the edit that waits for `run`\n");
-    else if (waits > 1)
-        buf_printf(&act->reply->text, "without the %zu edits that wait for `run`\n", waits);
-}
-
-void act_write_no_seeds(const struct act *act)
-{
-    if (!forest_seeds(session_forest(act->session)))
-        buf_add_text(&act->reply->text, "no seed is planted: no voxel has a label\n");
-}
-
-/* The weight of the voxel; where weights are those of steps, of the step from its predecessor. */
-static void write_voxel_weight(struct buf *out, const struct session *session,
-                               const struct cell *cell)
-{
-    const struct arc_rule *arcs = forest_arcs(session_forest(session));
-    if (arcs->kind == ARC_TARGET) {
-        buf_printf(out, "weight %u, ", cell->weight);
-        return;
-    }
-    const struct cell *cells = session_scene(session)->cell;
-    const uint32_t before = cell_is_reached(cell) ? forest_predecessor(session_forest(session),
-                                                                       (uint32_t)(cell - cells))
-                                                  : CELL_NONE;
-    if (before != CELL_NONE)
-        buf_printf(out, "a step of weight %u, ", arc_weight_now(arcs, cells + before, cell));
-}
-
-void act_write_voxel(struct buf *out, const struct session *session, uint32_t at)
-{
-    const struct grid *grid = &session_scene(session)->grid;
-    const struct cell *cell = session_scene(session)->cell + at;
-    struct place p = grid_place(grid, at);
-    double mm[3];
-    geometry_point(session_geometry(session), (const uint32_t[]){p.x, p.y, p.z}, mm);
-    buf_printf(out, "voxel %u,%u,%u", p.x, p.y, p.z);
-    if (geometry_has_place(session_geometry(session)))
-        buf_printf(out, " at %.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
-    buf_add_text(out, ": intensity ");
-    levels_write(out, session_geometry(session), session_levels(session), cell->intensity);
-    buf_add_text(out, ", ");
-    write_voxel_weight(out, session, cell);
-    if (!cell_is_reached(cell)) {
-        buf_add_text(out, cell->flags & CELL_OUTSIDE ? "outside the region of interest\n"
-                                                     : "no seed reaches it\n");
-        return;
-    }
-    struct place root = grid_place(grid, key_root(cell->key));
-    buf_add_text(out, "label ");
-    label_report_write_name(out, session, cell->label);
-    buf_printf(out, ", of the seed at %u,%u,%u", root.x, root.y, root.z);
-    act_write_reach(out, session, key_root(cell->key));
+        buf_printf(out, "%.2f %s from the border of label ", sqrt((double)border.squared) / 1e6,
+                   unit);
+    label_report_write_name(out, session, scene->cell[cell].label);
+    if (border.found && border.squared)
+        buf_printf(out, ", at %u,%u,%u", at.x, at.y, at.z);
+    if (border.squared && geometry_fill(session_geometry(session)) < 1)
+        buf_add_text(out, ", as if axes were not sheared");
     buf_add_char(out, '\n');
 }
+
+enum err act_pick(const struct act *act)
+{
+    struct session *session = act->session;
+    const uint32_t column = (uint32_t)act_number(act, "COLUMN"),
+                   row = (uint32_t)act_number(act, "ROW");
+    const int64_t of = act_number(act, "of"); /* 0: the rendition */
+    uint32_t cell = CELL_NONE;
+    struct labels labels;
+    enum err err = session_labels(session, session_shows_finished(session), &labels, act->fault);
+    if (!err)
+        err = of ? voxel_of_slices(session, (enum slice_kind)(of - 1), &labels, column, row, &cell,
+                                   act->fault)
+                 : voxel_of_rendition(session, &labels, column, row, &cell, act->fault);
+    if (err)
+        return err;
+    if (cell == CELL_NONE) {
+        buf_printf(&act->reply->text, "pixel %u,%u shows %s\n", column, row,
+                   of ? "no voxel" : "no object");
+        act_write_waiting(act);
+        return OK;
+    }
+    act_write_voxel(&act->reply->text, session, cell);
+    if (cell_is_reached(session_scene(session)->cell + cell))
+        write_border_distance(&act->reply->text, session, cell);
+    if (labels_at(&labels, cell) != session_scene(session)->cell[cell].label) {
+        buf_add_text(&act->reply->text, "finished: label ");
+        label_report_write_name(&act->reply->text, session, labels_at(&labels, cell));
+        buf_add_char(&act->reply->text, '\n');
+    }
+    act_write_waiting(act);
+    return watch_fault(session_watch(session), act->fault);
+}
+
+enum { PROFILE_ROWS = 8, MARGIN = 9 };
+
+/* ---- distances and angles ---- */
+
+/* From the centre of a voxel to that of another: in voxels, and in millimetres. */
+struct offset {
+    double voxels[3], mm[3];
+};
+
+static struct offset offset_between(const struct session *session, const uint32_t from[3],
+                                    const uint32_t to[3])
+{
+    struct offset offset;
+    double a[3], b[3];
+    geometry_point(session_geometry(session), from, a);
+    geometry_point(session_geometry(session), to, b);
+    for (int i = 0; i < 3; i++) {
+        offset.voxels[i] = (double)to[i] - (double)from[i];
+        offset.mm[i] = b[i] - a[i];
+    }
+    return offset;
+}
+
+static double product(const double u[3], const double v[3])
+{
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+}
+
+/* "25.50 mm, 17.00 voxels"; in voxels alone where their distances are unknown. */
+static void write_length(struct buf *out, const struct session *session,
+                         const struct offset *offset)
+{
+    if (!session_geometry(session)->spacing_unknown)
+        buf_printf(out, "%.2f mm, ", sqrt(product(offset->mm, offset->mm)));
+    buf_printf(out, "%.2f voxels", sqrt(product(offset->voxels, offset->voxels)));
+}
+
+/* A line: "25.50 mm, 17.00 voxels from 10,20,30 to 27,20,30". */
+static void write_distance(const struct act *act, const uint32_t from[3], const uint32_t to[3])
+{
+    struct buf *out = &act->reply->text;
+    const struct offset offset = offset_between(act->session, from, to);
+    write_length(out, act->session, &offset);
+    buf_printf(out, " from %u,%u,%u to %u,%u,%u\n", from[0], from[1], from[2], to[0], to[1], to[2]);
+}
+
+/* In degrees; never where one of both goes nowhere. */
+static double angle_between(const double u[3], const double v[3])
+{
+    const double cross[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
+                             u[0] * v[1] - u[1] * v[0]};
+    return atan2(sqrt(product(cross, cross)), product(u, v)) * 180 / 3.14159265358979323846;
+}
+
+static enum err write_angle(const struct act *act)
+{
+    const struct session *session = act->session;
+    const uint32_t *at = act_place(act, "OTHER");
+    const struct offset a = offset_between(session, at, act_place(act, "PLACE"));
+    const struct offset b = offset_between(session, at, act_place(act, "THIRD"));
+    const bool measures = !session_geometry(session)->spacing_unknown;
+    if (product(a.voxels, a.voxels) == 0 || product(b.voxels, b.voxels) == 0)
+        return fault_set(act->fault, ERR_INPUT,
+                         "there is no angle at %u,%u,%u: expected two other voxels beside it",
+                         at[0], at[1], at[2]);
+    buf_printf(&act->reply->text, "%.1f degrees at %u,%u,%u%s\n",
+               measures ? angle_between(a.mm, b.mm) : angle_between(a.voxels, b.voxels), at[0],
+               at[1], at[2], measures ? "" : ", as if voxels were cubes");
+    return OK;
+}
+
+enum err act_measure(const struct act *act)
+{
+    const uint32_t *other = act_place(act, "OTHER");
+    write_distance(act, act_place(act, "PLACE"), other);
+    if (!act_has(act, "THIRD"))
+        return OK;
+    write_distance(act, other, act_place(act, "THIRD"));
+    return write_angle(act);
+}
+
+/* ---- profiles ---- */
+
+struct profile {
+    const struct session *session;
+    const uint32_t *from, *to;
+    int64_t steps;
+    unsigned columns;
+    double mean[CHART_COLUMNS]; /* of each column */
+    char label[CHART_COLUMNS + 1];
+    double least, most, sum; /* of all voxels */
+};
+
+static const struct cell *cell_at(const struct profile *p, int64_t step, uint32_t at[3])
+{
+    int64_t place[3];
+    paint_step(place, p->from, p->to, step, p->steps);
+    for (int a = 0; a < 3; a++)
+        at[a] = (uint32_t)place[a];
+    return session_scene(p->session)->cell +
+           grid_cell(&session_scene(p->session)->grid, at[0], at[1], at[2]);
+}
+
+static char letter_of_label(const struct cell *cell)
+{
+    return !cell_is_reached(cell) ? '.' : cell->label > 9 ? '+' : (char)('0' + cell->label);
+}
+
+/* Column c has the voxels from count * c / columns on. */
+static void take_column(struct profile *p, unsigned column)
+{
+    const int64_t count = p->steps + 1, first = count * column / p->columns;
+    const int64_t end = count * (column + 1) / p->columns;
+    double sum = 0;
+    for (int64_t i = first; i < end; i++) {
+        uint32_t at[3];
+        const struct cell *cell = cell_at(p, i, at);
+        const double value =
+            levels_value(session_geometry(p->session), session_levels(p->session), cell->intensity);
+        sum += value;
+        p->least = i == 0 || value < p->least ? value : p->least;
+        p->most = i == 0 || value > p->most ? value : p->most;
+        p->label[column] = letter_of_label(cell);
+    }
+    p->sum += sum;
+    p->mean[column] = sum / (double)(end - first);
+}
+
+static void draw(struct buf *out, const struct profile *p, bool has_blocks)
+{
+    uint16_t eighths[CHART_COLUMNS];
+    char top[16], bottom[16];
+    const double wide = p->most > p->least ? p->most - p->least : 1;
+    for (unsigned c = 0; c < p->columns; c++) /* the least value has one eighth */
+        eighths[c] = (uint16_t)(1 + (p->mean[c] - p->least) / wide * (8 * PROFILE_ROWS - 1));
+    snprintf(top, sizeof top, "%.6g", p->most);
+    snprintf(bottom, sizeof bottom, "%.6g", p->least);
+    chart_write(
+        out, &(struct chart){eighths, p->columns, PROFILE_ROWS, top, bottom, MARGIN, has_blocks});
+    buf_printf(out, "%*slabels |%s\n", MARGIN - 6, "", p->label);
+}
+
+static void list(struct buf *out, const struct profile *p)
+{
+    const bool measures = !session_geometry(p->session)->spacing_unknown;
+    for (int64_t i = 0; i <= p->steps; i++) {
+        uint32_t at[3];
+        const struct cell *cell = cell_at(p, i, at);
+        const struct offset offset = offset_between(p->session, p->from, at);
+        buf_printf(
+            out, "%8.2f %s  %u,%u,%u  ",
+            sqrt(measures ? product(offset.mm, offset.mm) : product(offset.voxels, offset.voxels)),
+            measures ? "mm" : "voxels", at[0], at[1], at[2]);
+        levels_write(out, session_geometry(p->session), session_levels(p->session),
+                     cell->intensity);
+        buf_add_text(out, "  ");
+        if (cell_is_reached(cell))
+            label_report_write_name(out, p->session, cell->label);
+        buf_add_text(out, cell_is_reached(cell) ? "\n" : "no seed reaches it\n");
+    }
+}
+
+enum err act_profile(const struct act *act)
+{
+    struct buf *out = &act->reply->text;
+    struct profile p = {
+        .session = act->session, .from = act_place(act, "PLACE"), .to = act_place(act, "OTHER")};
+    p.steps = paint_steps(p.from, p.to);
+    p.columns = p.steps < CHART_COLUMNS ? (unsigned)p.steps + 1 : CHART_COLUMNS;
+    for (unsigned c = 0; c < p.columns; c++)
+        take_column(&p, c);
+    write_distance(act, p.from, p.to);
+    draw(out, &p, act->interp->has_blocks);
+    buf_printf(out, "%lld voxel%s", (long long)p.steps + 1, plural((uint64_t)p.steps + 1));
+    if (p.steps >= p.columns)
+        buf_printf(out, ", %.2g in a column", (double)(p.steps + 1) / p.columns);
+    const int digits = geometry_digits(session_geometry(p.session));
+    buf_printf(out, "; values %.*g to %.*g, mean %.*g\n", digits, p.least, digits, p.most, digits,
+               p.sum / (double)(p.steps + 1));
+    levels_write_scale(out, session_levels(p.session), "");
+    if (act_is_yes(act, "values"))
+        list(out, &p);
+    return OK;
+}
+
+/* ---- how a voxel came to its label ---- */
+
+enum { RISES_MOST = 8 }; /* places where the cost rose that `why` lists */
 
 /* Which label would take the voxel, were it not for the seeds of its own. */
 static enum err write_rival(const struct act *act, uint32_t at)
@@ -155,185 +364,175 @@ enum err act_why(const struct act *act)
     return err ? err : write_rival(act, place);
 }
 
-#define UNIT_NUMBER  1.0
-#define UNIT_DECIMAL 1000.0
-#define PLAIN_ARGUMENT(name, type, least, most)                                                    \
-    {                                                                                              \
-        " ", UNIT_##type                                                                           \
-    }
-#define KEYED_ARGUMENT(name, type, least, most)                                                    \
-    {                                                                                              \
-        " " name "=", UNIT_##type                                                                  \
-    }
+/* ---- the least certain places of the border ---- */
 
-/* "gauss 1.5", "polarity 1:50 2:-20", "of edges.nii" */
-void act_write_weight(struct buf *out, const struct kept *kept)
+enum { LISTED = 10 }; /* unless a number is given */
+
+static struct place place_of(const struct act *act, uint32_t cell)
 {
-    const struct weight_choice *choice = &kept->weight;
-    const struct weight_row *row = &weight_table[choice->kind];
-    static const struct {
-        const char *before;
-        double unit;
-    } form[] = {WEIGHT_ARGUMENTS(PLAIN_ARGUMENT, KEYED_ARGUMENT)};
-    if (choice->kind == WEIGHT_FILE) {
-        buf_add_text(out, "of ");
-        buf_add_safe_text(out, kept->weight_file);
-        return;
-    }
-    buf_add_text(out, row->name);
-    if (choice->argument != row->usual)
-        buf_printf(out, "%s%g", form[row->takes].before, choice->argument / form[row->takes].unit);
-    for (unsigned label = 0; choice->kind == WEIGHT_POLARITY && label < 256; label++)
-        if (kept->polarity[label])
-            buf_printf(out, " %u:%d", label, kept->polarity[label]);
+    return grid_place(&session_scene(act->session)->grid, cell);
 }
 
-void act_write_region(struct buf *out, const struct session *session)
-{
-    struct buf roi = {0};
-    if (act_write_roi(&roi, session))
-        buf_printf(out, "region    %s: %zu of %zu voxels inside\n", buf_text(&roi),
-                   session_roi_tally(session)->inside, session_scene(session)->grid.voxels);
-    buf_release(&roi);
-}
-
-/* "part      4-19,2-17,3-12 of the file's 24x20x16 voxels, the mean of each 2x2x2" */
-static void write_part(struct buf *out, const struct map_part *part)
-{
-    const struct volume_choice *choice = &part->choice;
-    const uint32_t *whole = part->whole, n = choice->reduce;
-    if (!whole[0])
-        return;
-    buf_add_text(out, "part      ");
-    for (int a = 0; a < 3 && choice->has_crop; a++)
-        buf_printf(out, "%s%u-%u", a ? "," : "", choice->first[a], choice->last[a]);
-    buf_printf(out, "%s of the file's %ux%ux%u voxels", choice->has_crop ? "" : "all", whole[0],
-               whole[1], whole[2]);
-    if (n > 1)
-        buf_printf(out, ", the mean of each %ux%ux%u", n, n, n);
-    buf_add_text(out, choice->straightens ? ", straightened\n" : "\n");
-}
-
-/* The scene's bytes a voxel are what README promises; the rest does not depend on its voxels, but
- * for answers, which are made when they are asked for. */
-/* Of labels that are other numbers in files. */
-static void write_numbers(struct buf *out, const struct kept *kept)
-{
-    unsigned count = 0, least = UINT16_MAX, most = 0;
-    for (unsigned label = 1; label < 256; label++) {
-        const unsigned number = kept->label_number[label];
-        if (!number)
-            continue;
-        least = number < least ? number : least;
-        most = number > most ? number : most;
-        count++;
-    }
-    if (count)
-        buf_printf(out, "numbers   %u label%s %u to %u in files; `stats` lists them\n", count,
-                   count == 1 ? " is" : "s are", least, most);
-}
-
-static void write_memory(struct buf *out, const struct act *act)
-{
-    const struct session_memory parts = session_memory_parts(act->session);
-    buf_printf(out, "memory    %.1f MB: scene %.1f, %.1f bytes a voxel; seeds %.1f; pictures %.1f",
-               (double)session_memory(act->session) / 1e6, (double)parts.scene / 1e6,
-               (double)parts.scene / (double)session_scene(act->session)->grid.voxels,
-               (double)parts.seeds / 1e6, (double)parts.pictures / 1e6);
-    if (parts.answers)
-        buf_printf(out, "; answers %.1f", (double)parts.answers / 1e6);
-    buf_printf(out, "; and %.1f MB for what can be undone\n",
-               (double)history_memory(&act->interp->history) / 1e6);
-}
-
-enum err act_info(const struct act *act)
+/* The hints of the present forest. In a session that skims it is computed first: only a journal
+ * that was edited by hand has such a record. */
+static enum err find_hints(const struct act *act, const struct hint_list **hints)
 {
     struct session *session = act->session;
+    const enum err err = session_skims(session) ? session_catch_up(session, act->fault) : OK;
+    return err ? err : session_find_hints(session, hints, NULL, act->fault);
+}
+
+/* ---- in words ---- */
+
+static void write_size(struct buf *out, const struct session *session, uint32_t voxels)
+{
+    buf_printf(out, "%u voxel%s", voxels, plural(voxels));
+    if (session_geometry(session)->spacing_unknown)
+        return;
+    buf_add_text(out, ", ");
+    tally_write_volume(out, session_geometry(session), voxels);
+}
+
+/* "3  at 93,40,61: 812 voxels, 0.81 ml; label 1 brain at a cost of 12, label 0 at 12, an edge of 2
+ * between them; strongest edge into 90,41,60" */
+static enum err write_hint(const struct act *act, const struct hint *hint, size_t number)
+{
+    const struct session *session = act->session;
+    const unsigned cost = key_cost(session_scene(session)->cell[hint->cell].key);
+    const struct place p = place_of(act, hint->cell);
     struct buf *out = &act->reply->text;
-    if (act->interp->journal) {
-        buf_add_text(out, "journal   ");
-        buf_add_safe(out, journal_path(act->interp->journal),
-                     strlen(journal_path(act->interp->journal)));
-        buf_printf(out, ", %zu record%s", journal_count(act->interp->journal),
-                   plural(journal_count(act->interp->journal)));
-        if (session_semantics(session) != SEMANTICS)
-            buf_printf(out, ", semantics %u", session_semantics(session));
-        buf_add_char(out, '\n');
+    struct way way = {0};
+    const enum err err = way_find(&way, session_forest(session), hint->cell, act->fault);
+    buf_printf(out, "%zu  at %u,%u,%u: ", number, p.x, p.y, p.z);
+    write_size(out, session, hint->voxels);
+    buf_add_text(out, "; label ");
+    label_report_write_name(out, session, hint->label);
+    buf_printf(out, " at a cost of %u, label ", cost);
+    label_report_write_name(out, session, hint->other);
+    buf_printf(out, " at %u, an edge of %u between them", cost + hint->margin, hint->edge);
+    if (!err && way.edge != CELL_NONE) {
+        const struct place edge = place_of(act, way.edge);
+        buf_printf(out, "; strongest edge into %u,%u,%u", edge.x, edge.y, edge.z);
     }
-    if (!session_has_scene(session)) {
-        buf_add_text(out, "no scene is open\n");
+    buf_add_char(out, '\n');
+    way_release(&way);
+    return err;
+}
+
+/* ---- for programs ---- */
+
+static enum err add_hint(struct json *json, const struct act *act, const struct hint *hint,
+                         size_t number)
+{
+    const struct session *session = act->session;
+    const unsigned cost = key_cost(session_scene(session)->cell[hint->cell].key);
+    struct way way = {0};
+    const enum err err = way_find(&way, session_forest(session), hint->cell, act->fault);
+    const struct place p = place_of(act, hint->cell);
+    json_object(json, NULL);
+    json_count(json, "number", number);
+    json_format(json, "place", "%u,%u,%u", p.x, p.y, p.z);
+    json_count(json, "voxels", hint->voxels);
+    if (!session_geometry(session)->spacing_unknown)
+        json_real(json, "volume_mm3", hint->voxels * tally_voxel_mm3(session_geometry(session)), 9);
+    json_count(json, "label", hint->label);
+    json_count(json, "cost", cost);
+    json_count(json, "next_label", hint->other);
+    json_count(json, "next_cost", cost + hint->margin);
+    json_count(json, "edge_between", hint->edge);
+    json_fixed(json, "certainty", hint->certainty, 0);
+    json_count(json, "doubt", hint->doubt);
+    if (!err && way.edge != CELL_NONE) {
+        const struct place edge = place_of(act, way.edge);
+        json_format(json, "strongest_edge", "%u,%u,%u", edge.x, edge.y, edge.z);
+    }
+    json_end(json);
+    way_release(&way);
+    return err;
+}
+
+static bool is_wanted(const struct act *act, const struct hint *hint)
+{
+    const struct value *label = act_value(act, "label");
+    return !label->given || hint->label == label->number || hint->other == label->number;
+}
+
+/* All of them. */
+static enum err write_report(const struct act *act, const struct hint_list *hints)
+{
+    struct buf text = {0};
+    struct json json = {.out = &text, .lines = 2};
+    enum err err = OK;
+    if (!act_has(act, "report"))
         return OK;
+    json_object(&json, NULL);
+    json_count(&json, "border_voxels", hints->border);
+    json_count(&json, "weak_voxels", hints->weak);
+    json_fixed(&json, "certainty_most", hints->limit, 0);
+    json_array(&json, "hints");
+    for (size_t i = 0; !err && i < hints->count; i++)
+        if (is_wanted(act, hints->item + i))
+            err = add_hint(&json, act, hints->item + i, i + 1);
+    json_end(&json);
+    json_end(&json);
+    if (!err)
+        err = act_write_report(act, &text);
+    buf_release(&text);
+    return err;
+}
+
+/* ---- the commands ---- */
+
+enum err act_hints(const struct act *act)
+{
+    const size_t most = (size_t)act_number_or(act, "COUNT", LISTED);
+    const char *report = act_text(act, "report");
+    const struct hint_list *hints;
+    struct buf *out = &act->reply->text;
+    size_t wanted = 0;
+    if (report && !file_is_named(report, ".json"))
+        return fault_set(act->fault, ERR_USAGE,
+                         "report: expected a name that ends in .json, not %s", report);
+    enum err err = find_hints(act, &hints);
+    if (!err)
+        err = write_report(act, hints);
+    for (size_t i = 0; !err && i < hints->count; i++) {
+        if (!is_wanted(act, hints->item + i))
+            continue;
+        if (wanted++ < most)
+            err = write_hint(act, hints->item + i, i + 1);
     }
-    const enum err err = session_complete(session, act->fault);
+    if (!err && !wanted)
+        buf_add_text(out, hints->count ? "none at the border of that label\n"
+                                       : "no labels meet: there is no border to be uncertain of\n");
+    else if (!err)
+        buf_printf(out, "%zu place%s in all; `hint N` leads to one\n", wanted, plural(wanted));
+    return err;
+}
+
+/* Recorded as the `cross` that it comes to: no replay has to find it again. */
+enum err act_hint(const struct act *act)
+{
+    const size_t number = (size_t)act_number(act, "N");
+    const struct hint_list *hints;
+    enum err err = find_hints(act, &hints);
     if (err)
         return err;
-    const struct scene *scene = session_scene(session);
-    buf_printf(out, "scene     %ux%ux%u voxels", scene->grid.size[0], scene->grid.size[1],
-               scene->grid.size[2]);
-    act_write_spacing(out, session);
-    buf_add_text(out, ", ");
-    act_write_axes(out, session_geometry(session));
-    buf_printf(out, ", digest %016llx\n", (unsigned long long)session_scene_digest(session));
-    write_part(out, session_part(session));
-    buf_printf(out, "values    %g * intensity %+.*g\n", session_geometry(session)->slope,
-               geometry_digits(session_geometry(session)), session_geometry(session)->intercept);
-    levels_write_scale(out, session_levels(session), "          ");
-    buf_printf(out, "forest    %zu seed%s, %zu edit%s waiting, adjacency %u, weight ",
-               forest_seeds(session_forest(session)), plural(forest_seeds(session_forest(session))),
-               session_pendings(session), plural(session_pendings(session)),
-               session_kept(session)->adjacency);
-    act_write_weight(out, session_kept(session));
-    buf_add_char(out, '\n');
-    struct histogram histogram;
-    histogram_of_session(&histogram, session);
-    histogram_write(out, &histogram, act->interp->has_blocks);
-    act_write_region(out, session);
-    const enum err counted = act_write_reaches(act);
-    if (counted)
-        return counted;
-    act_write_finish(out, session);
-    write_numbers(out, session_kept(session));
-    act_write_view(out, session);
-    buf_add_text(out, "look      ");
-    settings_write(out, GROUP_LOOK, session_state(session));
-    buf_add_char(out, '\n');
-    struct buf cut = {0}, opacity = {0};
-    export_opacity(&opacity, session_kept(session));
-    if (opacity.length)
-        buf_printf(out, "opacity   %s\n", buf_text(&opacity));
-    buf_release(&opacity);
-    if (act_write_cut(&cut, session))
-        buf_printf(out, "cut away  %s\n", buf_text(&cut));
-    buf_release(&cut);
-    buf_add_text(out, "slices    ");
-    act_write_slices(out, session);
-    write_memory(out, act);
-    return OK;
-}
-
-enum err act_help(const struct act *act)
-{
-    const char *about = act_has(act, "COMMAND") ? act_text(act, "COMMAND") : NULL;
-    const struct command *command = about ? command_find(about) : NULL;
-    if (!about || command)
-        command_help(&act->reply->text, command);
-    else if (act->interp->add_keys)
-        act->interp->add_keys(&act->reply->text);
-    else
-        buf_add_text(&act->reply->text, "keys are those of the prompt: see `iftty help keys`\n");
-    return OK;
-}
-
-enum err act_pilot(const struct act *act)
-{
-    if (!act->interp->has_pilot)
-        return fault_set(act->fault, ERR_USAGE, "the pilot needs the prompt of a terminal");
-    act->interp->wish = WISH_PILOT;
-    return OK;
-}
-
-enum err act_quit(const struct act *act)
-{
-    act->interp->wish = WISH_QUIT;
-    return OK;
+    if (!hints->count)
+        return fault_set(act->fault, ERR_INPUT,
+                         "no labels meet: there is no border to be uncertain of; nothing has "
+                         "changed");
+    if (number > hints->count)
+        return fault_set(act->fault, ERR_INPUT,
+                         "N: expected one of the %zu places that `hints` lists, not %zu; nothing "
+                         "has changed",
+                         hints->count, number);
+    const struct hint *hint = hints->item + number - 1;
+    const struct place p = place_of(act, hint->cell);
+    err = write_hint(act, hint, number);
+    act_write_waiting(act);
+    memcpy(act->next->outlook.slices.cross, (uint32_t[]){p.x, p.y, p.z}, 3 * sizeof(uint32_t));
+    buf_clear(&act->reply->canonical);
+    buf_printf(&act->reply->canonical, "cross %u,%u,%u", p.x, p.y, p.z);
+    return err ? err : act_go(act);
 }

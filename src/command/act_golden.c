@@ -1,11 +1,14 @@
 /* The command `golden`: stores a picture beside the journal, and compares it in a replay. */
 #include "command/act.h"
-#include "command/golden_notes.h"
 
 #include <string.h>
 
 #include "base/file.h"
+#include "command/act_picture.h"
+#include "command/files.h"
+#include "command/golden_judge.h"
 #include "image/exr.h"
+#include "journal/journal.h"
 #include "show/export_picture.h"
 #include "session/semantics.h"
 #include "show/draw.h"
@@ -96,7 +99,7 @@ static enum err write_both(struct interpreter *interp, const char *name, const c
 }
 
 /* The EXR is the golden image; the PNG beside it is for people. Both are on the disk before the
- * record is, and after the records that they tell of (command/golden_leftover.h). */
+ * record is, and after the records that they tell of (command/golden_judge.h). */
 static enum err write_golden(struct interpreter *interp, const char *name, const char *path,
                              struct picture *picture, struct fault *fault)
 {

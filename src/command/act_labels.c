@@ -1,6 +1,5 @@
 /* The command `labels`: markers out of a segmentation that is there already. */
 #include "command/act.h"
-#include "command/atlas_names.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +7,12 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/mem.h"
+#include "command/act_info.h"
+#include "command/act_label.h"
+#include "command/act_seed.h"
+#include "command/files.h"
 #include "journal/golden.h"
+#include "journal/journal.h"
 #include "session/label_copy.h"
 #include "session/map.h"
 #include "session/numbering.h"

@@ -1,41 +1,206 @@
-/* What a session hands on in files: maps, surfaces, seeds, and the names of labels. */
+/* What a session hands on in files: finished labels, maps, surfaces, seeds, names of labels. */
 #include "command/act.h"
 
 #include "base/file.h"
+#include "command/act_info.h"
+#include "command/files.h"
 #include "image/surface_file.h"
 #include "report/export_map.h"
 #include "report/label_table.h"
+#include "session/finished.h"
 #include "session/numbering.h"
 #include "session/semantics.h"
 #include "session/session.h"
 #include "session/tally.h"
 #include "show/draw.h"
 
-enum err act_check_report(const struct act *act)
+/* ---- `finish`, `finished` ---- */
+
+/* What is given beside the name: what the row takes, and nothing else. */
+static enum err take_argument(struct finish_step *step, const struct act *act)
 {
-    const char *file = act_text(act, "report");
-    return !file || file_is_named(file, ".json|.csv")
-               ? OK
-               : fault_set(act->fault, ERR_USAGE,
-                           "report: expected a name that ends in .json or .csv, not %s", file);
+    static const struct {
+        const char *name;
+        enum finish_argument takes;
+    } argument[] = {{"radius", FINISH_TAKES_RADIUS},
+                    {"voxels", FINISH_TAKES_VOXELS},
+                    {"sweeps", FINISH_TAKES_SWEEPS}};
+    const struct finish_row *row = &finish_table[step->kind];
+    step->argument = row->usual;
+    for (size_t i = 0; i < sizeof argument / sizeof *argument; i++) {
+        const struct value *value = act_value(act, argument[i].name);
+        if (value->given && row->takes != argument[i].takes)
+            return fault_set(act->fault, ERR_USAGE, "%s: `finish %s` has none", argument[i].name,
+                             row->name);
+        if (row->takes != argument[i].takes)
+            continue;
+        if (!value->given && !row->usual)
+            return fault_set(act->fault, ERR_USAGE, "%s: `finish %s` needs it", argument[i].name,
+                             row->name);
+        if (value->given)
+            step->argument = (uint32_t)value->number;
+        step->in_nm = value->in_mm;
+    }
+    return OK;
 }
 
-enum err act_write_report(const struct act *act, const struct buf *text)
+static enum err add_step(struct finish_list *list, const struct act *act)
 {
-    const enum file_mode mode = act_file_mode(act);
-    struct buf path = {0};
-    enum err err = text->failed ? fault_memory(act->fault, "a report")
-                                : interpreter_output_path(act->interp, act_text(act, "report"),
-                                                          &path, act->fault);
-    if (!err && path.length)
-        err = interpreter_will_write(act->interp, buf_text(&path), mode, act->fault);
-    if (!err && path.length)
-        err = file_write(buf_text(&path), buf_text(text), text->length, mode, act->fault);
-    if (!err && path.length)
-        act_write_file_line("wrote ", buf_text(&path), act->reply);
-    buf_release(&path);
+    const struct value *label = act_value(act, "label");
+    struct finish_step step = {.kind = (uint32_t)act_number(act, "STEP"),
+                               .label = label->given ? (uint32_t)label->number : FINISH_ALL_LABELS};
+    const enum err err = take_argument(&step, act);
+    if (err)
+        return err;
+    if (list->count == FINISH_STEPS_MOST)
+        return fault_set(act->fault, ERR_LIMIT,
+                         "the finish has %d steps, and no room for more; `finish none` removes "
+                         "them, `undo` the last one",
+                         FINISH_STEPS_MOST);
+    list->step[list->count++] = step;
+    return finish_check(list, session_scene(act->session), act->fault);
+}
+
+enum err act_finish(const struct act *act)
+{
+    const struct value *step = act_value(act, "STEP");
+    struct finish_list *list = &act->next->kept.finish;
+    const bool clears = step->given && step->number == FINISH_KIND_COUNT;
+    if ((clears || !step->given) && act_has(act, "radius|voxels|sweeps|label"))
+        return fault_set(act->fault, ERR_USAGE, "expected a step: " FINISH_KINDS);
+    if (clears)
+        *list = (struct finish_list){0};
+    enum err err = step->given && !clears ? add_step(list, act) : OK;
+    if (!err)
+        err = act_go(act);
+    if (err)
+        return err;
+    if (!list->count)
+        buf_add_text(&act->reply->text, "finish    none\n");
+    act_write_finish(&act->reply->text, act->session);
+    return OK;
+}
+
+enum err act_finished(const struct act *act)
+{
+    const bool shows = act_number(act, "STATE") == 0;
+    act->next->outlook.shows_finished = shows;
+    const enum err err = act_go(act);
+    if (err)
+        return err;
+    if (!shows)
+        buf_add_text(&act->reply->text, "pictures show the labels of the forest\n");
+    else if (!act->next->kept.finish.count)
+        buf_add_text(&act->reply->text,
+                     "the finish has no step yet; `finish relax` adds one, and pictures show it\n");
+    else
+        act_write_finish(&act->reply->text, act->session);
+    return OK;
+}
+
+/* ---- surfaces: what encloses the labels, as triangles ---- */
+
+enum { PASSES_USUALLY = 20 };
+
+static void row_of_labels(void *context, uint32_t y, uint32_t z, uint8_t *label)
+{
+    const struct labels *labels = context;
+    labels_copy_row(labels, grid_row(&labels->scene->grid, y, z), label);
+}
+
+static void row_of_all(void *context, uint32_t y, uint32_t z, uint8_t *label)
+{
+    const struct labels *labels = context;
+    row_of_labels(context, y, z, label);
+    for (uint32_t x = 0; x < labels->scene->grid.size[0]; x++)
+        label[x] = label[x] != 0;
+}
+
+/* `joins`: all labels as one. */
+static enum err make_surface(struct surface **surface, const struct act *act,
+                             const struct labels *labels, bool joins)
+{
+    struct session *session = act->session;
+    const struct value *label = act_value(act, "label"), *smooth = act_value(act, "smooth");
+    struct labels of = *labels;
+    const struct surface_source source = {session_scene(session)->grid.size,
+                                          joins ? row_of_all : row_of_labels, &of};
+    bool wanted[256];
+    for (int l = 0; l < 256; l++)
+        wanted[l] = !label->given || label->number == l;
+    const unsigned passes = smooth->given ? (unsigned)smooth->number : PASSES_USUALLY;
+    const enum err err =
+        surface_new(surface, &source, wanted, passes, session_watch(session), act->fault);
+    if (err || (*surface)->parts)
+        return err;
+    return label->given
+               ? fault_set(act->fault, ERR_INPUT, "no voxel has label %lld; nothing was written",
+                           (long long)label->number)
+               : fault_set(act->fault, ERR_INPUT,
+                           "no voxel has a label above 0: plant a `seed` first; nothing was "
+                           "written");
+}
+
+static enum err write_surface(const struct act *act, const struct labels *labels, const char *path,
+                              enum file_mode how, const struct surface *surface)
+{
+    const struct session *session = act->session;
+    struct volume_label label[256];
+    struct buf notes = {0};
+    export_labels(label, session_kept(session));
+    if (labels->finished) {
+        buf_add_text(&notes, "finished: ");
+        finish_write(&notes, &session_kept(session)->finish);
+    }
+    const struct surface_document document = {surface, session_geometry(session), label,
+                                              buf_text(&notes)};
+    const enum err err =
+        notes.failed ? fault_memory(act->fault, "a surface")
+                     : surface_write(path, how, &document, session_watch(session), act->fault);
+    buf_release(&notes);
     return err;
 }
+
+/* What each surface has and encloses, and where it lies. */
+static void answer(const struct act *act, const struct surface *surface, bool joins)
+{
+    struct buf *out = &act->reply->text;
+    const struct session *session = act->session;
+    for (unsigned p = 0; p < surface->parts; p++) {
+        const struct surface_part *part = &surface->part[p];
+        buf_add_text(out, joins ? "all labels" : "label ");
+        if (!joins)
+            label_report_write_name(out, session, part->label);
+        buf_printf(out, ": %zu triangles around ", part->triangles);
+        label_report_write_extent(out, session, part->voxels);
+        buf_add_char(out, '\n');
+    }
+    if (session_geometry(session)->spacing_unknown)
+        buf_add_text(out, "its places are in voxels: how far apart those are is unknown\n");
+    else if (session_geometry(session)->orientation == ORIENTATION_UNKNOWN)
+        buf_add_text(out, "its places are in millimetres along the axes of the voxels: the "
+                          "orientation is unknown (`orient` says it)\n");
+}
+
+static enum err save_surface(const struct act *act, const struct labels *labels, const char *path,
+                             enum file_mode how)
+{
+    struct surface *surface = NULL;
+    const struct value *most = act_value(act, "triangles");
+    const bool joins = !act_has(act, "label") && !surface_file_tells_labels(path);
+    enum err err = make_surface(&surface, act, labels, joins);
+    if (!err && most->given)
+        err =
+            surface_reduce(surface, (size_t)most->number, session_watch(act->session), act->fault);
+    if (!err)
+        err = write_surface(act, labels, path, how, surface);
+    if (!err)
+        answer(act, surface, joins);
+    surface_free(surface);
+    return err;
+}
+
+/* ---- `save` ---- */
 
 /* What is saved comes after the maps. */
 enum { SAVE_SEEDS = MAP_MARGIN + 1, SAVE_NAMES, SAVE_SURFACE };
@@ -113,7 +278,7 @@ static enum err save(const struct act *act, const struct labels *labels, const c
     return what == SAVE_SEEDS   ? save_seeds(act, path, how)
            : what == SAVE_NAMES ? save_names(act, path, how)
            : what == SAVE_SURFACE
-               ? act_save_surface(act, labels, path, how)
+               ? save_surface(act, labels, path, how)
                : export_map(act->session, (enum map)what, labels, path, how, act->fault);
 }
 

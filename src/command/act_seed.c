@@ -1,207 +1,694 @@
-/* Commands that remove seeds, and run. */
-#include "command/act.h"
+/* Commands that plant seeds by hand: balls and strokes, shells, boxes, polygons, and objects by their
+ * intensities. */
+#include "command/act_seed.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/mem.h"
-#include "base/scan.h"
-#include "journal/record.h"
+#include "command/act_info.h"
+#include "engine/components.h"
+#include "engine/gradient.h"
+#include "engine/roi.h"
+#include "image/levels.h"
 #include "session/markers.h"
+#include "session/paint.h"
 #include "session/semantics.h"
 
-enum { TAKEN_MOST = 256 }; /* seeds that one record says were removed */
+/* ---- what may be planted ---- */
 
-/* ---- eliminators ---- */
-
-/* The word of a record that says what an eliminator removed, so that whoever continues the journal
- * needs no forest to know it. */
-static bool find_recorded(const struct act *act, const char *key, struct record_word *word)
+struct planting act_begin_planting(const struct session *session, const struct value *range)
 {
-    const char *recorded = act->interp->recorded_words;
-    return session_skims(act->session) && recorded &&
-           record_word_find(recorded, key, strlen(key), word);
+    static const struct interval all = {0, UINT16_MAX, {-1, -1}};
+    return (struct planting){.within = range && range->given
+                                           ? levels_within(session_geometry(session),
+                                                           session_levels(session), range->real)
+                                           : all};
 }
 
-/* Only a forest that is up to date knows which tree holds a voxel. */
-static enum err find_voxels(const struct act *act, struct voxels *v)
+/* A shell cuts no object but the one that it encloses. Trees that are refused at a shell by their
+ * label, so that shells may cross other objects, left as much to correct in scenes of three and
+ * four objects. */
+static bool is_of_another(const struct planting *planting, const struct cell *at, int16_t label)
 {
-    enum err err = session_skims(act->session) ? session_catch_up(act->session, act->fault) : OK;
-    return err ? err : act_find_voxels(act, NULL, v);
+    return planting->is_shell && at->label && at->label != planting->inside && at->label != label;
 }
 
-/* ---- single trees ---- */
-
-/* Which seeds were removed, for the journal: "took=X,Y,Z;X,Y,Z". Nothing where they are more than a
- * line should hold. */
-static void add_taken(const struct session *session, struct reply *reply)
+enum err act_plant(const struct act *act, struct planting *planting, uint32_t *cell, size_t count,
+                   int16_t label)
 {
-    const struct edit *edit = edits_first(&session_state(session)->lists.pending);
-    const size_t before = edits_count(&session_former(session)->lists.pending),
-                 now = session_pendings(session);
-    const char *between = "took=";
-    if (now - before > TAKEN_MOST)
+    const struct cell *cells = session_scene(act->session)->cell;
+    struct task task = task_begin(session_watch(act->session), "seeds", count);
+    size_t kept = 0;
+    for (size_t i = 0; i < count && task_advance(&task, 1); i++) {
+        const struct cell *at = cells + cell[i];
+        planting->unsure += interval_splits(&planting->within, at->intensity);
+        if (!interval_holds(&planting->within, at->intensity))
+            planting->beyond++;
+        else if (at->flags & CELL_OUTSIDE)
+            planting->outside++;
+        else if (is_of_another(planting, at, label))
+            planting->others++;
+        else
+            cell[kept++] = cell[i];
+    }
+    planting->planted += kept;
+    if (!kept)
+        return OK;
+    return planting->yields
+               ? session_plant_piece(act->session, cell, kept, label, planting->run, planting->runs,
+                                     act->fault)
+               : session_plant_within(act->session, cell, kept, label, planting->reach, act->fault);
+}
+
+static void write_left_out(struct buf *out, const char *why, size_t count)
+{
+    if (count)
+        buf_printf(out, "left out, %s: %zu voxel%s\n", why, count, plural(count));
+}
+
+enum err act_write_planting(const struct act *act, const struct planting *planting)
+{
+    if (!planting->planted && planting->outside)
+        return fault_set(
+            act->fault, ERR_INPUT,
+            "all of it lies outside the region of interest, where no tree grows; plant elsewhere, "
+            "or widen the region with `mask` or `range` (`info` shows it); nothing was planted");
+    if (!planting->planted && planting->beyond)
+        return fault_set(act->fault, ERR_INPUT,
+                         "range: no voxel of it has such an intensity (`why X,Y,Z` prints that of "
+                         "one); nothing was planted");
+    if (!planting->planted && planting->others)
+        return fault_set(act->fault, ERR_INPUT,
+                         "all of the shell lies in other objects than the one inside, label %u; "
+                         "around=LABEL names the object; nothing was planted",
+                         planting->inside);
+    write_left_out(&act->reply->text, "in another object", planting->others);
+    write_left_out(&act->reply->text, "outside the region of interest", planting->outside);
+    write_left_out(&act->reply->text, "intensities beyond the range", planting->beyond);
+    act_write_unsure(act, planting->unsure);
+    return OK;
+}
+
+void act_write_unsure(const struct act *act, size_t voxels)
+{
+    if (voxels)
+        buf_printf(&act->reply->text,
+                   "%zu voxel%s a level that an end of the range cuts: a level is %.3g, and values "
+                   "are known to half of it\n",
+                   voxels, voxels == 1 ? " has" : "s have", session_levels(act->session)->step);
+}
+
+void act_add_markers(const struct act *act)
+{
+    const struct session *session = act->session;
+    struct buf *words = &act->reply->words;
+    const size_t first = session_former_markers(session) + 1,
+                 last = session_markers(session)->count;
+    if (!semantics_has(session_semantics(session), MEANING_MARKERS) || last < first)
         return;
-    for (size_t i = before; i < now; i++) {
-        const struct place p = grid_place(&session_scene(session)->grid, edit[i].cell);
-        buf_printf(&reply->words, "%s%u,%u,%u", between, p.x, p.y, p.z);
-        between = ";";
-    }
-}
-
-/* The seeds that a record says were removed; ERR_CHECK where it does not say it so. */
-static enum err read_taken(const struct grid *grid, const struct record_word *word, uint32_t *seed,
-                           size_t *count, struct fault *fault)
-{
-    const char *at = word->value, *end = word->value + word->value_length;
-    bool goes_on = true;
-    for (*count = 0; goes_on && *count < TAKEN_MOST; goes_on = scan_text(&at, ";")) {
-        int64_t place[3];
-        if (!scan_integer(&at, 0, grid->size[0] - 1, &place[0]) || !scan_text(&at, ",") ||
-            !scan_integer(&at, 0, grid->size[1] - 1, &place[1]) || !scan_text(&at, ",") ||
-            !scan_integer(&at, 0, grid->size[2] - 1, &place[2]))
-            break;
-        seed[(*count)++] =
-            grid_cell(grid, (uint32_t)place[0], (uint32_t)place[1], (uint32_t)place[2]);
-    }
-    return at == end ? OK : fault_set(fault, ERR_CHECK, "took: expected X,Y,Z;X,Y,Z");
-}
-
-static enum err remove_trees(const struct act *act)
-{
-    struct session *session = act->session;
-    uint32_t taken[TAKEN_MOST];
-    struct record_word word;
-    struct voxels v = {0};
-    size_t count;
-    enum err err;
-    if (find_recorded(act, "took", &word)) {
-        err = read_taken(&session_scene(session)->grid, &word, taken, &count, act->fault);
-        err = err ? err : session_erase_seeds(session, taken, count, act->fault);
-    } else {
-        err = find_voxels(act, &v);
-        err = err ? err : session_erase_trees(session, v.cell, v.count, act->fault);
-    }
-    voxels_release(&v);
-    if (!err)
-        add_taken(session, act->reply);
-    return err;
-}
-
-/* ---- markers ---- */
-
-/* Which markers were removed: "removed=3,7-9", in order. */
-static void add_removed(struct buf *words, const uint32_t *number, size_t count)
-{
     buf_add_blank(words);
-    buf_add_text(words, "removed=");
-    for (size_t i = 0, last; i < count; i = last + 1) {
-        for (last = i; last + 1 < count && number[last + 1] == number[last] + 1;)
-            last++;
-        buf_printf(words, i ? ",%u" : "%u", number[i]);
-        if (last > i)
-            buf_printf(words, "-%u", number[last]);
-    }
+    buf_printf(words, "marker=%zu", first);
+    if (last > first)
+        buf_printf(words, "-%zu", last);
 }
 
-/* The numbers that a record says were removed: an array that the caller frees. */
-static enum err read_removed(const struct markers *markers, const struct record_word *word,
-                             uint32_t **number, size_t *count, struct fault *fault)
+/* One marker of the voxels, which are let go of. */
+static enum err plant_all(const struct act *act, struct planting *planting, struct voxels *voxels,
+                          int16_t label)
 {
-    const char *at = word->value, *end = word->value + word->value_length;
-    bool fits = true;
-    *count = 0;
-    *number = mem_array(markers->count + 1, sizeof **number);
-    if (!*number)
-        return fault_memory(fault, "markers");
-    do {
-        int64_t first, last;
-        fits = scan_range(&at, 1, (int64_t)markers->count, &first, &last) &&
-               *count + (size_t)(last - first) < markers->count;
-        for (int64_t n = first; fits && n <= last; n++)
-            (*number)[(*count)++] = (uint32_t)n;
-    } while (fits && scan_text(&at, ","));
-    return fits && at == end ? OK : fault_set(fault, ERR_CHECK, "removed: expected N,N-N");
-}
-
-/* Of a whole stroke. */
-static size_t seeds_of(const struct markers *markers, uint32_t number)
-{
-    size_t seeds = 0;
-    for (; number; number = markers_next(markers, number))
-        seeds += markers->marker[number - 1].voxels;
-    return seeds;
-}
-
-static void write_removed(const struct act *act, const uint32_t *number, size_t count, size_t seeds)
-{
-    const struct markers *markers = session_markers(act->session);
-    struct buf *out = &act->reply->text;
-    if (count > 1) {
-        buf_printf(out, "%zu markers removed\n", count);
-        return;
-    }
-    buf_printf(out, "marker %u removed: %zu seed%s of label ", number[0], seeds, plural(seeds));
-    label_report_write_name(out, act->session, (unsigned)markers->marker[number[0] - 1].label);
-    buf_add_char(out, '\n');
-}
-
-static enum err remove_markers(const struct act *act)
-{
-    struct session *session = act->session;
-    struct record_word word;
-    struct voxels v = {0};
-    uint32_t *number = NULL;
-    size_t count;
-    enum err err;
-    if (find_recorded(act, "removed", &word)) {
-        err = read_removed(session_markers(session), &word, &number, &count, act->fault);
-    } else {
-        err = find_voxels(act, &v);
-        if (!err)
-            err = session_find_markers(session, v.cell, v.count, &number, &count, act->fault);
-    }
-    const size_t seeds = !err && count == 1 ? seeds_of(session_markers(session), number[0]) : 0;
+    enum err err = act_plant(act, planting, voxels->cell, voxels->count, label);
+    voxels_release(voxels);
     if (!err)
-        err = session_take_away(session, number, count, act->fault);
-    if (!err) {
-        add_removed(&act->reply->words, number, count);
-        write_removed(act, number, count, seeds);
-    }
-    free(number);
-    voxels_release(&v);
+        act_add_markers(act);
+    return err ? err : act_write_planting(act, planting);
+}
+
+static enum err plant(const struct act *act, struct voxels *voxels)
+{
+    struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
+    return plant_all(act, &planting, voxels, (int16_t)act_number(act, "LABEL"));
+}
+
+/* ---- what gives way ---- */
+
+/*
+ * A gesture frees the pieces of a file that it is planted in (session/markers.h) as far as it says
+ * how far it is to be heeded, or three times its radius around its middle; that of a box is half
+ * its thinnest side, and that of a polygon 0. No less than FREES_LEAST voxels, no more than
+ * FREES_MORE voxels around what is planted, and FREES_MOST in all; voxels of a radius in
+ * millimetres are as long as their shortest side. bench mend (tests/bench) has measured it.
+ */
+enum { FREES_TIMES = 3, FREES_LEAST = 2, FREES_MORE = 10, FREES_MOST = 160 };
+
+/* The marker that the command has planted frees voxels, which are let go of. */
+static enum err free_voxels(const struct act *act, struct voxels *voxels, enum err err)
+{
+    const struct session *session = act->session;
+    if (!err && session_markers(session)->count > session_former_markers(session))
+        err = session_free_voxels(act->session, voxels->cell, voxels->count, act->fault);
+    voxels_release(voxels);
     return err;
 }
 
-/* In a ball, voxels that no tree holds are ignored, unless that is all of them. */
-enum err act_remove(const struct act *act)
+static int64_t shortest(const uint32_t unit[3])
 {
-    enum { MARKER, TREE };
+    const uint32_t least = unit[0] < unit[1] ? unit[0] : unit[1];
+    return least < unit[2] ? least : unit[2];
+}
+
+static int64_t freed_radius(int64_t radius, int64_t voxel)
+{
+    const int64_t times = FREES_TIMES * radius, least = FREES_LEAST * voxel,
+                  most = radius + FREES_MORE * voxel;
+    return times < least ? least : times > most ? most : times;
+}
+
+static const uint32_t ones[3] = {1, 1, 1};
+
+/* Around balls at each step of a way. */
+static enum err free_around_way(const struct act *act)
+{
+    const struct session *session = act->session;
+    const struct value *radius = act_value(act, "radius"), *to = act_value(act, "to"),
+                       *within = act_value(act, "within");
+    const uint32_t(*corner)[3] = to->given ? (const uint32_t(*)[3])to->line->corner
+                                           : (const uint32_t(*)[3])act_place(act, "PLACE");
+    const bool in_mm = within->given ? within->in_mm : radius->in_mm;
+    const uint32_t *unit = in_mm ? session_scene(session)->spacing_nm : ones;
+    const int64_t freed =
+        within->given ? within->number : freed_radius(radius->number, shortest(unit));
+    const int64_t most = FREES_MOST * shortest(unit);
+    struct brush brush = {0};
+    struct voxels voxels = {0};
+    if (!session_markers(session)->yields)
+        return OK;
+    enum err err = brush_init(&brush, unit, freed < most ? freed : most, FREES_MOST, act->fault);
+    if (!err)
+        err = paint_stroke(&voxels, &session_scene(session)->grid, &brush, corner,
+                           to->given ? to->line->count : 1, session_watch(session), act->fault);
+    brush_release(&brush);
+    return free_voxels(act, &voxels, err);
+}
+
+static enum err free_around_box(const struct act *act)
+{
+    const uint32_t *corner = act_place(act, "CORNER"), *opposite = act_place(act, "OPPOSITE");
+    const struct session *session = act->session;
+    const struct grid *grid = &session_scene(session)->grid;
+    uint32_t first[3], last[3], thin = UINT32_MAX;
+    struct voxels voxels = {0};
+    if (!session_markers(session)->yields)
+        return OK;
+    for (int a = 0; a < 3; a++) {
+        first[a] = corner[a] < opposite[a] ? corner[a] : opposite[a];
+        last[a] = corner[a] < opposite[a] ? opposite[a] : corner[a];
+        thin = last[a] - first[a] < thin ? last[a] - first[a] : thin;
+    }
+    const uint32_t more = (uint32_t)freed_radius(thin / 2, 1) - thin / 2;
+    for (int a = 0; a < 3; a++) {
+        first[a] = first[a] > more ? first[a] - more : 0;
+        last[a] = last[a] + more < grid->size[a] ? last[a] + more : grid->size[a] - 1;
+    }
+    return free_voxels(act, &voxels,
+                       paint_box(&voxels, grid, first, last, session_watch(session), act->fault));
+}
+
+/* Adds the balls around the voxels first..last of a row. */
+static enum err add_around(struct voxels *out, const struct act *act, const struct brush *brush,
+                           uint32_t first, uint32_t last)
+{
+    const struct grid *grid = &session_scene(act->session)->grid;
+    const struct place a = grid_place(grid, first), b = grid_place(grid, last);
+    const uint32_t corner[2][3] = {{a.x, a.y, a.z}, {b.x, b.y, b.z}};
+    struct voxels around = {0};
+    enum err err =
+        paint_stroke(&around, grid, brush, corner, 2, session_watch(act->session), act->fault);
+    if (!err && !mem_grow(&out->cell, &out->capacity, out->count + around.count, sizeof *out->cell))
+        err = fault_memory(act->fault, "seeds");
+    for (size_t i = 0; !err && i < around.count; i++)
+        out->cell[out->count++] = around.cell[i];
+    voxels_release(&around);
+    return err;
+}
+
+static enum err free_around_polygon(const struct act *act, const struct polyline *line)
+{
+    const struct session *session = act->session;
+    struct brush brush = {0};
+    struct voxels inside = {0}, voxels = {0};
+    if (!session_markers(session)->yields)
+        return OK;
+    enum err err =
+        paint_polygon(&inside, &session_scene(session)->grid, (const uint32_t(*)[3])line->corner,
+                      line->count, session_watch(session), act->fault);
+    if (!err)
+        err = brush_init(&brush, ones, FREES_LEAST, BRUSH_REACH_MOST, act->fault);
+    for (size_t i = 0, next; !err && i < inside.count; i = next) {
+        for (next = i + 1; next < inside.count && inside.cell[next] == inside.cell[next - 1] + 1;)
+            next++;
+        err = add_around(&voxels, act, &brush, inside.cell[i], inside.cell[next - 1]);
+    }
+    brush_release(&brush);
+    voxels_release(&inside);
+    return free_voxels(act, &voxels, err);
+}
+
+/* ---- balls and strokes ---- */
+
+/* What a distance is counted in: voxels, or nanometres of their spacing. */
+static enum err find_unit(const uint32_t **unit, const struct act *act, const char *name,
+                          const struct value *distance)
+{
+    const struct session *session = act->session;
+    *unit = distance->in_mm ? session_scene(session)->spacing_nm : ones;
+    return !distance->in_mm || !session_geometry(session)->spacing_unknown
+               ? OK
+               : fault_set(act->fault, ERR_INPUT,
+                           "%s: the scene's file does not say how large voxels are; expected a "
+                           "number of voxels, not millimetres; nothing has changed",
+                           name);
+}
+
+static enum err make_brush(struct brush *brush, const struct act *act, const struct value *radius,
+                           int most)
+{
+    const uint32_t *unit;
+    const enum err err = find_unit(&unit, act, "radius", radius);
+    return err ? err : brush_init(brush, unit, radius->number, most, act->fault);
+}
+
+enum err act_find_voxels(const struct act *act, const struct value *to, struct voxels *voxels)
+{
+    const struct value *radius = act_value(act, "radius");
+    const struct session *session = act->session;
+    const struct grid *grid = &session_scene(session)->grid;
+    const bool goes_on = to && to->given;
+    const uint32_t(*corner)[3] =
+        (const uint32_t(*)[3])(goes_on ? to->line->corner[0] : act_place(act, "PLACE"));
+    const size_t corners = goes_on ? to->line->count : 1;
+    const bool was_before = !semantics_has(session_semantics(session), MEANING_STROKES) &&
+                            corners <= 2 && !radius->in_mm;
+    struct brush brush = {0};
+    enum err err = make_brush(&brush, act, radius, BRUSH_REACH_MOST);
+    if (!err && was_before)
+        err = paint_stroke_as_before(voxels, grid, &brush, corner, corners, act->fault);
+    else if (!err)
+        err =
+            paint_stroke(voxels, grid, &brush, corner, corners, session_watch(session), act->fault);
+    brush_release(&brush);
+    return err;
+}
+
+/* The command before has planted, as its one marker, seeds of the label. */
+static bool can_join(const struct act *act)
+{
+    const int64_t label = act_number(act, "LABEL");
+    const struct history *history = &act->interp->history;
+    const struct point *point = history->point + history->present;
+    const struct markers *markers = session_markers(act->session);
+    return point->plants && markers->count > 0 && markers->marker[markers->count - 1].stands &&
+           markers->marker[markers->count - 1].label == label;
+}
+
+/* ---- shells ---- */
+
+/* The label that the middle of a shell has now, and whether a seed reaches it. */
+static enum err look_inside(const struct act *act, const uint32_t middle[3], uint8_t *inside,
+                            bool *is_reached)
+{
+    const struct session *session = act->session;
+    const enum err err = session_skims(session) ? session_catch_up(act->session, act->fault) : OK;
+    const struct scene *scene = session_scene(session);
+    const struct cell *at = &scene->cell[grid_cell(&scene->grid, middle[0], middle[1], middle[2])];
+    *inside = at->label;
+    *is_reached = cell_is_reached(at);
+    return err;
+}
+
+/* Plants a shell around the object `around`, unless given that in its middle. */
+static enum err plant_shell(const struct act *act, struct voxels *voxels, const uint32_t middle[3])
+{
+    const int16_t label = (int16_t)act_number(act, "LABEL");
+    struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
+    bool is_reached = false;
+    enum err err = look_inside(act, middle, &planting.inside, &is_reached);
+    planting.is_shell = true;
+    planting.inside = (uint8_t)act_number_or(act, "around", planting.inside);
+    if (!err && !voxels->count)
+        err = fault_set(act->fault, ERR_INPUT,
+                        "shell: none of it lies in the scene; nothing was planted");
+    if (!err && planting.inside == label && (is_reached || act_has(act, "around")))
+        err = fault_set(act->fault, ERR_INPUT,
+                        "shell: label %u is that of the object inside as well; a shell takes the "
+                        "label of what lies around it, and around=LABEL names the object; nothing "
+                        "was planted",
+                        planting.inside);
+    if (!err)
+        err = plant_all(act, &planting, voxels, label);
+    voxels_release(voxels);
+    return err;
+}
+
+static enum err refuse_shell(const struct act *act, const char *why)
+{
+    return fault_set(act->fault, ERR_USAGE, "shell: %s; nothing was planted", why);
+}
+
+/* The radius of the ball that the voxel `through` lies on: in the world, or in voxels where nobody
+ * knows how large those are; no less than the distance of the centres, so that the voxel is in it.
+ */
+static enum err find_radius(struct value *radius, const struct act *act)
+{
+    const uint32_t *middle = act_place(act, "PLACE"), *through = act_place(act, "through");
+    static const int64_t most_nm = 1000000000;
+    const struct scene *scene = session_scene(act->session);
+    uint64_t sum = 0;
+    radius->in_mm = !scene->spacing_unknown;
+    for (int a = 0; a < 3; a++) {
+        const int64_t voxels = llabs((int64_t)through[a] - middle[a]);
+        const int64_t way = voxels * (radius->in_mm ? scene->spacing_nm[a] : 1);
+        if (way > most_nm)
+            return refuse_shell(act, "the voxel `through` is more than a metre away");
+        sum += (uint64_t)(way * way);
+    }
+    radius->number = square_root(sum);
+    radius->number += (uint64_t)(radius->number * radius->number) < sum;
+    return OK;
+}
+
+static enum err plant_hollow_ball(const struct act *act)
+{
+    const struct session *session = act->session;
+    const uint32_t *middle = act_place(act, "PLACE");
+    const bool is_through = act_has(act, "through");
+    struct value radius = *act_value(act, "radius");
+    struct voxels voxels = {0};
+    struct brush brush = {0};
+    if (radius.given && is_through)
+        return refuse_shell(act, "`radius` or `through`, not both");
+    enum err err = is_through ? find_radius(&radius, act) : OK;
+    if (!err && radius.number == 0)
+        return refuse_shell(act, "a ball of radius 0 has nothing inside; give a radius");
+    if (!err)
+        err = make_brush(&brush, act, &radius, BRUSH_HOLLOW_REACH_MOST);
+    if (!err)
+        err = brush_hollow(&brush, session_kept(session)->adjacency, act->fault);
+    if (!err)
+        err = paint_shell(&voxels, &session_scene(session)->grid, &brush, middle,
+                          session_watch(session), act->fault);
+    brush_release(&brush);
+    return err ? err : plant_shell(act, &voxels, middle);
+}
+
+static enum err plant_hollow_box(const struct act *act)
+{
+    const uint32_t *corner = act_place(act, "CORNER"), *opposite = act_place(act, "OPPOSITE");
+    struct voxels voxels = {0};
+    uint32_t middle[3];
+    for (int a = 0; a < 3; a++) {
+        middle[a] = (corner[a] + opposite[a]) / 2;
+        if (middle[a] == corner[a] || middle[a] == opposite[a])
+            return refuse_shell(act, "a box less than 3 voxels thick has nothing inside");
+    }
+    const enum err err = paint_faces(&voxels, &session_scene(act->session)->grid, corner, opposite,
+                                     session_watch(act->session), act->fault);
+    return err ? err : plant_shell(act, &voxels, middle);
+}
+
+/* ---- balls, strokes, and shells of balls ---- */
+
+/* The number of the reach of a ball's seeds; no seed of it lies beyond. */
+static enum err find_reach(uint16_t *number, const struct act *act, const struct voxels *voxels)
+{
     struct session *session = act->session;
-    const int64_t usual =
-        semantics_has(session_semantics(session), MEANING_MARKERS) ? MARKER : TREE;
-    const enum err err =
-        act_number_or(act, "of", usual) == MARKER ? remove_markers(act) : remove_trees(act);
+    const struct value *within = act_value(act, "within");
+    const uint32_t *unit;
+    struct reach reach = {.radius = within->number};
+    enum err err = find_unit(&unit, act, "within", within);
+    for (int a = 0; !err && a < 3; a++) {
+        reach.centre[a] = act_place(act, "PLACE")[a];
+        reach.unit[a] = unit[a];
+    }
+    for (size_t i = 0; !err && i < voxels->count; i++) {
+        const struct place p = grid_place(&session_scene(session)->grid, voxels->cell[i]);
+        if (!reach_holds(&reach, p.x, p.y, p.z))
+            err = fault_set(act->fault, ERR_USAGE,
+                            "within: it is less than the radius; expected as much or more; "
+                            "nothing was planted");
+    }
+    return err ? err : session_add_reach(session, &reach, number, act->fault);
+}
+
+/* A ball that `within` says a reach of, or not. */
+static enum err plant_ball(const struct act *act, struct voxels *voxels)
+{
+    struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
+    enum err err = act_has(act, "within") ? find_reach(&planting.reach, act, voxels) : OK;
+    if (!err)
+        err = plant_all(act, &planting, voxels, (int16_t)act_number(act, "LABEL"));
+    voxels_release(voxels);
+    return err;
+}
+
+enum err act_seed(const struct act *act)
+{
+    const bool is_shell = act_is_yes(act, "shell");
+    struct voxels voxels = {0};
+    if (act_has(act, "within") && (is_shell || act_has(act, "to|joined")))
+        return fault_set(act->fault, ERR_USAGE,
+                         "within: it is that of one ball, and of no stroke or shell; nothing was "
+                         "planted");
+    if (is_shell && act_has(act, "to|joined"))
+        return refuse_shell(act, "it is that of one ball, and of no stroke");
+    if (act_has(act, "around|through") && !is_shell)
+        return fault_set(act->fault, ERR_USAGE, "%s: it is for shell=yes; nothing was planted",
+                         act_has(act, "around") ? "around" : "through");
+    if (is_shell)
+        return plant_hollow_ball(act);
+    if (act_has(act, "joined") && !can_join(act))
+        return fault_set(act->fault, ERR_USAGE,
+                         "joined: the command before has not planted seeds of label %lld; nothing "
+                         "was planted",
+                         (long long)act_number(act, "LABEL"));
+    enum err err = act_find_voxels(act, act_value(act, "to"), &voxels);
+    if (!err)
+        err = plant_ball(act, &voxels);
+    if (!err && act_has(act, "joined"))
+        session_join(act->session);
+    return err ? err : free_around_way(act);
+}
+
+/* ---- boxes and polygons ---- */
+
+enum err act_box(const struct act *act)
+{
+    struct voxels voxels = {0};
+    if (act_has(act, "around") && !act_is_yes(act, "shell"))
+        return fault_set(act->fault, ERR_USAGE, "around: it is for shell=yes; nothing was planted");
+    if (act_is_yes(act, "shell"))
+        return plant_hollow_box(act);
+    enum err err = paint_box(&voxels, &session_scene(act->session)->grid, act_place(act, "CORNER"),
+                             act_place(act, "OPPOSITE"), session_watch(act->session), act->fault);
+    err = err ? err : plant(act, &voxels);
+    return err ? err : free_around_box(act);
+}
+
+enum err act_fill(const struct act *act)
+{
+    const struct polyline *line = act_value(act, "to")->line;
+    struct voxels voxels = {0};
+    if (!line || line->count < 3)
+        return fault_set(act->fault, ERR_USAGE,
+                         "a polygon has three corners or more, not all ahead on one line (`box` "
+                         "fills a rectangle); nothing was planted");
+    enum err err = paint_polygon(&voxels, &session_scene(act->session)->grid,
+                                 (const uint32_t(*)[3])line->corner, line->count,
+                                 session_watch(act->session), act->fault);
+    err = err ? err : plant(act, &voxels);
+    return err ? err : free_around_polygon(act, line);
+}
+
+/* ---- objects: what is connected to a seed within a range ---- */
+
+/* What is looked through: which voxels may belong to the object, and their pieces. */
+struct search {
+    const struct act *act;
+    int16_t label;
+    struct planting planting;
+    size_t unsure; /* voxels of the scene, of levels that the range splits */
+    uint8_t *may;  /* [grid.cells], 0 or 1 */
+    struct components found;
+    bool *is_taken; /* by component */
+    struct voxels voxels;
+};
+
+static void search_release(struct search *s)
+{
+    free(s->may);
+    free(s->is_taken);
+    components_release(&s->found);
+    voxels_release(&s->voxels);
+}
+
+/* ---- which voxels may ---- */
+
+/* In the range, in the region of interest, and without a seed of another label. */
+static bool may_belong(const struct search *s, uint32_t cell)
+{
+    const struct cell *at = session_scene(s->act->session)->cell + cell;
+    if (!interval_holds(&s->planting.within, at->intensity) || at->flags & CELL_OUTSIDE)
+        return false;
+    const int16_t seed = markers_seed(session_markers(s->act->session), cell);
+    return seed == EDIT_ERASE || seed == s->label;
+}
+
+static enum err find_pieces(struct search *s)
+{
+    const struct session *session = s->act->session;
+    const struct grid *grid = &session_scene(session)->grid;
+    struct task task = task_begin(session_watch(session), "voxels in the range", grid->voxels);
+    memset(s->may, 0, grid->cells);
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
+            const struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++) {
+                s->may[c] = may_belong(s, c);
+                s->unsure +=
+                    interval_splits(&s->planting.within, session_scene(session)->cell[c].intensity);
+            }
+        }
+    const enum err err = watch_fault(session_watch(session), s->act->fault);
+    return err ? err
+               : components_find(&s->found, grid, s->may, session_watch(session), s->act->fault);
+}
+
+/* ---- which pieces are taken ---- */
+
+static bool begins_in(const struct search *s, const struct component_run *run)
+{
+    const struct value *from = act_value(s->act, "from");
+    const struct grid *grid = &session_scene(s->act->session)->grid;
+    if (from->given) {
+        const uint32_t cell = grid_cell(grid, from->place[0], from->place[1], from->place[2]);
+        return run->first <= cell && cell < run->end;
+    }
+    for (uint32_t c = run->first; c < run->end; c++)
+        if (markers_seed(session_markers(s->act->session), c) == s->label)
+            return true;
+    return false;
+}
+
+static enum err take_pieces(struct search *s)
+{
+    size_t voxels = 0;
+    for (size_t i = 0; i < s->found.runs; i++) {
+        const struct component_run *run = s->found.run + i;
+        bool *is_taken = &s->is_taken[run->component];
+        if (s->found.item[run->component].label && !*is_taken && begins_in(s, run)) {
+            *is_taken = true;
+            voxels += s->found.item[run->component].voxels;
+        }
+    }
+    s->voxels.cell = mem_array(voxels, sizeof *s->voxels.cell);
+    if (voxels && !s->voxels.cell)
+        return fault_memory(s->act->fault, "an object");
+    for (size_t i = 0; i < s->found.runs; i++) {
+        const struct component_run *run = s->found.run + i;
+        for (uint32_t c = run->first; s->is_taken[run->component] && c < run->end; c++)
+            s->voxels.cell[s->voxels.count++] = c;
+    }
+    return OK;
+}
+
+/* ---- the command ---- */
+
+/* The voxel that was named does not belong to it. */
+static enum err refuse_place(const struct search *s)
+{
+    const struct session *session = s->act->session;
+    const uint32_t *place = act_place(s->act, "from");
+    const uint32_t cell = grid_cell(&session_scene(session)->grid, place[0], place[1], place[2]);
+    const struct cell *at = session_scene(session)->cell + cell;
+    const char *why = "a seed of another label";
+    struct buf intensity = {0};
+    if (!interval_holds(&s->planting.within, at->intensity)) {
+        buf_add_text(&intensity, "the intensity ");
+        levels_write(&intensity, session_geometry(session), session_levels(session), at->intensity);
+        buf_add_text(&intensity, ", beyond the range");
+        why = buf_text(&intensity);
+    } else if (at->flags & CELL_OUTSIDE) {
+        why = "no part in the region of interest";
+    }
+    fault_set(s->act->fault, ERR_INPUT, "from: voxel %u,%u,%u has %s; nothing was planted",
+              place[0], place[1], place[2], why);
+    buf_release(&intensity);
+    return ERR_INPUT;
+}
+
+static enum err refuse_nothing(const struct search *s)
+{
+    if (act_has(s->act, "from"))
+        return refuse_place(s);
+    return fault_set(
+        s->act->fault, ERR_INPUT,
+        "no seed of label %d lies in a voxel of this range; plant one there, or name a "
+        "voxel by from=X,Y,Z (`why X,Y,Z` prints its intensity); nothing was planted",
+        s->label);
+}
+
+/* An object ends where trees of another label begin, and nowhere else. */
+static void warn_of_no_other(const struct search *s)
+{
+    const struct session *session = s->act->session;
+    const struct markers *markers = session_markers(session);
+    struct buf *out = &s->act->reply->text;
+    for (size_t i = 0; i < markers->count; i++)
+        if (markers->marker[i].stands && markers->marker[i].label != EDIT_ERASE &&
+            markers->marker[i].label != s->label)
+            return;
+    buf_add_text(out, "no other label has a seed: nothing holds label ");
+    label_report_write_name(out, session, (unsigned)s->label);
+    buf_printf(out,
+               " back, and a run gives it all of the %s\nthat its trees reach; seeds of the "
+               "background hold it, as `seed X,Y,Z 0`, or a shell or a box around it\n",
+               roi_is_none(session_roi(session)) ? "scene" : "region of interest");
+}
+
+static enum err plant_object(struct search *s)
+{
+    const struct act *act = s->act;
+    enum err err = s->voxels.count
+                       ? act_plant(act, &s->planting, s->voxels.cell, s->voxels.count, s->label)
+                       : refuse_nothing(s);
     if (err)
         return err;
-    const uint32_t *p = act_place(act, "PLACE");
-    const uint32_t cell = grid_cell(&session_scene(session)->grid, p[0], p[1], p[2]);
-    return session_note_eliminator(session, cell, act->fault);
+    buf_printf(&act->reply->text, "%zu voxel%s of label ", s->planting.planted,
+               plural(s->planting.planted));
+    label_report_write_name(&act->reply->text, act->session, (unsigned)s->label);
+    buf_add_char(&act->reply->text, '\n');
+    warn_of_no_other(s);
+    act_write_unsure(act, s->unsure);
+    buf_printf(&act->reply->words, "added=%zu", s->planting.planted);
+    act_add_markers(act);
+    return OK;
 }
 
-/* ---- runs ---- */
-
-enum err act_run(const struct act *act)
+enum err act_object(const struct act *act)
 {
-    return session_run(act->session, act->fault);
-}
-
-enum err act_auto(const struct act *act)
-{
-    const size_t waits = session_pendings(act->session);
-    act->next->outlook.runs_by_itself = act_number(act, "STATE") == 0;
-    if (waits && act->next->outlook.runs_by_itself)
-        buf_printf(&act->reply->text, "%zu edit%s waiting for `run` or the next edit\n", waits,
-                   plural(waits));
-    return act_go(act);
+    const struct grid *grid = &session_scene(act->session)->grid;
+    struct search search = {.act = act,
+                            .label = (int16_t)act_number(act, "LABEL"),
+                            .planting = act_begin_planting(act->session, act_value(act, "RANGE")),
+                            .may = mem_array(grid->cells, 1)};
+    enum err err = search.may ? find_pieces(&search) : fault_memory(act->fault, "an object");
+    if (!err) {
+        search.is_taken = mem_new(search.found.count * sizeof *search.is_taken);
+        err = search.is_taken ? take_pieces(&search) : fault_memory(act->fault, "an object");
+    }
+    if (!err)
+        err = plant_object(&search);
+    search_release(&search);
+    return err;
 }

@@ -1,13 +1,15 @@
 /* Seeds out of a file. */
 #include "command/act.h"
-#include "command/atlas_names.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/mem.h"
+#include "command/act_info.h"
+#include "command/act_label.h"
+#include "command/act_seed.h"
+#include "command/files.h"
 #include "report/label_table.h"
-#include "session/numbering.h"
 #include "session/seed_file.h"
 #include "session/semantics.h"
 
@@ -37,17 +39,6 @@ static enum err read_list(struct seeds *seeds, const struct act *act, const char
                                          session_kept(session)->label_name, label_of(act), fault),
                          fault);
     buf_release(&text);
-    return err;
-}
-
-enum err act_choose_regions(uint16_t **as, const struct act *act, const struct value *label)
-{
-    if (label && label->given && act_has(act, "as"))
-        return fault_set(act->fault, ERR_USAGE,
-                         "as and label are two answers to one question; expected one of them");
-    const enum err err = regions_new(as, act_text(act, "regions"), act_text(act, "as"), act->fault);
-    if (!err && !act_has(act, "as"))
-        numbering_translate(*as, session_kept(act->session));
     return err;
 }
 

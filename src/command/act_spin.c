@@ -8,6 +8,8 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/least.h"
+#include "command/act_picture.h"
+#include "command/files.h"
 #include "image/exr.h"
 #include "image/image_helper.h"
 #include "render/fit.h"

@@ -1,10 +1,14 @@
-/* Commands that change the view. */
+/* Commands that change the view, what of the objects it shows, and what of the scene is cut away;
+ * and all settings. */
 #include "command/act.h"
 
+#include <stdio.h>
 #include <string.h>
 
+#include "command/act_info.h"
 #include "render/fit.h"
 #include "session/semantics.h"
+#include "show/slicing.h"
 
 static int32_t whole_turn(int64_t angle)
 {
@@ -12,7 +16,7 @@ static int32_t whole_turn(int64_t angle)
     return (int32_t)(turned < 0 ? turned + VIEW_TURN : turned);
 }
 
-static const char *const axis[3] = {"YAW", "PITCH", "ROLL"}; /* of a view's angles */
+static const char *const angle_name[3] = {"YAW", "PITCH", "ROLL"}; /* of a view's angles */
 
 enum err act_view(const struct act *act)
 {
@@ -23,7 +27,7 @@ enum err act_view(const struct act *act)
         view_by_name(act_text(act, "YAW"), view->angle);
     } else {
         for (int i = 0; i < 3; i++)
-            view->angle[i] = whole_turn(act_number(act, axis[i]));
+            view->angle[i] = whole_turn(act_number(act, angle_name[i]));
     }
     return act_go(act);
 }
@@ -32,8 +36,8 @@ enum err act_turn(const struct act *act)
 {
     int32_t *angle = act->next->outlook.view.angle;
     for (int i = 0; i < 3; i++)
-        if (act_has(act, axis[i]))
-            angle[i] = whole_turn(angle[i] + act_number(act, axis[i]));
+        if (act_has(act, angle_name[i]))
+            angle[i] = whole_turn(angle[i] + act_number(act, angle_name[i]));
     return act_go(act);
 }
 
@@ -101,55 +105,6 @@ enum err act_focus(const struct act *act)
     return act_go(act);
 }
 
-/* The patient's sides that a direction of the picture leads to, "front and left", or of an unknown
- * orientation the axes, "+y and -x": those within some 67 degrees of it. */
-static void write_sides(struct buf *out, const int32_t direction[3], bool sides_unknown)
-{
-    static const struct {
-        int axis;
-        const char *side[2]; /* where the direction is above 0 along the axis, and below */
-    } row[2][3] = {{{1, {"front", "back"}}, {0, {"right", "left"}}, {2, {"head", "feet"}}},
-                   {{1, {"+y", "-y"}}, {0, {"+x", "-x"}}, {2, {"+z", "-z"}}}};
-    const int32_t least = view_sine(22500);
-    const char *between = "";
-    for (int i = 0; i < 3; i++) {
-        const int32_t along = direction[row[sides_unknown][i].axis];
-        if (along > -least && along < least)
-            continue;
-        buf_printf(out, "%s%s", between, row[sides_unknown][i].side[along < 0]);
-        between = " and ";
-    }
-}
-
-void act_write_view(struct buf *out, const struct session *session)
-{
-    const struct view *view = &session_outlook(session)->view;
-    const bool unknown = session_scene(session)->sides_unknown;
-    const char *name = unknown ? NULL : view_name(view->angle);
-    int32_t right[3], up[3], ahead[3], towards[3];
-    double middle[3];
-    view_look(view, right, up, ahead);
-    for (int i = 0; i < 3; i++) {
-        towards[i] = -ahead[i];
-        middle[i] = (session_scene(session)->grid.size[i] - 1) / 2.0 +
-                    (double)view->focus[i] / (1 << VIEW_FOCUS_BITS);
-    }
-    buf_printf(out,
-               "view      %g %g %g degrees%s%s, zoom %g, %ux%u pixels, %.5g,%.5g,%.5g in the "
-               "middle\n",
-               view->angle[0] / 1000.0, view->angle[1] / 1000.0, view->angle[2] / 1000.0,
-               name ? ", " : "", name ? name : "", view->zoom / 1000.0, view->width, view->height,
-               middle[0], middle[1], middle[2]);
-    const char *his = unknown ? "" : "his ";
-    buf_add_text(out, unknown ? "          " : "          the patient's ");
-    write_sides(out, towards, unknown);
-    buf_printf(out, " towards you, %s", his);
-    write_sides(out, right, unknown);
-    buf_printf(out, " on the right, %s", his);
-    write_sides(out, up, unknown);
-    buf_add_text(out, unknown ? " up; orientation unknown\n" : " up\n");
-}
-
 /* One label, or where a word is given, all of them. */
 static enum err set_visible(const struct act *act, bool is_visible)
 {
@@ -179,4 +134,175 @@ enum err act_opacity(const struct act *act)
 enum err act_show(const struct act *act)
 {
     return set_visible(act, true);
+}
+
+/* ---- slabs ---- */
+
+static const char *const side[3][2] = {
+    [SLICE_AXIAL] = {"feet", "head"},
+    [SLICE_CORONAL] = {"back", "front"},
+    [SLICE_SAGITTAL] = {"left", "right"},
+};
+enum { SLAB_NONE = 3 }; /* the choice after these */
+
+/* ", feet to head": the patient's sides, from slice 0 of a plane on; nothing where nobody knows. */
+static void write_sides(char out[24], const struct session *session, enum slice_plane plane)
+{
+    uint32_t first[3] = {0};
+    slicing_move(session, plane, 0, first);
+    const bool turned = slice_index(session_scene(session), plane, first) > 0;
+    if (session_scene(session)->sides_unknown)
+        *out = '\0';
+    else
+        snprintf(out, 24, ", %s to %s", side[plane][turned], side[plane][!turned]);
+}
+
+static void set_slab(struct cut *cut, const struct session *session, enum slice_plane plane,
+                     const uint32_t range[2])
+{
+    const struct scene *scene = session_scene(session);
+    const int axis = slice_axis(scene, plane);
+    uint32_t a[3] = {0}, b[3] = {0};
+    slicing_move(session, plane, range[0], a);
+    slicing_move(session, plane, range[1], b);
+    cut->first[axis] = a[axis] < b[axis] ? a[axis] : b[axis];
+    cut->last[axis] = a[axis] < b[axis] ? b[axis] : a[axis];
+    if (cut->first[axis] == 0 && cut->last[axis] == scene->grid.size[axis] - 1)
+        cut->last[axis] = UINT32_MAX;
+}
+
+enum err act_clip(const struct act *act)
+{
+    struct cut *cut = &act->next->kept.cut;
+    const struct scene *scene = session_scene(act->session);
+    const int64_t plane = act_number(act, "PLANE");
+    if (plane == SLAB_NONE) {
+        const struct cut whole = cut_none();
+        if (act_has(act, "SLICES"))
+            return fault_set(act->fault, ERR_USAGE,
+                             "`clip none` takes no slices; the view is unchanged");
+        memcpy(cut->first, whole.first, sizeof cut->first);
+        memcpy(cut->last, whole.last, sizeof cut->last);
+        return act_go(act);
+    }
+    const uint32_t count = slice_count(scene, (enum slice_plane)plane);
+    const char *name = slice_name(scene, (enum slice_plane)plane);
+    char sides[24];
+    write_sides(sides, act->session, (enum slice_plane)plane);
+    if (!act_has(act, "SLICES"))
+        return fault_set(act->fault, ERR_USAGE, "expected %s slices A-B within 0-%u%s", name,
+                         count - 1, sides);
+    if (act_place(act, "SLICES")[1] >= count)
+        return fault_set(act->fault, ERR_INPUT,
+                         "there are %s slices 0-%u%s, not %u; the view is unchanged", name,
+                         count - 1, sides, act_place(act, "SLICES")[1]);
+    set_slab(cut, act->session, (enum slice_plane)plane, act_place(act, "SLICES"));
+    return act_go(act);
+}
+
+/* ---- planes and boxes ---- */
+
+enum err act_plane(const struct act *act)
+{
+    struct cut *cut = &act->next->kept.cut;
+    if (act_text(act, "PLACE")) {
+        memset(cut->plane, 0, sizeof cut->plane);
+        cut->planes = 0;
+    } else if (cut->planes == CUT_PLANES_MOST) {
+        return fault_set(act->fault, ERR_LIMIT,
+                         "there are %d planes already, the most; `plane none` removes them; the "
+                         "view is unchanged",
+                         CUT_PLANES_MOST);
+    } else {
+        cut->plane[cut->planes++] =
+            cut_plane_through(session_scene(act->session), act_place(act, "PLACE"),
+                              session_camera(act->session)->ahead);
+    }
+    return act_go(act);
+}
+
+static struct cut_box box_between(const uint32_t corner[3], const uint32_t opposite[3])
+{
+    struct cut_box box;
+    for (int a = 0; a < 3; a++) {
+        box.first[a] = corner[a] < opposite[a] ? corner[a] : opposite[a];
+        box.last[a] = corner[a] < opposite[a] ? opposite[a] : corner[a];
+    }
+    return box;
+}
+
+enum err act_cut(const struct act *act)
+{
+    struct cut *cut = &act->next->kept.cut;
+    if ((act_text(act, "CORNER") != NULL) == act_has(act, "OPPOSITE"))
+        return fault_set(act->fault, ERR_USAGE,
+                         "expected two corners X,Y,Z X,Y,Z, or none alone; the view is unchanged");
+    if (act_text(act, "CORNER")) {
+        memset(cut->box, 0, sizeof cut->box);
+        cut->boxes = 0;
+    } else if (cut->boxes == CUT_BOXES_MOST) {
+        return fault_set(
+            act->fault, ERR_LIMIT,
+            "there are %d boxes already, the most; `cut none` removes them; the view is unchanged",
+            CUT_BOXES_MOST);
+    } else {
+        cut->box[cut->boxes++] = box_between(act_place(act, "CORNER"), act_place(act, "OPPOSITE"));
+    }
+    return act_go(act);
+}
+
+/* ---- in words ---- */
+
+/* ---- settings: all commands that do no more than set something (session/setting.h) ---- */
+
+/* Black in look 1 is what it has always been. */
+static int64_t background_of(const struct value *value, const struct outlook *outlook)
+{
+    static const uint32_t named[] = {BACKGROUND_PLAIN, BACKGROUND_WHITE, BACKGROUND_GRADIENT,
+                                     BACKGROUND_CLEAR};
+    const uint32_t background =
+        value->text ? named[value->number] : BACKGROUND_PLAIN | (uint32_t)value->number;
+    const bool is_fade = background == BACKGROUND_PLAIN && outlook->look.number == LOOK_FIRST;
+    return is_fade ? BACKGROUND_FADE : background;
+}
+
+/* A value as the member holds it. */
+static int64_t held(const struct setting_member *member, const struct value *value,
+                    const struct outlook *outlook)
+{
+    switch (member->as) {
+    case HELD_AS_SWITCH:
+        return value->number == 0;
+    case HELD_AS_COUNT:
+        return strtol(value->text, NULL, 10);
+    case HELD_AS_BACKGROUND:
+        return background_of(value, outlook);
+    default:
+        return value->number;
+    }
+}
+
+enum err act_set(const struct act *act)
+{
+    const struct parameter *parameter = act->call->command->parameter;
+    unsigned given = 0, made = 0;
+    for (int i = 0; parameter[i].type; i++) {
+        const struct setting_member *member = &parameter[i].sets;
+        const struct value *value = act_value(act, parameter[i].name);
+        given += value->given;
+        made |= member->made;
+        if (value->given)
+            setting_put(act->next, member, held(member, value, &act->next->outlook));
+        else if (!member->stays)
+            setting_put(act->next, member, member->usual);
+    }
+    if (!given)
+        return fault_set(act->fault, ERR_USAGE, "expected what to change, as in `%s`",
+                         act->call->command->example);
+    const enum err err = act_go(act);
+    if (!err && made & MADE_WEIGHTS)
+        act_add_weights(act);
+    if (!err && act->call->command->group == GROUP_SLICES)
+        act_write_slices(&act->reply->text, act->session);
+    return err;
 }

@@ -23,6 +23,7 @@
 #include "session/setting.h"
 
 struct interpreter;
+struct kept;
 struct session;
 
 /* What a parameter was given as. */
@@ -37,15 +38,6 @@ struct value {
     uint32_t place[3];      /* POSITION, in the scene; RANGE: first and last */
     const struct polyline *line; /* LINE: all of it, with where it begins; not given where it stays
                                     there */
-};
-
-/* What a command answers: text for the user, "key=value" words for the journal. */
-struct reply {
-    struct buf text;  /* lines, each ended by a line feed, safe to print */
-    struct buf words; /* separated by single spaces */
-    struct buf canonical;
-    struct buf list; /* of an error: lines to choose from. They may hold what is said of a patient:
-                        they are shown, and kept nowhere */
 };
 
 /* A command with what it is given. */
@@ -76,6 +68,10 @@ void command_try_names(struct near *near);
  * that is wrong; for one that is missing, a place after the end. The caller releases `call`. */
 enum err command_parse(struct call *call, const char *line, const struct session *session,
                        struct fault *fault);
+
+/* The same with the names that labels have in `kept`, whatever they are called now. */
+enum err command_parse_by(struct call *call, const char *line, const struct session *session,
+                          const struct kept *kept, struct fault *fault);
 void call_release(struct call *call);
 
 /* The value of the parameter of this name, which the command has; and a number in place of what
@@ -129,16 +125,5 @@ const char *command_note(const struct command *command, const char *word, size_t
  * which case *word moves on to its value, else the next in order; -1 for none. */
 int command_parameter_for(const struct command *command, const struct value *value,
                           const char **word);
-
-/* Words that may stand at the end of line[0..cursor), as they are to be typed, each ended by a line
- * feed, with a tab and what it means before that where there is something to say, and where they
- * begin. A folder ends in /, so that its files can follow. Files are those on
- * the disk now; names that a command cannot hold are left out. */
-void command_complete(struct buf *out, size_t *word_start, const char *line, size_t cursor,
-                      const struct interpreter *interp);
-
-/* What may follow line[0..length), as usage has it: "X,Y,Z LABEL [radius=0..32]" after the name
- * of a command; nothing where that is not known. */
-void command_hint(struct buf *out, const char *line, size_t length);
 
 #endif

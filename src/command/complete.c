@@ -1,12 +1,14 @@
 /*
- * Completion: what may stand at the cursor, by the table, by what the session knows, and by what is
- * on the disk.
+ * A command that is being typed: which words may stand at the cursor, by the table, by what the
+ * session knows, and by what is on the disk; and what may follow.
  *
  * Words come as they are to be typed. Where one of them needs quotes all are given them, and so
  * they are where a quote was typed: they have a beginning in common then. A folder has no closing
  * quote, since what is in it may follow. What a word means comes after a tab: the summary of a
  * command, what help says of a choice, a label's number, the command of a record.
  */
+#include "command/complete.h"
+
 #include <dirent.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -18,9 +20,95 @@
 #include "base/file.h"
 #include "base/mem.h"
 #include "base/safe.h"
+#include "base/scan.h"
+#include "command/command.h"
 #include "command/interpreter.h"
-#include "command/partial.h"
 #include "journal/golden.h"
+#include "session/parameter.h"
+
+/* ---- the line, as far as the cursor ---- */
+
+/* Which words are whole, which parameters they fill, and what the word at the cursor is about to
+ * be. */
+struct partial {
+    const struct command *command;       /* that the first word names, where it is whole; or NULL */
+    unsigned words;                      /* whole ones before the cursor */
+    struct value value[PARAMETERS_MOST]; /* only `given` is set: by whole words */
+
+    struct buf word; /* at the cursor, without its quotes; empty after a blank */
+    size_t start;    /* the byte of the line where it begins, with the quote that it may have */
+    bool quoted;     /* it begins with a quote, */
+    bool closed;     /* which has ended: nothing can be added to the word */
+    int parameter;   /* that it would fill, or -1 */
+    size_t key;      /* bytes of `word` that are "radius=" */
+};
+
+/* The parameter is given as this word; so nothing more is to be said of it, nor of one that is
+ * paired with it and goes without saying. */
+static void give(struct partial *p, int i, const char *word)
+{
+    const struct parameter *parameter = p->command->parameter + i;
+    p->value[i].given = true;
+    if (parameter[1].paired && choice_find(parameter->choices, word) >= 0)
+        p->value[i + 1].given = true;
+}
+
+static void take_whole_word(struct partial *p)
+{
+    const char *word = buf_text(&p->word);
+    if (p->words++ == 0) {
+        p->command = command_find(word);
+        return;
+    }
+    const int i = p->command ? command_parameter_for(p->command, p->value, &word) : -1;
+    if (i >= 0)
+        give(p, i, word);
+}
+
+/* The words of `line`, up to the one at its end. */
+static bool read_words(struct partial *p, const char *line)
+{
+    const char *at = line;
+    for (scan_blanks(&at); *at; scan_blanks(&at)) {
+        const char *word = at;
+        buf_clear(&p->word);
+        p->start = (size_t)(word - line);
+        p->quoted = strchr(COMMAND_QUOTES, *word) != NULL;
+        const bool ends = command_take_word(&at, &p->word, COMMAND_QUOTES);
+        if (!ends && at != word)
+            return false;
+        p->closed = ends && p->quoted;
+        if (!ends || *at == '\0')
+            return true;
+        take_whole_word(p);
+    }
+    buf_clear(&p->word);
+    p->quoted = p->closed = false;
+    p->start = strlen(line);
+    return true;
+}
+
+/* Reads line[0..cursor). False without memory, in a comment, and after a quote that something else
+ * than a blank follows. The caller releases the word, whatever comes of it. */
+static bool read_partial(struct partial *partial, const char *line, size_t cursor)
+{
+    struct buf before = {0};
+    *partial = (struct partial){.parameter = -1};
+    buf_add(&before, line, cursor);
+    const char *text = buf_text(&before), *first = text;
+    scan_blanks(&first);
+    bool fine = *first != '#' && read_words(partial, text);
+    if (fine && partial->command) {
+        const char *word = buf_text(&partial->word), *value = word;
+        partial->parameter = command_parameter_for(partial->command, partial->value, &value);
+        partial->key = (size_t)(value - word);
+    }
+    fine = fine && !before.failed && !partial->word.failed;
+    buf_release(&before);
+    return fine;
+}
+
+/* ---- words ---- */
 
 enum { POINTS_OFFERED = 20 }; /* the latest, where no digit was typed */
 
@@ -344,7 +432,7 @@ void command_complete(struct buf *out, size_t *word_start, const char *line, siz
 {
     struct partial partial;
     *word_start = cursor;
-    if (partial_read(&partial, line, cursor) && !partial.closed) {
+    if (read_partial(&partial, line, cursor) && !partial.closed) {
         const struct offers offers = {out, buf_text(&partial.word) + partial.key, partial.quoted,
                                       interp};
         *word_start = partial.start + (partial.quoted ? 0 : partial.key);
@@ -353,5 +441,30 @@ void command_complete(struct buf *out, size_t *word_start, const char *line, siz
         else if (partial.command)
             offer_parameters(&offers, &partial);
     }
-    partial_release(&partial);
+    buf_release(&partial.word);
+}
+
+/* ---- what may follow ---- */
+
+void command_hint(struct buf *out, const char *line, size_t length)
+{
+    struct partial p;
+    struct buf rest = {0};
+    bool knows = read_partial(&p, line, length);
+    const bool begins = p.word.length == 0;
+    if (p.words == 0 && !p.quoted) /* the name itself may be whole already */
+        p.command = begins ? NULL : command_find(buf_text(&p.word));
+    knows = knows && p.command && (!p.quoted || p.closed) &&
+            (begins || p.words == 0 || p.parameter >= 0);
+    if (knows && p.words > 0 && p.key > 0 && buf_text(&p.word)[p.key] == '\0')
+        usage_form(&rest, &p.command->parameter[p.parameter]);
+    if (knows && p.words > 0 && !begins)
+        give(&p, p.parameter, buf_text(&p.word) + p.key);
+    if (knows)
+        usage_rest(&rest, p.command->parameter, p.value);
+    const char *text = buf_text(&rest);
+    buf_add_text(out, begins && *text == ' ' ? text + 1 : text);
+    out->failed |= rest.failed;
+    buf_release(&rest);
+    buf_release(&p.word);
 }

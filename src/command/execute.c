@@ -1,26 +1,15 @@
-/* The one way in: a command is carried out and recorded, or none of it. */
+#include "command/execute.h"
+
 #include "base/clock.h"
 #include "command/act.h"
+#include "command/act_info.h"
+#include "command/files.h"
 #include "engine/forest.h"
+#include "image/picture_writer.h"
+#include "journal/journal.h"
 #include "sandbox/limits.h"
 #include "session/markers.h"
 #include "session/semantics.h"
-
-void reply_release(struct reply *reply)
-{
-    buf_release(&reply->text);
-    buf_release(&reply->words);
-    buf_release(&reply->canonical);
-    buf_release(&reply->list);
-}
-
-void reply_clear(struct reply *reply)
-{
-    buf_clear(&reply->text);
-    buf_clear(&reply->words);
-    buf_clear(&reply->canonical);
-    buf_clear(&reply->list);
-}
 
 /* ---- carried out ---- */
 
@@ -34,11 +23,6 @@ void execute_add_digests(struct reply *reply, const struct session *session)
                forest_seeds(session_forest(session)));
     if (session_pendings(session))
         buf_printf(&reply->words, " pending=%zu", session_pendings(session));
-}
-
-enum err act_go(const struct act *act)
-{
-    return session_go(act->session, act->next, NULL, 0, act->fault);
 }
 
 /* How many edits wait that a command applies before anything else, so that it tells of what the

@@ -1,5 +1,5 @@
 /*
- * What becomes of golden images while a journal is replayed.
+ * Golden images beside their journal: who judges them, what they must say, and which are nothing.
  *
  * `golden NAME` writes a file in a plain session. In a replay it compares what is drawn with that
  * file, where the interpreter has a judge, and the judge is asked what follows from a difference:
@@ -9,6 +9,10 @@
 #ifndef COMMAND_GOLDEN_JUDGE_H
 #define COMMAND_GOLDEN_JUDGE_H
 
+#include <stdbool.h>
+
+#include "base/buf.h"
+#include "base/err.h"
 #include "image/picture.h"
 #include "journal/golden.h"
 
@@ -35,5 +39,48 @@ struct golden_judge {
     enum err (*differs)(void *context, struct interpreter *interp,
                         const struct golden_finding *finding, struct fault *fault);
 };
+
+/* ---- notes ---- */
+
+/*
+ * The words that a golden image carries beside its pixels (src/report/export.c): from semantics 9
+ * on they are those that the picture drawn now would carry, and none is missing. Which journal it
+ * was of, at which record, and which version drew it, is of the time at which it was made: of those
+ * only the form is looked at.
+ */
+
+/* Whether it is one of those, and of their form. */
+bool golden_note_is_of_its_time(const struct attribute *note);
+
+/* OK, or ERR_CHECK with the first that differs. Of a scene that was opened in place of another the
+ * name counts for nothing (!names_scene). */
+enum err golden_compare_notes(const struct picture *kept, const struct picture *drawn,
+                              bool names_scene, struct fault *fault);
+
+/* ---- images of commands that were not recorded ---- */
+
+/*
+ * `golden` writes its image, whole, before its record: so a record has its golden image, at every
+ * moment and after a loss of power. What a kill between the two leaves is a golden image without
+ * a record: it is nothing. A verification passes over it, and the session that continues the
+ * journal removes it.
+ *
+ * It is known by what it says itself: which journal it is of, unless the scene is private, and the
+ * chain of the record before it. That record is in the journal, and what follows it there, if
+ * anything, is no `golden`. All other files are left alone.
+ */
+
+/* Whether the golden image at `path`, which no record of the journal names, is of such a command.
+ * `bytes` are those of the journal. */
+bool golden_is_leftover(const char *path, const char *journal_path, const char *bytes,
+                        size_t length);
+
+/* Removes those, each with its PNG, that lie beside a journal that is being continued, and says so.
+ * `named` holds the names that records give, each ended by NUL. */
+void golden_remove_leftovers(const char *journal_path, const struct buf *named, const char *bytes,
+                             size_t length, struct buf *told);
+
+/* Whether `file` is the NAME.exr of one of these names. */
+bool golden_is_named(const struct buf *named, const char *file);
 
 #endif

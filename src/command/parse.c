@@ -126,6 +126,12 @@ static enum err split(struct buf *out, unsigned *count, const char *line, const 
 
 /* ---- values ---- */
 
+/* What places and names of labels are looked up in. */
+struct known {
+    const struct session *session;
+    const struct kept *kept;
+};
+
 /* "LABELS: expected none|tint or a number 1..3, not tnit; did you mean tint?" */
 static enum err expect(struct fault *fault, const struct parameter *p, const char *word,
                        const char *expected)
@@ -145,11 +151,11 @@ static enum err expect_position(struct fault *fault, const struct parameter *p, 
 }
 
 static enum err read_position(struct value *value, const struct parameter *p, const char *word,
-                              const struct session *session, struct fault *fault)
+                              const struct known *known, struct fault *fault)
 {
     const char *at = word;
     int64_t part[3], place[3];
-    if (!session_has_scene(session))
+    if (!session_has_scene(known->session))
         return fault_set(fault, ERR_USAGE, "no scene is open; open one first");
     for (int a = 0; a < 3; a++)
         if ((a > 0 && !scan_text(&at, ",")) ||
@@ -163,15 +169,15 @@ static enum err read_position(struct value *value, const struct parameter *p, co
             return expect(fault, p, word, "whole voxel indices, or mm at the end");
         place[a] = part[a] / 1000000;
     }
-    if (world && !geometry_has_place(session_geometry(session)))
+    if (world && !geometry_has_place(session_geometry(known->session)))
         return fault_set(fault, ERR_INPUT,
                          "%s: where this scene lies in the world is not known; expected voxel "
                          "indices, as in 0,0,0; nothing has changed",
                          word);
     const double point[3] = {(double)part[0] / 1e6, (double)part[1] / 1e6, (double)part[2] / 1e6};
-    const uint32_t *size = session_scene(session)->grid.size;
-    if ((world && !geometry_voxel(session_geometry(session), point, place)) ||
-        !grid_contains(&session_scene(session)->grid, place[0], place[1], place[2]))
+    const uint32_t *size = session_scene(known->session)->grid.size;
+    if ((world && !geometry_voxel(session_geometry(known->session), point, place)) ||
+        !grid_contains(&session_scene(known->session)->grid, place[0], place[1], place[2]))
         return fault_set(fault, ERR_INPUT,
                          "%s lies outside the scene, whose voxels are 0,0,0 to %u,%u,%u; "
                          "nothing has changed",
@@ -182,14 +188,13 @@ static enum err read_position(struct value *value, const struct parameter *p, co
 }
 
 static enum err read_label(struct value *value, const struct parameter *p, const char *word,
-                           const struct session *session, struct fault *fault)
+                           const struct known *known, struct fault *fault)
 {
     const char *at = word;
     if (scan_integer(&at, p->least, 255, &value->number) && *at == '\0')
         return OK;
     for (int label = 0; label < 256; label++)
-        if (*word && strcmp(session_kept(session)->label_name[label], word) == 0 &&
-            label >= p->least) {
+        if (*word && strcmp(known->kept->label_name[label], word) == 0 && label >= p->least) {
             value->number = label;
             return OK;
         }
@@ -197,8 +202,7 @@ static enum err read_label(struct value *value, const struct parameter *p, const
     struct near near = near_to(word);
     near_try_choices(&near, choices);
     for (int label = (int)p->least; label < 256; label++)
-        near_try(&near, session_kept(session)->label_name[label],
-                 strlen(session_kept(session)->label_name[label]));
+        near_try(&near, known->kept->label_name[label], strlen(known->kept->label_name[label]));
     fault_set(fault, ERR_USAGE, "%s: expected %s%sa label %d..255 or the name of one, not %s%s",
               p->name, choices, *choices ? ", " : "", (int)p->least, word,
               near.count ? "" : "; name one with `label N NAME`");
@@ -335,7 +339,7 @@ static enum err read_part(struct value *value, const struct parameter *p, const 
 }
 
 static enum err read_value(struct value *value, const struct parameter *p, const char *word,
-                           const struct session *session, struct fault *fault)
+                           const struct known *known, struct fault *fault)
 {
     const int choice = p->choices ? choice_find(p->choices, word) : -1;
     if (p->type == VALUE_PARTS)
@@ -345,9 +349,9 @@ static enum err read_value(struct value *value, const struct parameter *p, const
         switch (p->type) {
         case VALUE_POSITION:
         case VALUE_LINE:
-            return read_position(value, p, word, session, fault);
+            return read_position(value, p, word, known, fault);
         case VALUE_LABEL:
-            return read_label(value, p, word, session, fault);
+            return read_label(value, p, word, known, fault);
         case VALUE_NUMBER:
             return read_number(value, p, word, 0, fault);
         case VALUE_RADIUS:
@@ -437,7 +441,7 @@ static bool is_near_a_key(const struct command *command, const char *word, struc
     return true;
 }
 
-static enum err fill(struct call *call, const char *word, const struct session *session,
+static enum err fill(struct call *call, const char *word, const struct known *known,
                      struct fault *fault)
 {
     const char *whole = word;
@@ -450,7 +454,7 @@ static enum err fill(struct call *call, const char *word, const struct session *
     else if (value->given && p->type != VALUE_LINE && p->type != VALUE_PARTS)
         return usage_fault(fault, call->command, "given twice: ", whole);
     else
-        err = read_value(value, p, word, session, fault);
+        err = read_value(value, p, word, known, fault);
     if (!err && i >= 0 && p->type == VALUE_LINE && !polyline_add(&call->line, value->place))
         err = fault_memory(fault, "a line");
     if (err == ERR_USAGE && word == whole)
@@ -474,7 +478,7 @@ static enum err lead_line(struct call *call, struct value *value, struct fault *
 }
 
 /* The words of a line that has been split, from the first on. */
-static enum err read_words(struct call *call, unsigned count, const struct session *session,
+static enum err read_words(struct call *call, unsigned count, const struct known *known,
                            unsigned *wrong, struct fault *fault)
 {
     const char *word = call->store.data;
@@ -484,7 +488,7 @@ static enum err read_words(struct call *call, unsigned count, const struct sessi
         return unknown(fault, "unknown command", word);
     for (*wrong = 1; *wrong < count; ++*wrong) {
         word += strlen(word) + 1;
-        enum err err = fill(call, word, session, fault);
+        enum err err = fill(call, word, known, fault);
         if (err)
             return err;
     }
@@ -516,6 +520,13 @@ static const char *place_of_word(const char *line, unsigned number, const char *
 enum err command_parse(struct call *call, const char *line, const struct session *session,
                        struct fault *fault)
 {
+    return command_parse_by(call, line, session, session_kept(session), fault);
+}
+
+enum err command_parse_by(struct call *call, const char *line, const struct session *session,
+                          const struct kept *kept, struct fault *fault)
+{
+    const struct known known = {session, kept};
     unsigned count, wrong;
     const char *at = line;
     *call = (struct call){.quotes = semantics_has(session_semantics(session), MEANING_QUOTES)
@@ -526,7 +537,7 @@ enum err command_parse(struct call *call, const char *line, const struct session
         return OK;
     enum err err = split(&call->store, &count, line, call->quotes, fault);
     if (!err && count > 0) {
-        err = read_words(call, count, session, &wrong, fault);
+        err = read_words(call, count, &known, &wrong, fault);
         if (err)
             at_place(err, line, place_of_word(line, wrong, call->quotes), fault);
     }

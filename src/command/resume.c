@@ -1,43 +1,12 @@
-/* The interpreter's journals: begun, and resumed. */
-#include "command/interpreter.h"
+#include "command/resume.h"
 
 #include "base/choice.h"
 #include "base/file.h"
-#include "command/golden_leftover.h"
+#include "command/execute.h"
+#include "command/golden_judge.h"
+#include "journal/journal.h"
 #include "journal/replay.h"
 #include "session/semantics.h"
-
-bool interpreter_is_journal(const char *path)
-{
-    return file_begins_with(path, RECORD_HEADER);
-}
-
-enum err interpreter_create_journal(struct interpreter *interp, const char *path,
-                                    struct fault *fault)
-{
-    enum err err = interpreter_set_home(interp, path, fault);
-    if (!err)
-        err = journal_create(&interp->journal, path, session_semantics(interp->session), fault);
-    if (err)
-        return err;
-    err = journal_set_sync(interp->journal, interp->sync, fault);
-    if (err) { /* no thread can be had: as if it had not been begun */
-        journal_close(interp->journal);
-        interp->journal = NULL;
-        file_discard(path);
-    }
-    return err;
-}
-
-void interpreter_tell_lock(const struct interpreter *interp, struct buf *told)
-{
-    const char *lock = interp->journal ? journal_lock_file(interp->journal) : NULL;
-    if (!lock)
-        return;
-    buf_add_text(told, "the file system has no locks: ");
-    buf_add_safe_text(told, lock);
-    buf_add_text(told, " keeps other sessions from writing, until this one ends\n");
-}
 
 struct resume {
     struct interpreter *interp;

@@ -2,7 +2,14 @@
 
 #include <string.h>
 
-#include "command/recorded.h"
+#include "base/scan.h"
+#include "command/command.h"
+#include "command/execute.h"
+#include "command/files.h"
+#include "command/table.h"
+#include "journal/journal.h"
+
+/* ---- lines ---- */
 
 enum { LINE_BYTES_MOST = 65536 };
 
@@ -17,6 +24,273 @@ bool script_read_line(FILE *input, struct buf *line)
         line->data[--line->length] = '\0';
     return c != EOF || line->length > 0;
 }
+
+/* Whether a line goes into the journal with the command that follows: a comment or a blank line,
+ * but no header of a journal. */
+static bool is_comment(const char *line)
+{
+    const bool is_header = strncmp(line, RECORD_HEADER, sizeof RECORD_HEADER - 1) == 0;
+    return (*line == '#' || *line == '\0') && !is_header;
+}
+
+bool script_opens_scene(FILE *input, bool *knows)
+{
+    struct buf line = {0}, word = {0};
+    const off_t begin = ftello(input);
+    bool opens = false;
+    *knows = begin >= 0 && fseeko(input, begin, SEEK_SET) == 0;
+    while (*knows && !opens && script_read_line(input, &line)) {
+        const char *at = buf_text(&line);
+        buf_clear(&word);
+        scan_blanks(&at);
+        const struct command *command = *at && command_take_word(&at, &word, COMMAND_QUOTES)
+                                            ? command_find(buf_text(&word))
+                                            : NULL;
+        opens = command && command->act == act_open;
+    }
+    buf_release(&line);
+    buf_release(&word);
+    if (*knows) {
+        clearerr(input);
+        *knows = fseeko(input, begin, SEEK_SET) == 0;
+    }
+    return opens;
+}
+
+/* ---- what is recorded already ---- */
+
+/* What of a script the journal has. */
+struct recorded {
+    struct interpreter *interp;
+    enum recorded_mode {
+        RECORDED_UNDECIDED, /* until the first line that would be recorded */
+        RECORDED_NOTHING,   /* the script adds to the journal, or there is none */
+        RECORDED_FOLLOWS,   /* the record at hand is yet to be met */
+        RECORDED_ENDS,      /* all records have been met */
+    } mode;
+    size_t records;       /* of the journal, before the first line */
+    struct buf journal;   /* its bytes then */
+    struct walk walk;     /* over them */
+    struct record record; /* at hand */
+    size_t other_comment; /* the first record whose comments are others than the script's, or 0 */
+    struct buf comments;  /* of the script, since the last record */
+    const struct kept_settings *settings; /* before it, as the history has them, and */
+    struct kept kept;                     /* as lines are read by them: labels have these names */
+};
+
+static void step(struct recorded *recorded)
+{
+    if (walk_next_sound(&recorded->walk, &recorded->record) != WALK_RECORD)
+        recorded->mode = RECORDED_ENDS;
+}
+
+/* Before the first line of `input`, which is read ahead and put back where that can be done. */
+static enum err recorded_begin(struct recorded *recorded, struct interpreter *interp, FILE *input,
+                               struct fault *fault)
+{
+    *recorded = (struct recorded){.interp = interp,
+                                  .mode = RECORDED_NOTHING,
+                                  .records = interp->journal ? journal_count(interp->journal) : 0};
+    if (!recorded->records)
+        return OK;
+    struct buf *own = &recorded->journal;
+    const struct buf *bytes = journal_bytes(interp->journal);
+    buf_add(own, bytes->data, bytes->length);
+    if (own->failed)
+        return fault_memory(fault, "a script");
+    const enum err err = walk_begin(&recorded->walk, own->data, own->length, fault);
+    if (err)
+        return err;
+    recorded->mode = RECORDED_UNDECIDED;
+    step(recorded);
+    bool knows;
+    const bool opens = script_opens_scene(input, &knows);
+    if (knows && session_has_scene(interp->session))
+        recorded->mode = opens ? RECORDED_FOLLOWS : RECORDED_NOTHING;
+    return OK;
+}
+
+static void recorded_release(struct recorded *recorded)
+{
+    walk_release(&recorded->walk);
+    buf_release(&recorded->journal);
+    buf_release(&recorded->comments);
+}
+
+/* What labels were called before the record. */
+static const struct kept *kept_then(struct recorded *recorded)
+{
+    const struct interpreter *interp = recorded->interp;
+    const struct kept_settings *settings =
+        history_settings_after(&interp->history, recorded->record.number - 1);
+    if (settings && settings != recorded->settings) {
+        recorded->kept = kept_settings_get(settings);
+        recorded->settings = settings;
+    }
+    return recorded->settings ? &recorded->kept : session_kept(interp->session);
+}
+
+/* Whether words of a record are values that the record of this call adds by itself. */
+static bool are_added(const struct call *call, const char *words)
+{
+    const struct parameter *p = call->command->parameter;
+    struct buf word = {0};
+    bool all = true;
+    for (scan_blanks(&words); all && *words; scan_blanks(&words)) {
+        buf_clear(&word);
+        all = command_take_word(&words, &word, call->quotes);
+        const char *value = buf_text(&word);
+        const int i = all ? command_parameter_for(call->command, call->value, &value) : -1;
+        all = i >= 0 && p[i].added && !call->value[i].given;
+    }
+    buf_release(&word);
+    return all;
+}
+
+static bool begins_with_name(const char *command, const char *name)
+{
+    const size_t length = strlen(name);
+    return strncmp(command, name, length) == 0 && command[length] == ' ';
+}
+
+/* Whether the record is one that this call leads to. */
+static bool leads_to(const struct call *call, const char *canonical, const char *command)
+{
+    const size_t length = strlen(canonical);
+    const char *comes_to = call->command->comes_to;
+    if (!(call->command->flags & COMMAND_RECORDED))
+        return call->command->flags & COMMAND_ANSWERS &&
+               strncmp(command, RUN_FOR, strlen(RUN_FOR)) == 0 &&
+               strcmp(command + strlen(RUN_FOR), call->command->name) == 0;
+    if (strncmp(command, canonical, length) == 0 && are_added(call, command + length))
+        return command[length] == '\0' || command[length] == ' ';
+    return comes_to && begins_with_name(command, comes_to) &&
+           (strcmp(comes_to, call->command->name) != 0 || call->value->text);
+}
+
+/* The record at hand was met. */
+static void meet(struct recorded *recorded, bool is_recorded, struct reply *reply)
+{
+    const struct record *record = &recorded->record;
+    const struct buf *comments = &recorded->comments;
+    const size_t length = record->command_offset - record->offset;
+    if (!recorded->other_comment &&
+        (comments->length != length ||
+         memcmp(buf_text(comments), recorded->walk.bytes + record->offset, length) != 0))
+        recorded->other_comment = record->number;
+    buf_clear(&recorded->comments);
+    if (is_recorded) { /* with what its record adds */
+        buf_clear(&reply->canonical);
+        buf_add_text(&reply->canonical, record->command);
+    }
+    recorded->interp->acknowledged = record->number;
+    step(recorded);
+}
+
+static void add_quoted(struct buf *words, const char *line)
+{
+    buf_add_text(words, " `");
+    buf_add_safe_excerpt(words, line, strlen(line));
+    buf_add_char(words, '`');
+}
+
+static enum err differs(const struct recorded *recorded, const char *line, struct fault *fault)
+{
+    struct buf words = {0};
+    buf_add_text(&words, line ? "this line is" : "the script ends");
+    if (line)
+        add_quoted(&words, line);
+    buf_printf(&words, ", and record %zu of ", recorded->record.number);
+    buf_add_safe_text(&words, journal_path(recorded->interp->journal));
+    buf_add_text(&words, " is");
+    add_quoted(&words, recorded->record.command);
+    fault_set(fault, ERR_INPUT,
+              "%s: the journal has another run, or was gone on with; nothing was added to it "
+              "(`--journal FILE` of a new name begins another)",
+              buf_text(&words));
+    buf_release(&words);
+    return ERR_INPUT;
+}
+
+/* The comments that were held back go with the command that follows. */
+static enum err give_comments(struct recorded *recorded, struct fault *fault)
+{
+    enum err err = OK;
+    for (char *at = recorded->comments.data; !err && at && *at;) {
+        char *end = strchr(at, '\n');
+        *end = '\0';
+        err = journal_comment(recorded->interp->journal, at, fault);
+        at = end + 1;
+    }
+    buf_clear(&recorded->comments);
+    return err;
+}
+
+/* `call` is of the line, which is written as its record has it, as far as that is known without
+ * carrying it out: with files as seen from the journal, and a series by its number. */
+static enum err take(struct recorded *recorded, const char *line, struct call *call, bool *taken,
+                     struct reply *reply, struct fault *fault)
+{
+    struct interpreter *interp = recorded->interp;
+    const struct session *session = interp->session;
+    const bool is_recorded = call->command->flags & COMMAND_RECORDED,
+               opens = call->command->act == act_open;
+    const enum err err = interpreter_settle_name(interp, call, fault);
+    if (err)
+        return err;
+    if (opens && session_series(session) && call_has(call, "series"))
+        call_set_number(call, "series", session_series(session));
+    command_write(&reply->canonical, call);
+    const bool is_met = leads_to(call, buf_text(&reply->canonical), recorded->record.command);
+    if (recorded->mode == RECORDED_UNDECIDED && is_recorded) /* by the first that would be */
+        recorded->mode =
+            is_met || (opens && session_has_scene(session)) ? RECORDED_FOLLOWS : RECORDED_NOTHING;
+    *taken = recorded->mode == RECORDED_FOLLOWS;
+    if (!*taken)
+        return recorded->mode == RECORDED_NOTHING ? give_comments(recorded, fault) : OK;
+    interp->acknowledged = 0;
+    if (is_met)
+        meet(recorded, is_recorded, reply);
+    else if (is_recorded)
+        return differs(recorded, line, fault);
+    else
+        buf_add_text(&reply->text, "passed over: the journal goes on after it\n");
+    return reply->canonical.failed || reply->text.failed ? fault_memory(fault, "an answer") : OK;
+}
+
+/* Whether the line stands before where the script goes on: then *taken, and it is not to be carried
+ * out; `reply` and interp->acknowledged are what its record has. ERR_INPUT where line and record
+ * differ: *taken too. */
+static enum err recorded_take(struct recorded *recorded, const char *line, bool *taken,
+                              struct reply *reply, struct fault *fault)
+{
+    const struct interpreter *interp = recorded->interp;
+    const bool follows = recorded->mode == RECORDED_FOLLOWS;
+    struct call call;
+    *taken = false;
+    if (recorded->mode == RECORDED_UNDECIDED &&
+        journal_count(interp->journal) > recorded->records) /* by a question */
+        recorded->mode = RECORDED_NOTHING;
+    if (!follows && recorded->mode != RECORDED_UNDECIDED)
+        return give_comments(recorded, fault);
+    reply_clear(reply);
+    *taken = *line == '#' || *line == '\0' || follows;
+    if (is_comment(line)) { /* held back until its command is met, or is not */
+        buf_add_text(&recorded->comments, line);
+        buf_add_char(&recorded->comments, '\n');
+    }
+    if (*line == '#' || *line == '\0')
+        return recorded->comments.failed ? fault_memory(fault, "a comment") : OK;
+    const struct kept *kept = follows ? kept_then(recorded) : session_kept(interp->session);
+    if (command_parse_by(&call, line, interp->session, kept,
+                         fault)) /* the door says it, where it has to */
+        return follows ? differs(recorded, line, fault) : OK;
+    const enum err err = call.command ? take(recorded, line, &call, taken, reply, fault) : OK;
+    call_release(&call);
+    return err;
+}
+
+/* ---- answers ---- */
 
 static void add_indented(struct buf *out, const struct buf *lines)
 {
@@ -61,26 +335,7 @@ static void warn(const struct printer *printer, const char *name, size_t line,
     buf_release(&text);
 }
 
-bool script_is_comment(const char *line)
-{
-    const bool is_header = strncmp(line, RECORD_HEADER, sizeof RECORD_HEADER - 1) == 0;
-    return (*line == '#' || *line == '\0') && !is_header;
-}
-
-/* The next line; false at the end, or where the watch stops. */
-static bool next_line(const struct interpreter *interp, FILE *input, struct buf *line,
-                      const struct printer *printer)
-{
-    if (printer->waits)
-        printer->waits(printer->context, true);
-    const bool is_there =
-        !watch_stops(session_watch(interp->session)) && script_read_line(input, line);
-    if (printer->waits)
-        printer->waits(printer->context, false);
-    return is_there;
-}
-
-/* ---- what is recorded already ---- */
+/* ---- runs ---- */
 
 /* A run of a script, with what of it the journal has. */
 struct run {
@@ -132,15 +387,15 @@ static enum err run_line(struct run *run, const char *line, size_t number, bool 
                          struct reply *reply, struct fault *fault)
 {
     struct interpreter *interp = run->interp;
-    const bool is_comment = script_is_comment(line);
-    enum err err = recorded_take(&run->recorded, interp, line, taken, reply, fault);
+    const bool stays = is_comment(line);
+    enum err err = recorded_take(&run->recorded, line, taken, reply, fault);
     if (err || *taken)
         return err;
-    if (run->recorded.mode == RECORDED_ENDS && !is_comment && !run->goes_on) {
+    if (run->recorded.mode == RECORDED_ENDS && !stays && !run->goes_on) {
         run->goes_on = true;
         say_what_is_left(run, number);
     }
-    if (interp->journal && is_comment)
+    if (interp->journal && stays)
         err = journal_comment(interp->journal, line, fault);
     if (!err)
         err = interpreter_execute(interp, line, reply, fault);
@@ -154,12 +409,26 @@ static enum err run_line(struct run *run, const char *line, size_t number, bool 
 
 static enum err end_run(const struct run *run, size_t number, struct fault *fault)
 {
-    const enum err err = recorded_end(&run->recorded, run->interp, fault);
+    const enum err err =
+        run->recorded.mode == RECORDED_FOLLOWS ? differs(&run->recorded, NULL, fault) : OK;
     if (err)
         warn(run->printer, run->name, number, fault);
     else if (run->recorded.mode == RECORDED_ENDS && !run->goes_on)
         say_what_is_left(run, 0);
     return err;
+}
+
+/* The next line; false at the end, or where the watch stops. */
+static bool next_line(const struct interpreter *interp, FILE *input, struct buf *line,
+                      const struct printer *printer)
+{
+    if (printer->waits)
+        printer->waits(printer->context, true);
+    const bool is_there =
+        !watch_stops(session_watch(interp->session)) && script_read_line(input, line);
+    if (printer->waits)
+        printer->waits(printer->context, false);
+    return is_there;
 }
 
 enum err script_run(struct interpreter *interp, FILE *input, const char *name, bool keep_going,

@@ -2,6 +2,20 @@
  * Scripts: the lines of a file or pipe, carried out one after the other.
  *
  * Nothing here prints: a `struct printer` takes the lines.
+ *
+ * A run that was interrupted goes on after its last record. A session has one scene, so a script
+ * that opens one can add nothing to a journal that has its scene already: it must be the script
+ * that the journal was recorded from. Its lines are then taken one by one beside the records, in
+ * canonical form, names of labels as they were there; a line that led to the next record is not
+ * carried out again. After the last record the script goes on as any other. Where a line and the
+ * record differ, nothing is carried out at all: somebody has changed one of them.
+ *
+ *     script                  journal
+ *     open a.nii              open a.nii weight=morph       what a record adds (`added`)
+ *     seed 1,2,3 liver        seed 1,2,3 2
+ *     stats                   run for=stats                 what a question has applied
+ *     zoom fit                zoom 2.5 at=9,9,9             what it came to (`comes_to`)
+ *     seed 4,5,6 liver                                      goes on here
  */
 #ifndef COMMAND_SCRIPT_H
 #define COMMAND_SCRIPT_H
@@ -13,10 +27,6 @@
 /* One line without its line feed; false at the end. Of a line that is too long for any command so
  * much is read that it stays too long. */
 bool script_read_line(FILE *input, struct buf *line);
-
-/* Whether a line goes into the journal with the command that follows: a comment or a blank line,
- * but no header of a journal. */
-bool script_is_comment(const char *line);
 
 struct printer {
     void *context;
@@ -34,6 +44,10 @@ struct printer {
  * line that it ended at then, 0 where it came to the end. Result lines of a journal are skipped. */
 enum err script_run(struct interpreter *interp, FILE *input, const char *name, bool keep_going,
                     const struct printer *printer, size_t *stopped, struct fault *fault);
+
+/* Whether the rest of `input`, or all from where it stands, opens a scene; it is put back to where
+ * it stood. False also where that cannot be done: *knows says which. */
+bool script_opens_scene(FILE *input, bool *knows);
 
 /* "ok N COMMAND" or "ok - COMMAND", and the answer, for a command that was just carried out. */
 void script_acknowledge(const struct interpreter *interp, const struct reply *reply,

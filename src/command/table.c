@@ -1,16 +1,19 @@
 /* THE table of commands. */
-#include "command/act.h"
-#include "command/opening.h"
+#include "command/table.h"
 
+#include "base/file_log.h"
+#include "command/command.h"
+#include "engine/brush.h"
 #include "engine/finish.h"
 #include "engine/hints.h"
 #include "engine/surface.h"
 #include "engine/weight.h"
-#include "render/decoration.h"
 #include "render/view.h"
 #include "report/export_map.h"
+#include "session/parameter.h"
 #include "session/piece_seeds.h"
 #include "session/seed_file.h"
+#include "session/setting.h"
 #include "show/slicing.h"
 
 /* What rows of other tables say of themselves. */

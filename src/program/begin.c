@@ -1,3 +1,6 @@
+#include "command/files.h"
+#include "command/command.h"
+#include "command/resume.h"
 #include "program/begin.h"
 
 #include <stdio.h>
@@ -8,6 +11,7 @@
 #include "image/image_helper.h"
 #include "image/volume_helper.h"
 #include "journal/golden.h"
+#include "journal/journal.h"
 #include "journal/record.h"
 #include "program/console.h"
 #include "sandbox/limits.h"

@@ -4,6 +4,7 @@
 
 #include "base/mem.h"
 #include "command/act.h"
+#include "command/act_info.h"
 #include "engine/hints.h"
 #include "engine/margin.h"
 #include "engine/measure.h"
@@ -12,7 +13,6 @@
 #include "session/hinting.h"
 #include "session/state.h"
 #include "show/draw.h"
-#include "show/live_finish.h"
 #include "show/slicing.h"
 #include "show/window.h"
 #include "tui/pilot/pilot_keys.h"

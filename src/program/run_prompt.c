@@ -4,6 +4,12 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "journal/journal.h"
+#include "image/picture_writer.h"
+#include "command/command.h"
+#include "command/complete.h"
+#include "command/execute.h"
+#include "command/resume.h"
 #include "program/begin.h"
 #include "program/config.h"
 #include "program/console.h"

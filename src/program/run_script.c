@@ -3,7 +3,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "command/recorded.h"
+#include "journal/journal.h"
 #include "command/script.h"
 #include "program/begin.h"
 #include "program/console.h"
@@ -38,7 +38,7 @@ static void add_argument(struct buf *out, const char *word)
 }
 
 /* After lines that were stopped: what the journal has, and what to type. A script that opens its
- * scene goes on by itself (command/recorded.h); of another one, the rest does. */
+ * scene goes on by itself (command/script.h); of another one, the rest does. */
 static void say_how_to_go_on(const struct options *o, const struct journal *journal, FILE *input,
                              size_t line)
 {
@@ -52,7 +52,7 @@ static void say_how_to_go_on(const struct options *o, const struct journal *jour
                journal_count(journal), plural(journal_count(journal)), line);
     const bool is_file = !o->commands && strcmp(o->word[0], "-") != 0;
     const bool is_whole =
-        is_file && fseek(input, 0, SEEK_SET) == 0 && recorded_opens_scene(input, &knows);
+        is_file && fseek(input, 0, SEEK_SET) == 0 && script_opens_scene(input, &knows);
     if (is_file && !is_whole) {
         buf_printf(&text, "tail -n +%zu ", line);
         add_argument(&text, o->word[0]);

@@ -1,3 +1,4 @@
+#include "command/files.h"
 #include "program/times.h"
 
 #include <stdlib.h>

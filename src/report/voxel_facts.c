@@ -6,7 +6,6 @@
 #include "report/label_report.h"
 #include "session/markers.h"
 #include "session/tally.h"
-#include "show/live_finish.h"
 
 static uint32_t cell_at(const struct session *session, const uint32_t p[3])
 {

@@ -7,9 +7,11 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "command/golden_leftover.h"
+#include "command/files.h"
+#include "command/golden_judge.h"
 #include "image/exr.h"
 #include "journal/golden.h"
+#include "journal/journal.h"
 
 struct search {
     const struct interpreter *interp;

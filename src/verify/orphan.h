@@ -8,7 +8,7 @@
 
 /* The names of all, as "third.exr", after a replay, by which the interpreter knows those that the
  * journal gives; none where there is no such folder. What a `golden` that was killed has left
- * (command/golden_leftover.h) is passed over with a line of comment in `lines`, or, where that is
+ * (command/golden_judge.h) is passed over with a line of comment in `lines`, or, where that is
  * NULL, is one of them. ERR_IO, ERR_MEMORY. To be released, whatever is returned. */
 enum err orphan_find(struct name_list *orphans, const struct interpreter *interp,
                      const char *journal_path, struct buf *lines, struct fault *fault);

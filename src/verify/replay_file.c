@@ -1,3 +1,5 @@
+#include "journal/journal.h"
+#include "command/execute.h"
 #include "verify/replay_file.h"
 
 #include <inttypes.h>

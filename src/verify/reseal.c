@@ -4,7 +4,9 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "command/golden_leftover.h"
+#include "command/execute.h"
+#include "command/files.h"
+#include "command/golden_judge.h"
 #include "journal/golden.h"
 #include "session/semantics.h"
 #include "verify/orphan.h"

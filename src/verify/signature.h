@@ -10,7 +10,7 @@
  * ways; and the signature rests on SHA-512, where a statement of the last chain would rest on 128
  * bits of it, for which a signer with means could prepare two journals. The price is that a journal
  * which is continued needs another signature. Golden images are not signed: the journal names them,
- * and a replay proves them to the pixel, with their notes (command/golden_notes.h) and their PNGs
+ * and a replay proves them to the pixel, with their notes (command/golden_judge.h) and their PNGs
  * (evidence.h).
  *
  * A signature holds no time that anybody but the signer vouches for, so what is known of time is

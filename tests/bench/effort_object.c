@@ -1,3 +1,4 @@
+#include "command/files.h"
 #include "tests/bench/effort_object.h"
 
 #include <stdlib.h>

@@ -2,6 +2,7 @@
 
 #include <stdio.h>
 
+#include "base/file.h"
 #include "base/json.h"
 #include "program/times.h"
 #include "tests/bench/plot.h"

@@ -1,3 +1,4 @@
+#include "command/execute.h"
 #include "tests/bench/effort_tool.h"
 
 #include <errno.h>
@@ -9,6 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/file.h"
 #include "base/mem.h"
 #include "engine/weight.h"
 #include "program/times.h"

@@ -9,6 +9,8 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/json.h"
+#include "command/execute.h"
+#include "command/golden_judge.h"
 #include "program/times.h"
 #include "command/interpreter.h"
 #include "journal/journal.h"

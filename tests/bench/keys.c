@@ -15,6 +15,7 @@
 
 #include "base/file.h"
 #include "base/json.h"
+#include "command/files.h"
 #include "command/interpreter.h"
 #include "program/times.h"
 #include "tests/bench/far_end.h"

@@ -8,6 +8,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/json.h"
+#include "command/execute.h"
 #include "command/interpreter.h"
 #include "program/times.h"
 #include "session/session_inside.h"

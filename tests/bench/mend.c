@@ -1,4 +1,5 @@
 /* How many gestures mend a segmentation that is opened again: defects, and ways to open it. */
+#include "command/execute.h"
 #include "tests/bench/bench.h"
 
 #include <stdio.h>

@@ -1,4 +1,5 @@
 /* The worst label map: noise, whose every voxel is a seed. */
+#include "command/execute.h"
 #include "tests/bench/bench.h"
 
 #include <stdio.h>

@@ -1,3 +1,4 @@
+#include "command/files.h"
 #include "tests/bench/procedure.h"
 
 #include <stdlib.h>

@@ -16,6 +16,7 @@
 #include "base/mem.h"
 #include "program/times.h"
 #include "program/console.h"
+#include "command/execute.h"
 #include "command/interpreter.h"
 #include "engine/label_stats.h"
 #include "render/border.h"

@@ -1,11 +1,14 @@
 /* What going on with a long journal takes. */
+#include "journal/journal.h"
 #include "tests/bench/bench.h"
 
 #include <string.h>
 
 #include "base/clock.h"
 #include "base/file.h"
+#include "command/execute.h"
 #include "command/interpreter.h"
+#include "command/resume.h"
 #include "session/session_inside.h"
 
 enum { COMMANDS = 2000, ROUNDS = 3 };

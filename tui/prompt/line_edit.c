@@ -504,7 +504,7 @@ static enum err edit_elsewhere(struct buf *text, struct fault *fault)
     buf_printf(&path, "%s/line", buf_text(&folder));
     err = path.failed ? fault_memory(fault, "a path")
                       : edit_file(text, editor, buf_text(&path), fault);
-    file_discard(buf_text(&folder));
+    folder_remove(buf_text(&folder));
     buf_release(&path);
     buf_release(&folder);
     return err;

@@ -1,12 +1,18 @@
+/* What regions of an atlas become, and what they are called (act_label.c). */
+#ifndef COMMAND_ACT_LABEL_H
+#define COMMAND_ACT_LABEL_H
+
+#include "command/act.h"
+#include "report/label_table.h"
+
+/* regions_new of `regions` and `as`, by the own numbers of labels (session/numbering.h); ERR_USAGE
+ * where a label for all is given too, which may be NULL. */
+enum err act_choose_regions(uint16_t **as, const struct act *act, const struct value *label);
+
 /*
  * The table that lies beside an atlas, "aal.nii.txt" beside "aal.nii.gz": what its regions are
  * called. It is looked at for advice alone, and not where a journal of somebody else is replayed.
  */
-#ifndef COMMAND_ATLAS_NAMES_H
-#define COMMAND_ATLAS_NAMES_H
-
-#include "command/act.h"
-#include "report/label_table.h"
 
 /* Empty where there is none that can be read; the caller releases it. */
 struct label_table atlas_table(const struct act *act, const char *path);

@@ -1,45 +1,100 @@
-/* Commands that restrict the forest to a region of interest, and what others say of it. */
+/* Commands that say what a forest grows by: arc weights, and the region of interest. */
 #include "command/act.h"
 
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "base/choice.h"
+#include "command/act_seed.h"
+#include "command/files.h"
+#include "command/near.h"
 #include "engine/roi.h"
 #include "session/map.h"
 
-enum err act_naming(const char *file, enum err err, struct fault *fault)
+/* ---- arc weights ---- */
+
+/* After a command that may have changed weights. */
+static enum err add_weights(const struct act *act, enum err err)
 {
-    return err ? fault_prefix(fault, err, "%s", file) : OK;
+    if (!err)
+        act_add_weights(act);
+    return err;
 }
 
-static void write_interval(struct buf *out, const char *before, const struct decimal range[2])
+static enum err weigh_by_file(const struct act *act, const char *name)
 {
-    buf_add_text(out, before);
-    decimal_write(out, &range[0]);
-    buf_add_text(out, "..");
-    decimal_write(out, &range[1]);
-}
-
-void act_write_unsure(const struct act *act, size_t voxels)
-{
-    if (voxels)
-        buf_printf(&act->reply->text,
-                   "%zu voxel%s a level that an end of the range cuts: a level is %.3g, and values "
-                   "are known to half of it\n",
-                   voxels, voxels == 1 ? " has" : "s have", session_levels(act->session)->step);
-}
-
-bool act_write_roi(struct buf *out, const struct session *session)
-{
-    const struct kept *kept = session_kept(session);
-    if (kept->mask) {
-        buf_add_text(out, "mask ");
-        buf_add_safe_text(out, kept->mask_file);
-        buf_printf(out, " regions %u-%u", kept->mask_regions[0], kept->mask_regions[1]);
+    struct session *session = act->session;
+    struct fault *fault = act->fault;
+    const struct map_place place = session_map_place(session, act_is_yes(act, "resample"));
+    struct volume map = {0};
+    struct buf path = {0};
+    enum err err = interpreter_find_file(act->interp, name, &path, fault);
+    if (err) {
+        struct near near = near_to(name);
+        near_try_choices(&near, WEIGHT_KINDS);
+        fault_prefix(fault, err, "expected " WEIGHT_KINDS " or a file");
+        near_append(&near, "", fault);
     }
-    if (kept->has_range)
-        write_interval(out, kept->mask ? ", range " : "range ", kept->range);
-    return kept->mask || kept->has_range;
+    if (!err)
+        err = map_read(&map, buf_text(&path), &place, session_watch(session), fault);
+    if (!err)
+        err = act_naming(name, map_to_weights(&map, session_watch(session), fault), fault);
+    if (!err)
+        err = session_set_weight_map(session, name, map.intensity, fault);
+    if (!err)
+        buf_add_text(&act->reply->text, map.notes);
+    volume_release(&map);
+    buf_release(&path);
+    return err;
 }
+
+#define ARGUMENT_NAME(name, type, least, most) name
+
+/* What is given beside the name: what the row takes, and nothing else. */
+static enum err take_argument(struct weight_choice *choice, const struct act *act)
+{
+    static const char *const name[] = {WEIGHT_ARGUMENTS(ARGUMENT_NAME, ARGUMENT_NAME)};
+    const struct weight_row *row = &weight_table[choice->kind];
+    for (unsigned i = 0; i < WEIGHT_ARGUMENT_COUNT; i++)
+        if (act_has(act, name[i]) && row->takes != i)
+            return fault_set(act->fault, ERR_USAGE, "%s: `weight %s` has none", name[i], row->name);
+    if (act_has(act, "resample") && choice->kind != WEIGHT_FILE)
+        return fault_set(act->fault, ERR_USAGE, "resample: `weight %s` has none", row->name);
+    if (row->takes == WEIGHT_TAKES_NOTHING)
+        return OK;
+    if (!act_has(act, name[row->takes]) && !row->usual)
+        return fault_set(act->fault, ERR_USAGE, "%s: `weight %s` needs one", name[row->takes],
+                         row->name);
+    choice->argument = (uint32_t)act_number_or(act, name[row->takes], row->usual);
+    return OK;
+}
+
+enum err act_weight(const struct act *act)
+{
+    const bool is_file = act_number(act, "FILE") < 0;
+    struct kept *kept = &act->next->kept;
+    kept->weight = (struct weight_choice){
+        is_file ? WEIGHT_FILE : (enum weight_kind)act_number(act, "FILE"), 0};
+    const enum err err = take_argument(&kept->weight, act);
+    if (err)
+        return err;
+    if (is_file)
+        return add_weights(act, weigh_by_file(act, act_text(act, "FILE")));
+    kept->weight_map = NULL;
+    memset(kept->weight_file, 0, sizeof kept->weight_file);
+    return add_weights(act, act_go(act));
+}
+
+enum err act_polarity(const struct act *act)
+{
+    act->next->kept.polarity[act_number(act, "LABEL")] = (int8_t)act_number(act, "PERCENT");
+    if (act->next->kept.weight.kind != WEIGHT_POLARITY)
+        buf_add_text(&act->reply->text, "used only under `weight polarity`\n");
+    return add_weights(act, act_go(act));
+}
+
+/* ---- the region of interest ---- */
 
 /* After a command that may have changed it: what is inside now. */
 static enum err add_roi(const struct act *act, enum err err)

@@ -1,16 +1,171 @@
-/* Commands that open a scene and say what a forest in it grows by. */
+/* Commands that open a scene, and say how it lies. */
 #include "command/act.h"
-#include "command/near.h"
-#include "command/opening.h"
 
-#include <ctype.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "base/choice.h"
-#include "base/safe.h"
-#include "session/map.h"
+#include "base/scan.h"
+#include "command/act_info.h"
+#include "command/files.h"
+#include "journal/record.h"
 #include "session/semantics.h"
+
+/* ---- what `open` is told ---- */
+
+static const char RAW[] = "raw:";
+enum { SERIES_MOST = 100000 };
+
+/* "X,Y,Z": three numbers of at least one unit, which has so many decimals. */
+static bool scan_three(uint32_t out[3], const char *text, unsigned places)
+{
+    for (int a = 0; a < 3; a++) {
+        int64_t number;
+        if ((a > 0 && !scan_text(&text, ",")) ||
+            !scan_decimal(&text, places, 1, UINT32_MAX, &number))
+            return false;
+        out[a] = (uint32_t)number;
+    }
+    return *text == '\0';
+}
+
+/* "A-B,C-D,E-F" */
+static enum err choose_box(struct volume_choice *choice, const char *list, struct fault *fault)
+{
+    int64_t first, last;
+    int axis = 0;
+    choice->has_crop = true;
+    for (; scan_list_range(&list, 0, UINT32_MAX, &first, &last); axis++)
+        if (axis < 3) {
+            choice->first[axis] = (uint32_t)first;
+            choice->last[axis] = (uint32_t)last;
+        }
+    return axis == 3 ? OK
+                     : fault_set(fault, ERR_USAGE,
+                                 "crop: expected A-B,C-D,E-F, the voxels along x, y and z, and not "
+                                 "%d range%s; nothing was opened",
+                                 axis, plural((uint64_t)axis));
+}
+
+static enum err choose_layout(struct raw_layout *raw, const struct act *act)
+{
+    enum voxel_type type = VOXEL_UINT8;
+    if (!act_has(act, "size") || !act_has(act, "type"))
+        return fault_set(act->fault, ERR_USAGE,
+                         "raw: expected its layout: size=X,Y,Z type=" OPEN_TYPES
+                         ", and where it differs, endian=big offset=BYTES spacing=X,Y,Z in mm");
+    if (!scan_three(raw->size, act_text(act, "size"), 0))
+        return fault_set(act->fault, ERR_USAGE, "size: expected X,Y,Z in voxels, as 512,512,400");
+    voxel_type_named(&type, act_text(act, "type"));
+    raw->type = type;
+    raw->big_endian = act_number(act, "endian") == 1;
+    raw->offset = (uint64_t)act_number(act, "offset");
+    return OK;
+}
+
+/* "3", or a piece of a description. */
+static enum err choose_series(struct volume_choice *choice, const char *text, struct fault *fault)
+{
+    int64_t number;
+    const char *at = text;
+    if (scan_integer(&at, 1, SERIES_MOST, &number) && !*at)
+        choice->series = (uint32_t)number;
+    else if (*text && text[strspn(text, "-0123456789")])
+        choice->series_name = text;
+    else
+        return fault_set(fault, ERR_USAGE,
+                         "series: expected 1..%d, or a piece of its description, not %s; nothing "
+                         "was opened",
+                         SERIES_MOST, *text ? text : "nothing");
+    return OK;
+}
+
+static enum err choose(struct volume_choice *choice, const char **name, const struct act *act)
+{
+    struct fault *fault = act->fault;
+    enum err err = OK;
+    *name = act_text(act, "FILE");
+    *choice = (struct volume_choice){
+        .has_volume = act_has(act, "volume"),
+        .volume = (uint32_t)act_number(act, "volume"),
+        .reduce = (uint32_t)act_number(act, "reduce"),
+        .data = act_text(act, "data"),
+        .skip = act_text(act, "skip"),
+        .fills_gaps = act_has(act, "missing"),
+        .huge = act_is_yes(act, "huge"),
+        .straightens = act_is_yes(act, "straighten"),
+    };
+    if (act_has(act, "series"))
+        err = choose_series(choice, act_text(act, "series"), fault);
+    if (!err && act_has(act, "crop"))
+        err = choose_box(choice, act_text(act, "crop"), fault);
+    const bool is_raw = scan_text(name, RAW);
+    if (!err && is_raw)
+        err = choose_layout(&choice->raw, act);
+    if (!is_raw && act_has(act, "size|type|endian|offset"))
+        return fault_set(fault, ERR_USAGE,
+                         "size, type, endian and offset are for `open raw:FILE`, whose layout "
+                         "nothing else says");
+    if (!err && act_has(act, "spacing") &&
+        !scan_three(choice->spacing_nm, act_text(act, "spacing"), 6))
+        err =
+            fault_set(fault, ERR_USAGE, "spacing: expected X,Y,Z in millimetres, as 0.5,0.5,1.25");
+    return err;
+}
+
+/* The weight that it begins with. */
+
+enum { PLACES_NUMBER = 0, PLACES_DECIMAL = 3 };
+#define ARGUMENT_RANGE(name, type, least, most)                                                    \
+    {                                                                                              \
+        PLACES_##type, least, most                                                                 \
+    }
+static const struct {
+    unsigned places;
+    int64_t least, most;
+} argument[] = {WEIGHT_ARGUMENTS(ARGUMENT_RANGE, ARGUMENT_RANGE)};
+
+/* ":1.5" or nothing, for a weight of this row. */
+static bool scan_argument(uint32_t *out, const char *text, const struct weight_row *row)
+{
+    int64_t number = row->usual;
+    if (*text && (row->takes == WEIGHT_TAKES_NOTHING || !scan_text(&text, ":") ||
+                  !scan_decimal(&text, argument[row->takes].places, argument[row->takes].least,
+                                argument[row->takes].most, &number) ||
+                  *text))
+        return false;
+    *out = (uint32_t)number;
+    return number != 0 || row->takes == WEIGHT_TAKES_NOTHING;
+}
+
+static enum err read_weight(struct weight_choice *weight, const char *text, struct fault *fault)
+{
+    const size_t length = strcspn(text, ":");
+    struct choice name;
+    unsigned kind = 0;
+    for (const char *at = WEIGHT_KINDS; choice_next(&name, &at); kind++)
+        if (name.length == length && memcmp(name.word, text, length) == 0) {
+            weight->kind = (enum weight_kind)kind;
+            if (scan_argument(&weight->argument, text + length, &weight_table[kind]))
+                return OK;
+        }
+    return fault_set(fault, ERR_USAGE,
+                     "weight: expected " WEIGHT_KINDS ", with what it takes after a colon, as in "
+                     "gauss:1.5, not %s; `weight FILE` takes a map once the scene is open; nothing "
+                     "was opened",
+                     text);
+}
+
+static void write_weight(struct buf *out, const struct weight_choice *weight)
+{
+    const struct weight_row *row = &weight_table[weight->kind];
+    buf_add_text(out, row->name);
+    if (weight->argument != row->usual)
+        buf_printf(out, ":%g",
+                   argument[row->takes].places ? weight->argument / 1000.0 : weight->argument);
+}
+
+/* ---- the scene ---- */
 
 /* The answer of a command that gave the session its scene. */
 static void write_scene(const struct act *act)
@@ -104,7 +259,7 @@ static enum err take_first_weight(const struct act *act, bool *recorded)
     if (session_has_scene(session))
         return OK; /* session_open refuses */
     if (given)
-        err = opening_weight(weight, given, act->fault);
+        err = read_weight(weight, given, act->fault);
     else
         *recorded = act->interp->mode == MODE_LIVE &&
                     semantics_has(session_semantics(session), MEANING_OPEN_WEIGHT);
@@ -157,16 +312,20 @@ static enum err open_outside(const struct act *act, const char *name, struct vol
     return session_has_scene(session) ? OK : watch_fault(watch, act->fault);
 }
 
-/* What is recorded. */
+/* What is recorded: a series by its number, whatever piece of its description was given, since
+ * descriptions may be about the patient. */
 static void write_canonical(const struct act *act, bool has_weight)
 {
     struct buf *canonical = &act->reply->canonical;
     const struct session *session = act->session;
+    struct call call = *act->call;
     buf_clear(canonical);
-    opening_write(canonical, act->call, session_series(session));
+    if (session_series(session) && call_has(&call, "series"))
+        call_set_number(&call, "series", session_series(session));
+    command_write(canonical, &call);
     if (has_weight) {
         buf_add_text(canonical, " weight=");
-        opening_write_weight(canonical, &session_kept(session)->weight);
+        write_weight(canonical, &session_kept(session)->weight);
     }
 }
 
@@ -179,7 +338,7 @@ enum err act_open(const struct act *act)
     const char *name;
     const bool had_scene = session_has_scene(session);
     bool has_weight = false;
-    enum err err = opening_choice(&choice, &name, act);
+    enum err err = choose(&choice, &name, act);
     choice.as_recorded = act->interp->mode != MODE_LIVE;
     choice.list = choice.as_recorded ? NULL : &act->reply->list;
     if (!err)
@@ -264,147 +423,4 @@ enum err act_orient(const struct act *act)
     act_write_axes(&act->reply->text, session_geometry(session));
     buf_add_char(&act->reply->text, '\n');
     return err;
-}
-
-void act_add_weights(const struct act *act)
-{
-    buf_printf(&act->reply->words, "weights=%016llx",
-               (unsigned long long)session_weight_digest(act->session));
-}
-
-/* After a command that may have changed weights. */
-static enum err add_weights(const struct act *act, enum err err)
-{
-    if (!err)
-        act_add_weights(act);
-    return err;
-}
-
-static enum err weigh_by_file(const struct act *act, const char *name)
-{
-    struct session *session = act->session;
-    struct fault *fault = act->fault;
-    const struct map_place place = session_map_place(session, act_is_yes(act, "resample"));
-    struct volume map = {0};
-    struct buf path = {0};
-    enum err err = interpreter_find_file(act->interp, name, &path, fault);
-    if (err) {
-        struct near near = near_to(name);
-        near_try_choices(&near, WEIGHT_KINDS);
-        fault_prefix(fault, err, "expected " WEIGHT_KINDS " or a file");
-        near_append(&near, "", fault);
-    }
-    if (!err)
-        err = map_read(&map, buf_text(&path), &place, session_watch(session), fault);
-    if (!err)
-        err = act_naming(name, map_to_weights(&map, session_watch(session), fault), fault);
-    if (!err)
-        err = session_set_weight_map(session, name, map.intensity, fault);
-    if (!err)
-        buf_add_text(&act->reply->text, map.notes);
-    volume_release(&map);
-    buf_release(&path);
-    return err;
-}
-
-#define ARGUMENT_NAME(name, type, least, most) name
-
-/* What is given beside the name: what the row takes, and nothing else. */
-static enum err take_argument(struct weight_choice *choice, const struct act *act)
-{
-    static const char *const name[] = {WEIGHT_ARGUMENTS(ARGUMENT_NAME, ARGUMENT_NAME)};
-    const struct weight_row *row = &weight_table[choice->kind];
-    for (unsigned i = 0; i < WEIGHT_ARGUMENT_COUNT; i++)
-        if (act_has(act, name[i]) && row->takes != i)
-            return fault_set(act->fault, ERR_USAGE, "%s: `weight %s` has none", name[i], row->name);
-    if (act_has(act, "resample") && choice->kind != WEIGHT_FILE)
-        return fault_set(act->fault, ERR_USAGE, "resample: `weight %s` has none", row->name);
-    if (row->takes == WEIGHT_TAKES_NOTHING)
-        return OK;
-    if (!act_has(act, name[row->takes]) && !row->usual)
-        return fault_set(act->fault, ERR_USAGE, "%s: `weight %s` needs one", name[row->takes],
-                         row->name);
-    choice->argument = (uint32_t)act_number_or(act, name[row->takes], row->usual);
-    return OK;
-}
-
-enum err act_weight(const struct act *act)
-{
-    const bool is_file = act_number(act, "FILE") < 0;
-    struct kept *kept = &act->next->kept;
-    kept->weight = (struct weight_choice){
-        is_file ? WEIGHT_FILE : (enum weight_kind)act_number(act, "FILE"), 0};
-    const enum err err = take_argument(&kept->weight, act);
-    if (err)
-        return err;
-    if (is_file)
-        return add_weights(act, weigh_by_file(act, act_text(act, "FILE")));
-    kept->weight_map = NULL;
-    memset(kept->weight_file, 0, sizeof kept->weight_file);
-    return add_weights(act, act_go(act));
-}
-
-enum err act_polarity(const struct act *act)
-{
-    act->next->kept.polarity[act_number(act, "LABEL")] = (int8_t)act_number(act, "PERCENT");
-    if (act->next->kept.weight.kind != WEIGHT_POLARITY)
-        buf_add_text(&act->reply->text, "used only under `weight polarity`\n");
-    return add_weights(act, act_go(act));
-}
-
-/* Of several words where `blanks` are allowed, but for one at the end, which nobody would see. */
-static bool is_fit(const char *name, size_t room, bool blanks)
-{
-    const unsigned char first = (unsigned char)*name;
-    const size_t length = strlen(name);
-    return length < room && (first >= 0x80 || isalpha(first)) && *safe_end(name) == '\0' &&
-           !strpbrk(name, blanks ? "=\"\\" : " =\"\\") && name[length - 1] != ' ';
-}
-
-enum err act_check_name(const char *name, size_t room, bool blanks, struct fault *fault)
-{
-    return is_fit(name, room, blanks)
-               ? OK
-               : fault_set(fault, ERR_USAGE,
-                           "NAME: expected %s of at most %zu bytes that begins "
-                           "with a letter, not %s",
-                           blanks ? "a name" : "a word", room - 1, name);
-}
-
-/* What `number` says, where it is given. */
-static enum err take_number(const struct act *act, size_t label)
-{
-    struct kept *kept = &act->next->kept;
-    const struct value *number = act_value(act, "number");
-    if (!number->given)
-        return OK;
-    if (label == 0)
-        return fault_set(act->fault, ERR_USAGE, "number: label 0 is 0 in every file");
-    for (unsigned other = 1; other < 256; other++)
-        if (other != label && kept->label_number[other] == number->number)
-            return fault_set(act->fault, ERR_USAGE, "number: %lld is that of label %u already",
-                             (long long)number->number, other);
-    kept->label_number[label] = (uint16_t)number->number;
-    return OK;
-}
-
-enum err act_label(const struct act *act)
-{
-    struct kept *kept = &act->next->kept;
-    const size_t label = (size_t)act_number(act, "LABEL");
-    const char *name = act_text(act, "NAME");
-    const enum err err = act_check_name(name, LABEL_NAME_BYTES, true, act->fault);
-    if (err)
-        return err;
-    for (size_t other = 0; other < 256; other++)
-        if (other != label && strcmp(kept->label_name[other], name) == 0)
-            return fault_set(act->fault, ERR_USAGE, "label %zu is already called %s", other, name);
-    const enum err numbered = take_number(act, label);
-    if (numbered)
-        return numbered;
-    memset(kept->label_name[label], 0, LABEL_NAME_BYTES);
-    memcpy(kept->label_name[label], name, strlen(name));
-    for (int k = 0; act_has(act, "COLOUR") && k < 3; k++)
-        kept->palette.rgb[label][k] = (uint8_t)(act_number(act, "COLOUR") >> (16 - 8 * k));
-    return act_go(act);
 }

@@ -1,0 +1,112 @@
+#include "command/act.h"
+
+#include <ctype.h>
+
+#include "base/safe.h"
+#include "command/files.h"
+#include "session/finished.h"
+
+enum err act_naming(const char *file, enum err err, struct fault *fault)
+{
+    return err ? fault_prefix(fault, err, "%s", file) : OK;
+}
+
+enum err act_go(const struct act *act)
+{
+    return session_go(act->session, act->next, NULL, 0, act->fault);
+}
+
+/* Of several words where `blanks` are allowed, but for one at the end, which nobody would see. */
+static bool is_fit(const char *name, size_t room, bool blanks)
+{
+    const unsigned char first = (unsigned char)*name;
+    const size_t length = strlen(name);
+    return length < room && (first >= 0x80 || isalpha(first)) && *safe_end(name) == '\0' &&
+           !strpbrk(name, blanks ? "=\"\\" : " =\"\\") && name[length - 1] != ' ';
+}
+
+enum err act_check_name(const char *name, size_t room, bool blanks, struct fault *fault)
+{
+    return is_fit(name, room, blanks)
+               ? OK
+               : fault_set(fault, ERR_USAGE,
+                           "NAME: expected %s of at most %zu bytes that begins "
+                           "with a letter, not %s",
+                           blanks ? "a name" : "a word", room - 1, name);
+}
+
+/* ---- files ---- */
+
+enum file_mode act_file_mode(const struct act *act)
+{
+    return act_is_yes(act, "replace") ? FILE_REPLACE : FILE_KEEP;
+}
+
+void act_write_file_line(const char *doing, const char *path, struct reply *reply)
+{
+    buf_add_text(&reply->text, doing);
+    buf_add_safe_text(&reply->text, path);
+    buf_add_char(&reply->text, '\n');
+}
+
+enum err act_check_report(const struct act *act)
+{
+    const char *file = act_text(act, "report");
+    return !file || file_is_named(file, ".json|.csv")
+               ? OK
+               : fault_set(act->fault, ERR_USAGE,
+                           "report: expected a name that ends in .json or .csv, not %s", file);
+}
+
+enum err act_write_report(const struct act *act, const struct buf *text)
+{
+    const enum file_mode mode = act_file_mode(act);
+    struct buf path = {0};
+    enum err err = text->failed ? fault_memory(act->fault, "a report")
+                                : interpreter_output_path(act->interp, act_text(act, "report"),
+                                                          &path, act->fault);
+    if (!err && path.length)
+        err = interpreter_will_write(act->interp, buf_text(&path), mode, act->fault);
+    if (!err && path.length)
+        err = file_write(buf_text(&path), buf_text(text), text->length, mode, act->fault);
+    if (!err && path.length)
+        act_write_file_line("wrote ", buf_text(&path), act->reply);
+    buf_release(&path);
+    return err;
+}
+
+/* ---- labels ---- */
+
+static enum err take(const struct act *act, bool finished, struct labels *labels)
+{
+    struct session *session = act->session;
+    *labels = labels_of_forest(session_scene(session));
+    if (session_skims(session) || !finished)
+        return OK;
+    const enum err err = session_labels(session, true, labels, act->fault);
+    if (!err) {
+        buf_add_blank(&act->reply->words);
+        buf_printf(&act->reply->words, "finished=%016llx",
+                   (unsigned long long)session_finished_digest(session));
+    }
+    return err;
+}
+
+enum err act_take_labels(const struct act *act, struct labels *labels)
+{
+    return take(act, act_is_yes(act, "finished"), labels);
+}
+
+enum err act_take_shown(const struct act *act, struct labels *labels)
+{
+    return take(act,
+                act_has(act, "finished") ? act_is_yes(act, "finished")
+                                         : session_shows_finished(act->session),
+                labels);
+}
+
+void act_add_weights(const struct act *act)
+{
+    buf_printf(&act->reply->words, "weights=%016llx",
+               (unsigned long long)session_weight_digest(act->session));
+}

@@ -1,0 +1,522 @@
+#include "command/act_info.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "base/choice.h"
+#include "engine/roi.h"
+#include "image/geometry.h"
+#include "journal/journal.h"
+#include "report/histogram.h"
+#include "report/surprise.h"
+#include "session/map.h"
+#include "session/semantics.h"
+#include "session/tally.h"
+#include "show/slicing.h"
+#include "show/window.h"
+
+/* ---- labels and voxels ---- */
+
+void act_write_waiting(const struct act *act)
+{
+    const size_t waits = session_pendings(act->session);
+    if (waits == 1)
+        buf_add_text(&act->reply->text, "without the edit that waits for `run`\n");
+    else if (waits > 1)
+        buf_printf(&act->reply->text, "without the %zu edits that wait for `run`\n", waits);
+}
+
+void act_write_no_seeds(const struct act *act)
+{
+    if (!forest_seeds(session_forest(act->session)))
+        buf_add_text(&act->reply->text, "no seed is planted: no voxel has a label\n");
+}
+
+/* The weight of the voxel; where weights are those of steps, of the step from its predecessor. */
+static void write_voxel_weight(struct buf *out, const struct session *session,
+                               const struct cell *cell)
+{
+    const struct arc_rule *arcs = forest_arcs(session_forest(session));
+    if (arcs->kind == ARC_TARGET) {
+        buf_printf(out, "weight %u, ", cell->weight);
+        return;
+    }
+    const struct cell *cells = session_scene(session)->cell;
+    const uint32_t before = cell_is_reached(cell) ? forest_predecessor(session_forest(session),
+                                                                       (uint32_t)(cell - cells))
+                                                  : CELL_NONE;
+    if (before != CELL_NONE)
+        buf_printf(out, "a step of weight %u, ", arc_weight_now(arcs, cells + before, cell));
+}
+
+void act_write_voxel(struct buf *out, const struct session *session, uint32_t at)
+{
+    const struct grid *grid = &session_scene(session)->grid;
+    const struct cell *cell = session_scene(session)->cell + at;
+    struct place p = grid_place(grid, at);
+    double mm[3];
+    geometry_point(session_geometry(session), (const uint32_t[]){p.x, p.y, p.z}, mm);
+    buf_printf(out, "voxel %u,%u,%u", p.x, p.y, p.z);
+    if (geometry_has_place(session_geometry(session)))
+        buf_printf(out, " at %.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
+    buf_add_text(out, ": intensity ");
+    levels_write(out, session_geometry(session), session_levels(session), cell->intensity);
+    buf_add_text(out, ", ");
+    write_voxel_weight(out, session, cell);
+    if (!cell_is_reached(cell)) {
+        buf_add_text(out, cell->flags & CELL_OUTSIDE ? "outside the region of interest\n"
+                                                     : "no seed reaches it\n");
+        return;
+    }
+    struct place root = grid_place(grid, key_root(cell->key));
+    buf_add_text(out, "label ");
+    label_report_write_name(out, session, cell->label);
+    buf_printf(out, ", of the seed at %u,%u,%u", root.x, root.y, root.z);
+    act_write_reach(out, session, key_root(cell->key));
+    buf_add_char(out, '\n');
+}
+
+/* ---- seeds that end within a distance (`seed within=`) ---- */
+
+void act_write_reach(struct buf *out, const struct session *session, uint32_t seed)
+{
+    const struct reach *reach = forest_reach(session_forest(session), seed);
+    if (!reach)
+        return;
+    if (reach->unit[0] == 1)
+        buf_printf(out, ", within %lld voxel%s of ", (long long)reach->radius,
+                   plural((uint64_t)reach->radius));
+    else
+        buf_printf(out, ", within %g mm of ", (double)reach->radius / 1e6);
+    buf_printf(out, "%u,%u,%u", reach->centre[0], reach->centre[1], reach->centre[2]);
+}
+
+void act_write_refusal(struct buf *out, const struct session *session, uint32_t cell)
+{
+    const struct scene *scene = session_scene(session);
+    const uint64_t refused = forest_refused_offer(session_forest(session), cell);
+    if (refused >= scene->cell[cell].key)
+        return;
+    const uint32_t root = key_root(refused);
+    const struct place p = grid_place(&scene->grid, root);
+    buf_printf(out, "it lies beyond the seed at %u,%u,%u", p.x, p.y, p.z);
+    act_write_reach(out, session, root);
+    buf_add_text(out, ", of label ");
+    label_report_write_name(out, session, scene->cell[root].label);
+    buf_printf(out, ", which would take it at a cost of %u\n", key_cost(refused));
+}
+
+enum err act_write_reaches(const struct act *act)
+{
+    const struct forest *forest = session_forest(act->session);
+    const size_t seeds = forest_limited_seeds(forest);
+    struct buf *out = &act->reply->text;
+    size_t voxels;
+    if (seeds == 0)
+        return OK;
+    const enum err err = forest_count_refused(forest, &voxels, act->fault);
+    buf_printf(out, "reach     %zu seed%s with `within`; ", seeds, plural(seeds));
+    if (voxels)
+        buf_printf(out, "%zu voxel%s without a tree, since all around end before\n", voxels,
+                   plural(voxels));
+    else
+        buf_add_text(out, "no voxel is left without a tree by it\n");
+    return err;
+}
+
+/* ---- what an edit has done to the labels ---- */
+
+enum { LISTED_MOST = 6 };
+
+/* The labels whose number of voxels has changed, the largest first; of equals, the lower number. */
+static unsigned changed_labels(const struct session *session, uint8_t label[255])
+{
+    unsigned count = 0;
+    for (unsigned l = 1; l < 256; l++) {
+        const uint64_t voxels = session_tally(session)->voxels[l];
+        if (voxels == session_former_tally(session)->voxels[l])
+            continue;
+        unsigned at = count++;
+        for (; at > 0 && session_tally(session)->voxels[label[at - 1]] < voxels; at--)
+            label[at] = label[at - 1];
+        label[at] = (uint8_t)l;
+    }
+    return count;
+}
+
+void volumes_write(struct buf *out, const struct session *session, uint64_t took_ns)
+{
+    uint8_t label[255];
+    const unsigned count = changed_labels(session, label);
+    const double ms = (double)took_ns / 1e6;
+    const uint64_t changed = session_changed_voxels(session);
+    if (changed == CHANGES_UNKNOWN)
+        buf_add_text(out, "computed anew");
+    else if (changed == 0)
+        buf_add_text(out, "no label has changed");
+    else
+        buf_printf(out, "%llu voxel%s changed", (unsigned long long)changed, plural(changed));
+    for (unsigned i = 0; i < count && i < LISTED_MOST; i++) {
+        buf_add_text(out, ", label ");
+        label_report_write_name(out, session, label[i]);
+        buf_add_text(out, ": ");
+        label_report_write_volume(out, session, label[i], session_former_tally(session)->voxels[label[i]]);
+    }
+    if (count > LISTED_MOST)
+        buf_printf(out, ", %u more label%s", count - LISTED_MOST, plural(count - LISTED_MOST));
+    if (ms < 10000)
+        buf_printf(out, ", %.1f ms\n", ms);
+    else
+        buf_printf(out, ", %.1f s\n", ms / 1000);
+}
+
+void surprise_write(struct buf *out, const struct session *session, const char *command)
+{
+    struct surprise surprise;
+    if (!session_find_surprise(&surprise, session))
+        return;
+    if (command)
+        buf_printf(out, "this `%s` took ", command);
+    else
+        buf_add_text(out, "what waited took ");
+    label_report_write_extent(out, session, surprise.voxels);
+    buf_add_text(out, " of label ");
+    label_report_write_name(out, session, surprise.label);
+    if (surprise.has_passage)
+        buf_printf(out, " through %u,%u,%u", surprise.passage[0], surprise.passage[1],
+                   surprise.passage[2]);
+    buf_add_text(out, "; undo takes it back\n");
+}
+
+/* ---- the scene, and what a forest in it grows by ---- */
+
+void act_write_spacing(struct buf *out, const struct session *session)
+{
+    const uint32_t *nm = session_scene(session)->spacing_nm;
+    if (session_geometry(session)->spacing_unknown)
+        buf_add_text(out, " of unknown size");
+    else
+        buf_printf(out, " of %gx%gx%g mm", nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6);
+}
+
+void act_write_axes(struct buf *out, const struct geometry *geometry)
+{
+    char towards[4];
+    geometry_axes(towards, geometry);
+    if (geometry->orientation == ORIENTATION_UNKNOWN)
+        buf_add_text(out, "orientation unknown");
+    else
+        buf_printf(out, "axes towards %s%s", towards,
+                   geometry->orientation == ORIENTATION_TOLD ? " as told by the user" : "");
+}
+
+/* "part      4-19,2-17,3-12 of the file's 24x20x16 voxels, the mean of each 2x2x2" */
+static void write_part(struct buf *out, const struct map_part *part)
+{
+    const struct volume_choice *choice = &part->choice;
+    const uint32_t *whole = part->whole, n = choice->reduce;
+    if (!whole[0])
+        return;
+    buf_add_text(out, "part      ");
+    for (int a = 0; a < 3 && choice->has_crop; a++)
+        buf_printf(out, "%s%u-%u", a ? "," : "", choice->first[a], choice->last[a]);
+    buf_printf(out, "%s of the file's %ux%ux%u voxels", choice->has_crop ? "" : "all", whole[0],
+               whole[1], whole[2]);
+    if (n > 1)
+        buf_printf(out, ", the mean of each %ux%ux%u", n, n, n);
+    buf_add_text(out, choice->straightens ? ", straightened\n" : "\n");
+}
+
+#define UNIT_NUMBER  1.0
+#define UNIT_DECIMAL 1000.0
+#define PLAIN_ARGUMENT(name, type, least, most)                                                    \
+    {                                                                                              \
+        " ", UNIT_##type                                                                           \
+    }
+#define KEYED_ARGUMENT(name, type, least, most)                                                    \
+    {                                                                                              \
+        " " name "=", UNIT_##type                                                                  \
+    }
+
+/* "gauss 1.5", "polarity 1:50 2:-20", "of edges.nii" */
+void act_write_weight(struct buf *out, const struct kept *kept)
+{
+    const struct weight_choice *choice = &kept->weight;
+    const struct weight_row *row = &weight_table[choice->kind];
+    static const struct {
+        const char *before;
+        double unit;
+    } form[] = {WEIGHT_ARGUMENTS(PLAIN_ARGUMENT, KEYED_ARGUMENT)};
+    if (choice->kind == WEIGHT_FILE) {
+        buf_add_text(out, "of ");
+        buf_add_safe_text(out, kept->weight_file);
+        return;
+    }
+    buf_add_text(out, row->name);
+    if (choice->argument != row->usual)
+        buf_printf(out, "%s%g", form[row->takes].before, choice->argument / form[row->takes].unit);
+    for (unsigned label = 0; choice->kind == WEIGHT_POLARITY && label < 256; label++)
+        if (kept->polarity[label])
+            buf_printf(out, " %u:%d", label, kept->polarity[label]);
+}
+
+static void write_interval(struct buf *out, const char *before, const struct decimal range[2])
+{
+    buf_add_text(out, before);
+    decimal_write(out, &range[0]);
+    buf_add_text(out, "..");
+    decimal_write(out, &range[1]);
+}
+
+bool act_write_roi(struct buf *out, const struct session *session)
+{
+    const struct kept *kept = session_kept(session);
+    if (kept->mask) {
+        buf_add_text(out, "mask ");
+        buf_add_safe_text(out, kept->mask_file);
+        buf_printf(out, " regions %u-%u", kept->mask_regions[0], kept->mask_regions[1]);
+    }
+    if (kept->has_range)
+        write_interval(out, kept->mask ? ", range " : "range ", kept->range);
+    return kept->mask || kept->has_range;
+}
+
+void act_write_region(struct buf *out, const struct session *session)
+{
+    struct buf roi = {0};
+    if (act_write_roi(&roi, session))
+        buf_printf(out, "region    %s: %zu of %zu voxels inside\n", buf_text(&roi),
+                   session_roi_tally(session)->inside, session_scene(session)->grid.voxels);
+    buf_release(&roi);
+}
+
+/* ---- what is shown ---- */
+
+void act_write_finish(struct buf *out, const struct session *session)
+{
+    if (!session_kept(session)->finish.count)
+        return;
+    buf_add_text(out, "finish    ");
+    finish_write(out, &session_kept(session)->finish);
+    buf_add_text(out, session_outlook(session)->shows_finished ? "; pictures show it\n" : "\n");
+}
+
+/* The patient's sides that a direction of the picture leads to, "front and left", or of an unknown
+ * orientation the axes, "+y and -x": those within some 67 degrees of it. */
+static void write_sides(struct buf *out, const int32_t direction[3], bool sides_unknown)
+{
+    static const struct {
+        int axis;
+        const char *side[2]; /* where the direction is above 0 along the axis, and below */
+    } row[2][3] = {{{1, {"front", "back"}}, {0, {"right", "left"}}, {2, {"head", "feet"}}},
+                   {{1, {"+y", "-y"}}, {0, {"+x", "-x"}}, {2, {"+z", "-z"}}}};
+    const int32_t least = view_sine(22500);
+    const char *between = "";
+    for (int i = 0; i < 3; i++) {
+        const int32_t along = direction[row[sides_unknown][i].axis];
+        if (along > -least && along < least)
+            continue;
+        buf_printf(out, "%s%s", between, row[sides_unknown][i].side[along < 0]);
+        between = " and ";
+    }
+}
+
+void act_write_view(struct buf *out, const struct session *session)
+{
+    const struct view *view = &session_outlook(session)->view;
+    const bool unknown = session_scene(session)->sides_unknown;
+    const char *name = unknown ? NULL : view_name(view->angle);
+    int32_t right[3], up[3], ahead[3], towards[3];
+    double middle[3];
+    view_look(view, right, up, ahead);
+    for (int i = 0; i < 3; i++) {
+        towards[i] = -ahead[i];
+        middle[i] = (session_scene(session)->grid.size[i] - 1) / 2.0 +
+                    (double)view->focus[i] / (1 << VIEW_FOCUS_BITS);
+    }
+    buf_printf(out,
+               "view      %g %g %g degrees%s%s, zoom %g, %ux%u pixels, %.5g,%.5g,%.5g in the "
+               "middle\n",
+               view->angle[0] / 1000.0, view->angle[1] / 1000.0, view->angle[2] / 1000.0,
+               name ? ", " : "", name ? name : "", view->zoom / 1000.0, view->width, view->height,
+               middle[0], middle[1], middle[2]);
+    const char *his = unknown ? "" : "his ";
+    buf_add_text(out, unknown ? "          " : "          the patient's ");
+    write_sides(out, towards, unknown);
+    buf_printf(out, " towards you, %s", his);
+    write_sides(out, right, unknown);
+    buf_printf(out, " on the right, %s", his);
+    write_sides(out, up, unknown);
+    buf_add_text(out, unknown ? " up; orientation unknown\n" : " up\n");
+}
+
+bool act_write_cut(struct buf *out, const struct session *session)
+{
+    const struct cut *cut = &session_kept(session)->cut;
+    const struct scene *scene = session_scene(session);
+    const char *between = "";
+    for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
+        const int axis = slice_axis(scene, plane);
+        uint32_t last[3] = {0};
+        if (cut->first[axis] == 0 && cut->last[axis] == UINT32_MAX)
+            continue;
+        const uint32_t end = scene->grid.size[axis] - 1;
+        last[axis] = cut->last[axis] < end ? cut->last[axis] : end;
+        const uint32_t a = slicing_number(session, plane, cut->first),
+                       b = slicing_number(session, plane, last);
+        buf_printf(out, "%sall but %s slices %u-%u", between, slice_name(scene, plane),
+                   a < b ? a : b, a < b ? b : a);
+        between = ", ";
+    }
+    if (cut->planes) {
+        buf_printf(out, "%s%u plane%s", between, cut->planes, plural(cut->planes));
+        between = ", ";
+    }
+    if (cut->boxes)
+        buf_printf(out, "%s%u box%s", between, cut->boxes, cut->boxes == 1 ? "" : "es");
+    return !cut_is_none(cut);
+}
+
+void act_write_slices(struct buf *out, struct session *session)
+{
+    const struct slice_settings *s = &session_outlook(session)->slices;
+    char least[WINDOW_WORDS_BYTES], most[WINDOW_WORDS_BYTES];
+    window_words(least, most, session);
+    buf_printf(out, "through %u,%u,%u: ", s->cross[0], s->cross[1], s->cross[2]);
+    for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++)
+        buf_printf(out, "%s %u%s", slice_name(session_scene(session), plane),
+                   slicing_number(session, plane, s->cross), plane < SLICE_SAGITTAL ? ", " : "; ");
+    buf_printf(out, "window %s%s %s, ", s->has_window ? "" : "auto: ", least, most);
+    if (s->times != SLICE_TIMES_ONE)
+        buf_printf(out, "magnified %g, ", s->times / 1000.0);
+    if (s->has_middle)
+        buf_printf(out, "around %u,%u,%u, ", s->middle[0], s->middle[1], s->middle[2]);
+    settings_write(out, GROUP_SLICES, session_state(session));
+    buf_add_char(out, '\n');
+}
+
+/* ---- the commands ---- */
+
+/* Of labels that are other numbers in files. */
+static void write_numbers(struct buf *out, const struct kept *kept)
+{
+    unsigned count = 0, least = UINT16_MAX, most = 0;
+    for (unsigned label = 1; label < 256; label++) {
+        const unsigned number = kept->label_number[label];
+        if (!number)
+            continue;
+        least = number < least ? number : least;
+        most = number > most ? number : most;
+        count++;
+    }
+    if (count)
+        buf_printf(out, "numbers   %u label%s %u to %u in files; `stats` lists them\n", count,
+                   count == 1 ? " is" : "s are", least, most);
+}
+
+/* The scene's bytes a voxel are what README promises; the rest does not depend on its voxels, but
+ * for answers, which are made when they are asked for. */
+static void write_memory(struct buf *out, const struct act *act)
+{
+    const struct session_memory parts = session_memory_parts(act->session);
+    buf_printf(out, "memory    %.1f MB: scene %.1f, %.1f bytes a voxel; seeds %.1f; pictures %.1f",
+               (double)session_memory(act->session) / 1e6, (double)parts.scene / 1e6,
+               (double)parts.scene / (double)session_scene(act->session)->grid.voxels,
+               (double)parts.seeds / 1e6, (double)parts.pictures / 1e6);
+    if (parts.answers)
+        buf_printf(out, "; answers %.1f", (double)parts.answers / 1e6);
+    buf_printf(out, "; and %.1f MB for what can be undone\n",
+               (double)history_memory(&act->interp->history) / 1e6);
+}
+
+enum err act_info(const struct act *act)
+{
+    struct session *session = act->session;
+    struct buf *out = &act->reply->text;
+    if (act->interp->journal) {
+        buf_add_text(out, "journal   ");
+        buf_add_safe(out, journal_path(act->interp->journal),
+                     strlen(journal_path(act->interp->journal)));
+        buf_printf(out, ", %zu record%s", journal_count(act->interp->journal),
+                   plural(journal_count(act->interp->journal)));
+        if (session_semantics(session) != SEMANTICS)
+            buf_printf(out, ", semantics %u", session_semantics(session));
+        buf_add_char(out, '\n');
+    }
+    if (!session_has_scene(session)) {
+        buf_add_text(out, "no scene is open\n");
+        return OK;
+    }
+    const enum err err = session_complete(session, act->fault);
+    if (err)
+        return err;
+    const struct scene *scene = session_scene(session);
+    buf_printf(out, "scene     %ux%ux%u voxels", scene->grid.size[0], scene->grid.size[1],
+               scene->grid.size[2]);
+    act_write_spacing(out, session);
+    buf_add_text(out, ", ");
+    act_write_axes(out, session_geometry(session));
+    buf_printf(out, ", digest %016llx\n", (unsigned long long)session_scene_digest(session));
+    write_part(out, session_part(session));
+    buf_printf(out, "values    %g * intensity %+.*g\n", session_geometry(session)->slope,
+               geometry_digits(session_geometry(session)), session_geometry(session)->intercept);
+    levels_write_scale(out, session_levels(session), "          ");
+    buf_printf(out, "forest    %zu seed%s, %zu edit%s waiting, adjacency %u, weight ",
+               forest_seeds(session_forest(session)), plural(forest_seeds(session_forest(session))),
+               session_pendings(session), plural(session_pendings(session)),
+               session_kept(session)->adjacency);
+    act_write_weight(out, session_kept(session));
+    buf_add_char(out, '\n');
+    struct histogram histogram;
+    histogram_of_session(&histogram, session);
+    histogram_write(out, &histogram, act->interp->has_blocks);
+    act_write_region(out, session);
+    const enum err counted = act_write_reaches(act);
+    if (counted)
+        return counted;
+    act_write_finish(out, session);
+    write_numbers(out, session_kept(session));
+    act_write_view(out, session);
+    buf_add_text(out, "look      ");
+    settings_write(out, GROUP_LOOK, session_state(session));
+    buf_add_char(out, '\n');
+    struct buf cut = {0}, opacity = {0};
+    export_opacity(&opacity, session_kept(session));
+    if (opacity.length)
+        buf_printf(out, "opacity   %s\n", buf_text(&opacity));
+    buf_release(&opacity);
+    if (act_write_cut(&cut, session))
+        buf_printf(out, "cut away  %s\n", buf_text(&cut));
+    buf_release(&cut);
+    buf_add_text(out, "slices    ");
+    act_write_slices(out, session);
+    write_memory(out, act);
+    return OK;
+}
+
+enum err act_help(const struct act *act)
+{
+    const char *about = act_has(act, "COMMAND") ? act_text(act, "COMMAND") : NULL;
+    const struct command *command = about ? command_find(about) : NULL;
+    if (!about || command)
+        command_help(&act->reply->text, command);
+    else if (act->interp->add_keys)
+        act->interp->add_keys(&act->reply->text);
+    else
+        buf_add_text(&act->reply->text, "keys are those of the prompt: see `iftty help keys`\n");
+    return OK;
+}
+
+enum err act_pilot(const struct act *act)
+{
+    if (!act->interp->has_pilot)
+        return fault_set(act->fault, ERR_USAGE, "the pilot needs the prompt of a terminal");
+    act->interp->wish = WISH_PILOT;
+    return OK;
+}
+
+enum err act_quit(const struct act *act)
+{
+    act->interp->wish = WISH_QUIT;
+    return OK;
+}

@@ -1,0 +1,35 @@
+/*
+ * The one way in for commands.
+ *
+ * Keyboard, script and replay all call interpreter_execute. A command is carried out, recorded (if
+ * it changes something), and only then acknowledged; when the record cannot be written, the session
+ * is taken back to before it, and so it is where the session's watch stops it.
+ */
+#ifndef COMMAND_EXECUTE_H
+#define COMMAND_EXECUTE_H
+
+#include "command/interpreter.h"
+
+/* Carries one line out. `reply` is cleared first. An empty line or a comment does nothing, and
+ * leaves reply->canonical empty. On error nothing has changed.
+ *
+ * What shows, writes or answers from labels (COMMAND_ANSWERS) first applies the edits that wait. A
+ * question, which has no record, then has that of a run, RUN_FOR and its name. */
+#define RUN_FOR "run for="
+enum err interpreter_execute(struct interpreter *interp, const char *line, struct reply *reply,
+                             struct fault *fault);
+/* ---- sketches ---- */
+
+/* Carries out a command of those that can be sketched (else ERR_USAGE) without recording it, so
+ * that one sees what a pen draws before it is lifted: then the one command comes that all of it
+ * stands for. No other command finds the sketch in place: it is dropped first, and the session is
+ * what it was before, bit for bit. */
+enum err interpreter_sketch(struct interpreter *interp, const char *line, struct fault *fault);
+
+/* Fine where there is none. ERR_MEMORY leaves it in place. */
+enum err interpreter_drop_sketch(struct interpreter *interp, struct fault *fault);
+
+/* Adds what a record says of the forest, after a command that edits it. */
+void execute_add_digests(struct reply *reply, const struct session *session);
+
+#endif
