@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "command/execute.h"
+#include "image/image_helper.h"
 #include "session/session_inside.h"
 #include "show/draw.h"
 #include "verify/replay_file.h"

@@ -8,6 +8,7 @@
 #include "journal/journal.h"
 #include "command/resume.h"
 #include "base/file.h"
+#include "base/version.h"
 #include "image/exr.h"
 #include "image/picture_writer.h"
 #include "show/export_picture.h"

@@ -1,10 +1,12 @@
 #include "command/act.h"
 
 #include <ctype.h>
+#include <string.h>
 
 #include "base/safe.h"
 #include "command/files.h"
 #include "session/finished.h"
+#include "show/draw.h"
 
 enum err act_naming(const char *file, enum err err, struct fault *fault)
 {

@@ -1,17 +1,18 @@
 /* Questions about places: nothing changes, and nothing is recorded but where `hint` leads. */
+#include "report/chart.h"
+#include "report/label_report.h"
 #include "command/act.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "base/chart.h"
 #include "base/file.h"
 #include "base/json.h"
 #include "command/act_info.h"
 #include "engine/hints.h"
+#include "engine/margin.h"
 #include "engine/measure.h"
-#include "engine/rival.h"
 #include "engine/way.h"
 #include "image/geometry.h"
 #include "image/levels.h"
@@ -21,7 +22,6 @@
 #include "session/session.h"
 #include "session/tally.h"
 #include "show/draw.h"
-#include "show/live_finish.h"
 #include "show/slicing.h"
 
 /* ---- what is under a pixel ---- */

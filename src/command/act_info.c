@@ -8,10 +8,12 @@
 #include "image/geometry.h"
 #include "journal/journal.h"
 #include "report/histogram.h"
+#include "report/label_report.h"
 #include "report/surprise.h"
 #include "session/map.h"
 #include "session/semantics.h"
 #include "session/tally.h"
+#include "show/export_picture.h"
 #include "show/slicing.h"
 #include "show/window.h"
 

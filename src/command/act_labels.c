@@ -1,4 +1,5 @@
 /* The command `labels`: markers out of a segmentation that is there already. */
+#include "report/label_report.h"
 #include "command/act.h"
 
 #include <stdlib.h>

@@ -1,4 +1,6 @@
 /* Commands that open a scene, and say how it lies. */
+#include "image/levels.h"
+#include "image/volume_format.h"
 #include "command/act.h"
 
 #include <stdio.h>

@@ -5,6 +5,7 @@
 #include "command/act_info.h"
 #include "command/files.h"
 #include "image/exr.h"
+#include "image/image_helper.h"
 #include "image/picture_writer.h"
 #include "journal/journal.h"
 #include "session/semantics.h"

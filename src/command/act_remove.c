@@ -1,4 +1,5 @@
 /* Commands that remove seeds, and run. */
+#include "report/label_report.h"
 #include "command/act.h"
 
 #include <stdlib.h>

@@ -6,6 +6,7 @@
 #include "command/files.h"
 #include "image/surface_file.h"
 #include "report/export_map.h"
+#include "report/label_report.h"
 #include "report/label_table.h"
 #include "session/finished.h"
 #include "session/numbering.h"

@@ -12,6 +12,7 @@
 #include "engine/gradient.h"
 #include "engine/roi.h"
 #include "image/levels.h"
+#include "report/label_report.h"
 #include "session/markers.h"
 #include "session/paint.h"
 #include "session/semantics.h"

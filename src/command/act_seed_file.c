@@ -9,6 +9,7 @@
 #include "command/act_label.h"
 #include "command/act_seed.h"
 #include "command/files.h"
+#include "report/label_report.h"
 #include "report/label_table.h"
 #include "session/seed_file.h"
 #include "session/semantics.h"

@@ -3,6 +3,7 @@
 #include "command/act.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "command/act_info.h"
@@ -214,9 +215,13 @@ enum err act_plane(const struct act *act)
                          "view is unchanged",
                          CUT_PLANES_MOST);
     } else {
+        struct camera camera;
+        const enum err err =
+            session_aim(act->session, session_outlook(act->session), &camera, act->fault);
+        if (err)
+            return err;
         cut->plane[cut->planes++] =
-            cut_plane_through(session_scene(act->session), act_place(act, "PLACE"),
-                              session_camera(act->session)->ahead);
+            cut_plane_through(session_scene(act->session), act_place(act, "PLACE"), camera.ahead);
     }
     return act_go(act);
 }

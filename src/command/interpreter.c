@@ -1,5 +1,6 @@
 #include "command/interpreter.h"
 
+#include "image/image_helper.h"
 #include "image/picture_writer.h"
 #include "journal/journal.h"
 

@@ -8,6 +8,7 @@
 #include "engine/hints.h"
 #include "engine/surface.h"
 #include "engine/weight.h"
+#include "image/image_helper.h"
 #include "render/view.h"
 #include "report/export_map.h"
 #include "session/parameter.h"

@@ -1,12 +1,12 @@
-#include "command/files.h"
-#include "command/command.h"
-#include "command/resume.h"
 #include "program/begin.h"
 
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "command/command.h"
+#include "command/files.h"
+#include "command/resume.h"
 #include "image/coprocess.h"
 #include "image/image_helper.h"
 #include "image/volume_helper.h"

@@ -15,16 +15,21 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "session/session_inside.h"
+#include "render/rendition.h"
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/json.h"
 #include "base/mem.h"
+#include "command/files.h"
 #include "command/interpreter.h"
+#include "command/resume.h"
 #include "image/volume.h"
 #include "program/programs.h"
 #include "program/shown.h"
 #include "program/times.h"
+#include "show/draw.h"
 #include "show/slicing.h"
 #include "tui/picture/painter.h"
 

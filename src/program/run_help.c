@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "command/command.h"
+#include "base/version.h"
 #include "program/programs.h"
 #include "tui/prompt/line_keys.h"
 

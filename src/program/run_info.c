@@ -13,9 +13,11 @@
 
 #include "base/file.h"
 #include "base/json.h"
+#include "base/version.h"
 #include "command/interpreter.h"
 #include "confine/confine.h"
 #include "image/exr.h"
+#include "image/image_helper.h"
 #include "image/volume.h"
 #include "journal/journal.h"
 #include "program/console.h"

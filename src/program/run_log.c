@@ -7,6 +7,7 @@
 #include "base/choice.h"
 #include "base/file.h"
 #include "base/json.h"
+#include "base/version.h"
 #include "command/act.h"
 #include "image/volume.h"
 #include "journal/graph.h"

@@ -1,10 +1,10 @@
-#include "command/files.h"
 #include "program/times.h"
 
 #include <stdlib.h>
 
 #include "base/clock.h"
 #include "base/file.h"
+#include "command/files.h"
 
 double times_between(uint64_t begin, uint64_t end)
 {

@@ -3,9 +3,12 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
+#include "engine/margin.h"
+#include "engine/measure.h"
 #include "report/label_report.h"
 #include "session/markers.h"
 #include "session/tally.h"
+#include "show/draw.h"
 
 static uint32_t cell_at(const struct session *session, const uint32_t p[3])
 {
@@ -77,7 +80,7 @@ void voxel_facts_write(struct buf *out, struct session *session, const uint32_t 
         buf_add_text(out, "  orientation unknown");
     else if (geometry->orientation == ORIENTATION_TOLD)
         buf_add_text(out, "  sides as told by the user");
-    const unsigned shown = live_finish_label(session, at);
+    const unsigned shown = session_shown_label(session, at);
     if (shown != cell->label) {
         buf_add_text(out, "  finished label ");
         label_report_write_name(out, session, shown);

@@ -1,11 +1,15 @@
-#include "session/session_inside.h"
+#include "session/session.h"
 
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+
+
+#include "session/session.h"
 
 #include "base/mem.h"
-#include "session/session.h"
+#include "session/session_inside.h"
 
 static void begin(struct session *session, unsigned semantics)
 {

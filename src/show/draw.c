@@ -475,6 +475,15 @@ enum err session_refine(struct session *session, struct watch *watch, struct fau
     return err;
 }
 
+void session_show_refining(struct session *session, void (*draw)(void *context), void *context)
+{
+    struct scene *scene = session_scene(session);
+    struct watch *const watch = scene->watch;
+    scene->watch = NULL;
+    draw(context);
+    scene->watch = watch;
+}
+
 /* ---- following the session ---- */
 
 static void mark(struct pictures *p)

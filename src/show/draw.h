@@ -68,6 +68,9 @@ bool session_is_rough(const struct session *session);
  * ERR_MEMORY: nothing has changed then. */
 enum err session_refine(struct session *session, struct watch *watch, struct fault *fault);
 
+/* To be called from `show` of that watch: `draw` makes pictures, which the watch does not stop. */
+void session_show_refining(struct session *session, void (*draw)(void *context), void *context);
+
 /* ---- for the files of this room ---- */
 
 /* The pictures of the session, which are made where there are none. ERR_MEMORY. */

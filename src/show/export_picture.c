@@ -7,6 +7,7 @@
 
 #include "base/json.h"
 #include "base/mem.h"
+#include "base/version.h"
 #include "engine/scene.h"
 #include "image/geometry.h"
 #include "render/view.h"

@@ -14,8 +14,6 @@
 #include "image/picture.h"
 #include "session/session.h"
 
-#define PROGRAM_VERSION "0.1"
-
 /* Labels that pixels show, 0 among them: a bit each. */
 struct label_set {
     uint64_t bits[4];

@@ -60,12 +60,12 @@ void window_of(int32_t window[2], struct session *session)
 
 void window_values(double value[2], struct session *session)
 {
-    const struct slice_settings *s = &session->now.outlook.slices;
+    const struct slice_settings *s = &session_outlook(session)->slices;
     int32_t window[2];
     window_of(window, session);
     for (int i = 0; i < 2; i++)
         value[i] = s->has_window ? decimal_value(&s->window[i])
-                                 : geometry_value(&session->geometry, window[i]);
+                                 : geometry_value(session_geometry(session), window[i]);
 }
 
 /* "12.5", or four digits of a value too small for thousandths. */

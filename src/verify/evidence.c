@@ -5,8 +5,9 @@
 
 #include "base/file.h"
 #include "base/safe.h"
-#include "command/golden_notes.h"
+#include "command/files.h"
 #include "command/interpreter.h"
+#include "image/image_helper.h"
 #include "image/png.h"
 
 void evidence_add(struct evidence *evidence, const char *caption, uint32_t width, uint32_t height,

@@ -1,5 +1,3 @@
-#include "journal/journal.h"
-#include "command/execute.h"
 #include "verify/replay_file.h"
 
 #include <inttypes.h>
@@ -9,6 +7,8 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/scan.h"
+#include "command/execute.h"
+#include "journal/journal.h"
 #include "sandbox/limits.h"
 #include "session/semantics.h"
 

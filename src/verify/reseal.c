@@ -4,14 +4,15 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/version.h"
 #include "command/execute.h"
 #include "command/files.h"
 #include "command/golden_judge.h"
+#include "image/image_helper.h"
 #include "journal/golden.h"
-#include "session/semantics.h"
-#include "verify/orphan.h"
 #include "journal/journal.h"
 #include "journal/record.h"
+#include "session/semantics.h"
 #include "show/export_picture.h"
 #include "verify/orphan.h"
 #include "verify/strict.h"
