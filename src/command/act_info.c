@@ -162,7 +162,8 @@ void volumes_write(struct buf *out, const struct session *session, uint64_t took
         buf_add_text(out, ", label ");
         label_report_write_name(out, session, label[i]);
         buf_add_text(out, ": ");
-        label_report_write_volume(out, session, label[i], session_former_tally(session)->voxels[label[i]]);
+        label_report_write_volume(out, session, label[i],
+                                  session_former_tally(session)->voxels[label[i]]);
     }
     if (count > LISTED_MOST)
         buf_printf(out, ", %u more label%s", count - LISTED_MOST, plural(count - LISTED_MOST));

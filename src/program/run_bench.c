@@ -128,7 +128,8 @@ static enum err plant_seeds(struct interpreter *interp, struct fault *fault)
 static enum err time_growing(struct session *session, unsigned neighbours, struct team *team,
                              struct times *times, struct fault *fault)
 {
-    const size_t seeds = forest_seeds(session_forest(session)), cells = session_scene(session)->grid.cells;
+    const size_t seeds = forest_seeds(session_forest(session)),
+                 cells = session_scene(session)->grid.cells;
     struct edit *seed = mem_array(seeds, sizeof *seed), *none = mem_array(seeds, sizeof *none);
     enum err err = seed && none ? OK : fault_memory(fault, "a benchmark");
     size_t count = 0;

@@ -5,9 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-
-#include "session/session.h"
-
 #include "base/mem.h"
 #include "session/session_inside.h"
 

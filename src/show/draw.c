@@ -639,4 +639,3 @@ const struct rendition *session_frame(const struct session *session)
     return session_outlook(session)->context && p->context.frame.rgba ? &p->context.frame
                                                                       : objects_of(p);
 }
-
