@@ -275,10 +275,13 @@ sed -n 's/^place \([a-z]*\): \(.*\)/\1 \2/p' "$law" >"$work/places"
 while read -r kind script table header; do
     found=$(sed 's/, *&/,\n\&/g' "$table" | sed -nE "$script" | sort -u | paste -sd '|' -)
     [ -n "$found" ] || { fail "no $kind in $table"; continue; }
-    grep -rowE --include='*.[ch]' "$found" src journal render tui |
-        awk -F: -v table="$table" -v header="$header" -v apart="$apart" '
-        $1 != table && $1 != header && !seen[$0]++ && !index(apart, " " $2 " ") {
-            where[$2] = where[$2] " " $1; n[$2]++ }
+    grep -vE ':[[:space:]]*#[[:space:]]*include' "$work/code" | grep -wE "$found" |
+        sed -E 's/^([^:]*):[0-9]*:/\1:/' | awk -F: -v names="$found" -v table="$table" \
+        -v header="$header" -v apart="$apart" '
+        BEGIN { count = split(names, of, "|") }
+        $1 != table && $1 != header { sub(/\.[ch]$/, "", $1); for (i = 1; i <= count; i++)
+            if ($0 ~ ("(^|[^a-z_])" of[i] "([^a-z_]|$)") && !seen[$1, of[i]]++ &&
+                !index(apart, " " of[i] " ")) { where[of[i]] = where[of[i]] " " $1; n[of[i]]++ } }
         END { for (name in n) if (n[name] > 1) print name " is also in" where[name] }' >"$work/more"
     [ ! -s "$work/more" ] || fail "$(cat "$work/more")"
     grep -q "$table" src/README.md ||
@@ -287,6 +290,7 @@ done <"$work/places"
 for path in $(sed -n '/^## Where to add/,/^## /s/`\([a-z_/]*\.[ch]\)`/\n\1\n/gp' src/README.md |
     grep '^[a-z_/]*\.[ch]$'); do
     [ -e "$path" ] || [ -e "src/command/$path" ] || [ -e "src/program/$path" ] ||
+        [ -e "tui/pilot/$path" ] ||
         fail "src/README.md: there is no $path"
 done
 close_story
@@ -358,7 +362,9 @@ way() {
     } }' "$law"
 }
 house() { # the rooms in words
-    for room in $rooms; do printf '    %-14s%s\n' "$(folder "$room")" "$(of_room says "$room")"; done
+    for room in $rooms; do
+        printf '    %-14s%s\n' "$(folder "$room")" "$(of_room says "$room")"
+    done
 }
 # What stands under a heading, in lines that begin with four blanks; of the first block alone.
 shown() { # FILE HEADING
