@@ -95,10 +95,6 @@ bool layers_follow(struct rendition *rendition, const struct camera *camera,
                    const struct border *border, const struct changes *changes,
                    struct shade_reach reach);
 
-/* How far around a voxel whose label changes, whatever to, colours of layers may change: they have
- * the fields of labels. */
-int layers_reach(struct shade_reach reach);
-
 /* ---- layers of a pixel ---- */
 
 void layers_put_none(struct layers *layers, size_t pixel);
