@@ -83,8 +83,8 @@ struct layers layers_rows(const struct layers *layers, uint32_t top);
 void layers_clear(struct rendition *rendition);
 
 /* Of the four ways (render/projection.h), where a rendition has layers that are projected: scene
- * projection; border projection; the ray of a pixel; and the incremental image, which is false where
- * layers are to be made anew, since all has changed or there was no memory. */
+ * projection; border projection; the ray of a pixel; and the incremental image, which is false
+ * where layers are to be made anew, since all has changed or there was no memory. */
 void layers_splat_scene(struct rendition *rendition, const struct camera *camera,
                         const struct border *border);
 void layers_splat_border(struct task *task, struct rendition *rendition,

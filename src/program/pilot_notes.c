@@ -31,8 +31,7 @@ static void add_note(struct notes *notes, uint32_t column, uint32_t row, char ch
             (struct image_note){(uint16_t)column, (uint16_t)row, character};
 }
 
-static void add_letters(struct notes *notes, enum slice_plane plane,
-                        const struct cells *pane)
+static void add_letters(struct notes *notes, enum slice_plane plane, const struct cells *pane)
 {
     const uint32_t centre = (pane->left + pane->right + 1) / 2;
     const uint32_t middle = (pane->top + pane->bottom + 1) / 2;
