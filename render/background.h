@@ -4,8 +4,8 @@
  * A rendition holds objects alone: their colours, and in alpha how much of each pixel they cover.
  * The background is put behind them where a picture is shown, or written as colours; golden images
  * and OpenEXR files have the objects with their alpha, so that another program can put its own
- * behind them. Where a pixel is covered in part, light adds up as in samples (render/rendition.h): the
- * mean is taken of squares.
+ * behind them. Where a pixel is covered in part, light adds up as in samples (rendition_reduce):
+ * the mean is taken of squares.
  */
 #ifndef RENDER_BACKGROUND_H
 #define RENDER_BACKGROUND_H

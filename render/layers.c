@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "render/normal.h"
 #include "render/seams.h"
 #include "render/sweep.h"
 #include "render/walk.h"
@@ -327,11 +326,6 @@ static bool note_pixels(struct pixels *pixels, struct layers *l, struct footprin
     return true;
 }
 
-int layers_reach(struct shade_reach reach)
-{
-    return reach.voxels > NORMAL_REACH ? reach.voxels : NORMAL_REACH;
-}
-
 /* A layer depends on the labels on both sides of its face alone, which the ray goes through: rays
  * that meet a voxel of another label are walked again, and no other. */
 bool layers_follow(struct rendition *r, const struct camera *camera, const struct border *border,
@@ -339,7 +333,6 @@ bool layers_follow(struct rendition *r, const struct camera *camera, const struc
 {
     struct layers *l = r->layers;
     struct pixels pixels = {0};
-    const int around = layers_reach(reach);
     bool fits = !changes->everything && !seams_follow(l->seams, border, changes, NULL);
     struct task task = task_begin(camera->scene->watch, "rendition", changes->count);
     for (size_t i = 0; fits && i < changes->count && task_advance(&task, 1); i++) {
@@ -347,7 +340,7 @@ bool layers_follow(struct rendition *r, const struct camera *camera, const struc
         if (c->label == c->former_label ||
             (!border->visible[c->former_label] && !border->visible[c->label]))
             continue;
-        rendition_mark_stale(r, splat_footprint(camera, c->cell, around), reach.pixels);
+        rendition_mark_stale(r, splat_footprint(camera, c->cell, reach.layers), reach.pixels);
         fits = note_pixels(&pixels, l, splat_footprint(camera, c->cell, 0));
     }
     for (size_t i = 0; fits && i < pixels.count; i++)

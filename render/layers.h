@@ -83,8 +83,8 @@ struct layers layers_rows(const struct layers *layers, uint32_t top);
 void layers_clear(struct rendition *rendition);
 
 /* Of the four ways (render/projection.h), where a rendition has layers that are projected: scene
- * projection; border projection; the ray of a pixel; and the incremental image, which is false where
- * layers are to be made anew, since all has changed or there was no memory. */
+ * projection; border projection; the ray of a pixel; and the incremental image, which is false
+ * where layers are to be made anew, since all has changed or there was no memory. */
 void layers_splat_scene(struct rendition *rendition, const struct camera *camera,
                         const struct border *border);
 void layers_splat_border(struct task *task, struct rendition *rendition,
@@ -94,10 +94,6 @@ void layers_walk(struct layers *layers, const struct camera *camera, const struc
 bool layers_follow(struct rendition *rendition, const struct camera *camera,
                    const struct border *border, const struct changes *changes,
                    struct shade_reach reach);
-
-/* How far around a voxel whose label changes, whatever to, colours of layers may change: they have
- * the fields of labels. */
-int layers_reach(struct shade_reach reach);
 
 /* ---- layers of a pixel ---- */
 

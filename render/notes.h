@@ -1,7 +1,7 @@
 /*
  * Notes: what slices and renditions have in common of what is drawn over them: words and bars, and
- * marks of seeds and eliminators. A seed is a dot of its label's colour, an eliminator an x, outlined
- * in white where it waits for a run, else in black.
+ * marks of seeds and eliminators. A seed is a dot of its label's colour, an eliminator an x,
+ * outlined in white where it waits for a run, else in black.
  *
  * Sizes follow the picture by `unit`, how many pixels a thin line is wide (slice_unit). All of it
  * has an outline, so that it shows on any ground.

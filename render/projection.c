@@ -412,9 +412,7 @@ static bool follow_voxels(struct rendition *r, const struct camera *camera,
         const struct change *c = changes->item + i;
         const bool before = border->visible[c->former_label];
         const bool now = border->visible[c->label];
-        const int around = r->layers       ? layers_reach(reach)
-                           : before == now ? reach.labels
-                                           : reach.voxels;
+        const int around = r->layers ? reach.layers : before == now ? reach.labels : reach.voxels;
         if (before || now)
             rendition_mark_stale(r, splat_footprint(camera, c->cell, around), reach.pixels);
         if (now && !before)

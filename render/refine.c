@@ -171,8 +171,8 @@ uint32_t meeting_voxel(const struct border *border, const int32_t point[3], uint
 
 /* ---- along a ray ---- */
 
-/* A point on a ray, in 2^-REFINE_POINT_BITS voxels, the voxel in whose cube it lies, and what is there;
- * the low bits of its depth are those of a crossing, or REFINE_WITHIN. */
+/* A point on a ray, in 2^-REFINE_POINT_BITS voxels, the voxel in whose cube it lies, and what is
+ * there; the low bits of its depth are those of a crossing, or REFINE_WITHIN. */
 struct sample {
     int64_t depth;
     int32_t at[3], inside;

@@ -110,10 +110,10 @@ struct footprint {
 void rendition_mark_stale(struct rendition *rendition, struct footprint footprint, int pixels);
 
 /* How far around a voxel whose label changes colours may change: by so many voxels where it
- * appears or disappears, which is 1 at least, or only changes its object, and by so many pixels
- * more. */
+ * appears or disappears, which is 1 at least, or only changes its object, or, whatever it changes
+ * to, where there are layers, which have the fields of labels; and by so many pixels more. */
 struct shade_reach {
-    int voxels, labels, pixels;
+    int voxels, labels, layers, pixels;
 };
 
 /* Makes each pixel of `out` of samples x samples pixels of `fine`, which is so much larger: the

@@ -758,12 +758,14 @@ struct shade_reach shade_reach(const struct look *look, const struct camera *cam
     const int fit = look->mode == SHADE_DEPTH ? NORMAL_FIT_STEPS * (int)normal_stride(camera) : 0;
     const int depth = look_is_refined(look) ? REFINE_REACH : 1;
     const int label = look->number > LOOK_SECOND ? MEETING_REACH : 1;
-    struct shade_reach reach = {look->mode == SHADE_DEPTH ? depth : field,
-                                look_is_refined(look) ? label : 0, fit};
+    struct shade_reach reach = {.voxels = look->mode == SHADE_DEPTH ? depth : field,
+                                .labels = look_is_refined(look) ? label : 0,
+                                .pixels = fit};
     if (look->creases)
         reach.labels = field;
     if (look->ao_percent > 0 && occlusion_reach(camera->scene) > reach.voxels)
         reach.voxels = occlusion_reach(camera->scene);
+    reach.layers = reach.voxels > NORMAL_REACH ? reach.voxels : NORMAL_REACH;
     if (draws_edges(look))
         reach.pixels += edge_reach(camera, look->samples);
     else if (look->edges && fit == 0)

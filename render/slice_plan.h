@@ -1,5 +1,5 @@
 /*
- * Where the pixels of a slice lie among the voxels: which slice it is, how large, and what is where.
+ * Where the pixels of a slice lie among the voxels: which slice it is, how large, what is where.
  *
  * Pictures lie as radiologists look at them, whatever the order and direction of the scene's axes:
  * axial from the feet (anterior up, the patient's left on the right), coronal from the front
