@@ -12,9 +12,9 @@
  * From all else it keeps itself before it decodes a byte, and it ends with the thread that started
  * it, however that ends (wire.hh).
  *
- * The requests and answers are the client's (image_helper.h, volume_helper.h): lines of words and decimal
- * numbers, and counted bytes. Each function that talks returns false and sets `trouble` where the
- * program is silent, gone, or makes no sense; coprocess_fault says so, after ending it.
+ * The requests and answers are the client's (image_helper.h, volume_helper.h): lines of words and
+ * decimal numbers, and counted bytes. Each function that talks returns false and sets `trouble`
+ * where the program is silent, gone, or makes no sense; coprocess_fault says so, after ending it.
  */
 #ifndef IMAGE_COPROCESS_H
 #define IMAGE_COPROCESS_H

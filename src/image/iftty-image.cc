@@ -1,13 +1,14 @@
 /*
  * iftty-image: reads and writes images by OpenImageIO for the program that started it.
  *
- * Requests come on standard input, answers go to standard output; image_helper.h has the protocol byte
- * for byte. The end of input, or a request that breaks the protocol, ends the program.
+ * Requests come on standard input, answers go to standard output; image_helper.h has the protocol
+ * byte for byte. The end of input, or a request that breaks the protocol, ends the program.
  *
  * This process takes what a request asks and no byte of a picture. Each request is carried out in a
  * process of its own, which is made of this one with the library loaded, takes from itself all but
- * the file that is named (wire.hh), answers (image_oiio.cc), and ends. So what a hostile picture makes of it
- * is gone before the next is read or written; if it dies, this process ends the same way.
+ * the file that is named (wire.hh), answers (image_oiio.cc), and ends. So what a hostile picture
+ * makes of it is gone before the next is read or written; if it dies, this process ends the same
+ * way.
  */
 #include <cerrno>
 #include <csignal>
@@ -149,8 +150,9 @@ void prepare_library()
     OIIO::attribute("limits:imagesize_MB", 4096);
     OIIO::attribute("limits:channels", 64);
     OIIO::get_string_attribute("format_list");
-    /* The library begins a thread and ends it, and does not wait until it is gone: a process that is
-     * made meanwhile may wait for ever for what that thread held. Threads from before are asleep. */
+    /* The library begins a thread and ends it, and does not wait until it is gone: a process that
+     * is made meanwhile may wait for ever for what that thread held. Threads from before are
+     * asleep. */
     constexpr int tries_most = 1000;
     for (int tries = 0; count_threads() > before && tries < tries_most; tries++)
         usleep(1000);

@@ -1,5 +1,6 @@
 /*
- * Pairs of NIfTI and ANALYZE: a header in one file and its voxels in another beside it, A.hdr and A.img. Either may be gzip, as A.hdr.gz and A.img.gz, and either names the pair.
+ * Pairs of NIfTI and ANALYZE: a header in one file and its voxels in another beside it, A.hdr and
+ * A.img. Either may be gzip, as A.hdr.gz and A.img.gz, and either names the pair.
  */
 #ifndef IMAGE_NIFTI_H
 #define IMAGE_NIFTI_H

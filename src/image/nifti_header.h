@@ -49,8 +49,8 @@ enum err nifti_header_recognise(struct nifti_header *header, const uint8_t *byte
 /* The other fields, out of header->bytes bytes. */
 void nifti_header_decode(struct nifti_header *header, const uint8_t *bytes);
 
-/* Makes of what was decoded of `bytes` what ANALYZE means by it, with a note on what it leaves open.
- */
+/* Makes of what was decoded of `bytes` what ANALYZE means by it, with a note on what it leaves
+ * open. */
 void nifti_header_take_analyze(struct nifti_header *header, const uint8_t *bytes,
                                char notes[VOLUME_NOTES_BYTES]);
 

@@ -351,7 +351,7 @@ static int predict(uint8_t filter, int left, int above, int before)
     }
 }
 
-/* Takes the filter of each row back; above the first are `zeros`. False for a filter that is none. */
+/* Takes the filter of each row back; above the first are `zeros`. False for one that is none. */
 static bool take_rows(struct reading *r, uint8_t *raw, const uint8_t *zeros)
 {
     const size_t each = r->channels, bytes = r->out->width * each;

@@ -12,8 +12,8 @@
  *                       the least value, or 0 where none is below; they are counted in a note
  *
  * Where a few numbers far from all others would take the levels of those (which is when, is in
- * quantise.c), the scale is linear over the rest, and what lies beyond it is put to its ends, counted in
- * a note:
+ * quantise.c), the scale is linear over the rest, and what lies beyond it is put to its ends,
+ * counted in a note:
  *
  *     core              the rest, low .. high; W = high - low
  *     scale             low - W .. high + W, but no further than the least and the greatest

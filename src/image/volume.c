@@ -234,6 +234,23 @@ static enum err check_words(struct volume_header *header, struct fault *fault)
     return OK;
 }
 
+/* Refuses voxels that cannot be read, and a volume that is not there. */
+static enum err check_choice(const struct volume_header *header, struct fault *fault)
+{
+    if (*header->refusal)
+        return fault_set(fault, ERR_INPUT, "%s", header->refusal);
+    if (header->volumes > 1 && !header->choice.has_volume)
+        return fault_set(fault, ERR_INPUT,
+                         "a series of %" PRIu32 " volumes; choose one, as in `open FILE volume=0`, "
+                         "of 0 to %" PRIu32,
+                         header->volumes, header->volumes - 1);
+    if (header->choice.volume >= header->volumes)
+        return fault_set(fault, ERR_INPUT,
+                         "there is no volume %" PRIu32 "; it holds %" PRIu32 ", counted from 0",
+                         header->choice.volume, header->volumes);
+    return OK;
+}
+
 enum err volume_choose(struct volume_reader *reader, const struct volume_choice *choice,
                        struct fault *fault)
 {
@@ -243,20 +260,9 @@ enum err volume_choose(struct volume_reader *reader, const struct volume_choice 
     enum err err = check_words(header, fault);
     if (!err)
         err = take_spacing(header, fault);
-    if (err)
-        ;
-    else if (*header->refusal)
-        err = fault_set(fault, ERR_INPUT, "%s", header->refusal);
-    else if (header->volumes > 1 && !header->choice.has_volume)
-        err = fault_set(fault, ERR_INPUT,
-                        "a series of %" PRIu32
-                        " volumes; choose one, as in `open FILE volume=0`, of 0 to %" PRIu32,
-                        header->volumes, header->volumes - 1);
-    else if (header->choice.volume >= header->volumes)
-        err = fault_set(fault, ERR_INPUT,
-                        "there is no volume %" PRIu32 "; it holds %" PRIu32 ", counted from 0",
-                        header->choice.volume, header->volumes);
-    else
+    if (!err)
+        err = check_choice(header, fault);
+    if (!err)
         err = part_choose(header, fault);
     memcpy(header->made, header->size, sizeof header->made);
     if (!err && header->choice.straightens)

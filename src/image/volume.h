@@ -2,8 +2,9 @@
  * Volumes: scenes and maps in files, whatever their format.
  *
  * A format is one file, which defines a `struct volume_format` (image/volume_format.h), and one row
- * of VOLUME_FORMATS. A file belongs to the format that recognises its first bytes (of a gzip file, those inside it), or
- * else to the format whose ending its name has, which then says what is wrong with it.
+ * of VOLUME_FORMATS. A file belongs to the format that recognises its first bytes (of a gzip file,
+ * those inside it), or else to the format whose ending its name has, which then says what is wrong
+ * with it.
  *
  * Intensities are held as 16 bits whatever a file holds; geometry.slope and .intercept lead back
  * to real values (image/quantise.h).

@@ -2,8 +2,8 @@
  * DICOM: what the header of a file says of its slices, and the images of a mosaic; where the pixels
  * lie, whether all of them are there, and what they are.
  *
- * GDCM reads headers, and decodes what is packed. It makes zeros of what a cut file lacks, and takes
- * big-endian numbers of 32 bits for two of 16, so plain pixels are read here.
+ * GDCM reads headers, and decodes what is packed. It makes zeros of what a cut file lacks, and
+ * takes big-endian numbers of 32 bits for two of 16, so plain pixels are read here.
  */
 #include "image/volume_parts.hh"
 
@@ -80,8 +80,8 @@ bool may_be_dicom(const char *bytes, std::streamsize length)
                             (bytes[0] == 0 && bytes[1] == 8 && bytes[2] == 0));
 }
 
-/* A file of DICOM as it is read, or nothing where it is none. One whose data set is deflated is given as
- * the same one that is not: GDCM cannot go back and forth in such. */
+/* A file of DICOM as it is read, or nothing where it is none. One whose data set is deflated is
+ * given as the same one that is not: GDCM cannot go back and forth in such. */
 std::unique_ptr<std::istream> open_bytes(const std::string &path)
 {
     static const char syntax[] = "\x02\0\x10\0UI\x16\0"

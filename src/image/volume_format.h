@@ -151,7 +151,7 @@ struct volume_format {
     bool (*recognises)(const uint8_t *begin, size_t length);
     enum err (*read_header)(struct volume_header *header, struct volume_source *source,
                             struct fault *fault);
-    /* Before the voxels are read of the same source, from header->offset on; NULL: nothing to do. */
+    /* Before the voxels are read of the same source, from header->offset on; NULL: nothing. */
     enum err (*begin_voxels)(const struct volume_header *header, struct volume_source *source,
                              struct fault *fault);
     /* NULL where the format is only read. */

@@ -144,8 +144,8 @@ bool is_of_images(const std::string &path);
 /* Refuses slices of which pixels are missing, by the name of the first such file. */
 void check_pixels(Volume &volume, const std::vector<Slice> &slices);
 
-/* The pixels of all frames of its file, of a mosaic image after image, in the order of this machine; false where they cannot be
- * had. */
+/* The pixels of all frames of its file, of a mosaic image after image, in the order of this
+ * machine; false where they cannot be had. */
 bool read_pixels(std::vector<char> &bytes, const Slice &slice);
 
 void normal_of(double normal[3], const double axis[6]);
@@ -170,8 +170,8 @@ void walk(Files &files, const std::string &folder, bool follows_links, size_t de
 
 /* ---- whether a file is whole (volume_bytes.cc) ---- */
 
-/* Of formats whose parts say where they lie, before a library reads one; nothing of others. `what` begins the
- * words of a refusal: "slice 3 of 9 is ", or "" for the file that was asked for. */
+/* Of formats whose parts say where they lie, before a library reads one; nothing of others. `what`
+ * begins the words of a refusal: "slice 3 of 9 is ", or "" for the file that was asked for. */
 void count_parts(const std::string &kind, const std::string &path, const std::string &what);
 
 /* Of the others, once its header is known: of voxels that are packed, or written as text, when they
