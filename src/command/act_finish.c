@@ -1,7 +1,6 @@
 /* The commands `finish` and `finished`, and how commands get the labels that come of it. */
 #include "command/act.h"
 
-#include "session/finished.h"
 #include "session/session.h"
 #include "show/draw.h"
 

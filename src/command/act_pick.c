@@ -5,7 +5,6 @@
 
 #include "engine/measure.h"
 #include "image/geometry.h"
-#include "session/finished.h"
 #include "session/session.h"
 #include "show/draw.h"
 

@@ -9,7 +9,7 @@
 #include "program/console.h"
 #include "program/pilot_notes.h"
 #include "engine/way.h"
-#include "session/held.h"
+#include "session/session.h"
 #include "tui/pilot/pilot.h"
 
 struct pilot_interpreter {

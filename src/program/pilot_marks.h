@@ -6,7 +6,7 @@
 #define PROGRAM_PILOT_MARKS_H
 
 #include "engine/way.h"
-#include "session/held.h"
+#include "session/session.h"
 #include "show/slicing.h"
 #include "tui/pilot/pilot.h"
 

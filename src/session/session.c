@@ -1,11 +1,12 @@
-#include "session/session_inside.h"
+#include "session/session.h"
 
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "base/mem.h"
-#include "session/session.h"
+#include "session/session_inside.h"
+#include "session/setting.h"
 
 static void begin(struct session *session, unsigned semantics)
 {
@@ -51,7 +52,7 @@ void session_close_scene(struct session *session)
     session->mask_room = NULL;
     session->forest = NULL;
     session->scene = NULL;
-    session->has_scene = session->waits = false;
+    session->has_scene = session->waits = session->knows_window = false;
     session->stale = 0;
 }
 
@@ -288,8 +289,10 @@ struct session_memory session_memory_parts(const struct session *session)
     if (!session->has_scene)
         return parts;
     parts.scene = scene_memory(session);
-    parts.answers = hinting_memory(&session->hinting) + session->finished.cells +
-                    label_measures_memory(&session->measures);
+    const struct hinting *hinting = &session->hinting;
+    parts.answers = (hinting->heat ? hinting->cells : 0) +
+                    hinting->hints.capacity * sizeof *hinting->hints.item +
+                    session->finished.cells + label_measures_memory(&session->measures);
     if (session->pictures)
         session->follower->count_memory(session->pictures, &parts);
     return parts;
@@ -369,7 +372,7 @@ static void take_back_scene(struct session *session)
     session->border = former.border;
     session->roi_tally = former.roi_tally;
     session->stale = former.stale | MADE_CAMERA;
-    session->edited = false;
+    session->edited = session->knows_window = false;
     session->former_scene = (struct former_scene){0};
 }
 

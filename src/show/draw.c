@@ -65,7 +65,6 @@ static void leave_scene(struct pictures *p)
 {
     drop_live(p);
     shader_release(&p->shader);
-    p->knows_window = false;
 }
 
 static void count_memory(const struct pictures *p, struct session_memory *memory)
@@ -330,9 +329,7 @@ static enum err make_live(struct pictures *p, struct fault *fault)
 {
     struct live_finish *live = &p->live;
     struct scene *scene = session_scene(p->session);
-    const struct finished *made = session_finished(p->session);
-    const bool is_exact = made->label && finish_source_is_present(&made->of, p->session);
-    const struct labels from = {scene, is_exact ? made->label : NULL};
+    const struct labels from = {scene, session_finished(p->session)};
     live->cells = scene->grid.cells;
     live->label = mem_pages(live->cells);
     if (!live->label)
@@ -343,7 +340,7 @@ static enum err make_live(struct pictures *p, struct fault *fault)
         return err;
     }
     labels_copy(&from, live->label, session_team(p->session));
-    live->of = is_exact ? made->of : (struct finish_source){0};
+    live->of = from.finished ? session_finish_source(p->session) : 0;
     live->border.labels.finished = live->label;
     return OK;
 }
@@ -399,7 +396,7 @@ static void follow_live(struct pictures *p, const struct changes *changes)
     struct live_finish *live = &p->live;
     struct change *change = NULL;
     size_t count = 0;
-    live->of = (struct finish_source){0};
+    live->of = 0;
     if (live->label && !changes->everything && session_shows_finished(p->session))
         change = mem_array(changes->count + 1, sizeof *change);
     if (!change) {
@@ -439,22 +436,21 @@ static enum err take_exact(struct pictures *p, const struct labels *exact, struc
 {
     struct live_finish *live = &p->live;
     const enum err err = begin_live(p, fault);
-    if (err || finish_source_is_present(&live->of, p->session))
+    if (err || live->of == session_finish_source(p->session))
         return err;
     const size_t most = live->cells / 16;
     struct change *change = mem_array(most + 1, sizeof *change);
     const size_t count = change ? list_differences(live, exact->finished, change, most) : most + 1;
     memcpy(live->label, exact->finished, live->cells);
     take_changes(p, change, count, count > most);
-    live->of = session_finished(p->session)->of;
+    live->of = session_finish_source(p->session);
     return watch_fault(session_scene(p->session)->watch, fault);
 }
 
 bool session_is_rough(const struct session *session)
 {
     const struct pictures *p = session_pictures(session);
-    return session_shows_finished(session) &&
-           !(p && finish_source_is_present(&p->live.of, session));
+    return session_shows_finished(session) && !(p && p->live.of == session_finish_source(session));
 }
 
 enum err session_refine(struct session *session, struct watch *watch, struct fault *fault)
