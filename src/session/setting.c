@@ -31,6 +31,15 @@ const struct command setting_table[] = {
      "neighbours of a voxel: by faces, or by corners too",
      "6 is the default.",
      "adjacency 26"},
+    {SETTING("auto", GROUP_SEEDS, R),
+     {{"STATE", VALUE_CHOICE, .choices = "on|off",
+       SETS(outlook.runs_by_itself, 0, .made = 0, .as = HELD_AS_SWITCH)}},
+     "whether each edit runs at once",
+     "off in scripts, on at the prompt. What waits is applied by the next command that edits, with "
+     "what that does, or that shows labels or answers from them, or by `run`. Turning it on "
+     "applies nothing, nor do undo, redo and goto: the "
+     "edits that wait in the segmentation that they lead to still wait.",
+     "auto on"},
     {SETTING("size", GROUP_VIEW, R | S),
      {{"WIDTH", VALUE_NUMBER, .least = 1, .most = VIEW_SIDE_MOST,
        SETS(outlook.view.width, 512, .made = MADE_CAMERA)},
@@ -140,6 +149,15 @@ const struct command setting_table[] = {
      "for an eliminator of the last run; in the pilot, a white rim means that it waits for a run.\n"
      "words: the title, letters for the patient's sides, the scale bar, the grey bar.",
      "overlay tint cross=off"},
+    {SETTING("finished", GROUP_KEPT, R | S),
+     {{"STATE", VALUE_CHOICE, .choices = "on|off",
+       SETS(outlook.shows_finished, 0, .made = MADE_COLOURS, .as = HELD_AS_SWITCH)}},
+     "whether pictures show the labels as finished",
+     "In slices, mosaics, renditions and the pilot, which follow each seed and eliminator. The "
+     "pilot shows the labels of the forest at once where they change, and the finished ones as "
+     "soon as they are made. Maps, surfaces and reports are finished where `finished=yes` asks for "
+     "it. off by default.",
+     "finished on"},
     {.name = NULL},
 };
 
@@ -231,8 +249,6 @@ static const struct state_field {
     FIELD(outlook.slices.middle, 0),
     FIELD(outlook.slices.has_window, MADE_BY_WINDOW),
     FIELD(outlook.slices.window, MADE_BY_WINDOW),
-    FIELD(outlook.runs_by_itself, 0),
-    FIELD(outlook.shows_finished, MADE_COLOURS),
 };
 
 /* A part of a state. */

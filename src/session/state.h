@@ -141,7 +141,7 @@ struct outlook {
     uint32_t background;  /* render/background.h */
     uint32_t context;     /* enum context_kind */
     struct slice_settings slices;
-    uint32_t runs_by_itself; /* 0 or 1: "auto", each edit is run at once */
+    uint32_t runs_by_itself; /* 0 or 1: each edit is run at once */
     uint32_t shows_finished; /* 0 or 1: pictures show labels as kept.finish leaves them */
 };
 
