@@ -97,14 +97,6 @@ struct work {
     struct watch *watch;
 };
 
-static void work_release(struct work *w)
-{
-    free(w->set);
-    free(w->contour);
-    free(w->squared);
-    free(w->found);
-}
-
 /* `label` 0 stands for all objects. */
 static void mark_sets(struct work *w, unsigned label)
 {
@@ -252,7 +244,10 @@ static enum err measure_label(struct comparison *comparison, struct work work,
     enum err err = work_init(&work, box, label, fault);
     if (!err)
         err = measure(&comparison->distance[label], &work, fault);
-    work_release(&work);
+    free(work.set);
+    free(work.contour);
+    free(work.squared);
+    free(work.found);
     return err;
 }
 
@@ -453,14 +448,6 @@ static void write_notes(struct buf *out, const struct comparison *c)
                           "its voxels\n");
 }
 
-static void write_farthest(struct buf *out, const struct comparison *c)
-{
-    const struct label_distances *d = &c->distance[0];
-    if (d->has_hausdorff && d->hausdorff_mm > 0)
-        buf_printf(out, "farthest  voxel %u,%u,%u, %.2f mm from the other\n", d->farthest[0],
-                   d->farthest[1], d->farthest[2], d->hausdorff_mm);
-}
-
 void comparison_write_text(struct buf *out, const struct comparison_report *report)
 {
     const struct comparison *c = report->comparison;
@@ -482,5 +469,8 @@ void comparison_write_text(struct buf *out, const struct comparison_report *repo
     if (geometry_fill(report->geometry) < 1)
         buf_printf(out, "axes are sheared by %.2g degrees: distances are as if they were not\n",
                    geometry_shear(report->geometry));
-    write_farthest(out, c);
+    const struct label_distances *d = &c->distance[0];
+    if (d->has_hausdorff && d->hausdorff_mm > 0)
+        buf_printf(out, "farthest  voxel %u,%u,%u, %.2f mm from the other\n", d->farthest[0],
+                   d->farthest[1], d->farthest[2], d->hausdorff_mm);
 }

@@ -34,12 +34,6 @@ static void fill(void *context, const void *piece, size_t length)
     }
 }
 
-static enum err fill_weights(struct session *session, struct fault *fault)
-{
-    struct filling filling = {.scene = session->scene};
-    return packed_read(session->now.kept.weight_map, fill, &filling, session->watch, fault);
-}
-
 /* The forest's arcs, as the state says. */
 static struct arc_rule set_arcs(struct session *session)
 {
@@ -58,7 +52,8 @@ static enum err weigh(struct session *session, struct fault *fault)
     const struct arc_rule arcs = set_arcs(session);
     enum err err = OK;
     if (kept->weight_map)
-        err = fill_weights(session, fault);
+        err = packed_read(kept->weight_map, fill, &(struct filling){.scene = session->scene},
+                          session->watch, fault);
     else
         weight_compute(session->scene, forest_adjacency(session->forest), &kept->weight,
                        &session->weight_work);
@@ -99,15 +94,6 @@ enum err session_foretell(struct session *session, struct fault *fault)
 }
 
 /* ---- the region of interest ---- */
-
-/* Seeds that come or go may lie outside the former region, or the coming one: they are changed
- * while there is none. */
-static void open_region(struct session *session)
-{
-    const struct roi open = roi_none();
-    if (!roi_is_none(&session->roi))
-        roi_apply(&open, session->scene);
-}
 
 void roi_range(struct roi *roi, const struct geometry *geometry, const struct levels *levels,
                const struct decimal range[2])
@@ -238,8 +224,12 @@ static enum err follow(struct session *session, const struct edit *seed, size_t 
         session->stale |= MADE_FOREST;
     if (session->stale & MADE_FOREST)
         forest_suspend(session->forest);
-    if (session->stale & MADE_ROI && seeds)
-        open_region(session);
+    if (session->stale & MADE_ROI && seeds && !roi_is_none(&session->roi)) {
+        /* Seeds that come or go may lie outside the former region, or the coming one: they are
+         * changed while there is none. */
+        const struct roi open = roi_none();
+        roi_apply(&open, session->scene);
+    }
     if (seeds)
         err = edit_seeds(session, seed, seeds, fault);
     if (!err)

@@ -62,14 +62,6 @@ static unsigned find_pieces(uint16_t number[PIECES_MOST], const struct kept *a,
     return found;
 }
 
-static struct ground *ground_new(const struct kept *kept)
-{
-    struct ground *ground = mem_new(sizeof *ground);
-    if (ground)
-        memcpy(&ground->kept, kept, sizeof *kept);
-    return ground;
-}
-
 struct kept_settings *kept_settings_new(const struct kept_settings *like, const struct kept *kept)
 {
     uint16_t number[PIECES_MOST];
@@ -77,7 +69,9 @@ struct kept_settings *kept_settings_new(const struct kept_settings *like, const 
     unsigned pieces = ground ? find_pieces(number, &ground->kept, kept) : PIECES_MOST + 1;
     const bool is_own = pieces > PIECES_MOST;
     if (is_own) {
-        ground = ground_new(kept);
+        ground = mem_new(sizeof *ground);
+        if (ground)
+            memcpy(&ground->kept, kept, sizeof *kept);
         pieces = 0;
     }
     struct kept_settings *settings =
@@ -492,16 +486,6 @@ bool history_moves(const struct history *history)
     return history->is_root || history->noted.settings || history->goes_to != POINT_NONE;
 }
 
-/* The root takes the place of all that was. */
-static void begin_anew(struct history *history)
-{
-    forget_points(history);
-    history->first = history->records;
-    history->branch[0] = (struct branch){.name = "main"};
-    history->branches = 1;
-    history->on = 0;
-}
-
 /* Redo leads to `point` from wherever it has left the way to the present one. */
 static void arrive(struct history *history)
 {
@@ -532,8 +516,13 @@ static void advance(struct history *history)
 static void stand(struct history *history)
 {
     history->records++;
-    if (history->is_root)
-        begin_anew(history);
+    if (history->is_root) { /* it takes the place of all that was */
+        forget_points(history);
+        history->first = history->records;
+        history->branch[0] = (struct branch){.name = "main"};
+        history->branches = 1;
+        history->on = 0;
+    }
     if (history->noted.settings)
         advance(history);
     else if (history->goes_to != POINT_NONE)

@@ -32,14 +32,6 @@ enum {
     INSIDE = 3, /* steps to a corner neighbour: so much deeper, a voxel has no other neighbours */
 };
 
-static void work_release(struct work *w)
-{
-    free(w->label);
-    free(w->depth);
-    free(w->least);
-    components_release(&w->found);
-}
-
 /* ---- labels ---- */
 
 /* A label that the map has not; 256 for none. */
@@ -265,7 +257,10 @@ enum err piece_seeds_make(struct piece_seeds *seeds, const uint16_t *region,
                         .watch = watch};
     *seeds = (struct piece_seeds){0};
     const enum err err = make(seeds, &work, region, fault);
-    work_release(&work);
+    free(work.label);
+    free(work.depth);
+    free(work.least);
+    components_release(&work.found);
     if (err)
         piece_seeds_release(seeds);
     return err;

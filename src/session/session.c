@@ -376,16 +376,6 @@ static void take_back_scene(struct session *session)
     session->former_scene = (struct former_scene){0};
 }
 
-/* The edit that leads back is there, but could not be carried out: its seeds alone are, and the
- * forest waits for memory (S5). */
-static void put_back_seeds(struct session *session)
-{
-    const struct seed_changes back = forest_seed_changes(session->forest);
-    forest_suspend(session->forest);
-    session->stale |= MADE_FOREST;
-    forest_edit(session->forest, back.after, back.count, NULL);
-}
-
 /* A command edits the seeds once at most, so that the inverse of that edit leads back. */
 static void go_back(struct session *session)
 {
@@ -394,8 +384,15 @@ static void go_back(struct session *session)
         take_back_scene(session);
     if (session->edited)
         seeds = forest_seed_changes(session->forest);
-    if (session_go(session, &session->former, seeds.before, seeds.count, NULL) != OK && seeds.count)
-        put_back_seeds(session);
+    if (session_go(session, &session->former, seeds.before, seeds.count, NULL) != OK &&
+        seeds.count) {
+        /* The edit that leads back is there, but could not be carried out: its seeds alone are,
+         * and the forest waits for memory (S5). */
+        const struct seed_changes back = forest_seed_changes(session->forest);
+        forest_suspend(session->forest);
+        session->stale |= MADE_FOREST;
+        forest_edit(session->forest, back.after, back.count, NULL);
+    }
     session->tally = session->former_tally;
     if (session->pictures)
         session->follower->take_back(session->pictures);

@@ -183,13 +183,6 @@ void setting_put(struct state *state, const struct setting_member *member, int64
         memcpy(at, &word, sizeof word);
 }
 
-static void settings_begin(struct state *state)
-{
-    for (const struct command *setting = setting_table; setting->name; setting++)
-        for (const struct parameter *p = setting->parameter; p->type; p++)
-            setting_put(state, &p->sets, p->sets.usual);
-}
-
 struct state state_default(unsigned semantics)
 {
     const uint32_t look = LOOK_FIRST + (uint32_t)semantics_has(semantics, MEANING_LOOK) +
@@ -197,7 +190,9 @@ struct state state_default(unsigned semantics)
                           (uint32_t)semantics_has(semantics, MEANING_SMOOTH_LAYERS);
     struct state state = {.kept = {.cut = cut_none(), .weight = {WEIGHT_MORPH, 1}},
                           .outlook = {.look.number = look, .slices = {.times = SLICE_TIMES_ONE}}};
-    settings_begin(&state);
+    for (const struct command *setting = setting_table; setting->name; setting++)
+        for (const struct parameter *p = setting->parameter; p->type; p++)
+            setting_put(&state, &p->sets, p->sets.usual);
     if (look == LOOK_FIRST)
         state.outlook.background = BACKGROUND_FADE;
     palette_default(&state.kept.palette, look);
@@ -378,7 +373,9 @@ void settings_write(struct buf *out, enum command_group group, const struct stat
 {
     const char *between = "";
     for (const struct command *setting = setting_table; setting->name; setting++) {
-        if (setting->group != group)
+        const struct setting_member *first = &setting->parameter->sets;
+        if (setting->group != group ||
+            (first->is_late && setting_get(state, first) == first->usual))
             continue;
         buf_add_text(out, between);
         setting_write(out, setting, state);

@@ -3,8 +3,9 @@
  *
  * From the table come the commands themselves, with their parameters and help (command/command.h),
  * what sets them (command/act_set.c), what a session begins with, whether two states are equal and
- * what follows where they are not (state.c), and the words of `info` and of notes on pictures. So
- * one setting more is a member, its row, and the code that heeds it.
+ * what follows where they are not, and the words of `info` and of notes on pictures. So one setting
+ * more is a member, its row, and the code that heeds it; one of the look is `is_late`, since golden
+ * images that are there already say nothing of it.
  */
 #ifndef SESSION_SETTING_H
 #define SESSION_SETTING_H
@@ -41,7 +42,7 @@ void setting_write(struct buf *out, const struct command *setting, const struct 
 /* The words of these bits of VALUE_PARTS. */
 void setting_write_parts(struct buf *out, const char *choices, int64_t bits);
 
-/* The same of all of a group, with commas between. */
+/* The same of all of a group, with commas between, but for late ones that are as usual. */
 void settings_write(struct buf *out, enum command_group group, const struct state *state);
 
 #endif

@@ -142,7 +142,8 @@ struct outlook {
     uint32_t context;     /* enum context_kind */
     struct slice_settings slices;
     uint32_t runs_by_itself; /* 0 or 1: each edit is run at once */
-    uint32_t shows_finished; /* 0 or 1: pictures show labels as kept.finish leaves them */
+    uint32_t shows_finished; /* 0 or 1: pictures show labels as kept.finish leaves them; it stays
+                                the last member (tests/test_setting.c) */
 };
 
 struct state {

@@ -122,17 +122,6 @@ static const struct rendition *objects_of(const struct pictures *p)
     return look_of(p)->samples > 1 ? &p->reduced : &p->rendition;
 }
 
-/* The camera of the picture, of which that of `p` may see samples. */
-static enum err aim_at_pixels(struct camera *camera, const struct pictures *p, struct fault *fault)
-{
-    const uint32_t samples = look_of(p)->samples;
-    struct view view = p->camera.view;
-    view.width /= samples;
-    view.height /= samples;
-    view.zoom /= samples;
-    return camera_init(camera, session_scene(p->session), &view, fault);
-}
-
 /* Puts it behind what is rendered, which has just changed. Nothing to do where the outlook has
  * none. */
 static enum err put_context(struct pictures *p, struct fault *fault)
@@ -143,11 +132,16 @@ static enum err put_context(struct pictures *p, struct fault *fault)
     struct mip_source source = {.scene = session_scene(session),
                                 .digest = session_scene_digest(session),
                                 .cut = session_kept(session)->cut};
+    const uint32_t samples = look_of(p)->samples;
+    struct view view = p->camera.view; /* of samples; that of pixels is less */
     struct camera camera;
     if (session_outlook(session)->context == CONTEXT_NONE)
         return OK;
+    view.width /= samples;
+    view.height /= samples;
+    view.zoom /= samples;
     window_of(source.window, session);
-    enum err err = aim_at_pixels(&camera, p, fault);
+    enum err err = camera_init(&camera, session_scene(session), &view, fault);
     if (!err)
         err = mip_draw(&context->mip, &source, &camera, session_team(session), fault);
     if (err)
@@ -191,14 +185,6 @@ static enum err colour(struct pictures *p, const struct border *border, struct f
 /* Samples of so many pixels are stored, so that an edit is seen at once: 210 MB of them. */
 enum { SAMPLES_STORED_MOST = 1 << 23 };
 
-/* Whether the maps of camera.view's size are stored; else the picture is drawn in bands. */
-static bool stores_samples(const struct pictures *p, enum render_mode mode)
-{
-    const struct view *fine = &p->camera.view;
-    return look_of(p)->samples == 1 ||
-           (mode != RENDER_ONCE && (uint64_t)fine->width * fine->height <= SAMPLES_STORED_MOST);
-}
-
 static enum err make_rendition(struct pictures *p, struct rendition *rendition,
                                const struct view *view, struct fault *fault)
 {
@@ -211,13 +197,16 @@ static enum err make_rendition(struct pictures *p, struct rendition *rendition,
 /* Memory for the rendition. */
 static enum err make_room(struct pictures *p, enum render_mode mode, struct fault *fault)
 {
+    const struct view *fine = &p->camera.view;
+    const bool fits =
+        mode != RENDER_ONCE && (uint64_t)fine->width * fine->height <= SAMPLES_STORED_MOST;
     enum err err = OK;
     if (p->take)
         return OK;
-    if (stores_samples(p, mode))
-        err = make_rendition(p, &p->rendition, &p->camera.view, fault);
+    if (look_of(p)->samples == 1 || fits)
+        err = make_rendition(p, &p->rendition, fine, fault);
     else
-        rendition_release(&p->rendition);
+        rendition_release(&p->rendition); /* the picture is drawn in bands */
     if (look_of(p)->samples == 1)
         rendition_release(&p->reduced);
     else if (!err)
