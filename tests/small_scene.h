@@ -14,7 +14,6 @@
 #include "base/file.h"
 #include "base/safe.h"
 #include "image/volume.h"
-#include "session/roi_check.h"
 #include "show/pictures.h"
 #include "tests/border_check.h"
 #include "tests/interpreting.h"

@@ -332,7 +332,7 @@ STORY(an_automatic_window_leaves_the_extremes_out)
     must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), "slices    through 5,5,0: axial 0, coronal 5, sagittal 5;");
     must(&interp, "interpolate 2 1 1"); /* another scene, another window */
-    CHECK(!interp.session->pictures->knows_window);
+    CHECK(!interp.session->knows_window);
     must(&interp, "window auto");
     CHECK_HAS(buf_text(&reply.text), "through 10,5,0: axial 0, coronal 5, sagittal 10;");
     interpreter_release(&interp);

@@ -8,7 +8,7 @@
 #include "command/execute.h"
 #include "command/resume.h"
 #include "base/mem.h"
-#include "session/held.h"
+#include "session/session.h"
 #include "tests/small_scene.h"
 
 static struct interpreter interp;

@@ -14,7 +14,6 @@
 #include "command/files.h"
 #include "journal/golden.h"
 #include "journal/journal.h"
-#include "session/label_copy.h"
 #include "session/map.h"
 #include "session/numbering.h"
 #include "session/paint.h"

@@ -82,23 +82,6 @@ enum err act_finish(const struct act *act)
     return OK;
 }
 
-enum err act_finished(const struct act *act)
-{
-    const bool shows = act_number(act, "STATE") == 0;
-    act->next->outlook.shows_finished = shows;
-    const enum err err = act_go(act);
-    if (err)
-        return err;
-    if (!shows)
-        buf_add_text(&act->reply->text, "pictures show the labels of the forest\n");
-    else if (!act->next->kept.finish.count)
-        buf_add_text(&act->reply->text,
-                     "the finish has no step yet; `finish relax` adds one, and pictures show it\n");
-    else
-        act_write_finish(&act->reply->text, act->session);
-    return OK;
-}
-
 /* ---- surfaces: what encloses the labels, as triangles ---- */
 
 enum { PASSES_USUALLY = 20 };

@@ -33,7 +33,6 @@ enum err act_object(const struct act *act);
 /* act_remove.c */
 enum err act_remove(const struct act *act);
 enum err act_run(const struct act *act);
-enum err act_auto(const struct act *act);
 
 /* act_seed_file.c */
 enum err act_seed_file(const struct act *act);
@@ -80,7 +79,6 @@ enum err act_golden(const struct act *act);
 
 /* act_save.c */
 enum err act_finish(const struct act *act);
-enum err act_finished(const struct act *act);
 enum err act_save(const struct act *act);
 
 /* act_ask.c */

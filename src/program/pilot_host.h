@@ -9,9 +9,10 @@
 #include "program/console.h"
 #include "engine/way.h"
 #include "report/voxel_facts.h"
-#include "session/held.h"
+#include "session/session.h"
 #include "show/panes.h"
 #include "tui/pilot/host.h"
+#include "tui/pilot/pilot.h"
 
 struct pilot_interpreter {
     struct interpreter *interp;

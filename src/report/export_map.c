@@ -69,16 +69,6 @@ void export_labels(struct volume_label label[256], const struct kept *kept)
     }
 }
 
-/* What a file says that it is. */
-static void describe(struct buf *out, const char *description, const struct map_source *source)
-{
-    buf_add_text(out, description);
-    if (source->map != MAP_LABELS || !source->labels->finished)
-        return;
-    buf_add_text(out, ", finished: ");
-    finish_write(out, &session_kept(source->session)->finish);
-}
-
 /* What labels are in the file: none of those that the map has is another. */
 static enum err number_labels(struct map_source *source, struct fault *fault)
 {
@@ -119,7 +109,11 @@ enum err export_map(const struct session *session, enum map map, const struct la
     if (err)
         return err;
     export_labels(label, session_kept(session));
-    describe(&description, form[map].description, &source);
+    buf_add_text(&description, form[map].description);
+    if (map == MAP_LABELS && labels->finished) {
+        buf_add_text(&description, ", finished: ");
+        finish_write(&description, &session_kept(session)->finish);
+    }
     const struct volume_map written = {session_scene(session)->grid.size,
                                        session_geometry(session),
                                        source.is_wide ? VOXEL_UINT16 : form[map].type,

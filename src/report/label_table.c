@@ -11,7 +11,7 @@
 #include "base/safe.h"
 #include "base/scan.h"
 #include "session/numbering.h"
-#include "session/regions.h"
+#include "session/map.h"
 
 enum { LUT_BYTES = 768, NAME_MOST = LABEL_NAME_BYTES - 1, LABELS = 256 };
 
@@ -370,13 +370,6 @@ static void write_line(struct buf *out, enum label_table_format format, const st
     buf_add_char(out, '\n');
 }
 
-static void write_lut(struct buf *out, const struct kept *kept)
-{
-    for (int k = 0; k < 3; k++)
-        for (unsigned l = 0; l < LABELS; l++)
-            buf_add_char(out, l ? (char)kept->palette.rgb[l][k] : '\0');
-}
-
 void label_table_write(struct buf *out, enum label_table_format format, const struct kept *kept,
                        const bool used[256])
 {
@@ -388,7 +381,9 @@ void label_table_write(struct buf *out, enum label_table_format format, const st
         [TABLE_FREESURFER] = "# No. Label_Name R G B A\n0 Unknown 0 0 0 0\n",
         [TABLE_MRICRON] = ""};
     if (format == TABLE_LUT) {
-        write_lut(out, kept);
+        for (int k = 0; k < 3; k++)
+            for (unsigned l = 0; l < LABELS; l++)
+                buf_add_char(out, l ? (char)kept->palette.rgb[l][k] : '\0');
         return;
     }
     buf_add_text(out, head[format]);

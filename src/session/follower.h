@@ -8,9 +8,11 @@
 
 #include <stddef.h>
 
-#include "session/session.h"
-
+struct camera;
 struct changes;
+struct pictures;
+struct session;
+struct session_memory;
 
 struct follower {
     /* A command begins; it is taken back, and the session is as it was then; it stands, and what

@@ -1,8 +1,14 @@
 /* The one way to change a session: going to a state, and making anew what does not fit it. */
-#include "session/session_inside.h"
+#include "session/session.h"
+
+#include <stdlib.h>
+#include <string.h>
 
 #include "base/mem.h"
-#include "session/roi_check.h"
+#include "base/sort.h"
+#include "image/levels.h"
+#include "session/session_inside.h"
+#include "session/setting.h"
 
 /* ---- weights ---- */
 
@@ -28,12 +34,6 @@ static void fill(void *context, const void *piece, size_t length)
     }
 }
 
-static enum err fill_weights(struct session *session, struct fault *fault)
-{
-    struct filling filling = {.scene = session->scene};
-    return packed_read(session->now.kept.weight_map, fill, &filling, session->watch, fault);
-}
-
 /* The forest's arcs, as the state says. */
 static struct arc_rule set_arcs(struct session *session)
 {
@@ -52,7 +52,8 @@ static enum err weigh(struct session *session, struct fault *fault)
     const struct arc_rule arcs = set_arcs(session);
     enum err err = OK;
     if (kept->weight_map)
-        err = fill_weights(session, fault);
+        err = packed_read(kept->weight_map, fill, &(struct filling){.scene = session->scene},
+                          session->watch, fault);
     else
         weight_compute(session->scene, forest_adjacency(session->forest), &kept->weight,
                        &session->weight_work);
@@ -94,13 +95,12 @@ enum err session_foretell(struct session *session, struct fault *fault)
 
 /* ---- the region of interest ---- */
 
-/* Seeds that come or go may lie outside the former region, or the coming one: they are changed
- * while there is none. */
-static void open_region(struct session *session)
+void roi_range(struct roi *roi, const struct geometry *geometry, const struct levels *levels,
+               const struct decimal range[2])
 {
-    const struct roi open = roi_none();
-    if (!roi_is_none(&session->roi))
-        roi_apply(&open, session->scene);
+    const struct interval interval = levels_within(geometry, levels, range);
+    roi->low = interval.low;
+    roi->high = interval.high;
 }
 
 static enum err apply_region(struct session *session, struct fault *fault)
@@ -224,8 +224,12 @@ static enum err follow(struct session *session, const struct edit *seed, size_t 
         session->stale |= MADE_FOREST;
     if (session->stale & MADE_FOREST)
         forest_suspend(session->forest);
-    if (session->stale & MADE_ROI && seeds)
-        open_region(session);
+    if (session->stale & MADE_ROI && seeds && !roi_is_none(&session->roi)) {
+        /* Seeds that come or go may lie outside the former region, or the coming one: they are
+         * changed while there is none. */
+        const struct roi open = roi_none();
+        roi_apply(&open, session->scene);
+    }
     if (seeds)
         err = edit_seeds(session, seed, seeds, fault);
     if (!err)
@@ -321,4 +325,127 @@ enum err session_complete(struct session *session, struct fault *fault)
     const enum err err = follow(session, NULL, 0, fault);
     session->waits = session->scene->plain != NULL;
     return err;
+}
+
+/* ---- settings that take more than a change of the state ---- */
+
+/* A copy of it borrows what it shares with the present one; what is new in it is released once the
+ * session holds it. */
+
+static void set_words(char words[FILE_WORDS_BYTES], const char *name)
+{
+    memset(words, 0, FILE_WORDS_BYTES);
+    memcpy(words, name, strnlen(name, FILE_WORDS_BYTES - 1));
+}
+
+enum err session_set_weight_map(struct session *session, const char *name, const uint16_t *weight,
+                                struct fault *fault)
+{
+    struct state next = session->now;
+    struct packed *map;
+    enum err err = packed_new(&map, weight, session->scene->grid.voxels * sizeof *weight,
+                              session->watch, fault);
+    if (err)
+        return err;
+    next.kept.weight = (struct weight_choice){.kind = WEIGHT_FILE};
+    next.kept.weight_map = map;
+    set_words(next.kept.weight_file, name);
+    err = session_go(session, &next, NULL, 0, fault);
+    packed_release(map);
+    return err;
+}
+
+/* Voxels outside where a run would plant a seed: the last edit of each decides. */
+static enum err count_waiting(const struct roi *roi, const struct scene *scene,
+                              const struct edit *pending, size_t pendings, size_t *waiting,
+                              struct fault *fault)
+{
+    uint64_t *rank = mem_array(pendings, sizeof *rank); /* cell and place among the edits */
+    size_t count = 0;
+    if (!rank)
+        return fault_memory(fault, "a region of interest");
+    for (size_t i = 0; i < pendings; i++)
+        if (!roi_holds(roi, scene, pending[i].cell))
+            rank[count++] = (uint64_t)pending[i].cell << 32 | i;
+    const enum err err = sort_by_upper_half(rank, count, scene->watch, fault);
+    *waiting = 0;
+    for (size_t i = 0; !err && i < count; i++)
+        *waiting += pending[(uint32_t)rank[i]].label != EDIT_ERASE &&
+                    (i + 1 == count || rank[i + 1] >> 32 != rank[i] >> 32);
+    free(rank);
+    return err;
+}
+
+/* Nothing may be inside that no voxel is, nor seeds be outside: those planted in the scene, and
+ * those that a run of the pending edits, in their order, would plant. */
+static enum err roi_check(const struct roi *roi, const struct scene *scene,
+                          const struct edit *pending, size_t pendings, struct fault *fault)
+{
+    size_t waiting = 0;
+    enum err err = count_waiting(roi, scene, pending, pendings, &waiting, fault);
+    if (err)
+        return err;
+    const struct roi_tally tally = roi_tally(roi, scene);
+    err = watch_fault(scene->watch, fault);
+    if (err)
+        return err;
+    if (!tally.inside)
+        return fault_set(fault, ERR_INPUT,
+                         "no voxel of the scene would be inside; nothing has changed");
+    if (tally.seeds_outside || waiting)
+        return fault_set(fault, ERR_INPUT,
+                         "%zu planted and %zu waiting seeds would be outside; remove them and run "
+                         "first; nothing has changed",
+                         tally.seeds_outside, waiting);
+    return OK;
+}
+
+static enum err check_region(const struct session *session, const struct roi *roi,
+                             struct fault *fault)
+{
+    return roi_check(roi, session->scene, edits_first(&session->now.lists.pending),
+                     session_pendings(session), fault);
+}
+
+enum err session_set_mask(struct session *session, const uint64_t *mask, const char *name,
+                          const uint32_t regions[2], struct fault *fault)
+{
+    const struct roi roi = {mask, session->roi.low, session->roi.high};
+    struct state next = session->now;
+    struct packed *packed = NULL;
+    enum err err = check_region(session, &roi, fault);
+    if (!err && mask)
+        err = packed_new(&packed, mask, mask_bytes(&session->scene->grid), session->watch, fault);
+    if (err)
+        return err;
+    next.kept.mask = packed;
+    set_words(next.kept.mask_file, mask ? name : "");
+    for (int i = 0; i < 2; i++)
+        next.kept.mask_regions[i] = mask ? regions[i] : 0;
+    err = session_go(session, &next, NULL, 0, fault);
+    packed_release(packed);
+    return err;
+}
+
+enum err session_set_range(struct session *session, const struct decimal range[2],
+                           struct fault *fault)
+{
+    struct roi roi = {session->roi.mask, 0, UINT16_MAX};
+    struct state next = session->now;
+    if (range)
+        roi_range(&roi, &session->geometry, session->levels, range);
+    enum err err = check_region(session, &roi, fault);
+    if (err)
+        return err;
+    next.kept.has_range = range != NULL;
+    for (int i = 0; i < 2; i++)
+        next.kept.range[i] = range ? range[i] : (struct decimal){0, 0, 0};
+    return session_go(session, &next, NULL, 0, fault);
+}
+
+enum err session_set_view(struct session *session, const struct view *view, struct fault *fault)
+{
+    struct state next = session->now;
+    next.outlook.view = *view;
+    return session_go(session, &next, NULL, 0, fault);
 }

@@ -1,4 +1,5 @@
 /* How a scene comes into a session: opened, or interpolated in the place of the one before. */
+#include "session/session.h"
 #include "session/session_inside.h"
 
 #include <assert.h>
@@ -300,6 +301,7 @@ static enum err replace_scene(struct session *session, unsigned doubled, struct 
     session->border = next.border;
     session->tally = tally_of_none(next.scene);
     session->tally_before_edit.stale = true;
+    session->knows_window = false;
     session->stale = MADE_WEIGHTS | MADE_ROI | MADE_CAMERA;
     if (session->skims)
         session_skim(session);

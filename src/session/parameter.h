@@ -56,6 +56,8 @@ struct setting_member {
     enum held_as as;
     int64_t usual; /* as which a session begins, as it is held */
     bool stays;    /* where it is not given; else it is as usual again */
+    bool is_late;  /* notes leave the setting out while it is as usual: pictures that were made
+                      before there was such a setting say the same */
     unsigned made; /* MADE_... of what follows from it */
 };
 

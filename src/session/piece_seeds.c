@@ -5,7 +5,7 @@
 
 #include "base/mem.h"
 #include "engine/components.h"
-#include "session/regions.h"
+#include "session/map.h"
 
 void piece_seeds_release(struct piece_seeds *seeds)
 {
@@ -31,14 +31,6 @@ enum {
     LEFT = 128, /* the bit of a voxel that erosion leaves */
     INSIDE = 3, /* steps to a corner neighbour: so much deeper, a voxel has no other neighbours */
 };
-
-static void work_release(struct work *w)
-{
-    free(w->label);
-    free(w->depth);
-    free(w->least);
-    components_release(&w->found);
-}
 
 /* ---- labels ---- */
 
@@ -265,7 +257,10 @@ enum err piece_seeds_make(struct piece_seeds *seeds, const uint16_t *region,
                         .watch = watch};
     *seeds = (struct piece_seeds){0};
     const enum err err = make(seeds, &work, region, fault);
-    work_release(&work);
+    free(work.label);
+    free(work.depth);
+    free(work.least);
+    components_release(&work.found);
     if (err)
         piece_seeds_release(seeds);
     return err;

@@ -7,6 +7,7 @@
 
 #include "base/mem.h"
 #include "session/session_inside.h"
+#include "session/setting.h"
 
 static void begin(struct session *session, unsigned semantics)
 {
@@ -52,7 +53,7 @@ void session_close_scene(struct session *session)
     session->mask_room = NULL;
     session->forest = NULL;
     session->scene = NULL;
-    session->has_scene = session->waits = false;
+    session->has_scene = session->waits = session->knows_window = false;
     session->stale = 0;
 }
 
@@ -289,8 +290,10 @@ struct session_memory session_memory_parts(const struct session *session)
     if (!session->has_scene)
         return parts;
     parts.scene = scene_memory(session);
-    parts.answers = hinting_memory(&session->hinting) + session->finished.cells +
-                    label_measures_memory(&session->measures);
+    const struct hinting *hinting = &session->hinting;
+    parts.answers = (hinting->heat ? hinting->cells : 0) +
+                    hinting->hints.capacity * sizeof *hinting->hints.item +
+                    session->finished.cells + label_measures_memory(&session->measures);
     if (session->pictures)
         session->follower->count_memory(session->pictures, &parts);
     return parts;
@@ -370,18 +373,8 @@ static void take_back_scene(struct session *session)
     session->border = former.border;
     session->roi_tally = former.roi_tally;
     session->stale = former.stale | MADE_CAMERA;
-    session->edited = false;
+    session->edited = session->knows_window = false;
     session->former_scene = (struct former_scene){0};
-}
-
-/* The edit that leads back is there, but could not be carried out: its seeds alone are, and the
- * forest waits for memory (S5). */
-static void put_back_seeds(struct session *session)
-{
-    const struct seed_changes back = forest_seed_changes(session->forest);
-    forest_suspend(session->forest);
-    session->stale |= MADE_FOREST;
-    forest_edit(session->forest, back.after, back.count, NULL);
 }
 
 /* A command edits the seeds once at most, so that the inverse of that edit leads back. */
@@ -392,8 +385,15 @@ static void go_back(struct session *session)
         take_back_scene(session);
     if (session->edited)
         seeds = forest_seed_changes(session->forest);
-    if (session_go(session, &session->former, seeds.before, seeds.count, NULL) != OK && seeds.count)
-        put_back_seeds(session);
+    if (session_go(session, &session->former, seeds.before, seeds.count, NULL) != OK &&
+        seeds.count) {
+        /* The edit that leads back is there, but could not be carried out: its seeds alone are,
+         * and the forest waits for memory (S5). */
+        const struct seed_changes back = forest_seed_changes(session->forest);
+        forest_suspend(session->forest);
+        session->stale |= MADE_FOREST;
+        forest_edit(session->forest, back.after, back.count, NULL);
+    }
     session->tally = session->former_tally;
     if (session->pictures)
         session->follower->take_back(session->pictures);

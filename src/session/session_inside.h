@@ -1,9 +1,10 @@
-/* What a session is made of, for the files of this room alone. All others ask (session.h). */
+/* What a session is made of, for the files of this room alone, after session.h. All others ask. */
 #ifndef SESSION_SESSION_INSIDE_H
 #define SESSION_SESSION_INSIDE_H
 
 #include "base/team.h"
 #include "engine/forest.h"
+#include "engine/hints.h"
 #include "engine/label_stats.h"
 #include "engine/roi.h"
 #include "engine/scene.h"
@@ -12,13 +13,10 @@
 #include "render/layers.h"
 #include "render/rendition.h"
 #include "render/shader.h"
-#include "session/finished.h"
 #include "session/follower.h"
-#include "session/hinting.h"
 #include "session/map.h"
 #include "session/markers.h"
 #include "session/semantics.h"
-#include "session/session.h"
 #include "session/state.h"
 #include "session/tally.h"
 
@@ -33,6 +31,25 @@ struct former_scene {
     struct roi_tally roi_tally;
     unsigned stale;
 };
+
+/* The finished labels that were made last, what of, and the digest of what came of it. */
+struct finished {
+    uint8_t *label; /* [cells], or NULL */
+    size_t cells;
+    uint64_t of, digest; /* session_finish_source; labels_digest */
+};
+void finished_release(struct finished *finished);
+
+/* Hints that were made last, and what of. */
+struct hinting {
+    bool has_hints;
+    struct hint_list hints;
+    uint8_t *heat; /* [cells], or NULL */
+    size_t cells;
+    uint64_t forest, labels, weights; /* digests */
+    unsigned adjacency;
+};
+void hinting_release(struct hinting *hinting);
 
 struct session {
     unsigned semantics; /* of the journal at hand (session/semantics.h) */
@@ -68,6 +85,9 @@ struct session {
     struct tally tally;       /* voxels of each label, once session_count_labels has been called */
     struct label_measures measures; /* of the forest's labels, once somebody has asked for them */
 
+    bool knows_window; /* session_find_window */
+    int32_t window[2];
+
     struct pictures *pictures; /* NULL until one is asked for */
     const struct follower *follower;
 
@@ -93,6 +113,11 @@ struct session {
 
 /* Back to no scene, whatever there is of one. */
 void session_close_scene(struct session *session);
+
+/* Makes roi->low..high the intensities whose real values lie in a range (image/levels.h); low is
+ * above high where there are none. */
+void roi_range(struct roi *roi, const struct geometry *geometry, const struct levels *levels,
+               const struct decimal range[2]);
 
 /* Has the geometry and the scene's axes follow from what the file says, and `orient`. */
 void session_place(struct session *session, const struct kept *kept);

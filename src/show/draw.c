@@ -66,7 +66,6 @@ static void leave_scene(struct pictures *p)
 {
     drop_live(p);
     shader_release(&p->shader);
-    p->knows_window = false;
 }
 
 static void count_memory(const struct pictures *p, struct session_memory *memory)
@@ -124,17 +123,6 @@ static const struct rendition *objects_of(const struct pictures *p)
     return look_of(p)->samples > 1 ? &p->reduced : &p->rendition;
 }
 
-/* The camera of the picture, of which that of `p` may see samples. */
-static enum err aim_at_pixels(struct camera *camera, const struct pictures *p, struct fault *fault)
-{
-    const uint32_t samples = look_of(p)->samples;
-    struct view view = p->camera.view;
-    view.width /= samples;
-    view.height /= samples;
-    view.zoom /= samples;
-    return camera_init(camera, session_scene(p->session), &view, fault);
-}
-
 /* Puts it behind what is rendered, which has just changed. Nothing to do where the outlook has
  * none. */
 static enum err put_context(struct pictures *p, struct fault *fault)
@@ -145,11 +133,16 @@ static enum err put_context(struct pictures *p, struct fault *fault)
     struct mip_source source = {.scene = session_scene(session),
                                 .digest = session_scene_digest(session),
                                 .cut = session_kept(session)->cut};
+    const uint32_t samples = look_of(p)->samples;
+    struct view view = p->camera.view; /* of samples; that of pixels is less */
     struct camera camera;
     if (session_outlook(session)->context == CONTEXT_NONE)
         return OK;
+    view.width /= samples;
+    view.height /= samples;
+    view.zoom /= samples;
     window_of(source.window, session);
-    enum err err = aim_at_pixels(&camera, p, fault);
+    enum err err = camera_init(&camera, session_scene(session), &view, fault);
     if (!err)
         err = mip_draw(&context->mip, &source, &camera, session_team(session), fault);
     if (err)
@@ -192,14 +185,6 @@ static enum err colour(struct pictures *p, const struct border *border, struct f
 /* Samples of so many pixels are stored, so that an edit is seen at once: 210 MB of them. */
 enum { SAMPLES_STORED_MOST = 1 << 23 };
 
-/* Whether the maps of camera.view's size are stored; else the picture is drawn in bands. */
-static bool stores_samples(const struct pictures *p, enum render_mode mode)
-{
-    const struct view *fine = &p->camera.view;
-    return look_of(p)->samples == 1 ||
-           (mode != RENDER_ONCE && (uint64_t)fine->width * fine->height <= SAMPLES_STORED_MOST);
-}
-
 static enum err make_rendition(struct pictures *p, struct rendition *rendition,
                                const struct view *view, struct fault *fault)
 {
@@ -212,13 +197,16 @@ static enum err make_rendition(struct pictures *p, struct rendition *rendition,
 /* Memory for the rendition. */
 static enum err make_room(struct pictures *p, enum render_mode mode, struct fault *fault)
 {
+    const struct view *fine = &p->camera.view;
+    const bool fits =
+        mode != RENDER_ONCE && (uint64_t)fine->width * fine->height <= SAMPLES_STORED_MOST;
     enum err err = OK;
     if (p->take)
         return OK;
-    if (stores_samples(p, mode))
-        err = make_rendition(p, &p->rendition, &p->camera.view, fault);
+    if (look_of(p)->samples == 1 || fits)
+        err = make_rendition(p, &p->rendition, fine, fault);
     else
-        rendition_release(&p->rendition);
+        rendition_release(&p->rendition); /* the picture is drawn in bands */
     if (look_of(p)->samples == 1)
         rendition_release(&p->reduced);
     else if (!err)
@@ -330,9 +318,7 @@ static enum err make_live(struct pictures *p, struct fault *fault)
 {
     struct live_finish *live = &p->live;
     struct scene *scene = session_scene(p->session);
-    const struct finished *made = session_finished(p->session);
-    const bool is_exact = made->label && finish_source_is_present(&made->of, p->session);
-    const struct labels from = {scene, is_exact ? made->label : NULL};
+    const struct labels from = {scene, session_finished(p->session)};
     live->cells = scene->grid.cells;
     live->label = mem_pages(live->cells);
     if (!live->label)
@@ -343,7 +329,7 @@ static enum err make_live(struct pictures *p, struct fault *fault)
         return err;
     }
     labels_copy(&from, live->label, session_team(p->session));
-    live->of = is_exact ? made->of : (struct finish_source){0};
+    live->of = from.finished ? session_finish_source(p->session) : 0;
     live->border.labels.finished = live->label;
     return OK;
 }
@@ -399,7 +385,7 @@ static void follow_live(struct pictures *p, const struct changes *changes)
     struct live_finish *live = &p->live;
     struct change *change = NULL;
     size_t count = 0;
-    live->of = (struct finish_source){0};
+    live->of = 0;
     if (live->label && !changes->everything && session_shows_finished(p->session))
         change = mem_array(changes->count + 1, sizeof *change);
     if (!change) {
@@ -439,22 +425,21 @@ static enum err take_exact(struct pictures *p, const struct labels *exact, struc
 {
     struct live_finish *live = &p->live;
     const enum err err = begin_live(p, fault);
-    if (err || finish_source_is_present(&live->of, p->session))
+    if (err || live->of == session_finish_source(p->session))
         return err;
     const size_t most = live->cells / 16;
     struct change *change = mem_array(most + 1, sizeof *change);
     const size_t count = change ? list_differences(live, exact->finished, change, most) : most + 1;
     memcpy(live->label, exact->finished, live->cells);
     take_changes(p, change, count, count > most);
-    live->of = session_finished(p->session)->of;
+    live->of = session_finish_source(p->session);
     return watch_fault(session_scene(p->session)->watch, fault);
 }
 
 bool session_is_rough(const struct session *session)
 {
     const struct pictures *p = session_pictures(session);
-    return session_shows_finished(session) &&
-           !(p && finish_source_is_present(&p->live.of, session));
+    return session_shows_finished(session) && !(p && p->live.of == session_finish_source(session));
 }
 
 enum err session_refine(struct session *session, struct watch *watch, struct fault *fault)

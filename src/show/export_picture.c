@@ -239,20 +239,13 @@ static enum err add_label_note(struct picture *picture, const struct session *se
     return err;
 }
 
-static enum err note_context(struct picture *picture, const struct session *session,
-                             struct fault *fault)
-{
-    char words[64];
-    const struct pictures *p = session_pictures(session);
-    const struct mip_source none = {0}, *of = p ? &p->context.mip.of : &none;
-    snprintf(words, sizeof words, "mip, intensities %d to %d", of->window[0], of->window[1]);
-    return picture_note(picture, "iftty:context", words, fault);
-}
-
 enum err export_notes(struct picture *picture, const struct session *session,
                       const struct label_set *shown, struct fault *fault)
 {
-    char scene[32];
+    const struct pictures *p = session_pictures(session);
+    const struct mip_source none = {0}, *mip = p ? &p->context.mip.of : &none;
+    char scene[32], context[64];
+    snprintf(context, sizeof context, "mip, intensities %d to %d", mip->window[0], mip->window[1]);
     snprintf(scene, sizeof scene, "%016llx", (unsigned long long)session_scene_digest(session));
     const enum orientation orientation = session_geometry(session)->orientation;
     enum err err = picture_note(picture, "Software", "iftty " PROGRAM_VERSION, fault);
@@ -269,30 +262,21 @@ enum err export_notes(struct picture *picture, const struct session *session,
     if (!err)
         err = add_label_note(picture, session, shown, fault);
     if (!err && session_outlook(session)->context)
-        err = note_context(picture, session, fault);
+        err = picture_note(picture, "iftty:context", context, fault);
     picture->is_associated = session_outlook(session)->look.number > LOOK_FIRST;
     return err;
-}
-
-/* Of a rendition; slices have a scale of their own. */
-static enum err add_scale_note(struct picture *picture, const struct session *session,
-                               struct fault *fault)
-{
-    char scale[32];
-    if (session_outlook(session)->look.number == LOOK_FIRST ||
-        session_geometry(session)->spacing_unknown)
-        return OK;
-    snprintf(scale, sizeof scale, "%.9g", seen_mm_per_pixel(session));
-    return picture_note(picture, "iftty:mm-per-pixel", scale, fault);
 }
 
 /* What a picture of a rendition says of itself. After an error it is released. */
 static enum err describe_rendition(struct picture *picture, const struct session *session,
                                    const struct label_set *shown, struct fault *fault)
 {
+    char scale[32]; /* of a rendition; slices have one of their own */
+    snprintf(scale, sizeof scale, "%.9g", seen_mm_per_pixel(session));
     enum err err = export_notes(picture, session, shown, fault);
-    if (!err)
-        err = add_scale_note(picture, session, fault);
+    if (!err && session_outlook(session)->look.number > LOOK_FIRST &&
+        !session_geometry(session)->spacing_unknown)
+        err = picture_note(picture, "iftty:mm-per-pixel", scale, fault);
     if (err)
         picture_release(picture);
     return err;
@@ -306,13 +290,6 @@ static void label_set_add(struct label_set *set, const struct rendition *r)
         label_set_put(set, r->label[i]);
 }
 
-/* One pixel of depth in millimetres: crossings count 2^-24 pixels, four times. */
-static double depth_unit_mm(const struct camera *camera)
-{
-    double pixel_mm = (double)camera->unit_nm / 1e6 * 1000.0 / camera->view.zoom;
-    return pixel_mm / (double)(INT64_C(4) << 24);
-}
-
 enum err export_picture(struct picture *picture, const struct session *session, struct fault *fault)
 {
     const struct rendition shown = session_picture(session), *r = &shown;
@@ -321,7 +298,10 @@ enum err export_picture(struct picture *picture, const struct session *session, 
     if (err)
         return err;
     label_set_add(&labels, r);
-    const double unit_mm = depth_unit_mm(&session_pictures(session)->camera);
+    /* One pixel of depth in millimetres: crossings count 2^-24 pixels, four times. */
+    const struct camera *camera = &session_pictures(session)->camera;
+    const double pixel_mm = (double)camera->unit_nm / 1e6 * 1000.0 / camera->view.zoom;
+    const double unit_mm = pixel_mm / (double)(INT64_C(4) << 24);
     for (size_t i = 0; i < (size_t)r->width * r->height; i++) {
         bool seen = r->cell[i] != CELL_NONE;
         for (int k = 0; k < 4; k++)

@@ -6,8 +6,8 @@
  * Invariants
  *   V1 the rendition, where `rendered`, is that of those labels, their border and the camera, pixel
  *      for pixel, whichever mode made it;
- *   V2 where `live.of` fits the session (finish_source_is_present), the live labels are those that
- *      session_labels gives;
+ *   V2 where `live.of` is what the session says now, the live labels are those that session_labels
+ *      gives;
  *   V3 the border of these is that of their labels, and of what was visible and cut away when it
  *      was last drawn.
  */
@@ -19,14 +19,13 @@
 #include "render/mip.h"
 #include "render/rendition.h"
 #include "render/shade.h"
-#include "session/finished.h"
-#include "show/draw.h"
+#include "session/session.h"
 
 /* Finished labels that panels show. {0} is none yet. */
 struct live_finish {
     uint8_t *label; /* [border.scene->grid.cells], or NULL */
     size_t cells;
-    struct finish_source of; /* {0} while they are rough */
+    uint64_t of; /* session_finish_source; 0 while they are rough */
     struct border border;
 };
 
@@ -45,15 +44,12 @@ struct pictures {
     struct context context;     /* what is behind it */
     struct layers layers;       /* the rendition's, where objects are translucent */
     struct rendition reduced;   /* to the view's size, where look.samples is above 1 */
-    enum rendered rendered;     /* V1 */
-    enum rendered former_rendered; /* when the command at hand began; not rough labels */
+    unsigned rendered;          /* V1; enum rendered (draw.h) */
+    unsigned former_rendered;   /* when the command at hand began; not rough labels */
     struct shader shader;
     struct live_finish live;
     uint8_t *decorated; /* colours of the frame with what is drawn over them (decorating.h) */
     size_t decorated_pixels;
-    bool knows_window; /* what follows from the scene, once somebody has asked (window.h): */
-    int32_t window[2]; /* intensities, black and white */
-
     /* While a picture of colours alone is drawn: takes its rows (render/bands.h). Else NULL. */
     void (*take)(void *context, const struct rendition *rows, uint32_t top);
     void *take_context;

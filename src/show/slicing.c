@@ -8,7 +8,6 @@
 #include "base/choice.h"
 #include "base/mem.h"
 #include "render/mosaic.h"
-#include "session/edits.h"
 #include "image/geometry.h"
 #include "session/semantics.h"
 #include "session/state.h"

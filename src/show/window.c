@@ -2,36 +2,10 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "engine/scene.h"
 #include "image/geometry.h"
-#include "session/follower.h"
 #include "session/state.h"
-#include "show/pictures.h"
-
-/* The 1st and the 99.5th percentile: few voxels are as bright as vessels and fat. */
-void window_of_counts(int32_t window[2], const uint32_t count[UINT16_MAX + 1])
-{
-    intensities_range(window, count, 10, 995);
-}
-
-/* Found once, where there is memory to remember it. */
-static void find_window(int32_t window[2], struct session *session)
-{
-    static uint32_t count[UINT16_MAX + 1];
-    struct pictures *p = NULL;
-    if (pictures_begin(&p, session, NULL) == OK && p->knows_window) {
-        memcpy(window, p->window, sizeof p->window);
-        return;
-    }
-    intensities_count(count, session_scene(session), session_team(session));
-    window_of_counts(window, count);
-    if (!p)
-        return;
-    memcpy(p->window, window, sizeof p->window);
-    p->knows_window = true;
-}
 
 /* A real value as an intensity. */
 static int32_t intensity_of(const struct geometry *geometry, const struct decimal *real)
@@ -50,7 +24,7 @@ void window_of(int32_t window[2], struct session *session)
     const bool falls = geometry->slope < 0;
     int32_t found[2];
     if (!s->has_window)
-        find_window(found, session);
+        session_find_window(session, found);
     for (int i = 0; i < 2; i++)
         window[i] =
             s->has_window ? intensity_of(geometry, &s->window[i]) : found[falls ? 1 - i : i];
