@@ -13,7 +13,7 @@
 #include "base/file.h"
 #include "base/safe.h"
 #include "image/volume.h"
-#include "session/roi_check.h"
+#include "show/pictures.h"
 #include "tests/border_check.h"
 #include "tests/interpreting.h"
 #include "tests/folder.h"
@@ -219,7 +219,7 @@ static inline void take_snapshot(struct snapshot *s, struct interpreter *interp)
     struct session *session = interp->session;
     memset(s, 0, sizeof *s);
     s->has_scene = session->has_scene;
-    s->rendered = session->rendered && !session_is_rough(session);
+    s->rendered = session_rendered(session) && !session_is_rough(session);
     s->kept = session->now.kept;
     s->outlook = session->now.outlook;
     s->pendings = session_pendings(session);
@@ -254,7 +254,7 @@ static inline void take_snapshot(struct snapshot *s, struct interpreter *interp)
     s->labels = forest_label_digest(session->forest);
     s->seeds = forest_seeds(session->forest);
     s->border = border_count(&session->border);
-    s->picture = s->rendered ? rendition_digest(&session->rendition) : 0;
+    s->picture = s->rendered ? rendition_digest(&session->pictures->rendition) : 0;
     CHECK(forest_check(session->forest, NULL));
     CHECK(border_check(&session->border, NULL));
 }

@@ -5,7 +5,8 @@
 #include "image/exr.h"
 #include "image/helper.h"
 #include "render/mosaic.h"
-#include "report/export.h"
+#include "show/decorating.h"
+#include "show/export_picture.h"
 #include "tests/folder.h"
 #include "tests/interpreting.h"
 
@@ -206,7 +207,7 @@ STORY(an_exr_holds_the_objects_alone_whatever_is_behind)
     must(&interp, "render gradient.exr");
     const uint64_t digest = rendition_digest(session_frame(interp.session));
     must(&interp, "background white");
-    CHECK(interp.session->rendered); /* nothing is drawn anew */
+    CHECK(session_rendered(interp.session)); /* nothing is drawn anew */
     must(&interp, "render white.exr");
     CHECK(rendition_digest(session_frame(interp.session)) == digest);
     CHECK_INT(exr_read(&gradient, "gradient.exr", NULL), OK);

@@ -9,6 +9,7 @@
 #include "base/hash.h"
 #include "base/mem.h"
 #include "render/bands.h"
+#include "show/pictures.h"
 #include "tests/stage.h"
 
 static unsigned scaled(unsigned count)
@@ -197,7 +198,7 @@ STORY(a_picture_may_be_of_more_samples_than_pixels_are_allowed_and_follows_edits
     must(&interp, "size 8192 70");
     must(&interp, "samples 4");
     const uint64_t first = digest_after(&interp, "render mode=bp");
-    CHECK(!interp.session->rendition.depth);
+    CHECK(!interp.session->pictures->rendition.depth);
     CHECK(session_memory(interp.session) < 64u << 20);
     CHECK_INT(digest_after(&interp, "render mode=ray"), first);
     must(&interp, "remove 10,10,10");
@@ -222,14 +223,14 @@ STORY(a_turntable_is_drawn_in_bands_and_shows_what_renditions_show)
     must(&interp, "samples 4");
     for (uint64_t i = 0; i < 4; i++) {
         sum += hash_mix_at(i, digest_after(&interp, "render"));
-        CHECK(interp.session->rendition.depth);
+        CHECK(interp.session->pictures->rendition.depth);
         must(&interp, "turn 90 0");
     }
     snprintf(expected, sizeof expected, "spin=%016" PRIx64, sum);
     must(&interp, "view front");
     must(&interp, "spin 4 turn.gif");
     CHECK_HAS(buf_text(&reply.words), expected);
-    CHECK(!interp.session->rendition.depth);
+    CHECK(!interp.session->pictures->rendition.depth);
     interpreter_release(&interp);
 }
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "show/pictures.h"
 #include "tests/bench/report.h"
 #include "program/bench.h"
 #include "session/session.h"
@@ -208,7 +209,7 @@ STORY(all_experiments_give_the_same_in_every_step)
     CHECK(last->labels == forest_label_digest(session->forest));
     CHECK_INT(last->border_voxels, border_count(&session->border));
     CHECK(session_render(session, RENDER_RAY, NULL) == OK);
-    CHECK(rendition_digest(&session->rendition) == last->picture);
+    CHECK(rendition_digest(&session->pictures->rendition) == last->picture);
     for (unsigned s = 0; s < trial.steps; s++)
         CHECK_INT(trial.step[s].cost[IFT_SP].served, trial.voxels);
     unsigned repaired = 0;

@@ -11,6 +11,7 @@
 
 #include "base/file.h"
 #include "image/exr.h"
+#include "show/pictures.h"
 #include "tests/border_check.h"
 #include "tests/folder.h"
 #include "tests/stage.h"
@@ -372,7 +373,7 @@ static void begin(struct interpreter *interp)
 static uint64_t picture(struct interpreter *interp)
 {
     must(interp, "render mode=bp");
-    return rendition_digest(&interp->session->rendition);
+    return rendition_digest(&interp->session->pictures->rendition);
 }
 
 static bool is_shown(const struct interpreter *interp, uint32_t x, uint32_t y, uint32_t z)
@@ -563,21 +564,21 @@ STORY(cuts_are_taken_back_and_replayed_exactly)
     for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
         const struct session *session = interp.session;
         const struct state before = session->now;
-        const bool rendered = session->rendered;
-        const uint64_t seen = rendered ? rendition_digest(&session->rendition) : 0;
+        const bool rendered = session_rendered(session);
+        const uint64_t seen = rendered ? rendition_digest(&session->pictures->rendition) : 0;
         file_step_hook = no_space;
         CHECK_INT(execute(&interp, line[i]), ERR_IO);
         file_step_hook = NULL;
         CHECK(memcmp(&before.kept.cut, &session->now.kept.cut, sizeof before.kept.cut) == 0);
         CHECK(memcmp(&before.outlook.view, &session->now.outlook.view,
                      sizeof before.outlook.view) == 0);
-        CHECK(session->rendered == rendered);
-        CHECK(!rendered || rendition_digest(&session->rendition) == seen);
+        CHECK(session_rendered(session) == rendered);
+        CHECK(!rendered || rendition_digest(&session->pictures->rendition) == seen);
         CHECK(!session->has_scene || border_check(&session->border, NULL));
         must(&interp, line[i]);
     }
     const struct state end = interp.session->now;
-    const uint64_t seen = rendition_digest(&interp.session->rendition);
+    const uint64_t seen = rendition_digest(&interp.session->pictures->rendition);
     interpreter_release(&interp);
     CHECK(interpreter_init(&interp, NULL) == OK);
     CHECK(interpreter_resume_journal(&interp, path, &told, &fault) == OK);

@@ -4,6 +4,7 @@
  */
 #include <stdlib.h>
 
+#include "show/decorating.h"
 #include "verify/difference_picture.h"
 #include "verify/first_difference.h"
 #include "tests/interpreting.h"

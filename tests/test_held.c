@@ -3,7 +3,7 @@
  * voxel, and the same as what `remove` takes then.
  */
 #include "engine/tree.h"
-#include "session/held.h"
+#include "session/session.h"
 #include "tests/small_scene.h"
 
 static uint64_t random_state = 5;

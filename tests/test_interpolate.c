@@ -6,6 +6,7 @@
 #include "session/session_inside.h"
 #include "session/session.h"
 #include "show/draw.h"
+#include "show/pictures.h"
 #include "tests/border_check.h"
 #include "tests/check.h"
 #include "tests/scarce_memory.h"
@@ -185,8 +186,8 @@ static struct trace trace_of(const struct session *session)
     memcpy(trace.geometry.spacing_nm, session->geometry.spacing_nm,
            sizeof trace.geometry.spacing_nm);
     memcpy(&trace.view, &session->now.outlook.view, sizeof trace.view);
-    trace.rendered = session->rendered;
-    trace.picture = session->rendered ? rendition_digest(&session->rendition) : 0;
+    trace.rendered = session_rendered(session);
+    trace.picture = session_rendered(session) ? rendition_digest(&session->pictures->rendition) : 0;
     return trace;
 }
 
@@ -207,12 +208,13 @@ STORY(a_rollback_gives_the_former_scene_back)
         session_mark(session);
         const struct trace before = trace_of(session);
         CHECK(session_interpolate(session, 1, NULL) == OK);
-        CHECK(!session->rendered && !session->border.visible[3]);
+        CHECK(!session_rendered(session) && !session->border.visible[3]);
         CHECK(memcmp(&before.scene, &session->scene_digest, sizeof before.scene) != 0);
         session_rollback(session);
         const struct trace after = trace_of(session);
         CHECK(memcmp(&before, &after, sizeof before) == 0);
-        CHECK(session->former_scene.scene == NULL && session->camera.scene == session->scene);
+        CHECK(session->former_scene.scene == NULL);
+        CHECK(rendered ? session->pictures->camera.scene == session->scene : !session->pictures);
         CHECK(session_plant(session, (uint32_t[]){grid_cell(&session->scene->grid, 66, 84, 50)}, 1,
                             1, NULL) == OK);
         CHECK(session_run(session, NULL) == OK);

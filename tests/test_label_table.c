@@ -1,11 +1,12 @@
 /* Tables of labels, worked by hand: each format, names that have to be made to fit, and what is
  * written. */
 #include "report/label_table.h"
+#include "session/setting.h"
 #include "session/semantics.h"
 
 #include <stdlib.h>
 
-#include "session/regions.h"
+#include "session/map.h"
 #include "tests/check.h"
 #include "tests/scarce_memory.h"
 

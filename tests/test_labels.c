@@ -7,7 +7,7 @@
 
 #include "base/mem.h"
 #include "session/piece_seeds.h"
-#include "session/regions.h"
+#include "session/map.h"
 #include "tests/small_scene.h"
 
 static uint64_t seed = 1;

@@ -11,6 +11,7 @@
 #include "base/watch.h"
 #include "check.h"
 #include "engine/scene.h"
+#include "session/session.h"
 #include "session/session_inside.h"
 #include "tui/progress.h"
 

@@ -4,7 +4,8 @@
  * nothing.
  */
 #include "base/mem.h"
-#include "show/live_finish.h"
+#include "show/draw.h"
+#include "show/pictures.h"
 #include "show/slicing.h"
 #include "tests/scarce_memory.h"
 #include "tests/small_scene.h"
@@ -155,7 +156,7 @@ static bool are_rough(const struct session *session, const uint8_t forest[CELLS]
 {
     bool follows = true, is_forest = true;
     for (uint32_t c = 0; c < CELLS; c++) {
-        const uint8_t label = session->scene->cell[c].label, now = session->live.label[c];
+        const uint8_t label = session->scene->cell[c].label, now = session->pictures->live.label[c];
         follows = follows && now == (label != forest[c] ? label : shown[c]);
         is_forest = is_forest && now == label;
     }
@@ -169,15 +170,15 @@ static void is_exact(struct interpreter *interp)
     uint8_t *label;
     CHECK(!session_is_rough(session));
     CHECK(finish_make(&label, &session->now.kept.finish, session->scene, NULL, NULL) == OK);
-    CHECK(memcmp(label, session->live.label, CELLS) == 0);
+    CHECK(memcmp(label, session->pictures->live.label, CELLS) == 0);
     mem_pages_free(label, CELLS);
-    CHECK(border_check(&session->live.border, NULL));
+    CHECK(border_check(&session->pictures->live.border, NULL));
     draw_panel(interp);
-    CHECK_INT(session->rendered, RENDERED_FINISHED);
-    const uint64_t shown = rendition_digest(&session->rendition);
-    session->rendered = RENDERED_NOT;
+    CHECK_INT(session_rendered(session), RENDERED_FINISHED);
+    const uint64_t shown = rendition_digest(&session->pictures->rendition);
+    session->follower->forget(session->pictures);
     draw_panel(interp);
-    CHECK(rendition_digest(&session->rendition) == shown);
+    CHECK(rendition_digest(&session->pictures->rendition) == shown);
 }
 
 static int looks_left;
@@ -196,9 +197,9 @@ static void refine(struct interpreter *interp)
     for (looks_left = (int)below(6); err == ERR_CANCELLED;) {
         struct watch watch = {.poll = stop_after, .step = 1 + below(3000)};
         const int looks = looks_left;
-        memcpy(before, session->live.label, CELLS);
+        memcpy(before, session->pictures->live.label, CELLS);
         err = session_refine(session, &watch, NULL);
-        CHECK(err == OK || memcmp(before, session->live.label, CELLS) == 0);
+        CHECK(err == OK || memcmp(before, session->pictures->live.label, CELLS) == 0);
         CHECK(err == OK || session_is_rough(session));
         looks_left = 2 * looks + 1;
     }
@@ -247,14 +248,14 @@ static bool goes_on(struct interpreter *interp)
     char line[96];
     draw_panel(interp);
     copy_forest(forest, session);
-    memcpy(shown, session->live.label, CELLS);
+    memcpy(shown, session->pictures->live.label, CELLS);
     write_line(line);
     execute(interp, line); /* there may be nothing to undo, or to remove */
     if (!session_shows_finished(session))
         return false;
     draw_panel(interp);
     const bool is_rough = session_is_rough(session);
-    CHECK(border_check(&session->live.border, NULL));
+    CHECK(border_check(&session->pictures->live.border, NULL));
     if (!CHECK(!is_rough || are_rough(session, forest, shown)))
         printf("#   %s\n", line);
     if (below(3)) {

@@ -10,6 +10,7 @@
 
 #include "command/interpreter.h"
 #include "engine/measure.h"
+#include "show/pictures.h"
 
 /* ---- distances ---- */
 
@@ -130,7 +131,7 @@ STORY(every_pixel_tells_the_voxel_it_shows)
     unsigned objects = 0;
     for (uint32_t y = 0; y < 30; y++)
         for (uint32_t x = 0; x < 40; x++) {
-            const uint32_t cell = session->rendition.cell[y * 40 + x];
+            const uint32_t cell = session->pictures->rendition.cell[y * 40 + x];
             snprintf(line, sizeof line, "pick %u %u", x, y);
             must(&interp, line);
             if (cell == CELL_NONE) {

@@ -7,8 +7,7 @@
 
 #include "base/file.h"
 #include "image/exr.h"
-#include "report/export.h"
-#include "show/seen_from.h"
+#include "show/export_picture.h"
 #include "tests/interpreting.h"
 #include "tests/folder.h"
 #include "tests/stopping.h"
@@ -310,7 +309,7 @@ STORY(a_turntable_shows_what_turning_shows)
     must(&interp, "spin 4 turn%02d.exr");
     CHECK_TEXT(buf_text(&reply.text), "wrote turn00.exr to turn03.exr\n");
     CHECK_HAS(buf_text(&reply.words), "spin=");
-    CHECK(interp.session->rendered && interp.session->now.outlook.view.angle[0] == 350000);
+    CHECK(session_rendered(interp.session) && interp.session->now.outlook.view.angle[0] == 350000);
     CHECK(rendition_digest(session_frame(interp.session)) == before);
     for (unsigned i = 0; i < 4; i++) {
         must(&interp, turned[i]);
@@ -459,7 +458,7 @@ STORY(a_turntable_is_all_or_nothing)
     CHECK_INT(file_write("all2.png", "mine", 4, FILE_KEEP, NULL), OK);
     is_refused(&interp, "spin 4 all%d.png", ERR_IO, "all2.png exists already and was left alone");
     CHECK_INT(count_files("all"), 1);
-    CHECK(interp.session->rendered && interp.session->now.outlook.view.angle[0] == 0);
+    CHECK(session_rendered(interp.session) && interp.session->now.outlook.view.angle[0] == 0);
     must(&interp, "spin 4 all%d.png replace=yes");
     CHECK_INT(count_files("all"), 4);
     CHECK_INT(file_read(&kept, "all2.png", 1 << 20, NULL), OK);
@@ -602,7 +601,7 @@ STORY(a_picture_that_fails_later_changes_nothing_else)
     CHECK_INT(picture_writer_new(&interp.writer, "/nonexistent/iftty-image", NULL), OK);
     must(&interp, "render going/a.png");
     CHECK_HAS(news_of(&interp), "error: cannot start the image helper /nonexistent/iftty-image");
-    CHECK(interp.session->rendered && !file_exists("going/a.png"));
+    CHECK(session_rendered(interp.session) && !file_exists("going/a.png"));
     must(&interp, "pick 45 35");
     interpreter_release(&interp);
 }

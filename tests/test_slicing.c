@@ -11,6 +11,7 @@
 #include "image/exr.h"
 #include "image/volume.h"
 #include "render/text.h"
+#include "show/pictures.h"
 #include "show/slicing.h"
 #include "tests/interpreting.h"
 #include "tests/folder.h"
@@ -588,7 +589,7 @@ static uint32_t zoom_of_panel(struct interpreter *interp)
     struct canvas canvas;
     CHECK(slicing_draw_panel(&canvas, interp->session, &panel, &fault) == OK);
     canvas_release(&canvas);
-    return interp->session->camera.view.zoom;
+    return interp->session->pictures->camera.view.zoom;
 }
 
 /* What it shows at a zoom of its own changes nothing that is recorded. */

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
-#include "session/held.h"
+#include "session/session.h"
 #include "tests/small_scene.h"
 
 static struct interpreter interp;

@@ -25,7 +25,6 @@ enum err act_fill(const struct act *act);
 /* act_seed.c */
 enum err act_remove(const struct act *act);
 enum err act_run(const struct act *act);
-enum err act_auto(const struct act *act);
 
 /* act_roi.c */
 enum err act_mask(const struct act *act);
@@ -61,7 +60,6 @@ enum err act_stats(const struct act *act);
 
 /* act_finish.c */
 enum err act_finish(const struct act *act);
-enum err act_finished(const struct act *act);
 
 /* act_surface.c: the part of act_save that is about surfaces */
 enum err act_save_surface(const struct act *act, const struct labels *labels, const char *path,

@@ -11,7 +11,7 @@
 #include "session/map.h"
 #include "session/semantics.h"
 #include "show/decorating.h"
-#include "report/export.h"
+#include "show/export_picture.h"
 #include "report/histogram.h"
 
 enum { RISES_MOST = 8 }; /* places where the cost rose that `why` lists */

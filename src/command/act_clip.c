@@ -84,8 +84,13 @@ enum err act_plane(const struct act *act)
                          "view is unchanged",
                          CUT_PLANES_MOST);
     } else {
-        cut->plane[cut->planes++] = cut_plane_through(
-            session_scene(act->session), act->value[0].place, session_camera(act->session)->ahead);
+        struct camera camera;
+        const enum err err =
+            session_aim(act->session, session_outlook(act->session), &camera, act->fault);
+        if (err)
+            return err;
+        cut->plane[cut->planes++] =
+            cut_plane_through(session_scene(act->session), act->value[0].place, camera.ahead);
     }
     return act_go(act);
 }

@@ -6,9 +6,8 @@
 #include "base/file.h"
 #include "base/mem.h"
 #include "report/comparison_picture.h"
-#include "session/finished.h"
-#include "session/map.h"
 #include "session/session.h"
+#include "session/map.h"
 
 /* The places of the parameters in the table. */
 enum { FILE_NAME, REGIONS, AS, LABEL, AT, REPORT, PICTURE, REPLACE, FINISHED, RESAMPLE };

@@ -1,9 +1,8 @@
 /* The commands `finish` and `finished`, and how commands get the labels that come of it. */
 #include "command/act.h"
 
-#include "session/finished.h"
 #include "session/session.h"
-#include "show/live_finish.h"
+#include "show/draw.h"
 
 /* The places of the parameters in the table. */
 enum { FINISH_STEP, FINISH_RADIUS, FINISH_VOXELS, FINISH_SWEEPS, FINISH_LABEL };
@@ -80,23 +79,6 @@ enum err act_finish(const struct act *act)
     if (!list->count)
         buf_add_text(&act->reply->text, "finish    none\n");
     act_write_finish(&act->reply->text, act->session);
-    return OK;
-}
-
-enum err act_finished(const struct act *act)
-{
-    const bool shows = act->value[0].number == 0;
-    act->next->outlook.shows_finished = shows;
-    const enum err err = act_go(act);
-    if (err)
-        return err;
-    if (!shows)
-        buf_add_text(&act->reply->text, "pictures show the labels of the forest\n");
-    else if (!act->next->kept.finish.count)
-        buf_add_text(&act->reply->text,
-                     "the finish has no step yet; `finish relax` adds one, and pictures show it\n");
-    else
-        act_write_finish(&act->reply->text, act->session);
     return OK;
 }
 

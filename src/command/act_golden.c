@@ -6,7 +6,7 @@
 
 #include "base/file_draft.h"
 #include "image/exr.h"
-#include "report/export.h"
+#include "show/export_picture.h"
 #include "session/semantics.h"
 #include "show/draw.h"
 

@@ -8,7 +8,6 @@
 #include "engine/hints.h"
 #include "engine/way.h"
 #include "image/geometry.h"
-#include "session/hinting.h"
 #include "session/session.h"
 #include "session/tally.h"
 

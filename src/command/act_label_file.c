@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "report/label_table.h"
-#include "session/regions.h"
+#include "session/map.h"
 
 enum { TABLE_BYTES_MOST = 16 << 20 };
 

@@ -9,7 +9,6 @@
 #include "base/hash.h"
 #include "base/mem.h"
 #include "journal/golden.h"
-#include "session/label_copy.h"
 #include "session/map.h"
 #include "session/numbering.h"
 #include "session/paint.h"

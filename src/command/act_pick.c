@@ -5,10 +5,8 @@
 
 #include "engine/measure.h"
 #include "image/geometry.h"
-#include "session/finished.h"
 #include "session/session.h"
 #include "show/draw.h"
-#include "show/live_finish.h"
 
 /* The voxel that a pixel of the rendition shows, or CELL_NONE. What the pilot has drawn may be at a
  * zoom of its own. */

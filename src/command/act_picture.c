@@ -8,7 +8,7 @@
 #include "session/semantics.h"
 #include "session/session.h"
 #include "show/decorating.h"
-#include "report/export.h"
+#include "show/export_picture.h"
 #include "show/draw.h"
 
 /* ---- pictures ---- */

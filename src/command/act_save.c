@@ -3,13 +3,13 @@
 
 #include "base/file.h"
 #include "image/surface_file.h"
-#include "report/export.h"
+#include "report/export_map.h"
 #include "report/label_table.h"
 #include "session/numbering.h"
 #include "session/semantics.h"
 #include "session/session.h"
 #include "session/tally.h"
-#include "show/live_finish.h"
+#include "show/draw.h"
 
 enum err act_check_report(const struct value *file, struct fault *fault)
 {

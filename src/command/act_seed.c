@@ -196,13 +196,3 @@ enum err act_run(const struct act *act)
 {
     return session_run(act->session, act->fault);
 }
-
-enum err act_auto(const struct act *act)
-{
-    const size_t waits = session_pendings(act->session);
-    act->next->outlook.runs_by_itself = act->value[0].number == 0;
-    if (waits && act->next->outlook.runs_by_itself)
-        buf_printf(&act->reply->text, "%zu edit%s waiting for `run` or the next edit\n", waits,
-                   plural(waits));
-    return act_go(act);
-}

@@ -32,6 +32,29 @@ static int64_t held(const struct setting_member *member, const struct value *val
     }
 }
 
+/* What one may not expect of a member that was set. */
+static void say(const struct act *act, size_t member)
+{
+    struct buf *out = &act->reply->text;
+    const struct outlook *outlook = session_outlook(act->session);
+    const size_t waits = session_pendings(act->session);
+    if (member == offsetof(struct state, outlook.runs_by_itself)) {
+        if (outlook->runs_by_itself && waits)
+            buf_printf(out, "%zu edit%s waiting for `run` or the next edit\n", waits,
+                       plural(waits));
+        return;
+    }
+    if (member != offsetof(struct state, outlook.shows_finished))
+        return;
+    if (!outlook->shows_finished)
+        buf_add_text(out, "pictures show the labels of the forest\n");
+    else if (!session_kept(act->session)->finish.count)
+        buf_add_text(out, "the finish has no step yet; `finish relax` adds one, and pictures show "
+                          "it\n");
+    else
+        act_write_finish(out, act->session);
+}
+
 enum err act_set(const struct act *act)
 {
     const struct parameter *parameter = act->command->parameter;
@@ -54,5 +77,7 @@ enum err act_set(const struct act *act)
         act_add_weights(act);
     if (!err && act->command->group == GROUP_SLICES)
         act_write_slices(&act->reply->text, act->session);
+    if (!err)
+        say(act, parameter->sets.at);
     return err;
 }

@@ -13,7 +13,7 @@
 #include "render/fit.h"
 #include "session/session.h"
 #include "show/decorating.h"
-#include "report/export.h"
+#include "show/export_picture.h"
 #include "show/draw.h"
 
 /* The places of the parameters in the table. */
@@ -282,7 +282,7 @@ static enum err prepare(struct spin *spin)
                          "name that ends in .gif or .tif; not %s",
                          value[NAME].text);
     const enum err err = read_axes(spin, &value[AXIS]);
-    spin->needs_maps = is_exr(spin) || !session_draws_colours(spin->act->session);
+    spin->needs_maps = is_exr(spin) || !export_takes_colours(spin->act->session);
     spin->total = spin->count * spin->axes;
     if (!err && spin->total > IMAGE_FRAMES_MOST)
         return fault_set(fault, ERR_USAGE, "%u turns of %u pictures: at most %d pictures in all",

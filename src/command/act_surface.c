@@ -2,7 +2,7 @@
 #include "command/act.h"
 
 #include "image/surface_file.h"
-#include "report/export.h"
+#include "report/export_map.h"
 
 enum { PASSES_USUALLY = 20 };
 

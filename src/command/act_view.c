@@ -81,8 +81,12 @@ enum err act_zoom(const struct act *act)
 
 enum err act_pan(const struct act *act)
 {
-    view_pan(&act->next->outlook.view, session_camera(act->session), act->value[0].number,
-             act->value[1].number);
+    struct camera camera;
+    const enum err err =
+        session_aim(act->session, session_outlook(act->session), &camera, act->fault);
+    if (err)
+        return err;
+    view_pan(&act->next->outlook.view, &camera, act->value[0].number, act->value[1].number);
     return act_go(act);
 }
 

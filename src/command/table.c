@@ -8,7 +8,7 @@
 #include "engine/weight.h"
 #include "render/decoration.h"
 #include "render/view.h"
-#include "report/export.h"
+#include "report/export_map.h"
 #include "session/piece_seeds.h"
 #include "session/seed_file.h"
 #include "show/slicing.h"
@@ -348,14 +348,6 @@ static const struct command command_table[] = {
      "Later commands belong to it; `goto` leads to the other branches. `iftty log --graph` draws "
      "them.",
      "branch with-brainstem"},
-    {COMMAND("auto", act_auto, GROUP_SEEDS, R),
-     {NEED("STATE", VALUE_CHOICE, .choices = "on|off")},
-     "whether each edit runs at once",
-     "off in scripts, on at the prompt. What waits is applied by the next command that edits, with "
-     "what that does, or that shows labels or answers from them, or by `run`. Turning it on "
-     "applies nothing, nor do undo, redo and goto: the "
-     "edits that wait in the segmentation that they lead to still wait.",
-     "auto on"},
     {COMMAND("view", act_view, GROUP_VIEW, R | S),
      {NEED("YAW", VALUE_DECIMAL, .choices = VIEW_NAMES, .least = -TURNS, .most = TURNS),
       MAY("PITCH", VALUE_DECIMAL, .least = -TURNS, .most = TURNS),
@@ -537,14 +529,6 @@ static const struct command command_table[] = {
      "sweeps: of `relax`, 60 unless given.\n"
      "label: for one label, instead of all.",
      "finish majority radius=1"},
-    {COMMAND("finished", act_finished, GROUP_KEPT, R | S),
-     {NEED("STATE", VALUE_CHOICE, .choices = "on|off")},
-     "whether pictures show the labels as finished",
-     "In slices, mosaics, renditions and the pilot, which follow each seed and eliminator. The "
-     "pilot shows the labels of the forest at once where they change, and the finished ones as "
-     "soon as they are made. Maps, surfaces and reports are finished where `finished=yes` asks for "
-     "it. off by default.",
-     "finished on"},
     {CALLED("save", "export|write", act_save, GROUP_KEPT, R | S | E | A),
      {NEED("MAP", VALUE_CHOICE, .choices = MAPS "|seeds|names|surface"), NEED("FILE", VALUE_FILE),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED,

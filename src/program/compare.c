@@ -13,14 +13,14 @@
 #include "report/comparison_picture.h"
 #include "session/map.h"
 #include "session/session.h"
-#include "session/session_inside.h"
+#include "session/state.h"
 
 enum { PICTURE_SIDE = 1024 };
 
 /* Both maps, and what is known of their grid. */
 struct pair {
     const struct options *options;
-    uint16_t *as;            /* the labels that the values of both become (session/regions.h) */
+    uint16_t *as;            /* the labels that the values of both become (session/map.h) */
     struct session *session; /* for a picture */
     struct grid grid;
     struct geometry geometry;

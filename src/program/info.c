@@ -21,7 +21,7 @@
 #include "program/programs.h"
 #include "confine/confine.h"
 #include "confine/confine_calls.h"
-#include "report/export.h"
+#include "show/export_picture.h"
 #include "report/histogram.h"
 #include "session/semantics.h"
 #include "tui/cells.h"

@@ -4,10 +4,9 @@
 
 #include "program/shown.h"
 #include "report/label_report.h"
-#include "session/hinting.h"
+#include "session/session.h"
 #include "session/state.h"
 #include "show/draw.h"
-#include "show/live_finish.h"
 #include "show/window.h"
 #include "tui/pilot/pilot_keys.h"
 
@@ -104,10 +103,7 @@ static bool why(void *context, const uint32_t place[3], struct pilot_way *way, s
 
 static unsigned hints(void *context)
 {
-    const struct hint_list *found;
-    return session_find_hints(session_of(context), &found, NULL, NULL) == OK
-               ? (unsigned)found->count
-               : 0;
+    return voxel_facts_hints(session_of(context));
 }
 
 static bool held(void *context, const uint32_t place[3], bool tree, struct buf *out)

@@ -8,7 +8,7 @@
 #include "program/anonymise.h"
 #include "journal/log.h"
 #include "journal/walk.h"
-#include "report/export.h"
+#include "show/export_picture.h"
 
 /* The members of the document: the journal is read once for each. */
 enum member { ENTITY, ACTIVITY, USED, GENERATED, DERIVED, ASSOCIATED, MEMBERS };

@@ -4,6 +4,7 @@
 #include "program/programs.h"
 #include "session/session.h"
 #include "session/tally.h"
+#include "show/decorating.h"
 #include "show/draw.h"
 #include "tui/prompt/repl.h"
 

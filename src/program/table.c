@@ -1,6 +1,6 @@
 /* The table of programs, and that of their options. */
 #include "program/programs.h"
-#include "session/regions.h"
+#include "session/map.h"
 #include "verify/signature.h"
 #include "verify/verify.h"
 

@@ -8,7 +8,7 @@
 #include "base/mem.h"
 #include "render/mosaic.h"
 #include "render/text.h"
-#include "report/export.h"
+#include "show/export_picture.h"
 #include "show/slicing.h"
 #include "show/window.h"
 

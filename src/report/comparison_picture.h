@@ -15,7 +15,7 @@
 #define REPORT_COMPARISON_PICTURE_H
 
 #include "image/picture.h"
-#include "report/comparison_report.h"
+#include "report/comparison.h"
 #include "session/session.h"
 
 /* How the labels of a voxel differ; 0 where neither is an object. */

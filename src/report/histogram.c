@@ -40,7 +40,7 @@ void histogram_of_counts(struct histogram *histogram, const uint32_t count[UINT1
                          const struct geometry *geometry)
 {
     int32_t window[2];
-    window_of_counts(window, count);
+    intensities_range(window, count, WINDOW_BLACK, WINDOW_WHITE);
     if (geometry->slope < 0) {
         const int32_t least = window[0];
         window[0] = window[1];

@@ -53,7 +53,7 @@ struct label_tally {
 };
 
 /* Gives labels 1..255 the names and colours of the entries: of entry n, to the label as[n]
- * (session/regions.h). A name that another label has by then gets the number of the label at its
+ * (session/map.h). A name that another label has by then gets the number of the label at its
  * end. ERR_INPUT, and nothing has changed, where two entries are for one label, or none is for
  * any. */
 enum err label_table_apply(struct kept *kept, struct label_tally *tally,

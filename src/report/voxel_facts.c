@@ -4,11 +4,12 @@
 
 #include "base/mem.h"
 #include "engine/centre.h"
+#include "engine/hints.h"
 #include "engine/rival.h"
 #include "report/label_report.h"
 #include "session/markers.h"
 #include "session/tally.h"
-#include "show/live_finish.h"
+#include "show/draw.h"
 
 static uint32_t cell_at(const struct session *session, const uint32_t p[3])
 {
@@ -80,7 +81,7 @@ void voxel_facts_write(struct buf *out, struct session *session, const uint32_t 
         buf_add_text(out, "  orientation unknown");
     else if (geometry->orientation == ORIENTATION_TOLD)
         buf_add_text(out, "  sides as told by the user");
-    const unsigned shown = live_finish_label(session, at);
+    const unsigned shown = session_shown_label(session, at);
     if (shown != cell->label) {
         buf_add_text(out, "  finished label ");
         label_report_write_name(out, session, shown);
@@ -166,6 +167,12 @@ bool voxel_facts_find_held(struct held *held, const struct session *session,
     buf_add_text(out, ", label ");
     label_report_write_name(out, session, held->label);
     return true;
+}
+
+unsigned voxel_facts_hints(struct session *session)
+{
+    const struct hint_list *found;
+    return session_find_hints(session, &found, NULL, NULL) == OK ? (unsigned)found->count : 0;
 }
 
 /* ---- of a label ---- */

@@ -1,8 +1,14 @@
 /* The one way to change a session: going to a state, and making anew what does not fit it. */
-#include "session/session_inside.h"
+#include "session/session.h"
+
+#include <stdlib.h>
+#include <string.h>
 
 #include "base/mem.h"
-#include "session/roi_check.h"
+#include "base/sort.h"
+#include "image/levels.h"
+#include "session/session_inside.h"
+#include "session/setting.h"
 
 /* ---- weights ---- */
 
@@ -103,6 +109,14 @@ static void open_region(struct session *session)
         roi_apply(&open, session->scene);
 }
 
+void roi_range(struct roi *roi, const struct geometry *geometry, const struct levels *levels,
+               const struct decimal range[2])
+{
+    const struct interval interval = levels_within(geometry, levels, range);
+    roi->low = interval.low;
+    roi->high = interval.high;
+}
+
 static enum err apply_region(struct session *session, struct fault *fault)
 {
     const struct kept *kept = &session->now.kept;
@@ -128,10 +142,11 @@ static void forget_labels(struct session *session)
 {
     tally_forget(&session->tally);
     label_measures_forget(&session->measures);
-    live_finish_drop(session);
+    if (session->pictures)
+        session->follower->forget_labels(session->pictures);
 }
 
-/* Tally, measures, borders and rendition after a change of the forest (S2). */
+/* Tally, measures, border and pictures after a change of the forest (S2). */
 static void follow_forest(struct session *session)
 {
     const struct changes changes = forest_changes(session->forest);
@@ -141,8 +156,8 @@ static void follow_forest(struct session *session)
         border_update(&session->border, &changes);
     if (watch_stops(session->watch))
         session->stale |= MADE_BORDER;
-    session_follow_rendition(session, RENDERED_FOREST, &changes);
-    live_finish_follow(session, &changes);
+    if (session->pictures)
+        session->follower->follow(session->pictures, &changes);
 }
 
 /* A forest that is to grow anew, or is not wanted yet, has its seeds changed and no more. */
@@ -176,6 +191,17 @@ static enum err grow(struct session *session, struct fault *fault)
 }
 
 /* ---- going ---- */
+
+enum err session_aim(const struct session *session, const struct outlook *outlook,
+                     struct camera *camera, struct fault *fault)
+{
+    const uint32_t samples = outlook->look.samples;
+    struct view fine = outlook->view; /* `samples` pixels for each of its own, along both sides */
+    fine.width *= samples;
+    fine.height *= samples;
+    fine.zoom *= samples;
+    return camera_init(camera, session->scene, &fine, fault);
+}
 
 /* One part after the other, in the order in which they follow from each other. */
 static enum err make(struct session *session, unsigned part,
@@ -260,8 +286,7 @@ enum err session_go(struct session *session, const struct state *state, const st
                     size_t seeds, struct fault *fault)
 {
     const unsigned parts = session->stale | state_difference(&session->now, state);
-    const bool aims =
-        session->has_scene && (parts & MADE_CAMERA || session->camera.scene != session->scene);
+    const bool aims = session->has_scene && parts & MADE_CAMERA;
     struct camera camera;
     if (aims)
         session_place(session, &state->kept);
@@ -276,10 +301,10 @@ enum err session_go(struct session *session, const struct state *state, const st
     state_assign(&session->now, state);
     if (!session->has_scene)
         return OK;
-    if (aims)
-        session_take_camera(session, &camera);
+    if (aims && session->pictures)
+        session->follower->take_camera(session->pictures, &camera);
     if (parts & (MADE_BORDER | MADE_COLOURS)) {
-        session->rendered = RENDERED_NOT;
+        session_forget_pictures(session);
         kept_show(&state->kept, &session->border);
     }
     session->stale = parts & ~(unsigned)(MADE_CAMERA | MADE_COLOURS);
@@ -289,7 +314,7 @@ enum err session_go(struct session *session, const struct state *state, const st
 void session_skim(struct session *session)
 {
     session->skims = true;
-    session->rendered = RENDERED_NOT;
+    session_forget_pictures(session);
     session->stale |= MADE_FOREST;
     forest_suspend(session->forest);
 }
@@ -310,4 +335,127 @@ enum err session_complete(struct session *session, struct fault *fault)
     const enum err err = follow(session, NULL, 0, fault);
     session->waits = session->scene->plain != NULL;
     return err;
+}
+
+/* ---- settings that take more than a change of the state ---- */
+
+/* A copy of it borrows what it shares with the present one; what is new in it is released once the
+ * session holds it. */
+
+static void set_words(char words[FILE_WORDS_BYTES], const char *name)
+{
+    memset(words, 0, FILE_WORDS_BYTES);
+    memcpy(words, name, strnlen(name, FILE_WORDS_BYTES - 1));
+}
+
+enum err session_set_weight_map(struct session *session, const char *name, const uint16_t *weight,
+                                struct fault *fault)
+{
+    struct state next = session->now;
+    struct packed *map;
+    enum err err = packed_new(&map, weight, session->scene->grid.voxels * sizeof *weight,
+                              session->watch, fault);
+    if (err)
+        return err;
+    next.kept.weight = (struct weight_choice){.kind = WEIGHT_FILE};
+    next.kept.weight_map = map;
+    set_words(next.kept.weight_file, name);
+    err = session_go(session, &next, NULL, 0, fault);
+    packed_release(map);
+    return err;
+}
+
+/* Voxels outside where a run would plant a seed: the last edit of each decides. */
+static enum err count_waiting(const struct roi *roi, const struct scene *scene,
+                              const struct edit *pending, size_t pendings, size_t *waiting,
+                              struct fault *fault)
+{
+    uint64_t *rank = mem_array(pendings, sizeof *rank); /* cell and place among the edits */
+    size_t count = 0;
+    if (!rank)
+        return fault_memory(fault, "a region of interest");
+    for (size_t i = 0; i < pendings; i++)
+        if (!roi_holds(roi, scene, pending[i].cell))
+            rank[count++] = (uint64_t)pending[i].cell << 32 | i;
+    const enum err err = sort_by_upper_half(rank, count, scene->watch, fault);
+    *waiting = 0;
+    for (size_t i = 0; !err && i < count; i++)
+        *waiting += pending[(uint32_t)rank[i]].label != EDIT_ERASE &&
+                    (i + 1 == count || rank[i + 1] >> 32 != rank[i] >> 32);
+    free(rank);
+    return err;
+}
+
+/* Nothing may be inside that no voxel is, nor seeds be outside: those planted in the scene, and
+ * those that a run of the pending edits, in their order, would plant. */
+static enum err roi_check(const struct roi *roi, const struct scene *scene,
+                          const struct edit *pending, size_t pendings, struct fault *fault)
+{
+    size_t waiting = 0;
+    enum err err = count_waiting(roi, scene, pending, pendings, &waiting, fault);
+    if (err)
+        return err;
+    const struct roi_tally tally = roi_tally(roi, scene);
+    err = watch_fault(scene->watch, fault);
+    if (err)
+        return err;
+    if (!tally.inside)
+        return fault_set(fault, ERR_INPUT,
+                         "no voxel of the scene would be inside; nothing has changed");
+    if (tally.seeds_outside || waiting)
+        return fault_set(fault, ERR_INPUT,
+                         "%zu planted and %zu waiting seeds would be outside; remove them and run "
+                         "first; nothing has changed",
+                         tally.seeds_outside, waiting);
+    return OK;
+}
+
+static enum err check_region(const struct session *session, const struct roi *roi,
+                             struct fault *fault)
+{
+    return roi_check(roi, session->scene, edits_first(&session->now.lists.pending),
+                     session_pendings(session), fault);
+}
+
+enum err session_set_mask(struct session *session, const uint64_t *mask, const char *name,
+                          const uint32_t regions[2], struct fault *fault)
+{
+    const struct roi roi = {mask, session->roi.low, session->roi.high};
+    struct state next = session->now;
+    struct packed *packed = NULL;
+    enum err err = check_region(session, &roi, fault);
+    if (!err && mask)
+        err = packed_new(&packed, mask, mask_bytes(&session->scene->grid), session->watch, fault);
+    if (err)
+        return err;
+    next.kept.mask = packed;
+    set_words(next.kept.mask_file, mask ? name : "");
+    for (int i = 0; i < 2; i++)
+        next.kept.mask_regions[i] = mask ? regions[i] : 0;
+    err = session_go(session, &next, NULL, 0, fault);
+    packed_release(packed);
+    return err;
+}
+
+enum err session_set_range(struct session *session, const struct decimal range[2],
+                           struct fault *fault)
+{
+    struct roi roi = {session->roi.mask, 0, UINT16_MAX};
+    struct state next = session->now;
+    if (range)
+        roi_range(&roi, &session->geometry, session->levels, range);
+    enum err err = check_region(session, &roi, fault);
+    if (err)
+        return err;
+    next.kept.has_range = range != NULL;
+    for (int i = 0; i < 2; i++)
+        next.kept.range[i] = range ? range[i] : (struct decimal){0, 0, 0};
+    return session_go(session, &next, NULL, 0, fault);
+}
+
+enum err session_set_view(struct session *session, const struct view *view, struct fault *fault)
+{
+    struct state next = session->now;
+    next.outlook.view = *view;
+    return session_go(session, &next, NULL, 0, fault);
 }

@@ -24,12 +24,14 @@
 #define SESSION_HISTORY_H
 
 #include "base/packed.h"
-#include "session/kept_settings.h"
 #include "session/session.h"
+#include "session/state.h"
 
 #define POINT_NONE UINT32_MAX
 
 enum { BRANCH_NAME_BYTES = 64 };
+
+struct kept_settings;
 
 struct point {
     uint32_t parent; /* POINT_NONE for the root */
@@ -84,6 +86,17 @@ struct history_place {
 void history_init(struct history *history);
 void history_release(struct history *history);
 size_t history_memory(const struct history *history);
+
+/* ---- what is kept of the settings at each point, in little room ---- */
+
+/* Immutable and counted: each holder drops it once. Those of `kept`, with one holder; `like` is
+ * what they differ little from, or NULL. NULL where there is no memory. */
+struct kept_settings *kept_settings_new(const struct kept_settings *like, const struct kept *kept);
+struct kept_settings *kept_settings_hold(struct kept_settings *settings); /* one holder more */
+void kept_settings_drop(struct kept_settings *settings);                  /* NULL is fine */
+
+/* A copy that borrows. */
+struct kept kept_settings_get(const struct kept_settings *settings);
 
 /* ---- ways ---- */
 

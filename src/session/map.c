@@ -1,11 +1,15 @@
 #include "session/map.h"
 
+#include <endian.h>
 #include <math.h>
+#include <nettle/sha2.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
+#include "base/hash.h"
 #include "base/mem.h"
+#include "base/scan.h"
 #include "image/regrid.h"
 
 enum err map_check_size(const uint32_t is[3], const struct grid *grid, struct fault *fault)
@@ -293,4 +297,120 @@ enum err map_to_labels(uint8_t **label, struct volume *map, const struct map_lab
 enum err map_to_weights(struct volume *map, struct watch *watch, struct fault *fault)
 {
     return convert(map, 0, UINT16_MAX, ODD, "weights are whole numbers 0..65535", watch, fault);
+}
+
+/* ---- regions that are chosen ---- */
+
+/* The numbers of a list, one after another. */
+struct numbers {
+    const char *at;
+    int64_t next, last;
+};
+
+static struct numbers numbers_of(const char *list)
+{
+    return (struct numbers){list, 1, 0};
+}
+
+static bool take_number(struct numbers *numbers, int64_t *number)
+{
+    if (numbers->next > numbers->last &&
+        !scan_list_range(&numbers->at, 0, REGION_MOST, &numbers->next, &numbers->last))
+        return false;
+    *number = numbers->next++;
+    return true;
+}
+
+static enum err pair_up(uint16_t *as, const char *regions, const char *labels, struct fault *fault)
+{
+    struct numbers region = numbers_of(regions), label = numbers_of(labels ? labels : regions);
+    int64_t r, l;
+    while (take_number(&region, &r)) {
+        if (as[r] != REGION_NONE)
+            return fault_set(fault, ERR_USAGE, "regions: %lld stands there twice", (long long)r);
+        if (!take_number(&label, &l))
+            return fault_set(fault, ERR_USAGE,
+                             "as: expected a label for each of `regions`; from %lld on there is "
+                             "none",
+                             (long long)r);
+        as[r] = (uint16_t)l;
+    }
+    if (take_number(&label, &l))
+        return fault_set(fault, ERR_USAGE, "as: label %lld and those after it have no region",
+                         (long long)l);
+    return OK;
+}
+
+enum err regions_new(uint16_t **as, const char *regions, const char *labels, struct fault *fault)
+{
+    *as = NULL;
+    if (labels && !regions)
+        return fault_set(fault, ERR_USAGE, "as: needs `regions`, which become these labels");
+    uint16_t *made = mem_array(REGION_MOST + 1, sizeof *made);
+    if (!made)
+        return fault_memory(fault, "the regions");
+    for (uint32_t r = 0; r <= REGION_MOST; r++)
+        made[r] = regions || r == 0 ? REGION_NONE : (uint16_t)r;
+    const enum err err = regions ? pair_up(made, regions, labels, fault) : OK;
+    if (err)
+        free(made);
+    else
+        *as = made;
+    return err;
+}
+
+/* ---- copies ---- */
+
+enum { PIECE = 4096 };
+
+enum err label_copy_digest(char digest[LABEL_COPY_DIGEST], const struct volume *map,
+                           struct watch *watch, struct fault *fault)
+{
+    const size_t voxels = (size_t)map->size[0] * map->size[1] * map->size[2];
+    struct sha256_ctx sha;
+    uint32_t size[3];
+    uint16_t piece[PIECE];
+    struct task task = task_begin(watch, "digest of the labels", voxels);
+    for (int a = 0; a < 3; a++)
+        size[a] = htole32(map->size[a]);
+    sha256_init(&sha);
+    sha256_update(&sha, sizeof size, (const uint8_t *)size);
+    for (size_t i = 0; i < voxels && task_advance(&task, PIECE);) {
+        size_t n = 0;
+        while (n < PIECE && i < voxels)
+            piece[n++] = htole16(map->intensity[i++]);
+        sha256_update(&sha, n * sizeof *piece, (const uint8_t *)piece);
+    }
+    sha256_hex(digest, &sha, (LABEL_COPY_DIGEST - 1) / 2);
+    return watch_fault(watch, fault);
+}
+
+bool label_copy_is_digest(const char *text)
+{
+    return strlen(text) == LABEL_COPY_DIGEST - 1 &&
+           strspn(text, "0123456789abcdef") == LABEL_COPY_DIGEST - 1;
+}
+
+void label_copy_name(struct buf *out, const char *digest)
+{
+    buf_printf(out, "labels-%s.nii.gz", digest);
+}
+
+static void copy_row(void *context, uint32_t y, uint32_t z, void *values)
+{
+    const struct volume *map = context;
+    const size_t row = map->size[0];
+    memcpy(values, map->intensity + row * (y + (size_t)map->size[1] * z), row * sizeof(uint16_t));
+}
+
+enum err label_copy_write(const char *path, const struct volume *map,
+                          const struct geometry *geometry, struct watch *watch, struct fault *fault)
+{
+    const struct volume_map copy = {.size = map->size,
+                                    .geometry = geometry,
+                                    .type = VOXEL_UINT16,
+                                    .description = "iftty labels, copied",
+                                    .row = copy_row,
+                                    .context = (void *)(uintptr_t)map};
+    return volume_write(path, FILE_KEEP, &copy, watch, fault);
 }

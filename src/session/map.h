@@ -1,14 +1,34 @@
 /*
- * Maps: volumes on the scene's grid whose voxels hold whole numbers. Label maps, masks,
- * weights.
+ * Maps: volumes on the scene's grid whose voxels hold whole numbers. Label maps, masks, weights.
+ *
+ * Regions are the numbers of a map or a table. Atlases number them up to 65533, and labels are
+ * 1..255 (0 for the background), so a user chooses: regions "2001,2002,2101-2110" as "1,2,11-20",
+ * the first region the first label and so on.
+ *
+ * A copy of a label map is what a command has taken from a file that somebody else may move, change
+ * or delete, as the result of a learned model. It lies beside the journal, in the folder of its
+ * golden images, and goes with it; so a replay needs neither the file nor the model. It holds
+ * labels 0..255, and 65535 in voxels of regions that were not chosen, as uint16 on the scene's
+ * grid, and nothing that the file said besides. Its name is the digest of those numbers, which the
+ * command records:
+ *
+ *     study.golden/labels-0123456789abcdef0123456789abcdef.nii.gz
  */
 #ifndef SESSION_MAP_H
 #define SESSION_MAP_H
 
+#include "base/buf.h"
 #include "base/err.h"
 #include "engine/grid.h"
 #include "image/volume.h"
-#include "session/regions.h"
+
+enum { REGION_MOST = 65533, REGION_NONE = 65535 };
+
+/* The label that each region becomes, [REGION_MOST + 1], freed by free(); REGION_NONE for one that
+ * is not chosen. `regions` NULL chooses 1..REGION_MOST. `labels` NULL gives each its own number,
+ * which may be none of a label. Both are lists as the parser takes them. ERR_USAGE where they are
+ * not of one length, or choose a region twice. */
+enum err regions_new(uint16_t **as, const char *regions, const char *labels, struct fault *fault);
 
 /* ERR_INPUT where a map of this size does not lie on the scene's grid. */
 enum err map_check_size(const uint32_t is[3], const struct grid *grid, struct fault *fault);
@@ -50,7 +70,7 @@ enum err map_to_regions(struct volume *map, uint32_t first, uint32_t last, struc
 /* Which labels the regions of a map become. */
 enum { LABEL_OWN = -1 };
 struct map_labels {
-    const uint16_t *as; /* those chosen and their labels (session/regions.h); NULL: 1 and above */
+    const uint16_t *as; /* those chosen and their labels (regions_new); NULL: 1 and above */
     int label;          /* of all that are chosen but 0, or LABEL_OWN: by `as`, or its number */
 };
 
@@ -76,5 +96,23 @@ enum err map_refuse_region(uint32_t region, struct fault *fault);
 
 /* As map_to_regions; ERR_INPUT where one is not a whole number 0..65535. */
 enum err map_to_weights(struct volume *map, struct watch *watch, struct fault *fault);
+
+/* ---- copies ---- */
+
+enum { LABEL_COPY_DIGEST = 33 }; /* 32 digits and NUL: 128 bits of SHA-256 */
+
+/* Of a map as map_choose leaves it: over its sides as 32 bits each, then its labels, x fastest, as
+ * 16 bits; all little-endian. */
+enum err label_copy_digest(char digest[LABEL_COPY_DIGEST], const struct volume *map,
+                           struct watch *watch, struct fault *fault); /* ERR_CANCELLED */
+bool label_copy_is_digest(const char *text);
+
+/* Adds the name of a copy in its folder. */
+void label_copy_name(struct buf *out, const char *digest);
+
+/* Writes it, at the place of `geometry`; there is none yet. The errors of volume_write. */
+enum err label_copy_write(const char *path, const struct volume *map,
+                          const struct geometry *geometry, struct watch *watch,
+                          struct fault *fault);
 
 #endif

@@ -1,7 +1,7 @@
 /*
  * Own numbers of labels: what they are called in files.
  *
- * A label is 0..255, and atlases number their regions up to 65533 (session/regions.h). So regions
+ * A label is 0..255, and atlases number their regions up to 65533 (session/map.h). So regions
  * of a file that are not all labels by their own numbers become labels in rising order, each the
  * lowest that is free, and the label remembers its number: maps and tables that are saved have it
  * again, and those that are read are understood by it.
@@ -21,7 +21,7 @@
 
 #include "base/buf.h"
 #include "session/markers.h"
-#include "session/regions.h"
+#include "session/map.h"
 #include "session/state.h"
 
 /* What a label is in files; 0 for the background, and where its number is another label's. */

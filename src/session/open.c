@@ -1,4 +1,5 @@
 /* How a scene comes into a session: opened, or interpolated in the place of the one before. */
+#include "session/session.h"
 #include "session/session_inside.h"
 
 #include <assert.h>
@@ -203,7 +204,7 @@ static enum err show_first(struct session *session, struct fault *fault)
     next.outlook.view = view_default(session->scene);
     for (int a = 0; a < 3; a++)
         next.outlook.slices.cross[a] = session->scene->grid.size[a] / 2;
-    session->stale = MADE_WEIGHTS | MADE_ROI;
+    session->stale = MADE_WEIGHTS | MADE_ROI | MADE_CAMERA;
     enum err err = session_go(session, &next, NULL, 0, fault);
     if (err == ERR_LIMIT)
         fault_set(fault, err,
@@ -280,8 +281,8 @@ static enum err replace_scene(struct session *session, unsigned doubled, struct 
         scene_free(next.scene);
         return err;
     }
-    live_finish_drop(session);
-    shader_release(&session->shader);
+    if (session->pictures)
+        session->follower->leave_scene(session->pictures);
     label_measures_release(&session->measures);
     session->former_scene =
         (struct former_scene){.scene = session->scene,
@@ -301,7 +302,7 @@ static enum err replace_scene(struct session *session, unsigned doubled, struct 
     session->tally = tally_of_none(next.scene);
     session->tally_before_edit.stale = true;
     session->knows_window = false;
-    session->stale = MADE_WEIGHTS | MADE_ROI;
+    session->stale = MADE_WEIGHTS | MADE_ROI | MADE_CAMERA;
     if (session->skims)
         session_skim(session);
     return OK;

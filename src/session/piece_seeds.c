@@ -5,7 +5,7 @@
 
 #include "base/mem.h"
 #include "engine/components.h"
-#include "session/regions.h"
+#include "session/map.h"
 
 void piece_seeds_release(struct piece_seeds *seeds)
 {

@@ -68,7 +68,7 @@ enum err seeds_from_list(struct seeds *seeds, const char *text, size_t length,
 
 struct region_choice {
     uint32_t first, last; /* map values, 0..REGION_MOST */
-    const uint16_t *as;   /* of these, those chosen and their labels (session/regions.h); NULL: all
+    const uint16_t *as;   /* of these, those chosen and their labels (session/map.h); NULL: all
                              of them, each as a label of its number */
     int label;            /* of all seeds, whatever `as` says, or LABEL_OWN */
     unsigned erode;       /* rounds; a voxel stays while its six neighbours are of its region */

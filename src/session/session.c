@@ -1,11 +1,12 @@
-#include "session/session_inside.h"
+#include "session/session.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "base/mem.h"
-#include "session/session.h"
-#include "show/draw.h"
+#include "session/session_inside.h"
+#include "session/setting.h"
 
 static void begin(struct session *session, unsigned semantics)
 {
@@ -34,10 +35,9 @@ void session_take_semantics(struct session *session, unsigned semantics)
 void session_close_scene(struct session *session)
 {
     session_settle(session);
-    session_release_rendition(session);
-    live_finish_drop(session);
-    context_release(&session->context);
-    shader_release(&session->shader);
+    if (session->pictures)
+        session->follower->release(session->pictures);
+    session->pictures = NULL;
     label_measures_release(&session->measures);
     finished_release(&session->finished);
     hinting_release(&session->hinting);
@@ -50,10 +50,9 @@ void session_close_scene(struct session *session)
     session->levels = NULL;
     session->roi = roi_none();
     session->mask_room = NULL;
-    session->camera.scene = NULL;
     session->forest = NULL;
     session->scene = NULL;
-    session->has_scene = session->knows_window = session->waits = false;
+    session->has_scene = session->waits = session->knows_window = false;
     session->stale = 0;
 }
 
@@ -81,18 +80,6 @@ void session_free(struct session *session)
     if (session)
         end(session);
     free(session);
-}
-
-void session_release_rendition(struct session *session)
-{
-    rendition_release(&session->rendition);
-    rendition_release(&session->reduced);
-    layers_release(&session->layers);
-    free(session->decorated);
-    session->decorated = NULL;
-    session->decorated_pixels = 0;
-    context_forget(&session->context);
-    session->rendered = RENDERED_NOT;
 }
 
 /* ---- what it knows ---- */
@@ -182,11 +169,6 @@ const struct tally *session_former_tally(const struct session *session)
     return &session->former_tally;
 }
 
-const struct camera *session_camera(const struct session *session)
-{
-    return &session->camera;
-}
-
 const struct map_part *session_part(const struct session *session)
 {
     return &session->part;
@@ -247,9 +229,22 @@ bool session_is_private(const struct session *session)
     return session->is_private;
 }
 
-enum rendered session_rendered(const struct session *session)
+struct border *session_own_border(struct session *session)
 {
-    return session->rendered;
+    return &session->border;
+}
+
+struct pictures *session_pictures(const struct session *session)
+{
+    return session->pictures;
+}
+
+void session_take_pictures(struct session *session, struct pictures *pictures,
+                           const struct follower *follower)
+{
+    assert(session->has_scene && !session->pictures);
+    session->pictures = pictures;
+    session->follower = follower;
 }
 
 struct team *session_team(const struct session *session)
@@ -294,11 +289,12 @@ struct session_memory session_memory_parts(const struct session *session)
     if (!session->has_scene)
         return parts;
     parts.scene = scene_memory(session);
-    parts.answers = hinting_memory(&session->hinting) + session->finished.cells +
-                    live_finish_memory(&session->live) + label_measures_memory(&session->measures);
-    parts.pictures = rendition_bytes(&session->rendition) + rendition_bytes(&session->reduced) +
-                     layers_bytes(&session->layers) + context_bytes(&session->context) +
-                     4 * session->decorated_pixels + shader_bytes(&session->shader);
+    const struct hinting *hinting = &session->hinting;
+    parts.answers = (hinting->heat ? hinting->cells : 0) +
+                    hinting->hints.capacity * sizeof *hinting->hints.item +
+                    session->finished.cells + label_measures_memory(&session->measures);
+    if (session->pictures)
+        session->follower->count_memory(session->pictures, &parts);
     return parts;
 }
 
@@ -330,7 +326,8 @@ void session_mark(struct session *session)
     session_note_edit(session);
     session->former_tally = session->tally;
     session->former_has_scene = session->has_scene;
-    session->former_rendered = session_is_rough(session) ? RENDERED_NOT : session->rendered;
+    if (session->pictures)
+        session->follower->mark(session->pictures);
     session->edited = session->regrown = false;
 }
 
@@ -345,8 +342,8 @@ void session_settle(struct session *session)
     *former = (struct former_scene){0};
     if (!session->now.kept.finish.count)
         finished_release(&session->finished);
-    if (session->live.label && !session_shows_finished(session))
-        live_finish_drop(session);
+    if (session->pictures)
+        session->follower->settle(session->pictures);
     if (!session->now.kept.mask) {
         free(session->mask_room);
         session->mask_room = NULL;
@@ -358,8 +355,8 @@ void session_settle(struct session *session)
 static void take_back_scene(struct session *session)
 {
     const struct former_scene former = session->former_scene;
-    live_finish_drop(session);
-    shader_release(&session->shader);
+    if (session->pictures)
+        session->follower->leave_scene(session->pictures);
     label_measures_release(&session->measures);
     border_release(&session->border);
     forest_free(session->forest);
@@ -374,19 +371,9 @@ static void take_back_scene(struct session *session)
     session->forest = former.forest;
     session->border = former.border;
     session->roi_tally = former.roi_tally;
-    session->stale = former.stale;
-    session->knows_window = false;
-    session->edited = false;
+    session->stale = former.stale | MADE_CAMERA;
+    session->edited = session->knows_window = false;
     session->former_scene = (struct former_scene){0};
-}
-
-static void take_back_rendition(struct session *session)
-{
-    struct labels labels;
-    if (!session->former_rendered)
-        session->rendered = RENDERED_NOT;
-    else if (!session_labels(session, session->former_rendered == RENDERED_FINISHED, &labels, NULL))
-        session_draw_labels(session, &labels, RENDER_AS_KEPT, NULL);
 }
 
 /* The edit that leads back is there, but could not be carried out: its seeds alone are, and the
@@ -410,7 +397,8 @@ static void go_back(struct session *session)
     if (session_go(session, &session->former, seeds.before, seeds.count, NULL) != OK && seeds.count)
         put_back_seeds(session);
     session->tally = session->former_tally;
-    take_back_rendition(session);
+    if (session->pictures)
+        session->follower->take_back(session->pictures);
 }
 
 void session_rollback(struct session *session)
@@ -420,7 +408,7 @@ void session_rollback(struct session *session)
     if (session->has_scene && !session->former_has_scene)
         session_close_scene(session);
     if (cut_short)
-        session->rendered = RENDERED_NOT;
+        session_forget_pictures(session);
     if (session->has_scene)
         go_back(session);
     else
@@ -430,4 +418,33 @@ void session_rollback(struct session *session)
     watch_begin(session->watch);
     if (session->has_scene)
         session->scene->watch = NULL; /* until the next command */
+}
+
+/* ---- while a command is carried out ---- */
+
+/* The border is that of the labels as they are, and made anew once they are final: the forest's,
+ * of which nothing is finished. Tally and measures are those from which the command's changes will
+ * be counted. */
+void session_show(struct session *session, void (*draw)(void *context), void *context)
+{
+    const struct tally tally = session->tally, former = session->former_tally;
+    const struct label_measures measures = session->measures;
+    const bool shows_finished = session->now.outlook.shows_finished;
+    session->now.outlook.shows_finished = false;
+    session->measures = (struct label_measures){0};
+    border_recount(&session->border);
+    session->stale |= MADE_BORDER;
+    session_forget_pictures(session);
+    draw(context);
+    session_forget_pictures(session);
+    session->tally = tally;
+    session->former_tally = former;
+    label_measures_release(&session->measures);
+    session->measures = measures;
+    session->now.outlook.shows_finished = shows_finished;
+}
+
+void session_show_cross(struct session *session, const uint32_t place[3])
+{
+    memcpy(session->now.outlook.slices.cross, place, sizeof session->now.outlook.slices.cross);
 }

@@ -2,7 +2,7 @@
  * The session: one person's work on one scene.
  *
  * What a command can change is a value, the state (session/state.h). All else follows from it:
- * weights, region of interest, forest, border, tally, camera and rendition. There is one way to
+ * weights, region of interest, forest, border, tally and pictures. There is one way to
  * change anything: session_go, which takes on a state and makes anew what differs, seeds by the
  * difference of the two sets where the forest can be updated, and by a rebuild where arcs or the
  * region are others. A command copies the present state, changes the copy, and goes there. Taking
@@ -14,9 +14,8 @@
  * Invariants
  *   S1 a command is all or nothing: session_mark before it, and session_rollback takes back
  *      whatever it did, exactly;
- *   S2 the border fits the forest, the visible labels and the cut; the rendition, where `rendered`,
- *      is that of those labels, their border and the camera, pixel for pixel, whichever mode made
- *      it;
+ *   S2 the border fits the forest, the visible labels and the cut, and pictures of the session hear
+ *      of all that changes (session/follower.h);
  *   S3 without a scene only session_open does anything, and settings can be made; all else asks
  *      has_scene first;
  *   S4 a scene that was interpolated is kept, with what hangs on it, until the command stands;
@@ -43,6 +42,7 @@ struct camera;
 struct edit;
 struct forest;
 struct geometry;
+struct hint_list;
 struct kept;
 struct label_stats;
 struct label_sums;
@@ -53,6 +53,7 @@ struct map_place;
 struct marker_run;
 struct markers;
 struct outlook;
+struct pictures;
 struct reach;
 struct roi;
 struct roi_tally;
@@ -63,9 +64,6 @@ struct team;
 struct view;
 struct volume_choice;
 struct watch;
-
-/* Whose labels the rendition shows. */
-enum rendered { RENDERED_NOT, RENDERED_FOREST, RENDERED_FINISHED };
 
 struct session;
 
@@ -125,9 +123,9 @@ const char *session_scene_name(const struct session *session);
 bool session_is_private(const struct session *session);
 void session_name_scene(struct session *session, const char *name, bool is_private);
 
-/* The camera of the view, and what the rendition shows. */
-const struct camera *session_camera(const struct session *session);
-enum rendered session_rendered(const struct session *session);
+/* The camera of an outlook, finer by as many times as it has samples; ERR_LIMIT for none. */
+enum err session_aim(const struct session *session, const struct outlook *outlook,
+                     struct camera *camera, struct fault *fault);
 
 /* The threads that compute, NULL for one; and the watch of all that takes long, or NULL. */
 struct team *session_team(const struct session *session);
@@ -143,6 +141,12 @@ struct session_memory {
     size_t scene, seeds, pictures, answers;
 };
 struct session_memory session_memory_parts(const struct session *session);
+
+/* The intensities that are black and white where nobody has chosen, the smaller first: few voxels
+ * are as bright as vessels and fat, so of a thousand voxels WINDOW_BLACK are no brighter, and
+ * 1000 - WINDOW_WHITE brighter (engine/intensities.h). Found once. */
+enum { WINDOW_BLACK = 10, WINDOW_WHITE = 995 };
+void session_find_window(struct session *session, int32_t window[2]);
 
 /* ---- all or nothing ---- */
 
@@ -171,6 +175,15 @@ enum err session_go(struct session *session, const struct state *state, const st
  * many commands and looks at the last state only. */
 void session_skim(struct session *session);
 enum err session_catch_up(struct session *session, struct fault *fault);
+
+/* To be called from `show` of the watch (base/watch.h), while a command is carried out: `draw` may
+ * read the session and make pictures of it, as they are so far, and must carry out no command. What
+ * the command itself goes by is put back afterwards. */
+void session_show(struct session *session, void (*draw)(void *context), void *context);
+
+/* Within `draw`: the cross-hair is shown at another place. The caller puts the former one back, so
+ * that no command finds this one. */
+void session_show_cross(struct session *session, const uint32_t place[3]);
 
 /* ---- the scene (open.c) ---- */
 
@@ -259,12 +272,37 @@ enum err session_erase_trees(struct session *session, const uint32_t *cell, size
 enum err session_erase_seeds(struct session *session, const uint32_t *seed, size_t count,
                              struct fault *fault);
 
+/* What an eliminator at a voxel would take away: the marker whose trees hold it, or the single
+ * tree. Trees are counted from their roots, so this takes time by what is held, up to a bound, and
+ * never by the scene. */
+enum { HELD_MOST = 2000000 }; /* voxels that are counted: some 80 ms */
+
+struct held {
+    uint32_t marker; /* its number, the first of a stroke's; 0 for a single tree, */
+    uint32_t seed;   /* which is this one's */
+    uint8_t label;
+    size_t trees;  /* of seeds that are planted */
+    size_t waits;  /* seeds of it that wait to be */
+    size_t voxels; /* of the trees */
+    bool has_more; /* than HELD_MOST: these three are the least that there are */
+};
+
+/* Of `tree`, or where the semantics know no markers, the single tree. ERR_INPUT where nothing holds
+ * the voxel; ERR_MEMORY. */
+enum err session_find_held(struct held *held, const struct session *session, uint32_t cell,
+                           bool tree, struct fault *fault);
+
+/* Whether it holds a voxel, until the next command. */
+bool session_is_held(const struct session *session, const struct held *held, uint32_t cell);
+
 /* Remembers where the user has put an eliminator, until the run after the next: for slices. */
 enum err session_note_eliminator(struct session *session, uint32_t cell, struct fault *fault);
 
 /* Applies the edits that wait; brings border and rendition up to date (the rendition as an
  * incremental image). Fine when none wait. */
 enum err session_run(struct session *session, struct fault *fault);
+
+/* ---- what labels have (answers.c): not for a session that skims ---- */
 
 /* Brings `tally` up to date, which takes a walk through the scene after a run from nothing and else
  * no time. ERR_CANCELLED. Not for a session that skims. */
@@ -278,8 +316,6 @@ enum err session_count_before(struct session *session, struct fault *fault);
  * memory did not suffice to count them. session_count_before comes before the command, and
  * session_count_labels after it. */
 uint64_t session_changed_voxels(const struct session *session);
-
-/* ---- what labels have (measures.c) ---- */
 
 /* All that is known of each of these labels (session_labels): stats[256]. Of the forest's, what can
  * follow edits does so from now on (engine/label_stats.h): a replay that never asks never pays.
@@ -295,7 +331,29 @@ enum err session_sum_label(struct session *session, unsigned label, struct label
  * not known. */
 const uint64_t *session_voxels_before_edit(const struct session *session);
 
-/* ---- settings that take more than a change of the state (settings.c) ---- */
+/* Labels as they are to be handed out: the forest's, or, where `finished`, what the steps of the
+ * state's kept.finish make of them. Borrowed: of use until the next command. Edits that wait count
+ * for nothing, so session_run comes before. ERR_LIMIT where a step reaches too far for the scene
+ * (finish_check), ERR_MEMORY, ERR_CANCELLED. */
+enum err session_labels(struct session *session, bool finished, struct labels *labels,
+                        struct fault *fault);
+
+/* The digest of the finished labels that session_labels gave last. */
+uint64_t session_finished_digest(const struct session *session);
+
+/* Finished labels of the present state, [grid.cells], where they are made already; else NULL. And a
+ * digest, not 0, of all that they follow from: labels and steps, and seeds where a step heeds them.
+ */
+const uint8_t *session_finished(const struct session *session);
+uint64_t session_finish_source(const struct session *session);
+
+/* Hints (engine/hints.h), made in about the time of a run; and their heat where it is asked for, a
+ * byte a voxel until the next edit. Borrowed, as above. ERR_USAGE under `weight polarity`,
+ * ERR_MEMORY, ERR_CANCELLED. */
+enum err session_find_hints(struct session *session, const struct hint_list **hints,
+                            const uint8_t **heat, struct fault *fault);
+
+/* ---- settings that take more than a change of the state (go.c) ---- */
 
 /* Weights [z][y][x] out of a file called `name`. */
 enum err session_set_weight_map(struct session *session, const char *name, const uint16_t *weight,

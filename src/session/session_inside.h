@@ -1,29 +1,21 @@
-/*
- * What a session is made of, for its own room and for the one that makes pictures of it. All others
- * ask (session/session.h).
- */
+/* What a session is made of, for the files of this room alone, after session.h. All others ask. */
 #ifndef SESSION_SESSION_INSIDE_H
 #define SESSION_SESSION_INSIDE_H
 
 #include "base/team.h"
 #include "engine/forest.h"
+#include "engine/hints.h"
 #include "engine/label_stats.h"
 #include "engine/roi.h"
 #include "engine/scene.h"
 #include "image/volume.h"
 #include "render/border.h"
-#include "render/layers.h"
-#include "render/rendition.h"
-#include "session/finished.h"
-#include "session/hinting.h"
+#include "session/follower.h"
 #include "session/map.h"
 #include "session/markers.h"
 #include "session/semantics.h"
-#include "session/session.h"
 #include "session/state.h"
 #include "session/tally.h"
-#include "show/context.h"
-#include "show/live_finish.h"
 
 /* What interpolating a scene replaces. */
 struct former_scene {
@@ -36,6 +28,25 @@ struct former_scene {
     struct roi_tally roi_tally;
     unsigned stale;
 };
+
+/* The finished labels that were made last, what of, and the digest of what came of it. */
+struct finished {
+    uint8_t *label; /* [cells], or NULL */
+    size_t cells;
+    uint64_t of, digest; /* session_finish_source; labels_digest */
+};
+void finished_release(struct finished *finished);
+
+/* Hints that were made last, and what of. */
+struct hinting {
+    bool has_hints;
+    struct hint_list hints;
+    uint8_t *heat; /* [cells], or NULL */
+    size_t cells;
+    uint64_t forest, labels, weights; /* digests */
+    unsigned adjacency;
+};
+void hinting_release(struct hinting *hinting);
 
 struct session {
     unsigned semantics; /* of the journal at hand (session/semantics.h) */
@@ -68,22 +79,14 @@ struct session {
     struct border border;
     struct finished finished; /* session_labels */
     struct hinting hinting;   /* session_find_hints */
-    struct live_finish live;  /* what panels show of finished labels */
     struct tally tally;       /* voxels of each label, once session_count_labels has been called */
     struct label_measures measures; /* of the forest's labels, once somebody has asked for them */
-    struct camera camera; /* of the view, `look.samples` times as large; see session_draw_fitting */
-    struct rendition rendition;  /* of camera.view's size; no maps where its samples are too many to
-                                   be stored */
-    struct context context;      /* what is behind it */
-    struct layers layers;        /* the rendition's, where objects are translucent */
-    struct rendition reduced;    /* to the view's size, where look.samples is above 1 */
-    struct drawn_colours *drawn; /* that are being drawn instead (show/drawn_colours.h), or NULL */
-    enum rendered rendered;      /* S2: what session_frame gives shows the present state */
-    uint8_t *decorated;          /* colours of the frame with what is drawn over them */
-    size_t decorated_pixels;
-    struct shader shader;
-    bool knows_window; /* what follows from the scene, once somebody has asked: */
-    int32_t window[2]; /* intensities, black and white */
+
+    bool knows_window; /* session_find_window */
+    int32_t window[2];
+
+    struct pictures *pictures; /* NULL until one is asked for */
+    const struct follower *follower;
 
     /* Room for what is now and for what was, so that going back cannot fail. */
     struct weight_work weight_work;
@@ -99,7 +102,6 @@ struct session {
     struct former_scene former_scene;
     struct tally former_tally; /* where session_count_before came before the command */
     bool former_has_scene;
-    enum rendered former_rendered;
     bool edited, regrown;
     struct tally tally_before_edit; /* of the last command before it that edited */
 };
@@ -108,6 +110,11 @@ struct session {
 
 /* Back to no scene, whatever there is of one. */
 void session_close_scene(struct session *session);
+
+/* Makes roi->low..high the intensities whose real values lie in a range (image/levels.h); low is
+ * above high where there are none. */
+void roi_range(struct roi *roi, const struct geometry *geometry, const struct levels *levels,
+               const struct decimal range[2]);
 
 /* Has the geometry and the scene's axes follow from what the file says, and `orient`. */
 void session_place(struct session *session, const struct kept *kept);
@@ -120,25 +127,17 @@ enum err session_foretell(struct session *session, struct fault *fault);
 /* Before the next command: what the tally was before the last one that edited. */
 void session_note_edit(struct session *session);
 
-void session_release_rendition(struct session *session);
-
-/* The camera of an outlook; ERR_LIMIT where there is none. */
-enum err session_aim(const struct session *session, const struct outlook *outlook,
-                     struct camera *camera, struct fault *fault);
-void session_take_camera(struct session *session, const struct camera *camera);
-
 /* The seeds that some voxels belong to: the voxel itself where one waits to be planted there, else
  * the root of its tree. One that several belong to is there as often. An array that the caller
  * frees, after errors too; it may be empty. */
 enum err session_find_seeds(const struct session *session, const uint32_t *cell, size_t count,
                             uint32_t **seed, size_t *seeds, struct fault *fault);
 
-/* The rendition after such a change of the labels that it shows, whose border is up to date. What
- * cannot be coloured is drawn when it is asked for. */
-void session_follow_rendition(struct session *session, enum rendered as,
-                              const struct changes *changes);
-
-/* Colours of what the maps of the rendition show, and the picture at the size of the view. */
-enum err session_colour(struct session *session, const struct border *border, struct fault *fault);
+/* Pictures of it do not fit any more. */
+static inline void session_forget_pictures(struct session *session)
+{
+    if (session->pictures)
+        session->follower->forget(session->pictures);
+}
 
 #endif

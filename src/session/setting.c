@@ -5,7 +5,7 @@
 
 #include "base/choice.h"
 #include "render/decoration.h"
-#include "show/context.h"
+#include "session/semantics.h"
 
 /* ---- the table ---- */
 
@@ -31,6 +31,15 @@ const struct command setting_table[] = {
      "neighbours of a voxel: by faces, or by corners too",
      "6 is the default.",
      "adjacency 26"},
+    {SETTING("auto", GROUP_SEEDS, R),
+     {{"STATE", VALUE_CHOICE, .choices = "on|off",
+       SETS(outlook.runs_by_itself, 0, .made = 0, .as = HELD_AS_SWITCH)}},
+     "whether each edit runs at once",
+     "off in scripts, on at the prompt. What waits is applied by the next command that edits, with "
+     "what that does, or that shows labels or answers from them, or by `run`. Turning it on "
+     "applies nothing, nor do undo, redo and goto: the "
+     "edits that wait in the segmentation that they lead to still wait.",
+     "auto on"},
     {SETTING("size", GROUP_VIEW, R | S),
      {{"WIDTH", VALUE_NUMBER, .least = 1, .most = VIEW_SIDE_MOST,
        SETS(outlook.view.width, 512, .made = MADE_CAMERA)},
@@ -140,6 +149,15 @@ const struct command setting_table[] = {
      "for an eliminator of the last run; in the pilot, a white rim means that it waits for a run.\n"
      "words: the title, letters for the patient's sides, the scale bar, the grey bar.",
      "overlay tint cross=off"},
+    {SETTING("finished", GROUP_KEPT, R | S),
+     {{"STATE", VALUE_CHOICE, .choices = "on|off",
+       SETS(outlook.shows_finished, 0, .made = MADE_COLOURS, .as = HELD_AS_SWITCH)}},
+     "whether pictures show the labels as finished",
+     "In slices, mosaics, renditions and the pilot, which follow each seed and eliminator. The "
+     "pilot shows the labels of the forest at once where they change, and the finished ones as "
+     "soon as they are made. Maps, surfaces and reports are finished where `finished=yes` asks for "
+     "it. off by default.",
+     "finished on"},
     {.name = NULL},
 };
 
@@ -165,11 +183,149 @@ void setting_put(struct state *state, const struct setting_member *member, int64
         memcpy(at, &word, sizeof word);
 }
 
-void settings_begin(struct state *state)
+static void settings_begin(struct state *state)
 {
     for (const struct command *setting = setting_table; setting->name; setting++)
         for (const struct parameter *p = setting->parameter; p->type; p++)
             setting_put(state, &p->sets, p->sets.usual);
+}
+
+struct state state_default(unsigned semantics)
+{
+    const uint32_t look = LOOK_FIRST + (uint32_t)semantics_has(semantics, MEANING_LOOK) +
+                          (uint32_t)semantics_has(semantics, MEANING_PATCHES) +
+                          (uint32_t)semantics_has(semantics, MEANING_SMOOTH_LAYERS);
+    struct state state = {.kept = {.cut = cut_none(), .weight = {WEIGHT_MORPH, 1}},
+                          .outlook = {.look.number = look, .slices = {.times = SLICE_TIMES_ONE}}};
+    settings_begin(&state);
+    if (look == LOOK_FIRST)
+        state.outlook.background = BACKGROUND_FADE;
+    palette_default(&state.kept.palette, look);
+    for (int label = 1; label < 256; label++)
+        state.kept.visible[label] = true;
+    memset(state.kept.opacity, BORDER_OPAQUE, sizeof state.kept.opacity);
+    return state;
+}
+
+/* ---- equality ---- */
+
+/* Three that only matter while something else is so, and what is true of every member. */
+enum { MADE_BY_POLARITY = 64, MADE_BY_WINDOW = 128, MADE_BY_OPACITY = 256, DIFFERS = 512 };
+
+/* A member that is no setting, which has no padding within, and what follows from it. */
+static const struct state_field {
+    size_t at, bytes;
+    unsigned made;
+} fields[] = {
+#define FIELD(member, made)                                                                        \
+    {                                                                                              \
+        offsetof(struct state, member), sizeof(((struct state *)NULL)->member), made               \
+    }
+    FIELD(kept.palette, MADE_COLOURS),
+    FIELD(kept.label_name, 0),
+    FIELD(kept.label_number, 0),
+    FIELD(kept.visible, MADE_BORDER),
+    FIELD(kept.opacity, MADE_BY_OPACITY),
+    FIELD(kept.orient, MADE_CAMERA),
+    FIELD(kept.cut, MADE_BORDER),
+    FIELD(kept.weight, MADE_WEIGHTS),
+    FIELD(kept.polarity, MADE_BY_POLARITY),
+    FIELD(kept.weight_map, MADE_WEIGHTS),
+    FIELD(kept.mask, MADE_ROI),
+    FIELD(kept.weight_file, 0),
+    FIELD(kept.mask_file, 0),
+    FIELD(kept.mask_regions, 0),
+    FIELD(kept.has_range, MADE_ROI),
+    FIELD(kept.range, MADE_ROI),
+    FIELD(kept.finish, 0),
+    FIELD(outlook.view.angle, MADE_CAMERA),
+    FIELD(outlook.view.zoom, MADE_CAMERA),
+    FIELD(outlook.view.focus, MADE_CAMERA),
+    FIELD(outlook.look.number, MADE_CAMERA),
+    FIELD(outlook.slices.cross, 0),
+    FIELD(outlook.slices.zoom, 0),
+    FIELD(outlook.slices.times, 0),
+    FIELD(outlook.slices.has_middle, 0),
+    FIELD(outlook.slices.middle, 0),
+    FIELD(outlook.slices.has_window, MADE_BY_WINDOW),
+    FIELD(outlook.slices.window, MADE_BY_WINDOW),
+};
+
+/* A part of a state. */
+struct extent {
+    size_t first, end;
+};
+static const struct extent of_kept = {offsetof(struct state, kept),
+                                      offsetof(struct state, outlook)},
+                           of_outlook = {offsetof(struct state, outlook),
+                                         offsetof(struct state, lists)};
+
+/* What follows from a member that lies in the part, where it differs. */
+static unsigned compare_member(const char *a, const char *b, const struct extent *part,
+                               const struct state_field *field)
+{
+    const size_t at = field->at - part->first;
+    const bool differs = field->at >= part->first && field->at < part->end &&
+                         memcmp(a + at, b + at, field->bytes) != 0;
+    return differs ? DIFFERS | field->made : 0;
+}
+
+/* DIFFERS and what follows from the members that do, or 0; a and b are two of that part. */
+static unsigned compare(const void *a, const void *b, const struct extent *part)
+{
+    unsigned made = 0;
+    for (size_t i = 0; i < sizeof fields / sizeof *fields; i++)
+        made |= compare_member(a, b, part, &fields[i]);
+    for (const struct command *setting = setting_table; setting->name; setting++)
+        for (const struct parameter *p = setting->parameter; p->type; p++)
+            made |= compare_member(a, b, part,
+                                   &(struct state_field){p->sets.at, p->sets.bytes, p->sets.made});
+    return made;
+}
+
+bool kept_equals(const struct kept *a, const struct kept *b)
+{
+    return compare(a, b, &of_kept) == 0;
+}
+
+bool outlook_equals(const struct outlook *a, const struct outlook *b)
+{
+    return compare(a, b, &of_outlook) == 0;
+}
+
+size_t state_bytes_compared(void)
+{
+    size_t bytes = 0;
+    for (size_t i = 0; i < sizeof fields / sizeof *fields; i++)
+        bytes += fields[i].bytes;
+    for (const struct command *setting = setting_table; setting->name; setting++)
+        for (const struct parameter *p = setting->parameter; p->type; p++)
+            bytes += p->sets.bytes;
+    return bytes;
+}
+
+/* Whether a label is shown in renditions of one, and not in those of the other. */
+static bool hides_others(const uint8_t a[256], const uint8_t b[256])
+{
+    for (int label = 0; label < 256; label++)
+        if (!a[label] != !b[label])
+            return true;
+    return false;
+}
+
+/* Polarities are heeded by one weight alone; the window of slices colours what is cut open,
+ * and the context. */
+unsigned state_difference(const struct state *a, const struct state *b)
+{
+    unsigned made =
+        compare(&a->kept, &b->kept, &of_kept) | compare(&a->outlook, &b->outlook, &of_outlook);
+    if (made & MADE_BY_POLARITY && b->kept.weight.kind == WEIGHT_POLARITY)
+        made |= MADE_WEIGHTS;
+    if (made & MADE_BY_WINDOW && (!cut_is_none(&b->kept.cut) || b->outlook.context))
+        made |= MADE_COLOURS;
+    if (made & MADE_BY_OPACITY)
+        made |= hides_others(a->kept.opacity, b->kept.opacity) ? MADE_BORDER : MADE_COLOURS;
+    return made & ~(unsigned)(MADE_BY_POLARITY | MADE_BY_WINDOW | MADE_BY_OPACITY | DIFFERS);
 }
 
 /* ---- in words ---- */

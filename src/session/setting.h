@@ -20,8 +20,19 @@ extern const struct command setting_table[];
 int64_t setting_get(const struct state *state, const struct setting_member *member);
 void setting_put(struct state *state, const struct setting_member *member, int64_t number);
 
-/* All as a session begins. */
-void settings_begin(struct state *state);
+/* As a session of this semantics begins. */
+struct state state_default(unsigned semantics);
+
+/* Two are the same where every member is: each is a setting (session/setting.h), or a row of
+ * setting.c. Maps are, where they are one and the same. */
+bool kept_equals(const struct kept *a, const struct kept *b);
+bool outlook_equals(const struct outlook *a, const struct outlook *b);
+
+/* Bytes of both that these look at: all of them, for neither has any between its members. */
+size_t state_bytes_compared(void);
+
+/* MADE_... of what follows from the members in which two differ. */
+unsigned state_difference(const struct state *a, const struct state *b);
 
 /* A setting as it would be typed to be what it is now: "shade surface ao=30". What may be left out
  * is, where it is as usual. */

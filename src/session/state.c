@@ -1,26 +1,127 @@
 #include "session/state.h"
 
+#include <stdlib.h>
 #include <string.h>
 
-#include "session/semantics.h"
-#include "session/setting.h"
+#include "base/mem.h"
 
-struct state state_default(unsigned semantics)
+/* ---- lists of edits ---- */
+
+struct edit_room {
+    size_t holders;
+    struct edit *item;
+    size_t count, capacity;
+};
+
+void edits_hold(const struct edits *edits)
 {
-    const uint32_t look = LOOK_FIRST + (uint32_t)semantics_has(semantics, MEANING_LOOK) +
-                          (uint32_t)semantics_has(semantics, MEANING_PATCHES) +
-                          (uint32_t)semantics_has(semantics, MEANING_SMOOTH_LAYERS);
-    struct state state = {.kept = {.cut = cut_none(), .weight = {WEIGHT_MORPH, 1}},
-                          .outlook = {.look.number = look, .slices = {.times = SLICE_TIMES_ONE}}};
-    settings_begin(&state);
-    if (look == LOOK_FIRST)
-        state.outlook.background = BACKGROUND_FADE;
-    palette_default(&state.kept.palette, look);
-    for (int label = 1; label < 256; label++)
-        state.kept.visible[label] = true;
-    memset(state.kept.opacity, BORDER_OPAQUE, sizeof state.kept.opacity);
-    return state;
+    if (edits->room)
+        edits->room->holders++;
 }
+
+void edits_release(struct edits *edits)
+{
+    struct edit_room *room = edits->room;
+    if (room && --room->holders == 0) {
+        free(room->item);
+        free(room);
+    }
+    *edits = (struct edits){0};
+}
+
+/* Moves the list to memory of its own, where others have added to what they share, or it is empty:
+ * what ran is let go of. */
+static bool have_room(struct edits *edits)
+{
+    const size_t count = edits_count(edits);
+    if (edits->room && count > 0 && edits->room->count == edits->end)
+        return true;
+    struct edit_room *room = mem_new(sizeof *room);
+    if (!room || !mem_grow(&room->item, &room->capacity, count + 1, sizeof *room->item)) {
+        free(room);
+        return false;
+    }
+    if (count > 0)
+        memcpy(room->item, edits_first(edits), count * sizeof *room->item);
+    room->holders = 1;
+    room->count = count;
+    edits_release(edits);
+    *edits = (struct edits){room, 0, count};
+    return true;
+}
+
+enum err edits_add(struct edits *edits, struct edit edit, struct fault *fault)
+{
+    if (!have_room(edits))
+        return fault_memory(fault, "an edit");
+    struct edit_room *room = edits->room;
+    if (!mem_grow(&room->item, &room->capacity, room->count + 1, sizeof *room->item))
+        return fault_memory(fault, "an edit");
+    room->item[room->count++] = edit;
+    edits->end = room->count;
+    return OK;
+}
+
+static int compare_cells(const void *a, const void *b)
+{
+    const struct edit *x = a, *y = b;
+    return (x->cell > y->cell) - (x->cell < y->cell);
+}
+
+void edits_sort_from(struct edits *edits, size_t first)
+{
+    const size_t count = edits_count(edits);
+    if (count > first)
+        qsort(edits->room->item + edits->first + first, count - first, sizeof(struct edit),
+              compare_cells);
+}
+
+const struct edit *edits_first(const struct edits *edits)
+{
+    return edits_count(edits) ? edits->room->item + edits->first : NULL;
+}
+
+/* ---- the lists of a state ---- */
+
+static bool is_copy(const struct edits *a, const struct edits *b)
+{
+    if (edits_count(a) == 0 || edits_count(b) == 0)
+        return edits_count(a) == edits_count(b);
+    return a->room == b->room && a->first == b->first && a->end == b->end;
+}
+
+static size_t memory_of(const struct edits *edits)
+{
+    const struct edit_room *room = edits->room;
+    return room ? (sizeof *room + room->capacity * sizeof *room->item) / room->holders : 0;
+}
+
+void edit_lists_hold(const struct edit_lists *lists)
+{
+    edits_hold(&lists->pending);
+    edits_hold(&lists->markers);
+    edits_hold(&lists->eliminators);
+}
+
+void edit_lists_release(struct edit_lists *lists)
+{
+    edits_release(&lists->pending);
+    edits_release(&lists->markers);
+    edits_release(&lists->eliminators);
+}
+
+bool edit_lists_are_copies(const struct edit_lists *a, const struct edit_lists *b)
+{
+    return is_copy(&a->pending, &b->pending) && is_copy(&a->markers, &b->markers) &&
+           is_copy(&a->eliminators, &b->eliminators);
+}
+
+size_t edit_lists_memory(const struct edit_lists *lists)
+{
+    return memory_of(&lists->pending) + memory_of(&lists->markers) + memory_of(&lists->eliminators);
+}
+
+/* ---- states ---- */
 
 void kept_show(const struct kept *kept, struct border *border)
 {
@@ -29,131 +130,6 @@ void kept_show(const struct kept *kept, struct border *border)
     memcpy(border->opacity, kept->opacity, sizeof border->opacity);
     border->cut = kept->cut;
 }
-
-/* ---- equality ---- */
-
-/* Three that only matter while something else is so, and what is true of every member. */
-enum { MADE_BY_POLARITY = 64, MADE_BY_WINDOW = 128, MADE_BY_OPACITY = 256, DIFFERS = 512 };
-
-/* A member that is no setting, which has no padding within, and what follows from it. */
-static const struct state_field {
-    size_t at, bytes;
-    unsigned made;
-} fields[] = {
-#define FIELD(member, made)                                                                        \
-    {                                                                                              \
-        offsetof(struct state, member), sizeof(((struct state *)NULL)->member), made               \
-    }
-    FIELD(kept.palette, MADE_COLOURS),
-    FIELD(kept.label_name, 0),
-    FIELD(kept.label_number, 0),
-    FIELD(kept.visible, MADE_BORDER),
-    FIELD(kept.opacity, MADE_BY_OPACITY),
-    FIELD(kept.orient, MADE_CAMERA),
-    FIELD(kept.cut, MADE_BORDER),
-    FIELD(kept.weight, MADE_WEIGHTS),
-    FIELD(kept.polarity, MADE_BY_POLARITY),
-    FIELD(kept.weight_map, MADE_WEIGHTS),
-    FIELD(kept.mask, MADE_ROI),
-    FIELD(kept.weight_file, 0),
-    FIELD(kept.mask_file, 0),
-    FIELD(kept.mask_regions, 0),
-    FIELD(kept.has_range, MADE_ROI),
-    FIELD(kept.range, MADE_ROI),
-    FIELD(kept.finish, 0),
-    FIELD(outlook.view.angle, MADE_CAMERA),
-    FIELD(outlook.view.zoom, MADE_CAMERA),
-    FIELD(outlook.view.focus, MADE_CAMERA),
-    FIELD(outlook.look.number, MADE_CAMERA),
-    FIELD(outlook.slices.cross, 0),
-    FIELD(outlook.slices.zoom, 0),
-    FIELD(outlook.slices.times, 0),
-    FIELD(outlook.slices.has_middle, 0),
-    FIELD(outlook.slices.middle, 0),
-    FIELD(outlook.slices.has_window, MADE_BY_WINDOW),
-    FIELD(outlook.slices.window, MADE_BY_WINDOW),
-    FIELD(outlook.runs_by_itself, 0),
-    FIELD(outlook.shows_finished, MADE_COLOURS),
-};
-
-/* A part of a state. */
-struct extent {
-    size_t first, end;
-};
-static const struct extent of_kept = {offsetof(struct state, kept),
-                                      offsetof(struct state, outlook)},
-                           of_outlook = {offsetof(struct state, outlook),
-                                         offsetof(struct state, lists)};
-
-/* What follows from a member that lies in the part, where it differs. */
-static unsigned compare_member(const char *a, const char *b, const struct extent *part,
-                               const struct state_field *field)
-{
-    const size_t at = field->at - part->first;
-    const bool differs = field->at >= part->first && field->at < part->end &&
-                         memcmp(a + at, b + at, field->bytes) != 0;
-    return differs ? DIFFERS | field->made : 0;
-}
-
-/* DIFFERS and what follows from the members that do, or 0; a and b are two of that part. */
-static unsigned compare(const void *a, const void *b, const struct extent *part)
-{
-    unsigned made = 0;
-    for (size_t i = 0; i < sizeof fields / sizeof *fields; i++)
-        made |= compare_member(a, b, part, &fields[i]);
-    for (const struct command *setting = setting_table; setting->name; setting++)
-        for (const struct parameter *p = setting->parameter; p->type; p++)
-            made |= compare_member(a, b, part,
-                                   &(struct state_field){p->sets.at, p->sets.bytes, p->sets.made});
-    return made;
-}
-
-bool kept_equals(const struct kept *a, const struct kept *b)
-{
-    return compare(a, b, &of_kept) == 0;
-}
-
-bool outlook_equals(const struct outlook *a, const struct outlook *b)
-{
-    return compare(a, b, &of_outlook) == 0;
-}
-
-size_t state_bytes_compared(void)
-{
-    size_t bytes = 0;
-    for (size_t i = 0; i < sizeof fields / sizeof *fields; i++)
-        bytes += fields[i].bytes;
-    for (const struct command *setting = setting_table; setting->name; setting++)
-        for (const struct parameter *p = setting->parameter; p->type; p++)
-            bytes += p->sets.bytes;
-    return bytes;
-}
-
-/* Whether a label is shown in renditions of one, and not in those of the other. */
-static bool hides_others(const uint8_t a[256], const uint8_t b[256])
-{
-    for (int label = 0; label < 256; label++)
-        if (!a[label] != !b[label])
-            return true;
-    return false;
-}
-
-/* Polarities are heeded by one weight alone; the window of slices colours what is cut open,
- * and the context. */
-unsigned state_difference(const struct state *a, const struct state *b)
-{
-    unsigned made =
-        compare(&a->kept, &b->kept, &of_kept) | compare(&a->outlook, &b->outlook, &of_outlook);
-    if (made & MADE_BY_POLARITY && b->kept.weight.kind == WEIGHT_POLARITY)
-        made |= MADE_WEIGHTS;
-    if (made & MADE_BY_WINDOW && (!cut_is_none(&b->kept.cut) || b->outlook.context))
-        made |= MADE_COLOURS;
-    if (made & MADE_BY_OPACITY)
-        made |= hides_others(a->kept.opacity, b->kept.opacity) ? MADE_BORDER : MADE_COLOURS;
-    return made & ~(unsigned)(MADE_BY_POLARITY | MADE_BY_WINDOW | MADE_BY_OPACITY | DIFFERS);
-}
-
-/* ---- ownership ---- */
 
 void kept_hold(const struct kept *kept)
 {

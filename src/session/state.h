@@ -21,13 +21,75 @@
 #include "base/decimal.h"
 #include "base/packed.h"
 #include "engine/finish.h"
+#include "engine/forest.h"
 #include "engine/weight.h"
 #include "render/background.h"
 #include "render/border.h"
 #include "render/shade.h"
 #include "render/slice.h"
 #include "render/view.h"
-#include "session/edits.h"
+
+/* ---- lists of edits ---- */
+
+/*
+ * Edits in order: a list that is a value.
+ *
+ * A copy takes no time and shares the memory; adding to one list changes no other, even where they
+ * share. So every state of a session has its own list of the edits that wait for a run, and all of
+ * them together take the memory of one.
+ *
+ * Invariant: items before `end` of any list that holds the room are never written again.
+ */
+struct edit_room;
+
+/* {0} is empty. */
+struct edits {
+    struct edit_room *room;
+    size_t first, end; /* items of the room that are in the list */
+};
+
+/* One holder of the memory more, or fewer. A released list is empty. */
+void edits_hold(const struct edits *edits);
+void edits_release(struct edits *edits);
+
+/* Adds to a list that is held. ERR_MEMORY leaves it as it was. */
+enum err edits_add(struct edits *edits, struct edit edit, struct fault *fault);
+
+/* Puts those from the `first` on, which no other list has yet, in the order of their cells. */
+void edits_sort_from(struct edits *edits, size_t first);
+
+/* The first of edits_count items; NULL where there are none. */
+const struct edit *edits_first(const struct edits *edits);
+
+static inline size_t edits_count(const struct edits *edits)
+{
+    return edits->end - edits->first;
+}
+
+/*
+ * The lists of a state, held, released, compared and measured together.
+ *
+ *     pending      edits of seeds that wait for a run; a later one of a voxel wins
+ *     markers      {number, 1} for a marker that is put up, {number, EDIT_ERASE} for one that is
+ *                  taken away; the last of a number decides whether it stands (session/markers.h)
+ *     eliminators  where the user has put them, to be marked in slices: those of the last run, and
+ *                  after them those that wait. What they do is among the pending edits
+ */
+struct edit_lists {
+    struct edits pending, markers, eliminators;
+    size_t applied; /* how many eliminators, from the first one on, were of the last run */
+};
+
+void edit_lists_hold(const struct edit_lists *lists);
+void edit_lists_release(struct edit_lists *lists);
+
+/* Whether each list is a copy of the other's; lists made apart differ unless both are empty. */
+bool edit_lists_are_copies(const struct edit_lists *a, const struct edit_lists *b);
+
+/* Bytes that they take, the memory of each divided among those that hold it. */
+size_t edit_lists_memory(const struct edit_lists *lists);
+
+/* ---- states ---- */
 
 enum { LABEL_NAME_BYTES = 32, FILE_WORDS_BYTES = 128 };
 
@@ -68,14 +130,18 @@ struct slice_settings {
                                        bars */
 };
 
+/* Behind and around the objects: nothing, or a maximum intensity projection of the scene. */
+#define CONTEXTS "none|mip"
+enum context_kind { CONTEXT_NONE, CONTEXT_MIP };
+
 struct outlook {
     struct view view;
     struct look look;
     uint32_t decorations; /* of the rendition: bits of render/decoration.h */
     uint32_t background;  /* render/background.h */
-    uint32_t context;     /* enum context_kind (show/context.h) */
+    uint32_t context;     /* enum context_kind */
     struct slice_settings slices;
-    uint32_t runs_by_itself; /* 0 or 1: "auto", each edit is run at once */
+    uint32_t runs_by_itself; /* 0 or 1: each edit is run at once */
     uint32_t shows_finished; /* 0 or 1: pictures show labels as kept.finish leaves them */
 };
 
@@ -85,9 +151,6 @@ struct state {
     struct edit_lists lists;
 };
 
-/* As a session of this semantics begins. */
-struct state state_default(unsigned semantics);
-
 /* Whether renditions show the voxels of a label, where they are not cut away. */
 static inline bool kept_shows(const struct kept *kept, int label)
 {
@@ -96,14 +159,6 @@ static inline bool kept_shows(const struct kept *kept, int label)
 
 /* Has a border show what these settings do; a recount is up to the caller. */
 void kept_show(const struct kept *kept, struct border *border);
-
-/* Two are the same where every member is: each is a setting (session/setting.h), or a row of
- * state.c. Maps are, where they are one and the same. */
-bool kept_equals(const struct kept *a, const struct kept *b);
-bool outlook_equals(const struct outlook *a, const struct outlook *b);
-
-/* Bytes of both that these look at: all of them, for neither has any between its members. */
-size_t state_bytes_compared(void);
 
 /* Of what is shared: one holder more, or fewer. */
 void kept_hold(const struct kept *kept);
@@ -122,6 +177,5 @@ enum {
     MADE_CAMERA = 16,
     MADE_COLOURS = 32,
 };
-unsigned state_difference(const struct state *a, const struct state *b);
 
 #endif

@@ -7,9 +7,12 @@
 #include "base/choice.h"
 #include "base/mem.h"
 #include "render/decoration.h"
-#include "session/session.h"
-#include "session/session_inside.h"
+#include "engine/labels.h"
+#include "session/follower.h"
+#include "session/state.h"
+#include "session/tally.h"
 #include "show/draw.h"
+#include "show/pictures.h"
 
 /* ---- the legend ---- */
 
@@ -17,13 +20,13 @@
 static enum err count_voxels(struct session *session, const struct labels *labels,
                              uint64_t voxels[256], struct fault *fault)
 {
-    const struct grid *grid = &session->scene->grid;
+    const struct grid *grid = &session_scene(session)->grid;
     const enum err err = session_count_labels(session, fault);
     if (err || !labels->finished) {
-        memcpy(voxels, session->tally.voxels, sizeof session->tally.voxels);
+        memcpy(voxels, session_tally(session)->voxels, sizeof session_tally(session)->voxels);
         return err;
     }
-    struct task task = task_begin(session->watch, "voxels of labels", grid->voxels);
+    struct task task = task_begin(session_watch(session), "voxels of labels", grid->voxels);
     memset(voxels, 0, 256 * sizeof *voxels);
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
@@ -31,13 +34,13 @@ static enum err count_voxels(struct session *session, const struct labels *label
             for (uint32_t c = row.first; c < row.end; c++)
                 voxels[labels_at(labels, c)]++;
         }
-    return watch_fault(session->watch, fault);
+    return watch_fault(session_watch(session), fault);
 }
 
 /* A letter that is no ASCII is a question mark. */
 static void write_name(char out[32], const struct session *session, unsigned label)
 {
-    const char *name = session->now.kept.label_name[label];
+    const char *name = session_kept(session)->label_name[label];
     size_t length = 0;
     if (!*name)
         snprintf(out, 32, "label %u", label);
@@ -51,10 +54,10 @@ static void write_name(char out[32], const struct session *session, unsigned lab
 static void write_amount(char out[32], const struct session *session, uint64_t voxels)
 {
     struct buf words = {0};
-    if (session->scene->spacing_unknown)
+    if (session_scene(session)->spacing_unknown)
         buf_printf(&words, "%llu voxel%s", (unsigned long long)voxels, voxels == 1 ? "" : "s");
     else
-        tally_write_volume(&words, &session->geometry, voxels);
+        tally_write_volume(&words, session_geometry(session), voxels);
     snprintf(out, 32, "%s", words.failed ? "" : buf_text(&words));
     buf_release(&words);
 }
@@ -65,7 +68,7 @@ static enum err list_labels(struct legend_line line[255], size_t *lines, struct 
     uint64_t voxels[256];
     const enum err err = count_voxels(session, labels, voxels, fault);
     for (unsigned label = 1; label < 256 && !err; label++) {
-        if (!voxels[label] || !session->now.kept.visible[label])
+        if (!voxels[label] || !session_kept(session)->visible[label])
             continue;
         struct legend_line *next = &line[(*lines)++];
         next->label = (uint8_t)label;
@@ -85,25 +88,39 @@ static size_t pixels_of(const struct session *session)
 
 struct rendition session_picture(const struct session *session)
 {
+    const struct pictures *p = session_pictures(session);
     struct rendition picture = *session_frame(session);
-    if (session->now.outlook.decorations && session->decorated_pixels == pixels_of(session))
-        picture.rgba = session->decorated;
+    if (p && session_outlook(session)->decorations && p->decorated_pixels == pixels_of(session))
+        picture.rgba = p->decorated;
     return picture;
 }
 
-/* A copy of the frame's colours. */
-static enum err copy_colours(struct session *session, struct fault *fault)
+enum err session_show_frame(struct canvas *canvas, const struct session *session,
+                            struct fault *fault)
 {
-    const size_t pixels = pixels_of(session);
-    if (session->decorated_pixels != pixels) {
-        free(session->decorated);
-        session->decorated_pixels = 0;
-        session->decorated = mem_array(pixels, 4);
-        if (!session->decorated)
+    const struct rendition r = session_picture(session);
+    const uint32_t background = background_opaque(session_outlook(session)->background);
+    const enum err err = canvas_init(canvas, r.width, r.height, false, fault);
+    if (err)
+        return err;
+    memcpy(canvas->rgba, r.rgba, (size_t)4 * r.width * r.height);
+    background_put(canvas->rgba, r.width, r.height, background);
+    return OK;
+}
+
+/* A copy of the frame's colours. */
+static enum err copy_colours(struct pictures *p, struct fault *fault)
+{
+    const size_t pixels = pixels_of(p->session);
+    if (p->decorated_pixels != pixels) {
+        free(p->decorated);
+        p->decorated_pixels = 0;
+        p->decorated = mem_array(pixels, 4);
+        if (!p->decorated)
             return fault_memory(fault, "a picture");
-        session->decorated_pixels = pixels;
+        p->decorated_pixels = pixels;
     }
-    memcpy(session->decorated, session_frame(session)->rgba, 4 * pixels);
+    memcpy(p->decorated, session_frame(p->session)->rgba, 4 * pixels);
     return OK;
 }
 
@@ -111,14 +128,14 @@ static enum err copy_colours(struct session *session, struct fault *fault)
 static bool is_bright(const struct session *session)
 {
     uint8_t rgb[3];
-    background_at(rgb, background_opaque(session->now.outlook.background), 1, 2);
+    background_at(rgb, background_opaque(session_outlook(session)->background), 1, 2);
     return 2 * rgb[0] + 5 * rgb[1] + rgb[2] > 8 * 128;
 }
 
 /* Cells, which the caller frees; NULL for none, and without memory. */
 static uint32_t *list_eliminators(const struct session *session, size_t *count)
 {
-    const struct edits *list = &session->now.lists.eliminators;
+    const struct edits *list = &session_state(session)->lists.eliminators;
     *count = edits_count(list);
     uint32_t *cell = *count ? mem_array(*count, sizeof *cell) : NULL;
     for (size_t i = 0; cell && i < *count; i++)
@@ -131,7 +148,7 @@ static enum err draw(struct session *session, const struct labels *labels,
                      const struct canvas *canvas, const struct camera *camera,
                      const struct rendition *frame, struct fault *fault)
 {
-    const struct outlook *outlook = &session->now.outlook;
+    const struct outlook *outlook = session_outlook(session);
     const uint32_t *cross = outlook->slices.cross;
     struct legend_line line[255];
     size_t lines = 0, eliminators;
@@ -146,13 +163,13 @@ static enum err draw(struct session *session, const struct labels *labels,
         .frame = frame,
         .camera = camera,
         .samples = outlook->look.samples,
-        .palette = &session->now.kept.palette,
+        .palette = &session_kept(session)->palette,
         .is_bright = is_bright(session),
         .line = line,
         .lines = lines,
         .eliminator = eliminator,
         .eliminators = eliminators,
-        .cross = grid_cell(&session->scene->grid, cross[0], cross[1], cross[2])};
+        .cross = grid_cell(&session_scene(session)->grid, cross[0], cross[1], cross[2])};
     err = eliminators && !eliminator ? fault_memory(fault, "the marks of a rendition")
                                      : decoration_draw(canvas, &decoration, fault);
     free(eliminator);
@@ -162,25 +179,30 @@ static enum err draw(struct session *session, const struct labels *labels,
 enum err session_decorate(struct session *session, const struct labels *labels, struct fault *fault)
 {
     const struct rendition *frame = session_frame(session);
-    if (!session->now.outlook.decorations || session->skims)
+    struct pictures *p;
+    if (!session_outlook(session)->decorations || session_skims(session))
         return OK;
-    const enum err err = copy_colours(session, fault);
+    enum err err = pictures_begin(&p, session, fault);
+    if (!err)
+        err = copy_colours(p, fault);
+    if (err)
+        return err;
     const struct canvas canvas = {.width = frame->width,
                                   .height = frame->height,
                                   .stride = frame->width,
-                                  .rgba = session->decorated};
-    return err ? err : draw(session, labels, &canvas, &session->camera, frame, fault);
+                                  .rgba = p->decorated};
+    return draw(session, labels, &canvas, &p->camera, frame, fault);
 }
 
 bool session_decorates_ahead(const struct session *session)
 {
-    return !(session->now.outlook.decorations & (DECORATE_SEEDS | DECORATE_CROSS));
+    return !(session_outlook(session)->decorations & (DECORATE_SEEDS | DECORATE_CROSS));
 }
 
 enum err session_decorate_ahead(struct session *session, const struct labels *labels, uint8_t *rgba,
                                 struct fault *fault)
 {
-    const struct outlook *outlook = &session->now.outlook;
+    const struct outlook *outlook = session_outlook(session);
     const struct canvas canvas = {.width = outlook->view.width,
                                   .height = outlook->view.height,
                                   .stride = outlook->view.width,

@@ -7,6 +7,8 @@
 #ifndef SHOW_DECORATING_H
 #define SHOW_DECORATING_H
 
+#include "render/canvas.h"
+#include "render/rendition.h"
 #include "session/session.h"
 
 /* Draws what the outlook asks for over the frame that shows these labels, for session_picture.
@@ -22,5 +24,9 @@ enum err session_decorate_ahead(struct session *session, const struct labels *la
 
 /* The frame with what was drawn over it last; all maps but `rgba` are the frame's. */
 struct rendition session_picture(const struct session *session);
+
+/* The same as it is shown: over its background, which is black where that is clear. ERR_MEMORY. */
+enum err session_show_frame(struct canvas *canvas, const struct session *session,
+                            struct fault *fault);
 
 #endif

@@ -1,30 +1,87 @@
-/* Pictures of a session: its camera and its rendition. */
-#include "session/session_inside.h"
+#include "show/draw.h"
 
+#include <stdlib.h>
 #include <string.h>
 
-#include "base/err.h"
+#include "base/mem.h"
+#include "base/watch.h"
 #include "render/bands.h"
-#include "render/border.h"
 #include "render/normal.h"
 #include "render/view.h"
-#include "show/draw.h"
-#include "show/drawn_colours.h"
-#include "show/decorating.h"
+#include "session/follower.h"
+#include "session/state.h"
+#include "show/pictures.h"
 #include "show/window.h"
+
+static const struct look *look_of(const struct pictures *p)
+{
+    return &session_outlook(p->session)->look;
+}
+
+/* ---- what is stored ---- */
+
+static void forget_context(struct context *context)
+{
+    free(context->frame.rgba);
+    context->frame = (struct rendition){0};
+}
+
+void pictures_release_rendition(struct pictures *p)
+{
+    rendition_release(&p->rendition);
+    rendition_release(&p->reduced);
+    layers_release(&p->layers);
+    free(p->decorated);
+    p->decorated = NULL;
+    p->decorated_pixels = 0;
+    forget_context(&p->context);
+    p->rendered = RENDERED_NOT;
+}
+
+/* Nothing is known of finished labels any more. */
+static void drop_live(struct pictures *p)
+{
+    struct live_finish *live = &p->live;
+    if (!live->label)
+        return;
+    shader_release(&p->shader); /* its fields may be of this border */
+    mem_pages_free(live->label, live->cells);
+    border_release(&live->border);
+    *live = (struct live_finish){0};
+    if (p->rendered == RENDERED_FINISHED)
+        p->rendered = RENDERED_NOT;
+}
+
+static void release(struct pictures *p)
+{
+    pictures_release_rendition(p);
+    drop_live(p);
+    mip_release(&p->context.mip);
+    shader_release(&p->shader);
+    free(p);
+}
+
+static void leave_scene(struct pictures *p)
+{
+    drop_live(p);
+    shader_release(&p->shader);
+}
+
+static void count_memory(const struct pictures *p, struct session_memory *memory)
+{
+    const struct rendition *frame = &p->context.frame;
+    memory->answers += p->live.cells + border_memory(&p->live.border);
+    memory->pictures += sizeof *p + rendition_bytes(&p->rendition) + rendition_bytes(&p->reduced) +
+                        layers_bytes(&p->layers) + mip_bytes(&p->context.mip) +
+                        (size_t)4 * frame->width * frame->height + 4 * p->decorated_pixels +
+                        shader_bytes(&p->shader);
+}
 
 /* ---- the camera ---- */
 
-enum err session_aim(const struct session *session, const struct outlook *outlook,
-                     struct camera *camera, struct fault *fault)
+static void forget(struct pictures *p)
 {
-    const struct view *view = &outlook->view;
-    const uint32_t samples = outlook->look.samples;
-    struct view fine = *view; /* with `samples` pixels for each of its own, along both sides */
-    fine.width *= samples;
-    fine.height *= samples;
-    fine.zoom *= samples;
-    return camera_init(camera, session->scene, &fine, fault);
+    p->rendered = RENDERED_NOT;
 }
 
 /* Whether there is nothing of another size. */
@@ -33,60 +90,101 @@ static bool suits(const struct rendition *rendition, uint32_t width, uint32_t he
     return !rendition->depth || (rendition->width == width && rendition->height == height);
 }
 
-void session_take_camera(struct session *session, const struct camera *camera)
+static void take_camera(struct pictures *p, const struct camera *camera)
 {
-    const struct view *view = &session->now.outlook.view, *fine = &camera->view;
-    if (!suits(&session->rendition, fine->width, fine->height) ||
-        !suits(&session->reduced, view->width, view->height))
-        session_release_rendition(session);
-    session->camera = *camera;
-    session->rendered = RENDERED_NOT;
+    const struct view *view = &session_outlook(p->session)->view, *fine = &camera->view;
+    if (!suits(&p->rendition, fine->width, fine->height) ||
+        !suits(&p->reduced, view->width, view->height))
+        pictures_release_rendition(p);
+    p->camera = *camera;
+    forget(p);
+}
+
+/* Has the camera look at this zoom. */
+static enum err take_zoom(struct pictures *p, uint32_t zoom, struct fault *fault)
+{
+    struct outlook outlook = *session_outlook(p->session);
+    struct camera camera;
+    if (p->camera.view.zoom == zoom * outlook.look.samples)
+        return OK;
+    outlook.view.zoom = zoom;
+    const enum err err = session_aim(p->session, &outlook, &camera, fault);
+    if (!err)
+        take_camera(p, &camera);
+    return err;
+}
+
+/* ---- the context ---- */
+
+/* Of objects alone. */
+static const struct rendition *objects_of(const struct pictures *p)
+{
+    return look_of(p)->samples > 1 ? &p->reduced : &p->rendition;
+}
+
+/* The camera of the picture, of which that of `p` may see samples. */
+static enum err aim_at_pixels(struct camera *camera, const struct pictures *p, struct fault *fault)
+{
+    const uint32_t samples = look_of(p)->samples;
+    struct view view = p->camera.view;
+    view.width /= samples;
+    view.height /= samples;
+    view.zoom /= samples;
+    return camera_init(camera, session_scene(p->session), &view, fault);
+}
+
+/* Puts it behind what is rendered, which has just changed. Nothing to do where the outlook has
+ * none. */
+static enum err put_context(struct pictures *p, struct fault *fault)
+{
+    struct session *session = p->session;
+    struct context *context = &p->context;
+    const struct rendition *rendered = objects_of(p);
+    struct mip_source source = {.scene = session_scene(session),
+                                .digest = session_scene_digest(session),
+                                .cut = session_kept(session)->cut};
+    struct camera camera;
+    if (session_outlook(session)->context == CONTEXT_NONE)
+        return OK;
+    window_of(source.window, session);
+    enum err err = aim_at_pixels(&camera, p, fault);
+    if (!err)
+        err = mip_draw(&context->mip, &source, &camera, session_team(session), fault);
+    if (err)
+        return err;
+    uint8_t *rgba = context->frame.rgba;
+    if (context->frame.width != rendered->width || context->frame.height != rendered->height) {
+        forget_context(context);
+        rgba = mem_array((size_t)rendered->width * rendered->height, 4);
+    }
+    if (!rgba)
+        return fault_memory(fault, "a picture");
+    context->frame = *rendered;
+    context->frame.rgba = rgba;
+    mip_put_behind(rgba, rendered->rgba, context->mip.brightness,
+                   (size_t)rendered->width * rendered->height);
+    return OK;
 }
 
 /* ---- the rendition ---- */
 
-/* Of objects alone. */
-static const struct rendition *objects_of(const struct session *session)
+static void prepare_shader(struct pictures *p)
 {
-    return session->now.outlook.look.samples > 1 ? &session->reduced : &session->rendition;
+    p->shader.team = session_team(p->session);
+    if (!cut_is_none(&session_kept(p->session)->cut))
+        window_of(p->shader.window, p->session);
 }
 
-const struct rendition *session_frame(const struct session *session)
+/* Colours of what the maps of the rendition show, and the picture at the size of the view. */
+static enum err colour(struct pictures *p, const struct border *border, struct fault *fault)
 {
-    const struct rendition *frame = &session->context.frame;
-    return session->now.outlook.context && frame->rgba ? frame : objects_of(session);
-}
-
-enum err session_show_frame(struct canvas *canvas, const struct session *session,
-                            struct fault *fault)
-{
-    const struct rendition r = session_picture(session);
-    const uint32_t background = background_opaque(session->now.outlook.background);
-    const enum err err = canvas_init(canvas, r.width, r.height, false, fault);
-    if (err)
-        return err;
-    memcpy(canvas->rgba, r.rgba, (size_t)4 * r.width * r.height);
-    background_put(canvas->rgba, r.width, r.height, background);
-    return OK;
-}
-
-static void prepare_shader(struct session *session)
-{
-    session->shader.team = session->team;
-    if (!cut_is_none(&session->now.kept.cut))
-        window_of(session->shader.window, session);
-}
-
-enum err session_colour(struct session *session, const struct border *border, struct fault *fault)
-{
-    const struct kept *kept = &session->now.kept;
-    const struct look *look = &session->now.outlook.look;
-    prepare_shader(session);
-    enum err err = shade(&session->rendition, &session->camera, border, &kept->palette, look,
-                         &session->shader, fault);
+    const struct look *look = look_of(p);
+    prepare_shader(p);
+    enum err err = shade(&p->rendition, &p->camera, border, &session_kept(p->session)->palette,
+                         look, &p->shader, fault);
     if (!err && look->samples > 1)
-        rendition_reduce_shared(&session->reduced, &session->rendition, look->samples,
-                                session->team);
+        rendition_reduce_shared(&p->reduced, &p->rendition, look->samples,
+                                session_team(p->session));
     return err;
 }
 
@@ -94,212 +192,424 @@ enum err session_colour(struct session *session, const struct border *border, st
 enum { SAMPLES_STORED_MOST = 1 << 23 };
 
 /* Whether the maps of camera.view's size are stored; else the picture is drawn in bands. */
-static bool stores_samples(const struct session *session, enum render_mode mode)
+static bool stores_samples(const struct pictures *p, enum render_mode mode)
 {
-    const struct view *fine = &session->camera.view;
-    return session->now.outlook.look.samples == 1 ||
+    const struct view *fine = &p->camera.view;
+    return look_of(p)->samples == 1 ||
            (mode != RENDER_ONCE && (uint64_t)fine->width * fine->height <= SAMPLES_STORED_MOST);
 }
 
-static enum err make_rendition(struct session *session, struct rendition *rendition, uint32_t width,
-                               uint32_t height, struct fault *fault)
+static enum err make_rendition(struct pictures *p, struct rendition *rendition,
+                               const struct view *view, struct fault *fault)
 {
     if (rendition->depth)
         return OK;
-    session->rendered = RENDERED_NOT;
-    return rendition_init(rendition, width, height, fault);
+    forget(p);
+    return rendition_init(rendition, view->width, view->height, fault);
 }
 
 /* Memory for the rendition. */
-static enum err make_room(struct session *session, enum render_mode mode, struct fault *fault)
+static enum err make_room(struct pictures *p, enum render_mode mode, struct fault *fault)
 {
-    const struct view *view = &session->now.outlook.view, *fine = &session->camera.view;
     enum err err = OK;
-    if (session->drawn)
+    if (p->take)
         return OK;
-    if (stores_samples(session, mode))
-        err = make_rendition(session, &session->rendition, fine->width, fine->height, fault);
+    if (stores_samples(p, mode))
+        err = make_rendition(p, &p->rendition, &p->camera.view, fault);
     else
-        rendition_release(&session->rendition);
-    if (session->now.outlook.look.samples == 1)
-        rendition_release(&session->reduced);
+        rendition_release(&p->rendition);
+    if (look_of(p)->samples == 1)
+        rendition_release(&p->reduced);
     else if (!err)
-        err = make_rendition(session, &session->reduced, view->width, view->height, fault);
+        err = make_rendition(p, &p->reduced, &session_outlook(p->session)->view, fault);
     if (err)
-        session_release_rendition(session);
+        pictures_release_rendition(p);
     return err;
-}
-
-/* Has the camera look at this zoom. */
-static enum err take_zoom(struct session *session, uint32_t zoom, struct fault *fault)
-{
-    struct outlook outlook = session->now.outlook;
-    struct camera camera;
-    if (session->camera.view.zoom == zoom * outlook.look.samples)
-        return OK;
-    outlook.view.zoom = zoom;
-    const enum err err = session_aim(session, &outlook, &camera, fault);
-    if (!err)
-        session_take_camera(session, &camera);
-    return err;
-}
-
-static projection *projection_of(enum render_mode mode)
-{
-    return mode == RENDER_SCENE ? splat_scene : mode == RENDER_RAY ? raycast : splat_border;
-}
-
-static enum err draw_bands(struct session *session, const struct border *border,
-                           projection *project, struct fault *fault)
-{
-    const struct state *now = &session->now;
-    const struct bands bands = {.project = project,
-                                .camera = &session->camera,
-                                .border = border,
-                                .palette = &now->kept.palette,
-                                .look = &now->outlook.look,
-                                .shader = &session->shader,
-                                .take = session->drawn ? drawn_colours_take : NULL,
-                                .context = session->drawn};
-    prepare_shader(session);
-    return bands_draw(session->drawn ? NULL : &session->reduced, &bands, fault);
 }
 
 /* Of the voxels that a border shows, from nothing, into memory that is there. */
-static enum err draw_border(struct session *session, struct border *border, enum render_mode mode,
+static enum err draw_border(struct pictures *p, struct border *border, enum render_mode mode,
                             struct fault *fault)
 {
-    projection *project = projection_of(mode);
-    enum err err = OK;
-    session->rendered = RENDERED_NOT;
-    err = border_set_skin(border, look_is_refined(&session->now.outlook.look), fault);
+    projection *project = mode == RENDER_SCENE ? splat_scene
+                          : mode == RENDER_RAY ? raycast
+                                               : splat_border;
+    const struct look *look = look_of(p);
+    forget(p);
+    enum err err = border_set_skin(border, look_is_refined(look), fault);
     if (err)
         return err;
-    if (session->rendition.depth) {
-        err =
-            layers_take(&session->layers, &session->rendition, border, &session->shader.seams,
-                        shade_refines_layers(&session->now.outlook.look, &session->camera), fault);
+    if (p->rendition.depth) {
+        err = layers_take(&p->layers, &p->rendition, border, &p->shader.seams,
+                          shade_refines_layers(look, &p->camera), fault);
         if (err)
             return err;
         if (project == splat_border)
-            splat_border_shared(&session->rendition, &session->camera, border, session->team);
+            splat_border_shared(&p->rendition, &p->camera, border, session_team(p->session));
         else
-            project(&session->rendition, &session->camera, border);
-        err = session_colour(session, border, fault);
-        if (!err && session->drawn)
-            drawn_colours_take(session->drawn, &session->rendition, 0);
+            project(&p->rendition, &p->camera, border);
+        err = colour(p, border, fault);
+        if (!err && p->take)
+            p->take(p->take_context, &p->rendition, 0);
     } else {
-        err = draw_bands(session, border, project, fault);
+        const struct bands bands = {.project = project,
+                                    .camera = &p->camera,
+                                    .border = border,
+                                    .palette = &session_kept(p->session)->palette,
+                                    .look = look,
+                                    .shader = &p->shader,
+                                    .take = p->take,
+                                    .context = p->take_context};
+        prepare_shader(p);
+        err = bands_draw(p->take ? NULL : &p->reduced, &bands, fault);
     }
     if (!err)
-        err = context_put(session, objects_of(session), fault);
-    return err ? err : watch_fault(session->watch, fault);
+        err = put_context(p, fault);
+    return err ? err : watch_fault(session_watch(p->session), fault);
 }
 
-static struct border *border_of(struct session *session, enum rendered as)
+static struct border *border_of(struct pictures *p, enum rendered as)
 {
-    return as == RENDERED_FINISHED ? &session->live.border : &session->border;
+    return as == RENDERED_FINISHED ? &p->live.border : session_own_border(p->session);
 }
 
-static enum err draw_at(struct session *session, uint32_t zoom, enum rendered as,
-                        enum render_mode mode, struct fault *fault)
+/* At this zoom, where the session does not skim. */
+static enum err draw_at(struct pictures *p, uint32_t zoom, enum rendered as, enum render_mode mode,
+                        struct fault *fault)
 {
-    if (session->skims)
-        return OK;
-    enum err err = take_zoom(session, zoom, fault);
+    enum err err = take_zoom(p, zoom, fault);
     if (!err)
-        err = make_room(session, mode, fault);
+        err = make_room(p, mode, fault);
     const bool draws_anew = mode == RENDER_SCENE || mode == RENDER_BORDER || mode == RENDER_RAY;
-    if (err || (session->rendered == as && !draws_anew))
+    if (err || (p->rendered == as && !draws_anew))
         return err;
-    err = draw_border(session, border_of(session, as), mode, fault);
-    session->rendered = err ? RENDERED_NOT : as;
+    err = draw_border(p, border_of(p, as), mode, fault);
+    p->rendered = err ? RENDERED_NOT : as;
     return err;
 }
 
-void session_follow_rendition(struct session *session, enum rendered as,
-                              const struct changes *changes)
+/* The rendition after such a change of the labels that it shows, whose border is up to date. What
+ * cannot be coloured is drawn when it is asked for. */
+static void follow_rendition(struct pictures *p, enum rendered as, const struct changes *changes)
 {
-    const struct border *border = border_of(session, as);
-    if (session->rendered != as)
+    const struct border *border = border_of(p, as);
+    if (p->rendered != as)
         return;
-    session->rendered = RENDERED_NOT;
-    if (!session->rendition.depth)
+    forget(p);
+    if (!p->rendition.depth)
         return;
-    if (session->now.outlook.look.creases && !session->rendition.layers)
-        seams_follow(&session->shader.seams, border, changes, NULL); /* else shading counts them */
-    incremental_image(&session->rendition, &session->camera, border, changes,
-                      shade_reach(&session->now.outlook.look, &session->camera));
-    enum err err = session_colour(session, border, NULL);
+    if (look_of(p)->creases && !p->rendition.layers)
+        seams_follow(&p->shader.seams, border, changes, NULL); /* else shading counts them */
+    incremental_image(&p->rendition, &p->camera, border, changes,
+                      shade_reach(look_of(p), &p->camera));
+    enum err err = colour(p, border, NULL);
     if (!err)
-        err = context_put(session, objects_of(session), NULL);
-    session->rendered = err ? RENDERED_NOT : as;
+        err = put_context(p, NULL);
+    p->rendered = err ? RENDERED_NOT : as;
 }
 
+/* ---- finished labels in panels ---- */
+
+bool session_shows_finished(const struct session *session)
+{
+    return session_outlook(session)->shows_finished && session_kept(session)->finish.count > 0 &&
+           session_has_scene(session) && !session_skims(session);
+}
+
+uint8_t session_shown_label(const struct session *session, uint32_t cell)
+{
+    const struct pictures *p = session_pictures(session);
+    return session_shows_finished(session) && p && p->live.label
+               ? p->live.label[cell]
+               : session_scene(session)->cell[cell].label;
+}
+
+/* Exact where such are stored, else the forest's. */
+static enum err make_live(struct pictures *p, struct fault *fault)
+{
+    struct live_finish *live = &p->live;
+    struct scene *scene = session_scene(p->session);
+    const struct labels from = {scene, session_finished(p->session)};
+    live->cells = scene->grid.cells;
+    live->label = mem_pages(live->cells);
+    if (!live->label)
+        return fault_memory(fault, "finished labels");
+    const enum err err = border_init(&live->border, scene, fault);
+    if (err) {
+        drop_live(p);
+        return err;
+    }
+    labels_copy(&from, live->label, session_team(p->session));
+    live->of = from.finished ? session_finish_source(p->session) : 0;
+    live->border.labels.finished = live->label;
+    return OK;
+}
+
+/* Whether the border shows what the session does. */
+static bool border_fits(const struct border *border, const struct kept *kept)
+{
+    for (int label = 0; label < 256; label++)
+        if (border->visible[label] != kept_shows(kept, label))
+            return false;
+    return memcmp(&border->cut, &kept->cut, sizeof kept->cut) == 0;
+}
+
+/* Has them there to be shown. */
+static enum err begin_live(struct pictures *p, struct fault *fault)
+{
+    const struct kept *kept = session_kept(p->session);
+    const bool is_new = !p->live.label;
+    enum err err = is_new ? make_live(p, fault) : OK;
+    if (err)
+        return err;
+    const bool fits = !is_new && border_fits(&p->live.border, kept);
+    kept_show(kept, &p->live.border);
+    if (fits)
+        return OK;
+    border_recount(&p->live.border);
+    if (p->rendered == RENDERED_FINISHED)
+        forget(p);
+    err = watch_fault(session_scene(p->session)->watch, fault);
+    if (err)
+        drop_live(p);
+    return err;
+}
+
+/* The labels are these now. What cannot be listed, or is too much, is everything. */
+static void take_changes(struct pictures *p, struct change *change, size_t count, bool everything)
+{
+    const struct changes changes = {.everything = everything,
+                                    .count = everything ? 0 : count,
+                                    .item = change,
+                                    .listed = everything ? 0 : count,
+                                    .voxels = count};
+    border_update(&p->live.border, &changes);
+    follow_rendition(p, RENDERED_FINISHED, &changes);
+    free(change);
+    if (watch_stops(session_scene(p->session)->watch))
+        drop_live(p);
+}
+
+/* After an edit of the forest. */
+static void follow_live(struct pictures *p, const struct changes *changes)
+{
+    struct live_finish *live = &p->live;
+    struct change *change = NULL;
+    size_t count = 0;
+    live->of = 0;
+    if (live->label && !changes->everything && session_shows_finished(p->session))
+        change = mem_array(changes->count + 1, sizeof *change);
+    if (!change) {
+        drop_live(p);
+        return;
+    }
+    for (size_t i = 0; i < changes->count; i++) {
+        const struct change *of_forest = changes->item + i;
+        uint8_t *label = live->label + of_forest->cell;
+        if (*label == of_forest->label)
+            continue;
+        change[count++] = (struct change){of_forest->cell, *label, of_forest->label};
+        *label = of_forest->label;
+    }
+    take_changes(p, change, count, false);
+}
+
+/* Cells whose labels differ, and how many: at most `most` of them; more are not listed. */
+static size_t list_differences(const struct live_finish *live, const uint8_t *label,
+                               struct change *change, size_t most)
+{
+    enum { STEP = 256 };
+    size_t count = 0;
+    for (size_t at = 0; at < live->cells && count <= most; at += STEP) {
+        const size_t end = at + STEP < live->cells ? at + STEP : live->cells;
+        if (memcmp(live->label + at, label + at, end - at) == 0)
+            continue;
+        for (size_t c = at; c < end && count <= most; c++)
+            if (live->label[c] != label[c] && count++ < most)
+                change[count - 1] = (struct change){(uint32_t)c, live->label[c], label[c]};
+    }
+    return count;
+}
+
+/* Has them there to be shown, where these exact ones are known. */
+static enum err take_exact(struct pictures *p, const struct labels *exact, struct fault *fault)
+{
+    struct live_finish *live = &p->live;
+    const enum err err = begin_live(p, fault);
+    if (err || live->of == session_finish_source(p->session))
+        return err;
+    const size_t most = live->cells / 16;
+    struct change *change = mem_array(most + 1, sizeof *change);
+    const size_t count = change ? list_differences(live, exact->finished, change, most) : most + 1;
+    memcpy(live->label, exact->finished, live->cells);
+    take_changes(p, change, count, count > most);
+    live->of = session_finish_source(p->session);
+    return watch_fault(session_scene(p->session)->watch, fault);
+}
+
+bool session_is_rough(const struct session *session)
+{
+    const struct pictures *p = session_pictures(session);
+    return session_shows_finished(session) && !(p && p->live.of == session_finish_source(session));
+}
+
+enum err session_refine(struct session *session, struct watch *watch, struct fault *fault)
+{
+    struct scene *scene = session_scene(session);
+    struct watch *const former = scene->watch;
+    struct pictures *p;
+    struct labels exact;
+    enum err err = pictures_begin(&p, session, fault);
+    if (err)
+        return err;
+    scene->watch = watch;
+    err = session_labels(session, true, &exact, fault);
+    scene->watch = NULL; /* what is begun now is done in no time, and not to be stopped */
+    if (!err)
+        err = take_exact(p, &exact, fault);
+    scene->watch = former;
+    return err;
+}
+
+void session_show_refining(struct session *session, void (*draw)(void *context), void *context)
+{
+    struct watch *const watch = session_scene(session)->watch;
+    session_scene(session)->watch = NULL;
+    draw(context);
+    session_scene(session)->watch = watch;
+}
+
+/* ---- following the session ---- */
+
+static void mark(struct pictures *p)
+{
+    p->former_rendered = session_is_rough(p->session) ? RENDERED_NOT : p->rendered;
+}
+
+static void take_back(struct pictures *p)
+{
+    struct labels labels;
+    const enum rendered as = p->former_rendered;
+    if (!as)
+        forget(p);
+    else if (!session_labels(p->session, as == RENDERED_FINISHED, &labels, NULL))
+        session_draw_labels(p->session, &labels, RENDER_AS_KEPT, NULL);
+}
+
+static void settle(struct pictures *p)
+{
+    if (!session_shows_finished(p->session))
+        drop_live(p);
+}
+
+static void follow(struct pictures *p, const struct changes *changes)
+{
+    follow_rendition(p, RENDERED_FOREST, changes);
+    follow_live(p, changes);
+}
+
+enum err pictures_begin(struct pictures **pictures, struct session *session, struct fault *fault)
+{
+    static const struct follower follower = {.mark = mark,
+                                             .take_back = take_back,
+                                             .settle = settle,
+                                             .follow = follow,
+                                             .forget_labels = drop_live,
+                                             .take_camera = take_camera,
+                                             .forget = forget,
+                                             .leave_scene = leave_scene,
+                                             .release = release,
+                                             .count_memory = count_memory};
+    struct pictures *p = *pictures = session_pictures(session);
+    if (p)
+        return OK;
+    p = mem_new(sizeof *p);
+    if (!p)
+        return fault_memory(fault, "a picture");
+    p->session = session;
+    const enum err err = session_aim(session, session_outlook(session), &p->camera, fault);
+    if (err) {
+        free(p);
+        return err;
+    }
+    session_take_pictures(session, p, &follower);
+    *pictures = p;
+    return OK;
+}
+
+/* ---- pictures that are asked for ---- */
+
 /* The shader's fields are those of the forest's border, or of this one, which goes. */
-static enum err draw_finished(struct session *session, const struct labels *labels,
+static enum err draw_finished(struct pictures *p, const struct labels *labels,
                               enum render_mode mode, struct fault *fault)
 {
     struct border border;
-    enum err err = border_init(&border, session->scene, fault);
+    enum err err = border_init(&border, session_scene(p->session), fault);
     if (err)
         return err;
     border.labels = *labels;
-    kept_show(&session->now.kept, &border);
+    kept_show(session_kept(p->session), &border);
     border_recount(&border);
-    err = watch_fault(session->watch, fault);
+    err = watch_fault(session_watch(p->session), fault);
     if (!err)
-        err = draw_border(session, &border, mode, fault);
-    shader_release(&session->shader);
+        err = draw_border(p, &border, mode, fault);
+    shader_release(&p->shader);
     border_release(&border);
     return err;
-}
-
-/* Labels that are to stay have a border that stays. */
-static enum err draw_live(struct session *session, const struct labels *labels,
-                          enum render_mode mode, struct fault *fault)
-{
-    const enum err err = live_finish_take(session, labels, fault);
-    return err ? err
-               : draw_at(session, session->now.outlook.view.zoom, RENDERED_FINISHED, mode, fault);
 }
 
 enum err session_draw_labels(struct session *session, const struct labels *labels,
                              enum render_mode mode, struct fault *fault)
 {
-    if (session->skims || !labels->finished)
-        return session_draw(session, mode, fault);
-    if (session_shows_finished(session))
-        return draw_live(session, labels, mode, fault);
-    enum err err = take_zoom(session, session->now.outlook.view.zoom, fault);
+    const uint32_t zoom = session_outlook(session)->view.zoom;
+    struct pictures *p;
+    if (session_skims(session))
+        return OK;
+    enum err err = pictures_begin(&p, session, fault);
+    if (err)
+        return err;
+    if (!labels->finished)
+        return draw_at(p, zoom, RENDERED_FOREST, mode, fault);
+    if (session_shows_finished(session)) { /* they have a border that stays */
+        err = take_exact(p, labels, fault);
+        return err ? err : draw_at(p, zoom, RENDERED_FINISHED, mode, fault);
+    }
+    err = take_zoom(p, zoom, fault);
     if (!err)
-        err = make_room(session, mode, fault);
-    return err ? err : draw_finished(session, labels, mode, fault);
+        err = make_room(p, mode, fault);
+    return err ? err : draw_finished(p, labels, mode, fault);
 }
 
 enum err session_draw(struct session *session, enum render_mode mode, struct fault *fault)
 {
-    return draw_at(session, session->now.outlook.view.zoom, RENDERED_FOREST, mode, fault);
+    const struct labels labels = labels_of_forest(session_scene(session));
+    return session_draw_labels(session, &labels, mode, fault);
 }
 
 enum err session_draw_fitting(struct session *session, struct labels *labels, struct fault *fault)
 {
     const bool finished = session_shows_finished(session);
-    *labels = labels_of_forest(session->scene);
-    const enum err err = finished ? live_finish_begin(session, fault) : OK;
+    struct pictures *p;
+    *labels = labels_of_forest(session_scene(session));
+    if (session_skims(session))
+        return OK;
+    enum err err = pictures_begin(&p, session, fault);
+    if (!err && finished)
+        err = begin_live(p, fault);
     if (err)
         return err;
-    labels->finished = finished ? session->live.label : NULL;
-    return draw_at(session, session_fitting_zoom(session),
-                   finished ? RENDERED_FINISHED : RENDERED_FOREST, RENDER_AS_KEPT, fault);
+    labels->finished = finished ? p->live.label : NULL;
+    return draw_at(p, session_fitting_zoom(session), finished ? RENDERED_FINISHED : RENDERED_FOREST,
+                   RENDER_AS_KEPT, fault);
 }
 
 uint32_t session_fitting_zoom(const struct session *session)
 {
-    const struct view *view = &session->now.outlook.view;
-    const uint32_t first = view_default(session->scene).zoom;
-    const uint32_t fitting = view_fitting_zoom(session->scene, view->width, view->height,
-                                               session->now.outlook.look.samples);
+    const struct view *view = &session_outlook(session)->view;
+    const struct scene *scene = session_scene(session);
+    const uint32_t first = view_default(scene).zoom;
+    const uint32_t fitting =
+        view_fitting_zoom(scene, view->width, view->height, session_outlook(session)->look.samples);
     return view->zoom == first && view->zoom < fitting ? fitting : view->zoom;
 }
 
@@ -309,31 +619,18 @@ enum err session_render(struct session *session, enum render_mode mode, struct f
     return err ? err : session_draw(session, mode, fault);
 }
 
-/* ---- while a command is carried out ---- */
-
-/* The border is that of the labels as they are, and made anew once they are final: the forest's,
- * of which nothing is finished. Tally and measures are those from which the command's changes will
- * be counted. */
-void session_show(struct session *session, void (*draw)(void *context), void *context)
+enum rendered session_rendered(const struct session *session)
 {
-    const struct tally tally = session->tally, former = session->former_tally;
-    const struct label_measures measures = session->measures;
-    const bool shows_finished = session->now.outlook.shows_finished;
-    session->now.outlook.shows_finished = false;
-    session->measures = (struct label_measures){0};
-    border_recount(&session->border);
-    session->stale |= MADE_BORDER;
-    session->rendered = RENDERED_NOT;
-    draw(context);
-    session->rendered = RENDERED_NOT;
-    session->tally = tally;
-    session->former_tally = former;
-    label_measures_release(&session->measures);
-    session->measures = measures;
-    session->now.outlook.shows_finished = shows_finished;
+    const struct pictures *p = session_pictures(session);
+    return p ? p->rendered : RENDERED_NOT;
 }
 
-void session_show_cross(struct session *session, const uint32_t place[3])
+const struct rendition *session_frame(const struct session *session)
 {
-    memcpy(session->now.outlook.slices.cross, place, sizeof session->now.outlook.slices.cross);
+    static const struct rendition none;
+    const struct pictures *p = session_pictures(session);
+    if (!p)
+        return &none;
+    return session_outlook(session)->context && p->context.frame.rgba ? &p->context.frame
+                                                                      : objects_of(p);
 }

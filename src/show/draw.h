@@ -1,5 +1,12 @@
 /*
- * Pictures of a session: the rendition, which is stored and follows edits.
+ * Pictures of a session: the rendition, which is stored and follows edits, with the scene behind it
+ * where the outlook has it so.
+ *
+ * Finished labels, where pictures show them (`finished on`), take time to be made, and nobody is to
+ * wait for that. So right after an edit those that panels show are *rough*: the forest's where
+ * these have changed, as they were elsewhere, and all the forest's where nothing better is known.
+ * session_refine makes them exact, when there is time for it. Rough labels are seen in panels and
+ * nowhere else: what is recorded, written, compared or counted is exact (session_labels).
  */
 #ifndef SHOW_DRAW_H
 #define SHOW_DRAW_H
@@ -19,7 +26,8 @@ enum render_mode {
 };
 
 /* Makes the rendition show the present state. RENDER_AS_KEPT and RENDER_INCREMENTAL do what is
- * left to do, RENDER_ONCE too; the others start from nothing. All give the same pixels. */
+ * left to do, RENDER_ONCE too; the others start from nothing. All give the same pixels. Here and
+ * below ERR_MEMORY, ERR_CANCELLED; nothing is drawn of a session that skims. */
 enum err session_render(struct session *session, enum render_mode mode, struct fault *fault);
 
 /* The same with the forest as it stands, whatever edits wait. */
@@ -31,28 +39,44 @@ enum err session_draw_labels(struct session *session, const struct labels *label
                              enum render_mode mode, struct fault *fault);
 
 /* The same to be looked at alone, at the zoom below, until another of these is called, of labels
- * that are given back: the forest's, or finished ones, which may be rough (show/live_finish.h).
- */
+ * that are given back: the forest's, or finished ones, which may be rough. */
 enum err session_draw_fitting(struct session *session, struct labels *labels, struct fault *fault);
 
 /* That of the view, thousandths; while it is the one that a scene is opened with, which nobody has
  * chosen, the one at which the scene fits. */
 uint32_t session_fitting_zoom(const struct session *session);
 
-/* To be called from `show` of the watch (base/watch.h), while a command is carried out: `draw` may
- * read the session and make pictures of it, as they are so far, and must carry out no command. What
- * the command itself goes by is put back afterwards. */
-void session_show(struct session *session, void (*draw)(void *context), void *context);
+/* Whose labels the rendition shows, as they are now. */
+enum rendered { RENDERED_NOT, RENDERED_FOREST, RENDERED_FINISHED };
+enum rendered session_rendered(const struct session *session);
 
-/* Within `draw`: the cross-hair is shown at another place. The caller puts the former one back, so
- * that no command finds this one. */
-void session_show_cross(struct session *session, const uint32_t place[3]);
-
-/* What was rendered, at the size of the view. */
+/* What was rendered, at the size of the view; without maps where nothing was. */
 const struct rendition *session_frame(const struct session *session);
 
-/* The same as it is shown: over its background, which is black where that is clear. ERR_MEMORY. */
-enum err session_show_frame(struct canvas *canvas, const struct session *session,
-                            struct fault *fault);
+/* ---- finished labels in panels ---- */
+
+/* Whether pictures show finished labels; not those of a session that skims. */
+bool session_shows_finished(const struct session *session);
+
+/* The label of a cell as panels show it. */
+uint8_t session_shown_label(const struct session *session, uint32_t cell);
+
+/* Whether what a panel would show now is rough. */
+bool session_is_rough(const struct session *session);
+
+/* Makes it exact, under a watch of its own. ERR_CANCELLED where that has stopped it, ERR_LIMIT,
+ * ERR_MEMORY: nothing has changed then. */
+enum err session_refine(struct session *session, struct watch *watch, struct fault *fault);
+
+/* To be called from `show` of that watch: `draw` makes pictures, which the watch does not stop. */
+void session_show_refining(struct session *session, void (*draw)(void *context), void *context);
+
+/* ---- for the files of this room ---- */
+
+/* The pictures of the session, which are made where there are none. ERR_MEMORY. */
+enum err pictures_begin(struct pictures **pictures, struct session *session, struct fault *fault);
+
+/* Lets go of what was rendered. */
+void pictures_release_rendition(struct pictures *pictures);
 
 #endif

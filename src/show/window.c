@@ -3,24 +3,8 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "engine/intensities.h"
 #include "image/geometry.h"
-#include "session/session_inside.h"
 #include "session/state.h"
-
-/* The 1st and the 99.5th percentile: few voxels are as bright as vessels and fat. */
-void window_of_counts(int32_t window[2], const uint32_t count[UINT16_MAX + 1])
-{
-    intensities_range(window, count, 10, 995);
-}
-
-static void find_window(struct session *session)
-{
-    static uint32_t count[UINT16_MAX + 1];
-    intensities_count(count, session->scene, session->team);
-    window_of_counts(session->window, count);
-    session->knows_window = true;
-}
 
 /* A real value as an intensity. */
 static int32_t intensity_of(const struct geometry *geometry, const struct decimal *real)
@@ -34,25 +18,27 @@ static int32_t intensity_of(const struct geometry *geometry, const struct decima
 
 void window_of(int32_t window[2], struct session *session)
 {
-    const struct slice_settings *s = &session->now.outlook.slices;
-    const bool falls = session->geometry.slope < 0;
-    if (!s->has_window && !session->knows_window)
-        find_window(session);
+    const struct slice_settings *s = &session_outlook(session)->slices;
+    const struct geometry *geometry = session_geometry(session);
+    const bool falls = geometry->slope < 0;
+    int32_t found[2];
+    if (!s->has_window)
+        session_find_window(session, found);
     for (int i = 0; i < 2; i++)
-        window[i] = s->has_window ? intensity_of(&session->geometry, &s->window[i])
-                                  : session->window[falls ? 1 - i : i];
+        window[i] =
+            s->has_window ? intensity_of(geometry, &s->window[i]) : found[falls ? 1 - i : i];
     if (window[0] == window[1])
         window[1] += falls ? -1 : 1;
 }
 
 void window_values(double value[2], struct session *session)
 {
-    const struct slice_settings *s = &session->now.outlook.slices;
+    const struct slice_settings *s = &session_outlook(session)->slices;
     int32_t window[2];
     window_of(window, session);
     for (int i = 0; i < 2; i++)
         value[i] = s->has_window ? decimal_value(&s->window[i])
-                                 : geometry_value(&session->geometry, window[i]);
+                                 : geometry_value(session_geometry(session), window[i]);
 }
 
 /* "12.5", or four digits of a value too small for thousandths. */

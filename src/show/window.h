@@ -14,10 +14,6 @@ void window_of(int32_t window[2], struct session *session);
 /* The real values that are black and white. */
 void window_values(double value[2], struct session *session);
 
-/* The window that follows from how often intensities occur (engine/intensities.h), the smaller
- * intensity first. */
-void window_of_counts(int32_t window[2], const uint32_t count[UINT16_MAX + 1]);
-
 /* The same in words: "0" and "142.5". */
 enum { WINDOW_WORDS_BYTES = 32 };
 void window_words(char least[WINDOW_WORDS_BYTES], char most[WINDOW_WORDS_BYTES],

@@ -8,7 +8,8 @@
 #include "base/process.h"
 #include "verify/difference_picture.h"
 #include "verify/replay_file.h"
-#include "session/session_inside.h"
+#include "session/session.h"
+#include "session/state.h"
 
 enum { SIDE_MOST = 16384, /* of a picture */ FRAME_MOST = 4 * SIDE_MOST * SIDE_MOST };
 
@@ -84,8 +85,10 @@ static enum err draw(struct picture *picture, struct session *session, const str
         .name = {file_name(work->options->path[0]), file_name(work->options->path[1])},
         .label = {label, work->other->labels},
         .overlap = &overlap};
-    borrow(&session->now.kept, work->other->facts, &overlap);
-    return difference_picture_draw(picture, session, &difference_picture, fault);
+    struct state next = *session_state(session);
+    borrow(&next.kept, work->other->facts, &overlap);
+    const enum err err = session_go(session, &next, NULL, 0, fault);
+    return err ? err : difference_picture_draw(picture, session, &difference_picture, fault);
 }
 
 /* Labels and picture to `out`, after the facts. */

@@ -6,7 +6,7 @@
 #ifndef VERIFY_DIFF_SIDE_H
 #define VERIFY_DIFF_SIDE_H
 
-#include "report/export.h"
+#include "show/export_picture.h"
 #include "verify/diff.h"
 
 /* From one process of this program to another, so they are sent as they are. */

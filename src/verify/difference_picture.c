@@ -9,8 +9,9 @@
 #include "render/canvas.h"
 #include "render/text.h"
 #include "report/comparison_picture.h"
-#include "session/session_inside.h"
-#include "session/session_inside.h"
+#include "session/session.h"
+#include "session/state.h"
+#include "show/decorating.h"
 #include "show/draw.h"
 
 enum {
@@ -30,8 +31,9 @@ static const uint8_t paper[3] = {24, 24, 24}, ink[3] = {232, 232, 232};
 struct sheet {
     const struct difference_picture *of;
     struct session *session; /* A's */
-    bool visible[256];       /* which labels its user sees, */
-    uint8_t opacity[256];    /* and how opaque they are */
+    bool visible[256];       /* which labels its user sees */
+    struct state state;      /* in which the session is to be for what is drawn next, */
+    uint8_t *label;          /* and the labels of that, by cell */
     uint32_t width, height;  /* of a pane */
     uint32_t scale;          /* of letters */
     uint32_t top, bottom;    /* heights of the strips */
@@ -45,13 +47,15 @@ static struct sheet plan_sheet(struct session *session, const struct difference_
     const uint32_t line = TEXT_LINE * scale;
     struct sheet sheet = {.of = of,
                           .session = session,
+                          .state = *session_state(session),
                           .width = view->width,
                           .height = view->height,
                           .scale = scale,
                           .top = line + 2 * BORDER,
                           .bottom = ROWS * line + 2 * BORDER};
-    memcpy(sheet.visible, session_border(session)->visible, sizeof sheet.visible);
-    memcpy(sheet.opacity, session_border(session)->opacity, sizeof sheet.opacity);
+    for (int label = 0; label < 256; label++)
+        sheet.visible[label] = kept_shows(&sheet.state.kept, label);
+    sheet.state.outlook.shows_finished = 0;
     return sheet;
 }
 
@@ -66,7 +70,7 @@ static struct canvas pane_of(const struct sheet *sheet, uint32_t pane)
                        sheet->height);
 }
 
-/* ---- labels into the scene ---- */
+/* ---- other labels ---- */
 
 enum relabelled { AS_B, AS_OBJECT, AS_KIND };
 
@@ -82,30 +86,21 @@ static uint8_t new_label(const struct sheet *sheet, enum relabelled as, size_t v
     return a == b ? 0 : (uint8_t)difference_of(a, b);
 }
 
-static void relabel(const struct sheet *sheet, enum relabelled as)
-{
-    struct scene *scene = session_scene(sheet->session);
-    size_t voxel = 0;
-    for (uint32_t z = 0; z < scene->grid.size[2]; z++)
-        for (uint32_t y = 0; y < scene->grid.size[1]; y++) {
-            const struct span row = grid_row(&scene->grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++)
-                scene->cell[c].label = new_label(sheet, as, voxel++);
-        }
-}
-
-/* Renders those labels, all of them where they are no longer the user's. */
+/* Renders those labels, in the sheet's state. */
 static enum err render_as(const struct sheet *sheet, enum relabelled as, struct fault *fault)
 {
     struct session *session = sheet->session;
-    relabel(sheet, as);
-    for (int label = 1; label < 256; label++) {
-        session->border.visible[label] = as == AS_B ? sheet->visible[label] : true;
-        session->border.opacity[label] = as == AS_B ? sheet->opacity[label] : BORDER_OPAQUE;
-    }
-    border_recount(&session->border);
-    session->rendered = RENDERED_NOT;
-    return session_draw(session, RENDER_BORDER, fault);
+    const struct grid *grid = &session_scene(session)->grid;
+    const struct labels labels = {session_scene(session), sheet->label};
+    size_t voxel = 0;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            const struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++)
+                sheet->label[c] = new_label(sheet, as, voxel++);
+        }
+    const enum err err = session_go(session, &sheet->state, NULL, 0, fault);
+    return err ? err : session_draw_labels(session, &labels, RENDER_BORDER, fault);
 }
 
 /* ---- panes ---- */
@@ -140,16 +135,18 @@ static void put_kinds(const struct sheet *sheet, const int64_t *depth)
     }
 }
 
-static enum err draw_difference(const struct sheet *sheet, struct fault *fault)
+/* All labels are shown, since they are no longer the user's. */
+static enum err draw_difference(struct sheet *sheet, struct fault *fault)
 {
     const size_t pixels = (size_t)sheet->width * sheet->height;
     int64_t *depth = mem_array(pixels, sizeof *depth);
-    struct palette *palette = &sheet->session->now.kept.palette;
+    struct kept *kept = &sheet->state.kept;
     if (!depth)
         return fault_memory(fault, "a picture");
-    memcpy(palette->rgb[SAME_OBJECT], ghost_rgb, 3);
-    sheet->session->now.outlook.background =
-        BACKGROUND_PLAIN; /* black: colours tell what differs */
+    memset(kept->visible + 1, true, 255 * sizeof *kept->visible);
+    memset(kept->opacity + 1, BORDER_OPAQUE, 255);
+    memcpy(kept->palette.rgb[SAME_OBJECT], ghost_rgb, 3);
+    sheet->state.outlook.background = BACKGROUND_PLAIN; /* black: colours tell what differs */
     enum err err = render_as(sheet, AS_OBJECT, fault);
     if (!err) {
         memcpy(depth, session_frame(sheet->session)->depth, pixels * sizeof *depth);
@@ -157,7 +154,7 @@ static enum err draw_difference(const struct sheet *sheet, struct fault *fault)
     }
     if (!err) {
         for (int kind = A_ALONE; kind < DIFFERENCES; kind++)
-            memcpy(palette->rgb[kind], difference_rgb[kind], 3);
+            memcpy(kept->palette.rgb[kind], difference_rgb[kind], 3);
         err = render_as(sheet, AS_KIND, fault);
     }
     if (!err)
@@ -166,7 +163,7 @@ static enum err draw_difference(const struct sheet *sheet, struct fault *fault)
     return err;
 }
 
-static enum err draw_panes(const struct sheet *sheet, struct fault *fault)
+static enum err draw_panes(struct sheet *sheet, struct fault *fault)
 {
     enum err err = session_draw(sheet->session, RENDER_AS_KEPT, fault);
     if (err)
@@ -258,5 +255,8 @@ enum err difference_picture_draw(struct picture *picture, struct session *sessio
     sheet.canvas = (struct canvas){width, height, width, picture->rgba, NULL, NULL, NULL};
     canvas_box(&sheet.canvas, 0, 0, width, height, paper);
     write_words(&sheet); /* the colours of labels are gone once the pane on the right is drawn */
-    return draw_panes(&sheet, fault);
+    sheet.label = mem_new(session_scene(session)->grid.cells);
+    err = sheet.label ? draw_panes(&sheet, fault) : fault_memory(fault, "a picture");
+    free(sheet.label);
+    return err;
 }

@@ -12,7 +12,7 @@
 #include "journal/journal.h"
 #include "journal/log.h"
 #include "journal/walk.h"
-#include "report/export.h"
+#include "show/export_picture.h"
 
 enum {
     WHY_MOST = 1000,         /* bytes of a reason */

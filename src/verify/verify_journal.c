@@ -5,7 +5,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "command/act.h"
-#include "report/export.h"
+#include "show/export_picture.h"
 #include "session/semantics.h"
 #include "session/session.h"
 #include "show/draw.h"

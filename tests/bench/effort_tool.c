@@ -12,7 +12,6 @@
 #include "base/mem.h"
 #include "engine/weight.h"
 #include "program/bench.h"
-#include "session/finished.h"
 #include "session/session.h"
 #include "tests/bench/growcut.h"
 #include "tests/peers/worker.h"

@@ -2,6 +2,7 @@
  * What a frame takes at the sizes at which people wait for it, by one thread and by all: elapsed,
  * and of processors, which other work on the machine changes less. Then a whole turntable, and VTK.
  */
+#include "show/pictures.h"
 #include "tests/bench/bench.h"
 
 #include <stdio.h>
@@ -81,8 +82,8 @@ static struct row *add_row(struct table *table, const char *what)
 /* From now on one thread draws, or all of them. */
 static void take_team(struct table *table, struct session *session, int which)
 {
-    table->shader[table->which] = session->shader;
-    session->shader = table->shader[which];
+    table->shader[table->which] = session->pictures->shader;
+    session->pictures->shader = table->shader[which];
     session->team = which ? table->team : NULL;
     table->which = which;
 }
@@ -133,7 +134,7 @@ static enum err time_frames(struct session *session, struct table *table, const 
     for (int i = 0; !err && i < TEAMS * f->count; i++) {
         take_team(table, session, i % TEAMS);
         err = look_with(session, f, i / TEAMS, fault);
-        session->rendered = RENDERED_NOT;
+        session->follower->forget(session->pictures);
         const struct moment begin = moment_now();
         err = err ? err : session_draw(session, f->mode, fault);
         add_since(&row->times[i % TEAMS], begin);
@@ -178,7 +179,7 @@ static enum err follow(struct session *session, const struct edit *edit, size_t 
     const struct changes changes = forest_changes(session->forest);
     border_update(&session->border, &changes);
     const struct moment begin = moment_now();
-    session_follow_rendition(session, RENDERED_FOREST, &changes);
+    session->follower->follow(session->pictures, &changes);
     if (!err && changes.count > 500 && changes.count < 4000)
         add_since(times, begin);
     return err;

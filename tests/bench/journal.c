@@ -15,7 +15,7 @@
 #include "journal/journal.h"
 #include "journal/replay.h"
 #include "journal/walk.h"
-#include "report/export.h"
+#include "show/export_picture.h"
 #include "session/session.h"
 #include "session/session_inside.h"
 #include "show/draw.h"

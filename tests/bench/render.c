@@ -1,4 +1,5 @@
 /* What a picture takes: whole frames, parts of them, edits, and VTK beside it. */
+#include "show/pictures.h"
 #include "tests/bench/bench.h"
 
 #include <errno.h>
@@ -18,7 +19,7 @@
 #include "command/interpreter.h"
 #include "engine/label_stats.h"
 #include "render/border.h"
-#include "report/export.h"
+#include "report/export_map.h"
 #include "session/session.h"
 #include "show/draw.h"
 #include "show/slicing.h"
@@ -82,8 +83,8 @@ static double quantile(struct row *row, double share)
 static enum err colour(struct session *session, struct fault *fault)
 {
     const struct state *now = &session->now;
-    return shade(&session->rendition, &session->camera, &session->border, &now->kept.palette,
-                 &now->outlook.look, &session->shader, fault);
+    return shade(&session->pictures->rendition, &session->pictures->camera, &session->border,
+                 &now->kept.palette, &now->outlook.look, &session->pictures->shader, fault);
 }
 
 static enum err turn_to(struct session *session, int frame, uint32_t zoom, struct fault *fault)
@@ -94,7 +95,7 @@ static enum err turn_to(struct session *session, int frame, uint32_t zoom, struc
     view.width = view.height = SIDE;
     view.zoom = zoom;
     enum err err = session_set_view(session, &view, fault);
-    if (!err && !session->rendition.depth) /* so that no frame makes room for the first time */
+    if (!err && !session_frame(session)->depth) /* so that no frame makes room for the first time */
         err = session_render(session, RENDER_BORDER, fault);
     return err;
 }
@@ -124,16 +125,16 @@ static enum err time_turn(struct session *session, struct table *table, uint32_t
     for (int frame = 0; !err && frame < FRAMES; frame++) {
         err = turn_to(session, frame, zoom, fault);
         const uint64_t begin = clock_ns();
-        splat_border(&session->rendition, &session->camera, &session->border);
+        splat_border(&session->pictures->rendition, &session->pictures->camera, &session->border);
         const uint64_t between = add_since(row[1], begin);
         err = err ? err : colour(session, fault);
         add_since(row[2], between);
         add_since(row[0], begin);
-        table->pixels[which] += pixels_seen(&session->rendition) / FRAMES;
+        table->pixels[which] += pixels_seen(&session->pictures->rendition) / FRAMES;
     }
     for (int frame = 0; !err && frame < FRAMES; frame += 4) {
         err = turn_to(session, frame, zoom, fault);
-        shader_release(&session->shader);
+        shader_release(&session->pictures->shader);
         const uint64_t begin = clock_ns();
         err = err ? err : session_render(session, RENDER_BORDER, fault);
         add_since(row[3], begin);
@@ -226,8 +227,9 @@ static enum err follow_edit(struct session *session, const struct edit *edit, si
         !changes.everything && changes.count >= LEAST_LABELS && changes.count <= MOST_LABELS;
     out->labels = is_wanted ? changes.count : 0;
     const uint64_t begin = clock_ns();
-    incremental_image(&session->rendition, &session->camera, &session->border, &changes,
-                      shade_reach(&session->now.outlook.look, &session->camera));
+    incremental_image(&session->pictures->rendition, &session->pictures->camera, &session->border,
+                      &changes,
+                      shade_reach(&session->now.outlook.look, &session->pictures->camera));
     err = err ? err : colour(session, fault);
     out->ms = times_since(begin);
     return err;
@@ -261,8 +263,9 @@ static enum err time_edits(struct session *session, struct table *table, uint32_
         struct followed way[2];
         do
             pixel = (pixel + 12347) % (SIDE * SIDE);
-        while (session->rendition.cell[pixel] == CELL_NONE);
-        make_ball(ball, session->scene, session->rendition.cell[pixel], 4 + i % (BALL_MOST - 3));
+        while (session->pictures->rendition.cell[pixel] == CELL_NONE);
+        make_ball(ball, session->scene, session->pictures->rendition.cell[pixel],
+                  4 + i % (BALL_MOST - 3));
         err = follow_edit(session, ball->seed, ball->count, &way[0], fault);
         if (!err)
             err = follow_edit(session, ball->undo, ball->count, &way[1], fault);
@@ -390,8 +393,9 @@ static enum err time_following(struct session *session, struct table *table, str
     for (int i = 0; !err && i < TRIES && row[0]->count < 2 * EDITS; i++) {
         do
             pixel = (pixel + 12347) % (SIDE * SIDE);
-        while (session->rendition.cell[pixel] == CELL_NONE);
-        make_ball(ball, session->scene, session->rendition.cell[pixel], 4 + i % (BALL_MOST - 3));
+        while (session->pictures->rendition.cell[pixel] == CELL_NONE);
+        make_ball(ball, session->scene, session->pictures->rendition.cell[pixel],
+                  4 + i % (BALL_MOST - 3));
         err = time_measures(session, &measures, ball->seed, ball->count, row, fault);
         if (!err)
             err = time_measures(session, &measures, ball->undo, ball->count, row, fault);

@@ -1,3 +1,4 @@
+#include "show/pictures.h"
 #include "tests/bench/trial.h"
 
 #include <stdio.h>
@@ -105,7 +106,7 @@ static enum err colour(struct work *work, struct rendition *rendition, bool of_k
                        struct fault *fault)
 {
     const struct session *session = work->session;
-    return shade(rendition, &session->camera, of_kept ? &session->border : &work->sought,
+    return shade(rendition, &session->pictures->camera, of_kept ? &session->border : &work->sought,
                  &session->now.kept.palette, &session->now.outlook.look, &work->shader[of_kept],
                  fault);
 }
@@ -113,7 +114,7 @@ static enum err colour(struct work *work, struct rendition *rendition, bool of_k
 static enum err render(struct work *work, enum experiment e, struct fault *fault)
 {
     const struct session *session = work->session;
-    const struct camera *camera = &session->camera;
+    const struct camera *camera = &session->pictures->camera;
     const struct border *border = keeps_border(e) ? &session->border : &work->sought;
     const struct changes changes = forest_changes(session->forest);
     if (e == IFT_SP || e == DIFT_SP) {

@@ -8,8 +8,9 @@
 
 #include "base/safe.h"
 #include "report/label_table.h"
+#include "session/setting.h"
 #include "session/semantics.h"
-#include "session/regions.h"
+#include "session/map.h"
 
 static void check_names(const struct kept *kept)
 {

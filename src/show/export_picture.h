@@ -1,18 +1,30 @@
 /*
- * What leaves a session: pictures of its rendition, and maps in the scene's geometry.
+ * Pictures of a session that leave it: colours, depths, labels, voxels and normals of its
+ * rendition, and what a picture says of itself.
  *
- * Here integers become floating point, and nothing of it finds its way back.
+ * Here integers become floating point, and nothing of it finds its way back. The camera is far
+ * enough in front of the scene that all of it has a depth above 0, by the same distance at every
+ * angle. The world is that of the scene's geometry, millimetres towards Right, Anterior, Superior,
+ * be its axes oblique or sheared; it is not known where that has no place.
  */
-#ifndef REPORT_EXPORT_H
-#define REPORT_EXPORT_H
+#ifndef SHOW_EXPORT_PICTURE_H
+#define SHOW_EXPORT_PICTURE_H
 
-#include "base/file.h"
+#include "base/buf.h"
 #include "image/picture.h"
-#include "image/volume.h"
-#include "show/drawn_colours.h"
 #include "session/session.h"
 
 #define PROGRAM_VERSION "0.1"
+
+/* Labels that pixels show, 0 among them: a bit each. */
+struct label_set {
+    uint64_t bits[4];
+};
+
+static inline void label_set_put(struct label_set *set, uint8_t label)
+{
+    set->bits[label >> 6] |= UINT64_C(1) << (label & 63);
+}
 
 /* What every picture says of itself: program, scene, view; and the labels shown, or NULL. */
 enum err export_notes(struct picture *picture, const struct session *session,
@@ -32,7 +44,9 @@ enum err export_colours(struct picture *picture, const struct session *session,
                         struct fault *fault);
 
 /* The same of a picture that is yet to be drawn, of these labels, and its digest: in place, and no
- * rendition is stored afterwards. Not where more than colours is needed (session_draws_colours). */
+ * rendition is stored afterwards. Not where more than colours is looked at, which context and marks
+ * of seeds do (export_takes_colours). ERR_MEMORY, ERR_CANCELLED. */
+bool export_takes_colours(const struct session *session);
 enum err export_drawn(struct picture *picture, struct session *session, const struct labels *labels,
                       uint64_t *digest, struct fault *fault);
 
@@ -45,26 +59,14 @@ enum err export_normals(struct picture *picture, const struct session *session,
                         struct fault *fault);
 
 /* Normals along the axes of voxels (unit vectors times 2^14, [pixels][4], the fourth unused), as
- * unit vectors towards Right, Anterior, Superior ([pixels][3]). Exact: a float holds them. */
+ * unit vectors towards Right, Anterior, Superior ([pixels][3]); zeros stay zeros. The first is of
+ * look 1, for which all axes lie along those, and exact: a float holds it. */
 void export_normals_to_world(float *out, const int16_t *normal, size_t pixels,
                              const struct scene *scene);
+void seen_normals(float *out, const int16_t *normal, size_t pixels,
+                  const struct geometry *geometry);
 
-/* How labels are called and shown; names are borrowed. */
-void export_labels(struct volume_label label[256], const struct kept *kept);
-
-#define MAPS "labels|cost|root|border|distance|margin"
-enum map { MAP_LABELS, MAP_COST, MAP_ROOT, MAP_BORDER, MAP_DISTANCE, MAP_MARGIN };
-
-/* A map in the scene's geometry: `labels`, which may be finished, by their own numbers, as uint8 or
- * where one is above 255 as uint16, and ERR_INPUT where two are the same; the border as uint8; cost
- * uint16, 65535 where no seed reaches; root uint32, the voxel index of the seed, 0xFFFFFFFF where
- * none reaches; distance uint16, the plateau distance (hops of engine/forest.h), 65535 where no
- * seed reaches; margin uint16 (engine/margin.h). */
-enum err export_map(const struct session *session, enum map map, const struct labels *labels,
-                    const char *path, enum file_mode mode, struct fault *fault);
-
-/* The seeds that are planted as lines x,y,z,label, in the order of voxels, under one with the names
- * of these columns; four more where a seed has a reach: what `seed-file` reads. */
-enum err export_seeds(struct buf *out, const struct session *session, struct fault *fault);
+/* The length of a pixel in the scene. */
+double seen_mm_per_pixel(const struct session *session);
 
 #endif

@@ -1,30 +1,114 @@
-#include "report/export.h"
+#include "show/export_picture.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/choice.h"
 #include "base/json.h"
 #include "base/mem.h"
-#include "engine/margin.h"
-#include "image/volume.h"
-#include "session/session.h"
-#include "session/session_inside.h"
+#include "engine/scene.h"
+#include "image/geometry.h"
+#include "render/view.h"
+#include "session/follower.h"
+#include "session/setting.h"
+#include "session/state.h"
 #include "show/decorating.h"
 #include "show/draw.h"
-#include "show/drawn_colours.h"
-#include "session/numbering.h"
-#include "show/seen_from.h"
-#include "session/setting.h"
+#include "show/pictures.h"
 
-/* One pixel of depth in millimetres: crossings count 2^-24 pixels, four times. */
-static double depth_unit_mm(const struct camera *camera)
+/* ---- where it was seen from ---- */
+
+#define ONE30 1073741824.0
+
+double seen_mm_per_pixel(const struct session *session)
 {
-    double pixel_mm = (double)camera->unit_nm / 1e6 * 1000.0 / camera->view.zoom;
-    return pixel_mm / (double)(INT64_C(4) << 24);
+    return (double)view_unit(session_scene(session)) / 1e6 * VIEW_ZOOM_ONE /
+           session_outlook(session)->view.zoom;
 }
+
+/* Half of the scene's diagonal, to the next millimetre, and one more. */
+static double eye_of(const struct scene *scene)
+{
+    double squares = 0;
+    for (int a = 0; a < 3; a++) {
+        const double length = scene->grid.size[a] * (scene->spacing_nm[a] / 1e6);
+        squares += length * length;
+    }
+    return floor(sqrt(squares) / 2) + 2;
+}
+
+/* One column of a matrix: where along a direction of the picture a point of the world lies, from
+ * voxel `from` on. `axis` is that direction along voxel axes, times 2^30. */
+static void set_column(double column[4], const struct session *session, const int32_t axis[3],
+                       const double from[3])
+{
+    const struct geometry *geometry = session_geometry(session);
+    const double origin[3] = {geometry->to_mm[0][3], geometry->to_mm[1][3], geometry->to_mm[2][3]};
+    double steps[3], at_origin[3];
+    geometry_solve(geometry, origin, at_origin);
+    for (int w = 0; w < 4; w++) {
+        const double unit[3] = {w == 0, w == 1, w == 2};
+        geometry_solve(geometry, unit, steps);
+        column[w] = 0;
+        for (int a = 0; a < 3; a++)
+            column[w] += axis[a] / ONE30 * (session_scene(session)->spacing_nm[a] / 1e6) *
+                         (w < 3 ? steps[a] : -at_origin[a] - from[a]);
+    }
+}
+
+static void seen_from(struct picture_space *space, const struct session *session)
+{
+    const struct view *view = &session_outlook(session)->view;
+    const double pixel_mm = seen_mm_per_pixel(session);
+    double middle[3], focus[3], column[3][4];
+    int32_t axis[3][3];
+    *space = (struct picture_space){.eye_mm = eye_of(session_scene(session)),
+                                    .has_world = geometry_has_place(session_geometry(session))};
+    if (!space->has_world)
+        return;
+    for (int a = 0; a < 3; a++) {
+        middle[a] = (session_scene(session)->grid.size[a] - 1) / 2.0;
+        focus[a] = middle[a] + (double)view->focus[a] / (1 << VIEW_FOCUS_BITS);
+    }
+    view_axes(view, session_scene(session), axis[0], axis[1], axis[2]);
+    for (int d = 0; d < 3; d++)
+        set_column(column[d], session, axis[d], d < 2 ? focus : middle);
+    column[2][3] += space->eye_mm;
+    for (int w = 0; w < 4; w++) {
+        const double half = w == 3 ? 0.5 : 0;
+        for (int d = 0; d < 3; d++)
+            space->to_camera[w][d] = (float)column[d][w];
+        space->to_ndc[w][0] = (float)(half + column[0][w] / (view->width * pixel_mm));
+        space->to_ndc[w][1] = (float)(half - column[1][w] / (view->height * pixel_mm));
+        space->to_ndc[w][2] = (float)column[2][w];
+    }
+    space->to_camera[3][3] = space->to_ndc[3][3] = 1;
+}
+
+/* A normal is at right angles to steps along the surface, which go the way of the axes: it is
+ * turned by the inverse of their directions, transposed. */
+void seen_normals(float *out, const int16_t *normal, size_t pixels, const struct geometry *geometry)
+{
+    double turn[3][3]; /* [world][voxel axis] */
+    for (int w = 0; w < 3; w++) {
+        const double unit[3] = {w == 0, w == 1, w == 2};
+        geometry_solve(geometry, unit, turn[w]);
+        for (int a = 0; a < 3; a++)
+            turn[w][a] *= geometry_step_mm(geometry, a);
+    }
+    for (size_t i = 0; i < pixels; i++, normal += 4, out += 3) {
+        double n[3], squares = 0;
+        for (int w = 0; w < 3; w++) {
+            n[w] = turn[w][0] * normal[0] + turn[w][1] * normal[1] + turn[w][2] * normal[2];
+            squares += n[w] * n[w];
+        }
+        for (int w = 0; w < 3; w++)
+            out[w] = squares > 0 ? (float)(n[w] / sqrt(squares)) : 0;
+    }
+}
+
+/* ---- notes ---- */
 
 /* Angles, zoom and size; where the middle of the picture is not the scene's, the focus as it is
  * held (render/view.h). */
@@ -124,7 +208,7 @@ static void write_labels(struct buf *out, const struct label_set *shown, const s
     json_object(&json, NULL);
     for (unsigned label = 1; label < 256; label++) {
         const uint8_t *rgb = kept->palette.rgb[label];
-        if (!label_set_has(shown, label))
+        if (!(shown->bits[label >> 6] >> (label & 63) & 1))
             continue;
         snprintf(number, sizeof number, "%u", label);
         json_object(&json, number);
@@ -158,8 +242,9 @@ static enum err note_context(struct picture *picture, const struct session *sess
                              struct fault *fault)
 {
     char words[64];
-    const int32_t *window = session->context.mip.of.window;
-    snprintf(words, sizeof words, "mip, intensities %d to %d", window[0], window[1]);
+    const struct pictures *p = session_pictures(session);
+    const struct mip_source none = {0}, *of = p ? &p->context.mip.of : &none;
+    snprintf(words, sizeof words, "mip, intensities %d to %d", of->window[0], of->window[1]);
     return picture_note(picture, "iftty:context", words, fault);
 }
 
@@ -212,6 +297,21 @@ static enum err describe_rendition(struct picture *picture, const struct session
     return err;
 }
 
+/* ---- planes ---- */
+
+static void label_set_add(struct label_set *set, const struct rendition *r)
+{
+    for (size_t i = 0; i < (size_t)r->width * r->height; i++)
+        label_set_put(set, r->label[i]);
+}
+
+/* One pixel of depth in millimetres: crossings count 2^-24 pixels, four times. */
+static double depth_unit_mm(const struct camera *camera)
+{
+    double pixel_mm = (double)camera->unit_nm / 1e6 * 1000.0 / camera->view.zoom;
+    return pixel_mm / (double)(INT64_C(4) << 24);
+}
+
 enum err export_picture(struct picture *picture, const struct session *session, struct fault *fault)
 {
     const struct rendition shown = session_picture(session), *r = &shown;
@@ -220,7 +320,7 @@ enum err export_picture(struct picture *picture, const struct session *session, 
     if (err)
         return err;
     label_set_add(&labels, r);
-    const double unit_mm = depth_unit_mm(session_camera(session));
+    const double unit_mm = depth_unit_mm(&session_pictures(session)->camera);
     for (size_t i = 0; i < (size_t)r->width * r->height; i++) {
         bool seen = r->cell[i] != CELL_NONE;
         for (int k = 0; k < 4; k++)
@@ -234,6 +334,13 @@ enum err export_picture(struct picture *picture, const struct session *session, 
     return describe_rendition(picture, session, &labels, fault);
 }
 
+/* What is behind the objects in them; clear, where the file's format decides how that is shown. */
+static uint32_t behind_colours(const struct session *session)
+{
+    const uint32_t background = session_outlook(session)->background;
+    return background == BACKGROUND_FADE ? BACKGROUND_CLEAR : background;
+}
+
 enum err export_colours(struct picture *picture, const struct session *session, struct fault *fault)
 {
     const struct rendition shown = session_picture(session), *r = &shown;
@@ -243,27 +350,100 @@ enum err export_colours(struct picture *picture, const struct session *session, 
         return err;
     label_set_add(&labels, r);
     memcpy(picture->rgba, r->rgba, (size_t)4 * r->width * r->height);
-    background_put(picture->rgba, r->width, r->height, session_behind_colours(session));
+    background_put(picture->rgba, r->width, r->height, behind_colours(session));
     picture->is_clear = session_outlook(session)->background == BACKGROUND_CLEAR;
     return describe_rendition(picture, session, &labels, fault);
+}
+
+/* ---- colours alone ---- */
+
+/* Being drawn a few rows at a time. Nobody will ask for the depth or the voxel of one of these
+ * pixels, so no map of them is stored: it takes 4 bytes a pixel, not 25, and the rows at hand. */
+struct drawn_colours {
+    uint8_t *rgba;              /* [height][width][4] of the view's size */
+    _Atomic uint64_t digest;    /* rendition_digest */
+    _Atomic uint64_t labels[4]; /* that are shown: a struct label_set */
+    uint32_t height, background;
+};
+
+bool export_takes_colours(const struct session *session)
+{
+    return session_outlook(session)->context == CONTEXT_NONE && session_decorates_ahead(session);
+}
+
+/* Both are what is drawn, with decorations over it that are in the picture already: whether there
+ * are any. */
+static bool unite(uint8_t *picture, uint8_t *drawn, size_t pixels)
+{
+    bool is_decorated = false;
+    for (size_t i = 0; i < 4 * pixels; i += 4)
+        if (picture[i + 3]) {
+            memcpy(drawn + i, picture + i, 4);
+            is_decorated = true;
+        } else {
+            memcpy(picture + i, drawn + i, 4);
+        }
+    return is_decorated;
+}
+
+static void take_rows(void *context, const struct rendition *rows, uint32_t top)
+{
+    struct drawn_colours *colours = context;
+    uint8_t *rgba = colours->rgba + (size_t)4 * top * rows->width;
+    struct label_set labels = {{0}};
+    label_set_add(&labels, rows);
+    for (int i = 0; i < 4; i++)
+        colours->labels[i] |= labels.bits[i];
+    if (unite(rgba, rows->rgba, (size_t)rows->height * rows->width))
+        memset(rows->blank, 0, (size_t)rows->tiles_x * rows->tiles_y * sizeof *rows->blank);
+    colours->digest += rendition_digest_rows(rows, top);
+    background_put_rows(rgba, rows->width, top, rows->height, colours->height, colours->background);
+}
+
+/* Draws such labels as session_draw_labels does, over what is behind them, from nothing. A
+ * rendition of one sample a pixel that is there is drawn over, so that going back needs no memory;
+ * others are let go of. */
+static enum err draw_rows(struct drawn_colours *colours, struct session *session,
+                          const struct labels *labels, struct fault *fault)
+{
+    const struct view *view = &session_outlook(session)->view;
+    struct pictures *p;
+    enum err err = pictures_begin(&p, session, fault);
+    if (err)
+        return err;
+    colours->height = view->height;
+    colours->background = behind_colours(session);
+    colours->digest = rendition_digest_begin(view->width, view->height);
+    if (session_outlook(session)->look.samples > 1)
+        pictures_release_rendition(p);
+    p->rendered = RENDERED_NOT;
+    err = session_decorate_ahead(session, labels, colours->rgba, fault);
+    p->take = take_rows;
+    p->take_context = colours;
+    if (!err)
+        err = session_draw_labels(session, labels, RENDER_ONCE, fault);
+    p->take = NULL;
+    p->rendered = RENDERED_NOT;
+    return err;
 }
 
 enum err export_drawn(struct picture *picture, struct session *session, const struct labels *labels,
                       uint64_t *digest, struct fault *fault)
 {
-    const struct view *view = &session_outlook(session)->view;
-    enum err err = picture_init(picture, view->width, view->height, false, fault);
+    const struct outlook *outlook = session_outlook(session);
+    enum err err = picture_init(picture, outlook->view.width, outlook->view.height, false, fault);
     if (err)
         return err;
     struct drawn_colours colours = {.rgba = picture->rgba};
-    err = session_draw_colours(session, labels, &colours, fault);
+    err = draw_rows(&colours, session, labels, fault);
     if (err) {
         picture_release(picture);
         return err;
     }
     *digest = colours.digest;
-    const struct label_set shown = drawn_labels(&colours);
-    picture->is_clear = session_outlook(session)->background == BACKGROUND_CLEAR;
+    const struct label_set shown = {
+        {colours.labels[0], colours.labels[1], colours.labels[2], colours.labels[3]}};
+    picture->is_clear = outlook->background == BACKGROUND_CLEAR;
     return describe_rendition(picture, session, &shown, fault);
 }
 
@@ -304,160 +484,4 @@ enum err export_normals(struct picture *picture, const struct session *session, 
     else if (!err)
         export_normals_to_world(picture->normal, r->normal, pixels, session_scene(session));
     return err;
-}
-
-struct map_source {
-    const struct session *session;
-    const struct labels *labels;
-    enum map map;
-    uint16_t *margin;     /* by cell, where that is asked for */
-    uint16_t number[256]; /* of labels, in the file, */
-    bool is_wide;         /* which takes two bytes for some */
-};
-
-static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
-{
-    const struct map_source *source = context;
-    const struct session *session = source->session;
-    struct span row = grid_row(&session_scene(session)->grid, y, z);
-    uint8_t *byte = values;
-    uint16_t *pair = values;
-    uint32_t *root = values;
-    for (uint32_t c = row.first; c < row.end; c++) {
-        const struct cell *cell = session_scene(session)->cell + c;
-        bool reached = cell_is_reached(cell);
-        switch (source->map) {
-        case MAP_LABELS:
-            if (source->is_wide)
-                *pair++ = source->number[labels_at(source->labels, c)];
-            else
-                *byte++ = (uint8_t)source->number[labels_at(source->labels, c)];
-            break;
-        case MAP_BORDER:
-            *byte++ = border_holds(session_border(session), c);
-            break;
-        case MAP_COST:
-            *pair++ = reached ? (uint16_t)key_cost(cell->key) : UINT16_MAX;
-            break;
-        case MAP_DISTANCE:
-            *pair++ = reached ? (uint16_t)key_hops(cell->key) : UINT16_MAX;
-            break;
-        case MAP_MARGIN:
-            *pair++ = source->margin[c];
-            break;
-        case MAP_ROOT:
-            *root++ = reached ? grid_voxel(&session_scene(session)->grid, key_root(cell->key))
-                              : CELL_NONE;
-            break;
-        }
-    }
-}
-
-void export_labels(struct volume_label label[256], const struct kept *kept)
-{
-    for (int l = 0; l < 256; l++) {
-        label[l].name = kept->label_name[l];
-        label[l].number = numbering_of(kept, (unsigned)l);
-        memcpy(label[l].rgb, kept->palette.rgb[l], sizeof label[l].rgb);
-    }
-}
-
-/* What a file says that it is. */
-static void describe(struct buf *out, const char *description, const struct map_source *source)
-{
-    buf_add_text(out, description);
-    if (source->map != MAP_LABELS || !source->labels->finished)
-        return;
-    buf_add_text(out, ", finished: ");
-    finish_write(out, &session_kept(source->session)->finish);
-}
-
-/* What labels are in the file: none of those that the map has is another. */
-static enum err number_labels(struct map_source *source, struct fault *fault)
-{
-    const struct kept *kept = session_kept(source->session);
-    const struct grid *grid = &session_scene(source->session)->grid;
-    bool used[256] = {false};
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++)
-                used[labels_at(source->labels, c)] = true;
-        }
-    for (unsigned l = 0; l < 256; l++) {
-        source->number[l] = numbering_of(kept, l);
-        source->is_wide |= used[l] && source->number[l] > 255;
-    }
-    return numbering_check(kept, used, fault);
-}
-
-enum err export_map(const struct session *session, enum map map, const struct labels *labels,
-                    const char *path, enum file_mode mode, struct fault *fault)
-{
-    static const struct {
-        enum voxel_type type;
-        const char *description;
-    } form[] = {[MAP_LABELS] = {VOXEL_UINT8, "iftty labels"},
-                [MAP_COST] = {VOXEL_UINT16, "iftty path cost"},
-                [MAP_ROOT] = {VOXEL_UINT32, "iftty root: voxel index of the seed"},
-                [MAP_BORDER] = {VOXEL_UINT8, "iftty border"},
-                [MAP_DISTANCE] = {VOXEL_UINT16, "iftty plateau distance: steps since a rise"},
-                [MAP_MARGIN] = {VOXEL_UINT16, "iftty margin: cost of the next best label, less"}};
-    struct map_source source = {.session = session, .labels = labels, .map = map};
-    struct volume_label label[256];
-    struct buf description = {0};
-    enum err err = map == MAP_MARGIN   ? margin_new(&source.margin, session_forest(session), fault)
-                   : map == MAP_LABELS ? number_labels(&source, fault)
-                                       : OK;
-    if (err)
-        return err;
-    export_labels(label, session_kept(session));
-    describe(&description, form[map].description, &source);
-    const struct volume_map written = {session_scene(session)->grid.size,
-                                       session_geometry(session),
-                                       source.is_wide ? VOXEL_UINT16 : form[map].type,
-                                       buf_text(&description),
-                                       fill_row,
-                                       &source,
-                                       map == MAP_LABELS ? label : NULL};
-    err = description.failed ? fault_memory(fault, "a map")
-                             : volume_write(path, mode, &written, session_watch(session), fault);
-    buf_release(&description);
-    free(source.margin);
-    return err;
-}
-
-/* ",12,70,110,95" for a seed that has a reach. */
-static void write_reach(struct buf *out, const struct reach *reach)
-{
-    if (!reach)
-        return;
-    if (reach->unit[0] == 1)
-        buf_printf(out, ",%lld", (long long)reach->radius);
-    else
-        buf_printf(out, ",%lld.%06lldmm", (long long)(reach->radius / 1000000),
-                   (long long)(reach->radius % 1000000));
-    buf_printf(out, ",%u,%u,%u", reach->centre[0], reach->centre[1], reach->centre[2]);
-}
-
-enum err export_seeds(struct buf *out, const struct session *session, struct fault *fault)
-{
-    const struct grid *grid = &session_scene(session)->grid;
-    struct task task = task_begin(session_watch(session), "seeds", grid->voxels);
-    buf_add_text(out, forest_limited_seeds(session_forest(session))
-                          ? "x,y,z,label,within,of x,of y,of z\n"
-                          : "x,y,z,label\n");
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++)
-                if (session_scene(session)->cell[c].flags & CELL_SEED) {
-                    buf_printf(out, "%u,%u,%u,%u", c - row.first, y, z,
-                               session_scene(session)->cell[c].label);
-                    write_reach(out, forest_reach(session_forest(session), c));
-                    buf_add_char(out, '\n');
-                }
-        }
-    return out->failed ? fault_memory(fault, "a list of seeds")
-                       : watch_fault(session_watch(session), fault);
 }

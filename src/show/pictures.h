@@ -1,0 +1,58 @@
+/*
+ * The pictures of a session, for the files of this room: what is stored of them, so that an edit or
+ * another look takes no longer than it must. They are there from the first one on that somebody
+ * asks for (draw.c), and follow the session until its scene is closed (session/follower.h).
+ *
+ * Invariants
+ *   V1 the rendition, where `rendered`, is that of those labels, their border and the camera, pixel
+ *      for pixel, whichever mode made it;
+ *   V2 where `live.of` is what the session says now, the live labels are those that session_labels
+ *      gives;
+ *   V3 the border of these is that of their labels, and of what was visible and cut away when it
+ *      was last drawn.
+ */
+#ifndef SHOW_PICTURES_H
+#define SHOW_PICTURES_H
+
+#include "render/border.h"
+#include "render/layers.h"
+#include "render/mip.h"
+#include "render/rendition.h"
+#include "render/shade.h"
+#include "session/session.h"
+
+/* Finished labels that panels show. {0} is none yet. */
+struct live_finish {
+    uint8_t *label; /* [border.scene->grid.cells], or NULL */
+    size_t cells;
+    uint64_t of; /* session_finish_source; 0 while they are rough */
+    struct border border;
+};
+
+/* The scene behind and around the objects, where the outlook has it so (render/mip.h). */
+struct context {
+    struct mip mip;
+    struct rendition frame; /* borrows all maps of what is rendered but `rgba`, which is its own;
+                               without maps where nothing is */
+};
+
+struct pictures {
+    struct session *session;
+    struct camera camera; /* of the view, `look.samples` times as large; see session_draw_fitting */
+    struct rendition rendition; /* of camera.view's size; no maps where its samples are too many to
+                                   be stored */
+    struct context context;     /* what is behind it */
+    struct layers layers;       /* the rendition's, where objects are translucent */
+    struct rendition reduced;   /* to the view's size, where look.samples is above 1 */
+    unsigned rendered;          /* V1; enum rendered (draw.h) */
+    unsigned former_rendered;   /* when the command at hand began; not rough labels */
+    struct shader shader;
+    struct live_finish live;
+    uint8_t *decorated; /* colours of the frame with what is drawn over them (decorating.h) */
+    size_t decorated_pixels;
+    /* While a picture of colours alone is drawn: takes its rows (render/bands.h). Else NULL. */
+    void (*take)(void *context, const struct rendition *rows, uint32_t top);
+    void *take_context;
+};
+
+#endif
