@@ -113,10 +113,7 @@ static bool why(void *context, const uint32_t place[3], struct pilot_way *way, s
 
 static unsigned hints(void *context)
 {
-    const struct hint_list *found;
-    return session_find_hints(session_of(context), &found, NULL, NULL) == OK
-               ? (unsigned)found->count
-               : 0;
+    return voxel_facts_hints(session_of(context));
 }
 
 static bool held(void *context, const uint32_t place[3], bool tree, struct buf *out)
@@ -127,22 +124,11 @@ static bool held(void *context, const uint32_t place[3], bool tree, struct buf *
 
 /* ---- the picture ---- */
 
-/* What stands in an empty rendition. */
-static void write_beginning(struct buf line[PANES_LINES], const struct pilot_setup *setup)
-{
-    buf_add_text(line, "nothing to show yet");
-    setup_add_first_key(line + 1, setup, "plant");
-    buf_add_text(line + 1, " plants a seed of the label");
-    setup_add_key_to(line + 2, setup, "plant-label", '0');
-    buf_add_text(line + 2, " one of the background");
-    setup_add_first_key(line + 3, setup, "keys");
-    buf_add_text(line + 3, " shows the keys");
-}
-
 /* An onlooker would see margins of half a forest: no heat for him. */
 static enum err draw(struct pilot_interpreter *pilot, const struct pilot_wish *wish,
                      struct fault *fault)
 {
+    const struct pilot_setup *setup = wish->setup ? wish->setup : &pilot_setup_default;
     struct buf line[PANES_LINES] = {{0}};
     struct panes_wish panes = {.width = wish->width,
                                .height = wish->height,
@@ -157,7 +143,10 @@ static enum err draw(struct pilot_interpreter *pilot, const struct pilot_wish *w
                                .pixel = wish->marks_pixel ? wish->pixel : NULL,
                                .corner = wish->corner,
                                .corners = wish->corners};
-    write_beginning(line, wish->setup ? wish->setup : &pilot_setup_default);
+    buf_add_text(line, "nothing to show yet"); /* what stands in an empty rendition */
+    setup_say_key(line + 1, setup, "plant", " plants a seed of the label");
+    setup_say_key_to(line + 2, setup, "plant-label", '0', " one of the background");
+    setup_say_key(line + 3, setup, "keys", " shows the keys");
     for (int i = 0; i < PANES_LINES; i++)
         panes.line[i] = buf_text(line + i);
     const enum err err = panes_draw(&pilot->panes, session_of(pilot), &panes, fault);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
+#include "engine/hints.h"
 #include "engine/margin.h"
 #include "engine/measure.h"
 #include "report/label_report.h"
@@ -166,6 +167,12 @@ bool voxel_facts_find_held(struct held *held, const struct session *session,
     buf_add_text(out, ", label ");
     label_report_write_name(out, session, held->label);
     return true;
+}
+
+unsigned voxel_facts_hints(struct session *session)
+{
+    const struct hint_list *found;
+    return session_find_hints(session, &found, NULL, NULL) == OK ? (unsigned)found->count : 0;
 }
 
 /* ---- of a label ---- */

@@ -7,7 +7,7 @@
 
 #include "base/buf.h"
 #include "engine/way.h"
-#include "session/held.h"
+#include "session/session.h"
 
 /* "label 2 cerebellum 142 ml (+1.2 ml)  intensity 93  0.5,18.0,-2.0 mm  mean 93, ..."; in the
  * background "label 0  label 2 ... (-1.2 ml)  intensity 93": of what the last edit changed. The
@@ -39,6 +39,9 @@ bool voxel_why_find(struct voxel_why *why, const struct session *session, const 
  * 2". False where there is nothing. */
 bool voxel_facts_find_held(struct held *held, const struct session *session,
                            const uint32_t place[3], bool tree, struct buf *out);
+
+/* How many places `hint N` knows; 0 where it would say why there are none. */
+unsigned voxel_facts_hints(struct session *session);
 
 /* ---- of a label ---- */
 

@@ -4,8 +4,7 @@
 
 #include "engine/way.h"
 #include "render/text.h"
-#include "session/held.h"
-#include "session/hinting.h"
+#include "session/session.h"
 #include "session/state.h"
 #include "session/tally.h"
 #include "show/draw.h"

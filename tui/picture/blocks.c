@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/mem.h"
+#include "tui/cells.h"
 #include "tui/picture/graphics.h"
 #include "tui/picture/painter.h"
 
@@ -272,16 +273,10 @@ static uint32_t character_of(enum block_shape shape, unsigned parts)
     return 0x1FB00 + parts - 1 - (parts > LEFT_HALF) - (parts > RIGHT_HALF);
 }
 
-static void add_character(uint32_t point, struct buf *out)
+static void add_parts(enum block_shape shape, unsigned parts, struct buf *out)
 {
-    const char three[3] = {(char)(0xE0 | point >> 12), (char)(0x80 | (point >> 6 & 63)),
-                           (char)(0x80 | (point & 63))};
-    const char four[4] = {(char)(0xF0 | point >> 18), (char)(0x80 | (point >> 12 & 63)), three[1],
-                          three[2]};
-    if (point < 0x10000)
-        buf_add(out, three, sizeof three);
-    else
-        buf_add(out, four, sizeof four);
+    char character[CHAR_BYTES_MOST];
+    buf_add(out, character, char_write(character, character_of(shape, parts)));
 }
 
 /* Adds a cell, and moves the cursor by one. */
@@ -299,10 +294,10 @@ static void put(struct pen *pen, const struct block *cell, struct buf *out)
     } else if ((pen->ink == cell->ink) + (pen->paper == cell->paper) >
                (pen->ink == cell->paper) + (pen->paper == cell->ink)) {
         set_colours(pen, cell->ink, cell->paper, out);
-        add_character(character_of(pen->shape, cell->parts), out);
+        add_parts(pen->shape, cell->parts, out);
     } else {
         set_colours(pen, cell->paper, cell->ink, out);
-        add_character(character_of(pen->shape, all & ~(unsigned)cell->parts), out);
+        add_parts(pen->shape, all & ~(unsigned)cell->parts, out);
     }
 }
 

@@ -27,8 +27,7 @@ uint32_t pilot_shifted(uint32_t at, int64_t by, uint32_t end)
 
 void pilot_say_key(struct press *p, const char *name, const char *words)
 {
-    setup_add_first_key(p->message, p->state->setup, name);
-    buf_add_text(p->message, words);
+    setup_say_key(p->message, p->state->setup, name, words);
 }
 
 static int right_of(int way)
@@ -103,17 +102,22 @@ static void move_pixel(struct press *p, int64_t right, int64_t up)
     pixel[1] = pilot_shifted(pixel[1], -up, p->facts->frame_height);
 }
 
+static void add_window(struct press *p, double low, double high)
+{
+    buf_add_text(p->line, "window ");
+    pilot_add_decimal(p->line, low);
+    buf_add_char(p->line, ' ');
+    pilot_add_decimal(p->line, high);
+    buf_add_char(p->line, '\n');
+    p->state->is_silent = true;
+}
+
 /* To the right wider, up brighter. */
 static void change_window(struct press *p, int right, int up, int far)
 {
     const double *window = p->facts->window, width = window[1] - window[0];
     const double step = width != 0 ? width / 50 : 0.001;
-    buf_add_text(p->line, "window ");
-    pilot_add_decimal(p->line, window[0] - step * (right + up) * far);
-    buf_add_char(p->line, ' ');
-    pilot_add_decimal(p->line, window[1] + step * (right - up) * far);
-    buf_add_char(p->line, '\n');
-    p->state->is_silent = true;
+    add_window(p, window[0] - step * (right + up) * far, window[1] + step * (right - up) * far);
 }
 
 void pilot_move(struct press *p)
@@ -183,8 +187,8 @@ void pilot_set_mark(struct press *p)
     struct pilot_mark *mark = &p->state->mark[p->event->point - 'a'];
     mark->is_set = true;
     memcpy(mark->place, p->facts->place, sizeof mark->place);
-    setup_add_key_to(p->message, p->state->setup, "go-to-mark", (char)p->event->point);
-    buf_add_text(p->message, " leads back here");
+    setup_say_key_to(p->message, p->state->setup, "go-to-mark", (char)p->event->point,
+                     " leads back here");
 }
 
 /* The mark of the letter that was pressed; NULL, with a message, where it is not set. */
@@ -195,8 +199,7 @@ static const struct pilot_mark *mark_pressed(struct press *p)
     if (mark->is_set)
         return mark;
     buf_printf(p->message, "there is no mark %c; ", letter);
-    setup_add_key_to(p->message, p->state->setup, "mark", letter);
-    buf_add_text(p->message, " sets it");
+    setup_say_key_to(p->message, p->state->setup, "mark", letter, " sets it");
     return NULL;
 }
 
@@ -390,11 +393,7 @@ void pilot_preset(struct press *p)
     }
     const struct setup_window *window = setup->window + number;
     const int64_t low = window->centre - window->width / 2;
-    buf_add_text(p->line, "window ");
-    pilot_add_decimal(p->line, (double)low / 1000);
-    buf_add_char(p->line, ' ');
-    pilot_add_decimal(p->line, (double)(low + window->width) / 1000);
-    buf_add_char(p->line, '\n');
+    add_window(p, (double)low / 1000, (double)(low + window->width) / 1000);
     buf_printf(p->message, "the window of %s", window->name);
 }
 

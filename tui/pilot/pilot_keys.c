@@ -174,8 +174,7 @@ static bool count_on(struct press *p)
         return false;
     if (state->count == 0 && event->point == '0') {
         buf_add_text(p->message, "a count begins with 1-9; ");
-        setup_add_key_to(p->message, state->setup, "plant-label", '0');
-        buf_add_text(p->message, " plants a seed of label 0");
+        setup_say_key_to(p->message, state->setup, "plant-label", '0', " plants a seed of label 0");
         return true;
     }
     const uint32_t next = state->count * 10 + (event->point - '0');

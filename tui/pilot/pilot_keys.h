@@ -267,10 +267,12 @@ const char *setup_own(const struct pilot_setup *setup, const struct pilot_row *r
 void setup_add_keys(struct buf *out, const struct pilot_setup *setup, const struct pilot_row *row,
                     size_t most);
 
-/* Adds the first key of the row of that name; of one with a range, as s0-9, the key with this
- * character, as s0. For messages, which name the keys that the user has. */
-void setup_add_first_key(struct buf *out, const struct pilot_setup *setup, const char *name);
-void setup_add_key_to(struct buf *out, const struct pilot_setup *setup, const char *name, char c);
+/* Adds the first key of the row of that name, and words after it; of one with a range, as s0-9, the
+ * key with this character, as s0. For messages, which name the keys that the user has. */
+void setup_say_key(struct buf *out, const struct pilot_setup *setup, const char *name,
+                   const char *words);
+void setup_say_key_to(struct buf *out, const struct pilot_setup *setup, const char *name, char c,
+                      const char *words);
 
 /* Whether a row has the keys of the table, all of them. */
 bool setup_is_plain(const struct pilot_setup *setup, const struct pilot_row *row);
@@ -300,7 +302,7 @@ bool pilot_take_voxel(struct press *p, uint32_t place[3]);
 /* The count typed before the key; `at` moved by so many, and no further than 0 .. end - 1. */
 int64_t pilot_times(const struct press *p);
 uint32_t pilot_shifted(uint32_t at, int64_t by, uint32_t end);
-/* Adds the first key of the row of that name to the message, and words after it. */
+/* As setup_say_key, to the message. */
 void pilot_say_key(struct press *p, const char *name, const char *words);
 /* A value to a thousandth, or of smaller and of huge values to so many digits. */
 struct decimal pilot_decimal(double value);

@@ -292,20 +292,24 @@ void setup_add_keys(struct buf *out, const struct pilot_setup *setup, const stru
     }
 }
 
-void setup_add_first_key(struct buf *out, const struct pilot_setup *setup, const char *name)
+void setup_say_key(struct buf *out, const struct pilot_setup *setup, const char *name,
+                   const char *words)
 {
     setup_add_keys(out, setup, pilot_table + setup_row(name), 1);
+    buf_add_text(out, words);
 }
 
-void setup_add_key_to(struct buf *out, const struct pilot_setup *setup, const char *name, char c)
+void setup_say_key_to(struct buf *out, const struct pilot_setup *setup, const char *name, char c,
+                      const char *words)
 {
     struct buf key = {0};
-    setup_add_first_key(&key, setup, name);
+    setup_say_key(&key, setup, name, "");
     const char *range = key.length > 3 ? buf_text(&key) + key.length - 3 : "";
     if (strcmp(range, "a-z") == 0 || strcmp(range, "0-9") == 0)
         buf_printf(out, "%.*s%c", (int)key.length - 3, buf_text(&key), c);
     else
         buf_add_text(out, buf_text(&key));
+    buf_add_text(out, words);
     out->failed |= key.failed;
     buf_release(&key);
 }
@@ -355,20 +359,14 @@ void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *
     const bool moves = state->mode == PILOT_MOVING;
     if (moves && state->pen.is_down) {
         buf_add_text(out, "moving draws; ");
-        setup_add_first_key(out, state->setup, "pen");
-        buf_add_text(out, " ends the stroke, ");
-        setup_add_first_key(out, state->setup, "drop");
-        buf_add_text(out, " drops it");
+        setup_say_key(out, state->setup, "pen", " ends the stroke, ");
+        setup_say_key(out, state->setup, "drop", " drops it");
     } else if (moves && !facts->has_object) {
         buf_add_text(out, "nothing to show yet: ");
-        setup_add_first_key(out, state->setup, "plant");
-        buf_add_text(out, " plants a seed here, ");
-        setup_add_key_to(out, state->setup, "plant-label", '0');
-        buf_add_text(out, " background; ");
-        setup_add_first_key(out, state->setup, "keys");
-        buf_add_text(out, " keys  ");
-        setup_add_first_key(out, state->setup, "leave");
-        buf_add_text(out, " back");
+        setup_say_key(out, state->setup, "plant", " plants a seed here, ");
+        setup_say_key_to(out, state->setup, "plant-label", '0', " background; ");
+        setup_say_key(out, state->setup, "keys", " keys  ");
+        setup_say_key(out, state->setup, "leave", " back");
     } else if (state->mode == PILOT_WINDOWING) {
         add_window_hint(out, state, facts);
     } else if (state->mode == PILOT_RANGING) {

@@ -9,6 +9,14 @@
 
 /* ---- undo ---- */
 
+/* Whether a change is a step of its own, or more of the last one, where it fits that. */
+enum line_step {
+    STEP_NEW,
+    STEP_TYPED,  /* added where the last addition ended */
+    STEP_ERASED, /* removed right before or right after what was removed last */
+    STEP_OVER    /* in the place of all that the last step added */
+};
+
 static void line_undo_clear(struct line_undo *u)
 {
     u->count = 0;
@@ -132,7 +140,7 @@ static uint32_t point_at(const struct line *l, size_t at, size_t *bytes)
 }
 
 /* The end of the character at `at` with the marks upon it. */
-size_t line_next(const struct line *l, size_t at)
+static size_t next(const struct line *l, size_t at)
 {
     size_t bytes;
     if (at >= l->text.length)
@@ -178,7 +186,7 @@ static size_t word_left(const struct line *l, size_t at)
     return at;
 }
 
-size_t line_word_right(const struct line *l, size_t at)
+static size_t word_right(const struct line *l, size_t at)
 {
     while (at < l->text.length && !is_word(l, at))
         at++;
@@ -211,8 +219,9 @@ static size_t end(const struct line *l, size_t at)
 
 /* ---- edits ---- */
 
-void line_change(struct line *l, size_t from, size_t to, const char *bytes, size_t length,
-                 enum line_step step)
+/* All changes but line_clear come by here. */
+static void change_text(struct line *l, size_t from, size_t to, const char *bytes, size_t length,
+                        enum line_step step)
 {
     const size_t rest = l->text.length - to;
     const struct line_change change = {from, to - from, length, l->cursor};
@@ -232,14 +241,14 @@ void line_change(struct line *l, size_t from, size_t to, const char *bytes, size
 void line_replace(struct line *l, size_t from, size_t to, const char *bytes, size_t length)
 {
     l->last = LAST_OTHER;
-    line_change(l, from, to, bytes, length, STEP_NEW);
+    change_text(l, from, to, bytes, length, STEP_NEW);
 }
 
 static void insert(struct line *l, const char *bytes, size_t length, bool joins)
 {
     joins &= l->last == LAST_TYPED;
     l->last = LAST_TYPED;
-    line_change(l, l->cursor, l->cursor, bytes, length, joins ? STEP_TYPED : STEP_NEW);
+    change_text(l, l->cursor, l->cursor, bytes, length, joins ? STEP_TYPED : STEP_NEW);
 }
 
 /* A word is a step, with the blanks after it. */
@@ -259,7 +268,7 @@ void line_paste(struct line *l, const char *bytes, size_t length)
 static void erase(struct line *l, size_t from, size_t to, bool again)
 {
     l->last = LAST_ERASED;
-    line_change(l, from, to, "", 0, again ? STEP_ERASED : STEP_NEW);
+    change_text(l, from, to, "", 0, again ? STEP_ERASED : STEP_NEW);
 }
 
 static void undo(struct line *l)
@@ -270,7 +279,7 @@ static void undo(struct line *l)
         return;
     struct line_undo kept = l->undo; /* what is taken back is no step */
     l->undo = (struct line_undo){0};
-    line_change(l, change.at, change.at + change.added, removed, change.removed, STEP_NEW);
+    change_text(l, change.at, change.at + change.added, removed, change.removed, STEP_NEW);
     line_undo_release(&l->undo);
     l->undo = kept;
     l->cursor = change.cursor;
@@ -295,7 +304,7 @@ static void kill_range(struct line *l, size_t from, size_t to, bool join)
     } else {
         buf_release(&kept);
     }
-    line_change(l, from, to, "", 0, STEP_NEW);
+    change_text(l, from, to, "", 0, STEP_NEW);
 }
 
 static void transpose(struct line *l)
@@ -303,21 +312,21 @@ static void transpose(struct line *l)
     size_t middle = l->cursor;
     if (middle == l->text.length)
         middle = previous(l, middle);
-    size_t from = previous(l, middle), to = line_next(l, middle);
+    size_t from = previous(l, middle), to = next(l, middle);
     struct buf swapped = {0};
     if (from == middle || middle == to)
         return;
     buf_add(&swapped, l->text.data + middle, to - middle);
     buf_add(&swapped, l->text.data + from, middle - from);
     if (!swapped.failed)
-        line_change(l, from, to, swapped.data, swapped.length, STEP_NEW);
+        change_text(l, from, to, swapped.data, swapped.length, STEP_NEW);
     buf_release(&swapped);
 }
 
 /* Other letters up to the end of the word; a letter that has no other stays. */
 static void change_letters(struct line *l, enum line_action action)
 {
-    const size_t end = line_word_right(l, l->cursor);
+    const size_t end = word_right(l, l->cursor);
     struct buf changed = {0};
     bool is_first = true;
     for (size_t at = l->cursor, bytes; at < end; at += bytes) {
@@ -331,7 +340,7 @@ static void change_letters(struct line *l, enum line_action action)
         is_first &= !is_word(l, at);
     }
     if (!changed.failed)
-        line_change(l, l->cursor, end, buf_text(&changed), changed.length, STEP_NEW);
+        change_text(l, l->cursor, end, buf_text(&changed), changed.length, STEP_NEW);
     buf_release(&changed);
 }
 
@@ -348,7 +357,7 @@ static void show_entry(struct line *l, size_t place, enum line_step step)
     }
     l->place = place;
     const char *text = place == l->history->count ? buf_text(&l->draft) : l->history->line[place];
-    line_change(l, 0, l->text.length, text, strlen(text), step);
+    change_text(l, 0, l->text.length, text, strlen(text), step);
 }
 
 /* Lines shown one after another are one step. */
@@ -415,7 +424,7 @@ static void cite(struct line *l, bool again)
     const char *word = last_word(l->history->line[--place], &length);
     l->cited = place;
     l->cited_at = again ? l->cited_at : l->cursor;
-    line_change(l, l->cited_at, l->cursor, word, length, again ? STEP_OVER : STEP_NEW);
+    change_text(l, l->cited_at, l->cursor, word, length, again ? STEP_OVER : STEP_NEW);
 }
 
 /* LINE_OLDER and what follows it; `before` is what was done before it. */
@@ -445,18 +454,18 @@ static void recall(struct line *l, enum line_action action, enum line_last befor
 /* Where an action leads the cursor, or up to where it takes text away. */
 static size_t (*const target_of[])(const struct line *, size_t) = {
     [LINE_LEFT] = previous,
-    [LINE_RIGHT] = line_next,
+    [LINE_RIGHT] = next,
     [LINE_WORD_LEFT] = word_left,
-    [LINE_WORD_RIGHT] = line_word_right,
+    [LINE_WORD_RIGHT] = word_right,
     [LINE_HOME] = start,
     [LINE_END] = end,
     [LINE_ERASE] = previous,
-    [LINE_DELETE] = line_next,
+    [LINE_DELETE] = next,
     [LINE_KILL_TO_END] = end,
     [LINE_KILL_TO_START] = start,
     [LINE_KILL_BLANK_LEFT] = blank_left,
     [LINE_KILL_WORD_LEFT] = word_left,
-    [LINE_KILL_WORD_RIGHT] = line_word_right,
+    [LINE_KILL_WORD_RIGHT] = word_right,
 };
 
 /* What changes the text or the cursor by where an action leads. */
@@ -483,7 +492,7 @@ void line_act(struct line *l, enum line_action action)
     else if (action <= LINE_CAPITAL)
         change_letters(l, action);
     else if (action == LINE_YANK)
-        line_change(l, l->cursor, l->cursor, buf_text(&l->killed), l->killed.length, STEP_NEW);
+        change_text(l, l->cursor, l->cursor, buf_text(&l->killed), l->killed.length, STEP_NEW);
     else if (action == LINE_TRANSPOSE)
         transpose(l);
     else if (action == LINE_UNDO)
@@ -592,7 +601,7 @@ bool line_take_suggestion(struct line *l, const char *rest, enum line_action act
         struct line whole = {.cursor = l->cursor};
         buf_add(&whole.text, buf_text(&l->text), l->text.length);
         buf_add_text(&whole.text, rest);
-        length = whole.text.failed ? 0 : line_word_right(&whole, l->cursor) - l->cursor;
+        length = whole.text.failed ? 0 : word_right(&whole, l->cursor) - l->cursor;
         buf_release(&whole.text);
     }
     line_replace(l, l->cursor, l->cursor, rest, length);

@@ -31,25 +31,14 @@
  */
 enum { LINE_UNDO_MOST = 1000, LINE_UNDO_BYTES = 1 << 20 };
 
-struct line_change {
-    size_t at;             /* bytes before it in the text */
-    size_t removed, added; /* bytes */
-    size_t cursor;         /* before the change */
-};
-
-/* `struct line_undo u = {0}` is empty and ready. */
 struct line_undo {
-    struct line_change *change; /* the oldest first */
+    struct line_change {
+        size_t at;             /* bytes before it in the text */
+        size_t removed, added; /* bytes */
+        size_t cursor;         /* before the change */
+    } * change;                /* the oldest first */
     size_t count, capacity;
     struct buf removed; /* by all of them, in their order */
-};
-
-/* Whether a change is a step of its own, or more of the last one, where it fits that. */
-enum line_step {
-    STEP_NEW,
-    STEP_TYPED,  /* added where the last addition ended */
-    STEP_ERASED, /* removed right before or right after what was removed last */
-    STEP_OVER    /* in the place of all that the last step added */
 };
 
 /* ---- the line ---- */
@@ -119,15 +108,7 @@ void line_paste(struct line *l, const char *bytes, size_t length);
 /* Puts `bytes` in the place of text[from..to); the cursor goes after them. */
 void line_replace(struct line *l, size_t from, size_t to, const char *bytes, size_t length);
 
-/* The same as a part of a step of undo. All changes but line_clear come by here. */
-void line_change(struct line *l, size_t from, size_t to, const char *bytes, size_t length,
-                 enum line_step step);
-
 void line_act(struct line *l, enum line_action action);
-
-/* The ends of the character and of the word after `at`. */
-size_t line_next(const struct line *l, size_t at);
-size_t line_word_right(const struct line *l, size_t at);
 
 /* ---- older lines ---- */
 
@@ -139,6 +120,7 @@ size_t line_word_right(const struct line *l, size_t at);
  * when that began. One that is the same as what is shown is passed over. An older line that has
  * been changed is the line of today.
  */
+
 /* Incremental search backwards through the history. The entry found is shown as the text. */
 void line_search_begin(struct line *l);
 void line_search_add(struct line *l, const char *bytes, size_t length);
