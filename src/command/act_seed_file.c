@@ -199,8 +199,8 @@ enum err act_seed_file(const struct act *act)
     struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
     if (!err)
         err = plant(act, &seeds, buf_text(&path), &choice, &planting);
-    buf_printf(&act->reply->words, "file=%016llx added=%zu",
-               (unsigned long long)seeds_digest(&seeds), planting.planted);
+    act_add_digest(act, "file", seeds_digest(&seeds));
+    buf_printf(&act->reply->words, " added=%zu", planting.planted);
     act_add_markers(act);
     buf_printf(&act->reply->text, "%zu seed%s\n", planting.planted, plural(planting.planted));
     if (!err)

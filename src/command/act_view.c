@@ -1,5 +1,6 @@
 /* Commands that change the view, what of the objects it shows, and what of the scene is cut away;
  * and all settings. */
+#include "base/least.h"
 #include "command/act.h"
 
 #include <stdio.h>
@@ -217,16 +218,6 @@ enum err act_plane(const struct act *act)
     return act_go(act);
 }
 
-static struct cut_box box_between(const uint32_t corner[3], const uint32_t opposite[3])
-{
-    struct cut_box box;
-    for (int a = 0; a < 3; a++) {
-        box.first[a] = corner[a] < opposite[a] ? corner[a] : opposite[a];
-        box.last[a] = corner[a] < opposite[a] ? opposite[a] : corner[a];
-    }
-    return box;
-}
-
 enum err act_cut(const struct act *act)
 {
     struct cut *cut = &act->next->kept.cut;
@@ -242,14 +233,17 @@ enum err act_cut(const struct act *act)
             "there are %d boxes already, the most; `cut none` removes them; the view is unchanged",
             CUT_BOXES_MOST);
     } else {
-        cut->box[cut->boxes++] = box_between(act_place(act, "CORNER"), act_place(act, "OPPOSITE"));
+        const uint32_t *corner = act_place(act, "CORNER"), *opposite = act_place(act, "OPPOSITE");
+        struct cut_box *box = &cut->box[cut->boxes++];
+        for (int a = 0; a < 3; a++) {
+            box->first[a] = least(corner[a], opposite[a]);
+            box->last[a] = corner[a] < opposite[a] ? opposite[a] : corner[a];
+        }
     }
     return act_go(act);
 }
 
-/* ---- in words ---- */
-
-/* ---- settings: all commands that do no more than set something (session/setting.h) ---- */
+/* ---- settings: commands that do no more than set something (session/setting.h) ---- */
 
 /* Black in look 1 is what it has always been. */
 static int64_t background_of(const struct value *value, const struct outlook *outlook)
