@@ -1,11 +1,11 @@
 /* Commands that change the view, what of the objects it shows, and what of the scene is cut away;
  * and all settings. */
-#include "base/least.h"
 #include "command/act.h"
 
 #include <stdio.h>
 #include <string.h>
 
+#include "base/least.h"
 #include "command/act_info.h"
 #include "render/fit.h"
 #include "session/semantics.h"

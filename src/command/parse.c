@@ -23,8 +23,6 @@ const struct command *command_find(const char *name)
     return NULL;
 }
 
-/* The error for a name that command_find does not know: "WHAT sede; did you mean seed?", or "WHAT
- * xyz; `help` lists them". */
 void command_try_names(struct near *near)
 {
     for (unsigned i = 0; i < command_count(); i++) {
@@ -35,6 +33,8 @@ void command_try_names(struct near *near)
     }
 }
 
+/* The error for a name that command_find does not know: "WHAT sede; did you mean seed?", or "WHAT
+ * xyz; `help` lists them". */
 static enum err unknown(struct fault *fault, const char *what, const char *word)
 {
     struct near near = near_to(word);
