@@ -8,7 +8,7 @@
 #include "base/chart.h"
 #include "base/file.h"
 #include "base/json.h"
-#include "command/act_info.h"
+#include "command/answers.h"
 #include "engine/hints.h"
 #include "engine/measure.h"
 #include "engine/rival.h"

@@ -6,7 +6,7 @@
 
 #include "base/choice.h"
 #include "base/scan.h"
-#include "command/act_info.h"
+#include "command/answers.h"
 #include "command/files.h"
 #include "image/voxels.h"
 #include "journal/record.h"

@@ -2,7 +2,7 @@
 #include "command/act_picture.h"
 
 #include "base/file.h"
-#include "command/act_info.h"
+#include "command/answers.h"
 #include "command/files.h"
 #include "image/exr.h"
 #include "image/helper.h"

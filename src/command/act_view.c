@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/least.h"
-#include "command/act_info.h"
+#include "command/answers.h"
 #include "render/fit.h"
 #include "session/semantics.h"
 #include "show/slicing.h"

@@ -6,9 +6,9 @@
 #include <string.h>
 
 #include "base/choice.h"
-#include "command/act_seed.h"
 #include "command/files.h"
 #include "command/near.h"
+#include "command/planting.h"
 #include "engine/roi.h"
 #include "session/map.h"
 

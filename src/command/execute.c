@@ -2,7 +2,7 @@
 
 #include "base/clock.h"
 #include "command/act.h"
-#include "command/act_info.h"
+#include "command/answers.h"
 #include "command/files.h"
 #include "engine/forest.h"
 #include "image/picture_writer.h"
@@ -25,8 +25,8 @@ void execute_add_digests(struct reply *reply, const struct session *session)
         buf_printf(&reply->words, " pending=%zu", session_pendings(session));
 }
 
-/* How many edits wait that a command applies before anything else, so that it tells of what the
- * user has planted and of nothing less. One that is recorded does so whenever its record is carried
+/* How many edits wait that a command applies before anything else, so that it is about all that the
+ * user has planted. One that is recorded does so whenever its record is carried
  * out again; a question only when it is asked: the record of its own `run` does it then. */
 static size_t edits_to_apply(const struct interpreter *interp, const struct command *command)
 {

@@ -18,10 +18,10 @@ enum err act_weight(const struct act *act);
 enum err act_polarity(const struct act *act);
 enum err act_mask(const struct act *act);
 enum err act_range(const struct act *act);
-/* act_label.c */
+/* act_names.c */
 enum err act_label(const struct act *act);
 enum err act_label_file(const struct act *act);
-/* act_seed.c */
+/* planting.c */
 enum err act_seed(const struct act *act);
 enum err act_box(const struct act *act);
 enum err act_fill(const struct act *act);
@@ -78,10 +78,10 @@ enum err act_profile(const struct act *act);
 enum err act_why(const struct act *act);
 enum err act_hints(const struct act *act);
 enum err act_hint(const struct act *act);
-/* act_stats.c */
+/* act_figures.c */
 enum err act_stats(const struct act *act);
 enum err act_compare(const struct act *act);
-/* act_info.c */
+/* answers.c */
 enum err act_info(const struct act *act);
 enum err act_help(const struct act *act);
 enum err act_pilot(const struct act *act);

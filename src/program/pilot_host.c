@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "command/act_info.h"
+#include "command/answers.h"
 #include "engine/centre.h"
 #include "engine/hints.h"
 #include "engine/rival.h"

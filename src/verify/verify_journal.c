@@ -5,7 +5,7 @@
 
 #include "base/clock.h"
 #include "base/file.h"
-#include "command/act_stats.h"
+#include "command/act_figures.h"
 #include "report/export.h"
 #include "session/semantics.h"
 #include "session/session.h"

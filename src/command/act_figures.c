@@ -1,13 +1,13 @@
 /* What is known of each label, and how far labels agree with those of a file. */
-#include "command/act_stats.h"
+#include "command/act_figures.h"
 
 #include <stdlib.h>
 
 #include "base/file.h"
 #include "base/mem.h"
-#include "command/act_info.h"
-#include "command/act_label.h"
+#include "command/act_names.h"
 #include "command/act_picture.h"
+#include "command/answers.h"
 #include "command/files.h"
 #include "engine/forest.h"
 #include "report/comparison_picture.h"

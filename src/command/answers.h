@@ -1,7 +1,7 @@
 /* What is said of a session: the lines of `info`, and the words of them that other answers have
- * (act_info.c). */
-#ifndef COMMAND_ACT_INFO_H
-#define COMMAND_ACT_INFO_H
+ * (answers.c). */
+#ifndef COMMAND_ANSWERS_H
+#define COMMAND_ANSWERS_H
 
 #include "command/act.h"
 #include "image/geometry.h"

@@ -1,4 +1,4 @@
-#include "command/act_info.h"
+#include "command/answers.h"
 
 #include <stdio.h>
 

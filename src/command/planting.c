@@ -1,13 +1,13 @@
 /* Commands that plant seeds by hand: balls and strokes, shells, boxes, polygons, and objects by
  * their intensities. */
-#include "command/act_seed.h"
+#include "command/planting.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/mem.h"
-#include "command/act_info.h"
+#include "command/answers.h"
 #include "engine/components.h"
 #include "engine/gradient.h"
 #include "engine/roi.h"

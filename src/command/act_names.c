@@ -1,6 +1,6 @@
 /* Names, colours and own numbers of labels, by hand and out of tables; and what regions of atlases
  * become. */
-#include "command/act_label.h"
+#include "command/act_names.h"
 
 #include <stdio.h>
 #include <stdlib.h>
