@@ -64,7 +64,7 @@ if needs python3; then
     cp -r "$top/src" "$top/render" "$top/journal" "$work/tree"
     sed -i 's/"replace"/"replaced"/' "$work/tree"/src/command/act*.c
     sed -i 's/act_has(act, "around|through")/act_has(act, "around|thorough")/' \
-        "$work/tree"/src/command/act*.c
+        "$work/tree"/src/command/*.c
     found=$(python3 "$work/asked.py" "$work/tree")
     for line in "asks for replaced, which \`spin\` has not" \
         "asks for thorough, which \`seed\` has not"; do

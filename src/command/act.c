@@ -6,6 +6,7 @@
 #include "base/safe.h"
 #include "command/files.h"
 #include "session/finished.h"
+#include "session/map.h"
 #include "show/draw.h"
 
 enum err act_naming(const char *file, enum err err, struct fault *fault)
@@ -18,23 +19,18 @@ enum err act_go(const struct act *act)
     return session_go(act->session, act->next, NULL, 0, act->fault);
 }
 
-/* Of several words where `blanks` are allowed, but for one at the end, which nobody would see. */
-static bool is_fit(const char *name, size_t room, bool blanks)
+enum err act_check_name(const char *name, size_t room, bool blanks, struct fault *fault)
 {
     const unsigned char first = (unsigned char)*name;
     const size_t length = strlen(name);
-    return length < room && (first >= 0x80 || isalpha(first)) && *safe_end(name) == '\0' &&
-           !strpbrk(name, blanks ? "=\"\\" : " =\"\\") && name[length - 1] != ' ';
-}
-
-enum err act_check_name(const char *name, size_t room, bool blanks, struct fault *fault)
-{
-    return is_fit(name, room, blanks)
-               ? OK
-               : fault_set(fault, ERR_USAGE,
-                           "NAME: expected %s of at most %zu bytes that begins "
-                           "with a letter, not %s",
-                           blanks ? "a name" : "a word", room - 1, name);
+    const bool is_fit = length < room && (first >= 0x80 || isalpha(first)) &&
+                        *safe_end(name) == '\0' && !strpbrk(name, blanks ? "=\"\\" : " =\"\\") &&
+                        name[length - 1] != ' '; /* which nobody would see */
+    return is_fit ? OK
+                  : fault_set(fault, ERR_USAGE,
+                              "NAME: expected %s of at most %zu bytes that begins "
+                              "with a letter, not %s",
+                              blanks ? "a name" : "a word", room - 1, name);
 }
 
 /* ---- files ---- */
@@ -77,6 +73,18 @@ enum err act_write_report(const struct act *act, const struct buf *text)
     return err;
 }
 
+enum err act_read_map(const struct act *act, struct volume *map)
+{
+    const struct session *session = act->session;
+    const struct map_place place = session_map_place(session, act_is_yes(act, "resample"));
+    struct buf path = {0};
+    enum err err = interpreter_find_file(act->interp, act_text(act, "FILE"), &path, act->fault);
+    if (!err)
+        err = map_read(map, buf_text(&path), &place, session_watch(session), act->fault);
+    buf_release(&path);
+    return err;
+}
+
 /* ---- labels ---- */
 
 static enum err take(const struct act *act, bool finished, struct labels *labels)
@@ -86,11 +94,8 @@ static enum err take(const struct act *act, bool finished, struct labels *labels
     if (session_skims(session) || !finished)
         return OK;
     const enum err err = session_labels(session, true, labels, act->fault);
-    if (!err) {
-        buf_add_blank(&act->reply->words);
-        buf_printf(&act->reply->words, "finished=%016llx",
-                   (unsigned long long)session_finished_digest(session));
-    }
+    if (!err)
+        act_add_digest(act, "finished", session_finished_digest(session));
     return err;
 }
 
@@ -107,8 +112,15 @@ enum err act_take_shown(const struct act *act, struct labels *labels)
                 labels);
 }
 
+/* ---- digests ---- */
+
+void act_add_digest(const struct act *act, const char *key, uint64_t digest)
+{
+    buf_add_blank(&act->reply->words);
+    buf_printf(&act->reply->words, "%s=%016llx", key, (unsigned long long)digest);
+}
+
 void act_add_weights(const struct act *act)
 {
-    buf_printf(&act->reply->words, "weights=%016llx",
-               (unsigned long long)session_weight_digest(act->session));
+    act_add_digest(act, "weights", session_weight_digest(act->session));
 }

@@ -8,6 +8,7 @@
 #include "command/table.h"
 
 struct labels;
+struct volume;
 
 /* A command that is being carried out: by whom, with which values, and where its answer goes. */
 struct act {
@@ -92,7 +93,12 @@ enum err act_take_labels(const struct act *act, struct labels *labels);
 /* The same for a picture: where `finished=` is not given, as `finished on|off` has it. */
 enum err act_take_shown(const struct act *act, struct labels *labels);
 
-/* Adds the digest of the weights to the words of the record. */
+/* Adds "KEY=DIGEST" to the words of the record; and that of the weights. */
+void act_add_digest(const struct act *act, const char *key, uint64_t digest);
 void act_add_weights(const struct act *act);
+
+/* Reads the map FILE, in the place of the scene or, with `resample=yes`, wherever it lies. The
+ * caller releases it, also on error. */
+enum err act_read_map(const struct act *act, struct volume *map);
 
 #endif

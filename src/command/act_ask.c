@@ -9,7 +9,7 @@
 
 #include "base/file.h"
 #include "base/json.h"
-#include "command/act_info.h"
+#include "command/answers.h"
 #include "engine/hints.h"
 #include "engine/margin.h"
 #include "engine/measure.h"
@@ -26,6 +26,13 @@
 
 /* ---- what is under a pixel ---- */
 
+static enum err refuse_pixel(uint32_t column, uint32_t row, uint32_t width, uint32_t height,
+                             struct fault *fault)
+{
+    return fault_set(fault, ERR_INPUT, "pixel %u,%u lies outside the picture of %ux%u", column, row,
+                     width, height);
+}
+
 /* The voxel that a pixel of the rendition shows, or CELL_NONE. What the pilot has drawn may be at a
  * zoom of its own. */
 static enum err voxel_of_rendition(struct session *session, const struct labels *labels,
@@ -39,22 +46,9 @@ static enum err voxel_of_rendition(struct session *session, const struct labels 
     if (err)
         return err;
     if (column >= r->width || row >= r->height)
-        return fault_set(fault, ERR_INPUT, "pixel %u,%u lies outside the picture of %ux%u", column,
-                         row, r->width, r->height);
+        return refuse_pixel(column, row, r->width, r->height, fault);
     *cell = r->cell[(size_t)row * r->width + column];
     return OK;
-}
-
-/* The same of a slice or mosaic, as it would be drawn now. */
-static enum err voxel_of_slices(struct session *session, enum slice_kind kind,
-                                const struct labels *labels, uint32_t column, uint32_t row,
-                                uint32_t *cell, struct fault *fault)
-{
-    const struct view *view = &session_outlook(session)->view;
-    if (column >= view->width || row >= view->height)
-        return fault_set(fault, ERR_INPUT, "pixel %u,%u lies outside the picture of %ux%u", column,
-                         row, view->width, view->height);
-    return slicing_cell_at(cell, session, kind, labels, column, row, fault);
 }
 
 /* "3.61 mm from the border of label 1 brain, at 70,101,95" */
@@ -89,12 +83,16 @@ enum err act_pick(const struct act *act)
                    row = (uint32_t)act_number(act, "ROW");
     const int64_t of = act_number(act, "of"); /* 0: the rendition */
     uint32_t cell = CELL_NONE;
+    const struct view *view = &session_outlook(session)->view;
     struct labels labels;
     enum err err = session_labels(session, session_shows_finished(session), &labels, act->fault);
-    if (!err)
-        err = of ? voxel_of_slices(session, (enum slice_kind)(of - 1), &labels, column, row, &cell,
-                                   act->fault)
-                 : voxel_of_rendition(session, &labels, column, row, &cell, act->fault);
+    if (!err && !of)
+        err = voxel_of_rendition(session, &labels, column, row, &cell, act->fault);
+    else if (!err && (column >= view->width || row >= view->height))
+        err = refuse_pixel(column, row, view->width, view->height, act->fault);
+    else if (!err) /* as it would be drawn now */
+        err = slicing_cell_at(&cell, session, (enum slice_kind)(of - 1), &labels, column, row,
+                              act->fault);
     if (err)
         return err;
     if (cell == CELL_NONE) {
@@ -143,22 +141,17 @@ static double product(const double u[3], const double v[3])
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 }
 
-/* "25.50 mm, 17.00 voxels"; in voxels alone where their distances are unknown. */
-static void write_length(struct buf *out, const struct session *session,
-                         const struct offset *offset)
-{
-    if (!session_geometry(session)->spacing_unknown)
-        buf_printf(out, "%.2f mm, ", sqrt(product(offset->mm, offset->mm)));
-    buf_printf(out, "%.2f voxels", sqrt(product(offset->voxels, offset->voxels)));
-}
-
-/* A line: "25.50 mm, 17.00 voxels from 10,20,30 to 27,20,30". */
+/* A line: "25.50 mm, 17.00 voxels from 10,20,30 to 27,20,30"; in voxels alone where their distances
+ * are unknown. */
 static void write_distance(const struct act *act, const uint32_t from[3], const uint32_t to[3])
 {
     struct buf *out = &act->reply->text;
     const struct offset offset = offset_between(act->session, from, to);
-    write_length(out, act->session, &offset);
-    buf_printf(out, " from %u,%u,%u to %u,%u,%u\n", from[0], from[1], from[2], to[0], to[1], to[2]);
+    if (!session_geometry(act->session)->spacing_unknown)
+        buf_printf(out, "%.2f mm, ", sqrt(product(offset.mm, offset.mm)));
+    buf_printf(out, "%.2f voxels from %u,%u,%u to %u,%u,%u\n",
+               sqrt(product(offset.voxels, offset.voxels)), from[0], from[1], from[2], to[0], to[1],
+               to[2]);
 }
 
 /* In degrees; never where one of both goes nowhere. */
@@ -218,11 +211,6 @@ static const struct cell *cell_at(const struct profile *p, int64_t step, uint32_
            grid_cell(&session_scene(p->session)->grid, at[0], at[1], at[2]);
 }
 
-static char letter_of_label(const struct cell *cell)
-{
-    return !cell_is_reached(cell) ? '.' : cell->label > 9 ? '+' : (char)('0' + cell->label);
-}
-
 /* Column c has the voxels from count * c / columns on. */
 static void take_column(struct profile *p, unsigned column)
 {
@@ -237,7 +225,9 @@ static void take_column(struct profile *p, unsigned column)
         sum += value;
         p->least = i == 0 || value < p->least ? value : p->least;
         p->most = i == 0 || value > p->most ? value : p->most;
-        p->label[column] = letter_of_label(cell);
+        p->label[column] = !cell_is_reached(cell) ? '.'
+                           : cell->label > 9      ? '+'
+                                                  : (char)('0' + cell->label);
     }
     p->sum += sum;
     p->mean[column] = sum / (double)(end - first);

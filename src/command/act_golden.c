@@ -99,7 +99,7 @@ static enum err write_both(struct interpreter *interp, const char *name, const c
 }
 
 /* The EXR is the golden image; the PNG beside it is for people. Both are on the disk before the
- * record is, and after the records that they tell of (command/golden_judge.h). */
+ * record is, and after the records that they name (command/golden_judge.h). */
 static enum err write_golden(struct interpreter *interp, const char *name, const char *path,
                              struct picture *picture, struct fault *fault)
 {

@@ -1,5 +1,5 @@
-/* Commands that go to other states of the segmentation: undo, redo, goto, branch, history; and those
- * about the journal: in which file it is, and when it is synced. */
+/* Commands that go to other states of the segmentation: undo, redo, goto, branch, history; and
+ * those about the journal: in which file it is, and when it is synced. */
 #include "command/act.h"
 
 #include <string.h>
@@ -19,13 +19,18 @@ static void write_point(struct buf *out, const struct history *history, uint32_t
     buf_add_safe_excerpt(out, point->command, strlen(point->command));
 }
 
-/* Where the session is now, for user and journal. */
-static void write_arrival(const struct act *act, uint32_t to, uint32_t branch)
+/* Goes there, and says, for user and journal, where the session is now. */
+static enum err go(const struct act *act, uint32_t to, uint32_t branch, bool moves_tip)
 {
-    const struct history *history = &act->interp->history;
+    struct history *history = &act->interp->history;
+    const struct branch *on = history->branch + branch;
     struct reply *reply = act->reply;
-    buf_printf(&reply->words, "at=%zu on=%s", history->point[to].record,
-               history->branch[branch].name);
+    const bool has_tips = semantics_has(session_semantics(act->session), MEANING_BRANCH_TIPS);
+    const enum err err =
+        history_go(history, act->session, to, branch, moves_tip || !has_tips, act->fault);
+    if (err)
+        return err;
+    buf_printf(&reply->words, "at=%zu on=%s", history->point[to].record, on->name);
     buf_add_text(&reply->text, "after ");
     write_point(&reply->text, history, to);
     const size_t waits = session_pendings(act->session);
@@ -33,29 +38,9 @@ static void write_arrival(const struct act *act, uint32_t to, uint32_t branch)
         buf_printf(&reply->text, ", %zu edit%s waiting for `run`%s", waits, plural(waits),
                    session_outlook(act->session)->runs_by_itself ? " or the next edit" : "");
     buf_add_char(&reply->text, '\n');
-}
-
-/* Where the tip of the branch stays ahead, or behind. */
-static void write_tip(const struct act *act, uint32_t to, uint32_t branch)
-{
-    const struct history *history = &act->interp->history;
-    const struct branch *on = history->branch + branch;
-    if (history->moves_tip || on->point == to)
-        return;
-    buf_printf(&act->reply->text, "%s stays at record %zu: `goto %s` leads back\n", on->name,
-               history->point[on->point].record, on->name);
-}
-
-static enum err go(const struct act *act, uint32_t to, uint32_t branch, bool moves_tip)
-{
-    struct history *history = &act->interp->history;
-    const bool has_tips = semantics_has(session_semantics(act->session), MEANING_BRANCH_TIPS);
-    enum err err =
-        history_go(history, act->session, to, branch, moves_tip || !has_tips, act->fault);
-    if (err)
-        return err;
-    write_arrival(act, to, branch);
-    write_tip(act, to, branch);
+    if (!history->moves_tip && on->point != to) /* the tip of the branch stays ahead, or behind */
+        buf_printf(&reply->text, "%s stays at record %zu: `goto %s` leads back\n", on->name,
+                   history->point[on->point].record, on->name);
     return OK;
 }
 
@@ -74,41 +59,33 @@ static void write_undone(const struct history *history, uint32_t to, struct repl
         buf_printf(&reply->text, "and %u before these\n", count - LISTED);
 }
 
-static size_t wanted(const struct act *act)
+/* So many commands back or on, or as many as there are. */
+static enum err go_by(const struct act *act, bool back)
 {
-    return (size_t)act_number_or(act, "COUNT", 1);
-}
-
-static void write_fewer(const struct act *act, size_t count, const char *what)
-{
-    if (count < wanted(act))
+    const struct history *history = &act->interp->history;
+    const size_t wanted = (size_t)act_number_or(act, "COUNT", 1);
+    size_t count = wanted;
+    uint32_t to;
+    const enum err err = back ? history_before(history, &count, &to, act->fault)
+                              : history_after(history, &count, &to, act->fault);
+    if (err)
+        return err;
+    if (count < wanted)
         buf_printf(&act->reply->text, "only %zu command%s could be %s, not %zu\n", count,
-                   plural(count), what, wanted(act));
+                   plural(count), back ? "undone" : "done again", wanted);
+    if (back)
+        write_undone(history, to, act->reply);
+    return go(act, to, history->on, history_is_at_tip(history));
 }
 
 enum err act_undo(const struct act *act)
 {
-    const struct history *history = &act->interp->history;
-    uint32_t to;
-    size_t count = wanted(act);
-    enum err err = history_before(history, &count, &to, act->fault);
-    if (err)
-        return err;
-    write_fewer(act, count, "undone");
-    write_undone(history, to, act->reply);
-    return go(act, to, history->on, history_is_at_tip(history));
+    return go_by(act, true);
 }
 
 enum err act_redo(const struct act *act)
 {
-    const struct history *history = &act->interp->history;
-    uint32_t to;
-    size_t count = wanted(act);
-    enum err err = history_after(history, &count, &to, act->fault);
-    if (err)
-        return err;
-    write_fewer(act, count, "done again");
-    return go(act, to, history->on, history_is_at_tip(history));
+    return go_by(act, false);
 }
 
 enum err act_goto(const struct act *act)
@@ -150,7 +127,7 @@ enum err act_history(const struct act *act)
     return OK;
 }
 
-/* ---- the journal. None of these is recorded: it says what was done, not where it is stored ---- */
+/* ---- the journal: it says what was done, not where it is stored, so none is recorded ---- */
 
 /* Golden images lie in a folder beside their journal, and so go with it. `made` is the path of the
  * folder that they were copied to, or empty where there are none. */

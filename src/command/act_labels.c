@@ -8,10 +8,10 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/mem.h"
-#include "command/act_info.h"
-#include "command/act_label.h"
-#include "command/act_seed.h"
+#include "command/act_names.h"
+#include "command/answers.h"
 #include "command/files.h"
+#include "command/planting.h"
 #include "journal/golden.h"
 #include "journal/journal.h"
 #include "session/map.h"
@@ -135,17 +135,13 @@ static enum err read_original(struct volume *map, const struct act *act, struct 
 {
     const struct session *session = act->session;
     const char *name = act_text(act, "FILE");
-    const struct map_place place = session_map_place(session, act_is_yes(act, "resample"));
     struct map_labels choice = {.label = (int)act_number_or(act, "label", LABEL_OWN)};
-    struct buf path = {0};
     uint16_t *as = NULL;
     enum err err = act_choose_regions(&as, act, act_value(act, "label"));
     if (!err && !act_has(act, "regions"))
         as[0] = 0; /* the background */
     if (!err)
-        err = interpreter_find_file(act->interp, name, &path, act->fault);
-    if (!err)
-        err = map_read(map, buf_text(&path), &place, session_watch(session), act->fault);
+        err = act_read_map(act, map);
     choice.as = as;
     if (!err)
         err = act_naming(name, find_regions(map, act), act->fault);
@@ -157,7 +153,6 @@ static enum err read_original(struct volume *map, const struct act *act, struct 
     if (!err)
         buf_add_text(&act->reply->text, map->notes);
     free(as);
-    buf_release(&path);
     return err;
 }
 
@@ -207,9 +202,8 @@ static enum err read_recorded(struct volume *map, const struct act *act, const c
 }
 
 /* The record says which labels they were: the command ends in copy=DIGEST. */
-static enum err read_new(struct volume *map, const struct act *act)
+static enum err read_new(struct volume *map, const struct act *act, char digest[LABEL_COPY_DIGEST])
 {
-    char digest[LABEL_COPY_DIGEST];
     struct buf numbers = {0};
     if (act_has(act, "numbers"))
         return fault_set(act->fault, ERR_USAGE,
@@ -219,33 +213,13 @@ static enum err read_new(struct volume *map, const struct act *act)
         err = label_copy_digest(digest, map, session_watch(act->session), act->fault);
     if (!err && numbers.length)
         buf_printf(&act->reply->canonical, " numbers=%s", buf_text(&numbers));
+    if (!err)
+        buf_printf(&act->reply->canonical, " copy=%s", digest);
     buf_release(&numbers);
-    if (err)
-        return err;
-    buf_printf(&act->reply->canonical, " copy=%s", digest);
-    return act->interp->mode == MODE_LIVE ? keep_copy(act, map, digest) : OK;
-}
-
-static enum err read_labels(struct volume *map, const struct act *act)
-{
-    const struct value *copy = act_value(act, "copy");
-    if (!copy->given)
-        return read_new(map, act);
-    enum err err = read_recorded(map, act, copy->text);
-    if (!err && act->interp->mode == MODE_LIVE)
-        err = keep_copy(act, map, copy->text);
     return err;
 }
 
 /* ---- markers ---- */
-
-static void write_label_pieces(const struct act *act, unsigned label, uint32_t pieces)
-{
-    struct buf *out = &act->reply->text;
-    buf_add_text(out, "label ");
-    label_report_write_name(out, act->session, label);
-    buf_printf(out, ": %u marker%s\n", pieces, plural(pieces));
-}
 
 /* Of labels with so many pieces each: the one with most, of equals the lower number. */
 static unsigned label_of_most(const uint32_t pieces[256])
@@ -273,7 +247,9 @@ static void write_pieces(const struct act *act, const struct piece_seeds *seeds,
                seeds->pieces, plural(seeds->pieces), planted, plural(planted));
     for (unsigned i = 0; i < labels && i < LISTED_MOST; i++) {
         const unsigned label = label_of_most(left);
-        write_label_pieces(act, label, left[label]);
+        buf_add_text(out, "label ");
+        label_report_write_name(out, act->session, label);
+        buf_printf(out, ": %u marker%s\n", left[label], plural(left[label]));
         left[label] = 0;
     }
     if (labels > LISTED_MOST)
@@ -287,14 +263,6 @@ static void write_pieces(const struct act *act, const struct piece_seeds *seeds,
     if (seeds->small)
         buf_printf(out, "%zu piece%s too small for the erosion: the innermost voxels alone\n",
                    seeds->small, plural(seeds->small));
-}
-
-static void advise_names(const struct act *act, const struct piece_seeds *seeds)
-{
-    bool has[256];
-    for (unsigned label = 0; label < 256; label++)
-        has[label] = seeds->labels[label] > 0;
-    atlas_advise_names(act, has);
 }
 
 /* Whether seeds of an object that stood before are left where they are: in the background that
@@ -360,13 +328,6 @@ static enum err find_voxels(struct voxels *out, const struct act *act,
     return err ? err : watch_fault(session_watch(act->session), act->fault);
 }
 
-/* The own numbers of labels. */
-static enum err take_state(const struct act *act)
-{
-    act->next->lists = session_state(act->session)->lists;
-    return kept_equals(&act->next->kept, session_kept(act->session)) ? OK : act_go(act);
-}
-
 static enum err plant(const struct act *act, const struct piece_seeds *seeds,
                       const struct volume *map)
 {
@@ -387,14 +348,19 @@ static enum err plant(const struct act *act, const struct piece_seeds *seeds,
             err = act_plant(act, &planting, voxels.cell, voxels.count, piece->label);
     }
     voxels_release(&voxels);
-    err = err ? err : take_state(act);
+    act->next->lists = session_state(act->session)->lists;
+    if (!err && !kept_equals(&act->next->kept, session_kept(act->session)))
+        err = act_go(act); /* to the own numbers of labels */
     if (err)
         return err;
     write_pieces(act, seeds, planting.planted);
+    bool has[256];
+    for (unsigned label = 0; label < 256; label++)
+        has[label] = seeds->labels[label] > 0;
     if (!act_has(act, "label"))
-        advise_names(act, seeds);
-    buf_printf(&act->reply->words, "file=%016llx added=%zu", (unsigned long long)digest,
-               planting.planted);
+        atlas_advise_names(act, has);
+    act_add_digest(act, "file", digest);
+    buf_printf(&act->reply->words, " added=%zu", planting.planted);
     act_add_markers(act);
     return act_naming(act_text(act, "FILE"), act_write_planting(act, &planting), act->fault);
 }
@@ -436,7 +402,11 @@ enum err act_labels(const struct act *act)
     struct piece_seeds seeds = {0};
     if (!erode->given)
         buf_printf(&act->reply->canonical, " erode=%u", rounds);
-    enum err err = read_labels(&map, act);
+    const char *copy = act_text(act, "copy");
+    char digest[LABEL_COPY_DIGEST];
+    enum err err = copy ? read_recorded(&map, act, copy) : read_new(&map, act, digest);
+    if (!err && act->interp->mode == MODE_LIVE)
+        err = keep_copy(act, &map, copy ? copy : digest);
     if (!err && !has_regions(&map))
         err = fault_set(act->fault, ERR_INPUT,
                         "%s has no voxel of these regions; nothing was planted",

@@ -8,7 +8,7 @@
 
 #include "base/choice.h"
 #include "base/scan.h"
-#include "command/act_info.h"
+#include "command/answers.h"
 #include "command/files.h"
 #include "journal/record.h"
 #include "session/semantics.h"
@@ -270,15 +270,6 @@ static enum err take_first_weight(const struct act *act, bool *recorded)
     return err ? err : session_go(session, &next, NULL, 0, act->fault);
 }
 
-/* What pictures say that it is called: the last part of the name that the command gives, wherever
- * the file was found. The name of a folder is often a patient's. */
-static void name_scene(const struct act *act, const char *name, const char *path)
-{
-    const bool is_private = act_is_yes(act, "private");
-    const bool is_said = !is_private && !file_is_folder(path);
-    session_name_scene(act->session, is_said ? file_name(name) : "", is_private);
-}
-
 /* The proof of the scene that the record at hand has, of all of a file with a header. */
 static bool has_proof(const struct act *act, const struct volume_choice *choice,
                       char proof[SHA256_HEX])
@@ -355,8 +346,12 @@ enum err act_open(const struct act *act)
         err = find_scene(act, name, by_proof, &path);
     if (!err && !is_open)
         err = session_open(session, buf_text(&path), &choice, act->fault);
+    const bool is_private = act_is_yes(act, "private");
+    /* What pictures say that it is called: the last part of the name that the command gives,
+     * wherever the file was found. The name of a folder is often a patient's. */
+    const bool is_said = !is_private && !file_is_folder(buf_text(&path));
     if (!err)
-        name_scene(act, name, buf_text(&path));
+        session_name_scene(session, is_said ? file_name(name) : "", is_private);
     buf_release(&path);
     if (!err)
         write_canonical(act, has_weight);

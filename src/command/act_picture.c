@@ -1,8 +1,8 @@
-/* Commands that show or write pictures: renditions, slices and mosaics, and how slices are shown. */
+/* Commands that show or write pictures: renditions, slices and mosaics; and how slices look. */
 #include "command/act_picture.h"
 
 #include "base/file.h"
-#include "command/act_info.h"
+#include "command/answers.h"
 #include "command/files.h"
 #include "image/exr.h"
 #include "image/image_helper.h"
@@ -17,56 +17,38 @@
 
 /* ---- pictures ---- */
 
-static enum err note_finish(const struct act *act, struct picture *picture)
-{
-    struct buf steps = {0};
-    finish_write(&steps, &session_kept(act->session)->finish);
-    const enum err err = steps.failed
-                             ? fault_memory(act->fault, "a note on a picture")
-                             : picture_note(picture, "iftty:finish", buf_text(&steps), act->fault);
-    buf_release(&steps);
-    return err;
-}
-
-static enum err note_journal(const struct act *act, struct picture *picture)
-{
-    struct buf path = {0};
-    file_real(&path, journal_path(act->interp->journal));
-    const enum err err = path.failed ? fault_memory(act->fault, "a note on a picture")
-                                     : picture_note(picture, "iftty:journal",
-                                                    file_name(buf_text(&path)), act->fault);
-    buf_release(&path);
-    return err;
-}
-
 enum err act_note_picture(const struct act *act, const struct labels *labels,
                           struct picture *picture)
 {
     const struct journal *journal = act->interp->journal;
-    enum err err = labels->finished ? note_finish(act, picture) : OK;
+    struct buf steps = {0}, path = {0};
+    enum err err = OK;
+    finish_write(&steps, &session_kept(act->session)->finish);
+    if (journal)
+        file_real(&path, journal_path(journal));
+    if (steps.failed || path.failed)
+        err = fault_memory(act->fault, "a note on a picture");
+    if (!err && labels->finished)
+        err = picture_note(picture, "iftty:finish", buf_text(&steps), act->fault);
     if (!err && journal && !session_is_private(act->session))
-        err = note_journal(act, picture);
-    return err || !journal
-               ? err
-               : picture_note(picture, "iftty:chain", journal_chain(journal), act->fault);
-}
-
-/* Goldens are both: an OpenEXR file, and a picture for people. */
-static enum err take_all(const struct act *act, bool is_golden, struct picture *picture)
-{
-    enum err err = export_picture(picture, act->session, act->fault);
-    if (!err && is_golden)
-        err = export_background(picture, act->session, act->fault);
-    else if (!err)
-        err = export_normals(picture, act->session, act->fault);
+        err = picture_note(picture, "iftty:journal", file_name(buf_text(&path)), act->fault);
+    if (!err && journal)
+        err = picture_note(picture, "iftty:chain", journal_chain(journal), act->fault);
+    buf_release(&steps);
+    buf_release(&path);
     return err;
 }
 
 enum err act_take_picture(const struct act *act, const struct labels *labels, const char *name,
                           struct picture *picture)
 {
-    enum err err = name && !exr_is_named(name) ? export_colours(picture, act->session, act->fault)
-                                               : take_all(act, !name, picture);
+    const bool has_all = !name || exr_is_named(name);
+    enum err err = has_all ? export_picture(picture, act->session, act->fault)
+                           : export_colours(picture, act->session, act->fault);
+    if (!err && !name) /* goldens are both: an OpenEXR file, and a picture for people */
+        err = export_background(picture, act->session, act->fault);
+    else if (!err && has_all)
+        err = export_normals(picture, act->session, act->fault);
     if (!err)
         err = act_note_picture(act, labels, picture);
     if (err)
@@ -89,33 +71,8 @@ void act_add_picture_digest(const struct act *act)
 {
     if (!semantics_has(session_semantics(act->session), MEANING_SMOOTH_SURFACES))
         return;
-    buf_add_blank(&act->reply->words);
     const struct rendition picture = session_picture(act->session);
-    buf_printf(&act->reply->words, "picture=%016llx",
-               (unsigned long long)rendition_digest(&picture));
-}
-
-static void write_seen(const struct rendition *r, struct reply *reply)
-{
-    size_t seen = 0, pixels = (size_t)r->width * r->height;
-    for (size_t i = 0; i < pixels; i++)
-        seen += r->cell[i] != CELL_NONE;
-    buf_printf(&reply->text, "%ux%u pixels, %zu of them with an object\n", r->width, r->height,
-               seen);
-}
-
-/* A job for the picture writer, which gets it once the command is recorded. */
-static enum err prepare_job(const struct act *act, const char *path, enum file_mode mode,
-                            struct picture *picture)
-{
-    struct interpreter *interp = act->interp;
-    if (picture_writer_holds(interp->writer, path))
-        picture_writer_wait(interp->writer, NULL, NULL); /* for what it finds there */
-    interpreter_note_kept(interp, path, mode);
-    const enum err err = picture_job_new(&interp->job, path, mode, picture, act->fault);
-    if (!err)
-        act_write_file_line("writing ", path, act->reply);
-    return err;
+    act_add_digest(act, "picture", rendition_digest(&picture));
 }
 
 enum err act_write_now(struct interpreter *interp, const char *path, enum file_mode mode,
@@ -129,14 +86,19 @@ enum err act_write_picture(const struct act *act, const char *path, enum file_mo
                            struct picture *picture)
 {
     struct interpreter *interp = act->interp;
+    const bool is_beside =
+        interp->writer && interp->mode == MODE_LIVE && picture_writer_takes(path);
     enum err err;
-    if (interp->writer && interp->mode == MODE_LIVE && picture_writer_takes(path)) {
-        err = prepare_job(act, path, mode, picture);
+    if (is_beside) { /* a job for the picture writer, which gets it once the command is recorded */
+        if (picture_writer_holds(interp->writer, path))
+            picture_writer_wait(interp->writer, NULL, NULL); /* for what it finds there */
+        interpreter_note_kept(interp, path, mode);
+        err = picture_job_new(&interp->job, path, mode, picture, act->fault);
     } else {
         err = act_write_now(interp, path, mode, picture, act->fault);
-        if (!err)
-            act_write_file_line("wrote ", path, act->reply);
     }
+    if (!err)
+        act_write_file_line(is_beside ? "writing " : "wrote ", path, act->reply);
     picture_release(picture);
     return err;
 }
@@ -182,7 +144,12 @@ enum err act_render(const struct act *act)
     if (act_has(act, "FILE"))
         return render_file(act, &labels);
     act->interp->shows_picture = true;
-    write_seen(session_frame(act->session), act->reply);
+    const struct rendition *r = session_frame(act->session);
+    size_t seen = 0, pixels = (size_t)r->width * r->height;
+    for (size_t i = 0; i < pixels; i++)
+        seen += r->cell[i] != CELL_NONE;
+    buf_printf(&act->reply->text, "%ux%u pixels, %zu of them with an object\n", r->width, r->height,
+               seen);
     return OK;
 }
 
@@ -251,11 +218,8 @@ static enum err draw(const struct act *act, enum slice_kind kind, const struct l
                      bool with_cells, struct canvas *canvas)
 {
     enum err err = slicing_draw(canvas, act->session, kind, labels, with_cells, act->fault);
-    if (!err) {
-        buf_add_blank(&act->reply->words);
-        buf_printf(&act->reply->words, "picture=%016llx",
-                   (unsigned long long)canvas_digest(canvas));
-    }
+    if (!err)
+        act_add_digest(act, "picture", canvas_digest(canvas));
     return err;
 }
 
@@ -275,16 +239,6 @@ enum err act_take_slices(const struct act *act, enum slice_kind kind, const stru
     return err;
 }
 
-static enum err show_inline(const struct act *act, enum slice_kind kind,
-                            const struct labels *labels)
-{
-    struct canvas canvas;
-    enum err err = draw(act, kind, labels, false, &canvas);
-    if (!err)
-        interpreter_show(act->interp, &canvas);
-    return err;
-}
-
 /* To the file that is named, or inline. */
 static enum err show_or_write(const struct act *act, enum slice_kind kind)
 {
@@ -295,8 +249,13 @@ static enum err show_or_write(const struct act *act, enum slice_kind kind)
         return OK;
     act_write_slices(&act->reply->text, act->session);
     enum err err = act_take_shown(act, &labels);
-    if (!err && !act_has(act, "FILE"))
-        return show_inline(act, kind, &labels);
+    if (!err && !act_has(act, "FILE")) {
+        struct canvas canvas;
+        err = draw(act, kind, &labels, false, &canvas);
+        if (!err)
+            interpreter_show(act->interp, &canvas);
+        return err;
+    }
     if (!err)
         err = act_take_slices(act, kind, &labels, &picture);
     if (!err)

@@ -7,8 +7,8 @@
 
 #include "base/mem.h"
 #include "base/scan.h"
-#include "command/act_info.h"
-#include "command/act_seed.h"
+#include "command/answers.h"
+#include "command/planting.h"
 #include "journal/record.h"
 #include "session/markers.h"
 #include "session/paint.h"
@@ -18,8 +18,8 @@ enum { TAKEN_MOST = 256 }; /* seeds that one record says were removed */
 
 /* ---- eliminators ---- */
 
-/* The word of a record that says what an eliminator removed, so that whoever continues the journal
- * needs no forest to know it. */
+/* The word of a record that says what an eliminator removed, so that a session which continues the
+ * journal needs no forest to know it. */
 static bool find_recorded(const struct act *act, const char *key, struct record_word *word)
 {
     const char *recorded = act->interp->recorded_words;

@@ -2,7 +2,7 @@
 #include "command/act.h"
 
 #include "base/file.h"
-#include "command/act_info.h"
+#include "command/answers.h"
 #include "command/files.h"
 #include "image/surface_file.h"
 #include "report/export_map.h"

@@ -5,10 +5,10 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "command/act_info.h"
-#include "command/act_label.h"
-#include "command/act_seed.h"
+#include "command/act_names.h"
+#include "command/answers.h"
 #include "command/files.h"
+#include "command/planting.h"
 #include "report/label_report.h"
 #include "report/label_table.h"
 #include "session/seed_file.h"
@@ -141,12 +141,12 @@ static void advise_names(const struct act *act, const struct region_choice *choi
 /* Those of a list may end within a distance. */
 static enum err plant_region(const struct act *act, struct planting *planting,
                              const struct seeds *seeds, const struct region_choice *choice,
-                             uint32_t region, uint32_t *cell, size_t count)
+                             uint32_t region, const struct voxels *at)
 {
     struct session *session = act->session;
     planting->reach = 0;
     if (region < SEED_GROUPS_FROM || region - SEED_GROUPS_FROM >= seeds->groups)
-        return act_plant(act, planting, cell, count, (uint8_t)region_label(choice, region));
+        return act_plant(act, planting, at->cell, at->count, (uint8_t)region_label(choice, region));
     const struct seed_group *group = &seeds->group[region - SEED_GROUPS_FROM];
     struct reach reach = group->reach;
     if (!reach.unit[0] && session_geometry(session)->spacing_unknown)
@@ -156,7 +156,7 @@ static enum err plant_region(const struct act *act, struct planting *planting,
     for (int a = 0; a < 3; a++)
         reach.unit[a] = reach.unit[a] ? reach.unit[a] : session_scene(session)->spacing_nm[a];
     const enum err err = session_add_reach(session, &reach, &planting->reach, act->fault);
-    return err ? err : act_plant(act, planting, cell, count, group->label);
+    return err ? err : act_plant(act, planting, at->cell, at->count, group->label);
 }
 
 /* Each region is a marker. */
@@ -169,8 +169,10 @@ static enum err plant(const struct act *act, const struct seeds *seeds, const ch
     const size_t pendings = session_pendings(session);
     enum err err = end ? seeds_by_region(seeds, &cell, end, session_watch(session), act->fault)
                        : fault_memory(act->fault, "the seeds of regions");
-    for (uint32_t r = 0; !err && r <= REGION_MOST; begin = end[r++])
-        err = plant_region(act, planting, seeds, choice, r, cell + begin, end[r] - begin);
+    for (uint32_t r = 0; !err && r <= REGION_MOST; begin = end[r++]) {
+        const struct voxels at = {.cell = cell + begin, .count = end[r] - begin};
+        err = plant_region(act, planting, seeds, choice, r, &at);
+    }
     if (!err && !semantics_has(session_semantics(session), MEANING_SEED_ORDER))
         session_sort_pendings(session, pendings);
     if (!err && act_has(act, "as"))
@@ -200,8 +202,8 @@ enum err act_seed_file(const struct act *act)
     struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
     if (!err)
         err = plant(act, &seeds, buf_text(&path), &choice, &planting);
-    buf_printf(&act->reply->words, "file=%016llx added=%zu",
-               (unsigned long long)seeds_digest(&seeds), planting.planted);
+    act_add_digest(act, "file", seeds_digest(&seeds));
+    buf_printf(&act->reply->words, " added=%zu", planting.planted);
     act_add_markers(act);
     buf_printf(&act->reply->text, "%zu seed%s\n", planting.planted, plural(planting.planted));
     if (!err)

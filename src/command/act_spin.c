@@ -46,14 +46,6 @@ static bool read_pattern(struct pattern *pattern, const char *name)
     return true;
 }
 
-static void write_name(struct buf *out, const struct pattern *pattern, unsigned number)
-{
-    buf_clear(out);
-    buf_add(out, pattern->name, pattern->before);
-    if (pattern->counts)
-        buf_printf(out, "%0*u%s", pattern->digits, number, pattern->rest);
-}
-
 struct spin {
     const struct act *act;
     struct labels labels; /* that are shown */
@@ -99,22 +91,14 @@ static enum err begin_file(struct spin *spin, const struct picture *like)
 static enum err find_path(struct spin *spin, unsigned number)
 {
     const struct act *act = spin->act;
-    write_name(&spin->name, &spin->pattern, number);
+    const struct pattern *pattern = &spin->pattern;
+    buf_clear(&spin->name);
+    buf_add(&spin->name, pattern->name, pattern->before);
+    if (pattern->counts)
+        buf_printf(&spin->name, "%0*u%s", pattern->digits, number, pattern->rest);
     if (spin->name.failed)
         return fault_memory(act->fault, "a file name");
     return interpreter_output_path(act->interp, buf_text(&spin->name), &spin->path, act->fault);
-}
-
-/* Has the image helper, if there is something for it to do, load its libraries while the first
- * picture is drawn. */
-static enum err begin_files(struct spin *spin)
-{
-    const struct act *act = spin->act;
-    const enum err err = find_path(spin, 0);
-    buf_add_text(&spin->first, buf_text(&spin->path));
-    return err || !spin->path.length || is_exr(spin)
-               ? err
-               : image_helper_start(act->interp->helper, act->fault);
 }
 
 /* A picture as the file, or part of one, that it is to be. The image helper compresses it while the
@@ -216,7 +200,10 @@ static enum err turn_around(struct spin *spin)
     if (!err && act_is_yes(spin->act, "fit"))
         err = fit_turns(spin, &from);
     if (!err)
-        err = begin_files(spin);
+        err = find_path(spin, 0);
+    buf_add_text(&spin->first, buf_text(&spin->path));
+    if (!err && spin->path.length && !is_exr(spin)) /* it loads its libraries while one is drawn */
+        err = image_helper_start(spin->act->interp->helper, fault);
     for (unsigned i = 0; i < spin->total && !err; i++) {
         watch_poll(session_watch(session), "turntable", i, spin->total);
         err = show_turned(spin, &from, i);
@@ -232,8 +219,7 @@ static enum err turn_around(struct spin *spin)
 
 static void write_outcome(const struct spin *spin, struct reply *reply)
 {
-    buf_add_blank(&reply->words);
-    buf_printf(&reply->words, "spin=%016llx", (unsigned long long)spin->digest);
+    act_add_digest(spin->act, "spin", spin->digest);
     if (!spin->path.length)
         return;
     buf_add_text(&reply->text, "wrote ");

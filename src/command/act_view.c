@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "command/act_info.h"
+#include "base/least.h"
+#include "command/answers.h"
 #include "render/fit.h"
 #include "session/semantics.h"
 #include "show/slicing.h"
@@ -226,16 +227,6 @@ enum err act_plane(const struct act *act)
     return act_go(act);
 }
 
-static struct cut_box box_between(const uint32_t corner[3], const uint32_t opposite[3])
-{
-    struct cut_box box;
-    for (int a = 0; a < 3; a++) {
-        box.first[a] = corner[a] < opposite[a] ? corner[a] : opposite[a];
-        box.last[a] = corner[a] < opposite[a] ? opposite[a] : corner[a];
-    }
-    return box;
-}
-
 enum err act_cut(const struct act *act)
 {
     struct cut *cut = &act->next->kept.cut;
@@ -251,14 +242,17 @@ enum err act_cut(const struct act *act)
             "there are %d boxes already, the most; `cut none` removes them; the view is unchanged",
             CUT_BOXES_MOST);
     } else {
-        cut->box[cut->boxes++] = box_between(act_place(act, "CORNER"), act_place(act, "OPPOSITE"));
+        const uint32_t *corner = act_place(act, "CORNER"), *opposite = act_place(act, "OPPOSITE");
+        struct cut_box *box = &cut->box[cut->boxes++];
+        for (int a = 0; a < 3; a++) {
+            box->first[a] = least(corner[a], opposite[a]);
+            box->last[a] = corner[a] < opposite[a] ? opposite[a] : corner[a];
+        }
     }
     return act_go(act);
 }
 
-/* ---- in words ---- */
-
-/* ---- settings: all commands that do no more than set something (session/setting.h) ---- */
+/* ---- settings: commands that do no more than set something (session/setting.h) ---- */
 
 /* Black in look 1 is what it has always been. */
 static int64_t background_of(const struct value *value, const struct outlook *outlook)

@@ -6,9 +6,9 @@
 #include <string.h>
 
 #include "base/choice.h"
-#include "command/act_seed.h"
 #include "command/files.h"
 #include "command/near.h"
+#include "command/planting.h"
 #include "engine/roi.h"
 #include "session/map.h"
 
@@ -104,19 +104,11 @@ static enum err add_roi(const struct act *act, enum err err)
     struct reply *reply = act->reply;
     if (err)
         return err;
-    buf_add_blank(&reply->words);
-    buf_printf(&reply->words, "fence=%016llx inside=%zu", (unsigned long long)tally->digest,
-               tally->inside);
+    act_add_digest(act, "fence", tally->digest);
+    buf_printf(&reply->words, " inside=%zu", tally->inside);
     buf_printf(&reply->text, "%zu of %zu voxels %s inside the region of interest\n", tally->inside,
                session_scene(session)->grid.voxels, tally->inside == 1 ? "is" : "are");
     return OK;
-}
-
-/* Of the mask alone: the region of interest is what mask and range both leave. */
-static uint64_t mask_digest(const uint64_t *mask, const struct scene *scene)
-{
-    const struct roi alone = {mask, 0, UINT16_MAX};
-    return roi_tally(&alone, scene).digest;
 }
 
 static void fill_mask(uint64_t *mask, const struct volume *map, const struct scene *scene)
@@ -134,32 +126,6 @@ static void fill_mask(uint64_t *mask, const struct volume *map, const struct sce
         }
 }
 
-/* The mask in a file; freed by free(). */
-static enum err read_mask(uint64_t **mask, const struct act *act, const char *path,
-                          const uint32_t regions[2])
-{
-    const struct session *session = act->session;
-    const char *name = act_text(act, "FILE");
-    struct fault *fault = act->fault;
-    const struct grid *grid = &session_scene(session)->grid;
-    struct volume map = {0};
-    *mask = NULL;
-    const struct map_place place = session_map_place(session, act_is_yes(act, "resample"));
-    enum err err = map_read(&map, path, &place, session_watch(session), fault);
-    if (!err)
-        err = act_naming(
-            name, map_to_regions(&map, regions[0], regions[1], session_watch(session), fault),
-            fault);
-    if (!err && !(*mask = mask_new(grid)))
-        err = fault_memory(fault, "a mask");
-    if (!err)
-        fill_mask(*mask, &map, session_scene(session));
-    if (!err)
-        buf_add_text(&act->reply->text, map.notes);
-    volume_release(&map);
-    return err;
-}
-
 static enum err mask_by_file(const struct act *act)
 {
     struct session *session = act->session;
@@ -167,17 +133,24 @@ static enum err mask_by_file(const struct act *act)
     const struct value *given = act_value(act, "regions");
     const uint32_t regions[2] = {given->given ? given->place[0] : 1,
                                  given->given ? given->place[1] : (uint32_t)REGION_MOST};
-    struct buf path = {0};
+    struct volume map = {0};
     uint64_t *mask = NULL;
-    enum err err = interpreter_find_file(act->interp, name, &path, act->fault);
+    enum err err = act_read_map(act, &map);
     if (!err)
-        err = read_mask(&mask, act, buf_text(&path), regions);
-    buf_release(&path);
-    if (err)
-        return err;
-    buf_printf(&act->reply->words, "file=%016llx",
-               (unsigned long long)mask_digest(mask, session_scene(session)));
-    err = act_naming(name, session_set_mask(session, mask, name, regions, act->fault), act->fault);
+        err = act_naming(
+            name, map_to_regions(&map, regions[0], regions[1], session_watch(session), act->fault),
+            act->fault);
+    if (!err && !(mask = mask_new(&session_scene(session)->grid)))
+        err = fault_memory(act->fault, "a mask");
+    if (!err) {
+        fill_mask(mask, &map, session_scene(session));
+        buf_add_text(&act->reply->text, map.notes);
+        const struct roi alone = {mask, 0, UINT16_MAX}; /* without the range */
+        act_add_digest(act, "file", roi_tally(&alone, session_scene(session)).digest);
+        err = act_naming(name, session_set_mask(session, mask, name, regions, act->fault),
+                         act->fault);
+    }
+    volume_release(&map);
     free(mask);
     return err;
 }

@@ -182,27 +182,11 @@ static struct note choice_note(const struct command *command, const struct param
     return note;
 }
 
-static void offer_choices(const struct offers *o, const struct command *command,
-                          const struct parameter *p)
-{
-    const char *choices = p->choices;
-    struct choice choice;
-    while (choice_next(&choice, &choices))
-        offer_noted(o, choice.word, choice.length, choice_note(command, p, &choice));
-}
-
 static void offer_commands(const struct offers *o)
 {
     for (unsigned i = 0; i < command_count(); i++)
         offer_noted(o, command_at(i)->name, strlen(command_at(i)->name),
                     note_of(command_at(i)->summary));
-}
-
-static void offer_label(const struct offers *o, const char *name, int label)
-{
-    char note[32];
-    snprintf(note, sizeof note, "label %d", label);
-    offer_noted(o, name, strlen(name), note_of(note));
 }
 
 /* Names of several words stand between quotes, as do all beside them; a key's value has none. */
@@ -216,8 +200,10 @@ static void offer_labels(const struct offers *o, const struct parameter *p)
     }
     for (int label = (int)p->least; label < 256; label++) {
         const char *name = session_kept(o->interp->session)->label_name[label];
+        char note[32];
+        snprintf(note, sizeof note, "label %d", label);
         if (!p->keyed || !strchr(name, ' '))
-            offer_label(&offers, name, label);
+            offer_noted(&offers, name, strlen(name), note_of(note));
     }
 }
 
@@ -348,11 +334,6 @@ static void offer_goldens(const struct offers *o)
 
 /* ---- places in the history ---- */
 
-static const char *command_of(const struct point *point)
-{
-    return point->command ? point->command : "";
-}
-
 static void offer_points(const struct offers *o)
 {
     const struct history *history = &o->interp->history;
@@ -361,10 +342,10 @@ static void offer_points(const struct offers *o)
     for (size_t i = 0; i < history->branches; i++)
         offer(o, history->branch[i].name, strlen(history->branch[i].name));
     for (size_t i = any || points < POINTS_OFFERED ? 0 : points - POINTS_OFFERED; i < points; i++) {
-        struct buf number = {0};
-        buf_printf(&number, "%zu", history->point[i].record);
-        offer_noted(o, buf_text(&number), number.length, note_of(command_of(&history->point[i])));
-        buf_release(&number);
+        const struct point *point = &history->point[i];
+        char number[24];
+        const int length = snprintf(number, sizeof number, "%zu", point->record);
+        offer_noted(o, number, (size_t)length, note_of(point->command ? point->command : ""));
     }
 }
 
@@ -373,8 +354,10 @@ static void offer_points(const struct offers *o)
 static void offer_values(const struct offers *o, const struct command *command,
                          const struct parameter *p)
 {
-    if (p->choices)
-        offer_choices(o, command, p);
+    const char *choices = p->choices ? p->choices : "";
+    struct choice choice;
+    while (choice_next(&choice, &choices))
+        offer_noted(o, choice.word, choice.length, choice_note(command, p, &choice));
     switch (p->type) {
     case VALUE_COMMAND:
         offer_commands(o);

@@ -2,7 +2,7 @@
 
 #include "base/clock.h"
 #include "command/act.h"
-#include "command/act_info.h"
+#include "command/answers.h"
 #include "command/files.h"
 #include "engine/forest.h"
 #include "image/picture_writer.h"
@@ -25,8 +25,8 @@ void execute_add_digests(struct reply *reply, const struct session *session)
         buf_printf(&reply->words, " pending=%zu", session_pendings(session));
 }
 
-/* How many edits wait that a command applies before anything else, so that it tells of what the
- * user has planted and of nothing less. One that is recorded does so whenever its record is carried
+/* How many edits wait that a command applies before anything else, so that it is about all that the
+ * user has planted. One that is recorded does so whenever its record is carried
  * out again; a question only when it is asked: the record of its own `run` does it then. */
 static size_t edits_to_apply(const struct interpreter *interp, const struct command *command)
 {
@@ -130,42 +130,26 @@ static enum err begin_journal(struct interpreter *interp, struct buf *told, stru
     return OK;
 }
 
-/* Whether a command has changed how one looks, and nothing else (J1). */
-static bool only_looks(const struct interpreter *interp, const struct reply *reply)
-{
-    const struct session *session = interp->session;
-    return !reply->words.length && !interp->written.length && !history_moves(&interp->history) &&
-           kept_equals(session_kept(session), &session_former(session)->kept);
-}
-
 static enum err append(struct interpreter *interp, const char *command, const struct reply *reply,
                        struct fault *fault)
 {
-    const char *words = buf_text(&reply->words);
-    const bool may_wait = only_looks(interp, reply);
+    const struct session *session = interp->session;
+    const bool only_looks = /* the command has changed how one looks, and nothing else (J1) */
+        !reply->words.length && !interp->written.length && !history_moves(&interp->history) &&
+        kept_equals(session_kept(session), &session_former(session)->kept);
     enum err err = OK;
-    if (interp->journal && may_wait)
+    if (interp->journal && only_looks)
         err = journal_note(interp->journal, command, fault);
     else if (interp->journal)
-        err = journal_append(interp->journal, command, words, fault);
+        err = journal_append(interp->journal, command, buf_text(&reply->words), fault);
     return err ? fault_prefix(fault, err,
                               "the command is undone, because it could not be recorded "
                               "(`journal FILE` continues in another file)")
                : OK;
 }
 
-/* In the history, and in the journal where commands are new. */
-static enum err record_as(struct interpreter *interp, const char *command, struct reply *reply,
-                          struct fault *fault)
-{
-    enum err err = history_note(&interp->history, interp->session, command, fault);
-    if (err || interp->mode != MODE_LIVE)
-        return err;
-    err = begin_journal(interp, &reply->text, fault);
-    return err ? err : append(interp, command, reply, fault);
-}
-
-/* Of a question that has applied what waited, the run. */
+/* In the history, and in the journal where commands are new; of a question that has applied what
+ * waited, the run. */
 static enum err record(struct interpreter *interp, const struct command *command,
                        struct reply *reply, struct fault *fault)
 {
@@ -173,10 +157,13 @@ static enum err record(struct interpreter *interp, const struct command *command
     const bool is_question = !(command->flags & COMMAND_RECORDED);
     if (is_question)
         buf_printf(&run, RUN_FOR "%s", command->name);
-    const enum err err =
-        run.failed
-            ? fault_memory(fault, "a record")
-            : record_as(interp, buf_text(is_question ? &run : &reply->canonical), reply, fault);
+    const char *line = buf_text(is_question ? &run : &reply->canonical);
+    enum err err = run.failed ? fault_memory(fault, "a record")
+                              : history_note(&interp->history, interp->session, line, fault);
+    if (!err && interp->mode == MODE_LIVE)
+        err = begin_journal(interp, &reply->text, fault);
+    if (!err && interp->mode == MODE_LIVE)
+        err = append(interp, line, reply, fault);
     buf_release(&run);
     return err;
 }

@@ -341,6 +341,7 @@ enum err interpreter_output_path(struct interpreter *interp, const char *name, s
 
 /* ---- files that go with a command ---- */
 
+/* Whether this replay has written it. */
 static bool has_made(const struct interpreter *interp, const char *path)
 {
     const char *at = buf_text(&interp->made), *end = at + interp->made.length;

@@ -94,25 +94,18 @@ void near_lead(struct near *near, const char *choices, const char *known)
     near->found[0].length = strlen(known);
 }
 
-static void near_add(const struct near *near, const char *ending, struct buf *out)
-{
-    if (near->count == 0 || near->count > NEAR_MOST)
-        return;
-    for (size_t i = 0; i < near->count; i++) {
-        const bool last = i + 1 == near->count;
-        buf_add_text(out, i == 0 ? "; did you mean " : last ? " or " : ", ");
-        buf_add_safe(out, near->found[i].word, near->found[i].length);
-        buf_add_text(out, ending);
-    }
-    buf_add_char(out, '?');
-}
-
 enum err near_append(const struct near *near, const char *ending, struct fault *fault)
 {
     struct buf words = {0};
     if (!fault)
         return ERR_USAGE;
-    near_add(near, ending, &words);
+    const size_t count = near->count > NEAR_MOST ? 0 : near->count;
+    for (size_t i = 0; i < count; i++) {
+        buf_add_text(&words, i == 0 ? "; did you mean " : i + 1 == count ? " or " : ", ");
+        buf_add_safe(&words, near->found[i].word, near->found[i].length);
+        buf_add_text(&words, ending);
+    }
+    buf_add_text(&words, count ? "?" : "");
     if (!words.failed)
         fault_append(fault, buf_text(&words));
     buf_release(&words);

@@ -23,8 +23,6 @@ const struct command *command_find(const char *name)
     return NULL;
 }
 
-/* The error for a name that command_find does not know: "WHAT sede; did you mean seed?", or "WHAT
- * xyz; `help` lists them". */
 void command_try_names(struct near *near)
 {
     for (unsigned i = 0; i < command_count(); i++) {
@@ -35,6 +33,8 @@ void command_try_names(struct near *near)
     }
 }
 
+/* The error for a name that command_find does not know: "WHAT sede; did you mean seed?", or "WHAT
+ * xyz; `help` lists them". */
 static enum err unknown(struct fault *fault, const char *what, const char *word)
 {
     struct near near = near_to(word);
@@ -145,11 +145,6 @@ static enum err expect(struct fault *fault, const struct parameter *p, const cha
     return ERR_USAGE;
 }
 
-static enum err expect_position(struct fault *fault, const struct parameter *p, const char *word)
-{
-    return expect(fault, p, word, "X,Y,Z (voxel indices) or X,Y,Zmm (world)");
-}
-
 static enum err read_position(struct value *value, const struct parameter *p, const char *word,
                               const struct known *known, struct fault *fault)
 {
@@ -157,13 +152,13 @@ static enum err read_position(struct value *value, const struct parameter *p, co
     int64_t part[3], place[3];
     if (!session_has_scene(known->session))
         return fault_set(fault, ERR_USAGE, "no scene is open; open one first");
-    for (int a = 0; a < 3; a++)
-        if ((a > 0 && !scan_text(&at, ",")) ||
-            !scan_decimal(&at, 6, INT64_C(-1000000000000), INT64_C(1000000000000), &part[a]))
-            return expect_position(fault, p, word);
-    bool world = scan_text(&at, "mm");
-    if (*at)
-        return expect_position(fault, p, word);
+    bool reads = true;
+    for (int a = 0; a < 3 && reads; a++)
+        reads = (a == 0 || scan_text(&at, ",")) &&
+                scan_decimal(&at, 6, INT64_C(-1000000000000), INT64_C(1000000000000), &part[a]);
+    const bool world = reads && scan_text(&at, "mm");
+    if (!reads || *at)
+        return expect(fault, p, word, "X,Y,Z (voxel indices) or X,Y,Zmm (world)");
     for (int a = 0; a < 3; a++) {
         if (!world && part[a] % 1000000)
             return expect(fault, p, word, "whole voxel indices, or mm at the end");
@@ -719,12 +714,6 @@ static void write_corner(struct buf *out, const char *key, const uint32_t at[3])
     buf_printf(out, " %s=%u,%u,%u", key, at[0], at[1], at[2]);
 }
 
-static void write_line(struct buf *out, const char *key, const struct polyline *line)
-{
-    for (size_t i = 1; i < line->count; i++)
-        write_corner(out, key, line->corner[i]);
-}
-
 void command_write(struct buf *out, const struct call *call)
 {
     const struct parameter *p = call->command->parameter;
@@ -736,7 +725,8 @@ void command_write(struct buf *out, const struct call *call)
         if (!value->given)
             continue;
         if (p[i].type == VALUE_LINE) {
-            write_line(out, p[i].name, value->line);
+            for (size_t k = 1; k < value->line->count; k++)
+                write_corner(out, p[i].name, value->line->corner[k]);
             continue;
         }
         buf_add_char(out, ' ');

@@ -137,26 +137,6 @@ static enum err carry_out_again(struct interpreter *interp, const char *path, st
     return err;
 }
 
-/* As if no command had been carried out. */
-static void begin_again(struct interpreter *interp)
-{
-    history_release(&interp->history);
-    session_begin_again(interp->session);
-    history_init(&interp->history);
-    buf_clear(&interp->goldens);
-}
-
-/* What the user is to know of the journal that was opened. */
-static void tell_opened(const struct interpreter *interp, const char *path, struct buf *told)
-{
-    semantics_tell_lost(told, session_semantics(interp->session));
-    interpreter_tell_lock(interp, told);
-    if (!interp->is_read_only)
-        return;
-    buf_add_safe_text(told, path);
-    buf_add_text(told, " is open read-only: what is done here is not written to it\n");
-}
-
 /* What processes that were killed have left beside the journal. */
 static void clear_away(struct interpreter *interp, const char *path, struct buf *told)
 {
@@ -180,8 +160,11 @@ static enum err resume(struct interpreter *interp, const char *path, enum interp
     if (!err)
         err = carry_out_again(interp, path, told, fault);
     if (err == ERR_CHECK && mode == MODE_SKIM) {
-        interp->mode = MODE_RESUME;
-        begin_again(interp);
+        interp->mode = MODE_RESUME; /* as if no command had been carried out */
+        history_release(&interp->history);
+        session_begin_again(interp->session);
+        history_init(&interp->history);
+        buf_clear(&interp->goldens);
         err = carry_out_again(interp, path, told, fault);
     }
     if (!err)
@@ -190,8 +173,14 @@ static enum err resume(struct interpreter *interp, const char *path, enum interp
         buf_add_char(told, '\n');
     if (!err && !interp->is_read_only)
         clear_away(interp, path, told);
-    if (!err && told)
-        tell_opened(interp, path, told);
+    if (!err && told) {
+        semantics_tell_lost(told, session_semantics(interp->session));
+        interpreter_tell_lock(interp, told);
+    }
+    if (!err && told && interp->is_read_only) {
+        buf_add_safe_text(told, path);
+        buf_add_text(told, " is open read-only: what is done here is not written to it\n");
+    }
     interp->mode = MODE_LIVE;
     interp->wish = WISH_NONE;
     interp->shows_picture = false;

@@ -147,12 +147,6 @@ static bool are_added(const struct call *call, const char *words)
     return all;
 }
 
-static bool begins_with_name(const char *command, const char *name)
-{
-    const size_t length = strlen(name);
-    return strncmp(command, name, length) == 0 && command[length] == ' ';
-}
-
 /* Whether the record is one that this call leads to. */
 static bool leads_to(const struct call *call, const char *canonical, const char *command)
 {
@@ -164,7 +158,8 @@ static bool leads_to(const struct call *call, const char *canonical, const char 
                strcmp(command + strlen(RUN_FOR), call->command->name) == 0;
     if (strncmp(command, canonical, length) == 0 && are_added(call, command + length))
         return command[length] == '\0' || command[length] == ' ';
-    return comes_to && begins_with_name(command, comes_to) &&
+    return comes_to && strncmp(command, comes_to, strlen(comes_to)) == 0 &&
+           command[strlen(comes_to)] == ' ' &&
            (strcmp(comes_to, call->command->name) != 0 || call->value->text);
 }
 
@@ -407,17 +402,6 @@ static enum err run_line(struct run *run, const char *line, size_t number, bool 
     return err;
 }
 
-static enum err end_run(const struct run *run, size_t number, struct fault *fault)
-{
-    const enum err err =
-        run->recorded.mode == RECORDED_FOLLOWS ? differs(&run->recorded, NULL, fault) : OK;
-    if (err)
-        warn(run->printer, run->name, number, fault);
-    else if (run->recorded.mode == RECORDED_ENDS && !run->goes_on)
-        say_what_is_left(run, 0);
-    return err;
-}
-
 /* The next line; false at the end, or where the watch stops. */
 static bool next_line(const struct interpreter *interp, FILE *input, struct buf *line,
                       const struct printer *printer)
@@ -465,9 +449,12 @@ enum err script_run(struct interpreter *interp, FILE *input, const char *name, b
         *stopped = number;
         first = fault_set(fault, ERR_CANCELLED, "cancelled before this line");
         warn(printer, name, number, fault);
-    } else if (!ends) {
-        const enum err left = end_run(&run, number, fault);
+    } else if (!ends && run.recorded.mode == RECORDED_FOLLOWS) {
+        const enum err left = differs(&run.recorded, NULL, fault);
+        warn(printer, name, number, fault);
         first = first ? first : left;
+    } else if (!ends && run.recorded.mode == RECORDED_ENDS && !run.goes_on) {
+        say_what_is_left(&run, 0);
     }
     recorded_release(&run.recorded);
     if (!first && ferror(input))

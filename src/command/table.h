@@ -13,33 +13,26 @@ struct act;
 enum err act_open(const struct act *act);
 enum err act_interpolate(const struct act *act);
 enum err act_orient(const struct act *act);
-
 /* act_weight.c */
 enum err act_weight(const struct act *act);
 enum err act_polarity(const struct act *act);
 enum err act_mask(const struct act *act);
 enum err act_range(const struct act *act);
-
-/* act_label.c */
+/* act_names.c */
 enum err act_label(const struct act *act);
 enum err act_label_file(const struct act *act);
-
-/* act_seed.c */
+/* planting.c */
 enum err act_seed(const struct act *act);
 enum err act_box(const struct act *act);
 enum err act_fill(const struct act *act);
 enum err act_object(const struct act *act);
-
 /* act_remove.c */
 enum err act_remove(const struct act *act);
 enum err act_run(const struct act *act);
-
 /* act_seed_file.c */
 enum err act_seed_file(const struct act *act);
-
 /* act_labels.c */
 enum err act_labels(const struct act *act);
-
 /* act_history.c */
 enum err act_undo(const struct act *act);
 enum err act_redo(const struct act *act);
@@ -48,7 +41,6 @@ enum err act_branch(const struct act *act);
 enum err act_history(const struct act *act);
 enum err act_journal(const struct act *act);
 enum err act_sync(const struct act *act);
-
 /* act_view.c */
 enum err act_view(const struct act *act);
 enum err act_turn(const struct act *act);
@@ -70,17 +62,13 @@ enum err act_window(const struct act *act);
 enum err act_magnify(const struct act *act);
 enum err act_slice(const struct act *act);
 enum err act_mosaic(const struct act *act);
-
 /* act_spin.c */
 enum err act_spin(const struct act *act);
-
 /* act_golden.c */
 enum err act_golden(const struct act *act);
-
 /* act_save.c */
 enum err act_finish(const struct act *act);
 enum err act_save(const struct act *act);
-
 /* act_ask.c */
 enum err act_pick(const struct act *act);
 enum err act_measure(const struct act *act);
@@ -88,12 +76,10 @@ enum err act_profile(const struct act *act);
 enum err act_why(const struct act *act);
 enum err act_hints(const struct act *act);
 enum err act_hint(const struct act *act);
-
-/* act_stats.c */
+/* act_figures.c */
 enum err act_stats(const struct act *act);
 enum err act_compare(const struct act *act);
-
-/* act_info.c */
+/* answers.c */
 enum err act_info(const struct act *act);
 enum err act_help(const struct act *act);
 enum err act_pilot(const struct act *act);

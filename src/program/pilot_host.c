@@ -2,21 +2,11 @@
 
 #include <string.h>
 
-#include "base/mem.h"
-#include "command/act.h"
-#include "command/act_info.h"
-#include "engine/hints.h"
-#include "engine/margin.h"
-#include "engine/measure.h"
 #include "program/shown.h"
 #include "report/label_report.h"
-#include "session/markers.h"
 #include "session/session.h"
-#include "session/session_inside.h"
 #include "session/state.h"
-#include "session/tally.h"
 #include "show/draw.h"
-#include "show/slicing.h"
 #include "show/window.h"
 #include "tui/pilot/pilot_keys.h"
 

@@ -7,12 +7,9 @@
 
 #include "command/interpreter.h"
 #include "program/console.h"
-#include "engine/way.h"
 #include "report/voxel_facts.h"
-#include "session/session.h"
 #include "show/panes.h"
 #include "tui/pilot/host.h"
-#include "tui/pilot/pilot.h"
 
 struct pilot_interpreter {
     struct interpreter *interp;

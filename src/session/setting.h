@@ -2,7 +2,7 @@
  * Settings: commands that do no more than set members of the state, one row each.
  *
  * From the table come the commands themselves, with their parameters and help (command/command.h),
- * what sets them (command/act_view.c), what a session begins with, whether two states are equal and
+ * what sets them (act_set), what a session begins with, whether two states are equal and
  * what follows where they are not, and the words of `info` and of notes on pictures. So one setting
  * more is a member, its row, and the code that heeds it; one of the look is `is_late`, since golden
  * images that are there already say nothing of it.

@@ -1,13 +1,13 @@
-/* Commands that plant seeds by hand: balls and strokes, shells, boxes, polygons, and objects by their
- * intensities. */
-#include "command/act_seed.h"
+/* Commands that plant seeds by hand: balls and strokes, shells, boxes, polygons, and objects by
+ * their intensities. */
+#include "command/planting.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/mem.h"
-#include "command/act_info.h"
+#include "command/answers.h"
 #include "engine/components.h"
 #include "engine/gradient.h"
 #include "engine/roi.h"
@@ -418,7 +418,7 @@ static enum err plant_hollow_box(const struct act *act)
     return err ? err : plant_shell(act, &voxels, middle);
 }
 
-/* ---- balls, strokes, and shells of balls ---- */
+/* ---- `seed` ---- */
 
 /* The number of the reach of a ball's seeds; no seed of it lies beyond. */
 static enum err find_reach(uint16_t *number, const struct act *act, const struct voxels *voxels)
@@ -481,7 +481,7 @@ enum err act_seed(const struct act *act)
     return err ? err : free_around_way(act);
 }
 
-/* ---- boxes and polygons ---- */
+/* ---- `box`, `fill` ---- */
 
 enum err act_box(const struct act *act)
 {
@@ -511,7 +511,7 @@ enum err act_fill(const struct act *act)
     return err ? err : free_around_polygon(act, line);
 }
 
-/* ---- objects: what is connected to a seed within a range ---- */
+/* ---- `object`: what is connected to a seed within a range ---- */
 
 /* What is looked through: which voxels may belong to the object, and their pieces. */
 struct search {
@@ -524,16 +524,6 @@ struct search {
     bool *is_taken; /* by component */
     struct voxels voxels;
 };
-
-static void search_release(struct search *s)
-{
-    free(s->may);
-    free(s->is_taken);
-    components_release(&s->found);
-    voxels_release(&s->voxels);
-}
-
-/* ---- which voxels may ---- */
 
 /* In the range, in the region of interest, and without a seed of another label. */
 static bool may_belong(const struct search *s, uint32_t cell)
@@ -564,8 +554,6 @@ static enum err find_pieces(struct search *s)
     return err ? err
                : components_find(&s->found, grid, s->may, session_watch(session), s->act->fault);
 }
-
-/* ---- which pieces are taken ---- */
 
 static bool begins_in(const struct search *s, const struct component_run *run)
 {
@@ -603,8 +591,6 @@ static enum err take_pieces(struct search *s)
     return OK;
 }
 
-/* ---- the command ---- */
-
 /* The voxel that was named does not belong to it. */
 static enum err refuse_place(const struct search *s)
 {
@@ -628,17 +614,6 @@ static enum err refuse_place(const struct search *s)
     return ERR_INPUT;
 }
 
-static enum err refuse_nothing(const struct search *s)
-{
-    if (act_has(s->act, "from"))
-        return refuse_place(s);
-    return fault_set(
-        s->act->fault, ERR_INPUT,
-        "no seed of label %d lies in a voxel of this range; plant one there, or name a "
-        "voxel by from=X,Y,Z (`why X,Y,Z` prints its intensity); nothing was planted",
-        s->label);
-}
-
 /* An object ends where trees of another label begin, and nowhere else. */
 static void warn_of_no_other(const struct search *s)
 {
@@ -660,9 +635,15 @@ static void warn_of_no_other(const struct search *s)
 static enum err plant_object(struct search *s)
 {
     const struct act *act = s->act;
-    enum err err = s->voxels.count
-                       ? act_plant(act, &s->planting, s->voxels.cell, s->voxels.count, s->label)
-                       : refuse_nothing(s);
+    if (!s->voxels.count && act_has(act, "from"))
+        return refuse_place(s);
+    if (!s->voxels.count)
+        return fault_set(
+            act->fault, ERR_INPUT,
+            "no seed of label %d lies in a voxel of this range; plant one there, or name a "
+            "voxel by from=X,Y,Z (`why X,Y,Z` prints its intensity); nothing was planted",
+            s->label);
+    const enum err err = act_plant(act, &s->planting, s->voxels.cell, s->voxels.count, s->label);
     if (err)
         return err;
     buf_printf(&act->reply->text, "%zu voxel%s of label ", s->planting.planted,
@@ -690,6 +671,9 @@ enum err act_object(const struct act *act)
     }
     if (!err)
         err = plant_object(&search);
-    search_release(&search);
+    free(search.may);
+    free(search.is_taken);
+    components_release(&search.found);
+    voxels_release(&search.voxels);
     return err;
 }

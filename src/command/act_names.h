@@ -1,6 +1,6 @@
-/* What regions of an atlas become, and what they are called (act_label.c). */
-#ifndef COMMAND_ACT_LABEL_H
-#define COMMAND_ACT_LABEL_H
+/* What regions of an atlas become, and what they are called (act_names.c). */
+#ifndef COMMAND_ACT_NAMES_H
+#define COMMAND_ACT_NAMES_H
 
 #include "command/act.h"
 #include "report/label_table.h"

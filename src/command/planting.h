@@ -1,6 +1,6 @@
-/* Planting, as all commands that plant do it (act_seed.c). */
-#ifndef COMMAND_ACT_SEED_H
-#define COMMAND_ACT_SEED_H
+/* Planting, as all commands that plant do it (planting.c). */
+#ifndef COMMAND_PLANTING_H
+#define COMMAND_PLANTING_H
 
 #include "command/act.h"
 #include "image/levels.h"

@@ -1,13 +1,13 @@
 /* What is known of each label, and how far labels agree with those of a file. */
-#include "command/act_stats.h"
+#include "command/act_figures.h"
 
 #include <stdlib.h>
 
 #include "base/file.h"
 #include "base/mem.h"
-#include "command/act_info.h"
-#include "command/act_label.h"
+#include "command/act_names.h"
 #include "command/act_picture.h"
+#include "command/answers.h"
 #include "command/files.h"
 #include "engine/forest.h"
 #include "report/comparison_picture.h"
@@ -161,19 +161,6 @@ enum err act_stats(const struct act *act)
 
 /* ---- `compare`: the labels beside those of a file ---- */
 
-static enum err check_names(const struct act *act)
-{
-    const enum err err = act_check_report(act);
-    if (err)
-        return err;
-    if (act_has(act, "at") && !act_has(act, "picture"))
-        return fault_set(act->fault, ERR_USAGE,
-                         "at: it says where slices of the picture lie; expected picture=FILE too");
-    return OK;
-}
-
-/* ---- labels ---- */
-
 /* The session's; where one is chosen, that one alone. */
 static enum err take_own(struct compared *compared, const struct act *act)
 {
@@ -194,42 +181,26 @@ static enum err take_own(struct compared *compared, const struct act *act)
     return watch_fault(session_watch(act->session), act->fault);
 }
 
-static enum err read_map(struct compared *compared, const struct act *act,
-                         const struct map_labels *choice)
-{
-    const struct session *session = act->session;
-    const char *name = act_text(act, "FILE");
-    const struct map_place place = session_map_place(session, act_is_yes(act, "resample"));
-    struct volume map = {0};
-    struct buf path = {0};
-    enum err err = interpreter_find_file(act->interp, name, &path, act->fault);
-    if (!err)
-        err = map_read(&map, buf_text(&path), &place, session_watch(session), act->fault);
-    if (!err)
-        buf_add_text(&act->reply->text, map.notes);
-    if (!err)
-        err = act_naming(
-            name,
-            map_to_labels(&compared->label[1], &map, choice, session_watch(session), act->fault),
-            act->fault);
-    volume_release(&map);
-    buf_release(&path);
-    return err;
-}
-
+/* The map's. */
 static enum err take_map(struct compared *compared, const struct act *act)
 {
+    struct watch *watch = session_watch(act->session);
+    struct volume map = {0};
     uint16_t *as = NULL;
     enum err err = act_choose_regions(&as, act, act_value(act, "label"));
+    if (!err)
+        err = act_read_map(act, &map);
     if (!err) {
         const struct map_labels choice = {as, (int)act_number_or(act, "label", LABEL_OWN)};
-        err = read_map(compared, act, &choice);
+        buf_add_text(&act->reply->text, map.notes);
+        err = act_naming(act_text(act, "FILE"),
+                         map_to_labels(&compared->label[1], &map, &choice, watch, act->fault),
+                         act->fault);
     }
+    volume_release(&map);
     free(as);
     return err;
 }
-
-/* ---- answers ---- */
 
 static enum err write_comparison(const struct act *act, const struct comparison_report *report)
 {
@@ -292,14 +263,15 @@ static enum err answer_comparison(const struct act *act, const struct compared *
     return err;
 }
 
-/* ---- the command ---- */
-
 enum err act_compare(const struct act *act)
 {
     struct session *session = act->session;
     struct compared compared = {0};
     struct comparison *comparison = mem_new(sizeof *comparison);
-    enum err err = comparison ? check_names(act) : fault_memory(act->fault, "a comparison");
+    enum err err = comparison ? act_check_report(act) : fault_memory(act->fault, "a comparison");
+    if (!err && act_has(act, "at") && !act_has(act, "picture"))
+        err = fault_set(act->fault, ERR_USAGE,
+                        "at: it says where slices of the picture lie; expected picture=FILE too");
     for (int a = 0; a < 3; a++) {
         compared.size[a] = session_scene(session)->grid.size[a];
         compared.spacing_nm[a] = session_scene(session)->spacing_nm[a];

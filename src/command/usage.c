@@ -111,18 +111,6 @@ static void add_usage(struct buf *out, const struct command *command)
     buf_release(&usage);
 }
 
-static void help_with_one(struct buf *out, const struct command *command)
-{
-    add_usage(out, command);
-    buf_printf(out, "%*s%s\n", INDENT, "", command->summary);
-    for (const char *at = command->detail; at && *at; at += *at == '\n') {
-        const size_t length = strcspn(at, "\n");
-        add_lines(out, at, length, " ", INDENT, LINE_MOST);
-        at += length;
-    }
-    buf_printf(out, "%*sExample: %s\n", INDENT, "", command->example);
-}
-
 const char *command_note(const struct command *command, const char *word, size_t word_length,
                          size_t *length)
 {
@@ -157,7 +145,14 @@ static void list_command(struct buf *out, const struct command *command)
 void command_help(struct buf *out, const struct command *command)
 {
     if (command) {
-        help_with_one(out, command);
+        add_usage(out, command);
+        buf_printf(out, "%*s%s\n", INDENT, "", command->summary);
+        for (const char *at = command->detail; at && *at; at += *at == '\n') {
+            const size_t length = strcspn(at, "\n");
+            add_lines(out, at, length, " ", INDENT, LINE_MOST);
+            at += length;
+        }
+        buf_printf(out, "%*sExample: %s\n", INDENT, "", command->example);
         return;
     }
     for (enum command_group group = 0; group < GROUPS; group++) {

@@ -1,7 +1,6 @@
-#include "command/act_info.h"
+#include "command/answers.h"
 
 #include <stdio.h>
-#include <string.h>
 
 #include "base/choice.h"
 #include "engine/roi.h"
@@ -17,7 +16,7 @@
 #include "show/slicing.h"
 #include "show/window.h"
 
-/* ---- labels and voxels ---- */
+/* ---- labels ---- */
 
 void act_write_waiting(const struct act *act)
 {
@@ -33,6 +32,57 @@ void act_write_no_seeds(const struct act *act)
     if (!forest_seeds(session_forest(act->session)))
         buf_add_text(&act->reply->text, "no seed is planted: no voxel has a label\n");
 }
+
+/* ---- seeds that end within a distance (`seed within=`) ---- */
+
+/* ", within 12 voxels of 10,14,9" for a seed that has a reach. */
+static void write_reach(struct buf *out, const struct session *session, uint32_t seed)
+{
+    const struct reach *reach = forest_reach(session_forest(session), seed);
+    if (!reach)
+        return;
+    if (reach->unit[0] == 1)
+        buf_printf(out, ", within %lld voxel%s of ", (long long)reach->radius,
+                   plural((uint64_t)reach->radius));
+    else
+        buf_printf(out, ", within %g mm of ", (double)reach->radius / 1e6);
+    buf_printf(out, "%u,%u,%u", reach->centre[0], reach->centre[1], reach->centre[2]);
+}
+
+void act_write_refusal(struct buf *out, const struct session *session, uint32_t cell)
+{
+    const struct scene *scene = session_scene(session);
+    const uint64_t refused = forest_refused_offer(session_forest(session), cell);
+    if (refused >= scene->cell[cell].key)
+        return;
+    const uint32_t root = key_root(refused);
+    const struct place p = grid_place(&scene->grid, root);
+    buf_printf(out, "it lies beyond the seed at %u,%u,%u", p.x, p.y, p.z);
+    write_reach(out, session, root);
+    buf_add_text(out, ", of label ");
+    label_report_write_name(out, session, scene->cell[root].label);
+    buf_printf(out, ", which would take it at a cost of %u\n", key_cost(refused));
+}
+
+static enum err write_reaches(const struct act *act)
+{
+    const struct forest *forest = session_forest(act->session);
+    const size_t seeds = forest_limited_seeds(forest);
+    struct buf *out = &act->reply->text;
+    size_t voxels;
+    if (seeds == 0)
+        return OK;
+    const enum err err = forest_count_refused(forest, &voxels, act->fault);
+    buf_printf(out, "reach     %zu seed%s with `within`; ", seeds, plural(seeds));
+    if (voxels)
+        buf_printf(out, "%zu voxel%s without a tree, since all around end before\n", voxels,
+                   plural(voxels));
+    else
+        buf_add_text(out, "no voxel is left without a tree by it\n");
+    return err;
+}
+
+/* ---- voxels ---- */
 
 /* The weight of the voxel; where weights are those of steps, of the step from its predecessor. */
 static void write_voxel_weight(struct buf *out, const struct session *session,
@@ -74,56 +124,8 @@ void act_write_voxel(struct buf *out, const struct session *session, uint32_t at
     buf_add_text(out, "label ");
     label_report_write_name(out, session, cell->label);
     buf_printf(out, ", of the seed at %u,%u,%u", root.x, root.y, root.z);
-    act_write_reach(out, session, key_root(cell->key));
+    write_reach(out, session, key_root(cell->key));
     buf_add_char(out, '\n');
-}
-
-/* ---- seeds that end within a distance (`seed within=`) ---- */
-
-void act_write_reach(struct buf *out, const struct session *session, uint32_t seed)
-{
-    const struct reach *reach = forest_reach(session_forest(session), seed);
-    if (!reach)
-        return;
-    if (reach->unit[0] == 1)
-        buf_printf(out, ", within %lld voxel%s of ", (long long)reach->radius,
-                   plural((uint64_t)reach->radius));
-    else
-        buf_printf(out, ", within %g mm of ", (double)reach->radius / 1e6);
-    buf_printf(out, "%u,%u,%u", reach->centre[0], reach->centre[1], reach->centre[2]);
-}
-
-void act_write_refusal(struct buf *out, const struct session *session, uint32_t cell)
-{
-    const struct scene *scene = session_scene(session);
-    const uint64_t refused = forest_refused_offer(session_forest(session), cell);
-    if (refused >= scene->cell[cell].key)
-        return;
-    const uint32_t root = key_root(refused);
-    const struct place p = grid_place(&scene->grid, root);
-    buf_printf(out, "it lies beyond the seed at %u,%u,%u", p.x, p.y, p.z);
-    act_write_reach(out, session, root);
-    buf_add_text(out, ", of label ");
-    label_report_write_name(out, session, scene->cell[root].label);
-    buf_printf(out, ", which would take it at a cost of %u\n", key_cost(refused));
-}
-
-enum err act_write_reaches(const struct act *act)
-{
-    const struct forest *forest = session_forest(act->session);
-    const size_t seeds = forest_limited_seeds(forest);
-    struct buf *out = &act->reply->text;
-    size_t voxels;
-    if (seeds == 0)
-        return OK;
-    const enum err err = forest_count_refused(forest, &voxels, act->fault);
-    buf_printf(out, "reach     %zu seed%s with `within`; ", seeds, plural(seeds));
-    if (voxels)
-        buf_printf(out, "%zu voxel%s without a tree, since all around end before\n", voxels,
-                   plural(voxels));
-    else
-        buf_add_text(out, "no voxel is left without a tree by it\n");
-    return err;
 }
 
 /* ---- what an edit has done to the labels ---- */
@@ -263,15 +265,8 @@ void act_write_weight(struct buf *out, const struct kept *kept)
             buf_printf(out, " %u:%d", label, kept->polarity[label]);
 }
 
-static void write_interval(struct buf *out, const char *before, const struct decimal range[2])
-{
-    buf_add_text(out, before);
-    decimal_write(out, &range[0]);
-    buf_add_text(out, "..");
-    decimal_write(out, &range[1]);
-}
-
-bool act_write_roi(struct buf *out, const struct session *session)
+/* "mask brain.nii regions 1-90, range 40..1200"; false where there is none. */
+static bool write_roi(struct buf *out, const struct session *session)
 {
     const struct kept *kept = session_kept(session);
     if (kept->mask) {
@@ -279,15 +274,19 @@ bool act_write_roi(struct buf *out, const struct session *session)
         buf_add_safe_text(out, kept->mask_file);
         buf_printf(out, " regions %u-%u", kept->mask_regions[0], kept->mask_regions[1]);
     }
-    if (kept->has_range)
-        write_interval(out, kept->mask ? ", range " : "range ", kept->range);
+    if (kept->has_range) {
+        buf_add_text(out, kept->mask ? ", range " : "range ");
+        decimal_write(out, &kept->range[0]);
+        buf_add_text(out, "..");
+        decimal_write(out, &kept->range[1]);
+    }
     return kept->mask || kept->has_range;
 }
 
 void act_write_region(struct buf *out, const struct session *session)
 {
     struct buf roi = {0};
-    if (act_write_roi(&roi, session))
+    if (write_roi(&roi, session))
         buf_printf(out, "region    %s: %zu of %zu voxels inside\n", buf_text(&roi),
                    session_roi_tally(session)->inside, session_scene(session)->grid.voxels);
     buf_release(&roi);
@@ -324,7 +323,8 @@ static void write_sides(struct buf *out, const int32_t direction[3], bool sides_
     }
 }
 
-void act_write_view(struct buf *out, const struct session *session)
+/* Lines: the view, and how the patient lies in the picture. */
+static void write_view(struct buf *out, const struct session *session)
 {
     const struct view *view = &session_outlook(session)->view;
     const bool unknown = session_scene(session)->sides_unknown;
@@ -353,7 +353,8 @@ void act_write_view(struct buf *out, const struct session *session)
     buf_add_text(out, unknown ? " up; orientation unknown\n" : " up\n");
 }
 
-bool act_write_cut(struct buf *out, const struct session *session)
+/* "all but axial slices 10-60, 1 plane, 2 boxes"; false where nothing is cut away. */
+static bool write_cut(struct buf *out, const struct session *session)
 {
     const struct cut *cut = &session_kept(session)->cut;
     const struct scene *scene = session_scene(session);
@@ -432,74 +433,92 @@ static void write_memory(struct buf *out, const struct act *act)
                (double)history_memory(&act->interp->history) / 1e6);
 }
 
+static void write_journal(struct buf *out, const struct act *act)
+{
+    const struct journal *journal = act->interp->journal;
+    const unsigned semantics = session_semantics(act->session);
+    buf_add_text(out, "journal   ");
+    buf_add_safe_text(out, journal_path(journal));
+    buf_printf(out, ", %zu record%s", journal_count(journal), plural(journal_count(journal)));
+    if (semantics != SEMANTICS)
+        buf_printf(out, ", semantics %u", semantics);
+    buf_add_char(out, '\n');
+}
+
+/* The scene, its part of the file, and what its values are in the file. */
+static void write_scene(struct buf *out, const struct session *session)
+{
+    const struct geometry *geometry = session_geometry(session);
+    const uint32_t *size = session_scene(session)->grid.size;
+    buf_printf(out, "scene     %ux%ux%u voxels", size[0], size[1], size[2]);
+    act_write_spacing(out, session);
+    buf_add_text(out, ", ");
+    act_write_axes(out, geometry);
+    buf_printf(out, ", digest %016llx\n", (unsigned long long)session_scene_digest(session));
+    write_part(out, session_part(session));
+    buf_printf(out, "values    %g * intensity %+.*g\n", geometry->slope, geometry_digits(geometry),
+               geometry->intercept);
+    levels_write_scale(out, session_levels(session), "          ");
+}
+
+static void write_forest(struct buf *out, const struct session *session)
+{
+    const size_t seeds = forest_seeds(session_forest(session)), waits = session_pendings(session);
+    buf_printf(out, "forest    %zu seed%s, %zu edit%s waiting, adjacency %u, weight ", seeds,
+               plural(seeds), waits, plural(waits), session_kept(session)->adjacency);
+    act_write_weight(out, session_kept(session));
+    buf_add_char(out, '\n');
+}
+
+/* The rendition, and slices. */
+static void write_look(struct buf *out, struct session *session)
+{
+    struct buf cut = {0}, opacity = {0};
+    write_view(out, session);
+    buf_add_text(out, "look      ");
+    settings_write(out, GROUP_LOOK, session_state(session));
+    buf_add_char(out, '\n');
+    export_opacity(&opacity, session_kept(session));
+    if (opacity.length)
+        buf_printf(out, "opacity   %s\n", buf_text(&opacity));
+    if (write_cut(&cut, session))
+        buf_printf(out, "cut away  %s\n", buf_text(&cut));
+    buf_add_text(out, "slices    ");
+    act_write_slices(out, session);
+    buf_release(&opacity);
+    buf_release(&cut);
+}
+
 enum err act_info(const struct act *act)
 {
     struct session *session = act->session;
     struct buf *out = &act->reply->text;
-    if (act->interp->journal) {
-        buf_add_text(out, "journal   ");
-        buf_add_safe(out, journal_path(act->interp->journal),
-                     strlen(journal_path(act->interp->journal)));
-        buf_printf(out, ", %zu record%s", journal_count(act->interp->journal),
-                   plural(journal_count(act->interp->journal)));
-        if (session_semantics(session) != SEMANTICS)
-            buf_printf(out, ", semantics %u", session_semantics(session));
-        buf_add_char(out, '\n');
-    }
+    struct histogram histogram;
+    if (act->interp->journal)
+        write_journal(out, act);
     if (!session_has_scene(session)) {
         buf_add_text(out, "no scene is open\n");
         return OK;
     }
-    const enum err err = session_complete(session, act->fault);
+    enum err err = session_complete(session, act->fault);
     if (err)
         return err;
-    const struct scene *scene = session_scene(session);
-    buf_printf(out, "scene     %ux%ux%u voxels", scene->grid.size[0], scene->grid.size[1],
-               scene->grid.size[2]);
-    act_write_spacing(out, session);
-    buf_add_text(out, ", ");
-    act_write_axes(out, session_geometry(session));
-    buf_printf(out, ", digest %016llx\n", (unsigned long long)session_scene_digest(session));
-    write_part(out, session_part(session));
-    buf_printf(out, "values    %g * intensity %+.*g\n", session_geometry(session)->slope,
-               geometry_digits(session_geometry(session)), session_geometry(session)->intercept);
-    levels_write_scale(out, session_levels(session), "          ");
-    buf_printf(out, "forest    %zu seed%s, %zu edit%s waiting, adjacency %u, weight ",
-               forest_seeds(session_forest(session)), plural(forest_seeds(session_forest(session))),
-               session_pendings(session), plural(session_pendings(session)),
-               session_kept(session)->adjacency);
-    act_write_weight(out, session_kept(session));
-    buf_add_char(out, '\n');
-    struct histogram histogram;
+    write_scene(out, session);
+    write_forest(out, session);
     histogram_of_session(&histogram, session);
     histogram_write(out, &histogram, act->interp->has_blocks);
     act_write_region(out, session);
-    const enum err counted = act_write_reaches(act);
-    if (counted)
-        return counted;
+    err = write_reaches(act);
     act_write_finish(out, session);
     write_numbers(out, session_kept(session));
-    act_write_view(out, session);
-    buf_add_text(out, "look      ");
-    settings_write(out, GROUP_LOOK, session_state(session));
-    buf_add_char(out, '\n');
-    struct buf cut = {0}, opacity = {0};
-    export_opacity(&opacity, session_kept(session));
-    if (opacity.length)
-        buf_printf(out, "opacity   %s\n", buf_text(&opacity));
-    buf_release(&opacity);
-    if (act_write_cut(&cut, session))
-        buf_printf(out, "cut away  %s\n", buf_text(&cut));
-    buf_release(&cut);
-    buf_add_text(out, "slices    ");
-    act_write_slices(out, session);
+    write_look(out, session);
     write_memory(out, act);
-    return OK;
+    return err;
 }
 
 enum err act_help(const struct act *act)
 {
-    const char *about = act_has(act, "COMMAND") ? act_text(act, "COMMAND") : NULL;
+    const char *about = act_text(act, "COMMAND");
     const struct command *command = about ? command_find(about) : NULL;
     if (!about || command)
         command_help(&act->reply->text, command);

@@ -1,7 +1,7 @@
 /* What is said of a session: the lines of `info`, and the words of them that other answers have
- * (act_info.c). */
-#ifndef COMMAND_ACT_INFO_H
-#define COMMAND_ACT_INFO_H
+ * (answers.c). */
+#ifndef COMMAND_ANSWERS_H
+#define COMMAND_ANSWERS_H
 
 #include "command/act.h"
 #include "image/geometry.h"
@@ -25,11 +25,8 @@ void volumes_write(struct buf *out, const struct session *session, uint64_t took
  * 93,40,61; undo takes it back". NULL: what waited has. */
 void surprise_write(struct buf *out, const struct session *session, const char *command);
 
-/* ", within 12 voxels of 10,14,9" for a seed that has a reach; a line about the seed that would
- * take a voxel, but ends before it; and one about all of the session, for `info`. */
-void act_write_reach(struct buf *out, const struct session *session, uint32_t seed);
+/* A line about the seed that would take a voxel, but ends before it (`seed within=`). */
 void act_write_refusal(struct buf *out, const struct session *session, uint32_t cell);
-enum err act_write_reaches(const struct act *act);
 
 /* " of 1x1x1.5 mm" or " of unknown size"; "axes towards RAS". */
 void act_write_spacing(struct buf *out, const struct session *session);
@@ -38,22 +35,12 @@ void act_write_axes(struct buf *out, const struct geometry *geometry);
 /* "gauss 1.5", "polarity 1:50 2:-20", "of edges.nii" */
 void act_write_weight(struct buf *out, const struct kept *kept);
 
-/* The region of interest: "mask brain.nii regions 1-90, range 40..1200"; false where there is none.
- */
-bool act_write_roi(struct buf *out, const struct session *session);
-
-/* The same as a line of `info` and `stats`, with how many voxels are inside. */
+/* A line: the region of interest, and how many voxels are inside; nothing where there is none. */
 void act_write_region(struct buf *out, const struct session *session);
 
 /* "finish    majority radius=1, largest" as a line, and whether pictures show it; nothing where
  * there are no steps. */
 void act_write_finish(struct buf *out, const struct session *session);
-
-/* What is cut away: "all but axial slices 10-60, 1 plane, 2 boxes"; false where nothing is. */
-bool act_write_cut(struct buf *out, const struct session *session);
-
-/* Lines: the view, and how the patient lies in the picture. */
-void act_write_view(struct buf *out, const struct session *session);
 
 /* What slices show: "through 90,108,90: axial 90, ...; window 0 142, overlay contour". */
 void act_write_slices(struct buf *out, struct session *session);

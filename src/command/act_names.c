@@ -1,6 +1,6 @@
 /* Names, colours and own numbers of labels, by hand and out of tables; and what regions of atlases
  * become. */
-#include "command/act_label.h"
+#include "command/act_names.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -85,38 +85,27 @@ struct label_table atlas_table(const struct act *act, const char *path)
     return table;
 }
 
-static bool is_nameless(const struct act *act, const bool has[256])
-{
-    for (unsigned label = 1; label < 256; label++)
-        if (has[label] && !*session_kept(act->session)->label_name[label])
-            return true;
-    return false;
-}
-
-static void write_advice(const struct act *act)
-{
-    struct buf *out = &act->reply->text, name = {0};
-    name_table(&name, act_text(act, "FILE"));
-    buf_add_text(out, "their names: `label-file ");
-    buf_add_safe_text(out, buf_text(&name));
-    if (act_has(act, "regions"))
-        buf_printf(out, " regions=%s", act_text(act, "regions"));
-    if (act_has(act, "as"))
-        buf_printf(out, " as=%s", act_text(act, "as"));
-    buf_add_text(out, "`\n");
-    buf_release(&name);
-}
-
 void atlas_advise_names(const struct act *act, const bool has[256])
 {
-    struct buf path = {0};
-    if (is_nameless(act, has) &&
-        interpreter_find_file(act->interp, act_text(act, "FILE"), &path, NULL) == OK) {
-        struct label_table table = atlas_table(act, buf_text(&path));
-        if (table.count)
-            write_advice(act);
-        label_table_release(&table);
+    struct buf *out = &act->reply->text, path = {0}, name = {0};
+    struct label_table table = {0};
+    bool is_nameless = false;
+    for (unsigned label = 1; label < 256; label++)
+        is_nameless |= has[label] && !*session_kept(act->session)->label_name[label];
+    if (is_nameless && interpreter_find_file(act->interp, act_text(act, "FILE"), &path, NULL) == OK)
+        table = atlas_table(act, buf_text(&path));
+    if (table.count) {
+        name_table(&name, act_text(act, "FILE"));
+        buf_add_text(out, "their names: `label-file ");
+        buf_add_safe_text(out, buf_text(&name));
+        if (act_has(act, "regions"))
+            buf_printf(out, " regions=%s", act_text(act, "regions"));
+        if (act_has(act, "as"))
+            buf_printf(out, " as=%s", act_text(act, "as"));
+        buf_add_text(out, "`\n");
     }
+    label_table_release(&table);
+    buf_release(&name);
     buf_release(&path);
 }
 
@@ -174,7 +163,6 @@ enum err act_label_file(const struct act *act)
     if (err)
         return err;
     write_tally(act, &tally);
-    buf_printf(&act->reply->words, "names=%016llx",
-               (unsigned long long)label_table_digest(&act->next->kept));
+    act_add_digest(act, "names", label_table_digest(&act->next->kept));
     return act_go(act);
 }

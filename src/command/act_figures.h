@@ -1,6 +1,6 @@
-/* Counts of labels (act_stats.c). */
-#ifndef COMMAND_ACT_STATS_H
-#define COMMAND_ACT_STATS_H
+/* Counts of labels (act_figures.c). */
+#ifndef COMMAND_ACT_FIGURES_H
+#define COMMAND_ACT_FIGURES_H
 
 #include "command/act.h"
 
