@@ -5,7 +5,6 @@
 
 #include "base/safe.h"
 #include "command/files.h"
-#include "session/finished.h"
 #include "session/map.h"
 #include "show/draw.h"
 

@@ -16,8 +16,6 @@
 #include "engine/way.h"
 #include "image/geometry.h"
 #include "image/levels.h"
-#include "session/finished.h"
-#include "session/hinting.h"
 #include "session/paint.h"
 #include "session/session.h"
 #include "session/tally.h"

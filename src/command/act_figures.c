@@ -12,7 +12,6 @@
 #include "engine/forest.h"
 #include "report/comparison_picture.h"
 #include "report/label_report.h"
-#include "session/finished.h"
 #include "session/map.h"
 #include "session/numbering.h"
 #include "session/semantics.h"

@@ -9,7 +9,6 @@
 #include "command/files.h"
 #include "report/label_table.h"
 #include "session/numbering.h"
-#include "session/regions.h"
 
 /* ---- by hand ---- */
 

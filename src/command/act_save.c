@@ -8,7 +8,6 @@
 #include "report/export_map.h"
 #include "report/label_report.h"
 #include "report/label_table.h"
-#include "session/finished.h"
 #include "session/numbering.h"
 #include "session/semantics.h"
 #include "session/session.h"

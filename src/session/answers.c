@@ -10,7 +10,6 @@
 
 #include "base/hash.h"
 #include "base/mem.h"
-#include "engine/intensities.h"
 #include "engine/margin.h"
 
 /* ---- voxels ---- */

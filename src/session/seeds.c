@@ -6,7 +6,6 @@
 
 #include "base/mem.h"
 #include "base/sort.h"
-#include "engine/tree.h"
 
 /* ---- markers ---- */
 

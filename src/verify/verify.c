@@ -6,7 +6,6 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "command/act.h"
-#include "command/act_stats.h"
 #include "journal/journal.h"
 #include "session/semantics.h"
 #include "show/draw.h"
