@@ -13,6 +13,7 @@
 #include "command/execute.h"
 #include "image/image_helper.h"
 #include "session/session_inside.h"
+#include "session/setting.h"
 #include "show/draw.h"
 #include "verify/replay_file.h"
 #include "tests/check.h"

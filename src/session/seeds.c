@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
+#include "engine/way.h"
 #include "base/sort.h"
 
 /* ---- markers ---- */

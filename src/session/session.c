@@ -447,7 +447,3 @@ void session_show(struct session *session, void (*draw)(void *context), void *co
     session->now.outlook.shows_finished = shows_finished;
 }
 
-void session_show_cross(struct session *session, const uint32_t place[3])
-{
-    memcpy(session->now.outlook.slices.cross, place, sizeof session->now.outlook.slices.cross);
-}

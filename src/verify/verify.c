@@ -6,6 +6,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "command/act.h"
+#include "command/act_figures.h"
 #include "journal/journal.h"
 #include "session/semantics.h"
 #include "show/draw.h"
