@@ -39,6 +39,9 @@ run_one() { # NAME
     timeout --foreground -k 10 "${LIMIT:-1200}" "$command" </dev/null >"$result.out" 2>&1
     status=$?
     seconds=$((($(date +%s%N) - begin) / 100000000))
+    # All that it has had of the processor: the last line of times is "0m1.5s 0m0.2s".
+    times >"$result.times"
+    busy=$(awk 'END { gsub(/[ms]/, " "); print $1 * 60 + $2 + $3 * 60 + $4 }' "$result.times")
     skipped=$(grep -c '^ok .* # SKIP' "$result.out")
     passed=$(($(grep -c '^ok ' "$result.out") - skipped))
     failed=$(grep -c '^not ok ' "$result.out")
@@ -52,8 +55,8 @@ run_one() { # NAME
     fi
     echo "$passed $failed $skipped" >"$result.counts"
     {
-        printf '%-28s %4d passed %4d failed %4d skipped  %4d.%d s\n' "$name" "$passed" "$failed" \
-            "$skipped" $((seconds / 10)) $((seconds % 10))
+        printf '%-28s %4d passed %4d failed %4d skipped  %4d.%d s  %6.1f s busy\n' "$name" \
+            "$passed" "$failed" "$skipped" $((seconds / 10)) $((seconds % 10)) "$busy"
         [ "$failed" = 0 ] || grep -v '^ok ' "$result.out"
         sed -n "s/^ok [0-9]* - \(.*\) # SKIP \(.*\)/skipped: $name: \1: \2/p" "$result.out"
         left=$(ls -A "$TMPDIR")
