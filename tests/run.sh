@@ -1,7 +1,8 @@
 #!/bin/sh
 # Runs test programs and scripts side by side and adds up their TAP: run.sh BUILD [NAME...]
 #
-#     JOBS=N      so many at once; as many as there are cores where it is not set
+#     JOBS=N      so many at once; one more than there are cores where it is not set, since some
+#                 wait for a terminal or a helper
 #     LIMIT=S     a program that takes longer than S seconds has failed; 1200
 #     TMPDIR=...  where all of them work. Where it is not set, they work in memory if there is such
 #                 a place with room enough, and those that test what a disk keeps, in /tmp.
@@ -15,6 +16,8 @@ cd "$(dirname "$0")/.." || exit 1
 longest='test_trust.sh test_forest test_verify.sh test_team_racing test_large.sh test_bench.sh
 test_mutation.sh test_durable.sh test_interpolate test_pictures.sh test_team test_fuzz.sh
 test_tui_repl test_bad_input.sh test_command test_crash.sh test_prompt_pty test_leaving.sh'
+# What threads do together is their subject; others have one, since there are as many programs.
+threaded=' test_command test_examples.sh test_large.sh test_picture_writer test_tally '
 # What is on the disk after a crash is their subject.
 on_disk=' test_kill test_durable test_durable.sh test_crash.sh '
 
@@ -32,6 +35,10 @@ run_one() { # NAME
     case $on_disk in
     *" $name "*) TMPDIR=$disk/$name ;;
     *) TMPDIR=$memory/$name ;;
+    esac
+    case $threaded in
+    *" $name "*) ;;
+    *) export IFTTY_THREADS="${IFTTY_THREADS:-1}" ;;
     esac
     export TMPDIR
     mkdir "$TMPDIR" || exit 1
@@ -114,7 +121,7 @@ export IFTTY_BUILD memory disk results
 trap 'rm -rf "$memory" "$disk"' EXIT
 trap 'kill $! 2>/dev/null; exit 1' HUP INT TERM
 
-ordered "$@" | xargs -n 1 -P "${JOBS:-$(nproc)}" tests/run.sh one &
+ordered "$@" | xargs -n 1 -P "${JOBS:-$(($(nproc) + 1))}" tests/run.sh one &
 wait $!
 cat "$results"/*.counts 2>/dev/null | awk -v programs=$# '
     { passed += $1; failed += $2; skipped += $3 }
