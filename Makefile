@@ -146,7 +146,7 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
 all: $(BUILD)/iftty $(BUILD)/iftty-image $(BUILD)/iftty-volume
 
 ## test: install what is missing, build, run every test; ends with "N passed, N failed,
-##     N skipped"; JOBS=2 at once, as many as there are cores
+##     N skipped"; JOBS=2 at once, one more than there are cores
 test: all tests build/.packages-test
 	@tests/run.sh $(BUILD)
 

@@ -66,7 +66,8 @@ elif needs python3; then
         commands_for $side >script
         python3 -c 'import resource, subprocess, sys
 subprocess.run(sys.argv[1:], stdout=open("out", "w"), stderr=subprocess.DEVNULL, check=True)
-print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)' "$iftty" run script >peak.$side
+print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)' "$iftty" run script \
+            >peak.$side
     done
     [ $(($(cat peak.260) - $(cat peak.30))) -lt $((20 * 260 * 260 * 260)) ] ||
         fail "at most $(cat peak.260) bytes, $(cat peak.30) of them without a scene"

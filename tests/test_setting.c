@@ -82,7 +82,7 @@ STORY(a_setting_is_told_as_it_is_typed)
 
 /* One after the other, in a journal: what changes the segmentation is taken back and done again, and
  * a replay of all comes to the same state. */
-STORY(every_setting_of_the_table_is_undone_done_again_and_replayed)
+STORY(every_setting_is_undone_done_again_and_replayed)
 {
     struct interpreter interp, again;
     struct replay_report report = {0};
@@ -166,11 +166,11 @@ int main(void)
 {
     if (!make_folder(folder, "settings"))
         return 1;
-    const int status = RUN_STORIES(
-        TELL(each_member_of_a_state_is_a_setting_or_has_a_row),
-        TELL(a_setting_is_told_as_it_is_typed),
-        TELL(every_setting_of_the_table_is_undone_done_again_and_replayed),
-        TELL(a_session_begins_with_what_is_usual), TELL(parts_are_named_one_by_one_or_all_or_none));
+    const int status = RUN_STORIES(TELL(each_member_of_a_state_is_a_setting_or_has_a_row),
+                                   TELL(a_setting_is_told_as_it_is_typed),
+                                   TELL(every_setting_is_undone_done_again_and_replayed),
+                                   TELL(a_session_begins_with_what_is_usual),
+                                   TELL(parts_are_named_one_by_one_or_all_or_none));
     reply_release(&reply);
     return status | remove_folder(folder);
 }

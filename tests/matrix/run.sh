@@ -18,8 +18,8 @@ gcc-O3-native             |gcc  |-O3 -march=native||-lnettle
 clang-O0                  |clang|-O0||-lnettle
 clang-O2                  |clang|-O2||-lnettle
 clang-O3-native           |clang|-O3 -march=native||-lnettle
-gcc-address-undefined|gcc|-O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all||-lnettle
-clang-address-undefined|clang|-O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all||-lnettle
+gcc-address-undefined|gcc|-O1 -fsanitize=address,undefined -fno-sanitize-recover=all||-lnettle
+clang-address-undefined|clang|-O1 -fsanitize=address,undefined -fno-sanitize-recover=all||-lnettle
 i386                      |i686-linux-gnu-gcc   |-O2 -msse2|qemu-i386-static|own
 i386-O0                   |i686-linux-gnu-gcc   |-O0 -msse2|qemu-i386-static|own
 aarch64                   |aarch64-linux-gnu-gcc|-O2|qemu-aarch64-static|own
