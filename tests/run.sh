@@ -13,9 +13,10 @@
 cd "$(dirname "$0")/.." || exit 1
 
 # Those that take longest begin first, so that the last one to end is a short one.
-longest='test_trust.sh test_forest test_verify.sh test_team_racing test_large.sh test_bench.sh
-test_mutation.sh test_durable.sh test_interpolate test_pictures.sh test_team test_fuzz.sh
-test_tui_repl test_bad_input.sh test_command test_crash.sh test_prompt_pty test_leaving.sh'
+longest='test_volumes.sh test_command test_fuzz.sh test_prompt_pty test_bench.sh test_pictures.sh
+test_kill_files test_forest test_cut_files.sh test_examples.sh test_trust.sh test_layout.sh
+test_confine test_tui_repl test_verify.sh test_large.sh test_elsewhere.sh test_crash.sh test_stats
+test_power_loss test_series.sh test_bad_input.sh test_team_racing test_program.sh test_levels.sh'
 # What threads do together is their subject; others have one, since there are as many programs.
 threaded=' test_command test_examples.sh test_large.sh test_picture_writer test_tally '
 # What is on the disk after a crash is their subject.
