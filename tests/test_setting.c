@@ -80,8 +80,8 @@ STORY(a_setting_is_told_as_it_is_typed)
     interpreter_release(&interp);
 }
 
-/* One after the other, in a journal: what changes the segmentation is taken back and done again, and
- * a replay of all comes to the same state. */
+/* One after the other, in a journal: what changes the segmentation is taken back and done again,
+ * and a replay of all comes to the same state. */
 STORY(every_setting_is_undone_done_again_and_replayed)
 {
     struct interpreter interp, again;
