@@ -145,15 +145,17 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
 all: $(BUILD)/iftty $(BUILD)/iftty-image $(BUILD)/iftty-volume
 
 ## test: install what is missing, build, run every test; ends with "N passed, N failed,
-##     N skipped"; JOBS=2 at once, as many as there are cores
+##     N skipped"; JOBS=2 at once, one more than there are cores
 test: all tests build/.packages-test
 	@tests/run.sh $(BUILD)
 
 ## test-long: the property tests of forest, threads, rendition and cuts, ten times over (a million
-##     edits); 500 sessions killed at random moments; the mutation test in full
+##     edits); 500 sessions killed at random moments; the mutation test in full; ten times the
+##     files with wrong bytes
 test-long: all tests build/.packages-test
 	@IFTTY_TEST_SCALE=10 tests/run.sh $(BUILD) test_forest test_render test_cut test_team \
-	    test_team_racing test_bands test_render_team test_marker_sessions test_kill test_mutation.sh
+	    test_team_racing test_bands test_render_team test_marker_sessions test_kill test_mutation.sh \
+	    test_fuzz.sh test_volumes.sh test_relax
 
 ## test-matrix: the same bits from gcc and clang, -O0 to -O3, sanitisers, threads, i386, ARM, s390x
 test-matrix: all build/.packages-matrix

@@ -8,6 +8,8 @@
 #                                     it could not be done, "ok N - name # SKIP why"
 #     finish                          prints the plan and exits
 #
+# With IFTTY_TEST_BUSY=1 each story says what all so far have had of the processor.
+#
 # No function here or in a test has the name of a tool that a test uses: the function would be run
 # instead of the tool (tests/test_layout.sh sees to it).
 
@@ -42,6 +44,7 @@ close_story() {
         bad_stories=$((bad_stories + 1))
         printf 'not ok %d - %s\n' "$stories" "$story"
     fi
+    [ -z "$IFTTY_TEST_BUSY" ] || { echo '# busy until here, this shell and what it ran:'; times; }
 }
 skip() { # WHY: the story, or a part of it, cannot be done here
     lacks=${lacks:-$1}

@@ -1,7 +1,8 @@
 #!/bin/sh
 # Runs test programs and scripts side by side and adds up their TAP: run.sh BUILD [NAME...]
 #
-#     JOBS=N      so many at once; as many as there are cores where it is not set
+#     JOBS=N      so many at once; one more than there are cores where it is not set, since some
+#                 wait for a terminal or a helper
 #     LIMIT=S     a program that takes longer than S seconds has failed; 1200
 #     TMPDIR=...  where all of them work. Where it is not set, they work in memory if there is such
 #                 a place with room enough, and those that test what a disk keeps, in /tmp.
@@ -12,9 +13,12 @@
 cd "$(dirname "$0")/.." || exit 1
 
 # Those that take longest begin first, so that the last one to end is a short one.
-longest='test_trust.sh test_forest test_verify.sh test_team_racing test_large.sh test_bench.sh
-test_mutation.sh test_durable.sh test_interpolate test_pictures.sh test_team test_fuzz.sh
-test_tui_repl test_bad_input.sh test_command test_crash.sh test_prompt_pty test_leaving.sh'
+longest='test_volumes.sh test_command test_fuzz.sh test_prompt_pty test_bench.sh test_pictures.sh
+test_kill_files test_forest test_cut_files.sh test_examples.sh test_trust.sh test_layout.sh
+test_confine test_tui_repl test_verify.sh test_large.sh test_elsewhere.sh test_crash.sh test_stats
+test_power_loss test_series.sh test_bad_input.sh test_team_racing test_program.sh test_levels.sh'
+# What threads do together is their subject; others have one, since there are as many programs.
+threaded=' test_command test_examples.sh test_large.sh test_picture_writer test_tally '
 # What is on the disk after a crash is their subject.
 on_disk=' test_kill test_durable test_durable.sh test_crash.sh '
 
@@ -33,12 +37,19 @@ run_one() { # NAME
     *" $name "*) TMPDIR=$disk/$name ;;
     *) TMPDIR=$memory/$name ;;
     esac
+    case $threaded in
+    *" $name "*) ;;
+    *) export IFTTY_THREADS="${IFTTY_THREADS:-1}" ;;
+    esac
     export TMPDIR
     mkdir "$TMPDIR" || exit 1
     begin=$(date +%s%N)
     timeout --foreground -k 10 "${LIMIT:-1200}" "$command" </dev/null >"$result.out" 2>&1
     status=$?
     seconds=$((($(date +%s%N) - begin) / 100000000))
+    # All that it has had of the processor: the last line of times is "0m1.5s 0m0.2s".
+    times >"$result.times"
+    busy=$(awk 'END { gsub(/[ms]/, " "); print $1 * 60 + $2 + $3 * 60 + $4 }' "$result.times")
     skipped=$(grep -c '^ok .* # SKIP' "$result.out")
     passed=$(($(grep -c '^ok ' "$result.out") - skipped))
     failed=$(grep -c '^not ok ' "$result.out")
@@ -52,8 +63,8 @@ run_one() { # NAME
     fi
     echo "$passed $failed $skipped" >"$result.counts"
     {
-        printf '%-28s %4d passed %4d failed %4d skipped  %4d.%d s\n' "$name" "$passed" "$failed" \
-            "$skipped" $((seconds / 10)) $((seconds % 10))
+        printf '%-28s %4d passed %4d failed %4d skipped  %4d.%d s  %6.1f s busy\n' "$name" \
+            "$passed" "$failed" "$skipped" $((seconds / 10)) $((seconds % 10)) "$busy"
         [ "$failed" = 0 ] || grep -v '^ok ' "$result.out"
         sed -n "s/^ok [0-9]* - \(.*\) # SKIP \(.*\)/skipped: $name: \1: \2/p" "$result.out"
         left=$(ls -A "$TMPDIR")
@@ -111,7 +122,7 @@ export IFTTY_BUILD memory disk results
 trap 'rm -rf "$memory" "$disk"' EXIT
 trap 'kill $! 2>/dev/null; exit 1' HUP INT TERM
 
-ordered "$@" | xargs -n 1 -P "${JOBS:-$(nproc)}" tests/run.sh one &
+ordered "$@" | xargs -n 1 -P "${JOBS:-$(($(nproc) + 1))}" tests/run.sh one &
 wait $!
 cat "$results"/*.counts 2>/dev/null | awk -v programs=$# '
     { passed += $1; failed += $2; skipped += $3 }

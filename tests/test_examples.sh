@@ -22,6 +22,46 @@ sed -n '/^<!-- commands/,/^<!-- end of commands/p' journal/README.md | sed '1,2d
     diff - "$work/help" >"$work/diff" || fail "$(cat "$work/diff")"
 close_story
 
+# On a scene that has all that examples name; what wants another one, or a fresh one, has it.
+begin "the example in the help of every command does what it says"
+mkdir "$work/run"
+"$iftty" help | sed -n 's/^\([a-z][a-z-]*\)\( .*\)\{0,1\}$/\1/p' | sort -u >"$work/commands"
+while read -r name; do
+    "$iftty" help "$name" | sed -n 's/^ *Example: //p' | tail -n 1
+done <"$work/commands" >"$work/lines"
+same "$(wc -l <"$work/lines")" "$(wc -l <"$work/commands")"
+make_scene "$work/run/unknown.nii" 24 20 16
+{ nifti_header 12 12 12 4 16; head -c 3456 /dev/zero | tr '\0' '\001'; } >"$work/run/ct.nii"
+seeds='seed 100,100,50 1 radius=8; seed 50,84,50 2; seed 5,5,5 0; run'
+expect_in "$work/run" 0 "$iftty" -c 'open synth:geom:200x200x121; seed 9,9,9 1; run
+    save labels brain.nii.gz; save labels expert.nii.gz'
+expect_in "$work/run" 0 "$iftty" -c "open synth:geom:200x200x121; $seeds
+    save labels model.nii.gz; save labels aal.nii.gz; save names aal.nii.txt"
+echo "open synth:geom:200x200x121; $seeds" | tr ';' '\n' >"$work/run/script"
+while read -r line; do
+    case ${line%% *} in
+    open | quit) before=info ;;
+    orient) before='open unknown.nii' ;;
+    interpolate) before='open synth:geom:20x20x20' ;;
+    object) before='open ct.nii; seed 6,6,6 2' ;;
+    pick) before='open synth:geom:40x40x40; seed 9,9,9 1; run; render' ;;
+    redo) before='open synth:geom:20x20x20; seed 9,9,9 1; undo' ;;
+    auto | finish | finished | mosaic | polarity | range | render | shade | spin | weight)
+        before='open synth:geom:20x20x20; seed 9,9,9 1; run'
+        rm -f "$work/run/brain.png"
+        ;;
+    pilot) continue ;; # wants a terminal: test_pilot.sh
+    *)
+        echo "$line" >>"$work/run/script"
+        continue
+        ;;
+    esac
+    expect_in "$work/run" 0 "$iftty" -c "$before; $line" || fail "$line"
+done <"$work/lines"
+expect_in "$work/run" 0 "$iftty" run script --keep-going || fail "$(cat "$work/err")"
+same "$(grep -c '^ok' "$work/out")" "$(wc -l <"$work/run/script")"
+close_story
+
 begin "what the READMEs name is there"
 find . -path ./build -prune -o -type f -print | sed 's|.*/||' | sort -u >"$work/files"
 for readme in $(find . -path ./build -prune -o -name README.md -print); do

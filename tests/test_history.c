@@ -422,11 +422,15 @@ static const char *const travels[] = {"undo",   "undo 2", "undo 4", "redo",   "r
                                       "redo 4", "goto 4", "goto 8", "goto 16"};
 enum { TRAVELS = sizeof travels / sizeof travels[0] };
 
+/* Of two threads, which ask for memory of their own. */
 STORY(without_memory_one_stays_where_one_is)
 {
     struct interpreter interp;
     struct snapshot before;
     unsigned refused = 0;
+    const char *threads = getenv("IFTTY_THREADS");
+    char *kept = strdup(threads ? threads : "0");
+    setenv("IFTTY_THREADS", "2", 1);
     begin_with_history(&interp);
     take_snapshot(&before, &interp);
     for (size_t i = 0; i < TRAVELS; i++)
@@ -450,6 +454,8 @@ STORY(without_memory_one_stays_where_one_is)
         }
     CHECK(refused > 3 * TRAVELS);
     interpreter_release(&interp);
+    setenv("IFTTY_THREADS", kept, 1);
+    free(kept);
 }
 
 STORY(without_memory_a_marker_stands_as_it_did)

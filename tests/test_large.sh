@@ -56,14 +56,21 @@ begin "a scene takes less than 20 bytes a voxel at the peak, and info prints wha
 if [ "${free_gb:-0}" -le 2 ]; then
     skip "this machine has less than 2 GB of memory free"
 elif needs python3; then
-    printf '%s\n' 'open synth:geom:400x400x340' 'seed 200,200,170 1 radius=3' 'seed 1,1,1 0' \
-        'seed 50,50,50 2 radius=4' 'seed 300,300,300 3' run 'remove 200,200,170' run \
-        'seed 200,200,170 1 radius=9' run info 'size 256 256' render info >script
-    python3 -c 'import resource, subprocess, sys
+    commands_for() { # SIDE
+        at=$(($1 / 2)),$(($1 / 2)),$(($1 / 2))
+        printf '%s\n' "open synth:geom:$1x$1x$1" "seed $at 1 radius=3" 'seed 1,1,1 0' \
+            'seed 5,5,5 2 radius=4' "seed $(($1 * 3 / 4)),9,9 3" run "remove $at" run \
+            "seed $at 1 radius=9" run info 'size 256 256' render info
+    }
+    for side in 30 260; do # the program itself, and its pictures, take some 15 MB
+        commands_for $side >script
+        python3 -c 'import resource, subprocess, sys
 subprocess.run(sys.argv[1:], stdout=open("out", "w"), stderr=subprocess.DEVNULL, check=True)
-print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)' "$iftty" run script >peak
-    # The program itself takes some 10 MB.
-    [ "$(cat peak)" -lt $((20 * 400 * 400 * 340 + 20000000)) ] || fail "at most $(cat peak) bytes"
+print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)' "$iftty" run script \
+            >peak.$side
+    done
+    [ $(($(cat peak.260) - $(cat peak.30))) -lt $((20 * 260 * 260 * 260)) ] ||
+        fail "at most $(cat peak.260) bytes, $(cat peak.30) of them without a scene"
     out_has '; pictures 0.0; and '
     grep -qE 'scene [0-9.]+, 1[0-9]\.[0-9] bytes a voxel' out || fail "$(grep memory out)"
     grep -qE 'pictures [1-9][0-9]*\.[0-9]; and ' out || fail "$(grep memory out)"
@@ -96,7 +103,7 @@ close_story
 
 begin "how far things are stands on a terminal, and is gone afterwards"
 if needs script; then
-    line="$iftty -c 'open synth:geom:360x360x360; seed 180,180,180 1; seed 1,1,1 0; run'"
+    line="$iftty -c 'open synth:geom:300x300x300; seed 150,150,150 1; seed 1,1,1 0; run'"
     script -qec "$line" /dev/null </dev/null >seen
     tr '\r' '\n' <seen >lines
     grep -qE '\[#*-*\] +[0-9]+ %, [0-9]+ s' lines || fail "no bar: $(head -c 600 seen)"
@@ -118,14 +125,14 @@ interrupted() {
 }
 
 cat >script <<'EOS'
-open synth:geom:128x128x128
-seed 64,64,64 1
-seed 88,52,66 2
+open synth:geom:80x80x80
+seed 40,40,40 1
+seed 55,32,41 2
 seed 2,2,2 0
 run
 render a.png replace=yes
 weight sobel
-remove 88,52,66
+remove 55,32,41
 adjacency 26
 run
 save labels a.nii.gz replace=yes
@@ -141,7 +148,7 @@ begin "Ctrl-C at any moment takes the command at hand back, and the journal hold
 rm -f turn?.png
 commands=$(wc -l <script)
 stopped=0
-for delay in 0.02 0.1 0.2 0.3 0.45 0.7 1.1 1.5; do
+for delay in 0.01 0.04 0.1 0.2 0.35 0.6; do
     interrupted at $delay
     acks=$(grep -c '^ok ' at.out)
     if [ "$acks" -lt "$commands" ]; then
@@ -165,7 +172,7 @@ done
 close_story
 
 begin "a second Ctrl-C does no more than the first"
-for delay in 0.15 0.4; do
+for delay in 0.05 0.2; do
     interrupted twice $delay 0.03
     [ ! -f twice.iftty ] || "$iftty" replay twice.iftty --out replayed >out 2>err ||
         fail "$(cat err)"

@@ -174,7 +174,7 @@ found=$(printf '%s\n' "$libraries" |
 close_story
 
 # Programs of the command line (src/main.c) may share a name with a command; they are not commands.
-# A key of JSON may be the same word, and a parameter that an act asks for.
+# A key of JSON may be the same word, a parameter that an act asks for, and what progress is of.
 begin "the name of a command is written in the table alone"
 names=$(sed -n 's/^    {[CS][A-Z]*("\([a-z-]*\)",.*/\1/p' src/command/table.c src/session/setting.c)
 [ "$(printf '%s\n' "$names" | wc -l)" -gt 15 ] || fail "the table was not understood: $names"

@@ -325,6 +325,19 @@ static const struct graphics *const with_pixels[WITH_PIXELS] = {&graphics_kitty,
 
 /* ---- stories ---- */
 
+/* By the screen here (screen.h), which has a decoder for each. */
+STORY(every_protocol_of_the_table_is_decoded)
+{
+    for (size_t i = 0; i < graphics_auto.count; i++) {
+        const struct graphics *graphics = graphics_auto.of[i];
+        bool is_decoded = graphics == &graphics_none || graphics == &graphics_blocks;
+        for (unsigned g = 0; g < WITH_PIXELS; g++)
+            is_decoded |= graphics == with_pixels[g];
+        if (!CHECK(is_decoded))
+            printf("#   %s has no decoder here\n", graphics->name);
+    }
+}
+
 STORY(after_thousands_of_edits_the_screen_shows_the_picture)
 {
     for (unsigned g = 0; g < WITH_PIXELS; g++) {
@@ -1167,6 +1180,7 @@ STORY(shades_of_an_atlas_have_no_bands)
 int main(void)
 {
     return RUN_STORIES(
+        TELL(every_protocol_of_the_table_is_decoded),
         TELL(after_thousands_of_edits_the_screen_shows_the_picture),
         TELL(pictures_of_every_size_and_kind_follow_each_other),
         TELL(few_colours_come_exactly_and_more_may_join_them),

@@ -224,9 +224,9 @@ close_story
 
 begin "the same picture gives the same bytes, today and tomorrow"
 mkdir again
-cp a.* lines.exr tiled.exr again/
+cp -p a.* lines.exr tiled.exr again/
 rm -f a.* lines.exr tiled.exr session.iftty
-sleep 1
+until [ "$(date +%s)" -gt "$(stat -c %Y again/tiled.exr)" ]; do sleep 0.1; done
 expect 0 "$iftty" run script --journal session.iftty
 for file in a.* lines.exr tiled.exr; do
     case $file in
@@ -291,10 +291,11 @@ expect 0 "$iftty" info two.tif
 same "$(sed -n 's/^frames *//p' out)" 2
 close_story
 
-begin "a hundred openings, five at once: every helper answers"
+# Of a helper that makes a process before its library is still, one in thirty hangs.
+begin "dozens of openings, eight at once: every helper answers"
 : >bad
-for column in 1 2 3 4 5; do
-    for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do
+for column in 1 2 3 4 5 6 7 8; do
+    for _ in 1 2 3 4 5; do
         timeout 30 "$iftty" info two.tif >"out.$column" 2>&1 || cat "out.$column" >>bad
     done &
 done

@@ -3,15 +3,9 @@
 # them; folders of several series, and of files of which some are damaged.
 . "$(dirname "$0")/lib.sh"
 . "$top/tests/volumes/opened.sh"
-unset IFTTY_SCENES
 
 begin "files as scanners write them are made"
-mkdir "$work/v"
-"$PYTHON" -W ignore "$top/tests/volumes/series.py" "$work/v" >"$work/made" 2>&1 ||
-    fail "$(tail -n 3 "$work/made")"
-[ "$failures" = 0 ] || { close_story; finish; }
-close_story
-cd "$work/v" || exit 1
+made_by series.py
 
 refused() { # WORDS COMMAND: in one line
     expect 3 "$iftty" -c "$2"

@@ -4,7 +4,10 @@
 #include "base/choice.h"
 #include "render/decoration.h"
 #include "session/setting.h"
+#include "tests/folder.h"
 #include "tests/interpreting.h"
+
+static char folder[FOLDER_LENGTH];
 
 /* So one that is neither is seen. */
 STORY(each_member_of_a_state_is_a_setting_or_has_a_row)
@@ -78,6 +81,49 @@ STORY(a_setting_is_told_as_it_is_typed)
     interpreter_release(&interp);
 }
 
+/* One after the other, in a journal: what changes the segmentation is taken back and done again,
+ * and a replay of all comes to the same state. */
+STORY(every_setting_is_undone_done_again_and_replayed)
+{
+    struct interpreter interp, again;
+    struct replay_report report = {0};
+    struct buf line = {0};
+    begin_interpreter(&interp);
+    CHECK(interpreter_create_journal(&interp, file_in(folder, "j.iftty"), NULL) == OK);
+    must(&interp, "open synth:geom:20x20x20");
+    for (const struct command *setting = setting_table; setting->name; setting++) {
+        bool has_changed = false;
+        for (unsigned round = 0; round < 40 && !has_changed; round++) {
+            const struct state before = interp.session.now;
+            buf_clear(&line);
+            buf_add_text(&line, setting->name);
+            for (const struct parameter *p = setting->parameter; p->type; p++)
+                add_value(&line, p);
+            must(&interp, buf_text(&line));
+            const struct state after = interp.session.now;
+            has_changed = !kept_equals(&before.kept, &after.kept) ||
+                          !outlook_equals(&before.outlook, &after.outlook);
+            if (!has_changed || !(setting->flags & COMMAND_EDITS))
+                continue;
+            must(&interp, "undo");
+            CHECK(kept_equals(&before.kept, &interp.session.now.kept));
+            must(&interp, "redo");
+            CHECK(kept_equals(&after.kept, &interp.session.now.kept));
+        }
+        if (!CHECK(has_changed))
+            printf("#   %s sets nothing that a state is compared by\n", setting->name);
+    }
+    const struct state now = interp.session.now;
+    interpreter_release(&interp);
+    begin_interpreter(&again);
+    CHECK(replay_file(&again, file_in(folder, "j.iftty"), 0, 0, NULL, NULL, &report, &fault) == OK);
+    CHECK(kept_equals(&now.kept, &again.session.now.kept));
+    CHECK(outlook_equals(&now.outlook, &again.session.now.outlook));
+    replay_report_release(&report);
+    interpreter_release(&again);
+    buf_release(&line);
+}
+
 /* What a session begins with is as usual: nothing that may be left out is told. */
 STORY(a_session_begins_with_what_is_usual)
 {
@@ -119,10 +165,13 @@ STORY(parts_are_named_one_by_one_or_all_or_none)
 
 int main(void)
 {
+    if (!make_folder(folder, "settings"))
+        return 1;
     const int status = RUN_STORIES(TELL(each_member_of_a_state_is_a_setting_or_has_a_row),
                                    TELL(a_setting_is_told_as_it_is_typed),
+                                   TELL(every_setting_is_undone_done_again_and_replayed),
                                    TELL(a_session_begins_with_what_is_usual),
                                    TELL(parts_are_named_one_by_one_or_all_or_none));
     reply_release(&reply);
-    return status;
+    return status | remove_folder(folder);
 }

@@ -56,6 +56,17 @@ EOF
 fi
 close_story
 
+begin "every format of the table has a reader here, and is written above"
+endings=$(sed -n 's/.*{"\(\.[a-z0-9]*\)", [a-z]*, write_[a-z]*}.*/\1/p' src/image/surface_file.c)
+[ "$(printf '%s\n' "$endings" | wc -l)" -ge 4 ] || fail "the table was not understood: $endings"
+for ending in $endings; do
+    grep -q "\"${ending#.}\": read_${ending#.}[,}]" tests/surface_reader.py ||
+        fail "tests/surface_reader.py does not read $ending"
+    grep -q "save surface all\\$ending" "$0" && grep -q "save surface one\\$ending" "$0" ||
+        fail "no surface is saved as $ending"
+done
+close_story
+
 begin "a surface is written whole, again only where that is asked for, and the same by a replay"
 make_scene "$work/s.nii" 24 20 16
 expect_in "$work" 0 "$iftty" -c "open s.nii; seed 6,10,8 1; seed 20,10,8 2

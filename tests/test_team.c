@@ -11,6 +11,14 @@
 
 enum { WORKERS = 8 };
 
+/* ThreadSanitizer has worlds of its own. Each world is grown by one in SHARE of the teams. */
+#ifdef __SANITIZE_THREAD__
+enum { FIRST = 101 };
+#else
+enum { FIRST = 1 };
+#endif
+enum { SHARE = 2 };
+
 static unsigned scaled(unsigned count)
 {
     const char *factor = getenv("IFTTY_TEST_SCALE");
@@ -149,11 +157,13 @@ STORY(one_to_eight_workers_grow_the_same_forest)
     struct team *team[WORKERS + 1] = {NULL};
     for (unsigned workers = 2; workers <= WORKERS; workers++)
         CHECK(team_new(&team[workers], workers, NULL) == OK);
-    for (uint64_t number = 1; number <= scaled(8) && check_failures == 0; number++) {
+    for (uint64_t number = FIRST; number < FIRST + scaled(8) && check_failures == 0; number++) {
         struct world alone = world_new(number, NULL);
         grow(&alone, number);
         CHECK(forest_check(alone.forest, NULL));
         for (unsigned workers = 2; workers <= WORKERS; workers++) {
+            if ((number + workers) % SHARE != 0)
+                continue;
             struct world w = world_new(number, team[workers]);
             grow(&w, number);
             CHECK(forest_check(w.forest, NULL));
@@ -171,7 +181,7 @@ STORY(a_shared_pass_cancelled_at_any_level_leaves_an_empty_forest)
 {
     struct team *team;
     CHECK(team_new(&team, 3, NULL) == OK);
-    for (uint64_t number = 1; number <= scaled(6) && check_failures == 0; number++) {
+    for (uint64_t number = FIRST; number < FIRST + scaled(3) && check_failures == 0; number++) {
         uint64_t random = number;
         struct world w = world_new(number, team);
         struct edit batch[BATCH];

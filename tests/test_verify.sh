@@ -123,7 +123,7 @@ has_ended() { # a zombie has
 }
 
 begin "a process that dies is one failure, with its signal"
-"$iftty" -c 'open synth:geom:222; seed 100,100,50 1; seed 10,10,10 2; run; adjacency 26' \
+"$iftty" -c 'open synth:geom; seed 100,100,50 1; seed 10,10,10 2; run; adjacency 26' \
     --journal large.iftty >/dev/null
 "$iftty" verify large.iftty j4.iftty >out 2>err &
 verifier=$!

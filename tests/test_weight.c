@@ -397,6 +397,83 @@ static bool weighs_as(const struct scene *scene, const struct volume *expected)
     return same;
 }
 
+/* What each weight of the table is, in other words: of a voxel, or of the arc between two. */
+static struct volume slow_sobel_of(const struct volume *v, unsigned neighbours, uint32_t nothing)
+{
+    (void)neighbours, (void)nothing;
+    return slow_sobel(v);
+}
+
+static struct volume slow_gauss_of(const struct volume *v, unsigned neighbours, uint32_t sigma)
+{
+    (void)neighbours;
+    return slow_gauss(v, sigma);
+}
+
+static int64_t slow_difference(int64_t from, int64_t to, int64_t percent)
+{
+    (void)percent;
+    return from > to ? from - to : to - from;
+}
+
+/* A step down is so many percent dearer, a step up as much cheaper. */
+static int64_t slow_polarity(int64_t from, int64_t to, int64_t percent)
+{
+    return at_most(from > to ? (from - to) * (100 + percent) / 100
+                             : (to - from) * (100 - percent) / 100);
+}
+
+static const struct oracle {
+    struct volume (*of_voxels)(const struct volume *, unsigned neighbours, uint32_t argument);
+    int64_t (*of_arc)(int64_t from, int64_t to, int64_t percent);
+} oracles[WEIGHT_FILE] = {[WEIGHT_MORPH] = {.of_voxels = slow_morph},
+                          [WEIGHT_SOBEL] = {.of_voxels = slow_sobel_of},
+                          [WEIGHT_GAUSS] = {.of_voxels = slow_gauss_of},
+                          [WEIGHT_DIFFERENCE] = {.of_arc = slow_difference},
+                          [WEIGHT_POLARITY] = {.of_arc = slow_polarity}};
+
+static void arcs_weigh_as(enum arc_kind kind, const struct oracle *oracle)
+{
+    for (unsigned i = 0; i < 3000 && check_failures < 3; i++) {
+        const int percent = (int)check_below(&seed, 2 * POLARITY_MOST + 1) - POLARITY_MOST;
+        const uint32_t levels = check_below(&seed, 2) ? 65536 : 300;
+        const struct cell from = {.intensity = (uint16_t)check_below(&seed, levels)};
+        const struct cell to = {.intensity = (uint16_t)check_below(&seed, levels)};
+        struct arc_rule rule = {.kind = kind};
+        rule.polarity[3] = (int8_t)percent;
+        CHECK_INT(arc_weight(&rule, kind, &from, &to, 3),
+                  oracle->of_arc(from.intensity, to.intensity, percent));
+    }
+}
+
+STORY(every_weight_of_the_table_is_what_its_oracle_says)
+{
+    for (enum weight_kind kind = 0; kind < WEIGHT_FILE; kind++) {
+        const struct oracle *oracle = &oracles[kind];
+        const struct weight_row *row = &weight_table[kind];
+        const bool of_voxels = weight_arcs(kind) == ARC_TARGET;
+        if (!CHECK(of_voxels ? oracle->of_voxels != NULL : oracle->of_arc != NULL)) {
+            printf("#   %s has no oracle here\n", row->name);
+            continue;
+        }
+        if (!of_voxels)
+            arcs_weigh_as(weight_arcs(kind), oracle);
+        for (unsigned i = 0; of_voxels && i < 30; i++) {
+            const uint32_t argument = row->takes == WEIGHT_TAKES_RADIUS  ? 1 + i % RADIUS_MOST
+                                      : row->takes == WEIGHT_TAKES_SIGMA ? SIGMA_LEAST + 100 * i
+                                                                         : 0;
+            const unsigned neighbours = i % 2 ? 26 : 6;
+            const struct weight_choice by = {kind, argument};
+            const struct volume v = random_volume();
+            const struct volume expected = oracle->of_voxels(&v, neighbours, argument);
+            struct scene *scene = scene_of_volume(&v);
+            weigh(scene, neighbours, &by);
+            CHECK(weighs_as(scene, &expected));
+            scene_free(scene);
+        }
+    }
+}
+
 STORY(morph_is_what_rounds_over_the_adjacency_give)
 {
     for (unsigned i = 0; i < 300 && check_failures < 3; i++) {
@@ -636,7 +713,9 @@ int main(void)
         TELL(a_step_weighs_its_height_under_every_sigma), TELL(a_ramp_weighs_twice_its_rise),
         TELL(a_corner_counts_for_sobel_by_its_square_root), TELL(a_single_voxel_weighs_nothing),
         TELL(the_largest_intensities_do_not_overflow), TELL(the_gaussian_is_a_gaussian_and_sums_up),
-        TELL(square_roots_are_rounded_down), TELL(morph_is_what_rounds_over_the_adjacency_give),
+        TELL(square_roots_are_rounded_down),
+        TELL(every_weight_of_the_table_is_what_its_oracle_says),
+        TELL(morph_is_what_rounds_over_the_adjacency_give),
         TELL(scenes_wider_and_higher_than_tiles_have_the_same_morph),
         TELL(sobel_is_what_twenty_seven_products_give), TELL(gauss_is_what_whole_volumes_give),
         TELL(a_mirrored_scene_has_mirrored_weights), TELL(every_team_gives_the_same_weights),

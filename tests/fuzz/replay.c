@@ -1,6 +1,6 @@
 /*
  * The plain driver: fuzz_NAME [CHANGES] FILE... hands each file to the target, every beginning of
- * it at up to 200 places, and CHANGES changed copies, the same each time.
+ * it at up to 200 places, and CHANGES changed copies, the same each time and others for each file.
  */
 #include "tests/fuzz/fuzz.h"
 
@@ -34,11 +34,10 @@ static void change(struct buf *bytes, uint64_t *random)
     }
 }
 
-static void replay(const char *path, unsigned changes)
+static void replay(const char *path, uint64_t random, unsigned changes)
 {
     struct buf bytes = {0}, copy = {0};
     struct fault fault;
-    uint64_t random = 1;
     HOLDS(file_read(&bytes, path, FILE_MOST, &fault) == OK);
     hand_over(bytes.data, bytes.length);
     for (size_t at = 0; at < bytes.length; at += 1 + bytes.length / CUTS)
@@ -57,7 +56,7 @@ int main(int count, char **word)
 {
     const unsigned changes = count > 1 ? (unsigned)strtoul(word[1], NULL, 10) : 0;
     for (int i = 2; i < count; i++)
-        replay(word[i], changes);
+        replay(word[i], (uint64_t)i, changes);
     printf("%d files\n", count - 2);
     return count > 2 ? 0 : 2;
 }

@@ -34,7 +34,7 @@ clang-O3-native            |clang|-O3 -march=native|
 gcc-address-undefined      |gcc  |-O1|-fsanitize=address,undefined -fno-sanitize-recover=all
 clang-address-undefined    |clang|-O1|-fsanitize=address,undefined -fno-sanitize-recover=all'
 
-flags='-std=c17 -D_GNU_SOURCE -g -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+flags='-std=c17 -D_GNU_SOURCE -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wconversion
     -Wvla -Wstrict-prototypes -Wmissing-prototypes -Werror -Isrc -I.'
 
 field() { # N LINE, without the blanks around it

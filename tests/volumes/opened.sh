@@ -1,6 +1,18 @@
-# Whether a volume is opened as its twin is, for test_volumes.sh and test_series.sh, which source
-# this after lib.sh.
+# Files that others write, and whether a volume is opened as its twin is: for test_volumes.sh and
+# test_series.sh, which source this after lib.sh.
 PYTHON=/usr/bin/python3
+unset IFTTY_SCENES
+
+# made_by SCRIPT: a story in which it makes files in $work/v, the working folder from then on;
+# without them there is nothing more to test
+made_by() {
+    mkdir "$work/v"
+    "$PYTHON" -W ignore "$top/tests/volumes/$1" "$work/v" >"$work/made" 2>&1 ||
+        fail "$(tail -n 3 "$work/made")"
+    [ "$failures" = 0 ] || { close_story; finish; }
+    close_story
+    cd "$work/v" || exit 1
+}
 
 # opened_as FILE TWIN [OPTION...]: the same scene, in the same place, as $says says
 says=file
