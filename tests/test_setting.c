@@ -94,31 +94,31 @@ STORY(every_setting_is_undone_done_again_and_replayed)
     for (const struct command *setting = setting_table; setting->name; setting++) {
         bool has_changed = false;
         for (unsigned round = 0; round < 40 && !has_changed; round++) {
-            const struct state before = interp.session.now;
+            const struct state before = interp.session->now;
             buf_clear(&line);
             buf_add_text(&line, setting->name);
             for (const struct parameter *p = setting->parameter; p->type; p++)
                 add_value(&line, p);
             must(&interp, buf_text(&line));
-            const struct state after = interp.session.now;
+            const struct state after = interp.session->now;
             has_changed = !kept_equals(&before.kept, &after.kept) ||
                           !outlook_equals(&before.outlook, &after.outlook);
             if (!has_changed || !(setting->flags & COMMAND_EDITS))
                 continue;
             must(&interp, "undo");
-            CHECK(kept_equals(&before.kept, &interp.session.now.kept));
+            CHECK(kept_equals(&before.kept, &interp.session->now.kept));
             must(&interp, "redo");
-            CHECK(kept_equals(&after.kept, &interp.session.now.kept));
+            CHECK(kept_equals(&after.kept, &interp.session->now.kept));
         }
         if (!CHECK(has_changed))
             printf("#   %s sets nothing that a state is compared by\n", setting->name);
     }
-    const struct state now = interp.session.now;
+    const struct state now = interp.session->now;
     interpreter_release(&interp);
     begin_interpreter(&again);
     CHECK(replay_file(&again, file_in(folder, "j.iftty"), 0, 0, NULL, NULL, &report, &fault) == OK);
-    CHECK(kept_equals(&now.kept, &again.session.now.kept));
-    CHECK(outlook_equals(&now.outlook, &again.session.now.outlook));
+    CHECK(kept_equals(&now.kept, &again.session->now.kept));
+    CHECK(outlook_equals(&now.outlook, &again.session->now.outlook));
     replay_report_release(&report);
     interpreter_release(&again);
     buf_release(&line);

@@ -287,7 +287,8 @@ static void say(const struct act *act, size_t member)
     struct buf *out = &act->reply->text;
     const struct outlook *outlook = session_outlook(act->session);
     const size_t waits = session_pendings(act->session);
-    if (member == offsetof(struct state, outlook.runs_by_itself) && outlook->runs_by_itself && waits)
+    if (member == offsetof(struct state, outlook.runs_by_itself) && outlook->runs_by_itself &&
+        waits)
         buf_printf(out, "%zu edit%s waiting for `run` or the next edit\n", waits, plural(waits));
     if (member != offsetof(struct state, outlook.shows_finished))
         return;

@@ -446,4 +446,3 @@ void session_show(struct session *session, void (*draw)(void *context), void *co
     session->measures = measures;
     session->now.outlook.shows_finished = shows_finished;
 }
-
