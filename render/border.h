@@ -25,7 +25,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "engine/forest.h"
+#include "engine/changes.h"
 #include "engine/labels.h"
 #include "render/cut.h"
 

@@ -1,3 +1,5 @@
+#include "render/border.h"
+#include "engine/forest.h"
 #include "session/state.h"
 
 #include <stdlib.h>

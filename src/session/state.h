@@ -21,14 +21,16 @@
 #include "base/decimal.h"
 #include "session/packed.h"
 #include "engine/finish.h"
-#include "engine/forest.h"
 #include "engine/weight.h"
 #include "render/background.h"
-#include "render/border.h"
+#include "render/cut.h"
 #include "render/look.h"
 #include "render/palette.h"
 #include "render/slice.h"
 #include "render/view.h"
+
+struct border;
+struct edit;
 
 /* ---- lists of edits ---- */
 

@@ -12,6 +12,7 @@
 
 #include "base/file.h"
 #include "base/mem.h"
+#include "engine/labels.h"
 #include "engine/weight.h"
 #include "program/times.h"
 #include "session/session.h"
