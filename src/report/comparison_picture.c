@@ -28,40 +28,33 @@ enum difference difference_of(uint8_t label_a, uint8_t label_b)
     return !label_b ? A_ALONE : !label_a ? B_ALONE : ANOTHER_LABEL;
 }
 
-/* ---- labels into the scene, and back ---- */
-
-/* The differences are swapped for the labels of the scene, and by a second swap back. */
-static void swap_labels(struct scene *scene, uint8_t *label)
+/* By cell, as labels that slices show; NULL without memory. */
+static uint8_t *differences_of(const struct compared *compared, const struct grid *grid)
 {
-    for (uint32_t z = 0; z < scene->grid.size[2]; z++)
-        for (uint32_t y = 0; y < scene->grid.size[1]; y++) {
-            const struct span row = grid_row(&scene->grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++, label++) {
-                const uint8_t was = scene->cell[c].label;
-                scene->cell[c].label = *label;
-                *label = was;
-            }
+    uint8_t *difference = mem_new(grid->cells);
+    size_t i = 0;
+    for (uint32_t z = 0; difference && z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            const struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++, i++)
+                difference[c] =
+                    (uint8_t)difference_of(compared->label[0][i], compared->label[1][i]);
         }
-}
-
-static uint8_t *differences_of(const struct compared *compared)
-{
-    const size_t voxels = (size_t)compared->size[0] * compared->size[1] * compared->size[2];
-    uint8_t *difference = mem_array(voxels, 1);
-    for (size_t i = 0; difference && i < voxels; i++)
-        difference[i] = (uint8_t)difference_of(compared->label[0][i], compared->label[1][i]);
     return difference;
 }
 
 /* ---- slices ---- */
 
 static enum err draw_slices(const struct canvas *canvas, struct session *session,
-                            const uint32_t place[3], struct fault *fault)
+                            const uint8_t *difference, const uint32_t place[3], struct fault *fault)
 {
     struct palette palette = {0};
     const bool visible[256] = {[AGREES] = true, true, true, true};
-    struct slice_style style = {
-        .overlay = SLICE_CONTOUR, .palette = &palette, .visible = visible, .crosses = true};
+    struct slice_style style = {.overlay = SLICE_CONTOUR,
+                                .palette = &palette,
+                                .visible = visible,
+                                .crosses = true,
+                                .finished = difference};
     struct mosaic_layout layout = {0};
     struct mosaic_choice choice = {.notes = true, .team = session_team(session), .layout = &layout};
     char least[WINDOW_WORDS_BYTES], most[WINDOW_WORDS_BYTES], title[3][32];
@@ -166,19 +159,6 @@ static enum err note(struct picture *picture, const struct session *session,
     return err;
 }
 
-static enum err draw(const struct canvas *canvas, struct session *session,
-                     const struct compared *compared, const uint32_t place[3], struct fault *fault)
-{
-    uint8_t *label = differences_of(compared);
-    if (!label)
-        return fault_memory(fault, "a picture");
-    swap_labels(session_scene(session), label);
-    const enum err err = draw_slices(canvas, session, place, fault);
-    swap_labels(session_scene(session), label);
-    free(label);
-    return err;
-}
-
 enum err comparison_picture_draw(struct picture *picture, struct session *session,
                                  const struct compared *compared,
                                  const struct comparison_report *report, const uint32_t place[3],
@@ -192,7 +172,10 @@ enum err comparison_picture_draw(struct picture *picture, struct session *sessio
         return err;
     const struct canvas canvas = {view->width, view->height, view->width, picture->rgba,
                                   NULL,        NULL,         NULL};
-    err = draw(&canvas, session, compared, place, fault);
+    uint8_t *difference = differences_of(compared, &session_scene(session)->grid);
+    err = difference ? draw_slices(&canvas, session, difference, place, fault)
+                     : fault_memory(fault, "a picture");
+    free(difference);
     if (!err) {
         write_words(&canvas, report);
         err = note(picture, session, report, place, fault);

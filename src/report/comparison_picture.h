@@ -25,8 +25,7 @@ extern const char *const difference_words[DIFFERENCES];
 enum difference difference_of(uint8_t label_a, uint8_t label_b);
 
 /* At the size of the session's view, through `place`, with notes; the caller releases the picture.
- * While it is drawn, the scene holds other labels; they are put back, be it drawn or not. ERR_LIMIT
- * for a view too small for a mosaic, ERR_MEMORY. */
+ * ERR_LIMIT for a view too small for a mosaic, ERR_MEMORY. */
 enum err comparison_picture_draw(struct picture *picture, struct session *session,
                                  const struct compared *compared,
                                  const struct comparison_report *report, const uint32_t place[3],

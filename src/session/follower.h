@@ -38,7 +38,7 @@ struct follower {
     void (*count_memory)(const struct pictures *pictures, struct session_memory *memory);
 };
 
-/* From now on these are told, which the session releases. It has a scene, and none yet. */
+/* From now on these hear of it, and the session releases them. It has a scene, and none yet. */
 void session_take_pictures(struct session *session, struct pictures *pictures,
                            const struct follower *follower);
 

@@ -29,7 +29,7 @@ struct state state_default(unsigned semantics);
 bool kept_equals(const struct kept *a, const struct kept *b);
 bool outlook_equals(const struct outlook *a, const struct outlook *b);
 
-/* Bytes of both that these look at: all of them, for neither has any between its members. */
+/* Bytes of both that these look at: all of them, with none between, up to the last member. */
 size_t state_bytes_compared(void);
 
 /* MADE_... of what follows from the members in which two differ. */
