@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "engine/gradient.h"
+#include "engine/weight_gradient.h"
 
 /* The gradient: slate, and shades of it down to near black, which palettes have (tui/picture). */
 static const uint8_t gradient_top[3] = {62, 70, 82}, gradient_bottom[3] = {20, 22, 26};

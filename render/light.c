@@ -1,7 +1,7 @@
 #include "render/light.h"
 
 #include "base/wide.h"
-#include "engine/gradient.h"
+#include "engine/weight_gradient.h"
 
 enum {
     AMBIENT = LIGHT_UNIT / 5,

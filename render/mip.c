@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "engine/gradient.h"
+#include "engine/weight_gradient.h"
 #include "render/walk.h"
 
 enum { INTENSITIES = UINT16_MAX + 1, WHITE = 255 };

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "engine/gradient.h"
+#include "engine/weight_gradient.h"
 #include "render/projection.h"
 
 enum {

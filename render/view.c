@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "engine/gradient.h"
+#include "engine/weight_gradient.h"
 
 enum {
     CORDIC_STEPS = 32,

@@ -46,7 +46,7 @@ close_story
 
 # what | file | sed script
 programs='one shade: the highlights |render/light.c     |s/SPECULAR = 70,/SPECULAR = 71,/
-one weight: steps of seven   |src/engine/morph.c |s/= \(weight\[i\]\);/= \1 == 7 ? 8 : \1;/'
+one weight: steps of seven   |src/engine/weight_morph.c |s/= \(weight\[i\]\);/= \1 == 7 ? 8 : \1;/'
 more='one shade: even light        |render/light.c     |s:\(AMBIENT = LIGHT_UNIT / 5\),:\1 + 16,:
 one rule of ties: hops       |src/engine/key.h   |s/key + (UINT64_C(1) <</key + (UINT64_C(2) <</
 one multiplier of all digests|src/base/hash.h    |s/0xc4ceb9fe1a85ec53/0xc4ceb9fe1a85ec55/

@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-#include "engine/gradient.h"
+#include "engine/weight_gradient.h"
 #include "render/light.h"
 #include "tests/stage.h"
 

@@ -8,7 +8,7 @@
 #include "tui/cells.h"
 #include "tui/pilot/chord.h"
 #include "tui/pilot/pilot_keys.h"
-#include "tui/pilot/refine.h"
+#include "tui/pilot/finer.h"
 
 /* ---- a host that is a box of voxels ---- */
 

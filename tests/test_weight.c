@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
-#include "engine/gradient.h"
+#include "engine/weight_gradient.h"
 #include "engine/weight.h"
 #include "tests/check.h"
 

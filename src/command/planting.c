@@ -9,7 +9,7 @@
 #include "base/mem.h"
 #include "command/answers.h"
 #include "engine/components.h"
-#include "engine/gradient.h"
+#include "engine/weight_gradient.h"
 #include "engine/roi.h"
 #include "image/levels.h"
 #include "report/label_report.h"

@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "engine/gradient.h"
+#include "engine/weight_gradient.h"
 
 enum { FLUSH = 1 << 20 };
 

@@ -1,6 +1,6 @@
 #include "report/histogram.h"
 
-#include "engine/gradient.h"
+#include "engine/weight_gradient.h"
 #include "engine/scene.h"
 #include "image/geometry.h"
 #include "report/chart.h"

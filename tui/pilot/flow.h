@@ -18,7 +18,7 @@
  *      frame begins with what ends it (`failed`, graphics_add_recovery), and until the barriers
  *      have been sorted out again there is one frame at a time;
  *   L3 a frame has as many bytes as the line carries in FLOW_TARGET_NS: a picture that needs more
- *      is sent coarser (tui/pilot/refine.h), for quality is to drop before latency does. When
+ *      is sent coarser (tui/pilot/finer.h), for quality is to drop before latency does. When
  *      nothing moves any more the caller sends the full picture.
  *
  * The line is taken for one that needs `round_trip + bytes x per_byte` for a frame alone, counted

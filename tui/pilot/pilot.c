@@ -8,7 +8,7 @@
 #include "tui/keys.h"
 #include "tui/picture/graphics.h"
 #include "tui/picture/painter.h"
-#include "tui/pilot/refine.h"
+#include "tui/pilot/finer.h"
 #include "tui/prompt/pager.h"
 #include "tui/term.h"
 #include "tui/cells.h"

@@ -4,8 +4,8 @@
  * The pilot knows no scene: a host says where the cross-hair is and draws the picture. Each key
  * that changes something becomes the line of a command that a user could have typed, which the host
  * carries out and records: so what was done here replays like any other session. The keys are the
- * table in tui/pilot/pilot_table.c. A click takes the cross-hair there; dragging draws while the
- * pen is down. Ctrl-C cancels a command.
+ * table in tui/pilot/pilot_key_table.c. A click takes the cross-hair there; dragging draws while
+ * the pen is down. Ctrl-C cancels a command.
  *
  * Invariants
  *   P1 what is on screen is made of what the host says after the last command, never of what a key

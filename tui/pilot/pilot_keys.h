@@ -1,7 +1,7 @@
 /*
  * What keys mean to the pilot: a state, a key and the facts in, the line of a command out. Pure.
  *
- * All keys stand in one table (pilot_table.c), a row for each thing that they do: its name, its
+ * All keys stand in one table (pilot_key_table.c), a row for each thing that they do: its name, its
  * keys, in which modes it is done, by what line or function, and the words for it on the page of
  * keys and below the picture. The page, which `?` shows, is also the card in tui/README.md.
  *
@@ -10,7 +10,7 @@
  * in PILOT_PICKING, where one corrects what the rendition shows.
  *
  * What finds the row for a key is in pilot_keys.c, what rows do in pilot_acts.c and, where it
- * plants or removes, in pilot_plant.c; the table, and what users have made of it, in pilot_table.c.
+ * plants or removes, in pilot_plant.c; the table, and what users made of it, in pilot_key_table.c.
  */
 #ifndef TUI_PILOT_PILOT_KEYS_H
 #define TUI_PILOT_PILOT_KEYS_H

@@ -16,8 +16,8 @@
  *     refine_sent(&r, bytes)
  *     if (r.is_coarse) .. a further frame makes it finer ..
  */
-#ifndef TUI_PILOT_REFINE_H
-#define TUI_PILOT_REFINE_H
+#ifndef TUI_PILOT_FINER_H
+#define TUI_PILOT_FINER_H
 
 #include <stdbool.h>
 #include <stddef.h>

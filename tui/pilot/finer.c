@@ -1,4 +1,4 @@
-#include "tui/pilot/refine.h"
+#include "tui/pilot/finer.h"
 
 #include <stdlib.h>
 #include <string.h>

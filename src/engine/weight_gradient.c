@@ -1,4 +1,4 @@
-#include "engine/gradient.h"
+#include "engine/weight_gradient.h"
 
 #include <assert.h>
 

@@ -22,8 +22,8 @@
  *      however the scene is divided into slabs;
  *   D2 mirroring the scene along an axis mirrors its weights.
  */
-#ifndef ENGINE_GRADIENT_H
-#define ENGINE_GRADIENT_H
+#ifndef ENGINE_WEIGHT_GRADIENT_H
+#define ENGINE_WEIGHT_GRADIENT_H
 
 #include <stdint.h>
 
