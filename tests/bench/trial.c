@@ -1,3 +1,4 @@
+#include "show/draw.h"
 #include "show/pictures.h"
 #include "tests/bench/trial.h"
 
@@ -301,7 +302,10 @@ enum err trial_run(struct trial *trial, struct session *session, const struct se
     view.width = view.height = TRIAL_SIDE;
     session->now.outlook.look =
         look_default(LOOK_FIRST); /* faces of voxels, as the paper has them */
+    struct pictures *pictures; /* the session's, which hold the camera */
     enum err err = session_set_view(session, &view, fault);
+    if (!err)
+        err = pictures_begin(&pictures, session, fault);
     if (!err)
         err = work_new(&work, session, fault);
     if (!err) {
