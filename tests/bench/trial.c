@@ -1,5 +1,3 @@
-#include "show/draw.h"
-#include "show/pictures.h"
 #include "tests/bench/trial.h"
 
 #include <stdio.h>
@@ -13,6 +11,8 @@
 #include "render/shade.h"
 #include "tests/border_check.h"
 #include "session/session_inside.h"
+#include "show/draw.h"
+#include "show/pictures.h"
 
 const char *const experiment_name[EXPERIMENTS] = {"IFT + SP", "DIFT + SP", "BDIFT + BP",
                                                   "DIFT + II", "DIFT + scan + BP"};
