@@ -131,21 +131,6 @@ static enum err prepare_side(struct builds *b, struct side *side, const char *na
     return err ? err : file_make_folder(buf_text(&side->folder), fault);
 }
 
-static enum err prepare(struct builds *b, struct fault *fault)
-{
-    const char *scene = b->how->scene_path;
-    enum err err = whole_path(&b->commands, b->how->journal, fault);
-    if (!err && scene && file_exists(scene))
-        err = whole_path(&b->scene, scene, fault);
-    else if (scene)
-        buf_add_text(&b->scene, scene);
-    if (!err)
-        err = folder_passing(&b->folder, NULL, fault);
-    if (!err)
-        err = prepare_side(b, b->side, "this", "/proc/self/exe", fault);
-    return err ? err : prepare_side(b, b->side + 1, "other", b->how->other, fault);
-}
-
 /* Where the journal lies, and with nothing to read. What it prints to standard error is handed
  * back. */
 static void become(void *context, size_t number, struct buf *out)
@@ -232,7 +217,17 @@ enum err bisect_builds(const struct bisect_builds *how, const struct printer *pr
                        struct fault *fault)
 {
     struct builds b = {.how = how, .side = {{.name = "this build"}, {.name = how->other}}};
-    enum err err = prepare(&b, fault);
+    enum err err = whole_path(&b.commands, how->journal, fault);
+    if (!err && how->scene_path && file_exists(how->scene_path))
+        err = whole_path(&b.scene, how->scene_path, fault);
+    else if (how->scene_path)
+        buf_add_text(&b.scene, how->scene_path);
+    if (!err)
+        err = folder_passing(&b.folder, NULL, fault);
+    if (!err)
+        err = prepare_side(&b, b.side, "this", "/proc/self/exe", fault);
+    if (!err)
+        err = prepare_side(&b, b.side + 1, "other", how->other, fault);
     if (!err)
         err = run_both(&b, fault);
     for (int i = 0; !err && i < 2; i++)

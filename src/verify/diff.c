@@ -84,17 +84,6 @@ static enum err carry_out(struct interpreter *interp, const struct work *work,
     return err;
 }
 
-static void note_facts(struct diff_facts *facts, const struct session *session)
-{
-    memcpy(facts->size, session_scene(session)->grid.size, sizeof facts->size);
-    memcpy(facts->proof, session_proof(session), sizeof facts->proof);
-    memcpy(facts->label_name, session_kept(session)->label_name, sizeof facts->label_name);
-    facts->palette = session_kept(session)->palette;
-    facts->scene_digest = session_scene_digest(session);
-    facts->voxels = session_scene(session)->grid.voxels;
-    facts->pending = session_pendings(session);
-}
-
 /* Names and colours of labels that A has none of are B's. */
 static void borrow(struct kept *kept, const struct diff_facts *other, const struct overlap *overlap)
 {
@@ -122,10 +111,11 @@ static enum err draw(struct picture *picture, struct session *session, const str
     return err ? err : difference_picture_draw(picture, session, &difference_picture, fault);
 }
 
-/* Labels and picture to `out`, after the facts. */
+/* Notes the facts, and adds labels and picture to `out`, after them. */
 static enum err hand_back(struct buf *out, struct session *session, const struct work *work,
                           struct diff_facts *facts, struct fault *fault)
 {
+    const struct kept *kept = session_kept(session);
     const size_t voxels = session_scene(session)->grid.voxels;
     struct picture picture = {0};
     uint8_t *label = buf_reserve(out, voxels);
@@ -133,7 +123,13 @@ static enum err hand_back(struct buf *out, struct session *session, const struct
         return fault_memory(fault, "labels");
     copy_labels(label, session_scene(session));
     out->length += voxels;
-    note_facts(facts, session);
+    memcpy(facts->size, session_scene(session)->grid.size, sizeof facts->size);
+    memcpy(facts->proof, session_proof(session), sizeof facts->proof);
+    memcpy(facts->label_name, kept->label_name, sizeof facts->label_name);
+    facts->palette = kept->palette;
+    facts->scene_digest = session_scene_digest(session);
+    facts->voxels = voxels;
+    facts->pending = session_pendings(session);
     if (!work->other || memcmp(work->other->facts->size, facts->size, sizeof facts->size) != 0)
         return OK;
     const enum err err = draw(&picture, session, work, label, fault);
@@ -227,18 +223,6 @@ struct journals {
     struct first_difference first_difference;
     struct overlap overlap;
 };
-
-static enum err compare_labels(struct journals *j, struct fault *fault)
-{
-    const struct diff_facts *a = j->side[0].facts, *b = j->side[1].facts;
-    if (memcmp(a->size, b->size, sizeof a->size) != 0)
-        return fault_set(fault, ERR_INPUT,
-                         "scenes of %ux%ux%u and %ux%ux%u voxels: expected two of one size, whose "
-                         "labels can be compared",
-                         a->size[0], a->size[1], a->size[2], b->size[0], b->size[1], b->size[2]);
-    overlap_count(&j->overlap, j->side[0].labels, j->side[1].labels, a->voxels);
-    return OK;
-}
 
 /* ---- the picture ---- */
 
@@ -452,8 +436,14 @@ static enum err compare(struct journals *j, const struct printer *printer, struc
         err = carry_out_side(j->side + 1, o, 1, NULL, fault);
     if (!err)
         err = carry_out_side(j->side, o, 0, o->picture ? j->side + 1 : NULL, fault);
+    const struct diff_facts *a = j->side[0].facts, *b = j->side[1].facts;
+    if (!err && memcmp(a->size, b->size, sizeof a->size) != 0)
+        err = fault_set(fault, ERR_INPUT,
+                        "scenes of %ux%ux%u and %ux%ux%u voxels: expected two of one size, whose "
+                        "labels can be compared",
+                        a->size[0], a->size[1], a->size[2], b->size[0], b->size[1], b->size[2]);
     if (!err)
-        err = compare_labels(j, fault);
+        overlap_count(&j->overlap, j->side[0].labels, j->side[1].labels, a->voxels);
     if (!err)
         err = report(j, printer, fault);
     if (!err)

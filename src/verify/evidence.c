@@ -142,12 +142,15 @@ static enum err compare_texts(const struct picture *file, const struct picture *
     return OK;
 }
 
-static enum err judge_png(struct interpreter *interp, const struct golden_finding *finding,
-                          struct fault *fault)
+static enum err count(void *context, struct interpreter *interp,
+                      const struct golden_finding *finding, struct fault *fault)
 {
+    struct evidence_collector *collector = context;
     const struct picture *actual = finding->actual;
     struct buf path = {0}, bytes = {0};
     struct picture file = {0};
+    collector->goldens++;
+    collector->pixels += (uint64_t)actual->width * actual->height;
     buf_add(&path, finding->path, strlen(finding->path) - strlen("exr"));
     buf_add_text(&path, "png");
     enum err err = path.failed ? fault_memory(fault, "a path") : OK;
@@ -174,16 +177,6 @@ static enum err judge_png(struct interpreter *interp, const struct golden_findin
     buf_release(&bytes);
     buf_release(&path);
     return err;
-}
-
-static enum err count(void *context, struct interpreter *interp,
-                      const struct golden_finding *finding, struct fault *fault)
-{
-    struct evidence_collector *collector = context;
-    const struct picture *actual = finding->actual;
-    collector->goldens++;
-    collector->pixels += (uint64_t)actual->width * actual->height;
-    return judge_png(interp, finding, fault);
 }
 
 struct golden_judge evidence_judge(struct evidence_collector *collector)

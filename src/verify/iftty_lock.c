@@ -137,23 +137,18 @@ static bool is_golden(const char *text)
     return golden_name_is_valid(name) && is_hex(text + length + 1, 64);
 }
 
-static bool is_count(const char *text)
-{
-    int64_t count;
-    const char *at = text;
-    return (*text != '0' || !text[1]) && scan_integer(&at, 0, INT64_MAX, &count) && !*at;
-}
-
 /* Whether what follows the word is as it has to be. */
 static bool is_value(enum kind kind, const char *value)
 {
+    const char *at = value;
+    int64_t count;
     switch (kind) {
     case KIND_JOURNAL:
         return lock_name_is_valid(value);
     case KIND_CHAIN:
         return is_hex(value, RECORD_CHAIN_DIGITS);
     case KIND_RECORDS:
-        return is_count(value);
+        return (*value != '0' || !value[1]) && scan_integer(&at, 0, INT64_MAX, &count) && !*at;
     case KIND_SCENE:
         return is_hex(value, 16);
     default:
@@ -230,26 +225,6 @@ static enum err read_line(struct reading *r, const char *line, struct fault *fau
     return OK;
 }
 
-static enum err read_lines(struct reading *r, const char *at, const char *end, struct fault *fault)
-{
-    struct buf line = {0};
-    enum err err = OK;
-    for (r->number = 2; !err && at < end; r->number++) {
-        const char *feed = memchr(at, '\n', (size_t)(end - at));
-        buf_clear(&line);
-        if (feed)
-            buf_add(&line, at, (size_t)(feed - at));
-        if (!feed || strlen(buf_text(&line)) != line.length)
-            err = refuse(r, "a line of text that ends with a line feed", fault);
-        else
-            err =
-                line.failed ? fault_memory(fault, "a lock") : read_line(r, buf_text(&line), fault);
-        at = feed ? feed + 1 : end;
-    }
-    buf_release(&line);
-    return err;
-}
-
 enum err lock_read(struct lock *lock, const char *bytes, size_t length, struct fault *fault)
 {
     struct reading r = {.lock = lock, .before = KINDS, .number = 1};
@@ -258,7 +233,22 @@ enum err lock_read(struct lock *lock, const char *bytes, size_t length, struct f
         lock->version = (unsigned)(bytes[before] - '0');
     if (lock->version < 1 || lock->version > LOCK_VERSION)
         return refuse(&r, "`# iftty lock 2`, or 1", fault);
-    enum err err = read_lines(&r, bytes + begin, bytes + length, fault);
+    struct buf line = {0};
+    const char *at = bytes + begin, *end = bytes + length;
+    enum err err = OK;
+    for (r.number = 2; !err && at < end; r.number++) {
+        const char *feed = memchr(at, '\n', (size_t)(end - at));
+        buf_clear(&line);
+        if (feed)
+            buf_add(&line, at, (size_t)(feed - at));
+        if (!feed || strlen(buf_text(&line)) != line.length)
+            err = refuse(&r, "a line of text that ends with a line feed", fault);
+        else
+            err =
+                line.failed ? fault_memory(fault, "a lock") : read_line(&r, buf_text(&line), fault);
+        at = feed ? feed + 1 : end;
+    }
+    buf_release(&line);
     if (!err && (r.before == KIND_JOURNAL || r.before == KIND_CHAIN))
         err = refuse(&r, "the rest of a journal's lines", fault);
     if (!err && !keep_journal(&r))

@@ -205,20 +205,6 @@ static void add_line(struct buf *lines, const char *what, const char *name)
     buf_add_char(lines, '\n');
 }
 
-/* Journals that are gone go from the lock as well. */
-static void drop_missing(struct lock_plan *plan, struct buf *lines)
-{
-    for (size_t i = 0; i < plan->lock.count;) {
-        const char *name = plan->lock.entry[i].name;
-        if (name_list_has(&plan->name, name)) {
-            i++;
-            continue;
-        }
-        add_line(lines, "no longer in the lock:", name);
-        lock_remove(&plan->lock, name);
-    }
-}
-
 enum err lock_plan_write(struct lock_plan *plan, const char *const *facts, struct buf *lines,
                          struct fault *fault)
 {
@@ -228,8 +214,15 @@ enum err lock_plan_write(struct lock_plan *plan, const char *const *facts, struc
     if (plan->lock.version < LOCK_VERSION)
         add_line(lines, "in the present form, which pins PNGs too:", plan->path);
     plan->lock.version = LOCK_VERSION;
-    if (plan->is_whole)
-        drop_missing(plan, lines);
+    for (size_t i = 0; plan->is_whole && i < plan->lock.count;) { /* those that are gone go */
+        const char *name = plan->lock.entry[i].name;
+        if (name_list_has(&plan->name, name)) {
+            i++;
+            continue;
+        }
+        add_line(lines, "no longer in the lock:", name);
+        lock_remove(&plan->lock, name);
+    }
     for (size_t i = 0; fine && i < plan->name.count; i++) {
         const char *name = plan->name.name[i], *former = lock_facts_of(&plan->lock, name);
         if (former && strcmp(former, facts[i]) == 0)

@@ -77,12 +77,6 @@ static void close_bytes(int descriptor)
         close(descriptor);
 }
 
-/* path = JOURNAL.sig, where the signature of a journal lies. */
-static void signature_path(struct buf *path, const char *journal)
-{
-    buf_printf(path, "%s.sig", journal);
-}
-
 /* ---- making ---- */
 
 enum err signature_make(const char *journal, const struct buf *bytes, const char *key,
@@ -92,7 +86,7 @@ enum err signature_make(const char *journal, const struct buf *bytes, const char
                                     SIGNATURE_NAMESPACE, "-f", key,  NULL};
     struct buf path = {0}, draft = {0}, said = {0};
     int input = -1, status = 0;
-    signature_path(&path, journal);
+    buf_printf(&path, "%s.sig", journal);
     enum err err = path.failed ? fault_memory(fault, "a path")
                                : file_draft(&draft, buf_text(&path), FILE_KEEP, fault);
     if (!err)
@@ -123,14 +117,6 @@ static const char *last_line(struct buf *said)
         said->data[--said->length] = '\0';
     const char *feed = said->length ? strrchr(said->data, '\n') : NULL;
     return feed ? feed + 1 : buf_text(said);
-}
-
-/* The first one, which says why nobody was found. */
-static const char *first_line(struct buf *said)
-{
-    if (said->length)
-        said->data[strcspn(said->data, "\n")] = '\0';
-    return buf_text(said);
 }
 
 /* A question about a signature. */
@@ -175,8 +161,9 @@ static enum err find_principals(struct buf *principals, const struct checking *c
     enum err err = ask(c, word, &status, principals, fault);
     if (!err && (status || !principals->length))
         err = fault_set(fault, ERR_CHECK,
-                        "its signature is by nobody whom %s names, or is none: ssh-keygen: %s",
-                        c->rules->allowed, first_line(principals));
+                        "its signature is by nobody whom %s names, or is none: ssh-keygen: %.*s",
+                        c->rules->allowed, (int)strcspn(buf_text(principals), "\n"),
+                        buf_text(principals));
     return err;
 }
 
@@ -342,7 +329,7 @@ enum err signature_check(struct buf *who, const char *journal, const struct buf 
 {
     struct buf path = {0}, principals = {0};
     struct checking c = {.rules = rules, .input = -1, .watch = watch};
-    signature_path(&path, journal);
+    buf_printf(&path, "%s.sig", journal);
     c.path = buf_text(&path);
     enum err err = path.failed ? fault_memory(fault, "a path") : check_files(c.path, rules, fault);
     if (!err)

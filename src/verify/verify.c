@@ -122,9 +122,9 @@ static void place_evidence(struct buf *folder, const struct verify_options *opti
 static enum err judge_pinned(const struct lock_plan *plan, size_t number,
                              struct verify_result *result, struct fault *fault)
 {
-    const char *pinned = plan && !plan->updates ? lock_plan_pinned(plan, number) : "";
     if (!plan || plan->updates)
         return OK;
+    const char *pinned = lock_plan_pinned(plan, number);
     if (!pinned)
         return fault_set(fault, ERR_CHECK, "added: %s does not name it; --update-lock takes it in",
                          plan->path);

@@ -340,32 +340,27 @@ static void github_summary(struct buf *out, const struct verify_result *result, 
     }
 }
 
-/* After what other steps have left there. */
-static enum err append(const char *path, const struct buf *text, struct fault *fault)
-{
-    struct buf whole = {0};
-    enum err err = file_exists(path) ? file_read(&whole, path, SUMMARY_MOST, fault) : OK;
-    buf_add(&whole, buf_text(text), text->length);
-    if (!err && (whole.failed || text->failed))
-        err = fault_memory(fault, "a summary");
-    if (!err)
-        err = file_write(path, buf_text(&whole), whole.length, FILE_REPLACE, fault);
-    buf_release(&whole);
-    return err;
-}
-
 void github_report(const struct verify_result *result, size_t count, const struct printer *printer)
 {
     const char *actions = getenv("GITHUB_ACTIONS"), *path = getenv("GITHUB_STEP_SUMMARY");
-    struct buf errors = {0}, summary = {0};
+    struct buf errors = {0}, summary = {0}, whole = {0};
     struct fault fault;
     if (!actions || !*actions)
         return;
     github_errors(&errors, result, count);
     github_summary(&summary, result, count);
-    if (path && *path && append(path, &summary, &fault))
-        buf_printf(&errors, "# there is no summary: %s\n", fault.text);
+    if (path && *path) { /* after what other steps have left there */
+        enum err err = file_exists(path) ? file_read(&whole, path, SUMMARY_MOST, &fault) : OK;
+        buf_add(&whole, buf_text(&summary), summary.length);
+        if (!err && (whole.failed || summary.failed))
+            err = fault_memory(&fault, "a summary");
+        if (!err)
+            err = file_write(path, buf_text(&whole), whole.length, FILE_REPLACE, &fault);
+        if (err)
+            buf_printf(&errors, "# there is no summary: %s\n", fault.text);
+    }
     printer->warn(printer->context, buf_text(&errors));
     buf_release(&errors);
     buf_release(&summary);
+    buf_release(&whole);
 }
