@@ -30,16 +30,6 @@ static uint32_t voxel_at(const struct golden_planes *planes, size_t pixel)
     return voxel ? voxel[pixel] : 0;
 }
 
-static bool shapes_differ(const struct golden_planes *a, const struct golden_planes *b)
-{
-    if (a->width != b->width || a->height != b->height)
-        return true;
-    for (enum golden_plane plane = 0; plane < GOLDEN_PLANES; plane++)
-        if (!a->plane[plane] != !b->plane[plane])
-            return true;
-    return false;
-}
-
 static void print_sample(char out[64], const struct golden_planes *planes, enum golden_plane plane,
                          size_t pixel)
 {
@@ -96,7 +86,9 @@ enum err golden_compare(const struct golden_planes *expected, const struct golde
 {
     size_t pixels, bytes;
     *out = (struct golden_difference){.width = expected->width, .height = expected->height};
-    out->shape_differs = shapes_differ(expected, actual);
+    out->shape_differs = expected->width != actual->width || expected->height != actual->height;
+    for (enum golden_plane plane = 0; plane < GOLDEN_PLANES; plane++)
+        out->shape_differs |= !expected->plane[plane] != !actual->plane[plane];
     if (out->shape_differs)
         return OK;
     if (!size_multiply(expected->width, expected->height, &pixels) ||

@@ -39,14 +39,6 @@ static bool is_control(char c)
     return (unsigned char)c < 0x20 || c == 0x7F;
 }
 
-/* The first control character of `text`, or its end. */
-static const char *find_control(const char *text)
-{
-    while (*text && !is_control(*text))
-        text++;
-    return text;
-}
-
 enum err record_judge(const struct record *record, struct fault *fault)
 {
     const char *what = NULL;
@@ -99,13 +91,6 @@ static bool parse_header(const char *line, size_t length, unsigned *format, unsi
     return true;
 }
 
-/* `text` begins as headers do, and so may be one that cannot be read. */
-static bool is_meant_as_header(const char *text, size_t length)
-{
-    const size_t begin = sizeof header_begin - 1;
-    return length >= begin && memcmp(text, header_begin, begin) == 0;
-}
-
 /* `text` is one byte or more of the beginning of a header of ours, its line feed not among them. */
 static bool is_begun_header(const char *text, size_t length)
 {
@@ -149,7 +134,9 @@ static enum err line_check(const char *what, const char *line, struct fault *fau
 {
     if (strlen(line) > RECORD_LINE_MAX)
         return fault_set(fault, ERR_LIMIT, "%s is longer than %d bytes", what, RECORD_LINE_MAX);
-    const char *control = find_control(line);
+    const char *control = line;
+    while (*control && !is_control(*control))
+        control++;
     if (*control)
         return fault_set(fault, ERR_INPUT,
                          "%s holds the control character %02x at its byte %zu: %.200s", what,
@@ -410,7 +397,8 @@ static enum err read_header(struct walk *walk, struct fault *fault)
     unsigned format;
     const bool is_begun =
         !feed && (length ? is_begun_header(walk->bytes, length) : walk->length > 0);
-    if (!is_begun && !is_meant_as_header(walk->bytes, first)) {
+    const size_t begin = sizeof header_begin - 1; /* begun so: meant as one */
+    if (!is_begun && (first < begin || memcmp(walk->bytes, header_begin, begin) != 0)) {
         /* A file of another kind: in a long one, what it begins with shows that it is no text. */
         const char *zero = memchr(walk->bytes, '\0', walk->length < SECTOR ? walk->length : SECTOR);
         return zero ? fault_set(fault, ERR_INPUT,

@@ -103,18 +103,6 @@ static bool find_holder(struct buf *out, const struct stat *status)
     return found;
 }
 
-static enum err fault_held(const struct stat *status, const char *path, struct fault *fault)
-{
-    struct buf words = {0};
-    const bool known = find_holder(&words, status);
-    enum err err = fault_set(fault, ERR_IO,
-                             "%s is being written by another session%s%s; it is unchanged, and "
-                             "--read-only opens it for looking",
-                             path, known ? ", " : "", known ? buf_text(&words) : "");
-    buf_release(&words);
-    return err;
-}
-
 /* ---- where the system has none ---- */
 
 /* "5b1f0e3c2a79d04-4d2-1a2b3c", a line feed, "process 1234 on the machine porto" */
@@ -212,9 +200,16 @@ enum err file_lock_take(struct file_lock *lock, int fd, const char *path, struct
         return OK;
     if (errno == ENOLCK || errno == EOPNOTSUPP || errno == ENOSYS || errno == EINVAL)
         return take_lock_file(lock, path, fault);
-    if (errno == EWOULDBLOCK && fstat(fd, &status) == 0)
-        return fault_held(&status, path, fault);
-    return fault_errno(fault, "lock", path);
+    if (errno != EWOULDBLOCK || fstat(fd, &status) != 0)
+        return fault_errno(fault, "lock", path);
+    struct buf holder = {0};
+    const bool known = find_holder(&holder, &status);
+    fault_set(fault, ERR_IO,
+              "%s is being written by another session%s%s; it is unchanged, and --read-only opens "
+              "it for looking",
+              path, known ? ", " : "", known ? buf_text(&holder) : "");
+    buf_release(&holder);
+    return ERR_IO;
 }
 
 void file_lock_release(struct file_lock *lock)
