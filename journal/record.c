@@ -24,11 +24,6 @@ enum {
 
 const struct record_chain record_chain_zero = {"00000000000000000000000000000000"};
 
-static bool is_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
-
 static bool is_lower(char c)
 {
     return c >= 'a' && c <= 'z';
@@ -101,7 +96,7 @@ static bool is_begun_header(const char *text, size_t length)
     if (length == 0 || length > whole + VERSION_DIGITS || memcmp(text, begin, both) != 0)
         return false;
     for (size_t i = both; i < length; i++)
-        if (!is_digit(text[i]) || text[both] == '0')
+        if (!scan_is_digit(text[i]) || text[both] == '0')
             return false;
     return true;
 }
@@ -115,7 +110,7 @@ static bool take_seal(const char *line, size_t length, struct record_chain *chai
         return false;
     const char *digit = line + length - RECORD_CHAIN_DIGITS;
     for (unsigned i = 0; i < RECORD_CHAIN_DIGITS; i++)
-        if (!is_digit(digit[i]) && !(digit[i] >= 'a' && digit[i] <= 'f'))
+        if (!scan_is_digit(digit[i]) && !(digit[i] >= 'a' && digit[i] <= 'f'))
             return false;
     memcpy(chain->hex, digit, RECORD_CHAIN_DIGITS);
     chain->hex[RECORD_CHAIN_DIGITS] = '\0';
@@ -176,7 +171,7 @@ bool record_word_next(const char **cursor, const char *end, struct record_word *
     if (at == end || !is_lower(*at))
         return false;
     word->key = at;
-    while (at < end && (is_lower(*at) || is_digit(*at) || *at == '_' || *at == '-'))
+    while (at < end && (is_lower(*at) || scan_is_digit(*at) || *at == '_' || *at == '-'))
         at++;
     word->key_length = (size_t)(at - word->key);
     if (at == end || *at++ != '=')
@@ -301,7 +296,7 @@ static bool parse_result(const char *line, size_t length, struct result *result)
     at += 2;
     result->number = 0;
     const char *digits = at;
-    for (; at < end && is_digit(*at) && at - digits < NUMBER_DIGITS_MAX; at++)
+    for (; at < end && scan_is_digit(*at) && at - digits < NUMBER_DIGITS_MAX; at++)
         result->number = 10 * result->number + (uint64_t)(*at - '0');
     if (at == digits || (at < end && *at != ' '))
         return false;

@@ -289,17 +289,6 @@ static void write_first_difference(struct buf *out, const struct journals *j)
     }
 }
 
-static void write_scenes(struct buf *out, const struct journals *j)
-{
-    const struct diff_facts *f = j->side[0].facts;
-    if (scenes_are_same(j))
-        buf_printf(out, "scenes    the same: %ux%ux%u voxels, SHA-256 %s\n", f->size[0], f->size[1],
-                   f->size[2], f->proof);
-    else
-        buf_printf(out, "scenes    not the same; both have %ux%ux%u voxels\n", f->size[0],
-                   f->size[1], f->size[2]);
-}
-
 static void write_labels(struct buf *out, const struct journals *j)
 {
     const struct overlap *o = &j->overlap;
@@ -409,7 +398,13 @@ static enum err report(const struct journals *j, const struct printer *printer, 
     if (j->options->json) {
         write_json(&text, j);
     } else {
-        write_scenes(&text, j);
+        const struct diff_facts *f = j->side[0].facts;
+        if (scenes_are_same(j))
+            buf_printf(&text, "scenes    the same: %ux%ux%u voxels, SHA-256 %s\n", f->size[0],
+                       f->size[1], f->size[2], f->proof);
+        else
+            buf_printf(&text, "scenes    not the same; both have %ux%ux%u voxels\n", f->size[0],
+                       f->size[1], f->size[2]);
         write_labels(&text, j);
     }
     const enum err said = give(&text, printer->print, printer, fault);

@@ -546,11 +546,6 @@ enum err lock_plan_make(struct lock_plan *plan, const char *path, bool updates, 
     return err ? err : make_paths(plan, fault);
 }
 
-const char *lock_plan_pinned(const struct lock_plan *plan, size_t number)
-{
-    return lock_facts_of(&plan->lock, plan->name.name[number]);
-}
-
 void lock_plan_release(struct lock_plan *plan)
 {
     for (size_t i = 0; plan->journal && i < plan->name.count; i++)

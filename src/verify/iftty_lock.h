@@ -50,7 +50,6 @@ void lock_write(struct buf *out, const struct lock *lock);
 
 /* Of the journal of that name, or NULL. */
 const char *lock_facts_of(const struct lock *lock, const char *name);
-
 void lock_release(struct lock *lock);
 
 /* Adds a line "#   pinned   ..." for each fact that differs, is gone or is new, of those that a
@@ -88,9 +87,6 @@ struct lock_plan {
  * To be released, whatever is returned. */
 enum err lock_plan_make(struct lock_plan *plan, const char *path, bool updates, char *const *named,
                         size_t count, struct fault *fault);
-
-/* What the lock says of the journal with this number: facts, or NULL where it does not name it. */
-const char *lock_plan_pinned(const struct lock_plan *plan, size_t number);
 
 /* Writes the lock anew, with facts[i] for the journal with number i, and adds lines about it. */
 enum err lock_plan_write(struct lock_plan *plan, const char *const *facts, struct buf *lines,

@@ -104,14 +104,6 @@ static void take(const struct pool *pool, struct process *process)
         close_pipe(process);
 }
 
-/* Where the parent of this program ignores SIGCHLD, a process that has ended left no status. */
-static bool has_ended(struct process *process)
-{
-    const pid_t id = waitpid(process->id, &process->end.status, WNOHANG);
-    process->is_over = id == process->id || (id < 0 && errno == ECHILD);
-    return process->is_over;
-}
-
 /* P2: what stands in the pipe is still taken, though another process may go on filling it. */
 static void end(struct pool *pool, struct process *process)
 {
@@ -147,9 +139,14 @@ static void listen_to_all(struct pool *pool)
         for (unsigned i = 0; i < PROCESSES_MOST; i++)
             if (wait[i].revents)
                 take(pool, pool->process + i);
-    for (unsigned i = 0; i < PROCESSES_MOST; i++)
-        if (pool->process[i].id && has_ended(pool->process + i))
-            end(pool, pool->process + i);
+    for (unsigned i = 0; i < PROCESSES_MOST; i++) {
+        struct process *process = pool->process + i;
+        const pid_t id = process->id ? waitpid(process->id, &process->end.status, WNOHANG) : 0;
+        /* Where the parent of this program ignores SIGCHLD, none leaves a status. */
+        process->is_over = process->id && (id == process->id || (id < 0 && errno == ECHILD));
+        if (process->is_over)
+            end(pool, process);
+    }
 }
 
 enum err processes_run(const struct processes *how, struct fault *fault)
