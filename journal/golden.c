@@ -132,19 +132,6 @@ static void write_kind(struct buf *out, const struct golden_difference *d)
                           : "; colours alone differ, labels and voxels are the same");
 }
 
-/* What is seen under the first pixel that differs; UINT32_MAX is nothing. */
-static void write_voxels(struct buf *out, uint32_t expected, uint32_t actual)
-{
-    if (expected == actual)
-        return;
-    if (actual == UINT32_MAX)
-        buf_printf(out, "; it shows nothing instead of voxel %" PRIu32, expected);
-    else if (expected == UINT32_MAX)
-        buf_printf(out, "; it shows voxel %" PRIu32 " where nothing was", actual);
-    else
-        buf_printf(out, "; it shows voxel %" PRIu32 " instead of %" PRIu32, actual, expected);
-}
-
 void golden_describe(struct buf *out, const struct golden_difference *difference)
 {
     if (difference->is_same) {
@@ -159,7 +146,14 @@ void golden_describe(struct buf *out, const struct golden_difference *difference
                    difference->column, difference->row, plane_name[difference->plane],
                    difference->actual, difference->expected);
         write_kind(out, difference);
-        write_voxels(out, difference->expected_voxel, difference->actual_voxel);
+        /* What is seen under that pixel; UINT32_MAX is nothing. */
+        const uint32_t expected = difference->expected_voxel, actual = difference->actual_voxel;
+        if (expected != actual && actual == UINT32_MAX)
+            buf_printf(out, "; it shows nothing instead of voxel %" PRIu32, expected);
+        else if (expected != actual && expected == UINT32_MAX)
+            buf_printf(out, "; it shows voxel %" PRIu32 " where nothing was", actual);
+        else if (expected != actual)
+            buf_printf(out, "; it shows voxel %" PRIu32 " instead of %" PRIu32, actual, expected);
     }
 }
 

@@ -210,32 +210,12 @@ static enum err take_over(struct journal *journal, const struct buf *bytes,
     return err ? err : append_bytes(journal, &journal->header, false, fault);
 }
 
-static enum err take_bytes(struct journal *journal, const struct buf *bytes,
-                           const struct journal_resume *resume, struct buf *notice,
-                           struct fault *fault)
-{
-    struct walk sound, walk;
-    struct record record;
-    enum err err = survey(&sound, bytes, resume, fault);
-    if (!err && resume->on_record && sound.records > 0) {
-        err = walk_begin(&walk, bytes->data, sound.offset, fault);
-        while (!err && walk_next_sound(&walk, &record) == WALK_RECORD)
-            err = resume->on_record(resume->context, &record, fault);
-        assert(err || walk.records == sound.records);
-        walk_release(&walk);
-    }
-    if (err)
-        fault_prefix(fault, err, "cannot continue %s", journal_path(journal));
-    else
-        err = take_over(journal, bytes, &sound, notice, fault);
-    walk_release(&sound);
-    return err;
-}
-
 enum err journal_open(struct journal **out, const char *path, const struct journal_resume *resume,
                       struct buf *notice, struct fault *fault)
 {
     struct journal *journal;
+    struct walk sound, walk;
+    struct record record;
     struct buf bytes = {0};
     *out = NULL;
     if (notice)
@@ -249,8 +229,21 @@ enum err journal_open(struct journal **out, const char *path, const struct journ
         err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
     if (!err && journal->log && bytes.length != file_log_length(journal->log))
         err = fault_set(fault, ERR_IO, "%s changed while it was opened", path);
-    if (!err)
-        err = take_bytes(journal, &bytes, resume, notice, fault);
+    if (!err) {
+        err = survey(&sound, &bytes, resume, fault);
+        if (!err && resume->on_record && sound.records > 0) {
+            err = walk_begin(&walk, bytes.data, sound.offset, fault);
+            while (!err && walk_next_sound(&walk, &record) == WALK_RECORD)
+                err = resume->on_record(resume->context, &record, fault);
+            assert(err || walk.records == sound.records);
+            walk_release(&walk);
+        }
+        if (err)
+            fault_prefix(fault, err, "cannot continue %s", path);
+        else
+            err = take_over(journal, &bytes, &sound, notice, fault);
+        walk_release(&sound);
+    }
     buf_release(&bytes);
     if (err)
         journal_close(journal);

@@ -536,17 +536,6 @@ static const char *line_fault(const struct walk *walk, const struct line *line)
     return NULL;
 }
 
-static const char *command_fault(const struct walk *walk, const struct line *line)
-{
-    if (line_is_result(line))
-        return "a result line stands without its command";
-    if (walk->is_journal && is_blank(*line->text))
-        return "a command line begins with a blank";
-    if (walk->is_journal && is_sealed(line->text, line->length))
-        return "a result line is malformed or runs into the line before";
-    return NULL;
-}
-
 static void set_text(struct buf *text, const char *bytes, size_t length)
 {
     buf_clear(text);
@@ -595,8 +584,12 @@ static enum walk_step find_command(struct walk *walk, struct position *at, struc
         for (; !walk->is_journal && line->length > 0 && is_blank(*line->text); line->text++)
             line->length--;
     } while (line->length == 0 || *line->text == '#');
-    if ((wrong = command_fault(walk, line)))
-        return end_damaged(walk, line, wrong);
+    if (line_is_result(line))
+        return end_damaged(walk, line, "a result line stands without its command");
+    if (walk->is_journal && is_blank(*line->text))
+        return end_damaged(walk, line, "a command line begins with a blank");
+    if (walk->is_journal && is_sealed(line->text, line->length))
+        return end_damaged(walk, line, "a result line is malformed or runs into the line before");
     return WALK_RECORD;
 }
 

@@ -190,26 +190,22 @@ static void add_wrapped(struct buf *out, const char *text, size_t at, size_t col
     }
 }
 
-static void add_option(struct buf *out, const struct option *option)
-{
-    const size_t before = out->length;
-    buf_printf(out, "%*s%s", INDENT, "", option->name);
-    if (option->value)
-        buf_add_char(out, ' ');
-    if (option->add_choices)
-        option->add_choices(out, "|", "|");
-    else if (option->value)
-        buf_add_text(out, option->value);
-    add_wrapped(out, option->help, out->length - before, OPTION_COLUMN);
-}
-
 /* But the option that a form is called by: its usage has it. */
 static void add_options(struct buf *out, const struct program_table *table,
                         const struct program *program)
 {
-    for (const uint8_t *o = program->option; *o; o++)
-        if (*table->option.row[*o].help)
-            add_option(out, &table->option.row[*o]);
+    for (const uint8_t *o = program->option; *o; o++) {
+        const struct option *option = table->option.row + *o;
+        const size_t before = out->length;
+        if (!*option->help)
+            continue;
+        buf_printf(out, "%*s%s%s", INDENT, "", option->name, option->value ? " " : "");
+        if (option->add_choices)
+            option->add_choices(out, "|", "|");
+        else if (option->value)
+            buf_add_text(out, option->value);
+        add_wrapped(out, option->help, out->length - before, OPTION_COLUMN);
+    }
 }
 
 static void add_paragraphs(struct buf *out, const char *text)

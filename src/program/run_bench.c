@@ -251,23 +251,6 @@ static void write_way_json(struct json *json, struct way *way)
     json_fixed(json, "bytes_per_voxel", way->bytes_per_voxel, 2);
 }
 
-/* Opens that scene, or if `wish` is NULL, the usual one; `name` is what the figures call it. */
-static enum err open_scene(struct interpreter *interp, const char *wish, const char **name,
-                           struct fault *fault)
-{
-    struct buf path = {0};
-    *name = wish ? wish : "ch2.nii.gz";
-    enum err err = interpreter_find_scene(interp, *name, false, &path, fault);
-    if (err && !wish) {
-        *name = "synth:geom";
-        err = interpreter_find_scene(interp, *name, false, &path, fault);
-    }
-    if (!err)
-        err = session_open(interp->session, buf_text(&path), NULL, fault);
-    buf_release(&path);
-    return err;
-}
-
 /* ---- pictures on their way to a terminal ---- */
 
 enum {
@@ -500,14 +483,21 @@ static void print_json(struct way *way, const struct costs *costs)
 enum err run_bench_brain(const struct options *o, struct fault *fault)
 {
     struct interpreter interp;
+    struct buf path = {0};
     if (o->words && strcmp(o->word[0], "brain") != 0)
         return fault_set(fault, ERR_USAGE, "bench: expected brain or terminal, not %s", o->word[0]);
     struct way *way = mem_new(sizeof *way);
     enum err err = interpreter_init(&interp, fault);
     if (!err && !way)
         err = fault_memory(fault, "a benchmark");
+    if (!err) {
+        way->scene = o->scene ? o->scene : "ch2.nii.gz";
+        err = interpreter_find_scene(&interp, way->scene, false, &path, fault);
+        if (err && !o->scene)
+            err = interpreter_find_scene(&interp, way->scene = "synth:geom", false, &path, fault);
+    }
     if (!err)
-        err = open_scene(&interp, o->scene, &way->scene, fault);
+        err = session_open(interp.session, buf_text(&path), NULL, fault);
     if (!err)
         err = time_session(&interp, way, fault);
     if (!err && o->json)
@@ -515,6 +505,7 @@ enum err run_bench_brain(const struct options *o, struct fault *fault)
     else if (!err)
         print_way(way);
     free(way);
+    buf_release(&path);
     interpreter_release(&interp);
     return err;
 }

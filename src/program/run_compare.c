@@ -91,26 +91,11 @@ static enum err open_scene(struct pair *pair, struct fault *fault)
 
 /* ---- answers ---- */
 
-static enum err write_picture(struct pair *pair, const struct comparison_report *report,
-                              struct fault *fault)
-{
-    const uint32_t *place =
-        comparison_farthest(&pair->comparison, session_outlook(pair->session)->slices.cross);
-    struct picture picture = {0};
-    if (!pair->options->picture)
-        return OK;
-    enum err err =
-        comparison_picture_draw(&picture, pair->session, &pair->compared, report, place, fault);
-    if (!err)
-        err = image_write_png(pair->options->picture, &picture, fault);
-    picture_release(&picture);
-    return err;
-}
-
 static enum err compare(struct pair *pair, struct team *team, struct fault *fault)
 {
     static const char no_name[256][LABEL_NAME_BYTES];
     const struct options *o = pair->options;
+    struct picture picture = {0};
     struct buf text = {0};
     const struct comparison_report report = {
         &pair->comparison, {o->word[0], o->word[1]}, no_name, &pair->geometry};
@@ -123,8 +108,15 @@ static enum err compare(struct pair *pair, struct team *team, struct fault *faul
     }
     if (!err)
         err = comparison_make(&pair->comparison, &pair->compared, team, console_watch(), fault);
-    if (!err)
-        err = write_picture(pair, &report, fault);
+    if (!err && o->picture) {
+        const uint32_t *place =
+            comparison_farthest(&pair->comparison, session_outlook(pair->session)->slices.cross);
+        err = comparison_picture_draw(&picture, pair->session, &pair->compared, &report, place,
+                                      fault);
+        if (!err)
+            err = image_write_png(o->picture, &picture, fault);
+        picture_release(&picture);
+    }
     if (!err) {
         (o->json  ? comparison_write_json
          : o->csv ? comparison_write_csv

@@ -366,11 +366,6 @@ static enum err provenance_write(struct buf *out, const char *name, const char *
 
 /* ---- the forms ---- */
 
-static enum err read_journal(struct buf *bytes, const struct options *o, struct fault *fault)
-{
-    return file_read(bytes, o->word[0], JOURNAL_BYTES_MAX, fault);
-}
-
 /* What `write` makes of a journal, printed also where it ends with an error: line by line, without
  * what a terminal would obey. */
 static enum err print_written(enum err (*write)(struct buf *out, const char *bytes, size_t length,
@@ -378,7 +373,7 @@ static enum err print_written(enum err (*write)(struct buf *out, const char *byt
                               const struct options *o, struct fault *fault)
 {
     struct buf bytes = {0}, text = {0}, line = {0};
-    enum err err = read_journal(&bytes, o, fault);
+    enum err err = file_read(&bytes, o->word[0], JOURNAL_BYTES_MAX, fault);
     if (!err)
         err = write(&text, buf_text(&bytes), bytes.length, fault);
     if (err && bytes.length)
@@ -460,7 +455,7 @@ enum err run_log_graph(const struct options *o, struct fault *fault)
 enum err run_log_export(const struct options *o, struct fault *fault)
 {
     struct buf bytes = {0}, text = {0};
-    enum err err = read_journal(&bytes, o, fault);
+    enum err err = file_read(&bytes, o->word[0], JOURNAL_BYTES_MAX, fault);
     if (!err)
         err = provenance_write(&text, file_name(o->word[0]), buf_text(&bytes), bytes.length,
                                o->anonymise, fault);
@@ -490,7 +485,7 @@ enum err run_log_sign(const struct options *o, struct fault *fault)
 {
     struct buf bytes = {0}, line = {0};
     struct journal_condition condition;
-    enum err err = read_journal(&bytes, o, fault);
+    enum err err = file_read(&bytes, o->word[0], JOURNAL_BYTES_MAX, fault);
     console_handle_interrupts();
     if (!err) {
         err = journal_check(&condition, buf_text(&bytes), bytes.length, fault);

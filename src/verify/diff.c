@@ -8,6 +8,7 @@
 #include "base/json.h"
 #include "base/mem.h"
 #include "base/version.h"
+#include "engine/labels.h"
 #include "engine/overlap.h"
 #include "image/image_helper.h"
 #include "verify/difference_picture.h"
@@ -52,17 +53,6 @@ struct work {
     const struct diff_side *other; /* B, for A's picture; or NULL */
 };
 
-static void copy_labels(uint8_t *label, const struct scene *scene)
-{
-    const struct grid *grid = &scene->grid;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++)
-                *label++ = scene->cell[c].label;
-        }
-}
-
 /* A journal that was edited by hand, and gives the results it records, is taken with a warning. */
 static enum err carry_out(struct interpreter *interp, const struct work *work,
                           struct diff_facts *facts, struct fault *fault)
@@ -84,18 +74,6 @@ static enum err carry_out(struct interpreter *interp, const struct work *work,
     return err;
 }
 
-/* Names and colours of labels that A has none of are B's. */
-static void borrow(struct kept *kept, const struct diff_facts *other, const struct overlap *overlap)
-{
-    for (int label = 1; label < 256; label++) {
-        if (overlap->a[label])
-            continue;
-        memcpy(kept->palette.rgb[label], other->palette.rgb[label], 3);
-        if (!kept->label_name[label][0])
-            memcpy(kept->label_name[label], other->label_name[label], LABEL_NAME_BYTES);
-    }
-}
-
 static enum err draw(struct picture *picture, struct session *session, const struct work *work,
                      const uint8_t *label, struct fault *fault)
 {
@@ -105,8 +83,15 @@ static enum err draw(struct picture *picture, struct session *session, const str
         .name = {file_name(work->options->path[0]), file_name(work->options->path[1])},
         .label = {label, work->other->labels},
         .overlap = &overlap};
+    const struct diff_facts *other = work->other->facts;
     struct state next = *session_state(session);
-    borrow(&next.kept, work->other->facts, &overlap);
+    for (int l = 1; l < 256; l++) { /* names and colours that A has none of are B's */
+        if (overlap.a[l])
+            continue;
+        memcpy(next.kept.palette.rgb[l], other->palette.rgb[l], 3);
+        if (!next.kept.label_name[l][0])
+            memcpy(next.kept.label_name[l], other->label_name[l], LABEL_NAME_BYTES);
+    }
     const enum err err = session_go(session, &next, NULL, 0, fault);
     return err ? err : difference_picture_draw(picture, session, &difference_picture, fault);
 }
@@ -121,7 +106,12 @@ static enum err hand_back(struct buf *out, struct session *session, const struct
     uint8_t *label = buf_reserve(out, voxels);
     if (!label)
         return fault_memory(fault, "labels");
-    copy_labels(label, session_scene(session));
+    const struct labels labels = labels_of_forest(session_scene(session));
+    const struct grid *grid = &labels.scene->grid;
+    uint8_t *to = label;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++, to += grid->size[0])
+            labels_copy_row(&labels, grid_row(grid, y, z), to);
     out->length += voxels;
     memcpy(facts->size, session_scene(session)->grid.size, sizeof facts->size);
     memcpy(facts->proof, session_proof(session), sizeof facts->proof);

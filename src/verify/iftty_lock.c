@@ -474,17 +474,6 @@ static enum err add_named(struct lock_plan *plan, const char *path, const char *
     return err;
 }
 
-static enum err take_named(struct lock_plan *plan, char *const *named, size_t count,
-                           struct fault *fault)
-{
-    char *home = real_folder(plan->path);
-    enum err err = home ? OK : fault_errno(fault, "find the folder of", plan->path);
-    for (size_t i = 0; !err && i < count; i++)
-        err = add_named(plan, named[i], home, fault);
-    free(home);
-    return err;
-}
-
 /* Those of the lock, and those of its folder. */
 static enum err take_all(struct lock_plan *plan, struct fault *fault)
 {
@@ -538,8 +527,14 @@ enum err lock_plan_make(struct lock_plan *plan, const char *path, bool updates, 
                         "%s is of the form before, which pins no PNGs: --update-lock with no "
                         "journals named writes all of it anew",
                         path);
-    if (!err)
-        err = count ? take_named(plan, named, count, fault) : take_all(plan, fault);
+    char *home = count ? real_folder(path) : NULL;
+    if (!err && count && !home)
+        err = fault_errno(fault, "find the folder of", path);
+    for (size_t i = 0; !err && i < count; i++)
+        err = add_named(plan, named[i], home, fault);
+    free(home);
+    if (!err && !count)
+        err = take_all(plan, fault);
     name_list_sort(&plan->name);
     if (!err && !plan->name.count)
         err = fault_set(fault, ERR_CHECK, "there is no journal *.iftty where %s lies", path);

@@ -121,8 +121,7 @@ enum err replay_file(struct interpreter *interp, const char *path, size_t first,
     const struct replay_options options = {SEMANTICS, first, last};
     enum err err = read_journal(&bytes, path, fault);
     interp->mode = MODE_REPLAY;
-    if (!session_watch(
-            interp->session)) /* one of a program at a terminal looks at the limits as well */
+    if (!session_watch(interp->session)) /* that of a terminal looks at the limits as well */
         session_set_watch(interp->session, limits_watch());
     if (!err)
         err = interpreter_set_home(interp, path, fault);

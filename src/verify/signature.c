@@ -295,43 +295,26 @@ static enum err refuse(const struct checking *c, const char *principal, struct b
     return err;
 }
 
-static enum err check_as(struct buf *who, const char *principal, const struct checking *c,
-                         struct fault *fault)
-{
-    struct buf said = {0};
-    int status;
-    enum err err = ask_of(c, principal, true, &status, &said, fault);
-    if (!err && status)
-        err = refuse(c, principal, &said, fault);
-    else if (!err)
-        err = take_who(who, &said, principal, c, fault);
-    buf_release(&said);
-    return err;
-}
-
-static enum err check_files(const char *path, const struct signature_rules *rules,
-                            struct fault *fault)
-{
-    if (!file_exists(rules->allowed))
-        return fault_set(fault, ERR_IO, "there is no file of allowed signers %s", rules->allowed);
-    if (rules->revoked && !file_exists(rules->revoked))
-        return fault_set(fault, ERR_IO, "there is no file of revoked keys %s", rules->revoked);
-    if (!file_exists(path))
-        return fault_set(fault, ERR_CHECK,
-                         "it is not signed: there is no %s, which iftty log --sign KEY makes",
-                         path);
-    return OK;
-}
-
 enum err signature_check(struct buf *who, const char *journal, const struct buf *bytes,
                          const struct signature_rules *rules, struct watch *watch,
                          struct fault *fault)
 {
-    struct buf path = {0}, principals = {0};
+    struct buf path = {0}, principals = {0}, said = {0};
+    int status;
     struct checking c = {.rules = rules, .input = -1, .watch = watch};
     buf_printf(&path, "%s.sig", journal);
     c.path = buf_text(&path);
-    enum err err = path.failed ? fault_memory(fault, "a path") : check_files(c.path, rules, fault);
+    enum err err = OK;
+    if (path.failed)
+        err = fault_memory(fault, "a path");
+    else if (!file_exists(rules->allowed))
+        err = fault_set(fault, ERR_IO, "there is no file of allowed signers %s", rules->allowed);
+    else if (rules->revoked && !file_exists(rules->revoked))
+        err = fault_set(fault, ERR_IO, "there is no file of revoked keys %s", rules->revoked);
+    else if (!file_exists(c.path))
+        err =
+            fault_set(fault, ERR_CHECK,
+                      "it is not signed: there is no %s, which iftty log --sign KEY makes", c.path);
     if (!err)
         err = open_bytes(&c.input, bytes, fault);
     if (!err)
@@ -340,11 +323,15 @@ enum err signature_check(struct buf *who, const char *journal, const struct buf 
         char *rest, *principal = strtok_r(principals.data, "\n", &rest);
         err = ERR_CHECK;
         for (int i = 0; err == ERR_CHECK && principal && i < PRINCIPALS_MOST; i++) {
-            err = check_as(who, principal, &c, fault);
+            err = ask_of(&c, principal, true, &status, &said, fault);
+            if (!err)
+                err = status ? refuse(&c, principal, &said, fault)
+                             : take_who(who, &said, principal, &c, fault);
             principal = strtok_r(NULL, "\n", &rest);
         }
     }
     close_bytes(c.input);
+    buf_release(&said);
     buf_release(&principals);
     buf_release(&path);
     return err;
