@@ -16,7 +16,13 @@
 #include "journal/record.h"
 #include "sandbox/trust.h"
 
-enum { GOLDEN_BYTES_MAX = 1 << 30, JOURNALS_MOST = 100000, DEPTH_MOST = 32 };
+enum {
+    LOCK_BYTES_MAX = 64 << 20,
+    LOCK_NAME_MAX = 4000,
+    GOLDEN_BYTES_MAX = 1 << 30,
+    JOURNALS_MOST = 100000,
+    DEPTH_MOST = 32 /* of folders */
+};
 
 static const char before_version[] = "# iftty lock ";
 

@@ -26,8 +26,6 @@
 #include "base/err.h"
 #include "verify/name_list.h"
 
-enum { LOCK_BYTES_MAX = 64 << 20, LOCK_NAME_MAX = 4000 };
-
 /* Version 1 has no lines `png`: it does not say which PNGs lie beside golden images. */
 enum { LOCK_WITH_PNG = 2, LOCK_VERSION = 2 };
 
