@@ -110,15 +110,6 @@ enum err signature_make(const char *journal, const struct buf *bytes, const char
 
 /* ---- checking ---- */
 
-/* The last line that it printed, which says what is wrong. */
-static const char *last_line(struct buf *said)
-{
-    while (said->length && said->data[said->length - 1] == '\n')
-        said->data[--said->length] = '\0';
-    const char *feed = said->length ? strrchr(said->data, '\n') : NULL;
-    return feed ? feed + 1 : buf_text(said);
-}
-
 /* A question about a signature. */
 struct checking {
     const struct signature_rules *rules;
@@ -283,10 +274,13 @@ static enum err refuse(const struct checking *c, const char *principal, struct b
     struct buf again = {0};
     int status = 1;
     enum err err = c->rules->revoked ? ask_of(c, principal, false, &status, &again, fault) : OK;
+    while (said->length && said->data[said->length - 1] == '\n')
+        said->data[--said->length] = '\0';
+    const char *feed = strrchr(buf_text(said), '\n'); /* the last line says what is wrong */
     if (!err)
         err = status ? fault_set(fault, ERR_CHECK,
                                  "its signature does not hold for %s: ssh-keygen: %s", principal,
-                                 last_line(said))
+                                 feed ? feed + 1 : buf_text(said))
                      : fault_set(fault, ERR_CHECK,
                                  "its signature is by a key that %s revokes, or that is no list "
                                  "of keys which ssh-keygen reads",
