@@ -30,16 +30,6 @@ static uint32_t voxel_at(const struct golden_planes *planes, size_t pixel)
     return voxel ? voxel[pixel] : 0;
 }
 
-static bool shapes_differ(const struct golden_planes *a, const struct golden_planes *b)
-{
-    if (a->width != b->width || a->height != b->height)
-        return true;
-    for (enum golden_plane plane = 0; plane < GOLDEN_PLANES; plane++)
-        if (!a->plane[plane] != !b->plane[plane])
-            return true;
-    return false;
-}
-
 static void print_sample(char out[64], const struct golden_planes *planes, enum golden_plane plane,
                          size_t pixel)
 {
@@ -81,22 +71,14 @@ static bool compare_pixel(struct golden_difference *out, const struct golden_pla
     return differs;
 }
 
-/* Grey of a third of the brightness, so that red stands out. */
-static void paint(uint8_t out[4], const uint8_t *rgba, bool differs)
-{
-    const unsigned grey = rgba ? (77u * rgba[0] + 150u * rgba[1] + 29u * rgba[2]) / 256 / 3 : 0;
-    memset(out, (int)grey, 3);
-    if (differs)
-        memcpy(out, (uint8_t[]){255, 32, 32}, 3);
-    out[3] = 255;
-}
-
 enum err golden_compare(const struct golden_planes *expected, const struct golden_planes *actual,
                         struct golden_difference *out, struct fault *fault)
 {
     size_t pixels, bytes;
     *out = (struct golden_difference){.width = expected->width, .height = expected->height};
-    out->shape_differs = shapes_differ(expected, actual);
+    out->shape_differs = expected->width != actual->width || expected->height != actual->height;
+    for (enum golden_plane plane = 0; plane < GOLDEN_PLANES; plane++)
+        out->shape_differs |= !expected->plane[plane] != !actual->plane[plane];
     if (out->shape_differs)
         return OK;
     if (!size_multiply(expected->width, expected->height, &pixels) ||
@@ -112,9 +94,15 @@ enum err golden_compare(const struct golden_planes *expected, const struct golde
     out->image = mem_array(bytes, 1);
     if (!out->image)
         return fault_memory(fault, "a difference image");
-    for (size_t i = 0; i < pixels; i++)
-        paint(out->image + 4 * i, sample(expected, GOLDEN_RGBA, i),
-              compare_pixel(out, expected, actual, i));
+    for (size_t i = 0; i < pixels; i++) { /* red stands out on a third of the brightness */
+        const uint8_t *rgba = sample(expected, GOLDEN_RGBA, i);
+        const unsigned grey = rgba ? (77u * rgba[0] + 150u * rgba[1] + 29u * rgba[2]) / 256 / 3 : 0;
+        uint8_t *pixel = out->image + 4 * i;
+        memset(pixel, (int)grey, 3);
+        if (compare_pixel(out, expected, actual, i))
+            memcpy(pixel, (uint8_t[]){255, 32, 32}, 3);
+        pixel[3] = 255;
+    }
     return OK;
 }
 
@@ -140,19 +128,6 @@ static void write_kind(struct buf *out, const struct golden_difference *d)
                           : "; colours alone differ, labels and voxels are the same");
 }
 
-/* What is seen under the first pixel that differs; UINT32_MAX is nothing. */
-static void write_voxels(struct buf *out, uint32_t expected, uint32_t actual)
-{
-    if (expected == actual)
-        return;
-    if (actual == UINT32_MAX)
-        buf_printf(out, "; it shows nothing instead of voxel %" PRIu32, expected);
-    else if (expected == UINT32_MAX)
-        buf_printf(out, "; it shows voxel %" PRIu32 " where nothing was", actual);
-    else
-        buf_printf(out, "; it shows voxel %" PRIu32 " instead of %" PRIu32, actual, expected);
-}
-
 void golden_describe(struct buf *out, const struct golden_difference *difference)
 {
     if (difference->is_same) {
@@ -167,7 +142,14 @@ void golden_describe(struct buf *out, const struct golden_difference *difference
                    difference->column, difference->row, plane_name[difference->plane],
                    difference->actual, difference->expected);
         write_kind(out, difference);
-        write_voxels(out, difference->expected_voxel, difference->actual_voxel);
+        /* What is seen under that pixel; UINT32_MAX is nothing. */
+        const uint32_t expected = difference->expected_voxel, actual = difference->actual_voxel;
+        if (expected != actual && actual == UINT32_MAX)
+            buf_printf(out, "; it shows nothing instead of voxel %" PRIu32, expected);
+        else if (expected != actual && expected == UINT32_MAX)
+            buf_printf(out, "; it shows voxel %" PRIu32 " where nothing was", actual);
+        else if (expected != actual)
+            buf_printf(out, "; it shows voxel %" PRIu32 " instead of %" PRIu32, actual, expected);
     }
 }
 

@@ -162,22 +162,6 @@ static enum err survey(struct walk *walk, const struct buf *bytes,
     return err;
 }
 
-/* Hands the sound records to the caller. */
-static enum err resume_records(const struct buf *bytes, const struct walk *sound,
-                               const struct journal_resume *resume, struct fault *fault)
-{
-    struct walk walk;
-    struct record record;
-    if (!resume->on_record || sound->records == 0)
-        return OK;
-    enum err err = walk_begin(&walk, bytes->data, sound->offset, fault);
-    while (!err && walk_next_sound(&walk, &record) == WALK_RECORD)
-        err = resume->on_record(resume->context, &record, fault);
-    assert(err || walk.records == sound->records);
-    walk_release(&walk);
-    return err;
-}
-
 /* Saves what follows the sound part, cuts it off and says so. The order matters: at every moment
  * the bytes are in one of the two files. */
 static enum err cut_tail(struct journal *journal, const struct buf *bytes, const struct walk *sound,
@@ -226,26 +210,12 @@ static enum err take_over(struct journal *journal, const struct buf *bytes,
     return err ? err : append_bytes(journal, &journal->header, false, fault);
 }
 
-static enum err take_bytes(struct journal *journal, const struct buf *bytes,
-                           const struct journal_resume *resume, struct buf *notice,
-                           struct fault *fault)
-{
-    struct walk sound;
-    enum err err = survey(&sound, bytes, resume, fault);
-    if (!err)
-        err = resume_records(bytes, &sound, resume, fault);
-    if (err)
-        fault_prefix(fault, err, "cannot continue %s", journal_path(journal));
-    else
-        err = take_over(journal, bytes, &sound, notice, fault);
-    walk_release(&sound);
-    return err;
-}
-
 enum err journal_open(struct journal **out, const char *path, const struct journal_resume *resume,
                       struct buf *notice, struct fault *fault)
 {
     struct journal *journal;
+    struct walk sound, walk;
+    struct record record;
     struct buf bytes = {0};
     *out = NULL;
     if (notice)
@@ -259,8 +229,21 @@ enum err journal_open(struct journal **out, const char *path, const struct journ
         err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
     if (!err && journal->log && bytes.length != file_log_length(journal->log))
         err = fault_set(fault, ERR_IO, "%s changed while it was opened", path);
-    if (!err)
-        err = take_bytes(journal, &bytes, resume, notice, fault);
+    if (!err) {
+        err = survey(&sound, &bytes, resume, fault);
+        if (!err && resume->on_record && sound.records > 0) {
+            err = walk_begin(&walk, bytes.data, sound.offset, fault);
+            while (!err && walk_next_sound(&walk, &record) == WALK_RECORD)
+                err = resume->on_record(resume->context, &record, fault);
+            assert(err || walk.records == sound.records);
+            walk_release(&walk);
+        }
+        if (err)
+            fault_prefix(fault, err, "cannot continue %s", path);
+        else
+            err = take_over(journal, &bytes, &sound, notice, fault);
+        walk_release(&sound);
+    }
     buf_release(&bytes);
     if (err)
         journal_close(journal);
@@ -448,6 +431,7 @@ enum err journal_audit(const struct journal *journal, struct fault *fault)
     buf_release(&bytes);
     return err;
 }
+
 /* ---- without running it ---------------------------------------------------------------------- */
 
 enum err journal_script(struct buf *out, const char *bytes, size_t length, struct fault *fault)
@@ -484,21 +468,6 @@ static enum err condition_set(struct journal_condition *condition, enum journal_
 /* The place of a fault of the header, which belongs to the first record. */
 static const struct record line_1 = {.number = 1, .line = 1};
 
-/* Judges one record, of a journal or of a script that has result lines without a header. */
-static enum err judge(struct journal_condition *condition, const struct walk *walk,
-                      const struct record *record, struct fault *fault)
-{
-    struct fault words;
-    if (walk->is_journal && record_judge(record, &words))
-        return condition_set(condition, JOURNAL_EDITED, record, words.text, fault);
-    if (!walk->is_journal && record->has_result)
-        return condition_set(condition, JOURNAL_EDITED, &line_1,
-                             "there are result lines, but line 1 is not a journal's header", fault);
-    condition->records++;
-    condition->chain = record->chain;
-    return OK;
-}
-
 enum err journal_check(struct journal_condition *condition, const char *bytes, size_t length,
                        struct fault *fault)
 {
@@ -512,8 +481,18 @@ enum err journal_check(struct journal_condition *condition, const char *bytes, s
     if (err)
         return fault_set(fault, err, "%s", words.text);
     condition->semantics = walk.semantics;
-    while (!err && walk_next(&walk, &record) == WALK_RECORD)
-        err = judge(condition, &walk, &record, fault);
+    while (!err && walk_next(&walk, &record) == WALK_RECORD) {
+        if (walk.is_journal && record_judge(&record, &words)) {
+            err = condition_set(condition, JOURNAL_EDITED, &record, words.text, fault);
+        } else if (!walk.is_journal && record.has_result) {
+            err = condition_set(condition, JOURNAL_EDITED, &line_1,
+                                "there are result lines, but line 1 is not a journal's header",
+                                fault);
+        } else {
+            condition->records++;
+            condition->chain = record.chain;
+        }
+    }
     if (!err && walk.over == WALK_TORN)
         err = condition_set(condition, JOURNAL_TORN, &record, walk.fault.text, fault);
     else if (!err && walk.over == WALK_DAMAGED)

@@ -24,11 +24,6 @@ enum {
 
 const struct record_chain record_chain_zero = {"00000000000000000000000000000000"};
 
-static bool is_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
-
 static bool is_lower(char c)
 {
     return c >= 'a' && c <= 'z';
@@ -37,14 +32,6 @@ static bool is_lower(char c)
 static bool is_control(char c)
 {
     return (unsigned char)c < 0x20 || c == 0x7F;
-}
-
-/* The first control character of `text`, or its end. */
-static const char *find_control(const char *text)
-{
-    while (*text && !is_control(*text))
-        text++;
-    return text;
 }
 
 enum err record_judge(const struct record *record, struct fault *fault)
@@ -99,13 +86,6 @@ static bool parse_header(const char *line, size_t length, unsigned *format, unsi
     return true;
 }
 
-/* `text` begins as headers do, and so may be one that cannot be read. */
-static bool is_meant_as_header(const char *text, size_t length)
-{
-    const size_t begin = sizeof header_begin - 1;
-    return length >= begin && memcmp(text, header_begin, begin) == 0;
-}
-
 /* `text` is one byte or more of the beginning of a header of ours, its line feed not among them. */
 static bool is_begun_header(const char *text, size_t length)
 {
@@ -116,7 +96,7 @@ static bool is_begun_header(const char *text, size_t length)
     if (length == 0 || length > whole + VERSION_DIGITS || memcmp(text, begin, both) != 0)
         return false;
     for (size_t i = both; i < length; i++)
-        if (!is_digit(text[i]) || text[both] == '0')
+        if (!scan_is_digit(text[i]) || text[both] == '0')
             return false;
     return true;
 }
@@ -130,7 +110,7 @@ static bool take_seal(const char *line, size_t length, struct record_chain *chai
         return false;
     const char *digit = line + length - RECORD_CHAIN_DIGITS;
     for (unsigned i = 0; i < RECORD_CHAIN_DIGITS; i++)
-        if (!is_digit(digit[i]) && !(digit[i] >= 'a' && digit[i] <= 'f'))
+        if (!scan_is_digit(digit[i]) && !(digit[i] >= 'a' && digit[i] <= 'f'))
             return false;
     memcpy(chain->hex, digit, RECORD_CHAIN_DIGITS);
     chain->hex[RECORD_CHAIN_DIGITS] = '\0';
@@ -149,7 +129,9 @@ static enum err line_check(const char *what, const char *line, struct fault *fau
 {
     if (strlen(line) > RECORD_LINE_MAX)
         return fault_set(fault, ERR_LIMIT, "%s is longer than %d bytes", what, RECORD_LINE_MAX);
-    const char *control = find_control(line);
+    const char *control = line;
+    while (*control && !is_control(*control))
+        control++;
     if (*control)
         return fault_set(fault, ERR_INPUT,
                          "%s holds the control character %02x at its byte %zu: %.200s", what,
@@ -189,7 +171,7 @@ bool record_word_next(const char **cursor, const char *end, struct record_word *
     if (at == end || !is_lower(*at))
         return false;
     word->key = at;
-    while (at < end && (is_lower(*at) || is_digit(*at) || *at == '_' || *at == '-'))
+    while (at < end && (is_lower(*at) || scan_is_digit(*at) || *at == '_' || *at == '-'))
         at++;
     word->key_length = (size_t)(at - word->key);
     if (at == end || *at++ != '=')
@@ -314,7 +296,7 @@ static bool parse_result(const char *line, size_t length, struct result *result)
     at += 2;
     result->number = 0;
     const char *digits = at;
-    for (; at < end && is_digit(*at) && at - digits < NUMBER_DIGITS_MAX; at++)
+    for (; at < end && scan_is_digit(*at) && at - digits < NUMBER_DIGITS_MAX; at++)
         result->number = 10 * result->number + (uint64_t)(*at - '0');
     if (at == digits || (at < end && *at != ' '))
         return false;
@@ -410,7 +392,8 @@ static enum err read_header(struct walk *walk, struct fault *fault)
     unsigned format;
     const bool is_begun =
         !feed && (length ? is_begun_header(walk->bytes, length) : walk->length > 0);
-    if (!is_begun && !is_meant_as_header(walk->bytes, first)) {
+    const size_t begin = sizeof header_begin - 1; /* begun so: meant as one */
+    if (!is_begun && (first < begin || memcmp(walk->bytes, header_begin, begin) != 0)) {
         /* A file of another kind: in a long one, what it begins with shows that it is no text. */
         const char *zero = memchr(walk->bytes, '\0', walk->length < SECTOR ? walk->length : SECTOR);
         return zero ? fault_set(fault, ERR_INPUT,
@@ -553,17 +536,6 @@ static const char *line_fault(const struct walk *walk, const struct line *line)
     return NULL;
 }
 
-static const char *command_fault(const struct walk *walk, const struct line *line)
-{
-    if (line_is_result(line))
-        return "a result line stands without its command";
-    if (walk->is_journal && is_blank(*line->text))
-        return "a command line begins with a blank";
-    if (walk->is_journal && is_sealed(line->text, line->length))
-        return "a result line is malformed or runs into the line before";
-    return NULL;
-}
-
 static void set_text(struct buf *text, const char *bytes, size_t length)
 {
     buf_clear(text);
@@ -612,8 +584,12 @@ static enum walk_step find_command(struct walk *walk, struct position *at, struc
         for (; !walk->is_journal && line->length > 0 && is_blank(*line->text); line->text++)
             line->length--;
     } while (line->length == 0 || *line->text == '#');
-    if ((wrong = command_fault(walk, line)))
-        return end_damaged(walk, line, wrong);
+    if (line_is_result(line))
+        return end_damaged(walk, line, "a result line stands without its command");
+    if (walk->is_journal && is_blank(*line->text))
+        return end_damaged(walk, line, "a command line begins with a blank");
+    if (walk->is_journal && is_sealed(line->text, line->length))
+        return end_damaged(walk, line, "a result line is malformed or runs into the line before");
     return WALK_RECORD;
 }
 

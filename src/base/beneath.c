@@ -20,27 +20,10 @@ bool beneath_is_inside(const char *name)
     return true;
 }
 
-/* Opened without side effects: O_PATH touches no device and waits for no pipe. */
-static int open_beneath(int folder, const char *name)
-{
-    const struct open_how how = {.flags = O_PATH | O_CLOEXEC,
-                                 .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
-    if (beneath_without_openat2) {
-        errno = ENOSYS;
-        return -1;
-    }
-    return (int)syscall(SYS_openat2, folder, name, &how, sizeof how);
-}
-
-static bool is_link(int fd)
-{
-    struct stat status;
-    return fstat(fd, &status) == 0 && S_ISLNK(status.st_mode);
-}
-
-/* The same without openat2: every step by itself, and no link is followed at all. */
+/* Without openat2: every step by itself, and no link is followed at all. */
 static int open_stepwise(int folder, const char *name)
 {
+    struct stat status;
     char step[256];
     int at = dup(folder);
     while (at >= 0 && *name) {
@@ -52,7 +35,7 @@ static int open_stepwise(int folder, const char *name)
             memcpy(step, name, n);
             step[n] = '\0';
             next = openat(at, n ? step : ".", O_PATH | O_CLOEXEC | O_NOFOLLOW);
-            if (name[n] && next >= 0 && is_link(next)) {
+            if (name[n] && next >= 0 && fstat(next, &status) == 0 && S_ISLNK(status.st_mode)) {
                 close(next);
                 next = -1;
                 errno = ELOOP;
@@ -88,7 +71,11 @@ enum beneath beneath_look(const char *folder, const char *name)
     const int at = open(folder, O_PATH | O_DIRECTORY | O_CLOEXEC);
     if (at < 0)
         return BENEATH_MISSING;
-    int fd = open_beneath(at, name);
+    /* Opened without side effects: O_PATH touches no device and waits for no pipe. */
+    const struct open_how how = {.flags = O_PATH | O_CLOEXEC,
+                                 .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
+    errno = ENOSYS;
+    int fd = beneath_without_openat2 ? -1 : (int)syscall(SYS_openat2, at, name, &how, sizeof how);
     if (fd < 0 && (errno == ENOSYS || errno == EPERM || errno == EINVAL))
         fd = open_stepwise(at, name);
     const enum beneath answer = judge(fd);

@@ -10,11 +10,6 @@
 
 enum { EXPONENT_MOST = 400, PLACES_MOST = 12, WHOLE_MOST = 20 /* digits that are written out */ };
 
-static bool is_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
-
 /* Takes zeros from the end of the digits. */
 static struct decimal normal(struct decimal d)
 {
@@ -62,18 +57,18 @@ bool decimal_scan(const char **cursor, struct decimal *out)
     int32_t zeros = 0;
     int64_t exponent = 0;
     at += *at == '-';
-    if (!is_digit(*at))
+    if (!scan_is_digit(*at))
         return false;
-    for (; is_digit(*at); at++)
+    for (; scan_is_digit(*at); at++)
         if (!add_digit(&d, &zeros, *at))
             return false;
-    if (at[0] == '.' && is_digit(at[1]))
-        for (at++; is_digit(*at); at++, d.exponent--)
+    if (at[0] == '.' && scan_is_digit(at[1]))
+        for (at++; scan_is_digit(*at); at++, d.exponent--)
             if (!add_digit(&d, &zeros, *at))
                 return false;
     if (*at == 'e' || *at == 'E') {
         const char *after = at + 1;
-        after += *after == '+' && is_digit(after[1]);
+        after += *after == '+' && scan_is_digit(after[1]);
         if (!scan_integer(&after, -EXPONENT_MOST, EXPONENT_MOST, &exponent))
             return false;
         at = after;

@@ -266,17 +266,6 @@ void file_from_home(struct buf *out, const char *name)
 
 /* ---- names of drafts ---- */
 
-/* The end of a name, of whole characters: a draft has its extension, and a name of any length that
- * the file system takes. */
-static const char *tail_of(const char *name)
-{
-    const size_t length = strlen(name);
-    const char *tail = length > TAIL_MOST ? name + length - TAIL_MOST : name;
-    while (((unsigned char)*tail & 0xC0) == 0x80)
-        tail++;
-    return tail;
-}
-
 /* ".iftty-OWNER-N-TAIL" */
 static void write_name(struct buf *out, const char *tail)
 {
@@ -376,7 +365,14 @@ enum err file_draft(struct buf *draft, const char *path, enum file_mode mode, st
     file_folder(draft, path);
     sweep_once(buf_text(draft));
     buf_add_char(draft, '/');
-    write_name(draft, tail_of(file_name(path)));
+    /* The end of a name, of whole characters: a draft has its extension, and a name of any length
+     * that the file system takes. */
+    const char *tail = file_name(path);
+    const size_t length = strlen(tail);
+    tail += length > TAIL_MOST ? length - TAIL_MOST : 0;
+    while (((unsigned char)*tail & 0xC0) == 0x80)
+        tail++;
+    write_name(draft, tail);
     return draft->failed ? fault_memory(fault, "a file name") : OK;
 }
 
@@ -388,13 +384,6 @@ void file_discard(const char *draft)
 }
 
 /* ---- publishing ---- */
-
-static bool is_same_file(const char *a, const char *b)
-{
-    struct stat left, right;
-    return lstat(a, &left) == 0 && lstat(b, &right) == 0 && left.st_dev == right.st_dev &&
-           left.st_ino == right.st_ino;
-}
 
 /* Whether the last step failed because the file system has no such thing. */
 static bool is_not_supported(void)
@@ -411,8 +400,12 @@ static bool rename_over(const char *draft, const char *path)
 /* NFS may have done what it says has failed, when it asked twice. */
 static bool link_to(const char *draft, const char *path)
 {
-    return !file_step_fails(FILE_STEP_LINK, path) &&
-           (link(draft, path) == 0 || (errno == EEXIST && is_same_file(draft, path)));
+    struct stat one, other;
+    if (file_step_fails(FILE_STEP_LINK, path))
+        return false;
+    return link(draft, path) == 0 ||
+           (errno == EEXIST && lstat(draft, &one) == 0 && lstat(path, &other) == 0 &&
+            one.st_dev == other.st_dev && one.st_ino == other.st_ino);
 }
 
 /* The weaker way, without hard links. */

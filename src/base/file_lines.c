@@ -185,27 +185,11 @@ static enum err copy_late_lines(int fd, off_t from, const char *path, struct fau
     return err;
 }
 
-static enum err trim_locked(int fd, const char *path, size_t lines_most, size_t bytes_most,
-                            struct fault *fault)
-{
-    struct buf tail = {0};
-    const off_t end = lseek(fd, 0, SEEK_END);
-    enum err err = read_tail(&tail, fd, end, bytes_most, path, fault);
-    const char *text = buf_text(&tail);
-    if (!err &&
-        (end > (off_t)bytes_most || file_lines_last(text, tail.length, lines_most) > text)) {
-        err = write_anew(path, &tail, lines_most, fault);
-        if (!err)
-            err = copy_late_lines(fd, end, path, fault);
-    }
-    buf_release(&tail);
-    return err;
-}
-
 enum err file_lines_trim(const char *path, size_t lines_most, size_t bytes_most,
                          struct fault *fault)
 {
     struct file_lock instead = {0};
+    struct buf tail = {0};
     bool is_locked;
     int fd;
     if (!file_exists(path))
@@ -214,8 +198,18 @@ enum err file_lines_trim(const char *path, size_t lines_most, size_t bytes_most,
     if (err)
         return err;
     is_locked = is_locked || file_lock_take(&instead, fd, path, NULL) == OK; /* I5 */
-    if (is_locked && is_at_path(fd, path))
-        err = trim_locked(fd, path, lines_most, bytes_most, fault);
+    if (is_locked && is_at_path(fd, path)) {
+        const off_t end = lseek(fd, 0, SEEK_END);
+        err = read_tail(&tail, fd, end, bytes_most, path, fault);
+        const char *text = buf_text(&tail);
+        if (!err &&
+            (end > (off_t)bytes_most || file_lines_last(text, tail.length, lines_most) > text)) {
+            err = write_anew(path, &tail, lines_most, fault);
+            if (!err)
+                err = copy_late_lines(fd, end, path, fault);
+        }
+        buf_release(&tail);
+    }
     close(fd); /* and with it the lock goes */
     file_lock_release(&instead);
     return err;

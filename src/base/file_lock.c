@@ -27,25 +27,6 @@ enum { LOCK_BYTES_MOST = 4096, POLL_MS = 10 };
  * nothing stale: a note in a file beside it would outlive its writer.
  */
 
-/* One line of /proc/locks: "1: FLOCK  ADVISORY  WRITE 4711 08:02:131187 0 EOF". False for a lock of
- * another kind. */
-static bool parse_lock(const char *line, long *process, struct stat *file)
-{
-    unsigned major_number, minor_number;
-    unsigned long inode;
-    if (sscanf(line, "%*d: FLOCK ADVISORY WRITE %ld %x:%x:%lu", process, &major_number,
-               &minor_number, &inode) != 4)
-        return false;
-    file->st_dev = makedev(major_number, minor_number);
-    file->st_ino = (ino_t)inode;
-    return *process > 0;
-}
-
-static bool is_same_file(const struct stat *a, const struct stat *b)
-{
-    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
-}
-
 /* Layered file systems show other numbers in /proc/locks than stat does; the descriptors of the
  * process, where we may look at them, show the same. */
 static bool process_has_open(long process, const struct stat *status)
@@ -60,7 +41,8 @@ static bool process_has_open(long process, const struct stat *status)
     for (struct dirent *entry; !has && (entry = readdir(folder));) {
         struct stat found;
         snprintf(path + length, sizeof path - length, "/%s", entry->d_name);
-        has = stat(path, &found) == 0 && is_same_file(&found, status);
+        has = stat(path, &found) == 0 && found.st_dev == status->st_dev &&
+              found.st_ino == status->st_ino;
     }
     closedir(folder);
     return has;
@@ -82,37 +64,31 @@ static void add_process(struct buf *out, long process)
     fclose(file);
 }
 
-/* Adds "process 4711 (iftty)" where a process of this machine holds an exclusive flock on the file.
- * False where none can be found: another machine on a shared disk, another container, a system
- * without /proc/locks. */
+/* Adds "process 4711 (iftty)" where a process of this machine holds an exclusive flock on the file,
+ * which is a line "1: FLOCK  ADVISORY  WRITE 4711 08:02:131187 0 EOF" of /proc/locks. False where
+ * none can be found: another machine on a shared disk, another container, a system without that. */
 static bool find_holder(struct buf *out, const struct stat *status)
 {
     char line[256];
     bool found = false;
     FILE *locks = fopen("/proc/locks", "re");
     while (locks && !found && fgets(line, sizeof line, locks)) {
-        struct stat file = {0};
+        unsigned major_number, minor_number;
+        unsigned long inode;
         long process;
-        found = parse_lock(line, &process, &file) &&
-                (is_same_file(&file, status) || process_has_open(process, status));
+        if (sscanf(line, "%*d: FLOCK ADVISORY WRITE %ld %x:%x:%lu", &process, &major_number,
+                   &minor_number, &inode) != 4 ||
+            process <= 0)
+            continue;
+        found =
+            (makedev(major_number, minor_number) == status->st_dev && inode == status->st_ino) ||
+            process_has_open(process, status);
         if (found)
             add_process(out, process);
     }
     if (locks)
         fclose(locks);
     return found;
-}
-
-static enum err fault_held(const struct stat *status, const char *path, struct fault *fault)
-{
-    struct buf words = {0};
-    const bool known = find_holder(&words, status);
-    enum err err = fault_set(fault, ERR_IO,
-                             "%s is being written by another session%s%s; it is unchanged, and "
-                             "--read-only opens it for looking",
-                             path, known ? ", " : "", known ? buf_text(&words) : "");
-    buf_release(&words);
-    return err;
 }
 
 /* ---- where the system has none ---- */
@@ -212,9 +188,16 @@ enum err file_lock_take(struct file_lock *lock, int fd, const char *path, struct
         return OK;
     if (errno == ENOLCK || errno == EOPNOTSUPP || errno == ENOSYS || errno == EINVAL)
         return take_lock_file(lock, path, fault);
-    if (errno == EWOULDBLOCK && fstat(fd, &status) == 0)
-        return fault_held(&status, path, fault);
-    return fault_errno(fault, "lock", path);
+    if (errno != EWOULDBLOCK || fstat(fd, &status) != 0)
+        return fault_errno(fault, "lock", path);
+    struct buf holder = {0};
+    const bool known = find_holder(&holder, &status);
+    fault_set(fault, ERR_IO,
+              "%s is being written by another session%s%s; it is unchanged, and --read-only opens "
+              "it for looking",
+              path, known ? ", " : "", known ? buf_text(&holder) : "");
+    buf_release(&holder);
+    return ERR_IO;
 }
 
 void file_lock_release(struct file_lock *lock)

@@ -136,19 +136,6 @@ enum err file_log_set_sync(struct file_log *log, enum file_sync sync, struct fau
 
 /* ---- opening ---- */
 
-static enum err open_file(struct file_log *log, bool create, struct fault *fault)
-{
-    const char *path = log->path;
-    log->fd = file_step_open(path, create ? O_RDWR | O_CREAT | O_EXCL : O_RDWR | O_NONBLOCK);
-    if (log->fd < 0 && create && errno == EEXIST)
-        return fault_set(fault, ERR_IO, "%s exists already and was left alone", path);
-    if (log->fd < 0 && !create && (errno == EACCES || errno == EROFS || errno == EPERM)) {
-        enum err err = fault_errno(fault, "write to", path);
-        return fault_prefix(fault, err, "--read-only opens it for looking");
-    }
-    return log->fd < 0 ? fault_errno(fault, create ? "create" : "open", path) : OK;
-}
-
 /* The file that is open becomes ours. */
 static enum err take(struct file_log *log, struct fault *fault)
 {
@@ -178,10 +165,18 @@ enum err file_log_open(struct file_log **out, const char *path, bool create, str
         free(log);
         return fault_memory(fault, path);
     }
-    log->fd = -1;
     pthread_mutex_init(&log->lock, NULL);
     thread_condition_init(&log->stirs);
-    enum err err = open_file(log, create, fault);
+    enum err err = OK;
+    log->fd = file_step_open(path, create ? O_RDWR | O_CREAT | O_EXCL : O_RDWR | O_NONBLOCK);
+    if (log->fd < 0 && create && errno == EEXIST) {
+        err = fault_set(fault, ERR_IO, "%s exists already and was left alone", path);
+    } else if (log->fd < 0 && !create && (errno == EACCES || errno == EROFS || errno == EPERM)) {
+        fault_errno(fault, "write to", path);
+        err = fault_prefix(fault, ERR_IO, "--read-only opens it for looking");
+    } else if (log->fd < 0) {
+        err = fault_errno(fault, create ? "create" : "open", path);
+    }
     const bool is_made = !err && create;
     if (!err)
         err = take(log, fault);

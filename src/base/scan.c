@@ -2,27 +2,22 @@
 
 #include <string.h>
 
-static bool is_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
-
 bool scan_decimal(const char **cursor, unsigned places, int64_t least, int64_t most, int64_t *out)
 {
     const char *at = *cursor;
     bool negative = *at == '-';
     int64_t value = 0;
     at += negative;
-    if (!is_digit(*at))
+    if (!scan_is_digit(*at))
         return false;
-    for (; is_digit(*at); at++)
+    for (; scan_is_digit(*at); at++)
         if (__builtin_mul_overflow(value, 10, &value) ||
             __builtin_add_overflow(value, *at - '0', &value))
             return false;
-    const bool has_point = places > 0 && *at == '.' && is_digit(at[1]);
+    const bool has_point = places > 0 && *at == '.' && scan_is_digit(at[1]);
     at += has_point;
     for (unsigned i = 0; i < places; i++) {
-        int digit = has_point && is_digit(*at) ? *at++ - '0' : 0;
+        int digit = has_point && scan_is_digit(*at) ? *at++ - '0' : 0;
         if (__builtin_mul_overflow(value, 10, &value) ||
             __builtin_add_overflow(value, digit, &value))
             return false;
@@ -30,7 +25,7 @@ bool scan_decimal(const char **cursor, unsigned places, int64_t least, int64_t m
     if (has_point)
         while (*at == '0')
             at++;
-    if (is_digit(*at))
+    if (scan_is_digit(*at))
         return false;
     if (negative)
         value = -value;

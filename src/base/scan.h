@@ -11,6 +11,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
+static inline bool scan_is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
 /* A decimal integer, sign allowed, no leading '+', within least..most. */
 bool scan_integer(const char **cursor, int64_t least, int64_t most, int64_t *out);
 

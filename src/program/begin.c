@@ -18,15 +18,6 @@
 #include "sandbox/trust.h"
 #include "tui/cells.h"
 
-static enum err create_journal(struct interpreter *interp, const char *path, struct buf *lines,
-                               struct fault *fault)
-{
-    const enum err err = interpreter_create_journal(interp, path, fault);
-    if (!err)
-        interpreter_tell_lock(interp, lines);
-    return err;
-}
-
 enum err begin_interpreter(struct interpreter *interp, const struct options *o, struct fault *fault)
 {
     struct buf lines = {0};
@@ -42,8 +33,8 @@ enum err begin_interpreter(struct interpreter *interp, const struct options *o, 
         err = interpreter_resume_journal(interp, o->journal, &lines, fault);
     else if (!err && o->journal && o->read_only)
         err = fault_set(fault, ERR_IO, "--read-only: there is no journal %s", o->journal);
-    else if (!err && o->journal)
-        err = create_journal(interp, o->journal, &lines, fault);
+    else if (!err && o->journal && !(err = interpreter_create_journal(interp, o->journal, fault)))
+        interpreter_tell_lock(interp, &lines);
     console_erase_progress();
     if (lines.length)
         fprintf(stderr, "iftty: %s", buf_text(&lines));

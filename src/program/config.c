@@ -57,7 +57,6 @@ static enum err take_theme(struct config *config, const char *words, struct faul
 static bool take_radius(const char **at, struct pilot_brush *brush)
 {
     int64_t tenths;
-    scan_blanks(at);
     if (!scan_decimal(at, 1, 0, 10 * RADIUS_MOST, &tenths))
         return false;
     brush->in_mm = scan_text(at, "mm");
@@ -66,26 +65,19 @@ static bool take_radius(const char **at, struct pilot_brush *brush)
     return tenths % unit == 0 && (**at == ' ' || **at == '\0');
 }
 
-static bool has_radius(const char *at)
-{
-    scan_blanks(&at);
-    return *at >= '0' && *at <= '9';
-}
-
-static bool take_range(const char **at, struct pilot_brush *brush)
-{
-    scan_blanks(at);
-    brush->has_range = scan_text(at, "range=");
-    return !brush->has_range || pilot_scan_range(at, brush->range);
-}
-
 static enum err take_brush(struct config *config, const char *words, struct fault *fault)
 {
     struct pilot_brush brush = {.radius = pilot_setup_default.brush.radius};
     int64_t label;
-    if (!take_number(&words, 0, 0, LABEL_MOST, &label) ||
-        (has_radius(words) && !take_radius(&words, &brush)) || !take_range(&words, &brush) ||
-        !is_end(words))
+    bool fine = take_number(&words, 0, 0, LABEL_MOST, &label);
+    scan_blanks(&words);
+    if (fine && *words >= '0' && *words <= '9')
+        fine = take_radius(&words, &brush);
+    scan_blanks(&words);
+    brush.has_range = fine && scan_text(&words, "range=");
+    if (brush.has_range)
+        fine = pilot_scan_range(&words, brush.range);
+    if (!fine || !is_end(words))
         return fault_set(
             fault, ERR_USAGE,
             "expected a label 0..%d, then a radius 0..%d or so many mm, in halves, and "
@@ -122,25 +114,23 @@ static enum err take_window(struct config *config, const char *words, struct fau
     return err;
 }
 
-static enum err refuse_action(const char *name, struct fault *fault)
-{
-    struct near near = near_to(name);
-    for (size_t i = 0; i < pilot_rows; i++)
-        if (pilot_table[i].name)
-            near_try(&near, pilot_table[i].name, strlen(pilot_table[i].name));
-    fault_set(fault, ERR_USAGE, "there is no action %s", name);
-    return near_append(&near, "", fault);
-}
-
 static enum err take_keys(struct config *config, const char *words, struct fault *fault)
 {
     struct buf name = {0};
     take_word(&words, &name);
     const size_t row = setup_row(buf_text(&name));
-    enum err err = row == SIZE_MAX ? refuse_action(buf_text(&name), fault)
-                   : *words
-                       ? setup_keys(&config->setup, row, words, fault)
-                       : fault_set(fault, ERR_USAGE, "expected keys after %s", buf_text(&name));
+    enum err err;
+    if (row == SIZE_MAX) {
+        struct near near = near_to(buf_text(&name));
+        for (size_t i = 0; i < pilot_rows; i++)
+            if (pilot_table[i].name)
+                near_try(&near, pilot_table[i].name, strlen(pilot_table[i].name));
+        fault_set(fault, ERR_USAGE, "there is no action %s", buf_text(&name));
+        err = near_append(&near, "", fault);
+    } else {
+        err = *words ? setup_keys(&config->setup, row, words, fault)
+                     : fault_set(fault, ERR_USAGE, "expected keys after %s", buf_text(&name));
+    }
     buf_release(&name);
     return err;
 }
@@ -262,26 +252,22 @@ void config_take(struct config *config, const char *text, size_t length)
 
 /* ---- the file ---- */
 
-static bool find_path(struct buf *path)
-{
-    const char *own = getenv("IFTTY_CONFIG"), *config = getenv("XDG_CONFIG_HOME");
-    const char *home = getenv("HOME");
-    if (own)
-        buf_add_text(path, own);
-    else if (config && *config == '/')
-        buf_printf(path, "%s/iftty/config", config);
-    else if (home && *home == '/')
-        buf_printf(path, "%s/.config/iftty/config", home);
-    return path->length > 0 && !path->failed;
-}
-
 void config_read(struct config *config)
 {
     struct buf text = {0};
     struct fault fault;
-    if (!find_path(&config->path) || !file_exists(buf_text(&config->path)))
+    struct buf *path = &config->path;
+    const char *own = getenv("IFTTY_CONFIG"), *folder = getenv("XDG_CONFIG_HOME");
+    const char *home = getenv("HOME");
+    if (own)
+        buf_add_text(path, own);
+    else if (folder && *folder == '/')
+        buf_printf(path, "%s/iftty/config", folder);
+    else if (home && *home == '/')
+        buf_printf(path, "%s/.config/iftty/config", home);
+    if (!path->length || path->failed || !file_exists(buf_text(path)))
         return;
-    if (file_read(&text, buf_text(&config->path), CONFIG_BYTES_MOST, &fault))
+    if (file_read(&text, buf_text(path), CONFIG_BYTES_MOST, &fault))
         buf_printf(&config->words, "%s; left out\n", fault.text);
     else
         config_take(config, buf_text(&text), text.length);

@@ -68,14 +68,6 @@ struct option_words {
     const char *value; /* and its value; NULL where it has none, or none is left */
 };
 
-static bool has_value(const struct option_table *table, const char *name)
-{
-    for (unsigned i = 1; i < table->rows; i++)
-        if (strcmp(table->row[i].name, name) == 0)
-            return table->row[i].value != NULL;
-    return false;
-}
-
 /* The next operand or option; false at the end. */
 static bool option_next(struct option_words *w)
 {
@@ -88,7 +80,10 @@ static bool option_next(struct option_words *w)
         w->over = strcmp(w->text, "--") == 0;
         if (w->over)
             continue;
-        if (has_value(w->table, w->text) && w->at < w->count)
+        unsigned row = w->table->rows - 1;
+        while (row && strcmp(w->table->row[row].name, w->text) != 0)
+            row--;
+        if (row && w->table->row[row].value && w->at < w->count)
             w->value = w->word[w->at++];
         return true;
     }
@@ -160,8 +155,8 @@ void program_add_name(struct buf *out, const struct program_table *table,
         buf_printf(out, " %s", program->form);
 }
 
-void program_add_usage(struct buf *out, const struct program_table *table,
-                       const struct program *program)
+static void add_usage(struct buf *out, const struct program_table *table,
+                      const struct program *program)
 {
     program_add_name(out, table, program);
     const char *value = NULL;
@@ -195,26 +190,22 @@ static void add_wrapped(struct buf *out, const char *text, size_t at, size_t col
     }
 }
 
-static void add_option(struct buf *out, const struct option *option)
-{
-    const size_t before = out->length;
-    buf_printf(out, "%*s%s", INDENT, "", option->name);
-    if (option->value)
-        buf_add_char(out, ' ');
-    if (option->add_choices)
-        option->add_choices(out, "|", "|");
-    else if (option->value)
-        buf_add_text(out, option->value);
-    add_wrapped(out, option->help, out->length - before, OPTION_COLUMN);
-}
-
 /* But the option that a form is called by: its usage has it. */
 static void add_options(struct buf *out, const struct program_table *table,
                         const struct program *program)
 {
-    for (const uint8_t *o = program->option; *o; o++)
-        if (*table->option.row[*o].help)
-            add_option(out, &table->option.row[*o]);
+    for (const uint8_t *o = program->option; *o; o++) {
+        const struct option *option = table->option.row + *o;
+        const size_t before = out->length;
+        if (!*option->help)
+            continue;
+        buf_printf(out, "%*s%s%s", INDENT, "", option->name, option->value ? " " : "");
+        if (option->add_choices)
+            option->add_choices(out, "|", "|");
+        else if (option->value)
+            buf_add_text(out, option->value);
+        add_wrapped(out, option->help, out->length - before, OPTION_COLUMN);
+    }
 }
 
 static void add_paragraphs(struct buf *out, const char *text)
@@ -237,7 +228,7 @@ bool program_add_help(struct buf *out, const struct program_table *table, const 
         if (!p->name || strcmp(p->name, name) != 0)
             continue;
         buf_add_text(out, known ? "\n" : "");
-        program_add_usage(out, table, p);
+        add_usage(out, table, p);
         buf_add_char(out, '\n');
         add_wrapped(out, p->summary, 0, INDENT);
         add_paragraphs(out, p->detail);
@@ -253,7 +244,7 @@ void program_add_overview(struct buf *out, const struct program_table *table)
     for (unsigned i = 0; i < table->rows; i++) {
         const size_t before = out->length;
         buf_printf(out, "%*s", INDENT, "");
-        program_add_usage(out, table, table->row + i);
+        add_usage(out, table, table->row + i);
         add_wrapped(out, table->row[i].summary, out->length - before, SUMMARY_COLUMN);
     }
     for (unsigned i = 0; i < table->rows; i++) {
@@ -261,7 +252,7 @@ void program_add_overview(struct buf *out, const struct program_table *table)
         if (p->name || p->form)
             continue;
         buf_add_text(out, "\nOptions of `");
-        program_add_usage(out, table, p);
+        add_usage(out, table, p);
         buf_add_text(out, "`\n");
         add_options(out, table, p);
     }
@@ -327,7 +318,7 @@ static enum err check_operands(const struct program_table *table, const struct o
     struct buf usage = {0};
     if (o->words >= p->least && o->words <= p->most)
         return OK;
-    program_add_usage(&usage, table, p);
+    add_usage(&usage, table, p);
     fault_set(fault, ERR_USAGE, "expected `%s`, and there %s %d operand%s", buf_text(&usage),
               o->words == 1 ? "is" : "are", o->words, plural((uint64_t)o->words));
     buf_release(&usage);

@@ -115,11 +115,9 @@ enum err program_read(const struct program_table *table, int count, char **word,
 int program_main(const struct program_table *table, int count, char **word,
                  struct options *options);
 
-/* Adds "iftty verify --bisect"; the same with its operands. */
+/* Adds "iftty verify --bisect". */
 void program_add_name(struct buf *out, const struct program_table *table,
                       const struct program *program);
-void program_add_usage(struct buf *out, const struct program_table *table,
-                       const struct program *program);
 
 /* Tries the programs' names as what a misspelt one was meant to be. */
 void program_try_names(const struct program_table *table, struct near *near);

@@ -15,8 +15,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "session/session_inside.h"
-#include "render/rendition.h"
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/hash.h"
@@ -25,10 +23,15 @@
 #include "command/files.h"
 #include "command/interpreter.h"
 #include "command/resume.h"
+#include "engine/forest.h"
 #include "image/volume.h"
 #include "program/programs.h"
 #include "program/shown.h"
 #include "program/times.h"
+#include "render/border.h"
+#include "render/rendition.h"
+#include "session/session.h"
+#include "session/tally.h"
 #include "show/draw.h"
 #include "show/slicing.h"
 #include "tui/picture/painter.h"
@@ -96,61 +99,49 @@ static int label_at(const struct session *session, const struct volume *atlas, s
 }
 
 /* By the atlas where it is here and fits the scene. */
-static enum err plant_seeds(struct interpreter *interp, struct fault *fault)
+static void choose_seeds(struct edit seed[SEEDS], const struct interpreter *interp)
 {
-    struct session *session = interp->session;
-    const struct grid *grid = &session_scene(session)->grid;
+    const struct grid *grid = &session_scene(interp->session)->grid;
     struct volume atlas = {0};
     struct buf path = {0};
     uint64_t state = 1;
-    enum err err = OK;
     if (interpreter_find_scene(interp, "aal.nii.gz", false, &path, NULL) == OK &&
         volume_read(&atlas, buf_text(&path), NULL, NULL, NULL) == OK &&
         memcmp(atlas.size, grid->size, sizeof atlas.size) != 0)
         volume_release(&atlas);
-    for (int planted = 0; !err && planted < SEEDS;) {
+    for (int chosen = 0; chosen < SEEDS;) {
         const size_t voxel = (size_t)(draw(&state) % grid->voxels), row = voxel / grid->size[0];
         const uint32_t cell =
             grid_cell(grid, (uint32_t)(voxel % grid->size[0]), (uint32_t)(row % grid->size[1]),
                       (uint32_t)(row / grid->size[1]));
-        const int label = label_at(session, &atlas, voxel, cell);
-        if (label < 0)
-            continue;
-        err = session_plant(session, &cell, 1, (uint8_t)label, fault);
-        planted++;
+        const int label = label_at(interp->session, &atlas, voxel, cell);
+        if (label >= 0)
+            seed[chosen++] = (struct edit){cell, (int16_t)label, 0};
     }
     volume_release(&atlas);
     buf_release(&path);
-    return err ? err : session_run(session, fault);
 }
 
-/* Erases every seed and plants them all at once, which is timed: the forest from nothing. */
-static enum err time_growing(struct session *session, unsigned neighbours, struct team *team,
-                             struct times *times, struct fault *fault)
+/* The forest from nothing, by one of its own over the scene, which is left without seeds. */
+static enum err time_growing(struct scene *scene, const struct edit seed[SEEDS],
+                             unsigned neighbours, struct team *team, struct times *times,
+                             struct fault *fault)
 {
-    const size_t seeds = forest_seeds(session_forest(session)),
-                 cells = session_scene(session)->grid.cells;
-    struct edit *seed = mem_array(seeds, sizeof *seed), *none = mem_array(seeds, sizeof *none);
-    enum err err = seed && none ? OK : fault_memory(fault, "a benchmark");
-    size_t count = 0;
-    for (size_t c = 0; !err && c < cells && count < seeds; c++)
-        if (session_scene(session)->cell[c].flags & CELL_SEED) {
-            none[count] = (struct edit){(uint32_t)c, EDIT_ERASE, 0};
-            seed[count++] = (struct edit){(uint32_t)c, session_scene(session)->cell[c].label, 0};
-        }
-    forest_set_adjacency(session->forest, neighbours);
+    struct forest *forest;
+    struct edit none[SEEDS];
+    for (int i = 0; i < SEEDS; i++)
+        none[i] = (struct edit){seed[i].cell, EDIT_ERASE, 0};
+    enum err err = forest_new(&forest, scene, neighbours, fault);
     if (!err)
-        err = forest_rebuild(session->forest, fault);
-    if (!err)
-        err = forest_set_team(session->forest, team, fault);
-    for (int i = 0; !err && i < SCRATCH_RUNS; i++) {
-        err = forest_edit(session->forest, none, seeds, fault);
+        err = forest_set_team(forest, team, fault);
+    for (int i = 0; !err && i <= SCRATCH_RUNS; i++) {
         const uint64_t begin = clock_ns();
-        err = err ? err : forest_edit(session->forest, seed, seeds, fault);
-        add_since(times, begin);
+        err = forest_edit(forest, seed, SEEDS, fault);
+        if (i > 0) /* the first takes memory */
+            add_since(times, begin);
+        err = err ? err : forest_edit(forest, none, SEEDS, fault);
     }
-    free(seed);
-    free(none);
+    forest_free(forest);
     return err;
 }
 
@@ -196,24 +187,29 @@ static enum err time_frames(struct session *session, struct times *times, struct
     return err;
 }
 
-static enum err time_session(struct session *session, struct way *way, struct fault *fault)
+static enum err time_session(struct interpreter *interp, struct way *way, struct fault *fault)
 {
+    struct session *session = interp->session;
+    struct scene *scene = session_scene(session);
+    struct team *team = session_team(session);
     struct times *times = way->times;
-    way->threads = team_size(session_team(session));
-    enum err err = time_growing(session, 26, NULL, &times[CORNERS], fault);
+    struct edit seed[SEEDS];
+    way->threads = team_size(team);
+    choose_seeds(seed, interp);
+    enum err err = time_growing(scene, seed, 26, NULL, &times[CORNERS], fault);
     if (!err)
-        err = time_growing(session, 6, NULL, &times[ALONE], fault);
+        err = time_growing(scene, seed, 6, NULL, &times[ALONE], fault);
     if (!err && way->threads > 1)
-        err = time_growing(session, 6, session_team(session), &times[TOGETHER], fault);
+        err = time_growing(scene, seed, 6, team, &times[TOGETHER], fault);
+    for (int i = 0; !err && i < SEEDS; i++)
+        err = session_plant(session, &seed[i].cell, 1, seed[i].label, fault);
     if (!err)
-        err = forest_set_team(session->forest, session_team(session), fault);
-    if (err)
-        return err;
-    border_recount(&session->border);
-    err = time_edits(session, times, fault);
+        err = session_run(session, fault);
+    if (!err)
+        err = time_edits(session, times, fault);
     if (!err)
         err = time_frames(session, times, fault);
-    way->voxels = session_scene(session)->grid.voxels;
+    way->voxels = scene->grid.voxels;
     way->border_voxels = border_count(session_border(session));
     way->bytes_per_voxel = (double)session_memory_parts(session).scene / (double)way->voxels;
     return err;
@@ -253,23 +249,6 @@ static void write_way_json(struct json *json, struct way *way)
         json_end(json);
     }
     json_fixed(json, "bytes_per_voxel", way->bytes_per_voxel, 2);
-}
-
-/* Opens that scene, or if `wish` is NULL, the usual one; `name` is what the figures call it. */
-static enum err open_scene(struct interpreter *interp, const char *wish, const char **name,
-                           struct fault *fault)
-{
-    struct buf path = {0};
-    *name = wish ? wish : "ch2.nii.gz";
-    enum err err = interpreter_find_scene(interp, *name, false, &path, fault);
-    if (err && !wish) {
-        *name = "synth:geom";
-        err = interpreter_find_scene(interp, *name, false, &path, fault);
-    }
-    if (!err)
-        err = session_open(interp->session, buf_text(&path), NULL, fault);
-    buf_release(&path);
-    return err;
 }
 
 /* ---- pictures on their way to a terminal ---- */
@@ -504,23 +483,29 @@ static void print_json(struct way *way, const struct costs *costs)
 enum err run_bench_brain(const struct options *o, struct fault *fault)
 {
     struct interpreter interp;
+    struct buf path = {0};
     if (o->words && strcmp(o->word[0], "brain") != 0)
         return fault_set(fault, ERR_USAGE, "bench: expected brain or terminal, not %s", o->word[0]);
     struct way *way = mem_new(sizeof *way);
     enum err err = interpreter_init(&interp, fault);
     if (!err && !way)
         err = fault_memory(fault, "a benchmark");
+    if (!err) {
+        way->scene = o->scene ? o->scene : "ch2.nii.gz";
+        err = interpreter_find_scene(&interp, way->scene, false, &path, fault);
+        if (err && !o->scene)
+            err = interpreter_find_scene(&interp, way->scene = "synth:geom", false, &path, fault);
+    }
     if (!err)
-        err = open_scene(&interp, o->scene, &way->scene, fault);
+        err = session_open(interp.session, buf_text(&path), NULL, fault);
     if (!err)
-        err = plant_seeds(&interp, fault);
-    if (!err)
-        err = time_session(interp.session, way, fault);
+        err = time_session(&interp, way, fault);
     if (!err && o->json)
         print_json(way, NULL);
     else if (!err)
         print_way(way);
     free(way);
+    buf_release(&path);
     interpreter_release(&interp);
     return err;
 }

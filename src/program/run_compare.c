@@ -28,18 +28,6 @@ struct pair {
     struct comparison comparison;
 };
 
-static enum err check_options(const struct options *o, struct fault *fault)
-{
-    if (o->scene && !o->picture)
-        return fault_set(fault, ERR_USAGE,
-                         "--scene: the slices of a picture come from it; expected --picture too");
-    if (o->as && o->binary)
-        return fault_set(fault, ERR_USAGE,
-                         "--as and --binary are two answers to one question; expected one of them");
-    const enum err err = image_check_png(o->picture, fault);
-    return err ? fault_prefix(fault, err, "--picture") : OK;
-}
-
 /* ---- maps ---- */
 
 static enum err take_labels(struct pair *pair, int side, struct volume *map, struct fault *fault)
@@ -101,48 +89,34 @@ static enum err open_scene(struct pair *pair, struct fault *fault)
     return read_map(pair, 0, fault);
 }
 
-static enum err read_maps(struct pair *pair, struct fault *fault)
+/* ---- answers ---- */
+
+static enum err compare(struct pair *pair, struct team *team, struct fault *fault)
 {
-    enum err err = pair->options->picture ? open_scene(pair, fault) : read_first(pair, fault);
+    static const char no_name[256][LABEL_NAME_BYTES];
+    const struct options *o = pair->options;
+    struct picture picture = {0};
+    struct buf text = {0};
+    const struct comparison_report report = {
+        &pair->comparison, {o->word[0], o->word[1]}, no_name, &pair->geometry};
+    enum err err = o->picture ? open_scene(pair, fault) : read_first(pair, fault);
     if (!err)
         err = read_map(pair, 1, fault);
     for (int a = 0; a < 3 && !err; a++) {
         pair->compared.size[a] = pair->grid.size[a];
         pair->compared.spacing_nm[a] = pair->geometry.spacing_nm[a];
     }
-    return err;
-}
-
-/* ---- answers ---- */
-
-static enum err write_picture(struct pair *pair, const struct comparison_report *report,
-                              struct fault *fault)
-{
-    const uint32_t *place =
-        comparison_farthest(&pair->comparison, session_outlook(pair->session)->slices.cross);
-    struct picture picture = {0};
-    if (!pair->options->picture)
-        return OK;
-    enum err err =
-        comparison_picture_draw(&picture, pair->session, &pair->compared, report, place, fault);
-    if (!err)
-        err = image_write_png(pair->options->picture, &picture, fault);
-    picture_release(&picture);
-    return err;
-}
-
-static enum err compare(struct pair *pair, struct team *team, struct fault *fault)
-{
-    static const char no_name[256][LABEL_NAME_BYTES];
-    const struct options *o = pair->options;
-    struct buf text = {0};
-    const struct comparison_report report = {
-        &pair->comparison, {o->word[0], o->word[1]}, no_name, &pair->geometry};
-    enum err err = read_maps(pair, fault);
     if (!err)
         err = comparison_make(&pair->comparison, &pair->compared, team, console_watch(), fault);
-    if (!err)
-        err = write_picture(pair, &report, fault);
+    if (!err && o->picture) {
+        const uint32_t *place =
+            comparison_farthest(&pair->comparison, session_outlook(pair->session)->slices.cross);
+        err = comparison_picture_draw(&picture, pair->session, &pair->compared, &report, place,
+                                      fault);
+        if (!err)
+            err = image_write_png(o->picture, &picture, fault);
+        picture_release(&picture);
+    }
     if (!err) {
         (o->json  ? comparison_write_json
          : o->csv ? comparison_write_csv
@@ -157,15 +131,22 @@ static enum err compare(struct pair *pair, struct team *team, struct fault *faul
 
 enum err run_compare(const struct options *o, struct fault *fault)
 {
-    struct pair *pair = mem_new(sizeof *pair);
     struct team *team = NULL;
+    if (o->scene && !o->picture)
+        return fault_set(fault, ERR_USAGE,
+                         "--scene: the slices of a picture come from it; expected --picture too");
+    if (o->as && o->binary)
+        return fault_set(fault, ERR_USAGE,
+                         "--as and --binary are two answers to one question; expected one of them");
+    enum err err = image_check_png(o->picture, fault);
+    if (err)
+        return fault_prefix(fault, err, "--picture");
+    struct pair *pair = mem_new(sizeof *pair);
     if (!pair)
         return fault_memory(fault, "a comparison");
     pair->options = o;
     console_handle_interrupts();
-    enum err err = check_options(o, fault);
-    if (!err)
-        err = regions_new(&pair->as, o->regions, o->as, fault);
+    err = regions_new(&pair->as, o->regions, o->as, fault);
     if (!err)
         err = team_new(&team, team_size_wanted(), fault);
     if (!err)

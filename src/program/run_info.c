@@ -22,7 +22,6 @@
 #include "journal/journal.h"
 #include "program/console.h"
 #include "program/programs.h"
-#include "confine/confine.h"
 #include "show/export_picture.h"
 #include "report/histogram.h"
 #include "session/semantics.h"
@@ -276,27 +275,18 @@ static void add_open_notes(struct facts *f, const char *notes)
     buf_release(&line);
 }
 
-/* What the header says; of a folder with several series, which there are. */
-static enum err read_header(struct volume_header *facts, const struct facts *f, const char *path,
-                            struct fault *fault)
-{
-    struct volume_reader reader;
-    struct buf list = {0};
-    const struct volume_choice choice = {.list = f->is_json ? NULL : &list};
-    const enum err err = volume_begin(&reader, path, &choice, NULL, fault);
-    *facts = reader.header;
-    volume_close(&reader);
-    fputs(buf_text(&list), stdout);
-    buf_release(&list);
-    return err;
-}
-
 static enum err add_scene(struct facts *f, const char *path, struct fault *fault)
 {
-    struct volume_header facts;
+    struct volume_reader reader;
     struct volume volume = {0};
+    struct buf series = {0}; /* of a folder with several: which there are */
+    const struct volume_choice choice = {.list = f->is_json ? NULL : &series};
     char towards[4];
-    enum err err = read_header(&facts, f, path, fault);
+    enum err err = volume_begin(&reader, path, &choice, NULL, fault);
+    const struct volume_header facts = reader.header;
+    volume_close(&reader);
+    fputs(buf_text(&series), stdout);
+    buf_release(&series);
     if (!err && f->wants_histogram) {
         err = volume_read(&volume, path, NULL, console_watch(), fault);
         console_erase_progress();

@@ -32,14 +32,6 @@ struct anonymiser {
     struct buf names; /* of files met so far, in order, each ended by NUL */
 };
 
-static bool takes_file(const struct command *command)
-{
-    for (unsigned p = 0; command && p < PARAMETERS_MOST; p++)
-        if (command->parameter[p].type == VALUE_FILE)
-            return true;
-    return false;
-}
-
 /* One of "a|b|c", or a keyed parameter with its value. */
 static bool is_word_of(const struct parameter *p, const char *word)
 {
@@ -53,7 +45,10 @@ static bool is_file(const struct command *command, const char *word)
 {
     if (strchr(word, '/'))
         return true;
-    if (!takes_file(command) || strncmp(word, "synth:", 6) == 0)
+    bool takes_file = false;
+    for (unsigned i = 0; command && i < PARAMETERS_MOST; i++)
+        takes_file |= command->parameter[i].type == VALUE_FILE;
+    if (!takes_file || strncmp(word, "synth:", 6) == 0)
         return false;
     const bool is_number = word[strspn(word, "0123456789.-")] == '\0';
     const struct parameter *p = command->parameter;
@@ -120,9 +115,8 @@ static void anonymise_command(struct anonymiser *anonymiser, struct buf *out, co
     for (unsigned n = 0; *command; n++) {
         const char *rest = command;
         buf_clear(&word);
-        if (!command_take_word(&rest, &word,
-                               COMMAND_QUOTES)) { /* a quote that does not end: nothing is sure */
-            buf_add_text(out, "...");
+        if (!command_take_word(&rest, &word, COMMAND_QUOTES)) {
+            buf_add_text(out, "..."); /* a quote that does not end: nothing is sure */
             break;
         }
         const char *text = buf_text(&word);
@@ -235,17 +229,6 @@ static void add_words(struct json *json, const char *words)
     buf_release(&key);
 }
 
-static void add_command(struct provenance *p, const struct record *record, const char *command)
-{
-    const size_t n = record->number;
-    if (begin(p, ACTIVITY, "command", n)) {
-        json_text(&p->json, "prov:label", command);
-        json_end(&p->json);
-    }
-    relate(p, ASSOCIATED, (struct end){"activity", "command", n},
-           (struct end){"agent", "program", 1});
-}
-
 static void add_state(struct provenance *p, const struct record *record)
 {
     const size_t n = record->number;
@@ -304,7 +287,11 @@ static void add_record(struct provenance *p, const struct record *record)
     else
         buf_add_text(&text, record->command);
     const struct command *known = take_command(buf_text(&text), &argument);
-    add_command(p, record, buf_text(&text));
+    if (begin(p, ACTIVITY, "command", record->number)) {
+        json_text(&p->json, "prov:label", buf_text(&text));
+        json_end(&p->json);
+    }
+    relate(p, ASSOCIATED, command, (struct end){"agent", "program", 1});
     add_state(p, record);
     if (known && known->act == act_open) {
         add_named(p, "scene", record, buf_text(&argument));
@@ -316,18 +303,6 @@ static void add_record(struct provenance *p, const struct record *record)
     p->json.out->failed |= text.failed | argument.failed;
     buf_release(&text);
     buf_release(&argument);
-}
-
-static void add_journal(struct provenance *p, const char *name)
-{
-    if (!begin(p, ENTITY, "journal", 1))
-        return;
-    json_text(&p->json, "prov:type", "iftty:journal");
-    json_text(&p->json, "prov:label", p->is_anonymous ? "a journal" : name);
-    json_count(&p->json, "iftty:records", p->condition.records);
-    json_text(&p->json, "iftty:chain", p->condition.chain.hex);
-    json_text(&p->json, "iftty:condition", p->condition.text);
-    json_end(&p->json);
 }
 
 /* The member at hand, from the whole journal. */
@@ -342,7 +317,14 @@ static enum err add_member(struct provenance *p, const char *name, const char *b
     if (err)
         return err;
     json_object(&p->json, member[p->member]);
-    add_journal(p, name);
+    if (begin(p, ENTITY, "journal", 1)) {
+        json_text(&p->json, "prov:type", "iftty:journal");
+        json_text(&p->json, "prov:label", p->is_anonymous ? "a journal" : name);
+        json_count(&p->json, "iftty:records", p->condition.records);
+        json_text(&p->json, "iftty:chain", p->condition.chain.hex);
+        json_text(&p->json, "iftty:condition", p->condition.text);
+        json_end(&p->json);
+    }
     while (walk_next(&walk, &record) == WALK_RECORD)
         add_record(p, &record);
     json_end(&p->json);
@@ -384,11 +366,6 @@ static enum err provenance_write(struct buf *out, const char *name, const char *
 
 /* ---- the forms ---- */
 
-static enum err read_journal(struct buf *bytes, const struct options *o, struct fault *fault)
-{
-    return file_read(bytes, o->word[0], JOURNAL_BYTES_MAX, fault);
-}
-
 /* What `write` makes of a journal, printed also where it ends with an error: line by line, without
  * what a terminal would obey. */
 static enum err print_written(enum err (*write)(struct buf *out, const char *bytes, size_t length,
@@ -396,7 +373,7 @@ static enum err print_written(enum err (*write)(struct buf *out, const char *byt
                               const struct options *o, struct fault *fault)
 {
     struct buf bytes = {0}, text = {0}, line = {0};
-    enum err err = read_journal(&bytes, o, fault);
+    enum err err = file_read(&bytes, o->word[0], JOURNAL_BYTES_MAX, fault);
     if (!err)
         err = write(&text, buf_text(&bytes), bytes.length, fault);
     if (err && bytes.length)
@@ -478,7 +455,7 @@ enum err run_log_graph(const struct options *o, struct fault *fault)
 enum err run_log_export(const struct options *o, struct fault *fault)
 {
     struct buf bytes = {0}, text = {0};
-    enum err err = read_journal(&bytes, o, fault);
+    enum err err = file_read(&bytes, o->word[0], JOURNAL_BYTES_MAX, fault);
     if (!err)
         err = provenance_write(&text, file_name(o->word[0]), buf_text(&bytes), bytes.length,
                                o->anonymise, fault);
@@ -508,7 +485,7 @@ enum err run_log_sign(const struct options *o, struct fault *fault)
 {
     struct buf bytes = {0}, line = {0};
     struct journal_condition condition;
-    enum err err = read_journal(&bytes, o, fault);
+    enum err err = file_read(&bytes, o->word[0], JOURNAL_BYTES_MAX, fault);
     console_handle_interrupts();
     if (!err) {
         err = journal_check(&condition, buf_text(&bytes), bytes.length, fault);

@@ -78,10 +78,9 @@ static void start(struct prompt *prompt, struct buf *output)
 static enum err prompt_execute(void *context, const char *line, struct buf *output,
                                struct fault *fault)
 {
-    struct prompt *prompt = context;
-    const enum err err = execute(prompt, line, output, fault);
+    const enum err err = execute(context, line, output, fault);
     if (!err)
-        start(prompt, output);
+        start(context, output);
     return err;
 }
 
@@ -100,19 +99,6 @@ static enum err prompt_drop(void *context, struct fault *fault)
     return interpreter_drop_sketch(&prompt->interp, fault);
 }
 
-static enum err resume_first(struct prompt *prompt, struct buf *output, struct fault *fault)
-{
-    enum err err = interpreter_resume_journal(&prompt->interp, prompt->first, output, fault);
-    console_erase_progress();
-    if (!err)
-        buf_printf(output, "%zu record%s, resumed as they left it\n",
-                   journal_count(prompt->interp.journal),
-                   plural(journal_count(prompt->interp.journal)));
-    if (err == ERR_CANCELLED)
-        fault_set(fault, err, "cannot resume %s: cancelled; it is as it was", prompt->first);
-    return err;
-}
-
 /* The scene or journal named on the command line, and what a new session begins with. */
 static enum err prompt_begin(void *context, struct buf *output, struct fault *fault)
 {
@@ -120,8 +106,17 @@ static enum err prompt_begin(void *context, struct buf *output, struct fault *fa
     struct buf line = {0};
     enum err err = OK;
     buf_add_text(output, buf_text(&prompt->config.words));
-    if (prompt->resumes)
-        return resume_first(prompt, output, fault);
+    if (prompt->resumes) {
+        err = interpreter_resume_journal(&prompt->interp, prompt->first, output, fault);
+        console_erase_progress();
+        if (!err)
+            buf_printf(output, "%zu record%s, resumed as they left it\n",
+                       journal_count(prompt->interp.journal),
+                       plural(journal_count(prompt->interp.journal)));
+        if (err == ERR_CANCELLED)
+            fault_set(fault, err, "cannot resume %s: cancelled; it is as it was", prompt->first);
+        return err;
+    }
     if (prompt->first) {
         buf_add_text(&line, "open ");
         command_write_word(&line, prompt->first);

@@ -117,21 +117,6 @@ static char wait_for(const char *keys)
     return found;
 }
 
-static enum err read_key(char *key, const char *keys, struct fault *fault)
-{
-    enum err err = term_open(STDIN_FILENO, STDOUT_FILENO, fault);
-    if (!err) {
-        term_set_sequences("", "");
-        err = term_set_mode(TERM_RAW, fault);
-    }
-    if (!err)
-        *key = wait_for(keys);
-    term_close();
-    if (!err && !*key)
-        err = fault_set(fault, ERR_CANCELLED, "cancelled; nothing has changed");
-    return err;
-}
-
 /* One line, as the terminal itself edits it. Enter alone is the reason that was given last. */
 static enum err ask_why(struct buf *why, struct fault *fault)
 {
@@ -177,7 +162,16 @@ static enum err ask(void *context, const struct review_question *question, struc
             show(review, question->finding);
         puts("a accept   r reject   s skip   q quit");
         fflush(stdout);
-        err = read_key(&key, "arsq", fault);
+        err = term_open(STDIN_FILENO, STDOUT_FILENO, fault);
+        if (!err) {
+            term_set_sequences("", "");
+            err = term_set_mode(TERM_RAW, fault);
+        }
+        if (!err)
+            key = wait_for("arsq");
+        term_close();
+        if (!err && !key)
+            err = fault_set(fault, ERR_CANCELLED, "cancelled; nothing has changed");
     }
     review->has_quit = key == 'q';
     *answer = key == 'a' ? REVIEW_ACCEPT : key == 'r' ? REVIEW_REJECT : REVIEW_SKIP;

@@ -64,18 +64,6 @@ struct shard {
     unsigned number, of; /* 1..of */
 };
 
-/* Reads "K/N"; false where it is none. */
-static bool shard_read(struct shard *shard, const char *text)
-{
-    int64_t number, of;
-    const char *at = text;
-    if (!scan_integer(&at, 1, SHARDS_MOST, &number) || !scan_text(&at, "/") ||
-        !scan_integer(&at, number, SHARDS_MOST, &of) || *at)
-        return false;
-    *shard = (struct shard){(unsigned)number, (unsigned)of};
-    return true;
-}
-
 static bool is_in_shard(const struct shard *shard, const char *path)
 {
     struct buf bytes = {0};
@@ -114,11 +102,6 @@ static size_t shard_choose(const struct shard *shard, char **path, char **other,
 
 /* ---- verify ---- */
 
-static bool is_chain(const char *text)
-{
-    return strspn(text, "0123456789abcdef") == RECORD_CHAIN_DIGITS && !text[RECORD_CHAIN_DIGITS];
-}
-
 /* What options say together. */
 static enum err check_options(const struct options *o, struct fault *fault)
 {
@@ -129,7 +112,8 @@ static enum err check_options(const struct options *o, struct fault *fault)
                          o->until);
     if (o->strict && o->no_strict)
         return fault_set(fault, ERR_USAGE, "--strict and --no-strict: give one of them");
-    if (o->expect && (o->words != 1 || !is_chain(o->expect)))
+    if (o->expect && (o->words != 1 || strlen(o->expect) != RECORD_CHAIN_DIGITS ||
+                      strspn(o->expect, "0123456789abcdef") != RECORD_CHAIN_DIGITS))
         return fault_set(fault, ERR_USAGE,
                          "--expect: expected one journal, and the 32 digits of its last chain");
     if ((o->revoked || o->signed_at) && !o->allowed_signers)
@@ -158,13 +142,16 @@ static enum err check_options(const struct options *o, struct fault *fault)
 static enum err choose(const struct options *o, struct lock_plan *plan, size_t *count,
                        struct fault *fault)
 {
-    struct shard shard;
+    int64_t number, of;
+    const char *at = o->shard;
     *count = plan ? plan->name.count : (size_t)o->words;
     if (!o->shard)
         return OK;
-    if (!shard_read(&shard, o->shard))
+    if (!scan_integer(&at, 1, SHARDS_MOST, &number) || !scan_text(&at, "/") ||
+        !scan_integer(&at, number, SHARDS_MOST, &of) || *at)
         return fault_set(fault, ERR_USAGE, "--shard: expected K/N, as 1/4 to 4/4, not %s",
                          o->shard);
+    const struct shard shard = {(unsigned)number, (unsigned)of};
     *count =
         shard_choose(&shard, plan ? plan->journal : o->word, plan ? plan->name.name : NULL, *count);
     return OK;

@@ -156,32 +156,6 @@ static enum err refuse(enum state state, const char *end, struct fault *fault)
                      end);
 }
 
-static uint64_t bytes_of(const struct buf *written)
-{
-    const char *at = buf_text(written), *end = at + written->length;
-    uint64_t bytes = 0;
-    while (at < end) {
-        struct stat status;
-        if (lstat(at, &status) == 0)
-            bytes += (uint64_t)status.st_size;
-        at += strlen(at) + 1; /* the path */
-        at += strlen(at) + 1; /* and what belongs to it */
-    }
-    return bytes;
-}
-
-/* An error that a limit has caused names its option. */
-static enum err explain(enum err err, bool files_were_limited, struct fault *fault)
-{
-    if ((err == ERR_LIMIT || err == ERR_MEMORY) && fault && strstr(fault->text, "memory"))
-        fault_prefix(fault, err, "--limit-memory allows %g MB",
-                     (double)now.limits.memory_bytes / 1e6);
-    if (err == ERR_IO && files_were_limited && fault &&
-        (strstr(fault->text, strerror(EFBIG)) || strstr(fault->text, strsignal(SIGXFSZ))))
-        return refuse(TOO_MUCH_OUTPUT, "this file was removed", fault);
-    return err;
-}
-
 enum err limits_judge(enum err err, const struct buf *written, struct fault *fault)
 {
     if (!now.hold)
@@ -194,9 +168,23 @@ enum err limits_judge(enum err err, const struct buf *written, struct fault *fau
     limits_stop();
     if (now.state != WITHIN)
         return refuse(now.state, "it was stopped", fault);
+    /* An error that a limit has caused names its option. */
+    if ((err == ERR_LIMIT || err == ERR_MEMORY) && fault && strstr(fault->text, "memory"))
+        fault_prefix(fault, err, "--limit-memory allows %g MB",
+                     (double)now.limits.memory_bytes / 1e6);
+    if (err == ERR_IO && files_were_limited && fault &&
+        (strstr(fault->text, strerror(EFBIG)) || strstr(fault->text, strsignal(SIGXFSZ))))
+        return refuse(TOO_MUCH_OUTPUT, "this file was removed", fault);
     if (err)
-        return explain(err, files_were_limited, fault);
-    const uint64_t bytes = bytes_of(written);
+        return err;
+    uint64_t bytes = 0;
+    for (const char *at = buf_text(written), *end = at + written->length; at < end;) {
+        struct stat status;
+        if (lstat(at, &status) == 0)
+            bytes += (uint64_t)status.st_size;
+        at += strlen(at) + 1; /* the path */
+        at += strlen(at) + 1; /* and what belongs to it */
+    }
     if (bytes > now.limits.output_bytes - now.output_bytes)
         return refuse(TOO_MUCH_OUTPUT, "this file was removed", fault);
     now.output_bytes += bytes;

@@ -213,31 +213,6 @@ static void gather_folder_of(struct gathering *g, const char *path, unsigned rig
     buf_release(&folder);
 }
 
-/* A journal may be a link to one, whose folder is not the one that names are looked up in. */
-static void gather_journals(struct gathering *g, const struct trust_places *places)
-{
-    for (int i = 0; i < places->journals; i++) {
-        struct stat status;
-        gather_folder_of(g, places->journal[i], CONFINE_READ);
-        if (lstat(places->journal[i], &status) == 0 && S_ISLNK(status.st_mode))
-            gather(g, places->journal[i], CONFINE_READ);
-    }
-    gather(g, places->goldens, CONFINE_READ);
-}
-
-/* What any program needs: its libraries, what they read as they start, and /dev/null. */
-static void gather_system(struct gathering *g)
-{
-    static const char *const read[] = {
-        "/usr/lib",       "/usr/lib32", "/usr/lib64",          "/lib",
-        "/lib64",         "/usr/share", "/usr/local/lib",      "/etc/ld.so.cache",
-        "/etc/localtime", "/proc",      "/sys/devices/system", "/dev/urandom",
-        "/dev/random",    "/dev/zero"};
-    for (size_t i = 0; i < sizeof read / sizeof *read; i++)
-        gather(g, read[i], CONFINE_READ | (i < 5 ? CONFINE_RUN : 0u));
-    gather(g, "/dev/null", CONFINE_DEVICE);
-}
-
 /* A scene that lies anywhere, and what is read with it. */
 static void gather_scene(struct gathering *g, const char *path)
 {
@@ -253,8 +228,16 @@ static void gather_scene(struct gathering *g, const char *path)
 
 bool trust_confine(const struct trust_places *places)
 {
+    /* What any program needs: its libraries, what they read as they start, and /dev/null. */
+    static const char *const read[] = {
+        "/usr/lib",       "/usr/lib32", "/usr/lib64",          "/lib",
+        "/lib64",         "/usr/share", "/usr/local/lib",      "/etc/ld.so.cache",
+        "/etc/localtime", "/proc",      "/sys/devices/system", "/dev/urandom",
+        "/dev/random",    "/dev/zero"};
     struct gathering g = {.places = 0};
-    gather_system(&g);
+    for (size_t i = 0; i < sizeof read / sizeof *read; i++)
+        gather(&g, read[i], CONFINE_READ | (i < 5 ? CONFINE_RUN : 0u));
+    gather(&g, "/dev/null", CONFINE_DEVICE);
     for (int i = 0; i < 2; i++)
         gather(&g, places->helper[i], CONFINE_READ | CONFINE_RUN);
     gather_scene(&g, places->scene);
@@ -274,7 +257,14 @@ bool trust_confine(const struct trust_places *places)
     }
     for (const char *const *program = places->run; program && *program; program++)
         gather_folder_of(&g, *program, CONFINE_READ | CONFINE_RUN);
-    gather_journals(&g, places);
+    /* A journal may be a link to one, whose folder is not the one that names are looked up in. */
+    for (int i = 0; i < places->journals; i++) {
+        struct stat status;
+        gather_folder_of(&g, places->journal[i], CONFINE_READ);
+        if (lstat(places->journal[i], &status) == 0 && S_ISLNK(status.st_mode))
+            gather(&g, places->journal[i], CONFINE_READ);
+    }
+    gather(&g, places->goldens, CONFINE_READ);
     const bool is_confined = !g.is_full && confine_to(g.place, g.places);
     while (g.places > 0)
         free(g.path[--g.places]);

@@ -34,23 +34,6 @@ static void write_place(struct buf *text, const struct first_difference *first, 
     buf_add_char(text, '\n');
 }
 
-static void describe(struct buf *text, const struct first_difference *first,
-                     const char *const name[2])
-{
-    const bool are_there = first->side[0].goes_on && first->side[1].goes_on;
-    const bool is_result = are_there && command_is_same(buf_text(&first->side[0].command),
-                                                        buf_text(&first->side[1].command));
-    buf_printf(text, "# record %zu is the first that differs: %s\n", first->same + 1,
-               is_result    ? "the same command gives another result"
-               : !are_there ? "only one of the two goes on"
-                            : "another command stands there");
-    write_place(text, first, 0, name[0]);
-    write_place(text, first, 1, name[1]);
-    if (is_result)
-        divergence_describe(text, buf_text(&first->side[0].result),
-                            buf_text(&first->side[1].result), DIVERGENCE_OF_JOURNALS);
-}
-
 /* `more`: lines to be printed after those of a difference, of each. */
 static enum err compare(const char *const path[2], const char *const name[2],
                         const char *const more[2], const struct printer *printer,
@@ -71,8 +54,20 @@ static enum err compare(const char *const path[2], const char *const name[2],
         buf_add_text(&text, " and ");
         buf_add_safe_text(&text, name[1]);
         buf_printf(&text, " (%zu record%s the same)\n", first.same, plural(first.same));
-        if (first.is_there)
-            describe(&text, &first, name);
+        const struct buf *one = &first.side[0].command, *other = &first.side[1].command;
+        const bool are_there = first.side[0].goes_on && first.side[1].goes_on;
+        const bool is_result = are_there && command_is_same(buf_text(one), buf_text(other));
+        if (first.is_there) {
+            buf_printf(&text, "# record %zu is the first that differs: %s\n", first.same + 1,
+                       is_result    ? "the same command gives another result"
+                       : !are_there ? "only one of the two goes on"
+                                    : "another command stands there");
+            write_place(&text, &first, 0, name[0]);
+            write_place(&text, &first, 1, name[1]);
+        }
+        if (is_result)
+            divergence_describe(&text, buf_text(&first.side[0].result),
+                                buf_text(&first.side[1].result), DIVERGENCE_OF_JOURNALS);
         buf_printf(&text, "%s%s1..1\n", more[0], more[1]);
         err = text.failed ? fault_memory(fault, "a report") : OK;
     }
@@ -129,21 +124,6 @@ static enum err prepare_side(struct builds *b, struct side *side, const char *na
     if (!err && (side->folder.failed || side->journal.failed))
         err = fault_memory(fault, "a path");
     return err ? err : file_make_folder(buf_text(&side->folder), fault);
-}
-
-static enum err prepare(struct builds *b, struct fault *fault)
-{
-    const char *scene = b->how->scene_path;
-    enum err err = whole_path(&b->commands, b->how->journal, fault);
-    if (!err && scene && file_exists(scene))
-        err = whole_path(&b->scene, scene, fault);
-    else if (scene)
-        buf_add_text(&b->scene, scene);
-    if (!err)
-        err = folder_passing(&b->folder, NULL, fault);
-    if (!err)
-        err = prepare_side(b, b->side, "this", "/proc/self/exe", fault);
-    return err ? err : prepare_side(b, b->side + 1, "other", b->how->other, fault);
 }
 
 /* Where the journal lies, and with nothing to read. What it prints to standard error is handed
@@ -232,7 +212,17 @@ enum err bisect_builds(const struct bisect_builds *how, const struct printer *pr
                        struct fault *fault)
 {
     struct builds b = {.how = how, .side = {{.name = "this build"}, {.name = how->other}}};
-    enum err err = prepare(&b, fault);
+    enum err err = whole_path(&b.commands, how->journal, fault);
+    if (!err && how->scene_path && file_exists(how->scene_path))
+        err = whole_path(&b.scene, how->scene_path, fault);
+    else if (how->scene_path)
+        buf_add_text(&b.scene, how->scene_path);
+    if (!err)
+        err = folder_passing(&b.folder, NULL, fault);
+    if (!err)
+        err = prepare_side(&b, b.side, "this", "/proc/self/exe", fault);
+    if (!err)
+        err = prepare_side(&b, b.side + 1, "other", how->other, fault);
     if (!err)
         err = run_both(&b, fault);
     for (int i = 0; !err && i < 2; i++)

@@ -8,6 +8,7 @@
 #include "base/json.h"
 #include "base/mem.h"
 #include "base/version.h"
+#include "engine/labels.h"
 #include "engine/overlap.h"
 #include "image/image_helper.h"
 #include "verify/difference_picture.h"
@@ -52,17 +53,6 @@ struct work {
     const struct diff_side *other; /* B, for A's picture; or NULL */
 };
 
-static void copy_labels(uint8_t *label, const struct scene *scene)
-{
-    const struct grid *grid = &scene->grid;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++)
-                *label++ = scene->cell[c].label;
-        }
-}
-
 /* A journal that was edited by hand, and gives the results it records, is taken with a warning. */
 static enum err carry_out(struct interpreter *interp, const struct work *work,
                           struct diff_facts *facts, struct fault *fault)
@@ -84,29 +74,6 @@ static enum err carry_out(struct interpreter *interp, const struct work *work,
     return err;
 }
 
-static void note_facts(struct diff_facts *facts, const struct session *session)
-{
-    memcpy(facts->size, session_scene(session)->grid.size, sizeof facts->size);
-    memcpy(facts->proof, session_proof(session), sizeof facts->proof);
-    memcpy(facts->label_name, session_kept(session)->label_name, sizeof facts->label_name);
-    facts->palette = session_kept(session)->palette;
-    facts->scene_digest = session_scene_digest(session);
-    facts->voxels = session_scene(session)->grid.voxels;
-    facts->pending = session_pendings(session);
-}
-
-/* Names and colours of labels that A has none of are B's. */
-static void borrow(struct kept *kept, const struct diff_facts *other, const struct overlap *overlap)
-{
-    for (int label = 1; label < 256; label++) {
-        if (overlap->a[label])
-            continue;
-        memcpy(kept->palette.rgb[label], other->palette.rgb[label], 3);
-        if (!kept->label_name[label][0])
-            memcpy(kept->label_name[label], other->label_name[label], LABEL_NAME_BYTES);
-    }
-}
-
 static enum err draw(struct picture *picture, struct session *session, const struct work *work,
                      const uint8_t *label, struct fault *fault)
 {
@@ -116,24 +83,43 @@ static enum err draw(struct picture *picture, struct session *session, const str
         .name = {file_name(work->options->path[0]), file_name(work->options->path[1])},
         .label = {label, work->other->labels},
         .overlap = &overlap};
+    const struct diff_facts *other = work->other->facts;
     struct state next = *session_state(session);
-    borrow(&next.kept, work->other->facts, &overlap);
+    for (int l = 1; l < 256; l++) { /* names and colours that A has none of are B's */
+        if (overlap.a[l])
+            continue;
+        memcpy(next.kept.palette.rgb[l], other->palette.rgb[l], 3);
+        if (!next.kept.label_name[l][0])
+            memcpy(next.kept.label_name[l], other->label_name[l], LABEL_NAME_BYTES);
+    }
     const enum err err = session_go(session, &next, NULL, 0, fault);
     return err ? err : difference_picture_draw(picture, session, &difference_picture, fault);
 }
 
-/* Labels and picture to `out`, after the facts. */
+/* Notes the facts, and adds labels and picture to `out`, after them. */
 static enum err hand_back(struct buf *out, struct session *session, const struct work *work,
                           struct diff_facts *facts, struct fault *fault)
 {
+    const struct kept *kept = session_kept(session);
     const size_t voxels = session_scene(session)->grid.voxels;
     struct picture picture = {0};
     uint8_t *label = buf_reserve(out, voxels);
     if (!label)
         return fault_memory(fault, "labels");
-    copy_labels(label, session_scene(session));
+    const struct labels labels = labels_of_forest(session_scene(session));
+    const struct grid *grid = &labels.scene->grid;
+    uint8_t *to = label;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++, to += grid->size[0])
+            labels_copy_row(&labels, grid_row(grid, y, z), to);
     out->length += voxels;
-    note_facts(facts, session);
+    memcpy(facts->size, session_scene(session)->grid.size, sizeof facts->size);
+    memcpy(facts->proof, session_proof(session), sizeof facts->proof);
+    memcpy(facts->label_name, kept->label_name, sizeof facts->label_name);
+    facts->palette = kept->palette;
+    facts->scene_digest = session_scene_digest(session);
+    facts->voxels = voxels;
+    facts->pending = session_pendings(session);
     if (!work->other || memcmp(work->other->facts->size, facts->size, sizeof facts->size) != 0)
         return OK;
     const enum err err = draw(&picture, session, work, label, fault);
@@ -228,18 +214,6 @@ struct journals {
     struct overlap overlap;
 };
 
-static enum err compare_labels(struct journals *j, struct fault *fault)
-{
-    const struct diff_facts *a = j->side[0].facts, *b = j->side[1].facts;
-    if (memcmp(a->size, b->size, sizeof a->size) != 0)
-        return fault_set(fault, ERR_INPUT,
-                         "scenes of %ux%ux%u and %ux%ux%u voxels: expected two of one size, whose "
-                         "labels can be compared",
-                         a->size[0], a->size[1], a->size[2], b->size[0], b->size[1], b->size[2]);
-    overlap_count(&j->overlap, j->side[0].labels, j->side[1].labels, a->voxels);
-    return OK;
-}
-
 /* ---- the picture ---- */
 
 static enum err write_picture(const struct journals *j, struct fault *fault)
@@ -303,17 +277,6 @@ static void write_first_difference(struct buf *out, const struct journals *j)
         }
         buf_add_char(out, '\n');
     }
-}
-
-static void write_scenes(struct buf *out, const struct journals *j)
-{
-    const struct diff_facts *f = j->side[0].facts;
-    if (scenes_are_same(j))
-        buf_printf(out, "scenes    the same: %ux%ux%u voxels, SHA-256 %s\n", f->size[0], f->size[1],
-                   f->size[2], f->proof);
-    else
-        buf_printf(out, "scenes    not the same; both have %ux%ux%u voxels\n", f->size[0],
-                   f->size[1], f->size[2]);
 }
 
 static void write_labels(struct buf *out, const struct journals *j)
@@ -425,7 +388,13 @@ static enum err report(const struct journals *j, const struct printer *printer, 
     if (j->options->json) {
         write_json(&text, j);
     } else {
-        write_scenes(&text, j);
+        const struct diff_facts *f = j->side[0].facts;
+        if (scenes_are_same(j))
+            buf_printf(&text, "scenes    the same: %ux%ux%u voxels, SHA-256 %s\n", f->size[0],
+                       f->size[1], f->size[2], f->proof);
+        else
+            buf_printf(&text, "scenes    not the same; both have %ux%ux%u voxels\n", f->size[0],
+                       f->size[1], f->size[2]);
         write_labels(&text, j);
     }
     const enum err said = give(&text, printer->print, printer, fault);
@@ -452,8 +421,14 @@ static enum err compare(struct journals *j, const struct printer *printer, struc
         err = carry_out_side(j->side + 1, o, 1, NULL, fault);
     if (!err)
         err = carry_out_side(j->side, o, 0, o->picture ? j->side + 1 : NULL, fault);
+    const struct diff_facts *a = j->side[0].facts, *b = j->side[1].facts;
+    if (!err && memcmp(a->size, b->size, sizeof a->size) != 0)
+        err = fault_set(fault, ERR_INPUT,
+                        "scenes of %ux%ux%u and %ux%ux%u voxels: expected two of one size, whose "
+                        "labels can be compared",
+                        a->size[0], a->size[1], a->size[2], b->size[0], b->size[1], b->size[2]);
     if (!err)
-        err = compare_labels(j, fault);
+        overlap_count(&j->overlap, j->side[0].labels, j->side[1].labels, a->voxels);
     if (!err)
         err = report(j, printer, fault);
     if (!err)

@@ -40,25 +40,6 @@ struct sheet {
     struct canvas canvas;    /* the picture's pixels */
 };
 
-static struct sheet plan_sheet(struct session *session, const struct difference_picture *of)
-{
-    const struct view *view = &session_outlook(session)->view;
-    const uint32_t scale = view->height >= 800 ? view->height / 400 : 1;
-    const uint32_t line = TEXT_LINE * scale;
-    struct sheet sheet = {.of = of,
-                          .session = session,
-                          .state = *session_state(session),
-                          .width = view->width,
-                          .height = view->height,
-                          .scale = scale,
-                          .top = line + 2 * BORDER,
-                          .bottom = ROWS * line + 2 * BORDER};
-    for (int label = 0; label < 256; label++)
-        sheet.visible[label] = kept_shows(&sheet.state.kept, label);
-    sheet.state.outlook.shows_finished = 0;
-    return sheet;
-}
-
 static uint32_t pane_left(const struct sheet *sheet, uint32_t pane)
 {
     return pane * (sheet->width + SEAM);
@@ -163,19 +144,6 @@ static enum err draw_difference(struct sheet *sheet, struct fault *fault)
     return err;
 }
 
-static enum err draw_panes(struct sheet *sheet, struct fault *fault)
-{
-    enum err err = session_draw(sheet->session, RENDER_AS_KEPT, fault);
-    if (err)
-        return err;
-    err = put_frame(sheet, 0, fault);
-    if (!err)
-        err = render_as(sheet, AS_B, fault);
-    if (!err)
-        err = put_frame(sheet, 1, fault);
-    return err ? err : draw_difference(sheet, fault);
-}
-
 /* ---- words ---- */
 
 /* As much of it as fits. */
@@ -235,7 +203,20 @@ static void write_labels(const struct sheet *sheet)
 enum err difference_picture_draw(struct picture *picture, struct session *session,
                                  const struct difference_picture *of, struct fault *fault)
 {
-    struct sheet sheet = plan_sheet(session, of);
+    const struct view *view = &session_outlook(session)->view;
+    const uint32_t scale = view->height >= 800 ? view->height / 400 : 1;
+    const uint32_t line = TEXT_LINE * scale;
+    struct sheet sheet = {.of = of,
+                          .session = session,
+                          .state = *session_state(session),
+                          .width = view->width,
+                          .height = view->height,
+                          .scale = scale,
+                          .top = line + 2 * BORDER,
+                          .bottom = ROWS * line + 2 * BORDER};
+    for (int label = 0; label < 256; label++)
+        sheet.visible[label] = kept_shows(&sheet.state.kept, label);
+    sheet.state.outlook.shows_finished = 0;
     const uint32_t width = pane_left(&sheet, 3) - SEAM;
     const uint32_t height = sheet.top + sheet.height + sheet.bottom;
     enum err err = picture_init(picture, width, height, false, fault);
@@ -252,7 +233,16 @@ enum err difference_picture_draw(struct picture *picture, struct session *sessio
         write_entry(&sheet, (int64_t)pane_left(&sheet, 2) + BORDER, kind - A_ALONE,
                     difference_rgb[kind], difference_words[kind]);
     sheet.label = mem_new(session_scene(session)->grid.cells);
-    err = sheet.label ? draw_panes(&sheet, fault) : fault_memory(fault, "a picture");
+    err = sheet.label ? session_draw(session, RENDER_AS_KEPT, fault)
+                      : fault_memory(fault, "a picture");
+    if (!err)
+        err = put_frame(&sheet, 0, fault);
+    if (!err)
+        err = render_as(&sheet, AS_B, fault);
+    if (!err)
+        err = put_frame(&sheet, 1, fault);
+    if (!err)
+        err = draw_difference(&sheet, fault);
     free(sheet.label);
     return err;
 }

@@ -112,21 +112,18 @@ static enum err compare_pixels(const struct picture *file, const struct picture 
                   : OK;
 }
 
-/* The one that OpenImageIO adds by itself. */
-static bool is_writers_own(const struct attribute *text)
-{
-    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
-    return strcmp(text->name, "oiio:ColorSpace") == 0 && strlen(text->value) <= 32 &&
-           !text->value[strspn(text->value, letters)];
-}
-
 static enum err compare_texts(const struct picture *file, const struct picture *golden,
                               struct fault *fault)
 {
+    /* OpenImageIO adds one by itself: a name. */
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
     for (size_t i = 0; i < file->attributes; i++) {
         const struct attribute *text = &file->attribute[i];
         const char *note = picture_find(golden, text->name);
-        if (is_writers_own(text) || golden_note_is_of_its_time(text) ||
+        const bool is_writers_own = strcmp(text->name, "oiio:ColorSpace") == 0 &&
+                                    strlen(text->value) <= 32 &&
+                                    !text->value[strspn(text->value, letters)];
+        if (is_writers_own || golden_note_is_of_its_time(text) ||
             (note && strcmp(note, text->value) == 0))
             continue;
         struct buf words = {0};
@@ -142,12 +139,15 @@ static enum err compare_texts(const struct picture *file, const struct picture *
     return OK;
 }
 
-static enum err judge_png(struct interpreter *interp, const struct golden_finding *finding,
-                          struct fault *fault)
+static enum err count(void *context, struct interpreter *interp,
+                      const struct golden_finding *finding, struct fault *fault)
 {
+    struct evidence_collector *collector = context;
     const struct picture *actual = finding->actual;
     struct buf path = {0}, bytes = {0};
     struct picture file = {0};
+    collector->goldens++;
+    collector->pixels += (uint64_t)actual->width * actual->height;
     buf_add(&path, finding->path, strlen(finding->path) - strlen("exr"));
     buf_add_text(&path, "png");
     enum err err = path.failed ? fault_memory(fault, "a path") : OK;
@@ -174,16 +174,6 @@ static enum err judge_png(struct interpreter *interp, const struct golden_findin
     buf_release(&bytes);
     buf_release(&path);
     return err;
-}
-
-static enum err count(void *context, struct interpreter *interp,
-                      const struct golden_finding *finding, struct fault *fault)
-{
-    struct evidence_collector *collector = context;
-    const struct picture *actual = finding->actual;
-    collector->goldens++;
-    collector->pixels += (uint64_t)actual->width * actual->height;
-    return judge_png(interp, finding, fault);
 }
 
 struct golden_judge evidence_judge(struct evidence_collector *collector)

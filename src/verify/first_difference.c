@@ -37,22 +37,17 @@ static bool is_recorded(const struct follower *f)
     return !command || (command->flags & COMMAND_RECORDED);
 }
 
-static void step_to_command(struct follower *f, size_t last)
-{
-    do {
-        f->goes_on =
-            walk_next(&f->walk, &f->record) == WALK_RECORD && (!last || f->record.number <= last);
-        if (f->goes_on)
-            take_words(&f->words, f->record.command);
-    } while (f->goes_on && !is_recorded(f));
-}
-
 static enum err step(struct follower *f, size_t last, struct fault *fault)
 {
     if (f->of == FIRST_RECORD)
         f->goes_on = walk_next_sound(&f->walk, &f->record) == WALK_RECORD;
     else
-        step_to_command(f, last);
+        do {
+            f->goes_on = walk_next(&f->walk, &f->record) == WALK_RECORD &&
+                         (!last || f->record.number <= last);
+            if (f->goes_on)
+                take_words(&f->words, f->record.command);
+        } while (f->goes_on && !is_recorded(f));
     if (f->words.failed)
         return fault_memory(fault, "a command");
     return f->walk.over == WALK_DAMAGED

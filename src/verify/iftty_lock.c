@@ -1,7 +1,10 @@
 #include "verify/iftty_lock.h"
 
+#include <dirent.h>
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "base/file.h"
 #include "base/hash.h"
@@ -12,9 +15,14 @@
 #include "journal/journal.h"
 #include "journal/record.h"
 #include "sandbox/trust.h"
-#include "verify/name_list.h"
 
-enum { GOLDEN_BYTES_MAX = 1 << 30 };
+enum {
+    LOCK_BYTES_MAX = 64 << 20,
+    LOCK_NAME_MAX = 4000,
+    GOLDEN_BYTES_MAX = 1 << 30,
+    JOURNALS_MOST = 100000,
+    DEPTH_MOST = 32 /* of folders */
+};
 
 static const char before_version[] = "# iftty lock ";
 
@@ -44,65 +52,23 @@ bool lock_name_is_valid(const char *name)
 
 /* ---- entries ---- */
 
-/* Where it is, or where it would go. */
-static size_t place_of(const struct lock *lock, const char *name, bool *is_there)
+static int compare_name(const void *name, const void *entry)
 {
-    size_t least = 0, end = lock->count;
-    *is_there = false;
-    while (least < end) {
-        const size_t middle = least + (end - least) / 2;
-        const int order = strcmp(lock->entry[middle].name, name);
-        *is_there = *is_there || order == 0;
-        if (order < 0)
-            least = middle + 1;
-        else
-            end = middle;
-    }
-    return least;
+    return strcmp(name, ((const struct lock_entry *)entry)->name);
 }
 
 const char *lock_facts_of(const struct lock *lock, const char *name)
 {
-    bool is_there;
-    const size_t at = place_of(lock, name, &is_there);
-    return is_there ? lock->entry[at].facts : NULL;
+    const struct lock_entry *found =
+        lock->count ? bsearch(name, lock->entry, lock->count, sizeof *lock->entry, compare_name)
+                    : NULL;
+    return found ? found->facts : NULL;
 }
 
 static void release_entry(struct lock_entry *entry)
 {
     free(entry->name);
     free(entry->facts);
-}
-
-bool lock_set(struct lock *lock, const char *name, const char *facts)
-{
-    bool is_there;
-    const size_t at = place_of(lock, name, &is_there);
-    struct lock_entry entry = {strdup(name), strdup(facts)};
-    if (!entry.name || !entry.facts ||
-        !mem_grow(&lock->entry, &lock->capacity, lock->count + 1, sizeof *lock->entry)) {
-        release_entry(&entry);
-        return false;
-    }
-    if (is_there) {
-        release_entry(lock->entry + at);
-    } else {
-        memmove(lock->entry + at + 1, lock->entry + at, (lock->count - at) * sizeof entry);
-        lock->count++;
-    }
-    lock->entry[at] = entry;
-    return true;
-}
-
-void lock_remove(struct lock *lock, const char *name)
-{
-    bool is_there;
-    const size_t at = place_of(lock, name, &is_there);
-    if (!is_there)
-        return;
-    release_entry(lock->entry + at);
-    lock->count--;
-    memmove(lock->entry + at, lock->entry + at + 1, (lock->count - at) * sizeof *lock->entry);
 }
 
 void lock_release(struct lock *lock)
@@ -115,11 +81,16 @@ void lock_release(struct lock *lock)
 
 /* ---- as text ---- */
 
+static void write_entry(struct buf *out, const char *name, const char *facts)
+{
+    buf_printf(out, "journal %s\n%s", name, facts);
+}
+
 void lock_write(struct buf *out, const struct lock *lock)
 {
     buf_printf(out, "%s%u\n", before_version, lock->version);
     for (size_t i = 0; i < lock->count; i++)
-        buf_printf(out, "journal %s\n%s", lock->entry[i].name, lock->entry[i].facts);
+        write_entry(out, lock->entry[i].name, lock->entry[i].facts);
 }
 
 static bool is_hex(const char *text, size_t digits)
@@ -137,23 +108,18 @@ static bool is_golden(const char *text)
     return golden_name_is_valid(name) && is_hex(text + length + 1, 64);
 }
 
-static bool is_count(const char *text)
-{
-    int64_t count;
-    const char *at = text;
-    return (*text != '0' || !text[1]) && scan_integer(&at, 0, INT64_MAX, &count) && !*at;
-}
-
 /* Whether what follows the word is as it has to be. */
 static bool is_value(enum kind kind, const char *value)
 {
+    const char *at = value;
+    int64_t count;
     switch (kind) {
     case KIND_JOURNAL:
         return lock_name_is_valid(value);
     case KIND_CHAIN:
         return is_hex(value, RECORD_CHAIN_DIGITS);
     case KIND_RECORDS:
-        return is_count(value);
+        return (*value != '0' || !value[1]) && scan_integer(&at, 0, INT64_MAX, &count) && !*at;
     case KIND_SCENE:
         return is_hex(value, 16);
     default:
@@ -187,14 +153,24 @@ struct reading {
     size_t number; /* of the line, from 1 */
 };
 
+/* The journal at hand, whose lines are over, is an entry; false without memory. */
 static bool keep_journal(struct reading *r)
 {
-    const bool fine =
-        !r->name.length || (!r->name.failed && !r->facts.failed &&
-                            lock_set(r->lock, buf_text(&r->name), buf_text(&r->facts)));
+    struct lock *lock = r->lock;
+    struct lock_entry entry = {NULL, NULL};
+    if (!r->name.length)
+        return !r->name.failed;
+    if (!r->name.failed && !r->facts.failed)
+        entry = (struct lock_entry){strdup(buf_text(&r->name)), strdup(buf_text(&r->facts))};
     buf_clear(&r->name);
     buf_clear(&r->facts);
-    return fine;
+    if (!entry.name || !entry.facts ||
+        !mem_grow(&lock->entry, &lock->capacity, lock->count + 1, sizeof *lock->entry)) {
+        release_entry(&entry);
+        return false;
+    }
+    lock->entry[lock->count++] = entry;
+    return true;
 }
 
 static enum err refuse(const struct reading *r, const char *expected, struct fault *fault)
@@ -230,26 +206,6 @@ static enum err read_line(struct reading *r, const char *line, struct fault *fau
     return OK;
 }
 
-static enum err read_lines(struct reading *r, const char *at, const char *end, struct fault *fault)
-{
-    struct buf line = {0};
-    enum err err = OK;
-    for (r->number = 2; !err && at < end; r->number++) {
-        const char *feed = memchr(at, '\n', (size_t)(end - at));
-        buf_clear(&line);
-        if (feed)
-            buf_add(&line, at, (size_t)(feed - at));
-        if (!feed || strlen(buf_text(&line)) != line.length)
-            err = refuse(r, "a line of text that ends with a line feed", fault);
-        else
-            err =
-                line.failed ? fault_memory(fault, "a lock") : read_line(r, buf_text(&line), fault);
-        at = feed ? feed + 1 : end;
-    }
-    buf_release(&line);
-    return err;
-}
-
 enum err lock_read(struct lock *lock, const char *bytes, size_t length, struct fault *fault)
 {
     struct reading r = {.lock = lock, .before = KINDS, .number = 1};
@@ -258,7 +214,22 @@ enum err lock_read(struct lock *lock, const char *bytes, size_t length, struct f
         lock->version = (unsigned)(bytes[before] - '0');
     if (lock->version < 1 || lock->version > LOCK_VERSION)
         return refuse(&r, "`# iftty lock 2`, or 1", fault);
-    enum err err = read_lines(&r, bytes + begin, bytes + length, fault);
+    struct buf line = {0};
+    const char *at = bytes + begin, *end = bytes + length;
+    enum err err = OK;
+    for (r.number = 2; !err && at < end; r.number++) {
+        const char *feed = memchr(at, '\n', (size_t)(end - at));
+        buf_clear(&line);
+        if (feed)
+            buf_add(&line, at, (size_t)(feed - at));
+        if (!feed || strlen(buf_text(&line)) != line.length)
+            err = refuse(&r, "a line of text that ends with a line feed", fault);
+        else
+            err =
+                line.failed ? fault_memory(fault, "a lock") : read_line(&r, buf_text(&line), fault);
+        at = feed ? feed + 1 : end;
+    }
+    buf_release(&line);
     if (!err && (r.before == KIND_JOURNAL || r.before == KIND_CHAIN))
         err = refuse(&r, "the rest of a journal's lines", fault);
     if (!err && !keep_journal(&r))
@@ -408,4 +379,221 @@ const char *lock_facts_chain(const char *facts)
 {
     static const char word[] = "chain ";
     return strncmp(facts, word, sizeof word - 1) == 0 ? facts + sizeof word - 1 : NULL;
+}
+
+/* ---- journals in a folder ---- */
+
+static enum err find_journals(struct name_list *found, const char *folder, struct buf *below,
+                              unsigned depth, struct fault *fault);
+
+/* "FOLDER/BELOW" */
+static void join(struct buf *out, const char *folder, const char *below)
+{
+    buf_clear(out);
+    if (strcmp(folder, ".") != 0 || !*below)
+        buf_printf(out, "%s%s", folder, *below && strcmp(folder, "/") != 0 ? "/" : "");
+    buf_add_text(out, below);
+}
+
+/* One entry, whose name below the lock's folder is `below`. */
+static enum err take_entry(struct name_list *found, const char *folder, struct buf *below,
+                           unsigned depth, struct fault *fault)
+{
+    struct buf path = {0};
+    struct stat status;
+    enum err err = OK;
+    join(&path, folder, buf_text(below));
+    if (path.failed || below->failed)
+        err = fault_memory(fault, "a path");
+    else if (lstat(buf_text(&path), &status) != 0)
+        err = OK; /* it went away meanwhile */
+    else if (S_ISDIR(status.st_mode) && depth < DEPTH_MOST)
+        err = find_journals(found, folder, below, depth + 1, fault);
+    else if (!S_ISDIR(status.st_mode) && lock_name_is_valid(buf_text(below)))
+        err = found->count == JOURNALS_MOST
+                  ? fault_set(fault, ERR_LIMIT, "there are more than %d journals below %s",
+                              JOURNALS_MOST, folder)
+              : name_list_add(found, buf_text(below)) ? OK
+                                                      : fault_memory(fault, "names of journals");
+    buf_release(&path);
+    return err;
+}
+
+static enum err find_journals(struct name_list *found, const char *folder, struct buf *below,
+                              unsigned depth, struct fault *fault)
+{
+    struct buf path = {0};
+    const size_t length = below->length;
+    enum err err = OK;
+    join(&path, folder, buf_text(below));
+    DIR *entries = path.failed ? NULL : opendir(buf_text(&path));
+    if (path.failed)
+        err = fault_memory(fault, "a path");
+    else if (!entries)
+        err = fault_errno(fault, "read the folder", buf_text(&path));
+    for (const struct dirent *entry; entries && !err && (entry = readdir(entries));) {
+        if (*entry->d_name == '.')
+            continue;
+        buf_printf(below, "%s%s", length ? "/" : "", entry->d_name);
+        err = take_entry(found, folder, below, depth, fault);
+        if (below->data)
+            below->data[below->length = length] = '\0';
+    }
+    if (entries)
+        closedir(entries);
+    buf_release(&path);
+    return err;
+}
+
+/* ---- names and paths ---- */
+
+/* The folder of a path without links, NULL for none. The caller frees it. */
+static char *real_folder(const char *path)
+{
+    struct buf folder = {0};
+    file_folder(&folder, path);
+    char *real = folder.failed ? NULL : realpath(buf_text(&folder), NULL);
+    buf_release(&folder);
+    return real;
+}
+
+/* The name that the lock has for a journal that the user names. */
+static enum err add_named(struct lock_plan *plan, const char *path, const char *home,
+                          struct fault *fault)
+{
+    char *real = real_folder(path);
+    const size_t length = strcmp(home, "/") == 0 ? 0 : strlen(home);
+    struct buf name = {0};
+    enum err err = OK;
+    if (real && strncmp(real, home, length) == 0 && (real[length] == '/' || !real[length]))
+        buf_printf(&name, "%s%s%s", real + length + (real[length] == '/'),
+                   real[length] && real[length + 1] ? "/" : "", file_name(path));
+    if (!lock_name_is_valid(buf_text(&name)))
+        err = fault_set(fault, ERR_USAGE,
+                        "%s: a lock has journals *.iftty in its own folder and those below it, "
+                        "which is %s",
+                        path, home);
+    else if (!name_list_add(&plan->name, buf_text(&name)))
+        err = fault_memory(fault, "names of journals");
+    buf_release(&name);
+    free(real);
+    return err;
+}
+
+/* Those of the lock, and those of its folder. */
+static enum err take_all(struct lock_plan *plan, struct fault *fault)
+{
+    struct buf folder = {0}, below = {0};
+    enum err err = OK;
+    file_folder(&folder, plan->path);
+    if (folder.failed)
+        err = fault_memory(fault, "a path");
+    if (!err)
+        err = find_journals(&plan->name, buf_text(&folder), &below, 0, fault);
+    for (size_t i = 0; !err && !plan->updates && i < plan->lock.count; i++)
+        if (!name_list_add(&plan->name, plan->lock.entry[i].name))
+            err = fault_memory(fault, "names of journals");
+    buf_release(&below);
+    buf_release(&folder);
+    return err;
+}
+
+static enum err make_paths(struct lock_plan *plan, struct fault *fault)
+{
+    struct buf folder = {0}, path = {0};
+    plan->journal = calloc(plan->name.count + 1, sizeof *plan->journal);
+    bool fine = plan->journal;
+    file_folder(&folder, plan->path);
+    for (size_t i = 0; fine && i < plan->name.count; i++) {
+        join(&path, buf_text(&folder), plan->name.name[i]);
+        fine =
+            !folder.failed && !path.failed && (plan->journal[i] = strdup(buf_text(&path))) != NULL;
+    }
+    buf_release(&path);
+    buf_release(&folder);
+    return fine ? OK : fault_memory(fault, "names of journals");
+}
+
+enum err lock_plan_make(struct lock_plan *plan, const char *path, bool updates, char *const *named,
+                        size_t count, struct fault *fault)
+{
+    *plan = (struct lock_plan){.path = path, .updates = updates, .is_whole = count == 0};
+    struct buf bytes = {0};
+    enum err err = OK;
+    if (updates && !file_exists(path)) {
+        plan->lock.version = LOCK_VERSION;
+    } else {
+        err = file_read(&bytes, path, LOCK_BYTES_MAX, fault);
+        if (!err && (err = lock_read(&plan->lock, buf_text(&bytes), bytes.length, fault)))
+            fault_prefix(fault, err, "%s", path);
+    }
+    buf_release(&bytes);
+    if (!err && updates && !plan->is_whole && plan->lock.version < LOCK_VERSION)
+        err = fault_set(fault, ERR_USAGE,
+                        "%s is of the form before, which pins no PNGs: --update-lock with no "
+                        "journals named writes all of it anew",
+                        path);
+    char *home = count ? real_folder(path) : NULL;
+    if (!err && count && !home)
+        err = fault_errno(fault, "find the folder of", path);
+    for (size_t i = 0; !err && i < count; i++)
+        err = add_named(plan, named[i], home, fault);
+    free(home);
+    if (!err && !count)
+        err = take_all(plan, fault);
+    name_list_sort(&plan->name);
+    if (!err && !plan->name.count)
+        err = fault_set(fault, ERR_CHECK, "there is no journal *.iftty where %s lies", path);
+    return err ? err : make_paths(plan, fault);
+}
+
+void lock_plan_release(struct lock_plan *plan)
+{
+    for (size_t i = 0; plan->journal && i < plan->name.count; i++)
+        free(plan->journal[i]);
+    free(plan->journal);
+    name_list_release(&plan->name);
+    lock_release(&plan->lock);
+}
+
+/* ---- written anew ---- */
+
+static void add_notice(struct buf *lines, const char *what, const char *name)
+{
+    buf_printf(lines, "# %s ", what);
+    buf_add_safe_text(lines, name);
+    buf_add_char(lines, '\n');
+}
+
+enum err lock_plan_write(struct lock_plan *plan, const char *const *facts, struct buf *lines,
+                         struct fault *fault)
+{
+    const struct lock_entry *at = plan->lock.entry, *const end = at + plan->lock.count;
+    struct buf text = {0};
+    const size_t before = lines->length;
+    if (plan->lock.version < LOCK_VERSION)
+        add_notice(lines, "in the present form, which pins PNGs too:", plan->path);
+    for (size_t i = 0; plan->is_whole && i < plan->lock.count; i++)
+        if (!name_list_has(&plan->name, at[i].name))
+            add_notice(lines, "no longer in the lock:", at[i].name);
+    buf_printf(&text, "%s%u\n", before_version, LOCK_VERSION);
+    for (size_t i = 0; i <= plan->name.count; i++) {
+        const char *name = i < plan->name.count ? plan->name.name[i] : NULL;
+        for (; at < end && (!name || strcmp(at->name, name) < 0); at++)
+            if (!plan->is_whole)
+                write_entry(&text, at->name, at->facts);
+        if (!name)
+            break;
+        const char *former = at < end && strcmp(at->name, name) == 0 ? at++->facts : NULL;
+        if (!former || strcmp(former, facts[i]) != 0)
+            add_notice(lines, former ? "changed in the lock:" : "new in the lock:", name);
+        write_entry(&text, name, facts[i]);
+    }
+    enum err err = text.failed ? fault_memory(fault, "a lock") : OK;
+    if (!err && (lines->length > before || !file_exists(plan->path)))
+        err = file_write(plan->path, buf_text(&text), text.length, FILE_REPLACE, fault);
+    else if (!err)
+        add_notice(lines, "nothing has changed in", plan->path);
+    buf_release(&text);
+    return err;
 }

@@ -22,12 +22,9 @@
 #ifndef VERIFY_IFTTY_LOCK_H
 #define VERIFY_IFTTY_LOCK_H
 
-#include <stdbool.h>
-
 #include "base/buf.h"
 #include "base/err.h"
-
-enum { LOCK_BYTES_MAX = 64 << 20, LOCK_NAME_MAX = 4000 };
+#include "verify/name_list.h"
 
 /* Version 1 has no lines `png`: it does not say which PNGs lie beside golden images. */
 enum { LOCK_WITH_PNG = 2, LOCK_VERSION = 2 };
@@ -51,11 +48,6 @@ void lock_write(struct buf *out, const struct lock *lock);
 
 /* Of the journal of that name, or NULL. */
 const char *lock_facts_of(const struct lock *lock, const char *name);
-
-/* Adds a journal, or gives it other facts; false without memory. */
-bool lock_set(struct lock *lock, const char *name, const char *facts);
-/* Fine where there is none. */
-void lock_remove(struct lock *lock, const char *name);
 void lock_release(struct lock *lock);
 
 /* Adds a line "#   pinned   ..." for each fact that differs, is gone or is new, of those that a
@@ -71,5 +63,32 @@ enum err lock_facts(struct buf *out, uint64_t *torn, const char *path, struct fa
 
 /* The chain among these lines: 32 digits, not ended; NULL where there is none. */
 const char *lock_facts_chain(const char *facts);
+
+/* ---- the journals that it is about ---- */
+
+/*
+ * Which are to be verified, what it says of each, and the lock written anew. With no journals named
+ * they are those that it names, and those that lie in its folder or a folder below, hidden ones and
+ * links to folders apart; so one that is missing is found, and one that has been added.
+ */
+struct lock_plan {
+    const char *path; /* of the lock; borrowed */
+    bool updates;     /* it is written anew: what it says now counts for nothing */
+    bool is_whole;    /* no journals were named */
+    struct lock lock;
+    struct name_list name; /* of the journals, as the lock has them */
+    char **journal;        /* [name.count] their paths */
+};
+
+/* Reads the lock, which need not exist where it is written anew, and finds the journals: `named`
+ * ones, all of which lie in its folder or below (else ERR_USAGE). ERR_CHECK where there are none.
+ * To be released, whatever is returned. */
+enum err lock_plan_make(struct lock_plan *plan, const char *path, bool updates, char *const *named,
+                        size_t count, struct fault *fault);
+
+/* Writes the lock anew, with facts[i] for the journal with number i, and adds lines about it. */
+enum err lock_plan_write(struct lock_plan *plan, const char *const *facts, struct buf *lines,
+                         struct fault *fault);
+void lock_plan_release(struct lock_plan *plan);
 
 #endif

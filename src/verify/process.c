@@ -34,17 +34,6 @@ struct pool {
 
 /* ---- in the new process ---- */
 
-static bool send_all(int descriptor, const struct buf *bytes)
-{
-    for (size_t sent = 0; !bytes->failed && sent < bytes->length;) {
-        const ssize_t n = write(descriptor, bytes->data + sent, bytes->length - sent);
-        if (n < 0 && errno != EINTR)
-            return false;
-        sent += n > 0 ? (size_t)n : 0;
-    }
-    return !bytes->failed;
-}
-
 /* It ends with the process that started it, and by Ctrl-C as any program. */
 static _Noreturn void be_process(const struct processes *how, size_t number, int descriptor,
                                  pid_t parent)
@@ -56,7 +45,13 @@ static _Noreturn void be_process(const struct processes *how, size_t number, int
     if (getppid() != parent || (how->takes_errors && dup2(descriptor, STDERR_FILENO) < 0))
         _exit(1);
     how->work(how->context, number, &bytes);
-    _exit(send_all(descriptor, &bytes) ? 0 : STATUS_NO_MEMORY);
+    for (size_t sent = 0; !bytes.failed && sent < bytes.length;) {
+        const ssize_t n = write(descriptor, bytes.data + sent, bytes.length - sent);
+        if (n < 0 && errno != EINTR)
+            _exit(STATUS_NO_MEMORY);
+        sent += n > 0 ? (size_t)n : 0;
+    }
+    _exit(bytes.failed ? STATUS_NO_MEMORY : 0);
 }
 
 /* ---- one process, from outside ---- */
@@ -109,14 +104,6 @@ static void take(const struct pool *pool, struct process *process)
         close_pipe(process);
 }
 
-/* Where the parent of this program ignores SIGCHLD, a process that has ended left no status. */
-static bool has_ended(struct process *process)
-{
-    const pid_t id = waitpid(process->id, &process->end.status, WNOHANG);
-    process->is_over = id == process->id || (id < 0 && errno == ECHILD);
-    return process->is_over;
-}
-
 /* P2: what stands in the pipe is still taken, though another process may go on filling it. */
 static void end(struct pool *pool, struct process *process)
 {
@@ -152,19 +139,14 @@ static void listen_to_all(struct pool *pool)
         for (unsigned i = 0; i < PROCESSES_MOST; i++)
             if (wait[i].revents)
                 take(pool, pool->process + i);
-    for (unsigned i = 0; i < PROCESSES_MOST; i++)
-        if (pool->process[i].id && has_ended(pool->process + i))
-            end(pool, pool->process + i);
-}
-
-static void tick(const struct pool *pool)
-{
-    uint64_t held = 0;
-    if (!pool->how->tick)
-        return;
-    for (unsigned i = 0; i < PROCESSES_MOST; i++)
-        held += pool->process[i].id ? mem_held_by(pool->process[i].id) : 0;
-    pool->how->tick(pool->how->context, held);
+    for (unsigned i = 0; i < PROCESSES_MOST; i++) {
+        struct process *process = pool->process + i;
+        const pid_t id = process->id ? waitpid(process->id, &process->end.status, WNOHANG) : 0;
+        /* Where the parent of this program ignores SIGCHLD, none leaves a status. */
+        process->is_over = process->id && (id == process->id || (id < 0 && errno == ECHILD));
+        if (process->is_over)
+            end(pool, process);
+    }
 }
 
 enum err processes_run(const struct processes *how, struct fault *fault)
@@ -177,7 +159,11 @@ enum err processes_run(const struct processes *how, struct fault *fault)
                 err = begin(&pool, pool.process + i, fault);
         if (!err)
             listen_to_all(&pool);
-        tick(&pool);
+        uint64_t held = 0;
+        for (unsigned i = 0; how->tick && i < PROCESSES_MOST; i++)
+            held += pool.process[i].id ? mem_held_by(pool.process[i].id) : 0;
+        if (how->tick)
+            how->tick(how->context, held);
         if (!err && watch_stops(how->watch))
             err = fault_set(fault, ERR_CANCELLED, "cancelled");
     }

@@ -121,8 +121,7 @@ enum err replay_file(struct interpreter *interp, const char *path, size_t first,
     const struct replay_options options = {SEMANTICS, first, last};
     enum err err = read_journal(&bytes, path, fault);
     interp->mode = MODE_REPLAY;
-    if (!session_watch(
-            interp->session)) /* one of a program at a terminal looks at the limits as well */
+    if (!session_watch(interp->session)) /* that of a terminal looks at the limits as well */
         session_set_watch(interp->session, limits_watch());
     if (!err)
         err = interpreter_set_home(interp, path, fault);
@@ -135,6 +134,13 @@ enum err replay_file(struct interpreter *interp, const char *path, size_t first,
 }
 
 /* ---- what it means that results differ ---- */
+
+void replay_add_detail(struct buf *lines, const char *what, const char *text, size_t length)
+{
+    buf_printf(lines, "#   %-9s", what);
+    buf_add_safe(lines, text, length);
+    buf_add_char(lines, '\n');
+}
 
 enum likeness { ABSENT, SAME, OTHER }; /* ABSENT: one of the two does not have the word */
 
@@ -168,11 +174,6 @@ static const char *meaning(const char *expected, const char *actual)
     return NULL;
 }
 
-static void add_line(struct buf *lines, const char *what)
-{
-    buf_printf(lines, "#   %-9s", what);
-}
-
 /* How far apart counts are, decimal numbers of up to 12 digits. Digests are longer. */
 static void add_difference(struct buf *lines, const struct record_word *e,
                            const struct record_word *a)
@@ -191,7 +192,7 @@ static void write_word(struct buf *lines, const struct record_word *e, const str
                        enum divergence_of of)
 {
     const bool is_replay = of == DIVERGENCE_OF_REPLAY;
-    add_line(lines, "word");
+    buf_printf(lines, "#   %-9s", "word");
     buf_add_safe(lines, e->key, e->key_length);
     buf_add_text(lines, ": ");
     buf_add_safe(lines, e->value, e->value_length);
@@ -213,34 +214,23 @@ void divergence_describe(struct buf *lines, const char *expected, const char *ac
     const char *at = expected, *end = expected + strlen(expected);
     struct record_word e, a;
     struct buf same = {0};
-    if (words) {
-        add_line(lines, "meaning");
-        buf_printf(lines, "%s\n", words);
-    }
+    if (words)
+        replay_add_detail(lines, "meaning", words, strlen(words));
     while (record_word_next(&at, end, &e)) {
         if (!record_word_is_among(actual, &e, &a)) {
             write_word(lines, &e, &a, of);
             continue;
         }
         buf_add_text(&same, same.length ? ", " : "");
-        buf_add_safe(&same, e.key, e.key_length);
+        buf_add(&same, e.key, e.key_length);
     }
-    if (same.length) {
-        add_line(lines, "the same");
-        buf_printf(lines, "%s\n", buf_text(&same));
-    }
+    if (same.length)
+        replay_add_detail(lines, "the same", same.data, same.length);
     lines->failed = lines->failed || same.failed;
     buf_release(&same);
 }
 
 /* ---- the report in words ---- */
-
-static void add_detail(struct buf *text, const char *what, const struct buf *value)
-{
-    buf_printf(text, "#   %-9s", what);
-    buf_add_safe(text, buf_text(value), value->length);
-    buf_add_char(text, '\n');
-}
 
 void replay_describe(struct buf *text, const struct replay_report *report,
                      const struct fault *fault)
@@ -268,12 +258,12 @@ void replay_describe(struct buf *text, const struct replay_report *report,
     else
         buf_printf(text, "%s\n", fault->text);
     if (report->command.length)
-        add_detail(text, "command", &report->command);
+        replay_add_detail(text, "command", buf_text(&report->command), report->command.length);
     if (report->outcome != REPLAY_DIVERGED)
         return;
-    add_detail(text, "differs", &report->word);
-    add_detail(text, "expected", &report->expected);
-    add_detail(text, "actual", &report->actual);
+    replay_add_detail(text, "differs", buf_text(&report->word), report->word.length);
+    replay_add_detail(text, "expected", buf_text(&report->expected), report->expected.length);
+    replay_add_detail(text, "actual", buf_text(&report->actual), report->actual.length);
     divergence_describe(text, buf_text(&report->expected_words), buf_text(&report->actual_words),
                         DIVERGENCE_OF_REPLAY);
 }

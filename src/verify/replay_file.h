@@ -36,6 +36,9 @@ enum err replay_file(struct interpreter *interp, const char *path, size_t first,
 void replay_describe(struct buf *text, const struct replay_report *report,
                      const struct fault *fault);
 
+/* Adds one such line: "#   what     text". */
+void replay_add_detail(struct buf *lines, const char *what, const char *text, size_t length);
+
 /*
  * What it means that a command gave other results than are recorded: in words, from the result
  * words alone ("forest=0123456789abcdef labels=... seeds=12"). Which words commands have is known

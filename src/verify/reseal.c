@@ -365,25 +365,11 @@ static void report(const struct resealing *r, const char *path, const struct buf
     buf_release(&text);
 }
 
-/* Chains will be others, by which nobody can say then what is nothing. */
-static enum err judge_goldens(const struct resealing *r, const char *path, const struct buf *bytes,
-                              const struct printer *printer, struct fault *fault)
-{
-    struct buf lines = {0};
-    golden_remove_leftovers(path, &r->interp->goldens, buf_text(bytes), bytes->length, &lines);
-    const bool is_asked = r->accept && !r->accept->reviewer;
-    const enum err err = is_asked ? orphan_check(r->interp, path, &lines, fault) : OK;
-    if (lines.length)
-        printer->warn(printer->context, buf_text(&lines));
-    buf_release(&lines);
-    return err;
-}
-
 static enum err reseal(struct resealing *r, const char *path, const struct printer *printer,
                        struct fault *fault)
 {
     struct file_log *lock = NULL;
-    struct buf bytes = {0}, former = {0};
+    struct buf bytes = {0}, former = {0}, lines = {0};
     struct interpreter *interp = r->interp;
     const struct golden_judge judge = {.context = r->accept, .source = source, .differs = differs};
     r->chain = record_chain_zero;
@@ -399,13 +385,19 @@ static enum err reseal(struct resealing *r, const char *path, const struct print
         if (err && err != ERR_CANCELLED)
             fault_prefix(fault, err, "%s", path);
     }
-    if (!err)
-        err = judge_goldens(r, path, &bytes, printer, fault);
+    if (!err) { /* chains will be others, by which nobody can say then what is nothing */
+        golden_remove_leftovers(path, &interp->goldens, buf_text(&bytes), bytes.length, &lines);
+        if (r->accept && !r->accept->reviewer)
+            err = orphan_check(interp, path, &lines, fault);
+        if (lines.length)
+            printer->warn(printer->context, buf_text(&lines));
+    }
     if (!err && (r->marked || r->changes_header))
         err = publish(r, path, &bytes, &former, fault);
     if (!err)
         report(r, path, &former, printer);
     file_log_close(lock);
+    buf_release(&lines);
     buf_release(&former);
     buf_release(&bytes);
     buf_release(&r->header);

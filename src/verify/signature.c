@@ -77,12 +77,6 @@ static void close_bytes(int descriptor)
         close(descriptor);
 }
 
-/* path = JOURNAL.sig, where the signature of a journal lies. */
-static void signature_path(struct buf *path, const char *journal)
-{
-    buf_printf(path, "%s.sig", journal);
-}
-
 /* ---- making ---- */
 
 enum err signature_make(const char *journal, const struct buf *bytes, const char *key,
@@ -92,7 +86,7 @@ enum err signature_make(const char *journal, const struct buf *bytes, const char
                                     SIGNATURE_NAMESPACE, "-f", key,  NULL};
     struct buf path = {0}, draft = {0}, said = {0};
     int input = -1, status = 0;
-    signature_path(&path, journal);
+    buf_printf(&path, "%s.sig", journal);
     enum err err = path.failed ? fault_memory(fault, "a path")
                                : file_draft(&draft, buf_text(&path), FILE_KEEP, fault);
     if (!err)
@@ -115,23 +109,6 @@ enum err signature_make(const char *journal, const struct buf *bytes, const char
 }
 
 /* ---- checking ---- */
-
-/* The last line that it printed, which says what is wrong. */
-static const char *last_line(struct buf *said)
-{
-    while (said->length && said->data[said->length - 1] == '\n')
-        said->data[--said->length] = '\0';
-    const char *feed = said->length ? strrchr(said->data, '\n') : NULL;
-    return feed ? feed + 1 : buf_text(said);
-}
-
-/* The first one, which says why nobody was found. */
-static const char *first_line(struct buf *said)
-{
-    if (said->length)
-        said->data[strcspn(said->data, "\n")] = '\0';
-    return buf_text(said);
-}
 
 /* A question about a signature. */
 struct checking {
@@ -175,8 +152,9 @@ static enum err find_principals(struct buf *principals, const struct checking *c
     enum err err = ask(c, word, &status, principals, fault);
     if (!err && (status || !principals->length))
         err = fault_set(fault, ERR_CHECK,
-                        "its signature is by nobody whom %s names, or is none: ssh-keygen: %s",
-                        c->rules->allowed, first_line(principals));
+                        "its signature is by nobody whom %s names, or is none: ssh-keygen: %.*s",
+                        c->rules->allowed, (int)strcspn(buf_text(principals), "\n"),
+                        buf_text(principals));
     return err;
 }
 
@@ -296,10 +274,13 @@ static enum err refuse(const struct checking *c, const char *principal, struct b
     struct buf again = {0};
     int status = 1;
     enum err err = c->rules->revoked ? ask_of(c, principal, false, &status, &again, fault) : OK;
+    while (said->length && said->data[said->length - 1] == '\n')
+        said->data[--said->length] = '\0';
+    const char *feed = strrchr(buf_text(said), '\n'); /* the last line says what is wrong */
     if (!err)
         err = status ? fault_set(fault, ERR_CHECK,
                                  "its signature does not hold for %s: ssh-keygen: %s", principal,
-                                 last_line(said))
+                                 feed ? feed + 1 : buf_text(said))
                      : fault_set(fault, ERR_CHECK,
                                  "its signature is by a key that %s revokes, or that is no list "
                                  "of keys which ssh-keygen reads",
@@ -308,43 +289,26 @@ static enum err refuse(const struct checking *c, const char *principal, struct b
     return err;
 }
 
-static enum err check_as(struct buf *who, const char *principal, const struct checking *c,
-                         struct fault *fault)
-{
-    struct buf said = {0};
-    int status;
-    enum err err = ask_of(c, principal, true, &status, &said, fault);
-    if (!err && status)
-        err = refuse(c, principal, &said, fault);
-    else if (!err)
-        err = take_who(who, &said, principal, c, fault);
-    buf_release(&said);
-    return err;
-}
-
-static enum err check_files(const char *path, const struct signature_rules *rules,
-                            struct fault *fault)
-{
-    if (!file_exists(rules->allowed))
-        return fault_set(fault, ERR_IO, "there is no file of allowed signers %s", rules->allowed);
-    if (rules->revoked && !file_exists(rules->revoked))
-        return fault_set(fault, ERR_IO, "there is no file of revoked keys %s", rules->revoked);
-    if (!file_exists(path))
-        return fault_set(fault, ERR_CHECK,
-                         "it is not signed: there is no %s, which iftty log --sign KEY makes",
-                         path);
-    return OK;
-}
-
 enum err signature_check(struct buf *who, const char *journal, const struct buf *bytes,
                          const struct signature_rules *rules, struct watch *watch,
                          struct fault *fault)
 {
-    struct buf path = {0}, principals = {0};
+    struct buf path = {0}, principals = {0}, said = {0};
+    int status;
     struct checking c = {.rules = rules, .input = -1, .watch = watch};
-    signature_path(&path, journal);
+    buf_printf(&path, "%s.sig", journal);
     c.path = buf_text(&path);
-    enum err err = path.failed ? fault_memory(fault, "a path") : check_files(c.path, rules, fault);
+    enum err err = OK;
+    if (path.failed)
+        err = fault_memory(fault, "a path");
+    else if (!file_exists(rules->allowed))
+        err = fault_set(fault, ERR_IO, "there is no file of allowed signers %s", rules->allowed);
+    else if (rules->revoked && !file_exists(rules->revoked))
+        err = fault_set(fault, ERR_IO, "there is no file of revoked keys %s", rules->revoked);
+    else if (!file_exists(c.path))
+        err =
+            fault_set(fault, ERR_CHECK,
+                      "it is not signed: there is no %s, which iftty log --sign KEY makes", c.path);
     if (!err)
         err = open_bytes(&c.input, bytes, fault);
     if (!err)
@@ -353,11 +317,15 @@ enum err signature_check(struct buf *who, const char *journal, const struct buf 
         char *rest, *principal = strtok_r(principals.data, "\n", &rest);
         err = ERR_CHECK;
         for (int i = 0; err == ERR_CHECK && principal && i < PRINCIPALS_MOST; i++) {
-            err = check_as(who, principal, &c, fault);
+            err = ask_of(&c, principal, true, &status, &said, fault);
+            if (!err)
+                err = status ? refuse(&c, principal, &said, fault)
+                             : take_who(who, &said, principal, &c, fault);
             principal = strtok_r(NULL, "\n", &rest);
         }
     }
     close_bytes(c.input);
+    buf_release(&said);
     buf_release(&principals);
     buf_release(&path);
     return err;

@@ -9,7 +9,16 @@ bool ci_is_set(void)
     return ci && *ci;
 }
 
-static enum err judge_semantics(const struct strictness *s, struct fault *fault)
+enum err strict_refuse_torn(uint64_t offset, const char *who, struct fault *fault)
+{
+    return fault_set(fault, ERR_CHECK,
+                     "%s: it ends with an unfinished record, at byte %" PRIu64
+                     ", which no chain covers: going on with the journal, or iftty log --repair, "
+                     "cuts that off",
+                     who, offset);
+}
+
+enum err strict_judge(const struct strictness *s, struct fault *fault)
 {
     const struct replay_report *report = s->report;
     if (report->semantics > s->semantics)
@@ -23,24 +32,6 @@ static enum err judge_semantics(const struct strictness *s, struct fault *fault)
                          "--reseal gives the journal the present meaning, --no-strict leaves them "
                          "out",
                          report->lost_words, plural(report->lost_words), report->semantics);
-    return OK;
-}
-
-enum err strict_refuse_torn(uint64_t offset, const char *who, struct fault *fault)
-{
-    return fault_set(fault, ERR_CHECK,
-                     "%s: it ends with an unfinished record, at byte %" PRIu64
-                     ", which no chain covers: going on with the journal, or iftty log --repair, "
-                     "cuts that off",
-                     who, offset);
-}
-
-enum err strict_judge(const struct strictness *s, struct fault *fault)
-{
-    const struct replay_report *report = s->report;
-    const enum err err = judge_semantics(s, fault);
-    if (err)
-        return err;
     if (report->is_torn)
         return strict_refuse_torn(report->torn_offset, "strict", fault);
     if (!report->executed)

@@ -53,9 +53,7 @@ static void write_voxels(struct interpreter *interp, struct buf *lines)
             &(struct act){.interp = interp, .session = interp->session, .reply = &reply}))
         for (const char *at = buf_text(&reply.text); *at;) {
             const size_t n = strcspn(at, "\n");
-            buf_printf(lines, "#   %-9s", "now");
-            buf_add(lines, at, n);
-            buf_add_char(lines, '\n');
+            replay_add_detail(lines, "now", at, n);
             at += n + (at[n] == '\n');
         }
     reply_release(&reply);
@@ -71,9 +69,7 @@ static enum err judge_orphans(const struct verify_options *options,
     enum err err = orphan_find(&orphans, interp, result->path, lines, fault);
     for (size_t i = 0; !err && i < orphans.count; i++) {
         buf_add(&result->orphans, orphans.name[i], strlen(orphans.name[i]) + 1);
-        buf_printf(&result->lines, "#   %-9s", "orphan");
-        buf_add_safe_text(&result->lines, orphans.name[i]);
-        buf_add_char(&result->lines, '\n');
+        replay_add_detail(&result->lines, "orphan", orphans.name[i], strlen(orphans.name[i]));
     }
     if (!err && !options->removes_orphans)
         err = orphan_judge(&orphans, result->path, fault);
@@ -122,9 +118,9 @@ static void place_evidence(struct buf *folder, const struct verify_options *opti
 static enum err judge_pinned(const struct lock_plan *plan, size_t number,
                              struct verify_result *result, struct fault *fault)
 {
-    const char *pinned = plan && !plan->updates ? lock_plan_pinned(plan, number) : "";
     if (!plan || plan->updates)
         return OK;
+    const char *pinned = lock_facts_of(&plan->lock, plan->name.name[number]);
     if (!pinned)
         return fault_set(fault, ERR_CHECK, "added: %s does not name it; --update-lock takes it in",
                          plan->path);
@@ -286,20 +282,6 @@ static void work(void *context, size_t number, struct buf *out)
     verify_result_write(out, &result);
 }
 
-/* Pictures beyond what a report holds are left out. */
-static void limit_pictures(struct verification *v, struct verify_result *result)
-{
-    size_t bytes = 0;
-    for (size_t i = 0; i < result->evidence.pictures; i++)
-        bytes += result->evidence.picture[i].png.length;
-    if (bytes > PICTURES_MOST - v->picture_bytes) {
-        evidence_release(&result->evidence);
-        buf_add_text(&result->lines, "# its pictures are left out: the report holds 64 MiB\n");
-    } else {
-        v->picture_bytes += bytes;
-    }
-}
-
 static void print_result(const struct verification *v, size_t number)
 {
     const struct verify_result *r = v->result + number;
@@ -328,13 +310,10 @@ static void remove_orphans(struct verify_result *result)
     const char *at = buf_text(&result->orphans), *end = at + result->orphans.length;
     for (; at < end && !result->err; at += strlen(at) + 1) {
         const enum err err = orphan_remove(result->path, at, &fault);
-        if (err) {
+        if (err)
             verify_result_fail(result, err, false, &fault);
-        } else {
-            buf_printf(&result->lines, "#   %-9s", "removed");
-            buf_add_safe_text(&result->lines, at);
-            buf_add_char(&result->lines, '\n');
-        }
+        else
+            replay_add_detail(&result->lines, "removed", at, strlen(at));
     }
 }
 
@@ -359,7 +338,15 @@ static void take_result(void *context, size_t number, const struct process_end *
         *result = (struct verify_result){.path = result->path};
         verify_result_fail(result, ERR_CHECK, false, &fault);
     }
-    limit_pictures(v, result);
+    size_t bytes = 0;
+    for (size_t i = 0; i < result->evidence.pictures; i++)
+        bytes += result->evidence.picture[i].png.length;
+    if (bytes > PICTURES_MOST - v->picture_bytes) {
+        evidence_release(&result->evidence);
+        buf_add_text(&result->lines, "# its pictures are left out: the report holds 64 MiB\n");
+    } else {
+        v->picture_bytes += bytes;
+    }
     if (v->options->removes_orphans)
         remove_orphans(result);
     result->is_known = true;

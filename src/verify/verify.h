@@ -10,7 +10,7 @@
 #define VERIFY_VERIFY_H
 
 #include "command/script.h"
-#include "verify/lock_plan.h"
+#include "verify/iftty_lock.h"
 #include "verify/process.h"
 
 struct verify_options {

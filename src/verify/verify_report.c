@@ -260,7 +260,7 @@ enum err verify_report(const char *file, enum verify_form form, const struct ver
     return err;
 }
 
-/* ---- GitHub Actions: a line for each failure ---- */
+/* ---- GitHub Actions: a line for each failure, and a summary ---- */
 
 /* A value of a workflow command: `also` are further characters that end one. */
 static void add_value(struct buf *out, const char *text, const char *also)
@@ -276,24 +276,6 @@ static void add_value(struct buf *out, const char *text, const char *also)
     out->failed = out->failed || safe.failed;
     buf_release(&safe);
 }
-
-static void github_errors(struct buf *out, const struct verify_result *result, size_t count)
-{
-    for (size_t i = 0; i < count; i++) {
-        const struct verify_result *r = result + i;
-        if (!r->err)
-            continue;
-        buf_add_text(out, "::error file=");
-        add_value(out, r->path, ",:");
-        if (r->line)
-            buf_printf(out, ",line=%" PRIu64, r->line);
-        buf_add_text(out, ",title=iftty verify::");
-        add_value(out, buf_text(&r->why), "");
-        buf_add_char(out, '\n');
-    }
-}
-
-/* ---- GitHub Actions: a summary ---- */
 
 static void add_markdown(struct buf *out, const char *text)
 {
@@ -340,32 +322,38 @@ static void github_summary(struct buf *out, const struct verify_result *result, 
     }
 }
 
-/* After what other steps have left there. */
-static enum err append(const char *path, const struct buf *text, struct fault *fault)
-{
-    struct buf whole = {0};
-    enum err err = file_exists(path) ? file_read(&whole, path, SUMMARY_MOST, fault) : OK;
-    buf_add(&whole, buf_text(text), text->length);
-    if (!err && (whole.failed || text->failed))
-        err = fault_memory(fault, "a summary");
-    if (!err)
-        err = file_write(path, buf_text(&whole), whole.length, FILE_REPLACE, fault);
-    buf_release(&whole);
-    return err;
-}
-
 void github_report(const struct verify_result *result, size_t count, const struct printer *printer)
 {
     const char *actions = getenv("GITHUB_ACTIONS"), *path = getenv("GITHUB_STEP_SUMMARY");
-    struct buf errors = {0}, summary = {0};
+    struct buf errors = {0}, summary = {0}, whole = {0};
     struct fault fault;
     if (!actions || !*actions)
         return;
-    github_errors(&errors, result, count);
+    for (size_t i = 0; i < count; i++) {
+        const struct verify_result *r = result + i;
+        if (!r->err)
+            continue;
+        buf_add_text(&errors, "::error file=");
+        add_value(&errors, r->path, ",:");
+        if (r->line)
+            buf_printf(&errors, ",line=%" PRIu64, r->line);
+        buf_add_text(&errors, ",title=iftty verify::");
+        add_value(&errors, buf_text(&r->why), "");
+        buf_add_char(&errors, '\n');
+    }
     github_summary(&summary, result, count);
-    if (path && *path && append(path, &summary, &fault))
-        buf_printf(&errors, "# there is no summary: %s\n", fault.text);
+    if (path && *path) { /* after what other steps have left there */
+        enum err err = file_exists(path) ? file_read(&whole, path, SUMMARY_MOST, &fault) : OK;
+        buf_add(&whole, buf_text(&summary), summary.length);
+        if (!err && (whole.failed || summary.failed))
+            err = fault_memory(&fault, "a summary");
+        if (!err)
+            err = file_write(path, buf_text(&whole), whole.length, FILE_REPLACE, &fault);
+        if (err)
+            buf_printf(&errors, "# there is no summary: %s\n", fault.text);
+    }
     printer->warn(printer->context, buf_text(&errors));
     buf_release(&errors);
     buf_release(&summary);
+    buf_release(&whole);
 }

@@ -33,9 +33,9 @@ enum err verify_report(const char *file, enum verify_form form, const struct ver
  * Nothing that a journal holds can be a command or markup there: in commands % , : and line feeds
  * are written as %25 %2C %3A %0A, and in the table everything but letters, digits and blanks as
  * numbered entities.
+ *
+ * Errors go to standard error. A summary that cannot be written is a line there, and no failure.
  */
-/* Errors go to standard error, the summary to its file. A summary that cannot be
- * written is a line there, and no failure. */
 void github_report(const struct verify_result *result, size_t count, const struct printer *printer);
 
 #endif
