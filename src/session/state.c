@@ -1,11 +1,11 @@
-#include "render/border.h"
-#include "engine/forest.h"
 #include "session/state.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/mem.h"
+#include "engine/forest.h"
+#include "render/border.h"
 
 /* ---- lists of edits ---- */
 

@@ -302,7 +302,7 @@ enum err trial_run(struct trial *trial, struct session *session, const struct se
     view.width = view.height = TRIAL_SIDE;
     session->now.outlook.look =
         look_default(LOOK_FIRST); /* faces of voxels, as the paper has them */
-    struct pictures *pictures; /* the session's, which hold the camera */
+    struct pictures *pictures;    /* the session's, which hold the camera */
     enum err err = session_set_view(session, &view, fault);
     if (!err)
         err = pictures_begin(&pictures, session, fault);
