@@ -235,20 +235,6 @@ struct drawing {
     enum err err[MOSAIC_PANES];
 };
 
-static void draw_rendition(const struct canvas *pane, const struct drawing *d)
-{
-    const struct fitting f = fit(d->rendition, d->choice, d->canvas->width, d->canvas->height);
-    const bool is_fading = fades(d->choice);
-    uint8_t behind[3];
-    for (uint32_t y = 0; y < pane->height; y++) {
-        background_at(behind, background_opaque(d->choice->background), y, pane->height);
-        if (!is_fading)
-            canvas_box(pane, 0, y, pane->width, 1, behind);
-        if (y - f.top < f.shown_height) /* huge where above */
-            draw_row(pane, &f, d->rendition, y - f.top, is_fading ? NULL : behind);
-    }
-}
-
 static void draw_share(void *context, unsigned worker)
 {
     struct drawing *d = context;
@@ -261,7 +247,17 @@ static void draw_share(void *context, unsigned worker)
             continue;
         const struct canvas part = canvas_part(d->canvas, box.left, box.top, box.width, box.height);
         if (pane == MOSAIC_RENDITION) {
-            draw_rendition(&part, d);
+            const struct fitting f =
+                fit(d->rendition, d->choice, d->canvas->width, d->canvas->height);
+            const bool is_fading = fades(d->choice);
+            uint8_t behind[3];
+            for (uint32_t y = 0; y < part.height; y++) {
+                background_at(behind, background_opaque(d->choice->background), y, part.height);
+                if (!is_fading)
+                    canvas_box(&part, 0, y, part.width, 1, behind);
+                if (y - f.top < f.shown_height) /* huge where above */
+                    draw_row(&part, &f, d->rendition, y - f.top, is_fading ? NULL : behind);
+            }
             continue;
         }
         const struct slice_choice slice =
