@@ -132,18 +132,6 @@ static void slide(struct votes *votes, const struct filter *f, const struct rows
         drop_column(votes, f, rows, votes->first++);
 }
 
-static uint8_t winner(const struct votes *votes, uint8_t own)
-{
-    uint8_t best = own;
-    for (unsigned i = 0; i < votes->seens; i++) {
-        const uint8_t label = votes->seen[i];
-        const uint32_t count = votes->count[label], most = votes->count[best];
-        if (count > most || (count == most && best != own && label < best))
-            best = label;
-    }
-    return best;
-}
-
 /* ---- rows ---- */
 
 /* Writes the labels of the voxels x..end-1, around each of which labels may vary. */
@@ -155,7 +143,13 @@ static void vote(const struct filter *f, const struct rows *rows, struct votes *
     for (; x < end; x++) {
         const uint8_t own = f->work->label[row + x];
         slide(votes, f, rows, below(x, reach), above(x, reach, grid->size[0]) + 1);
-        const uint8_t best = winner(votes, own);
+        uint8_t best = own;
+        for (unsigned i = 0; i < votes->seens; i++) {
+            const uint8_t label = votes->seen[i];
+            const uint32_t count = votes->count[label], most = votes->count[best];
+            if (count > most || (count == most && best != own && label < best))
+                best = label;
+        }
         if (finish_is_for(f->step, own) || finish_is_for(f->step, best))
             f->work->next[row + x] = best;
     }

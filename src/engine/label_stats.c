@@ -279,11 +279,14 @@ static enum err count_components(struct finding *f, struct fault *fault)
     return err;
 }
 
-/* The part of the scene that a label takes, and one voxel around it, as a grid of its own: what is
- * around is one with what lies beyond. */
-static enum err box_around(struct grid *box, uint32_t corner[3], const struct finding *f,
-                           unsigned label, struct fault *fault)
+static enum err count_holes(struct finding *f, unsigned label, struct fault *fault)
 {
+    struct watch *watch = f->scene->watch;
+    struct components found = {0};
+    struct grid box;
+    uint32_t corner[3];
+    /* The part of the scene that a label takes, and one voxel around it, as a grid of its own: what
+     * is around is one with what lies beyond. */
     const struct label_sums *sums = &f->stats[label].sums;
     uint32_t size[3];
     for (int a = 0; a < 3; a++) {
@@ -291,37 +294,21 @@ static enum err box_around(struct grid *box, uint32_t corner[3], const struct fi
         corner[a] = sums->first[a] > 0 ? sums->first[a] - 1 : 0;
         size[a] = (sums->last[a] < end ? sums->last[a] + 1 : end) - corner[a] + 1;
     }
-    return grid_init(box, size, fault);
-}
-
-/* 1 in voxels of the label, else 0. */
-static uint8_t *select_label(const struct grid *box, const uint32_t corner[3],
-                             const struct finding *f, unsigned label)
-{
-    const struct grid *grid = &f->scene->grid;
-    uint8_t *selected = mem_array(box->cells, 1);
-    struct task task = task_begin(f->scene->watch, "holes", box->voxels);
-    for (uint32_t z = 0; selected && z < box->size[2]; z++)
-        for (uint32_t y = 0; y < box->size[1] && task_advance(&task, box->size[0]); y++) {
-            const uint8_t *from =
-                f->label + grid_cell(grid, corner[0], corner[1] + y, corner[2] + z);
-            uint8_t *to = selected + grid_cell(box, 0, y, z);
-            for (uint32_t x = 0; x < box->size[0]; x++)
-                to[x] = from[x] == label;
-        }
-    return selected;
-}
-
-static enum err count_holes(struct finding *f, unsigned label, struct fault *fault)
-{
-    struct watch *watch = f->scene->watch;
-    struct components found = {0};
-    struct grid box;
-    uint32_t corner[3];
-    enum err err = box_around(&box, corner, f, label, fault);
+    enum err err = grid_init(&box, size, fault);
     if (err)
         return err;
-    uint8_t *selected = select_label(&box, corner, f, label);
+    /* 1 in voxels of the label, else 0. */
+    const struct grid *grid = &f->scene->grid;
+    uint8_t *selected = mem_array(box.cells, 1);
+    struct task task = task_begin(f->scene->watch, "holes", box.voxels);
+    for (uint32_t z = 0; selected && z < box.size[2]; z++)
+        for (uint32_t y = 0; y < box.size[1] && task_advance(&task, box.size[0]); y++) {
+            const uint8_t *from =
+                f->label + grid_cell(grid, corner[0], corner[1] + y, corner[2] + z);
+            uint8_t *to = selected + grid_cell(&box, 0, y, z);
+            for (uint32_t x = 0; x < box.size[0]; x++)
+                to[x] = from[x] == label;
+        }
     err = selected ? watch_fault(watch, fault) : fault_memory(fault, "holes");
     if (!err)
         err = components_find(&found, &box, selected, watch, fault);
