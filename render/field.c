@@ -538,27 +538,6 @@ struct levels {
     struct asked inside, outside;
 };
 
-static void find_levels(struct levels *levels, const struct values *values,
-                        const struct patterns *patterns)
-{
-    const lanes half = (lanes){0} + HALF;
-    struct thin thin;
-    memcpy(levels->least.at, values->row, PLACES * sizeof *levels->least.at);
-    memcpy(levels->most.at, values->row, PLACES * sizeof *levels->most.at);
-    spread(&levels->least, lesser);
-    spread(&levels->most, greater);
-    thin.has_shown = thin.has_gaps = false;
-    for (int z = 0; z < SAMPLES; z++)
-        for (int y = 0; y < SAMPLES; y += 4)
-            find_thin_rows(&thin, patterns, y, z);
-    levels->inside.is_any = thin.has_shown;
-    levels->outside.is_any = thin.has_gaps;
-    if (thin.has_shown)
-        ask(&levels->inside, values, thin.shown, below, lesser, half);
-    if (thin.has_gaps)
-        ask(&levels->outside, values, thin.gaps, above, greater, half);
-}
-
 /* Lanes beyond the block may hold anything, of which sums and products may wrap. */
 typedef uint16_t wraps __attribute__((vector_size(sizeof(lanes))));
 
@@ -583,7 +562,22 @@ static void find_inside(struct field_block *block, const struct values *values,
 {
     enum { FIRST = FIELD_RADIUS + 1 }; /* the voxel of place 0 */
     struct levels levels;
-    find_levels(&levels, values, patterns);
+    const lanes half = (lanes){0} + HALF;
+    struct thin thin;
+    memcpy(levels.least.at, values->row, PLACES * sizeof *levels.least.at);
+    memcpy(levels.most.at, values->row, PLACES * sizeof *levels.most.at);
+    spread(&levels.least, lesser);
+    spread(&levels.most, greater);
+    thin.has_shown = thin.has_gaps = false;
+    for (int z = 0; z < SAMPLES; z++)
+        for (int y = 0; y < SAMPLES; y += 4)
+            find_thin_rows(&thin, patterns, y, z);
+    levels.inside.is_any = thin.has_shown;
+    levels.outside.is_any = thin.has_gaps;
+    if (thin.has_shown)
+        ask(&levels.inside, values, thin.shown, below, lesser, half);
+    if (thin.has_gaps)
+        ask(&levels.outside, values, thin.gaps, above, greater, half);
     for (int z = 0; z < FIELD_SIDE; z++)
         for (int y = 0; y < FIELD_SIDE; y++) {
             const uint32_t shown = patterns->row[z + FIRST][y + FIRST] >> FIRST;

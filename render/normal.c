@@ -270,36 +270,29 @@ struct fit {
     int64_t n, x, y, xx, xy, yy, d, xd, yd;
 };
 
-/* Pixels of the same surface: what lies steeper than 4 to 1 is another. */
-static struct fit fit_around(const struct rendition *r, const struct normals *normals, uint32_t x,
-                             uint32_t y)
+static void depth_normal(struct directions *normal, unsigned i, const struct rendition *r,
+                         const struct normals *normals, uint32_t x, uint32_t y)
 {
+    /* Pixels of the same surface: what lies steeper than 4 to 1 is another. */
     const int64_t own = r->depth[(size_t)y * r->width + x], stride = normals->stride;
-    struct fit fit = {0};
+    struct fit f = {0};
     for (int64_t j = -NORMAL_FIT_STEPS; j <= NORMAL_FIT_STEPS; j++)
-        for (int64_t i = -NORMAL_FIT_STEPS; i <= NORMAL_FIT_STEPS; i++) {
-            const int64_t column = x + i * stride, row = y + j * stride;
+        for (int64_t k = -NORMAL_FIT_STEPS; k <= NORMAL_FIT_STEPS; k++) {
+            const int64_t column = x + k * stride, row = y + j * stride;
             if (column < 0 || row < 0 || column >= r->width || row >= r->height)
                 continue;
             const int64_t depth = r->depth[(size_t)row * r->width + (size_t)column];
             if (depth == DEPTH_NONE)
                 continue;
             const int64_t d = (depth - own) >> (CROSSING_PIXEL_BITS - 8);
-            const int64_t steep = 4 * 256 * stride * (2 + (i < 0 ? -i : i) + (j < 0 ? -j : j));
+            const int64_t steep = 4 * 256 * stride * (2 + (k < 0 ? -k : k) + (j < 0 ? -j : j));
             if (d >= steep || d <= -steep)
                 continue;
-            fit.n++;
-            fit.x += i, fit.y += j, fit.d += d;
-            fit.xx += i * i, fit.xy += i * j, fit.yy += j * j;
-            fit.xd += i * d, fit.yd += j * d;
+            f.n++;
+            f.x += k, f.y += j, f.d += d;
+            f.xx += k * k, f.xy += k * j, f.yy += j * j;
+            f.xd += k * d, f.yd += j * d;
         }
-    return fit;
-}
-
-static void depth_normal(struct directions *normal, unsigned i, const struct rendition *r,
-                         const struct normals *normals, uint32_t x, uint32_t y)
-{
-    const struct fit f = fit_around(r, normals, x, y);
     const int64_t xx = f.n * f.xx - f.x * f.x, yy = f.n * f.yy - f.y * f.y;
     const int64_t xy = f.n * f.xy - f.x * f.y;
     const int64_t xd = f.n * f.xd - f.x * f.d, yd = f.n * f.yd - f.y * f.d;

@@ -89,24 +89,25 @@ enum err seams_count(struct seams *seams, const struct border *border, struct fa
 
 /* ---- what is near an edge ---- */
 
+/* Each cell gets what is up to SEAMS_NEAR steps after it, and before it. */
+static void spread(uint64_t *set, size_t words, ptrdiff_t step)
+{
+    _Static_assert(SEAMS_NEAR == 1 + 2 + 4, "the steps of three passes");
+    for (ptrdiff_t apart = step; apart <= 4 * step; apart *= 2) {
+        for (size_t w = 0; w + 1 < words; w++)
+            set[w] |= border_bits_from(set, words, (ptrdiff_t)w * 64 + apart);
+        for (size_t w = words - 1; w-- > 0;)
+            set[w] |= border_bits_from(set, words, (ptrdiff_t)w * 64 - apart);
+    }
+}
+
 void seams_find_near(struct seams *seams)
 {
     if (seams->has_near || !seams->border)
         return;
     memcpy(seams->near, seams->edge, seams->words * sizeof *seams->near);
-    for (int a = 0; a < 3; a++) {
-        /* Each cell gets what is up to SEAMS_NEAR steps after it, and before it. */
-        _Static_assert(SEAMS_NEAR == 1 + 2 + 4, "the steps of three passes");
-        for (ptrdiff_t apart = seams->border->scene->grid.step[a];
-             apart <= 4 * seams->border->scene->grid.step[a]; apart *= 2) {
-            for (size_t w = 0; w + 1 < seams->words; w++)
-                seams->near[w] |=
-                    border_bits_from(seams->near, seams->words, (ptrdiff_t)w * 64 + apart);
-            for (size_t w = seams->words - 1; w-- > 0;)
-                seams->near[w] |=
-                    border_bits_from(seams->near, seams->words, (ptrdiff_t)w * 64 - apart);
-        }
-    }
+    for (int a = 0; a < 3; a++)
+        spread(seams->near, seams->words, seams->border->scene->grid.step[a]);
     seams->has_near = true;
 }
 

@@ -168,19 +168,6 @@ static struct tile tile_at(const struct rendition *r, size_t number)
                          bottom < r->height ? bottom : r->height};
 }
 
-/* Voxels beside each other in a picture lie far apart in memory. */
-static void fetch_cells(const struct rendition *r, const struct scene *scene, struct tile tile)
-{
-    uint32_t last = CELL_NONE;
-    for (uint32_t y = tile.top; y < tile.bottom; y++)
-        for (uint32_t x = tile.left; x < tile.right; x++) {
-            const uint32_t cell = r->cell[(size_t)y * r->width + x];
-            if (cell != CELL_NONE && cell != last)
-                __builtin_prefetch(scene->cell + cell);
-            last = cell;
-        }
-}
-
 static struct footprint footprint_of(struct tile tile)
 {
     return (struct footprint){(int32_t)tile.left, (int32_t)tile.top, (int32_t)tile.right - 1,
@@ -196,7 +183,15 @@ static bool label_tile(struct rendition *r, const struct border *border, struct 
     uint8_t label = 0;
     if (r->layers)
         return layers_pick(r, border, footprint_of(tile));
-    fetch_cells(r, labels->scene, tile);
+    /* Voxels beside each other in a picture lie far apart in memory. */
+    uint32_t latest = CELL_NONE;
+    for (uint32_t y = tile.top; y < tile.bottom; y++)
+        for (uint32_t x = tile.left; x < tile.right; x++) {
+            const uint32_t voxel = r->cell[(size_t)y * r->width + x];
+            if (voxel != CELL_NONE && voxel != latest)
+                __builtin_prefetch(labels->scene->cell + voxel);
+            latest = voxel;
+        }
     for (uint32_t y = tile.top; y < tile.bottom; y++) {
         const size_t row = (size_t)y * r->width;
         for (size_t pixel = row + tile.left; pixel < row + tile.right; pixel++) {

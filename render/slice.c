@@ -150,6 +150,16 @@ static const struct row *row_of(struct work *work, int64_t voxel)
     return row;
 }
 
+static void paint_row(uint8_t *pixel, const uint32_t *low, const uint32_t *high, uint32_t part,
+                      const uint8_t *grey, size_t columns)
+{
+    for (size_t x = 0; x < columns; x++, pixel += 4) {
+        const uint32_t mixed = low[x] * (PART - part) + high[x] * part;
+        const uint8_t shade = grey[(mixed + HALF) / (PART * PART)];
+        memcpy(pixel, (const uint8_t[4]){shade, shade, shade, 255}, 4);
+    }
+}
+
 static void paint_grey(struct work *work)
 {
     const struct slice_side *side = &work->plan.side[1];
@@ -160,12 +170,8 @@ static void paint_grey(struct work *work)
         const int64_t near = slice_side_voxel(side, y);
         const struct row *low = row_of(work, voxel);
         const struct row *high = part ? row_of(work, voxel + 1) : low;
-        uint8_t *pixel = canvas_pixel(work->canvas, left, (size_t)y);
-        for (size_t x = 0; x < work->columns; x++, pixel += 4) {
-            const uint32_t mixed = low->grey[x] * (PART - part) + high->grey[x] * part;
-            const uint8_t shade = work->style->grey[(mixed + HALF) / (PART * PART)];
-            memcpy(pixel, (const uint8_t[4]){shade, shade, shade, 255}, 4);
-        }
+        paint_row(canvas_pixel(work->canvas, left, (size_t)y), low->grey, high->grey, part,
+                  work->style->grey, work->columns);
         memcpy(work->label + (size_t)(y - side->first) * work->columns,
                near == voxel ? low->label : high->label, work->columns);
     }
