@@ -148,21 +148,23 @@ static void spread_share(void *context, unsigned worker)
 static void spread_rows(void *context, unsigned worker)
 {
     const struct spreading *s = context;
+    const uint64_t step = s->step;
+    const uint32_t length = s->size[0];
     const size_t rows = (size_t)s->size[1] * s->size[2];
     const struct share share = team_share(s->team, worker, rows);
     struct task task =
-        task_begin_part(s->watch, "distances", (share.end - share.first) * s->size[0], worker);
-    for (size_t row = share.first; row < share.end && task_advance(&task, s->size[0]); row++) {
+        task_begin_part(s->watch, "distances", (share.end - share.first) * length, worker);
+    for (size_t row = share.first; row < share.end && task_advance(&task, length); row++) {
         /* A row, from which distances begin: squares of steps to the nearest 0, on either side. */
-        uint64_t *line = s->squared + row * s->size[0];
+        uint64_t *line = s->squared + row * length;
         uint64_t away = DISTANCE_NONE;
-        for (uint32_t x = 0; x < s->size[0]; x++) {
-            away = line[x] == 0 ? 0 : away == DISTANCE_NONE ? away : away + s->step;
+        for (uint32_t x = 0; x < length; x++) {
+            away = line[x] == 0 ? 0 : away == DISTANCE_NONE ? away : away + step;
             line[x] = away;
         }
         away = DISTANCE_NONE;
-        for (uint32_t x = s->size[0]; x-- > 0;) {
-            away = line[x] == 0 ? 0 : away == DISTANCE_NONE ? away : away + s->step;
+        for (uint32_t x = length; x-- > 0;) {
+            away = line[x] == 0 ? 0 : away == DISTANCE_NONE ? away : away + step;
             const uint64_t nearer = line[x] < away ? line[x] : away;
             line[x] = nearer == DISTANCE_NONE ? nearer : nearer * nearer;
         }

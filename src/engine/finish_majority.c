@@ -97,27 +97,6 @@ static void votes_clear(struct votes *votes)
     votes->first = votes->end = 0;
 }
 
-static void add_column(struct votes *votes, const struct filter *f, const struct rows *rows,
-                       uint32_t x)
-{
-    for (uint32_t z = rows->first_z; z <= rows->last_z; z++)
-        for (uint32_t y = rows->first_y; y <= rows->last_y; y++) {
-            const uint8_t label = f->work->label[grid_cell(&f->work->scene->grid, x, y, z)];
-            votes->count[label]++;
-            if (!votes->is_seen[label])
-                votes->seen[votes->seens++] = label;
-            votes->is_seen[label] = true;
-        }
-}
-
-static void drop_column(struct votes *votes, const struct filter *f, const struct rows *rows,
-                        uint32_t x)
-{
-    for (uint32_t z = rows->first_z; z <= rows->last_z; z++)
-        for (uint32_t y = rows->first_y; y <= rows->last_y; y++)
-            votes->count[f->work->label[grid_cell(&f->work->scene->grid, x, y, z)]]--;
-}
-
 /* The columns first..end-1, from those that are counted. */
 static void slide(struct votes *votes, const struct filter *f, const struct rows *rows,
                   uint32_t first, uint32_t end)
@@ -126,10 +105,23 @@ static void slide(struct votes *votes, const struct filter *f, const struct rows
         votes_clear(votes);
         votes->first = votes->end = first;
     }
-    while (votes->end < end)
-        add_column(votes, f, rows, votes->end++);
-    while (votes->first < first)
-        drop_column(votes, f, rows, votes->first++);
+    while (votes->end < end) {
+        const uint32_t x = votes->end++;
+        for (uint32_t z = rows->first_z; z <= rows->last_z; z++)
+            for (uint32_t y = rows->first_y; y <= rows->last_y; y++) {
+                const uint8_t label = f->work->label[grid_cell(&f->work->scene->grid, x, y, z)];
+                votes->count[label]++;
+                if (!votes->is_seen[label])
+                    votes->seen[votes->seens++] = label;
+                votes->is_seen[label] = true;
+            }
+    }
+    while (votes->first < first) {
+        const uint32_t x = votes->first++;
+        for (uint32_t z = rows->first_z; z <= rows->last_z; z++)
+            for (uint32_t y = rows->first_y; y <= rows->last_y; y++)
+                votes->count[f->work->label[grid_cell(&f->work->scene->grid, x, y, z)]]--;
+    }
 }
 
 /* ---- rows ---- */

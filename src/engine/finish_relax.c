@@ -220,10 +220,11 @@ static void make_part(void *context, unsigned worker)
     for (size_t z = planes.first; z < planes.end; z++) {
         for (uint32_t y = 0; y < f->size[1] && goes_on; y++) {
             begin_far(m, y, (uint32_t)z);
+            const uint32_t width = f->size[0];
             uint8_t *far = far_row(f, y, (uint32_t)z);
-            for (uint32_t x = 1; x < f->size[0]; x++)
+            for (uint32_t x = 1; x < width; x++)
                 far[x] = far[x] > far[x - 1] + 1 ? (uint8_t)(far[x - 1] + 1) : far[x];
-            for (uint32_t x = f->size[0] - 1; x > 0; x--)
+            for (uint32_t x = width - 1; x > 0; x--)
                 far[x - 1] = far[x - 1] > far[x] + 1 ? (uint8_t)(far[x] + 1) : far[x - 1];
             goes_on = task_advance(&task, f->size[0]);
         }

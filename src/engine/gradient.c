@@ -267,24 +267,6 @@ static uint64_t half_squared(uint32_t a, uint32_t b)
     return half * half;
 }
 
-static void weigh_row(const struct smoother *s, struct scene *scene, uint32_t y, uint32_t z)
-{
-    const uint32_t *here = smoothed(s, y, z);
-    const uint32_t *y0 = smoothed(s, grid_held((int64_t)y - 1, s->height), z);
-    const uint32_t *y1 = smoothed(s, grid_held((int64_t)y + 1, s->height), z);
-    const uint32_t *z0 = smoothed(s, y, grid_held((int64_t)z - 1, s->depth));
-    const uint32_t *z1 = smoothed(s, y, grid_held((int64_t)z + 1, s->depth));
-    const uint64_t step = s->gauss.weight[0] + s->gauss.weight[1];
-    struct cell *cell = scene->cell + grid_row(&scene->grid, y, z).first;
-    for (uint32_t x = 0; x < s->width; x++) {
-        const uint64_t sum =
-            half_squared(here[x > 0 ? x - 1 : x], here[x + 1 < s->width ? x + 1 : x]) +
-            half_squared(y0[x], y1[x]) + half_squared(z0[x], z1[x]);
-        const uint64_t length = (2 * (uint64_t)square_root(sum) + step / 2) / step;
-        cell[x].weight = (uint16_t)(length < WEIGHT_MOST ? length : WEIGHT_MOST);
-    }
-}
-
 static void gauss_weigh(struct scene *scene, const struct adjacency *adjacency,
                         uint32_t sigma_thousandths, struct slab slab, void *work)
 {
@@ -308,7 +290,20 @@ static void gauss_weigh(struct scene *scene, const struct adjacency *adjacency,
         if (z + 1 < s.depth)
             smooth_plane(&s, z + 1);
         for (uint32_t y = 0; y < s.height; y++) {
-            weigh_row(&s, scene, y, z);
+            const uint32_t *here = smoothed(&s, y, z);
+            const uint32_t *y0 = smoothed(&s, grid_held((int64_t)y - 1, s.height), z);
+            const uint32_t *y1 = smoothed(&s, grid_held((int64_t)y + 1, s.height), z);
+            const uint32_t *z0 = smoothed(&s, y, grid_held((int64_t)z - 1, s.depth));
+            const uint32_t *z1 = smoothed(&s, y, grid_held((int64_t)z + 1, s.depth));
+            const uint64_t step = s.gauss.weight[0] + s.gauss.weight[1];
+            struct cell *cell = scene->cell + grid_row(&scene->grid, y, z).first;
+            for (uint32_t x = 0; x < s.width; x++) {
+                const uint64_t sum =
+                    half_squared(here[x > 0 ? x - 1 : x], here[x + 1 < s.width ? x + 1 : x]) +
+                    half_squared(y0[x], y1[x]) + half_squared(z0[x], z1[x]);
+                const uint64_t length = (2 * (uint64_t)square_root(sum) + step / 2) / step;
+                cell[x].weight = (uint16_t)(length < WEIGHT_MOST ? length : WEIGHT_MOST);
+            }
             if (!row_is_done(&s, 1))
                 return;
         }

@@ -213,50 +213,41 @@ static enum err count_all(struct label_counts *counts, const struct labels *labe
 
 /* ---- sums ---- */
 
-/* Counters of planes: how many voxels there are, the sum of their positions, the first and the
- * last. */
-static uint64_t sum_planes(const uint32_t *counter, uint32_t planes, uint64_t *sum, uint32_t *first,
-                           uint32_t *last)
-{
-    uint64_t voxels = 0;
-    for (uint32_t i = 0; i < planes; i++) {
-        if (!counter[i])
-            continue;
-        *first = voxels ? *first : i;
-        *last = i;
-        *sum += (uint64_t)counter[i] * i;
-        voxels += counter[i];
-    }
-    return voxels;
-}
-
-static void sum_intensities(struct label_sums *sums, const uint32_t *counter, size_t intensities)
-{
-    const uint64_t rank[2] = {(sums->voxels - 1) / 2, sums->voxels / 2};
-    uint64_t below = 0;
-    for (size_t i = 0; i < intensities; i++) {
-        if (!counter[i])
-            continue;
-        sums->least = below ? sums->least : (uint16_t)i;
-        sums->most = (uint16_t)i;
-        for (int m = 0; m < 2; m++)
-            if (rank[m] >= below && rank[m] < below + counter[i])
-                sums->middle[m] = (uint16_t)i;
-        sums->intensity += (uint64_t)counter[i] * i;
-        sums->intensity_squares += (uint64_t)counter[i] * i * i;
-        below += counter[i];
-    }
-}
-
 static struct label_sums sum_counts(const struct label_counts *counts, unsigned label)
 {
     const uint32_t *counter = counts->of[label];
     struct label_sums sums = {.voxels = 0};
-    for (int a = 0; counter && a < 3; a++)
-        sums.voxels = sum_planes(counter + counts->plane[a], counts->scene->grid.size[a],
-                                 &sums.sum[a], &sums.first[a], &sums.last[a]);
-    if (sums.voxels)
-        sum_intensities(&sums, counter, counts->plane[0]);
+    for (int a = 0; counter && a < 3; a++) {
+        /* Counters of planes: how many voxels there are, the sum of their positions, the first and
+         * the last. */
+        const uint32_t *count = counter + counts->plane[a];
+        uint64_t voxels = 0;
+        for (uint32_t i = 0; i < counts->scene->grid.size[a]; i++) {
+            if (!count[i])
+                continue;
+            sums.first[a] = voxels ? sums.first[a] : i;
+            sums.last[a] = i;
+            sums.sum[a] += (uint64_t)count[i] * i;
+            voxels += count[i];
+        }
+        sums.voxels = voxels;
+    }
+    if (sums.voxels) {
+        const uint64_t rank[2] = {(sums.voxels - 1) / 2, sums.voxels / 2};
+        uint64_t below = 0;
+        for (size_t i = 0; i < counts->plane[0]; i++) {
+            if (!counter[i])
+                continue;
+            sums.least = below ? sums.least : (uint16_t)i;
+            sums.most = (uint16_t)i;
+            for (int m = 0; m < 2; m++)
+                if (rank[m] >= below && rank[m] < below + counter[i])
+                    sums.middle[m] = (uint16_t)i;
+            sums.intensity += (uint64_t)counter[i] * i;
+            sums.intensity_squares += (uint64_t)counter[i] * i * i;
+            below += counter[i];
+        }
+    }
     return sums;
 }
 
