@@ -148,9 +148,10 @@ static void add_block(struct border *border, uint32_t cell)
 
 /* ---- the skin ---- */
 
-/* Which voxels of the scene are not cut away. */
-static void find_open(struct border *border)
+/* Of shown voxels as they are. */
+static void find_skin(struct border *border, struct task *task)
 {
+    /* Which voxels of the scene are not cut away. */
     const struct grid *grid = &border->scene->grid;
     memset(border->open, 0, border->words * sizeof *border->open);
     for (uint32_t z = 0; z < grid->size[2]; z++)
@@ -164,12 +165,6 @@ static void find_open(struct border *border)
             }
         }
     cut_clear(&border->cut, border->scene, border->open);
-}
-
-/* Of shown voxels as they are. */
-static void find_skin(struct border *border, struct task *task)
-{
-    find_open(border);
     for (size_t w = 0; w + 1 < border->words && task_advance(task, 32); w++)
         border->solid[w] = solid_word(border, w);
     for (size_t w = 0; w + 1 < border->words && task_advance(task, 32); w++)
@@ -272,19 +267,6 @@ static inline void mark(struct border *border, uint32_t cell)
     mark_word(border, cell >> 6);
 }
 
-/* Notes the words in which neighbours of the 64 cells of word `w` lie. */
-static void mark_around(struct border *border, uint32_t w)
-{
-    const ptrdiff_t *step = border->scene->grid.step;
-    for (int a = 0; a < 3; a++)
-        for (int sign = -1; sign <= 1; sign += 2)
-            for (int end = 0; end < 64; end += 63) {
-                const ptrdiff_t at = (ptrdiff_t)w * 64 + sign * step[a] + end;
-                if (at >= 0 && (size_t)at >> 6 < border->words - 1)
-                    mark_word(border, (uint32_t)(at >> 6));
-            }
-}
-
 /* Makes the words anew that are noted. What is solid around them changes the hull further off. */
 static void follow_marks(struct border *border, struct task *task)
 {
@@ -297,7 +279,15 @@ static void follow_marks(struct border *border, struct task *task)
             for (uint64_t more = solid & ~border->solid[w]; more; more &= more - 1)
                 add_block(border, w * 64 + (uint32_t)__builtin_ctzll(more));
             border->solid[w] = solid;
-            mark_around(border, w);
+            /* Notes the words in which neighbours of the 64 cells of word `w` lie. */
+            const ptrdiff_t *step = border->scene->grid.step;
+            for (int a = 0; a < 3; a++)
+                for (int sign = -1; sign <= 1; sign += 2)
+                    for (int end = 0; end < 64; end += 63) {
+                        const ptrdiff_t at = (ptrdiff_t)w * 64 + sign * step[a] + end;
+                        if (at >= 0 && (size_t)at >> 6 < border->words - 1)
+                            mark_word(border, (uint32_t)(at >> 6));
+                    }
         }
         task_advance(task, 1);
     }

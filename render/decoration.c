@@ -187,24 +187,6 @@ static void add_mark(struct marks *marks, const struct decoration *d, uint32_t c
                                    d->camera->scene->cell[cell].label, eliminates, false});
 }
 
-/* Seeds that pixels show: each once or a few times, where the first pixel of a row shows it. */
-static void add_seeds(struct marks *marks, struct mark_runs *runs, const struct decoration *d)
-{
-    const struct rendition *r = d->frame;
-    for (uint32_t y = 0; y < r->height; y++)
-        for (uint32_t x = 0; x < r->width; x++) {
-            const size_t pixel = (size_t)y * r->width + x;
-            const uint32_t cell = r->cell[pixel];
-            if (cell == CELL_NONE || !(d->camera->scene->cell[cell].flags & CELL_SEED))
-                continue;
-            const struct mark mark = {.label = d->camera->scene->cell[cell].label};
-            runs->run[pixel] = mark_run(&mark);
-            if ((x == 0 || r->cell[pixel - 1] != cell) &&
-                (y == 0 || r->cell[pixel - r->width] != cell))
-                add_mark(marks, d, cell, false);
-        }
-}
-
 static bool draw_seeds(const struct canvas *canvas, const struct decoration *d, uint32_t unit)
 {
     const size_t pixels = (size_t)d->frame->width * d->frame->height;
@@ -215,7 +197,19 @@ static bool draw_seeds(const struct canvas *canvas, const struct decoration *d, 
                              .rows = d->frame->height,
                              .step = zoom < VIEW_ZOOM_ONE ? 1 : zoom / VIEW_ZOOM_ONE};
     if (runs.run) {
-        add_seeds(&marks, &runs, d);
+        const struct rendition *r = d->frame;
+        for (uint32_t y = 0; y < r->height; y++)
+            for (uint32_t x = 0; x < r->width; x++) {
+                const size_t pixel = (size_t)y * r->width + x;
+                const uint32_t cell = r->cell[pixel];
+                if (cell == CELL_NONE || !(d->camera->scene->cell[cell].flags & CELL_SEED))
+                    continue;
+                const struct mark mark = {.label = d->camera->scene->cell[cell].label};
+                runs.run[pixel] = mark_run(&mark);
+                if ((x == 0 || r->cell[pixel - 1] != cell) &&
+                    (y == 0 || r->cell[pixel - r->width] != cell))
+                    add_mark(&marks, d, cell, false);
+            }
         marks_keep_rims(&marks, &runs);
         for (size_t i = 0; i < d->eliminators; i++)
             if (is_seen(d, d->eliminator[i]))

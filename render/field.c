@@ -251,33 +251,6 @@ static void find_patterns(struct patterns *patterns, const struct field *field,
         }
 }
 
-/* One plane of the input, smoothed along x and y. */
-static void fill_plane(struct row out[SAMPLES], const struct field *field,
-                       const uint32_t pattern[INPUT])
-{
-    const unsigned part = (1 << PART_BITS) - 1;
-    struct row row[INPUT];
-    for (int y = 0; y < INPUT; y++) {
-        const unsigned bits = pattern[y];
-        row[y] = field->tables->of[0][bits & part];
-        add_row(&row[y], &field->tables->of[1][bits >> PART_BITS & part]);
-        add_row(&row[y], &field->tables->of[2][bits >> (2 * PART_BITS)]);
-    }
-    smooth_rows(row, INPUT, 1);
-    memcpy(out, row, SAMPLES * sizeof *out);
-}
-
-static void smooth_shown(struct values *values, const struct field *field,
-                         const struct patterns *patterns)
-{
-    struct row plane[INPUT][SAMPLES];
-    for (int z = 0; z < INPUT; z++)
-        fill_plane(plane[z], field, patterns->row[z]);
-    for (int y = 0; y < SAMPLES; y++)
-        smooth_rows(&plane[0][y], INPUT, SAMPLES);
-    memcpy(values->row, plane, sizeof values->row);
-}
-
 /* ---- the scene, smoothed by 1 4 6 4 1 along each axis ---- */
 
 enum { SCENE_RADIUS = 2, SCENE_INPUT = SAMPLES + 2 * SCENE_RADIUS };
@@ -287,38 +260,6 @@ enum { SCENE_RADIUS = 2, SCENE_INPUT = SAMPLES + 2 * SCENE_RADIUS };
 struct scene_input {
     uint32_t at[3][SCENE_INPUT];
 };
-
-static struct scene_input scene_input_of(const struct grid *grid, const struct input *input)
-{
-    struct scene_input in;
-    for (int a = 0; a < 3; a++)
-        for (int i = 0; i < SCENE_INPUT; i++) {
-            const int64_t p = input->first[a] + FIELD_RADIUS - SCENE_RADIUS + i;
-            const int64_t last = (int64_t)grid->size[a] - 1;
-            in.at[a][i] = (uint32_t)(p < 0 ? 0 : p > last ? last : p);
-        }
-    return in;
-}
-
-/* A row of intensities of 12 bits, smoothed along x. */
-static void fill_scene_row(struct row *row, const struct field *field, const struct scene_input *in,
-                           int y, int z)
-{
-    const struct scene *scene = field->border->scene;
-    const int left = field->brighter > 0 ? field->brighter : 0;
-    const int right = field->brighter < 0 ? -field->brighter : 0;
-    int value[SCENE_INPUT];
-    int16_t smooth[ROW] = {0};
-    for (int x = 0; x < SCENE_INPUT; x++) {
-        const uint32_t cell = grid_cell(&scene->grid, in->at[0][x], in->at[1][y], in->at[2][z]);
-        value[x] = scene->cell[cell].intensity << left >> right;
-    }
-    for (int x = 0; x < SAMPLES; x++) {
-        const int *v = value + x;
-        smooth[x] = (int16_t)((v[0] + 4 * v[1] + 6 * v[2] + 4 * v[3] + v[4]) >> 4);
-    }
-    memcpy(row, smooth, sizeof smooth);
-}
 
 /* Over rows, in place: sums of two, two of them at a time so that 12 bits stay within 16. */
 static void smooth_scene_rows(struct row *row, int count, int step)
@@ -336,11 +277,33 @@ static void smooth_scene_rows(struct row *row, int count, int step)
 static void smooth_scene(struct values *values, const struct field *field,
                          const struct input *input)
 {
-    const struct scene_input in = scene_input_of(&field->border->scene->grid, input);
+    struct scene_input in;
+    for (int a = 0; a < 3; a++)
+        for (int i = 0; i < SCENE_INPUT; i++) {
+            const int64_t p = input->first[a] + FIELD_RADIUS - SCENE_RADIUS + i;
+            const int64_t last = (int64_t)field->border->scene->grid.size[a] - 1;
+            in.at[a][i] = (uint32_t)(p < 0 ? 0 : p > last ? last : p);
+        }
     struct row plane[SCENE_INPUT][SCENE_INPUT];
     for (int z = 0; z < SCENE_INPUT; z++) {
-        for (int y = 0; y < SCENE_INPUT; y++)
-            fill_scene_row(&plane[z][y], field, &in, y, z);
+        for (int y = 0; y < SCENE_INPUT; y++) {
+            /* A row of intensities of 12 bits, smoothed along x. */
+            const struct scene *scene = field->border->scene;
+            const int left = field->brighter > 0 ? field->brighter : 0;
+            const int right = field->brighter < 0 ? -field->brighter : 0;
+            int value[SCENE_INPUT];
+            int16_t smooth[ROW] = {0};
+            for (int x = 0; x < SCENE_INPUT; x++) {
+                const uint32_t cell =
+                    grid_cell(&scene->grid, in.at[0][x], in.at[1][y], in.at[2][z]);
+                value[x] = scene->cell[cell].intensity << left >> right;
+            }
+            for (int x = 0; x < SAMPLES; x++) {
+                const int *v = value + x;
+                smooth[x] = (int16_t)((v[0] + 4 * v[1] + 6 * v[2] + 4 * v[3] + v[4]) >> 4);
+            }
+            memcpy(&plane[z][y], smooth, sizeof smooth);
+        }
         smooth_scene_rows(plane[z], SCENE_INPUT, 1);
     }
     for (int y = 0; y < SAMPLES; y++)
@@ -575,27 +538,6 @@ struct levels {
     struct asked inside, outside;
 };
 
-static void find_levels(struct levels *levels, const struct values *values,
-                        const struct patterns *patterns)
-{
-    const lanes half = (lanes){0} + HALF;
-    struct thin thin;
-    memcpy(levels->least.at, values->row, PLACES * sizeof *levels->least.at);
-    memcpy(levels->most.at, values->row, PLACES * sizeof *levels->most.at);
-    spread(&levels->least, lesser);
-    spread(&levels->most, greater);
-    thin.has_shown = thin.has_gaps = false;
-    for (int z = 0; z < SAMPLES; z++)
-        for (int y = 0; y < SAMPLES; y += 4)
-            find_thin_rows(&thin, patterns, y, z);
-    levels->inside.is_any = thin.has_shown;
-    levels->outside.is_any = thin.has_gaps;
-    if (thin.has_shown)
-        ask(&levels->inside, values, thin.shown, below, lesser, half);
-    if (thin.has_gaps)
-        ask(&levels->outside, values, thin.gaps, above, greater, half);
-}
-
 /* Lanes beyond the block may hold anything, of which sums and products may wrap. */
 typedef uint16_t wraps __attribute__((vector_size(sizeof(lanes))));
 
@@ -620,7 +562,22 @@ static void find_inside(struct field_block *block, const struct values *values,
 {
     enum { FIRST = FIELD_RADIUS + 1 }; /* the voxel of place 0 */
     struct levels levels;
-    find_levels(&levels, values, patterns);
+    const lanes half = (lanes){0} + HALF;
+    struct thin thin;
+    memcpy(levels.least.at, values->row, PLACES * sizeof *levels.least.at);
+    memcpy(levels.most.at, values->row, PLACES * sizeof *levels.most.at);
+    spread(&levels.least, lesser);
+    spread(&levels.most, greater);
+    thin.has_shown = thin.has_gaps = false;
+    for (int z = 0; z < SAMPLES; z++)
+        for (int y = 0; y < SAMPLES; y += 4)
+            find_thin_rows(&thin, patterns, y, z);
+    levels.inside.is_any = thin.has_shown;
+    levels.outside.is_any = thin.has_gaps;
+    if (thin.has_shown)
+        ask(&levels.inside, values, thin.shown, below, lesser, half);
+    if (thin.has_gaps)
+        ask(&levels.outside, values, thin.gaps, above, greater, half);
     for (int z = 0; z < FIELD_SIDE; z++)
         for (int y = 0; y < FIELD_SIDE; y++) {
             const uint32_t shown = patterns->row[z + FIRST][y + FIRST] >> FIRST;
@@ -647,7 +604,23 @@ static void make_block(struct field_block *block, const struct field *field,
         return;
     }
     find_patterns(&patterns, field, input);
-    smooth_shown(&values, field, &patterns);
+    struct row plane[INPUT][SAMPLES];
+    for (int z = 0; z < INPUT; z++) {
+        /* One plane of the input, smoothed along x and y. */
+        const unsigned part = (1 << PART_BITS) - 1;
+        struct row row[INPUT];
+        for (int y = 0; y < INPUT; y++) {
+            const unsigned bits = patterns.row[z][y];
+            row[y] = field->tables->of[0][bits & part];
+            add_row(&row[y], &field->tables->of[1][bits >> PART_BITS & part]);
+            add_row(&row[y], &field->tables->of[2][bits >> (2 * PART_BITS)]);
+        }
+        smooth_rows(row, INPUT, 1);
+        memcpy(plane[z], row, SAMPLES * sizeof *plane[z]);
+    }
+    for (int y = 0; y < SAMPLES; y++)
+        smooth_rows(&plane[0][y], INPUT, SAMPLES);
+    memcpy(values.row, plane, sizeof values.row);
     fill_gradients(block, &values, 2);
     if (field->kind == FIELD_SURFACES || (field->kind == FIELD_SURFACE && !input->label))
         find_inside(block, &values, &patterns);

@@ -234,20 +234,6 @@ static void splat_faces(struct layers *l, struct sweep *sweep, const struct bord
     }
 }
 
-/* The near faces that begin a run, by the labels on both sides. */
-static unsigned axes_by_labels(const struct camera *camera, const struct border *border,
-                               uint32_t cell, uint8_t label)
-{
-    unsigned axes = 0;
-    for (int a = 0; a < 3; a++) {
-        const uint32_t before = cell + (uint32_t)camera->toward[a];
-        const bool goes_on =
-            border_shows(border, before) && labels_at(&border->labels, before) == label;
-        axes |= (unsigned)!goes_on << a;
-    }
-    return axes;
-}
-
 void layers_splat_scene(struct rendition *r, const struct camera *camera,
                         const struct border *border)
 {
@@ -259,7 +245,14 @@ void layers_splat_scene(struct rendition *r, const struct camera *camera,
         for (uint64_t word = border->shown[w]; word; word &= word - 1) {
             const uint32_t cell = (uint32_t)(w * 64) + (uint32_t)__builtin_ctzll(word);
             const uint8_t label = labels_at(&border->labels, cell);
-            const unsigned axes = axes_by_labels(camera, border, cell, label);
+            /* The near faces that begin a run, by the labels on both sides. */
+            unsigned axes = 0;
+            for (int a = 0; a < 3; a++) {
+                const uint32_t before = cell + (uint32_t)camera->toward[a];
+                const bool goes_on =
+                    border_shows(border, before) && labels_at(&border->labels, before) == label;
+                axes |= (unsigned)!goes_on << a;
+            }
             if (axes)
                 splat_faces(r->layers, &sweep, border, (struct faces){cell, axes, label});
         }

@@ -33,16 +33,6 @@ struct passage {
     struct run run[256];
 };
 
-/* Once the ray has been in a cube that is not solid for the label. */
-static void begin_again(const struct passage *p, struct run *run)
-{
-    const int64_t inside = run->until + refine_width(p->refiner) / 4;
-    run->is_found = false;
-    run->has_layer = true;
-    run->layer = run->until;
-    run->left = run->at > inside ? run->at : inside;
-}
-
 /* Whether a surface is further than a gap from where the ray has left the same label. That is
  * looked for where it may matter alone. */
 static bool is_layer(struct passage *p, const struct run *run, uint8_t label, int64_t depth)
@@ -54,22 +44,20 @@ static bool is_layer(struct passage *p, const struct run *run, uint8_t label, in
            depth > refine_end(p->refiner, label, p->x, p->y, run->left) + gap;
 }
 
-static void put_layer(struct passage *p, uint8_t label, int64_t depth, uint32_t cell)
-{
-    const bool is_opaque = p->refiner->border->opacity[label] == BORDER_OPAQUE;
-    layers_put(p->layers, (size_t)p->y * p->layers->width + p->x, depth, cell, label, is_opaque);
-    if (is_opaque && depth < p->opaque)
-        p->opaque = depth;
-}
-
 /* Where a ray comes to a voxel that is solid for a label. */
 static void come_to(struct passage *p, const struct walk *walk, uint8_t label)
 {
     struct run *run = &p->run[label];
     if (run->last < p->first)
         *run = (struct run){.until = INT64_MIN};
-    else if (run->last + 1 < p->cube && run->is_found && run->until < walk->at)
-        begin_again(p, run);
+    else if (run->last + 1 < p->cube && run->is_found && run->until < walk->at) {
+        /* Once the ray has been in a cube that is not solid for the label. */
+        const int64_t inside = run->until + refine_width(p->refiner) / 4;
+        run->is_found = false;
+        run->has_layer = true;
+        run->layer = run->until;
+        run->left = run->at > inside ? run->at : inside;
+    }
     run->last = p->cube;
     run->at = walk->at;
     if (run->is_found || walk->at <= run->until)
@@ -78,8 +66,13 @@ static void come_to(struct passage *p, const struct walk *walk, uint8_t label)
     uint32_t cell = walk->cell;
     run->is_found = refine_label(p->refiner, label, p->x, p->y, &depth, &cell);
     run->until = depth;
-    if (run->is_found && is_layer(p, run, label, depth))
-        put_layer(p, label, depth, cell);
+    if (run->is_found && is_layer(p, run, label, depth)) {
+        const bool is_opaque = p->refiner->border->opacity[label] == BORDER_OPAQUE;
+        layers_put(p->layers, (size_t)p->y * p->layers->width + p->x, depth, cell, label,
+                   is_opaque);
+        if (is_opaque && depth < p->opaque)
+            p->opaque = depth;
+    }
 }
 
 /* What the ray has come through without an edge was all of one label, if that of anything. */
@@ -179,15 +172,6 @@ struct patch {
     unsigned surfaces;
 };
 
-static void walk_corners(struct refining *f, struct patch *patch)
-{
-    const uint32_t last = patch->side - 1, half = patch->side / 2;
-    for (uint32_t i = 0; i < CORNERS; i++)
-        patch->corner[i] =
-            walk_pixel(f, patch->left + (i & 1) * last, patch->top + (i >> 1) * last);
-    patch->middle = walk_pixel(f, patch->left + half, patch->top + half);
-}
-
 static bool are_alike(const struct layer *a, const struct layer *b)
 {
     return a->label == b->label && (a->depth & 3) == REFINE_WITHIN &&
@@ -252,26 +236,24 @@ static bool fill_pixel(struct refining *f, const struct patch *patch, uint32_t x
     return true;
 }
 
-static void fill(struct refining *f, const struct patch *patch)
-{
-    for (uint32_t y = 0; y < patch->side; y++)
-        for (uint32_t x = 0; x < patch->side; x++) {
-            const tile_mask bit = bit_of(patch->left + x, patch->top + y);
-            if (!(f->done & bit) && fill_pixel(f, patch, x, y))
-                f->done |= bit;
-        }
-    walk_pixels(f, patch->left, patch->top, patch->side, patch->side);
-}
-
 static bool refine_whole(struct refining *f, uint32_t left, uint32_t top, uint32_t side)
 {
     struct patch patch = {.left = left, .top = top, .side = side};
     if (side > f->voxel)
         return false;
-    walk_corners(f, &patch);
+    const uint32_t last = patch.side - 1, half = patch.side / 2;
+    for (uint32_t i = 0; i < CORNERS; i++)
+        patch.corner[i] = walk_pixel(f, patch.left + (i & 1) * last, patch.top + (i >> 1) * last);
+    patch.middle = walk_pixel(f, patch.left + half, patch.top + half);
     if (!take_surfaces(f, &patch))
         return false;
-    fill(f, &patch);
+    for (uint32_t y = 0; y < patch.side; y++)
+        for (uint32_t x = 0; x < patch.side; x++) {
+            const tile_mask bit = bit_of(patch.left + x, patch.top + y);
+            if (!(f->done & bit) && fill_pixel(f, &patch, x, y))
+                f->done |= bit;
+        }
+    walk_pixels(f, patch.left, patch.top, patch.side, patch.side);
     return true;
 }
 

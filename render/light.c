@@ -13,8 +13,11 @@ enum {
 
 /* ---- where it comes from ---- */
 
-static void aim(struct light *light, const struct camera *camera, const int32_t angle[2])
+void light_init(struct light *light, const struct camera *camera, const int32_t angle[2],
+                uint32_t cue_percent)
 {
+    int64_t reach = 0;
+    *light = (struct light){0};
     const int64_t pitch = angle[1], quarter = VIEW_TURN / 4;
     const int64_t level = view_sine((int32_t)(pitch + quarter));
     const int64_t right = times30(view_sine(angle[0]), level);
@@ -39,14 +42,6 @@ static void aim(struct light *light, const struct camera *camera, const int32_t 
             mirrored = mirrored * mirrored / LIGHT_UNIT;
         light->gloss[i] = (int32_t)(SPECULAR * mirrored);
     }
-}
-
-void light_init(struct light *light, const struct camera *camera, const int32_t angle[2],
-                uint32_t cue_percent)
-{
-    int64_t reach = 0;
-    *light = (struct light){0};
-    aim(light, camera, angle);
     for (int a = 0; a < 3; a++) {
         /* Half the scene's length along this axis, seen along the ray. */
         int64_t pixels = (int64_t)camera->scene->grid.size[a] * camera->view.zoom *

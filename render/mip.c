@@ -183,19 +183,6 @@ struct tone {
     uint8_t level, alpha;
 };
 
-static void put_behind(uint8_t out[4], const uint8_t rgba[4], struct tone tone)
-{
-    const uint32_t front = WHITE * (uint32_t)rgba[3],
-                   behind = (uint32_t)(WHITE - rgba[3]) * tone.alpha;
-    const uint32_t all = front + behind;
-    for (int k = 0; k < 3; k++) {
-        const uint64_t light =
-            (uint64_t)front * rgba[k] * rgba[k] + (uint64_t)behind * tone.level * tone.level;
-        out[k] = all ? (uint8_t)square_root(light / all) : 0;
-    }
-    out[3] = (uint8_t)((all + WHITE / 2) / WHITE);
-}
-
 void mip_put_behind(uint8_t *out, const uint8_t *rgba, const uint8_t *brightness, size_t count)
 {
     struct tone tone[WHITE + 1];
@@ -211,7 +198,16 @@ void mip_put_behind(uint8_t *out, const uint8_t *rgba, const uint8_t *brightness
         const uint8_t grey[4] = {t.level, t.level, t.level, t.alpha};
         if (rgba[3] == 0 || rgba[3] == WHITE)
             memcpy(out, rgba[3] ? rgba : grey, 4);
-        else
-            put_behind(out, rgba, t);
+        else {
+            const uint32_t front = WHITE * (uint32_t)rgba[3],
+                           behind = (uint32_t)(WHITE - rgba[3]) * t.alpha;
+            const uint32_t all = front + behind;
+            for (int k = 0; k < 3; k++) {
+                const uint64_t light =
+                    (uint64_t)front * rgba[k] * rgba[k] + (uint64_t)behind * t.level * t.level;
+                out[k] = all ? (uint8_t)square_root(light / all) : 0;
+            }
+            out[3] = (uint8_t)((all + WHITE / 2) / WHITE);
+        }
     }
 }

@@ -235,20 +235,6 @@ struct drawing {
     enum err err[MOSAIC_PANES];
 };
 
-static void draw_rendition(const struct canvas *pane, const struct drawing *d)
-{
-    const struct fitting f = fit(d->rendition, d->choice, d->canvas->width, d->canvas->height);
-    const bool is_fading = fades(d->choice);
-    uint8_t behind[3];
-    for (uint32_t y = 0; y < pane->height; y++) {
-        background_at(behind, background_opaque(d->choice->background), y, pane->height);
-        if (!is_fading)
-            canvas_box(pane, 0, y, pane->width, 1, behind);
-        if (y - f.top < f.shown_height) /* huge where above */
-            draw_row(pane, &f, d->rendition, y - f.top, is_fading ? NULL : behind);
-    }
-}
-
 static void draw_share(void *context, unsigned worker)
 {
     struct drawing *d = context;
@@ -261,7 +247,17 @@ static void draw_share(void *context, unsigned worker)
             continue;
         const struct canvas part = canvas_part(d->canvas, box.left, box.top, box.width, box.height);
         if (pane == MOSAIC_RENDITION) {
-            draw_rendition(&part, d);
+            const struct fitting f =
+                fit(d->rendition, d->choice, d->canvas->width, d->canvas->height);
+            const bool is_fading = fades(d->choice);
+            uint8_t behind[3];
+            for (uint32_t y = 0; y < part.height; y++) {
+                background_at(behind, background_opaque(d->choice->background), y, part.height);
+                if (!is_fading)
+                    canvas_box(&part, 0, y, part.width, 1, behind);
+                if (y - f.top < f.shown_height) /* huge where above */
+                    draw_row(&part, &f, d->rendition, y - f.top, is_fading ? NULL : behind);
+            }
             continue;
         }
         const struct slice_choice slice =
@@ -359,23 +355,6 @@ struct lengths {
     uint64_t of[3];
 };
 
-static struct lengths lengths_of(const struct scene *scene)
-{
-    static const enum slice_plane across[3] = {SLICE_SAGITTAL, SLICE_CORONAL, SLICE_AXIAL};
-    struct lengths lengths;
-    uint64_t most = 1;
-    for (int i = 0; i < 3; i++) {
-        const int axis = slice_axis(scene, across[i]);
-        lengths.of[i] = (uint64_t)scene->grid.size[axis] * scene->spacing_nm[axis];
-        most = lengths.of[i] > most ? lengths.of[i] : most;
-    }
-    for (int i = 0; i < 3; i++) {
-        const uint64_t part = lengths.of[i] / (most / LENGTH + 1);
-        lengths.of[i] = part < LENGTH_LEAST ? LENGTH_LEAST : part;
-    }
-    return lengths;
-}
-
 static uint64_t length_of(const struct lengths *lengths, char track)
 {
     const uint64_t *of = lengths->of;
@@ -460,7 +439,18 @@ bool mosaic_fits(const struct mosaic_screen *screen)
 void mosaic_lay_out(struct mosaic_layout *layout, const struct scene *scene,
                     const struct mosaic_screen *screen)
 {
-    const struct lengths lengths = lengths_of(scene);
+    static const enum slice_plane across[3] = {SLICE_SAGITTAL, SLICE_CORONAL, SLICE_AXIAL};
+    struct lengths lengths;
+    uint64_t longest = 1;
+    for (int i = 0; i < 3; i++) {
+        const int axis = slice_axis(scene, across[i]);
+        lengths.of[i] = (uint64_t)scene->grid.size[axis] * scene->spacing_nm[axis];
+        longest = lengths.of[i] > longest ? lengths.of[i] : longest;
+    }
+    for (int i = 0; i < 3; i++) {
+        const uint64_t part = lengths.of[i] / (longest / LENGTH + 1);
+        lengths.of[i] = part < LENGTH_LEAST ? LENGTH_LEAST : part;
+    }
     uint64_t most = 0;
     *layout = (struct mosaic_layout){0};
     if (!screen->shows_all) {

@@ -144,21 +144,6 @@ static void face_viewer(struct directions *normal, unsigned i, const struct norm
         normal->along[a][i] = (int16_t)normals->viewer[a];
 }
 
-/* The scene's gradient takes the surface's side, and outweighs it but where the scene is flat. */
-static void add_scene(struct gradients *outward, unsigned i, struct normals *normals,
-                      const int32_t point[3])
-{
-    const struct gradient inward = field_at(&normals->scene, point);
-    int32_t gradient[3];
-    int64_t along = 0;
-    for (int a = 0; a < 3; a++) {
-        gradient[a] = inward.along[a] * normals->scale[a];
-        along += (int64_t)gradient[a] * outward->along[a][i];
-    }
-    for (int a = 0; a < 3; a++)
-        outward->along[a][i] = outward->along[a][i] / 16 + (along < 0 ? -gradient[a] : gradient[a]);
-}
-
 /* The gradient `way` / 2^NORMAL_BITS of `distance` away from a point, or as far that way as the
  * field goes. */
 static struct gradient gradient_beside(struct normals *normals, const int32_t point[3],
@@ -172,24 +157,6 @@ static struct gradient gradient_beside(struct normals *normals, const int32_t po
         at[a] = p < -(1 << LOCATOR_POINT_BITS) ? -(1 << LOCATOR_POINT_BITS) : p > last ? last : p;
     }
     return field_at(&normals->shown, at);
-}
-
-/* Within a sheet of one voxel the field has its crest, where its slope says nothing; outside it is
- * steep, and the slope the same for some voxels. So it is read before the surface, and with more
- * weight further out the way that this points, unless something else is there. */
-static void slope_further(struct points *points, unsigned i, struct normals *normals)
-{
-    const int16_t out[3] = {points->normal.along[0][i], points->normal.along[1][i],
-                            points->normal.along[2][i]};
-    const struct gradient *near = &points->near[i];
-    const struct gradient far = gradient_beside(normals, points->at[i], out, FURTHER);
-    int64_t along = 0;
-    for (int a = 0; a < 3; a++)
-        along += near->along[a] * far.along[a];
-    for (int a = 0; a < 3; a++) {
-        const int32_t way = -near->along[a] - (along > 0 ? FURTHER_WEIGHT * far.along[a] : 0);
-        points->outward.along[a][i] = (int32_t)((int64_t)way * normals->scale[a] / FURTHER_WEIGHT);
-    }
 }
 
 /* Few take less one by one. */
@@ -222,7 +189,22 @@ static void slopes_before(struct points *points, struct normals *normals)
     normalise_points(points);
     for (unsigned i = 0; i < points->count; i++) {
         normals->shown.label = points->label[i];
-        slope_further(points, i, normals);
+        /* Within a sheet of one voxel the field has its crest, where its slope says nothing;
+         * outside it is steep, and the slope the same for some voxels. So it is read before the
+         * surface, and with more weight further out the way that this points, unless something else
+         * is there. */
+        const int16_t out[3] = {points->normal.along[0][i], points->normal.along[1][i],
+                                points->normal.along[2][i]};
+        const struct gradient *near = &points->near[i];
+        const struct gradient far = gradient_beside(normals, points->at[i], out, FURTHER);
+        int64_t along = 0;
+        for (int a = 0; a < 3; a++)
+            along += near->along[a] * far.along[a];
+        for (int a = 0; a < 3; a++) {
+            const int32_t way = -near->along[a] - (along > 0 ? FURTHER_WEIGHT * far.along[a] : 0);
+            points->outward.along[a][i] =
+                (int32_t)((int64_t)way * normals->scale[a] / FURTHER_WEIGHT);
+        }
     }
 }
 
@@ -257,8 +239,20 @@ static void field_normals(struct points *points, struct normals *normals)
         for (int a = 0; a < 3; a++)
             outward->along[a][i] = -inward.along[a] * normals->scale[a];
     }
-    for (unsigned i = 0; i < points->count && normals->mode == SHADE_SCENE; i++)
-        add_scene(outward, i, normals, points->at[i]);
+    for (unsigned i = 0; i < points->count && normals->mode == SHADE_SCENE; i++) {
+        /* The scene's gradient takes the surface's side, and outweighs it but where the scene is
+         * flat. */
+        const struct gradient inward = field_at(&normals->scene, points->at[i]);
+        int32_t gradient[3];
+        int64_t along = 0;
+        for (int a = 0; a < 3; a++) {
+            gradient[a] = inward.along[a] * normals->scale[a];
+            along += (int64_t)gradient[a] * outward->along[a][i];
+        }
+        for (int a = 0; a < 3; a++)
+            outward->along[a][i] =
+                outward->along[a][i] / 16 + (along < 0 ? -gradient[a] : gradient[a]);
+    }
     normalise_points(points);
     for (unsigned i = 0; i < points->count; i++) {
         if (!(outward->along[0][i] | outward->along[1][i] | outward->along[2][i]))
@@ -276,36 +270,29 @@ struct fit {
     int64_t n, x, y, xx, xy, yy, d, xd, yd;
 };
 
-/* Pixels of the same surface: what lies steeper than 4 to 1 is another. */
-static struct fit fit_around(const struct rendition *r, const struct normals *normals, uint32_t x,
-                             uint32_t y)
+static void depth_normal(struct directions *normal, unsigned i, const struct rendition *r,
+                         const struct normals *normals, uint32_t x, uint32_t y)
 {
+    /* Pixels of the same surface: what lies steeper than 4 to 1 is another. */
     const int64_t own = r->depth[(size_t)y * r->width + x], stride = normals->stride;
-    struct fit fit = {0};
+    struct fit f = {0};
     for (int64_t j = -NORMAL_FIT_STEPS; j <= NORMAL_FIT_STEPS; j++)
-        for (int64_t i = -NORMAL_FIT_STEPS; i <= NORMAL_FIT_STEPS; i++) {
-            const int64_t column = x + i * stride, row = y + j * stride;
+        for (int64_t k = -NORMAL_FIT_STEPS; k <= NORMAL_FIT_STEPS; k++) {
+            const int64_t column = x + k * stride, row = y + j * stride;
             if (column < 0 || row < 0 || column >= r->width || row >= r->height)
                 continue;
             const int64_t depth = r->depth[(size_t)row * r->width + (size_t)column];
             if (depth == DEPTH_NONE)
                 continue;
             const int64_t d = (depth - own) >> (CROSSING_PIXEL_BITS - 8);
-            const int64_t steep = 4 * 256 * stride * (2 + (i < 0 ? -i : i) + (j < 0 ? -j : j));
+            const int64_t steep = 4 * 256 * stride * (2 + (k < 0 ? -k : k) + (j < 0 ? -j : j));
             if (d >= steep || d <= -steep)
                 continue;
-            fit.n++;
-            fit.x += i, fit.y += j, fit.d += d;
-            fit.xx += i * i, fit.xy += i * j, fit.yy += j * j;
-            fit.xd += i * d, fit.yd += j * d;
+            f.n++;
+            f.x += k, f.y += j, f.d += d;
+            f.xx += k * k, f.xy += k * j, f.yy += j * j;
+            f.xd += k * d, f.yd += j * d;
         }
-    return fit;
-}
-
-static void depth_normal(struct directions *normal, unsigned i, const struct rendition *r,
-                         const struct normals *normals, uint32_t x, uint32_t y)
-{
-    const struct fit f = fit_around(r, normals, x, y);
     const int64_t xx = f.n * f.xx - f.x * f.x, yy = f.n * f.yy - f.y * f.y;
     const int64_t xy = f.n * f.xy - f.x * f.y;
     const int64_t xd = f.n * f.xd - f.x * f.d, yd = f.n * f.yd - f.y * f.d;

@@ -141,22 +141,6 @@ static void smooth_plane(struct bricks *bricks, uint32_t z)
         out[i] = (uint16_t)(along_x[i - row] + 2 * along_x[i] + along_x[i + row]);
 }
 
-/* Bricks of the rim are never stale, but are smoothed. */
-static void follow(struct bricks *bricks)
-{
-    const uint32_t end = bricks->size[2] - BRICK_RIM - 1;
-    memset(bricks->stale, 0, bricks->size[2]);
-    for (uint32_t z = BRICK_RIM; z < end; z++) {
-        bricks->stale[z] = is_stale(bricks, z);
-        if (bricks->stale[z])
-            count_plane(bricks, z);
-    }
-    for (uint32_t z = BRICK_RIM - 1; z <= end; z++)
-        if (bricks->stale[z - 1] | bricks->stale[z] | bricks->stale[z + 1])
-            smooth_plane(bricks, z);
-    bricks->version = bricks->border->version;
-}
-
 enum err bricks_take(struct bricks *bricks, const struct border *border, struct fault *fault)
 {
     if (bricks->border != border) {
@@ -165,8 +149,20 @@ enum err bricks_take(struct bricks *bricks, const struct border *border, struct 
             return err;
         bricks->border = border;
     }
-    if (bricks->version != border->version)
-        follow(bricks);
+    if (bricks->version != border->version) {
+        /* Bricks of the rim are never stale, but are smoothed. */
+        const uint32_t end = bricks->size[2] - BRICK_RIM - 1;
+        memset(bricks->stale, 0, bricks->size[2]);
+        for (uint32_t z = BRICK_RIM; z < end; z++) {
+            bricks->stale[z] = is_stale(bricks, z);
+            if (bricks->stale[z])
+                count_plane(bricks, z);
+        }
+        for (uint32_t z = BRICK_RIM - 1; z <= end; z++)
+            if (bricks->stale[z - 1] | bricks->stale[z] | bricks->stale[z + 1])
+                smooth_plane(bricks, z);
+        bricks->version = bricks->border->version;
+    }
     return OK;
 }
 

@@ -84,13 +84,6 @@ static void refine_one(struct patches *p, uint32_t x, uint32_t y)
     refine_pixel(p->r, p->refiner, p->left + x, p->top + y);
 }
 
-static void refine_all(struct patches *p, const struct patch *patch)
-{
-    for (uint32_t y = patch->y; y < patch->y + patch->side; y++)
-        for (uint32_t x = patch->x; x < patch->x + patch->side; x++)
-            refine_one(p, x, y);
-}
-
 /* ---- whether a patch is one smooth surface ---- */
 
 static inline int64_t between(int64_t from, int64_t to, int64_t share)
@@ -195,22 +188,6 @@ struct lead {
     int64_t least, most;
 };
 
-/* About as long as those of the corners; where these come to the ground of a pit, some come to
- * cubes after it. */
-static struct lead lead_of(const struct patches *p, const struct patch *patch)
-{
-    const int64_t voxel = voxel_of(p) << CROSSING_PIXEL_BITS;
-    struct lead lead = {0, 0};
-    for (int i = 0; i < CORNERS; i++) {
-        const int64_t before = patch->depth[i] - p->r->cube.depth[patch->corner[i]];
-        lead.most = before > lead.most ? before : lead.most;
-        lead.least = before < lead.least ? before : lead.least;
-    }
-    lead.most += SLACK * voxel;
-    lead.least = lead.least < 0 && p->has_lattice ? lead.least - voxel / 2 : 0;
-    return lead;
-}
-
 /* Whether pixels of a row do, where the corners' depths are between these ends. */
 static inline bool row_is_in_front(const struct patch *patch, const int64_t *first,
                                    struct ends ends, const int32_t *share, struct lead lead)
@@ -235,7 +212,17 @@ static bool row_is_cut_open(const struct patches *p, const struct patch *patch, 
 /* Whether all rays between the corners do, and come to no cube that is cut open. */
 static bool is_in_front(const struct patches *p, const struct patch *patch)
 {
-    const struct lead lead = lead_of(p, patch);
+    /* About as long as those of the corners; where these come to the ground of a pit, some come to
+     * cubes after it. */
+    const int64_t voxel = voxel_of(p) << CROSSING_PIXEL_BITS;
+    struct lead lead = {0, 0};
+    for (int i = 0; i < CORNERS; i++) {
+        const int64_t before = patch->depth[i] - p->r->cube.depth[patch->corner[i]];
+        lead.most = before > lead.most ? before : lead.most;
+        lead.least = before < lead.least ? before : lead.least;
+    }
+    lead.most += SLACK * voxel;
+    lead.least = lead.least < 0 && p->has_lattice ? lead.least - voxel / 2 : 0;
     int32_t share[PATCH_SIDE];
     for (uint32_t x = 0; x < patch->side; x++)
         share[x] = share_of(x, patch->last[0]);
@@ -511,22 +498,6 @@ static bool stand_for_pixels(struct patches *p, const struct patch *patch)
 
 /* ---- patches ---- */
 
-/* Nothing that is seen is narrower than half a voxel. */
-static bool is_empty(struct patches *p, const struct patch *patch)
-{
-    return 2 * patch->side <= voxel_of(p) && p->r->cell[refine_middle(p, patch)] == CELL_NONE;
-}
-
-static void fill_empty(struct patches *p, const struct patch *patch)
-{
-    for (uint32_t y = patch->y; y < patch->y + patch->side; y++)
-        for (uint32_t x = patch->x; x < patch->x + patch->side; x++) {
-            p->r->depth[pixel_of(p, x, y)] = DEPTH_NONE;
-            p->r->cell[pixel_of(p, x, y)] = CELL_NONE;
-            tile_of(p, x, y)->is_refined |= bit_of(x, y);
-        }
-}
-
 static bool is_continuous(struct patches *p, const struct patch *patch)
 {
     return is_flat(p, patch) && is_in_front(p, patch);
@@ -538,8 +509,14 @@ static bool fill_whole(struct patches *p, struct patch *patch)
     if (patch->side > voxel_of(p))
         return false;
     const enum corners corners = find_corners(p, patch);
-    if (corners == CORNERS_EMPTY && is_empty(p, patch)) {
-        fill_empty(p, patch);
+    if (corners == CORNERS_EMPTY &&
+        (2 * patch->side <= voxel_of(p) && p->r->cell[refine_middle(p, patch)] == CELL_NONE)) {
+        for (uint32_t y = patch->y; y < patch->y + patch->side; y++)
+            for (uint32_t x = patch->x; x < patch->x + patch->side; x++) {
+                p->r->depth[pixel_of(p, x, y)] = DEPTH_NONE;
+                p->r->cell[pixel_of(p, x, y)] = CELL_NONE;
+                tile_of(p, x, y)->is_refined |= bit_of(x, y);
+            }
         return true;
     }
     if (corners != CORNERS_SURFACE || !is_continuous(p, patch))
@@ -558,7 +535,9 @@ static void refine_patch(struct patches *p, uint32_t x, uint32_t y, uint32_t sid
     if (!fill_whole(p, &patch) && side > LEAST)
         for (unsigned i = 0; i < 4; i++)
             refine_patch(p, x + (i & 1) * side / 2, y + (i >> 1) * side / 2, side / 2);
-    refine_all(p, &patch);
+    for (uint32_t row = patch.y; row < patch.y + patch.side; row++)
+        for (uint32_t column = patch.x; column < patch.x + patch.side; column++)
+            refine_one(p, column, row);
 }
 
 void patches_refine_tile(struct patches *p, uint32_t x, uint32_t y)

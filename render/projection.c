@@ -150,21 +150,6 @@ static void cover_row(struct covering *c, struct place first, uint32_t cell, uns
     }
 }
 
-/* The pixels that cubes of a block may cover: its middle is half a voxel from one of them. */
-static struct footprint footprint_of(const struct camera *camera, struct place first)
-{
-    enum { MIDDLE = SIDE / 2 - 1 };
-    struct projection seen =
-        project(camera, (struct place){first.x + MIDDLE, first.y + MIDDLE, first.z + MIDDLE});
-    int64_t reach[2];
-    for (int k = 0; k < 2; k++) {
-        reach[k] = SIDE * camera->reach[k];
-        for (int a = 0; a < 3; a++)
-            seen.centre[k] += (camera->flip[a] ? -1 : 1) * camera->column[k][a] / 2;
-    }
-    return footprint_at(camera, seen.centre[0], seen.centre[1], reach);
-}
-
 static uint32_t voxels_along(const struct grid *grid, int a, uint32_t first)
 {
     return grid->size[a] - first < SIDE ? grid->size[a] - first : SIDE;
@@ -174,7 +159,17 @@ static void cover_block(struct covering *c, struct place first)
 {
     const struct camera *camera = c->sweep.camera;
     const struct grid *grid = &camera->scene->grid;
-    const struct footprint f = footprint_of(camera, first);
+    /* The pixels that cubes of a block may cover: its middle is half a voxel from one of them. */
+    enum { MIDDLE = SIDE / 2 - 1 };
+    struct projection seen =
+        project(camera, (struct place){first.x + MIDDLE, first.y + MIDDLE, first.z + MIDDLE});
+    int64_t reach[2];
+    for (int k = 0; k < 2; k++) {
+        reach[k] = SIDE * camera->reach[k];
+        for (int a = 0; a < 3; a++)
+            seen.centre[k] += (camera->flip[a] ? -1 : 1) * camera->column[k][a] / 2;
+    }
+    const struct footprint f = footprint_at(camera, seen.centre[0], seen.centre[1], reach);
     const int64_t right = (int64_t)camera->view.width - 1,
                   bottom = (int64_t)camera->view.height - 1;
     if (is_covered(c, f))
@@ -249,13 +244,16 @@ struct splatting {
     uint32_t first[TEAM_MOST + 1]; /* rows of tiles of each thread, to those of the next */
 };
 
-/* Counts, by row of tiles, some of the border voxels, and adds what clearing a row takes. */
-static void count_work(uint32_t work[ROWS_MOST], const struct splatting *s)
+/* Each thread has about as much to do, and pixels of its own. */
+static void share_rows(struct splatting *s, unsigned threads)
 {
+    uint32_t work[ROWS_MOST], y = 0;
+    uint64_t all = 0, before = 0;
+    /* Counts, by row of tiles, some of the border voxels, and adds what clearing a row takes. */
     const struct grid *grid = &s->camera->scene->grid;
     const int64_t last = (int64_t)s->rendition->tiles_y - 1;
-    for (int64_t y = 0; y <= last; y++)
-        work[y] = 1 + s->rendition->width / 512;
+    for (int64_t i = 0; i <= last; i++)
+        work[i] = 1 + s->rendition->width / 512;
     for (size_t w = 0; w < s->border->words; w += WORDS_APART) {
         if (!s->border->border[w])
             continue;
@@ -264,14 +262,6 @@ static void count_work(uint32_t work[ROWS_MOST], const struct splatting *s)
         if (row >= 0 && row / TILE <= last)
             work[row / TILE]++;
     }
-}
-
-/* Each thread has about as much to do, and pixels of its own. */
-static void share_rows(struct splatting *s, unsigned threads)
-{
-    uint32_t work[ROWS_MOST], y = 0;
-    uint64_t all = 0, before = 0;
-    count_work(work, s);
     for (uint32_t i = 0; i < s->rendition->tiles_y; i++)
         all += work[i];
     for (unsigned i = 1; i < threads; i++) {
@@ -367,40 +357,6 @@ static void splat_voxel(struct rendition *r, const struct camera *camera, uint32
     splat_cube(r, camera, cell, seen.near, splat_footprint(camera, cell, 0));
 }
 
-/* A voxel that is shown from now on: with a skin, face neighbours may come to be solid. */
-static void splat_fresh(struct rendition *r, const struct camera *camera,
-                        const struct border *border, uint32_t cell)
-{
-    if (border_is_hull(border, cell))
-        splat_voxel(r, camera, cell);
-    for (int i = 0; border->has_skin && i < 6; i++) {
-        const ptrdiff_t step = border->scene->grid.step[i / 2];
-        const uint32_t beside = cell + (uint32_t)(i % 2 ? step : -step);
-        if (border_is_hull(border, beside) && !border_shows(border, beside))
-            splat_voxel(r, camera, beside);
-    }
-}
-
-/* Where a pixel of a tile shows a voxel that has disappeared, its ray goes on from there; one that
- * has appeared nearer is what it shows by now. */
-static void fill_holes(struct rendition *r, const struct camera *camera,
-                       const struct border *border, size_t tile)
-{
-    const uint32_t left = (uint32_t)(tile % r->tiles_x) * TILE;
-    const uint32_t top = (uint32_t)(tile / r->tiles_x) * TILE;
-    for (uint32_t y = top; y < top + TILE && y < r->height; y++)
-        for (uint32_t x = left; x < left + TILE && x < r->width; x++) {
-            const size_t pixel = (size_t)y * r->width + x;
-            int64_t *depth = r->cube.depth + pixel;
-            uint32_t *cell = r->cube.cell + pixel;
-            if (*cell == CELL_NONE || border_is_solid(border, *cell) ||
-                raycast_pixel(camera, border, x, y, *depth, depth, cell))
-                continue;
-            *depth = DEPTH_NONE;
-            *cell = CELL_NONE;
-        }
-}
-
 /* Splats what has appeared, and marks tiles. True where something has disappeared, of which all
  * pixels lie in those: voxels beside it, too, come to be no longer solid. */
 static bool follow_voxels(struct rendition *r, const struct camera *camera,
@@ -415,8 +371,17 @@ static bool follow_voxels(struct rendition *r, const struct camera *camera,
         const int around = r->layers ? reach.layers : before == now ? reach.labels : reach.voxels;
         if (before || now)
             rendition_mark_stale(r, splat_footprint(camera, c->cell, around), reach.pixels);
-        if (now && !before)
-            splat_fresh(r, camera, border, c->cell);
+        if (now && !before) {
+            /* With a skin, face neighbours may come to be solid. */
+            if (border_is_hull(border, c->cell))
+                splat_voxel(r, camera, c->cell);
+            for (int k = 0; border->has_skin && k < 6; k++) {
+                const ptrdiff_t step = border->scene->grid.step[k / 2];
+                const uint32_t beside = c->cell + (uint32_t)(k % 2 ? step : -step);
+                if (border_is_hull(border, beside) && !border_shows(border, beside))
+                    splat_voxel(r, camera, beside);
+            }
+        }
         disappear = disappear || (before && !now);
     }
     return disappear;
@@ -447,6 +412,21 @@ void incremental_image(struct rendition *r, const struct camera *camera,
         return;
     for (size_t i = rendition_tile(r, 0, tiles, TILE_STALE);
          i < tiles && task_advance(&task, TILE * TILE);
-         i = rendition_tile(r, i + 1, tiles, TILE_STALE))
-        fill_holes(r, camera, border, i);
+         i = rendition_tile(r, i + 1, tiles, TILE_STALE)) {
+        /* Where a pixel of a tile shows a voxel that has disappeared, its ray goes on from there;
+         * one that has appeared nearer is what it shows by now. */
+        const uint32_t left = (uint32_t)(i % r->tiles_x) * TILE;
+        const uint32_t top = (uint32_t)(i / r->tiles_x) * TILE;
+        for (uint32_t y = top; y < top + TILE && y < r->height; y++)
+            for (uint32_t x = left; x < left + TILE && x < r->width; x++) {
+                const size_t pixel = (size_t)y * r->width + x;
+                int64_t *depth = r->cube.depth + pixel;
+                uint32_t *cell = r->cube.cell + pixel;
+                if (*cell == CELL_NONE || border_is_solid(border, *cell) ||
+                    raycast_pixel(camera, border, x, y, *depth, depth, cell))
+                    continue;
+                *depth = DEPTH_NONE;
+                *cell = CELL_NONE;
+            }
+    }
 }

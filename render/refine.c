@@ -17,10 +17,10 @@ enum {
     END = 2 * REFINE_END,            /* steps at most to where a ray leaves an object */
 };
 
-/* Half a voxel is half of the length, in voxels along all axes, that the ray goes in one along the
- * axis of which it crosses the most planes. */
-static int64_t pace_of(const struct camera *camera)
+void refiner_init(struct refiner *refiner, const struct camera *camera, const struct border *border)
 {
+    /* Half a voxel is half of the length, in voxels along all axes, that the ray goes in one along
+     * the axis of which it crosses the most planes. */
     int64_t least = camera->T[0];
     uint64_t squares = 0;
     for (int a = 1; a < 3; a++)
@@ -29,13 +29,8 @@ static int64_t pace_of(const struct camera *camera)
         const uint64_t ratio = (uint64_t)((least << RATIO_BITS) / camera->T[a]);
         squares += ratio * ratio;
     }
-    const int64_t pace = (least << RATIO_BITS) / (2 * (int64_t)square_root(squares));
-    return pace > 0 ? pace : 1;
-}
-
-void refiner_init(struct refiner *refiner, const struct camera *camera, const struct border *border)
-{
-    const int64_t half = pace_of(camera);
+    const int64_t exact = (least << RATIO_BITS) / (2 * (int64_t)square_root(squares));
+    const int64_t half = exact > 0 ? exact : 1;
     *refiner =
         (struct refiner){.camera = camera, .border = border, .cuts = !cut_is_none(&border->cut)};
     for (int a = 0; a < 3; a++)
@@ -87,18 +82,6 @@ struct around {
     uint32_t narrow[3][SIDE], wide[3][SIDE];
 };
 
-static void find_around(struct around *around, const int32_t point[3])
-{
-    for (int a = 0; a < 3; a++) {
-        const uint32_t part = (uint32_t)point[a] >> (REFINE_POINT_BITS - PART_BITS) & (PART - 1);
-        const uint32_t narrow[SIDE] = {0, PART - part, part, 0};
-        const uint32_t wide[SIDE] = {PART - part, 2 * PART - part, PART + part, part};
-        around->first[a] = (point[a] >> REFINE_POINT_BITS) - 1;
-        memcpy(around->narrow[a], narrow, sizeof narrow);
-        memcpy(around->wide[a], wide, sizeof wide);
-    }
-}
-
 /* A shown voxel; all weights around a point add up to 2^29 at most. */
 struct voice {
     uint32_t voxel, weight;
@@ -134,9 +117,24 @@ static uint32_t said_for(const struct voice *voice, unsigned count, uint8_t labe
     return sum;
 }
 
-/* The label that most is said for; of several the least. */
-static uint8_t choose(const struct voice *voice, unsigned count, uint8_t label)
+uint32_t meeting_voxel(const struct border *border, const int32_t point[3], uint32_t own)
 {
+    struct voice voice[VOICES];
+    struct around around;
+    if (!meeting_is_at(border, point))
+        return own;
+    for (int a = 0; a < 3; a++) {
+        const uint32_t part = (uint32_t)point[a] >> (REFINE_POINT_BITS - PART_BITS) & (PART - 1);
+        const uint32_t narrow[SIDE] = {0, PART - part, part, 0};
+        const uint32_t wide[SIDE] = {PART - part, 2 * PART - part, PART + part, part};
+        around.first[a] = (point[a] >> REFINE_POINT_BITS) - 1;
+        memcpy(around.narrow[a], narrow, sizeof narrow);
+        memcpy(around.wide[a], wide, sizeof wide);
+    }
+    const uint8_t its = labels_at(&border->labels, own);
+    const unsigned count = find_voices(voice, border, &around);
+    /* The label that most is said for; of several the least. */
+    uint8_t label = its;
     uint32_t most = said_for(voice, count, label);
     for (unsigned i = 0; i < count; i++) {
         if (voice[i].label == label)
@@ -147,19 +145,6 @@ static uint8_t choose(const struct voice *voice, unsigned count, uint8_t label)
             label = voice[i].label;
         }
     }
-    return label;
-}
-
-uint32_t meeting_voxel(const struct border *border, const int32_t point[3], uint32_t own)
-{
-    struct voice voice[VOICES];
-    struct around around;
-    if (!meeting_is_at(border, point))
-        return own;
-    find_around(&around, point);
-    const uint8_t its = labels_at(&border->labels, own);
-    const unsigned count = find_voices(voice, border, &around);
-    const uint8_t label = choose(voice, count, its);
     uint32_t nearest = 0, voxel = own;
     for (unsigned i = 0; i < count && label != its; i++)
         if (voice[i].label == label && voice[i].weight > nearest) {
@@ -230,26 +215,22 @@ static void add_label(struct solid *solid, uint8_t label)
     solid->label[solid->labels++] = label;
 }
 
-static void find_labels(struct solid *solid, const struct refiner *refiner, uint32_t cell)
-{
-    const struct border *border = refiner->border;
-    *solid = (struct solid){.cell = cell};
-    if (border_shows(border, cell))
-        add_label(solid, seams_label(refiner->seams, cell));
-    for (int i = 0; i < 6 && seams_is_edge(refiner->seams, cell); i++) {
-        const ptrdiff_t step = border->scene->grid.step[i / 2];
-        const uint32_t beside = cell + (uint32_t)(i % 2 ? step : -step);
-        if (border_shows(border, beside))
-            add_label(solid, seams_label(refiner->seams, beside));
-    }
-}
-
 struct solid refine_solid(const struct refiner *refiner, uint32_t cell)
 {
     const uint32_t place = (cell * UINT32_C(2654435769) >> 16) % REFINE_SOLIDS;
     struct solid *solid = &refiner->solids->at[place];
-    if (solid->cell != cell)
-        find_labels(solid, refiner, cell);
+    if (solid->cell != cell) {
+        const struct border *border = refiner->border;
+        *solid = (struct solid){.cell = cell};
+        if (border_shows(border, cell))
+            add_label(solid, seams_label(refiner->seams, cell));
+        for (int i = 0; i < 6 && seams_is_edge(refiner->seams, cell); i++) {
+            const ptrdiff_t step = border->scene->grid.step[i / 2];
+            const uint32_t beside = cell + (uint32_t)(i % 2 ? step : -step);
+            if (border_shows(border, beside))
+                add_label(solid, seams_label(refiner->seams, beside));
+        }
+    }
     return *solid;
 }
 

@@ -298,21 +298,6 @@ static inline void reduce_row(struct rendition *out, size_t to, uint32_t count,
     }
 }
 
-/* Of `count` pixels beside each other the samples that stand for them, the first of which is here.
- */
-static inline void take_row(struct rendition *out, size_t to, uint32_t count,
-                            const struct rendition *fine, size_t first, uint32_t samples)
-{
-    for (uint32_t x = 0; x < count; x++) {
-        const size_t from = first + (size_t)x * samples;
-        out->depth[to + x] = fine->depth[from];
-        out->cell[to + x] = fine->cell[from];
-        out->label[to + x] = fine->label[from];
-        memcpy(out->normal + 4 * (to + x), fine->normal + 4 * from, 4 * sizeof *out->normal);
-        memcpy(out->rgba + COLOURS * (to + x), fine->rgba + COLOURS * from, COLOURS);
-    }
-}
-
 static inline void reduce_tile(struct rendition *out, const struct rendition *fine, size_t tile,
                                uint32_t samples)
 {
@@ -326,26 +311,19 @@ static inline void reduce_tile(struct rendition *out, const struct rendition *fi
         const size_t first = ((size_t)y * fine->width + left) * samples;
         if (state == TILE_EMPTY)
             rendition_empty(out, to, width);
-        else if (state == TILE_STANDS)
-            take_row(out, to, width, fine, first + stands, samples);
-        else
+        else if (state == TILE_STANDS) {
+            for (uint32_t x = 0; x < width; x++) {
+                const size_t from = first + stands + (size_t)x * samples;
+                out->depth[to + x] = fine->depth[from];
+                out->cell[to + x] = fine->cell[from];
+                out->label[to + x] = fine->label[from];
+                memcpy(out->normal + 4 * (to + x), fine->normal + 4 * from,
+                       4 * sizeof *out->normal);
+                memcpy(out->rgba + COLOURS * (to + x), fine->rgba + COLOURS * from, COLOURS);
+            }
+        } else {
             reduce_row(out, to, width, fine, first, samples);
-    }
-}
-
-static void reduce_rows(struct rendition *out, struct rendition *fine, uint32_t samples,
-                        size_t first, size_t end)
-{
-    const size_t after = end * fine->tiles_x;
-    size_t tile = rendition_tile(fine, first * fine->tiles_x, after, NOT_FRESH);
-    for (; tile < after; tile = rendition_tile(fine, tile + 1, after, NOT_FRESH)) {
-        if (samples == 4) /* written out, so that loops of so many rounds are compiled */
-            reduce_tile(out, fine, tile, 4);
-        else if (samples == 2)
-            reduce_tile(out, fine, tile, 2);
-        else
-            reduce_tile(out, fine, tile, samples);
-        fine->stale[tile] = TILE_FRESH;
+        }
     }
 }
 
@@ -359,7 +337,17 @@ static void reduce_share(void *context, unsigned thread)
 {
     const struct reducing *r = context;
     const struct share rows = team_share(r->team, thread, r->fine->tiles_y);
-    reduce_rows(r->out, r->fine, r->samples, rows.first, rows.end);
+    const size_t after = rows.end * r->fine->tiles_x;
+    size_t tile = rendition_tile(r->fine, rows.first * r->fine->tiles_x, after, NOT_FRESH);
+    for (; tile < after; tile = rendition_tile(r->fine, tile + 1, after, NOT_FRESH)) {
+        if (r->samples == 4) /* written out, so that loops of so many rounds are compiled */
+            reduce_tile(r->out, r->fine, tile, 4);
+        else if (r->samples == 2)
+            reduce_tile(r->out, r->fine, tile, 2);
+        else
+            reduce_tile(r->out, r->fine, tile, r->samples);
+        r->fine->stale[tile] = TILE_FRESH;
+    }
 }
 
 void rendition_reduce(struct rendition *out, struct rendition *fine, uint32_t samples,

@@ -37,23 +37,6 @@ static enum err make_room(struct seams *seams, size_t words, struct fault *fault
     return fault_memory(fault, "faces between objects");
 }
 
-/* One word for each axis. */
-static void count_word(struct seams *seams, const struct border *border, size_t w)
-{
-    const ptrdiff_t at = (ptrdiff_t)w * 64;
-    for (int a = 0; a < 3; a++) {
-        const ptrdiff_t step = border->scene->grid.step[a];
-        uint64_t both = border->shown[w], found = 0;
-        both &= border_shown_from(border, at + step);
-        for (; both; both &= both - 1) {
-            const uint32_t cell = (uint32_t)at + (uint32_t)__builtin_ctzll(both);
-            const bool differ = seams->label[cell] != seams->label[cell + (uint32_t)step];
-            found |= differ ? both & -both : 0;
-        }
-        seams->between[a][w] = found;
-    }
-}
-
 /* Of the faces of a word, and those before it. */
 static uint64_t edge_word(const struct seams *seams, const struct border *border, size_t w)
 {
@@ -80,8 +63,21 @@ enum err seams_count(struct seams *seams, const struct border *border, struct fa
     if (err)
         return err;
     labels_copy(&border->labels, seams->label, NULL);
-    for (size_t w = 0; w + 1 < border->words && task_advance(&task, 64); w++)
-        count_word(seams, border, w);
+    for (size_t w = 0; w + 1 < border->words && task_advance(&task, 64); w++) {
+        /* One word for each axis. */
+        const ptrdiff_t at = (ptrdiff_t)w * 64;
+        for (int a = 0; a < 3; a++) {
+            const ptrdiff_t step = border->scene->grid.step[a];
+            uint64_t both = border->shown[w], found = 0;
+            both &= border_shown_from(border, at + step);
+            for (; both; both &= both - 1) {
+                const uint32_t cell = (uint32_t)at + (uint32_t)__builtin_ctzll(both);
+                const bool differ = seams->label[cell] != seams->label[cell + (uint32_t)step];
+                found |= differ ? both & -both : 0;
+            }
+            seams->between[a][w] = found;
+        }
+    }
     for (size_t w = 0; w + 1 < border->words && task_advance(&task, 64); w++)
         seams->edge[w] = edge_word(seams, border, w);
     if (!task_advance(&task, 0))
@@ -115,19 +111,6 @@ void seams_find_near(struct seams *seams)
     seams->has_near = true;
 }
 
-/* A cell's own faces or those of its neighbours may have become edges. */
-static void follow_near(struct seams *seams, const struct grid *grid, uint32_t cell)
-{
-    enum { REACH = SEAMS_NEAR + 1 };
-    for (ptrdiff_t z = -REACH; z <= REACH; z++)
-        for (ptrdiff_t y = -REACH; y <= REACH; y++) {
-            const ptrdiff_t middle = (ptrdiff_t)cell + y * grid->step[1] + z * grid->step[2];
-            for (ptrdiff_t at = middle - REACH; at <= middle + REACH; at++)
-                if (at >= 0 && (size_t)at < grid->cells)
-                    seams->near[at >> 6] |= UINT64_C(1) << (at & 63);
-        }
-}
-
 /* ---- after an edit ---- */
 
 /* The face between a cell and the next along an axis. */
@@ -139,19 +122,6 @@ static void judge(struct seams *seams, const struct border *border, uint32_t cel
                          seams->label[cell] != seams->label[next];
     uint64_t *word = &seams->between[a][cell >> 6];
     *word = is_seam ? *word | bit : *word & ~bit;
-}
-
-/* Around a cell, once its faces are known: in words of its own and of its neighbours. */
-static void follow_edges(struct seams *seams, const struct border *border, uint32_t cell)
-{
-    const ptrdiff_t *step = border->scene->grid.step;
-    const size_t own = cell >> 6;
-    seams->edge[own] = edge_word(seams, border, own);
-    for (int i = 0; i < 6; i++) {
-        const size_t w = (cell + (uint32_t)(i % 2 ? step[i / 2] : -step[i / 2])) >> 6;
-        if (w != own)
-            seams->edge[w] = edge_word(seams, border, w);
-    }
 }
 
 enum err seams_follow(struct seams *seams, const struct border *border,
@@ -168,10 +138,31 @@ enum err seams_follow(struct seams *seams, const struct border *border,
             judge(seams, border, cell, a);
             judge(seams, border, cell - (uint32_t)border->scene->grid.step[a], a);
         }
-    for (size_t i = 0; i < changes->count && task_advance(&task, 1); i++)
-        follow_edges(seams, border, changes->item[i].cell);
-    for (size_t i = 0; seams->has_near && i < changes->count && task_advance(&task, 1); i++)
-        follow_near(seams, &border->scene->grid, changes->item[i].cell);
+    for (size_t i = 0; i < changes->count && task_advance(&task, 1); i++) {
+        /* Around a cell, once its faces are known: in words of its own and of its neighbours. */
+        const uint32_t cell = changes->item[i].cell;
+        const ptrdiff_t *step = border->scene->grid.step;
+        const size_t own = cell >> 6;
+        seams->edge[own] = edge_word(seams, border, own);
+        for (int k = 0; k < 6; k++) {
+            const size_t w = (cell + (uint32_t)(k % 2 ? step[k / 2] : -step[k / 2])) >> 6;
+            if (w != own)
+                seams->edge[w] = edge_word(seams, border, w);
+        }
+    }
+    for (size_t i = 0; seams->has_near && i < changes->count && task_advance(&task, 1); i++) {
+        /* A cell's own faces or those of its neighbours may have become edges. */
+        enum { REACH = SEAMS_NEAR + 1 };
+        for (ptrdiff_t z = -REACH; z <= REACH; z++)
+            for (ptrdiff_t y = -REACH; y <= REACH; y++) {
+                const ptrdiff_t middle = (ptrdiff_t)changes->item[i].cell +
+                                         y * border->scene->grid.step[1] +
+                                         z * border->scene->grid.step[2];
+                for (ptrdiff_t at = middle - REACH; at <= middle + REACH; at++)
+                    if (at >= 0 && (size_t)at < border->scene->grid.cells)
+                        seams->near[at >> 6] |= UINT64_C(1) << (at & 63);
+            }
+    }
     seams->version = border->version;
     if (watch_stops(border->scene->watch))
         seams->border = NULL;

@@ -109,21 +109,6 @@ static void shade_cut_face(uint8_t rgba[4], const struct shading *s, uint32_t ce
     light_flat(rgba, tinted, cue);
 }
 
-/* Normals of pixels, of which those from `known` on have theirs. */
-static void take_normals(struct directions *normals, const struct rendition *r, struct shading *s,
-                         struct tile_pixels *pixels, unsigned known)
-{
-    const unsigned all = pixels->count;
-    pixels->count = known;
-    if (known > 0)
-        normals_of(normals, &s->normals, r, pixels);
-    pixels->count = all;
-    for (unsigned i = known; i < all; i++)
-        for (unsigned a = 0; a < 3; a++)
-            normals->along[a][i] =
-                r->normal[4 * ((size_t)pixels->y[i] * r->width + pixels->x[i]) + a];
-}
-
 /* Pixels that show something; those from `known` on have their normals. */
 static void shade_pixels(struct rendition *r, struct shading *s, struct tile_pixels *pixels,
                          unsigned known)
@@ -131,7 +116,15 @@ static void shade_pixels(struct rendition *r, struct shading *s, struct tile_pix
     const bool has_dark_edges = s->look->edges && !draws_edges(s->look) && !r->layers;
     struct directions normals;
     struct lit lit = {0};
-    take_normals(&normals, r, s, pixels, known);
+    const unsigned all = pixels->count;
+    pixels->count = known;
+    if (known > 0)
+        normals_of(&normals, &s->normals, r, pixels);
+    pixels->count = all;
+    for (unsigned i = known; i < all; i++)
+        for (unsigned a = 0; a < 3; a++)
+            normals.along[a][i] =
+                r->normal[4 * ((size_t)pixels->y[i] * r->width + pixels->x[i]) + a];
     for (unsigned i = 0; i < pixels->count; i++) {
         const uint32_t x = pixels->x[i], y = pixels->y[i];
         const size_t pixel = (size_t)y * r->width + x;
@@ -175,19 +168,6 @@ static struct tile tile_at(const struct rendition *r, size_t number)
                          bottom < r->height ? bottom : r->height};
 }
 
-/* Voxels beside each other in a picture lie far apart in memory. */
-static void fetch_cells(const struct rendition *r, const struct scene *scene, struct tile tile)
-{
-    uint32_t last = CELL_NONE;
-    for (uint32_t y = tile.top; y < tile.bottom; y++)
-        for (uint32_t x = tile.left; x < tile.right; x++) {
-            const uint32_t cell = r->cell[(size_t)y * r->width + x];
-            if (cell != CELL_NONE && cell != last)
-                __builtin_prefetch(scene->cell + cell);
-            last = cell;
-        }
-}
-
 static struct footprint footprint_of(struct tile tile)
 {
     return (struct footprint){(int32_t)tile.left, (int32_t)tile.top, (int32_t)tile.right - 1,
@@ -203,7 +183,15 @@ static bool label_tile(struct rendition *r, const struct border *border, struct 
     uint8_t label = 0;
     if (r->layers)
         return layers_pick(r, border, footprint_of(tile));
-    fetch_cells(r, labels->scene, tile);
+    /* Voxels beside each other in a picture lie far apart in memory. */
+    uint32_t latest = CELL_NONE;
+    for (uint32_t y = tile.top; y < tile.bottom; y++)
+        for (uint32_t x = tile.left; x < tile.right; x++) {
+            const uint32_t voxel = r->cell[(size_t)y * r->width + x];
+            if (voxel != CELL_NONE && voxel != latest)
+                __builtin_prefetch(labels->scene->cell + voxel);
+            latest = voxel;
+        }
     for (uint32_t y = tile.top; y < tile.bottom; y++) {
         const size_t row = (size_t)y * r->width;
         for (size_t pixel = row + tile.left; pixel < row + tile.right; pixel++) {
@@ -304,24 +292,6 @@ static void spread(void *map, size_t each, const struct rendition *r, struct til
     }
 }
 
-/* A tile of patches, of which this is known: the state that it is in then. */
-static enum tile_state shade_patched(struct rendition *r, struct shading *s, struct tile tile,
-                                     const struct patched *known)
-{
-    const tile_mask covered = patches_covered(known->stands, s->samples);
-    if (!~covered) {
-        shade_tile(r, s, tile, known->stands, known->has_normal);
-        return TILE_STANDS;
-    }
-    spread(r->depth, sizeof *r->depth, r, tile, known->stands, s->samples);
-    spread(r->cell, sizeof *r->cell, r, tile, known->stands, s->samples);
-    label_tile(r, s->border, tile);
-    shade_tile(r, s, tile, ~covered | known->stands, known->has_normal);
-    spread(r->normal, 4 * sizeof *r->normal, r, tile, known->stands, s->samples);
-    spread(r->rgba, 4, r, tile, known->stands, s->samples);
-    return TILE_SHADED;
-}
-
 /* Refines a tile and shades it. */
 static enum tile_state refine_tile(struct rendition *r, struct shading *s, struct tile tile,
                                    struct patches *p)
@@ -329,7 +299,20 @@ static enum tile_state refine_tile(struct rendition *r, struct shading *s, struc
     const bool is_whole = tile.right - tile.left == TILE && tile.bottom - tile.top == TILE;
     if (s->has_patches && is_whole) {
         patches_refine_tile(p, tile.left - p->left, tile.top - p->top);
-        return shade_patched(r, s, tile, patched_at(p, tile));
+        /* A tile of patches, of which this is known: the state that it is in then. */
+        const struct patched *known = patched_at(p, tile);
+        const tile_mask covered = patches_covered(known->stands, s->samples);
+        if (!~covered) {
+            shade_tile(r, s, tile, known->stands, known->has_normal);
+            return TILE_STANDS;
+        }
+        spread(r->depth, sizeof *r->depth, r, tile, known->stands, s->samples);
+        spread(r->cell, sizeof *r->cell, r, tile, known->stands, s->samples);
+        label_tile(r, s->border, tile);
+        shade_tile(r, s, tile, ~covered | known->stands, known->has_normal);
+        spread(r->normal, 4 * sizeof *r->normal, r, tile, known->stands, s->samples);
+        spread(r->rgba, 4, r, tile, known->stands, s->samples);
+        return TILE_SHADED;
     }
     refine_pixels(r, s, tile);
     label_tile(r, s->border, tile);
@@ -523,18 +506,6 @@ static void shade_some(struct rendition *r, size_t first, size_t end, struct sha
         }
 }
 
-/* The line over a pixel, if there is one. */
-static void draw_edge(struct rendition *r, const struct edges *edges, const struct palette *palette,
-                      uint32_t x, uint32_t y)
-{
-    const size_t pixel = (size_t)y * r->width + x;
-    const enum edge edge = r->cell[pixel] == CELL_NONE ? EDGE_NONE : edge_at(edges, x, y);
-    uint8_t *rgba = r->rgba + 4 * pixel;
-    for (int k = 0; k < 3 && edge; k++)
-        rgba[k] = edge == EDGE_LIGHT ? (uint8_t)((palette->rgb[r->label[pixel]][k] + 255) / 2)
-                                     : (uint8_t)(rgba[k] * EDGE >> LIGHT_UNIT_BITS);
-}
-
 /* Edges look at normals of pixels around, so they come once all are there. */
 static void draw_edges(struct rendition *r, size_t first, size_t end, const struct shading *s)
 {
@@ -544,8 +515,16 @@ static void draw_edges(struct rendition *r, size_t first, size_t end, const stru
          i = rendition_tile(r, i + 1, end, TILE_LIT)) {
         const struct tile tile = tile_at(r, i);
         for (uint32_t y = tile.top; y < tile.bottom; y++)
-            for (uint32_t x = tile.left; x < tile.right; x++)
-                draw_edge(r, &edges, s->palette, x, y);
+            for (uint32_t x = tile.left; x < tile.right; x++) {
+                const size_t pixel = (size_t)y * r->width + x;
+                const enum edge edge =
+                    r->cell[pixel] == CELL_NONE ? EDGE_NONE : edge_at(&edges, x, y);
+                uint8_t *rgba = r->rgba + 4 * pixel;
+                for (int k = 0; k < 3 && edge; k++)
+                    rgba[k] = edge == EDGE_LIGHT
+                                  ? (uint8_t)((s->palette->rgb[r->label[pixel]][k] + 255) / 2)
+                                  : (uint8_t)(rgba[k] * EDGE >> LIGHT_UNIT_BITS);
+            }
         r->stale[i] = TILE_SHADED;
     }
 }

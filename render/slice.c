@@ -253,50 +253,43 @@ static void add_mark(struct marks *marks, const struct slice_plan *plan, int64_t
                                    mark->label, mark->eliminates, mark->waits});
 }
 
-/* Every voxel of the slice counts, also those that no pixel shows. */
-static void add_seeds(struct marks *marks, const struct work *work)
-{
-    const struct slice_plan *plan = &work->plan;
-    for (int64_t y = 0; y < plan->side[1].voxels; y++) {
-        const int64_t row = (int64_t)plan->corner + y * plan->step[1];
-        for (int64_t x = 0; x < plan->side[0].voxels; x++) {
-            const struct cell *cell = work->scene->cell + (row + x * plan->step[0]);
-            if (cell->flags & CELL_SEED)
-                add_mark(marks, plan, x, y, &(struct slice_mark){.label = cell->label});
-        }
-    }
-    for (size_t i = 0; i < work->style->marks; i++) {
-        const struct slice_mark *mark = &work->style->mark[i];
-        const struct place p = grid_place(&work->scene->grid, mark->cell);
-        const uint32_t place[3] = {p.x, p.y, p.z};
-        if (place[plan->across] == work->choice->place[plan->across])
-            add_mark(marks, plan, slice_side_counted(&plan->side[0], place),
-                     slice_side_counted(&plan->side[1], place), mark);
-    }
-}
-
-/* Dots side by side would hide what is segmented. */
-static void keep_rims(struct marks *marks, const struct slice_plan *plan)
-{
-    struct mark_runs runs = {
-        .columns = (size_t)plan->side[0].voxels, .rows = (size_t)plan->side[1].voxels, .step = 1};
-    runs.run = mem_new(runs.columns * runs.rows * sizeof *runs.run);
-    marks->failed = marks->failed || !runs.run;
-    for (size_t i = 0; i < marks->count && !marks->failed; i++)
-        runs.run[marks->mark[i].at] = mark_run(&marks->mark[i]);
-    if (!marks->failed)
-        marks_keep_rims(marks, &runs);
-    free(runs.run);
-}
-
 /* False when out of memory. */
 static bool draw_marks(const struct work *work)
 {
     struct marks marks = {0};
-    if (work->style->marks_seeds)
-        add_seeds(&marks, work);
-    if (work->style->marks_rims && marks.count)
-        keep_rims(&marks, &work->plan);
+    if (work->style->marks_seeds) {
+        /* Every voxel of the slice counts, also those that no pixel shows. */
+        const struct slice_plan *plan = &work->plan;
+        for (int64_t y = 0; y < plan->side[1].voxels; y++) {
+            const int64_t row = (int64_t)plan->corner + y * plan->step[1];
+            for (int64_t x = 0; x < plan->side[0].voxels; x++) {
+                const struct cell *cell = work->scene->cell + (row + x * plan->step[0]);
+                if (cell->flags & CELL_SEED)
+                    add_mark(&marks, plan, x, y, &(struct slice_mark){.label = cell->label});
+            }
+        }
+        for (size_t i = 0; i < work->style->marks; i++) {
+            const struct slice_mark *mark = &work->style->mark[i];
+            const struct place p = grid_place(&work->scene->grid, mark->cell);
+            const uint32_t place[3] = {p.x, p.y, p.z};
+            if (place[plan->across] == work->choice->place[plan->across])
+                add_mark(&marks, plan, slice_side_counted(&plan->side[0], place),
+                         slice_side_counted(&plan->side[1], place), mark);
+        }
+    }
+    if (work->style->marks_rims && marks.count) {
+        /* Dots side by side would hide what is segmented. */
+        struct mark_runs runs = {.columns = (size_t)work->plan.side[0].voxels,
+                                 .rows = (size_t)work->plan.side[1].voxels,
+                                 .step = 1};
+        runs.run = mem_new(runs.columns * runs.rows * sizeof *runs.run);
+        marks.failed = marks.failed || !runs.run;
+        for (size_t i = 0; i < marks.count && !marks.failed; i++)
+            runs.run[marks.mark[i].at] = mark_run(&marks.mark[i]);
+        if (!marks.failed)
+            marks_keep_rims(&marks, &runs);
+        free(runs.run);
+    }
     marks_draw(work->canvas, &marks, work->plan.unit, work->style->palette);
     free(marks.mark);
     return !marks.failed;
@@ -389,33 +382,6 @@ static void draw_notes(const struct work *work)
 
 /* ---- the whole ---- */
 
-static void note_cells(const struct canvas *canvas, const struct slice_plan *plan)
-{
-    const struct slice_side *column = &plan->side[0], *row = &plan->side[1];
-    for (int64_t y = 0; y < row->pixels; y++) {
-        uint32_t *cell = canvas->cell + (size_t)y * canvas->stride;
-        for (int64_t x = 0; x < column->pixels; x++)
-            cell[x] = CELL_NONE;
-        if (y < row->first || y >= row->end)
-            continue;
-        const int64_t first = (int64_t)plan->corner + slice_side_voxel(row, y) * plan->step[1];
-        for (int64_t x = column->first; x < column->end; x++)
-            cell[x] = (uint32_t)(first + slice_side_voxel(column, x) * plan->step[0]);
-    }
-}
-
-/* Black beyond the scene. */
-static void clear_around(const struct canvas *canvas, const struct slice_plan *plan)
-{
-    static const uint8_t black[3];
-    const struct slice_side *column = &plan->side[0], *row = &plan->side[1];
-    canvas_box(canvas, 0, 0, column->pixels, row->first, black);
-    canvas_box(canvas, 0, row->end, column->pixels, row->pixels - row->end, black);
-    canvas_box(canvas, 0, row->first, column->first, row->end - row->first, black);
-    canvas_box(canvas, column->end, row->first, column->pixels - column->end, row->end - row->first,
-               black);
-}
-
 enum err slice_draw(const struct canvas *canvas, const struct scene *scene,
                     const struct slice_choice *choice, const struct slice_style *style,
                     struct fault *fault)
@@ -424,15 +390,33 @@ enum err slice_draw(const struct canvas *canvas, const struct scene *scene,
     slice_plan_init(&work.plan, scene, choice, canvas->width, canvas->height);
     bool fine = work_init(&work);
     if (fine) {
-        clear_around(canvas, &work.plan);
+        /* Black beyond the scene. */
+        static const uint8_t black[3];
+        const struct slice_side *column = &work.plan.side[0], *row = &work.plan.side[1];
+        canvas_box(canvas, 0, 0, column->pixels, row->first, black);
+        canvas_box(canvas, 0, row->end, column->pixels, row->pixels - row->end, black);
+        canvas_box(canvas, 0, row->first, column->first, row->end - row->first, black);
+        canvas_box(canvas, column->end, row->first, column->pixels - column->end,
+                   row->end - row->first, black);
         paint_grey(&work);
         for (uint32_t y = 0; y < canvas->height && canvas->below; y++)
             for (uint32_t x = 0; x < canvas->width; x++)
                 canvas->below[y * canvas->stride + x] = *canvas_pixel(canvas, x, y);
         if (style->overlay != SLICE_PLAIN)
             paint_labels(&work);
-        if (canvas->cell)
-            note_cells(canvas, &work.plan);
+        if (canvas->cell) {
+            for (int64_t y = 0; y < row->pixels; y++) {
+                uint32_t *cell = canvas->cell + (size_t)y * canvas->stride;
+                for (int64_t x = 0; x < column->pixels; x++)
+                    cell[x] = CELL_NONE;
+                if (y < row->first || y >= row->end)
+                    continue;
+                const int64_t first =
+                    (int64_t)work.plan.corner + slice_side_voxel(row, y) * work.plan.step[1];
+                for (int64_t x = column->first; x < column->end; x++)
+                    cell[x] = (uint32_t)(first + slice_side_voxel(column, x) * work.plan.step[0]);
+            }
+        }
         fine = draw_marks(&work);
         draw_notes(&work);
     }

@@ -265,21 +265,15 @@ static void set_projection(struct camera *camera, const struct basis *b)
     }
 }
 
-/* How far the focus lies beyond the scene's middle, as crossings count. */
-static int64_t focus_depth(const struct basis *b)
-{
-    int64_t depth = 0;
-    for (int a = 0; a < 3; a++) {
-        int64_t t = focus_times(b->focus[a], b->side[a]) * (1 << (CROSSING_BITS - RELATIVE_BITS));
-        depth += (t >> 30) * b->ahead[a] + times30(t & (ONE30 - 1), b->ahead[a]);
-    }
-    return depth;
-}
-
 static enum err set_crossings(struct camera *camera, const struct basis *b, struct fault *fault)
 {
     const struct view *view = &camera->view;
-    const int64_t behind = focus_depth(b);
+    /* How far the focus lies beyond the scene's middle, as crossings count. */
+    int64_t behind = 0;
+    for (int a = 0; a < 3; a++) {
+        int64_t t = focus_times(b->focus[a], b->side[a]) * (1 << (CROSSING_BITS - RELATIVE_BITS));
+        behind += (t >> 30) * b->ahead[a] + times30(t & (ONE30 - 1), b->ahead[a]);
+    }
     for (int a = 0; a < 3; a++) {
         int64_t d = b->ahead[a];
         int64_t T = (b->side[a] << (CROSSING_BITS - RELATIVE_BITS + 30)) / d;

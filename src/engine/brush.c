@@ -52,21 +52,6 @@ static size_t at_row(const struct brush *brush, int y, int z)
     return (size_t)((z + brush->reach[2] + 1) * width + y + brush->reach[1] + 1);
 }
 
-/* How far from the middle of the row all neighbours lie in the ball; -1 for nowhere. */
-static int16_t hole_of(const struct brush *brush, const struct brush_row *row, const int16_t *half,
-                       unsigned neighbours)
-{
-    int hole = row->half - 1;
-    for (int z = -1; z <= 1; z++)
-        for (int y = -1; y <= 1; y++) {
-            const bool is_corner = y && z, is_beside = y || z;
-            const int reach = half[at_row(brush, row->y + y, row->z + z)] - (neighbours == 26);
-            if (is_beside && (!is_corner || neighbours == 26) && reach < hole)
-                hole = reach;
-        }
-    return (int16_t)(hole < -1 ? -1 : hole);
-}
-
 enum err brush_hollow(struct brush *brush, unsigned neighbours, struct fault *fault)
 {
     const size_t rows = at_row(brush, brush->reach[1] + 1, brush->reach[2] + 1) + 1;
@@ -77,8 +62,19 @@ enum err brush_hollow(struct brush *brush, unsigned neighbours, struct fault *fa
         half[i] = -1;
     for (size_t i = 0; i < brush->rows; i++)
         half[at_row(brush, brush->row[i].y, brush->row[i].z)] = brush->row[i].half;
-    for (size_t i = 0; i < brush->rows; i++)
-        brush->row[i].hole = hole_of(brush, &brush->row[i], half, neighbours);
+    for (size_t i = 0; i < brush->rows; i++) {
+        /* How far from the middle of the row all neighbours lie in the ball; -1 for nowhere. */
+        int hole = brush->row[i].half - 1;
+        for (int z = -1; z <= 1; z++)
+            for (int y = -1; y <= 1; y++) {
+                const bool is_corner = y && z, is_beside = y || z;
+                const int reach = half[at_row(brush, brush->row[i].y + y, brush->row[i].z + z)] -
+                                  (neighbours == 26);
+                if (is_beside && (!is_corner || neighbours == 26) && reach < hole)
+                    hole = reach;
+            }
+        brush->row[i].hole = (int16_t)(hole < -1 ? -1 : hole);
+    }
     free(half);
     return OK;
 }

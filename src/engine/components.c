@@ -45,16 +45,6 @@ static uint32_t first_of(struct component_run *run, uint32_t at)
     return at;
 }
 
-static void join(struct component_run *run, uint32_t a, uint32_t b)
-{
-    a = first_of(run, a);
-    b = first_of(run, b);
-    if (a < b)
-        run[b].component = a;
-    else
-        run[a].component = b;
-}
-
 /* The runs of a row with those of the row that is `back` rows, and `step` cells, before it. */
 static void join_rows(struct finding *f, size_t row, size_t back, uint32_t step)
 {
@@ -62,8 +52,10 @@ static void join_rows(struct finding *f, size_t row, size_t back, uint32_t step)
     size_t here = f->row[row], there = f->row[row - back];
     while (here < f->row[row + 1] && there < f->row[row - back + 1]) {
         const uint32_t end = run[here].end, other = run[there].end + step;
-        if (f->label[run[here].first] == f->label[run[there].first])
-            join(run, (uint32_t)here, (uint32_t)there);
+        if (f->label[run[here].first] == f->label[run[there].first]) {
+            const uint32_t a = first_of(run, (uint32_t)here), b = first_of(run, (uint32_t)there);
+            run[a < b ? b : a].component = a < b ? a : b;
+        }
         here += end <= other;
         there += other <= end;
     }

@@ -55,13 +55,6 @@ struct room {
     size_t length;
 };
 
-static void room_release(struct room *room)
-{
-    free(room->from);
-    free(room->at);
-    free(room->lowest);
-}
-
 static bool room_init(struct room *room, size_t length)
 {
     *room = (struct room){.from = mem_array(COLUMNS * length, sizeof *room->from),
@@ -86,9 +79,11 @@ static uint64_t first_lower(const uint64_t *from, uint32_t at, uint32_t next, ui
     return (squares + from[next] - from[at]) / (2 * weight * (next - at)) + 1;
 }
 
-/* How many parabolas make the lower envelope. */
-static size_t find_envelope(const struct room *room, const uint64_t *from, uint64_t step)
+/* The least of all parabolas, from a line of room->from to one in the box. */
+static void spread_line(const struct room *room, const uint64_t *from, uint64_t *to, size_t stride,
+                        uint64_t step)
 {
+    /* How many parabolas make the lower envelope. */
     size_t count = 0;
     for (uint32_t x = 0; x < room->length; x++) {
         if (from[x] == DISTANCE_NONE)
@@ -102,14 +97,6 @@ static size_t find_envelope(const struct room *room, const uint64_t *from, uint6
         room->at[count] = x;
         room->lowest[count++] = (uint32_t)first;
     }
-    return count;
-}
-
-/* The least of all parabolas, from a line of room->from to one in the box. */
-static void spread_line(const struct room *room, const uint64_t *from, uint64_t *to, size_t stride,
-                        uint64_t step)
-{
-    size_t count = find_envelope(room, from, step);
     for (uint32_t x = (uint32_t)room->length; count && x-- > 0;) {
         to[x * stride] = parabola(from, room->at[count - 1], x, step);
         count -= x == room->lowest[count - 1];
@@ -158,31 +145,30 @@ static void spread_share(void *context, unsigned worker)
         }
 }
 
-/* A row, from which distances begin: squares of steps to the nearest 0, on either side. */
-static void spread_row(uint64_t *row, uint32_t length, uint64_t step)
-{
-    uint64_t away = DISTANCE_NONE;
-    for (uint32_t x = 0; x < length; x++) {
-        away = row[x] == 0 ? 0 : away == DISTANCE_NONE ? away : away + step;
-        row[x] = away;
-    }
-    away = DISTANCE_NONE;
-    for (uint32_t x = length; x-- > 0;) {
-        away = row[x] == 0 ? 0 : away == DISTANCE_NONE ? away : away + step;
-        const uint64_t nearer = row[x] < away ? row[x] : away;
-        row[x] = nearer == DISTANCE_NONE ? nearer : nearer * nearer;
-    }
-}
-
 static void spread_rows(void *context, unsigned worker)
 {
     const struct spreading *s = context;
+    const uint64_t step = s->step;
+    const uint32_t length = s->size[0];
     const size_t rows = (size_t)s->size[1] * s->size[2];
     const struct share share = team_share(s->team, worker, rows);
     struct task task =
-        task_begin_part(s->watch, "distances", (share.end - share.first) * s->size[0], worker);
-    for (size_t row = share.first; row < share.end && task_advance(&task, s->size[0]); row++)
-        spread_row(s->squared + row * s->size[0], s->size[0], s->step);
+        task_begin_part(s->watch, "distances", (share.end - share.first) * length, worker);
+    for (size_t row = share.first; row < share.end && task_advance(&task, length); row++) {
+        /* A row, from which distances begin: squares of steps to the nearest 0, on either side. */
+        uint64_t *line = s->squared + row * length;
+        uint64_t away = DISTANCE_NONE;
+        for (uint32_t x = 0; x < length; x++) {
+            away = line[x] == 0 ? 0 : away == DISTANCE_NONE ? away : away + step;
+            line[x] = away;
+        }
+        away = DISTANCE_NONE;
+        for (uint32_t x = length; x-- > 0;) {
+            away = line[x] == 0 ? 0 : away == DISTANCE_NONE ? away : away + step;
+            const uint64_t nearer = line[x] < away ? line[x] : away;
+            line[x] = nearer == DISTANCE_NONE ? nearer : nearer * nearer;
+        }
+    }
 }
 
 enum err distance_spread(uint64_t *squared, const uint32_t size[3],
@@ -200,8 +186,11 @@ enum err distance_spread(uint64_t *squared, const uint32_t size[3],
                 err = fault_memory(fault, "distances");
         if (!err)
             team_run(team, spread_share, &s);
-        for (unsigned i = 0; i < team_size(team); i++)
-            room_release(&s.room[i]);
+        for (unsigned i = 0; i < team_size(team); i++) {
+            free(s.room[i].from);
+            free(s.room[i].at);
+            free(s.room[i].lowest);
+        }
     }
     return err ? err : watch_fault(watch, fault);
 }

@@ -67,27 +67,23 @@ enum err finish_check(const struct finish_list *list, const struct scene *scene,
 
 /* ---- words ---- */
 
-static void write_step(struct buf *out, const struct finish_step *step)
-{
-    const struct finish_row *row = &finish_table[step->kind];
-    buf_add_text(out, row->name);
-    if (row->takes == FINISH_TAKES_RADIUS && step->in_nm)
-        buf_printf(out, " radius=%gmm", step->argument / 1e6);
-    else if (row->takes == FINISH_TAKES_RADIUS)
-        buf_printf(out, " radius=%u", step->argument);
-    else if (row->takes == FINISH_TAKES_VOXELS)
-        buf_printf(out, " voxels=%u", step->argument);
-    else if (row->takes == FINISH_TAKES_SWEEPS)
-        buf_printf(out, " sweeps=%u", step->argument);
-    if (step->label != FINISH_ALL_LABELS)
-        buf_printf(out, " label=%u", step->label);
-}
-
 void finish_write(struct buf *out, const struct finish_list *list)
 {
     for (uint32_t i = 0; i < list->count; i++) {
         buf_add_text(out, i ? ", " : "");
-        write_step(out, &list->step[i]);
+        const struct finish_step *step = &list->step[i];
+        const struct finish_row *row = &finish_table[step->kind];
+        buf_add_text(out, row->name);
+        if (row->takes == FINISH_TAKES_RADIUS && step->in_nm)
+            buf_printf(out, " radius=%gmm", step->argument / 1e6);
+        else if (row->takes == FINISH_TAKES_RADIUS)
+            buf_printf(out, " radius=%u", step->argument);
+        else if (row->takes == FINISH_TAKES_VOXELS)
+            buf_printf(out, " voxels=%u", step->argument);
+        else if (row->takes == FINISH_TAKES_SWEEPS)
+            buf_printf(out, " sweeps=%u", step->argument);
+        if (step->label != FINISH_ALL_LABELS)
+            buf_printf(out, " label=%u", step->label);
     }
     if (!list->count)
         buf_add_text(out, "none");

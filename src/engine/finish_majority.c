@@ -97,27 +97,6 @@ static void votes_clear(struct votes *votes)
     votes->first = votes->end = 0;
 }
 
-static void add_column(struct votes *votes, const struct filter *f, const struct rows *rows,
-                       uint32_t x)
-{
-    for (uint32_t z = rows->first_z; z <= rows->last_z; z++)
-        for (uint32_t y = rows->first_y; y <= rows->last_y; y++) {
-            const uint8_t label = f->work->label[grid_cell(&f->work->scene->grid, x, y, z)];
-            votes->count[label]++;
-            if (!votes->is_seen[label])
-                votes->seen[votes->seens++] = label;
-            votes->is_seen[label] = true;
-        }
-}
-
-static void drop_column(struct votes *votes, const struct filter *f, const struct rows *rows,
-                        uint32_t x)
-{
-    for (uint32_t z = rows->first_z; z <= rows->last_z; z++)
-        for (uint32_t y = rows->first_y; y <= rows->last_y; y++)
-            votes->count[f->work->label[grid_cell(&f->work->scene->grid, x, y, z)]]--;
-}
-
 /* The columns first..end-1, from those that are counted. */
 static void slide(struct votes *votes, const struct filter *f, const struct rows *rows,
                   uint32_t first, uint32_t end)
@@ -126,22 +105,23 @@ static void slide(struct votes *votes, const struct filter *f, const struct rows
         votes_clear(votes);
         votes->first = votes->end = first;
     }
-    while (votes->end < end)
-        add_column(votes, f, rows, votes->end++);
-    while (votes->first < first)
-        drop_column(votes, f, rows, votes->first++);
-}
-
-static uint8_t winner(const struct votes *votes, uint8_t own)
-{
-    uint8_t best = own;
-    for (unsigned i = 0; i < votes->seens; i++) {
-        const uint8_t label = votes->seen[i];
-        const uint32_t count = votes->count[label], most = votes->count[best];
-        if (count > most || (count == most && best != own && label < best))
-            best = label;
+    while (votes->end < end) {
+        const uint32_t x = votes->end++;
+        for (uint32_t z = rows->first_z; z <= rows->last_z; z++)
+            for (uint32_t y = rows->first_y; y <= rows->last_y; y++) {
+                const uint8_t label = f->work->label[grid_cell(&f->work->scene->grid, x, y, z)];
+                votes->count[label]++;
+                if (!votes->is_seen[label])
+                    votes->seen[votes->seens++] = label;
+                votes->is_seen[label] = true;
+            }
     }
-    return best;
+    while (votes->first < first) {
+        const uint32_t x = votes->first++;
+        for (uint32_t z = rows->first_z; z <= rows->last_z; z++)
+            for (uint32_t y = rows->first_y; y <= rows->last_y; y++)
+                votes->count[f->work->label[grid_cell(&f->work->scene->grid, x, y, z)]]--;
+    }
 }
 
 /* ---- rows ---- */
@@ -155,7 +135,13 @@ static void vote(const struct filter *f, const struct rows *rows, struct votes *
     for (; x < end; x++) {
         const uint8_t own = f->work->label[row + x];
         slide(votes, f, rows, below(x, reach), above(x, reach, grid->size[0]) + 1);
-        const uint8_t best = winner(votes, own);
+        uint8_t best = own;
+        for (unsigned i = 0; i < votes->seens; i++) {
+            const uint8_t label = votes->seen[i];
+            const uint32_t count = votes->count[label], most = votes->count[best];
+            if (count > most || (count == most && best != own && label < best))
+                best = label;
+        }
         if (finish_is_for(f->step, own) || finish_is_for(f->step, best))
             f->work->next[row + x] = best;
     }

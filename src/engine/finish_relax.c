@@ -111,14 +111,6 @@ static void begin_far(const struct making *m, uint32_t y, uint32_t z)
     }
 }
 
-static void spread_along_row(uint8_t *far, uint32_t length)
-{
-    for (uint32_t x = 1; x < length; x++)
-        far[x] = far[x] > far[x - 1] + 1 ? (uint8_t)(far[x - 1] + 1) : far[x];
-    for (uint32_t x = length - 1; x > 0; x--)
-        far[x - 1] = far[x - 1] > far[x] + 1 ? (uint8_t)(far[x] + 1) : far[x - 1];
-}
-
 WIDE static void spread_to_row(uint8_t *far, const uint8_t *from, size_t length)
 {
     for (size_t x = 0; x < length; x += BYTES) {
@@ -228,7 +220,12 @@ static void make_part(void *context, unsigned worker)
     for (size_t z = planes.first; z < planes.end; z++) {
         for (uint32_t y = 0; y < f->size[1] && goes_on; y++) {
             begin_far(m, y, (uint32_t)z);
-            spread_along_row(far_row(f, y, (uint32_t)z), f->size[0]);
+            const uint32_t width = f->size[0];
+            uint8_t *far = far_row(f, y, (uint32_t)z);
+            for (uint32_t x = 1; x < width; x++)
+                far[x] = far[x] > far[x - 1] + 1 ? (uint8_t)(far[x - 1] + 1) : far[x];
+            for (uint32_t x = width - 1; x > 0; x--)
+                far[x - 1] = far[x - 1] > far[x] + 1 ? (uint8_t)(far[x] + 1) : far[x - 1];
             goes_on = task_advance(&task, f->size[0]);
         }
         if (goes_on)
@@ -261,27 +258,6 @@ static struct finish_box box_around(const struct grid *grid, const struct finish
     return box;
 }
 
-/* Where memory has run out: false. A stored row ends with room for a whole step of lanes. */
-static bool allocate(struct relax_field *f)
-{
-    const size_t rows = ((size_t)f->size[1] + 2) * ((size_t)f->size[2] + 2);
-    f->length = f->size[0] / 2 + 2 + LANES;
-    f->cells = rows * f->length;
-    f->far = mem_pages(far_length(f) * f->size[1] * f->size[2]);
-    f->moving = mem_new(((size_t)f->size[2] + 1) * sizeof *f->moving);
-    bool fits = f->far && f->moving;
-    for (int colour = 0; colour < 2; colour++) {
-        f->part[colour] = mem_new(rows * sizeof *f->part[colour]);
-        f->u[colour] = mem_pages(f->cells * sizeof *f->u[colour]);
-        fits = fits && f->part[colour] && f->u[colour];
-        for (int i = 0; i < 6; i++) {
-            f->w[colour][i] = mem_pages(f->cells * sizeof *f->w[colour][i]);
-            fits = fits && f->w[colour][i];
-        }
-    }
-    return fits;
-}
-
 enum err relax_field_init(struct relax_field *field, const struct finish_work *work, uint8_t which,
                           const struct finish_box *around, const struct relax_greys *greys,
                           struct fault *fault)
@@ -291,7 +267,23 @@ enum err relax_field_init(struct relax_field *field, const struct finish_work *w
         (struct relax_field){.scene = work->scene, .box = box_around(&work->scene->grid, around)};
     for (int a = 0; a < 3; a++)
         field->size[a] = field->box.last[a] - field->box.first[a] + 1;
-    if (!allocate(field)) {
+    /* A stored row ends with room for a whole step of lanes. */
+    const size_t rows = ((size_t)field->size[1] + 2) * ((size_t)field->size[2] + 2);
+    field->length = field->size[0] / 2 + 2 + LANES;
+    field->cells = rows * field->length;
+    field->far = mem_pages(far_length(field) * field->size[1] * field->size[2]);
+    field->moving = mem_new(((size_t)field->size[2] + 1) * sizeof *field->moving);
+    bool fits = field->far && field->moving;
+    for (int colour = 0; colour < 2; colour++) {
+        field->part[colour] = mem_new(rows * sizeof *field->part[colour]);
+        field->u[colour] = mem_pages(field->cells * sizeof *field->u[colour]);
+        fits = fits && field->part[colour] && field->u[colour];
+        for (int i = 0; i < 6; i++) {
+            field->w[colour][i] = mem_pages(field->cells * sizeof *field->w[colour][i]);
+            fits = fits && field->w[colour][i];
+        }
+    }
+    if (!fits) {
         relax_field_release(field);
         return fault_memory(fault, "relaxed labels");
     }
@@ -502,22 +494,6 @@ static void rank_part(void *context, unsigned worker)
         }
 }
 
-/* Of `count` voxels, the first of which is this cell, and has this place in `all`. */
-static void choose(const struct relaxing *r, uint32_t cell, size_t place, uint32_t count)
-{
-    const uint8_t *label = r->work->label + cell;
-    uint8_t *next = r->work->next + cell;
-    for (uint32_t i = 0; i < count; i++) {
-        const uint32_t best = r->best[place + i];
-        const int32_t left = RELAX_ONE - r->sum[place + i];
-        const uint32_t rest = rank_of(left > 0 ? left : 0, label[i] == 0, 0);
-        const uint8_t wins = (uint8_t)(255 - ((rest > best ? rest : best) & 255));
-        const bool moves =
-            best && (finish_is_for(r->step, label[i]) || finish_is_for(r->step, wins));
-        next[i] = moves ? wins : label[i];
-    }
-}
-
 static void choose_part(void *context, unsigned worker)
 {
     const struct relaxing *r = context;
@@ -530,9 +506,22 @@ static void choose_part(void *context, unsigned worker)
         for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
             const struct span row = grid_row(grid, y, z);
             memcpy(work->next + row.first, work->label + row.first, row.end - row.first);
-            if (r->voxels && y >= first[1] && y <= last[1] && z >= first[2] && z <= last[2])
-                choose(r, row.first + first[0], place_in_all(r, first[0], y, z),
-                       last[0] - first[0] + 1);
+            if (r->voxels && y >= first[1] && y <= last[1] && z >= first[2] && z <= last[2]) {
+                const uint32_t cell = row.first + first[0];
+                const size_t place = place_in_all(r, first[0], y, z);
+                const uint32_t count = last[0] - first[0] + 1;
+                const uint8_t *label = r->work->label + cell;
+                uint8_t *next = r->work->next + cell;
+                for (uint32_t i = 0; i < count; i++) {
+                    const uint32_t best = r->best[place + i];
+                    const int32_t left = RELAX_ONE - r->sum[place + i];
+                    const uint32_t rest = rank_of(left > 0 ? left : 0, label[i] == 0, 0);
+                    const uint8_t wins = (uint8_t)(255 - ((rest > best ? rest : best) & 255));
+                    const bool moves =
+                        best && (finish_is_for(r->step, label[i]) || finish_is_for(r->step, wins));
+                    next[i] = moves ? wins : label[i];
+                }
+            }
         }
 }
 

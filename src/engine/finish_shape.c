@@ -43,36 +43,6 @@ static uint64_t *row_of(const struct shape *s, uint64_t *sheet, uint32_t y, uint
 
 /* ---- rows of bits ---- */
 
-static bool is_empty(const uint64_t *row, size_t words)
-{
-    uint64_t any = 0;
-    for (size_t w = 0; w < words; w++)
-        any |= row[w];
-    return !any;
-}
-
-/* Each bit spreads to those `steps` before and after it, fewer than 64. */
-static void spread_once(uint64_t *row, size_t words, unsigned steps)
-{
-    uint64_t before = 0;
-    for (size_t w = 0; w < words; w++) {
-        const uint64_t here = row[w], after = w + 1 < words ? row[w + 1] : 0;
-        row[w] =
-            here | here << steps | here >> steps | before >> (64 - steps) | after << (64 - steps);
-        before = here;
-    }
-}
-
-/* Each bit spreads to all that are at most `half` away. */
-static void spread(uint64_t *row, size_t words, unsigned half)
-{
-    for (unsigned reach = 0; reach < half;) {
-        const unsigned left = half - reach, steps = left < 2 * reach + 1 ? left : 2 * reach + 1;
-        spread_once(row, words, steps);
-        reach += steps;
-    }
-}
-
 static uint64_t last_mask(const struct shape *s)
 {
     const unsigned bits = s->work->scene->grid.size[0] % 64;
@@ -83,22 +53,39 @@ static uint64_t last_mask(const struct shape *s)
 static void cover_row(const struct shape *s, uint64_t *in, uint32_t y, uint32_t z, uint64_t *out,
                       uint64_t *room)
 {
+    const size_t words = s->words;
     const uint32_t *size = s->work->scene->grid.size;
-    memset(out, 0, s->words * sizeof *out);
+    memset(out, 0, words * sizeof *out);
     for (size_t i = 0; i < s->brush.rows; i++) {
         const struct brush_row *ball = &s->brush.row[i];
         const int64_t at_y = (int64_t)y + ball->y, at_z = (int64_t)z + ball->z;
         if (at_y < 0 || at_y >= size[1] || at_z < 0 || at_z >= size[2])
             continue;
         const uint64_t *from = row_of(s, in, (uint32_t)at_y, (uint32_t)at_z);
-        if (is_empty(from, s->words))
+        uint64_t any = 0;
+        for (size_t w = 0; w < words; w++)
+            any |= from[w];
+        if (!any)
             continue;
-        memcpy(room, from, s->words * sizeof *room);
-        spread(room, s->words, (unsigned)ball->half);
-        for (size_t w = 0; w < s->words; w++)
+        memcpy(room, from, words * sizeof *room);
+        /* Each bit spreads to all that are at most `half` away. */
+        const unsigned half = (unsigned)ball->half;
+        for (unsigned reach = 0; reach < half;) {
+            const unsigned left = half - reach, steps = left < 2 * reach + 1 ? left : 2 * reach + 1;
+            /* Each bit spreads to those `steps` before and after it, fewer than 64. */
+            uint64_t before = 0;
+            for (size_t w = 0; w < words; w++) {
+                const uint64_t here = room[w], after = w + 1 < words ? room[w + 1] : 0;
+                room[w] = here | here << steps | here >> steps | before >> (64 - steps) |
+                          after << (64 - steps);
+                before = here;
+            }
+            reach += steps;
+        }
+        for (size_t w = 0; w < words; w++)
             out[w] |= room[w];
     }
-    out[s->words - 1] &= last_mask(s);
+    out[words - 1] &= last_mask(s);
 }
 
 static void invert_row(const struct shape *s, uint64_t *row)

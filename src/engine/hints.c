@@ -59,20 +59,6 @@ static uint32_t cost_before(const struct finding *f, uint32_t at)
     return key_cost(f->scene->cell[at].key);
 }
 
-static struct edge_voxel look_at(const struct finding *f, uint32_t at, uint32_t other)
-{
-    const struct cell *cell = f->scene->cell;
-    const uint32_t to = arc_weight_now(f->arcs, cell + other, cell + at);
-    const uint32_t from = arc_weight_now(f->arcs, cell + at, cell + other);
-    const uint32_t edge = to > from ? to : from, before = cost_before(f, at);
-    return (struct edge_voxel){.cell = at,
-                               .certainty = f->margin[at] + (int32_t)edge - (int32_t)before,
-                               .margin = f->margin[at],
-                               .edge = (uint16_t)edge,
-                               .label = cell[at].label,
-                               .other = cell[other].label};
-}
-
 static bool add_row(struct finding *f, struct span row)
 {
     for (uint32_t c = row.first; c < row.end; c++) {
@@ -82,7 +68,17 @@ static bool add_row(struct finding *f, struct span row)
             continue;
         if (!mem_grow(&f->voxel, &f->capacity, f->count + 1, sizeof *f->voxel))
             return false;
-        f->voxel[f->count++] = look_at(f, c, other);
+        const struct cell *cell = f->scene->cell;
+        const uint32_t to = arc_weight_now(f->arcs, cell + other, cell + c);
+        const uint32_t from = arc_weight_now(f->arcs, cell + c, cell + other);
+        const uint32_t edge = to > from ? to : from, before = cost_before(f, c);
+        f->voxel[f->count++] =
+            (struct edge_voxel){.cell = c,
+                                .certainty = f->margin[c] + (int32_t)edge - (int32_t)before,
+                                .margin = f->margin[c],
+                                .edge = (uint16_t)edge,
+                                .label = cell[c].label,
+                                .other = cell[other].label};
     }
     return true;
 }
@@ -105,15 +101,6 @@ static enum err find_border(struct finding *f, struct fault *fault)
 
 enum { CERTAINTIES = 3 * MARGIN_NONE };
 
-/* The least certainty that one voxel in so many or more do not exceed. */
-static int32_t limit_of(const size_t *voxels, size_t count, size_t share)
-{
-    int32_t limit = -MARGIN_NONE;
-    for (size_t below = voxels[0]; below * share < count; below += voxels[limit + MARGIN_NONE])
-        limit++;
-    return limit;
-}
-
 static enum err find_limits(struct finding *f, struct fault *fault)
 {
     static const size_t share[HINT_HEATS] = {HINT_SHARE, HINT_WARM};
@@ -122,24 +109,16 @@ static enum err find_limits(struct finding *f, struct fault *fault)
         return fault_memory(fault, "the border");
     for (size_t i = 0; i < f->count; i++)
         voxels[f->voxel[i].certainty + MARGIN_NONE]++;
-    for (int i = 0; f->count && i < HINT_HEATS; i++)
-        f->limit[i] = limit_of(voxels, f->count, share[i]);
+    for (int i = 0; f->count && i < HINT_HEATS; i++) {
+        /* The least certainty that one voxel in so many or more do not exceed. */
+        int32_t limit = -MARGIN_NONE;
+        for (size_t below = voxels[0]; below * share[i] < f->count;
+             below += voxels[limit + MARGIN_NONE])
+            limit++;
+        f->limit[i] = limit;
+    }
     free(voxels);
     return OK;
-}
-
-static void warm(const struct finding *f, uint8_t *heat, const struct edge_voxel *voxel)
-{
-    const struct cell *cell = f->scene->cell;
-    uint8_t degree = 0;
-    for (int i = 0; i < HINT_HEATS; i++)
-        degree = (uint8_t)(degree + (voxel->certainty <= f->limit[i]));
-    heat[voxel->cell] = degree > heat[voxel->cell] ? degree : heat[voxel->cell];
-    for (int i = 0; i < 26; i++) {
-        const uint32_t at = voxel->cell + (uint32_t)f->corner[i];
-        if (cell_is_reached(cell + at) && cell[at].label == voxel->label && degree > heat[at])
-            heat[at] = degree;
-    }
 }
 
 /* ---- places ---- */
@@ -273,8 +252,19 @@ enum err hints_find(struct hint_list *hints, const struct forest *forest, const 
     enum err err = find_border(&f, fault);
     if (!err)
         err = find_limits(&f, fault);
-    for (size_t i = 0; heat && !err && i < f.count; i++)
-        warm(&f, heat, f.voxel + i);
+    for (size_t i = 0; heat && !err && i < f.count; i++) {
+        const struct edge_voxel *voxel = f.voxel + i;
+        const struct cell *cell = f.scene->cell;
+        uint8_t degree = 0;
+        for (int k = 0; k < HINT_HEATS; k++)
+            degree = (uint8_t)(degree + (voxel->certainty <= f.limit[k]));
+        heat[voxel->cell] = degree > heat[voxel->cell] ? degree : heat[voxel->cell];
+        for (int k = 0; k < 26; k++) {
+            const uint32_t at = voxel->cell + (uint32_t)f.corner[k];
+            if (cell_is_reached(cell + at) && cell[at].label == voxel->label && degree > heat[at])
+                heat[at] = degree;
+        }
+    }
     hints->border = f.count;
     f.count = 0;
     for (size_t i = 0; i < hints->border; i++)

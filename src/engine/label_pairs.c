@@ -44,8 +44,19 @@ static int kind_of(int x, int y, int z)
     return abs(x) + 3 * abs(y) + 9 * abs(z);
 }
 
-static void look_around(struct label_pairs *pairs)
+enum err label_pairs_new(struct label_pairs **out, const struct scene *scene, struct fault *fault)
 {
+    struct label_pairs *pairs = mem_new(sizeof *pairs);
+    if (pairs)
+        pairs->label = mem_pages(scene->grid.cells);
+    if (!pairs || !pairs->label) {
+        free(pairs);
+        return fault_memory(fault, "labels");
+    }
+    pairs->scene = scene;
+    label_pairs_step(pairs->step, scene->spacing_nm);
+    for (int a = 0; a < 3; a++)
+        pairs->cells[a] = (ptrdiff_t)pairs->step[a] * scene->grid.step[a];
     unsigned count = 0;
     for (int kind = 1; kind < PAIR_KINDS; kind++) {
         pairs->first[kind] = (uint8_t)count;
@@ -63,22 +74,6 @@ static void look_around(struct label_pairs *pairs)
                 }
     }
     pairs->first[PAIR_KINDS] = (uint8_t)count;
-}
-
-enum err label_pairs_new(struct label_pairs **out, const struct scene *scene, struct fault *fault)
-{
-    struct label_pairs *pairs = mem_new(sizeof *pairs);
-    if (pairs)
-        pairs->label = mem_pages(scene->grid.cells);
-    if (!pairs || !pairs->label) {
-        free(pairs);
-        return fault_memory(fault, "labels");
-    }
-    pairs->scene = scene;
-    label_pairs_step(pairs->step, scene->spacing_nm);
-    for (int a = 0; a < 3; a++)
-        pairs->cells[a] = (ptrdiff_t)pairs->step[a] * scene->grid.step[a];
-    look_around(pairs);
     *out = pairs;
     return OK;
 }
@@ -146,35 +141,6 @@ static void add_rows(const struct label_pairs *pairs, uint32_t cell, uint8_t lab
         }
 }
 
-/* The same, where a step along x is several voxels. */
-static void add_rows_apart(const struct label_pairs *pairs, uint32_t cell, uint8_t label,
-                           uint32_t found[PAIR_KINDS])
-{
-    const ptrdiff_t *step = pairs->cells;
-    for (int z = -REACH; z <= REACH; z++)
-        for (int y = -REACH; y <= REACH; y++) {
-            const uint8_t *row = pairs->label + cell + z * step[2] + y * step[1];
-            uint32_t *of = &found[kind_of(0, y, z)];
-            of[0] += *row == label;
-            for (int x = 1; x <= REACH; x++)
-                of[x] += (uint32_t)(row[-x * step[0]] == label) + (row[x * step[0]] == label);
-        }
-}
-
-static void add_each(const struct label_pairs *pairs, uint32_t cell, uint8_t label,
-                     const struct place *at, uint32_t found[PAIR_KINDS])
-{
-    const struct grid *grid = &pairs->scene->grid;
-    found[0] = 1;
-    for (int kind = 1; kind < PAIR_KINDS; kind++)
-        for (unsigned i = pairs->first[kind]; i < pairs->first[kind + 1]; i++) {
-            const struct neighbour *n = &pairs->around[i];
-            if (grid_contains(grid, at->x + (int64_t)n->step[0], at->y + (int64_t)n->step[1],
-                              at->z + (int64_t)n->step[2]))
-                found[kind] += (pairs->label + cell)[n->offset] == label;
-        }
-}
-
 /* The pairs that a voxel makes with its label come, or go. */
 static void add_voxel(struct label_pairs *pairs, uint32_t cell, const struct place *at, bool comes)
 {
@@ -182,26 +148,32 @@ static void add_voxel(struct label_pairs *pairs, uint32_t cell, const struct pla
     uint32_t found[PAIR_KINDS] = {0};
     if (!label)
         return;
-    if (!is_inside(pairs, at))
-        add_each(pairs, cell, label, at, found);
-    else if (pairs->step[0] == 1)
+    if (!is_inside(pairs, at)) {
+        const struct grid *grid = &pairs->scene->grid;
+        found[0] = 1;
+        for (int kind = 1; kind < PAIR_KINDS; kind++)
+            for (unsigned i = pairs->first[kind]; i < pairs->first[kind + 1]; i++) {
+                const struct neighbour *n = &pairs->around[i];
+                if (grid_contains(grid, at->x + (int64_t)n->step[0], at->y + (int64_t)n->step[1],
+                                  at->z + (int64_t)n->step[2]))
+                    found[kind] += (pairs->label + cell)[n->offset] == label;
+            }
+    } else if (pairs->step[0] == 1) {
         add_rows(pairs, cell, label, found);
-    else
-        add_rows_apart(pairs, cell, label, found);
+    } else {
+        /* The same, where a step along x is several voxels. */
+        const ptrdiff_t *step = pairs->cells;
+        for (int z = -REACH; z <= REACH; z++)
+            for (int y = -REACH; y <= REACH; y++) {
+                const uint8_t *row = pairs->label + cell + z * step[2] + y * step[1];
+                uint32_t *of = &found[kind_of(0, y, z)];
+                of[0] += *row == label;
+                for (int x = 1; x <= REACH; x++)
+                    of[x] += (uint32_t)(row[-x * step[0]] == label) + (row[x * step[0]] == label);
+            }
+    }
     for (int kind = 0; kind < PAIR_KINDS; kind++)
         pairs->count[label][kind] += comes ? found[kind] : -(uint64_t)found[kind];
-}
-
-static void follow_log(struct label_pairs *pairs)
-{
-    struct task task = task_begin(pairs->scene->watch, "surface", pairs->log.count);
-    for (size_t i = 0; i < pairs->log.count && task_advance(&task, 2); i++) {
-        const struct change *change = &pairs->log.item[i];
-        const struct place at = grid_place(&pairs->scene->grid, change->cell);
-        add_voxel(pairs, change->cell, &at, false);
-        pairs->label[change->cell] = change->label;
-        add_voxel(pairs, change->cell, &at, true);
-    }
 }
 
 void label_pairs_follow(struct label_pairs *pairs, const struct changes *changes)
@@ -249,18 +221,6 @@ static uint32_t pairs_of(const struct label_pairs *pairs, struct span run, const
     return count_equal(label + (from - x) + n->offset, (uint32_t)(to - from), *label);
 }
 
-/* Of both voxels of a pair, by the one that comes first. */
-static uint64_t add_run(const struct label_pairs *pairs, uint64_t *count, struct span run,
-                        const struct place *at)
-{
-    count[0] += run.end - run.first;
-    for (int kind = 1; kind < PAIR_KINDS; kind++)
-        for (unsigned i = pairs->first[kind]; i < pairs->first[kind + 1]; i++)
-            if (pairs->around[i].offset > 0)
-                count[kind] += pairs_of(pairs, run, at, &pairs->around[i]);
-    return 2 * (uint64_t)(run.end - run.first);
-}
-
 static uint64_t add_row(const struct label_pairs *pairs, pair_counts count, uint32_t y, uint32_t z)
 {
     const struct span row = grid_row(&pairs->scene->grid, y, z);
@@ -269,9 +229,16 @@ static uint64_t add_row(const struct label_pairs *pairs, pair_counts count, uint
         const uint8_t label = pairs->label[run.first];
         while (run.end < row.end && pairs->label[run.end] == label)
             run.end++;
-        if (label)
-            looked += add_run(pairs, count[label], run,
-                              &(const struct place){run.first - row.first, y, z});
+        if (label) {
+            /* Of both voxels of a pair, by the one that comes first. */
+            const struct place *at = &(const struct place){run.first - row.first, y, z};
+            count[label][0] += run.end - run.first;
+            for (int kind = 1; kind < PAIR_KINDS; kind++)
+                for (unsigned i = pairs->first[kind]; i < pairs->first[kind + 1]; i++)
+                    if (pairs->around[i].offset > 0)
+                        count[label][kind] += pairs_of(pairs, run, at, &pairs->around[i]);
+            looked += 2 * (uint64_t)(run.end - run.first);
+        }
     }
     return looked;
 }
@@ -311,10 +278,18 @@ enum err label_pairs_refresh(struct label_pairs *pairs, const struct labels *lab
                              struct team *team, struct fault *fault)
 {
     enum err err = OK;
-    if (pairs->log.follows)
-        follow_log(pairs);
-    else
+    if (pairs->log.follows) {
+        struct task task = task_begin(pairs->scene->watch, "surface", pairs->log.count);
+        for (size_t i = 0; i < pairs->log.count && task_advance(&task, 2); i++) {
+            const struct change *change = &pairs->log.item[i];
+            const struct place at = grid_place(&pairs->scene->grid, change->cell);
+            add_voxel(pairs, change->cell, &at, false);
+            pairs->label[change->cell] = change->label;
+            add_voxel(pairs, change->cell, &at, true);
+        }
+    } else {
         err = count_all(pairs, labels, team, fault);
+    }
     return change_log_settle(&pairs->log, err ? err : watch_fault(pairs->scene->watch, fault));
 }
 

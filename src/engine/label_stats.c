@@ -213,50 +213,41 @@ static enum err count_all(struct label_counts *counts, const struct labels *labe
 
 /* ---- sums ---- */
 
-/* Counters of planes: how many voxels there are, the sum of their positions, the first and the
- * last. */
-static uint64_t sum_planes(const uint32_t *counter, uint32_t planes, uint64_t *sum, uint32_t *first,
-                           uint32_t *last)
-{
-    uint64_t voxels = 0;
-    for (uint32_t i = 0; i < planes; i++) {
-        if (!counter[i])
-            continue;
-        *first = voxels ? *first : i;
-        *last = i;
-        *sum += (uint64_t)counter[i] * i;
-        voxels += counter[i];
-    }
-    return voxels;
-}
-
-static void sum_intensities(struct label_sums *sums, const uint32_t *counter, size_t intensities)
-{
-    const uint64_t rank[2] = {(sums->voxels - 1) / 2, sums->voxels / 2};
-    uint64_t below = 0;
-    for (size_t i = 0; i < intensities; i++) {
-        if (!counter[i])
-            continue;
-        sums->least = below ? sums->least : (uint16_t)i;
-        sums->most = (uint16_t)i;
-        for (int m = 0; m < 2; m++)
-            if (rank[m] >= below && rank[m] < below + counter[i])
-                sums->middle[m] = (uint16_t)i;
-        sums->intensity += (uint64_t)counter[i] * i;
-        sums->intensity_squares += (uint64_t)counter[i] * i * i;
-        below += counter[i];
-    }
-}
-
 static struct label_sums sum_counts(const struct label_counts *counts, unsigned label)
 {
     const uint32_t *counter = counts->of[label];
     struct label_sums sums = {.voxels = 0};
-    for (int a = 0; counter && a < 3; a++)
-        sums.voxels = sum_planes(counter + counts->plane[a], counts->scene->grid.size[a],
-                                 &sums.sum[a], &sums.first[a], &sums.last[a]);
-    if (sums.voxels)
-        sum_intensities(&sums, counter, counts->plane[0]);
+    for (int a = 0; counter && a < 3; a++) {
+        /* Counters of planes: how many voxels there are, the sum of their positions, the first and
+         * the last. */
+        const uint32_t *count = counter + counts->plane[a];
+        uint64_t voxels = 0;
+        for (uint32_t i = 0; i < counts->scene->grid.size[a]; i++) {
+            if (!count[i])
+                continue;
+            sums.first[a] = voxels ? sums.first[a] : i;
+            sums.last[a] = i;
+            sums.sum[a] += (uint64_t)count[i] * i;
+            voxels += count[i];
+        }
+        sums.voxels = voxels;
+    }
+    if (sums.voxels) {
+        const uint64_t rank[2] = {(sums.voxels - 1) / 2, sums.voxels / 2};
+        uint64_t below = 0;
+        for (size_t i = 0; i < counts->plane[0]; i++) {
+            if (!counter[i])
+                continue;
+            sums.least = below ? sums.least : (uint16_t)i;
+            sums.most = (uint16_t)i;
+            for (int m = 0; m < 2; m++)
+                if (rank[m] >= below && rank[m] < below + counter[i])
+                    sums.middle[m] = (uint16_t)i;
+            sums.intensity += (uint64_t)counter[i] * i;
+            sums.intensity_squares += (uint64_t)counter[i] * i * i;
+            below += counter[i];
+        }
+    }
     return sums;
 }
 
@@ -279,11 +270,14 @@ static enum err count_components(struct finding *f, struct fault *fault)
     return err;
 }
 
-/* The part of the scene that a label takes, and one voxel around it, as a grid of its own: what is
- * around is one with what lies beyond. */
-static enum err box_around(struct grid *box, uint32_t corner[3], const struct finding *f,
-                           unsigned label, struct fault *fault)
+static enum err count_holes(struct finding *f, unsigned label, struct fault *fault)
 {
+    struct watch *watch = f->scene->watch;
+    struct components found = {0};
+    struct grid box;
+    uint32_t corner[3];
+    /* The part of the scene that a label takes, and one voxel around it, as a grid of its own: what
+     * is around is one with what lies beyond. */
     const struct label_sums *sums = &f->stats[label].sums;
     uint32_t size[3];
     for (int a = 0; a < 3; a++) {
@@ -291,37 +285,21 @@ static enum err box_around(struct grid *box, uint32_t corner[3], const struct fi
         corner[a] = sums->first[a] > 0 ? sums->first[a] - 1 : 0;
         size[a] = (sums->last[a] < end ? sums->last[a] + 1 : end) - corner[a] + 1;
     }
-    return grid_init(box, size, fault);
-}
-
-/* 1 in voxels of the label, else 0. */
-static uint8_t *select_label(const struct grid *box, const uint32_t corner[3],
-                             const struct finding *f, unsigned label)
-{
-    const struct grid *grid = &f->scene->grid;
-    uint8_t *selected = mem_array(box->cells, 1);
-    struct task task = task_begin(f->scene->watch, "holes", box->voxels);
-    for (uint32_t z = 0; selected && z < box->size[2]; z++)
-        for (uint32_t y = 0; y < box->size[1] && task_advance(&task, box->size[0]); y++) {
-            const uint8_t *from =
-                f->label + grid_cell(grid, corner[0], corner[1] + y, corner[2] + z);
-            uint8_t *to = selected + grid_cell(box, 0, y, z);
-            for (uint32_t x = 0; x < box->size[0]; x++)
-                to[x] = from[x] == label;
-        }
-    return selected;
-}
-
-static enum err count_holes(struct finding *f, unsigned label, struct fault *fault)
-{
-    struct watch *watch = f->scene->watch;
-    struct components found = {0};
-    struct grid box;
-    uint32_t corner[3];
-    enum err err = box_around(&box, corner, f, label, fault);
+    enum err err = grid_init(&box, size, fault);
     if (err)
         return err;
-    uint8_t *selected = select_label(&box, corner, f, label);
+    /* 1 in voxels of the label, else 0. */
+    const struct grid *grid = &f->scene->grid;
+    uint8_t *selected = mem_array(box.cells, 1);
+    struct task task = task_begin(f->scene->watch, "holes", box.voxels);
+    for (uint32_t z = 0; selected && z < box.size[2]; z++)
+        for (uint32_t y = 0; y < box.size[1] && task_advance(&task, box.size[0]); y++) {
+            const uint8_t *from =
+                f->label + grid_cell(grid, corner[0], corner[1] + y, corner[2] + z);
+            uint8_t *to = selected + grid_cell(&box, 0, y, z);
+            for (uint32_t x = 0; x < box.size[0]; x++)
+                to[x] = from[x] == label;
+        }
     err = selected ? watch_fault(watch, fault) : fault_memory(fault, "holes");
     if (!err)
         err = components_find(&found, &box, selected, watch, fault);

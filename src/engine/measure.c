@@ -28,26 +28,6 @@ static void try_voxel(struct search *s, const int64_t step[3], uint64_t row_squa
     s->squared = squared;
 }
 
-/* All voxels whose largest step along an axis is `r`. */
-static void search_shell(struct search *s, int64_t r)
-{
-    int64_t step[3];
-    for (step[2] = -r; step[2] <= r; step[2]++)
-        for (step[1] = -r; step[1] <= r; step[1]++) {
-            if (step[2] < s->least[2] || step[2] > s->most[2] || step[1] < s->least[1] ||
-                step[1] > s->most[1])
-                continue;
-            const uint64_t down = (uint64_t)llabs(step[1]) * s->unit[1];
-            const uint64_t deep = (uint64_t)llabs(step[2]) * s->unit[2];
-            const uint64_t row = down * down + deep * deep;
-            const bool on_face = llabs(step[1]) == r || llabs(step[2]) == r;
-            if (row > s->squared)
-                continue;
-            for (step[0] = -r; step[0] <= r; step[0] += on_face ? 1 : 2 * r)
-                try_voxel(s, step, row);
-        }
-}
-
 /* False where the watch has stopped it. */
 static bool search(struct search *s, const char *what)
 {
@@ -66,7 +46,22 @@ static bool search(struct search *s, const char *what)
             break;
         if (!task_advance(&task, (uint64_t)(24 * r * r + 2)))
             return false;
-        search_shell(s, r);
+        /* All voxels whose largest step along an axis is `r`. */
+        int64_t step[3];
+        for (step[2] = -r; step[2] <= r; step[2]++)
+            for (step[1] = -r; step[1] <= r; step[1]++) {
+                if (step[2] < s->least[2] || step[2] > s->most[2] || step[1] < s->least[1] ||
+                    step[1] > s->most[1])
+                    continue;
+                const uint64_t down = (uint64_t)llabs(step[1]) * s->unit[1];
+                const uint64_t deep = (uint64_t)llabs(step[2]) * s->unit[2];
+                const uint64_t row = down * down + deep * deep;
+                const bool on_face = llabs(step[1]) == r || llabs(step[2]) == r;
+                if (row > s->squared)
+                    continue;
+                for (step[0] = -r; step[0] <= r; step[0] += on_face ? 1 : 2 * r)
+                    try_voxel(s, step, row);
+            }
     }
     return true;
 }

@@ -188,24 +188,6 @@ static uint32_t take_chunk(struct queue *queue, uint32_t *head)
     return handle;
 }
 
-/* Distributes what waits at `cost` over the hops. */
-static void open_cost(struct queue *queue, uint32_t cost)
-{
-    marks_unset(&queue->costs, cost);
-    queue->level = cost << 16;
-    queue->open = true;
-    queue->by_hops[0] = queue->at_rise[cost];
-    queue->at_rise[cost] = 0;
-    if (queue->by_hops[0])
-        marks_set(&queue->hops, 0);
-    for (uint32_t handle; (handle = take_chunk(queue, &queue->later[cost]));) {
-        const struct chunk *chunk = queue->pool + handle;
-        for (uint32_t i = 0; i + 1 < chunk->count; i += 2)
-            add_at_hops(queue, chunk->cell[i], chunk->cell[i + 1]);
-        release_chunk(queue, handle);
-    }
-}
-
 uint64_t queue_lowest(const struct queue *queue)
 {
     uint32_t lowest;
@@ -216,8 +198,23 @@ uint64_t queue_lowest(const struct queue *queue)
 
 void queue_serve(struct queue *queue, uint32_t level)
 {
-    if (!queue->open || queue->level >> 16 != level >> 16)
-        open_cost(queue, level >> 16);
+    if (!queue->open || queue->level >> 16 != level >> 16) {
+        /* Distributes what waits at `cost` over the hops. */
+        const uint32_t cost = level >> 16;
+        marks_unset(&queue->costs, cost);
+        queue->level = cost << 16;
+        queue->open = true;
+        queue->by_hops[0] = queue->at_rise[cost];
+        queue->at_rise[cost] = 0;
+        if (queue->by_hops[0])
+            marks_set(&queue->hops, 0);
+        for (uint32_t handle; (handle = take_chunk(queue, &queue->later[cost]));) {
+            const struct chunk *chunk = queue->pool + handle;
+            for (uint32_t i = 0; i + 1 < chunk->count; i += 2)
+                add_at_hops(queue, chunk->cell[i], chunk->cell[i + 1]);
+            release_chunk(queue, handle);
+        }
+    }
     queue->level = level;
 }
 

@@ -64,17 +64,6 @@ static void put_le32(uint8_t *out, uint32_t value)
         out[i] = (uint8_t)(value >> 8 * i);
 }
 
-static void prove_geometry(struct sha256_ctx *sha, const struct scene *scene)
-{
-    uint8_t head[28] = {0};
-    for (unsigned a = 0; a < 3; a++) {
-        put_le32(head + 4 * a, scene->grid.size[a]);
-        put_le32(head + 12 + 4 * a, scene->spacing_nm[a]);
-        head[24 + a] = (uint8_t)(scene->world_axis[a] * 2 + (scene->world_sign[a] < 0));
-    }
-    sha256_update(sha, sizeof head, head);
-}
-
 /* Intensities on their way to SHA-256. What follows the head makes it up to a whole block; from
  * then on pieces are whole blocks, which are taken fastest. */
 enum { PROOF_PIECE = 2048, PROOF_FIRST = (64 - 28) / 2 };
@@ -117,7 +106,13 @@ void scene_proof(char out[SHA256_HEX], const struct scene *scene)
     struct task task = task_begin(scene->watch, "proof of the scene", grid->voxels);
     *out = '\0';
     sha256_init(&proof.sha);
-    prove_geometry(&proof.sha, scene);
+    uint8_t head[28] = {0};
+    for (unsigned a = 0; a < 3; a++) {
+        put_le32(head + 4 * a, scene->grid.size[a]);
+        put_le32(head + 12 + 4 * a, scene->spacing_nm[a]);
+        head[24 + a] = (uint8_t)(scene->world_axis[a] * 2 + (scene->world_sign[a] < 0));
+    }
+    sha256_update(&proof.sha, sizeof head, head);
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             prove_row(&proof, plain, scene->cell + grid_row(grid, y, z).first, grid->size[0]);

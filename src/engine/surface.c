@@ -123,57 +123,30 @@ static bool share_face(unsigned edge, unsigned other)
     return false;
 }
 
-/* The segments of a face: next[] leads from the edge where the inside ends to where it began, so
- * that polygons run clockwise as seen from outside the label. */
-static void cut_corners(struct surface_case *out, uint8_t next[EDGES], unsigned set, unsigned f)
-{
-    const struct face face = face_of(f);
-    for (unsigned i = 0; i < 4; i++) {
-        unsigned first = i; /* of the run of corners inside that ends with corner i */
-        if (!(set >> face.corner[i] & 1) || set >> face.corner[(i + 1) % 4] & 1)
-            continue;
-        while (set >> face.corner[(first + 3) % 4] & 1)
-            first = (first + 3) % 4;
-        const uint8_t from = face.edge[i], to = face.edge[(first + 3) % 4];
-        next[from] = to;
-        if (f % 2 == 0) {
-            out->segment[out->segments][0] = from;
-            out->segment[out->segments++][1] = to;
-        }
-    }
-}
-
-/* The corner of the polygon that can be the middle of the fan. */
-static unsigned fan_corner(const uint8_t *polygon, unsigned count)
-{
-    unsigned middle = 0;
-    for (bool fits = false; !fits; middle += !fits) {
-        fits = true;
-        for (unsigned i = 2; i + 1 < count && fits; i++)
-            fits = !share_face(polygon[middle], polygon[(middle + i) % count]);
-    }
-    return middle;
-}
-
-static void add_polygon(struct surface_case *out, const uint8_t *polygon, unsigned count)
-{
-    const unsigned middle = fan_corner(polygon, count);
-    for (unsigned i = 1; i + 1 < count; i++) {
-        uint8_t *triangle = out->triangle[out->triangles++];
-        triangle[0] = polygon[middle];
-        triangle[1] = polygon[(middle + i + 1) % count];
-        triangle[2] = polygon[(middle + i) % count];
-    }
-}
-
 static void make_case(struct surface_case *out, unsigned set)
 {
     uint8_t next[EDGES], polygon[EDGES];
     *out = (struct surface_case){0};
     for (unsigned e = 0; e < EDGES; e++)
         next[e] = NO_EDGE;
-    for (unsigned f = 0; f < FACES; f++)
-        cut_corners(out, next, set, f);
+    for (unsigned f = 0; f < FACES; f++) {
+        /* The segments of a face: next[] leads from the edge where the inside ends to where it
+         * began, so that polygons run clockwise as seen from outside the label. */
+        const struct face face = face_of(f);
+        for (unsigned i = 0; i < 4; i++) {
+            unsigned first = i; /* of the run of corners inside that ends with corner i */
+            if (!(set >> face.corner[i] & 1) || set >> face.corner[(i + 1) % 4] & 1)
+                continue;
+            while (set >> face.corner[(first + 3) % 4] & 1)
+                first = (first + 3) % 4;
+            const uint8_t from = face.edge[i], to = face.edge[(first + 3) % 4];
+            next[from] = to;
+            if (f % 2 == 0) {
+                out->segment[out->segments][0] = from;
+                out->segment[out->segments++][1] = to;
+            }
+        }
+    }
     for (unsigned e = 0; e < EDGES; e++) {
         unsigned count = 0;
         for (uint8_t at = (uint8_t)e; next[at] != NO_EDGE;) {
@@ -182,8 +155,21 @@ static void make_case(struct surface_case *out, unsigned set)
             polygon[count++] = at;
             at = to;
         }
-        if (count)
-            add_polygon(out, polygon, count);
+        if (count) {
+            /* The corner of the polygon that can be the middle of the fan. */
+            unsigned middle = 0;
+            for (bool fits = false; !fits; middle += !fits) {
+                fits = true;
+                for (unsigned i = 2; i + 1 < count && fits; i++)
+                    fits = !share_face(polygon[middle], polygon[(middle + i) % count]);
+            }
+            for (unsigned i = 1; i + 1 < count; i++) {
+                uint8_t *triangle = out->triangle[out->triangles++];
+                triangle[0] = polygon[middle];
+                triangle[1] = polygon[(middle + i + 1) % count];
+                triangle[2] = polygon[(middle + i) % count];
+            }
+        }
     }
 }
 
@@ -496,18 +482,6 @@ static bool find_growth(int64_t outward[256], const struct surface_nodes *nodes,
     return grows;
 }
 
-static void set_volumes(struct surface_nodes *nodes, struct task *task)
-{
-    int64_t outward[256] = {0};
-    struct volumes volumes;
-    for (int round = 0; round < ROUNDS && find_growth(outward, nodes, &volumes, task); round++)
-        for (size_t i = 0; i < nodes->nodes; i++) {
-            struct surface_node *node = &nodes->node[i];
-            node->along =
-                within_line(node->along + outward[node->label[0]] - outward[node->label[1]]);
-        }
-}
-
 /*
  * In each pass, every node goes half the way to the mean of its neighbours, along its line and no
  * further than to NODE_MARGIN before its ends. Then every label grows or shrinks, each node by as
@@ -524,7 +498,14 @@ static enum err smooth(struct surface_nodes *nodes, unsigned passes, struct watc
                    (uint64_t)passes * nodes->segments + ROUNDS * (uint64_t)nodes->triangles);
     for (unsigned i = 0; i < passes && !watch_stops(watch); i++)
         pass(nodes, all, &task);
-    set_volumes(nodes, &task);
+    int64_t outward[256] = {0};
+    struct volumes volumes;
+    for (int round = 0; round < ROUNDS && find_growth(outward, nodes, &volumes, &task); round++)
+        for (size_t i = 0; i < nodes->nodes; i++) {
+            struct surface_node *node = &nodes->node[i];
+            node->along =
+                within_line(node->along + outward[node->label[0]] - outward[node->label[1]]);
+        }
     free(all);
     return watch_fault(watch, fault);
 }
@@ -585,20 +566,6 @@ static void fill_parts(struct surface *surface, const struct surface_nodes *node
     }
 }
 
-static enum err gather(struct surface *surface, const struct surface_nodes *nodes,
-                       const bool wanted[256], struct fault *fault)
-{
-    count_parts(surface, nodes, wanted);
-    uint32_t *number = mem_array(2 * nodes->nodes + 1, sizeof *number);
-    surface->point = mem_array(surface->points + 1, sizeof *surface->point);
-    surface->triangle = mem_array(surface->triangles + 1, sizeof *surface->triangle);
-    const bool fits = number && surface->point && surface->triangle;
-    if (fits)
-        fill_parts(surface, nodes, number);
-    free(number);
-    return fits ? OK : fault_memory(fault, "a surface");
-}
-
 enum err surface_new(struct surface **surface, const struct surface_source *source,
                      const bool wanted[256], unsigned passes, struct watch *watch,
                      struct fault *fault)
@@ -610,8 +577,18 @@ enum err surface_new(struct surface **surface, const struct surface_source *sour
         err = fault_memory(fault, "a surface");
     if (!err)
         err = smooth(&nodes, passes, watch, fault);
-    if (!err)
-        err = gather(*surface, &nodes, wanted, fault);
+    if (!err) {
+        struct surface *made = *surface;
+        count_parts(made, &nodes, wanted);
+        uint32_t *number = mem_array(2 * nodes.nodes + 1, sizeof *number);
+        made->point = mem_array(made->points + 1, sizeof *made->point);
+        made->triangle = mem_array(made->triangles + 1, sizeof *made->triangle);
+        const bool fits = number && made->point && made->triangle;
+        if (fits)
+            fill_parts(made, &nodes, number);
+        free(number);
+        err = fits ? OK : fault_memory(fault, "a surface");
+    }
     if (err) {
         surface_free(*surface);
         *surface = NULL;

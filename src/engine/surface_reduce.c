@@ -189,17 +189,6 @@ static bool find_neighbours(struct reduction *r, uint32_t point)
     return c == first;
 }
 
-static void find_ways(struct reduction *r, uint32_t point)
-{
-    const uint32_t *from = r->node[point].at;
-    for (unsigned i = 0; i < r->spokes; i++) {
-        const uint32_t *to = r->node[r->neighbour[i]].at;
-        r->spoke[i].is_out = false;
-        for (int a = 0; a < 3; a++)
-            r->spoke[i].way[a] = (int64_t)to[a] - (int64_t)from[a];
-    }
-}
-
 /* No edge is too long now, and none may become so: rules out neighbours that are too far from
  * others. False where there is no need to look further. */
 static bool are_short(struct reduction *r)
@@ -219,20 +208,6 @@ static bool are_short(struct reduction *r)
             r->spoke[i].is_out |= high[a] - r->spoke[i].way[a] >= LENGTH_MOST ||
                                   r->spoke[i].way[a] - low[a] >= LENGTH_MOST;
     return fits;
-}
-
-static void find_normals(struct reduction *r)
-{
-    for (unsigned i = 0; i < r->spokes; i++) {
-        struct spoke *spoke = r->spoke + i;
-        const struct spoke *next = r->spoke + (i + 1 < r->spokes ? i + 1 : 0);
-        int64_t edge[3];
-        for (int a = 0; a < 3; a++)
-            edge[a] = next->way[a] - spoke->way[a];
-        cross_product(spoke->normal, spoke->way, next->way);
-        cross_product(spoke->turn, edge, spoke->normal);
-        spoke->squared = product(spoke->normal, spoke->normal);
-    }
 }
 
 /* Of moving to a neighbour; NEVER where that is no less than `most`, or a triangle would turn over:
@@ -272,10 +247,25 @@ static bool look_around(struct reduction *r, uint32_t point)
 {
     if (!find_neighbours(r, point))
         return false;
-    find_ways(r, point);
+    const uint32_t *from = r->node[point].at;
+    for (unsigned i = 0; i < r->spokes; i++) {
+        const uint32_t *to = r->node[r->neighbour[i]].at;
+        r->spoke[i].is_out = false;
+        for (int a = 0; a < 3; a++)
+            r->spoke[i].way[a] = (int64_t)to[a] - (int64_t)from[a];
+    }
     if (!are_short(r))
         return false;
-    find_normals(r);
+    for (unsigned i = 0; i < r->spokes; i++) {
+        struct spoke *spoke = r->spoke + i;
+        const struct spoke *next = r->spoke + (i + 1 < r->spokes ? i + 1 : 0);
+        int64_t edge[3];
+        for (int a = 0; a < 3; a++)
+            edge[a] = next->way[a] - spoke->way[a];
+        cross_product(spoke->normal, spoke->way, next->way);
+        cross_product(spoke->turn, edge, spoke->normal);
+        spoke->squared = product(spoke->normal, spoke->normal);
+    }
     return true;
 }
 
@@ -339,13 +329,6 @@ static void settle(struct reduction *r, uint32_t rank, struct price price)
     put_at(r, rank, price);
 }
 
-static void take_out(struct reduction *r, uint32_t point)
-{
-    const struct price last = r->heap[--r->in_heap];
-    if (last.point != point)
-        settle(r, r->node[point].rank, last);
-}
-
 /* ---- moving ---- */
 
 static uint32_t corner_towards(const struct reduction *r, uint32_t point, uint32_t to)
@@ -384,12 +367,6 @@ static void put_again(struct reduction *r, uint32_t point, uint64_t cost)
     settle(r, r->node[point].rank, (struct price){cost, point});
 }
 
-static bool is_sound(struct reduction *r, uint32_t point)
-{
-    find_neighbours(r, point);
-    return stays_manifold(r, corner_towards(r, point, r->node[point].to));
-}
-
 /* After a move to this point. */
 static void find_moves_around(struct reduction *r, uint32_t to)
 {
@@ -409,12 +386,15 @@ static void reduce(struct reduction *r, size_t most, struct task *task)
         const uint32_t point = r->heap[0].point, to = r->node[point].to;
         if (r->heap[0].cost == NEVER)
             return;
-        if (!is_sound(r, point)) {
+        find_neighbours(r, point);
+        if (!(stays_manifold(r, corner_towards(r, point, r->node[point].to)))) {
             put_again(r, point, find_sound_move(r, point));
             continue;
         }
         move_point(r, point);
-        take_out(r, point);
+        const struct price last = r->heap[--r->in_heap];
+        if (last.point != point)
+            settle(r, r->node[point].rank, last);
         find_moves_around(r, to);
     }
 }
@@ -473,14 +453,6 @@ static enum err reduction_init(struct reduction *r, struct surface *surface, str
     return fits ? OK : fault_memory(fault, "a surface");
 }
 
-static void reduction_free(struct reduction *r)
-{
-    free(r->corner);
-    free(r->node);
-    free(r->heap);
-    free(r);
-}
-
 enum err surface_reduce(struct surface *surface, size_t most, struct watch *watch,
                         struct fault *fault)
 {
@@ -502,6 +474,9 @@ enum err surface_reduce(struct surface *surface, size_t most, struct watch *watc
         gather(r);
         err = watch_fault(watch, fault);
     }
-    reduction_free(r);
+    free(r->corner);
+    free(r->node);
+    free(r->heap);
+    free(r);
     return err;
 }

@@ -104,18 +104,6 @@ static void digest_plain_row(void *context, unsigned worker, uint32_t y, uint32_
     d->sum[worker] += sum;
 }
 
-static void digest_row(struct digesting *d, unsigned worker, uint32_t y, uint32_t z)
-{
-    const struct grid *grid = &d->scene->grid;
-    const struct span row = grid_row(grid, y, z);
-    uint64_t sum = 0, voxel = ((uint64_t)z * grid->size[1] + y) * grid->size[0];
-    for (uint32_t c = row.first; c < row.end; c++) {
-        scene_fetch_ahead(d->scene, c);
-        sum += hash_mix(voxel++ << 16 | d->scene->cell[c].weight);
-    }
-    d->sum[worker] += sum;
-}
-
 static void digest_slab(void *context, unsigned worker)
 {
     struct digesting *d = context;
@@ -129,8 +117,15 @@ static void digest_slab(void *context, unsigned worker)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             if (d->method)
                 digest_plain_row(d, worker, y, z, weight);
-            else
-                digest_row(d, worker, y, z);
+            else {
+                const struct span row = grid_row(grid, y, z);
+                uint64_t sum = 0, voxel = ((uint64_t)z * grid->size[1] + y) * grid->size[0];
+                for (uint32_t c = row.first; c < row.end; c++) {
+                    scene_fetch_ahead(d->scene, c);
+                    sum += hash_mix(voxel++ << 16 | d->scene->cell[c].weight);
+                }
+                d->sum[worker] += sum;
+            }
             if (!task_advance(&task, grid->size[0]))
                 return;
         }

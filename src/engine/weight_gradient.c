@@ -187,17 +187,6 @@ static uint32_t *smoothed(const struct smoother *s, uint32_t y, uint32_t z)
     return s->smoothed + z % 3 * s->plane + (size_t)y * s->width;
 }
 
-static void load_plane(struct smoother *s)
-{
-    const uint32_t z = s->loaded++;
-    uint16_t *to = s->intensity + z % s->deep * s->plane;
-    for (uint32_t y = 0; y < s->height && row_is_done(s, 1); y++) {
-        const struct cell *cell = s->scene->cell + grid_row(&s->scene->grid, y, z).first;
-        for (uint32_t x = 0; x < s->width; x++)
-            *to++ = cell[x].intensity;
-    }
-}
-
 /* At most 65535 * GAUSS_SUM: exact in 32 bits. */
 static void smooth_along_z(struct smoother *s, uint32_t y, uint32_t z)
 {
@@ -242,27 +231,30 @@ static void smooth_along_y(struct smoother *s, uint32_t y)
     }
 }
 
-static void smooth_along_x(struct smoother *s, uint32_t *to)
-{
-    const uint32_t *row = s->padded + s->gauss.radius, *weight = s->gauss.weight;
-    for (uint32_t x = 0; x < s->width; x++, row++) {
-        uint64_t sum = (uint64_t)weight[0] * *row;
-        for (uint32_t k = 1; k <= s->gauss.radius; k++)
-            sum += weight[k] * ((uint64_t) * (row - k) + row[k]);
-        to[x] = nearest(sum);
-    }
-}
-
 static void smooth_plane(struct smoother *s, uint32_t z)
 {
     const uint32_t terms = s->gauss.radius + 1;
-    while (s->loaded <= grid_held((int64_t)z + s->gauss.radius, s->depth))
-        load_plane(s);
+    while (s->loaded <= grid_held((int64_t)z + s->gauss.radius, s->depth)) {
+        const uint32_t plane = s->loaded++;
+        uint16_t *to = s->intensity + plane % s->deep * s->plane;
+        for (uint32_t y = 0; y < s->height && row_is_done(s, 1); y++) {
+            const struct cell *cell = s->scene->cell + grid_row(&s->scene->grid, y, plane).first;
+            for (uint32_t x = 0; x < s->width; x++)
+                *to++ = cell[x].intensity;
+        }
+    }
     for (uint32_t y = 0; y < s->height && row_is_done(s, terms); y++)
         smooth_along_z(s, y, z);
     for (uint32_t y = 0; y < s->height && row_is_done(s, 2 * terms); y++) {
         smooth_along_y(s, y);
-        smooth_along_x(s, smoothed(s, y, z));
+        uint32_t *to = smoothed(s, y, z);
+        const uint32_t *row = s->padded + s->gauss.radius, *weight = s->gauss.weight;
+        for (uint32_t x = 0; x < s->width; x++, row++) {
+            uint64_t sum = (uint64_t)weight[0] * *row;
+            for (uint32_t k = 1; k <= s->gauss.radius; k++)
+                sum += weight[k] * ((uint64_t) * (row - k) + row[k]);
+            to[x] = nearest(sum);
+        }
     }
 }
 
@@ -273,24 +265,6 @@ static uint64_t half_squared(uint32_t a, uint32_t b)
 {
     const uint64_t half = (a < b ? b - a : a - b) / 2;
     return half * half;
-}
-
-static void weigh_row(const struct smoother *s, struct scene *scene, uint32_t y, uint32_t z)
-{
-    const uint32_t *here = smoothed(s, y, z);
-    const uint32_t *y0 = smoothed(s, grid_held((int64_t)y - 1, s->height), z);
-    const uint32_t *y1 = smoothed(s, grid_held((int64_t)y + 1, s->height), z);
-    const uint32_t *z0 = smoothed(s, y, grid_held((int64_t)z - 1, s->depth));
-    const uint32_t *z1 = smoothed(s, y, grid_held((int64_t)z + 1, s->depth));
-    const uint64_t step = s->gauss.weight[0] + s->gauss.weight[1];
-    struct cell *cell = scene->cell + grid_row(&scene->grid, y, z).first;
-    for (uint32_t x = 0; x < s->width; x++) {
-        const uint64_t sum =
-            half_squared(here[x > 0 ? x - 1 : x], here[x + 1 < s->width ? x + 1 : x]) +
-            half_squared(y0[x], y1[x]) + half_squared(z0[x], z1[x]);
-        const uint64_t length = (2 * (uint64_t)square_root(sum) + step / 2) / step;
-        cell[x].weight = (uint16_t)(length < WEIGHT_MOST ? length : WEIGHT_MOST);
-    }
 }
 
 static void gauss_weigh(struct scene *scene, const struct adjacency *adjacency,
@@ -316,7 +290,20 @@ static void gauss_weigh(struct scene *scene, const struct adjacency *adjacency,
         if (z + 1 < s.depth)
             smooth_plane(&s, z + 1);
         for (uint32_t y = 0; y < s.height; y++) {
-            weigh_row(&s, scene, y, z);
+            const uint32_t *here = smoothed(&s, y, z);
+            const uint32_t *y0 = smoothed(&s, grid_held((int64_t)y - 1, s.height), z);
+            const uint32_t *y1 = smoothed(&s, grid_held((int64_t)y + 1, s.height), z);
+            const uint32_t *z0 = smoothed(&s, y, grid_held((int64_t)z - 1, s.depth));
+            const uint32_t *z1 = smoothed(&s, y, grid_held((int64_t)z + 1, s.depth));
+            const uint64_t step = s.gauss.weight[0] + s.gauss.weight[1];
+            struct cell *cell = scene->cell + grid_row(&scene->grid, y, z).first;
+            for (uint32_t x = 0; x < s.width; x++) {
+                const uint64_t sum =
+                    half_squared(here[x > 0 ? x - 1 : x], here[x + 1 < s.width ? x + 1 : x]) +
+                    half_squared(y0[x], y1[x]) + half_squared(z0[x], z1[x]);
+                const uint64_t length = (2 * (uint64_t)square_root(sum) + step / 2) / step;
+                cell[x].weight = (uint16_t)(length < WEIGHT_MOST ? length : WEIGHT_MOST);
+            }
             if (!row_is_done(&s, 1))
                 return;
         }

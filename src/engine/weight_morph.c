@@ -168,19 +168,6 @@ static const uint16_t *plain_row(const struct scene *scene, int64_t y, int64_t z
            ((size_t)grid_held(z, size[2]) * size[1] + grid_held(y, size[1])) * size[0];
 }
 
-/* One voxel, by the rows of its neighbours. */
-static uint16_t weigh_voxel(const uint16_t *const row[], const struct adjacency *adjacency,
-                            uint32_t x, uint32_t width)
-{
-    uint16_t high = row[adjacency->count][x], low = high;
-    for (unsigned n = 0; n < adjacency->count; n++) {
-        const uint32_t at = grid_held((int64_t)x + adjacency->step[n][0], width);
-        high = larger(high, row[n][at]);
-        low = row[n][at] < low ? row[n][at] : low;
-    }
-    return (uint16_t)(high - low);
-}
-
 /* Intensities lie side by side there, and neighbours along x are in the row but for its ends. */
 static void weigh_plain_row(uint16_t *weight, const struct scene *scene,
                             const struct adjacency *adjacency, uint32_t y, uint32_t z)
@@ -195,8 +182,16 @@ static void weigh_plain_row(uint16_t *weight, const struct scene *scene,
     row[adjacency->count] = near[adjacency->count] = plain_row(scene, y, z);
     for (uint32_t at = 1; at < inner; at += BLOCK)
         weigh_block(weight, near, adjacency->count, at + BLOCK < inner ? at : inner - BLOCK);
-    for (uint32_t x = 0; x < width; x += inner && x == 0 ? inner : 1)
-        weight[x] = weigh_voxel(row, adjacency, x, width);
+    for (uint32_t x = 0; x < width; x += inner && x == 0 ? inner : 1) {
+        /* One voxel, by the rows of its neighbours. */
+        uint16_t high = row[adjacency->count][x], low = high;
+        for (unsigned n = 0; n < adjacency->count; n++) {
+            const uint32_t at = grid_held((int64_t)x + adjacency->step[n][0], width);
+            high = larger(high, row[n][at]);
+            low = row[n][at] < low ? row[n][at] : low;
+        }
+        weight[x] = (uint16_t)(high - low);
+    }
 }
 
 /* ---- a wider one ---- */
@@ -218,15 +213,6 @@ static uint64_t bytes(const struct grid *grid, uint32_t radius)
     return radius == 1 ? 0 : 2 * ((uint64_t)radius + 1) * grid->size[0] * sizeof(uint16_t);
 }
 
-static void merge_row(struct lanes *lanes, uint32_t lane, const struct cell *cell)
-{
-    uint16_t *high = lanes->high + lane * lanes->width, *low = lanes->low + lane * lanes->width;
-    for (size_t x = 0; x < lanes->width; x++) {
-        high[x] = larger(high[x], cell[x].intensity);
-        low[x] = larger(low[x], (uint16_t)(65535 - cell[x].intensity));
-    }
-}
-
 /* inner[x] = max(inner[x], outer[x - 1], outer[x], outer[x + 1]) */
 static void widen_into(uint16_t *inner, const uint16_t *outer, size_t width)
 {
@@ -246,7 +232,14 @@ static void merge_around(struct lanes *lanes, const struct scene *scene, bool by
             if (reach < 0 || !grid_contains(&scene->grid, 0, at[0], at[1]))
                 continue;
             const struct span row = grid_row(&scene->grid, (uint32_t)at[0], (uint32_t)at[1]);
-            merge_row(lanes, (uint32_t)reach, scene->cell + row.first);
+            const uint32_t lane = (uint32_t)reach;
+            const struct cell *cell = scene->cell + row.first;
+            uint16_t *high = lanes->high + lane * lanes->width,
+                     *low = lanes->low + lane * lanes->width;
+            for (size_t x = 0; x < lanes->width; x++) {
+                high[x] = larger(high[x], cell[x].intensity);
+                low[x] = larger(low[x], (uint16_t)(65535 - cell[x].intensity));
+            }
         }
 }
 
