@@ -20,32 +20,6 @@ struct watch {
 
 /* ---- in the child: system calls alone, since other threads may have held any lock ---- */
 
-static void ignore_signals(void)
-{
-    const struct sigaction usual = {.sa_handler = SIG_DFL}, ignored = {.sa_handler = SIG_IGN};
-    sigset_t none;
-    for (int number = 1; number < NSIG; number++) {
-        const bool crash = number == SIGSEGV || number == SIGBUS || number == SIGILL ||
-                           number == SIGFPE || number == SIGABRT;
-        sigaction(number, crash ? &usual : &ignored, NULL);
-    }
-    sigemptyset(&none);
-    sigprocmask(SIG_SETMASK, &none, NULL);
-}
-
-/* Puts what is to stay in its places, by way of places that nothing needs. */
-static void keep_descriptors(int from[DESCRIPTORS])
-{
-    for (int i = 0; i < DESCRIPTORS; i++)
-        from[i] = from[i] < 0 ? -1 : fcntl(from[i], F_DUPFD, DESCRIPTORS);
-    for (int i = 0; i < DESCRIPTORS; i++) {
-        close(i);
-        if (from[i] >= 0)
-            dup2(from[i], i);
-    }
-    closefrom(DESCRIPTORS);
-}
-
 /* Where the foreground job is not known, the modes decide. */
 static void give_back(const struct watch *w)
 {
@@ -72,10 +46,26 @@ static _Noreturn void guard(const struct watch *w, int from[DESCRIPTORS])
                               {.fd = from[PARENT] >= 0 ? PARENT : -1, .events = POLLIN}};
     prctl(PR_SET_NAME, "iftty-guardian");
     setpgid(0, 0);
-    ignore_signals();
-    keep_descriptors(from);
-    int ignored = chdir("/");
-    (void)ignored;
+    const struct sigaction usual = {.sa_handler = SIG_DFL}, ignored = {.sa_handler = SIG_IGN};
+    sigset_t none;
+    for (int number = 1; number < NSIG; number++) {
+        const bool crash = number == SIGSEGV || number == SIGBUS || number == SIGILL ||
+                           number == SIGFPE || number == SIGABRT;
+        sigaction(number, crash ? &usual : &ignored, NULL);
+    }
+    sigemptyset(&none);
+    sigprocmask(SIG_SETMASK, &none, NULL);
+    /* Puts what is to stay in its places, by way of places that nothing needs. */
+    for (int i = 0; i < DESCRIPTORS; i++)
+        from[i] = from[i] < 0 ? -1 : fcntl(from[i], F_DUPFD, DESCRIPTORS);
+    for (int i = 0; i < DESCRIPTORS; i++) {
+        close(i);
+        if (from[i] >= 0)
+            dup2(from[i], i);
+    }
+    closefrom(DESCRIPTORS);
+    int unused = chdir("/");
+    (void)unused;
     while (poll(ready, 2, -1) <= 0)
         ;
     if (w->guarded->on)

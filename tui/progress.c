@@ -15,21 +15,6 @@ void progress_init(struct progress *progress, int fd)
         .fd = fd, .shows = isatty(fd) == 1, .has_blocks = locale_is_utf8(), .columns = 80};
 }
 
-/* In blocks whole cells, and of the last one as many eighths from the left as there are. */
-static void add_bar(struct buf *out, double part, unsigned percent, bool has_blocks)
-{
-    static const char *const eighths[] = {" ", "▏", "▎", "▍", "▌", "▋", "▊", "▉", "█"};
-    const unsigned all = (unsigned)(part * BAR * 8);
-    buf_add_text(out, has_blocks ? "▕" : "[");
-    for (unsigned i = 0; i < BAR; i++) {
-        const unsigned left = all > 8 * i ? all - 8 * i : 0;
-        buf_add_text(out, has_blocks                ? eighths[left < 8 ? left : 8]
-                          : i * 100 < percent * BAR ? "#"
-                                                    : "-");
-    }
-    buf_add_text(out, has_blocks ? "▏" : "]");
-}
-
 void progress_line(struct buf *out, const struct progress_step *step, bool has_blocks,
                    unsigned columns)
 {
@@ -39,7 +24,18 @@ void progress_line(struct buf *out, const struct progress_step *step, bool has_b
     if (step->total) {
         const double part = (double)done / (double)step->total;
         const unsigned percent = (unsigned)((double)done * 100.0 / (double)step->total);
-        add_bar(&line, part, percent, has_blocks);
+        /* In blocks whole cells, and of the last one as many eighths from the left as there
+         * are. */
+        static const char *const eighths[] = {" ", "▏", "▎", "▍", "▌", "▋", "▊", "▉", "█"};
+        const unsigned all = (unsigned)(part * BAR * 8);
+        buf_add_text(&line, has_blocks ? "▕" : "[");
+        for (unsigned i = 0; i < BAR; i++) {
+            const unsigned left = all > 8 * i ? all - 8 * i : 0;
+            buf_add_text(&line, has_blocks                ? eighths[left < 8 ? left : 8]
+                                : i * 100 < percent * BAR ? "#"
+                                                          : "-");
+        }
+        buf_add_text(&line, has_blocks ? "▏" : "]");
         buf_printf(&line, " %3u %%, ", percent);
     } else if (step->done) {
         buf_printf(&line, "%llu voxels, ", (unsigned long long)step->done);

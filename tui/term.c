@@ -278,37 +278,6 @@ static void on_resize(int number)
     term.resized = 1;
 }
 
-static void take_signals(void)
-{
-    for (size_t i = 0; i < SIGNALS; i++) {
-        struct sigaction action = {.sa_flags = SA_ONSTACK | SA_RESTART};
-        int number = taken_signal[i];
-        bool crash = i >= FIRST_CRASH && i < FIRST_STOP;
-        sigaction(number, NULL, &former[i]);
-        is_taken[i] =
-            crash || (!(former[i].sa_flags & SA_SIGINFO) && former[i].sa_handler == SIG_DFL);
-        if (!is_taken[i])
-            continue;
-        sigemptyset(&action.sa_mask);
-        if (i < FIRST_STOP)
-            sigaddset(&action.sa_mask, SIGTTOU); /* so that restoring never stops us */
-        action.sa_handler = i < FIRST_STOP      ? on_end
-                            : number == SIGTSTP ? on_stop
-                            : number == SIGCONT ? on_continue
-                                                : on_resize;
-        sigaction(number, &action, NULL);
-    }
-}
-
-/* Handlers need a stack of their own where ours has overflowed. */
-static void take_stack(void)
-{
-    static char stack[65536];
-    stack_t now, own = {.ss_sp = stack, .ss_size = sizeof stack};
-    if (sigaltstack(NULL, &now) == 0 && (now.ss_flags & SS_DISABLE))
-        sigaltstack(&own, NULL);
-}
-
 /* ---- open, close ---- */
 
 static void at_exit(void)
@@ -340,8 +309,29 @@ enum err term_open(int in, int out, struct fault *fault)
     set_text(&term.begin, "");
     set_text(&term.end, "");
     set_text(&term.recover, "");
-    take_stack();
-    take_signals();
+    /* Handlers need a stack of their own where ours has overflowed. */
+    static char stack[65536];
+    stack_t now, own = {.ss_sp = stack, .ss_size = sizeof stack};
+    if (sigaltstack(NULL, &now) == 0 && (now.ss_flags & SS_DISABLE))
+        sigaltstack(&own, NULL);
+    for (size_t i = 0; i < SIGNALS; i++) {
+        struct sigaction action = {.sa_flags = SA_ONSTACK | SA_RESTART};
+        int number = taken_signal[i];
+        bool crash = i >= FIRST_CRASH && i < FIRST_STOP;
+        sigaction(number, NULL, &former[i]);
+        is_taken[i] =
+            crash || (!(former[i].sa_flags & SA_SIGINFO) && former[i].sa_handler == SIG_DFL);
+        if (!is_taken[i])
+            continue;
+        sigemptyset(&action.sa_mask);
+        if (i < FIRST_STOP)
+            sigaddset(&action.sa_mask, SIGTTOU); /* so that restoring never stops us */
+        action.sa_handler = i < FIRST_STOP      ? on_end
+                            : number == SIGTSTP ? on_stop
+                            : number == SIGCONT ? on_continue
+                                                : on_resize;
+        sigaction(number, &action, NULL);
+    }
     term.open = 1;
     return OK;
 }

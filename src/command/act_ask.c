@@ -160,23 +160,6 @@ static double angle_between(const double u[3], const double v[3])
     return atan2(sqrt(product(cross, cross)), product(u, v)) * 180 / 3.14159265358979323846;
 }
 
-static enum err write_angle(const struct act *act)
-{
-    const struct session *session = act->session;
-    const uint32_t *at = act_place(act, "OTHER");
-    const struct offset a = offset_between(session, at, act_place(act, "PLACE"));
-    const struct offset b = offset_between(session, at, act_place(act, "THIRD"));
-    const bool measures = !session_geometry(session)->spacing_unknown;
-    if (product(a.voxels, a.voxels) == 0 || product(b.voxels, b.voxels) == 0)
-        return fault_set(act->fault, ERR_INPUT,
-                         "there is no angle at %u,%u,%u: expected two other voxels beside it",
-                         at[0], at[1], at[2]);
-    buf_printf(&act->reply->text, "%.1f degrees at %u,%u,%u%s\n",
-               measures ? angle_between(a.mm, b.mm) : angle_between(a.voxels, b.voxels), at[0],
-               at[1], at[2], measures ? "" : ", as if voxels were cubes");
-    return OK;
-}
-
 enum err act_measure(const struct act *act)
 {
     const uint32_t *other = act_place(act, "OTHER");
@@ -184,7 +167,18 @@ enum err act_measure(const struct act *act)
     if (!act_has(act, "THIRD"))
         return OK;
     write_distance(act, other, act_place(act, "THIRD"));
-    return write_angle(act);
+    const struct session *session = act->session;
+    const struct offset a = offset_between(session, other, act_place(act, "PLACE"));
+    const struct offset b = offset_between(session, other, act_place(act, "THIRD"));
+    const bool measures = !session_geometry(session)->spacing_unknown;
+    if (product(a.voxels, a.voxels) == 0 || product(b.voxels, b.voxels) == 0)
+        return fault_set(act->fault, ERR_INPUT,
+                         "there is no angle at %u,%u,%u: expected two other voxels beside it",
+                         other[0], other[1], other[2]);
+    buf_printf(&act->reply->text, "%.1f degrees at %u,%u,%u%s\n",
+               measures ? angle_between(a.mm, b.mm) : angle_between(a.voxels, b.voxels), other[0],
+               other[1], other[2], measures ? "" : ", as if voxels were cubes");
+    return OK;
 }
 
 /* ---- profiles ---- */
@@ -245,26 +239,6 @@ static void draw(struct buf *out, const struct profile *p, bool has_blocks)
     buf_printf(out, "%*slabels |%s\n", MARGIN - 6, "", p->label);
 }
 
-static void list(struct buf *out, const struct profile *p)
-{
-    const bool measures = !session_geometry(p->session)->spacing_unknown;
-    for (int64_t i = 0; i <= p->steps; i++) {
-        uint32_t at[3];
-        const struct cell *cell = cell_at(p, i, at);
-        const struct offset offset = offset_between(p->session, p->from, at);
-        buf_printf(
-            out, "%8.2f %s  %u,%u,%u  ",
-            sqrt(measures ? product(offset.mm, offset.mm) : product(offset.voxels, offset.voxels)),
-            measures ? "mm" : "voxels", at[0], at[1], at[2]);
-        levels_write(out, session_geometry(p->session), session_levels(p->session),
-                     cell->intensity);
-        buf_add_text(out, "  ");
-        if (cell_is_reached(cell))
-            label_report_write_name(out, p->session, cell->label);
-        buf_add_text(out, cell_is_reached(cell) ? "\n" : "no seed reaches it\n");
-    }
-}
-
 enum err act_profile(const struct act *act)
 {
     struct buf *out = &act->reply->text;
@@ -283,8 +257,24 @@ enum err act_profile(const struct act *act)
     buf_printf(out, "; values %.*g to %.*g, mean %.*g\n", digits, p.least, digits, p.most, digits,
                p.sum / (double)(p.steps + 1));
     levels_write_scale(out, session_levels(p.session), "");
-    if (act_is_yes(act, "values"))
-        list(out, &p);
+    if (act_is_yes(act, "values")) {
+        const bool measures = !session_geometry(p.session)->spacing_unknown;
+        for (int64_t i = 0; i <= p.steps; i++) {
+            uint32_t at[3];
+            const struct cell *cell = cell_at(&p, i, at);
+            const struct offset offset = offset_between(p.session, p.from, at);
+            buf_printf(out, "%8.2f %s  %u,%u,%u  ",
+                       sqrt(measures ? product(offset.mm, offset.mm)
+                                     : product(offset.voxels, offset.voxels)),
+                       measures ? "mm" : "voxels", at[0], at[1], at[2]);
+            levels_write(out, session_geometry(p.session), session_levels(p.session),
+                         cell->intensity);
+            buf_add_text(out, "  ");
+            if (cell_is_reached(cell))
+                label_report_write_name(out, p.session, cell->label);
+            buf_add_text(out, cell_is_reached(cell) ? "\n" : "no seed reaches it\n");
+        }
+    }
     return OK;
 }
 
@@ -311,23 +301,6 @@ static enum err write_rival(const struct act *act, uint32_t at)
     return OK;
 }
 
-/* Where on a path the cost rises. */
-static void write_rises(const struct act *act, const struct way *way)
-{
-    const struct session *session = act->session;
-    const struct cell *cell = session_scene(session)->cell;
-    size_t rises = 0;
-    for (size_t i = 0; i + 1 < way->count && rises < RISES_MOST; i++) {
-        const uint32_t at = way->cell[i];
-        const struct place rise = grid_place(&session_scene(session)->grid, at);
-        if (key_hops(cell[at].key) > 0)
-            continue;
-        buf_printf(&act->reply->text, "    the cost rises to %u at %u,%u,%u%s\n",
-                   key_cost(cell[at].key), rise.x, rise.y, rise.z,
-                   rises++ == 0 ? ": its strongest edge" : "");
-    }
-}
-
 /* How a voxel came to its label: its path back to the seed, and where on it the cost rose. */
 enum err act_why(const struct act *act)
 {
@@ -344,7 +317,15 @@ enum err act_why(const struct act *act)
                key_hops(cell->key), plural(key_hops(cell->key)));
     const enum err err = way_find(&way, session_forest(session), place, act->fault);
     if (!err) {
-        write_rises(act, &way);
+        size_t rises = 0;
+        for (size_t i = 0; i + 1 < way.count && rises < RISES_MOST; i++) {
+            const uint64_t key = session_scene(session)->cell[way.cell[i]].key;
+            const struct place rise = grid_place(&session_scene(session)->grid, way.cell[i]);
+            if (key_hops(key) > 0)
+                continue;
+            buf_printf(&act->reply->text, "    the cost rises to %u at %u,%u,%u%s\n", key_cost(key),
+                       rise.x, rise.y, rise.z, rises++ == 0 ? ": its strongest edge" : "");
+        }
         buf_printf(&act->reply->text, "%zu step%s from the seed in all\n", way.count - 1,
                    plural(way.count - 1));
     }

@@ -148,19 +148,6 @@ static enum err take_goldens_along(struct buf *made, const char *from, const cha
     return err;
 }
 
-/* Its records are copied byte for byte, and their names with them. */
-static void write_folder(struct reply *reply, const char *former, const char *path)
-{
-    struct buf folder[2] = {{0}, {0}};
-    file_folder(&folder[0], former);
-    file_folder(&folder[1], path);
-    if (!file_is_same(buf_text(&folder[0]), buf_text(&folder[1])))
-        buf_add_text(&reply->text, "what it has read so far it names as seen from its former "
-                                   "folder; --scene FILE says where the scene is\n");
-    buf_release(&folder[0]);
-    buf_release(&folder[1]);
-}
-
 static enum err continue_in(const struct act *act, const char *path)
 {
     struct interpreter *interp = act->interp;
@@ -178,8 +165,17 @@ static enum err continue_in(const struct act *act, const char *path)
         err = interpreter_set_home(interp, path, fault);
     if (!err)
         err = journal_continue(interp->journal, path, fault);
-    if (!err)
-        write_folder(act->reply, buf_text(&former), path);
+    if (!err) { /* Its records are copied byte for byte, and their names with them. */
+        struct buf folder[2] = {{0}, {0}};
+        file_folder(&folder[0], buf_text(&former));
+        file_folder(&folder[1], path);
+        if (!file_is_same(buf_text(&folder[0]), buf_text(&folder[1])))
+            buf_add_text(&act->reply->text,
+                         "what it has read so far it names as seen from its former "
+                         "folder; --scene FILE says where the scene is\n");
+        buf_release(&folder[0]);
+        buf_release(&folder[1]);
+    }
     if (err && goldens.length)
         folder_remove(buf_text(&goldens));
     if (err && !former.failed)

@@ -128,23 +128,6 @@ static enum err read_table(struct label_table *table, const struct act *act)
     return act_naming(name, err, act->fault);
 }
 
-static void write_tally(const struct act *act, const struct label_tally *tally)
-{
-    struct buf *out = &act->reply->text;
-    buf_printf(out, "%u name%s and %u colour%s of labels\n", tally->names, plural(tally->names),
-               tally->colours, plural(tally->colours));
-    if (tally->beyond && !act_has(act, "regions"))
-        buf_printf(out, "%u more entr%s for no label 1..255; choose with regions=A,B as=1,2\n",
-                   tally->beyond, tally->beyond == 1 ? "y is" : "ies are");
-    if (tally->changed) {
-        buf_printf(out, "%u name%s had to be changed to fit; the first is of label ",
-                   tally->changed, plural(tally->changed));
-        buf_printf(out, "%u, now ", tally->first_changed);
-        buf_add_safe_text(out, act->next->kept.label_name[tally->first_changed]);
-        buf_add_char(out, '\n');
-    }
-}
-
 enum err act_label_file(const struct act *act)
 {
     struct label_table table = {0};
@@ -161,7 +144,19 @@ enum err act_label_file(const struct act *act)
     label_table_release(&table);
     if (err)
         return err;
-    write_tally(act, &tally);
+    struct buf *out = &act->reply->text;
+    buf_printf(out, "%u name%s and %u colour%s of labels\n", tally.names, plural(tally.names),
+               tally.colours, plural(tally.colours));
+    if (tally.beyond && !act_has(act, "regions"))
+        buf_printf(out, "%u more entr%s for no label 1..255; choose with regions=A,B as=1,2\n",
+                   tally.beyond, tally.beyond == 1 ? "y is" : "ies are");
+    if (tally.changed) {
+        buf_printf(out, "%u name%s had to be changed to fit; the first is of label ", tally.changed,
+                   plural(tally.changed));
+        buf_printf(out, "%u, now ", tally.first_changed);
+        buf_add_safe_text(out, act->next->kept.label_name[tally.first_changed]);
+        buf_add_char(out, '\n');
+    }
     act_add_digest(act, "names", label_table_digest(&act->next->kept));
     return act_go(act);
 }

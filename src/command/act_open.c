@@ -158,15 +158,6 @@ static enum err read_weight(struct weight_choice *weight, const char *text, stru
                      text);
 }
 
-static void write_weight(struct buf *out, const struct weight_choice *weight)
-{
-    const struct weight_row *row = &weight_table[weight->kind];
-    buf_add_text(out, row->name);
-    if (weight->argument != row->usual)
-        buf_printf(out, ":%g",
-                   argument[row->takes].places ? weight->argument / 1000.0 : weight->argument);
-}
-
 /* ---- the scene ---- */
 
 /* The answer of a command that gave the session its scene. */
@@ -182,17 +173,6 @@ static void write_scene(const struct act *act)
     buf_printf(&reply->text, "%ux%ux%u voxels", size[0], size[1], size[2]);
     act_write_spacing(&reply->text, session);
     buf_printf(&reply->text, ", %.1f MB\n", (double)session_memory(session) / 1e6);
-}
-
-/* Where intensities are not exact: the ends of their scale, how many voxels are beyond each, and a
- * digest of the file's values that a level may stand for. */
-static void record_levels(const struct act *act)
-{
-    const struct levels *levels = session_levels(act->session);
-    if (levels)
-        buf_printf(&act->reply->words, " scale=%.17g..%.17g beyond=%zu,%zu values=%016llx",
-                   levels->ends[0], levels->ends[1], levels->beyond[0], levels->beyond[1],
-                   (unsigned long long)levels_digest(levels));
 }
 
 /* What the file leaves open, and what it means; who says how the scene lies is recorded. */
@@ -318,7 +298,12 @@ static void write_canonical(const struct act *act, bool has_weight)
     command_write(canonical, &call);
     if (has_weight) {
         buf_add_text(canonical, " weight=");
-        write_weight(canonical, &session_kept(session)->weight);
+        const struct weight_choice *weight = &session_kept(session)->weight;
+        const struct weight_row *row = &weight_table[weight->kind];
+        buf_add_text(canonical, row->name);
+        if (weight->argument != row->usual)
+            buf_printf(canonical, ":%g",
+                       argument[row->takes].places ? weight->argument / 1000.0 : weight->argument);
     }
 }
 
@@ -359,8 +344,13 @@ enum err act_open(const struct act *act)
         write_scene(act);
     if (!err)
         write_orientation(act);
-    if (!err)
-        record_levels(act);
+    /* Where intensities are not exact: the ends of their scale, how many voxels are beyond each,
+     * and a digest of the file's values that a level may stand for. */
+    const struct levels *levels = err ? NULL : session_levels(session);
+    if (levels)
+        buf_printf(&act->reply->words, " scale=%.17g..%.17g beyond=%zu,%zu values=%016llx",
+                   levels->ends[0], levels->ends[1], levels->beyond[0], levels->beyond[1],
+                   (unsigned long long)levels_digest(levels));
     if (!err && *session_proof(session))
         buf_printf(&act->reply->words, " sha256=%s", session_proof(session));
     return err;

@@ -103,22 +103,6 @@ enum err act_write_picture(const struct act *act, const char *path, enum file_mo
     return err;
 }
 
-static enum err render_file(const struct act *act, const struct labels *labels)
-{
-    struct picture picture;
-    struct buf path = {0};
-    enum err err = interpreter_output_path(act->interp, act_text(act, "FILE"), &path, act->fault);
-    if (!err && path.length) {
-        err = act_take_picture(act, labels, act_text(act, "FILE"), &picture);
-        if (!err) {
-            picture.tiled = act_number(act, "layout") == 1;
-            err = act_write_picture(act, buf_text(&path), act_file_mode(act), &picture);
-        }
-    }
-    buf_release(&path);
-    return err;
-}
-
 enum err act_render_labels(const struct act *act, enum render_mode mode, struct labels *labels)
 {
     enum err err = session_run(act->session, act->fault);
@@ -136,13 +120,24 @@ enum err act_render(const struct act *act)
     if (act_has(act, "layout") && !(act_has(act, "FILE") && exr_is_named(act_text(act, "FILE"))))
         return fault_set(act->fault, ERR_USAGE, "layout: only an .exr has lines or tiles");
     struct labels labels;
-    const enum err err = act_render_labels(
+    enum err err = act_render_labels(
         act, act_has(act, "mode") ? mode[act_number(act, "mode")] : RENDER_AS_KEPT, &labels);
     if (err || act->interp->mode == MODE_SKIM)
         return err;
     act_add_picture_digest(act);
-    if (act_has(act, "FILE"))
-        return render_file(act, &labels);
+    if (act_has(act, "FILE")) {
+        struct picture picture;
+        struct buf path = {0};
+        err = interpreter_output_path(act->interp, act_text(act, "FILE"), &path, act->fault);
+        if (!err && path.length)
+            err = act_take_picture(act, &labels, act_text(act, "FILE"), &picture);
+        if (!err && path.length) {
+            picture.tiled = act_number(act, "layout") == 1;
+            err = act_write_picture(act, buf_text(&path), act_file_mode(act), &picture);
+        }
+        buf_release(&path);
+        return err;
+    }
     act->interp->shows_picture = true;
     const struct rendition *r = session_frame(act->session);
     size_t seen = 0, pixels = (size_t)r->width * r->height;

@@ -94,20 +94,6 @@ static enum err remove_trees(const struct act *act)
 
 /* ---- markers ---- */
 
-/* Which markers were removed: "removed=3,7-9", in order. */
-static void add_removed(struct buf *words, const uint32_t *number, size_t count)
-{
-    buf_add_blank(words);
-    buf_add_text(words, "removed=");
-    for (size_t i = 0, last; i < count; i = last + 1) {
-        for (last = i; last + 1 < count && number[last + 1] == number[last] + 1;)
-            last++;
-        buf_printf(words, i ? ",%u" : "%u", number[i]);
-        if (last > i)
-            buf_printf(words, "-%u", number[last]);
-    }
-}
-
 /* The numbers that a record says were removed: an array that the caller frees. */
 static enum err read_removed(const struct markers *markers, const struct record_word *word,
                              uint32_t **number, size_t *count, struct fault *fault)
@@ -169,7 +155,17 @@ static enum err remove_markers(const struct act *act)
     if (!err)
         err = session_take_away(session, number, count, act->fault);
     if (!err) {
-        add_removed(&act->reply->words, number, count);
+        /* Which markers were removed: "removed=3,7-9", in order. */
+        struct buf *words = &act->reply->words;
+        buf_add_blank(words);
+        buf_add_text(words, "removed=");
+        for (size_t i = 0, last; i < count; i = last + 1) {
+            for (last = i; last + 1 < count && number[last + 1] == number[last] + 1;)
+                last++;
+            buf_printf(words, i ? ",%u" : "%u", number[i]);
+            if (last > i)
+                buf_printf(words, "-%u", number[last]);
+        }
         write_removed(act, number, count, seeds);
     }
     free(number);

@@ -126,18 +126,6 @@ static void write_regions(const struct act *act, const char *atlas, const uint16
     label_table_release(&table);
 }
 
-/* Where labels of an atlas have no names yet. */
-static void advise_names(const struct act *act, const struct region_choice *choice,
-                         const size_t *end)
-{
-    bool has[256] = {false};
-    size_t begin = 0;
-    for (uint32_t r = 0; r <= REGION_MOST; begin = end[r++])
-        if (end[r] > begin && region_label(choice, r) < 256) /* beyond: groups of a list */
-            has[region_label(choice, r)] = true;
-    atlas_advise_names(act, has);
-}
-
 /* Those of a list may end within a distance. */
 static enum err plant_region(const struct act *act, struct planting *planting,
                              const struct seeds *seeds, const struct region_choice *choice,
@@ -177,8 +165,14 @@ static enum err plant(const struct act *act, const struct seeds *seeds, const ch
         session_sort_pendings(session, pendings);
     if (!err && act_has(act, "as"))
         write_regions(act, path, choice->as, end);
-    if (!err && !act_has(act, "label"))
-        advise_names(act, choice, end);
+    if (!err && !act_has(act, "label")) {
+        bool has[256] = {false};
+        begin = 0;
+        for (uint32_t r = 0; r <= REGION_MOST; begin = end[r++])
+            if (end[r] > begin && region_label(choice, r) < 256) /* beyond: groups of a list */
+                has[region_label(choice, r)] = true;
+        atlas_advise_names(act, has);
+    }
     free(end);
     free(cell);
     return err;

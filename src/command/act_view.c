@@ -159,26 +159,11 @@ static void write_sides(char out[24], const struct session *session, enum slice_
         snprintf(out, 24, ", %s to %s", side[plane][turned], side[plane][!turned]);
 }
 
-static void set_slab(struct cut *cut, const struct session *session, enum slice_plane plane,
-                     const uint32_t range[2])
-{
-    const struct scene *scene = session_scene(session);
-    const int axis = slice_axis(scene, plane);
-    uint32_t a[3] = {0}, b[3] = {0};
-    slicing_move(session, plane, range[0], a);
-    slicing_move(session, plane, range[1], b);
-    cut->first[axis] = a[axis] < b[axis] ? a[axis] : b[axis];
-    cut->last[axis] = a[axis] < b[axis] ? b[axis] : a[axis];
-    if (cut->first[axis] == 0 && cut->last[axis] == scene->grid.size[axis] - 1)
-        cut->last[axis] = UINT32_MAX;
-}
-
 enum err act_clip(const struct act *act)
 {
     struct cut *cut = &act->next->kept.cut;
     const struct scene *scene = session_scene(act->session);
-    const int64_t plane = act_number(act, "PLANE");
-    if (plane == SLAB_NONE) {
+    if (act_number(act, "PLANE") == SLAB_NONE) {
         const struct cut whole = cut_none();
         if (act_has(act, "SLICES"))
             return fault_set(act->fault, ERR_USAGE,
@@ -187,18 +172,26 @@ enum err act_clip(const struct act *act)
         memcpy(cut->last, whole.last, sizeof cut->last);
         return act_go(act);
     }
-    const uint32_t count = slice_count(scene, (enum slice_plane)plane);
-    const char *name = slice_name(scene, (enum slice_plane)plane);
+    const enum slice_plane plane = (enum slice_plane)act_number(act, "PLANE");
+    const uint32_t count = slice_count(scene, plane), *range = act_place(act, "SLICES");
+    const char *name = slice_name(scene, plane);
     char sides[24];
-    write_sides(sides, act->session, (enum slice_plane)plane);
+    write_sides(sides, act->session, plane);
     if (!act_has(act, "SLICES"))
         return fault_set(act->fault, ERR_USAGE, "expected %s slices A-B within 0-%u%s", name,
                          count - 1, sides);
-    if (act_place(act, "SLICES")[1] >= count)
+    if (range[1] >= count)
         return fault_set(act->fault, ERR_INPUT,
                          "there are %s slices 0-%u%s, not %u; the view is unchanged", name,
-                         count - 1, sides, act_place(act, "SLICES")[1]);
-    set_slab(cut, act->session, (enum slice_plane)plane, act_place(act, "SLICES"));
+                         count - 1, sides, range[1]);
+    const int axis = slice_axis(scene, plane);
+    uint32_t a[3] = {0}, b[3] = {0};
+    slicing_move(act->session, plane, range[0], a);
+    slicing_move(act->session, plane, range[1], b);
+    cut->first[axis] = a[axis] < b[axis] ? a[axis] : b[axis];
+    cut->last[axis] = a[axis] < b[axis] ? b[axis] : a[axis];
+    if (cut->first[axis] == 0 && cut->last[axis] == scene->grid.size[axis] - 1)
+        cut->last[axis] = UINT32_MAX;
     return act_go(act);
 }
 

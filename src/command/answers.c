@@ -418,33 +418,6 @@ static void write_numbers(struct buf *out, const struct kept *kept)
                    count == 1 ? " is" : "s are", least, most);
 }
 
-/* The scene's bytes a voxel are what README promises; the rest does not depend on its voxels, but
- * for answers, which are made when they are asked for. */
-static void write_memory(struct buf *out, const struct act *act)
-{
-    const struct session_memory parts = session_memory_parts(act->session);
-    buf_printf(out, "memory    %.1f MB: scene %.1f, %.1f bytes a voxel; seeds %.1f; pictures %.1f",
-               (double)session_memory(act->session) / 1e6, (double)parts.scene / 1e6,
-               (double)parts.scene / (double)session_scene(act->session)->grid.voxels,
-               (double)parts.seeds / 1e6, (double)parts.pictures / 1e6);
-    if (parts.answers)
-        buf_printf(out, "; answers %.1f", (double)parts.answers / 1e6);
-    buf_printf(out, "; and %.1f MB for what can be undone\n",
-               (double)history_memory(&act->interp->history) / 1e6);
-}
-
-static void write_journal(struct buf *out, const struct act *act)
-{
-    const struct journal *journal = act->interp->journal;
-    const unsigned semantics = session_semantics(act->session);
-    buf_add_text(out, "journal   ");
-    buf_add_safe_text(out, journal_path(journal));
-    buf_printf(out, ", %zu record%s", journal_count(journal), plural(journal_count(journal)));
-    if (semantics != SEMANTICS)
-        buf_printf(out, ", semantics %u", semantics);
-    buf_add_char(out, '\n');
-}
-
 /* The scene, its part of the file, and what its values are in the file. */
 static void write_scene(struct buf *out, const struct session *session)
 {
@@ -494,8 +467,16 @@ enum err act_info(const struct act *act)
     struct session *session = act->session;
     struct buf *out = &act->reply->text;
     struct histogram histogram;
-    if (act->interp->journal)
-        write_journal(out, act);
+    if (act->interp->journal) {
+        const struct journal *journal = act->interp->journal;
+        const unsigned semantics = session_semantics(act->session);
+        buf_add_text(out, "journal   ");
+        buf_add_safe_text(out, journal_path(journal));
+        buf_printf(out, ", %zu record%s", journal_count(journal), plural(journal_count(journal)));
+        if (semantics != SEMANTICS)
+            buf_printf(out, ", semantics %u", semantics);
+        buf_add_char(out, '\n');
+    }
     if (!session_has_scene(session)) {
         buf_add_text(out, "no scene is open\n");
         return OK;
@@ -512,7 +493,17 @@ enum err act_info(const struct act *act)
     act_write_finish(out, session);
     write_numbers(out, session_kept(session));
     write_look(out, session);
-    write_memory(out, act);
+    /* The scene's bytes a voxel are what README promises; the rest does not depend on its
+     * voxels, but for answers, which are made when they are asked for. */
+    const struct session_memory parts = session_memory_parts(act->session);
+    buf_printf(out, "memory    %.1f MB: scene %.1f, %.1f bytes a voxel; seeds %.1f; pictures %.1f",
+               (double)session_memory(act->session) / 1e6, (double)parts.scene / 1e6,
+               (double)parts.scene / (double)session_scene(act->session)->grid.voxels,
+               (double)parts.seeds / 1e6, (double)parts.pictures / 1e6);
+    if (parts.answers)
+        buf_printf(out, "; answers %.1f", (double)parts.answers / 1e6);
+    buf_printf(out, "; and %.1f MB for what can be undone\n",
+               (double)history_memory(&act->interp->history) / 1e6);
     return err;
 }
 

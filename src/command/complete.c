@@ -396,20 +396,6 @@ static void offer_keys(const struct offers *o, const struct partial *partial)
     }
 }
 
-/* Of a number that may be left out before a file, the file too. */
-static void offer_parameters(const struct offers *o, const struct partial *partial)
-{
-    const int i = partial->parameter;
-    const struct parameter *p = partial->command->parameter;
-    if (i >= 0)
-        offer_values(o, partial->command, &p[i]);
-    if (i >= 0 && partial->key == 0 && p[i].type == VALUE_NUMBER && p[i].optional &&
-        p[i + 1].type == VALUE_FILE)
-        offer_values(o, partial->command, &p[i + 1]);
-    if (partial->key == 0 && !partial->quoted)
-        offer_keys(o, partial);
-}
-
 void command_complete(struct buf *out, size_t *word_start, const char *line, size_t cursor,
                       const struct interpreter *interp)
 {
@@ -421,8 +407,18 @@ void command_complete(struct buf *out, size_t *word_start, const char *line, siz
         *word_start = partial.start + (partial.quoted ? 0 : partial.key);
         if (partial.words == 0)
             offer_commands(&offers);
-        else if (partial.command)
-            offer_parameters(&offers, &partial);
+        else if (partial.command) {
+            const int i = partial.parameter;
+            const struct parameter *p = partial.command->parameter;
+            if (i >= 0)
+                offer_values(&offers, partial.command, &p[i]);
+            /* of a number that may be left out before a file, the file too */
+            if (i >= 0 && partial.key == 0 && p[i].type == VALUE_NUMBER && p[i].optional &&
+                p[i + 1].type == VALUE_FILE)
+                offer_values(&offers, partial.command, &p[i + 1]);
+            if (partial.key == 0 && !partial.quoted)
+                offer_keys(&offers, &partial);
+        }
     }
     buf_release(&partial.word);
 }

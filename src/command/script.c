@@ -110,13 +110,6 @@ static enum err recorded_begin(struct recorded *recorded, struct interpreter *in
     return OK;
 }
 
-static void recorded_release(struct recorded *recorded)
-{
-    walk_release(&recorded->walk);
-    buf_release(&recorded->journal);
-    buf_release(&recorded->comments);
-}
-
 /* What labels were called before the record. */
 static const struct kept *kept_then(struct recorded *recorded)
 {
@@ -161,25 +154,6 @@ static bool leads_to(const struct call *call, const char *canonical, const char 
     return comes_to && strncmp(command, comes_to, strlen(comes_to)) == 0 &&
            command[strlen(comes_to)] == ' ' &&
            (strcmp(comes_to, call->command->name) != 0 || call->value->text);
-}
-
-/* The record at hand was met. */
-static void meet(struct recorded *recorded, bool is_recorded, struct reply *reply)
-{
-    const struct record *record = &recorded->record;
-    const struct buf *comments = &recorded->comments;
-    const size_t length = record->command_offset - record->offset;
-    if (!recorded->other_comment &&
-        (comments->length != length ||
-         memcmp(buf_text(comments), recorded->walk.bytes + record->offset, length) != 0))
-        recorded->other_comment = record->number;
-    buf_clear(&recorded->comments);
-    if (is_recorded) { /* with what its record adds */
-        buf_clear(&reply->canonical);
-        buf_add_text(&reply->canonical, record->command);
-    }
-    recorded->interp->acknowledged = record->number;
-    step(recorded);
 }
 
 static void add_quoted(struct buf *words, const char *line)
@@ -244,9 +218,22 @@ static enum err take(struct recorded *recorded, const char *line, struct call *c
     if (!*taken)
         return recorded->mode == RECORDED_NOTHING ? give_comments(recorded, fault) : OK;
     interp->acknowledged = 0;
-    if (is_met)
-        meet(recorded, is_recorded, reply);
-    else if (is_recorded)
+    if (is_met) {
+        const struct record *record = &recorded->record;
+        const struct buf *comments = &recorded->comments;
+        const size_t length = record->command_offset - record->offset;
+        if (!recorded->other_comment &&
+            (comments->length != length ||
+             memcmp(buf_text(comments), recorded->walk.bytes + record->offset, length) != 0))
+            recorded->other_comment = record->number;
+        buf_clear(&recorded->comments);
+        if (is_recorded) { /* with what its record adds */
+            buf_clear(&reply->canonical);
+            buf_add_text(&reply->canonical, record->command);
+        }
+        interp->acknowledged = record->number;
+        step(recorded);
+    } else if (is_recorded)
         return differs(recorded, line, fault);
     else
         buf_add_text(&reply->text, "passed over: the journal goes on after it\n");
@@ -307,16 +294,6 @@ void script_acknowledge(const struct interpreter *interp, const struct reply *re
     buf_add_char(&text, '\n');
     add_indented(&text, &reply->text);
     printer->print(printer->context, buf_text(&text));
-    buf_release(&text);
-}
-
-/* What there is to choose from, before the error that is about it. */
-static void print_list(const struct reply *reply, const struct printer *printer)
-{
-    struct buf text = {0};
-    add_indented(&text, &reply->list);
-    if (text.length)
-        printer->print(printer->context, buf_text(&text));
     buf_release(&text);
 }
 
@@ -432,7 +409,12 @@ enum err script_run(struct interpreter *interp, FILE *input, const char *name, b
             continue;
         const enum err err = run_line(&run, buf_text(&line), number, &taken, &reply, fault);
         if (err) {
-            print_list(&reply, printer);
+            /* What there is to choose from, before the error that is about it. */
+            struct buf text = {0};
+            add_indented(&text, &reply.list);
+            if (text.length)
+                printer->print(printer->context, buf_text(&text));
+            buf_release(&text);
             warn(printer, name, number, fault);
             first = first ? first : err;
             ends = !keep_going || err == ERR_CANCELLED;
@@ -456,7 +438,9 @@ enum err script_run(struct interpreter *interp, FILE *input, const char *name, b
     } else if (!ends && run.recorded.mode == RECORDED_ENDS && !run.goes_on) {
         say_what_is_left(&run, 0);
     }
-    recorded_release(&run.recorded);
+    walk_release(&run.recorded.walk);
+    buf_release(&run.recorded.journal);
+    buf_release(&run.recorded.comments);
     if (!first && ferror(input))
         return fault_set(fault, ERR_IO, "cannot read %s", name);
     return first;

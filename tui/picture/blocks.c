@@ -102,16 +102,6 @@ static uint32_t part_colour(const struct image_view *view, uint32_t left, uint32
            (blue + count / 2) / count;
 }
 
-/* The sums of each set's channels, by its bits: a set is its first part and the rest. */
-static void sum_sets(uint32_t sum[][3], const uint32_t *colour, unsigned count)
-{
-    memset(sum[0], 0, sizeof sum[0]);
-    for (unsigned set = 1; set < 1u << count; set++)
-        for (unsigned k = 0; k < 3; k++)
-            sum[set][k] =
-                sum[set & (set - 1)][k] + (colour[__builtin_ctz(set)] >> (16 - 8 * k) & 255);
-}
-
 static uint32_t mean_of(const uint32_t sum[3], unsigned set)
 {
     const unsigned count = (unsigned)__builtin_popcount(set);
@@ -160,7 +150,12 @@ static struct block coloured(const uint32_t *colour, unsigned count, enum colour
         parts |= (unsigned)(colour[i] != colour[0]) << i;
     if (!parts) /* most are of one colour */
         return (struct block){.ink = BLOCK_DEFAULT, .paper = number_of(colour[0], colours)};
-    sum_sets(sum, colour, count);
+    /* The sums of each set's channels, by its bits: a set is its first part and the rest. */
+    memset(sum[0], 0, sizeof sum[0]);
+    for (unsigned set = 1; set < 1u << count; set++)
+        for (unsigned k = 0; k < 3; k++)
+            sum[set][k] =
+                sum[set & (set - 1)][k] + (colour[__builtin_ctz(set)] >> (16 - 8 * k) & 255);
     if (count > 2)
         parts = best_parts(sum, all);
     const int32_t ink = number_of(mean_of(sum[parts], parts), colours);
@@ -181,22 +176,6 @@ static struct block colourless(const uint32_t *colour, unsigned count)
     light /= count;
     return (struct block){BLOCK_DEFAULT, BLOCK_DEFAULT,
                           (uint8_t)ink[(light * (sizeof ink - 2) + 127) / 255], 0};
-}
-
-static void add_notes(struct block *cell, uint32_t columns, uint32_t rows,
-                      const struct image_view *view, enum colours colours)
-{
-    static const uint32_t ink = 0xE8E8E8, paper = 0x000000;
-    for (size_t i = 0; i < view->notes; i++) {
-        const struct raster_note *note = &view->note[i];
-        if (note->column >= columns || note->row >= rows)
-            continue;
-        struct block *at = &cell[(size_t)note->row * columns + note->column];
-        *at = colours == COLOURS_NONE
-                  ? (struct block){BLOCK_DEFAULT, BLOCK_DEFAULT, (uint8_t)note->character, 0}
-                  : (struct block){number_of(ink, colours), number_of(paper, colours), 0,
-                                   note->character};
-    }
 }
 
 void blocks_fill(struct block *cell, size_t stride, const struct image_view *view,
@@ -354,10 +333,30 @@ static void lines(const struct terminal_facts *facts, const struct image_view *v
     blocks_encode(view, facts->colours, facts->shape, columns, rows, out);
 }
 
-static void write_changes(const struct painter *p, const struct block *then,
-                          const struct block *now, struct buf *out)
+/* The painter's bytes are cells here. */
+static bool show(struct painter *p, const struct image_view *view, struct buf *out)
 {
-    struct pen pen = {p->facts.colours, p->facts.shape, BLOCK_DEFAULT, BLOCK_DEFAULT};
+    const size_t cells = (size_t)p->columns * p->rows;
+    const enum colours colours = p->facts.colours;
+    for (unsigned i = 0; i < 2; i++)
+        if (!mem_grow(&p->of[i].bytes, &p->of[i].capacity, cells * sizeof(struct block), 1))
+            return false;
+    struct block *then = (void *)p->of[0].bytes, *now = (void *)p->of[1].bytes;
+    for (size_t i = 0; i < cells; i++)
+        now[i] = (struct block){BLOCK_DEFAULT, BLOCK_DEFAULT, colours == COLOURS_NONE ? ' ' : 0, 0};
+    blocks_fill(now, p->columns, view, colours, p->facts.shape);
+    static const uint32_t ink = 0xE8E8E8, paper = 0x000000;
+    for (size_t i = 0; i < view->notes; i++) {
+        const struct raster_note *note = &view->note[i];
+        if (note->column >= p->columns || note->row >= p->rows)
+            continue;
+        struct block *at = &now[(size_t)note->row * p->columns + note->column];
+        *at = colours == COLOURS_NONE
+                  ? (struct block){BLOCK_DEFAULT, BLOCK_DEFAULT, (uint8_t)note->character, 0}
+                  : (struct block){number_of(ink, colours), number_of(paper, colours), 0,
+                                   note->character};
+    }
+    struct pen pen = {colours, p->facts.shape, BLOCK_DEFAULT, BLOCK_DEFAULT};
     const size_t before = out->length;
     for (unsigned row = 0; row < p->rows; row++) {
         unsigned at = UINT_MAX; /* where the cursor is in this row */
@@ -377,22 +376,6 @@ static void write_changes(const struct painter *p, const struct block *then,
     }
     if (out->length > before && pen.colours != COLOURS_NONE)
         buf_add_text(out, "\033[m");
-}
-
-/* The painter's bytes are cells here. */
-static bool show(struct painter *p, const struct image_view *view, struct buf *out)
-{
-    const size_t cells = (size_t)p->columns * p->rows;
-    const bool colourless = p->facts.colours == COLOURS_NONE;
-    for (unsigned i = 0; i < 2; i++)
-        if (!mem_grow(&p->of[i].bytes, &p->of[i].capacity, cells * sizeof(struct block), 1))
-            return false;
-    struct block *then = (void *)p->of[0].bytes, *now = (void *)p->of[1].bytes;
-    for (size_t i = 0; i < cells; i++)
-        now[i] = (struct block){BLOCK_DEFAULT, BLOCK_DEFAULT, colourless ? ' ' : 0, 0};
-    blocks_fill(now, p->columns, view, p->facts.colours, p->facts.shape);
-    add_notes(now, p->columns, p->rows, view, p->facts.colours);
-    write_changes(p, then, now, out);
     return !out->failed;
 }
 

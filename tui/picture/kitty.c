@@ -260,26 +260,6 @@ static void release_tile(struct board *b, struct tile *tile, struct buf *out)
     *tile = (struct tile){0};
 }
 
-/* The tile in `box`, in cells, is seen there now. A place for it is free: a picture is worn before
- * it has none. */
-static void cover_tile(struct board *b, uint32_t image, struct raster_box box, struct buf *out)
-{
-    const uint32_t area = box.width * box.height;
-    uint16_t i = 0;
-    while (b->tile[i].image)
-        i++;
-    b->tile[i] = (struct tile){image, area, area};
-    b->tiles++;
-    b->area += area;
-    for (uint32_t y = box.top; y < box.top + box.height; y++)
-        for (uint32_t x = box.left; x < box.left + box.width; x++) {
-            uint16_t *seen = &b->seen[(size_t)y * b->columns + x];
-            if (--b->tile[*seen].cells == 0)
-                release_tile(b, &b->tile[*seen], out);
-            *seen = i;
-        }
-}
-
 static void add_tile(struct painter *p, const struct raster *part, uint32_t image, uint32_t z,
                      struct buf *out)
 {
@@ -298,7 +278,22 @@ static void patch_tiles(struct painter *p, const struct raster *raster,
     struct board *b = p->held;
     painter_move_to(p, cells.left, cells.top, out);
     add_tile(p, &part, ++b->image, ++b->z, out);
-    cover_tile(b, b->image, cells, out);
+    /* The tile in `box`, in cells, is seen there now. A place for it is free: a picture is
+     * worn before it has none. */
+    const uint32_t area = cells.width * cells.height;
+    uint16_t i = 0;
+    while (b->tile[i].image)
+        i++;
+    b->tile[i] = (struct tile){b->image, area, area};
+    b->tiles++;
+    b->area += area;
+    for (uint32_t y = cells.top; y < cells.top + cells.height; y++)
+        for (uint32_t x = cells.left; x < cells.left + cells.width; x++) {
+            uint16_t *seen = &b->seen[(size_t)y * b->columns + x];
+            if (--b->tile[*seen].cells == 0)
+                release_tile(b, &b->tile[*seen], out);
+            *seen = i;
+        }
     p->is_worn = b->tiles > TILES - ROOM || b->area > (uint64_t)LAYERS_MOST * b->columns * b->rows;
 }
 

@@ -54,15 +54,6 @@ void painter_forget(struct painter *p)
 
 /* ---- slices that live in the terminal ---- */
 
-/* The terminal has nothing any more. */
-static void forget_strips(struct strips *k)
-{
-    k->images = 0;
-    k->pixels = 0;
-    k->strips = 0;
-    memset(k->slot, 0, sizeof k->slot);
-}
-
 static struct strips_image *find_strip(struct strips *k, const uint8_t key[STRIPS_KEY])
 {
     for (size_t i = 0; i < k->images; i++)
@@ -322,15 +313,6 @@ void painter_release(struct painter *p)
     *p = (struct painter){0};
 }
 
-/* What was the next picture is the one that is shown. */
-static void turn_over(struct painter *p)
-{
-    const struct painter_picture former = p->of[0];
-    p->of[0] = p->of[1];
-    p->of[1] = former;
-    p->is_shown = true;
-}
-
 /* ---- what has changed ---- */
 
 struct stale {
@@ -502,17 +484,6 @@ static struct stale_rule rule_of(const struct painter *p)
     return (struct stale_rule){p->facts.cell_width, p->facts.cell_height, true, g->patch_cost};
 }
 
-static void show_patches(struct painter *p, const struct stale *stale,
-                         const struct image_view *view, struct buf *out)
-{
-    const struct raster raster = raster_of(p, 1);
-    p->effort = view->is_slow                                ? PNG_SLOW_LINE
-                : stale->cost < FAST_FROM || view->is_coarse ? PNG_SMALL
-                                                             : PNG_FAST;
-    for (unsigned i = 0; i < stale->count; i++)
-        p->facts.graphics->patch(p, &raster, &stale->box[i], out);
-}
-
 static void show_whole(struct painter *p, const struct image_view *view, struct buf *out)
 {
     const struct raster raster = raster_of(p, 1);
@@ -526,23 +497,6 @@ static void show_whole(struct painter *p, const struct image_view *view, struct 
         g->patch(p, &raster, &all, out);
     if (g->remove)
         p->holder = g;
-}
-
-/* A picture of another size cannot be compared, and what it leaves uncovered is erased. */
-static void take_size(struct painter *p, const struct image_view *view, struct buf *out)
-{
-    uint32_t width = view->width, height = view->height;
-    if (p->facts.graphics->over_cells) {
-        width = whole_units(width, p->facts.cell_width);
-        height = whole_units(height, p->facts.cell_height);
-    }
-    if (p->is_shown && p->facts.graphics->over_cells && !p->facts.graphics->remove &&
-        (width < p->width || height < p->height))
-        erase(p, out);
-    if (width != p->width || height != p->height)
-        painter_forget(p);
-    p->width = width;
-    p->height = height;
 }
 
 /* Whether a picture has a palette: it must, it must not, or only one that has all its colours. */
@@ -598,13 +552,30 @@ static bool begin_whole(struct painter *p, const struct image_view *view)
 static bool show_pixels(struct painter *p, const struct image_view *view, struct buf *out)
 {
     struct stale stale;
-    take_size(p, view, out);
+    /* A picture of another size cannot be compared, and what it leaves uncovered is erased. */
+    uint32_t width = view->width, height = view->height;
+    if (p->facts.graphics->over_cells) {
+        width = whole_units(width, p->facts.cell_width);
+        height = whole_units(height, p->facts.cell_height);
+    }
+    if (p->is_shown && p->facts.graphics->over_cells && !p->facts.graphics->remove &&
+        (width < p->width || height < p->height))
+        erase(p, out);
+    if (width != p->width || height != p->height)
+        painter_forget(p);
+    p->width = width;
+    p->height = height;
     if (p->facts.graphics->keeping) {
         p->kept.strips = view->strips;
         show_strips(p, out);
     }
     if (can_patch(p, view, &stale)) {
-        show_patches(p, &stale, view, out);
+        const struct raster raster = raster_of(p, 1);
+        p->effort = view->is_slow                               ? PNG_SLOW_LINE
+                    : stale.cost < FAST_FROM || view->is_coarse ? PNG_SMALL
+                                                                : PNG_FAST;
+        for (unsigned i = 0; i < stale.count; i++)
+            p->facts.graphics->patch(p, &raster, &stale.box[i], out);
         return !out->failed;
     }
     if (!begin_whole(p, view))
@@ -663,7 +634,10 @@ void painter_drop(struct painter *p, struct buf *out)
 {
     if (p->facts.graphics->keeping)
         p->facts.graphics->keeping->free_all(out);
-    forget_strips(&p->kept);
+    p->kept.images = 0;
+    p->kept.pixels = 0;
+    p->kept.strips = 0;
+    memset(p->kept.slot, 0, sizeof p->kept.slot);
     painter_forget(p);
 }
 
@@ -683,7 +657,11 @@ bool painter_show(struct painter *p, const struct image_view *view, struct buf *
                       (g->show ? g->show(p, &fitting, out) : show_pixels(p, &fitting, out));
     free(copy);
     if (fine) {
-        turn_over(p);
+        /* What was the next picture is the one that is shown. */
+        const struct painter_picture former = p->of[0];
+        p->of[0] = p->of[1];
+        p->of[1] = former;
+        p->is_shown = true;
         return true;
     }
     painter_forget(p);

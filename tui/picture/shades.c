@@ -156,14 +156,6 @@ static unsigned exact_place(struct shades *s, uint32_t colour)
     return s->slot[at] - 1u;
 }
 
-static void begin_exact(struct shades *s)
-{
-    memset(s->slot, 0, sizeof s->slot);
-    s->count = 0;
-    s->is_exact = true;
-    exact_place(s, 0);
-}
-
 /* `index` is NULL where only the colours are wanted. */
 static bool apply_exact(struct shades *s, const struct image_view *view, uint8_t *index,
                         size_t stride)
@@ -510,7 +502,10 @@ bool shades_take_exact(struct shades *s, const struct image_view *view)
     uint32_t former[SHADES_MOST];
     const unsigned former_count = s->count;
     memcpy(former, s->colour, sizeof former);
-    begin_exact(s);
+    memset(s->slot, 0, sizeof s->slot);
+    s->count = 0;
+    s->is_exact = true;
+    exact_place(s, 0);
     if (apply_exact(s, view, NULL, 0)) {
         s->is_laddered = s->is_suited = false;
         return true;
@@ -559,19 +554,6 @@ bool shades_needed(const struct image_view *view, bool always)
     return always || (view->hue && !view->smooth);
 }
 
-static void fill_colours(uint8_t *bytes, const struct image_view *view, size_t stride)
-{
-    for (uint32_t y = 0; y < view->height; y++) {
-        uint8_t *out = bytes + y * stride;
-        for (uint32_t x = 0; x < view->width; x++) {
-            const uint32_t colour = image_view_colour(view, (size_t)y * view->width + x);
-            *out++ = (uint8_t)(colour >> 16);
-            *out++ = (uint8_t)(colour >> 8);
-            *out++ = (uint8_t)colour;
-        }
-    }
-}
-
 bool shades_fill(struct shades *s, bool has_palette, const struct image_view *view, uint8_t *bytes,
                  uint32_t width, uint32_t height)
 {
@@ -583,8 +565,15 @@ bool shades_fill(struct shades *s, bool has_palette, const struct image_view *vi
         return apply_exact(s, view, bytes, stride);
     if (has_palette)
         apply_nearest(s, view, bytes, stride);
-    else
-        fill_colours(bytes, view, stride);
+    for (uint32_t y = 0; y < view->height && !has_palette; y++) {
+        uint8_t *out = bytes + y * stride;
+        for (uint32_t x = 0; x < view->width; x++) {
+            const uint32_t colour = image_view_colour(view, (size_t)y * view->width + x);
+            *out++ = (uint8_t)(colour >> 16);
+            *out++ = (uint8_t)(colour >> 8);
+            *out++ = (uint8_t)colour;
+        }
+    }
     return true;
 }
 

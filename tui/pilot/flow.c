@@ -89,19 +89,6 @@ static void forget(struct flow *f)
     f->samples = f->next = 0;
 }
 
-/* A frame that took far longer than expected is a pause of the terminal; two of them are another
- * line, and the frames before them say nothing about it. */
-static void learn(struct flow *f, const struct flow_frame *frame, uint64_t took_ns)
-{
-    const double bytes = (double)frame->bytes, ns = (double)took_ns;
-    const double expected = (double)round_trip(f) + f->per_byte_ns * bytes;
-    f->surprises = ns > 4 * expected + PAUSE_NS ? f->surprises + 1 : 0;
-    if (f->surprises == 2)
-        forget(f);
-    if (frame->is_sample || f->samples == 0 || f->surprises > 1)
-        add_sample(f, bytes, ns);
-}
-
 /* ---- what is on the line ---- */
 
 static const struct flow_frame *due_frame(const struct flow *f, unsigned i)
@@ -187,21 +174,17 @@ void flow_sent(struct flow *f, size_t bytes, uint64_t now_ns)
     f->frame[(f->first + f->due++) % FLOW_FRAMES] = (struct flow_frame){now_ns, bytes, is_sample};
 }
 
-/* Whose is it? Where many are late, they may come as slowly as it took to give them up. */
-static void hear_late(struct flow *f, uint64_t now_ns)
-{
-    const uint64_t follows_ns = f->least_ns / 2 + SLACK_NS +
-                                (uint64_t)(2 * f->per_byte_ns * (double)due_frame(f, 0)->bytes);
-    f->late--;
-    if (f->due > 0)
-        f->settled_ns = now_ns + (f->late > 0 ? later(follows_ns, FLOW_LIMIT_NS / 2) : follows_ns);
-}
-
 void flow_answered(struct flow *f, uint64_t now_ns)
 {
     const struct flow_frame frame = *due_frame(f, 0);
     if (f->late > 0) {
-        hear_late(f, now_ns);
+        /* whose is it? Where many are late, they may come as slowly as it took to give them up */
+        const uint64_t follows_ns = f->least_ns / 2 + SLACK_NS +
+                                    (uint64_t)(2 * f->per_byte_ns * (double)due_frame(f, 0)->bytes);
+        f->late--;
+        if (f->due > 0)
+            f->settled_ns =
+                now_ns + (f->late > 0 ? later(follows_ns, FLOW_LIMIT_NS / 2) : follows_ns);
         return;
     }
     if (f->due == 0)
@@ -214,7 +197,15 @@ void flow_answered(struct flow *f, uint64_t now_ns)
     f->answered_ns = now_ns;
     if (f->least_ns == 0 || took_ns < f->least_ns)
         f->least_ns = took_ns;
-    learn(f, &frame, alone_ns);
+    /* A frame that took far longer than expected is a pause of the terminal; two of them are
+     * another line, and the frames before them say nothing about it. */
+    const double bytes = (double)frame.bytes, ns = (double)alone_ns;
+    const double expected = (double)round_trip(f) + f->per_byte_ns * bytes;
+    f->surprises = ns > 4 * expected + PAUSE_NS ? f->surprises + 1 : 0;
+    if (f->surprises == 2)
+        forget(f);
+    if (frame.is_sample || f->samples == 0 || f->surprises > 1)
+        add_sample(f, bytes, ns);
     f->soon = alone_ns <= round_trip(f) + FLOW_TARGET_NS * 3 / 4;
     f->sent_bytes = frame.bytes;
 }

@@ -428,18 +428,6 @@ static enum err carry_out_all(struct pilot *p, const char *lines, struct fault *
 
 static void await_key(struct pilot *p, struct key_event *event);
 
-/* What fits the screen is left by any key. */
-static enum err draw_page(const struct pilot *p, struct pager *pager, struct fault *fault)
-{
-    const struct term_size size = term_size();
-    struct buf page = {.failed = !pager_fit(pager, size.columns, size.rows)};
-    buf_add_text(&page, blank_of(p));
-    pager_draw(pager, &page);
-    if (!pager_is_needed(pager))
-        buf_printf(&page, "\033[%u;1H(any key)\033[K", size.rows);
-    return term_write_text(&page, "a page", fault);
-}
-
 /* Until a key leaves; another size of the screen too is left by. */
 static enum err page_through(struct pilot *p, const struct buf *text, bool *left,
                              struct fault *fault)
@@ -450,7 +438,14 @@ static enum err page_through(struct pilot *p, const struct buf *text, bool *left
     pager_init(&pager, buf_text(text), text->length);
     p->is_resized = *left = false;
     while (!err && !p->is_over && !p->is_resized && !*left) {
-        err = draw_page(p, &pager, fault);
+        /* What fits the screen is left by any key. */
+        const struct term_size size = term_size();
+        struct buf page = {.failed = !pager_fit(&pager, size.columns, size.rows)};
+        buf_add_text(&page, blank_of(p));
+        pager_draw(&pager, &page);
+        if (!pager_is_needed(&pager))
+            buf_printf(&page, "\033[%u;1H(any key)\033[K", size.rows);
+        err = term_write_text(&page, "a page", fault);
         if (!err)
             await_key(p, &event);
         *left = !p->is_resized && (!pager_is_needed(&pager) || !pager_key(&pager, &event));

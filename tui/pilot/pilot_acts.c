@@ -84,17 +84,6 @@ static const struct {
     [PILOT_SAGITTAL] = {PILOT_CORONAL, PILOT_AXIAL},
 };
 
-static void move_cross(struct press *p, int64_t right, int64_t up)
-{
-    const enum pilot_pane pane = p->state->pane;
-    int64_t by[3] = {0, 0, 0};
-    uint32_t place[3];
-    by[screen_of[pane].across] = -right;
-    by[screen_of[pane].along] = up;
-    p->host->move(p->host->context, by, place);
-    pilot_go_to(p, place);
-}
-
 static void move_pixel(struct press *p, int64_t right, int64_t up)
 {
     uint32_t *pixel = p->state->pixel;
@@ -128,9 +117,15 @@ void pilot_move(struct press *p)
         change_window(p, right, up, far ? JUMP : 1);
     else if (p->state->mode == PILOT_PICKING)
         move_pixel(p, right * (far ? PIXEL_JUMP : 1), up * (far ? PIXEL_JUMP : 1));
-    else
-        move_cross(p, right * pilot_times(p) * (far ? JUMP : 1),
-                   up * pilot_times(p) * (far ? JUMP : 1));
+    else {
+        const enum pilot_pane pane = p->state->pane;
+        int64_t by[3] = {0, 0, 0};
+        uint32_t place[3];
+        by[screen_of[pane].across] = -right * pilot_times(p) * (far ? JUMP : 1);
+        by[screen_of[pane].along] = up * pilot_times(p) * (far ? JUMP : 1);
+        p->host->move(p->host->context, by, place);
+        pilot_go_to(p, place);
+    }
 }
 
 /* By so many slices; a jump draws nothing, whereas J and K do with the pen down. */

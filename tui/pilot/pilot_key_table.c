@@ -339,20 +339,6 @@ static void add_hints(struct buf *out, const struct pilot_state *state, const ch
     }
 }
 
-static void add_window_hint(struct buf *out, const struct pilot_state *state,
-                            const struct pilot_facts *facts)
-{
-    const struct pilot_setup *setup = state->setup;
-    buf_add_text(out, "window ");
-    pilot_add_decimal(out, facts->window[0]);
-    buf_add_char(out, ' ');
-    pilot_add_decimal(out, facts->window[1]);
-    buf_add_text(out, "  arrows");
-    add_hints(out, state, "  ");
-    for (size_t i = 0; i < setup->windows; i++)
-        buf_printf(out, "  %zu %s", i + 1, setup->window[i].name);
-}
-
 void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *facts,
                      struct buf *out)
 {
@@ -368,7 +354,15 @@ void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *
         setup_say_key(out, state->setup, "keys", " keys  ");
         setup_say_key(out, state->setup, "leave", " back");
     } else if (state->mode == PILOT_WINDOWING) {
-        add_window_hint(out, state, facts);
+        const struct pilot_setup *setup = state->setup;
+        buf_add_text(out, "window ");
+        pilot_add_decimal(out, facts->window[0]);
+        buf_add_char(out, ' ');
+        pilot_add_decimal(out, facts->window[1]);
+        buf_add_text(out, "  arrows");
+        add_hints(out, state, "  ");
+        for (size_t i = 0; i < setup->windows; i++)
+            buf_printf(out, "  %zu %s", i + 1, setup->window[i].name);
     } else if (state->mode == PILOT_RANGING) {
         buf_printf(out, "intensities LOW..HIGH, or none: %s_", state->typed);
         add_hints(out, state, "  ");
@@ -412,23 +406,6 @@ static bool begins_entry(const struct pilot_row *row)
 
 enum { KEYS_WIDE = 16, HELP_WIDE = 24, NARROW = 2 + KEYS_WIDE + 1 + HELP_WIDE, WIDE = 78 };
 
-/* An entry, at the left of its line where that is not given. */
-static void add_entry(struct buf *out, const struct pilot_row *row, const struct pilot_row *left,
-                      const struct pilot_setup *setup, unsigned columns)
-{
-    struct buf keys = {0};
-    add_keys(&keys, row, setup);
-    if (columns < NARROW)
-        buf_printf(out, "%s\n  %s", buf_text(&keys), row->help);
-    else if (left)
-        buf_printf(out, "%*s%-*s %s", HELP_WIDE - (int)strlen(left->help), "", KEYS_WIDE - 1,
-                   buf_text(&keys), row->help);
-    else
-        buf_printf(out, "  %-*s %s", KEYS_WIDE, buf_text(&keys), row->help);
-    out->failed |= keys.failed;
-    buf_release(&keys);
-}
-
 /* An empty line stands between parts. */
 void pilot_keys_page(struct buf *out, const struct pilot_setup *setup, unsigned columns)
 {
@@ -437,8 +414,19 @@ void pilot_keys_page(struct buf *out, const struct pilot_setup *setup, unsigned 
         const bool ends_part = !row->name && !row->help;
         if (ends_part)
             buf_add_text(out, left ? "\n\n" : "\n");
-        else if (begins_entry(row))
-            add_entry(out, row, left, setup, columns);
+        else if (begins_entry(row)) { /* at the left of its line, or beside `left` */
+            struct buf keys = {0};
+            add_keys(&keys, row, setup);
+            if (columns < NARROW)
+                buf_printf(out, "%s\n  %s", buf_text(&keys), row->help);
+            else if (left)
+                buf_printf(out, "%*s%-*s %s", HELP_WIDE - (int)strlen(left->help), "",
+                           KEYS_WIDE - 1, buf_text(&keys), row->help);
+            else
+                buf_printf(out, "  %-*s %s", KEYS_WIDE, buf_text(&keys), row->help);
+            out->failed |= keys.failed;
+            buf_release(&keys);
+        }
         if (begins_entry(row) && (left || columns < WIDE))
             buf_add_char(out, '\n');
         if (begins_entry(row) || ends_part)

@@ -264,13 +264,6 @@ void line_paste(struct line *l, const char *bytes, size_t length)
     insert(l, bytes, length, true);
 }
 
-/* Once more is the same step. */
-static void erase(struct line *l, size_t from, size_t to, bool again)
-{
-    l->last = LAST_ERASED;
-    change_text(l, from, to, "", 0, again ? STEP_ERASED : STEP_NEW);
-}
-
 static void undo(struct line *l)
 {
     struct line_change change;
@@ -476,7 +469,9 @@ static void move(struct line *l, enum line_action action, enum line_last before)
     if (action <= LINE_END) {
         l->cursor = to;
     } else if (action <= LINE_DELETE) {
-        erase(l, low, high, before == LAST_ERASED);
+        /* Once more is the same step. */
+        l->last = LAST_ERASED;
+        change_text(l, low, high, "", 0, before == LAST_ERASED ? STEP_ERASED : STEP_NEW);
     } else {
         l->last = LAST_KILLED;
         kill_range(l, low, high, before == LAST_KILLED);

@@ -61,17 +61,6 @@ static void walk_wrap(struct walk *w)
     w->column = 0;
 }
 
-/* Up to the first row of what stands there. After a change of width the terminal may have wrapped
- * it anew or not; the smaller number of rows never reaches up into older output. */
-static void go_to_start(const struct line_drawing *d, unsigned columns, struct buf *out)
-{
-    size_t now = d->cells / columns;
-    size_t up = now < d->row ? now : d->row;
-    if (up > 0)
-        buf_printf(out, "\033[%zuA", up);
-    buf_add_text(out, "\r\033[J");
-}
-
 /* As much of the hint as fits before the last column, where terminals wait with the wrap. */
 static bool add_hint(const struct line_content *content, unsigned columns, unsigned column,
                      struct buf *out)
@@ -110,7 +99,13 @@ void line_draw(struct line_drawing *drawing, const struct line_content *content,
         first = cursor.row;
     size_t last = all.row < first + rows - 1 ? all.row : first + rows - 1;
 
-    go_to_start(drawing, columns, out);
+    /* Up to the first row of what stands there. After a change of width the terminal may have
+     * wrapped it anew or not; the smaller number of rows never reaches up into older output. */
+    const size_t now = drawing->cells / columns;
+    const size_t up = now < drawing->row ? now : drawing->row;
+    if (up > 0)
+        buf_printf(out, "\033[%zuA", up);
+    buf_add_text(out, "\r\033[J");
     struct walk w = {.columns = columns, .first = first, .end = last + 1, .out = out};
     walk_text(&w, content->prompt, strlen(content->prompt));
     walk_text(&w, content->text, content->length);
@@ -277,15 +272,6 @@ static size_t next(const char *text, size_t at, size_t length)
     return at + (n ? n : 1);
 }
 
-/* Drops characters from the start until no more than `room` columns are before `at`. */
-static size_t first_shown(const char *text, size_t at, size_t room)
-{
-    size_t first = 0;
-    while (first < at && cells_width(text + first, at - first) > room)
-        first = next(text, first, at);
-    return first;
-}
-
 /* The end of what fits into `room` columns, or of the text where it fits in place of the dots. */
 static size_t end_shown(const char *text, size_t first, size_t length, size_t room)
 {
@@ -301,20 +287,6 @@ static size_t end_shown(const char *text, size_t first, size_t length, size_t ro
     return end;
 }
 
-/* The part of the line around the place, with the caret below it. */
-static void add_excerpt(struct buf *out, const struct caret *caret, size_t at, size_t columns)
-{
-    const size_t length = strlen(caret->text), room = columns - 1 - 2 * CUT;
-    const size_t first = first_shown(caret->text, at, room * 2 / 3);
-    const size_t end = end_shown(caret->text, first, length, room);
-    const size_t before = cells_width(caret->text + first, at - first);
-    buf_add_text(out, first > 0 ? cut : "");
-    buf_add_safe(out, caret->text + first, end - first);
-    buf_add_text(out, end < length ? cut : "");
-    buf_add_char(out, '\n');
-    add_caret(out, (first > 0 ? CUT : 0) + before, caret->coloured);
-}
-
 void caret_add(struct buf *out, const struct caret *caret, unsigned columns)
 {
     const size_t length = strlen(caret->text), at = caret->at < length ? caret->at : length;
@@ -325,6 +297,18 @@ void caret_add(struct buf *out, const struct caret *caret, unsigned columns)
         return;
     if (caret->below && prompt + cells_width(caret->text, length) < columns && column < columns)
         add_caret(out, column, caret->coloured);
-    else
-        add_excerpt(out, caret, at, columns);
+    else {
+        const size_t room = columns - 1 - 2 * CUT;
+        /* No more than two thirds of the columns are before the place. */
+        size_t first = 0;
+        while (first < at && cells_width(caret->text + first, at - first) > room * 2 / 3)
+            first = next(caret->text, first, at);
+        const size_t end = end_shown(caret->text, first, length, room);
+        const size_t before = cells_width(caret->text + first, at - first);
+        buf_add_text(out, first > 0 ? cut : "");
+        buf_add_safe(out, caret->text + first, end - first);
+        buf_add_text(out, end < length ? cut : "");
+        buf_add_char(out, '\n');
+        add_caret(out, (first > 0 ? CUT : 0) + before, caret->coloured);
+    }
 }

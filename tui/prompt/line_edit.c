@@ -124,20 +124,6 @@ static enum err show_above(struct line_editor *e, const char *prompt, const stru
 
 /* ---- completion ---- */
 
-static void accept_word(struct line *l, size_t start, const struct candidates *c)
-{
-    const size_t end = l->cursor;
-    const char last = c->first[c->common - 1];
-    const bool is_whole = c->count == 1 && last != '/' && last != '=' && last != ' ';
-    struct buf word = {0};
-    buf_add(&word, c->first, c->common);
-    if (is_whole && (end == l->text.length || l->text.data[end] != ' '))
-        buf_add_char(&word, ' ');
-    if (!word.failed)
-        line_replace(l, start, end, buf_text(&word), word.length);
-    buf_release(&word);
-}
-
 static enum err complete_word(struct line_editor *e, const char *prompt, struct fault *fault)
 {
     struct buf words = {0}, out = {0};
@@ -151,7 +137,16 @@ static enum err complete_word(struct line_editor *e, const char *prompt, struct 
     if (c.count == 0 || words.failed || start > l->cursor) {
         buf_add_char(&out, '\a');
     } else if (c.count == 1 || c.common > l->cursor - start) {
-        accept_word(l, start, &c);
+        const size_t end = l->cursor;
+        const char last = c.first[c.common - 1];
+        const bool is_whole = c.count == 1 && last != '/' && last != '=' && last != ' ';
+        struct buf word = {0};
+        buf_add(&word, c.first, c.common);
+        if (is_whole && (end == l->text.length || l->text.data[end] != ' '))
+            buf_add_char(&word, ' ');
+        if (!word.failed)
+            line_replace(l, start, end, buf_text(&word), word.length);
+        buf_release(&word);
     } else {
         size_t cursor = l->cursor;
         err = leave_line(e, prompt, "\r\n", fault);

@@ -277,8 +277,16 @@ static void add_row_text(const struct pager *p, size_t number, bool marks, struc
         buf_add_text(out, "\033[m");
 }
 
-static void add_status(const struct pager *p, struct buf *out)
+void pager_draw(const struct pager *p, struct buf *out)
 {
+    buf_add_text(out, "\033[H");
+    for (size_t i = 0; i + 1 < p->height; i++) {
+        buf_add_text(out, "\033[K");
+        if (p->top + i < p->rows)
+            add_row_text(p, p->top + i, true, out);
+        buf_add_text(out, "\r\n");
+    }
+    buf_add_text(out, "\033[K");
     struct buf words = {0};
     const size_t last = p->top + page(p) < p->rows ? p->top + page(p) : p->rows;
     if (p->asks)
@@ -293,19 +301,6 @@ static void add_status(const struct pager *p, struct buf *out)
     cells_crop(out, buf_text(&words), p->columns > 1 ? p->columns - 1 : 1);
     buf_add_text(out, "\033[m");
     buf_release(&words);
-}
-
-void pager_draw(const struct pager *p, struct buf *out)
-{
-    buf_add_text(out, "\033[H");
-    for (size_t i = 0; i + 1 < p->height; i++) {
-        buf_add_text(out, "\033[K");
-        if (p->top + i < p->rows)
-            add_row_text(p, p->top + i, true, out);
-        buf_add_text(out, "\r\n");
-    }
-    buf_add_text(out, "\033[K");
-    add_status(p, out);
 }
 
 void pager_print(const struct pager *p, struct buf *out)
@@ -361,15 +356,6 @@ static bool wait(struct line_editor *e, struct pager *p)
     }
 }
 
-static enum err draw(struct pager *p, struct fault *fault)
-{
-    struct buf out = {0};
-    const struct term_size size = term_size();
-    out.failed = !pager_fit(p, size.columns, size.rows);
-    pager_draw(p, &out);
-    return term_write_text(&out, "a page", fault);
-}
-
 static enum err show(struct line_editor *e, struct pager *p, struct fault *fault)
 {
     struct buf out = {0};
@@ -377,7 +363,10 @@ static enum err show(struct line_editor *e, struct pager *p, struct fault *fault
     enum err err = term_change_sequences(TERM_PROMPT_BEGINS OTHER_SCREEN,
                                          USUAL_SCREEN TERM_PROMPT_ENDS, fault);
     while (!err && stays) {
-        err = draw(p, fault);
+        const struct term_size size = term_size();
+        struct buf drawn = {.failed = !pager_fit(p, size.columns, size.rows)};
+        pager_draw(p, &drawn);
+        err = term_write_text(&drawn, "a page", fault);
         stays = !err && wait(e, p);
     }
     struct fault *const why = err ? NULL : fault;
