@@ -1,12 +1,12 @@
 /*
- * Projection: four ways to the same first cube of each pixel (render/rendition.h).
+ * Projection: the ways to the first cube of each pixel (render/rendition.h). All give the same.
  *
  *     scene projection    splats every shown voxel
  *     border projection   takes border voxels alone, from the nearest to the furthest: a pixel that
  *                         has been given one keeps it, so that what lies behind covered pixels is
  *                         passed over, whole blocks of voxels at once
  *     ray walk            follows the ray of each pixel
- *     incremental image   repairs the former picture after an edit
+ *     incremental image   repairs the former picture after an edit (render/incremental.h)
  *
  * Where objects are translucent and their layers are projected (render/layers.h), these are what
  * the four ways make.
@@ -40,15 +40,7 @@ void raycast(struct rendition *rendition, const struct camera *camera, const str
 bool raycast_pixel(const struct camera *camera, const struct border *border, uint32_t column,
                    uint32_t row, int64_t from, int64_t *depth, uint32_t *cell);
 
-/*
- * The incremental image: `rendition` is that of the labels before the edit, by the same camera, and
- * `border` is up to date. Repairs it in time proportional to the changes, and marks the tiles whose
- * colours may change: `reach` says how far around a change they do. Changes that are "everything"
- * are splatted from nothing. Of a stale tile all pixels are looked at for what has disappeared: by
- * voxel, most would be looked at several times.
- */
-void incremental_image(struct rendition *rendition, const struct camera *camera,
-                       const struct border *border, const struct changes *changes,
-                       struct shade_reach reach);
+/* One voxel more is shown: its cube in the pixels that it may cover. */
+void splat_voxel(struct rendition *rendition, const struct camera *camera, uint32_t cell);
 
 #endif

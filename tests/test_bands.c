@@ -8,6 +8,7 @@
 
 #include "base/hash.h"
 #include "base/mem.h"
+#include "render/incremental.h"
 #include "render/bands.h"
 #include "show/pictures.h"
 #include "tests/stage.h"

@@ -3,6 +3,7 @@
  * and hidden labels, and commands whose every step can be taken back.
  */
 #include "command/resume.h"
+#include "render/incremental.h"
 #include "interpreting.h"
 
 #include <errno.h>

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "render/incremental.h"
 #include "render/normal.h"
 #include "render/occlusion.h"
 #include "tests/border_check.h"

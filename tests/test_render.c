@@ -1,5 +1,6 @@
 /* The rendition: four ways of making it, pixel for pixel the same. */
 #include "check.h"
+#include "render/incremental.h"
 
 #include <stdlib.h>
 

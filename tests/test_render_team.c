@@ -5,6 +5,7 @@
 
 #include <stdlib.h>
 
+#include "render/incremental.h"
 #include "render/bands.h"
 #include "tests/stage.h"
 

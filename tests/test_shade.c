@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "render/incremental.h"
 #include "render/normal.h"
 #include "tests/stage.h"
 

@@ -7,6 +7,7 @@
 #include "base/watch.h"
 #include "render/bands.h"
 #include "render/normal.h"
+#include "render/incremental.h"
 #include "render/projection.h"
 #include "render/view.h"
 #include "session/follower.h"

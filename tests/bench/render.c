@@ -20,6 +20,7 @@
 #include "command/interpreter.h"
 #include "engine/label_stats.h"
 #include "render/border.h"
+#include "render/incremental.h"
 #include "render/projection.h"
 #include "render/shade.h"
 #include "report/export_map.h"

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/hash.h"
+#include "render/incremental.h"
 #include "render/background.h"
 #include "render/cut.h"
 #include "render/decoration.h"
