@@ -26,10 +26,17 @@ spoil() {
     rewrite j.iftty 10 "$(words_of kept.iftty 10 | sed 's/picture=.*/picture=00000000000000aa/')"
     cp j.iftty spoilt
 }
+# The question about a record is asked: what is typed while its picture is drawn answers nothing.
+asks() {
+    screen_text | awk -v record="^j.iftty, record $1" '$0 ~ record { drawn = 1 }
+        drawn && /^a accept   r reject   s skip   q quit/ { asked = 1 } END { exit !asked }'
+}
+see_question() { # RECORD
+    comes_true asks "$1" || fail "record $1; the screen is:" "$(screen_text | grep .)"
+}
 review() { # OPTION...
     enter "clear; $iftty verify --review --graphics blocks $* j.iftty; echo sta\"\"tus \$?"
-    see "^j.iftty, record 7: golden first"
-    see "^a accept   r reject   s skip   q quit"
+    see_question "7: golden first"
 }
 
 begin "each picture is shown, and those that are accepted are taken in, with their reasons"
@@ -41,11 +48,11 @@ shows '[▀▄█▌▐▘▝▖▗▚▞▛▜▟▙]' || fail "no picture in b
 type_letters a
 see "^Why is it right"
 enter "softer light"
-see "^j.iftty, record 10: render"
+see_question "10: render"
 see "^its picture has another digest than is recorded"
 type_letters x # which is no answer
 type_letters s
-see "^j.iftty, record 12: golden third"
+see_question "12: golden third"
 type_letters a
 see "^Why is it right. .softer light."
 enter ""
@@ -66,7 +73,7 @@ spoil
 cp -r j.golden golden.spoilt
 review
 type_letters r
-see "^j.iftty, record 10: render"
+see_question "10: render"
 type_letters q
 see "^status 1"
 see "1 picture of j.iftty rejected, 2 skipped: it goes on failing"
@@ -79,9 +86,9 @@ begin "a reason that is given is not asked for, and what is all accepted verifie
 spoil
 review --accept rounding
 type_letters a
-see "^j.iftty, record 10: render"
+see_question "10: render"
 type_letters a
-see "^j.iftty, record 12: golden third"
+see_question "12: golden third"
 type_letters a
 see "^status 0"
 same "$(grep -c '^# accepted: rounding' j.iftty)" 3
@@ -102,11 +109,11 @@ review
 type_letters a
 see "^Why is it right"
 enter "softer light"
-see "^j.iftty, record 10: render"
+see_question "10: render"
 type_letters a
 see "^Why is it right"
 enter ""
-see "^j.iftty, record 12: golden third"
+see_question "12: golden third"
 see "^there is no golden image . actual"
 press C-c
 see "^status 130"
