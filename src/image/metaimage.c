@@ -32,23 +32,6 @@ static void write_reals(struct buf *out, const char *field, const double *value,
     buf_add_char(out, '\n');
 }
 
-/* The columns of the way to the world, apart in directions and lengths. */
-static void write_place(struct buf *out, const struct geometry *geometry)
-{
-    double to_mm[3][4], direction[9], spacing[3];
-    geometry_to_lps(geometry, to_mm);
-    for (int a = 0; a < 3; a++) {
-        spacing[a] = geometry_step_mm(geometry, a);
-        for (int w = 0; w < 3; w++)
-            direction[3 * a + w] = to_mm[w][a] / spacing[a];
-    }
-    const double origin[3] = {to_mm[0][3], to_mm[1][3], to_mm[2][3]};
-    write_reals(out, "TransformMatrix", direction, 9);
-    write_reals(out, "Offset", origin, 3);
-    write_reals(out, "CenterOfRotation", (const double[3]){0}, 3);
-    write_reals(out, "ElementSpacing", spacing, 3);
-}
-
 static enum err write(const char *path, enum file_mode mode, const struct volume_map *map,
                       struct watch *watch, struct fault *fault)
 {
@@ -59,9 +42,20 @@ static enum err write(const char *path, enum file_mode mode, const struct volume
                "ObjectType = Image\nComment = %s\nNDims = 3\nBinaryData = True\n"
                "BinaryDataByteOrderMSB = False\nCompressedData = False\n",
                map->description);
-    if (geometry_has_place(geometry))
-        write_place(&header, geometry);
-    else if (!geometry->spacing_unknown)
+    if (geometry_has_place(geometry)) {
+        double to_mm[3][4], direction[9], spacing[3];
+        geometry_to_lps(geometry, to_mm);
+        for (int a = 0; a < 3; a++) {
+            spacing[a] = geometry_step_mm(geometry, a);
+            for (int w = 0; w < 3; w++)
+                direction[3 * a + w] = to_mm[w][a] / spacing[a];
+        }
+        const double origin[3] = {to_mm[0][3], to_mm[1][3], to_mm[2][3]};
+        write_reals(&header, "TransformMatrix", direction, 9);
+        write_reals(&header, "Offset", origin, 3);
+        write_reals(&header, "CenterOfRotation", (const double[3]){0}, 3);
+        write_reals(&header, "ElementSpacing", spacing, 3);
+    } else if (!geometry->spacing_unknown)
         write_reals(&header, "ElementSpacing",
                     (const double[3]){nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6}, 3);
     buf_printf(&header, "DimSize = %u %u %u\nElementType = %s\nElementDataFile = LOCAL\n",

@@ -48,20 +48,6 @@ static void write_column(struct buf *out, const double to_mm[3][4], int column)
     buf_add_char(out, ')');
 }
 
-static void write_place(struct buf *out, const struct geometry *geometry)
-{
-    double to_mm[3][4];
-    geometry_to_lps(geometry, to_mm);
-    buf_add_text(out, "space: left-posterior-superior\nspace directions:");
-    for (int a = 0; a < 3; a++) {
-        buf_add_char(out, ' ');
-        write_column(out, (const double(*)[4])to_mm, a);
-    }
-    buf_add_text(out, "\nspace origin: ");
-    write_column(out, (const double(*)[4])to_mm, 3);
-    buf_add_char(out, '\n');
-}
-
 static void write_header(struct buf *out, const struct volume_map *map)
 {
     const struct geometry *geometry = map->geometry;
@@ -71,9 +57,18 @@ static void write_header(struct buf *out, const struct volume_map *map)
                : map->type == VOXEL_UINT16 ? "unsigned short"
                                            : "unsigned int",
                map->size[0], map->size[1], map->size[2]);
-    if (geometry_has_place(geometry))
-        write_place(out, geometry);
-    else if (!geometry->spacing_unknown) {
+    if (geometry_has_place(geometry)) {
+        double to_mm[3][4];
+        geometry_to_lps(geometry, to_mm);
+        buf_add_text(out, "space: left-posterior-superior\nspace directions:");
+        for (int a = 0; a < 3; a++) {
+            buf_add_char(out, ' ');
+            write_column(out, (const double(*)[4])to_mm, a);
+        }
+        buf_add_text(out, "\nspace origin: ");
+        write_column(out, (const double(*)[4])to_mm, 3);
+        buf_add_char(out, '\n');
+    } else if (!geometry->spacing_unknown) {
         const uint32_t *nm = geometry->spacing_nm;
         buf_add_text(out, "spacings:");
         for (int a = 0; a < 3; a++) {

@@ -45,27 +45,6 @@ static void add_chunk(struct buf *png, const char type[4], const void *data, siz
     buf_add(png, number, 4);
 }
 
-static void add_header(struct buf *png, const struct raster *raster, unsigned bits)
-{
-    const int kind = raster->colour ? INDEXED : raster->has_alpha ? WITH_ALPHA : COLOURED;
-    uint8_t header[HEADER] = {[8] = (uint8_t)bits, [9] = (uint8_t)kind};
-    put_number(header, raster->width);
-    put_number(header + 4, raster->height);
-    buf_add(png, signature, sizeof signature);
-    add_chunk(png, "IHDR", header, HEADER);
-}
-
-static void add_palette(struct buf *png, const uint32_t *colour, unsigned count)
-{
-    uint8_t rgb[3 * RASTER_COLOURS_MOST];
-    for (size_t i = 0; i < count; i++) {
-        rgb[3 * i] = (uint8_t)(colour[i] >> 16);
-        rgb[3 * i + 1] = (uint8_t)(colour[i] >> 8);
-        rgb[3 * i + 2] = (uint8_t)colour[i];
-    }
-    add_chunk(png, "PLTE", rgb, 3 * (size_t)count);
-}
-
 /* Rows of a palette that is smaller: pixels side by side, the leftmost in the highest bits. */
 static void pack_row(uint8_t *out, const uint8_t *row, uint32_t width, const uint8_t *place,
                      unsigned bits)
@@ -165,9 +144,21 @@ void png_add(struct png_writer *w, const struct raster *raster, enum png_effort 
         packed = length < packed_length ? packed + w->packed_capacity / 2 : packed;
         packed_length = length < packed_length ? length : packed_length;
     }
-    add_header(png, raster, bits);
-    if (raster->colour)
-        add_palette(png, used, colours);
+    const int kind = raster->colour ? INDEXED : raster->has_alpha ? WITH_ALPHA : COLOURED;
+    uint8_t header[HEADER] = {[8] = (uint8_t)bits, [9] = (uint8_t)kind};
+    put_number(header, raster->width);
+    put_number(header + 4, raster->height);
+    buf_add(png, signature, sizeof signature);
+    add_chunk(png, "IHDR", header, HEADER);
+    if (raster->colour) {
+        uint8_t rgb[3 * RASTER_COLOURS_MOST];
+        for (size_t i = 0; i < colours; i++) {
+            rgb[3 * i] = (uint8_t)(used[i] >> 16);
+            rgb[3 * i + 1] = (uint8_t)(used[i] >> 8);
+            rgb[3 * i + 2] = (uint8_t)used[i];
+        }
+        add_chunk(png, "PLTE", rgb, 3 * (size_t)colours);
+    }
     if (is_clear)
         add_chunk(png, "tRNS", "", 1); /* the first colour is seen through */
     add_chunk(png, "IDAT", packed, packed_length);
@@ -276,29 +267,25 @@ static enum err take_header(struct reading *r, uint32_t width, uint32_t height)
     return OK;
 }
 
-/* A keyword, a zero, and the text, without one. */
-static enum err take_text(struct reading *r)
-{
-    char name[KEYWORD_MOST + 1];
-    const uint8_t *zero = memchr(r->data, 0, r->length);
-    const size_t before = zero ? (size_t)(zero - r->data) : 0;
-    struct buf value = {0};
-    if (!before || before > KEYWORD_MOST || memchr(zero + 1, 0, r->length - before - 1))
-        return refuse(r, "a text in it has no name, or two");
-    memcpy(name, r->data, before + 1);
-    if (picture_find(r->out, name))
-        return refuse(r, "two texts in it have one name");
-    buf_add(&value, zero + 1, r->length - before - 1);
-    const enum err err = value.failed ? fault_memory(r->fault, "a note on a picture")
-                                      : picture_note(r->out, name, buf_text(&value), r->fault);
-    buf_release(&value);
-    return err;
-}
-
 static enum err take_other(struct reading *r)
 {
-    if (strcmp(r->type, "tEXt") == 0)
-        return take_text(r);
+    if (strcmp(r->type, "tEXt") == 0) {
+        /* A keyword, a zero, and the text, without one. */
+        char name[KEYWORD_MOST + 1];
+        const uint8_t *zero = memchr(r->data, 0, r->length);
+        const size_t before = zero ? (size_t)(zero - r->data) : 0;
+        struct buf value = {0};
+        if (!before || before > KEYWORD_MOST || memchr(zero + 1, 0, r->length - before - 1))
+            return refuse(r, "a text in it has no name, or two");
+        memcpy(name, r->data, before + 1);
+        if (picture_find(r->out, name))
+            return refuse(r, "two texts in it have one name");
+        buf_add(&value, zero + 1, r->length - before - 1);
+        const enum err err = value.failed ? fault_memory(r->fault, "a note on a picture")
+                                          : picture_note(r->out, name, buf_text(&value), r->fault);
+        buf_release(&value);
+        return err;
+    }
     for (size_t i = 0; i < sizeof constant / sizeof *constant; i++)
         if (strcmp(r->type, constant[i].type) == 0 && r->length == constant[i].length &&
             memcmp(r->data, constant[i].data, r->length) == 0)

@@ -11,23 +11,6 @@ struct raster raster_part(const struct raster *raster, struct raster_box box)
     return part;
 }
 
-/* Most pixels are as their neighbours are: eight at a time are passed over where all are `same`. */
-static void note_row(bool *occurs, const uint8_t *row, uint32_t width)
-{
-    uint64_t same = 0, eight;
-    uint32_t x = 0;
-    for (; x + 8 <= width; x += 8) {
-        memcpy(&eight, row + x, 8);
-        if (eight == same)
-            continue;
-        for (uint32_t k = 0; k < 8; k++)
-            occurs[row[x + k]] = true;
-        same = row[x + 7] * UINT64_C(0x0101010101010101);
-    }
-    for (; x < width; x++)
-        occurs[row[x]] = true;
-}
-
 unsigned raster_used(const struct raster *raster, uint8_t place[RASTER_COLOURS_MOST],
                      uint32_t used[RASTER_COLOURS_MOST], bool *is_clear)
 {
@@ -36,7 +19,20 @@ unsigned raster_used(const struct raster *raster, uint8_t place[RASTER_COLOURS_M
     for (uint32_t y = 0; y < raster->height; y++) {
         const uint8_t *row = raster->bytes + y * raster->stride;
         occurs[row[0]] = true;
-        note_row(occurs, row, raster->width);
+        /* Most pixels are as their neighbours are: eight at a time are passed over where all are
+         * `same`. */
+        uint64_t same = 0, eight;
+        uint32_t x = 0;
+        for (; x + 8 <= raster->width; x += 8) {
+            memcpy(&eight, row + x, 8);
+            if (eight == same)
+                continue;
+            for (uint32_t k = 0; k < 8; k++)
+                occurs[row[x + k]] = true;
+            same = row[x + 7] * UINT64_C(0x0101010101010101);
+        }
+        for (; x < raster->width; x++)
+            occurs[row[x]] = true;
     }
     memset(place, 0, RASTER_COLOURS_MOST);
     if (is_clear)

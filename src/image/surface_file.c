@@ -231,33 +231,29 @@ static void write_ply(struct output *out)
 
 /* ---- OBJ ---- */
 
-static void write_obj_part(struct output *out, const struct surface_part *part)
-{
-    const uint8_t *rgb = out->label[part->label].rgb;
-    buf_add_text(&out->bytes, "o ");
-    put_label(&out->bytes, out, part->label);
-    buf_add_char(&out->bytes, '\n');
-    for (size_t i = part->point; i < part->point + part->points && go_on(out); i++) {
-        buf_add_char(&out->bytes, 'v');
-        for (int w = 0; w < 3; w++)
-            buf_printf(&out->bytes, " %.9g",
-                       (double)world_mm(&out->world, w, &out->surface->point[i]));
-        for (int k = 0; k < 3; k++)
-            buf_printf(&out->bytes, " %.4g", rgb[k] / 255.0);
-        buf_add_char(&out->bytes, '\n');
-    }
-    for (size_t i = part->triangle; i < part->triangle + part->triangles && go_on(out); i++) {
-        uint32_t corner[3];
-        corners_of(corner, out, i);
-        buf_printf(&out->bytes, "f %u %u %u\n", corner[0] + 1, corner[1] + 1, corner[2] + 1);
-    }
-}
-
 static void write_obj(struct output *out)
 {
     buf_printf(&out->bytes, "# iftty surface: %s\n", out->says);
-    for (unsigned p = 0; p < out->surface->parts; p++)
-        write_obj_part(out, &out->surface->part[p]);
+    const struct surface *s = out->surface;
+    for (const struct surface_part *part = s->part; part < s->part + s->parts; part++) {
+        const uint8_t *rgb = out->label[part->label].rgb;
+        buf_add_text(&out->bytes, "o ");
+        put_label(&out->bytes, out, part->label);
+        buf_add_char(&out->bytes, '\n');
+        for (size_t i = part->point; i < part->point + part->points && go_on(out); i++) {
+            buf_add_char(&out->bytes, 'v');
+            for (int w = 0; w < 3; w++)
+                buf_printf(&out->bytes, " %.9g", (double)world_mm(&out->world, w, &s->point[i]));
+            for (int k = 0; k < 3; k++)
+                buf_printf(&out->bytes, " %.4g", rgb[k] / 255.0);
+            buf_add_char(&out->bytes, '\n');
+        }
+        for (size_t i = part->triangle; i < part->triangle + part->triangles && go_on(out); i++) {
+            uint32_t corner[3];
+            corners_of(corner, out, i);
+            buf_printf(&out->bytes, "f %u %u %u\n", corner[0] + 1, corner[1] + 1, corner[2] + 1);
+        }
+    }
 }
 
 /* ---- VTP ---- */
@@ -288,9 +284,23 @@ static int label_bytes(const struct output *out)
     return most > 255 ? 2 : 1;
 }
 
-/* Arrays are after the header, each after its length in 8 bytes. */
-static void write_vtp_header(struct output *out)
+/* Once for each point, the colour or the number of the label that it belongs to. */
+static void put_of_labels(struct output *out, bool is_colour)
 {
+    const struct surface *s = out->surface;
+    const int bytes = label_bytes(out);
+    put_number(out, (is_colour ? 3 : (unsigned)bytes) * s->points, 8);
+    for (unsigned p = 0; p < s->parts; p++)
+        for (size_t i = 0; i < s->part[p].points && go_on(out); i++)
+            if (is_colour)
+                buf_add(&out->bytes, out->label[s->part[p].label].rgb, 3);
+            else
+                put_number(out, number_of(out, s->part[p].label), bytes);
+}
+
+static void write_vtp(struct output *out)
+{
+    const struct surface *s = out->surface;
     const uint64_t points = out->surface->points, triangles = out->surface->triangles;
     uint64_t offset = 0;
     buf_printf(&out->bytes,
@@ -311,26 +321,6 @@ static void write_vtp_header(struct output *out)
     put_array(out, "Int64", "offsets", 1, &offset, 8 * triangles);
     buf_add_text(&out->bytes,
                  "</Polys>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_");
-}
-
-/* Once for each point, the colour or the number of the label that it belongs to. */
-static void put_of_labels(struct output *out, bool is_colour)
-{
-    const struct surface *s = out->surface;
-    const int bytes = label_bytes(out);
-    put_number(out, (is_colour ? 3 : (unsigned)bytes) * s->points, 8);
-    for (unsigned p = 0; p < s->parts; p++)
-        for (size_t i = 0; i < s->part[p].points && go_on(out); i++)
-            if (is_colour)
-                buf_add(&out->bytes, out->label[s->part[p].label].rgb, 3);
-            else
-                put_number(out, number_of(out, s->part[p].label), bytes);
-}
-
-static void write_vtp(struct output *out)
-{
-    const struct surface *s = out->surface;
-    write_vtp_header(out);
     put_number(out, 12 * s->points, 8);
     for (size_t i = 0; i < s->points && go_on(out); i++)
         put_point(out, (uint32_t)i);
