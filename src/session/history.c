@@ -415,20 +415,6 @@ static enum err keep_seeds(struct point *point, const struct session *session, s
                : watch_fault(session->watch, fault);
 }
 
-static enum err note_root(struct history *history, const struct session *session,
-                          struct fault *fault)
-{
-    struct point *root = &history->noted;
-    const bool lacks =
-        !mem_grow(&history->branch, &history->branch_capacity, 1, sizeof *history->branch);
-    history->is_root = true;
-    root->parent = POINT_NONE;
-    root->settings = kept_settings_new(NULL, &session->now.kept);
-    root->lists = session->now.lists;
-    edit_lists_hold(&root->lists);
-    return lacks || !root->settings ? fault_memory(fault, "the history") : OK;
-}
-
 /* No point, where the command has left the segmentation as it was. */
 static enum err note_point(struct history *history, const struct session *session,
                            struct fault *fault)
@@ -459,9 +445,17 @@ enum err history_note(struct history *history, const struct session *session, co
     history->is_noted = true;
     if (!session->has_scene)
         return OK;
-    if (!session->former_has_scene || session->former_scene.scene)
-        err = note_root(history, session, fault);
-    else if (history->goes_to == POINT_NONE)
+    if (!session->former_has_scene || session->former_scene.scene) {
+        struct point *root = &history->noted;
+        const bool lacks =
+            !mem_grow(&history->branch, &history->branch_capacity, 1, sizeof *history->branch);
+        history->is_root = true;
+        root->parent = POINT_NONE;
+        root->settings = kept_settings_new(NULL, &session->now.kept);
+        root->lists = session->now.lists;
+        edit_lists_hold(&root->lists);
+        err = lacks || !root->settings ? fault_memory(fault, "the history") : OK;
+    } else if (history->goes_to == POINT_NONE)
         err = note_point(history, session, fault);
     if (err)
         return err;
@@ -486,55 +480,42 @@ bool history_moves(const struct history *history)
     return history->is_root || history->noted.settings || history->goes_to != POINT_NONE;
 }
 
-/* Redo leads to `point` from wherever it has left the way to the present one. */
-static void arrive(struct history *history)
-{
-    const uint32_t point = history->goes_to, branch = history->goes_on;
-    const uint32_t top = fork_of(history, history->present, point);
-    for (uint32_t p = point; p != top; p = history->point[p].parent)
-        history->point[history->point[p].parent].latest = p;
-    history->present = point;
-    history->on = branch;
-    if (branch == history->branches)
-        history->branches++; /* a new one */
-    if (history->moves_tip)
-        history->branch[branch].point = point;
-}
-
-/* What was noted is the present point from now on. */
-static void advance(struct history *history)
-{
-    const uint32_t next = (uint32_t)history->points++;
-    history->point[next] = history->noted;
-    history->noted = (struct point){0};
-    if (history->point[next].parent != POINT_NONE)
-        history->point[history->present].latest = next;
-    history->present = next;
-    history->branch[history->on].point = next;
-}
-
-static void stand(struct history *history)
-{
-    history->records++;
-    if (history->is_root) { /* it takes the place of all that was */
-        forget_points(history);
-        history->first = history->records;
-        history->branch[0] = (struct branch){.name = "main"};
-        history->branches = 1;
-        history->on = 0;
-    }
-    if (history->noted.settings)
-        advance(history);
-    else if (history->goes_to != POINT_NONE)
-        arrive(history);
-    if (history->points)
-        history->at[history->ats++] = history->present;
-}
-
 void history_settle(struct history *history, bool stands)
 {
-    if (stands && history->is_noted)
-        stand(history);
+    if (stands && history->is_noted) {
+        history->records++;
+        if (history->is_root) { /* it takes the place of all that was */
+            forget_points(history);
+            history->first = history->records;
+            history->branch[0] = (struct branch){.name = "main"};
+            history->branches = 1;
+            history->on = 0;
+        }
+        if (history->noted.settings) {
+            /* What was noted is the present point from now on. */
+            const uint32_t next = (uint32_t)history->points++;
+            history->point[next] = history->noted;
+            history->noted = (struct point){0};
+            if (history->point[next].parent != POINT_NONE)
+                history->point[history->present].latest = next;
+            history->present = next;
+            history->branch[history->on].point = next;
+        } else if (history->goes_to != POINT_NONE) {
+            /* Redo leads to `point` from wherever it has left the way to the present one. */
+            const uint32_t point = history->goes_to, branch = history->goes_on;
+            const uint32_t top = fork_of(history, history->present, point);
+            for (uint32_t p = point; p != top; p = history->point[p].parent)
+                history->point[history->point[p].parent].latest = p;
+            history->present = point;
+            history->on = branch;
+            if (branch == history->branches)
+                history->branches++; /* a new one */
+            if (history->moves_tip)
+                history->branch[branch].point = point;
+        }
+        if (history->points)
+            history->at[history->ats++] = history->present;
+    }
     point_release(&history->noted);
     history->is_noted = history->is_root = false;
     history->goes_to = POINT_NONE;

@@ -167,16 +167,6 @@ enum err map_read(struct volume *map, const char *path, const struct map_place *
 
 enum { VALUES = 65536, ODD = VALUES };
 
-/* What an intensity stands for is a whole number up to what was lost when float32 became 16 bits:
- * half a step. */
-static bool whole_number(const struct geometry *geometry, uint16_t intensity, double *whole)
-{
-    const double value = geometry_value(geometry, intensity);
-    const double step = fabs(geometry->slope);
-    *whole = floor(value + 0.5);
-    return fabs(value - *whole) <= (step < 0.2 ? step / 2 : 0.1) + 1e-6;
-}
-
 /* Replaces intensities by what the table says, where that is not ODD; `holds` is for the words. */
 static enum err translate(struct volume *map, const uint32_t *table, const char *holds,
                           struct watch *watch, struct fault *fault)
@@ -210,8 +200,12 @@ static enum err convert(struct volume *map, uint32_t first, uint32_t last, uint3
     if (!table)
         return fault_memory(fault, "a map");
     for (uint32_t i = 0; i < VALUES; i++) {
-        double n;
-        const bool whole = whole_number(&map->geometry, (uint16_t)i, &n);
+        /* What an intensity stands for is a whole number up to what was lost when float32 became 16
+         * bits: half a step. */
+        const double value = geometry_value(&map->geometry, (uint16_t)i);
+        const double step = fabs(map->geometry.slope);
+        const double n = floor(value + 0.5);
+        const bool whole = fabs(value - n) <= (step < 0.2 ? step / 2 : 0.1) + 1e-6;
         table[i] = !whole ? (uint32_t)ODD : n >= first && n <= last ? (uint32_t)n : beyond;
     }
     const enum err err = translate(map, table, holds, watch, fault);

@@ -37,15 +37,6 @@ static void put_in(struct markers *markers, size_t i)
     *bucket = (uint32_t)i;
 }
 
-/* The latest first: covers are put in as they were added. */
-static void fill_buckets(struct markers *markers, struct task *task)
-{
-    for (size_t i = 0; i < markers->buckets; i++)
-        markers->bucket[i] = COVER_NONE;
-    for (size_t i = 0; i < markers->covers; i++, task_show(task, 1))
-        put_in(markers, i);
-}
-
 /* At least as many buckets as covers. False when out of memory; nothing has changed then. */
 static bool grow_buckets(struct markers *markers, size_t covers, struct task *task)
 {
@@ -60,7 +51,11 @@ static bool grow_buckets(struct markers *markers, size_t covers, struct task *ta
     free(markers->bucket);
     markers->bucket = bucket;
     markers->buckets = buckets;
-    fill_buckets(markers, task);
+    /* The latest first: covers are put in as they were added. */
+    for (size_t i = 0; i < markers->buckets; i++)
+        markers->bucket[i] = COVER_NONE;
+    for (size_t i = 0; i < markers->covers; i++, task_show(task, 1))
+        put_in(markers, i);
     return true;
 }
 
@@ -234,12 +229,6 @@ static enum err freed_init(struct freed *freed, const struct adjacency *around,
     return OK;
 }
 
-static void freed_release(struct freed *freed)
-{
-    free(freed->within);
-    free(freed->covered);
-}
-
 static bool has_cell(const struct markers *markers, const struct marker *marker, uint32_t cell)
 {
     return has_one(markers, marker, (struct marker_run){cell, cell + 1});
@@ -306,7 +295,8 @@ enum err markers_free(struct markers *markers, const struct adjacency *around, c
             freed.covered[bit >> 6] &= ~(UINT64_C(1) << (bit & 63));
         }
     }
-    freed_release(&freed);
+    free(freed.within);
+    free(freed.covered);
     return err ? err : watch_fault(watch, fault);
 }
 

@@ -40,15 +40,6 @@ struct counting {
     uint64_t voxels[TEAM_MOST][256];
 };
 
-/* Neighbours mostly have the same label: four counters in turn do not wait for each other. */
-static void count_row(const struct scene *scene, struct span row, uint32_t count[4][256])
-{
-    for (uint32_t c = row.first; c < row.end; c++) {
-        scene_fetch_ahead(scene, c);
-        count[c & 3][scene->cell[c].label]++;
-    }
-}
-
 static void count_part(void *context, unsigned worker)
 {
     struct counting *counting = context;
@@ -60,7 +51,13 @@ static void count_part(void *context, unsigned worker)
         task_begin_part(scene->watch, "counting labels", slab_voxels(grid, slab), worker);
     for (uint32_t z = slab.first; z < slab.end; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
-            count_row(scene, grid_row(grid, y, z), count);
+            /* Neighbours mostly have the same label: four counters in turn do not wait for each
+             * other. */
+            const struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++) {
+                scene_fetch_ahead(scene, c);
+                count[c & 3][scene->cell[c].label]++;
+            }
             if (!task_advance(&task, grid->size[0]))
                 return;
         }
@@ -100,24 +97,6 @@ bool tally_check(const struct tally *tally, const struct scene *scene)
 
 /* ---- volumes ---- */
 
-/* To the nearest um3; 10^19 for more. */
-static uint64_t cubic_um(const struct geometry *geometry, uint64_t voxels)
-{
-    const uint32_t *nm = geometry->spacing_nm;
-    const double boxes = (double)voxels * nm[0] * nm[1] * nm[2] / 1e9;
-    const double um3 = floor(boxes * geometry_fill(geometry) + 0.5);
-    return um3 < 1e19 ? (uint64_t)um3 : UINT64_C(10000000000000000000);
-}
-
-/* Three digits: hundredths below 10 of the unit, tenths below 100. */
-static void write_rounded(struct buf *out, uint64_t value, uint64_t unit)
-{
-    uint64_t step = unit / 100;
-    while (step < unit && (value + step / 2) / step >= 1000)
-        step *= 10;
-    buf_printf(out, "%g", (double)((value + step / 2) / step) / (double)(unit / step));
-}
-
 void tally_write_volume(struct buf *out, const struct geometry *geometry, uint64_t voxels)
 {
     static const struct {
@@ -128,10 +107,18 @@ void tally_write_volume(struct buf *out, const struct geometry *geometry, uint64
         {UINT64_C(1000000000000), UINT64_C(1000000000000), "ml"},
         {10000000, 1000000000, "mm3"},
     };
-    const uint64_t um3 = cubic_um(geometry, voxels);
+    const uint32_t *nm = geometry->spacing_nm;
+    /* To the nearest um3; 10^19 for more. */
+    const double boxes = (double)voxels * nm[0] * nm[1] * nm[2] / 1e9;
+    const double exact = floor(boxes * geometry_fill(geometry) + 0.5);
+    const uint64_t um3 = exact < 1e19 ? (uint64_t)exact : UINT64_C(10000000000000000000);
     for (size_t i = 0; i < sizeof unit / sizeof *unit; i++)
         if (um3 >= unit[i].least_um3) {
-            write_rounded(out, um3, unit[i].um3);
+            /* Three digits: hundredths below 10 of the unit, tenths below 100. */
+            uint64_t step = unit[i].um3 / 100;
+            while (step < unit[i].um3 && (um3 + step / 2) / step >= 1000)
+                step *= 10;
+            buf_printf(out, "%g", (double)((um3 + step / 2) / step) / (double)(unit[i].um3 / step));
             buf_printf(out, " %s", unit[i].name);
             return;
         }
