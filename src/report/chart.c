@@ -10,21 +10,16 @@ static unsigned part_of_cell(const struct chart *chart, unsigned column, unsigne
     return tall <= below ? 0 : tall - below >= 8 ? 8 : tall - below;
 }
 
-static void write_row(struct buf *out, const struct chart *chart, unsigned row)
-{
-    unsigned columns = chart->columns;
-    while (columns && part_of_cell(chart, columns - 1, row) == 0)
-        columns--;
-    for (unsigned c = 0; c < columns; c++)
-        buf_add_text(out, (chart->has_blocks ? blocks : ascii)[part_of_cell(chart, c, row)]);
-    buf_add_char(out, '\n');
-}
-
 void chart_write(struct buf *out, const struct chart *chart)
 {
     for (unsigned row = chart->rows; row-- > 0;) {
         const char *before = row == chart->rows - 1 ? chart->top : row == 0 ? chart->bottom : "";
         buf_printf(out, "%*s |", chart->margin, before);
-        write_row(out, chart, row);
+        unsigned columns = chart->columns;
+        while (columns && part_of_cell(chart, columns - 1, row) == 0)
+            columns--;
+        for (unsigned c = 0; c < columns; c++)
+            buf_add_text(out, (chart->has_blocks ? blocks : ascii)[part_of_cell(chart, c, row)]);
+        buf_add_char(out, '\n');
     }
 }

@@ -168,15 +168,6 @@ static int compare_numbers(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-/* Of `count` sorted distances: between two, a part of the way that the rank falls in. */
-static double percentile_95(const struct work *w, size_t count)
-{
-    const size_t hundredths = 95 * (count - 1), rank = hundredths / 100;
-    const double low = in_mm(w, w->found[rank]);
-    const double high = in_mm(w, w->found[rank + (rank + 1 < count)]);
-    return low + (high - low) * (double)(hundredths % 100) / 100;
-}
-
 /* From one contour to the other; direction 0 is A to B. */
 static enum err take_surface(struct label_distances *d, struct work *w, int direction,
                              struct fault *fault)
@@ -202,7 +193,11 @@ static enum err take_surface(struct label_distances *d, struct work *w, int dire
     for (size_t i = 0; i < n; i++)
         w->sum_mm[direction] += in_mm(w, w->found[i]);
     d->directed_mean_mm[direction] = w->sum_mm[direction] / (double)n;
-    d->directed_percentile_95_mm[direction] = percentile_95(w, n);
+    /* Of sorted distances: between two, a part of the way that the rank falls in. */
+    const size_t hundredths = 95 * (n - 1), rank = hundredths / 100;
+    const double low = in_mm(w, w->found[rank]);
+    const double high = in_mm(w, w->found[rank + (rank + 1 < n)]);
+    d->directed_percentile_95_mm[direction] = low + (high - low) * (double)(hundredths % 100) / 100;
     d->most_mm = fmax(d->most_mm, in_mm(w, w->found[n - 1]));
     return OK;
 }

@@ -103,20 +103,6 @@ static void write_line(struct sheet *sheet, const uint8_t rgb[3], const char *wo
     buf_release(&fitting);
 }
 
-/* Figures before the name: what is cut off then is the end of a long name. */
-static void write_label(struct sheet *sheet, const struct comparison_report *report, unsigned label)
-{
-    const struct overlap_counts n = comparison_counts(report->comparison, label);
-    const struct label_distances *d = &report->comparison->distance[label];
-    char words[LABEL_NAME_BYTES + 96], far[24] = "none";
-    if (d->has_hausdorff)
-        snprintf(far, sizeof far, "%.2f", d->hausdorff_mm);
-    snprintf(words, sizeof words, "%.4f  %12s  %u %s",
-             n.a + n.b ? 2.0 * (double)n.both / (double)(n.a + n.b) : 0, far, label,
-             report->label_name[label]);
-    write_line(sheet, NULL, words);
-}
-
 static void write_words(const struct canvas *canvas, const struct comparison_report *report)
 {
     const struct mosaic_box box = mosaic_box(canvas->width, canvas->height, MOSAIC_RENDITION);
@@ -137,8 +123,18 @@ static void write_words(const struct canvas *canvas, const struct comparison_rep
         write_line(&sheet, difference_rgb[i], difference_words[i]);
     write_line(&sheet, NULL, "  Dice  Hausdorff mm  label");
     for (unsigned label = 1; label < 256 && sheet.top < box.height; label++)
-        if (comparison_has(report->comparison, label))
-            write_label(&sheet, report, label);
+        if (comparison_has(report->comparison, label)) {
+            /* Figures before the name: what is cut off then is the end of a long name. */
+            const struct overlap_counts n = comparison_counts(report->comparison, label);
+            const struct label_distances *d = &report->comparison->distance[label];
+            char words[LABEL_NAME_BYTES + 96], far[24] = "none";
+            if (d->has_hausdorff)
+                snprintf(far, sizeof far, "%.2f", d->hausdorff_mm);
+            snprintf(words, sizeof words, "%.4f  %12s  %u %s",
+                     n.a + n.b ? 2.0 * (double)n.both / (double)(n.a + n.b) : 0, far, label,
+                     report->label_name[label]);
+            write_line(&sheet, NULL, words);
+        }
 }
 
 /* ---- the whole ---- */

@@ -54,24 +54,18 @@ static double percent(const struct histogram *h, uint64_t voxels)
     return h->voxels ? 100.0 * (double)voxels / (double)h->voxels : 0;
 }
 
-/* The count that a full column stands for. Often there is one value, that of air, which would leave
- * nothing to be seen of all others: its column may be cut. */
-static uint64_t full_column(const struct histogram *h, bool *is_cut)
+void histogram_write(struct buf *out, const struct histogram *h, bool has_blocks)
 {
+    uint16_t eighths[HISTOGRAM_BINS];
+    /* The count that a full column stands for. Often there is one value, that of air, which would
+     * leave nothing to be seen of all others: its column may be cut. */
     uint64_t most = 1, second = 1;
     for (unsigned i = 0; i < h->bins; i++) {
         second = h->bin[i] > most ? most : h->bin[i] > second ? h->bin[i] : second;
         most = h->bin[i] > most ? h->bin[i] : most;
     }
-    *is_cut = most / 4 > second;
-    return *is_cut ? second : most;
-}
-
-void histogram_write(struct buf *out, const struct histogram *h, bool has_blocks)
-{
-    uint16_t eighths[HISTOGRAM_BINS];
-    bool is_cut;
-    const uint64_t full = square_root(full_column(h, &is_cut));
+    const bool is_cut = most / 4 > second;
+    const uint64_t full = square_root(is_cut ? second : most);
     for (unsigned i = 0; i < h->bins; i++) { /* one eighth where there is a voxel */
         const uint64_t tall = (square_root(h->bin[i]) * UINT64_C(8) * ROWS + full - 1) / full;
         eighths[i] = (uint16_t)(tall > 8 * ROWS ? 8 * ROWS : tall);

@@ -130,20 +130,6 @@ static double add_normals(struct squares *s, int octants)
     return sum;
 }
 
-/* The planes that two axes lie in. */
-static void add_axes(struct squares *s, double step_mm[3][3], double share)
-{
-    double normal[3][3];
-    for (int a = 0; a < 3; a++) {
-        cross(normal[a], step_mm[(a + 1) % 3], step_mm[(a + 2) % 3]);
-        make_long(normal[a], 1);
-    }
-    for (int a = 0; a < 3; a++) {
-        add_plane(s, normal[a], share);
-        add_edge(s, normal[a], normal[(a + 1) % 3], share);
-    }
-}
-
 /* By elimination: the matrix is positive definite, so no pivot need be looked for. */
 static void solve(struct squares *s, double weight[PAIR_KINDS])
 {
@@ -181,7 +167,17 @@ void area_weights_init(struct area_weights *weights, const struct geometry *geom
     }
     s.step_mm = cbrt(s.step_mm);
     list_pairs(&s, step_mm);
-    add_axes(&s, step_mm, axis_share * add_normals(&s, fill < 1 ? 4 : 1));
+    /* The planes that two axes lie in. */
+    const double share = axis_share * add_normals(&s, fill < 1 ? 4 : 1);
+    double normal[3][3];
+    for (int a = 0; a < 3; a++) {
+        cross(normal[a], step_mm[(a + 1) % 3], step_mm[(a + 2) % 3]);
+        make_long(normal[a], 1);
+    }
+    for (int a = 0; a < 3; a++) {
+        add_plane(&s, normal[a], share);
+        add_edge(&s, normal[a], normal[(a + 1) % 3], share);
+    }
     solve(&s, weights->mm2);
 }
 

@@ -193,7 +193,7 @@ static struct figures csv_figures_of(const struct label_report *report, unsigned
     return f;
 }
 
-static void write_csv_names(struct buf *out, const struct label_report *report)
+void label_report_write_csv(struct buf *out, const struct label_report *report)
 {
     static const struct label_stats one[1] = {{.sums.voxels = 1}};
     static const struct area_weights none;
@@ -202,13 +202,8 @@ static void write_csv_names(struct buf *out, const struct label_report *report)
                                      .label_number = report->label_number,
                                      .geometry = report->geometry,
                                      .levels = report->levels};
-    const struct figures f = csv_figures_of(&any, 0);
-    figures_write_csv_names(out, &f);
-}
-
-void label_report_write_csv(struct buf *out, const struct label_report *report)
-{
-    write_csv_names(out, report);
+    const struct figures names = csv_figures_of(&any, 0);
+    figures_write_csv_names(out, &names);
     for (unsigned label = 1; label < 256; label++) {
         if (!report->stats[label].sums.voxels)
             continue;
@@ -261,17 +256,6 @@ static void write_intensities(struct buf *out, const struct label_report *report
                range[0], 6 + more, range[1]);
 }
 
-/* "+1.2 ml", or "+3 voxels" where their distances are unknown. */
-static void write_change(struct buf *out, const struct label_report *report, unsigned label)
-{
-    const double voxels = change(report, label);
-    buf_add_text(out, voxels < 0 ? "-" : "+");
-    if (report->geometry->spacing_unknown)
-        buf_printf(out, "%.0f voxel%s", fabs(voxels), fabs(voxels) == 1 ? "" : "s");
-    else
-        tally_write_volume(out, report->geometry, (uint64_t)fabs(voxels));
-}
-
 static void write_last_edit(struct buf *out, const struct label_report *report, unsigned label,
                             int blanks)
 {
@@ -284,7 +268,12 @@ static void write_last_edit(struct buf *out, const struct label_report *report, 
                    report->gained[label], plural(report->gained[label]), report->lost[label]);
     else
         buf_add_text(out, "changed it by ");
-    write_change(out, report, label);
+    const double voxels = change(report, label);
+    buf_add_text(out, voxels < 0 ? "-" : "+");
+    if (report->geometry->spacing_unknown)
+        buf_printf(out, "%.0f voxel%s", fabs(voxels), fabs(voxels) == 1 ? "" : "s");
+    else
+        tally_write_volume(out, report->geometry, (uint64_t)fabs(voxels));
     buf_add_char(out, '\n');
 }
 

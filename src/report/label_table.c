@@ -67,17 +67,6 @@ static size_t character_at(const char *text, size_t at, int step)
     return at;
 }
 
-/* Both ends of a name that is too long. */
-static void shorten(char name[LABEL_NAME_BYTES], const char *text, size_t length)
-{
-    enum { TAIL = 13 };
-    const size_t head = character_at(text, NAME_MOST - 1 - TAIL, -1);
-    const size_t tail = character_at(text, length - TAIL, 1);
-    memcpy(name, text, head);
-    name[head] = '~';
-    memcpy(name + head + 1, text + tail, length - tail);
-}
-
 static enum err take_name(struct label_entry *entry, struct part name, struct fault *fault)
 {
     struct buf fit = {0};
@@ -85,10 +74,17 @@ static enum err take_name(struct label_entry *entry, struct part name, struct fa
     write_fit(&fit, name);
     if (fit.failed)
         return fault_memory(fault, "the names of labels");
-    if (fit.length > NAME_MOST)
-        shorten(entry->name, fit.data, fit.length);
-    else
+    if (fit.length > NAME_MOST) {
+        /* Both ends of a name that is too long. */
+        enum { TAIL = 13 };
+        const size_t head = character_at(fit.data, NAME_MOST - 1 - TAIL, -1);
+        const size_t tail = character_at(fit.data, fit.length - TAIL, 1);
+        memcpy(entry->name, fit.data, head);
+        entry->name[head] = '~';
+        memcpy(entry->name + head + 1, fit.data + tail, fit.length - tail);
+    } else {
         memcpy(entry->name, buf_text(&fit), fit.length);
+    }
     const size_t length = strlen(entry->name);
     entry->changed =
         length != (size_t)(name.end - name.at) || memcmp(entry->name, name.at, length) != 0;
@@ -248,18 +244,6 @@ static bool is_taken(const struct kept *kept, const char *name, unsigned by_othe
     return false;
 }
 
-/* "Unknown (12)"; of a name without room for that, less. */
-static void make_unique(struct kept *kept, unsigned label)
-{
-    char *name = kept->label_name[label], number[8];
-    const int length = snprintf(number, sizeof number, " (%u)", label);
-    size_t fits = strlen(name);
-    if (fits > (size_t)(NAME_MOST - length))
-        fits = character_at(name, (size_t)(NAME_MOST - length), -1);
-    memset(name + fits, 0, LABEL_NAME_BYTES - fits);
-    memcpy(name + fits, number, (size_t)length);
-}
-
 static void take_entry(struct kept *kept, struct label_tally *tally,
                        const struct label_entry *entry, unsigned label)
 {
@@ -273,7 +257,13 @@ static void take_entry(struct kept *kept, struct label_tally *tally,
     memcpy(kept->label_name[label], entry->name, LABEL_NAME_BYTES);
     tally->names++;
     if (is_taken(kept, entry->name, label)) {
-        make_unique(kept, label);
+        char *name = kept->label_name[label], number[8]; /* "Unknown (12)", or less before it */
+        const int length = snprintf(number, sizeof number, " (%u)", label);
+        size_t fits = strlen(name);
+        if (fits > (size_t)(NAME_MOST - length))
+            fits = character_at(name, (size_t)(NAME_MOST - length), -1);
+        memset(name + fits, 0, LABEL_NAME_BYTES - fits);
+        memcpy(name + fits, number, (size_t)length);
         changed = true;
     }
     if (changed && tally->changed++ == 0)
