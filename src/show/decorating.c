@@ -51,17 +51,6 @@ static void write_name(char out[32], const struct session *session, unsigned lab
         out[length] = '\0';
 }
 
-static void write_amount(char out[32], const struct session *session, uint64_t voxels)
-{
-    struct buf words = {0};
-    if (session_scene(session)->spacing_unknown)
-        buf_printf(&words, "%llu voxel%s", (unsigned long long)voxels, voxels == 1 ? "" : "s");
-    else
-        tally_write_volume(&words, session_geometry(session), voxels);
-    snprintf(out, 32, "%s", words.failed ? "" : buf_text(&words));
-    buf_release(&words);
-}
-
 static enum err list_labels(struct legend_line line[255], size_t *lines, struct session *session,
                             const struct labels *labels, struct fault *fault)
 {
@@ -73,7 +62,14 @@ static enum err list_labels(struct legend_line line[255], size_t *lines, struct 
         struct legend_line *next = &line[(*lines)++];
         next->label = (uint8_t)label;
         write_name(next->name, session, label);
-        write_amount(next->amount, session, voxels[label]);
+        struct buf words = {0};
+        if (session_scene(session)->spacing_unknown)
+            buf_printf(&words, "%llu voxel%s", (unsigned long long)voxels[label],
+                       voxels[label] == 1 ? "" : "s");
+        else
+            tally_write_volume(&words, session_geometry(session), voxels[label]);
+        snprintf(next->amount, 32, "%s", words.failed ? "" : buf_text(&words));
+        buf_release(&words);
     }
     return err;
 }
@@ -132,17 +128,6 @@ static bool is_bright(const struct session *session)
     return 2 * rgb[0] + 5 * rgb[1] + rgb[2] > 8 * 128;
 }
 
-/* Cells, which the caller frees; NULL for none, and without memory. */
-static uint32_t *list_eliminators(const struct session *session, size_t *count)
-{
-    const struct edits *list = &session_state(session)->lists.eliminators;
-    *count = edits_count(list);
-    uint32_t *cell = *count ? mem_array(*count, sizeof *cell) : NULL;
-    for (size_t i = 0; cell && i < *count; i++)
-        cell[i] = edits_first(list)[i].cell;
-    return cell;
-}
-
 /* Over this canvas; the frame only where seeds or the cross-hair are among the parts. */
 static enum err draw(struct session *session, const struct labels *labels,
                      const struct canvas *canvas, const struct camera *camera,
@@ -151,13 +136,17 @@ static enum err draw(struct session *session, const struct labels *labels,
     const struct outlook *outlook = session_outlook(session);
     const uint32_t *cross = outlook->slices.cross;
     struct legend_line line[255];
-    size_t lines = 0, eliminators;
+    size_t lines = 0;
     enum err err = outlook->decorations & DECORATE_LEGEND
                        ? list_labels(line, &lines, session, labels, fault)
                        : OK;
     if (err)
         return err;
-    uint32_t *eliminator = list_eliminators(session, &eliminators);
+    const struct edits *list = &session_state(session)->lists.eliminators;
+    const size_t eliminators = edits_count(list);
+    uint32_t *eliminator = eliminators ? mem_array(eliminators, sizeof *eliminator) : NULL;
+    for (size_t i = 0; eliminator && i < eliminators; i++)
+        eliminator[i] = edits_first(list)[i].cell;
     const struct decoration decoration = {
         .parts = outlook->decorations,
         .frame = frame,

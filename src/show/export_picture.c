@@ -28,17 +28,6 @@ double seen_mm_per_pixel(const struct session *session)
            session_outlook(session)->view.zoom;
 }
 
-/* Half of the scene's diagonal, to the next millimetre, and one more. */
-static double eye_of(const struct scene *scene)
-{
-    double squares = 0;
-    for (int a = 0; a < 3; a++) {
-        const double length = scene->grid.size[a] * (scene->spacing_nm[a] / 1e6);
-        squares += length * length;
-    }
-    return floor(sqrt(squares) / 2) + 2;
-}
-
 /* One column of a matrix: where along a direction of the picture a point of the world lies, from
  * voxel `from` on. `axis` is that direction along voxel axes, times 2^30. */
 static void set_column(double column[4], const struct session *session, const int32_t axis[3],
@@ -64,7 +53,14 @@ static void seen_from(struct picture_space *space, const struct session *session
     const double pixel_mm = seen_mm_per_pixel(session);
     double middle[3], focus[3], column[3][4];
     int32_t axis[3][3];
-    *space = (struct picture_space){.eye_mm = eye_of(session_scene(session)),
+    /* Half of the scene's diagonal, to the next millimetre, and one more. */
+    const struct scene *scene = session_scene(session);
+    double squares = 0;
+    for (int a = 0; a < 3; a++) {
+        const double length = scene->grid.size[a] * (scene->spacing_nm[a] / 1e6);
+        squares += length * length;
+    }
+    *space = (struct picture_space){.eye_mm = floor(sqrt(squares) / 2) + 2,
                                     .has_world = geometry_has_place(session_geometry(session))};
     if (!space->has_world)
         return;
@@ -352,21 +348,6 @@ bool export_takes_colours(const struct session *session)
     return session_outlook(session)->context == CONTEXT_NONE && session_decorates_ahead(session);
 }
 
-/* Both are what is drawn, with decorations over it that are in the picture already: whether there
- * are any. */
-static bool unite(uint8_t *picture, uint8_t *drawn, size_t pixels)
-{
-    bool is_decorated = false;
-    for (size_t i = 0; i < 4 * pixels; i += 4)
-        if (picture[i + 3]) {
-            memcpy(drawn + i, picture + i, 4);
-            is_decorated = true;
-        } else {
-            memcpy(picture + i, drawn + i, 4);
-        }
-    return is_decorated;
-}
-
 static void take_rows(void *context, const struct rendition *rows, uint32_t top)
 {
     struct drawn_colours *colours = context;
@@ -375,7 +356,16 @@ static void take_rows(void *context, const struct rendition *rows, uint32_t top)
     label_set_add(&labels, rows);
     for (int i = 0; i < 4; i++)
         colours->labels[i] |= labels.bits[i];
-    if (unite(rgba, rows->rgba, (size_t)rows->height * rows->width))
+    /* Both are what is drawn, with decorations over it that are in the picture already. */
+    bool is_decorated = false;
+    for (size_t i = 0; i < 4 * ((size_t)rows->height * rows->width); i += 4)
+        if (rgba[i + 3]) {
+            memcpy(rows->rgba + i, rgba + i, 4);
+            is_decorated = true;
+        } else {
+            memcpy(rgba + i, rows->rgba + i, 4);
+        }
+    if (is_decorated)
         memset(rows->blank, 0, (size_t)rows->tiles_x * rows->tiles_y * sizeof *rows->blank);
     colours->digest += rendition_digest_rows(rows, top);
     background_put_rows(rgba, rows->width, top, rows->height, colours->height, colours->background);

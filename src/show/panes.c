@@ -54,18 +54,6 @@ static void mark_point(const struct canvas *canvas, int64_t column, int64_t row,
     }
 }
 
-/* Hatched, wherever it is seen: known without colours. */
-static void mark_held(const struct canvas *canvas, const struct session *session,
-                      const struct held *held)
-{
-    for (uint32_t y = 0; y < canvas->height; y++)
-        for (uint32_t x = y % 2; x < canvas->width; x += 2) {
-            const uint32_t at = canvas->cell[y * canvas->stride + x];
-            if (at != CELL_NONE && session_is_held(session, held, at))
-                memcpy(canvas_pixel(canvas, x, y), white, sizeof white);
-        }
-}
-
 /* The pixel that stands for a voxel in a slice, be it of that slice or not. False beside it. */
 static bool find_pixel(const struct scene *scene, const struct slice_choice *slice,
                        const struct mosaic_box *box, uint32_t cell, int64_t pixel[2])
@@ -97,16 +85,6 @@ static void mark_way(const struct canvas *canvas, const struct scene *scene,
         mark_point(canvas, pixel[0], pixel[1], 3);
 }
 
-/* The grey of a pixel, mixed with half of the heat's colour, or with three quarters of it. */
-static void mix(uint8_t *pixel, uint8_t grey, uint8_t heat)
-{
-    const unsigned quarters = heat + 1u;
-    for (int k = 0; k < 3; k++) {
-        const unsigned hue = PANES_HEAT_HUE >> (16 - 8 * k) & 255;
-        pixel[k] = (uint8_t)((hue * quarters + grey * (4 - quarters)) / 4);
-    }
-}
-
 static enum err draw_heat(const struct panes *p, struct session *session, struct fault *fault)
 {
     const struct canvas *canvas = &p->canvas;
@@ -120,23 +98,20 @@ static enum err draw_heat(const struct panes *p, struct session *session, struct
             for (uint32_t x = box->left; x < box->left + box->width; x++) {
                 const size_t at = y * canvas->stride + x;
                 const uint32_t cell = canvas->cell[at];
-                const uint8_t grey = canvas->below[at], *pixel = canvas_pixel(canvas, x, y);
+                const uint8_t grey = canvas->below[at];
+                uint8_t *pixel = canvas_pixel(canvas, x, y);
                 const bool is_grey = pixel[0] == grey && pixel[1] == grey && pixel[2] == grey;
-                if (cell != CELL_NONE && heat[cell] && !canvas->words[at] && (is_grey || over_tint))
-                    mix(canvas_pixel(canvas, x, y), grey, heat[cell]);
+                if (cell == CELL_NONE || !heat[cell] || canvas->words[at] ||
+                    !(is_grey || over_tint))
+                    continue;
+                const unsigned quarters = heat[cell] + 1u; /* of the heat's colour: 2 or 3 */
+                for (int k = 0; k < 3; k++) {
+                    const unsigned hue = PANES_HEAT_HUE >> (16 - 8 * k) & 255;
+                    pixel[k] = (uint8_t)((hue * quarters + grey * (4 - quarters)) / 4);
+                }
             }
     }
     return err;
-}
-
-/* Just inside a box. */
-static void draw_frame(const struct canvas *canvas, const struct mosaic_box *box)
-{
-    const int64_t left = box->left, top = box->top, width = box->width, height = box->height;
-    canvas_box(canvas, left, top, width, 1, yellow);
-    canvas_box(canvas, left, top + height - 1, width, 1, yellow);
-    canvas_box(canvas, left, top, 1, height, yellow);
-    canvas_box(canvas, left + width - 1, top, 1, height, yellow);
 }
 
 /* In the middle of a box, where it has room for them. */
@@ -246,8 +221,15 @@ static void draw_marks(struct panes *p, const struct session *session,
 {
     const struct scene *scene = session_scene(session);
     const struct canvas *canvas = &p->canvas;
-    if (wish->held)
-        mark_held(canvas, session, wish->held);
+    if (wish->held) {
+        /* Hatched, wherever it is seen: known without colours. */
+        for (uint32_t y = 0; y < canvas->height; y++)
+            for (uint32_t x = y % 2; x < canvas->width; x += 2) {
+                const uint32_t at = canvas->cell[y * canvas->stride + x];
+                if (at != CELL_NONE && session_is_held(session, wish->held, at))
+                    memcpy(canvas_pixel(canvas, x, y), white, sizeof white);
+            }
+    }
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
         const struct mosaic_box *box = &p->panel.layout.box[plane];
         const struct slice_choice slice = slice_of(p, session, plane);
@@ -286,8 +268,14 @@ enum err panes_draw(struct panes *p, struct session *session, const struct panes
         err = draw_heat(p, session, fault);
     if (err)
         return err;
-    if (!wish->is_alone)
-        draw_frame(&p->canvas, &box[wish->pane]);
+    if (!wish->is_alone) {
+        const int64_t left = box[wish->pane].left, top = box[wish->pane].top,
+                      width = box[wish->pane].width, height = box[wish->pane].height;
+        canvas_box(&p->canvas, left, top, width, 1, yellow);
+        canvas_box(&p->canvas, left, top + height - 1, width, 1, yellow);
+        canvas_box(&p->canvas, left, top, 1, height, yellow);
+        canvas_box(&p->canvas, left + width - 1, top, 1, height, yellow);
+    }
     if (wish->words && !panes_have_object(session))
         draw_lines(&p->canvas, &box[PANE_RENDITION], wish->line);
     draw_marks(p, session, wish);
@@ -353,15 +341,6 @@ bool panes_pan(const struct panes *p, const struct session *session, enum pane p
     return slice_pan(session_scene(session), &slice, box->width, box->height, by, middle, place);
 }
 
-/* Where the picture shows a pixel of the rendition, along its columns or `down` its rows. */
-static uint32_t point_along(const struct panes *p, const struct rendition *r, bool down,
-                            uint32_t pixel)
-{
-    const struct mosaic_point at = mosaic_point_of(
-        p->canvas.width, p->canvas.height, &p->panel.choice, r, down ? 0 : pixel, down ? pixel : 0);
-    return down ? at.row : at.column;
-}
-
 void panes_frame_pixel(const struct panes *p, const struct session *session, uint32_t column,
                        uint32_t row, uint32_t pixel[2])
 {
@@ -373,7 +352,10 @@ void panes_frame_pixel(const struct panes *p, const struct session *session, uin
         uint32_t low = 0, high = size[i];
         while (high - low > 1) {
             const uint32_t middle = low + (high - low) / 2;
-            if (point_along(p, r, i == 1, middle) <= wanted[i])
+            const struct mosaic_point at =
+                mosaic_point_of(p->canvas.width, p->canvas.height, &p->panel.choice, r,
+                                i ? 0 : middle, i ? middle : 0);
+            if ((i ? at.row : at.column) <= wanted[i])
                 low = middle;
             else
                 high = middle;
