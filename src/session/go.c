@@ -378,15 +378,16 @@ static enum err count_waiting(const struct roi *roi, const struct scene *scene,
 
 /* Nothing may be inside that no voxel is, nor seeds be outside: those planted in the scene, and
  * those that a run of the pending edits, in their order, would plant. */
-static enum err roi_check(const struct roi *roi, const struct scene *scene,
-                          const struct edit *pending, size_t pendings, struct fault *fault)
+static enum err check_region(const struct session *session, const struct roi *roi,
+                             struct fault *fault)
 {
     size_t waiting = 0;
-    enum err err = count_waiting(roi, scene, pending, pendings, &waiting, fault);
+    enum err err = count_waiting(roi, session->scene, edits_first(&session->now.lists.pending),
+                                 session_pendings(session), &waiting, fault);
     if (err)
         return err;
-    const struct roi_tally tally = roi_tally(roi, scene);
-    err = watch_fault(scene->watch, fault);
+    const struct roi_tally tally = roi_tally(roi, session->scene);
+    err = watch_fault(session->scene->watch, fault);
     if (err)
         return err;
     if (!tally.inside)
@@ -398,13 +399,6 @@ static enum err roi_check(const struct roi *roi, const struct scene *scene,
                          "first; nothing has changed",
                          tally.seeds_outside, waiting);
     return OK;
-}
-
-static enum err check_region(const struct session *session, const struct roi *roi,
-                             struct fault *fault)
-{
-    return roi_check(roi, session->scene, edits_first(&session->now.lists.pending),
-                     session_pendings(session), fault);
 }
 
 enum err session_set_mask(struct session *session, const uint64_t *mask, const char *name,

@@ -123,13 +123,6 @@ struct kept kept_settings_get(const struct kept_settings *settings)
     return kept;
 }
 
-/* The share of one holder, without the maps. */
-static size_t kept_settings_memory(const struct kept_settings *settings)
-{
-    const size_t own = sizeof *settings + settings->pieces * sizeof *settings->piece;
-    return own / settings->holders + sizeof *settings->ground / settings->ground->holders;
-}
-
 /* ---- life ---- */
 
 static void point_release(struct point *point)
@@ -170,7 +163,10 @@ static size_t point_memory(const struct point *point, const struct point *parent
     const struct kept kept = kept_settings_get(point->settings),
                       before = parent ? kept_settings_get(parent->settings) : (struct kept){0};
     size_t bytes = 2 * point->seeds * sizeof(struct edit) + strlen(point->command) + 1;
-    bytes += kept_settings_memory(point->settings) + edit_lists_memory(&point->lists);
+    const struct kept_settings *settings = point->settings; /* without the maps: */
+    bytes += (sizeof *settings + settings->pieces * sizeof *settings->piece) / settings->holders;
+    bytes += sizeof *settings->ground / settings->ground->holders;
+    bytes += edit_lists_memory(&point->lists);
     if (kept.mask && before.mask != kept.mask)
         bytes += packed_memory(kept.mask);
     if (kept.weight_map && before.weight_map != kept.weight_map)

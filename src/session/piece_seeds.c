@@ -167,62 +167,34 @@ static bool add_cell(struct piece_seeds *seeds, uint32_t cell)
     return true;
 }
 
-static bool add_run(struct piece_seeds *seeds, const struct work *w,
-                    const struct component_run *run)
-{
-    struct place p = grid_place(w->grid, run->first);
-    for (uint32_t c = run->first; c < run->end; c++, p.x++)
-        if (w->depth[c] & LEFT && on_contour(w, c, p, w->least[run->component]) &&
-            !add_cell(seeds, c))
-            return false;
-    return true;
-}
-
-static bool add_runs(struct piece_seeds *seeds, const struct work *w,
-                     const struct component *component)
-{
-    for (uint32_t r = component->run; r != RUN_NONE; r = w->found.run[r].next) {
-        const struct component_run *run = w->found.run + r;
-        if (!mem_grow(&seeds->run, &seeds->run_capacity, seeds->runs + 1, sizeof *seeds->run))
-            return false;
-        seeds->run[seeds->runs++] = (struct marker_run){run->first, run->end};
-    }
-    return true;
-}
-
 /* One that is all of the scene has no contour, and one seed will do. */
 static bool add_piece(struct piece_seeds *seeds, const struct work *w,
                       const struct component *component, struct task *task)
 {
     const size_t before = seeds->count;
     for (uint32_t r = component->run; r != RUN_NONE && task_advance(task, 1);
-         r = w->found.run[r].next)
-        if (!add_run(seeds, w, w->found.run + r))
-            return false;
+         r = w->found.run[r].next) {
+        const struct component_run *run = w->found.run + r;
+        struct place p = grid_place(w->grid, run->first);
+        for (uint32_t c = run->first; c < run->end; c++, p.x++)
+            if (w->depth[c] & LEFT && on_contour(w, c, p, w->least[run->component]) &&
+                !add_cell(seeds, c))
+                return false;
+    }
     if (seeds->count == before && !add_cell(seeds, w->found.run[component->run].first))
         return false;
-    if (seeds->count - before < component->voxels && !add_runs(seeds, w, component))
-        return false;
+    const bool has_runs = seeds->count - before < component->voxels;
+    for (uint32_t r = component->run; has_runs && r != RUN_NONE; r = w->found.run[r].next) {
+        const struct component_run *run = w->found.run + r;
+        if (!mem_grow(&seeds->run, &seeds->run_capacity, seeds->runs + 1, sizeof *seeds->run))
+            return false;
+        seeds->run[seeds->runs++] = (struct marker_run){run->first, run->end};
+    }
     if (!mem_grow(&seeds->piece, &seeds->piece_capacity, seeds->pieces + 1, sizeof *seeds->piece))
         return false;
     seeds->piece[seeds->pieces++] = (struct piece){seeds->count, seeds->runs, component->label};
     seeds->labels[component->label]++;
     return true;
-}
-
-static enum err add_pieces(struct piece_seeds *seeds, const struct work *w, struct fault *fault)
-{
-    struct task task = task_begin(w->watch, "seeds of pieces", w->found.runs);
-    for (size_t i = 0; i < w->found.count; i++) {
-        const struct component *item = w->found.item + i;
-        if (item->label == w->spare)
-            continue;
-        if (item->voxels < w->choice->least)
-            seeds->left_out++;
-        else if (!add_piece(seeds, w, item, &task))
-            return fault_memory(fault, "seeds of pieces");
-    }
-    return watch_fault(w->watch, fault);
 }
 
 /* ---- all ---- */
@@ -244,7 +216,17 @@ static enum err make(struct piece_seeds *seeds, struct work *w, const uint16_t *
     if (!w->least)
         return fault_memory(fault, "the pieces of a label map");
     erode(w, &seeds->small);
-    return add_pieces(seeds, w, fault);
+    struct task task = task_begin(w->watch, "seeds of pieces", w->found.runs);
+    for (size_t i = 0; i < w->found.count; i++) {
+        const struct component *item = w->found.item + i;
+        if (item->label == w->spare)
+            continue;
+        if (item->voxels < w->choice->least)
+            seeds->left_out++;
+        else if (!add_piece(seeds, w, item, &task))
+            return fault_memory(fault, "seeds of pieces");
+    }
+    return watch_fault(w->watch, fault);
 }
 
 enum err piece_seeds_make(struct piece_seeds *seeds, const uint16_t *region,

@@ -16,23 +16,20 @@ void seeds_release(struct seeds *seeds)
     *seeds = (struct seeds){0};
 }
 
-static uint64_t group_share(const struct reach *reach, uint32_t cell)
-{
-    uint64_t mix = hash_mix_at(cell, (uint64_t)reach->radius * 2 + reach->unit[0]);
-    for (int a = 0; a < 3; a++)
-        mix = hash_mix_at(mix, reach->centre[a]);
-    return mix;
-}
-
 uint64_t seeds_digest(const struct seeds *seeds)
 {
     uint64_t sum = 0;
     for (size_t i = 0; i < seeds->count; i++)
         sum += hash_mix_at(seeds->edit[i].cell, (uint64_t)seeds->edit[i].label);
     for (size_t i = 0; i < seeds->count && seeds->groups; i++)
-        if (seeds->region[i] >= SEED_GROUPS_FROM)
-            sum += group_share(&seeds->group[seeds->region[i] - SEED_GROUPS_FROM].reach,
-                               seeds->edit[i].cell);
+        if (seeds->region[i] >= SEED_GROUPS_FROM) {
+            const struct reach *reach = &seeds->group[seeds->region[i] - SEED_GROUPS_FROM].reach;
+            uint64_t mix =
+                hash_mix_at(seeds->edit[i].cell, (uint64_t)reach->radius * 2 + reach->unit[0]);
+            for (int a = 0; a < 3; a++)
+                mix = hash_mix_at(mix, reach->centre[a]);
+            sum += mix;
+        }
     return sum;
 }
 

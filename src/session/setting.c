@@ -343,20 +343,6 @@ static void write_choice(struct buf *out, const char *choices, int64_t number)
     buf_add(out, word.word, word.length);
 }
 
-static void write_member(struct buf *out, const struct parameter *p, int64_t number)
-{
-    if (p->sets.as == HELD_AS_BACKGROUND)
-        background_write(out, (uint32_t)number);
-    else if (p->sets.as == HELD_AS_SWITCH)
-        write_choice(out, p->choices, number ? 0 : 1);
-    else if (p->type == VALUE_PARTS)
-        setting_write_parts(out, p->choices, number);
-    else if (p->type == VALUE_CHOICE && p->sets.as == HELD_AS_NUMBER)
-        write_choice(out, p->choices, number);
-    else
-        buf_printf(out, "%g", (double)number / (p->type == VALUE_DECIMAL ? 1000 : 1));
-}
-
 void setting_write(struct buf *out, const struct command *setting, const struct state *state)
 {
     buf_add_text(out, setting->name);
@@ -365,7 +351,16 @@ void setting_write(struct buf *out, const struct command *setting, const struct 
         if (p->keyed && number == p->sets.usual)
             continue;
         buf_printf(out, p->keyed ? " %s=" : " ", p->name);
-        write_member(out, p, number);
+        if (p->sets.as == HELD_AS_BACKGROUND)
+            background_write(out, (uint32_t)number);
+        else if (p->sets.as == HELD_AS_SWITCH)
+            write_choice(out, p->choices, number ? 0 : 1);
+        else if (p->type == VALUE_PARTS)
+            setting_write_parts(out, p->choices, number);
+        else if (p->type == VALUE_CHOICE && p->sets.as == HELD_AS_NUMBER)
+            write_choice(out, p->choices, number);
+        else
+            buf_printf(out, "%g", (double)number / (p->type == VALUE_DECIMAL ? 1000 : 1));
     }
 }
 
