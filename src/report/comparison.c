@@ -426,22 +426,6 @@ static void write_row(struct buf *out, const struct comparison_report *report, u
     buf_add_char(out, '\n');
 }
 
-/* Surfaces around cavities belong to an object whose voxels are all near the other's. */
-static void write_notes(struct buf *out, const struct comparison *c)
-{
-    bool is_odd = false;
-    for (unsigned label = 0; label < 256; label++)
-        is_odd |= c->distance[label].has_surfaces &&
-                  c->distance[label].percentile_95_mm > c->distance[label].hausdorff_mm;
-    buf_printf(out,
-               "%" PRIu64 " of %" PRIu64 " voxels differ; distances in mm: Hausdorff between "
-               "voxels, others between surfaces\n",
-               c->overlap.differing, c->overlap.voxels);
-    if (is_odd)
-        buf_add_text(out, "surfaces inside of an object, around cavities, lie further apart than "
-                          "its voxels\n");
-}
-
 void comparison_write_text(struct buf *out, const struct comparison_report *report)
 {
     const struct comparison *c = report->comparison;
@@ -457,7 +441,18 @@ void comparison_write_text(struct buf *out, const struct comparison_report *repo
             write_row(out, report, label);
     if (c->labels != 1)
         write_row(out, report, 0);
-    write_notes(out, c);
+    /* Surfaces around cavities belong to an object whose voxels are all near the other's. */
+    bool is_odd = false;
+    for (unsigned label = 0; label < 256; label++)
+        is_odd |= c->distance[label].has_surfaces &&
+                  c->distance[label].percentile_95_mm > c->distance[label].hausdorff_mm;
+    buf_printf(out,
+               "%" PRIu64 " of %" PRIu64 " voxels differ; distances in mm: Hausdorff between "
+               "voxels, others between surfaces\n",
+               c->overlap.differing, c->overlap.voxels);
+    if (is_odd)
+        buf_add_text(out, "surfaces inside of an object, around cavities, lie further apart than "
+                          "its voxels\n");
     if (report->geometry->spacing_unknown)
         buf_add_text(out, "the file does not say how large voxels are; 1 mm is assumed\n");
     if (geometry_fill(report->geometry) < 1)

@@ -46,11 +46,6 @@ static void add_three(struct figures *figures, const char *const name[3], const 
 
 /* ---- measures ---- */
 
-static double voxel_mm3(const struct geometry *geometry)
-{
-    return geometry->spacing_unknown ? NAN : tally_voxel_mm3(geometry);
-}
-
 static double surface_mm2(const struct label_report *report, unsigned label)
 {
     return report->geometry->spacing_unknown
@@ -133,7 +128,9 @@ static struct figures figures_of(const struct label_report *report, unsigned lab
     find_place(place, report->geometry, centre);
     find_range(range, report, label);
     figures_add(&f, "voxels", (double)s->voxels);
-    figures_add(&f, "volume_mm3", (double)s->voxels * voxel_mm3(report->geometry));
+    figures_add(&f, "volume_mm3",
+                (double)s->voxels *
+                    (report->geometry->spacing_unknown ? NAN : tally_voxel_mm3(report->geometry)));
     figures_add(&f, "surface_mm2", surface_mm2(report, label));
     figures_add(&f, "components", report->stats[label].components);
     figures_add(&f, "holes", report->stats[label].holes);
@@ -215,19 +212,6 @@ void label_report_write_csv(struct buf *out, const struct label_report *report)
 
 /* ---- for people ---- */
 
-static void write_places(struct buf *out, const struct label_report *report, unsigned label)
-{
-    const struct label_sums *s = &report->stats[label].sums;
-    double centre[3], mm[3];
-    find_centre(centre, s);
-    find_place(mm, report->geometry, centre);
-    buf_printf(out, "centre %.1f,%.1f,%.1f", centre[0], centre[1], centre[2]);
-    if (!isnan(mm[0]))
-        buf_printf(out, " at %.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
-    buf_printf(out, ", box %u,%u,%u to %u,%u,%u\n", s->first[0], s->first[1], s->first[2],
-               s->last[0], s->last[1], s->last[2]);
-}
-
 void label_report_write_sums(struct buf *out, const struct label_sums *sums,
                              const struct geometry *geometry)
 {
@@ -240,20 +224,6 @@ void label_report_write_sums(struct buf *out, const struct label_sums *sums,
                    (sums->last[a] - sums->first[a] + 1) *
                        (geometry->spacing_unknown ? 1 : geometry->spacing_nm[a] / 1e6));
     buf_add_text(out, geometry->spacing_unknown ? " voxels" : " mm");
-}
-
-static void write_intensities(struct buf *out, const struct label_report *report, unsigned label)
-{
-    const struct label_sums *s = &report->stats[label].sums;
-    const double spread = fabs(report->geometry->slope) * deviation(s);
-    double range[2];
-    find_range(range, report, label);
-    const int more = geometry_digits(report->geometry) - 6; /* than most scenes need */
-    buf_printf(out, "intensity %.*g", 5 + more, geometry_value(report->geometry, mean(s)));
-    if (!isnan(spread))
-        buf_printf(out, ", deviation %.4g", spread);
-    buf_printf(out, ", median %.*g, %.*g..%.*g\n", 5 + more, median(report, label), 6 + more,
-               range[0], 6 + more, range[1]);
 }
 
 static void write_last_edit(struct buf *out, const struct label_report *report, unsigned label,
@@ -281,6 +251,7 @@ void label_report_write_text(struct buf *out, const struct label_report *report,
                              int blanks)
 {
     const struct label_stats *s = &report->stats[label];
+    const struct label_sums *sums = &s->sums;
     const double mm2 = surface_mm2(report, label);
     buf_printf(out, "%*s%u component%s, %u hole%s", blanks, "", s->components,
                plural(s->components), s->holes, plural(s->holes));
@@ -289,8 +260,23 @@ void label_report_write_text(struct buf *out, const struct label_report *report,
                    mm2 < 1e4 ? "mm2" : "cm2",
                    geometry_fill(report->geometry) < 1 ? " roughly, of sheared axes" : "");
     buf_printf(out, "\n%*s", blanks, "");
-    write_places(out, report, label);
+    double centre[3], mm[3];
+    find_centre(centre, sums);
+    find_place(mm, report->geometry, centre);
+    buf_printf(out, "centre %.1f,%.1f,%.1f", centre[0], centre[1], centre[2]);
+    if (!isnan(mm[0]))
+        buf_printf(out, " at %.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
+    buf_printf(out, ", box %u,%u,%u to %u,%u,%u\n", sums->first[0], sums->first[1], sums->first[2],
+               sums->last[0], sums->last[1], sums->last[2]);
     buf_printf(out, "%*s", blanks, "");
-    write_intensities(out, report, label);
+    const double spread = fabs(report->geometry->slope) * deviation(sums);
+    double range[2];
+    find_range(range, report, label);
+    const int more = geometry_digits(report->geometry) - 6; /* than most scenes need */
+    buf_printf(out, "intensity %.*g", 5 + more, geometry_value(report->geometry, mean(sums)));
+    if (!isnan(spread))
+        buf_printf(out, ", deviation %.4g", spread);
+    buf_printf(out, ", median %.*g, %.*g..%.*g\n", 5 + more, median(report, label), 6 + more,
+               range[0], 6 + more, range[1]);
     write_last_edit(out, report, label, blanks);
 }

@@ -37,20 +37,6 @@ static enum err count_voxels(struct session *session, const struct labels *label
     return watch_fault(session_watch(session), fault);
 }
 
-/* A letter that is no ASCII is a question mark. */
-static void write_name(char out[32], const struct session *session, unsigned label)
-{
-    const char *name = session_kept(session)->label_name[label];
-    size_t length = 0;
-    if (!*name)
-        snprintf(out, 32, "label %u", label);
-    for (; *name; name++)
-        if (((unsigned char)*name & 0xc0) != 0x80)
-            out[length++] = (unsigned char)*name < 0x80 ? *name : '?';
-    if (length)
-        out[length] = '\0';
-}
-
 static enum err list_labels(struct legend_line line[255], size_t *lines, struct session *session,
                             const struct labels *labels, struct fault *fault)
 {
@@ -61,7 +47,16 @@ static enum err list_labels(struct legend_line line[255], size_t *lines, struct 
             continue;
         struct legend_line *next = &line[(*lines)++];
         next->label = (uint8_t)label;
-        write_name(next->name, session, label);
+        /* A letter that is no ASCII is a question mark. */
+        const char *name = session_kept(session)->label_name[label];
+        size_t length = 0;
+        if (!*name)
+            snprintf(next->name, 32, "label %u", label);
+        for (; *name; name++)
+            if (((unsigned char)*name & 0xc0) != 0x80)
+                next->name[length++] = (unsigned char)*name < 0x80 ? *name : '?';
+        if (length)
+            next->name[length] = '\0';
         struct buf words = {0};
         if (session_scene(session)->spacing_unknown)
             buf_printf(&words, "%llu voxel%s", (unsigned long long)voxels[label],

@@ -197,10 +197,15 @@ static enum err add_view_notes(struct picture *picture, const struct session *se
     return err;
 }
 
-/* {"1": {"name": "brain", "colour": "#d6b296"}, ...} of the labels that a picture shows. */
-static void write_labels(struct buf *out, const struct label_set *shown, const struct kept *kept)
+static enum err add_label_note(struct picture *picture, const struct session *session,
+                               const struct label_set *shown, struct fault *fault)
 {
-    struct json json = {.out = out};
+    struct buf labels = {0};
+    if (session_outlook(session)->look.number == LOOK_FIRST || !shown)
+        return OK;
+    /* {"1": {"name": "brain", "colour": "#d6b296"}, ...} of the labels that a picture shows. */
+    const struct kept *kept = session_kept(session);
+    struct json json = {.out = &labels};
     char number[12];
     json_object(&json, NULL);
     for (unsigned label = 1; label < 256; label++) {
@@ -217,17 +222,8 @@ static void write_labels(struct buf *out, const struct label_set *shown, const s
         json_end(&json);
     }
     json_end(&json);
-    if (!out->failed)
-        out->data[--out->length] = '\0'; /* no line feed */
-}
-
-static enum err add_label_note(struct picture *picture, const struct session *session,
-                               const struct label_set *shown, struct fault *fault)
-{
-    struct buf labels = {0};
-    if (session_outlook(session)->look.number == LOOK_FIRST || !shown)
-        return OK;
-    write_labels(&labels, shown, session_kept(session));
+    if (!labels.failed)
+        labels.data[--labels.length] = '\0'; /* no line feed */
     const enum err err = labels.failed
                              ? fault_memory(fault, "a note on a picture")
                              : picture_note(picture, "iftty:labels", buf_text(&labels), fault);
