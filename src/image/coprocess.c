@@ -185,27 +185,20 @@ static bool add_work(long process, uint64_t *busy_ms, uint64_t *pages)
     return true;
 }
 
-/* Its own, and that of the processes that it has started. */
-static bool see_work(pid_t process, uint64_t *busy_ms, uint64_t *pages)
-{
-    char path[64];
-    long child;
-    *busy_ms = *pages = 0;
-    snprintf(path, sizeof path, "/proc/%ld/task/%ld/children", (long)process, (long)process);
-    FILE *file = fopen(path, "re");
-    for (int i = 0; file && i < PROCESSES_MOST && fscanf(file, "%ld", &child) == 1; i++)
-        add_work(child, busy_ms, pages);
-    if (file)
-        fclose(file);
-    return add_work(process, busy_ms, pages);
-}
-
 /* A decoder that gets on fills memory, or answers: then it is waited for on. One that has worked
  * for long without either is stuck. Where the system does not say, patience alone decides. */
 static bool gets_on(struct coprocess *c, uint64_t *until)
 {
-    uint64_t busy_ms, pages;
-    if (!see_work(c->process, &busy_ms, &pages))
+    uint64_t busy_ms = 0, pages = 0;
+    char path[64];
+    long child;
+    snprintf(path, sizeof path, "/proc/%ld/task/%ld/children", (long)c->process, (long)c->process);
+    FILE *file = fopen(path, "re");
+    for (int i = 0; file && i < PROCESSES_MOST && fscanf(file, "%ld", &child) == 1; i++)
+        add_work(child, &busy_ms, &pages);
+    if (file)
+        fclose(file);
+    if (!add_work(c->process, &busy_ms, &pages))
         return true;
     const bool is_first = !c->pages || busy_ms < c->busy_ms; /* one of them has ended */
     const bool has_grown = pages >= c->pages + PAGES_LEAST;

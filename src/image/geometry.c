@@ -139,37 +139,33 @@ void geometry_to_lps(const struct geometry *geometry, double to_lps_mm[3][4])
             to_lps_mm[w][i] = w < 2 ? 0 - geometry->to_mm[w][i] : geometry->to_mm[w][i];
 }
 
-static bool take_letters(struct geometry *geometry, const char *letters)
-{
-    int8_t axis[3] = {0}, sign[3] = {0};
-    double spacing_mm[3];
-    unsigned seen = 0;
-    if (strlen(letters) != 3)
-        return false;
-    for (int a = 0; a < 3; a++)
-        for (int8_t w = 0; w < 3; w++) {
-            const char *at = strchr(side_letters[w], letters[a] & ~0x20); /* as a capital */
-            if (!at || !*at)
-                continue;
-            seen |= 1U << w;
-            axis[a] = w;
-            sign[a] = at == side_letters[w] ? 1 : -1;
-        }
-    if (seen != 7)
-        return false;
-    for (int a = 0; a < 3; a++)
-        spacing_mm[a] = column_length((const double(*)[4])geometry->to_mm, a);
-    place_along(geometry, axis, sign, spacing_mm);
-    geometry->orientation = ORIENTATION_TOLD;
-    return true;
-}
-
 bool geometry_orient(struct geometry *geometry, const char *how)
 {
     const int form = choice_find(ORIENTATIONS, how);
     const bool by_s = form == ORIENTATION_SFORM, by_q = form == ORIENTATION_QFORM;
-    if (!by_s && !by_q)
-        return take_letters(geometry, how);
+    if (!by_s && !by_q) {
+        int8_t axis[3] = {0}, sign[3] = {0};
+        double spacing_mm[3];
+        unsigned seen = 0;
+        if (strlen(how) != 3)
+            return false;
+        for (int a = 0; a < 3; a++)
+            for (int8_t w = 0; w < 3; w++) {
+                const char *at = strchr(side_letters[w], how[a] & ~0x20); /* as a capital */
+                if (!at || !*at)
+                    continue;
+                seen |= 1U << w;
+                axis[a] = w;
+                sign[a] = at == side_letters[w] ? 1 : -1;
+            }
+        if (seen != 7)
+            return false;
+        for (int a = 0; a < 3; a++)
+            spacing_mm[a] = column_length((const double(*)[4])geometry->to_mm, a);
+        place_along(geometry, axis, sign, spacing_mm);
+        geometry->orientation = ORIENTATION_TOLD;
+        return true;
+    }
     if ((by_s ? geometry->sform : geometry->qform).code <= 0)
         return false;
     geometry_take_form(geometry, (enum orientation)form);

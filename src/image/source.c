@@ -269,18 +269,6 @@ enum err source_read(struct volume_source *source, void *to, size_t length, cons
     return OK;
 }
 
-/* As far as the inflater gets, and the watch lets it. */
-static void pass_inflated(struct volume_source *source, uint64_t offset)
-{
-    const size_t piece_most = 1 << 20;
-    struct task task = task_begin(source->watch, "reading", offset - source->at);
-    for (size_t n = 1; source->at < offset && n > 0 && task_advance(&task, n);) {
-        const uint64_t left = offset - source->at;
-        n = inflater_take(source->inflater, NULL, left < piece_most ? (size_t)left : piece_most);
-        source->at += n;
-    }
-}
-
 enum err source_go_to(struct volume_source *source, uint64_t offset, const char *part,
                       struct fault *fault)
 {
@@ -298,8 +286,16 @@ enum err source_go_to(struct volume_source *source, uint64_t offset, const char 
         source->inflater = inflater_new(source->fd);
         source->at = 0;
     }
-    if (source->inflater)
-        pass_inflated(source, offset);
+    if (source->inflater) { /* as far as it gets, and the watch lets it */
+        const size_t piece_most = 1 << 20;
+        struct task task = task_begin(source->watch, "reading", offset - source->at);
+        for (size_t n = 1; source->at < offset && n > 0 && task_advance(&task, n);) {
+            const uint64_t left = offset - source->at;
+            n = inflater_take(source->inflater, NULL,
+                              left < piece_most ? (size_t)left : piece_most);
+            source->at += n;
+        }
+    }
     if (source->inflater && source->at == offset)
         return OK;
     if (watch_stops(source->watch))
