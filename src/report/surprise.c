@@ -29,24 +29,19 @@ static unsigned find_most(const uint64_t *in, const uint64_t *than)
     return found;
 }
 
-static bool is_surprise(const struct session *session, unsigned loser, uint64_t lost)
-{
-    const uint64_t *before = session_former_tally(session)->voxels;
-    const uint64_t gained_by = before[find_most(before, session_tally(session)->voxels)];
-    const uint64_t least = gained_by && gained_by < before[loser] ? gained_by : before[loser];
-    const uint64_t seeds = forest_seed_changes(session_forest(session)).count;
-    return lost > SURPRISE_VOXELS && lost / SURPRISE_TIMES > seeds &&
-           lost >= least / SURPRISE_SHARE && labels_before(session) > 1;
-}
-
 bool session_find_surprise(struct surprise *surprise, const struct session *session)
 {
     const struct tally *before = session_former_tally(session), *now = session_tally(session);
     const unsigned loser = find_most(now->voxels, before->voxels);
-    const uint64_t lost = before->voxels[loser] - now->voxels[loser];
+    const uint64_t had = before->voxels[loser], lost = had - now->voxels[loser];
+    const uint64_t gained_by = before->voxels[find_most(before->voxels, now->voxels)];
+    const uint64_t least = gained_by && gained_by < had ? gained_by : had;
     uint32_t cell;
-    if (!session_has_edited(session) || before->stale || now->stale ||
-        !is_surprise(session, loser, lost))
+    if (!session_has_edited(session) || before->stale || now->stale)
+        return false;
+    const uint64_t seeds = forest_seed_changes(session_forest(session)).count;
+    if (lost <= SURPRISE_VOXELS || lost / SURPRISE_TIMES <= seeds ||
+        lost < least / SURPRISE_SHARE || labels_before(session) <= 1)
         return false;
     *surprise = (struct surprise){.label = (uint8_t)loser, .voxels = lost};
     surprise->has_passage = passage_find(&cell, session_forest(session), loser);
