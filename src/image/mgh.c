@@ -109,22 +109,6 @@ static bool recognises(const uint8_t *begin, size_t length)
     return type_of(get_int(begin + TYPE_AT)) != NULL;
 }
 
-static enum err read_size(struct volume_header *out, const uint8_t *bytes, struct fault *fault)
-{
-    static const char *const name[] = {"width", "height", "depth", "number of volumes"};
-    for (int a = 0; a < 4; a++) {
-        const int32_t is = get_int(bytes + SIZE_AT + 4 * a);
-        if (is < 1)
-            return fault_set(fault, ERR_INPUT, "its %s is %" PRId32 "; expected at least 1",
-                             name[a], is);
-        if (a < 3 && is > GRID_SIDE_MOST)
-            return fault_set(fault, ERR_LIMIT, "its %s is %" PRId32 "; expected at most %d voxels",
-                             name[a], is, GRID_SIDE_MOST);
-        *(a < 3 ? &out->size[a] : &out->volumes) = (uint32_t)is;
-    }
-    return OK;
-}
-
 /* The distances that it says, or where directions are none of unit length, those of its matrix. */
 static void read_place(struct volume_header *out, const uint8_t *bytes)
 {
@@ -185,9 +169,17 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
         return fault_set(fault, ERR_INPUT,
                          "no volume of FreeSurfer: its version is %" PRId32 "; expected 1",
                          version);
-    err = read_size(out, bytes, fault);
-    if (err)
-        return err;
+    static const char *const name[] = {"width", "height", "depth", "number of volumes"};
+    for (int a = 0; a < 4; a++) {
+        const int32_t is = get_int(bytes + SIZE_AT + 4 * a);
+        if (is < 1)
+            return fault_set(fault, ERR_INPUT, "its %s is %" PRId32 "; expected at least 1",
+                             name[a], is);
+        if (a < 3 && is > GRID_SIDE_MOST)
+            return fault_set(fault, ERR_LIMIT, "its %s is %" PRId32 "; expected at most %d voxels",
+                             name[a], is, GRID_SIDE_MOST);
+        *(a < 3 ? &out->size[a] : &out->volumes) = (uint32_t)is;
+    }
     const struct type *type = type_of(code);
     snprintf(out->format, sizeof out->format, "mgh");
     snprintf(out->type_name, sizeof out->type_name, "%s", type ? type->name : "unknown");

@@ -65,8 +65,10 @@ static int64_t below_zero(int64_t n)
     return n < 0 ? n : 0;
 }
 
-static bool find_shear(struct shear *s, const uint32_t size[3], const struct geometry *geometry)
+static enum err plan(struct shear *s, const uint32_t size[3], const struct geometry *geometry,
+                     struct fault *fault)
 {
+    struct grid grid;
     double m[3][4];
     memcpy(m, geometry->to_mm, sizeof m);
     *s = (struct shear){.first = 0, .second = 1, .third = 2};
@@ -90,14 +92,6 @@ static bool find_shear(struct shear *s, const uint32_t size[3], const struct geo
            by_b + by_c - below_zero(by_b) - below_zero(by_c));
     spread(s, b, size[b], below_zero(along_b), along_b - below_zero(along_b));
     spread(s, c, size[c], 0, 0);
-    return fits;
-}
-
-static enum err plan(struct shear *s, const uint32_t size[3], const struct geometry *geometry,
-                     struct fault *fault)
-{
-    struct grid grid;
-    const bool fits = find_shear(s, size, geometry);
     const double voxels = (double)size[0] * size[1] * size[2];
     if (!fits || (double)s->size[0] * s->size[1] * s->size[2] > SWELLS_MOST * voxels)
         return fault_set(fault, ERR_LIMIT,

@@ -308,25 +308,6 @@ static enum err replace_scene(struct session *session, unsigned doubled, struct 
     return OK;
 }
 
-/* The same places in the finer scene, seen as a scene of this size is at first: 2n - 1 voxels, so
- * that the middle stays the middle. Eliminators are those of another scene. */
-static struct state refined(const struct session *session, unsigned doubled)
-{
-    struct state next = session->now;
-    struct view *view = &next.outlook.view;
-    view->zoom =
-        view_fitting_zoom(session->scene, view->width, view->height, next.outlook.look.samples);
-    view->zoom = view->zoom < VIEW_ZOOM_ONE ? view->zoom : VIEW_ZOOM_ONE;
-    for (unsigned a = 0; a < 3; a++) {
-        view->focus[a] *= 1 + (doubled >> a & 1);
-        next.outlook.slices.cross[a] *= 1 + (doubled >> a & 1);
-        next.outlook.slices.middle[a] *= 1 + (doubled >> a & 1);
-    }
-    next.lists.markers = next.lists.eliminators = (struct edits){0};
-    next.lists.applied = 0;
-    return next;
-}
-
 enum err session_interpolate(struct session *session, unsigned doubled, struct fault *fault)
 {
     uint32_t size[3];
@@ -362,6 +343,19 @@ enum err session_interpolate(struct session *session, unsigned doubled, struct f
     (void)geometry_derive(&session->said, first, step); /* half of 1 nm is 1 nm */
     session_place(session, &session->now.kept);
     session->scene_digest = scene_digest(session->scene);
-    const struct state next = refined(session, doubled);
+    /* The same places in the finer scene, seen as a scene of this size is at first: 2n - 1 voxels,
+     * so that the middle stays the middle. Eliminators are those of another scene. */
+    struct state next = session->now;
+    struct view *view = &next.outlook.view;
+    view->zoom =
+        view_fitting_zoom(session->scene, view->width, view->height, next.outlook.look.samples);
+    view->zoom = view->zoom < VIEW_ZOOM_ONE ? view->zoom : VIEW_ZOOM_ONE;
+    for (unsigned a = 0; a < 3; a++) {
+        view->focus[a] *= 1 + (doubled >> a & 1);
+        next.outlook.slices.cross[a] *= 1 + (doubled >> a & 1);
+        next.outlook.slices.middle[a] *= 1 + (doubled >> a & 1);
+    }
+    next.lists.markers = next.lists.eliminators = (struct edits){0};
+    next.lists.applied = 0;
     return session_go(session, &next, NULL, 0, fault);
 }
