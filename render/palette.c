@@ -54,7 +54,7 @@ void palette_default(struct palette *palette, uint32_t look)
         const int bright = 8 - (label - 1) / HUES % 4; /* in look 1 further rounds are darker */
         const uint32_t rgb = further[label - 1 - HUES];
         for (int k = 0; k < 3; k++)
-            palette->rgb[label][k] = look == LOOK_FIRST ? (uint8_t)(base[k] * bright / 8)
-                                                        : (uint8_t)(rgb >> (16 - 8 * k));
+            palette->rgb[label][k] = (uint8_t)(look == LOOK_FIRST ? (uint32_t)(base[k] * bright / 8)
+                                                                  : rgb >> (16 - 8 * k));
     }
 }
