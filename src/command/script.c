@@ -13,7 +13,9 @@
 
 enum { LINE_BYTES_MOST = 65536 };
 
-bool script_read_line(FILE *input, struct buf *line)
+/* One line without its line feed; false at the end. Of a line that is too long for any command so
+ * much is read that it stays too long. */
+static bool read_line(FILE *input, struct buf *line)
 {
     int c;
     buf_clear(line);
@@ -39,7 +41,7 @@ bool script_opens_scene(FILE *input, bool *knows)
     const off_t begin = ftello(input);
     bool opens = false;
     *knows = begin >= 0 && fseeko(input, begin, SEEK_SET) == 0;
-    while (*knows && !opens && script_read_line(input, &line)) {
+    while (*knows && !opens && read_line(input, &line)) {
         const char *at = buf_text(&line);
         buf_clear(&word);
         scan_blanks(&at);
@@ -385,8 +387,7 @@ static bool next_line(const struct interpreter *interp, FILE *input, struct buf 
 {
     if (printer->waits)
         printer->waits(printer->context, true);
-    const bool is_there =
-        !watch_stops(session_watch(interp->session)) && script_read_line(input, line);
+    const bool is_there = !watch_stops(session_watch(interp->session)) && read_line(input, line);
     if (printer->waits)
         printer->waits(printer->context, false);
     return is_there;

@@ -24,10 +24,6 @@
 
 #include "command/interpreter.h"
 
-/* One line without its line feed; false at the end. Of a line that is too long for any command so
- * much is read that it stays too long. */
-bool script_read_line(FILE *input, struct buf *line);
-
 struct printer {
     void *context;
     void (*print)(void *context, const char *text);          /* whole lines, to standard output */

@@ -34,9 +34,9 @@ void voxel_why_release(struct voxel_why *why);
 bool voxel_why_find(struct voxel_why *why, const struct session *session, const uint32_t place[3],
                     struct buf *out);
 
-/* Finds what an eliminator at a voxel would take (session/held.h), and adds it in words: "marker 7:
- * 3 trees, 123 voxels, 5 seeds wait, label 2", or "the tree of the seed at 1,2,3: 9 voxels, label
- * 2". False where there is nothing. */
+/* Finds what an eliminator at a voxel would take (session/session.h), and adds it in words:
+ * "marker 7: 3 trees, 123 voxels, 5 seeds wait, label 2", or "the tree of the seed at 1,2,3: 9
+ * voxels, label 2". False where there is nothing. */
 bool voxel_facts_find_held(struct held *held, const struct session *session,
                            const uint32_t place[3], bool tree, struct buf *out);
 

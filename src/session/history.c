@@ -62,7 +62,10 @@ static unsigned find_pieces(uint16_t number[PIECES_MOST], const struct kept *a,
     return found;
 }
 
-struct kept_settings *kept_settings_new(const struct kept_settings *like, const struct kept *kept)
+/* Immutable and counted: each holder drops it once. Those of `kept`, with one holder; `like` is
+ * what they differ little from, or NULL. NULL where there is no memory. */
+static struct kept_settings *kept_settings_new(const struct kept_settings *like,
+                                               const struct kept *kept)
 {
     uint16_t number[PIECES_MOST];
     struct ground *ground = like ? like->ground : NULL;
@@ -94,13 +97,13 @@ struct kept_settings *kept_settings_new(const struct kept_settings *like, const 
     return settings;
 }
 
-struct kept_settings *kept_settings_hold(struct kept_settings *settings)
+static struct kept_settings *kept_settings_hold(struct kept_settings *settings)
 {
     settings->holders++;
     return settings;
 }
 
-void kept_settings_drop(struct kept_settings *settings)
+static void kept_settings_drop(struct kept_settings *settings)
 {
     if (!settings || --settings->holders > 0)
         return;

@@ -89,12 +89,6 @@ size_t history_memory(const struct history *history);
 
 /* ---- what is kept of the settings at each point, in little room ---- */
 
-/* Immutable and counted: each holder drops it once. Those of `kept`, with one holder; `like` is
- * what they differ little from, or NULL. NULL where there is no memory. */
-struct kept_settings *kept_settings_new(const struct kept_settings *like, const struct kept *kept);
-struct kept_settings *kept_settings_hold(struct kept_settings *settings); /* one holder more */
-void kept_settings_drop(struct kept_settings *settings);                  /* NULL is fine */
-
 /* A copy that borrows. */
 struct kept kept_settings_get(const struct kept_settings *settings);
 

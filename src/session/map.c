@@ -239,13 +239,6 @@ static uint32_t label_of(const struct map_labels *choice, uint16_t region)
                                                                       : (uint32_t)choice->label;
 }
 
-enum err map_choose(struct volume *map, const struct map_labels *choice, struct watch *watch,
-                    struct fault *fault)
-{
-    const enum err err = map_to_regions(map, 0, REGION_MOST, watch, fault);
-    return err ? err : map_label(map, choice, watch, fault);
-}
-
 enum err map_label(struct volume *map, const struct map_labels *choice, struct watch *watch,
                    struct fault *fault)
 {
@@ -277,7 +270,8 @@ enum err map_to_labels(uint8_t **label, struct volume *map, const struct map_lab
 {
     const size_t voxels = (size_t)map->size[0] * map->size[1] * map->size[2];
     *label = NULL;
-    const enum err err = map_choose(map, choice, watch, fault);
+    enum err err = map_to_regions(map, 0, REGION_MOST, watch, fault);
+    err = err ? err : map_label(map, choice, watch, fault);
     if (err)
         return err;
     uint8_t *made = *label = mem_array(voxels, 1);

@@ -74,20 +74,16 @@ struct map_labels {
     int label;          /* of all that are chosen but 0, or LABEL_OWN: by `as`, or its number */
 };
 
-/* Replaces intensities by these labels, in place, and others by REGION_NONE. ERR_INPUT for a region
- * that would be a label above 255, and the errors of map_to_regions. */
-enum err map_choose(struct volume *map, const struct map_labels *choice, struct watch *watch,
-                    struct fault *fault);
-
-/* The same of a map that has been through map_to_regions. */
+/* Replaces the regions of a map that has been through map_to_regions by these labels, in place, and
+ * others by REGION_NONE. ERR_INPUT for a region that would be a label above 255, ERR_CANCELLED. */
 enum err map_label(struct volume *map, const struct map_labels *choice, struct watch *watch,
                    struct fault *fault);
 
 /* How many voxels hold numbers that are those of no region, which map_to_regions passes over. */
 uint64_t map_count_beyond(const struct volume *map, struct watch *watch);
 
-/* map_choose as a byte a voxel, [z][y][x], freed by free(), with 0 for others. The map is of no use
- * afterwards, and *label NULL on errors. */
+/* Both in turn, as a byte a voxel, [z][y][x], freed by free(), with 0 for others. The map is of no
+ * use afterwards, and *label NULL on errors. */
 enum err map_to_labels(uint8_t **label, struct volume *map, const struct map_labels *choice,
                        struct watch *watch, struct fault *fault);
 
@@ -101,7 +97,7 @@ enum err map_to_weights(struct volume *map, struct watch *watch, struct fault *f
 
 enum { LABEL_COPY_DIGEST = 33 }; /* 32 digits and NUL: 128 bits of SHA-256 */
 
-/* Of a map as map_choose leaves it: over its sides as 32 bits each, then its labels, x fastest, as
+/* Of a map as map_label leaves it: over its sides as 32 bits each, then its labels, x fastest, as
  * 16 bits; all little-endian. */
 enum err label_copy_digest(char digest[LABEL_COPY_DIGEST], const struct volume *map,
                            struct watch *watch, struct fault *fault); /* ERR_CANCELLED */

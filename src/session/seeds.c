@@ -181,8 +181,11 @@ static enum err holds_nothing(const struct session *session, struct fault *fault
                      "no tree holds this voxel: no seed reaches it; nothing has changed");
 }
 
-enum err session_find_seeds(const struct session *session, const uint32_t *cell, size_t count,
-                            uint32_t **seed, size_t *seeds, struct fault *fault)
+/* The seeds that some voxels belong to: the voxel itself where one waits to be planted there, else
+ * the root of its tree. One that several belong to is there as often. An array that the caller
+ * frees, after errors too; it may be empty. */
+static enum err find_seeds(const struct session *session, const uint32_t *cell, size_t count,
+                           uint32_t **seed, size_t *seeds, struct fault *fault)
 {
     struct waiting_cells waiting;
     struct task task = task_begin(session->watch, "eliminators", count);
@@ -210,8 +213,7 @@ enum err session_find_markers(const struct session *session, const uint32_t *cel
     struct task task = task_begin(session->watch, "eliminators", count);
     size_t seeds;
     *numbers = 0;
-    enum err err =
-        session_find_seeds(session, cell, count, number, &seeds, fault); /* at first, seeds */
+    enum err err = find_seeds(session, cell, count, number, &seeds, fault); /* at first, seeds */
     bool *holds = mem_new(markers->count + 1); /* each marker, whether one of them */
     if (!err && !holds)
         err = fault_memory(fault, "eliminators");
@@ -234,7 +236,7 @@ enum err session_erase_trees(struct session *session, const uint32_t *cell, size
 {
     uint32_t *seed;
     size_t seeds;
-    enum err err = session_find_seeds(session, cell, count, &seed, &seeds, fault);
+    enum err err = find_seeds(session, cell, count, &seed, &seeds, fault);
     if (!err)
         err = seeds ? session_plant(session, seed, seeds, EDIT_ERASE, fault)
                     : holds_nothing(session, fault);
@@ -331,7 +333,7 @@ static enum err find_tree(struct held *held, const struct session *session, uint
 {
     uint32_t *seed;
     size_t seeds;
-    enum err err = session_find_seeds(session, &cell, 1, &seed, &seeds, fault);
+    enum err err = find_seeds(session, &cell, 1, &seed, &seeds, fault);
     if (!err && !seeds)
         err = fault_set(fault, ERR_INPUT, "no tree holds this voxel");
     if (!err) {

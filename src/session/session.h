@@ -144,7 +144,7 @@ struct session_memory session_memory_parts(const struct session *session);
 
 /* The intensities that are black and white where nobody has chosen, the smaller first: few voxels
  * are as bright as vessels and fat, so of a thousand voxels WINDOW_BLACK are no brighter, and
- * 1000 - WINDOW_WHITE brighter (engine/intensities.h). Found once. */
+ * 1000 - WINDOW_WHITE brighter (engine/scene.h). Found once. */
 enum { WINDOW_BLACK = 10, WINDOW_WHITE = 995 };
 void session_find_window(struct session *session, int32_t window[2]);
 

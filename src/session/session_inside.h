@@ -130,12 +130,6 @@ enum err session_foretell(struct session *session, struct fault *fault);
 /* Before the next command: what the tally was before the last one that edited. */
 void session_note_edit(struct session *session);
 
-/* The seeds that some voxels belong to: the voxel itself where one waits to be planted there, else
- * the root of its tree. One that several belong to is there as often. An array that the caller
- * frees, after errors too; it may be empty. */
-enum err session_find_seeds(const struct session *session, const uint32_t *cell, size_t count,
-                            uint32_t **seed, size_t *seeds, struct fault *fault);
-
 /* Pictures of it do not fit any more. */
 static inline void session_forget_pictures(struct session *session)
 {

@@ -1,4 +1,4 @@
-/* The figures of command/bench_report.h for programs, and as charts. */
+/* The figures of the report for programs, and as charts. */
 #include "tests/bench/report.h"
 
 #include <string.h>

@@ -314,7 +314,8 @@ void setup_say_key_to(struct buf *out, const struct pilot_setup *setup, const ch
     buf_release(&key);
 }
 
-bool setup_is_plain(const struct pilot_setup *setup, const struct pilot_row *row)
+/* Whether a row has the keys of the table, all of them. */
+static bool is_plain_row(const struct pilot_setup *setup, const struct pilot_row *row)
 {
     struct buf keys = {0};
     setup_add_keys(&keys, setup, row, SIZE_MAX);
@@ -383,9 +384,9 @@ static bool joins(const struct pilot_row *row)
 static void add_keys(struct buf *out, const struct pilot_row *row, const struct pilot_setup *setup)
 {
     const size_t before = out->length;
-    bool is_plain = setup_is_plain(setup, row);
+    bool is_plain = is_plain_row(setup, row);
     for (const struct pilot_row *next = row + 1; joins(next); next++)
-        is_plain &= setup_is_plain(setup, next);
+        is_plain &= is_plain_row(setup, next);
     if (is_plain && row->shown) {
         buf_add_text(out, row->shown);
         return;

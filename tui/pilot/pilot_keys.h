@@ -274,9 +274,6 @@ void setup_say_key(struct buf *out, const struct pilot_setup *setup, const char 
 void setup_say_key_to(struct buf *out, const struct pilot_setup *setup, const char *name, char c,
                       const char *words);
 
-/* Whether a row has the keys of the table, all of them. */
-bool setup_is_plain(const struct pilot_setup *setup, const struct pilot_row *row);
-
 /* ---- what rows do ---- */
 
 /* `by` of pilot_move: which way on the screen, and whether far. */
