@@ -2,19 +2,14 @@
 # Volumes that name other files: those below their folder are read, everything else is refused by
 # name, on every kernel; nothing is made up for what is missing, and nothing waited for in vain.
 . "$(dirname "$0")/lib.sh"
-PYTHON=/usr/bin/python3
-unset IFTTY_SCENES
+. tests/volumes/opened.sh
 loose() { # COMMAND...: as on a kernel without Landlock
     "$PYTHON" "$top/tests/volumes/without_landlock.py" "$@"
 }
-mkdir "$work/v" "$work/secret"
+mkdir "$work/secret"
 
 begin "files that name others are made"
-"$PYTHON" -W ignore "$top/tests/volumes/elsewhere.py" "$work/v" >"$work/made" 2>&1 ||
-    fail "$(tail -n 3 "$work/made")"
-[ "$failures" = 0 ] || { close_story; finish; }
-close_story
-cd "$work/v" || exit 1
+made_by elsewhere.py
 
 scene_of() { # COMMAND...: the digest of the scene that it opens
     rm -f "$work/j.iftty"

@@ -274,35 +274,44 @@ static int64_t held(const struct setting_member *member, const struct value *val
     }
 }
 
-/* What one may not expect of a member that was set. */
-static void say(const struct act *act, size_t member)
+static void say(const struct act *act, enum setting_says what)
 {
     struct buf *out = &act->reply->text;
     const struct outlook *outlook = session_outlook(act->session);
     const size_t waits = session_pendings(act->session);
-    if (member == offsetof(struct state, outlook.runs_by_itself) && outlook->runs_by_itself &&
-        waits)
-        buf_printf(out, "%zu edit%s waiting for `run` or the next edit\n", waits, plural(waits));
-    if (member != offsetof(struct state, outlook.shows_finished))
+    switch (what) {
+    case SAYS_NOTHING:
         return;
-    if (!outlook->shows_finished)
-        buf_add_text(out, "pictures show the labels of the forest\n");
-    else if (!session_kept(act->session)->finish.count)
-        buf_add_text(out, "the finish has no step yet; `finish relax` adds one, and pictures show "
-                          "it\n");
-    else
-        act_write_finish(out, act->session);
+    case SAYS_WEIGHTS:
+        act_add_weights(act);
+        return;
+    case SAYS_SLICES:
+        act_write_slices(out, act->session);
+        return;
+    case SAYS_WAITING:
+        if (outlook->runs_by_itself && waits)
+            buf_printf(out, "%zu edit%s waiting for `run` or the next edit\n", waits,
+                       plural(waits));
+        return;
+    case SAYS_FINISH:
+        if (!outlook->shows_finished)
+            buf_add_text(out, "pictures show the labels of the forest\n");
+        else if (!session_kept(act->session)->finish.count)
+            buf_add_text(out, "the finish has no step yet; `finish relax` adds one, and pictures "
+                              "show it\n");
+        else
+            act_write_finish(out, act->session);
+    }
 }
 
 enum err act_set(const struct act *act)
 {
     const struct parameter *parameter = act->call->command->parameter;
-    unsigned given = 0, made = 0;
+    unsigned given = 0;
     for (int i = 0; parameter[i].type; i++) {
         const struct setting_member *member = &parameter[i].sets;
         const struct value *value = act_value(act, parameter[i].name);
         given += value->given;
-        made |= member->made;
         if (value->given)
             setting_put(act->next, member, held(member, value, &act->next->outlook));
         else if (!member->stays)
@@ -312,11 +321,7 @@ enum err act_set(const struct act *act)
         return fault_set(act->fault, ERR_USAGE, "expected what to change, as in `%s`",
                          act->call->command->example);
     const enum err err = act_go(act);
-    if (!err && made & MADE_WEIGHTS)
-        act_add_weights(act);
-    if (!err && act->call->command->group == GROUP_SLICES)
-        act_write_slices(&act->reply->text, act->session);
     if (!err)
-        say(act, parameter->sets.at);
+        say(act, parameter->sets.says);
     return err;
 }

@@ -49,6 +49,15 @@ enum held_as {
     HELD_AS_BACKGROUND, /* a background (render/background.h) */
 };
 
+/* What the answer says, and the record, once a setting was set (act_set). */
+enum setting_says {
+    SAYS_NOTHING,
+    SAYS_WEIGHTS, /* the record: the digest of the weights */
+    SAYS_SLICES,  /* what slices show */
+    SAYS_WAITING, /* which edits wait still */
+    SAYS_FINISH,  /* what pictures show */
+};
+
 /* What a parameter of a setting sets; zeros for others. */
 struct setting_member {
     size_t at, bytes; /* in struct state (session/state.h): an integer, */
@@ -59,6 +68,7 @@ struct setting_member {
     bool is_late;  /* notes leave the setting out while it is as usual: pictures that were made
                       before there was such a setting say the same */
     unsigned made; /* MADE_... of what follows from it */
+    enum setting_says says; /* of the setting, at its first parameter */
 };
 
 struct parameter {

@@ -27,13 +27,13 @@ enum { R = COMMAND_RECORDED, S = COMMAND_NEEDS_SCENE, E = COMMAND_EDITS };
 const struct command setting_table[] = {
     {SETTING("adjacency", GROUP_WEIGHT, R | S | E),
      {{"COUNT", VALUE_CHOICE, .choices = "6|26",
-       SETS(kept.adjacency, 6, .made = MADE_WEIGHTS, .as = HELD_AS_COUNT)}},
+       SETS(kept.adjacency, 6, .made = MADE_WEIGHTS, .as = HELD_AS_COUNT, .says = SAYS_WEIGHTS)}},
      "neighbours of a voxel: by faces, or by corners too",
      "6 is the default.",
      "adjacency 26"},
     {SETTING("auto", GROUP_SEEDS, R),
      {{"STATE", VALUE_CHOICE, .choices = "on|off",
-       SETS(outlook.runs_by_itself, 0, .made = 0, .as = HELD_AS_SWITCH)}},
+       SETS(outlook.runs_by_itself, 0, .made = 0, .as = HELD_AS_SWITCH, .says = SAYS_WAITING)}},
      "whether each edit runs at once",
      "off in scripts, on at the prompt. What waits is applied by the next command that edits, with "
      "what that does, or that shows labels or answers from them, or by `run`. Turning it on "
@@ -135,7 +135,7 @@ const struct command setting_table[] = {
      "context mip"},
     {SETTING("overlay", GROUP_SLICES, R | S),
      {{"LABELS", VALUE_CHOICE, .optional = true, .choices = SLICE_OVERLAYS,
-       SETS(outlook.slices.overlay, SLICE_CONTOUR, .made = 0, .stays = true)},
+       SETS(outlook.slices.overlay, SLICE_CONTOUR, .made = 0, .stays = true, .says = SAYS_SLICES)},
       {"cross", VALUE_CHOICE, KEYED, .choices = "on|off",
        SETS(outlook.slices.crosses, 1, .made = 0, .as = HELD_AS_SWITCH, .stays = true)},
       {"marks", VALUE_CHOICE, KEYED, .choices = "on|off",
@@ -151,7 +151,8 @@ const struct command setting_table[] = {
      "overlay tint cross=off"},
     {SETTING("finished", GROUP_KEPT, R | S),
      {{"STATE", VALUE_CHOICE, .choices = "on|off",
-       SETS(outlook.shows_finished, 0, .made = MADE_COLOURS, .as = HELD_AS_SWITCH)}},
+       SETS(outlook.shows_finished, 0, .made = MADE_COLOURS, .as = HELD_AS_SWITCH,
+            .says = SAYS_FINISH)}},
      "whether pictures show the labels as finished",
      "In slices, mosaics, renditions and the pilot, which follow each seed and eliminator. The "
      "pilot shows the labels of the forest at once where they change, and the finished ones as "

@@ -1,5 +1,5 @@
-# Files that others write, and whether a volume is opened as its twin is: for test_volumes.sh and
-# test_series.sh, which source this after lib.sh.
+# Files that others write, and whether a volume is opened as its twin is: for test_volumes.sh,
+# test_series.sh and test_elsewhere.sh, which source this after lib.sh.
 PYTHON=/usr/bin/python3
 unset IFTTY_SCENES
 
