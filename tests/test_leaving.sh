@@ -18,7 +18,7 @@ is_guarded() { # by a process that has its name by now
     [ "$(processes | sort | tr '\n' ' ')" = "iftty iftty-guardian " ]
 }
 start_session() { # JOURNAL [WORDS...]
-    enter "clear; sh -c 'echo \$\$ >pid; exec $iftty --journal $*'"
+    enter_anew "sh -c 'echo \$\$ >pid; exec $iftty --journal $*'"
     see '^[a-z]+>$'
 }
 nothing_left() {
@@ -100,7 +100,7 @@ begin "in GNU screen: blocks, and nothing else"
 if needs screen; then
     mkdir -m 700 screens
     screen="SCREENDIR=./screens screen -U -c /dev/null"
-    enter "clear; $screen sh -c 'exec $iftty --journal five.iftty s.nii'"
+    enter_anew "$screen sh -c 'exec $iftty --journal five.iftty s.nii'"
     see '^[a-z]+>$'
     screen_text >before
     ! grep -q 'Gi=31\|AAAA\|2026' before || fail "garbage:" "$(cat before)"

@@ -37,7 +37,7 @@ no_words() {
 begin_terminal
 
 begin "pilot takes the whole screen: slices, and where the cross-hair is"
-enter "clear; $iftty s.nii"
+enter_anew "$iftty s.nii"
 see '^24x20x16 voxels'
 see '^Ctrl-O: the pilot, to segment by keys; `help`: the commands$'
 enter "pilot"
@@ -393,7 +393,7 @@ grep -qx 'cross 11,13,8' s-1.iftty || fail "a move is not in the journal"
 close_story
 
 begin "no side is named where nobody knows it"
-enter "clear; $iftty u.nii"
+enter_anew "$iftty u.nii"
 see '^u>$'
 press C-o
 see '^ *5 mm'
@@ -409,7 +409,7 @@ sane
 close_story
 
 begin "Ctrl-O is the pilot too; killed there, the terminal is sane"
-enter "clear; sh -c 'echo \$\$ >pid; exec $iftty s-1.iftty'"
+enter_anew "sh -c 'echo \$\$ >pid; exec $iftty s-1.iftty'"
 see '^s-1>$'
 press C-o
 see '^axial'
@@ -420,7 +420,7 @@ expect 0 "$iftty" verify s-1.iftty
 close_story
 
 begin "killed while the pen is down, all but that stroke is in the journal"
-enter "clear; sh -c 'echo \$\$ >pid; exec $iftty s-1.iftty'"
+enter_anew "sh -c 'echo \$\$ >pid; exec $iftty s-1.iftty'"
 see '^s-1>$'
 press C-o
 see '^axial'
@@ -445,7 +445,7 @@ same "$(last_record)" "$last"
 expect 0 "$iftty" verify s-1.iftty
 expect 0 "$iftty" log --check s-1.iftty
 grep -q '^intact' out || fail "$(cat out)"
-enter "clear; $iftty s-1.iftty"
+enter_anew "$iftty s-1.iftty"
 see '^s-1>$'
 enter "undo"
 see "^undone: [0-9]* $last"
@@ -461,7 +461,7 @@ seed 60,108,90 1
 run
 END
 if "$iftty" run reference >/dev/null 2>&1; then
-    enter "clear; $iftty ch2.nii.gz"
+    enter_anew "$iftty ch2.nii.gz"
     see '^ch2>$'
     press C-o
     see '^axial z=90 at 90,108,90'
@@ -493,7 +493,7 @@ start overlay tint
 start overlay red
 END
 rm -f s-*.iftty
-enter "clear; IFTTY_CONFIG=config $iftty s.nii"
+enter_anew "IFTTY_CONFIG=config $iftty s.nii"
 see '^config:4: there is no action undu; did you mean undo\?; left out$'
 see '^config:7: LABELS: expected '
 see '^s>$'
@@ -510,7 +510,7 @@ type_letters "q"
 enter "quit"
 see '^journal: '
 grep -qx 'overlay tint' s-1.iftty || fail "the command is not recorded"
-enter "clear; IFTTY_CONFIG=config $iftty s-1.iftty"
+enter_anew "IFTTY_CONFIG=config $iftty s-1.iftty"
 see 'resumed as they left it'
 enter "quit"
 see '^journal: '
@@ -524,7 +524,7 @@ close_story
 
 begin "a theme without colours has none anywhere"
 echo "theme none" >config
-enter "clear; IFTTY_CONFIG=config $iftty s.nii"
+enter_anew "IFTTY_CONFIG=config $iftty s.nii"
 see '^s>$'
 type_letters "see"
 press C-u
@@ -543,7 +543,7 @@ close_story
 
 begin "keys typed while a command runs are taken after it, in their order"
 rm -f synth-*.iftty
-enter "clear; $iftty synth:geom:240x240x240"
+enter_anew "$iftty synth:geom:240x240x240"
 see '^Ctrl-O: the pilot'
 press C-o
 see '^axial z=120 at 120,120,120'

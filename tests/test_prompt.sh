@@ -15,7 +15,7 @@ below() {
 begin_terminal
 
 begin "the prompt appears, and what was typed before it is not lost"
-enter "clear; EDITOR='sh ./edit.sh' $iftty s.nii"
+enter_anew "EDITOR='sh ./edit.sh' $iftty s.nii"
 enter "label 2 early"
 see '^s> label 2 early$'
 see '^s>$'
@@ -174,7 +174,7 @@ close_story
 
 begin "resuming tells how many records there are"
 records=$(grep -c '^= ' s-1.iftty)
-enter "clear; sh -c 'echo \$\$ >pid; exec $iftty s-1.iftty'"
+enter_anew "sh -c 'echo \$\$ >pid; exec $iftty s-1.iftty'"
 see "^$records records, resumed as they left it\$"
 see '^s-1>$'
 enter "seed 6,10,8 2"
@@ -193,7 +193,7 @@ close_story
 
 begin "Ctrl-C while a scene opens: it is not opened, and the prompt goes on"
 for try in 1 2 3 4 5; do # on a busy machine the key may come when the scene is there
-    enter "clear; $iftty --journal big-$try.iftty"
+    enter_anew "$iftty --journal big-$try.iftty"
     see '^session>$'
     enter "open synth:geom:420x420x340"
     see 'needs 1\.1 GB of memory|error: '

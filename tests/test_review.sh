@@ -35,7 +35,7 @@ see_question() { # RECORD
     comes_true asks "$1" || fail "record $1; the screen is:" "$(screen_text | grep .)"
 }
 review() { # OPTION...
-    enter "clear; $iftty verify --review --graphics blocks $* j.iftty; echo sta\"\"tus \$?"
+    enter_anew "$iftty verify --review --graphics blocks $* j.iftty; echo sta\"\"tus \$?"
     see_question "7: golden first"
 }
 
@@ -97,7 +97,7 @@ for name in first third; do
     "$iftty" info j.golden/$name.exr >said
     grep -q 'iftty:journal: j.iftty' said || fail "$(cat said)"
 done
-enter "clear; $iftty verify --review j.iftty; echo sta\"\"tus \$?"
+enter_anew "$iftty verify --review j.iftty; echo sta\"\"tus \$?"
 see "^status 0"
 see "0 golden images accepted, 0 of 12 records of j.iftty marked"
 close_story
@@ -119,11 +119,11 @@ press C-c
 see "^status 130"
 same_files j.iftty spoilt
 same "$(ls -A j.golden | tr '\n' ' ')" "first.exr first.png second.exr second.png third.png "
-enter "clear; CI=1 $iftty verify --review j.iftty; echo sta\"\"tus \$?"
+enter_anew "CI=1 $iftty verify --review j.iftty; echo sta\"\"tus \$?"
 see "^status 2"
 see "review is a person.s decision, and refused where CI is set"
 cp "$top/tests/journals/semantics-4.iftty" old.iftty
-enter "clear; $iftty verify --review old.iftty; echo sta\"\"tus \$?"
+enter_anew "$iftty verify --review old.iftty; echo sta\"\"tus \$?"
 see "^iftty: old.iftty: it was written with semantics 4"
 see "^status 1"
 sane

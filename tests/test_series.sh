@@ -189,7 +189,7 @@ cd "$work" || exit 1
 . "$top/tests/tmux.sh"
 begin_terminal
 begin "at the prompt a list that is longer than the screen is paged, and its error is below it"
-enter "clear; cd v; $iftty"
+enter_anew "cd v; $iftty"
 see '^session>$'
 enter "open many"
 see '1: "protocol with a long name, and number 1"'

@@ -31,6 +31,14 @@ shows() {
 see() {
     comes_true shows "$1" || fail "the screen is:" "$(screen_text | grep .)"
 }
+# A line to the shell, once the screen shows nothing of what was before: that would be taken for what
+# the line gives.
+enter_anew() {
+    checks=$((checks + 1))
+    enter "clear; echo cl\"\"ear $checks"
+    see "^clear $checks\$"
+    enter "$1"
+}
 # A program has left the terminal as a shell wants it.
 sane() {
     checks=$((checks + 1))
