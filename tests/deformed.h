@@ -25,6 +25,7 @@ struct deformation {
 struct subject {
     struct scene *scene;
     struct geometry geometry;
+    double brightest;    /* of the scene that it was made of */
     struct affine truth; /* subject's world -> the scene's, but for what is elastic */
 };
 
@@ -106,7 +107,7 @@ static inline double subject_value(const struct volume *base, const struct subje
         from[i] += d->elastic_mm * wave(mm, i) - base->geometry.to_mm[i][3];
     geometry_solve(&base->geometry, from, at);
     const double value = value_between(base, at) * (1 + d->bias * wave(mm, 3));
-    return value + d->noise * UINT16_MAX * chance(voxel) * (value > 0 ? 1 : 0.3);
+    return value + d->noise * subject->brightest * chance(voxel) * (value > 0 ? 1 : 0.3);
 }
 
 /* On the grid of the base, `factor` times as coarse. The caller frees the scene. */
@@ -129,6 +130,9 @@ static inline enum err subject_make(struct subject *out, const struct volume *ba
                     (double[3]){step, step, step});
     geometry_point(&base->geometry, middle, middle_mm);
     out->truth = deformed_truth(d, middle_mm);
+    out->brightest = 1;
+    for (size_t i = 0; i < (size_t)base->size[0] * base->size[1] * base->size[2]; i++)
+        out->brightest = fmax(out->brightest, base->intensity[i]);
     uint16_t *intensity = mem_array(voxels, sizeof *intensity);
     if (!intensity)
         return ERR_MEMORY;

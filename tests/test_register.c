@@ -27,7 +27,6 @@ enum { COARSE = 4 };
 static const struct deformation known = {.degrees = {5, -4, 6},
                                          .scale = {1.06, 0.95, 1.03},
                                          .shift_mm = {6, -9, 7},
-                                         .elastic_mm = 3,
                                          .noise = 0.02,
                                          .bias = 0.15};
 
@@ -57,7 +56,7 @@ STORY(a_known_map_is_found_within_a_millimetre_and_again_in_the_same_bytes)
     struct fault fault;
     CHECK_INT(find_of(&first, &known, &subject, &fault), OK);
     CHECK_TEXT(fault.text, "");
-    CHECK(subject_error(&subject, &first.affine) < 2);
+    CHECK(subject_error(&subject, &first.affine) < 0.7);
     CHECK(first.metric > 1.5 * first.identity_metric && first.metric > first.mirrored_metric);
     CHECK(first.overlap > 0.8 && first.agreement_mm < 2);
     CHECK(strlen(first.subject) == SHA256_HEX - 1 && strcmp(first.subject, first.procedure) != 0);
@@ -154,7 +153,7 @@ STORY(a_helper_that_is_missing_dies_or_lies_costs_one_line)
     CHECK_HAS(fault_of(HEARD "echo progress 3 9; echo progress 2 9; sleep 9"), "makes no sense");
     CHECK_HAS(fault_of(HEARD "echo progress 10 9; sleep 9"), "makes no sense");
     CHECK_HAS(fault_of(HEARD "echo error 9999; sleep 9"), "makes no sense");
-    CHECK_HAS(fault_of(HEARD "echo found; head -c 64 /dev/zero"), "ended with status 0");
+    CHECK_HAS(fault_of(HEARD "echo found; head -c 64 /dev/zero; kill $!"), "ended with status 0");
     CHECK_HAS(fault_of(HEARD "echo found; i=0; while [ $((i += 1)) -le 20 ]; do "
                              "printf '\\377\\377\\377\\377\\377\\377\\377\\377'; done; sleep 9"),
               "makes no sense");
@@ -177,14 +176,9 @@ STORY(an_answer_that_makes_sense_is_judged_all_the_same)
 STORY(a_helper_that_never_ends_is_ended)
 {
     register_helper_patience_ms = 1000;
-    struct registration found;
-    struct fault fault;
-    register_helper_program = make_script(folder, "odd", HEARD "sleep 60");
     const uint64_t begin = clock_ns();
-    CHECK_INT(find(&found, &procedure, NULL, &fault), ERR_IO);
-    CHECK_HAS(fault.text, "did not answer for ");
-    CHECK(clock_ns() - begin < UINT64_C(40000000000));
-    register_helper_program = helper;
+    CHECK_HAS(fault_of(HEARD "sleep 60"), "did not answer for 1 s");
+    CHECK(clock_ns() - begin < UINT64_C(30000000000));
     register_helper_patience_ms = 60000;
 }
 
@@ -253,39 +247,119 @@ static void rate(uint8_t truth[VOXELS], uint8_t map[RATERS][VOXELS], const doubl
     }
 }
 
-STORY(raters_are_known_by_their_errors_and_the_consensus_is_better_than_any)
+/* The same from the papers, over voxels of doubles: [rater][said][is], and the labels' shares. */
+enum { LABELS = 3 };
+static const uint8_t said_by_place[LABELS] = {0, 3, 200};
+
+static unsigned place_of(uint8_t label)
 {
-    static uint8_t truth[VOXELS], map[RATERS][VOXELS], consensus[VOXELS], again[VOXELS];
+    return label == 0 ? 0 : label == 3 ? 1 : 2;
+}
+
+static void normalise(double rates[LABELS][LABELS], bool by_said)
+{
+    for (int i = 0; i < LABELS; i++) {
+        double sum = 0;
+        for (int j = 0; j < LABELS; j++)
+            sum += by_said ? rates[i][j] : rates[j][i];
+        for (int j = 0; j < LABELS; j++)
+            *(by_said ? &rates[i][j] : &rates[j][i]) /= sum > 0 ? sum : 1;
+    }
+}
+
+static void weigh(double weight[LABELS], double rates[RATERS][LABELS][LABELS],
+                  const double share[LABELS], uint8_t map[RATERS][VOXELS], int voxel)
+{
+    double sum = 0;
+    for (int is = 0; is < LABELS; is++) {
+        weight[is] = share[is];
+        for (int r = 0; r < RATERS; r++)
+            weight[is] *= rates[r][place_of(map[r][voxel])][is];
+        sum += weight[is];
+    }
+    for (int is = 0; is < LABELS; is++)
+        weight[is] /= sum;
+}
+
+static void expect_rates(double rates[RATERS][LABELS][LABELS], uint8_t consensus[VOXELS],
+                         uint8_t map[RATERS][VOXELS])
+{
+    double share[LABELS] = {0}, weight[LABELS];
+    memset(rates, 0, RATERS * sizeof *rates);
+    for (int i = 0; i < VOXELS; i++) {
+        int votes[LABELS] = {0}, most = 0;
+        for (int r = 0; r < RATERS; r++)
+            votes[place_of(map[r][i])]++;
+        for (int l = 0; l < LABELS; l++)
+            most = votes[l] > votes[most] ? l : most;
+        for (int r = 0; r < RATERS; r++) {
+            share[place_of(map[r][i])] += 1.0 / (RATERS * VOXELS);
+            rates[r][place_of(map[r][i])][most] += votes[most] > 1;
+        }
+    }
+    for (int r = 0; r < RATERS; r++)
+        normalise(rates[r], true);
+    for (int iteration = 0; iteration < 100; iteration++) {
+        static double next[RATERS][LABELS][LABELS];
+        double most = 0;
+        memset(next, 0, sizeof next);
+        for (int i = 0; i < VOXELS; i++) {
+            weigh(weight, rates, share, map, i);
+            for (int r = 0; r < RATERS; r++)
+                for (int is = 0; is < LABELS; is++)
+                    next[r][place_of(map[r][i])][is] += weight[is];
+        }
+        for (int r = 0; r < RATERS; r++) {
+            normalise(next[r], false);
+            for (int k = 0; k < LABELS * LABELS; k++)
+                most = fmax(most, fabs(next[r][k / 3][k % 3] - rates[r][k / 3][k % 3]));
+        }
+        memcpy(rates, next, sizeof next);
+        if (most < 1e-5)
+            break;
+    }
+    for (int i = 0; i < VOXELS; i++) {
+        int best = 0;
+        weigh(weight, rates, share, map, i);
+        for (int l = 1; l < LABELS; l++)
+            best = weight[l] > weight[best] ? l : best;
+        consensus[i] = said_by_place[best];
+    }
+}
+
+STORY(raters_and_their_consensus_are_those_of_the_papers)
+{
+    static uint8_t truth[VOXELS], map[RATERS][VOXELS];
+    static uint8_t consensus[VOXELS], again[VOXELS], expected[VOXELS];
+    static double rates[RATERS][LABELS][LABELS];
     const uint8_t *const maps[RATERS] = {map[0], map[1], map[2]};
-    const double wrong[RATERS] = {0.02, 0.05, 0.4};
-    struct staple_rater rater[RATERS], twice[RATERS];
+    const double wrong[RATERS] = {0.03, 0.05, 0.1};
+    static struct staple_rater rater[RATERS], twice[RATERS];
     unsigned off = 0, off_first = 0;
     struct fault fault = {0};
     rate(truth, map, wrong);
+    expect_rates(rates, expected, map);
     CHECK_INT(staple_find(consensus, rater, RATERS, maps, cube, NULL, &fault), OK);
     CHECK_TEXT(fault.text, "");
+    CHECK(memcmp(consensus, expected, VOXELS) == 0);
     for (int i = 0; i < VOXELS; i++) {
         off += consensus[i] != truth[i];
         off_first += map[0][i] != truth[i];
     }
-    CHECK(off < off_first / 2);
-    /* Beside those that are counted on the truth. */
+    CHECK(off < off_first);
     for (unsigned r = 0; r < RATERS; r++)
-        for (unsigned label = 0; label < STAPLE_LABELS; label++) {
-            double is = 0, said = 0, is_not = 0, not_said = 0;
+        for (unsigned l = 0; l < LABELS; l++) {
+            const uint8_t label = said_by_place[l];
+            double is_not = 0, not_said = 0;
             for (int i = 0; i < VOXELS; i++) {
-                is += truth[i] == label;
-                said += truth[i] == label && map[r][i] == label;
-                is_not += truth[i] != label;
-                not_said += truth[i] != label && map[r][i] != label;
+                is_not += consensus[i] != label;
+                not_said += consensus[i] != label && map[r][i] != label;
             }
-            if (label != 0 && label != 3 && label != 200) {
-                CHECK(isnan(rater[r].sensitivity[label]) && isnan(rater[r].specificity[label]));
-                continue;
-            }
-            CHECK(fabs(rater[r].sensitivity[label] - said / is) < 0.03);
+            CHECK(fabs(rater[r].sensitivity[label] - rates[r][l][l]) < 1e-6);
             CHECK(fabs(rater[r].specificity[label] - not_said / is_not) < 0.03);
         }
+    CHECK(isnan(rater[0].sensitivity[1]) && isnan(rater[2].specificity[255]));
+    CHECK(rater[0].sensitivity[3] > rater[2].sensitivity[3]);
     CHECK_INT(staple_find(again, twice, RATERS, maps, cube, NULL, &fault), OK);
     CHECK(memcmp(consensus, again, VOXELS) == 0 && memcmp(rater, twice, sizeof rater) == 0);
 }
@@ -321,7 +395,7 @@ int main(void)
         TELL(a_helper_that_never_ends_is_ended),
         TELL(a_stop_is_heard_and_the_helper_is_gone),
         TELL(a_helper_ends_with_its_client),
-        TELL(raters_are_known_by_their_errors_and_the_consensus_is_better_than_any),
+        TELL(raters_and_their_consensus_are_those_of_the_papers),
         TELL(raters_who_agree_are_right_and_too_few_are_refused),
     };
     const char *build = getenv("IFTTY_BUILD") ? getenv("IFTTY_BUILD") : "build";
