@@ -44,6 +44,7 @@ enum {
     RESAMPLE,
     HISTOGRAM,
     PICTURE,
+    CURVES,
     SLICES,
     SLICES_SCENE,
     LIMIT_MEMORY,
@@ -55,6 +56,7 @@ enum {
     COMMANDS,
     VERSION,
     BISECT,
+    GESTURES,
     WITH,
     ACCEPT,
     REVIEW,
@@ -161,6 +163,7 @@ static const struct option option[] = {
     [HISTOGRAM] = {"--histogram", NULL, "of a scene, whose voxels are read too", FLAG(histogram)},
     [PICTURE] = {"--picture", "FILE.png",
                  "draw both renditions, and where they differ, side by side", TEXT(picture)},
+    [CURVES] = {"--picture", "FILE.png", "draw Dice over the gestures of both", TEXT(picture)},
     [CSV] = {"--csv", NULL, "print CSV, a line for each label", FLAG(csv)},
     [SLICES] = {"--picture", "FILE.png",
                 "draw slices through where they are farthest apart, with what differs",
@@ -191,6 +194,7 @@ static const struct option option[] = {
     [COMMANDS] = {"-c", "'COMMAND; COMMAND'", "", TEXT(commands)},
     [VERSION] = {"--version", FORM},
     [BISECT] = {"--bisect", FORM},
+    [GESTURES] = {"--gestures", FORM},
     [WITH] = {"--with", "PROGRAM", "", TEXT(with)},
     [ACCEPT] = {"--accept", "WHY", "", TEXT(accept)},
     [REVIEW] = {"--review", FORM},
@@ -291,6 +295,16 @@ static const struct program program[] = {
      .detail = "The first command that differs and, for each label, the voxels in both and "
                "Dice's coefficient. A and B may be scripts as well.",
      .run = run_diff},
+    {.name = "diff",
+     .form = "--gestures",
+     TWO("EXPERT TRAINEE"),
+     .option = {GESTURES, DIFF_UNTIL, JSON, CURVES, SCENE, LIMIT_OPTIONS},
+     .summary = "what a trainee did beside what an expert did",
+     .detail = "How many gestures of each kind; which of both belong together, by place and label, "
+               "and how far apart they are; how far their order agrees; and, after each gesture, "
+               "Dice's coefficient with the labels that the expert ends with. Journals record no "
+               "time.",
+     .run = run_diff_gestures},
     {.name = "compare",
      TWO("A B"),
      .option = {REGIONS, AS, BINARY, RESAMPLE, JSON, CSV, SLICES, SLICES_SCENE},

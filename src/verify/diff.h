@@ -11,17 +11,13 @@
 #define VERIFY_DIFF_H
 
 #include "command/script.h"
+#include "verify/side.h"
 
 struct diff_options {
     const char *path[2];
-    const char *scene_path; /* a scene to open whatever name `open` gives, or NULL */
-    const char *picture;    /* a file that is not there yet, or NULL */
+    struct side_options side;
+    const char *picture; /* a file that is not there yet, or NULL */
     bool json;
-    size_t last; /* no command after this record is carried out; 0 for all */
-    /* Called in each process before the journal is carried out; or NULL. */
-    enum err (*begin)(void *context, const char *journal, struct fault *fault);
-    void *context;
-    struct watch *watch; /* when it stops, the process is ended: ERR_CANCELLED */
 };
 
 /* Prints what differs. OK where the labels are the same, ERR_CHECK where not. ERR_INPUT for what
