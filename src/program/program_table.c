@@ -1,5 +1,9 @@
 /* The table of programs, and that of their options. */
 #include "program/programs.h"
+
+#include <string.h>
+
+#include "report/agreement.h"
 #include "session/map.h"
 #include "verify/signature.h"
 #include "verify/verify.h"
@@ -39,9 +43,13 @@ enum {
     JSON,
     CSV,
     REGIONS,
+    REGIONS_OF_RATERS,
     AS,
     BINARY,
     RESAMPLE,
+    RESAMPLE_RATERS,
+    BY_WHAT,
+    SAVE,
     HISTOGRAM,
     PICTURE,
     CURVES,
@@ -81,6 +89,28 @@ static enum err read_graphics(const struct option *option, const char *text, voi
     fault_set(fault, ERR_USAGE, "%s: expected %s, not %s", option->name, buf_text(&names), text);
     buf_release(&names);
     return ERR_USAGE;
+}
+
+/* How a consensus is found. */
+static const char *const consensus_by[] = {"majority", "staple"};
+
+static void add_consensus_by(struct buf *out, const char *between, const char *before_last)
+{
+    buf_printf(out, "%s%s%s", consensus_by[0], before_last ? before_last : between,
+               consensus_by[1]);
+}
+
+static enum err read_by(const struct option *option, const char *text, void *out,
+                        struct fault *fault)
+{
+    struct options *o = out;
+    o->by = NULL;
+    for (size_t i = 0; i < sizeof consensus_by / sizeof consensus_by[0]; i++)
+        if (strcmp(text, consensus_by[i]) == 0)
+            o->by = consensus_by[i];
+    return o->by ? OK
+                 : fault_set(fault, ERR_USAGE, "%s: expected %s or %s, not %s", option->name,
+                             consensus_by[0], consensus_by[1], text);
 }
 
 #define FLAG(member) option_read_flag, offsetof(struct options, member), 0, 0, NULL
@@ -178,6 +208,17 @@ static const struct option option[] = {
     [BINARY] = {"--binary", NULL, "take all of them for one object, label 1", FLAG(binary)},
     [RESAMPLE] = {"--resample", NULL, "take the nearest voxels of a B that lies elsewhere",
                   FLAG(resample)},
+    [REGIONS_OF_RATERS] = {"--regions", "LIST",
+                           "compare these values of all maps alone, as 1-90,2001 (all above 0)",
+                           LIST(regions, 0, REGION_MOST)},
+    [RESAMPLE_RATERS] = {"--resample", NULL,
+                         "take the nearest voxels of a map that lies elsewhere than the first",
+                         FLAG(resample)},
+    [BY_WHAT] = {"--by", "HOW",
+                 "how the consensus is found: by most raters, or by STAPLE, which weighs them",
+                 read_by, 0, 0, 0, add_consensus_by},
+    [SAVE] = {"--save", "FILE", "write the consensus as a label map; nothing is overwritten",
+              TEXT(save)},
     [LIMIT_MEMORY] = {"--limit-memory", "SIZE",
                       "the most memory that a journal may take, as 2G (3/4 of what is free)",
                       TEXT(limit_memory)},
@@ -313,6 +354,19 @@ static const struct program program[] = {
                "between the two objects and their surfaces, as the command `compare` prints them. "
                "Both maps lie on one grid, or B is resampled to that of A.",
      .run = run_compare},
+    {.name = "agree",
+     .words = "A B...",
+     .least = 2,
+     .most = RATERS_MOST,
+     .option = {BY_WHAT, SAVE, REGIONS_OF_RATERS, AS, RESAMPLE_RATERS, JSON, CSV, LIMIT_OPTIONS},
+     .summary = "how far several raters agree",
+     .detail = "The consensus of label maps, or of journals by the labels that they end with; and "
+               "for each label how far each rater is from it: Dice, sensitivity, specificity, "
+               "volume. By majority, a voxel has the label that more raters give it than any "
+               "other; one that is tied has none, and is counted. By STAPLE, sensitivity and "
+               "specificity are its estimates. All lie on one grid, or are resampled to that of "
+               "the first.",
+     .run = run_agree},
     {.name = "log", ONE("JOURNAL"), .summary = "print a journal", .run = run_log},
     {.name = "log",
      .form = "--script",

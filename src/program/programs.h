@@ -17,6 +17,7 @@ enum err run_reseal(const struct options *options, struct fault *fault);
 enum err run_diff(const struct options *options, struct fault *fault);
 enum err run_diff_gestures(const struct options *options, struct fault *fault);
 enum err run_compare(const struct options *options, struct fault *fault);
+enum err run_agree(const struct options *options, struct fault *fault);
 enum err run_log(const struct options *options, struct fault *fault);
 enum err run_log_script(const struct options *options, struct fault *fault);
 enum err run_log_check(const struct options *options, struct fault *fault);

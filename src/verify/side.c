@@ -57,6 +57,7 @@ static enum err hand_back(struct buf *out, const struct interpreter *interp,
 {
     const struct session *session = interp->session;
     const struct kept *kept = session_kept(session);
+    const struct geometry *geometry = session_geometry(session);
     const struct labels labels = labels_of_forest(session_scene(session));
     const struct grid *grid = &labels.scene->grid;
     const size_t voxels = grid->voxels, end = labels_end(voxels);
@@ -71,8 +72,10 @@ static enum err hand_back(struct buf *out, const struct interpreter *interp,
     memset(to, 0, end - voxels);
     out->length += end;
     memcpy(facts->size, grid->size, sizeof facts->size);
-    memcpy(facts->spacing_nm, session_geometry(session)->spacing_nm, sizeof facts->spacing_nm);
-    facts->spacing_unknown = session_geometry(session)->spacing_unknown;
+    memcpy(facts->spacing_nm, geometry->spacing_nm, sizeof facts->spacing_nm);
+    memcpy(facts->to_mm, geometry->to_mm, sizeof facts->to_mm);
+    facts->spacing_unknown = geometry->spacing_unknown;
+    facts->orientation = (uint8_t)geometry->orientation;
     memcpy(facts->proof, session_proof(session), sizeof facts->proof);
     memcpy(facts->label_name, kept->label_name, sizeof facts->label_name);
     facts->palette = kept->palette;
@@ -164,6 +167,19 @@ enum err side_carry_out(struct side *side, const char *path, const struct side_o
 void side_release(struct side *side)
 {
     buf_release(&side->bytes);
+}
+
+enum err side_geometry(struct geometry *geometry, const struct side *side, struct fault *fault)
+{
+    const struct side_facts *f = side->facts;
+    *geometry = (struct geometry){.slope = 1, .spacing_unknown = f->spacing_unknown};
+    memcpy(geometry->spacing_nm, f->spacing_nm, sizeof geometry->spacing_nm);
+    geometry_place_spaced(geometry);
+    return f->orientation == ORIENTATION_UNKNOWN ||
+                   (f->orientation <= ORIENTATION_TOLD &&
+                    geometry_place(geometry, f->to_mm, (enum orientation)f->orientation))
+               ? OK
+               : fault_set(fault, ERR_INPUT, "its scene lies nowhere");
 }
 
 /* ---- of both ---- */

@@ -13,6 +13,7 @@
 #include "engine/labels.h"
 #include "session/state.h"
 
+struct geometry;
 struct interpreter;
 struct reply;
 
@@ -24,6 +25,8 @@ struct side_facts { /* from one process of this program to another, so they are 
     char proof[SHA256_HEX];
     size_t voxels, pending, more;
     uint8_t is_edited, is_torn, spacing_unknown; /* booleans */
+    uint8_t orientation;
+    double to_mm[3][4];
     char label_name[256][LABEL_NAME_BYTES];
     struct palette palette;
 };
@@ -64,6 +67,10 @@ struct side_work {
 enum err side_carry_out(struct side *side, const char *path, const struct side_options *options,
                         const struct side_work *work, struct fault *fault);
 void side_release(struct side *side);
+
+/* Where its scene lies: all that a map on it needs. ERR_INPUT where the process says nothing that
+ * can be. */
+enum err side_geometry(struct geometry *geometry, const struct side *side, struct fault *fault);
 
 /* Both have the very same scene. */
 bool side_scene_is_same(const struct side *a, const struct side *b);
