@@ -16,6 +16,7 @@
 #include "register/staple.h"
 #include "report/agreement.h"
 #include "session/map.h"
+#include "session/state.h"
 #include "verify/side.h"
 
 struct raters {
@@ -25,7 +26,8 @@ struct raters {
     struct geometry geometry;
     unsigned count;
     uint8_t *label[RATERS_MOST], *consensus;
-    char label_name[256][LABEL_NAME_BYTES];
+    char name_room[256][LABEL_NAME_BYTES];
+    const char *label_name[256];
     struct staple_rater *staple; /* [count] */
     struct agreement agreement;
 };
@@ -47,8 +49,8 @@ static void take_labels(struct raters *raters, uint8_t *to, const struct side *s
     }
     for (unsigned l = 1; l < 256; l++) {
         const uint16_t as = raters->as[l];
-        if (as <= UINT8_MAX && !*raters->label_name[as])
-            memcpy(raters->label_name[as], side->facts->label_name[l], LABEL_NAME_BYTES);
+        if (as <= UINT8_MAX && !*raters->name_room[as])
+            memcpy(raters->name_room[as], side->facts->label_name[l], LABEL_NAME_BYTES);
     }
 }
 
@@ -123,12 +125,14 @@ static enum err find_consensus(struct raters *raters, struct fault *fault)
     g->raters = raters->count;
     g->voxels = raters->grid.voxels;
     g->by = by;
-    g->label_name = (const char(*)[LABEL_NAME_BYTES])raters->label_name;
+    g->label_name = raters->label_name;
     g->geometry = &raters->geometry;
     for (unsigned r = 0; r < raters->count; r++) {
         g->name[r] = raters->options->word[r];
         g->label[r] = raters->label[r];
     }
+    for (unsigned l = 0; l < 256; l++)
+        raters->label_name[l] = raters->name_room[l];
     g->consensus = raters->consensus = mem_new(g->voxels);
     if (!raters->consensus)
         return fault_memory(fault, "a consensus");

@@ -12,7 +12,6 @@
 #include "program/programs.h"
 #include "verify/bisect.h"
 #include "verify/diff.h"
-#include "verify/gesture_diff.h"
 #include "verify/replay_file.h"
 #include "verify/reseal.h"
 #include "verify/signature.h"
@@ -258,7 +257,7 @@ enum err run_diff_gestures(const struct options *o, struct fault *fault)
 {
     const struct diff_options how = diff_options_of(o);
     console_handle_interrupts();
-    return gesture_diff(&how, &console_printer, fault);
+    return diff_gestures(&how, &console_printer, fault);
 }
 
 /* ---- sealing anew ---- */

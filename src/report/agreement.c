@@ -7,6 +7,7 @@
 
 #include "base/mem.h"
 #include "report/figures.h"
+#include "session/state.h"
 #include "session/tally.h"
 
 /* ---- the consensus ---- */
@@ -87,22 +88,6 @@ void agreement_release(struct agreement *agreement)
 
 /* ---- figures ---- */
 
-/* Label 0 stands for all of them together. */
-struct counts {
-    double a, b, both;
-};
-
-static struct counts counts_of(const struct overlap *overlap, unsigned label)
-{
-    struct counts sum = {0, 0, 0};
-    for (unsigned l = label ? label : 1; l < 256 && (l == label || !label); l++) {
-        sum.a += (double)overlap->a[l];
-        sum.b += (double)overlap->b[l];
-        sum.both += (double)overlap->both[l];
-    }
-    return sum;
-}
-
 static double ratio(double part, double whole)
 {
     return whole > 0 ? part / whole : NAN;
@@ -110,22 +95,23 @@ static double ratio(double part, double whole)
 
 static double dice(const struct overlap *overlap, unsigned label)
 {
-    const struct counts n = counts_of(overlap, label);
-    return ratio(2 * n.both, n.a + n.b);
+    return figures_dice(overlap_counts_of(overlap, label));
 }
 
 static double sensitivity(const struct agreement *g, unsigned rater, unsigned label)
 {
-    const struct counts n = counts_of(&g->rater[rater], label);
+    const struct overlap_counts n = overlap_counts_of(&g->rater[rater], label);
     const double *estimate = g->estimate[rater].sensitivity;
-    return !label ? NAN : estimate ? estimate[label] : ratio(n.both, n.b);
+    return !label ? NAN : estimate ? estimate[label] : ratio((double)n.both, (double)n.b);
 }
 
 static double specificity(const struct agreement *g, unsigned rater, unsigned label)
 {
-    const struct counts n = counts_of(&g->rater[rater], label);
-    const double *estimate = g->estimate[rater].specificity, outside = (double)g->voxels - n.b;
-    return !label ? NAN : estimate ? estimate[label] : ratio(outside - (n.a - n.both), outside);
+    const struct overlap_counts n = overlap_counts_of(&g->rater[rater], label);
+    const double *estimate = g->estimate[rater].specificity, outside = (double)(g->voxels - n.b);
+    return !label     ? NAN
+           : estimate ? estimate[label]
+                      : ratio(outside - (double)(n.a - n.both), outside);
 }
 
 /* Whether any rater has the label; label 0, which stands for all, is always there. */
@@ -139,14 +125,14 @@ static bool has(const struct agreement *g, unsigned label)
 
 static struct figures figures_of(const struct agreement *g, unsigned rater, unsigned label)
 {
-    const struct counts n = counts_of(&g->rater[rater], label);
+    const struct overlap_counts n = overlap_counts_of(&g->rater[rater], label);
     const double mm3 = tally_voxel_mm3(g->geometry);
     struct figures f = {.count = 0};
-    figures_add(&f, "voxels", n.a);
-    figures_add(&f, "voxels_consensus", n.b);
-    figures_add(&f, "voxels_both", n.both);
-    figures_add(&f, "volume_mm3", n.a * mm3);
-    figures_add(&f, "volume_consensus_mm3", n.b * mm3);
+    figures_add(&f, "voxels", (double)n.a);
+    figures_add(&f, "voxels_consensus", (double)n.b);
+    figures_add(&f, "voxels_both", (double)n.both);
+    figures_add(&f, "volume_mm3", (double)n.a * mm3);
+    figures_add(&f, "volume_consensus_mm3", (double)n.b * mm3);
     figures_add(&f, "dice", dice(&g->rater[rater], label));
     figures_add(&f, "sensitivity", sensitivity(g, rater, label));
     figures_add(&f, "specificity", specificity(g, rater, label));
@@ -248,26 +234,6 @@ void agreement_write_csv(struct buf *out, const struct agreement *g)
 
 /* ---- tables ---- */
 
-static void add_number(struct buf *out, int columns, double value)
-{
-    if (isnan(value))
-        buf_printf(out, " %*s", columns, "-");
-    else
-        buf_printf(out, " %*.4f", columns, value);
-}
-
-static void add_volume(struct buf *out, const struct agreement *g, double voxels)
-{
-    struct buf words = {0};
-    if (voxels > 0)
-        tally_write_volume(&words, g->geometry, (uint64_t)voxels);
-    else
-        buf_add_char(&words, '0');
-    buf_printf(out, " %9s  ", buf_text(&words));
-    out->failed |= words.failed;
-    buf_release(&words);
-}
-
 /* A row for each rater, and one for the consensus. */
 static void write_label(struct buf *out, const struct agreement *g, unsigned label)
 {
@@ -277,16 +243,17 @@ static void write_label(struct buf *out, const struct agreement *g, unsigned lab
     buf_add_safe_text(&name, label ? g->label_name[label] : "all");
     for (unsigned r = 0; r < g->raters; r++) {
         buf_printf(out, "%-16s", r ? "" : buf_text(&name));
-        add_number(out, 7, dice(&g->rater[r], label));
-        add_number(out, 11, sensitivity(g, r, label));
-        add_number(out, 11, specificity(g, r, label));
-        add_volume(out, g, counts_of(&g->rater[r], label).a);
+        figures_add_cell(out, 7, 4, dice(&g->rater[r], label));
+        figures_add_cell(out, 11, 4, sensitivity(g, r, label));
+        figures_add_cell(out, 11, 4, specificity(g, r, label));
+        figures_add_volume(out, 9, "", g->geometry, overlap_counts_of(&g->rater[r], label).a);
+        buf_add_text(out, "  ");
         buf_add_safe_text(out, g->name[r]);
         buf_add_char(out, '\n');
     }
     buf_printf(out, "%-48s", "");
-    add_volume(out, g, counts_of(&g->rater[0], label).b);
-    buf_add_text(out, "consensus\n");
+    figures_add_volume(out, 9, "", g->geometry, overlap_counts_of(&g->rater[0], label).b);
+    buf_add_text(out, "  consensus\n");
     out->failed |= name.failed;
     buf_release(&name);
 }
@@ -295,8 +262,7 @@ void agreement_write_text(struct buf *out, const struct agreement *g)
 {
     const struct overlap *pair = g->pair;
     unsigned labels = 0;
-    buf_printf(out, "%-16s %7s %11s %11s %9s  rater\n", "label", "Dice", "sensitivity",
-               "specificity", "volume");
+    buf_printf(out, "%-16s    Dice sensitivity specificity    volume  rater\n", "");
     for (unsigned label = 1; label < 256; label++)
         if (has(g, label)) {
             write_label(out, g, label);
@@ -308,7 +274,7 @@ void agreement_write_text(struct buf *out, const struct agreement *g)
     for (unsigned a = 0; a < g->raters; a++)
         for (unsigned b = a + 1; b < g->raters; b++) {
             buf_printf(out, "%-16s", "");
-            add_number(out, 7, dice(pair++, 0));
+            figures_add_cell(out, 7, 4, dice(pair++, 0));
             buf_add_text(out, "  ");
             buf_add_safe_text(out, g->name[a]);
             buf_add_text(out, ", ");

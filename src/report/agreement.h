@@ -24,7 +24,6 @@
 #include "base/watch.h"
 #include "engine/overlap.h"
 #include "image/geometry.h"
-#include "session/state.h"
 
 enum { RATERS_MOST = 64 };
 
@@ -45,8 +44,8 @@ struct agreement {
     const char *by; /* "majority" */
     bool has_ties;  /* that are counted: */
     uint64_t ties;
-    const char (*label_name)[LABEL_NAME_BYTES]; /* [256] */
-    const struct geometry *geometry;            /* its spacing unknown: taken for 1 mm */
+    const char *const *label_name;   /* [256], "" for none */
+    const struct geometry *geometry; /* its spacing unknown: taken for 1 mm */
 
     struct overlap *rater; /* [raters]: A the rater, B the consensus */
     struct overlap *pair;  /* 1 and 2, 1 and 3, ..., 2 and 3, ... */
@@ -68,7 +67,7 @@ void agreement_write_text(struct buf *out, const struct agreement *agreement);
 /* An object: raters, consensus and pairs, with all labels together and each label. */
 void agreement_write_json(struct buf *out, const struct agreement *agreement);
 
-/* A line of names, then for each rater one for each label, and one for all, whose label is "all". */
+/* A line of names; then for each rater one for each label, and one for all, called "all". */
 void agreement_write_csv(struct buf *out, const struct agreement *agreement);
 
 #endif

@@ -1,6 +1,7 @@
 #include "verify/diff.h"
 
 #include <inttypes.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -10,6 +11,8 @@
 #include "image/image_helper.h"
 #include "verify/difference_picture.h"
 #include "verify/first_difference.h"
+#include "verify/gesture_picture.h"
+#include "verify/gesture_report.h"
 
 /* ---- the picture of both, in A's process ---- */
 
@@ -114,11 +117,6 @@ static enum err write_picture(const struct journals *j, struct fault *fault)
 
 /* ---- the report ---- */
 
-static bool scenes_are_same(const struct journals *j)
-{
-    return side_scene_is_same(&j->side[0], &j->side[1]);
-}
-
 static const char *name_of(const struct journals *j, int label)
 {
     const char *name = j->side[0].facts->label_name[label];
@@ -174,7 +172,7 @@ static void write_warnings(struct buf *out, const struct journals *j)
 {
     for (int i = 0; i < 2; i++)
         side_write_warnings(out, &j->side[i], j->options->path[i]);
-    if (!scenes_are_same(j))
+    if (!side_scene_is_same(&j->side[0], &j->side[1]))
         buf_add_text(out, "# the scenes are not the same: voxels were compared place by place\n");
 }
 
@@ -202,7 +200,7 @@ static void write_json(struct buf *out, const struct journals *j)
     json_boolean(&json, "parts", j->first_difference.is_there);
     add_json_side(&json, j, 0);
     add_json_side(&json, j, 1);
-    json_boolean(&json, "same_scene", scenes_are_same(j));
+    json_boolean(&json, "same_scene", side_scene_is_same(&j->side[0], &j->side[1]));
     json_array(&json, "size");
     for (int a = 0; a < 3; a++)
         json_count(&json, NULL, j->side[0].facts->size[a]);
@@ -246,7 +244,7 @@ static enum err report(const struct journals *j, const struct printer *printer, 
         write_json(&text, j);
     } else {
         const struct side_facts *f = j->side[0].facts;
-        if (scenes_are_same(j))
+        if (side_scene_is_same(&j->side[0], &j->side[1]))
             buf_printf(&text, "scenes    the same: %ux%ux%u voxels, SHA-256 %s\n", f->size[0],
                        f->size[1], f->size[2], f->proof);
         else
@@ -308,5 +306,66 @@ enum err diff_journals(const struct diff_options *options, const struct printer 
     side_release(&j.side[0]);
     side_release(&j.side[1]);
     first_difference_release(&j.first_difference);
+    return err;
+}
+
+/* ---- gestures ---- */
+
+static enum err draw_gestures(const struct diff_options *options,
+                              const struct gesture_report *report, struct fault *fault)
+{
+    struct picture picture = {0};
+    enum err err = gesture_picture_draw(&picture, report, fault);
+    if (!err)
+        err = image_write_png(options->picture, &picture, fault);
+    picture_release(&picture);
+    return err;
+}
+
+static enum err report_gestures(const struct journals *j, const struct gestures gestures[2],
+                                const struct printer *printer, struct fault *fault)
+{
+    const struct diff_options *o = j->options;
+    struct gesture_match match;
+    struct buf warnings = {0}, text = {0};
+    const struct gesture_report report = {.path = {o->path[0], o->path[1]},
+                                          .side = {&j->side[0], &j->side[1]},
+                                          .gestures = {&gestures[0], &gestures[1]},
+                                          .match = &match};
+    enum err err = gesture_match_make(&match, &gestures[0], &gestures[1], j->side[0].facts->size,
+                                      j->side[0].facts->spacing_nm, o->side.watch, fault);
+    if (!err) {
+        write_warnings(&warnings, j);
+        (o->json ? gesture_report_write_json : gesture_report_write_text)(&text, &report);
+        err = give(&warnings, printer->warn, printer, fault);
+    }
+    if (!err)
+        err = give(&text, printer->print, printer, fault);
+    if (!err && o->picture)
+        err = draw_gestures(o, &report, fault);
+    buf_release(&warnings);
+    buf_release(&text);
+    free(match.pair);
+    return err;
+}
+
+enum err diff_gestures(const struct diff_options *options, const struct printer *printer,
+                       struct fault *fault)
+{
+    struct journals j = {.options = options};
+    struct side expert = {.facts = NULL};
+    struct gestures gestures[2];
+    enum err err = image_check_png(options->picture, fault);
+    if (err)
+        return fault_prefix(fault, err, "--picture");
+    err = side_carry_out(&expert, options->path[0], &options->side, NULL, fault);
+    for (int i = 0; i < 2 && !err; i++)
+        err = gestures_carry_out(&gestures[i], &j.side[i], options->path[i], &options->side,
+                                 &expert, fault);
+    side_release(&expert);
+    if (!err)
+        err = report_gestures(&j, gestures, printer, fault);
+    side_release(&j.side[0]);
+    side_release(&j.side[1]);
     return err;
 }

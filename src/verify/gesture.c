@@ -9,6 +9,7 @@
 #include "engine/forest.h"
 #include "engine/overlap.h"
 #include "session/session.h"
+#include "verify/side.h"
 
 #define GESTURE_NAME(kind, name) name,
 const char *const gesture_kind_name[GESTURE_KIND_COUNT] = {GESTURE_KINDS(GESTURE_NAME)};
@@ -20,34 +21,28 @@ struct heading {
 
 /* ---- what a command is ---- */
 
-static bool is_given(const struct call *call, const char *name)
-{
-    return call_value(call, name)->given;
-}
-
 static bool read_kind(enum gesture_kind *kind, const struct call *call)
 {
     static const struct {
         const char *command;
         enum gesture_kind kind;
-    } plain[] = {{"fill", GESTURE_FILL},  {"object", GESTURE_OBJECT},
-                 {"labels", GESTURE_MAP}, {"seed-file", GESTURE_SEED_FILE},
-                 {"undo", GESTURE_UNDO},  {"remove", GESTURE_ELIMINATOR},
-                 {"redo", GESTURE_REDO},  {"goto", GESTURE_GOTO}};
-    const char *name = call->command->name;
-    for (size_t i = 0; i < sizeof plain / sizeof plain[0]; i++)
-        if (strcmp(name, plain[i].command) == 0) {
-            *kind = plain[i].kind;
-            return true;
-        }
-    const bool is_seed = strcmp(name, "seed") == 0;
-    if (!is_seed && strcmp(name, "box") != 0)
+    } row[] = {{"seed", GESTURE_SEED},           {"box", GESTURE_BOX},
+               {"fill", GESTURE_FILL},           {"object", GESTURE_OBJECT},
+               {"seed-file", GESTURE_SEED_FILE}, {"labels", GESTURE_MAP},
+               {"remove", GESTURE_ELIMINATOR},   {"undo", GESTURE_UNDO},
+               {"redo", GESTURE_REDO},           {"goto", GESTURE_GOTO}};
+    size_t i = 0;
+    while (i < sizeof row / sizeof row[0] && strcmp(row[i].command, call->command->name) != 0)
+        i++;
+    if (i == sizeof row / sizeof row[0])
         return false;
-    *kind = is_given(call, "shell")                  ? GESTURE_SHELL
-            : !is_seed                               ? GESTURE_BOX
-            : is_given(call, "to")                   ? GESTURE_STROKE
-            : call_value(call, "radius")->number > 0 ? GESTURE_BALL
-                                                     : GESTURE_SEED;
+    *kind = row[i].kind;
+    if (*kind <= GESTURE_BOX && call_has(call, "shell"))
+        *kind = GESTURE_SHELL;
+    else if (*kind == GESTURE_SEED && call_has(call, "to"))
+        *kind = GESTURE_STROKE;
+    else if (*kind == GESTURE_SEED && call_value(call, "radius")->number > 0)
+        *kind = GESTURE_BALL;
     return true;
 }
 
@@ -85,7 +80,7 @@ static uint16_t read_label(enum gesture_kind kind, const struct call *call)
     const bool is_file = kind == GESTURE_SEED_FILE || kind == GESTURE_MAP;
     if (kind == GESTURE_ELIMINATOR)
         return GESTURE_ERASES;
-    if (kind >= GESTURE_UNDO || (is_file && !is_given(call, "label")))
+    if (kind >= GESTURE_UNDO || (is_file && !call_has(call, "label")))
         return GESTURE_NO_LABEL;
     return (uint16_t)call_value(call, is_file ? "label" : "LABEL")->number;
 }
@@ -114,7 +109,7 @@ static void hear_gesture(struct gesture_log *log, const struct interpreter *inte
     enum gesture_kind kind;
     if (!read_kind(&kind, call))
         return;
-    const bool goes_on = log->count && kind <= GESTURE_STROKE && is_given(call, "joined");
+    const bool goes_on = log->count && kind <= GESTURE_STROKE && call_has(call, "joined");
     if (!goes_on && log->count == GESTURES_MOST) {
         log->is_beyond = true;
         return;
@@ -181,20 +176,17 @@ static void count(struct gesture_log *log, const struct scene *scene)
 static void add_step(struct gesture_log *log, uint64_t record)
 {
     const struct overlap *o = &log->overlap;
-    struct overlap all = {.voxels = 0};
+    const struct overlap_counts sum = overlap_counts_of(o, 0);
+    const struct overlap all = {.a = {sum.a}, .b = {sum.b}, .both = {sum.both}};
     if (!mem_grow(&log->step, &log->step_capacity, log->steps + 1, sizeof *log->step)) {
         log->has_no_memory = true;
         return;
     }
     struct step *step = &log->step[log->steps++];
     *step = (struct step){.record = record, .gestures = (uint32_t)log->count};
-    for (unsigned l = 0; l < 256; l++) {
+    for (unsigned l = 0; l < 256; l++)
         step->dice[l] = (uint16_t)overlap_dice(o, (uint8_t)l);
-        all.a[1] += l ? o->a[l] : 0;
-        all.b[1] += l ? o->b[l] : 0;
-        all.both[1] += l ? o->both[l] : 0;
-    }
-    step->dice[DICE_OF_ALL] = (uint16_t)overlap_dice(&all, 1);
+    step->dice[DICE_OF_ALL] = (uint16_t)overlap_dice(&all, 0);
 }
 
 static void hear_labels(struct gesture_log *log, const struct interpreter *interp)

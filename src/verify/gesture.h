@@ -17,7 +17,13 @@
 #ifndef VERIFY_GESTURE_H
 #define VERIFY_GESTURE_H
 
-#include "verify/side.h"
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/err.h"
+
+struct side;
+struct side_options;
 
 #define GESTURE_KINDS(KIND)                                                                        \
     KIND(SEED, "seed")                                                                             \

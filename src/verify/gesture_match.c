@@ -77,7 +77,7 @@ static size_t take_nearest(struct gesture_pair *pair, size_t count, bool *expert
     return taken;
 }
 
-/* `last`[n] is the least gesture of the trainee that n + 1 gestures in common order can end with. */
+/* `last`[n]: the least gesture of the trainee that n + 1 of them in common order can end with. */
 static void find_order(struct gesture_match *match, uint32_t *last)
 {
     const struct gesture_pair *pair = match->pair;

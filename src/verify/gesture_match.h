@@ -16,6 +16,7 @@
 #ifndef VERIFY_GESTURE_MATCH_H
 #define VERIFY_GESTURE_MATCH_H
 
+#include "base/watch.h"
 #include "verify/gesture.h"
 
 struct gesture_pair {

@@ -9,6 +9,7 @@
 #include "render/canvas.h"
 #include "render/text.h"
 #include "report/comparison_picture.h"
+#include "session/state.h"
 
 enum {
     WIDTH = 1024,

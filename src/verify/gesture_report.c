@@ -7,6 +7,8 @@
 
 #include "base/json.h"
 #include "engine/overlap.h"
+#include "report/figures.h"
+#include "verify/side.h"
 
 /* Rows of the table of steps. */
 enum { ROWS_MOST = 16 };
@@ -130,14 +132,6 @@ static void write_kinds(struct buf *out, const struct gesture_report *report)
                count_taken_back(g[1]));
 }
 
-static void add_mm(struct buf *out, double mm)
-{
-    if (isnan(mm))
-        buf_printf(out, " %8s", "-");
-    else
-        buf_printf(out, " %8.2f", mm);
-}
-
 static void write_places(struct buf *out, const struct gesture_report *report)
 {
     const struct gestures *const *g = report->gestures;
@@ -154,8 +148,8 @@ static void write_places(struct buf *out, const struct gesture_report *report)
         buf_printf(out, "%-22s %8zu %8zu %8zu", buf_text(&name), count_placed(g[0], label),
                    count_placed(g[1], label), d.count);
         buf_release(&name);
-        add_mm(out, d.median_mm);
-        add_mm(out, d.most_mm);
+        figures_add_cell(out, 8, 2, d.median_mm);
+        figures_add_cell(out, 8, 2, d.most_mm);
         const unsigned dice = gesture_report_dice(g[1], UINT32_MAX, label);
         if (label && label < GESTURE_ERASES)
             buf_printf(out, " %3u.%04u", dice / DICE_ONE, dice % DICE_ONE);

@@ -2,6 +2,7 @@
 #ifndef VERIFY_GESTURE_REPORT_H
 #define VERIFY_GESTURE_REPORT_H
 
+#include "base/buf.h"
 #include "verify/gesture_match.h"
 
 /* All of it borrowed. */
