@@ -193,6 +193,10 @@ static enum err print(const struct raters *raters, struct fault *fault)
 static enum err agree(struct raters *raters, struct fault *fault)
 {
     const struct options *o = raters->options;
+    if (o->save && !volume_ending(o->save))
+        return fault_set(fault, ERR_USAGE,
+                         "--save: expected the name of a volume, as consensus.nii.gz, not %s",
+                         o->save);
     enum err err = o->save ? file_may_write(o->save, FILE_KEEP, fault) : OK;
     if (!err)
         err = regions_new(&raters->as, o->regions, o->as, fault);

@@ -109,10 +109,9 @@ enum err gesture_match_make(struct gesture_match *match, const struct gestures *
         const uint64_t side = (uint64_t)size[a] * c.scale.step[a];
         longest = side > longest ? side : longest;
     }
-    const uint64_t most = 2 * longest / 10;
-    c.most = most * most;
+    c.most = 2 * longest * (2 * longest) / 100;
     *match = (struct gesture_match){.unit_nm = c.scale.unit_nm,
-                                    .limit_mm = (double)most * (double)c.scale.unit_nm / 2e6};
+                                    .limit_mm = (double)longest * (double)c.scale.unit_nm / 1e7};
     const size_t count = list_pairs(NULL, &c);
     if (count > GESTURE_PAIRS_MOST)
         return fault_set(fault, ERR_LIMIT,
