@@ -152,4 +152,38 @@ expect 3 "$iftty" agree a.nii none.iftty
 err_has "none.iftty: it opens no scene"
 close_story
 
+# Who has the helper, and what a rater of noise is: a third of his voxels is right by chance.
+begin "STAPLE trusts those who agree, and not one of noise, whoever comes first"
+if needs python3; then
+    python3 - <<'EOS'
+import random
+random.seed(7)
+a = open('a.nii', 'rb').read()
+open('noise.nii', 'wb').write(a[:352] + bytes(random.choice((0, 1, 2)) for _ in a[352:]))
+EOS
+    expect 0 "$iftty" agree a.nii a.nii a.nii --by staple --csv
+    ! grep -vE '^rater|,all,|,1,1,1$' out || fail "one does not agree with himself: $(cat out)"
+    expect 0 "$iftty" agree a.nii c.nii noise.nii a.nii --by staple --json --save weighed.nii
+    cp out one.json
+    expect 0 "$iftty" agree noise.nii a.nii a.nii c.nii --by staple --json --save again.nii
+    same_files weighed.nii again.nii
+    python3 - <<'EOS' || fail "$(cat one.json)"
+import json
+one, two = json.load(open('one.json')), json.load(open('out'))
+assert one['by'] == 'staple' and 'tied' not in one
+def of(d): return sorted((r['file'], [(l['dice'], l['sensitivity'], l['specificity'])
+                                      for l in r['labels']]) for r in d['raters'])
+for (f, a), (g, b) in zip(of(one), of(two)):
+    assert f == g and all(x is y is None or abs(x - y) < 1e-6 for p, q in zip(a, b)
+                          for x, y in zip(p, q)), (f, a, b)
+for file, figures in of(one):
+    sensitivity = figures[1][1]
+    assert sensitivity < 0.5 if file == 'noise.nii' else sensitivity > 0.9, (file, figures)
+EOS
+    cmp -s weighed.nii a.nii || { voxels_of a.nii >x; voxels_of weighed.nii >y
+        expect 0 "$iftty" compare --csv weighed.nii a.nii
+        awk -F, '$1 == 2 && $10 < 0.99 { exit 1 }' out || fail "$(cat out)"; }
+fi
+close_story
+
 finish
