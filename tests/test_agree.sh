@@ -84,6 +84,15 @@ expect 0 "$iftty" compare mixed.nii con.nii
 out_has "0 of 7680 voxels differ"
 close_story
 
+begin "the consensus as a segmentation of 3D Slicer has the names of its labels"
+expect 0 "$iftty" agree a.iftty c.iftty b.nii --save con.seg.nrrd
+for line in 'Segment0_Name:=liver' 'Segment0_LabelValue:=1'; do
+    grep -aqxF "$line" con.seg.nrrd || fail "no '$line': $(head -n 30 con.seg.nrrd)"
+done
+expect 0 "$iftty" compare con.seg.nrrd con.nii
+out_has "0 of 7680 voxels differ"
+close_story
+
 begin "values are chosen, and others left out"
 expect 0 "$iftty" agree a.nii b.nii --regions 2,3 --as 1,1 --csv
 cut -d, -f2 out | sort -u | paste -sd ' ' - >labels
@@ -102,6 +111,8 @@ expect 3 "$iftty" agree a.nii b.nii --save con.nii
 err_has "con.nii exists already and was left alone"
 [ ! -s out ] || fail "it counted before it looked"
 same_files con.nii kept.nii
+expect 3 "$iftty" agree a.nii missing.nii --save con.nii
+err_has "con.nii exists" # before any map is read
 expect 3 "$iftty" agree a.nii b.nii --save nowhere/con.nii
 expect 3 "$iftty" agree a.nii missing.nii --save new.nii
 err_has "missing.nii"

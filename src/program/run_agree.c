@@ -14,6 +14,8 @@
 #include "program/console.h"
 #include "program/programs.h"
 #include "register/staple.h"
+#include "render/look.h"
+#include "render/palette.h"
 #include "report/agreement.h"
 #include "session/map.h"
 #include "session/state.h"
@@ -159,7 +161,14 @@ static void copy_row(void *context, uint32_t y, uint32_t z, void *values)
 
 static enum err save(struct raters *raters, struct fault *fault)
 {
+    struct volume_label label[256];
+    struct palette palette;
     struct buf description = {0};
+    palette_default(&palette, LOOK_PRESENT);
+    for (unsigned l = 0; l < 256; l++) {
+        label[l] = (struct volume_label){.name = raters->label_name[l], .number = (uint16_t)l};
+        memcpy(label[l].rgb, palette.rgb[l], sizeof label[l].rgb);
+    }
     buf_printf(&description, "iftty consensus by %s of %u raters", raters->agreement.by,
                raters->count);
     const struct volume_map map = {.size = raters->grid.size,
@@ -167,7 +176,8 @@ static enum err save(struct raters *raters, struct fault *fault)
                                    .type = VOXEL_UINT8,
                                    .description = buf_text(&description),
                                    .row = copy_row,
-                                   .context = raters};
+                                   .context = raters,
+                                   .label = label};
     const enum err err =
         volume_write(raters->options->save, FILE_KEEP, &map, console_watch(), fault);
     buf_release(&description);

@@ -281,7 +281,8 @@ void agreement_write_text(struct buf *out, const struct agreement *g)
             buf_add_safe_text(out, g->name[b]);
             buf_add_char(out, '\n');
         }
-    buf_printf(out, "consensus by %s of %u raters, %zu voxels\n", g->by, g->raters, g->voxels);
+    buf_printf(out, "consensus by %s of %u raters, %zu voxels\n",
+               g->has_ties ? "majority" : "STAPLE", g->raters, g->voxels);
     if (g->has_ties && g->ties)
         buf_printf(out,
                    "%" PRIu64 " voxel%s tied between two labels or more, and %s no label in the "

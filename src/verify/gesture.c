@@ -134,7 +134,8 @@ static void hear_gesture(struct gesture_log *log, const struct interpreter *inte
         gesture->doubled[a] = log->corners.first[a] + log->corners.last[a];
 }
 
-/* The labels follow the list of what the last edit has changed, if that leads to their digest. */
+/* The labels follow the list of what the last edit has changed, if that leads to their digest: it
+ * does not where all grew anew, and there is none. */
 static bool follow(struct gesture_log *log, const struct forest *forest)
 {
     const struct changes changes = forest_changes(forest);
@@ -145,7 +146,7 @@ static bool follow(struct gesture_log *log, const struct forest *forest)
         const struct change *c = &changes.item[i];
         digest += label_share(c->cell, c->label) - label_share(c->cell, c->former_label);
     }
-    if (!log->is_counted || changes.everything || digest != forest_label_digest(forest))
+    if (!log->is_counted || digest != forest_label_digest(forest))
         return false;
     for (size_t i = 0; i < changes.count; i++) {
         const struct change *c = &changes.item[i];
