@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/mem.h"
+#include "base/safe.h"
 #include "command/interpreter.h"
 #include "image/regrid.h"
 #include "program/begin.h"
@@ -51,8 +52,9 @@ static void take_labels(struct raters *raters, uint8_t *to, const struct side *s
     }
     for (unsigned l = 1; l < 256; l++) {
         const uint16_t as = raters->as[l];
-        if (as <= UINT8_MAX && !*raters->name_room[as])
-            memcpy(raters->name_room[as], side->facts->label_name[l], LABEL_NAME_BYTES);
+        const char *name = side->facts->label_name[l];
+        if (as <= UINT8_MAX && !*raters->name_room[as] && *safe_end(name) == '\0')
+            memcpy(raters->name_room[as], name, LABEL_NAME_BYTES);
     }
 }
 

@@ -217,19 +217,24 @@ void agreement_write_csv(struct buf *out, const struct agreement *g)
     struct figures f = figures_of(g, 0, 0);
     buf_add_text(out, "rater,");
     figures_write_csv_names(out, &f);
-    for (unsigned r = 0; r < g->raters; r++)
+    for (unsigned r = 0; r < g->raters; r++) {
+        struct buf name = {0};
+        buf_add_safe_text(&name, g->name[r]);
         for (unsigned n = 1; n <= 256; n++) {
             const unsigned label = n % 256; /* all together come last */
             if (!has(g, label))
                 continue;
             f = figures_of(g, r, label);
-            buf_add_csv(out, g->name[r]);
+            buf_add_csv(out, buf_text(&name));
             if (label)
                 buf_printf(out, ",%u", label);
             else
                 buf_add_text(out, ",all");
             figures_write_csv(out, label ? g->label_name[label] : "", &f);
         }
+        out->failed |= name.failed;
+        buf_release(&name);
+    }
 }
 
 /* ---- tables ---- */
