@@ -140,7 +140,7 @@ STORY(rows_of_voxels_are_measured_as_worked_out_by_hand)
     /* Contours: A at 2 and 4, B at 4 and 7. */
     struct comparison *c = compare_rows("0011100000", "0000111100", 1500000);
     const struct label_distances *d = &c->distance[1];
-    const struct overlap_counts counts = comparison_counts(c, 1);
+    const struct overlap_counts counts = overlap_counts_of(&c->overlap, 1);
     CHECK_INT(c->labels, 1);
     CHECK(counts.a == 3 && counts.b == 4 && counts.both == 1);
     CHECK(d->has_hausdorff && d->has_surfaces);
@@ -173,7 +173,7 @@ STORY(what_is_not_there_has_no_distance)
     CHECK(!c->distance[3].has_hausdorff && !c->distance[3].has_surfaces);
     CHECK(!c->distance[4].has_hausdorff);
     CHECK(is_near(c->distance[0].hausdorff_mm, 2)); /* all objects: from 5 to 7 */
-    const struct overlap_counts all = comparison_counts(c, 0);
+    const struct overlap_counts all = overlap_counts_of(&c->overlap, 0);
     CHECK(all.a == 3 && all.b == 3 && all.both == 2);
     free(c);
     c = compare_rows("0000", "0000", 1000000);
@@ -184,7 +184,7 @@ STORY(what_is_not_there_has_no_distance)
     CHECK(!c->distance[1].has_surfaces);
     free(c);
     c = compare_rows("0022", "0011", 1000000); /* another label is no agreement, and the same set */
-    CHECK(comparison_counts(c, 0).both == 0);
+    CHECK(overlap_counts_of(&c->overlap, 0).both == 0);
     CHECK(c->distance[0].has_hausdorff && c->distance[0].hausdorff_mm == 0);
     free(c);
 }
@@ -318,7 +318,7 @@ STORY(random_labels_are_as_far_apart_as_a_slow_computation_finds)
         paint(&c);
         CHECK(comparison_make(&comparison, &c, team, NULL, NULL) == OK);
         for (slow.label = 0; slow.label < 4; slow.label++) {
-            const struct overlap_counts counts = comparison_counts(&comparison, slow.label);
+            const struct overlap_counts counts = overlap_counts_of(&comparison.overlap, slow.label);
             CHECK(comparison.distance[slow.label].has_hausdorff == (counts.a && counts.b));
             if (counts.a && counts.b)
                 check_label(&slow, &comparison.distance[slow.label]);

@@ -180,9 +180,9 @@ STORY(what_is_refused_says_what_to_type)
     is_refused("log --check j --graph",
                "`iftty log --check` has no option --graph; it belongs to `iftty log --graph`");
     is_refused("info a -c b", "`iftty info` has no option -c; it belongs to `iftty -c`");
-    is_refused(
-        "verify a --picture p.png",
-        "`iftty verify` has no option --picture; it belongs to `iftty diff` and `iftty compare`");
+    is_refused("verify a --picture p.png", "`iftty verify` has no option --picture; it belongs to "
+                                           "`iftty diff`, `iftty diff --gestures` and "
+                                           "`iftty compare`");
     is_refused(
         "verify a --juint x",
         "`iftty verify` has no option --juint; see `iftty verify --help`; did you mean --junit?");

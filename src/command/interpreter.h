@@ -12,6 +12,7 @@
 #include "session/history.h"
 
 struct golden_judge;
+struct interpreter;
 struct image_helper;
 struct journal;
 struct picture_job;
@@ -50,6 +51,12 @@ struct sketch {
     size_t markers;
 };
 
+/* Who hears of each command of a replay that stood. */
+struct listener {
+    void *context;
+    void (*hear)(void *context, const struct interpreter *interp, const struct reply *reply);
+};
+
 struct interpreter {
     struct session *session;
     struct history history;
@@ -62,6 +69,7 @@ struct interpreter {
     size_t unrecorded;          /* commands that are in no journal, for the lack of one */
     const char *recorded_words; /* of the record that is resumed at hand, or NULL */
     const char *replayed_words; /* of the record that is replayed at hand, or NULL */
+    const struct listener *listener;  /* of a replay, or NULL */
     const struct golden_judge *judge; /* of golden images in a replay; NULL compares none */
 
     struct buf home;        /* path of the journal at hand: goldens and scenes lie beside it */

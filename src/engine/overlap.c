@@ -23,3 +23,14 @@ unsigned overlap_dice(const struct overlap *overlap, uint8_t label)
     const uint64_t common = 2 * overlap->both[label];
     return sum ? (unsigned)((2 * common * DICE_ONE + sum) / (2 * sum)) : DICE_ONE;
 }
+
+struct overlap_counts overlap_counts_of(const struct overlap *overlap, unsigned label)
+{
+    struct overlap_counts sum = {0};
+    for (unsigned l = label ? label : 1; l < 256 && (l == label || !label); l++) {
+        sum.a += overlap->a[l];
+        sum.b += overlap->b[l];
+        sum.both += overlap->both[l];
+    }
+    return sum;
+}

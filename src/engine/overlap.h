@@ -28,4 +28,10 @@ void overlap_count(struct overlap *overlap, const uint8_t *a, const uint8_t *b, 
 /* In ten-thousandths; DICE_ONE where no voxel of either has the label. */
 unsigned overlap_dice(const struct overlap *overlap, uint8_t label);
 
+/* Voxels of a label in A, in B and in both; of 0: sums over all labels but that. */
+struct overlap_counts {
+    uint64_t a, b, both;
+};
+struct overlap_counts overlap_counts_of(const struct overlap *overlap, unsigned label);
+
 #endif

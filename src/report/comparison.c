@@ -15,18 +15,6 @@ bool comparison_has(const struct comparison *comparison, unsigned label)
     return !label || comparison->overlap.a[label] || comparison->overlap.b[label];
 }
 
-struct overlap_counts comparison_counts(const struct comparison *comparison, unsigned label)
-{
-    const struct overlap *o = &comparison->overlap;
-    struct overlap_counts sum = {0};
-    for (unsigned l = label ? label : 1; l < 256 && (l == label || !label); l++) {
-        sum.a += o->a[l];
-        sum.b += o->b[l];
-        sum.both += o->both[l];
-    }
-    return sum;
-}
-
 const uint32_t *comparison_farthest(const struct comparison *comparison,
                                     const uint32_t else_place[3])
 {
@@ -232,7 +220,7 @@ static enum err measure(struct label_distances *d, struct work *w, struct fault 
 static enum err measure_label(struct comparison *comparison, struct work work,
                               const struct box *box, unsigned label, struct fault *fault)
 {
-    const struct overlap_counts counts = comparison_counts(comparison, label);
+    const struct overlap_counts counts = overlap_counts_of(&comparison->overlap, label);
     if (!counts.a || !counts.b)
         return OK;
     enum err err = work_init(&work, box, label, fault);
@@ -277,11 +265,6 @@ static double ratio(double part, double whole)
     return whole > 0 ? part / whole : NAN;
 }
 
-static double dice(const struct overlap_counts *n)
-{
-    return ratio(2.0 * (double)n->both, (double)n->a + (double)n->b);
-}
-
 static double jaccard(const struct overlap_counts *n)
 {
     return ratio((double)n->both, (double)n->a + (double)n->b - (double)n->both);
@@ -289,7 +272,7 @@ static double jaccard(const struct overlap_counts *n)
 
 static struct figures figures_of(const struct comparison_report *report, unsigned label)
 {
-    const struct overlap_counts n = comparison_counts(report->comparison, label);
+    const struct overlap_counts n = overlap_counts_of(&report->comparison->overlap, label);
     const struct label_distances *d = &report->comparison->distance[label];
     const double mm3 = tally_voxel_mm3(report->geometry);
     const double difference = (double)n.a - (double)n.b;
@@ -301,7 +284,7 @@ static struct figures figures_of(const struct comparison_report *report, unsigne
     figures_add(&f, "volume_b_mm3", (double)n.b * mm3);
     figures_add(&f, "volume_difference_mm3", difference * mm3);
     figures_add(&f, "volume_similarity", ratio(2 * difference, (double)n.a + (double)n.b));
-    figures_add(&f, "dice", dice(&n));
+    figures_add(&f, "dice", figures_dice(n));
     figures_add(&f, "jaccard", jaccard(&n));
     figures_add(&f, "hausdorff_mm", d->has_hausdorff ? d->hausdorff_mm : NAN);
     figures_add(&f, "surface_95_mm", d->has_surfaces ? d->percentile_95_mm : NAN);
@@ -383,32 +366,9 @@ void comparison_write_csv(struct buf *out, const struct comparison_report *repor
 
 /* ---- a table ---- */
 
-/* Right in a field of so many columns; "-" for what is not known. */
-static void add_number(struct buf *out, int columns, int decimals, double value)
-{
-    if (isnan(value))
-        buf_printf(out, " %*s", columns, "-");
-    else
-        buf_printf(out, " %*.*f", columns, decimals, value);
-}
-
-static void add_volume(struct buf *out, int columns, const char *sign,
-                       const struct geometry *geometry, uint64_t voxels)
-{
-    struct buf words = {0};
-    buf_add_text(&words, voxels ? sign : "");
-    if (voxels)
-        tally_write_volume(&words, geometry, voxels);
-    else
-        buf_add_char(&words, '0');
-    buf_printf(out, " %*s", columns, buf_text(&words));
-    out->failed |= words.failed;
-    buf_release(&words);
-}
-
 static void write_row(struct buf *out, const struct comparison_report *report, unsigned label)
 {
-    const struct overlap_counts n = comparison_counts(report->comparison, label);
+    const struct overlap_counts n = overlap_counts_of(&report->comparison->overlap, label);
     const struct label_distances *d = &report->comparison->distance[label];
     struct buf name = {0};
     if (label)
@@ -416,13 +376,14 @@ static void write_row(struct buf *out, const struct comparison_report *report, u
     buf_add_safe_text(&name, label ? report->label_name[label] : "all");
     buf_printf(out, "%-16s", buf_text(&name));
     buf_release(&name);
-    add_number(out, 6, 4, dice(&n));
-    add_number(out, 7, 4, jaccard(&n));
-    add_volume(out, 9, "", report->geometry, n.a);
-    add_volume(out, 9, n.a > n.b ? "+" : "-", report->geometry, n.a > n.b ? n.a - n.b : n.b - n.a);
-    add_number(out, 9, 2, d->has_hausdorff ? d->hausdorff_mm : NAN);
-    add_number(out, 6, 2, d->has_surfaces ? d->percentile_95_mm : NAN);
-    add_number(out, 6, 2, d->has_surfaces ? d->mean_mm : NAN);
+    figures_add_cell(out, 6, 4, figures_dice(n));
+    figures_add_cell(out, 7, 4, jaccard(&n));
+    figures_add_volume(out, 9, "", report->geometry, n.a);
+    figures_add_volume(out, 9, n.a > n.b ? "+" : "-", report->geometry,
+                       n.a > n.b ? n.a - n.b : n.b - n.a);
+    figures_add_cell(out, 9, 2, d->has_hausdorff ? d->hausdorff_mm : NAN);
+    figures_add_cell(out, 6, 2, d->has_surfaces ? d->percentile_95_mm : NAN);
+    figures_add_cell(out, 6, 2, d->has_surfaces ? d->mean_mm : NAN);
     buf_add_char(out, '\n');
 }
 

@@ -58,12 +58,6 @@ bool comparison_has(const struct comparison *comparison, unsigned label);
 const uint32_t *comparison_farthest(const struct comparison *comparison,
                                     const uint32_t else_place[3]);
 
-/* Voxels of a label in A, in B and in both; 0: of all labels. */
-struct overlap_counts {
-    uint64_t a, b, both;
-};
-struct overlap_counts comparison_counts(const struct comparison *comparison, unsigned label);
-
 /* ---- in words: a table for people, JSON and CSV for programs ---- */
 
 /* What is not known, as the distance to a label that the other has not, is "-" in the table, null

@@ -125,7 +125,7 @@ static void write_words(const struct canvas *canvas, const struct comparison_rep
     for (unsigned label = 1; label < 256 && sheet.top < box.height; label++)
         if (comparison_has(report->comparison, label)) {
             /* Figures before the name: what is cut off then is the end of a long name. */
-            const struct overlap_counts n = comparison_counts(report->comparison, label);
+            const struct overlap_counts n = overlap_counts_of(&report->comparison->overlap, label);
             const struct label_distances *d = &report->comparison->distance[label];
             char words[LABEL_NAME_BYTES + 96], far[24] = "none";
             if (d->has_hausdorff)

@@ -3,6 +3,8 @@
 #include <assert.h>
 #include <math.h>
 
+#include "session/tally.h"
+
 enum { DIGITS = 12 };
 
 void figures_add(struct figures *figures, const char *name, double value)
@@ -36,4 +38,32 @@ void figures_write_csv(struct buf *out, const char *label_name, const struct fig
             buf_printf(out, "%.*g", DIGITS, figures->of[i].value);
     }
     buf_add_char(out, '\n');
+}
+
+double figures_dice(struct overlap_counts counts)
+{
+    const double sum = (double)counts.a + (double)counts.b;
+    return sum > 0 ? 2.0 * (double)counts.both / sum : NAN;
+}
+
+void figures_add_cell(struct buf *out, int columns, int decimals, double value)
+{
+    if (isnan(value))
+        buf_printf(out, " %*s", columns, "-");
+    else
+        buf_printf(out, " %*.*f", columns, decimals, value);
+}
+
+void figures_add_volume(struct buf *out, int columns, const char *sign,
+                        const struct geometry *geometry, uint64_t voxels)
+{
+    struct buf words = {0};
+    buf_add_text(&words, voxels ? sign : "");
+    if (voxels)
+        tally_write_volume(&words, geometry, voxels);
+    else
+        buf_add_char(&words, '0');
+    buf_printf(out, " %*s", columns, buf_text(&words));
+    out->failed |= words.failed;
+    buf_release(&words);
 }

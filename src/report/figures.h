@@ -7,6 +7,9 @@
 
 #include "base/buf.h"
 #include "base/json.h"
+#include "engine/overlap.h"
+
+struct geometry;
 
 enum { FIGURES_MOST = 32 };
 
@@ -25,5 +28,14 @@ void figures_write_json(struct json *json, const struct figures *figures);
 /* The first line of a table; and what comes after the label in one of its own. */
 void figures_write_csv_names(struct buf *out, const struct figures *figures);
 void figures_write_csv(struct buf *out, const char *label_name, const struct figures *figures);
+
+/* Dice's coefficient, 2 both / (a + b). */
+double figures_dice(struct overlap_counts counts);
+
+/* A cell of a table for people, to the right in so many columns after a blank: "-" for NAN; and a
+ * volume, as tally_write_volume has it, after a sign, or "0". */
+void figures_add_cell(struct buf *out, int columns, int decimals, double value);
+void figures_add_volume(struct buf *out, int columns, const char *sign,
+                        const struct geometry *geometry, uint64_t voxels);
 
 #endif

@@ -6,84 +6,37 @@
 
 #include "base/file.h"
 #include "base/json.h"
-#include "base/mem.h"
 #include "base/version.h"
-#include "engine/labels.h"
 #include "engine/overlap.h"
 #include "image/image_helper.h"
 #include "verify/difference_picture.h"
 #include "verify/first_difference.h"
-#include "verify/process.h"
-#include "verify/replay_file.h"
+#include "verify/gesture_picture.h"
+#include "verify/gesture_report.h"
 
-/* ---- one side, in its process ---- */
+/* ---- the picture of both, in A's process ---- */
 
-/*
- * What a journal comes to, which a process of its own carries out and hands back as bytes: the
- * facts, then, where it went well, a label for each voxel, then the pixels of the picture, if there
- * is one.
- */
-
-/* From one process of this program to another, so they are sent as they are. */
-struct diff_facts {
-    enum err err;
-    char why[sizeof((struct fault *)0)->text];
-    uint32_t size[3], picture_width, picture_height; /* 0, 0: none */
-    uint64_t scene_digest;
-    char proof[SHA256_HEX];
-    size_t voxels, pending;
-    uint8_t is_edited, is_torn; /* booleans */
-    char label_name[256][LABEL_NAME_BYTES];
-    struct palette palette;
+struct drawing {
+    const char *const *path;
+    const struct side *other; /* B */
 };
 
-struct diff_side {
-    struct buf bytes;
-    /* Places in them, once it was carried out well. */
-    const struct diff_facts *facts;
-    const uint8_t *labels; /* [z][y][x] */
-    const uint8_t *pixels; /* [height][width][4] */
+/* What comes before its pixels. */
+struct drawn {
+    uint32_t width, height;
 };
-
 enum { SIDE_MOST = 16384, /* of a picture */ FRAME_MOST = 4 * SIDE_MOST * SIDE_MOST };
 
-struct work {
-    const struct diff_options *options;
-    int which;                     /* 0: A */
-    const struct diff_side *other; /* B, for A's picture; or NULL */
-};
-
-/* A journal that was edited by hand, and gives the results it records, is taken with a warning. */
-static enum err carry_out(struct interpreter *interp, const struct work *work,
-                          struct diff_facts *facts, struct fault *fault)
-{
-    const struct diff_options *o = work->options;
-    struct replay_report report = {0};
-    enum err err =
-        replay_file(interp, o->path[work->which], 0, o->last, NULL, NULL, &report, fault);
-    facts->is_edited = !report.is_intact;
-    facts->is_torn = report.is_torn;
-    if (err == ERR_CHECK && report.outcome == REPLAY_SAME)
-        err = OK;
-    if (err == ERR_CHECK)
-        err = fault_prefix(fault, ERR_CHECK,
-                           "it gives other results than it records; see iftty verify");
-    if (!err && !session_has_scene(interp->session))
-        err = fault_set(fault, ERR_INPUT, "it opens no scene");
-    replay_report_release(&report);
-    return err;
-}
-
-static enum err draw(struct picture *picture, struct session *session, const struct work *work,
-                     const uint8_t *label, struct fault *fault)
+static enum err draw(struct picture *picture, struct session *session,
+                     const struct drawing *drawing, const uint8_t *label, struct fault *fault)
 {
     struct overlap overlap;
-    overlap_count(&overlap, label, work->other->labels, session_scene(session)->grid.voxels);
+    overlap_count(&overlap, label, drawing->other->labels, session_scene(session)->grid.voxels);
     const struct difference_picture difference_picture = {
-        .name = {file_name(work->options->path[0]), file_name(work->options->path[1])},
-        .label = {label, work->other->labels},
+        .name = {file_name(drawing->path[0]), file_name(drawing->path[1])},
+        .label = {label, drawing->other->labels},
         .overlap = &overlap};
-    const struct diff_facts *other = work->other->facts;
+    const struct side_facts *other = drawing->other->facts;
     struct state next = *session_state(session);
     for (int l = 1; l < 256; l++) { /* names and colours that A has none of are B's */
         if (overlap.a[l])
@@ -96,120 +49,41 @@ static enum err draw(struct picture *picture, struct session *session, const str
     return err ? err : difference_picture_draw(picture, session, &difference_picture, fault);
 }
 
-/* Notes the facts, and adds labels and picture to `out`, after them. */
-static enum err hand_back(struct buf *out, struct session *session, const struct work *work,
-                          struct diff_facts *facts, struct fault *fault)
+/* Of scenes of two sizes there is none. */
+static enum err add_picture(void *context, const struct interpreter *interp,
+                            const struct side_facts *facts, const uint8_t *label, struct buf *out,
+                            struct fault *fault)
 {
-    const struct kept *kept = session_kept(session);
-    const size_t voxels = session_scene(session)->grid.voxels;
+    const struct drawing *drawing = context;
     struct picture picture = {0};
-    uint8_t *label = buf_reserve(out, voxels);
-    if (!label)
-        return fault_memory(fault, "labels");
-    const struct labels labels = labels_of_forest(session_scene(session));
-    const struct grid *grid = &labels.scene->grid;
-    uint8_t *to = label;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++, to += grid->size[0])
-            labels_copy_row(&labels, grid_row(grid, y, z), to);
-    out->length += voxels;
-    memcpy(facts->size, session_scene(session)->grid.size, sizeof facts->size);
-    memcpy(facts->proof, session_proof(session), sizeof facts->proof);
-    memcpy(facts->label_name, kept->label_name, sizeof facts->label_name);
-    facts->palette = kept->palette;
-    facts->scene_digest = session_scene_digest(session);
-    facts->voxels = voxels;
-    facts->pending = session_pendings(session);
-    if (!work->other || memcmp(work->other->facts->size, facts->size, sizeof facts->size) != 0)
+    if (memcmp(drawing->other->facts->size, facts->size, sizeof facts->size) != 0)
         return OK;
-    const enum err err = draw(&picture, session, work, label, fault);
+    const enum err err = draw(&picture, interp->session, drawing, label, fault);
+    const struct drawn drawn = {picture.width, picture.height};
     if (!err) {
-        facts->picture_width = picture.width;
-        facts->picture_height = picture.height;
+        buf_add(out, &drawn, sizeof drawn);
         buf_add(out, picture.rgba, (size_t)4 * picture.width * picture.height);
     }
     picture_release(&picture);
     return err;
 }
 
-static void carry_out_one(void *context, size_t number, struct buf *out)
+/* What came back is a picture, whatever has become of the process. */
+static enum err check_drawn(const struct side *a, struct fault *fault)
 {
-    (void)number;
-    const struct work *work = context;
-    const struct diff_options *o = work->options;
-    struct interpreter interp;
-    struct fault fault = {0};
-    struct diff_facts *facts = mem_new(sizeof *facts);
-    if (!facts)
-        return;
-    buf_add(out, facts, sizeof *facts);
-    facts->err = interpreter_init(&interp, &fault);
-    interp.scene_path = o->scene_path;
-    if (!facts->err && o->begin)
-        facts->err = o->begin(o->context, o->path[work->which], &fault);
-    if (!facts->err)
-        facts->err = carry_out(&interp, work, facts, &fault);
-    if (!facts->err)
-        facts->err = hand_back(out, interp.session, work, facts, &fault);
-    memcpy(facts->why, fault.text, sizeof facts->why);
-    if (!out->failed)
-        memcpy(out->data, facts, sizeof *facts);
-    free(facts);
-    interpreter_release(&interp);
-}
-
-/* ---- one side, from outside ---- */
-
-/* What came back is of the form it should be, whatever has become of the process. */
-static bool is_whole(const struct diff_facts *f, size_t length)
-{
-    const uint64_t pixels = (uint64_t)f->picture_width * f->picture_height;
-    const uint64_t voxels = (uint64_t)f->size[0] * f->size[1] * f->size[2];
-    return f->picture_width <= SIDE_MOST && f->picture_height <= SIDE_MOST &&
-           f->size[0] <= UINT16_MAX && f->size[1] <= UINT16_MAX && f->size[2] <= UINT16_MAX &&
-           voxels == f->voxels && voxels <= UINT32_MAX && length - sizeof *f == voxels + 4 * pixels;
-}
-
-static enum err judge(struct diff_side *side, struct fault *fault)
-{
-    struct diff_facts *f = (struct diff_facts *)(void *)side->bytes.data;
-    if (side->bytes.length < sizeof *f)
-        return fault_memory(fault, "labels");
-    f->why[sizeof f->why - 1] = f->proof[sizeof f->proof - 1] = '\0';
-    for (int label = 0; label < 256; label++)
-        f->label_name[label][LABEL_NAME_BYTES - 1] = '\0';
-    /* Status 1 stands for a difference between the two, and for nothing else. */
-    if (f->err > OK && f->err <= ERR_CANCELLED)
-        return fault_set(fault, f->err == ERR_CHECK ? ERR_INPUT : f->err, "%s", f->why);
-    if (f->err || !is_whole(f, side->bytes.length))
-        return fault_set(fault, ERR_INPUT, "its process hands back what makes no sense");
-    side->facts = f;
-    side->labels = (const uint8_t *)(f + 1);
-    side->pixels = side->labels + f->voxels;
-    return OK;
-}
-
-/* Carries out options->path[which]; with `other`, the side of B, draws the picture of both. */
-static enum err carry_out_side(struct diff_side *side, const struct diff_options *options,
-                               int which, const struct diff_side *other, struct fault *fault)
-{
-    struct work work = {options, which, other};
-    const struct processes how = {.work = carry_out_one,
-                                  .context = &work,
-                                  .most =
-                                      (uint64_t)sizeof(struct diff_facts) + UINT32_MAX + FRAME_MOST,
-                                  .watch = options->watch};
-    enum err err = process_run(&side->bytes, &how, fault);
-    if (!err)
-        err = judge(side, fault);
-    return err && err != ERR_CANCELLED ? fault_prefix(fault, err, "%s", options->path[which]) : err;
+    const struct drawn *drawn = a->more;
+    return a->facts->more >= sizeof *drawn && drawn->width <= SIDE_MOST &&
+                   drawn->height <= SIDE_MOST &&
+                   a->facts->more - sizeof *drawn == (size_t)4 * drawn->width * drawn->height
+               ? OK
+               : fault_set(fault, ERR_INPUT, "a process hands back no picture");
 }
 
 /* ---- both ---- */
 
 struct journals {
     const struct diff_options *options;
-    struct diff_side side[2]; /* A, B */
+    struct side side[2]; /* A, B */
     struct first_difference first_difference;
     struct overlap overlap;
 };
@@ -218,14 +92,16 @@ struct journals {
 
 static enum err write_picture(const struct journals *j, struct fault *fault)
 {
-    const struct diff_facts *a = j->side[0].facts;
+    const struct drawn *drawn = j->side[0].more;
     struct picture picture = {0};
     struct buf words = {0};
     if (!j->options->picture)
         return OK;
-    enum err err = picture_init(&picture, a->picture_width, a->picture_height, false, fault);
+    enum err err = check_drawn(&j->side[0], fault);
+    if (!err)
+        err = picture_init(&picture, drawn->width, drawn->height, false, fault);
     if (!err) {
-        memcpy(picture.rgba, j->side[0].pixels, (size_t)4 * picture.width * picture.height);
+        memcpy(picture.rgba, drawn + 1, (size_t)4 * picture.width * picture.height);
         err = picture_note(&picture, "Software", "iftty " PROGRAM_VERSION, fault);
     }
     buf_printf(&words, "%" PRIu64 " of %" PRIu64 " voxels", j->overlap.differing,
@@ -240,12 +116,6 @@ static enum err write_picture(const struct journals *j, struct fault *fault)
 }
 
 /* ---- the report ---- */
-
-static bool scenes_are_same(const struct journals *j)
-{
-    return strcmp(j->side[0].facts->proof, j->side[1].facts->proof) == 0 &&
-           j->side[0].facts->scene_digest == j->side[1].facts->scene_digest;
-}
 
 static const char *name_of(const struct journals *j, int label)
 {
@@ -300,24 +170,9 @@ static void write_labels(struct buf *out, const struct journals *j)
 
 static void write_warnings(struct buf *out, const struct journals *j)
 {
-    for (int i = 0; i < 2; i++) {
-        const struct diff_facts *f = j->side[i].facts;
-        const struct {
-            bool holds;
-            const char *words;
-        } warning[] = {
-            {f->is_edited, "was edited by hand; it gives the results that it records"},
-            {f->is_torn, "ends with an unfinished record, which was left alone"},
-            {f->pending > 0, "ends with edits that wait for a run; they are not compared"},
-        };
-        for (size_t k = 0; k < sizeof warning / sizeof warning[0]; k++)
-            if (warning[k].holds) {
-                buf_add_text(out, "# ");
-                buf_add_safe_text(out, j->options->path[i]);
-                buf_printf(out, " %s\n", warning[k].words);
-            }
-    }
-    if (!scenes_are_same(j))
+    for (int i = 0; i < 2; i++)
+        side_write_warnings(out, &j->side[i], j->options->path[i]);
+    if (!side_scene_is_same(&j->side[0], &j->side[1]))
         buf_add_text(out, "# the scenes are not the same: voxels were compared place by place\n");
 }
 
@@ -345,7 +200,7 @@ static void write_json(struct buf *out, const struct journals *j)
     json_boolean(&json, "parts", j->first_difference.is_there);
     add_json_side(&json, j, 0);
     add_json_side(&json, j, 1);
-    json_boolean(&json, "same_scene", scenes_are_same(j));
+    json_boolean(&json, "same_scene", side_scene_is_same(&j->side[0], &j->side[1]));
     json_array(&json, "size");
     for (int a = 0; a < 3; a++)
         json_count(&json, NULL, j->side[0].facts->size[a]);
@@ -388,8 +243,8 @@ static enum err report(const struct journals *j, const struct printer *printer, 
     if (j->options->json) {
         write_json(&text, j);
     } else {
-        const struct diff_facts *f = j->side[0].facts;
-        if (scenes_are_same(j))
+        const struct side_facts *f = j->side[0].facts;
+        if (side_scene_is_same(&j->side[0], &j->side[1]))
             buf_printf(&text, "scenes    the same: %ux%ux%u voxels, SHA-256 %s\n", f->size[0],
                        f->size[1], f->size[2], f->proof);
         else
@@ -406,22 +261,25 @@ static enum err report(const struct journals *j, const struct printer *printer, 
 static enum err compare(struct journals *j, const struct printer *printer, struct fault *fault)
 {
     const struct diff_options *o = j->options;
+    struct drawing drawing = {o->path, &j->side[1]};
+    const struct side_work to_draw = {.context = &drawing, .add = add_picture, .most = FRAME_MOST};
     struct buf text = {0};
     enum err err = image_check_png(o->picture, fault);
     if (err)
         fault_prefix(fault, err, "--picture");
     else
         err = first_difference_of_files(&j->first_difference, FIRST_COMMAND, o->path, o->path,
-                                        o->last, fault);
+                                        o->side.last, fault);
     if (!err && !o->json) {
         write_first_difference(&text, j);
         err = give(&text, printer->print, printer, fault);
     }
     if (!err)
-        err = carry_out_side(j->side + 1, o, 1, NULL, fault);
+        err = side_carry_out(&j->side[1], o->path[1], &o->side, NULL, fault);
     if (!err)
-        err = carry_out_side(j->side, o, 0, o->picture ? j->side + 1 : NULL, fault);
-    const struct diff_facts *a = j->side[0].facts, *b = j->side[1].facts;
+        err =
+            side_carry_out(&j->side[0], o->path[0], &o->side, o->picture ? &to_draw : NULL, fault);
+    const struct side_facts *a = j->side[0].facts, *b = j->side[1].facts;
     if (!err && memcmp(a->size, b->size, sizeof a->size) != 0)
         err = fault_set(fault, ERR_INPUT,
                         "scenes of %ux%ux%u and %ux%ux%u voxels: expected two of one size, whose "
@@ -445,8 +303,69 @@ enum err diff_journals(const struct diff_options *options, const struct printer 
 {
     struct journals j = {.options = options};
     const enum err err = compare(&j, printer, fault);
-    buf_release(&j.side[0].bytes);
-    buf_release(&j.side[1].bytes);
+    side_release(&j.side[0]);
+    side_release(&j.side[1]);
     first_difference_release(&j.first_difference);
+    return err;
+}
+
+/* ---- gestures ---- */
+
+static enum err draw_gestures(const struct diff_options *options,
+                              const struct gesture_report *report, struct fault *fault)
+{
+    struct picture picture = {0};
+    enum err err = gesture_picture_draw(&picture, report, fault);
+    if (!err)
+        err = image_write_png(options->picture, &picture, fault);
+    picture_release(&picture);
+    return err;
+}
+
+static enum err report_gestures(const struct journals *j, const struct gestures gestures[2],
+                                const struct printer *printer, struct fault *fault)
+{
+    const struct diff_options *o = j->options;
+    struct gesture_match match;
+    struct buf warnings = {0}, text = {0};
+    const struct gesture_report report = {.path = {o->path[0], o->path[1]},
+                                          .side = {&j->side[0], &j->side[1]},
+                                          .gestures = {&gestures[0], &gestures[1]},
+                                          .match = &match};
+    enum err err = gesture_match_make(&match, &gestures[0], &gestures[1], j->side[0].facts->size,
+                                      j->side[0].facts->spacing_nm, o->side.watch, fault);
+    if (!err) {
+        write_warnings(&warnings, j);
+        (o->json ? gesture_report_write_json : gesture_report_write_text)(&text, &report);
+        err = give(&warnings, printer->warn, printer, fault);
+    }
+    if (!err)
+        err = give(&text, printer->print, printer, fault);
+    if (!err && o->picture)
+        err = draw_gestures(o, &report, fault);
+    buf_release(&warnings);
+    buf_release(&text);
+    free(match.pair);
+    return err;
+}
+
+enum err diff_gestures(const struct diff_options *options, const struct printer *printer,
+                       struct fault *fault)
+{
+    struct journals j = {.options = options};
+    struct side expert = {.facts = NULL};
+    struct gestures gestures[2];
+    enum err err = image_check_png(options->picture, fault);
+    if (err)
+        return fault_prefix(fault, err, "--picture");
+    err = side_carry_out(&expert, options->path[0], &options->side, NULL, fault);
+    for (int i = 0; i < 2 && !err; i++)
+        err = gestures_carry_out(&gestures[i], &j.side[i], options->path[i], &options->side,
+                                 &expert, fault);
+    side_release(&expert);
+    if (!err)
+        err = report_gestures(&j, gestures, printer, fault);
+    side_release(&j.side[0]);
+    side_release(&j.side[1]);
     return err;
 }

@@ -11,23 +11,26 @@
 #define VERIFY_DIFF_H
 
 #include "command/script.h"
+#include "verify/side.h"
 
 struct diff_options {
     const char *path[2];
-    const char *scene_path; /* a scene to open whatever name `open` gives, or NULL */
-    const char *picture;    /* a file that is not there yet, or NULL */
+    struct side_options side;
+    const char *picture; /* a file that is not there yet, or NULL */
     bool json;
-    size_t last; /* no command after this record is carried out; 0 for all */
-    /* Called in each process before the journal is carried out; or NULL. */
-    enum err (*begin)(void *context, const char *journal, struct fault *fault);
-    void *context;
-    struct watch *watch; /* when it stops, the process is ended: ERR_CANCELLED */
 };
 
 /* Prints what differs. OK where the labels are the same, ERR_CHECK where not. ERR_INPUT for what
  * cannot be read or carried out, gives other results than it says, opens no scene, or one of
  * another size than the other's. */
 enum err diff_journals(const struct diff_options *options, const struct printer *printer,
+                       struct fault *fault);
+
+/* Prints what has been done in the two, an expert's and a trainee's: kinds, places and order of
+ * gestures (verify/gesture_match.h), and Dice over the steps (verify/gesture.h). Three processes:
+ * the expert's, for the labels that it ends with; again, for its own steps; and the trainee's. OK
+ * however far they differ; the errors of gestures_carry_out and gesture_match_make. */
+enum err diff_gestures(const struct diff_options *options, const struct printer *printer,
                        struct fault *fault);
 
 #endif

@@ -66,6 +66,9 @@ static enum err execute(void *context, const char *command, struct buf *words, s
     enum err err = interpreter_execute(replaying->interp, command, &reply, fault);
     if (replaying->timing)
         timing_add(replaying->timing, replaying->number, clock_ns() - begin, command);
+    const struct listener *listener = replaying->interp->listener;
+    if (!err && listener)
+        listener->hear(listener->context, replaying->interp, &reply);
     if (!err && replaying->printer && reply.canonical.length)
         script_acknowledge(replaying->interp, &reply, replaying->printer);
     buf_add_text(words, buf_text(&reply.words));

@@ -1,0 +1,210 @@
+#include "verify/side.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "command/interpreter.h"
+#include "engine/scene.h"
+#include "image/geometry.h"
+#include "session/session.h"
+#include "verify/process.h"
+#include "verify/replay_file.h"
+
+enum { ALIGNMENT = 8 };
+
+/* Where labels end, and what follows them begins. */
+static size_t labels_end(size_t voxels)
+{
+    return (voxels + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+}
+
+/* ---- in its process ---- */
+
+struct task_at_hand {
+    const char *path;
+    const struct side_options *options;
+    const struct side_work *work;
+};
+
+/* A journal that was edited by hand, and gives the results it records, is taken with a warning. */
+static enum err carry_out(struct interpreter *interp, const struct task_at_hand *task,
+                          struct side_facts *facts, struct fault *fault)
+{
+    const struct listener listener = {task->work->context, task->work->hear};
+    struct replay_report report = {0};
+    interp->listener = listener.hear ? &listener : NULL;
+    enum err err =
+        replay_file(interp, task->path, 0, task->options->last, NULL, NULL, &report, fault);
+    interp->listener = NULL;
+    facts->is_edited = !report.is_intact;
+    facts->is_torn = report.is_torn;
+    if (err == ERR_CHECK && report.outcome == REPLAY_SAME)
+        err = OK;
+    if (err == ERR_CHECK)
+        err = fault_prefix(fault, ERR_CHECK,
+                           "it gives other results than it records; see iftty verify");
+    if (!err && !session_has_scene(interp->session))
+        err = fault_set(fault, ERR_INPUT, "it opens no scene");
+    replay_report_release(&report);
+    return err;
+}
+
+/* Notes the facts, and adds labels, and what is asked for besides, to `out`, after them. */
+static enum err hand_back(struct buf *out, const struct interpreter *interp,
+                          const struct side_work *work, struct side_facts *facts,
+                          struct fault *fault)
+{
+    const struct session *session = interp->session;
+    const struct kept *kept = session_kept(session);
+    const struct geometry *geometry = session_geometry(session);
+    const struct labels labels = labels_of_forest(session_scene(session));
+    const struct grid *grid = &labels.scene->grid;
+    const size_t voxels = grid->voxels, end = labels_end(voxels);
+    struct buf more = {0};
+    uint8_t *label = buf_reserve(out, end);
+    if (!label)
+        return fault_memory(fault, "labels");
+    uint8_t *to = label;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++, to += grid->size[0])
+            labels_copy_row(&labels, grid_row(grid, y, z), to);
+    memset(to, 0, end - voxels);
+    out->length += end;
+    memcpy(facts->size, grid->size, sizeof facts->size);
+    memcpy(facts->spacing_nm, geometry->spacing_nm, sizeof facts->spacing_nm);
+    memcpy(facts->to_mm, geometry->to_mm, sizeof facts->to_mm);
+    facts->spacing_unknown = geometry->spacing_unknown;
+    facts->orientation = (uint8_t)geometry->orientation;
+    memcpy(facts->proof, session_proof(session), sizeof facts->proof);
+    memcpy(facts->label_name, kept->label_name, sizeof facts->label_name);
+    facts->palette = kept->palette;
+    facts->scene_digest = session_scene_digest(session);
+    facts->voxels = voxels;
+    facts->pending = session_pendings(session);
+    const enum err err =
+        work->add ? work->add(work->context, interp, facts, label, &more, fault) : OK;
+    facts->more = more.length;
+    buf_add(out, buf_text(&more), more.length);
+    const bool failed = more.failed || out->failed;
+    buf_release(&more);
+    return err || !failed ? err : fault_memory(fault, "what a journal comes to");
+}
+
+static void carry_out_one(void *context, size_t number, struct buf *out)
+{
+    (void)number;
+    const struct task_at_hand *task = context;
+    const struct side_options *o = task->options;
+    struct interpreter interp;
+    struct fault fault = {0};
+    struct side_facts *facts = mem_new(sizeof *facts);
+    if (!facts)
+        return;
+    buf_add(out, facts, sizeof *facts);
+    facts->err = interpreter_init(&interp, &fault);
+    interp.scene_path = o->scene_path;
+    if (!facts->err && o->begin)
+        facts->err = o->begin(o->context, task->path, &fault);
+    if (!facts->err)
+        facts->err = carry_out(&interp, task, facts, &fault);
+    if (!facts->err)
+        facts->err = hand_back(out, &interp, task->work, facts, &fault);
+    memcpy(facts->why, fault.text, sizeof facts->why);
+    if (!out->failed)
+        memcpy(out->data, facts, sizeof *facts);
+    free(facts);
+    interpreter_release(&interp);
+}
+
+/* ---- from outside ---- */
+
+/* What came back is of the form it should be, whatever has become of the process. */
+static bool is_whole(const struct side_facts *f, size_t length)
+{
+    const uint64_t voxels = (uint64_t)f->size[0] * f->size[1] * f->size[2];
+    return f->size[0] <= UINT16_MAX && f->size[1] <= UINT16_MAX && f->size[2] <= UINT16_MAX &&
+           voxels && voxels == f->voxels && voxels <= UINT32_MAX && f->spacing_nm[0] &&
+           f->spacing_nm[1] && f->spacing_nm[2] && f->more <= length - sizeof *f &&
+           length - sizeof *f - f->more == labels_end(f->voxels);
+}
+
+static enum err judge(struct side *side, struct fault *fault)
+{
+    struct side_facts *f = (struct side_facts *)(void *)side->bytes.data;
+    if (side->bytes.length < sizeof *f)
+        return fault_memory(fault, "labels");
+    f->why[sizeof f->why - 1] = f->proof[sizeof f->proof - 1] = '\0';
+    for (int label = 0; label < 256; label++)
+        f->label_name[label][LABEL_NAME_BYTES - 1] = '\0';
+    /* Status 1 stands for a difference between the two, and for nothing else. */
+    if (f->err > OK && f->err <= ERR_CANCELLED)
+        return fault_set(fault, f->err == ERR_CHECK ? ERR_INPUT : f->err, "%s", f->why);
+    if (f->err || !is_whole(f, side->bytes.length))
+        return fault_set(fault, ERR_INPUT, "its process hands back what makes no sense");
+    side->facts = f;
+    side->labels = (const uint8_t *)(f + 1);
+    side->more = side->labels + labels_end(f->voxels);
+    return OK;
+}
+
+enum err side_carry_out(struct side *side, const char *path, const struct side_options *options,
+                        const struct side_work *work, struct fault *fault)
+{
+    static const struct side_work no_work;
+    struct task_at_hand task = {path, options, work ? work : &no_work};
+    const struct processes how = {.work = carry_out_one,
+                                  .context = &task,
+                                  .most = sizeof(struct side_facts) + UINT32_MAX + ALIGNMENT +
+                                          task.work->most,
+                                  .watch = options->watch};
+    enum err err = process_run(&side->bytes, &how, fault);
+    if (!err)
+        err = judge(side, fault);
+    return err && err != ERR_CANCELLED ? fault_prefix(fault, err, "%s", path) : err;
+}
+
+void side_release(struct side *side)
+{
+    buf_release(&side->bytes);
+}
+
+enum err side_geometry(struct geometry *geometry, const struct side *side, struct fault *fault)
+{
+    const struct side_facts *f = side->facts;
+    *geometry = (struct geometry){.slope = 1, .spacing_unknown = f->spacing_unknown};
+    memcpy(geometry->spacing_nm, f->spacing_nm, sizeof geometry->spacing_nm);
+    geometry_place_spaced(geometry);
+    return f->orientation == ORIENTATION_UNKNOWN ||
+                   (f->orientation <= ORIENTATION_TOLD &&
+                    geometry_place(geometry, f->to_mm, (enum orientation)f->orientation))
+               ? OK
+               : fault_set(fault, ERR_INPUT, "its scene lies nowhere");
+}
+
+/* ---- of both ---- */
+
+bool side_scene_is_same(const struct side *a, const struct side *b)
+{
+    return strcmp(a->facts->proof, b->facts->proof) == 0 &&
+           a->facts->scene_digest == b->facts->scene_digest;
+}
+
+void side_write_warnings(struct buf *out, const struct side *side, const char *path)
+{
+    const struct side_facts *f = side->facts;
+    const struct {
+        bool holds;
+        const char *words;
+    } warning[] = {
+        {f->is_edited, "was edited by hand; it gives the results that it records"},
+        {f->is_torn, "ends with an unfinished record, which was left alone"},
+        {f->pending > 0, "ends with edits that wait for a run; they are not compared"},
+    };
+    for (size_t k = 0; k < sizeof warning / sizeof warning[0]; k++)
+        if (warning[k].holds) {
+            buf_add_text(out, "# ");
+            buf_add_safe_text(out, path);
+            buf_printf(out, " %s\n", warning[k].words);
+        }
+}
