@@ -16,6 +16,7 @@ VOLUME_PACKAGES := libinsighttoolkit5-dev libgdcm-dev libhdf5-dev
 SCENES   := mricron-data
 # What tests use; what is after this in a list of packages, is left out where it cannot be had.
 TEST_PACKAGES := tmux screen procps python3 python3-nibabel python3-pydicom python3-h5py \
+                 python3-jsonschema python3-matplotlib \
                  teem-apps dcmtk medcon plastimatch libinsighttoolkit5-dev openssh-client \
                  bindfs fuse3
 FORMATTER     := clang-format-14

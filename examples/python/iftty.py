@@ -88,11 +88,9 @@ def _word(value: Any) -> str:
         if text and not set(text) & set(" \t\"\\") and text[0] not in "#'":
             return text
         return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
-    if hasattr(value, "__index__"):
-        return str(value.__index__())
-    if isinstance(value, float):
-        return repr(float(value))
-    return ",".join(_word(part) for part in value)
+    if hasattr(value, "__len__"):
+        return ",".join(_word(part) for part in value)
+    return str(value.__index__()) if hasattr(value, "__index__") else repr(float(value))
 
 
 def _line(name: str, values: Sequence[Any], keyed: Dict[str, Any]) -> str:
@@ -275,10 +273,12 @@ def open(scene: Union[str, "os.PathLike[str]", None] = None, *,
     take longer than half a second. `options` are further ones of `iftty serve`.
     """
     command = [program or os.environ.get("IFTTY") or "iftty", "serve", *options]
-    if journal is not None:
-        command += ["--journal", os.fspath(journal)]
     if read_only:
         command.append("--read-only")
+    if scene is None and journal is not None and os.path.exists(journal):
+        scene, journal = journal, None  # is gone on with as it was left
+    if journal is not None:
+        command += ["--journal", os.fspath(journal)]
     if scene is not None:
         command += ["--", os.fspath(scene)]
     return Session(command, progress)
