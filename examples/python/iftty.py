@@ -9,8 +9,8 @@
         print(s.report("stats")["by_label"])
 
 Every command of `iftty help` is a method, with its parameters in the order of `iftty help NAME`,
-and those written `name=` by their names: `s.save("labels", "brain.nii.gz", replace=True)`. A dash is
-an underscore (`s.label_file`), and a word that Python keeps for itself ends in one (`from_=`). A
+and those written `name=` by their names: `s.save("labels", "brain.nii.gz", replace=True)`. A dash
+is an underscore (`s.label_file`), and a word that Python keeps for itself ends in one (`from_=`). A
 tuple is joined by commas; a list of tuples is a key that comes several times. `s.do("zoom 2")`
 carries out a line as it is. A command that fails raises iftty.Error, and has changed nothing.
 
