@@ -295,6 +295,9 @@ enum err run_serve(const struct options *o, struct fault *fault)
                     err ? fault : NULL);
     put(&s);
     s.has_greeted = true;
+    if (!err && isatty(STDIN_FILENO))
+        console_warn(NULL, "lines of JSON are expected, as {\"id\": 1, \"do\": \"info\"}; Ctrl-D "
+                           "ends the session\n");
     if (!err)
         serve(&s);
     exchange_end(&s.exchange);
