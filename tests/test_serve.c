@@ -231,13 +231,15 @@ STORY(words_of_a_record_are_numbers_where_they_are_counts)
     struct interpreter interp = {.acknowledged = 3};
     struct reply reply = {0};
     buf_clear(&text);
-    buf_add_text(&reply.words, "seeds=12 forest=0123456789012345 marker=3-4 at=0 old=007");
+    buf_add_text(&reply.words,
+                 "seeds=123456789012345 forest=1123456789012345 marker=3-4 at=0 old=007");
     buf_add_text(&reply.canonical, "run");
     buf_add(&reply.files, "a\0b", 4);
     answer_command(&text, "1", &interp, &reply, NULL);
     CHECK_TEXT(buf_text(&text),
                "{\"id\": 1, \"ok\": true, \"record\": 3, \"command\": \"run\", \"text\": \"\", "
-               "\"words\": {\"seeds\": 12, \"forest\": \"0123456789012345\", \"marker\": \"3-4\", "
+               "\"words\": {\"seeds\": 123456789012345, \"forest\": \"1123456789012345\", "
+               "\"marker\": \"3-4\", "
                "\"at\": 0, \"old\": \"007\"}, \"files\": [\"a\", \"b\"], \"journal\": null}\n");
     reply_release(&reply);
 }

@@ -316,9 +316,9 @@ close_story
 begin "where nobody reads any more what was answered stands, and the session ends"
 {
     echo '{"id": 1, "do": "seed 5,10,8 1"}'
-    comes_true test -s status
+    comes_true test -s status >late
 } | { "$iftty" serve s.nii --journal pipe.iftty 2>err; echo $? >status; } | sed 2q >/dev/null
-same "$(cat status)" 3
+same "$(cat status) $(cat late)" "3 "
 same "$(cat err)" "iftty: cannot write to standard output"
 expect 0 "$iftty" log --check pipe.iftty
 same "$(grep -c '^= ' pipe.iftty)" 3
