@@ -16,6 +16,7 @@ VOLUME_PACKAGES := libinsighttoolkit5-dev libgdcm-dev libhdf5-dev
 SCENES   := mricron-data
 # What tests use; what is after this in a list of packages, is left out where it cannot be had.
 TEST_PACKAGES := tmux screen procps python3 python3-nibabel python3-pydicom python3-h5py \
+                 python3-jsonschema python3-matplotlib \
                  teem-apps dcmtk medcon plastimatch libinsighttoolkit5-dev openssh-client \
                  bindfs fuse3
 FORMATTER     := clang-format-14
@@ -91,7 +92,7 @@ endif
 MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 1)
 
 PARTS   := src/base src/confine src/engine src/image src/register src/session src/show src/report \
-           src/sandbox src/command src/verify src/program journal render tui tui/picture \
+           src/sandbox src/command src/serve src/verify src/program journal render tui tui/picture \
            tui/prompt tui/pilot
 SOURCES := $(sort $(foreach part,$(PARTS),$(wildcard $(part)/*.c)))
 OBJECTS := $(SOURCES:%.c=$(BUILD)/%.o)

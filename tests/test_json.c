@@ -85,11 +85,13 @@ STORY(texts_are_escaped_wherever_they_stand)
     json_text(&json, "umlaut", "\xc3\xa4");
     json_text(&json, "half", "\xc3");
     json_text(&json, "C1", "\xc2\x9b");
+    json_text(&json, "hidden", "\xe2\x80\xae\xf3\xa0\x80\x81");
     json_format(&json, "digest", "%016llx", 0xabcULL);
     json_end(&json);
     CHECK_TEXT(buf_text(&text), "{\"a\\\"b\\\\\": \"\\u000a\\u001b[1m\\u007f\", "
                                 "\"zero\": \"a\\u0000b\", \"umlaut\": \"\xc3\xa4\", "
-                                "\"half\": \"\\u00c3\", \"C1\": \"\\u00c2\\u009b\", "
+                                "\"half\": \"\\u00c3\", \"C1\": \"\\u009b\", "
+                                "\"hidden\": \"\\u202e\\udb40\\udc01\", "
                                 "\"digest\": \"0000000000000abc\"}\n");
 }
 

@@ -7,19 +7,32 @@
 
 #include "base/safe.h"
 
+/* A code point beyond 16 bits is a pair of surrogates. */
+static void add_escape(struct buf *out, uint32_t point)
+{
+    if (point < 0x10000)
+        buf_printf(out, "\\u%04x", point);
+    else
+        buf_printf(out, "\\u%04x\\u%04x", 0xD7C0 + (point >> 10), 0xDC00 + (point & 0x3FF));
+}
+
 static void add_text(struct buf *out, const char *text, size_t length)
 {
     buf_add_char(out, '"');
     while (length > 0) {
-        const size_t n = safe_character(text, length);
+        uint32_t point;
+        size_t n = utf8_read(text, length, &point);
         if (n == 0)
-            buf_printf(out, "\\u%04x", (unsigned char)*text);
+            add_escape(out, (unsigned char)*text);
+        else if (safe_character(text, length) == 0)
+            add_escape(out, point);
         else if (*text == '"' || *text == '\\')
             buf_printf(out, "\\%c", *text);
         else
             buf_add(out, text, n);
-        text += n ? n : 1;
-        length -= n ? n : 1;
+        n = n ? n : 1;
+        text += n;
+        length -= n;
     }
     buf_add_char(out, '"');
 }
@@ -133,6 +146,11 @@ void json_count(struct json *json, const char *key, uint64_t value)
 void json_boolean(struct json *json, const char *key, bool value)
 {
     add_word(json, key, "%s", value ? "true" : "false");
+}
+
+void json_word(struct json *json, const char *key, const char *word)
+{
+    add_word(json, key, "%s", word);
 }
 
 void json_fixed(struct json *json, const char *key, double value, int decimals)

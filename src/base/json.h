@@ -12,9 +12,9 @@
  *
  * adds {"file": "a.nii", "size": [3, 4, 5]} and a line feed, which ends every outermost value. Each
  * value is given with the key it has in its object, or with NULL in an array and outermost. A text
- * of any bytes comes out as valid JSON that is safe to print: what safe_character (base/safe.h)
- * does not let pass becomes \u00NN, byte by byte. Numbers have a point, since no program of ours
- * sets a locale.
+ * of any bytes comes out as valid JSON that is safe to print: a character that safe_character
+ * (base/safe.h) does not let pass becomes \uNNNN, or two of them, and a byte that is not UTF-8
+ * \u00NN. Numbers have a point, since no program of ours sets a locale.
  *
  * The writer owns nothing; a failure stands in `out`.
  */
@@ -45,6 +45,7 @@ void json_format(struct json *json, const char *key, const char *format, ...)
     __attribute__((format(printf, 3, 4))); /* a text too */
 void json_count(struct json *json, const char *key, uint64_t value);
 void json_boolean(struct json *json, const char *key, bool value);
+void json_word(struct json *json, const char *key, const char *word); /* JSON already: null, 12 */
 
 /* So many digits after the point; the shorter of the two forms with so many significant ones. A
  * value that is not finite, for which JSON has no number, is null. */

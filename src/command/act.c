@@ -44,6 +44,12 @@ void act_write_file_line(const char *doing, const char *path, struct reply *repl
     buf_add_text(&reply->text, doing);
     buf_add_safe_text(&reply->text, path);
     buf_add_char(&reply->text, '\n');
+    act_note_file(path, reply);
+}
+
+void act_note_file(const char *path, struct reply *reply)
+{
+    buf_add(&reply->files, path, strlen(path) + 1);
 }
 
 enum err act_check_report(const struct act *act)

@@ -76,8 +76,10 @@ enum err act_check_name(const char *name, size_t room, bool blanks, struct fault
 /* What `replace=yes|no` says. */
 enum file_mode act_file_mode(const struct act *act);
 
-/* A line of the answer: what was done with the file at `path`, as "wrote ". */
+/* A line of the answer: what was done with the file at `path`, as "wrote "; and the file among
+ * those that the command has written, which is all that act_note_file does. */
 void act_write_file_line(const char *doing, const char *path, struct reply *reply);
+void act_note_file(const char *path, struct reply *reply);
 
 /* ERR_USAGE where `report`, if it is given, ends in neither .json nor .csv. */
 enum err act_check_report(const struct act *act);

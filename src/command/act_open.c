@@ -358,8 +358,9 @@ enum err act_open(const struct act *act)
 
 enum err act_interpolate(const struct act *act)
 {
-    const unsigned doubled = (act_number(act, "X") == 2) | (act_number(act, "Y") == 2) << 1 |
-                             (act_number(act, "Z") == 2) << 2;
+    const unsigned doubled =
+        (unsigned)((act_number(act, "X") == 2) | (act_number(act, "Y") == 2) << 1 |
+                   (act_number(act, "Z") == 2) << 2);
     enum err err = session_interpolate(act->session, doubled, act->fault);
     if (!err)
         write_scene(act);

@@ -182,6 +182,8 @@ static enum err show_turned(struct spin *spin, const struct view *from, unsigned
                                : act_draw_picture(spin->act, &spin->labels, &picture, &digest);
     if (!err)
         err = write_picture(spin, number, &picture);
+    if (!err && spin->path.length && (spin->pattern.counts || number + 1 == spin->total))
+        act_note_file(buf_text(&spin->path), spin->act->reply);
     spin->digest += hash_mix_at(number, digest);
     picture_release(&picture);
     return err;

@@ -88,7 +88,7 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
     if (!err && edited && (command->flags & COMMAND_PLANTS || interp->applied))
         surprise_write(&reply->text, session, interp->applied ? NULL : command->name);
     if (!err && (reply->text.failed || reply->words.failed || reply->canonical.failed ||
-                 reply->list.failed))
+                 reply->list.failed || reply->files.failed))
         err = fault_memory(fault, "an answer");
     return err;
 }

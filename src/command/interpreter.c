@@ -47,6 +47,7 @@ void reply_clear(struct reply *reply)
     buf_clear(&reply->words);
     buf_clear(&reply->canonical);
     buf_clear(&reply->list);
+    buf_clear(&reply->files);
 }
 
 void reply_release(struct reply *reply)
@@ -55,6 +56,7 @@ void reply_release(struct reply *reply)
     buf_release(&reply->words);
     buf_release(&reply->canonical);
     buf_release(&reply->list);
+    buf_release(&reply->files);
 }
 
 /* ---- its journal ---- */

@@ -24,8 +24,9 @@ struct reply {
     struct buf text;  /* lines, each ended by a line feed, safe to print */
     struct buf words; /* separated by single spaces */
     struct buf canonical;
-    struct buf list; /* of an error: lines to choose from. They may hold what is said of a patient:
+    struct buf list;  /* of an error: lines to choose from. They may hold what is said of a patient:
                         they are shown, and kept nowhere */
+    struct buf files; /* written by the command, by their paths, each ended by NUL */
 };
 
 void reply_clear(struct reply *reply);

@@ -94,6 +94,8 @@ void near_lead(struct near *near, const char *choices, const char *known)
     near->found[0].length = strlen(known);
 }
 
+#define OFFER "; did you mean "
+
 enum err near_append(const struct near *near, const char *ending, struct fault *fault)
 {
     struct buf words = {0};
@@ -101,7 +103,7 @@ enum err near_append(const struct near *near, const char *ending, struct fault *
         return ERR_USAGE;
     const size_t count = near->count > NEAR_MOST ? 0 : near->count;
     for (size_t i = 0; i < count; i++) {
-        buf_add_text(&words, i == 0 ? "; did you mean " : i + 1 == count ? " or " : ", ");
+        buf_add_text(&words, i == 0 ? OFFER : i + 1 == count ? " or " : ", ");
         buf_add_safe(&words, near->found[i].word, near->found[i].length);
         buf_add_text(&words, ending);
     }
@@ -110,4 +112,20 @@ enum err near_append(const struct near *near, const char *ending, struct fault *
         fault_append(fault, buf_text(&words));
     buf_release(&words);
     return fault->code;
+}
+
+void near_offered(struct buf *out, const char *text)
+{
+    const char *at = strstr(text, OFFER);
+    if (!at || !strchr(at, '?'))
+        return;
+    at += strlen(OFFER);
+    while (*at != '?') {
+        const char *end = at;
+        while (*end != '?' && strncmp(end, ", ", 2) != 0 && strncmp(end, " or ", 4) != 0)
+            end++;
+        buf_add(out, at, (size_t)(end - at));
+        buf_add_char(out, '\0');
+        at = *end == '?' ? end : end + (*end == ',' ? 2 : 4);
+    }
 }

@@ -42,4 +42,7 @@ void near_lead(struct near *near, const char *choices, const char *known);
  * keys; nothing where no word is near, or too many. Returns its code. */
 enum err near_append(const struct near *near, const char *ending, struct fault *fault);
 
+/* The other way: adds the words that near_append has put into such a text, each ended by NUL. */
+void near_offered(struct buf *out, const char *text);
+
 #endif

@@ -329,7 +329,10 @@ static enum err write(const char *path, enum file_mode mode, const struct volume
         if (header.dim[a] > INT16_MAX)
             header.bytes = NIFTI_MOST_BYTES;
     }
-    header.datatype = map->type == VOXEL_UINT8 ? 2 : map->type == VOXEL_UINT16 ? 512 : 768;
+    header.datatype = map->type == VOXEL_UINT8    ? 2
+                      : map->type == VOXEL_UINT16 ? 512
+                      : map->type == VOXEL_UINT32 ? 768
+                                                  : 16;
     header.bitpix = INT64_C(8) * voxel_bytes(map->type);
     nifti_header_place(&header, map->geometry);
     header.vox_offset = (double)header.bytes + 4;

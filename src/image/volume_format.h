@@ -134,7 +134,7 @@ struct volume_label {
 struct volume_map {
     const uint32_t *size; /* [3] */
     const struct geometry *geometry;
-    enum voxel_type type;    /* uint8, uint16 or uint32 */
+    enum voxel_type type;    /* uint8, uint16 or uint32; float32 for NIfTI alone */
     const char *description; /* cut to what the format holds */
     void (*row)(void *context, uint32_t y, uint32_t z, void *values);
     void *context;

@@ -48,6 +48,42 @@ void begin_to_wait(struct interpreter *interp)
     session_let_wait(interp->session, least);
 }
 
+enum err begin_check(const struct options *o, const char **first, bool *resumes,
+                     struct fault *fault)
+{
+    const char *name = o->words ? o->word[0] : NULL;
+    const bool is_journal = name && interpreter_is_journal(name);
+    *first = name;
+    *resumes = is_journal;
+    if (o->read_only && !o->journal && !is_journal)
+        return fault_set(fault, ERR_USAGE, "--read-only: name the journal to look at");
+    if (name && file_is_named(name, ".iftty") && !file_exists(name))
+        return fault_set(fault, ERR_IO,
+                         "there is no journal %s; `iftty SCENE --journal FILE` begins one", name);
+    if (name && file_is_named(name, ".iftty") && !is_journal)
+        return fault_set(fault, ERR_INPUT,
+                         "%s has no header of a journal; `iftty run %s` carries out the commands "
+                         "of a script, and `iftty SCENE --journal FILE` begins a journal",
+                         name, name);
+    if (is_journal && o->journal)
+        return fault_set(fault, ERR_USAGE, "%s is a journal itself and goes on in its own file",
+                         name);
+    return OK;
+}
+
+void begin_journal_name(struct buf *journal, const char *first)
+{
+    const char *name = first ? file_name(first) : "session";
+    const size_t n = strcspn(name, ".:");
+    for (unsigned i = 1; i < 100000; i++) {
+        buf_clear(journal);
+        buf_add(journal, name, n ? n : strlen(name));
+        buf_printf(journal, "-%u.iftty", i);
+        if (!file_exists(buf_text(journal)))
+            break;
+    }
+}
+
 enum err end_journal(struct interpreter *interp, enum err err, struct fault *fault)
 {
     struct fault words;

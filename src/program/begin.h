@@ -15,6 +15,15 @@ enum err begin_interpreter(struct interpreter *interp, const struct options *o,
  * programs that carry out commands one by one, and look at voxels in no other way. */
 void begin_to_wait(struct interpreter *interp);
 
+/* The scene or journal that a session is to begin with, or NULL, and whether it is a journal, which
+ * is resumed then. ERR_USAGE, ERR_INPUT and ERR_IO for options that do not go with it. */
+enum err begin_check(const struct options *o, const char **first, bool *resumes,
+                     struct fault *fault);
+
+/* NAME-N.iftty for the first N that is free here: where a session records that begins with `first`,
+ * or with NULL, and was given no journal. */
+void begin_journal_name(struct buf *journal, const char *first);
+
 /* Syncs what the journal has not synced yet, when a session ends that ends with `err`. */
 enum err end_journal(struct interpreter *interp, enum err err, struct fault *fault);
 

@@ -277,6 +277,17 @@ static const struct program program[] = {
                "run. One that was interrupted goes on after its last record when it is repeated "
                "with the same --journal; where script and journal differ, nothing is added.",
      .run = run_script},
+    {.name = "serve",
+     AT_MOST_1("[SCENE|JOURNAL]"),
+     .option = {JOURNAL, READ_ONLY, SCENE, OUT},
+     .summary = "a session for a script: lines of JSON",
+     .detail = "Requests on standard input and answers on standard output, one a line: "
+               "{\"id\": 1, \"do\": \"seed 90,108,90 1\"} is a command as at the prompt, "
+               "{\"id\": 2, \"array\": \"labels\"} gives voxels in a file, {\"cancel\": 1} "
+               "stops a command. The first line of the answers says the number of the protocol and "
+               "what is open. A journal is begun as by the prompt. src/serve/README.md has all of "
+               "it, and examples/python a client.",
+     .run = run_serve},
     {.name = "replay",
      ONE("JOURNAL"),
      .option = {SCENE, REPLAY_OUT, LIMIT_OPTIONS},

@@ -64,7 +64,7 @@ static void add_count(struct facts *f, const char *name, uint64_t value)
     buf_printf(f->out, "%llu", (unsigned long long)value);
 }
 
-/* "pixels" or "voxels", along each axis. */
+/* "pixels", "voxels" or "size", along each axis. */
 static void add_sides(struct facts *f, const char *name, const uint32_t *side, unsigned axes)
 {
     if (f->is_json)
@@ -296,7 +296,7 @@ static enum err add_scene(struct facts *f, const char *path, struct fault *fault
     const bool oriented = facts.geometry.orientation != ORIENTATION_UNKNOWN;
     geometry_axes(towards, &facts.geometry);
     add_text(f, "format", facts.format);
-    add_sides(f, "voxels", facts.size, 3);
+    add_sides(f, f->is_json ? "size" : "voxels", facts.size, 3); /* as records have it */
     add_text(f, "type", facts.type_name);
     if (facts.volumes > 1 || f->is_json)
         add_count(f, "volumes", facts.volumes);
@@ -325,6 +325,8 @@ static enum err add_journal(struct facts *f, const char *path, struct fault *fau
     add_text(f, "format", "iftty journal");
     add_count(f, "records", condition.records);
     add_text(f, "condition", condition.text);
+    if (condition.records)
+        add_text(f, "chain", condition.chain.hex);
     return err;
 }
 

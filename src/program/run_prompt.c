@@ -234,20 +234,13 @@ static void before_suspending(void *context)
         journal_catch_up(prompt->interp.journal, NULL);
 }
 
-/* "ch2" for /data/ch2.nii.gz; NAME-N.iftty for the first N that is free here. */
-static void name_session(struct prompt *prompt, struct buf *journal)
+/* "ch2" for /data/ch2.nii.gz. */
+static void name_prompt(struct prompt *prompt)
 {
     const char *name = prompt->first ? file_name(prompt->first) : "session";
     size_t n = strcspn(name, ".:");
     n = n ? n : strlen(name);
     snprintf(prompt->name, sizeof prompt->name, "%.*s", (int)(n < 20 ? n : 20), name);
-    for (unsigned i = 1; i < 100000; i++) {
-        buf_clear(journal);
-        buf_add(journal, name, n);
-        buf_printf(journal, "-%u.iftty", i);
-        if (!file_exists(buf_text(journal)))
-            break;
-    }
 }
 
 /* The session is over when what it wrote is on the disk; Ctrl-C gives up what is not begun. */
@@ -274,36 +267,16 @@ static void print_journal(const struct journal *journal)
     buf_release(&text);
 }
 
-static enum err check(const struct options *o, const struct prompt *prompt, struct fault *fault)
-{
-    if (o->read_only && !o->journal && !prompt->resumes)
-        return fault_set(fault, ERR_USAGE, "--read-only: name the journal to look at");
-    if (prompt->first && file_is_named(prompt->first, ".iftty") && !file_exists(prompt->first))
-        return fault_set(fault, ERR_IO,
-                         "there is no journal %s; `iftty SCENE --journal FILE` begins one",
-                         prompt->first);
-    if (prompt->first && file_is_named(prompt->first, ".iftty") && !prompt->resumes)
-        return fault_set(fault, ERR_INPUT,
-                         "%s has no header of a journal; `iftty run %s` carries out the commands "
-                         "of a script, and `iftty SCENE --journal FILE` begins a journal",
-                         prompt->first, prompt->first);
-    if (prompt->resumes && o->journal)
-        return fault_set(fault, ERR_USAGE, "%s is a journal itself and goes on in its own file",
-                         prompt->first);
-    return OK;
-}
-
 enum err run_prompt(const struct options *o, struct fault *fault)
 {
     static struct prompt prompt; /* large */
     struct buf journal = {0};
     const bool is_terminal = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
-    prompt.first = o->words ? o->word[0] : NULL;
-    prompt.resumes = prompt.first && interpreter_is_journal(prompt.first);
-    enum err err = check(o, &prompt, fault);
+    enum err err = begin_check(o, &prompt.first, &prompt.resumes, fault);
     if (err)
         return err;
-    name_session(&prompt, &journal);
+    name_prompt(&prompt);
+    begin_journal_name(&journal, prompt.first);
     if (isatty(STDIN_FILENO)) /* else nobody is there to go on */
         console_handle_interrupts();
     err = begin_interpreter(&prompt.interp, o, fault);

@@ -30,6 +30,7 @@ static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
     uint8_t *byte = values;
     uint16_t *pair = values;
     uint32_t *root = values;
+    float *real = values;
     for (uint32_t c = row.first; c < row.end; c++) {
         const struct cell *cell = session_scene(session)->cell + c;
         bool reached = cell_is_reached(cell);
@@ -55,6 +56,10 @@ static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
         case MAP_ROOT:
             *root++ = reached ? grid_voxel(&session_scene(session)->grid, key_root(cell->key))
                               : CELL_NONE;
+            break;
+        case MAP_INTENSITY:
+            *real++ = (float)levels_value(session_geometry(session), session_levels(session),
+                                          cell->intensity);
             break;
         }
     }
@@ -99,7 +104,8 @@ enum err export_map(const struct session *session, enum map map, const struct la
                 [MAP_ROOT] = {VOXEL_UINT32, "iftty root: voxel index of the seed"},
                 [MAP_BORDER] = {VOXEL_UINT8, "iftty border"},
                 [MAP_DISTANCE] = {VOXEL_UINT16, "iftty plateau distance: steps since a rise"},
-                [MAP_MARGIN] = {VOXEL_UINT16, "iftty margin: cost of the next best label, less"}};
+                [MAP_MARGIN] = {VOXEL_UINT16, "iftty margin: cost of the next best label, less"},
+                [MAP_INTENSITY] = {VOXEL_FLOAT32, "iftty intensity"}};
     struct map_source source = {.session = session, .labels = labels, .map = map};
     struct volume_label label[256];
     struct buf description = {0};

@@ -10,13 +10,14 @@
 void export_labels(struct volume_label label[256], const struct kept *kept);
 
 #define MAPS "labels|cost|root|border|distance|margin"
-enum map { MAP_LABELS, MAP_COST, MAP_ROOT, MAP_BORDER, MAP_DISTANCE, MAP_MARGIN };
+enum map { MAP_LABELS, MAP_COST, MAP_ROOT, MAP_BORDER, MAP_DISTANCE, MAP_MARGIN, MAP_INTENSITY };
 
 /* A map in the scene's geometry: `labels`, which may be finished, by their own numbers, as uint8 or
  * where one is above 255 as uint16, and ERR_INPUT where two are the same; the border as uint8; cost
  * uint16, 65535 where no seed reaches; root uint32, the voxel index of the seed, 0xFFFFFFFF where
  * none reaches; distance uint16, the plateau distance (hops of engine/forest.h), 65535 where no
- * seed reaches; margin uint16 (engine/margin.h). */
+ * seed reaches; margin uint16 (engine/margin.h); intensity float32, the values of the scene as
+ * levels_value has them, for NIfTI alone. */
 enum err export_map(const struct session *session, enum map map, const struct labels *labels,
                     const char *path, enum file_mode mode, struct fault *fault);
 

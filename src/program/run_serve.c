@@ -1,0 +1,319 @@
+/* `iftty serve`: a session that another program drives, by lines of JSON (src/serve/README.md). */
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "command/command.h"
+#include "command/execute.h"
+#include "command/resume.h"
+#include "journal/journal.h"
+#include "program/begin.h"
+#include "program/console.h"
+#include "program/programs.h"
+#include "program/shown.h"
+#include "serve/answer.h"
+#include "serve/exchange.h"
+#include "serve/inbox.h"
+#include "session/session.h"
+
+/* A command that takes longer says how far it is, and again after each of these; requests that
+ * come meanwhile are looked for as often. */
+enum { PROGRESS_AFTER_MS = 500, PROGRESS_EVERY_MS = 250, LOOK_EVERY_MS = 10 };
+
+struct server {
+    struct interpreter interp;
+    struct reply reply;
+    struct inbox inbox;
+    struct exchange exchange;
+    struct watch watch;
+    struct buf line; /* that goes out */
+    bool has_greeted;
+    bool is_gone;         /* nobody reads what is written */
+    enum err broken;      /* why nothing can be read any more, */
+    struct fault reading; /* in words */
+    uint64_t begun_ns, told_ns, looked_ns;
+};
+
+/* ---- signals ---- */
+
+static volatile sig_atomic_t terminated;
+static int wake[2] = {-1, -1}; /* a pipe that ends a wait */
+
+static void terminate(int number)
+{
+    const int former = errno;
+    (void)number;
+    terminated = 1;
+    if (write(wake[1], "", 1) < 0)
+        errno = former; /* it is full: the wait ends all the same */
+    errno = former;
+}
+
+/* SIGTERM ends the session as the end of input does, once the command at hand is taken back; SIGINT
+ * takes that back and no more, for it goes to all programs of a terminal. */
+static enum err handle_signals(struct fault *fault)
+{
+    const struct sigaction action = {.sa_handler = terminate};
+    if (pipe2(wake, O_CLOEXEC | O_NONBLOCK) != 0)
+        return fault_errno(fault, "make", "a pipe");
+    console_handle_interrupts();
+    sigaction(SIGTERM, &action, NULL);
+    sigaction(SIGHUP, &action, NULL);
+    return OK;
+}
+
+/* ---- out ---- */
+
+/* The line that was made, and empties it. Whoever ends the session is not waited for. */
+static void put(struct server *s)
+{
+    const char *at = buf_text(&s->line);
+    size_t left = s->line.failed ? 0 : s->line.length;
+    while (left > 0 && !s->is_gone) {
+        const ssize_t n = write(STDOUT_FILENO, at, left);
+        if (n < 0 && (errno != EINTR || terminated))
+            s->is_gone = true;
+        at += n > 0 ? n : 0;
+        left -= n > 0 ? (size_t)n : 0;
+    }
+    s->is_gone |= s->line.failed; /* an answer that lacks would be waited for */
+    buf_clear(&s->line);
+}
+
+static const char *id_at_hand(const struct server *s)
+{
+    const struct buf *id = &s->inbox.at_hand.id;
+    return id->length ? buf_text(id) : "null";
+}
+
+static void put_notice(struct server *s, const char *line)
+{
+    answer_notice(&s->line, id_at_hand(s), line);
+    put(s);
+}
+
+/* Without waiting: a line of less than PIPE_BUF bytes goes into a pipe that has room. */
+static void put_progress(struct server *s, const char *what, uint64_t done, uint64_t total,
+                         bool stops)
+{
+    struct pollfd out = {.fd = STDOUT_FILENO, .events = POLLOUT};
+    if (poll(&out, 1, 0) != 1 || !(out.revents & POLLOUT))
+        return;
+    answer_progress(&s->line, id_at_hand(s), what, done, total, stops);
+    put(s);
+}
+
+/* ---- while a command is carried out ---- */
+
+static void take_in(struct server *s)
+{
+    if (!s->broken)
+        s->broken = inbox_read(&s->inbox, STDIN_FILENO, &s->reading);
+}
+
+static bool poll_watch(void *context, const char *what, uint64_t done, uint64_t total)
+{
+    const uint64_t ms = 1000000, now = clock_ns();
+    struct server *s = context;
+    const struct watch *console = console_watch();
+    if (s->has_greeted && now - s->looked_ns >= LOOK_EVERY_MS * ms) {
+        s->looked_ns = now;
+        take_in(s);
+    }
+    const bool stops = console->poll(console->context, NULL, 0, 0) || s->inbox.stops || terminated;
+    if (what && s->has_greeted && now - s->begun_ns >= PROGRESS_AFTER_MS * ms &&
+        now - s->told_ns >= PROGRESS_EVERY_MS * ms) {
+        s->told_ns = now;
+        put_progress(s, what, done, total, stops);
+    }
+    return stops;
+}
+
+static void announce(void *context, const char *line)
+{
+    struct server *s = context;
+    if (s->has_greeted)
+        put_notice(s, line);
+}
+
+/* ---- requests ---- */
+
+/* What the command has shown, which a terminal would have inline. The command stands, whatever
+ * comes of it. */
+static void show(struct server *s, struct buf *picture)
+{
+    struct fault fault;
+    const struct image_view view = shown_picture(&s->interp, true);
+    if (view.rgba &&
+        picture_write(picture, &s->exchange, view.width, view.height, view.rgba, &fault)) {
+        buf_clear(picture);
+        put_notice(s, fault.text);
+    }
+}
+
+static enum err execute(struct server *s, const char *line, struct fault *fault)
+{
+    enum err err = exchange_allows(&s->exchange, &s->interp, line, fault);
+    reply_clear(&s->reply);
+    if (!err && *line == '#' && s->interp.journal) /* as a script has it */
+        err = journal_comment(s->interp.journal, line, fault);
+    return err ? err : interpreter_execute(&s->interp, line, &s->reply, fault);
+}
+
+static void answer_do(struct server *s, const struct request *request)
+{
+    const char *id = buf_text(&request->id), *line = buf_text(&request->words);
+    struct buf picture = {0};
+    struct fault fault = {0};
+    if (execute(s, line, &fault)) {
+        answer_fault(&s->line, id, &fault, line, buf_text(&s->reply.list));
+    } else {
+        if (s->interp.shows_picture)
+            show(s, &picture);
+        answer_command(&s->line, id, &s->interp, &s->reply,
+                       picture.length ? buf_text(&picture) : NULL);
+    }
+    buf_release(&picture);
+}
+
+static void carry_out(struct server *s, const struct request *request)
+{
+    const char *id = buf_text(&request->id);
+    struct array_file array = {0};
+    struct fault fault = request->fault;
+    console_forget_interrupt();
+    s->begun_ns = clock_ns();
+    if (!fault.code && request->is_cancelled)
+        fault_set(&fault, ERR_CANCELLED, "cancelled; nothing has changed");
+    if (fault.code) {
+        answer_fault(&s->line, id, &fault, NULL, NULL);
+    } else if (request->kind == REQUEST_COMMAND) {
+        answer_do(s, request);
+    } else {
+        if (array_write(&array, &s->exchange, &s->interp, buf_text(&request->words),
+                        request->finished, &fault))
+            answer_fault(&s->line, id, &fault, NULL, NULL);
+        else
+            answer_array(&s->line, id, &s->interp, &array);
+        array_release(&array);
+    }
+    put(s);
+}
+
+/* Waits until something comes, or whoever is to read has gone, or a signal ends the session. */
+static void wait_for_more(struct server *s)
+{
+    struct pollfd on[] = {{.fd = STDIN_FILENO, .events = POLLIN},
+                          {.fd = wake[0], .events = POLLIN},
+                          {.fd = STDOUT_FILENO, .events = 0}};
+    if (poll(on, sizeof on / sizeof *on, -1) < 0)
+        return;
+    s->is_gone |= (on[2].revents & POLLERR) != 0;
+    if (on[0].revents)
+        take_in(s);
+}
+
+static void serve(struct server *s)
+{
+    while (!terminated && !s->is_gone && s->interp.wish != WISH_QUIT) {
+        const struct request *request = inbox_next(&s->inbox);
+        if (request)
+            carry_out(s, request);
+        else if (s->inbox.is_over || s->broken)
+            break;
+        else
+            wait_for_more(s);
+    }
+}
+
+/* ---- beginning and end ---- */
+
+/* What the prompt begins with. A journal of --journal that is there was left for here, where it is
+ * watched. */
+static enum err open_first(struct server *s, const char *journal, const char *scene,
+                           struct buf *told, struct fault *fault)
+{
+    struct buf line = {0};
+    enum err err = OK;
+    if (journal)
+        err = interpreter_resume_journal(&s->interp, journal, told, fault);
+    if (!err && scene) {
+        buf_add_text(&line, "open ");
+        command_write_word(&line, scene);
+        err = interpreter_execute(&s->interp, buf_text(&line), &s->reply, fault);
+        buf_add_text(told, buf_text(err ? &s->reply.list : &s->reply.text));
+    }
+    buf_release(&line);
+    return err;
+}
+
+/* As the prompt: edits run at once, unless a journal is gone on with that says how. */
+static enum err begin(struct server *s, const struct options *o, struct buf *name, struct buf *told,
+                      struct fault *fault)
+{
+    const char *first;
+    bool resumes;
+    enum err err = begin_check(o, &first, &resumes, fault);
+    if (err)
+        return err;
+    const bool goes_on = o->journal && file_exists(o->journal);
+    struct options plain = *o;
+    plain.journal = goes_on ? NULL : o->journal;
+    begin_journal_name(name, first);
+    err = begin_interpreter(&s->interp, &plain, fault);
+    begin_to_wait(&s->interp);
+    session_set_watch(s->interp.session, &s->watch);
+    if (!o->journal && !resumes)
+        s->interp.new_journal = buf_text(name);
+    if (!err)
+        err = exchange_begin(&s->exchange, fault);
+    if (!err)
+        err = open_first(s,
+                         resumes   ? first
+                         : goes_on ? o->journal
+                                   : NULL,
+                         resumes ? NULL : first, told, fault);
+    if (!err && !resumes)
+        err = interpreter_execute(&s->interp, "auto on", &s->reply, fault);
+    return err;
+}
+
+enum err run_serve(const struct options *o, struct fault *fault)
+{
+    static struct server s; /* large */
+    struct buf name = {0}, told = {0};
+    s.watch = (struct watch){.context = &s, .poll = poll_watch, .announce = announce};
+    enum err err = handle_signals(fault);
+    const bool has_begun = !err;
+    if (!err)
+        err = begin(&s, o, &name, &told, fault);
+    answer_greeting(&s.line, &s.interp, buf_text(&s.exchange.path), buf_text(&told),
+                    err ? fault : NULL);
+    put(&s);
+    s.has_greeted = true;
+    if (!err && isatty(STDIN_FILENO))
+        console_warn(NULL, "lines of JSON are expected, as {\"id\": 1, \"do\": \"info\"}; Ctrl-D "
+                           "ends the session\n");
+    if (!err)
+        serve(&s);
+    exchange_end(&s.exchange);
+    if (!err && s.broken) {
+        err = s.broken;
+        *fault = s.reading;
+    } else if (!err && s.is_gone && !terminated) {
+        err = fault_set(fault, ERR_IO, "cannot write to standard output");
+    }
+    if (has_begun && s.interp.session)
+        err = end_journal(&s.interp, err, fault);
+    inbox_release(&s.inbox);
+    reply_release(&s.reply);
+    interpreter_release(&s.interp);
+    buf_release(&s.line);
+    buf_release(&told);
+    buf_release(&name);
+    return err;
+}

@@ -1,0 +1,338 @@
+#!/bin/sh
+# `iftty serve`: a session that another program drives. Its journal is that of the same commands at
+# the prompt; what is cancelled, refused or cut off leaves nothing behind.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+make_scene s.nii 24 20 16
+mkdir passing
+TMPDIR=$work/passing # where the folders of sessions are
+export TMPDIR
+
+# Lines of commands as requests, numbered from 1; none of them has quotes.
+requests() {
+    awk '{ printf "{\"id\": %d, \"do\": \"%s\"}\n", NR, $0 }' "$@"
+}
+answer() { # ID: the line of that answer
+    grep "^{\"id\": $1, \"ok\": " out
+}
+has() { # LINE PART
+    case $1 in *"$2"*) ;; *) fail "no '$2' in:" "$1" ;; esac
+}
+field() { # LINE NAME: the value of a text or number
+    printf '%s\n' "$1" | sed -n "s/.*\"$2\": \"*\([^\",}]*\).*/\1/p"
+}
+folders() { # those of sessions that are there
+    find passing -mindepth 1 -maxdepth 1 | wc -l | tr -d ' '
+}
+# A session that goes on: `ask LINE` writes to it, its answers are in the file `out`. SCENE...
+start() {
+    rm -f in out
+    mkfifo in
+    env --default-signal=INT "$iftty" serve "$@" <in >out 2>err &
+    server=$!
+    exec 3>in
+    comes_true has_line out '"protocol"'
+}
+ask() { # JSON
+    printf '%s\n' "$1" >&3
+}
+answered() { # ID
+    comes_true has_line out "^{\"id\": $1, \"ok\""
+}
+stop() { # STATUS: of the session, once its input has ended
+    exec 3>&-
+    wait $server
+    same $? "$1"
+}
+
+cat >commands <<'END'
+seed 5,10,8 1 radius=2
+seed 20,3,3 0
+zoom 2
+why 5,10,8
+seed 12,10,8 2
+undo
+save labels l.nii
+render
+info
+END
+
+begin "the first line says which protocol it is and what is open, and all is gone at the end"
+requests commands | expect 0 "$iftty" serve s.nii --journal a.iftty
+first=$(sed 1q out)
+has "$first" '{"protocol": 1, "ok": true, "program": "iftty", "version": "'
+has "$first" '"records": 2'
+has "$first" '"scene": {"size": [24, 20, 16], "spacing": '
+has "$first" "\"journal\": \"$work/a.iftty\""
+same "$(grep -c '"ok"' out)" 10
+same "$(folders)" 0
+close_story
+
+begin "an answer has the number, the words and the files of its record"
+has "$(answer 1)" '"ok": true, "record": 3, "command": "seed 5,10,8 1 radius=2", "text": "'
+has "$(answer 1)" "\"forest\": \"$(words_of a.iftty 3 | tr ' ' '\n' | sed -n 's/^forest=//p')\""
+has "$(answer 1)" '"seeds": 33'
+has "$(answer 4)" '"record": null, "command": "why 5,10,8"'
+has "$(answer 6)" '"at": 4'
+has "$(answer 7)" "\"files\": [\"$work/l.nii\"]"
+has "$(answer 8)" '"picture": "'
+same "$(field "$(answer 9)" chain)" "$(last_word chain a.iftty)"
+close_story
+
+begin "the journal is that of the same commands at the prompt"
+rm l.nii
+{ cat commands; echo quit; } | expect 0 "$iftty" s.nii --journal b.iftty
+same_files a.iftty b.iftty
+expect 0 "$iftty" verify --no-strict a.iftty
+rm l.nii
+expect 0 "$iftty" serve s.nii </dev/null
+[ -s s-1.iftty ] || fail "no journal was begun, as the prompt does"
+close_story
+
+begin "a thousand commands give the journal that a run of them gives"
+awk 'BEGIN { srand(7); print "open s.nii"; print "auto on"
+    for (i = 0; i < 1000; i++) {
+        at = int(rand() * 24) "," int(rand() * 20) "," int(rand() * 16); r = rand()
+        if (r < .4) print "seed " at " " int(rand() * 4) " radius=" int(rand() * 3)
+        else if (r < .5) print "undo"
+        else if (r < .55) print "redo"
+        else if (r < .6) print "remove " at
+        else if (r < .65) print "auto " (rand() < .5 ? "on" : "off")
+        else if (r < .7) print "run"
+        else if (r < .75) print "goto " int(rand() * i / 2 + 1)
+        else if (r < .8) print "label " int(1 + rand() * 3) " name" int(rand() * 9)
+        else if (r < .85) print "stats"
+        else if (r < .9) print "cross " at
+        else if (r < .93) print "seed " at " name" int(rand() * 9)
+        else if (r < .96) print "weight " (rand() < .5 ? "sobel" : "morph")
+        else print "view " int(rand() * 360) " 10" } }' >many
+"$iftty" run --keep-going many --journal run.iftty >/dev/null 2>&1
+sed 1,2d many | requests | expect 0 "$iftty" serve s.nii --journal serve.iftty
+same_files run.iftty serve.iftty
+records=$(grep -c '^= ' run.iftty)
+[ "$records" -gt 600 ] || fail "$records records alone"
+same "$(grep -c '"ok"' out)" 1001
+close_story
+
+begin "what is no request is answered in words, and the session goes on"
+{
+    echo '{"id": 1, "do": "sed 1,2,3 1"}'
+    echo '{"id": 2, "do": "label 2 \"\u00e4\ud83d\ude00\" colour"}'
+    echo '{"id": 3, "do": 4}'
+    printf '{"id": 4, "do": "label 2 \377"}\n'
+    head -c 100000 /dev/zero | tr '\0' '['
+    echo
+    printf '{"id": 5, "do": "info'
+    head -c 3000000 /dev/zero | tr '\0' ' '
+    echo '"}'
+    echo '{"id": 6, "do": "label 2 x", "do": "label 3 x"}'
+    echo '{"id": 7, "array": "label"}'
+    echo '{"id": 8, "do": "zoom 3"}'
+    printf '{"id": 9, "do": "undo'
+} | expect 0 "$iftty" serve s.nii --journal bad.iftty
+has "$(answer 1)" '"kind": "bad usage", "why": "unknown command sed; did you mean seed?", '
+has "$(answer 1)" '"hints": ["seed"], "column": 1}'
+has "$(answer 2)" '"column": 14}'
+has "$(answer 3)" '"why": "do: expected a text"'
+has "$(answer 4)" '"why": "byte 26: expected UTF-8"'
+out_has '"why": "byte 1: expected an object, as in'
+out_has '"why": "the line is longer than 1048576 bytes; it is passed over"'
+has "$(answer 6)" '"why": "do is given twice"'
+has "$(answer 7)" '"hints": ["labels"]'
+has "$(answer 8)" '"ok": true, "record": 3'
+has "$(answer 9)" '"why": "byte 22: expected the quote that ends a text"'
+same "$(grep -c '^= ' bad.iftty)" 3
+close_story
+
+begin "a comment goes into the journal with the command that follows"
+printf '%s\n' '# deep inside' 'zoom 4' '#' | requests |
+    expect 0 "$iftty" serve s.nii --journal c.iftty
+same "$(grep -A1 '^# deep' c.iftty)" "# deep inside
+zoom 4"
+close_story
+
+# The labels of so large a scene take seconds to relax; each way to stop comes once that has begun.
+begin "a cancel takes a long command back, as Ctrl-C does: nothing of it is left"
+start synth:geom --journal long.iftty
+ask '{"id": 1, "do": "seed 100,100,50 1"}'
+ask '{"id": 2, "do": "seed 5,5,5 0"}'
+ask '{"id": 3, "do": "finish relax sweeps=1000"}'
+answered 3
+cp long.iftty before.iftty
+for way in cancel INT; do
+    ask "{\"id\": \"$way\", \"do\": \"save labels long.nii finished=yes\"}"
+    comes_true has_line out "\"id\": \"$way\", \"progress\": \"[a-z ]*\", \"done\": "
+    case $way in
+    cancel) ask '{"cancel": "cancel"}' ;;
+    *) kill -s INT $server ;;
+    esac
+    answered "\"$way\""
+    has "$(answer "\"$way\"")" '"kind": "cancelled", "why": "cancelled; nothing has changed"'
+done
+kill -s INT $server # where nothing is at hand, nothing is stopped
+ask '{"id": 4, "do": "finish none"}'
+answered 4
+same_files before.iftty /dev/fd/0 <<END
+$(sed '/^finish none/,$d' long.iftty)
+END
+ask '{"id": 5, "array": "labels"}'
+answered 5
+has "$(answer 5)" '"type": "uint8", "offset": 352, "size": [200, 200, 100]'
+[ ! -e long.nii ] || fail "long.nii is there"
+stop 0
+"$iftty" run - --journal plain.iftty >/dev/null <<'END'
+open synth:geom
+auto on
+seed 100,100,50 1
+seed 5,5,5 0
+finish relax sweeps=1000
+finish none
+END
+same_files plain.iftty long.iftty
+close_story
+
+begin "SIGTERM takes the command at hand back, and ends the session cleanly"
+start synth:geom --journal term.iftty
+ask '{"id": 0, "do": "seed 100,100,50 1"}'
+ask '{"id": 1, "do": "seed 5,5,5 0"}'
+ask '{"id": 2, "do": "finish relax sweeps=1000"}'
+ask '{"id": 3, "do": "save labels long.nii finished=yes"}'
+ask '{"id": 4, "do": "zoom 2"}'
+comes_true has_line out '"id": 3, "progress"'
+kill -s TERM $server
+wait $server
+same $? 0
+exec 3>&-
+has "$(answer 3)" '"kind": "cancelled"'
+same "$(answer 4)" ''
+same "$(folders)" 0
+expect 0 "$iftty" log --check term.iftty
+start s.nii
+kill -s TERM $server
+wait $server
+same $? 0
+same "$(folders)" 0
+exec 3>&-
+close_story
+
+begin "a session that was killed is gone on with, and its folder goes"
+start s.nii --journal k.iftty
+ask '{"id": 1, "do": "seed 5,10,8 1 radius=2"}'
+ask '{"id": 2, "array": "labels"}'
+answered 2
+file=$(field "$(answer 2)" file)
+[ -s "$file" ] || fail "no $file"
+same "$(stat -c '%a %u' "${file%/*}")" "700 $(id -u)"
+kill -s KILL $server
+wait $server 2>/dev/null
+exec 3>&-
+same "$(folders)" 1
+start k.iftty
+same "$(folders)" 1
+[ ! -e "$file" ] || fail "$file is still there"
+has "$(cat out)" '"records": 3'
+ask '{"id": 1, "do": "undo"}'
+answered 1
+stop 0
+same "$(folders)" 0
+expect 0 "$iftty" verify --no-strict k.iftty
+close_story
+
+begin "links in the folder are not followed, and another folder in its place is refused"
+start s.nii --journal link.iftty
+ask '{"id": 1, "do": "seed 5,10,8 1"}'
+ask '{"id": 2, "array": "cost"}'
+answered 2
+folder=$(field "$(answer 2)" file)
+folder=${folder%/*}
+echo mine >victim
+ln -s "$work/victim" "$folder/labels.nii"
+ask '{"id": 3, "array": "labels"}'
+answered 3
+has "$(answer 3)" '"ok": true'
+same "$(cat victim)" mine
+[ ! -L "$folder/labels.nii" ] || fail "the link is still there"
+mkdir elsewhere
+mv "$folder" "$folder.aside"
+ln -s "$work/elsewhere" "$folder"
+ask '{"id": 4, "array": "labels"}'
+answered 4
+has "$(answer 4)" 'is not the folder any more that this session has made'
+rm "$folder"
+mv "$folder.aside" "$folder"
+chmod 755 "$folder"
+ask '{"id": 5, "array": "labels"}'
+answered 5
+has "$(answer 5)" 'is not the folder any more that this session has made'
+ask '{"id": 6, "do": "render"}'
+answered 6
+has "$(answer 6)" '"ok": true, "record": 4'
+has "$(grep '"notice"' out)" 'nothing was written'
+chmod 700 "$folder"
+mkdir "$folder/deep"
+ln -s "$work/elsewhere" "$folder/deep/out"
+touch elsewhere/stays
+stop 0
+same "$(folders) $(ls elsewhere)" "0 stays"
+close_story
+
+begin "no record needs a file of the folder, but labels, of which the journal has a copy"
+start s.nii --journal given.iftty
+folder=$(field "$(sed 1q out)" folder)
+ask '{"id": 1, "do": "seed 5,10,8 1 radius=2"}'
+ask '{"id": 2, "array": "border"}'
+answered 2
+cp "$folder/border.nii" "$folder/given.nii"
+ask "{\"id\": 3, \"do\": \"seed-file $folder/given.nii\"}"
+ask "{\"id\": 4, \"do\": \"mask passing/${folder##*/}/given.nii\"}"
+ask "{\"id\": 5, \"do\": \"labels $folder/given.nii\"}"
+answered 5
+has "$(answer 3)" 'goes with this session, and the record of seed-file would need it'
+has "$(answer 3)" '"column": 11'
+has "$(answer 4)" 'goes with this session, and the record of mask would need it'
+has "$(answer 5)" "\"files\": [\"$work/given.golden/labels-"
+stop 0
+expect 0 "$iftty" verify --no-strict given.iftty
+close_story
+
+begin "edits that wait are in an array, by a run that is recorded"
+printf '%s\n' 'auto off' 'seed 5,10,8 1' | requests >waiting
+echo '{"id": 3, "array": "labels"}' >>waiting
+expect 0 "$iftty" serve s.nii --journal w.iftty <waiting
+has "$(answer 3)" '"records": 5'
+same "$(grep -A1 '^seed' w.iftty | sed -n 2p | grep -c pending)$(grep -c '^run$' w.iftty)" 11
+close_story
+
+begin "a journal is looked at without being written to"
+cp a.iftty look.iftty
+chmod a-w look.iftty
+printf '%s\n' 'seed 1,1,1 3' info | requests |
+    expect 0 with_permissions "$iftty" serve look.iftty --read-only
+has "$(sed 1q out)" '"read_only": true'
+has "$(answer 1)" '"ok": true'
+same_files a.iftty look.iftty
+close_story
+
+begin "where nobody reads any more what was answered stands, and the session ends"
+{
+    echo '{"id": 1, "do": "seed 5,10,8 1"}'
+    comes_true test -s status >late
+} | { "$iftty" serve s.nii --journal pipe.iftty 2>err; echo $? >status; } | sed 2q >/dev/null
+same "$(cat status) $(cat late)" "3 "
+same "$(cat err)" "iftty: cannot write to standard output"
+expect 0 "$iftty" log --check pipe.iftty
+same "$(grep -c '^= ' pipe.iftty)" 3
+same "$(folders)" 0
+close_story
+
+begin "what cannot be opened is said in the first line, too"
+expect 3 "$iftty" serve missing.nii </dev/null
+out_has '{"protocol": 1, "ok": false, "program": "iftty", "version": "'
+out_has '"kind": "input or output failed", "why": "there is no scene missing.nii here'
+expect 3 "$iftty" serve missing.iftty </dev/null
+out_has 'there is no journal missing.iftty'
+expect 2 "$iftty" serve s.nii --read-only </dev/null
+same "$(folders)" 0
+close_story
+
+finish
