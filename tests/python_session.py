@@ -151,18 +151,23 @@ def stops():
         if len(told) == 1:
             threading.Timer(0, s.cancel).start()
 
-    with iftty.open("synth:geom", journal="stops.iftty", progress=progress) as s:
+    def count_of(what, done, total):
+        assert what and 0 <= done and 0 <= total
+
+    with iftty.open("synth:geom", journal="stops.iftty", progress=count_of) as s:
         s.seed((100, 100, 50), 1)
         s.seed((5, 5, 5), 0)
         chain = s.finish("relax", sweeps=1000).chain
+        s.progress = progress
         fails("cancelled", s.array, "labels", finished=True)
+        s.progress = None
         assert told and s.info().chain == chain
         s.progress = lambda *_: _thread.interrupt_main()
         try:
             s.save("labels", "stopped.nii", finished=True)
             raise AssertionError("it was not stopped")
         except KeyboardInterrupt:
-            pass
+            s.progress = None
         assert s.info().chain == chain and not os.path.exists("stopped.nii")
 
 

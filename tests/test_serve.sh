@@ -26,7 +26,8 @@ folders() { # those of sessions that are there
 }
 # A session that goes on: `ask LINE` writes to it, its answers are in the file `out`. SCENE...
 start() {
-    rm -f in out
+    rm -f in
+    : >out
     mkfifo in
     env --default-signal=INT "$iftty" serve "$@" <in >out 2>err &
     server=$!
@@ -259,6 +260,11 @@ ask '{"id": 4, "array": "labels"}'
 answered 4
 has "$(answer 4)" 'is not the folder any more that this session has made'
 rm "$folder"
+mkdir -m 700 "$folder"
+ask '{"id": "new", "array": "labels"}'
+answered '"new"'
+has "$(answer '"new"')" 'is not the folder any more that this session has made'
+rmdir "$folder"
 mv "$folder.aside" "$folder"
 chmod 755 "$folder"
 ask '{"id": 5, "array": "labels"}'
