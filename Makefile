@@ -142,7 +142,8 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
         test-matrix \
         test-matrix-short test-terminals fuzz fuzzers demo bench-peers bench-chafa bench-paper \
         bench-growth bench-render bench-frames bench-journal bench-keys bench-looks bench-effort \
-        bench-mend bench-noise bench-register bench-series bench-files bench-beside help clean packages
+        bench-mend bench-noise bench-register bench-series bench-files bench-beside help clean \
+        packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 

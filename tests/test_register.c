@@ -19,10 +19,10 @@
 
 static char folder[FOLDER_LENGTH];
 static struct volume ch2;
-static struct subject procedure; /* ch2, four times as coarse: what it takes is seconds */
+static struct subject procedure; /* ch2, five times as coarse: what it takes is seconds */
 static char helper[FILE_LENGTH];
 
-enum { COARSE = 4 };
+enum { COARSE = 5 };
 
 static const struct deformation known = {.degrees = {5, -4, 6},
                                          .scale = {1.06, 0.95, 1.03},
@@ -56,7 +56,7 @@ STORY(a_known_map_is_found_within_a_millimetre_and_again_in_the_same_bytes)
     struct fault fault;
     CHECK_INT(find_of(&first, &known, &subject, &fault), OK);
     CHECK_TEXT(fault.text, "");
-    CHECK(subject_error(&subject, &first.affine) < 0.7);
+    CHECK(subject_error(&subject, &first.affine) < 1);
     CHECK(first.metric > 1.5 * first.identity_metric && first.metric > first.mirrored_metric);
     CHECK(first.overlap > 0.8 && first.agreement_mm < 2);
     CHECK(strlen(first.subject) == SHA256_HEX - 1 && strcmp(first.subject, first.procedure) != 0);
@@ -105,8 +105,8 @@ STORY(a_mirror_image_and_a_slab_are_refused_in_words)
 {
     struct deformation mirrored = known, slab = known;
     mirrored.mirrored = true;
-    slab.first = 20;
-    slab.planes = 5;
+    slab.first = 16;
+    slab.planes = 4;
     check_refused(&mirrored, "left and right may be mixed up");
     check_refused(&slab, "of what one scene shows lies in the other");
 }
