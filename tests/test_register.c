@@ -67,7 +67,7 @@ STORY(a_known_map_is_found_within_a_millimetre_and_again_in_the_same_bytes)
            first.seconds);
 }
 
-/* Voxels in another order, and a matrix that says so: the same patient. */
+/* Voxels in another order, and a matrix that says so, in a session's cells: the same patient. */
 STORY(how_voxels_are_stored_does_not_matter)
 {
     struct registration found;
@@ -84,6 +84,11 @@ STORY(how_voxels_are_stored_does_not_matter)
         to_mm[w][0] = -to_mm[w][0];
     }
     CHECK(geometry_place(geometry, (const double(*)[4])to_mm, ORIENTATION_FILE));
+    struct scene *cells = NULL;
+    CHECK_INT(scene_new_filled(&cells, subject.scene->grid.size, subject.scene->plain, NULL, NULL),
+              OK);
+    scene_free(subject.scene);
+    subject.scene = cells;
     CHECK_INT(find(&found, &subject, NULL, &fault), OK);
     CHECK(subject_error(&subject, &found.affine) < 0.2);
     scene_free(subject.scene);

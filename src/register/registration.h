@@ -46,8 +46,8 @@ struct registration {
 #define REGISTRATION_METRIC_LEAST   0.15 /* found: 0.6 and more; a solid: 0.08, noise: 0.01 */
 #define REGISTRATION_WORSE_MOST     0.05 /* than the identity; a scene onto itself: 0.025 */
 #define REGISTRATION_MIRRORED_MOST  1.03 /* times the metric; found: 0.93; mirrored: 1.07 */
-#define REGISTRATION_OVERLAP_LEAST  0.6  /* found: 0.89 and more; a third of a head: 0.41 */
-#define REGISTRATION_AGREEMENT_MOST 0.03 /* parts of the length; found: 0.006; else 0.13 */
+#define REGISTRATION_OVERLAP_LEAST  0.6  /* found: 0.71 and more; a third of a head: 0.40 */
+#define REGISTRATION_AGREEMENT_MOST 0.03 /* parts of the length; found: 0.006; else 0.09 */
 #define REGISTRATION_STRETCH_LEAST  0.6  /* of all singular values */
 #define REGISTRATION_STRETCH_MOST   1.67
 #define REGISTRATION_VOLUME_MOST    2.5 /* of the determinant, which is 1/2.5 or more */
