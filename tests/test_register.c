@@ -19,10 +19,10 @@
 
 static char folder[FOLDER_LENGTH];
 static struct volume ch2;
-static struct subject procedure; /* ch2, four times as coarse: what it takes is seconds */
+static struct subject procedure; /* ch2, five times as coarse: what it takes is seconds */
 static char helper[FILE_LENGTH];
 
-enum { COARSE = 4 };
+enum { COARSE = 5 };
 
 static const struct deformation known = {.degrees = {5, -4, 6},
                                          .scale = {1.06, 0.95, 1.03},
@@ -56,9 +56,9 @@ STORY(a_known_map_is_found_within_a_millimetre_and_again_in_the_same_bytes)
     struct fault fault;
     CHECK_INT(find_of(&first, &known, &subject, &fault), OK);
     CHECK_TEXT(fault.text, "");
-    CHECK(subject_error(&subject, &first.affine) < 0.7);
+    CHECK(subject_error(&subject, &first.affine) < 1);
     CHECK(first.metric > 1.5 * first.identity_metric && first.metric > first.mirrored_metric);
-    CHECK(first.overlap > 0.8 && first.agreement_mm < 2);
+    CHECK(first.tells_sides && first.overlap > 0.8 && first.agreement_mm < 2);
     CHECK(strlen(first.subject) == SHA256_HEX - 1 && strcmp(first.subject, first.procedure) != 0);
     CHECK_INT(find_of(&second, &known, &subject, &fault), OK);
     CHECK(memcmp(&first.affine, &second.affine, sizeof first.affine) == 0);
@@ -67,7 +67,7 @@ STORY(a_known_map_is_found_within_a_millimetre_and_again_in_the_same_bytes)
            first.seconds);
 }
 
-/* Voxels in another order, and a matrix that says so: the same patient. */
+/* Voxels in another order, and a matrix that says so, in a session's cells: the same patient. */
 STORY(how_voxels_are_stored_does_not_matter)
 {
     struct registration found;
@@ -84,6 +84,11 @@ STORY(how_voxels_are_stored_does_not_matter)
         to_mm[w][0] = -to_mm[w][0];
     }
     CHECK(geometry_place(geometry, (const double(*)[4])to_mm, ORIENTATION_FILE));
+    struct scene *cells = NULL;
+    CHECK_INT(scene_new_filled(&cells, subject.scene->grid.size, subject.scene->plain, NULL, NULL),
+              OK);
+    scene_free(subject.scene);
+    subject.scene = cells;
     CHECK_INT(find(&found, &subject, NULL, &fault), OK);
     CHECK(subject_error(&subject, &found.affine) < 0.2);
     scene_free(subject.scene);
@@ -101,16 +106,14 @@ static void check_refused(const struct deformation *d, const char *words)
     CHECK_HAS(fault.text, "marks in both scenes");
 }
 
-STORY(a_mirror_image_a_slab_and_noise_are_refused_in_words)
+STORY(a_mirror_image_and_a_slab_are_refused_in_words)
 {
     struct deformation mirrored = known, slab = known;
-    const struct deformation noise = {.content = OF_NOISE};
     mirrored.mirrored = true;
-    slab.first = 20;
-    slab.planes = 5;
+    slab.first = 16;
+    slab.planes = 4;
     check_refused(&mirrored, "left and right may be mixed up");
     check_refused(&slab, "of what one scene shows lies in the other");
-    check_refused(&noise, "say next to nothing about each other");
 }
 
 STORY(scenes_that_say_too_little_are_refused_before_anything_is_done)
@@ -142,7 +145,6 @@ static const char *fault_of(const char *script)
 
 /* Takes the request, and answers. */
 #define HEARD "exec 3<&0; cat <&3 >/dev/null & "
-#define ONES  "printf '\\0\\0\\0\\0\\0\\0\\360\\077'"
 
 STORY(a_helper_that_is_missing_dies_or_lies_costs_one_line)
 {
@@ -159,18 +161,60 @@ STORY(a_helper_that_is_missing_dies_or_lies_costs_one_line)
               "makes no sense");
 }
 
-/* A map that is no map, in an answer that is well formed: of twenty ones. */
-STORY(an_answer_that_makes_sense_is_judged_all_the_same)
+/* What is said of an answer that is well formed. */
+static enum err judged(const double number[20], struct fault *fault)
 {
     struct registration found;
-    struct fault fault;
-    register_helper_program =
-        make_script(folder, "odd",
-                    HEARD "echo found; i=0; while [ $((i += 1)) -le 20 ]; do " ONES "; done; "
-                          "sleep 9");
-    CHECK_INT(find(&found, &procedure, NULL, &fault), ERR_CHECK);
-    CHECK_HAS(fault.text, "it stretches by 3.00, 0.00 and 0.00");
+    const char *answer = file_in(folder, "answer");
+    char script[2 * FILE_LENGTH];
+    FILE *file = fopen(answer, "we");
+    CHECK(file && fputs("found\n", file) >= 0 && fwrite(number, sizeof *number, 20, file) == 20);
+    if (file)
+        fclose(file);
+    snprintf(script, sizeof script, HEARD "cat '%s'; sleep 9", answer);
+    register_helper_program = make_script(folder, "odd", script);
+    const enum err err = find(&found, &procedure, NULL, fault);
     register_helper_program = helper;
+    return err;
+}
+
+STORY(each_figure_of_an_answer_is_judged)
+{
+    /* The map by rows; metrics of the map, the identity and the mirror image; overlap of the one
+     * and the other; agreement and length; seconds. */
+    static const double fine[20] = {1, 0, 0,   5,   0,   1, 0, 0, 0,   0,
+                                    1, 0, 1.0, 0.5, 0.6, 1, 1, 1, 200, 5};
+    static const struct {
+        int at;
+        double number;
+        enum err err;
+        const char *words;
+    } cases[] = {
+        {3, 5, OK, ""},
+        {0, -1, ERR_CHECK, "no mirror image"},
+        {0, 1.8, ERR_CHECK, "it stretches by 1.80, 1.00 and 1.00"},
+        {5, 0.5, ERR_CHECK, "it stretches by 1.00, 1.00 and 0.50"},
+        {5, 0, ERR_CHECK, "it stretches by 1.00, 1.00 and 0.00"},
+        {12, 0.1, ERR_CHECK, "next to nothing about each other (0.100 nats"},
+        {13, 1.06, ERR_CHECK, "fit better as they lie in their worlds (1.060 nats to 1.000)"},
+        {13, 1.04, OK, ""},
+        {14, 1.02, OK, ""},
+        {14, 1.04, ERR_CHECK, "left and right may be mixed up"},
+        {15, 0.45, ERR_CHECK, "only 45 % of what one scene shows lies in the other"},
+        {16, 0.12, ERR_CHECK, "only 12 % of what"},
+        {17, 6.5, ERR_CHECK, "there and back leads 6.5 mm away; expected 6.0 mm or less"},
+        {17, -1, ERR_IO, "makes no sense"},
+        {3, NAN, ERR_IO, "makes no sense"},
+        {12, INFINITY, ERR_IO, "makes no sense"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct fault fault;
+        double number[20];
+        memcpy(number, fine, sizeof number);
+        number[cases[i].at] = cases[i].number;
+        CHECK_INT(judged(number, &fault), cases[i].err);
+        CHECK_HAS(fault.text, cases[i].words);
+    }
 }
 
 STORY(a_helper_that_never_ends_is_ended)
@@ -230,7 +274,7 @@ STORY(a_helper_ends_with_its_client)
 enum { SIDE = 24, VOXELS = SIDE * SIDE * SIDE, RATERS = 3 };
 static const uint32_t cube[3] = {SIDE, SIDE, SIDE};
 
-/* Two balls, of the labels 3 and 200; raters of whom each is wrong in another part of the voxels. */
+/* Two balls, of the labels 3 and 200; each rater is wrong in another part of the voxels. */
 static void rate(uint8_t truth[VOXELS], uint8_t map[RATERS][VOXELS], const double wrong[RATERS])
 {
     static const uint8_t others[4] = {0, 3, 200, 0};
@@ -388,10 +432,10 @@ int main(void)
     static const struct story stories[] = {
         TELL(a_known_map_is_found_within_a_millimetre_and_again_in_the_same_bytes),
         TELL(how_voxels_are_stored_does_not_matter),
-        TELL(a_mirror_image_a_slab_and_noise_are_refused_in_words),
+        TELL(a_mirror_image_and_a_slab_are_refused_in_words),
         TELL(scenes_that_say_too_little_are_refused_before_anything_is_done),
         TELL(a_helper_that_is_missing_dies_or_lies_costs_one_line),
-        TELL(an_answer_that_makes_sense_is_judged_all_the_same),
+        TELL(each_figure_of_an_answer_is_judged),
         TELL(a_helper_that_never_ends_is_ended),
         TELL(a_stop_is_heard_and_the_helper_is_gone),
         TELL(a_helper_ends_with_its_client),

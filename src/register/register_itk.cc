@@ -39,7 +39,7 @@ using Point = Image::PointType;
 constexpr unsigned bins = 40;
 constexpr double part_sampled = 0.02;
 constexpr size_t shrunk_least = 400000; /* voxels */
-constexpr size_t samples_least = 20000; /* of small levels, which are sampled more densely */
+constexpr size_t samples_least = 16000; /* of small levels, which are sampled more densely */
 
 /* Three rows, as they come. */
 using Map = std::array<std::array<double, 4>, 3>;
@@ -217,7 +217,7 @@ Metric::FixedSampledPointSetPointer samples_of(const Image *image)
     const Image::SizeType size = image->GetBufferedRegion().GetSize();
     const size_t voxels = image->GetBufferedRegion().GetNumberOfPixels();
     const size_t wanted = static_cast<size_t>(part_sampled * static_cast<double>(voxels));
-    const size_t count = std::min(voxels, std::max(wanted, samples_least));
+    const size_t count = std::max(wanted, std::min(voxels / 8, samples_least));
     auto samples = Metric::FixedSampledPointSetType::New();
     for (size_t i = 0; i < count; i++) {
         itk::ContinuousIndex<double, 3> at;
@@ -269,6 +269,10 @@ void search(const Scene &fixed, const Scene &moving, Transform *transform, const
             double length)
 {
     const unsigned before = steps_done;
+    const bool is_new =
+        pace.level > 0 || fixed.level[0] != fixed.level[1] || moving.level[0] != moving.level[1];
+    if (!is_new) /* few voxels: this has been done */
+        return;
     auto metric = metric_of(fixed, moving, pace.level);
     auto optimizer = Optimizer::New();
     Optimizer::ScalesType scales(transform->GetNumberOfParameters());

@@ -121,6 +121,7 @@ static enum err receive_found(struct registration *out, struct coprocess *proces
     out->identity_metric = *at++;
     out->mirrored_metric = *at++;
     out->overlap = fmin(fmin(at[0], at[1]), 1);
+    out->tells_sides = out->mirrored_metric * REGISTRATION_MIRRORED_MOST < out->metric;
     at += 2;
     out->agreement_mm = *at++;
     out->length_mm = *at++;
@@ -157,7 +158,7 @@ static enum err judge(const struct registration *r, struct fault *fault)
     else if (!(r->agreement_mm <= REGISTRATION_AGREEMENT_MOST * r->length_mm))
         snprintf(words, sizeof words, "there and back leads %.1f mm away; expected %.1f mm or less",
                  r->agreement_mm, REGISTRATION_AGREEMENT_MOST * r->length_mm);
-    else if (r->mirrored_metric > r->metric)
+    else if (r->mirrored_metric > REGISTRATION_MIRRORED_MOST * r->metric)
         snprintf(words, sizeof words,
                  "its mirror image fits better (%.3f nats to %.3f): left and right may be mixed up "
                  "in one of the files",
