@@ -116,6 +116,13 @@ EOS
 fi
 close_story
 
+begin "what was undone before the scene was interpolated stays taken back"
+printf '%s\n' 'open s.nii' 'seed 2,3,4 0' undo 'interpolate 2 1 1' 'seed 9,3,4 1' run >new.txt
+expect 0 "$iftty" diff --gestures new.txt new.txt
+tr -s ' ' <out | grep -qx 'taken back 1 1 *' || fail "$(cat out)"
+out_has "1 matched, 0 of the expert and 0 of the trainee not"
+close_story
+
 begin "up to a record, and nothing in common"
 expect 0 "$iftty" diff --gestures e.iftty t.iftty --until 3
 out_has "order     fewer than two gestures are matched"
