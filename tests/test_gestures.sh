@@ -29,7 +29,8 @@ for line in 'seed 2 2' 'ball 2 2' 'stroke 1 1' 'shell 1 0' 'box 1 0' 'fill 1 0' 
 done
 # The expert's box is at 19.5,3,2.5, farther than 2.4 mm from all; the stroke's middles are 21,12,8
 # and 20,12.5,8.
-out_has "farther than 2.40 mm: 3 matched, 5 of the expert and 1 of the trainee not"
+out_has "farther than 2.40 mm:"
+out_has "3 matched, 5 of the expert and 1 of the trainee not"
 grep -qxE '2 2 1 1 1.12 1.12 [0-9.]*' words || fail "no stroke: $(cat words)"
 grep -qxE '1 liver 3 2 1 0.00 0.00 [0-9.]*' words || fail "no ball: $(cat words)"
 out_has "Kendall's tau -3/3 (-1.0000); the longest common order has 1 of 3 matched"
@@ -127,7 +128,7 @@ begin "up to a record, and nothing in common"
 expect 0 "$iftty" diff --gestures e.iftty t.iftty --until 3
 out_has "order     fewer than two gestures are matched"
 expect 0 "$iftty" diff --gestures e.iftty t.iftty --until 2
-tr -s ' ' <out | grep -qx 'all 0 0 *' || fail "$(cat out)"
+! grep -q '^all' out || fail "$(cat out)"
 close_story
 
 begin "the picture of both curves"

@@ -328,14 +328,15 @@ static enum err report_gestures(const struct journals *j, const struct gestures 
     const struct diff_options *o = j->options;
     struct gesture_match match;
     struct buf warnings = {0}, text = {0};
-    const struct gesture_report report = {.path = {o->path[0], o->path[1]},
-                                          .side = {&j->side[0], &j->side[1]},
-                                          .gestures = {&gestures[0], &gestures[1]},
-                                          .match = &match};
+    struct gesture_report report = {.path = {o->path[0], o->path[1]},
+                                    .side = {&j->side[0], &j->side[1]},
+                                    .gestures = {&gestures[0], &gestures[1]},
+                                    .match = &match};
     enum err err = gesture_match_make(&match, &gestures[0], &gestures[1], j->side[0].facts->size,
                                       j->side[0].facts->spacing_nm, o->side.watch, fault);
     if (!err) {
         write_warnings(&warnings, j);
+        gesture_report_count(&report);
         (o->json ? gesture_report_write_json : gesture_report_write_text)(&text, &report);
         err = give(&warnings, printer->warn, printer, fault);
     }

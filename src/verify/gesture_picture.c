@@ -107,7 +107,7 @@ enum err gesture_picture_draw(struct picture *picture, const struct gesture_repo
     const size_t a = report->gestures[0]->count, b = report->gestures[1]->count;
     unsigned label[LABELS_MOST], labels = 0;
     for (unsigned l = 1; l < 256 && labels < LABELS_MOST; l++)
-        if (gesture_report_has(report, l))
+        if (report->has[l])
             label[labels++] = l;
     const int64_t below = MARGIN + 2 * LINE + 2 * LINE + TALL + 2 * LINE;
     const int64_t row = SHORT + 3 * LINE + MARGIN;
