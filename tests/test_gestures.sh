@@ -145,6 +145,14 @@ expect 2 "$iftty" diff --gestures e.iftty t.iftty --picture d.exr
 err_has "expected a name that ends in .png"
 close_story
 
+begin "a picture of a private scene does not name the journals"
+sed 's/^open s.nii/& private=yes/' long.txt >private.txt
+cp private.txt another.txt
+expect 0 "$iftty" diff --gestures private.txt private.txt --picture one.png
+expect 0 "$iftty" diff --gestures another.txt another.txt --picture two.png
+same_files one.png two.png
+close_story
+
 begin "a journal is trusted no more than by verify"
 mkdir inside larger
 printf 'open ../s.nii\nseed 1,1,1 1\n' >inside/out.txt
