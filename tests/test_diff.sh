@@ -119,6 +119,14 @@ expect 3 "$iftty" diff a.iftty b.iftty --picture nowhere/d.png
 expect 0 "$iftty" diff a.iftty a.iftty --picture same.png
 close_story
 
+begin "a picture of a private scene does not name the journals"
+sed 's/^open s.nii/& private=yes/' a.txt >private.txt
+cp private.txt another.txt
+expect 0 "$iftty" diff private.txt private.txt --picture one.png
+expect 0 "$iftty" diff another.txt another.txt --picture two.png
+same_files one.png two.png
+close_story
+
 begin "a journal is trusted no more than by verify"
 mkdir inside
 { grep -v '^open' a.txt | sed '1s/^/open ..\/s.nii\n/'; } >inside/out.txt

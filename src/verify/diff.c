@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
 #include "base/json.h"
 #include "base/version.h"
 #include "engine/overlap.h"
@@ -28,12 +27,14 @@ struct drawn {
 enum { SIDE_MOST = 16384, /* of a picture */ FRAME_MOST = 4 * SIDE_MOST * SIDE_MOST };
 
 static enum err draw(struct picture *picture, struct session *session,
-                     const struct drawing *drawing, const uint8_t *label, struct fault *fault)
+                     const struct drawing *drawing, const struct side_facts *facts,
+                     const uint8_t *label, struct fault *fault)
 {
     struct overlap overlap;
     overlap_count(&overlap, label, drawing->other->labels, session_scene(session)->grid.voxels);
     const struct difference_picture difference_picture = {
-        .name = {file_name(drawing->path[0]), file_name(drawing->path[1])},
+        .name = {side_shown_name(facts, drawing->path[0]),
+                 side_shown_name(drawing->other->facts, drawing->path[1])},
         .label = {label, drawing->other->labels},
         .overlap = &overlap};
     const struct side_facts *other = drawing->other->facts;
@@ -58,7 +59,7 @@ static enum err add_picture(void *context, const struct interpreter *interp,
     struct picture picture = {0};
     if (memcmp(drawing->other->facts->size, facts->size, sizeof facts->size) != 0)
         return OK;
-    const enum err err = draw(&picture, interp->session, drawing, label, fault);
+    const enum err err = draw(&picture, interp->session, drawing, facts, label, fault);
     const struct drawn drawn = {picture.width, picture.height};
     if (!err) {
         buf_add(out, &drawn, sizeof drawn);
@@ -328,14 +329,15 @@ static enum err report_gestures(const struct journals *j, const struct gestures 
     const struct diff_options *o = j->options;
     struct gesture_match match;
     struct buf warnings = {0}, text = {0};
-    const struct gesture_report report = {.path = {o->path[0], o->path[1]},
-                                          .side = {&j->side[0], &j->side[1]},
-                                          .gestures = {&gestures[0], &gestures[1]},
-                                          .match = &match};
+    struct gesture_report report = {.path = {o->path[0], o->path[1]},
+                                    .side = {&j->side[0], &j->side[1]},
+                                    .gestures = {&gestures[0], &gestures[1]},
+                                    .match = &match};
     enum err err = gesture_match_make(&match, &gestures[0], &gestures[1], j->side[0].facts->size,
                                       j->side[0].facts->spacing_nm, o->side.watch, fault);
     if (!err) {
         write_warnings(&warnings, j);
+        gesture_report_count(&report);
         (o->json ? gesture_report_write_json : gesture_report_write_text)(&text, &report);
         err = give(&warnings, printer->warn, printer, fault);
     }

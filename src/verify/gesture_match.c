@@ -14,11 +14,6 @@ struct choosing {
     struct watch *watch;
 };
 
-static bool is_matched(const struct gesture *g)
-{
-    return g->has_place && !g->is_taken_back;
-}
-
 /* Less than 2^31 half units along an axis, so that the sum of three squares fits. */
 static bool may_belong(uint64_t *squared, const struct choosing *c, uint32_t expert,
                        uint32_t trainee)
@@ -30,7 +25,7 @@ static bool may_belong(uint64_t *squared, const struct choosing *c, uint32_t exp
                                                              : t->doubled[a] - e->doubled[a];
         *squared += apart * c->scale.step[a] * (apart * c->scale.step[a]);
     }
-    return is_matched(t) && e->label == t->label && *squared <= c->most;
+    return gesture_may_match(t) && e->label == t->label && *squared <= c->most;
 }
 
 /* All pairs, or, where there is no room for them, how many there are. */
@@ -40,7 +35,8 @@ static size_t list_pairs(struct gesture_pair *pair, const struct choosing *c)
     size_t count = 0;
     uint64_t squared;
     for (uint32_t e = 0; e < c->expert->count && task_advance(&task, 1); e++)
-        for (uint32_t t = 0; is_matched(&c->expert->gesture[e]) && t < c->trainee->count; t++)
+        for (uint32_t t = 0; gesture_may_match(&c->expert->gesture[e]) && t < c->trainee->count;
+             t++)
             if (may_belong(&squared, c, e, t)) {
                 if (pair)
                     pair[count] = (struct gesture_pair){e, t, squared};

@@ -16,8 +16,15 @@
 #ifndef VERIFY_GESTURE_MATCH_H
 #define VERIFY_GESTURE_MATCH_H
 
+#include <stdbool.h>
+
 #include "base/watch.h"
 #include "verify/gesture.h"
+
+static inline bool gesture_may_match(const struct gesture *gesture)
+{
+    return gesture->has_place && !gesture->is_taken_back && gesture->label < GESTURE_NO_LABEL;
+}
 
 struct gesture_pair {
     uint32_t expert, trainee; /* which gesture of each */

@@ -3,13 +3,13 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/file.h"
 #include "base/version.h"
 #include "engine/overlap.h"
 #include "render/canvas.h"
 #include "render/text.h"
 #include "report/comparison_picture.h"
 #include "session/state.h"
+#include "verify/side.h"
 
 enum {
     WIDTH = 1024,
@@ -91,11 +91,11 @@ static void cut_to_fit(char *words, int64_t room)
 }
 
 /* A box of the colour, and who it is. */
-static void draw_key(const struct canvas *canvas, int64_t top, const char *who, const char *path,
+static void draw_key(const struct canvas *canvas, int64_t top, const char *who, const char *name,
                      const uint8_t rgb[3])
 {
     char words[256];
-    snprintf(words, sizeof words, "%s  %s", who, file_name(path));
+    snprintf(words, sizeof words, "%s  %s", who, name);
     cut_to_fit(words, WIDTH - 3 * MARGIN - LINE);
     canvas_box(canvas, MARGIN, top, TEXT_TALL * SCALE, TEXT_TALL * SCALE, rgb);
     text_draw(canvas, MARGIN + LINE, top, SCALE, words, ink);
@@ -107,7 +107,7 @@ enum err gesture_picture_draw(struct picture *picture, const struct gesture_repo
     const size_t a = report->gestures[0]->count, b = report->gestures[1]->count;
     unsigned label[LABELS_MOST], labels = 0;
     for (unsigned l = 1; l < 256 && labels < LABELS_MOST; l++)
-        if (gesture_report_has(report, l))
+        if (report->has[l])
             label[labels++] = l;
     const int64_t below = MARGIN + 2 * LINE + 2 * LINE + TALL + 2 * LINE;
     const int64_t row = SHORT + 3 * LINE + MARGIN;
@@ -125,8 +125,10 @@ enum err gesture_picture_draw(struct picture *picture, const struct gesture_repo
                           .height = TALL,
                           .gestures = (uint32_t)(a > b ? a : b)};
     canvas_box(&canvas, 0, 0, picture->width, picture->height, paper);
-    draw_key(&canvas, MARGIN, "expert", report->path[0], difference_rgb[A_ALONE]);
-    draw_key(&canvas, MARGIN + LINE, "trainee", report->path[1], difference_rgb[B_ALONE]);
+    draw_key(&canvas, MARGIN, "expert", side_shown_name(report->side[0]->facts, report->path[0]),
+             difference_rgb[A_ALONE]);
+    draw_key(&canvas, MARGIN + LINE, "trainee",
+             side_shown_name(report->side[1]->facts, report->path[1]), difference_rgb[B_ALONE]);
     draw_frame(&frame, report, DICE_OF_ALL, "Dice with the expert's final labels: all labels");
     frame.width = (WIDTH - MARGIN) / ACROSS - MARGIN - BEFORE;
     frame.height = SHORT;

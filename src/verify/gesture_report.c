@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/json.h"
+#include "base/mem.h"
 #include "engine/overlap.h"
 #include "report/figures.h"
 #include "verify/side.h"
@@ -17,49 +18,25 @@ static const char *const who[2] = {"expert", "trainee"};
 
 /* ---- figures ---- */
 
-static size_t count_kind(const struct gestures *gestures, unsigned kind)
+void gesture_report_count(struct gesture_report *report)
 {
-    size_t count = 0;
-    for (size_t i = 0; i < gestures->count; i++)
-        count += gestures->gesture[i].kind == kind;
-    return count;
-}
-
-static size_t count_taken_back(const struct gestures *gestures)
-{
-    size_t count = 0;
-    for (size_t i = 0; i < gestures->count; i++)
-        count += gestures->gesture[i].is_taken_back;
-    return count;
-}
-
-static bool may_match(const struct gesture *gesture)
-{
-    return gesture->has_place && !gesture->is_taken_back;
-}
-
-/* Those of a label that might be matched; GESTURE_NO_LABEL: of all. */
-static size_t count_placed(const struct gestures *gestures, unsigned label)
-{
-    size_t count = 0;
-    for (size_t i = 0; i < gestures->count; i++)
-        count += may_match(&gestures->gesture[i]) &&
-                 (gestures->gesture[i].label == label || label == GESTURE_NO_LABEL);
-    return count;
-}
-
-static bool has_voxels(const struct side *side, unsigned label)
-{
-    return memchr(side->labels, (int)label, side->facts->voxels) != NULL;
-}
-
-bool gesture_report_has(const struct gesture_report *report, unsigned label)
-{
-    for (int i = 0; i < 2; i++)
-        if (count_placed(report->gestures[i], label) > 0 ||
-            (label && label <= UINT8_MAX && has_voxels(report->side[i], label)))
-            return true;
-    return false;
+    for (int i = 0; i < 2; i++) {
+        const struct gestures *g = report->gestures[i];
+        const struct side *side = report->side[i];
+        struct gesture_counts *count = &report->count[i];
+        for (size_t n = 0; n < g->count; n++) {
+            const struct gesture *gesture = &g->gesture[n];
+            count->kind[gesture->kind]++;
+            count->taken_back += gesture->is_taken_back;
+            if (gesture_may_match(gesture)) {
+                count->label[gesture->label]++;
+                count->placed++;
+            }
+        }
+        for (int l = 0; l < GESTURE_NO_LABEL; l++)
+            report->has[l] |= count->label[l] ||
+                              (l && l <= UINT8_MAX && memchr(side->labels, l, side->facts->voxels));
+    }
 }
 
 const char *gesture_report_name(const struct gesture_report *report, unsigned label)
@@ -90,21 +67,24 @@ static int compare_squared(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-/* Those of matched gestures of a label; GESTURE_NO_LABEL: of all. */
-static struct distances distances_of(const struct gesture_report *report, unsigned label)
+/* Those of matched gestures of a label; without memory `out` has failed. */
+static struct distances distances_of(struct buf *out, const struct gesture_report *report,
+                                     unsigned label)
 {
     const struct gesture_match *match = report->match;
     struct distances d = {0, NAN, NAN};
-    uint64_t *squared = calloc(match->pairs + 1, sizeof *squared);
+    struct gesture_pair of = {.squared = 0};
+    uint64_t *squared = mem_array(match->pairs + 1, sizeof *squared);
+    out->failed |= !squared;
     for (size_t i = 0; squared && i < match->pairs; i++)
-        if (report->gestures[0]->gesture[match->pair[i].expert].label == label ||
-            label == GESTURE_NO_LABEL)
+        if (report->gestures[0]->gesture[match->pair[i].expert].label == label)
             squared[d.count++] = match->pair[i].squared;
     if (d.count) {
         qsort(squared, d.count, sizeof *squared, compare_squared);
-        d.median_mm =
-            gesture_pair_mm(match, &(struct gesture_pair){.squared = squared[d.count / 2]});
-        d.most_mm = gesture_pair_mm(match, &(struct gesture_pair){.squared = squared[d.count - 1]});
+        of.squared = squared[d.count / 2];
+        d.median_mm = gesture_pair_mm(match, &of);
+        of.squared = squared[d.count - 1];
+        d.most_mm = gesture_pair_mm(match, &of);
     }
     free(squared);
     return d;
@@ -118,49 +98,50 @@ static uint32_t last_gesture(const struct gesture_report *report)
 
 /* ---- for people ---- */
 
+static void write_count(struct buf *out, const char *name, size_t expert, size_t trainee)
+{
+    if (expert || trainee)
+        buf_printf(out, "%-22s %8zu %8zu\n", name, expert, trainee);
+}
+
 static void write_kinds(struct buf *out, const struct gesture_report *report)
 {
-    const struct gestures *const *g = report->gestures;
+    const struct gesture_counts *a = &report->count[0], *b = &report->count[1];
     buf_printf(out, "%-22s %8s %8s\n", "gestures", who[0], who[1]);
-    for (unsigned kind = 0; kind < GESTURE_KIND_COUNT; kind++) {
-        const size_t a = count_kind(g[0], kind), b = count_kind(g[1], kind);
-        if (a || b)
-            buf_printf(out, "%-22s %8zu %8zu\n", gesture_kind_name[kind], a, b);
-    }
-    buf_printf(out, "%-22s %8zu %8zu\n", "all", g[0]->count, g[1]->count);
-    buf_printf(out, "%-22s %8zu %8zu\n", "taken back", count_taken_back(g[0]),
-               count_taken_back(g[1]));
+    for (unsigned kind = 0; kind < GESTURE_KIND_COUNT; kind++)
+        write_count(out, gesture_kind_name[kind], a->kind[kind], b->kind[kind]);
+    write_count(out, "all", report->gestures[0]->count, report->gestures[1]->count);
+    write_count(out, "taken back", a->taken_back, b->taken_back);
 }
 
 static void write_places(struct buf *out, const struct gesture_report *report)
 {
-    const struct gestures *const *g = report->gestures;
+    const struct gesture_counts *a = &report->count[0], *b = &report->count[1];
+    const size_t pairs = report->match->pairs;
     buf_printf(out, "%-22s %8s %8s %8s %8s %8s %8s\n", "places", who[0], who[1], "matched",
                "median", "most mm", "Dice");
     for (unsigned label = 0; label <= GESTURE_ERASES; label++) {
         struct buf name = {0};
-        if (!gesture_report_has(report, label))
+        if (!report->has[label])
             continue;
         if (label < GESTURE_ERASES)
             buf_printf(&name, "%u ", label);
         buf_add_safe_text(&name, gesture_report_name(report, label));
-        const struct distances d = distances_of(report, label);
-        buf_printf(out, "%-22s %8zu %8zu %8zu", buf_text(&name), count_placed(g[0], label),
-                   count_placed(g[1], label), d.count);
+        const struct distances d = distances_of(out, report, label);
+        buf_printf(out, "%-22s %8zu %8zu %8zu", buf_text(&name), a->label[label], b->label[label],
+                   d.count);
         buf_release(&name);
         figures_add_cell(out, 8, 2, d.median_mm);
         figures_add_cell(out, 8, 2, d.most_mm);
-        const unsigned dice = gesture_report_dice(g[1], UINT32_MAX, label);
+        const unsigned dice = gesture_report_dice(report->gestures[1], UINT32_MAX, label);
         if (label && label < GESTURE_ERASES)
             buf_printf(out, " %3u.%04u", dice / DICE_ONE, dice % DICE_ONE);
         buf_add_char(out, '\n');
     }
     buf_printf(out,
-               "the nearest of the same label, one to one, no farther than %.2f mm: %zu matched, "
-               "%zu of the expert and %zu of the trainee not\n",
-               report->match->limit_mm, report->match->pairs,
-               count_placed(g[0], GESTURE_NO_LABEL) - report->match->pairs,
-               count_placed(g[1], GESTURE_NO_LABEL) - report->match->pairs);
+               "the nearest of the same label, one to one, no farther than %.2f mm:\n"
+               "%zu matched, %zu of the expert and %zu of the trainee not\n",
+               report->match->limit_mm, pairs, a->placed - pairs, b->placed - pairs);
     if (report->side[0]->facts->spacing_unknown)
         buf_add_text(out, "the file does not say how large voxels are; 1 mm is assumed\n");
 }
@@ -226,8 +207,8 @@ static void add_json_side(struct json *json, const struct gesture_report *report
     json_text(json, "file", report->path[i]);
     json_text(json, "scene", report->side[i]->facts->proof);
     json_count(json, "gestures", report->gestures[i]->count);
-    json_count(json, "taken_back", count_taken_back(report->gestures[i]));
-    json_count(json, "placed", count_placed(report->gestures[i], GESTURE_NO_LABEL));
+    json_count(json, "taken_back", report->count[i].taken_back);
+    json_count(json, "placed", report->count[i].placed);
     json_end(json);
 }
 
@@ -237,8 +218,8 @@ static void add_json_kinds(struct json *json, const struct gesture_report *repor
     for (unsigned kind = 0; kind < GESTURE_KIND_COUNT; kind++) {
         json_object(json, NULL);
         json_text(json, "kind", gesture_kind_name[kind]);
-        json_count(json, "a", count_kind(report->gestures[0], kind));
-        json_count(json, "b", count_kind(report->gestures[1], kind));
+        json_count(json, "a", report->count[0].kind[kind]);
+        json_count(json, "b", report->count[1].kind[kind]);
         json_end(json);
     }
     json_end(json);
@@ -248,15 +229,15 @@ static void add_json_labels(struct json *json, const struct gesture_report *repo
 {
     json_array(json, "labels");
     for (unsigned label = 0; label <= GESTURE_ERASES; label++) {
-        if (!gesture_report_has(report, label))
+        if (!report->has[label])
             continue;
-        const struct distances d = distances_of(report, label);
+        const struct distances d = distances_of(json->out, report, label);
         json_object(json, NULL);
         if (label < GESTURE_ERASES)
             json_count(json, "label", label);
         json_text(json, "name", gesture_report_name(report, label));
-        json_count(json, "a", count_placed(report->gestures[0], label));
-        json_count(json, "b", count_placed(report->gestures[1], label));
+        json_count(json, "a", report->count[0].label[label]);
+        json_count(json, "b", report->count[1].label[label]);
         json_count(json, "matched", d.count);
         json_real(json, "median_mm", d.median_mm, 12);
         json_real(json, "most_mm", d.most_mm, 12);
@@ -284,7 +265,7 @@ static void add_json_pairs(struct json *json, const struct gesture_report *repor
     for (int side = 0; side < 2; side++) {
         json_array(json, side ? "unmatched_b" : "unmatched_a");
         for (size_t i = 0; i < report->gestures[side]->count; i++) {
-            bool is_free = may_match(&report->gestures[side]->gesture[i]);
+            bool is_free = gesture_may_match(&report->gestures[side]->gesture[i]);
             for (size_t p = 0; is_free && p < m->pairs; p++)
                 is_free = (side ? m->pair[p].trainee : m->pair[p].expert) != i;
             if (is_free)
@@ -309,9 +290,6 @@ static void add_json_order(struct json *json, const struct gesture_match *m)
 static void add_json_steps(struct json *json, const struct gesture_report *report, int side)
 {
     const struct gestures *g = report->gestures[side];
-    bool has[256];
-    for (unsigned label = 1; label < 256; label++)
-        has[label] = gesture_report_has(report, label);
     json_array(json, side ? "steps_b" : "steps_a");
     for (size_t i = 0; i < g->steps; i++) {
         json_object(json, NULL);
@@ -320,7 +298,7 @@ static void add_json_steps(struct json *json, const struct gesture_report *repor
         json_count(json, "dice_ten_thousandths", g->step[i].dice[DICE_OF_ALL]);
         json_array(json, "labels");
         for (unsigned label = 1; label < 256; label++) {
-            if (!has[label])
+            if (!report->has[label])
                 continue;
             json_object(json, NULL);
             json_count(json, "label", label);

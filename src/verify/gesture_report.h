@@ -5,17 +5,23 @@
 #include "base/buf.h"
 #include "verify/gesture_match.h"
 
-/* All of it borrowed. */
+/* How many gestures of one side there are. */
+struct gesture_counts {
+    size_t kind[GESTURE_KIND_COUNT], label[GESTURE_NO_LABEL], placed, taken_back;
+};
+
+/* Expert, then trainee. All but what gesture_report_count fills in is borrowed. */
 struct gesture_report {
-    const char *path[2]; /* expert, trainee */
+    const char *path[2];
     const struct side *side[2];
     const struct gestures *gestures[2];
     const struct gesture_match *match;
+    /* Of those that can be matched: of each label, 0..255 and GESTURE_ERASES, and `placed` of all.
+     */
+    struct gesture_counts count[2];
+    bool has[GESTURE_NO_LABEL]; /* either has such gestures, or voxels of a label above 0 */
 };
-
-/* Whether the expert, or the trainee, has gestures of the label, or voxels in the end: in order, 0
- * to 255, then GESTURE_ERASES. Of 0 voxels count for nothing. */
-bool gesture_report_has(const struct gesture_report *report, unsigned label);
+void gesture_report_count(struct gesture_report *report);
 
 /* What a label is called by the expert, else by the trainee. */
 const char *gesture_report_name(const struct gesture_report *report, unsigned label);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/mem.h"
 #include "command/interpreter.h"
 #include "engine/scene.h"
@@ -75,6 +76,7 @@ static enum err hand_back(struct buf *out, const struct interpreter *interp,
     memcpy(facts->spacing_nm, geometry->spacing_nm, sizeof facts->spacing_nm);
     memcpy(facts->to_mm, geometry->to_mm, sizeof facts->to_mm);
     facts->spacing_unknown = geometry->spacing_unknown;
+    facts->is_private = session_is_private(session);
     facts->orientation = (uint8_t)geometry->orientation;
     memcpy(facts->proof, session_proof(session), sizeof facts->proof);
     memcpy(facts->label_name, kept->label_name, sizeof facts->label_name);
@@ -188,6 +190,11 @@ bool side_scene_is_same(const struct side *a, const struct side *b)
 {
     return strcmp(a->facts->proof, b->facts->proof) == 0 &&
            a->facts->scene_digest == b->facts->scene_digest;
+}
+
+const char *side_shown_name(const struct side_facts *facts, const char *path)
+{
+    return facts->is_private ? "" : file_name(path);
 }
 
 void side_write_warnings(struct buf *out, const struct side *side, const char *path)

@@ -24,7 +24,7 @@ struct side_facts { /* from one process of this program to another, so they are 
     uint64_t scene_digest;
     char proof[SHA256_HEX];
     size_t voxels, pending, more;
-    uint8_t is_edited, is_torn, spacing_unknown; /* booleans */
+    uint8_t is_edited, is_torn, is_private, spacing_unknown; /* booleans */
     uint8_t orientation;
     double to_mm[3][4];
     char label_name[256][LABEL_NAME_BYTES];
@@ -74,6 +74,9 @@ enum err side_geometry(struct geometry *geometry, const struct side *side, struc
 
 /* Both have the very same scene. */
 bool side_scene_is_same(const struct side *a, const struct side *b);
+
+/* What a picture may call it: the last part of its path; "" where its scene is private. */
+const char *side_shown_name(const struct side_facts *facts, const char *path);
 
 /* Adds a line for each thing that a reader should know of how it was carried out. */
 void side_write_warnings(struct buf *out, const struct side *side, const char *path);
