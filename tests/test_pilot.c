@@ -1067,7 +1067,7 @@ static void is_card_of(const char *path, const struct buf *page)
 STORY(the_page_of_keys_fits_and_is_the_card_in_the_readmes)
 {
     struct buf page = {0};
-    pilot_keys_page(&page, &pilot_setup_default, 80);
+    pilot_keys_page(&page, &pilot_setup_default, false, 80);
     for (const char *at = buf_text(&page); *at; at += strcspn(at, "\n") + 1)
         CHECK(strcspn(at, "\n") <= 78);
     is_card_of("README.md", &page);
@@ -1079,7 +1079,7 @@ STORY(the_page_of_keys_fits_any_window)
 {
     for (unsigned columns = 20; columns < 100; columns++) {
         struct buf page = {0}, wrapped = {0};
-        pilot_keys_page(&page, &pilot_setup_default, columns);
+        pilot_keys_page(&page, &pilot_setup_default, false, columns);
         cells_wrap(&wrapped, &page, columns);
         for (const char *at = buf_text(&wrapped); *at; at += strcspn(at, "\n") + 1)
             CHECK(cells_width(at, strcspn(at, "\r\n")) <= columns);

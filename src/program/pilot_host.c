@@ -130,6 +130,7 @@ static enum err draw(struct pilot_interpreter *pilot, const struct pilot_wish *w
                                .heat = wish->heat && !pilot->onlooker,
                                .held = wish->marks_held ? &pilot->held : NULL,
                                .way = wish->marks_way ? &pilot->why.way : NULL,
+                               .former = pilot->former,
                                .pixel = wish->marks_pixel ? wish->pixel : NULL,
                                .corner = wish->corner,
                                .corners = wish->corners};

@@ -22,6 +22,7 @@ static struct {
     bool hold;
     struct limits limits;
     uint64_t begun_ns, polled_ns, output_bytes;
+    uint64_t rests_since_ns; /* 0: it works */
     uint64_t others_held_bytes, others_written_bytes;
     enum state state;
     struct rlimit file_size; /* as it was */
@@ -92,6 +93,17 @@ void limits_begin(const struct limits *limits)
     volume_helper_memory_most = image_helper_memory_most;
     volume_helper_is_wary = true;
     signal(SIGXFSZ, SIG_IGN); /* a write that would grow a file too large is an error of its own */
+}
+
+void limits_rest(bool rests)
+{
+    const uint64_t ns = clock_ns();
+    if (rests && !now.rests_since_ns)
+        now.rests_since_ns = ns;
+    if (!rests && now.rests_since_ns) {
+        now.begun_ns += ns - now.rests_since_ns;
+        now.rests_since_ns = 0;
+    }
 }
 
 bool limits_stop(void)

@@ -216,17 +216,23 @@ bool panes_have_object(const struct session *session)
     return has;
 }
 
+static bool is_hatched(const struct session *session, const struct panes_wish *wish, uint32_t cell)
+{
+    return (wish->held && session_is_held(session, wish->held, cell)) ||
+           (wish->former && wish->former[cell] != session_scene(session)->cell[cell].label);
+}
+
 static void draw_marks(struct panes *p, const struct session *session,
                        const struct panes_wish *wish)
 {
     const struct scene *scene = session_scene(session);
     const struct canvas *canvas = &p->canvas;
-    if (wish->held) {
+    if (wish->held || wish->former) {
         /* Hatched, wherever it is seen: known without colours. */
         for (uint32_t y = 0; y < canvas->height; y++)
             for (uint32_t x = y % 2; x < canvas->width; x += 2) {
                 const uint32_t at = canvas->cell[y * canvas->stride + x];
-                if (at != CELL_NONE && session_is_held(session, wish->held, at))
+                if (at != CELL_NONE && is_hatched(session, wish, at))
                     memcpy(canvas_pixel(canvas, x, y), white, sizeof white);
             }
     }
