@@ -13,6 +13,7 @@
 
 struct pilot_interpreter {
     struct interpreter *interp;
+    bool watches;       /* nothing is planted */
     bool smooth;        /* all bits of every colour, where the terminal can */
     struct panes panes; /* the last picture, */
     struct raster_box slice[PANES_SLICES], beyond; /* and where slices are in it, and beyond */

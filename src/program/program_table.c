@@ -298,7 +298,7 @@ static const struct program program[] = {
      .run = run_review},
     {.name = "watch",
      ONE("JOURNAL"),
-     .option = {QUIZ, SCENE, GRAPHICS, SMOOTH, LIMIT_OPTIONS},
+     .option = {QUIZ, PAGES, FROM_STEP, UNTIL_STEP, SCENE, GRAPHICS, SMOOTH, LIMIT_OPTIONS},
      .summary = "watch how a journal was made, step by step",
      .detail = "Space goes on, Backspace back, 20G to step 20, p plays, ? shows all keys. Each "
                "gesture is drawn before it is carried out, and what it changed is hatched. By the "

@@ -6,6 +6,7 @@
 #include "base/scan.h"
 #include "command/execute.h"
 #include "program/console.h"
+#include "report/label_report.h"
 #include "session/session.h"
 #include "session/state.h"
 #include "steps/step_words.h"
@@ -90,9 +91,12 @@ static enum err draw(struct watching *w, size_t step, struct fault *fault)
 static enum err carry_out(struct watching *w, struct fault *fault)
 {
     const enum err err = show(w, w->walk.at, STEP_AFTER, fault);
-    w->is_hatched = !err;
-    if (!err)
+    const struct step_seen *seen = walkthrough_seen(&w->walk, w->walk.at);
+    w->is_hatched = !err && seen->changed > 0;
+    if (w->is_hatched)
         due_in(w, HATCHED_MS);
+    else if (!err && w->plays)
+        due_in(w, PAUSE_MS);
     return err;
 }
 
@@ -337,6 +341,10 @@ static void add_what(struct buf *out, const struct watching *w)
         buf_add_text(out, "drawn, and not carried out yet");
         if (seen->has_place)
             buf_printf(out, ": at %u,%u,%u", seen->place[0], seen->place[1], seen->place[2]);
+        if (seen->label != STEP_NO_LABEL) {
+            buf_add_text(out, seen->has_place ? ", label " : ": label ");
+            label_report_write_name(out, w->pilot.interp->session, (unsigned)seen->label);
+        }
     } else {
         step_words_change(out, &w->walk, w->walk.at);
     }
@@ -393,6 +401,7 @@ void watch_host_fill(struct pilot_host *host, struct watching *watching)
                                 .due_ns = due_ns};
     pilot_host_fill(host);
     host->picture = picture;
+    watching->pilot.watches = true;
     watching->speed = QUARTERS;
 }
 

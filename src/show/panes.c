@@ -216,10 +216,15 @@ bool panes_have_object(const struct session *session)
     return has;
 }
 
-static bool is_hatched(const struct session *session, const struct panes_wish *wish, uint32_t cell)
+/* Known without colours: every second pixel of what is held, and oblique lines over what has
+ * another label than before, between which it is seen what. */
+static bool is_hatched(const struct session *session, const struct panes_wish *wish, uint32_t cell,
+                       uint32_t x, uint32_t y)
 {
-    return (wish->held && session_is_held(session, wish->held, cell)) ||
-           (wish->former && wish->former[cell] != session_scene(session)->cell[cell].label);
+    enum { APART = 5 };
+    return (wish->held && (x + y) % 2 == 0 && session_is_held(session, wish->held, cell)) ||
+           (wish->former && (x + y) % APART == 0 &&
+            wish->former[cell] != session_scene(session)->cell[cell].label);
 }
 
 static void draw_marks(struct panes *p, const struct session *session,
@@ -228,11 +233,10 @@ static void draw_marks(struct panes *p, const struct session *session,
     const struct scene *scene = session_scene(session);
     const struct canvas *canvas = &p->canvas;
     if (wish->held || wish->former) {
-        /* Hatched, wherever it is seen: known without colours. */
         for (uint32_t y = 0; y < canvas->height; y++)
-            for (uint32_t x = y % 2; x < canvas->width; x += 2) {
+            for (uint32_t x = 0; x < canvas->width; x++) {
                 const uint32_t at = canvas->cell[y * canvas->stride + x];
-                if (at != CELL_NONE && is_hatched(session, wish, at))
+                if (at != CELL_NONE && is_hatched(session, wish, at, x, y))
                     memcpy(canvas_pixel(canvas, x, y), white, sizeof white);
             }
     }

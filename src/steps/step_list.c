@@ -58,10 +58,11 @@ static const struct command *command_of(const char *line)
     return command_find(name);
 }
 
+/* `auto`, which is a setting, changes nothing by itself. */
 static bool is_step(const struct command *command)
 {
     return command && command->flags & COMMAND_RECORDED &&
-           (command->group == GROUP_WEIGHT || command->group == GROUP_SEEDS);
+           (command->group == GROUP_WEIGHT || (command->group == GROUP_SEEDS && command->act));
 }
 
 static enum err add_node(struct reading *r, const struct record *record, bool *moves,

@@ -300,7 +300,10 @@ static struct outlook outlook_for(struct walkthrough *w, const struct step_seen 
     w->shown = compared;
     out.runs_by_itself = seen->outlook.runs_by_itself;
     out.slices.marks = phase == STEP_DRAWN || recorded->marks;
-    aim_at(&out.slices, seen->has_place ? seen->place : recorded->cross);
+    const bool has_moved = follows || memcmp(recorded->cross, w->cross, sizeof w->cross) != 0;
+    memcpy(w->cross, recorded->cross, sizeof w->cross);
+    if (seen->has_place || has_moved)
+        aim_at(&out.slices, seen->has_place ? seen->place : recorded->cross);
     return out;
 }
 
@@ -340,7 +343,7 @@ static enum err show(struct walkthrough *w, size_t of, enum step_phase phase,
     if (!err)
         err = go_to(w, phase == STEP_AFTER ? seen->after : seen->before, &outlook,
                     phase == STEP_DRAWN ? &lists : NULL, fault);
-    if (!err && phase != STEP_AFTER && w->former_of != of)
+    if (!err && phase != STEP_AFTER && w->former_of != of && seen->changed)
         err = keep_former(w, of, fault);
     edits_release(&seeds);
     return err;

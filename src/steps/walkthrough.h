@@ -78,7 +78,8 @@ struct walkthrough {
 
     struct outlook front;   /* of the journal, after the last record that was carried out */
     uint32_t present;       /* and the point there */
-    struct outlook shown;   /* of the journal, as it was shown last, without a cross-hair */
+    struct outlook shown;   /* of the journal, as it was shown last, without a cross-hair, */
+    uint32_t cross[3];      /* and that */
     uint64_t voxels[256];   /* of each label, before the record at hand */
 };
 
