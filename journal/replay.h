@@ -89,9 +89,9 @@ enum err replay_record(const struct record *record, const struct replay_host *ho
 /* A replay record by record, for who looks at each: what replay_run does in one go. */
 struct replay {
     struct walk walk;
-    struct record record; /* that was carried out last */
-    bool is_again;        /* it was cancelled, and is the next one once more */
-    bool is_over;         /* there is no more */
+    struct record record;           /* that was carried out last */
+    bool is_again;                  /* it was cancelled, and is the next one once more */
+    bool is_over;                   /* there is no more */
     const struct replay_host *host; /* borrowed, and these: */
     const struct replay_options *options;
     struct replay_report *report;

@@ -213,7 +213,7 @@ STORY(keys_of_ones_own_stand_before_those_of_the_table)
     CHECK_TEXT(type("gg"), "turn 0 0 15\n");
     CHECK_TEXT(type(",3"), "seed 1,2,3 3 radius=3\n");
     CHECK_TEXT(type("7"), "seed 1,2,3 7 radius=3\n"); /* no part of a count any more */
-    pilot_keys_page(&page, &config.setup, false, 60);        /* one entry on a line */
+    pilot_keys_page(&page, &config.setup, false, 60); /* one entry on a line */
     CHECK_HAS(buf_text(&page), "  s Ctrl-R .       undo, redo, again\n");
     CHECK_HAS(buf_text(&page), "  7 ,0-9           a seed of 0-9\n");
     CHECK_HAS(buf_text(&page), "  G                first, last, 90G\n"); /* without gg */

@@ -17,8 +17,8 @@ struct pilot_interpreter {
     bool smooth;        /* all bits of every colour, where the terminal can */
     struct panes panes; /* the last picture, */
     struct raster_box slice[PANES_SLICES], beyond; /* and where slices are in it, and beyond */
-    struct held held;     /* what was asked for last, until the next command, */
-    struct voxel_why why; /* and the path that was */
+    struct held held;      /* what was asked for last, until the next command, */
+    struct voxel_why why;  /* and the path that was */
     const uint8_t *former; /* labels [cells] before what is shown has changed them, or NULL */
     uint32_t hue[256];
 

@@ -68,9 +68,8 @@ static enum err show(struct watching *w, size_t step, enum step_phase phase, str
 static enum err show_end(struct watching *w, struct fault *fault)
 {
     const size_t last = count_of(w);
-    enum err err = w->walk.at == last && w->walk.phase == STEP_AFTER
-                       ? OK
-                       : show(w, last, STEP_AFTER, fault);
+    enum err err =
+        w->walk.at == last && w->walk.phase == STEP_AFTER ? OK : show(w, last, STEP_AFTER, fault);
     if (!err)
         err = walkthrough_finish(&w->walk, fault);
     w->plays = false;
@@ -178,11 +177,11 @@ static enum err find_label(struct watching *w, const char *at, int by, struct fa
         return fault_set(fault, ERR_USAGE, "this step is of no label: 2n is the next of label 2");
     for (size_t step = step_beyond(w, by); step && step <= count_of(w);) {
         /* Which label it is about is known once it has been carried out. */
-        const enum err err =
-            step > w->walk.done ? show(w, step, STEP_AFTER, fault) : OK;
+        const enum err err = step > w->walk.done ? show(w, step, STEP_AFTER, fault) : OK;
         if (err)
             return err;
-        if (walkthrough_seen(&w->walk, step)->label == label)
+        const struct step_seen *seen = walkthrough_seen(&w->walk, step);
+        if (seen->label == label && seen->has_place)
             return draw(w, step, fault);
         do
             step = (size_t)((int64_t)step + by);

@@ -30,7 +30,7 @@ struct watching {
     unsigned speed;  /* quarters */
     uint64_t due_ns; /* of `step due`; 0: never */
 
-    bool asks; /* a quiz */
+    bool asks;                  /* a quiz */
     bool is_asked, is_answered; /* at the step after the one that is shown; of the one that is */
     struct own_turn turn;
     struct own_turns turns;

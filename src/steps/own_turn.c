@@ -150,20 +150,18 @@ static void add_distance(struct buf *out, double apart, bool has_length)
 void own_turn_words(struct buf *out, const struct walkthrough *w, const struct own_turn *turn)
 {
     add_distance(out, turn->apart_mm, turn->has_length);
-    buf_add_text(out, " away, ");
+    buf_add_text(out, " away, label ");
     if (turn->label == turn->wanted) {
-        buf_add_text(out, "label right");
+        buf_add_text(out, "right");
     } else {
-        buf_add_text(out, "label ");
         label_report_write_name(out, w->interp->session, (unsigned)turn->label);
-        buf_add_text(out, ", the journal's ");
+        buf_add_text(out, ", not ");
         label_report_write_name(out, w->interp->session, (unsigned)turn->wanted);
     }
-    buf_add_text(out, "; yours changes ");
+    buf_printf(out, ", overlap %.2f: ", own_turn_overlap(turn));
     step_words_volume(out, w, turn->own);
-    buf_add_text(out, ", the journal's ");
+    buf_add_text(out, ", theirs ");
     step_words_volume(out, w, turn->theirs);
-    buf_printf(out, ", overlap %.2f", own_turn_overlap(turn));
 }
 
 enum err own_turns_add(struct own_turns *turns, const struct own_turn *turn, struct fault *fault)

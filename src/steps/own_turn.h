@@ -34,7 +34,8 @@ static inline double own_turn_overlap(const struct own_turn *turn)
     return all ? 2.0 * (double)turn->both / (double)all : 1;
 }
 
-/* "4.2 mm away, label right; it would have changed 3.2 ml, the journal's 4.1 ml, overlap 0.63" */
+/* "4.2 mm away, label 1 head, not 2 hole, overlap 0.63: 3.2 ml, theirs 4.1 ml": what both change,
+ * in a line that fits 80 columns but for long names. */
 void own_turn_words(struct buf *out, const struct walkthrough *w, const struct own_turn *turn);
 
 /* ---- all of them ---- */

@@ -58,8 +58,8 @@ static enum err draw(struct making *m, unsigned number, const char *caption, str
     }
     buf_printf(&path, "%s/step-%zu-%u.png", m->pages->folder, m->step, number);
     if (!err)
-        err = path.failed ? fault_memory(fault, "a path")
-                          : write_file(buf_text(&path), &png, fault);
+        err =
+            path.failed ? fault_memory(fault, "a path") : write_file(buf_text(&path), &png, fault);
     buf_printf(&m->body,
                "<figure><img src=\"step-%zu-%u.png\" alt=\"%s: step %zu\" loading=\"lazy\" "
                "width=\"%d\" height=\"%d\"><figcaption>%s</figcaption></figure>\n",

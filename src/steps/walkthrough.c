@@ -107,8 +107,7 @@ static const struct value *label_of(const struct call *call)
 /* Where a command was, and what about, with the names that labels had before it. */
 static void find_place(struct walkthrough *w, struct step_seen *seen, const char *line)
 {
-    struct kept kept =
-        kept_settings_get(w->interp->history.point[seen->before].settings);
+    struct kept kept = kept_settings_get(w->interp->history.point[seen->before].settings);
     struct call call;
     if (command_parse_by(&call, line, session_of(w), &kept, NULL) || !call.command)
         return;
@@ -391,9 +390,8 @@ enum err walkthrough_finish(struct walkthrough *w, struct fault *fault)
 enum err walkthrough_begin(struct walkthrough *w, struct interpreter *interp, const char *path,
                            struct fault *fault)
 {
-    *w = (struct walkthrough){.interp = interp,
-                              .replaying = {.interp = interp},
-                              .options = {.semantics = SEMANTICS}};
+    *w = (struct walkthrough){
+        .interp = interp, .replaying = {.interp = interp}, .options = {.semantics = SEMANTICS}};
     w->host = replay_file_host(&w->replaying);
     enum err err = replay_file_begin(interp, path, &w->bytes, fault);
     if (!err)

@@ -37,14 +37,14 @@ enum { STEP_NO_LABEL = -1 };
 
 /* What is known of a step that was carried out. */
 struct step_seen {
-    uint32_t before, after;      /* points of the history */
-    struct outlook outlook;      /* of the journal, when the gesture was made */
+    uint32_t before, after; /* points of the history */
+    struct outlook outlook; /* of the journal, when the gesture was made */
     const struct command *command;
-    bool has_place, is_ball;     /* where it was made; it plants a label at a place */
+    bool has_place, is_ball; /* where it was made; it plants a label at a place */
     uint32_t place[3];
-    int label;                   /* that it is about, or STEP_NO_LABEL */
-    uint64_t changed;            /* voxels that got another label */
-    size_t change, changes;      /* of walkthrough.change */
+    int label;              /* that it is about, or STEP_NO_LABEL */
+    uint64_t changed;       /* voxels that got another label */
+    size_t change, changes; /* of walkthrough.change */
 };
 
 /* So many voxels more, or fewer, has a label. */
@@ -76,11 +76,11 @@ struct walkthrough {
     enum err ended;            /* with this, */
     struct fault why;          /* and these words */
 
-    struct outlook front;   /* of the journal, after the last record that was carried out */
-    uint32_t present;       /* and the point there */
-    struct outlook shown;   /* of the journal, as it was shown last, without a cross-hair, */
-    uint32_t cross[3];      /* and that */
-    uint64_t voxels[256];   /* of each label, before the record at hand */
+    struct outlook front; /* of the journal, after the last record that was carried out */
+    uint32_t present;     /* and the point there */
+    struct outlook shown; /* of the journal, as it was shown last, without a cross-hair, */
+    uint32_t cross[3];    /* and that */
+    uint64_t voxels[256]; /* of each label, before the record at hand */
 };
 
 /* Reads the journal, under the rules of trust and limits that hold for the process, and carries out
