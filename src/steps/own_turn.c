@@ -99,7 +99,8 @@ static enum err read_own(struct own_turn *turn, const struct session *session, c
     enum err err = command_parse(&call, line, session, fault);
     if (err)
         return err;
-    if (call.command && strcmp(call.command->name, "seed") == 0) {
+    const unsigned both = COMMAND_PLANTS | COMMAND_SKETCHED; /* which a seed is */
+    if (call.command && (call.command->flags & both) == both) {
         memcpy(turn->place, call_value(&call, "PLACE")->place, sizeof turn->place);
         turn->label = (int)call_value(&call, "LABEL")->number;
     } else {

@@ -10,7 +10,7 @@
  * A step is shown in phases:
  *
  *     STEP_HIDDEN    the segmentation as it was, and nothing that says where the gesture comes
- *     STEP_BEFORE    the same, the cross-hair where the gesture was made, seen as the journal has it
+ *     STEP_BEFORE    the same, the cross-hair where the gesture was made, seen as recorded
  *     STEP_DRAWN     the same, its seeds as if they waited, its eliminators where they were put
  *     STEP_AFTER     what it led to
  *
