@@ -12,6 +12,7 @@
 #include "steps/step_words.h"
 #include "tests/folder.h"
 #include "tests/interpreting.h"
+#include "tests/stopping.h"
 
 static char folder[FOLDER_LENGTH];
 static struct interpreter interp;
@@ -176,6 +177,45 @@ STORY(what_a_learner_looks_at_changes_no_step)
     CHECK_INT(session_outlook(interp.session)->slices.overlay, 2);
     CHECK(walkthrough_finish(&walk, &fault) == OK);
     CHECK_HAS(verdict(), "verified: ");
+    end_walk();
+}
+
+/* Stopped sooner and later, until it comes to its end; how often that was. */
+static unsigned show_in_spite(int *looks, size_t step, struct digests shown)
+{
+    unsigned stopped = 0;
+    for (int after = 0;; after += after / 2 + 1) {
+        *looks = after;
+        const enum err err = walkthrough_show(&walk, step, STEP_AFTER, &fault);
+        *looks = INT_MAX;
+        if (!err)
+            return stopped;
+        stopped++;
+        if (!CHECK(err == ERR_CANCELLED) || !CHECK(are_same(digests_now(), shown)))
+            return stopped;
+        CHECK(walk.at != step);
+    }
+}
+
+STORY(what_is_cancelled_is_shown_as_it_was_and_can_be_gone_on_with)
+{
+    int looks = INT_MAX;
+    struct watch watch = {.context = &looks, .poll = stop_after_looks, .step = 1};
+    const char *path = journal_of("stop.iftty", OPEN "seed 30,30,15 1 radius=2\n"
+                                                     "seed 2,2,2 0\n"
+                                                     "seed 50,50,20 2\n");
+    begin_walk(path);
+    session_set_watch(interp.session, &watch);
+    show(1, STEP_AFTER);
+    const struct digests one = digests_now();
+    CHECK(show_in_spite(&looks, 3, one) > 5);
+    const struct digests three = digests_now();
+    CHECK(show_in_spite(&looks, 1, three) > 2);
+    CHECK(are_same(digests_now(), one));
+    CHECK_HAS(verdict(), "not verified yet: ");
+    CHECK(walkthrough_finish(&walk, &fault) == OK);
+    CHECK_HAS(verdict(), "verified: 5 commands");
+    CHECK(are_same(digests_now(), one));
     end_walk();
 }
 
@@ -365,15 +405,17 @@ int main(void)
 {
     if (!make_folder(folder, "steps"))
         return 1;
-    const int status = RUN_STORIES(TELL(steps_are_the_gestures_and_say_whether_they_stand),
-                                   TELL(a_step_is_drawn_before_it_is_carried_out),
-                                   TELL(what_a_learner_looks_at_changes_no_step),
-                                   TELL(so_is_one_with_undo_alternatives_weights_and_masks),
-                                   TELL(every_example_is_walked_to_its_end_and_back),
-                                   TELL(a_step_that_gives_something_else_is_the_end_and_says_so),
-                                   TELL(an_edited_comment_is_walked_through_and_not_verified),
-                                   TELL(what_is_no_journal_of_steps_is_refused_in_words),
-                                   TELL(an_own_gesture_is_compared_and_taken_back));
+    const int status =
+        RUN_STORIES(TELL(steps_are_the_gestures_and_say_whether_they_stand),
+                    TELL(a_step_is_drawn_before_it_is_carried_out),
+                    TELL(what_a_learner_looks_at_changes_no_step),
+                    TELL(what_is_cancelled_is_shown_as_it_was_and_can_be_gone_on_with),
+                    TELL(so_is_one_with_undo_alternatives_weights_and_masks),
+                    TELL(every_example_is_walked_to_its_end_and_back),
+                    TELL(a_step_that_gives_something_else_is_the_end_and_says_so),
+                    TELL(an_edited_comment_is_walked_through_and_not_verified),
+                    TELL(what_is_no_journal_of_steps_is_refused_in_words),
+                    TELL(an_own_gesture_is_compared_and_taken_back));
     buf_release(&words);
     reply_release(&reply);
     return status + remove_folder(folder);

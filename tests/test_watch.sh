@@ -178,6 +178,10 @@ begin "the time that one looks is not the journal's"
 enter "clear; $iftty watch e.iftty --limit-time 2s"
 see '^the beginning'
 sleep 2.2
+type_letters ":stats"
+press Enter
+see 'label|head'
+press q
 type_letters "4G"
 see '^step 4 of 7, '
 type_letters "Gq"

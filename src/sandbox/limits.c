@@ -112,7 +112,8 @@ bool limits_stop(void)
     if (!now.hold || now.state != WITHIN || ns - now.polled_ns < POLL_EVERY_NS)
         return now.state != WITHIN;
     now.polled_ns = ns;
-    if (ns - now.begun_ns > now.limits.time_ms * 1000000)
+    const uint64_t works_until_ns = now.rests_since_ns ? now.rests_since_ns : ns;
+    if (works_until_ns - now.begun_ns > now.limits.time_ms * 1000000)
         now.state = TOO_LONG;
     else if (mem_held() + now.others_held_bytes > now.limits.memory_bytes)
         now.state = TOO_MUCH_MEMORY;

@@ -39,6 +39,8 @@ static enum err go_to(struct walkthrough *w, uint32_t point, const struct outloo
     struct history *history = &w->interp->history;
     const uint32_t present = history->present;
     session_mark(session);
+    if (w->comes_back)
+        watch_ignore_stop(session_watch(session));
     /* An interpolated scene has none of the points before. */
     enum err err = history_look(history, session, point < history->points ? point : 0, fault);
     struct state state = *session_state(session);
@@ -53,6 +55,7 @@ static enum err go_to(struct walkthrough *w, uint32_t point, const struct outloo
         return err;
     }
     session_settle(session);
+    watch_begin(session_watch(session));
     return OK;
 }
 
@@ -361,9 +364,11 @@ enum err walkthrough_show(struct walkthrough *w, size_t step, enum step_phase ph
     if (!err) {
         w->at = step;
         w->phase = phase;
-    } else if (w->is_shown) { /* it comes back */
+    } else if (w->is_shown) {
         w->shown = shown;
+        w->comes_back = true;
         show(w, was, w->phase, &own, NULL);
+        w->comes_back = false;
     }
     w->is_shown |= !err;
     limits_rest(true);
@@ -379,8 +384,10 @@ enum err walkthrough_finish(struct walkthrough *w, struct fault *fault)
     enum err err = return_to_front(w, fault);
     while (!err && !w->has_ended)
         err = carry_out(w, fault);
+    w->comes_back = true;
     if (w->is_shown)
         show(w, w->at ? w->at : 1, w->phase, &outlook, NULL);
+    w->comes_back = false;
     limits_rest(true);
     return err;
 }

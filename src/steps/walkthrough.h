@@ -63,6 +63,7 @@ struct walkthrough {
     size_t at; /* the step that is shown, 0..list.count, */
     enum step_phase phase;
     bool is_shown;   /* anything is */
+    bool comes_back; /* after an error, which nothing stops */
     uint8_t *former; /* [grid.cells] labels before step `former_of`, or NULL */
     size_t former_of, cells;
 

@@ -350,7 +350,7 @@ static void click(struct press *p, uint32_t column, uint32_t row)
             return;
         }
         state->mode = state->base = pilot_home(state);
-        state->drags = true;
+        state->drags = !state->watches;
         if (pane != PILOT_RENDITION)
             state->pane = pane;
         pilot_cross(p, place);
