@@ -2,7 +2,6 @@
 
 #include <string.h>
 
-#include "base/safe.h"
 #include "command/command.h"
 #include "report/label_report.h"
 #include "session/tally.h"
@@ -73,15 +72,6 @@ void step_words_comments(struct buf *out, const struct walkthrough *w, size_t st
     }
 }
 
-/* A line feed of a message is a blank. */
-static void add_line(struct buf *out, const char *text)
-{
-    const size_t first = out->length;
-    buf_add_safe_text(out, text);
-    for (size_t i = first; i < out->length; i++)
-        out->data[i] = out->data[i] == '\n' ? ' ' : out->data[i];
-}
-
 void step_words_verdict(struct buf *out, const struct walkthrough *w)
 {
     const struct replay_report *r = &w->report;
@@ -92,7 +82,7 @@ void step_words_verdict(struct buf *out, const struct walkthrough *w)
     }
     if (w->ended) {
         buf_add_text(out, "NOT verified: ");
-        add_line(out, w->why.text);
+        buf_add_text(out, w->why.text);
         return;
     }
     buf_printf(out, "verified: %zu command%s carried out again, %zu result%s the same", r->executed,

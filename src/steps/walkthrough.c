@@ -7,7 +7,6 @@
 #include "command/command.h"
 #include "command/execute.h"
 #include "engine/forest.h"
-#include "render/slice.h"
 #include "sandbox/limits.h"
 #include "session/semantics.h"
 #include "session/tally.h"
