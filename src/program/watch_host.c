@@ -297,6 +297,7 @@ static enum err execute(void *context, const char *line, struct buf *output, str
         buf_add_text(output, buf_text(err ? &w->reply.list : &w->reply.text));
     }
     console_erase_progress();
+    w->pilot.own = w->is_answered ? w->turn.place : NULL;
     w->pilot.former = w->is_hatched ? walkthrough_former(&w->walk) : NULL;
     return err;
 }
@@ -374,21 +375,6 @@ static void caption(void *context, struct buf *lines)
     buf_release(&comments);
 }
 
-/* The learner's own place is marked beside the journal's. */
-static enum err picture(void *context, const struct pilot_wish *wish, struct image_view *view,
-                        struct fault *fault)
-{
-    const struct watching *w = context;
-    struct pilot_wish with = *wish;
-    if (w->is_answered) {
-        with.corner = (const uint32_t(*)[3]) & w->turn.place;
-        with.corners = 1;
-    }
-    struct pilot_host plain;
-    pilot_host_fill(&plain);
-    return plain.picture(context, &with, view, fault);
-}
-
 void watch_host_fill(struct pilot_host *host, struct watching *watching)
 {
     *host = (struct pilot_host){.context = watching,
@@ -399,7 +385,6 @@ void watch_host_fill(struct pilot_host *host, struct watching *watching)
                                 .caption = caption,
                                 .due_ns = due_ns};
     pilot_host_fill(host);
-    host->picture = picture;
     watching->pilot.watches = true;
     watching->speed = QUARTERS;
 }
