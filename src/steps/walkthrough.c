@@ -215,8 +215,15 @@ static enum err carry_out(struct walkthrough *w, struct fault *fault)
         return end_fault(w, fault);
     }
     const struct step *next = walkthrough_step(w, w->done + 1);
-    if (next && next->record == w->replay.record.number)
-        err = note_after(w, before, &outlook, fault);
+    if (next && next->record == w->replay.record.number) {
+        watch_ignore_stop(session_watch(session_of(w))); /* the record has been carried out */
+        err = note_after(w, before, &outlook, &w->why);
+        watch_begin(session_watch(session_of(w)));
+    }
+    if (err) {
+        finish(w, err);
+        return end_fault(w, fault);
+    }
     w->front = *session_outlook(session_of(w));
     w->present = has_points(w) ? w->interp->history.present : 0;
     return err;
@@ -238,6 +245,8 @@ static enum err reach(struct walkthrough *w, size_t steps, struct fault *fault)
     enum err err = return_to_front(w, fault);
     while (!err && w->done < steps && !w->has_ended)
         err = carry_out(w, fault);
+    if (!err && w->done < steps)
+        err = fault_set(fault, ERR_INPUT, "the journal ends before step %zu", steps);
     return err;
 }
 
