@@ -92,8 +92,8 @@ endif
 MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 1)
 
 PARTS   := src/base src/confine src/engine src/image src/register src/session src/show src/report \
-           src/sandbox src/command src/serve src/verify src/program journal render tui tui/picture \
-           tui/prompt tui/pilot
+           src/sandbox src/command src/serve src/verify src/steps src/program journal render tui \
+           tui/picture tui/prompt tui/pilot
 SOURCES := $(sort $(foreach part,$(PARTS),$(wildcard $(part)/*.c)))
 OBJECTS := $(SOURCES:%.c=$(BUILD)/%.o)
 LIBRARY := $(BUILD)/libiftty.a

@@ -116,47 +116,87 @@ static enum err explain(enum err err, const struct replay_report *report,
                      report->edited_number, report->edited_line, report->edited_offset);
 }
 
-enum err replay_run(const char *bytes, size_t length, const struct replay_host *host,
-                    const struct replay_options *options, struct replay_report *report,
-                    struct fault *fault)
+enum err replay_begin(struct replay *r, const char *bytes, size_t length,
+                      const struct replay_host *host, const struct replay_options *options,
+                      struct replay_report *report, struct fault *fault)
 {
-    struct walk walk;
-    struct record record;
+    *r = (struct replay){.host = host, .options = options, .report = report};
     sha256_bytes_hex(report->sha256, bytes, length);
     report->is_intact = true;
     report->chain = record_chain_zero;
-    enum err err = walk_begin(&walk, bytes, length, fault);
+    enum err err = walk_begin(&r->walk, bytes, length, fault);
     if (err) {
         report->outcome = REPLAY_UNREADABLE;
         return err;
     }
-    report->is_journal = walk.is_journal;
-    report->semantics = walk.semantics;
-    if (host->begin && walk.semantics)
-        host->begin(host->context, walk.semantics);
-    while (!err && walk_next(&walk, &record) == WALK_RECORD) {
-        const bool is_sound = walk.is_journal ? !record_judge(&record, NULL) : !record.has_result;
-        if (record.number < options->first) {
-            record.has_result = false;
-        } else if (!is_sound && report->is_intact) { /* the first that is not as it was written */
-            report->is_intact = false;
-            report->edited_number = record.number;
-            report->edited_line = record.line;
-            report->edited_offset = record.offset;
-        }
-        report->chain = record.chain;
-        err = replay_record(&record, host, report, fault);
-        if (record.number == options->last)
-            break;
+    report->is_journal = r->walk.is_journal;
+    report->semantics = r->walk.semantics;
+    if (host->begin && r->walk.semantics)
+        host->begin(host->context, r->walk.semantics);
+    return OK;
+}
+
+/* Whether it is as it was written; the first that is not is noted. */
+static void judge_record(struct replay *r)
+{
+    struct record *record = &r->record;
+    struct replay_report *report = r->report;
+    const bool is_sound = r->walk.is_journal ? !record_judge(record, NULL) : !record->has_result;
+    if (record->number < r->options->first) {
+        record->has_result = false;
+    } else if (!is_sound && report->is_intact) {
+        report->is_intact = false;
+        report->edited_number = record->number;
+        report->edited_line = record->line;
+        report->edited_offset = record->offset;
     }
-    if (!err) {
-        report->is_torn = walk.over == WALK_TORN;
-        report->torn_offset = report->is_torn ? walk.offset : 0;
-        if (walk.over == WALK_DAMAGED)
-            stop_at(report, REPLAY_UNREADABLE, &walk.place);
-        err = walk_judge(&walk, fault);
+    report->chain = record->chain;
+}
+
+enum err replay_next(struct replay *r, struct fault *fault)
+{
+    struct replay_report *report = r->report;
+    if (r->is_again) { /* it has stopped nowhere */
+        report->outcome = REPLAY_SAME;
+        report->number = report->line = 0;
+        buf_clear(&report->command);
+        buf_clear(&report->actual);
+    } else {
+        r->is_over = r->is_over || walk_next(&r->walk, &r->record) != WALK_RECORD;
+        if (r->is_over)
+            return OK;
+        judge_record(r);
     }
-    err = explain(err, report, options, fault);
-    walk_release(&walk);
+    const enum err err = replay_record(&r->record, r->host, report, fault);
+    r->is_again = err == ERR_CANCELLED;
+    r->is_over = !r->is_again && (err || r->record.number == r->options->last);
     return err;
+}
+
+enum err replay_end(struct replay *r, enum err err, struct fault *fault)
+{
+    struct replay_report *report = r->report;
+    if (!err) {
+        report->is_torn = r->walk.over == WALK_TORN;
+        report->torn_offset = report->is_torn ? r->walk.offset : 0;
+        if (r->walk.over == WALK_DAMAGED)
+            stop_at(report, REPLAY_UNREADABLE, &r->walk.place);
+        err = walk_judge(&r->walk, fault);
+    }
+    err = explain(err, report, r->options, fault);
+    walk_release(&r->walk);
+    return err;
+}
+
+enum err replay_run(const char *bytes, size_t length, const struct replay_host *host,
+                    const struct replay_options *options, struct replay_report *report,
+                    struct fault *fault)
+{
+    struct replay replay;
+    enum err err = replay_begin(&replay, bytes, length, host, options, report, fault);
+    if (err)
+        return err;
+    while (!err && !replay.is_over)
+        err = replay_next(&replay, fault);
+    return replay_end(&replay, err, fault);
 }

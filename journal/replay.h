@@ -86,6 +86,30 @@ void replay_report_release(struct replay_report *report);
 enum err replay_record(const struct record *record, const struct replay_host *host,
                        struct replay_report *report, struct fault *fault);
 
+/* A replay record by record, for who looks at each: what replay_run does in one go. */
+struct replay {
+    struct walk walk;
+    struct record record;           /* that was carried out last */
+    bool is_again;                  /* it was cancelled, and is the next one once more */
+    bool is_over;                   /* there is no more */
+    const struct replay_host *host; /* borrowed, and these: */
+    const struct replay_options *options;
+    struct replay_report *report;
+};
+
+/* `report` begins as {0}. ERR_INPUT, ERR_MEMORY: then there is nothing to end. */
+enum err replay_begin(struct replay *replay, const char *bytes, size_t length,
+                      const struct replay_host *host, const struct replay_options *options,
+                      struct replay_report *report, struct fault *fault);
+
+/* Carries the next record out and compares, as replay_record; at the end of them `is_over` is set,
+ * and nothing done. After ERR_CANCELLED the same record is the next; after another error there is
+ * none. */
+enum err replay_next(struct replay *replay, struct fault *fault);
+
+/* What the whole comes to, where `err` is what the last record gave; and releases the walk. */
+enum err replay_end(struct replay *replay, enum err err, struct fault *fault);
+
 /* Replays `length` bytes. OK when everything was reproduced and the journal is intact (a torn tail
  * is only reported); ERR_CHECK for a divergence or an edited journal; ERR_INPUT where it cannot be
  * read; else the host's error. `report` begins as {0}. */

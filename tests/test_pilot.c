@@ -1067,7 +1067,7 @@ static void is_card_of(const char *path, const struct buf *page)
 STORY(the_page_of_keys_fits_and_is_the_card_in_the_readmes)
 {
     struct buf page = {0};
-    pilot_keys_page(&page, &pilot_setup_default, 80);
+    pilot_keys_page(&page, &pilot_setup_default, false, 80);
     for (const char *at = buf_text(&page); *at; at += strcspn(at, "\n") + 1)
         CHECK(strcspn(at, "\n") <= 78);
     is_card_of("README.md", &page);
@@ -1079,7 +1079,7 @@ STORY(the_page_of_keys_fits_any_window)
 {
     for (unsigned columns = 20; columns < 100; columns++) {
         struct buf page = {0}, wrapped = {0};
-        pilot_keys_page(&page, &pilot_setup_default, columns);
+        pilot_keys_page(&page, &pilot_setup_default, false, columns);
         cells_wrap(&wrapped, &page, columns);
         for (const char *at = buf_text(&wrapped); *at; at += strcspn(at, "\n") + 1)
             CHECK(cells_width(at, strcspn(at, "\r\n")) <= columns);
@@ -1106,6 +1106,46 @@ STORY(what_is_dangerous_and_how_to_begin_are_said)
 }
 
 /* Of two rows, in a mode that both are for; and a key that waits for a second one does nothing. */
+STORY(where_one_watches_keys_lead_from_step_to_step)
+{
+    struct buf page = {0};
+    begin();
+    state.watches = true;
+    pilot_state_enter(&state);
+    CHECK_TEXT(type(" "), "step on 1\n");
+    CHECK_TEXT(type("12 "), "step on 12\n");
+    CHECK_TEXT(arrow(KEY_BACKSPACE, 0), "step back 1\n");
+    CHECK_TEXT(type("20G"), "step to 20\n");
+    CHECK_TEXT(type("G"), "step to last\n");
+    CHECK_TEXT(type("gg"), "step to 0\n");
+    CHECK_TEXT(type("2n"), "step next 2\n");
+    CHECK_TEXT(type("N"), "step previous\n");
+    CHECK_TEXT(type("m"), "step largest\n");
+    CHECK_TEXT(type("p"), "step play\n");
+    CHECK_TEXT(type("c"), "step comments\n");
+    CHECK(state.has_pages);
+    CHECK_TEXT(type("a"), "step undone\n");
+    CHECK(!state.has_pages);
+    CHECK_TEXT(type("l"), "cross 19,25,30\n"); /* and one looks as ever */
+    CHECK_TEXT(type("w"), "");
+    CHECK_INT(state.mode, PILOT_WINDOWING);
+    press(KEY_ENTER, 0, 0);
+    CHECK_INT(state.mode, PILOT_WATCHING);
+    CHECK_TEXT(type("s2"), "seed 20,25,30 2\n"); /* what becomes of it the host knows */
+    for (const char *none = "uxvdSOPCI."; *none; none++) {
+        press(KEY_CHARACTER, 0, *none);
+        CHECK_TEXT(buf_text(&line), "");
+        CHECK_HAS(buf_text(&message), "this key does nothing here; ? shows the keys");
+    }
+    pilot_keys_page(&page, &pilot_setup_default, true, 80);
+    CHECK_HAS(buf_text(&page), "Space Backspace  a step on, back");
+    CHECK(strstr(buf_text(&page), "undo, redo") == NULL);
+    buf_clear(&page);
+    pilot_keys_page(&page, &pilot_setup_default, false, 80);
+    CHECK(strstr(buf_text(&page), "a step on, back") == NULL);
+    buf_release(&page);
+}
+
 STORY(no_key_has_two_meanings)
 {
     for (size_t i = 0; i < pilot_rows; i++)
@@ -1331,10 +1371,10 @@ int main(void)
         TELL(a_path_is_shown_and_its_strongest_edge_corrected),
         TELL(hints_are_walked_round_and_round), TELL(a_change_is_repeated), TELL(what_is_shown),
         TELL(what_was_chosen_stays_from_one_time_to_the_next), TELL(no_key_has_two_meanings),
-        TELL(the_page_of_keys_fits_any_window), TELL(what_is_dangerous_and_how_to_begin_are_said),
-        TELL(seeds_brushes_and_strokes), TELL(what_the_pen_draws_is_one_command_once_it_is_lifted),
-        TELL(a_radius_in_millimetres), TELL(a_brush_within_intensities),
-        TELL(messages_name_the_keys_that_the_user_has),
+        TELL(where_one_watches_keys_lead_from_step_to_step), TELL(the_page_of_keys_fits_any_window),
+        TELL(what_is_dangerous_and_how_to_begin_are_said), TELL(seeds_brushes_and_strokes),
+        TELL(what_the_pen_draws_is_one_command_once_it_is_lifted), TELL(a_radius_in_millimetres),
+        TELL(a_brush_within_intensities), TELL(messages_name_the_keys_that_the_user_has),
         TELL(boxes_and_polygons_are_set_by_their_corners),
         TELL(a_box_or_a_polygon_is_repeated_beside_the_cross_hair),
         TELL(a_stroke_too_long_for_a_line_is_in_parts_that_are_joined),

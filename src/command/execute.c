@@ -220,6 +220,69 @@ enum err interpreter_execute(struct interpreter *interp, const char *line, struc
     return err;
 }
 
+/* ---- looked at ---- */
+
+static enum err refuse_to_change(const struct call *call, struct fault *fault)
+{
+    return fault_set(fault, ERR_USAGE,
+                     "%s: this is for looking: only questions, and what changes how one looks, can "
+                     "be asked for; nothing has changed",
+                     call->command->name);
+}
+
+static bool has_changed_more(const struct interpreter *interp)
+{
+    const struct session *session = interp->session;
+    return interp->written.length || interp->history.goes_to != POINT_NONE ||
+           session_has_edited(session) || session_has_regrown(session) ||
+           !kept_equals(session_kept(session), &session_former(session)->kept) ||
+           !edit_lists_are_copies(&session_state(session)->lists, &session_former(session)->lists);
+}
+
+enum err interpreter_look(struct interpreter *interp, const char *line, struct reply *reply,
+                          struct fault *fault)
+{
+    struct call call;
+    reply_clear(reply);
+    enum err err = command_parse(&call, line, interp->session, fault);
+    if (err || !call.command)
+        return err;
+    const enum command_group group = call.command->group;
+    if (group == GROUP_SCENE || group == GROUP_WEIGHT || group == GROUP_SEEDS ||
+        group == GROUP_KEPT) {
+        err = refuse_to_change(&call, fault);
+    } else {
+        session_mark(interp->session);
+        err = carry_out(interp, &call, line, reply, fault);
+        if (!err && has_changed_more(interp))
+            err = refuse_to_change(&call, fault);
+        settle(interp, err == OK);
+    }
+    call_release(&call);
+    return err;
+}
+
+enum err interpreter_try(struct interpreter *interp, const char *line, void (*look)(void *context),
+                         void *context, struct fault *fault)
+{
+    struct reply reply = {0};
+    struct call call;
+    enum err err = command_parse(&call, line, interp->session, fault);
+    if (err)
+        return err;
+    session_mark(interp->session);
+    if (call.command)
+        err = carry_out(interp, &call, line, &reply, fault);
+    if (!err)
+        err = session_run(interp->session, fault);
+    if (!err)
+        look(context);
+    settle(interp, false);
+    call_release(&call);
+    reply_release(&reply);
+    return err;
+}
+
 /* ---- sketched ---- */
 
 static enum err sketch(struct interpreter *interp, const struct call *call, const char *line,

@@ -29,6 +29,18 @@ enum err interpreter_sketch(struct interpreter *interp, const char *line, struct
 /* Fine where there is none. ERR_MEMORY leaves it in place. */
 enum err interpreter_drop_sketch(struct interpreter *interp, struct fault *fault);
 
+/* ---- looked at ---- */
+
+/* Carries out a command that changes how one looks, or asks, and nothing else: it is in no journal
+ * and no history, and the session's segmentation stays as it is. ERR_USAGE for any other. */
+enum err interpreter_look(struct interpreter *interp, const char *line, struct reply *reply,
+                          struct fault *fault);
+
+/* Carries out a command, "" for none, with all that waits, has `look` look at what that comes to,
+ * and takes it back, exactly, whatever it was: nothing is recorded or written. */
+enum err interpreter_try(struct interpreter *interp, const char *line, void (*look)(void *context),
+                         void *context, struct fault *fault);
+
 /* Adds what a record says of the forest, after a command that edits it. */
 void execute_add_digests(struct reply *reply, const struct session *session);
 

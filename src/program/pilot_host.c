@@ -130,12 +130,16 @@ static enum err draw(struct pilot_interpreter *pilot, const struct pilot_wish *w
                                .heat = wish->heat && !pilot->onlooker,
                                .held = wish->marks_held ? &pilot->held : NULL,
                                .way = wish->marks_way ? &pilot->why.way : NULL,
+                               .former = pilot->former,
+                               .own = pilot->own,
                                .pixel = wish->marks_pixel ? wish->pixel : NULL,
                                .corner = wish->corner,
                                .corners = wish->corners};
     buf_add_text(line, "nothing to show yet"); /* what stands in an empty rendition */
-    setup_say_key(line + 1, setup, "plant", " plants a seed of the label");
-    setup_say_key_to(line + 2, setup, "plant-label", '0', " one of the background");
+    if (!pilot->watches) {
+        setup_say_key(line + 1, setup, "plant", " plants a seed of the label");
+        setup_say_key_to(line + 2, setup, "plant-label", '0', " one of the background");
+    }
     setup_say_key(line + 3, setup, "keys", " shows the keys");
     for (int i = 0; i < PANES_LINES; i++)
         panes.line[i] = buf_text(line + i);

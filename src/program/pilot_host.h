@@ -13,11 +13,14 @@
 
 struct pilot_interpreter {
     struct interpreter *interp;
+    bool watches;       /* nothing is planted */
     bool smooth;        /* all bits of every colour, where the terminal can */
     struct panes panes; /* the last picture, */
     struct raster_box slice[PANES_SLICES], beyond; /* and where slices are in it, and beyond */
-    struct held held;     /* what was asked for last, until the next command, */
-    struct voxel_why why; /* and the path that was */
+    struct held held;      /* what was asked for last, until the next command, */
+    struct voxel_why why;  /* and the path that was */
+    const uint32_t *own;   /* [3] the place of a learner's own marker, or NULL */
+    const uint8_t *former; /* labels [cells] before what is shown has changed them, or NULL */
     uint32_t hue[256];
 
     const struct pilot_onlooker *onlooker; /* while a command is carried out, or NULL */

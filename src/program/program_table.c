@@ -55,6 +55,10 @@ enum {
     CURVES,
     SLICES,
     SLICES_SCENE,
+    QUIZ,
+    PAGES,
+    FROM_STEP,
+    UNTIL_STEP,
     LIMIT_MEMORY,
     LIMIT_TIME,
     LIMIT_OUTPUT,
@@ -219,6 +223,14 @@ static const struct option option[] = {
                  read_by, 0, 0, 0, add_consensus_by},
     [SAVE] = {"--save", "FILE", "write the consensus as a label map; nothing is overwritten",
               TEXT(save)},
+    [QUIZ] = {"--quiz", NULL,
+              "before each gesture you plant where you would, and both are compared", FLAG(quiz)},
+    [PAGES] = {"--pages", "DIR",
+               "make pictures of each step, and a page of HTML, in this folder, which is new or "
+               "empty",
+               TEXT(pages)},
+    [FROM_STEP] = {"--from", "N", "the first step", NUMBER(from, 1, RECORDS_MOST)},
+    [UNTIL_STEP] = {"--until", "N", "the last step", NUMBER(until, 1, RECORDS_MOST)},
     [LIMIT_MEMORY] = {"--limit-memory", "SIZE",
                       "the most memory that a journal may take, as 2G (3/4 of what is free)",
                       TEXT(limit_memory)},
@@ -340,6 +352,15 @@ static const struct program program[] = {
                "key: a accepts, r rejects, s skips, q skips all that follow. The reason is asked "
                "for, unless --accept WHY gives it. Refused where CI is set.",
      .run = run_review},
+    {.name = "watch",
+     ONE("JOURNAL"),
+     .option = {QUIZ, PAGES, FROM_STEP, UNTIL_STEP, SCENE, GRAPHICS, SMOOTH, LIMIT_OPTIONS},
+     .summary = "watch how a journal was made, step by step",
+     .detail = "Space goes on, Backspace back, 20G to step 20, p plays, ? shows all keys. Each "
+               "gesture is drawn before it is carried out, and what it changed is hatched. By the "
+               "rules of `replay`; nothing is written, and the time that you take counts for "
+               "nothing. At the end it says whether the journal is verified.",
+     .run = run_watch},
     {.name = "diff",
      TWO("A B"),
      .option = {DIFF_UNTIL, JSON, PICTURE, SCENE, LIMIT_OPTIONS},

@@ -22,6 +22,7 @@ static struct {
     bool hold;
     struct limits limits;
     uint64_t begun_ns, polled_ns, output_bytes;
+    uint64_t rests_since_ns; /* 0: it works */
     uint64_t others_held_bytes, others_written_bytes;
     enum state state;
     struct rlimit file_size; /* as it was */
@@ -94,13 +95,25 @@ void limits_begin(const struct limits *limits)
     signal(SIGXFSZ, SIG_IGN); /* a write that would grow a file too large is an error of its own */
 }
 
+void limits_rest(bool rests)
+{
+    const uint64_t ns = clock_ns();
+    if (rests && !now.rests_since_ns)
+        now.rests_since_ns = ns;
+    if (!rests && now.rests_since_ns) {
+        now.begun_ns += ns - now.rests_since_ns;
+        now.rests_since_ns = 0;
+    }
+}
+
 bool limits_stop(void)
 {
     const uint64_t ns = clock_ns();
     if (!now.hold || now.state != WITHIN || ns - now.polled_ns < POLL_EVERY_NS)
         return now.state != WITHIN;
     now.polled_ns = ns;
-    if (ns - now.begun_ns > now.limits.time_ms * 1000000)
+    const uint64_t works_until_ns = now.rests_since_ns ? now.rests_since_ns : ns;
+    if (works_until_ns - now.begun_ns > now.limits.time_ms * 1000000)
         now.state = TOO_LONG;
     else if (mem_held() + now.others_held_bytes > now.limits.memory_bytes)
         now.state = TOO_MUCH_MEMORY;

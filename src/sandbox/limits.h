@@ -36,6 +36,9 @@ enum err limits_read(struct limits *limits, const char *memory, const char *time
 /* From now on they hold. */
 void limits_begin(const struct limits *limits);
 
+/* While a person looks at what the journal has come to, or thinks, its time stands still. */
+void limits_rest(bool rests);
+
 /* Whether the work is to stop, for the poll of a watch; limits_watch is a watch that polls nothing
  * else, or NULL where no limits hold. */
 bool limits_stop(void);

@@ -275,10 +275,7 @@ enum err history_find(const struct history *history, const char *name, uint32_t 
 
 const struct kept_settings *history_settings_after(const struct history *history, size_t record)
 {
-    if (!history->points)
-        return NULL;
-    const size_t since = record < history->first ? 0 : record - history->first;
-    return history->point[since < history->ats ? history->at[since] : 0].settings;
+    return history->points ? history->point[history_point_after(history, record)].settings : NULL;
 }
 
 static uint32_t depth(const struct history *history, uint32_t point)
@@ -376,6 +373,22 @@ enum err history_go(struct history *history, struct session *session, uint32_t t
     history->goes_on = branch;
     history->moves_tip = moves_tip;
     free(edit);
+    return err;
+}
+
+uint32_t history_point_after(const struct history *history, size_t record)
+{
+    const size_t since = record < history->first ? 0 : record - history->first;
+    return since < history->ats ? history->at[since] : 0;
+}
+
+enum err history_look(struct history *history, struct session *session, uint32_t point,
+                      struct fault *fault)
+{
+    const enum err err = history_go(history, session, point, history->on, false, fault);
+    history->goes_to = POINT_NONE;
+    if (!err)
+        history->present = point;
     return err;
 }
 

@@ -126,6 +126,15 @@ enum err history_go(struct history *history, struct session *session, uint32_t p
 struct history_place history_place(const struct history *history);
 void history_forget(struct history *history, const struct history_place *place);
 
+/* The point where record `number` left the session, which has a scene; the root for an earlier
+ * one. */
+uint32_t history_point_after(const struct history *history, size_t record);
+
+/* Has the session be what it was at `point`, to be looked at: no command has gone there, and before
+ * the next one that is noted the session has to be led back to where it was. */
+enum err history_look(struct history *history, struct session *session, uint32_t point,
+                      struct fault *fault);
+
 /* From now on the present point is on a branch `name`, which is new: when the command stands.
  * ERR_USAGE for a name that is taken. */
 enum err history_branch(struct history *history, const char *name, struct fault *fault);

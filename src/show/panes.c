@@ -216,17 +216,27 @@ bool panes_have_object(const struct session *session)
     return has;
 }
 
+/* Known without colours: every second pixel of what is held, and oblique lines over what has
+ * another label than before, between which it is seen what. */
+static bool is_hatched(const struct session *session, const struct panes_wish *wish, uint32_t cell,
+                       uint32_t x, uint32_t y)
+{
+    enum { APART = 5 };
+    return (wish->held && (x + y) % 2 == 0 && session_is_held(session, wish->held, cell)) ||
+           (wish->former && (x + y) % APART == 0 &&
+            wish->former[cell] != session_scene(session)->cell[cell].label);
+}
+
 static void draw_marks(struct panes *p, const struct session *session,
                        const struct panes_wish *wish)
 {
     const struct scene *scene = session_scene(session);
     const struct canvas *canvas = &p->canvas;
-    if (wish->held) {
-        /* Hatched, wherever it is seen: known without colours. */
+    if (wish->held || wish->former) {
         for (uint32_t y = 0; y < canvas->height; y++)
-            for (uint32_t x = y % 2; x < canvas->width; x += 2) {
+            for (uint32_t x = 0; x < canvas->width; x++) {
                 const uint32_t at = canvas->cell[y * canvas->stride + x];
-                if (at != CELL_NONE && session_is_held(session, wish->held, at))
+                if (at != CELL_NONE && is_hatched(session, wish, at, x, y))
                     memcpy(canvas_pixel(canvas, x, y), white, sizeof white);
             }
     }
@@ -237,6 +247,11 @@ static void draw_marks(struct panes *p, const struct session *session,
         for (size_t i = 0; i < wish->corners && box->width > 0; i++)
             if (slice_pixel_of(scene, &slice, box->width, box->height, wish->corner[i], pixel))
                 mark_point(canvas, (int64_t)box->left + pixel[0], (int64_t)box->top + pixel[1], 1);
+        const uint32_t *own = wish->own;
+        int64_t at[2];
+        if (own && box->width > 0 &&
+            find_pixel(scene, &slice, box, grid_cell(&scene->grid, own[0], own[1], own[2]), at))
+            mark_point(canvas, at[0], at[1], 1);
     }
     for (enum slice_plane plane = SLICE_AXIAL; wish->way && plane <= SLICE_SAGITTAL; plane++) {
         const struct slice_choice slice = slice_of(p, session, plane);

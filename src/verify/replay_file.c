@@ -48,14 +48,6 @@ void timing_release(struct timing *timing)
 
 /* ---- the replay ---- */
 
-struct replaying {
-    struct interpreter *interp;
-    const struct printer *printer;    /* NULL: quietly */
-    struct timing *timing;            /* NULL: none is taken */
-    const struct golden_judge *judge; /* from record `first` on */
-    size_t number, first;
-};
-
 static enum err execute(void *context, const char *command, struct buf *words, struct fault *fault)
 {
     struct replaying *replaying = context;
@@ -94,6 +86,11 @@ static bool is_lost(void *context, const char *key, size_t length)
     return semantics_lost(session_semantics(replaying->interp->session), key, length) != NULL;
 }
 
+struct replay_host replay_file_host(struct replaying *replaying)
+{
+    return (struct replay_host){replaying, execute, note_record, begin, is_lost};
+}
+
 /* A link that leads out of its folder leads to a journal, or to nothing: what else is there is not
  * shown as commands that nobody knows. */
 static enum err read_journal(struct buf *bytes, const char *path, struct fault *fault)
@@ -110,6 +107,16 @@ static enum err read_journal(struct buf *bytes, const char *path, struct fault *
                                          : fault_set(fault, ERR_IO, "there is no journal %s", path);
 }
 
+enum err replay_file_begin(struct interpreter *interp, const char *path, struct buf *bytes,
+                           struct fault *fault)
+{
+    const enum err err = read_journal(bytes, path, fault);
+    interp->mode = MODE_REPLAY;
+    if (!session_watch(interp->session)) /* that of a terminal looks at the limits as well */
+        session_set_watch(interp->session, limits_watch());
+    return err ? err : interpreter_set_home(interp, path, fault);
+}
+
 enum err replay_file(struct interpreter *interp, const char *path, size_t first, size_t last,
                      const struct printer *printer, struct timing *timing,
                      struct replay_report *report, struct fault *fault)
@@ -120,14 +127,9 @@ enum err replay_file(struct interpreter *interp, const char *path, size_t first,
                                   .timing = timing,
                                   .judge = interp->judge,
                                   .first = first};
-    const struct replay_host host = {&replaying, execute, note_record, begin, is_lost};
+    const struct replay_host host = replay_file_host(&replaying);
     const struct replay_options options = {SEMANTICS, first, last};
-    enum err err = read_journal(&bytes, path, fault);
-    interp->mode = MODE_REPLAY;
-    if (!session_watch(interp->session)) /* that of a terminal looks at the limits as well */
-        session_set_watch(interp->session, limits_watch());
-    if (!err)
-        err = interpreter_set_home(interp, path, fault);
+    enum err err = replay_file_begin(interp, path, &bytes, fault);
     if (!err)
         err = replay_run(buf_text(&bytes), bytes.length, &host, &options, report, fault);
     interp->replayed_words = NULL;

@@ -23,6 +23,21 @@ struct timing {
 void timing_write(struct buf *lines, const struct timing *timing);
 void timing_release(struct timing *timing);
 
+/* A journal that is replayed record by record. */
+struct replaying {
+    struct interpreter *interp;
+    const struct printer *printer;    /* NULL: quietly */
+    struct timing *timing;            /* NULL: none is taken */
+    const struct golden_judge *judge; /* from record `first` on; or NULL */
+    size_t number, first;
+};
+
+/* Reads the journal at `path`, which may be a stranger's, and has the interpreter carry out what it
+ * says as a replay; and who carries its records out, for journal/replay.h. */
+enum err replay_file_begin(struct interpreter *interp, const char *path, struct buf *bytes,
+                           struct fault *fault);
+struct replay_host replay_file_host(struct replaying *replaying);
+
 /* Carries the journal out and compares the results, and by the interpreter's judge golden images,
  * of records `first` to `last`; 0 for all. Each command is acknowledged, unless `printer` is NULL,
  * and timed, unless `timing` is. `report` begins as {0}, and is to be released whatever is

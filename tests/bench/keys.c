@@ -6,10 +6,13 @@
  * 2 Mbit/s and 120 ms round trip, in terminals that answer as kitty does, as Ghostty does, and with
  * sixel graphics. A key is shown when the barrier after the first frame of what it did has arrived;
  * the last byte is that of the finest frame. A key that is held comes 30 times a second: the frames
- * that came a second, and how long after the last key the last byte did.
+ * that came a second, and how long after the last key the last byte did. Last the same journal is
+ * watched: a step is shown when its gesture is, drawn in slices that were not seen before; the last
+ * byte is that of what it led to, which comes after a moment.
  */
 #include "tests/bench/bench.h"
 
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -36,12 +39,14 @@ static const struct words moment_words[MOMENTS] = {
     [TO_PROMPT] = {"start_to_prompt_ms", "start to prompt"},
     [TO_LOADED] = {"start_to_loaded_ms", "start to scene loaded"}};
 
-enum { ENTER, MOVE, SEEN, SEED, HELD, KINDS };
+enum { ENTER, MOVE, SEEN, SEED, HELD, STEP, BACK, KINDS };
 static const struct words key_words[KINDS] = {[ENTER] = {"enter", "the pilot begins"},
                                               [MOVE] = {"move", "the cross-hair by a voxel"},
                                               [SEEN] = {"seen", "back to a slice seen before"},
                                               [SEED] = {"seed", "a seed and its run"},
-                                              [HELD] = {"held", "a key held: frames a second"}};
+                                              [HELD] = {"held", "a key held: frames a second"},
+                                              [STEP] = {"step", "watching: a step on"},
+                                              [BACK] = {"step_back", "watching: a step back"}};
 
 static const struct line_kind {
     const char *name, *text;
@@ -200,6 +205,32 @@ static enum err copy_journal(struct buf *folder, struct buf *path, const char *j
     return err;
 }
 
+/* Corrections, each at another place; and those back. */
+static enum err time_steps(const char *path, const char *home, const struct graphics *graphics,
+                           const struct far_line *line, unsigned keys,
+                           struct key_figures out[KINDS], struct fault *fault)
+{
+    struct times on = {.keys = 0}, back = {.keys = 0};
+    struct far_end *e = NULL;
+    char copy[PATH_MAX];
+    snprintf(copy, sizeof copy, "%s", path);
+    char watch[] = "watch";
+    char *const argument[] = {"iftty", watch, copy, NULL};
+    enum err err = far_end_new(&e, argument, home, graphics, line, fault);
+    if (!err)
+        err = press(e, "", frame, fault);
+    if (!err)
+        err = press(e, "8G", frame, fault);
+    for (unsigned i = 0; !err && i < keys; i++)
+        err = timed_press(e, " ", &on, fault);
+    for (unsigned i = 0; !err && i < keys; i++)
+        err = timed_press(e, "\177", &back, fault);
+    out[STEP] = medians(&on);
+    out[BACK] = medians(&back);
+    far_end_free(e);
+    return err;
+}
+
 static enum err time_keys(const char *journal, const struct graphics *graphics,
                           const struct far_line *line, unsigned keys, struct key_figures out[KINDS],
                           struct fault *fault)
@@ -213,6 +244,8 @@ static enum err time_keys(const char *journal, const struct graphics *graphics,
     if (!err)
         err = press_all(e, keys, out, fault);
     far_end_free(e);
+    if (!err)
+        err = time_steps(buf_text(&path), buf_text(&folder), graphics, line, keys, out, fault);
     if (folder.length)
         folder_remove(buf_text(&folder));
     buf_release(&folder);

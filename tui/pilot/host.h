@@ -12,6 +12,7 @@
 #include "base/err.h"
 #include "tui/picture/image_view.h"
 
+enum { PILOT_CAPTIONS = 3 };
 enum { PILOT_TIMES_ONE = 1000, PILOT_TIMES_MOST = 4096000 }; /* of pilot_facts.times */
 
 /* Planes, and panes: they are shown as render/mosaic.h lays them out. */
@@ -86,6 +87,12 @@ struct pilot_host {
     enum err (*sketch)(void *context, const char *line, struct fault *fault);
     enum err (*drop)(void *context, struct fault *fault);
     bool (*finished)(void *context);
+
+    /* Of a host that shows something step by step, else NULL: lines that stand below the picture,
+     * PILOT_CAPTIONS of them, in place of what is known of the voxel; and when, by clock_ns, the
+     * line "step due" is to be carried out, 0 for never. */
+    void (*caption)(void *context, struct buf *lines);
+    uint64_t (*due_ns)(void *context);
 
     /* False where there is no scene. */
     bool (*facts)(void *context, struct pilot_facts *facts);

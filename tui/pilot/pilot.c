@@ -1,5 +1,6 @@
 #include "tui/pilot/pilot.h"
 
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -112,6 +113,29 @@ static void add_status(struct buf *row, const struct pilot_state *state,
     buf_printf(row, "  %s", facts->where);
 }
 
+static unsigned rows_of_text(const struct pilot *p)
+{
+    return ROWS_OF_TEXT + (p->host->caption ? PILOT_CAPTIONS - 1 : 0);
+}
+
+/* What stands above the last row, where a host has steps to tell of. */
+static void add_captions(struct buf *out, const struct pilot *p, const struct term_size *size)
+{
+    struct buf lines = {0}, line = {0};
+    p->host->caption(p->host->context, &lines);
+    const char *at = buf_text(&lines);
+    for (unsigned i = 0; i < PILOT_CAPTIONS; i++) {
+        const size_t n = strcspn(at, "\n");
+        buf_clear(&line);
+        buf_add(&line, at, n);
+        add_row(out, size->rows - 1 - PILOT_CAPTIONS + i, size->columns, buf_text(&line), "");
+        at += n + (at[n] == '\n');
+    }
+    out->failed |= lines.failed || line.failed;
+    buf_release(&lines);
+    buf_release(&line);
+}
+
 /* Two rows at the foot of the screen. The upper one shows where the cross-hair is, what a key would
  * plant and what waits, then the voxel: a narrow screen cuts off what can be missed first. The
  * lower one has the last message, or what the keys do now. A message of more than a row takes both,
@@ -130,12 +154,15 @@ static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_
     else
         pilot_keys_hint(p->state, facts, &lower);
     const char *second = strchr(buf_text(&lower), '\n');
+    if (p->host->caption)
+        add_captions(out, p, size);
     if (second)
         buf_add(&upper, buf_text(&lower), (size_t)(second - buf_text(&lower)));
-    else
+    else if (!p->host->caption)
         add_status(&upper, p->state, p->host, facts);
-    add_row(out, size->rows - 2, size->columns, buf_text(&upper),
-            p->state->pen.is_down ? alarm : "");
+    if (second || !p->host->caption)
+        add_row(out, size->rows - 2, size->columns, buf_text(&upper),
+                p->state->pen.is_down ? alarm : "");
     add_row(out, size->rows - 1, size->columns, second ? second + 1 : buf_text(&lower), "");
     out->failed |= upper.failed || lower.failed;
     buf_release(&upper);
@@ -277,7 +304,7 @@ static void lay_out(struct pilot *p)
     const struct term_size size = term_size();
     probe_resize(p->facts, &size);
     painter_place(&p->painter, p->facts, 0, 0, size.columns,
-                  size.rows > ROWS_OF_TEXT + 1 ? size.rows - ROWS_OF_TEXT : 1);
+                  size.rows > rows_of_text(p) + 1 ? size.rows - rows_of_text(p) : 1);
     p->is_stale = p->is_blank = true;
 }
 
@@ -403,6 +430,8 @@ static enum err carry_out(struct pilot *p, const char *line, struct buf *output,
     return err;
 }
 
+static enum err show_pages(struct pilot *p, const struct buf *text, struct fault *fault);
+
 /* The lines that a key stands for, until one fails. */
 static enum err carry_out_all(struct pilot *p, const char *lines, struct fault *fault)
 {
@@ -417,8 +446,11 @@ static enum err carry_out_all(struct pilot *p, const char *lines, struct fault *
         err = line.failed ? fault_memory(fault, "a command")
                           : carry_out(p, buf_text(&line), &output, &of_command, fault);
     }
-    if (!err && !of_command && output.length && !p->state->is_silent)
+    if (!err && !of_command && output.length && p->state->has_pages)
+        err = show_pages(p, &output, fault);
+    else if (!err && !of_command && output.length && !p->state->is_silent)
         keep_answer(p, &output);
+    p->state->has_pages = false;
     buf_release(&line);
     buf_release(&output);
     return err;
@@ -462,7 +494,7 @@ static enum err show_pages(struct pilot *p, const struct buf *text, struct fault
     while (!err && !p->is_over && !left) {
         struct buf keys = {0};
         if (!text)
-            pilot_keys_page(&keys, p->state->setup, term_size().columns);
+            pilot_keys_page(&keys, p->state->setup, p->state->watches, term_size().columns);
         err = keys.failed ? fault_memory(fault, "a page")
                           : page_through(p, text ? text : &keys, &left, fault);
         buf_release(&keys);
@@ -661,6 +693,16 @@ static bool next_key(struct pilot *p, struct key_event *event)
     return typed_ahead_take(&p->ahead, event) || read_key(p, event);
 }
 
+/* Nanoseconds until the host is to go on by itself; none before what is there has been drawn. */
+static uint64_t goes_on_in_ns(const struct pilot *p)
+{
+    const uint64_t due_ns = p->host->due_ns ? p->host->due_ns(p->host->context) : 0;
+    const uint64_t now_ns = clock_ns();
+    if (!due_ns || p->is_stale || p->is_pasting)
+        return UINT64_MAX;
+    return due_ns > now_ns ? due_ns - now_ns : 0;
+}
+
 static bool has_more(const struct pilot *p)
 {
     return p->is_stale || p->refine.is_coarse;
@@ -687,9 +729,12 @@ static bool wait_once(struct pilot *p, struct key_event *event)
 {
     struct line_editor *e = p->editor;
     const bool has_frame = !p->is_paging && (has_more(p) || is_ahead(p));
-    const int patience_ms = awaits_rest(p) ? KEYS_TIMEOUT_MS
-                            : has_frame    ? flow_wait_ms(&p->flow, clock_ns())
-                                           : -1;
+    int patience_ms = awaits_rest(p) ? KEYS_TIMEOUT_MS
+                      : has_frame    ? flow_wait_ms(&p->flow, clock_ns())
+                                     : -1;
+    const uint64_t due_in_ms = p->is_paging ? UINT64_MAX : goes_on_in_ns(p) / 1000000;
+    if (!awaits_rest(p) && due_in_ms < INT_MAX && (patience_ms < 0 || patience_ms > (int)due_in_ms))
+        patience_ms = (int)due_in_ms + 1;
     const enum term_input input = term_read(&e->input, patience_ms, e->news_descriptor);
     if (input == TERM_CLOSED) {
         p->is_over = p->has_ended = true;
@@ -778,7 +823,9 @@ static enum err run(struct pilot *p, struct fault *fault)
         if (!err && !p->is_over && (has_more(p) || is_ahead(p)) &&
             flow_may_send(&p->flow, clock_ns()))
             err = has_more(p) || p->flow.failed ? draw(p, fault) : send_ahead(p, fault);
-        if (!err && !p->is_over && is_rough(p))
+        if (!err && !p->is_over && goes_on_in_ns(p) == 0)
+            err = carry_out_all(p, "step due\n", fault);
+        else if (!err && !p->is_over && is_rough(p))
             finish_labels(p);
         else if (!err && !p->is_over && wait_once(p, &event))
             err = take_key(p, &event, fault);

@@ -459,7 +459,7 @@ void pilot_pan(struct press *p)
     const int by = (int)(pilot_times(p) < PIXEL_JUMP ? pilot_times(p) : PIXEL_JUMP);
     const int right = right_of(p->by) * by, down = -up_of(p->by) * by;
     uint32_t middle[3], place[3];
-    if (p->facts->times <= PILOT_TIMES_ONE || p->state->mode != PILOT_MOVING) {
+    if (p->facts->times <= PILOT_TIMES_ONE || p->state->mode == PILOT_PICKING) {
         buf_printf(p->line, "pan %d %d\n", right * PIXEL_JUMP, down * PIXEL_JUMP);
     } else if (p->host->pan(p->host->context, p->state->pane, right, down, middle, place)) {
         pilot_cross(p, place);
@@ -507,5 +507,28 @@ void pilot_end_picking(struct press *p)
     uint32_t place[3];
     if (p->by && !pilot_take_voxel(p, place))
         return;
-    p->state->mode = p->state->base = PILOT_MOVING;
+    p->state->mode = p->state->base = pilot_home(p->state);
+}
+
+/* ---- steps that are shown ---- */
+
+void pilot_step(struct press *p)
+{
+    buf_printf(p->line, "step %s %lld\n", p->by < 0 ? "back" : "on", (long long)pilot_times(p));
+}
+
+void pilot_to_step(struct press *p)
+{
+    if (p->state->count)
+        buf_printf(p->line, "step to %u\n", p->state->count);
+    else
+        buf_add_text(p->line, p->by < 0 ? "step to 0\n" : "step to last\n");
+}
+
+void pilot_step_of_label(struct press *p)
+{
+    buf_printf(p->line, "step %s", p->by < 0 ? "previous" : "next");
+    if (p->state->count)
+        buf_printf(p->line, " %u", p->state->count);
+    buf_add_char(p->line, '\n');
 }

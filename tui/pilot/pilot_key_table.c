@@ -13,7 +13,9 @@
 #define EXPLAINING      PILOT_IN(PILOT_EXPLAINING)
 #define WINDOWING       PILOT_IN(PILOT_WINDOWING)
 #define RANGING         PILOT_IN(PILOT_RANGING)
-#define ARROWS          (BOTH | WINDOWING)
+#define WATCHING        PILOT_IN(PILOT_WATCHING)
+#define ALL             (BOTH | WATCHING)
+#define ARROWS          (ALL | WINDOWING)
 
 /* What every row of a thing to do begins with, on one line. */
 #define KEY(NAME, KEYS, ALSO, IN) NAME, KEYS, ALSO, .in = IN
@@ -34,6 +36,28 @@ enum {
 };
 
 const struct pilot_row pilot_table[] = {
+    {KEY("step-on", "Space", "", WATCHING), DO(pilot_step, 1), .flags = COUNTS,
+     PAGE("Space Backspace", "a step on, back"), .hint = "on"},
+    {KEY("step-back", "Backspace", "", WATCHING), DO(pilot_step, -1), .flags = COUNTS, .help = "",
+     .hint = "back"},
+    {KEY("first-step", "gg", "", WATCHING), DO(pilot_to_step, -1), .flags = COUNTS,
+     PAGE("gg G", "first, last, 20G")},
+    {KEY("last-step", "G", "", WATCHING), DO(pilot_to_step, 1), .flags = COUNTS, .help = "",
+     .hint = "end"},
+    {KEY("play", "p", "", WATCHING), .command = "step play\n", .help = "play, stop",
+     .hint = "play"},
+    {KEY("faster", ">", "", WATCHING), .command = "step faster\n", PAGE("> <", "faster, slower")},
+    {KEY("slower", "<", "", WATCHING), .command = "step slower\n", .help = ""},
+    {KEY("next-of-label", "n", "", WATCHING), DO(pilot_step_of_label, 1), .flags = COUNTS,
+     PAGE("n N", "of the label: 2n is 2")},
+    {KEY("previous-of-label", "N", "", WATCHING), DO(pilot_step_of_label, -1), .flags = COUNTS,
+     .help = ""},
+    {KEY("largest-step", "m", "", WATCHING), .command = "step largest\n",
+     .help = "the largest change", .hint = "largest"},
+    {KEY("undone-steps", "a", "", WATCHING), .command = "step undone\n",
+     .help = "undone ones too, or not"},
+    {KEY("comments", "c", "", WATCHING), .command = "step comments\n", .flags = PILOT_HAS_PAGES,
+     .help = "its comments"},
     {KEY("left", "h", "Left", ARROWS), DO(pilot_move, PILOT_LEFT), .flags = STEPS,
      PAGE("h j k l arrows", "move the cross-hair")},
     {KEY("down", "j", "Down", ARROWS), DO(pilot_move, PILOT_DOWN), .flags = STEPS, .help = ""},
@@ -47,18 +71,19 @@ const struct pilot_row pilot_table[] = {
      .help = ""},
     {KEY("far-right", "L", "Ctrl-Right", ARROWS), DO(pilot_move, PILOT_FAR + PILOT_RIGHT),
      .flags = STEPS, .help = ""},
-    {KEY("slice-back", "J", "Page-down", BOTH), DO(pilot_change_slice, -1), .flags = COUNTS | MOVES,
+    {KEY("slice-back", "J", "Page-down", ALL), DO(pilot_change_slice, -1), .flags = COUNTS | MOVES,
      PAGE("J K Page-keys", "the slice")},
-    {KEY("slice-on", "K", "Page-up", BOTH), DO(pilot_change_slice, 1), .flags = COUNTS | MOVES,
+    {KEY("slice-on", "K", "Page-up", ALL), DO(pilot_change_slice, 1), .flags = COUNTS | MOVES,
      .help = ""},
     {KEY("first-slice", "gg", "", MOVING), DO(pilot_to_slice, -1), .flags = COUNTS | MOVES,
      .help = "first, last, 90G"},
     {KEY("last-slice", "G", "", MOVING), DO(pilot_to_slice, 1), .flags = COUNTS | MOVES,
      .help = ""},
     {.keys = "1-9", .help = "a count: 25l moves 25"},
-    {KEY("next-plane", "Tab", "", MOVING), DO(pilot_next_pane, 1), .flags = MOVES,
+    {KEY("next-plane", "Tab", "", MOVING | WATCHING), DO(pilot_next_pane, 1), .flags = MOVES,
      .help = "the next plane"},
-    {KEY("previous-plane", "Shift-Tab", "", MOVING), DO(pilot_next_pane, -1), .flags = MOVES},
+    {KEY("previous-plane", "Shift-Tab", "", MOVING | WATCHING), DO(pilot_next_pane, -1),
+     .flags = MOVES},
     {KEY("next-seed", "n", "", MOVING), DO(pilot_next_seed, 1), .flags = COUNTS,
      .help = "the label's seeds"},
     {KEY("previous-seed", "N", "", MOVING), DO(pilot_next_seed, -1), .flags = COUNTS, .help = ""},
@@ -75,19 +100,19 @@ const struct pilot_row pilot_table[] = {
     {KEY("heat", "gh", "", MOVING), DO(pilot_show_heat, 0), .help = ""},
     {KEY("explain", "P", "", BOTH), DO(pilot_explain, 0), .help = ""},
     PART,
-    {KEY("plant", "i Enter", "", BOTH), DO(pilot_plant, 0), .flags = CHANGES,
+    {KEY("plant", "i Enter", "", ALL), DO(pilot_plant, 0), .flags = CHANGES,
      .help = "a seed of the label", .hint = "seed"},
     {KEY("plant-picked", "0-9", "", PICKING), DO(pilot_plant_label, 0), .flags = CHANGES,
      .hint = "a seed there"},
-    {KEY("plant-label", "s0-9", "", BOTH), DO(pilot_plant_label, 0), .flags = CHANGES,
+    {KEY("plant-label", "s0-9", "", ALL), DO(pilot_plant_label, 0), .flags = CHANGES,
      .help = "a seed of 0-9"},
-    {KEY("next-label", "b", "", BOTH), DO(pilot_choose_label, 1), .flags = COUNTS,
+    {KEY("next-label", "b", "", ALL), DO(pilot_choose_label, 1), .flags = COUNTS,
      .help = "the label: 12b is 12", .hint = "label"},
-    {KEY("previous-label", "B", "", BOTH), DO(pilot_choose_label, -1), .flags = COUNTS, .help = ""},
-    {KEY("larger", "+", "=", BOTH), DO(pilot_change_radius, 1), .flags = COUNTS,
+    {KEY("previous-label", "B", "", ALL), DO(pilot_choose_label, -1), .flags = COUNTS, .help = ""},
+    {KEY("larger", "+", "=", ALL), DO(pilot_change_radius, 1), .flags = COUNTS,
      .help = "the radius; in mm"},
-    {KEY("smaller", "-", "_", BOTH), DO(pilot_change_radius, -1), .flags = COUNTS, .help = ""},
-    {KEY("millimetres", "M", "", BOTH), DO(pilot_change_unit, 0), .help = ""},
+    {KEY("smaller", "-", "_", ALL), DO(pilot_change_radius, -1), .flags = COUNTS, .help = ""},
+    {KEY("millimetres", "M", "", ALL), DO(pilot_change_unit, 0), .help = ""},
     {KEY("pen", "v", "", MOVING), DO(pilot_lower_pen, 0), .help = "pen down: moving draws"},
     {KEY("range", "t", "", MOVING), DO(pilot_take_range, 0), .flags = COUNTS,
      .help = "within intensities"},
@@ -118,49 +143,50 @@ const struct pilot_row pilot_table[] = {
     {KEY("redo", "Ctrl-R", "", BOTH), DO(pilot_undo, 1), .flags = COUNTS, .help = ""},
     {KEY("repeat", ".", "", BOTH), DO(pilot_repeat, 0), .help = ""},
     PART,
-    {KEY("turn-right", "r", "Shift-Right", BOTH), DO(pilot_turn, PILOT_RIGHT), .flags = COUNTS,
+    {KEY("turn-right", "r", "Shift-Right", ALL), DO(pilot_turn, PILOT_RIGHT), .flags = COUNTS,
      PAGE("r R Shift-arrows", "turn the view")},
-    {KEY("turn-left", "R", "Shift-Left", BOTH), DO(pilot_turn, PILOT_LEFT), .flags = COUNTS,
+    {KEY("turn-left", "R", "Shift-Left", ALL), DO(pilot_turn, PILOT_LEFT), .flags = COUNTS,
      .help = ""},
-    {KEY("turn-up", "Shift-Up", "", BOTH), DO(pilot_turn, PILOT_UP), .flags = COUNTS, .help = ""},
-    {KEY("turn-down", "Shift-Down", "", BOTH), DO(pilot_turn, PILOT_DOWN), .flags = COUNTS,
+    {KEY("turn-up", "Shift-Up", "", ALL), DO(pilot_turn, PILOT_UP), .flags = COUNTS, .help = ""},
+    {KEY("turn-down", "Shift-Down", "", ALL), DO(pilot_turn, PILOT_DOWN), .flags = COUNTS,
      .help = ""},
     {KEY("roll", ">", "", BOTH), DO(pilot_roll, 1), .flags = COUNTS, PAGE("< >", "roll it")},
     {KEY("roll-back", "<", "", BOTH), DO(pilot_roll, -1), .flags = COUNTS, .help = ""},
-    {KEY("front", "Va", "", BOTH), .command = "view front\n",
+    {KEY("front", "Va", "", ALL), .command = "view front\n",
      PAGE("Va p l r s i", "view from a side")},
-    {KEY("back", "Vp", "", BOTH), .command = "view back\n", .help = ""},
-    {KEY("left-side", "Vl", "", BOTH), .command = "view left\n", .help = ""},
-    {KEY("right-side", "Vr", "", BOTH), .command = "view right\n", .help = ""},
-    {KEY("top", "Vs", "", BOTH), .command = "view top\n", .help = ""},
-    {KEY("bottom", "Vi", "", BOTH), .command = "view bottom\n", .help = ""},
-    {KEY("nearer", "z", "", BOTH), DO(pilot_change_zoom, 1), .help = "zoom in, out; fit"},
-    {KEY("farther", "Z", "", BOTH), DO(pilot_change_zoom, -1), .help = ""},
-    {KEY("fit", "F", "", BOTH), .command = "zoom fit\n", .help = ""},
+    {KEY("back", "Vp", "", ALL), .command = "view back\n", .help = ""},
+    {KEY("left-side", "Vl", "", ALL), .command = "view left\n", .help = ""},
+    {KEY("right-side", "Vr", "", ALL), .command = "view right\n", .help = ""},
+    {KEY("top", "Vs", "", ALL), .command = "view top\n", .help = ""},
+    {KEY("bottom", "Vi", "", ALL), .command = "view bottom\n", .help = ""},
+    {KEY("nearer", "z", "", ALL), DO(pilot_change_zoom, 1), .help = "zoom in, out; fit"},
+    {KEY("farther", "Z", "", ALL), DO(pilot_change_zoom, -1), .help = ""},
+    {KEY("fit", "F", "", ALL), .command = "zoom fit\n", .help = ""},
     {KEY("correct", "p", "", MOVING), DO(pilot_begin_picking, 0), .help = "correct the rendition"},
     {KEY("to-voxel", "p", "", PICKING), DO(pilot_end_picking, 1), .hint = "to its voxel"},
     {KEY("stop-correcting", "Escape", "", PICKING), DO(pilot_end_picking, 0), .hint = "ends"},
-    {KEY("magnify", "]", "", BOTH), DO(pilot_magnify, 1), .flags = COUNTS,
+    {KEY("magnify", "]", "", ALL), DO(pilot_magnify, 1), .flags = COUNTS,
      PAGE("] [ W", "larger slices; all")},
-    {KEY("reduce", "[", "", BOTH), DO(pilot_magnify, -1), .flags = COUNTS, .help = ""},
-    {KEY("whole-slices", "W", "", BOTH), DO(pilot_magnify, 0), .help = ""},
-    {KEY("recentre", "gz", "", MOVING), DO(pilot_recentre, 0), .help = "around the cross-hair"},
-    {KEY("pan-left", "Alt-Left", "Alt-h", BOTH), DO(pilot_pan, PILOT_LEFT), .flags = COUNTS,
+    {KEY("reduce", "[", "", ALL), DO(pilot_magnify, -1), .flags = COUNTS, .help = ""},
+    {KEY("whole-slices", "W", "", ALL), DO(pilot_magnify, 0), .help = ""},
+    {KEY("recentre", "gz", "", MOVING | WATCHING), DO(pilot_recentre, 0),
+     .help = "around the cross-hair"},
+    {KEY("pan-left", "Alt-Left", "Alt-h", ALL), DO(pilot_pan, PILOT_LEFT), .flags = COUNTS,
      PAGE("Alt-arrows", "move them, the view")},
-    {KEY("pan-down", "Alt-Down", "Alt-j", BOTH), DO(pilot_pan, PILOT_DOWN), .flags = COUNTS,
+    {KEY("pan-down", "Alt-Down", "Alt-j", ALL), DO(pilot_pan, PILOT_DOWN), .flags = COUNTS,
      .help = ""},
-    {KEY("pan-up", "Alt-Up", "Alt-k", BOTH), DO(pilot_pan, PILOT_UP), .flags = COUNTS, .help = ""},
-    {KEY("pan-right", "Alt-Right", "Alt-l", BOTH), DO(pilot_pan, PILOT_RIGHT), .flags = COUNTS,
+    {KEY("pan-up", "Alt-Up", "Alt-k", ALL), DO(pilot_pan, PILOT_UP), .flags = COUNTS, .help = ""},
+    {KEY("pan-right", "Alt-Right", "Alt-l", ALL), DO(pilot_pan, PILOT_RIGHT), .flags = COUNTS,
      .help = ""},
-    {KEY("alone", "f", "", BOTH), DO(pilot_show_alone, 0), .help = "one pane, all four"},
-    {KEY("overlay", "o", "", BOTH), DO(pilot_change_overlay, 0), PAGE("o y", "contour; finished")},
-    {KEY("finished", "y", "", BOTH), DO(pilot_change_labels, 0), .help = ""},
-    {KEY("window", "w", "", BOTH), .then = PILOT_WINDOWING, .help = "the window of greys"},
-    {KEY("command", ":", "", BOTH), .deed = PILOT_PROMPT, .help = "a command", .hint = "command"},
-    {KEY("keys", "?", "", BOTH), .deed = PILOT_SHOW_KEYS, .help = "these keys", .hint = "keys"},
-    {KEY("redraw", "Ctrl-L", "", BOTH), .deed = PILOT_REDRAW, .help = "draw anew"},
-    {KEY("suspend", "Ctrl-Z", "", BOTH), .deed = PILOT_SUSPEND, .help = "stop, as a job"},
-    {KEY("leave", "q", "Ctrl-D", BOTH), .deed = PILOT_LEAVE, .help = "back to the prompt",
+    {KEY("alone", "f", "", ALL), DO(pilot_show_alone, 0), .help = "one pane, all four"},
+    {KEY("overlay", "o", "", ALL), DO(pilot_change_overlay, 0), PAGE("o y", "contour; finished")},
+    {KEY("finished", "y", "", ALL), DO(pilot_change_labels, 0), .help = ""},
+    {KEY("window", "w", "", ALL), .then = PILOT_WINDOWING, .help = "the window of greys"},
+    {KEY("command", ":", "", ALL), .deed = PILOT_PROMPT, .help = "a command", .hint = "command"},
+    {KEY("keys", "?", "", ALL), .deed = PILOT_SHOW_KEYS, .help = "these keys", .hint = "keys"},
+    {KEY("redraw", "Ctrl-L", "", ALL), .deed = PILOT_REDRAW, .help = "draw anew"},
+    {KEY("suspend", "Ctrl-Z", "", ALL), .deed = PILOT_SUSPEND, .help = "stop, as a job"},
+    {KEY("leave", "q", "Ctrl-D", ALL), .deed = PILOT_LEAVE, .help = "back to the prompt",
      .hint = "back"},
 
     {KEY("eliminate-it", "x Enter", "", CONFIRMING), .command = "remove @\n", .flags = CHANGES,
@@ -330,7 +356,7 @@ static bool is_plain_row(const struct pilot_setup *setup, const struct pilot_row
 static void add_hints(struct buf *out, const struct pilot_state *state, const char *gap)
 {
     for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
-        const unsigned in = row->in & MOVING ? MOVING : row->in;
+        const unsigned in = !(row->in & MOVING) ? row->in : row->deed ? row->in & ~PICKING : MOVING;
         if (!row->hint || !(in & PILOT_IN(state->mode)))
             continue;
         buf_add_text(out, gap);
@@ -400,22 +426,25 @@ static void add_keys(struct buf *out, const struct pilot_row *row, const struct 
         buf_add_char(out, '-');
 }
 
-static bool begins_entry(const struct pilot_row *row)
+/* Whether the row stands on the page: what is for watching alone on that of its own. */
+static bool begins_entry(const struct pilot_row *row, bool watches)
 {
-    return row->help && *row->help;
+    return row->help && *row->help &&
+           (watches ? !row->name || row->in & WATCHING : row->in != WATCHING);
 }
 
 enum { KEYS_WIDE = 16, HELP_WIDE = 24, NARROW = 2 + KEYS_WIDE + 1 + HELP_WIDE, WIDE = 78 };
 
 /* An empty line stands between parts. */
-void pilot_keys_page(struct buf *out, const struct pilot_setup *setup, unsigned columns)
+void pilot_keys_page(struct buf *out, const struct pilot_setup *setup, bool watches,
+                     unsigned columns)
 {
     const struct pilot_row *left = NULL;
     for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
         const bool ends_part = !row->name && !row->help;
         if (ends_part)
             buf_add_text(out, left ? "\n\n" : "\n");
-        else if (begins_entry(row)) { /* at the left of its line, or beside `left` */
+        else if (begins_entry(row, watches)) { /* at the left of its line, or beside `left` */
             struct buf keys = {0};
             add_keys(&keys, row, setup);
             if (columns < NARROW)
@@ -428,9 +457,9 @@ void pilot_keys_page(struct buf *out, const struct pilot_setup *setup, unsigned 
             out->failed |= keys.failed;
             buf_release(&keys);
         }
-        if (begins_entry(row) && (left || columns < WIDE))
+        if (begins_entry(row, watches) && (left || columns < WIDE))
             buf_add_char(out, '\n');
-        if (begins_entry(row) || ends_part)
+        if (begins_entry(row, watches) || ends_part)
             left = left || ends_part || columns < WIDE ? NULL : row;
     }
     if (left)

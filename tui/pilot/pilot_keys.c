@@ -14,7 +14,7 @@ void pilot_state_init(struct pilot_state *state, const struct pilot_setup *setup
 
 void pilot_state_enter(struct pilot_state *state)
 {
-    state->mode = state->base = PILOT_MOVING;
+    state->mode = state->base = pilot_home(state);
     state->pen.is_down = state->stroke.is_set = state->drags = false;
     state->pen.line.count = state->outline.count = 0;
     state->count = state->leader = 0;
@@ -116,6 +116,7 @@ static void carry_out(struct press *p, const struct pilot_row *row)
     p->deed = row->deed;
     p->state->is_silent = row->flags & PILOT_IS_SILENT;
     p->state->says_all = row->flags & PILOT_SAYS_ALL;
+    p->state->has_pages = row->flags & PILOT_HAS_PAGES;
     if (!(row->flags & PILOT_STAYS))
         p->state->mode = row->then ? row->then : p->state->base;
     if (row->command) {
@@ -170,7 +171,7 @@ static bool count_on(struct press *p)
     const struct key_event *event = p->event;
     const bool is_digit = event->key == KEY_CHARACTER && !event->modifiers && !state->leader &&
                           event->point >= '0' && event->point <= '9';
-    if (!is_digit || state->mode != PILOT_MOVING || find_among(state, event, true))
+    if (!is_digit || state->mode != pilot_home(state) || find_among(state, event, true))
         return false;
     if (state->count == 0 && event->point == '0') {
         buf_add_text(p->message, "a count begins with 1-9; ");
@@ -249,7 +250,7 @@ enum pilot_deed pilot_press(struct press *p)
 {
     struct pilot_state *state = p->state;
     state->is_silent = state->says_all = state->sketches = state->drops = false;
-    const bool is_passing = state->mode != PILOT_MOVING && state->mode != PILOT_PICKING;
+    const bool is_passing = state->mode != pilot_home(state) && state->mode != PILOT_PICKING;
     if (is_passing && !find_row(state, p->event) && !may_lead(state, p->event))
         state->mode = state->base; /* a key of another mode does what it does there */
     if (take_back(p) || count_on(p) || lead_on(p))
@@ -302,7 +303,7 @@ static void enclose(struct press *p, const uint32_t place[3], enum pilot_pane pa
     const enum mouse_action action = p->event->mouse.action;
     const struct polyline *outline = &state->outline;
     if (action == MOUSE_PRESSED) {
-        state->mode = state->base = PILOT_MOVING;
+        state->mode = state->base = pilot_home(state);
         state->pane = pane;
         state->outline.count = 0;
         state->encloses = polyline_add(&state->outline, place);
@@ -348,8 +349,8 @@ static void click(struct press *p, uint32_t column, uint32_t row)
             buf_add_text(p->message, "nothing is seen there");
             return;
         }
-        state->mode = state->base = PILOT_MOVING;
-        state->drags = true;
+        state->mode = state->base = pilot_home(state);
+        state->drags = !state->watches;
         if (pane != PILOT_RENDITION)
             state->pane = pane;
         pilot_cross(p, place);

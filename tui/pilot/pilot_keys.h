@@ -71,6 +71,7 @@ enum pilot_mode {
     PILOT_EXPLAINING,      /* the path of the voxel is shown: keys correct its strongest edge */
     PILOT_WINDOWING,       /* arrows change the window */
     PILOT_RANGING,         /* LOW..HIGH is typed: the intensities in which the brush plants */
+    PILOT_WATCHING,        /* steps that are there are shown, and one looks */
 };
 
 static inline bool pilot_confirms(enum pilot_mode mode)
@@ -120,7 +121,8 @@ struct pilot_pen {
 
 struct pilot_state {
     const struct pilot_setup *setup;
-    enum pilot_mode mode, base; /* where others lead back to: moving or picking */
+    bool watches;               /* nothing but looking: its home is PILOT_WATCHING, not MOVING */
+    enum pilot_mode mode, base; /* where others lead back to: moving, picking or watching */
     enum pilot_pane pane;       /* of the three slices: arrows move in it */
     struct pilot_brush brush;
     struct pilot_pen pen;
@@ -141,7 +143,8 @@ struct pilot_state {
     bool sketches;  /* the last lines are a sketch */
     bool drops;     /* the sketch is to be dropped */
     bool is_silent; /* what the last line does is seen below the picture anyway */
-    bool says_all;  /* all lines of what it says are of use, not the last alone */
+    bool says_all;  /* all lines of what it says are of use, not the last alone, */
+    bool has_pages; /* and need the screen */
     struct pilot_change change;
     struct pilot_shape shape;
 };
@@ -149,6 +152,12 @@ struct pilot_state {
 /* The setup is borrowed. */
 void pilot_state_init(struct pilot_state *state, const struct pilot_setup *setup);
 void pilot_state_release(struct pilot_state *state);
+
+/* Where keys lead back to in the end. */
+static inline enum pilot_mode pilot_home(const struct pilot_state *state)
+{
+    return state->watches ? PILOT_WATCHING : PILOT_MOVING;
+}
 
 /* The pilot is entered once more: what was chosen is as it was, what was begun is not. */
 void pilot_state_enter(struct pilot_state *state);
@@ -186,9 +195,10 @@ void pilot_add_brush(struct buf *out, const struct pilot_brush *brush);
 /* Adds a decimal as commands take it: three places at most, no zeros at its end. */
 void pilot_add_decimal(struct buf *line, double value);
 
-/* Adds the page of keys for a window of so many columns: two entries on a line of at most 78, or
- * one; or each in two lines, to be broken by cells_wrap. */
-void pilot_keys_page(struct buf *out, const struct pilot_setup *setup, unsigned columns);
+/* Adds the page of keys, where one watches of those for that, for a window of so many columns: two
+ * entries on a line of at most 78, or one; or each in two lines, to be broken by cells_wrap. */
+void pilot_keys_page(struct buf *out, const struct pilot_setup *setup, bool watches,
+                     unsigned columns);
 
 /* ---- keys typed ahead ---- */
 
@@ -227,7 +237,8 @@ enum pilot_flag {
     PILOT_IS_SILENT = 8,   /* what the line does is seen below the picture anyway */
     PILOT_SAYS_ALL = 16,   /* each line of its answer is of use */
     PILOT_ONLY_MOVES = 32, /* it asks nothing of the segmentation, and changes nothing of it */
-    PILOT_OUTLINES = 64    /* it plants what the corners enclose */
+    PILOT_OUTLINES = 64,   /* it plants what the corners enclose */
+    PILOT_HAS_PAGES = 128  /* its answer has the screen for itself */
 };
 
 /* Words of keys are those of tui/pilot/chord.h; the first row that fits is taken. */
@@ -361,6 +372,10 @@ void pilot_magnify(struct press *p);       /* more, less; 0 for whole slices */
 void pilot_recentre(struct press *p);
 void pilot_show_alone(struct press *p);
 void pilot_preset(struct press *p); /* the window of that number */
+/* Where one watches, lines for the host that shows steps: "step on 3". */
+void pilot_step(struct press *p);          /* on, back; by the count */
+void pilot_to_step(struct press *p);       /* the first, the last, that of the count */
+void pilot_step_of_label(struct press *p); /* next, previous; of the label that the count is */
 void pilot_begin_picking(struct press *p);
 void pilot_end_picking(struct press *p); /* 1: at the voxel; 0: where the cross-hair is */
 

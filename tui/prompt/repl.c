@@ -326,6 +326,31 @@ enum err repl_run(const struct repl_host *host, const struct repl_options *optio
     return run_plain(host, terminal, fault);
 }
 
+/* ---- the screen alone ---- */
+
+enum err give_screen_once(const struct repl_host *host, struct graphics_wish wish,
+                          struct fault *fault)
+{
+    struct terminal_facts facts = {0};
+    struct line_editor editor;
+    bool ended;
+    if (!isatty(STDIN_FILENO) || !isatty(STDOUT_FILENO) ||
+        probe_is_plain(probe_environment_now().term))
+        return fault_set(fault, ERR_USAGE, "this is for a terminal with a screen");
+    line_editor_init(&editor, host->complete, host->context);
+    editor.news_descriptor = -1;
+    enum err err = open_terminal(STDIN_FILENO, wish, true, &facts, &editor.input, fault);
+    editor.knows = host->knows;
+    editor.unanswered = !facts.answers;
+    editor.grey = theme_dark.hint;
+    if (!err)
+        err = host->screen(host->context, &facts, &editor, &ended, fault);
+    probe_leave(&facts, editor.answers_due);
+    term_close();
+    line_editor_release(&editor);
+    return err;
+}
+
 /* ---- one picture ---- */
 
 bool show_picture_once(struct graphics_wish wish, const struct image_view *view)

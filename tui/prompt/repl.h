@@ -67,6 +67,11 @@ struct repl_options {
 enum err repl_run(const struct repl_host *host, const struct repl_options *options,
                   struct fault *fault);
 
+/* Outside repl_run: gives the whole screen to `screen`, as of struct repl_host, and restores
+ * everything. ERR_USAGE where there is no terminal that can show it. */
+enum err give_screen_once(const struct repl_host *host, struct graphics_wish wish,
+                          struct fault *fault);
+
 /* Outside repl_run: asks the terminal what it can, shows the picture at the cursor, which must be
  * at the start of a line, and restores everything. False, with nothing written, where standard
  * output is no terminal or cannot show it, or this is a background job. */
