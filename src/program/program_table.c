@@ -15,6 +15,7 @@ enum {
     OUT,
     REPLAY_OUT,
     EVIDENCE_OUT,
+    WHOLE,
     KEEP_GOING,
     GRAPHICS,
     SMOOTH,
@@ -104,6 +105,10 @@ static const struct option option[] = {
                       "leave there what a golden image differs by, in N/ for the Nth journal where "
                       "several have one name",
                       TEXT(out)},
+    [WHOLE] = {"--whole", NULL,
+               "the journal appears when all is done: until then it is FILE.part, which the run "
+               "goes on with when it is repeated",
+               FLAG(whole)},
     [KEEP_GOING] = {"--keep-going", NULL, "do not stop at the first error", FLAG(keep_going)},
     [GRAPHICS] = {"--graphics", "HOW",
                   "how pictures are shown, whatever the terminal says of itself", read_graphics, 0,
@@ -219,18 +224,22 @@ static const struct program program[] = {
      .summary = "the prompt, on a new scene or a journal", .run = run_prompt},
     {.form = "-c",
      .words = "",
-     .option = {COMMANDS, SESSION_OPTIONS, KEEP_GOING},
+     .option = {COMMANDS, SESSION_OPTIONS, WHOLE, KEEP_GOING},
      .summary = "carry out these commands",
      .run = run_commands},
     {.name = "run",
      ONE("FILE|-"),
-     .option = {SESSION_OPTIONS, KEEP_GOING},
+     .option = {SESSION_OPTIONS, WHOLE, KEEP_GOING, JSON},
      .summary = "carry out the commands of a script or journal",
      .detail = "Each command is acknowledged, once its record is on the disk, by a line that "
                "begins `ok N`, where N is the number of the record, or `ok -` for a command that "
                "changes nothing and has none, and repeats the command. The first error ends the "
                "run. One that was interrupted goes on after its last record when it is repeated "
-               "with the same --journal; where script and journal differ, nothing is added.",
+               "with the same --journal; where script and journal differ, nothing is added.\n"
+               "For a batch: --whole, and --json for one object in place of those lines. No "
+               "terminal is needed. Exit status: 0 all was carried out, or was there; 1 a golden "
+               "image differs; 2 bad usage, also of a command; 3 bad input or I/O, a full disk "
+               "too; 130 Ctrl-C.",
      .run = run_script},
     {.name = "replay",
      ONE("JOURNAL"),
