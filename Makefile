@@ -86,7 +86,7 @@ endif
 MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 1)
 
 PARTS   := src/base src/confine src/engine src/image src/register src/session src/show src/report \
-           src/sandbox src/command src/verify src/program journal render tui tui/picture \
+           src/sandbox src/command src/verify src/apply src/program journal render tui tui/picture \
            tui/prompt tui/pilot
 SOURCES := $(sort $(foreach part,$(PARTS),$(wildcard $(part)/*.c)))
 OBJECTS := $(SOURCES:%.c=$(BUILD)/%.o)
