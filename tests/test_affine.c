@@ -193,7 +193,8 @@ STORY(no_map_nearby_leaves_less)
                 for (int r = 0; r < 3; r++)
                     for (int c = 0; c < 4; c++)
                         small.m[r][c] = c == 3 ? between(-0.1, 0.1) : 0;
-                const double x = between(-.01, .01), y = between(-.01, .01), z = between(-.01, .01);
+                const double x = between(-.01, .01), y = between(-.01, .01),
+                             z = between(-9e-3, .01);
                 const double n = sqrt(1 + x * x + y * y + z * z), w = 1 / n;
                 const double q[4] = {w, x / n, y / n, z / n};
                 small.m[0][0] = 1 - 2 * (q[2] * q[2] + q[3] * q[3]);

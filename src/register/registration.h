@@ -26,19 +26,34 @@ struct placed_scene {
 struct registration {
     struct affine affine; /* subject's world -> procedure's world, millimetres, RAS+ */
     char subject[SHA256_HEX], procedure[SHA256_HEX]; /* what scene_proof says of them */
-    double metric, identity_metric; /* mutual information of the two, in nats: more is better; with
-                                       the map, and with the scenes as they lie in their worlds */
-    double overlap;      /* 0..1: of the smaller scene's content that lies in the other's */
-    double agreement_mm; /* how far forward and then backward leads away, at most, over the content
-                            of the subject's scene */
+    /* Mutual information in nats, more is better: with the map, with the scenes as they lie in
+     * their worlds, and with the best map of the subject's mirror image. */
+    double metric, identity_metric, mirrored_metric;
+    double overlap;      /* 0..1: of either scene's content what lies in the other; the lesser */
+    double agreement_mm; /* how far to go there, and back by the map found from the procedure to
+                            the subject, leads away at most, in the box of the subject's content */
+    double length_mm;    /* the longest side of that box */
     double stretch[3];   /* singular values, largest first */
     double seconds;      /* of the processor */
 };
 
 /*
+ * What is believed. Bounds lie between what was measured of scenes that a map was found for (brains
+ * deformed by 5 mm, with noise, bias, turns of 30 degrees, sizes of 0.8) and of those that have none
+ * (`bench register` of tests/bench measures both).
+ */
+#define REGISTRATION_METRIC_LEAST   0.15 /* found: 0.7 and more; noise: 0.01, a solid: 0.08 */
+#define REGISTRATION_WORSE_MOST     0.02 /* below the identity's metric, as a part of it */
+#define REGISTRATION_OVERLAP_LEAST  0.6  /* found: 0.89 and more; a third of a head: 0.41 */
+#define REGISTRATION_AGREEMENT_MOST 0.03 /* parts of the length; found: 0.003; else 0.13 */
+#define REGISTRATION_STRETCH_LEAST  0.6  /* of all singular values; */
+#define REGISTRATION_STRETCH_MOST   1.67
+#define REGISTRATION_VOLUME_MOST    2.5 /* of the determinant, which is 1/2.5 or more */
+
+/*
  * Finds it. ERR_CHECK where it found one that is not to be used: then `out` holds it all the same,
  * for its figures, and `fault` says which of them is wrong and what can be done. ERR_INPUT for
- * scenes without a place in the world, or without contrast; ERR_IO where the helper is missing
+ * scenes whose axes or spacing are unknown, or without contrast; ERR_IO where the helper is missing
  * (with what to type), or ended; ERR_CANCELLED.
  */
 enum err registration_find(struct registration *out, const struct placed_scene *subject,

@@ -24,8 +24,8 @@ struct staple_rater {
 };
 
 /*
- * `maps` are `raters` (2..64) maps of one grid of `voxels`, `consensus` another, which is theirs
- * (caller's arrays). A voxel between two labels that are equally likely gets the lower one.
+ * `maps` are `raters` (2..64) maps of one grid, [z][y][x], `consensus` is room for another
+ * (the caller's arrays). A voxel of labels that are equally likely gets the lowest that a rater says.
  * ERR_INPUT, ERR_IO where the helper is missing or ended, ERR_CANCELLED: then the arrays hold
  * nothing of use.
  */
