@@ -11,7 +11,7 @@ PACKAGES := g++ pkg-config libopenimageio-dev libopenexr-dev nettle-dev zlib1g-d
             openexr openimageio-tools
 # Without it, which is for amd64, arm64 and a few more, gzip files are read at a third of the speed.
 INFLATER := libisal-dev
-# Of iftty-volume alone, which `make demo` does not wait for.
+# Of iftty-volume and iftty-register alone, which `make demo` does not wait for.
 VOLUME_PACKAGES := libinsighttoolkit5-dev libgdcm-dev libhdf5-dev
 SCENES   := mricron-data
 # What tests use; what is after this in a list of packages, is left out where it cannot be had.
@@ -67,13 +67,18 @@ VOLUME_LIBS   = $(addsuffix $(ITK:ITK%=%),$(ITK_IO:%=-lITKIO%) -lITKMetaIO -lITK
                 -lgdcmMSFF -lgdcmDSED -lgdcmDICT -lgdcmCommon \
                 $(shell pkg-config --libs hdf5 2>/dev/null) -lz
 
-# Both helpers: how they are confined.
+REGISTER_FLAGS = -isystem /usr/include/$(ITK) -fno-sanitize=vptr
+REGISTER_LIBS = $(addsuffix $(ITK:ITK%=%),-lITKOptimizersv4 -lITKSmoothing -lITKTransform \
+                  -lITKCommon -litkvnl_algo -litkvnl)
+
+# All helpers: how they are confined.
 CONFINED      = $(BUILD)/src/base/beneath.o $(BUILD)/src/confine/confine.o
 
 IMAGE_PARTS   = $(patsubst %.cc,$(BUILD)/%.o,src/image/iftty-image.cc \
                   $(wildcard src/image/image_*.cc))
 VOLUME_PARTS  = $(patsubst %.cc,$(BUILD)/%.o,src/image/iftty-volume.cc \
                   $(wildcard src/image/volume_*.cc))
+REGISTER_PARTS = $(patsubst %.cc,$(BUILD)/%.o,$(wildcard src/register/*.cc))
 
 # One line a file, unless V=1; as many files at once as there are cores.
 ifeq ($(V),1)
@@ -85,9 +90,9 @@ Q   = @
 endif
 MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 1)
 
-PARTS   := src/base src/confine src/engine src/image src/session src/show src/report src/sandbox \
-           src/command src/verify \
-           src/program journal render tui tui/picture tui/prompt tui/pilot
+PARTS   := src/base src/confine src/engine src/image src/register src/session src/show src/report \
+           src/sandbox src/command src/verify src/apply src/program journal render tui tui/picture \
+           tui/prompt tui/pilot
 SOURCES := $(sort $(foreach part,$(PARTS),$(wildcard $(part)/*.c)))
 OBJECTS := $(SOURCES:%.c=$(BUILD)/%.o)
 LIBRARY := $(BUILD)/libiftty.a
@@ -141,8 +146,9 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
 .DELETE_ON_ERROR:
 .SECONDARY:
 
-## all: build build/iftty and its two helpers, for images and for volumes (the default)
-all: $(BUILD)/iftty $(BUILD)/iftty-image $(BUILD)/iftty-volume
+## all: build build/iftty and its three helpers, for images, for volumes and to register scenes (the
+##     default)
+all: $(BUILD)/iftty $(BUILD)/iftty-image $(BUILD)/iftty-volume $(BUILD)/iftty-register
 
 ## test: install what is missing, build, run every test; ends with "N passed, N failed,
 ##     N skipped"; JOBS=2 at once, one more than there are cores
@@ -281,14 +287,20 @@ build/.packages-volume: Makefile | $(PACKAGES_STAMP)
 	@.ci/packages $(VOLUME_PACKAGES) --
 	@touch $@
 
-$(VOLUME_PARTS): $(BUILD)/%.o: %.cc | build/.packages-volume
+$(VOLUME_PARTS): HELPER_FLAGS = $(VOLUME_FLAGS)
+$(REGISTER_PARTS): HELPER_FLAGS = $(REGISTER_FLAGS)
+$(VOLUME_PARTS) $(REGISTER_PARTS): $(BUILD)/%.o: %.cc | build/.packages-volume
 	@mkdir -p $(@D)
 	$(say) "compile   $<"
-	$(Q)$(CXX) $(ALL_CXXFLAGS) $(VOLUME_FLAGS) -c -o $@ $<
+	$(Q)$(CXX) $(ALL_CXXFLAGS) $(HELPER_FLAGS) -c -o $@ $<
 
 $(BUILD)/iftty-volume: $(VOLUME_PARTS) $(BUILD)/src/image/csa.o $(CONFINED)
 	$(say) "link      $@"
 	$(Q)$(CXX) -o $@ $^ $(ALL_LDFLAGS) $(VOLUME_LIBS)
+
+$(BUILD)/iftty-register: $(REGISTER_PARTS) $(CONFINED)
+	$(say) "link      $@"
+	$(Q)$(CXX) -o $@ $^ $(ALL_LDFLAGS) $(REGISTER_LIBS)
 
 $(BUILD)/tests/probe/%.o: tests/probe/%.cc
 	@mkdir -p $(@D)
@@ -385,5 +397,5 @@ $(BUILD)/racing/%.o: %.c | $(PACKAGES_STAMP)
 
 -include $(RACING:.o=.d) $(wildcard $(BUILD)/racing/tests/*.d)
 -include $(OBJECTS:.o=.d) $(BUILD)/src/main.d $(TESTS:=.d) $(PEERS:=.d) $(IMAGE_PARTS:.o=.d) \
-         $(VOLUME_PARTS:.o=.d) $(STAGED:=.d) $(BENCH).d $(BENCHES:.o=.d) \
+         $(VOLUME_PARTS:.o=.d) $(REGISTER_PARTS:.o=.d) $(STAGED:=.d) $(BENCH).d $(BENCHES:.o=.d) \
          $(wildcard $(BUILD)/tests/*/*.d)

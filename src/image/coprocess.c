@@ -185,6 +185,11 @@ static bool add_work(long process, uint64_t *busy_ms, uint64_t *pages)
     return true;
 }
 
+static uint64_t work_ms(const struct coprocess *c)
+{
+    return (uint64_t)(c->work_ms ? c->work_ms : STUCK_MS);
+}
+
 /* A decoder that gets on fills memory, or answers: then it is waited for on. One that has worked
  * for long without either is stuck. Where the system does not say, patience alone decides. */
 static bool gets_on(struct coprocess *c, uint64_t *until)
@@ -203,7 +208,7 @@ static bool gets_on(struct coprocess *c, uint64_t *until)
     const bool is_first = !c->pages || busy_ms < c->busy_ms; /* one of them has ended */
     const bool has_grown = pages >= c->pages + PAGES_LEAST;
     if (!is_first && !has_grown)
-        return busy_ms - c->busy_ms < STUCK_MS || fails(c, STUCK);
+        return busy_ms - c->busy_ms < work_ms(c) || fails(c, STUCK);
     const uint64_t later = clock_ns() + (uint64_t)c->patience_ms * 1000000;
     if (!is_first && later > *until)
         *until = later;
@@ -334,7 +339,7 @@ enum err coprocess_fault(struct coprocess *c, const char *doing, const char *pat
                  (c->patience_ms + 999) / 1000);
     else if (c->trouble == STUCK)
         snprintf(end, sizeof end, "worked for %d s without getting on and was ended",
-                 STUCK_MS / 1000);
+                 (int)(work_ms(c) / 1000));
     else if (c->trouble == ODD)
         snprintf(end, sizeof end, "gave an answer that makes no sense and was ended");
     else if (status != -1 && WIFSIGNALED(status))

@@ -6,7 +6,7 @@
  * next request starts the program again. Nothing here ever raises SIGPIPE or waits without end: one
  * that does not take or give what is its turn within `patience_ms`, and a second for each megabyte,
  * since it last took more memory, is ended; so is one that has worked for five seconds of the
- * processor without either, as a decoder in a circle does, one that closes the socket and goes on,
+ * processor (work_ms) without either, as a decoder in a circle does, one that closes the socket and goes on,
  * and one that is waited for when the watch stops. Its errors go nowhere, it has no environment,
  * and it is a process group of its own, so that an interrupt from the keyboard is not meant for it.
  * From all else it keeps itself before it decodes a byte, and it ends with the thread that started
@@ -35,6 +35,7 @@ struct coprocess {
     pid_t process;       /* 0: none runs */
     int fd;              /* our end of the socket pair, -1: none */
     int patience_ms;     /* of the next start */
+    int work_ms;         /* of the processor that may pass without getting on; 0: five seconds */
     uint64_t memory;     /* bytes that it may hold for itself, of the next start; 0: any number */
     struct watch *watch; /* polled while it is waited for, as `doing`; or NULL */
     const char *doing;

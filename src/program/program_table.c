@@ -1,4 +1,5 @@
 /* The table of programs, and that of their options. */
+#include "apply/apply.h"
 #include "program/programs.h"
 #include "session/map.h"
 #include "verify/signature.h"
@@ -47,6 +48,13 @@ enum {
     PICTURE,
     SLICES,
     SLICES_SCENE,
+    BY,
+    PLANT_AS,
+    FIT,
+    LANDMARKS_OF,
+    ORIENT,
+    APPLY_OUT,
+    PROCEDURE_SCENE,
     LIMIT_MEMORY,
     LIMIT_TIME,
     LIMIT_OUTPUT,
@@ -67,6 +75,7 @@ enum {
     REPAIR,
     RESEAL,
     SIGN,
+    PROCEDURE,
 };
 
 static enum err read_graphics(const struct option *option, const char *text, void *out,
@@ -180,6 +189,26 @@ static const struct option option[] = {
     [BINARY] = {"--binary", NULL, "take all of them for one object, label 1", FLAG(binary)},
     [RESAMPLE] = {"--resample", NULL, "take the nearest voxels of a B that lies elsewhere",
                   FLAG(resample)},
+    [BY] =
+        {"--by", "WAY",
+         "world (same millimetres), landmarks, affine (by the intensities of both; the default), "
+         "or a FILE with a transform of ITK, or fsl:FILE",
+         TEXT(by)},
+    [PLANT_AS] = {"--as", "WHAT",
+                  "labels (what it came to, eroded; the default) or seeds (its gestures)",
+                  TEXT(as)},
+    [FIT] = {"--fit", "KIND", "of landmarks: " APPLY_FITS "; the most that they say, unless given",
+             TEXT(fit)},
+    [LANDMARKS_OF] = {"--landmarks", "FILE",
+                      "of the subject: lines NAME X,Y,Z in mm, or a journal of its scene",
+                      TEXT(landmarks)},
+    [ORIENT] = {"--orient", "HOW",
+                "what `orient` is to say of scenes whose files do not say it, as RAS",
+                TEXT(orient)},
+    [APPLY_OUT] = {"--out", "DIR", "the journals go into this folder, else into the present one",
+                   TEXT(out)},
+    [PROCEDURE_SCENE] = {"--scene", "FILE", "the procedure's scene, whatever name `open` gives",
+                         TEXT(scene)},
     [LIMIT_MEMORY] = {"--limit-memory", "SIZE",
                       "the most memory that a journal may take, as 2G (3/4 of what is free)",
                       TEXT(limit_memory)},
@@ -207,6 +236,7 @@ static const struct option option[] = {
     [REPAIR] = {"--repair", FORM},
     [RESEAL] = {"--reseal", FORM},
     [SIGN] = {"--sign", "KEY", "", TEXT(sign)},
+    [PROCEDURE] = {"--procedure", "FILE", "", TEXT(procedure)},
 };
 
 /* ---- programs ---- */
@@ -300,6 +330,20 @@ static const struct program program[] = {
      .detail = "The first command that differs and, for each label, the voxels in both and "
                "Dice's coefficient. A and B may be scripts as well.",
      .run = run_diff},
+    {.name = "apply",
+     .words = "PROCEDURE SCENE...",
+     .least = 2,
+     .most = FILES_MOST,
+     .option = {BY, PLANT_AS, APPLY_OUT, LANDMARKS_OF, FIT, ORIENT, PROCEDURE_SCENE, JSON,
+                LIMIT_OPTIONS},
+     .summary = "carry a procedure to other scenes",
+     .detail =
+         "PROCEDURE is a journal, which is carried out by the rules of `replay`, or what "
+         "`iftty log --procedure` writes. Each SCENE comes to a journal SCENE.iftty, whole or "
+         "not at all, that can be corrected and verified as any other. One that is there is "
+         "skipped where it is what would be made. Seeds whose intensities are none of the "
+         "object are dropped, and counted. Status 1: a scene was refused.",
+     .run = run_apply},
     {.name = "compare",
      TWO("A B"),
      .option = {REGIONS, AS, BINARY, RESAMPLE, JSON, CSV, SLICES, SLICES_SCENE},
@@ -341,6 +385,16 @@ static const struct program program[] = {
      .summary = "its provenance as W3C PROV-JSON, into FILE",
      .detail = "Where FILE is -, it is printed. Nothing is overwritten.",
      .run = run_log_export},
+    {.name = "log",
+     .form = "--procedure",
+     ONE("JOURNAL"),
+     .option = {PROCEDURE, SCENE, LIMIT_OPTIONS},
+     .summary = "what `apply` needs of it, without image, names",
+     .detail =
+         "Labels and their grid, percentiles of intensities, gestures, landmarks, weights and "
+         "finish, as text into FILE; where that is -, it is printed. No image, no comment, and "
+         "no name of a file; labels keep theirs. Nothing is overwritten.",
+     .run = run_log_procedure},
     {.name = "log",
      .form = "--repair",
      ONE("JOURNAL"),

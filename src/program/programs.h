@@ -15,6 +15,8 @@ enum err run_verify_bisect(const struct options *options, struct fault *fault);
 enum err run_review(const struct options *options, struct fault *fault);
 enum err run_reseal(const struct options *options, struct fault *fault);
 enum err run_diff(const struct options *options, struct fault *fault);
+enum err run_apply(const struct options *options, struct fault *fault);
+enum err run_log_procedure(const struct options *options, struct fault *fault);
 enum err run_compare(const struct options *options, struct fault *fault);
 enum err run_log(const struct options *options, struct fault *fault);
 enum err run_log_script(const struct options *options, struct fault *fault);

@@ -1,0 +1,59 @@
+/*
+ * The register helper: registration and STAPLE by ITK in a process of its own.
+ *
+ * The program iftty-register is started for one request, takes all files and nearly all calls of
+ * the kernel from itself before the first voxel comes (Landlock, seccomp, limits), and ends with
+ * its answer. It reads no file: what it is given are voxels, decoded and bounded. What it says is
+ * checked: lengths, numbers, labels.
+ *
+ * The protocol, as in coprocess.h:
+ *
+ *     request   register NX NY NZ NX NY NZ\n      the subject's scene, and the procedure's
+ *                 12 numbers  voxels              of the one, and
+ *                 12 numbers  voxels              of the other
+ *     answer    any number of
+ *                 progress DONE TOTAL\n
+ *               and then
+ *                 found\n  20 numbers
+ *               or
+ *                 error LENGTH\n  words
+ *
+ *     request   staple RATERS LABELS VOXELS\n     labels are 0..LABELS-1
+ *                 maps                            a byte a voxel, one map after another
+ *     answer    any number of progress, and then
+ *                 consensus\n  map  2 RATERS LABELS numbers
+ *               or an error
+ *
+ * Numbers are doubles of this machine. Those of a request are the three rows of the matrix from
+ * voxels to the world (right, anterior, superior; millimetres), its voxels are of 16 bits, x
+ * fastest. Those found are the three rows of the map from the subject's world to the procedure's;
+ * the metric of the map, of the identity, of the mirror image; what part of the subject's content
+ * and of the procedure's lies in the other; agreement and length, in millimetres; and seconds.
+ * Those of a consensus are sensitivity and specificity by label, rater after rater.
+ */
+#ifndef REGISTER_REGISTER_HELPER_H
+#define REGISTER_REGISTER_HELPER_H
+
+#include <stdint.h>
+
+#include "base/err.h"
+#include "base/watch.h"
+#include "image/coprocess.h"
+
+#define REGISTER_HELPER "iftty-register" /* the program, beside the running one */
+
+/* For tests: another program, NULL for iftty-register beside the running one; and how long it may
+ * stay silent. */
+extern const char *register_helper_program;
+extern int register_helper_patience_ms;
+
+/* Starts one for `task` ("registration"), which may hold so many bytes, and may work for so many
+ * milliseconds of the processor between two answers; coprocess_release ends it, after an error
+ * too. */
+enum err register_helper_start(struct coprocess *out, const char *task, uint64_t bytes, int work_ms,
+                               struct watch *watch, struct fault *fault);
+
+/* Waits for the line `word`, and shows how far it is. */
+enum err register_helper_await(struct coprocess *process, const char *word, struct fault *fault);
+
+#endif

@@ -1,0 +1,286 @@
+/* Affine maps, and the one that fits pairs of places. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "register/affine.h"
+#include "tests/check.h"
+
+static uint64_t state = 1;
+
+static double between(double low, double high)
+{
+    state = state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return low + (high - low) * (double)(state >> 11) / 0x1p53;
+}
+
+static double size_of(const double v[3])
+{
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+/* A turn about any axis by Rodrigues' formula: another way than that of the fit. */
+static struct affine turn(void)
+{
+    double axis[3], length;
+    do {
+        for (int i = 0; i < 3; i++)
+            axis[i] = between(-1, 1);
+        length = size_of(axis);
+    } while (length < 0.1 || length > 1);
+    const double angle = between(-3.1, 3.1), c = cos(angle), s = sin(angle);
+    const double x = axis[0] / length, y = axis[1] / length, z = axis[2] / length;
+    const double cross[3][3] = {{0, -z, y}, {z, 0, -x}, {-y, x, 0}}, u[3] = {x, y, z};
+    struct affine out;
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++)
+            out.m[i][j] = (i == j) * c + (1 - c) * u[i] * u[j] + s * cross[i][j];
+        out.m[i][3] = between(-100, 100);
+    }
+    return out;
+}
+
+static struct affine scaled(struct affine a, double by)
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            a.m[i][j] *= by;
+    return a;
+}
+
+static struct affine anything(void)
+{
+    struct affine out = turn();
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            out.m[i][j] += between(-0.15, 0.15);
+    return out;
+}
+
+static double difference(const struct affine *a, const struct affine *b)
+{
+    return affine_apart(a, b, (const double[3]){-100, -100, -100},
+                        (const double[3]){100, 100, 100});
+}
+
+enum { PLACES = 12 };
+
+/* Of the first four, no one lies in the plane of the others. */
+static void scatter(size_t n, double place[][3])
+{
+    for (size_t p = 0; p < n; p++)
+        for (size_t i = 0; i < 3; i++)
+            place[p][i] = p < 4 ? between(-10, 10) + (p == i ? 80 : 0) : between(-80, 80);
+}
+
+static void carry(const struct affine *a, size_t n, const double from[][3], double to[][3])
+{
+    for (size_t p = 0; p < n; p++)
+        affine_apply(a, from[p], to[p]);
+}
+
+static double squares_left(const struct affine *a, size_t n, const double from[][3],
+                           const double to[][3])
+{
+    double sum = 0;
+    for (size_t p = 0; p < n; p++) {
+        double at[3];
+        affine_apply(a, from[p], at);
+        for (int i = 0; i < 3; i++)
+            sum += (at[i] - to[p][i]) * (at[i] - to[p][i]);
+    }
+    return sum;
+}
+
+#define ROWS(a) (const double(*)[3])(a)
+
+STORY(to_go_there_and_back_is_to_stay)
+{
+    for (int i = 0; i < 1000; i++) {
+        const struct affine a = anything(), b = anything();
+        struct affine back, both, identity;
+        double at[3] = {between(-100, 100), between(-100, 100), between(-100, 100)}, by[3], to[3];
+        affine_identity(&identity);
+        CHECK(affine_invert(&back, &a));
+        affine_compose(&both, &back, &a);
+        CHECK(difference(&both, &identity) < 1e-9);
+        affine_compose(&both, &b, &a); /* first a */
+        affine_apply(&a, at, by);
+        affine_apply(&b, by, by);
+        affine_apply(&both, at, to);
+        for (int k = 0; k < 3; k++)
+            CHECK(fabs(to[k] - by[k]) < 1e-9);
+        CHECK(fabs(affine_determinant(&both) - affine_determinant(&a) * affine_determinant(&b)) <
+              1e-9);
+    }
+}
+
+STORY(what_has_no_way_back_is_said_to_have_none)
+{
+    struct affine flat = {{{1, 0, 0, 5}, {0, 1, 0, 6}, {0, 0, 0, 7}}}, out = flat;
+    CHECK(!affine_invert(&out, &flat));
+    CHECK(out.m[2][3] == 7);
+    flat.m[2][2] = NAN;
+    CHECK(!affine_invert(&out, &flat) && !affine_is_finite(&flat));
+    flat.m[2][2] = INFINITY;
+    CHECK(!affine_invert(&out, &flat));
+    const struct affine tiny = {{{1e-6, 0, 0, 0}, {0, 1e-6, 0, 0}, {0, 0, 1e-6, 0}}};
+    CHECK(affine_invert(&out, &tiny) && fabs(out.m[0][0] - 1e6) < 1e-3);
+}
+
+STORY(stretches_are_those_that_were_put_in)
+{
+    for (int i = 0; i < 200; i++) {
+        const double s[3] = {between(1.2, 2), between(0.8, 1.1), between(0.2, 0.7)};
+        const struct affine stretch = {{{s[2], 0, 0, 0}, {0, s[0], 0, 0}, {0, 0, -s[1], 0}}};
+        const struct affine first = turn(), second = turn();
+        struct affine both;
+        double out[3];
+        affine_compose(&both, &stretch, &first);
+        affine_compose(&both, &second, &both);
+        affine_stretches(&both, out);
+        for (int k = 0; k < 3; k++)
+            CHECK(fabs(out[k] - s[k]) < 1e-12);
+        CHECK(affine_determinant(&both) < 0);
+    }
+}
+
+/* Exact places give the map that made them, for every kind that holds it. */
+STORY(exact_pairs_give_the_map_that_made_them)
+{
+    for (int i = 0; i < 1000; i++) {
+        const size_t n = 4 + (size_t)i % (PLACES - 4);
+        double from[PLACES][3], to[PLACES][3], rms = -1;
+        struct affine a = turn(), found;
+        scatter(n, from);
+        carry(&a, n, ROWS(from), to);
+        for (int kind = AFFINE_RIGID; kind <= AFFINE_FULL; kind++) {
+            CHECK_INT(
+                affine_fit(&found, (enum affine_kind)kind, n, ROWS(from), ROWS(to), &rms, NULL),
+                OK);
+            CHECK(difference(&a, &found) < 1e-7 && rms < 1e-8);
+        }
+        a = scaled(a, between(0.5, 2));
+        carry(&a, n, ROWS(from), to);
+        CHECK_INT(affine_fit(&found, AFFINE_SIMILARITY, n, ROWS(from), ROWS(to), &rms, NULL), OK);
+        CHECK(difference(&a, &found) < 1e-7 && rms < 1e-8);
+        a = anything();
+        carry(&a, n, ROWS(from), to);
+        CHECK_INT(affine_fit(&found, AFFINE_FULL, n, ROWS(from), ROWS(to), &rms, NULL), OK);
+        CHECK(difference(&a, &found) < 1e-6 && rms < 1e-8);
+    }
+}
+
+/* Marks are off by 2 mm: no map of the kind nearby leaves less, and a larger kind leaves no more. */
+STORY(no_map_nearby_leaves_less)
+{
+    for (int i = 0; i < 300; i++) {
+        double from[PLACES][3], to[PLACES][3], rms[3];
+        const struct affine a = anything();
+        scatter(8, from);
+        carry(&a, 8, ROWS(from), to);
+        for (int p = 0; p < 8; p++)
+            for (int k = 0; k < 3; k++)
+                to[p][k] += between(-2, 2);
+        for (int kind = AFFINE_RIGID; kind <= AFFINE_FULL; kind++) {
+            struct affine found;
+            CHECK_INT(affine_fit(&found, (enum affine_kind)kind, 8, ROWS(from), ROWS(to),
+                                 &rms[kind], NULL),
+                      OK);
+            const double least = squares_left(&found, 8, ROWS(from), ROWS(to));
+            CHECK(fabs(sqrt(least / 8) - rms[kind]) < 1e-9);
+            for (int t = 0; t < 20; t++) {
+                struct affine small = turn(), other;
+                for (int r = 0; r < 3; r++)
+                    for (int c = 0; c < 4; c++)
+                        small.m[r][c] = c == 3 ? between(-0.1, 0.1) : 0;
+                const double x = between(-.01, .01), y = between(-.01, .01),
+                             z = between(-9e-3, .01);
+                const double n = sqrt(1 + x * x + y * y + z * z), w = 1 / n;
+                const double q[4] = {w, x / n, y / n, z / n};
+                small.m[0][0] = 1 - 2 * (q[2] * q[2] + q[3] * q[3]);
+                small.m[1][1] = 1 - 2 * (q[1] * q[1] + q[3] * q[3]);
+                small.m[2][2] = 1 - 2 * (q[1] * q[1] + q[2] * q[2]);
+                small.m[0][1] = 2 * (q[1] * q[2] - q[0] * q[3]);
+                small.m[1][0] = 2 * (q[1] * q[2] + q[0] * q[3]);
+                small.m[0][2] = 2 * (q[1] * q[3] + q[0] * q[2]);
+                small.m[2][0] = 2 * (q[1] * q[3] - q[0] * q[2]);
+                small.m[1][2] = 2 * (q[2] * q[3] - q[0] * q[1]);
+                small.m[2][1] = 2 * (q[2] * q[3] + q[0] * q[1]);
+                if (kind == AFFINE_SIMILARITY)
+                    small = scaled(small, between(0.99, 1.01));
+                if (kind == AFFINE_FULL)
+                    small.m[t % 3][t / 3 % 3] += between(-0.01, 0.01);
+                affine_compose(&other, &found, &small);
+                CHECK(squares_left(&other, 8, ROWS(from), ROWS(to)) >= least - 1e-9);
+            }
+        }
+        CHECK(rms[0] >= rms[1] - 1e-9 && rms[1] >= rms[2] - 1e-9);
+    }
+}
+
+/* Three pairs are in a plane, which a rotation does not mind, with errors or without. */
+STORY(three_pairs_turn_and_never_mirror)
+{
+    for (int i = 0; i < 500; i++) {
+        double from[3][3], to[3][3], rms;
+        const struct affine a = turn();
+        struct affine found;
+        scatter(3, from);
+        carry(&a, 3, ROWS(from), to);
+        if (affine_fit(&found, AFFINE_RIGID, 3, ROWS(from), ROWS(to), &rms, NULL) == OK)
+            CHECK(difference(&a, &found) < 1e-5);
+        for (int p = 0; p < 3; p++)
+            to[p][p] += between(-2, 2);
+        if (affine_fit(&found, AFFINE_RIGID, 3, ROWS(from), ROWS(to), &rms, NULL) == OK)
+            CHECK(fabs(affine_determinant(&found) - 1) < 1e-12);
+    }
+}
+
+STORY(places_that_do_not_say_it_are_refused_in_words)
+{
+    const double line[4][3] = {{0, 0, 0}, {10, 10, 0}, {20, 20, 0}, {40, 40.1, 0}};
+    const double plane[4][3] = {{0, 0, 0}, {50, 0, 0}, {0, 50, 0}, {40, 40, 0.2}};
+    const double solid[4][3] = {{0, 0, 0}, {50, 0, 0}, {0, 50, 0}, {0, 0, 50}};
+    const double point[4][3] = {{3, 3, 3}, {3, 3, 3}, {3, 3, 3}, {3, 3, 3}};
+    double mirrored[4][3], broken[4][3], rms = 7;
+    struct affine out = {{{42}}};
+    struct fault fault;
+    memcpy(broken, solid, sizeof broken);
+    broken[2][1] = NAN;
+    for (int p = 0; p < 4; p++)
+        for (int k = 0; k < 3; k++)
+            mirrored[p][k] = k == 0 ? -solid[p][k] : solid[p][k];
+    CHECK_INT(affine_fit(&out, AFFINE_RIGID, 2, solid, solid, &rms, &fault), ERR_INPUT);
+    CHECK_HAS(fault.text, "2 pairs of places; a rigid map takes 3 or more");
+    CHECK_INT(affine_fit(&out, AFFINE_FULL, 3, solid, solid, &rms, &fault), ERR_INPUT);
+    CHECK_HAS(fault.text, "affine map takes 4");
+    CHECK_INT(affine_fit(&out, AFFINE_RIGID, 4, line, solid, &rms, &fault), ERR_INPUT);
+    CHECK_HAS(fault.text, "on one line");
+    CHECK_INT(affine_fit(&out, AFFINE_SIMILARITY, 4, solid, line, &rms, &fault), ERR_INPUT);
+    CHECK_INT(affine_fit(&out, AFFINE_RIGID, 4, point, solid, &rms, &fault), ERR_INPUT);
+    CHECK_INT(affine_fit(&out, AFFINE_RIGID, 4, ROWS(broken), solid, &rms, &fault), ERR_INPUT);
+    CHECK_INT(affine_fit(&out, AFFINE_FULL, 4, plane, solid, &rms, &fault), ERR_INPUT);
+    CHECK_HAS(fault.text, "in one plane");
+    CHECK_INT(affine_fit(&out, AFFINE_FULL, 4, solid, plane, &rms, &fault), ERR_INPUT);
+    for (int kind = AFFINE_RIGID; kind <= AFFINE_FULL; kind++) {
+        CHECK_INT(affine_fit(&out, (enum affine_kind)kind, 4, solid, ROWS(mirrored), &rms, &fault),
+                  ERR_INPUT);
+        CHECK_HAS(fault.text, "left and right");
+    }
+    CHECK(out.m[0][0] == 42 && rms == 7);
+    CHECK_INT(affine_fit(&out, AFFINE_RIGID, 4, plane, plane, &rms, &fault), OK);
+}
+
+int main(void)
+{
+    static const struct story stories[] = {
+        TELL(to_go_there_and_back_is_to_stay),
+        TELL(what_has_no_way_back_is_said_to_have_none),
+        TELL(stretches_are_those_that_were_put_in),
+        TELL(exact_pairs_give_the_map_that_made_them),
+        TELL(no_map_nearby_leaves_less),
+        TELL(three_pairs_turn_and_never_mirror),
+        TELL(places_that_do_not_say_it_are_refused_in_words),
+    };
+    return check_run(stories, sizeof stories / sizeof stories[0]);
+}
