@@ -38,6 +38,7 @@ using Point = Image::PointType;
 
 constexpr unsigned bins = 40;
 constexpr double part_sampled = 0.02;
+constexpr size_t shrunk_least = 400000; /* voxels */
 constexpr size_t samples_least = 20000; /* of small levels, which are sampled more densely */
 
 /* Three rows, as they come. */
@@ -47,7 +48,7 @@ using Map = std::array<std::array<double, 4>, 3>;
 
 /* A scene as it is registered. */
 struct Scene {
-    Image::Pointer level[3]; /* full size; by 2; by 4 along each axis */
+    Image::Pointer level[3]; /* as it comes; by 2; by 4 along each axis, unless that is too few */
     Point low, high, mass;   /* of its content: box and middle, in the common world */
     std::vector<Point> content;
 };
@@ -140,13 +141,17 @@ void place(Image *image, const Map &to_world)
     image->SetDirection(direction);
 }
 
-Image::Pointer shrunk(const Image *image)
+/* Half as many voxels along the axes on which they are close; no fewer than a search needs. */
+Image::Pointer shrunk(Image *image)
 {
     auto filter = itk::BinShrinkImageFilter<Image, Image>::New();
-    const Image::SizeType size = image->GetBufferedRegion().GetSize();
+    const Image::SpacingType spacing = image->GetSpacing();
+    const double least = std::min({spacing[0], spacing[1], spacing[2]});
+    if (image->GetBufferedRegion().GetNumberOfPixels() < shrunk_least)
+        return image;
     filter->SetInput(image);
     for (unsigned a = 0; a < 3; a++)
-        filter->SetShrinkFactor(a, size[a] >= 16 ? 2 : 1);
+        filter->SetShrinkFactor(a, spacing[a] < 1.5 * least ? 2 : 1);
     filter->Update();
     return filter->GetOutput();
 }
@@ -189,7 +194,10 @@ void move_into(const Common &common, Scene &scene)
             point[w] = (point[w] - common.middle[w]) / common.length;
         return point;
     };
-    for (const Image::Pointer &image : scene.level) {
+    for (unsigned i = 0; i < 3; i++) {
+        Image *image = scene.level[i];
+        if (i > 0 && image == scene.level[i - 1])
+            continue;
         image->SetOrigin(moved(image->GetOrigin()));
         image->SetSpacing(image->GetSpacing() / common.length);
     }

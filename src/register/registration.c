@@ -11,8 +11,7 @@
 enum {
     VOXELS_MOST = 1 << 23, /* that are registered; larger scenes are reduced */
     MAP = 12,              /* numbers of a map, and of a matrix to the world */
-    NUMBERS = 20,
-    WORK_MS = 20000, /* far more than a step of the search takes */
+    NUMBERS = 20
 };
 
 /* Two scenes with their levels, and ITK itself, which took 190 MB for two heads of 7 M voxels. */
@@ -187,7 +186,7 @@ static enum err find(struct registration *out, struct coprocess *process,
     char line[COPROCESS_LINE];
     const int length = snprintf(line, sizeof line, "register %u %u %u %u %u %u\n", a[0], a[1], a[2],
                                 b[0], b[1], b[2]);
-    enum err err = register_helper_start(process, "registration", HELD_MOST, WORK_MS, watch, fault);
+    enum err err = register_helper_start(process, "registration", HELD_MOST, 0, watch, fault);
     if (!err && !coprocess_transmit(process, line, (size_t)length))
         err = coprocess_fault(process, NULL, NULL, fault);
     for (int i = 0; i < 2 && !err; i++)
