@@ -13,7 +13,7 @@ are, each whole or not at all:
 
 The order does not know Dice. First come subjects that are missing, were refused or did not verify.
 Of the others, a label counts by how far it is from what the cohort has: the logarithm of its volume
-(as a share of the procedure's, where that is known), its share of dropped seeds, its doubt; each
+(as a share of the procedure's in the millimetres of its scene), its share of dropped seeds, its doubt; each
 less the median and over the median deviation from it, at least so much that nothing counts which is
 within 5 %. A subject counts by its worst label.
 
@@ -90,8 +90,21 @@ def read_subject(out, scene):
 
 
 def applied_labels(told):
-    """By label: what `iftty apply --json` says of it, as far as it does."""
-    return {}
+    """By label: what its journal says of where it came from, and, where this task has made it, what
+    `iftty apply --json` said besides."""
+    facts = {}
+    for word in told["Origin"].split():
+        key, _, value = word.partition("=")
+        for part in value.split(",") if key in ("volumes", "dropped") else []:
+            label, _, figure = part.partition(":")
+            if key == "volumes":
+                facts.setdefault(label, {})["procedure_ml"] = float(figure) / 1000
+            else:
+                dropped, _, seeds = figure.partition("/")
+                facts.setdefault(label, {})["dropped_share"] = int(dropped) / max(1, int(seeds))
+    for row in told["Apply"][0].get("labels", []):
+        facts.setdefault(str(row["label"]), {})["doubt"] = row["doubt"]
+    return facts
 
 
 def volume(row):

@@ -92,7 +92,8 @@ class Work:
     def run(self, step, *words, may_fail=False):
         """What a step prints, its status; its cost is noted."""
         begun = time.monotonic()
-        with open(self.path("out"), "w+") as out, open(self.path("err"), "w+") as err:
+        with (os.fdopen(os.memfd_create("out"), "w+") as out,
+              os.fdopen(os.memfd_create("err"), "w+") as err):  # a full disk cannot hide them
             child = subprocess.Popen(self.command + list(words), stdin=subprocess.DEVNULL,
                                      stdout=out, stderr=err,
                                      env=dict(os.environ, TMPDIR=os.path.abspath(self.work)))
@@ -109,8 +110,9 @@ class Work:
                            "ProcessorSeconds": round(used.ru_utime + used.ru_stime, 2),
                            "MemoryMegabytes": round(used.ru_maxrss / 1024)}
         if child.returncode and (child.returncode != 1 or not may_fail):
-            raise Stopped("%s, status %d: %s" % (step, child.returncode, said))
-        return printed, said, child.returncode
+            why = re.findall(r'"why": "(.*?)"[,}]', printed)  # of `apply --json`
+            raise Stopped("%s, status %d: %s" % (step, child.returncode, "; ".join([said] + why)))
+        return printed, child.returncode
 
     def publish(self, name, path):
         """A file of the work folder gets its name, and is on the disk then."""
@@ -137,7 +139,7 @@ def export(work, journal, stem, truth):
     if truth:
         found = os.path.join(truth, stem[0], "%s_desc-truth_dseg.nii.gz" % stem[1])
         if os.path.exists(found):
-            told, _, _ = work.run("Compare", "compare", "--json", work.path("dseg.nii.gz"), found)
+            told, _ = work.run("Compare", "compare", "--json", work.path("dseg.nii.gz"), found)
             dice = {str(row["label"]): row["dice"] for row in json.loads(told)["labels"]}
     return read_json(work.path("stats.json")), dice
 
@@ -152,18 +154,19 @@ def do_subject(options, folder, stem, journal, sidecar, work):
             (os.path.exists(journal) and digest(journal) == done["JournalSha256"])):
         return "there already"
     was_there = os.path.exists(journal)
-    told, said, status = work.run(
+    told, status = work.run(
         "Apply", "apply", options.procedure, options.scene, "--by", options.by, "--as",
         options.as_, "--out", folder, "--json", may_fail=True)
     work.cost["Apply"]["JournalWasThere"] = was_there
     about["Sources"] = ["bids:raw:" + os.path.basename(options.scene)]
     version = subprocess.run([options.iftty, "--version"], capture_output=True, text=True)
     about["GeneratedBy"] = [{"Name": "iftty", "Version": version.stdout.strip()}]
+    applied = json.loads(told)
     if status == 1:
-        about["Refused"] = said
+        about["Refused"] = applied[0]["why"]
     else:
-        told_verified = work.run("Verify", "verify", "--json", journal, may_fail=True)
-        verified = json.loads(told_verified[0])["journals"][0]
+        verified, _ = work.run("Verify", "verify", "--json", journal, may_fail=True)
+        verified = json.loads(verified)["journals"][0]
         stats, dice = export(work, journal, stem, options.truth)
         about.update({"Verified": verified["verified"], "Chain": verified.get("chain"),
                       "JournalSha256": digest(journal), "Origin": origin_of(journal),
@@ -174,13 +177,13 @@ def do_subject(options, folder, stem, journal, sidecar, work):
         base = os.path.join(folder, stem[1] + "_desc-iftty_")
         work.publish("mosaic.png", base + "mosaic.png")
         work.publish("dseg.nii.gz", base + "dseg.nii.gz")
-    about["Apply"] = json.loads(told) if told.strip() else None
+    about["Apply"] = applied
     about["Cost"] = work.cost
     with open(work.path("sidecar"), "w") as file:
         json.dump(about, file, indent=2, sort_keys=True)
         file.write("\n")
     work.publish("sidecar", sidecar)
-    return "refused: " + said if status == 1 else "done"
+    return "refused: " + about["Refused"] if status == 1 else "done"
 
 
 def main():
