@@ -39,7 +39,7 @@ using Point = Image::PointType;
 constexpr unsigned bins = 40;
 constexpr double part_sampled = 0.02;
 constexpr size_t shrunk_least = 400000; /* voxels */
-constexpr size_t samples_least = 20000; /* of small levels, which are sampled more densely */
+constexpr size_t samples_least = 16000; /* of small levels, which are sampled more densely */
 
 /* Three rows, as they come. */
 using Map = std::array<std::array<double, 4>, 3>;
@@ -269,6 +269,10 @@ void search(const Scene &fixed, const Scene &moving, Transform *transform, const
             double length)
 {
     const unsigned before = steps_done;
+    const bool is_new =
+        pace.level > 0 || fixed.level[0] != fixed.level[1] || moving.level[0] != moving.level[1];
+    if (!is_new) /* few voxels: this has been done */
+        return;
     auto metric = metric_of(fixed, moving, pace.level);
     auto optimizer = Optimizer::New();
     Optimizer::ScalesType scales(transform->GetNumberOfParameters());
