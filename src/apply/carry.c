@@ -159,7 +159,8 @@ static enum err check_place(const struct carry_choice *choice, const struct proc
                          geometry->spacing_unknown
                              ? "write a file that does"
                              : "--orient RAS, say, tells it, where you know it for sure");
-    if (choice->way == CARRY_LANDMARKS || (has_place && p->has_place))
+    if (choice->way == CARRY_LANDMARKS || choice->way == CARRY_AFFINE ||
+        (has_place && p->has_place))
         return OK;
     return fault_set(fault, ERR_INPUT,
                      "%s where %s in the world; --by landmarks needs no more than sides and "

@@ -447,22 +447,15 @@ static enum err find_doubts(struct making *m)
 static enum err sum_up(struct making *m)
 {
     struct session *session = m->interp.session;
-    struct affine mm;
-    memcpy(mm.m, session_geometry(session)->to_mm, sizeof mm.m);
-    const double voxel_mm3 = fabs(affine_determinant(&mm));
-    double worst = 0;
-    enum err err = session_count_labels(session, m->fault);
+    const double voxel_mm3 = tally_voxel_mm3(session_geometry(session));
+    double share;
+    enum err err = session_find_worst(session, &m->subject->worst, &share, m->fault);
     if (!err)
         err = find_doubts(m);
     for (unsigned l = 0; !err && l < 256; l++) {
         struct subject_label *label = &m->subject->label[l];
         label->voxels = session_tally(session)->voxels[l];
         label->mm3 = (double)label->voxels * voxel_mm3;
-        const double off = fabs(log((label->mm3 + 1e-3) / (label->expected_mm3 + 1e-3)));
-        if (l && label->is_there && off >= worst) {
-            m->subject->worst = l;
-            worst = off;
-        }
     }
     return err;
 }

@@ -678,6 +678,8 @@ static const struct command command_table[] = {
      "the border that is least certain is weak; what hangs together of that in a block of 16 "
      "voxels a side is a place, and the places with most such voxels, and the weakest, come "
      "first. It takes about as long as a run, and no time where nothing has changed since.\n"
+     "In what `iftty apply` has made, places of the label whose volume is farthest from the "
+     "procedure's come before others.\n"
      "label: places at the border of that label alone.\n"
      "report: all of them as FILE.json.",
      "hints 5"},
