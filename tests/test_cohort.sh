@@ -44,7 +44,7 @@ out_has "sub-01: there already"
 same_files $sidecar first
 close_story
 
-begin "what was killed goes on: without a sidecar, without labels, with a journal that was corrected"
+begin "what was killed goes on: without sidecar or labels, or with a journal that was corrected"
 rm $sidecar $here/*_dseg.nii.gz
 subject 0 "$iftty"
 out_has "sub-01: done"

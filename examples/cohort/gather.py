@@ -13,9 +13,9 @@ are, each whole or not at all:
 
 The order does not know Dice. First come subjects that are missing, were refused or did not verify.
 Of the others, a label counts by how far it is from what the cohort has: the logarithm of its volume
-(as a share of the procedure's in the millimetres of its scene), its share of dropped seeds, its doubt; each
-less the median and over the median deviation from it, at least so much that nothing counts which is
-within 5 %. A subject counts by its worst label.
+as a share of the procedure's (in the millimetres of its own scene), its share of dropped seeds, its
+doubt; each less the median and over the median deviation from it, at least so much that nothing
+counts which is within 5 %. A subject counts by its worst label.
 
 Exit status: 0 all are there, verified, and none was refused; 1 some are not; 3 bad input or I/O.
 """

@@ -8,8 +8,8 @@ examples/brain.iftty, made on ch2, is carried by `iftty apply` to
   an affine; with noise of 3 % and a bias of 20 %. The truth are the procedure's labels, deformed.
 - slices: a real head of 2x2x3 mm out of Debian's insighttoolkit5-examples, whose face is cut off.
   The truth is the brain mask that lies beside it, compared with all three labels together.
-- twice: a real head of 1 mm, scanned twice, out of the npm package brainbrowser 2.3.0, where npm has
-  it. There is no truth: volumes, and how much the two scans differ in them.
+- twice: a real head of 1 mm, scanned twice, out of the npm package brainbrowser 2.3.0, where npm
+  has it. There is no truth: volumes, and how much the two scans differ in them.
 
 in these ways: --by world and --by affine, each --as labels and --as seeds; beside them the
 procedure's labels, warped alone by the same transform; and --by affine --as labels with three
