@@ -19,7 +19,7 @@
 enum { PLANT_LABELS, PLANT_SEEDS }; /* as ORIGIN_PLANTS */
 
 #define APPLY_DEPTH_MM 7
-#define APPLY_GATE     0.15
+#define APPLY_GATE     0.15 /* 0.05 to 0.3 did alike */
 
 struct subject_choice {
     const char *scene;  /* the file */

@@ -159,7 +159,7 @@ enum err warp_seeds(struct warped *warped, const struct session *session, double
                     warped->label[i] = 0;
                     continue;
                 }
-                const bool fits = warp_may_have(warped, l, percentiles_value(session, c));
+                const bool fits = warp_may_have(warped->within[l], percentiles_value(session, c));
                 warped->eroded[l]++;
                 warped->dropped[l] += !fits;
                 warped->label[i] = (uint16_t)(l == 0 ? SEEDS_BACKGROUND

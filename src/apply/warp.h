@@ -55,10 +55,9 @@ void warp_find_gates(struct warped *warped, const struct procedure *procedure, d
 enum err warp_seeds(struct warped *warped, const struct session *session, double depth_mm,
                     struct fault *fault);
 
-/* Whether an intensity, by its real value, is one that seeds of the label may have. */
-static inline bool warp_may_have(const struct warped *warped, unsigned label, double value)
+/* Whether a real value is within a range, or that is of any (low above high). */
+static inline bool warp_may_have(const double within[2], double value)
 {
-    const double *within = warped->within[label];
     return within[0] > within[1] || (value >= within[0] && value <= within[1]);
 }
 
