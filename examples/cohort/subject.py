@@ -132,8 +132,9 @@ def origin_of(journal):
 
 def export(work, journal, stem, truth):
     """Labels, picture and volumes of a journal; Dice where truth is known."""
-    work.run("Export", "-c", "size 480 480; overlay tint cross=off marks=off; save labels dseg.nii.gz;"
-             "zoom fit; mosaic mosaic.png; stats report=stats.json", "--journal", journal, "--read-only",
+    work.run("Export", "-c", "size 480 480; overlay tint cross=off marks=off; zoom fit;"
+             "save labels dseg.nii.gz; mosaic mosaic.png; stats report=stats.json", "--journal",
+             journal, "--read-only",
              "--out", work.work)
     dice = {}
     if truth:

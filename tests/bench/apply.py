@@ -11,12 +11,11 @@ examples/brain.iftty, made on ch2, is carried by `iftty apply` to
 - twice: a real head of 1 mm, scanned twice, out of the npm package brainbrowser 2.3.0, where npm
   has it. There is no truth: volumes, and how much the two scans differ in them.
 
-in these ways: --by world and --by affine, and to slices --by landmarks, which were seen by eye; each
---as labels and --as seeds; beside them the
-procedure's labels, warped alone by the same transform; and --by affine --as labels with three
-corrections. The robot is the careful one of effort_robot.h, for three labels: it corrects the
-largest piece of what is wrong at its deepest voxel, by a ball of the depth less 1, of at most 12
-voxels, with the true label there.
+in these ways: --by world and --by affine, and to slices --by landmarks, which were seen by eye;
+each --as labels and --as seeds; beside them the procedure's labels, warped alone by the same
+transform; and, but for world, --as labels with three corrections. The robot is the careful one of
+effort_robot.h, for three labels: it corrects the largest piece of what is wrong at its deepest
+voxel, by a ball of the depth less 1, of at most 12 voxels, with the true label there.
 
 Dice of each label, by `iftty compare`; processor time and memory of `iftty apply`.
 
@@ -206,8 +205,8 @@ def measure(bench, subject, options, rows, name):
             row["ml"] = {str(v): round(n * one, 1) for v, n in zip(values, counts) if v}
             if options.pictures and plants == "labels" and by != "world":
                 os.makedirs(options.pictures, exist_ok=True)
-                run([bench.iftty, "-c", "size 800 800; overlay tint cross=off marks=off; zoom fit; mosaic %s-%s.png "
-                     "replace=yes" % (name, os.path.basename(scene).partition(".")[0]),
+                run([bench.iftty, "-c", "size 800 800; overlay tint cross=off marks=off; zoom fit;"
+                     "mosaic %s-%s.png replace=yes" % (name, os.path.basename(scene).partition(".")[0]),
                      "--journal", journal, "--read-only", "--out", options.pictures])
             if not truth:
                 continue
@@ -215,9 +214,9 @@ def measure(bench, subject, options, rows, name):
             if plants == "labels":
                 rows.append({"of": name, "way": "%s, labels warped alone" % by,
                              "dice": bench.dice(bench.warped(journal, scene), truth, is_binary)})
-            if way == "affine, labels":
+            if plants == "labels" and by != "world":
                 journal = bench.corrected(journal, truth, is_binary)
-                rows.append({"of": name, "way": "affine, labels, %d corrections" % CORRECTIONS,
+                rows.append({"of": name, "way": "%s, %d corrections" % (way, CORRECTIONS),
                              "dice": bench.dice(bench.saved(journal), truth, is_binary)})
 
 
