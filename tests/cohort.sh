@@ -51,7 +51,7 @@ kill_one() { # FOLDER
     kill -9 "$victim" || fail "no task was killed"
 }
 nothing_passing() { # FOLDER
-    same "$(find "$1" -name .work -o -name '*.part' -o -name 'iftty-*')" ''
+    same "$(find "$1" -name .work -o -name '*.part' -o -name 'iftty-*' -o -name '.iftty-*')" ''
     same "$(ls -A "$TMPDIR")" ''
 }
 

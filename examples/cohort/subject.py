@@ -134,8 +134,7 @@ def export(work, journal, stem, truth):
     """Labels, picture and volumes of a journal; Dice where truth is known."""
     work.run("Export", "-c", "size 480 480; overlay tint cross=off marks=off; zoom fit;"
              "save labels dseg.nii.gz; mosaic mosaic.png; stats report=stats.json", "--journal",
-             journal, "--read-only",
-             "--out", work.work)
+             journal, "--read-only", "--out", work.work)
     dice = {}
     if truth:
         found = os.path.join(truth, stem[0], "%s_desc-truth_dseg.nii.gz" % stem[1])

@@ -205,8 +205,9 @@ def measure(bench, subject, options, rows, name):
             row["ml"] = {str(v): round(n * one, 1) for v, n in zip(values, counts) if v}
             if options.pictures and plants == "labels" and by != "world":
                 os.makedirs(options.pictures, exist_ok=True)
+                picture = "%s-%s.png" % (name, os.path.basename(scene).partition(".")[0])
                 run([bench.iftty, "-c", "size 800 800; overlay tint cross=off marks=off; zoom fit;"
-                     "mosaic %s-%s.png replace=yes" % (name, os.path.basename(scene).partition(".")[0]),
+                     "mosaic %s replace=yes" % picture,
                      "--journal", journal, "--read-only", "--out", options.pictures])
             if not truth:
                 continue
