@@ -130,7 +130,7 @@ MATRIX_PACKAGES := clang libclang-rt-dev gcc-i686-linux-gnu libc6-dev-i386-cross
                    libc6-dev-s390x-cross qemu-user-static
 
 # The helpers with a probe in place of their libraries.
-PROBES := $(BUILD)/tests/probe/iftty-image $(BUILD)/tests/probe/iftty-volume
+PROBES := $(addprefix $(BUILD)/tests/probe/iftty-,image volume register)
 
 # Engines for the scripts of examples/cohort, and what those take; and a head for bench-apply.
 COHORT_PACKAGES := snakemake slurm-wlm iproute2 python3-numpy python3-nibabel python3-scipy \
@@ -146,8 +146,8 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
 .PHONY: all tests test test-long test-stress test-bare check-format format analyse variants \
         test-matrix test-matrix-short test-terminals test-cohort fuzz fuzzers demo bench-peers \
         bench-chafa bench-paper bench-growth bench-render bench-frames bench-journal bench-keys \
-        bench-looks bench-effort bench-mend bench-noise bench-series bench-files bench-beside \
-        bench-apply help clean packages
+        bench-looks bench-effort bench-mend bench-noise bench-register bench-series bench-files \
+        bench-beside bench-apply help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -238,10 +238,10 @@ bench-peers: $(PEERS)
 	@$(PYTHON) tests/peers/run.py --rounds $(ROUNDS) $(if $(JSON),--json $(JSON)) $(BUILD)
 
 ## bench-paper, bench-growth, bench-render, bench-frames, bench-journal, bench-keys, bench-looks,
-##     bench-mend, bench-noise: ARGS=--help says which options
-bench-keys: all
+##     bench-mend, bench-noise, bench-register: ARGS=--help says which options
+bench-keys bench-register: all
 bench-paper bench-growth bench-render bench-frames bench-journal bench-keys bench-looks \
-  bench-mend bench-noise: $(BENCH)
+  bench-mend bench-noise bench-register: $(BENCH)
 	@$(BENCH) $(@:bench-%=%) $(ARGS)
 
 ## bench-effort: how many gestures a segmentation takes, by robots; ARGS="--quick other"
@@ -321,10 +321,16 @@ $(BUILD)/tests/probe/%.o: tests/probe/%.cc
 	$(say) "compile   $<"
 	$(Q)$(CXX) $(ALL_CXXFLAGS) -c -o $@ $<
 
-$(BUILD)/tests/probe/iftty-%: $(BUILD)/src/image/iftty-%.o $(BUILD)/tests/probe/probe_%.o \
-                              $(BUILD)/tests/probe/attempts.o $(CONFINED)
+$(BUILD)/tests/probe/iftty-register: $(BUILD)/src/register/iftty-register.o
+$(BUILD)/tests/probe/iftty-image $(BUILD)/tests/probe/iftty-volume: \
+    $(BUILD)/tests/probe/iftty-%: $(BUILD)/src/image/iftty-%.o
+$(BUILD)/tests/probe/iftty-%: $(BUILD)/tests/probe/probe_%.o $(BUILD)/tests/probe/attempts.o \
+                              $(CONFINED)
 	$(say) "link      $@"
-	$(Q)$(CXX) -o $@ $^ $(ALL_LDFLAGS) $(if $(filter image,$*),$(OIIO_LIBS),$(VOLUME_LIBS))
+	$(Q)$(CXX) -o $@ $^ $(ALL_LDFLAGS) $(PROBE_LIBS)
+$(BUILD)/tests/probe/iftty-image: PROBE_LIBS = $(OIIO_LIBS)
+$(BUILD)/tests/probe/iftty-volume: PROBE_LIBS = $(VOLUME_LIBS)
+$(BUILD)/tests/probe/iftty-register: PROBE_LIBS = $(REGISTER_LIBS)
 
 $(LIBRARY): $(OBJECTS)
 	@rm -f $@

@@ -170,7 +170,7 @@ STORY(exact_pairs_give_the_map_that_made_them)
     }
 }
 
-/* Marks are off by 2 mm: no map of the kind nearby leaves less, and a larger kind leaves no more. */
+/* Marks are off by 2 mm: no map of the kind nearby leaves less; a larger kind leaves no more. */
 STORY(no_map_nearby_leaves_less)
 {
     for (int i = 0; i < 300; i++) {

@@ -15,6 +15,9 @@
 #include "image/image_helper.h"
 #include "image/volume.h"
 #include "image/volume_helper.h"
+#include "register/register_helper.h"
+#include "register/registration.h"
+#include "register/staple.h"
 
 static char folder[FOLDER_LENGTH];
 static const char *build;
@@ -111,6 +114,37 @@ STORY(the_volume_helper_is_confined_before_it_says_what_is_in_a_file)
     check_status(child_of(getpid()));
     volume_close(&reader);
     volume_helper_program = NULL;
+}
+
+/* It is given voxels, and no file. */
+STORY(the_register_helper_reaches_nothing)
+{
+    static const uint8_t map[8];
+    const uint8_t *const maps[2] = {map, map};
+    struct geometry geometry = {.spacing_nm = {1000000, 1000000, 1000000}};
+    struct scene *scene = NULL;
+    struct registration found;
+    struct staple_rater rater[2];
+    uint8_t consensus[8];
+    struct fault fault = {0};
+    static const double to_mm[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
+    CHECK(geometry_place(&geometry, to_mm, ORIENTATION_FILE));
+    CHECK_INT(scene_new(&scene, (const uint32_t[]){8, 8, 8}, NULL), OK);
+    const struct placed_scene placed = {scene, &geometry};
+    if (!confine_version() || !confine_knows_calls()) {
+        SKIP("the kernel has no Landlock");
+        scene_free(scene);
+        return;
+    }
+    register_helper_program = program("tests/probe/iftty-register");
+    CHECK_INT(registration_find(&found, &placed, &placed, NULL, &fault), ERR_INPUT);
+    CHECK_HAS(fault.text, "registering: ");
+    CHECK_HAS(fault.text, "attempts, all refused");
+    CHECK_INT(staple_find(consensus, rater, 2, maps, (const uint32_t[]){2, 2, 2}, NULL, &fault),
+              ERR_INPUT);
+    CHECK_HAS(fault.text, "attempts, all refused");
+    register_helper_program = NULL;
+    scene_free(scene);
 }
 
 /* ---- those that go too far ---- */
@@ -216,6 +250,7 @@ int main(void)
     const struct story story[] = {
         TELL(the_image_helper_is_confined_before_the_first_pixel_comes),
         TELL(the_volume_helper_is_confined_before_it_says_what_is_in_a_file),
+        TELL(the_register_helper_reaches_nothing),
         TELL(a_decoder_that_never_ends_is_ended_with_its_helper),
         TELL(a_decoder_that_gets_nowhere_is_ended_and_one_that_gets_on_is_waited_for),
         TELL(a_decoder_ends_with_its_client_whatever_it_is_doing),

@@ -161,11 +161,13 @@ printf 'int b;\nstatic float c;\n' >"$work/b.c"
 same "$(code_of "$work/b.c" | sed 's|.*/||' | floats | wc -l | tr -d ' ')" 1
 close_story
 
-# The programs that it is measured against (tests/peers) are no part of it; the probes (tests/probe)
-# are the helpers.
-begin "C++ in the two helpers alone"
+# The programs that it is measured against (tests/peers), and what writes files for tests, are no
+# part of it; the probes (tests/probe) are the helpers.
+begin "C++ in the helpers alone"
 same "$(sources src journal render tui tests | grep -v '\.[ch]$' |
-    grep -vE '^tests/p(eers|robe)/|^src/image/(iftty-)?(image|volume|wire)[_a-z0-9]*\.(cc|hh)$')" ""
+    grep -vE -e '^tests/(peers|probe|transforms)/' \
+        -e '^src/image/(iftty-)?(image|volume|wire)[_a-z0-9]*\.(cc|hh)$' \
+        -e '^src/register/(iftty-)?register[_a-z]*\.(cc|hh)$')" ""
 close_story
 
 begin "the program loads no large library"

@@ -19,10 +19,10 @@
 
 static char folder[FOLDER_LENGTH];
 static struct volume ch2;
-static struct subject procedure; /* ch2, four times as coarse: what it takes is seconds */
+static struct subject procedure; /* ch2, five times as coarse: what it takes is seconds */
 static char helper[FILE_LENGTH];
 
-enum { COARSE = 4 };
+enum { COARSE = 5 };
 
 static const struct deformation known = {.degrees = {5, -4, 6},
                                          .scale = {1.06, 0.95, 1.03},
@@ -56,7 +56,7 @@ STORY(a_known_map_is_found_within_a_millimetre_and_again_in_the_same_bytes)
     struct fault fault;
     CHECK_INT(find_of(&first, &known, &subject, &fault), OK);
     CHECK_TEXT(fault.text, "");
-    CHECK(subject_error(&subject, &first.affine) < 0.7);
+    CHECK(subject_error(&subject, &first.affine) < 1);
     CHECK(first.metric > 1.5 * first.identity_metric && first.metric > first.mirrored_metric);
     CHECK(first.overlap > 0.8 && first.agreement_mm < 2);
     CHECK(strlen(first.subject) == SHA256_HEX - 1 && strcmp(first.subject, first.procedure) != 0);
@@ -105,8 +105,8 @@ STORY(a_mirror_image_and_a_slab_are_refused_in_words)
 {
     struct deformation mirrored = known, slab = known;
     mirrored.mirrored = true;
-    slab.first = 20;
-    slab.planes = 5;
+    slab.first = 16;
+    slab.planes = 4;
     check_refused(&mirrored, "left and right may be mixed up");
     check_refused(&slab, "of what one scene shows lies in the other");
 }
@@ -191,9 +191,10 @@ STORY(each_figure_of_an_answer_is_judged)
         {5, 0.5, ERR_CHECK, "it stretches by 1.00, 1.00 and 0.50"},
         {5, 0, ERR_CHECK, "it stretches by 1.00, 1.00 and 0.00"},
         {12, 0.1, ERR_CHECK, "next to nothing about each other (0.100 nats"},
-        {13, 1.03, ERR_CHECK, "fit better as they lie in their worlds (1.030 nats to 1.000)"},
-        {13, 1.01, OK, ""},
-        {14, 1.01, ERR_CHECK, "left and right may be mixed up"},
+        {13, 1.06, ERR_CHECK, "fit better as they lie in their worlds (1.060 nats to 1.000)"},
+        {13, 1.04, OK, ""},
+        {14, 1.02, OK, ""},
+        {14, 1.04, ERR_CHECK, "left and right may be mixed up"},
         {15, 0.5, ERR_CHECK, "only 50 % of what one scene shows lies in the other"},
         {16, 0.12, ERR_CHECK, "only 12 % of what"},
         {17, 6.5, ERR_CHECK, "there and back leads 6.5 mm away; expected 6.0 mm or less"},
@@ -268,7 +269,7 @@ STORY(a_helper_ends_with_its_client)
 enum { SIDE = 24, VOXELS = SIDE * SIDE * SIDE, RATERS = 3 };
 static const uint32_t cube[3] = {SIDE, SIDE, SIDE};
 
-/* Two balls, of the labels 3 and 200; raters of whom each is wrong in another part of the voxels. */
+/* Two balls, of the labels 3 and 200; each rater is wrong in another part of the voxels. */
 static void rate(uint8_t truth[VOXELS], uint8_t map[RATERS][VOXELS], const double wrong[RATERS])
 {
     static const uint8_t others[4] = {0, 3, 200, 0};

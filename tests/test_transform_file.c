@@ -1,6 +1,6 @@
 /*
- * Transform files: what ITK wrote (tests/transforms/, with where ITK itself takes some places), what
- * FLIRT means, which way they lead, and what is refused.
+ * Transform files: what ITK wrote (tests/transforms/, with where ITK itself takes some places),
+ * what FLIRT means, which way they lead, and what is refused.
  */
 #include "tests/check.h"
 

@@ -6,9 +6,10 @@
  * next request starts the program again. Nothing here ever raises SIGPIPE or waits without end: one
  * that does not take or give what is its turn within `patience_ms`, and a second for each megabyte,
  * since it last took more memory, is ended; so is one that has worked for five seconds of the
- * processor (work_ms) without either, as a decoder in a circle does, one that closes the socket and goes on,
- * and one that is waited for when the watch stops. Its errors go nowhere, it has no environment,
- * and it is a process group of its own, so that an interrupt from the keyboard is not meant for it.
+ * processor (work_ms) without either, as a decoder in a circle does, one that closes the socket and
+ * goes on, and one that is waited for when the watch stops. Its errors go nowhere, it has no
+ * environment, and it is a process group of its own, so that an interrupt from the keyboard is not
+ * meant for it.
  * From all else it keeps itself before it decodes a byte, and it ends with the thread that started
  * it, however that ends (wire.hh).
  *

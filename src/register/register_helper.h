@@ -48,8 +48,8 @@ extern const char *register_helper_program;
 extern int register_helper_patience_ms;
 
 /* Starts one for `task` ("registration"), which may hold so many bytes, and may work for so many
- * milliseconds of the processor between two answers (0: as any coprocess); coprocess_release ends it, after an error
- * too. */
+ * milliseconds of the processor between two answers (0: as any coprocess). coprocess_release ends
+ * it, after an error too. */
 enum err register_helper_start(struct coprocess *out, const char *task, uint64_t bytes, int work_ms,
                                struct watch *watch, struct fault *fault);
 

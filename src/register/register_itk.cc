@@ -217,7 +217,7 @@ Metric::FixedSampledPointSetPointer samples_of(const Image *image)
     const Image::SizeType size = image->GetBufferedRegion().GetSize();
     const size_t voxels = image->GetBufferedRegion().GetNumberOfPixels();
     const size_t wanted = static_cast<size_t>(part_sampled * static_cast<double>(voxels));
-    const size_t count = std::min(voxels, std::max(wanted, samples_least));
+    const size_t count = std::max(wanted, std::min(voxels / 8, samples_least));
     auto samples = Metric::FixedSampledPointSetType::New();
     for (size_t i = 0; i < count; i++) {
         itk::ContinuousIndex<double, 3> at;

@@ -157,7 +157,7 @@ static enum err judge(const struct registration *r, struct fault *fault)
     else if (!(r->agreement_mm <= REGISTRATION_AGREEMENT_MOST * r->length_mm))
         snprintf(words, sizeof words, "there and back leads %.1f mm away; expected %.1f mm or less",
                  r->agreement_mm, REGISTRATION_AGREEMENT_MOST * r->length_mm);
-    else if (r->mirrored_metric > r->metric)
+    else if (r->mirrored_metric > REGISTRATION_MIRRORED_MOST * r->metric)
         snprintf(words, sizeof words,
                  "its mirror image fits better (%.3f nats to %.3f): left and right may be mixed up "
                  "in one of the files",

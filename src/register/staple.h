@@ -24,8 +24,8 @@ struct staple_rater {
 };
 
 /*
- * `maps` are `raters` (2..64) maps of one grid, [z][y][x], `consensus` is room for another
- * (the caller's arrays). A voxel of labels that are equally likely gets the lowest that a rater says.
+ * `maps` are `raters` (2..64) maps of one grid, [z][y][x], `consensus` is room for another (the
+ * caller's arrays). Where labels are equally likely, a voxel gets the lowest that a rater says.
  * ERR_INPUT, ERR_IO where the helper is missing or ended, ERR_CANCELLED: then the arrays hold
  * nothing of use.
  */

@@ -119,6 +119,13 @@ static const struct program program[] = {
          "the same without pieces of fewer than 5 voxels. The last line is what is said "
          "before they are planted.",
      .run = run_noise},
+    {.name = "register",
+     .words = "",
+     .summary = "what registration finds, what it refuses, and by how much",
+     .detail = "Subjects made of ch2 (turned, stretched, bent, noisy), and scenes that have no map "
+               "onto it: its mirror image, a slab, noise, a solid, another animal. How far off the "
+               "map is at most in a box of the head, where it is known.",
+     .run = run_register},
 };
 
 static const struct program_table table = {

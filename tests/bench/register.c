@@ -1,0 +1,183 @@
+/*
+ * What registration finds and what it refuses: subjects made of ch2 whose map is known, and scenes
+ * that have none. The bounds of src/register/registration.h lie between the two.
+ */
+#include "tests/bench/bench.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/mem.h"
+#include "command/files.h"
+#include "image/volume.h"
+#include "program/console.h"
+#include "register/register_helper.h"
+#include "tests/deformed.h"
+
+#define TURNED    .degrees = {5, -4, 6}
+#define STRETCHED .scale = {1.06, 0.95, 1.03}
+#define MOVED     .shift_mm = {6, -9, 7}
+#define UNEVEN    .noise = 0.02, .bias = 0.15
+#define ALL_OF_IT TURNED, STRETCHED, MOVED, UNEVEN
+
+static const struct trial {
+    const char *name;
+    struct deformation how;
+    bool is_to_be_found;
+} trials[] = {
+    {"itself", {.noise = 0}, true},
+    {"affine", {ALL_OF_IT}, true},
+    {"elastic 3 mm", {.elastic_mm = 3, .noise = 0.02, .bias = 0.15}, true},
+    {"elastic 5 mm, affine", {ALL_OF_IT, .elastic_mm = 5}, true},
+    {"noise of 10 %",
+     {TURNED, STRETCHED, MOVED, .bias = 0.15, .elastic_mm = 5, .noise = 0.1},
+     true},
+    {"turned by 30 degrees",
+     {.degrees = {5, -4, 30}, STRETCHED, MOVED, UNEVEN, .elastic_mm = 3},
+     true},
+    {"0.8 times as large",
+     {TURNED, .scale = {1.25, 1.25, 1.25}, MOVED, UNEVEN, .elastic_mm = 3},
+     true},
+    {"moved by 60 mm", {TURNED, STRETCHED, .shift_mm = {60, 20, -30}, UNEVEN}, true},
+    {"mirrored", {.mirrored = true}, false},
+    {"mirrored, elastic 5 mm", {ALL_OF_IT, .elastic_mm = 5, .mirrored = true}, false},
+    {"slab of 18 slices", {.first = 80, .planes = 18}, false},
+    {"slab, elastic 5 mm", {ALL_OF_IT, .elastic_mm = 5, .first = 80, .planes = 18}, false},
+    {"60 slices, elastic 5 mm", {ALL_OF_IT, .elastic_mm = 5, .first = 60, .planes = 60}, false},
+    {"upper half, elastic 5 mm", {ALL_OF_IT, .elastic_mm = 5, .first = 90, .planes = 91}, false},
+    {"noise alone", {.content = OF_NOISE}, false},
+    {"nothing", {.content = OF_NOTHING}, false},
+};
+
+static size_t held_most;
+
+/* How much the helper holds, which is the only process that this one has started. */
+static bool look(void *context, const char *what, uint64_t done, uint64_t total)
+{
+    char path[64];
+    int child;
+    (void)context;
+    snprintf(path, sizeof path, "/proc/%d/task/%d/children", getpid(), getpid());
+    FILE *file = fopen(path, "re");
+    const size_t held = file && fscanf(file, "%d", &child) == 1 ? mem_held_by(child) : 0;
+    held_most = held > held_most ? held : held_most;
+    if (file)
+        fclose(file);
+    return watch_poll(console_watch(), what, done, total);
+}
+
+static enum err row(const char *name, const struct placed_scene *subject,
+                    const struct placed_scene *procedure, const struct subject *known,
+                    struct fault *fault)
+{
+    struct watch watch = {.poll = look};
+    struct registration r;
+    held_most = 0;
+    const enum err err = registration_find(&r, subject, procedure, &watch, fault);
+    if (err && err != ERR_CHECK && err != ERR_INPUT)
+        return err;
+    printf("%-24s %-7s", name, err ? "refused" : "found");
+    if (err == ERR_INPUT)
+        printf("   %s\n", fault->text);
+    else
+        printf(" %6.3f %8.3f %8.3f %7.2f %9.2f  %4.2f-%4.2f %8.*f %6.1f %5zu\n", r.metric,
+               r.identity_metric, r.mirrored_metric, r.overlap, r.agreement_mm, r.stretch[2],
+               r.stretch[0], known ? 2 : 0, known ? subject_error(known, &r.affine) : NAN,
+               r.seconds, held_most / 1000000);
+    fflush(stdout);
+    return OK;
+}
+
+static enum err made(const struct volume *ch2, const struct placed_scene *procedure,
+                     struct fault *fault)
+{
+    enum err err = OK;
+    for (size_t i = 0; i < sizeof trials / sizeof *trials && !err; i++) {
+        struct subject subject;
+        const struct trial *t = &trials[i];
+        err = subject_make(&subject, ch2, &t->how, 1);
+        if (err)
+            return fault_memory(fault, "a subject");
+        const struct placed_scene placed = subject_placed(&subject);
+        err = row(t->name, &placed, procedure, t->is_to_be_found ? &subject : NULL, fault);
+        scene_free(subject.scene);
+    }
+    return err;
+}
+
+static enum err take(struct volume *out, const char *name, struct fault *fault)
+{
+    struct interpreter interp;
+    struct buf path = {0};
+    enum err err = interpreter_init(&interp, fault);
+    err = err ? err : interpreter_find_scene(&interp, name, false, &path, fault);
+    err = err ? err : volume_read(out, buf_text(&path), NULL, NULL, fault);
+    buf_release(&path);
+    interpreter_release(&interp);
+    return err;
+}
+
+/* Scenes as they are: other scans, another animal, a solid. */
+static enum err others(const struct placed_scene *procedure, struct fault *fault)
+{
+    static const char *const names[] = {"ch2better.nii.gz", "ch2bet.nii.gz",
+                                        "inia19-t1-brain.nii.gz"};
+    static const double to_mm[3][4] = {{1, 0, 0, -100}, {0, 1, 0, -100}, {0, 0, 1, -50}};
+    struct geometry geometry = {.spacing_nm = {1000000, 1000000, 1000000}};
+    struct scene *geom = NULL;
+    enum err err = OK;
+    for (size_t i = 0; i < sizeof names / sizeof *names && !err; i++) {
+        struct volume volume;
+        struct scene *scene = NULL;
+        err = take(&volume, names[i], fault);
+        if (err)
+            return err;
+        err = scene_new_plain(&scene, volume.size, volume.intensity, NULL, fault);
+        if (!err) {
+            volume.intensity = NULL;
+            const struct placed_scene placed = {scene, &volume.geometry};
+            err = row(names[i], &placed, procedure, NULL, fault);
+        }
+        scene_free(scene);
+        volume_release(&volume);
+    }
+    err = err ? err : scene_new_geom(&geom, 0, NULL, fault);
+    if (!err && geometry_place(&geometry, to_mm, ORIENTATION_FILE)) {
+        const struct placed_scene placed = {geom, &geometry};
+        err = row("synth:geom", &placed, procedure, NULL, fault);
+    }
+    scene_free(geom);
+    return err;
+}
+
+enum err run_register(const struct options *options, struct fault *fault)
+{
+    struct volume ch2;
+    struct subject procedure;
+    (void)options;
+    struct buf helper = {0};
+    enum err err = file_program_folder(&helper, fault);
+    if (!err)
+        err = take(&ch2, "ch2.nii.gz", fault);
+    if (err)
+        return err;
+    buf_add_text(&helper, "/../../iftty-register");
+    register_helper_program = buf_text(&helper);
+    err = subject_make(&procedure, &ch2, &(struct deformation){.noise = 0}, 1);
+    if (!err) {
+        const struct placed_scene placed = subject_placed(&procedure);
+        printf("%-24s %-7s %6s %8s %8s %7s %9s  %-9s %8s %6s %5s\n", "subject, onto ch2", "",
+               "nats", "identity", "mirrored", "overlap", "agree, mm", "stretch", "off, mm", "s",
+               "MB");
+        err = made(&ch2, &placed, fault);
+        err = err ? err : others(&placed, fault);
+        scene_free(procedure.scene);
+    }
+    volume_release(&ch2);
+    register_helper_program = NULL;
+    buf_release(&helper);
+    return err;
+}

@@ -1,0 +1,18 @@
+/* iftty-register with what a library that was taken over would try in place of its work. */
+#include "register/register_parts.hh"
+#include "tests/probe/attempts.hh"
+
+namespace registering
+{
+
+Found find(Volume[2])
+{
+    throw Refusal{"registering: " + attempts("./probed", false, false)};
+}
+
+Consensus agree(const std::vector<std::vector<uint8_t>> &, unsigned)
+{
+    throw Refusal{"agreeing: " + attempts("./probed", false, false)};
+}
+
+} // namespace registering
