@@ -142,7 +142,8 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
         test-matrix \
         test-matrix-short test-terminals fuzz fuzzers demo bench-peers bench-chafa bench-paper \
         bench-growth bench-render bench-frames bench-journal bench-keys bench-looks bench-effort \
-        bench-mend bench-noise bench-series bench-files bench-beside help clean packages
+        bench-mend bench-noise bench-series bench-files bench-apply \
+        bench-beside help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -250,6 +251,10 @@ bench-beside: all build/.packages-beside
 bench-series: all build/.packages-test
 	@$(PYTHON) -B -W ignore tests/bench/series.py $(ARGS) $(BUILD)
 
+## bench-apply: how well a procedure does in other heads; ARGS="--count 12"
+bench-apply: all build/.packages-bench-apply
+	@$(PYTHON) -B tests/bench/apply.py $(ARGS) $(BUILD)
+
 ## bench-files: how long a large scene takes to open, and a surface to be saved; ARGS="--rounds 9"
 bench-files: all build/.packages-bench-files
 	@$(PYTHON) -B tests/bench/files.py $(ARGS) $(BUILD)
@@ -349,6 +354,10 @@ build/.packages-beside: Makefile | $(PACKAGES_STAMP)
 
 build/.packages-bench-files: Makefile | $(PACKAGES_STAMP)
 	@.ci/packages libdeflate-tools python3-numpy -- $(SCENES)
+	@touch $@
+
+build/.packages-bench-apply: Makefile | $(PACKAGES_STAMP)
+	@.ci/packages python3-nibabel python3-numpy python3-scipy -- $(SCENES)
 	@touch $@
 
 build/.packages-bare: Makefile | $(PACKAGES_STAMP)

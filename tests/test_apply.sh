@@ -212,6 +212,18 @@ expect 3 "$iftty" apply p.proc moved.nii --out o3
 err_has "looks at both scenes, and a procedure's file has none; give the journal with its scene"
 close_story
 
+begin "a registration that is not believed is refused: status 1, and no journal"
+expect 1 "$iftty" apply p.iftty oblique.nii --out o3
+err_has "the scenes were registered, and the outcome is not believed"
+same "$(ls o3)" ""
+expect 0 "$iftty" apply p.iftty plain.nii --out o3
+out_has "registered: overlap 100 %"
+expect 0 $phantom check o3/plain.seeds.nii.gz plain 7 2.2
+expect 0 "$iftty" verify o3/plain.iftty
+expect 0 "$iftty" apply p.iftty plain.nii --out o3
+out_has "done before"
+close_story
+
 begin "JSON of several scenes; one that fails keeps none of the others"
 rm -rf o
 expect 3 "$iftty" apply p.proc moved.nii far.nii oblique.nii --by world --out o --json
