@@ -38,7 +38,8 @@ expect 0 "$iftty" -c "open plain.nii; $seeds; run; origin $chain by=file as=seed
 info; undo; origin $chain; origin none; info" --journal m.iftty
 out_has "origin    procedure $chain, by file, as seeds"
 same "$(grep -c '^ *origin ' out)" 1
-same "$(last_word forest m.iftty)" "$(sed -n 's/^= 5 .*\(forest=[0-9a-f]*\).*/\1/p' m.iftty | cut -c 8-)"
+of_run=$(sed -n 's/^= 5 .*forest=\([0-9a-f]*\).*/\1/p' m.iftty)
+same "$(last_word forest m.iftty)" "$of_run"
 for words in xyz "$chain digest=12" "$chain pull=1,2,3" "$chain volumes=2:1,1:1" \
     "$chain dropped=1:9/8" "$chain by=guess"; do
     expect 2 "$iftty" -c "open synth:geom; origin $words"
@@ -115,8 +116,8 @@ err_has "--landmarks FILE gives those of the subject"
 close_story
 
 begin "the subject's landmarks may be those of a journal of it"
-expect 0 "$iftty" -c "open moved.nii; landmark A 33,26,27; landmark B 53,31,27; landmark C 33,40,33" \
-    --journal s.iftty
+marked="landmark A 33,26,27; landmark B 53,31,27; landmark C 33,40,33"
+expect 0 "$iftty" -c "open moved.nii; $marked" --journal s.iftty
 apply moved.nii --by landmarks --landmarks s.iftty
 expect 0 $phantom check o/moved.seeds.nii.gz moved 7 2.2
 close_story
@@ -209,6 +210,18 @@ close_story
 begin "a registration without the expert's image is refused, in words that help"
 expect 3 "$iftty" apply p.proc moved.nii --out o3
 err_has "looks at both scenes, and a procedure's file has none; give the journal with its scene"
+close_story
+
+begin "a registration that is not believed is refused: status 1, and no journal"
+expect 1 "$iftty" apply p.iftty oblique.nii --out o3
+err_has "the scenes were registered, and the outcome is not believed"
+same "$(ls o3)" ""
+expect 0 "$iftty" apply p.iftty plain.nii --out o3
+out_has "registered: overlap 100 %"
+expect 0 $phantom check o3/plain.seeds.nii.gz plain 7 2.2
+expect 0 "$iftty" verify o3/plain.iftty
+expect 0 "$iftty" apply p.iftty plain.nii --out o3
+out_has "done before"
 close_story
 
 begin "JSON of several scenes; one that fails keeps none of the others"

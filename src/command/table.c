@@ -201,7 +201,7 @@ static const struct command command_table[] = {
      "label that is farthest from it.\n"
      "dropped: seeds of each label that were not planted, of how many, since their intensities did "
      "not fit.",
-     "origin 74120d6c3f0cc54e2237dc0bced98ab5 by=world as=labels volumes=1:1200000"},
+     "origin 74120d6c3f0cc54e2237dc0bced98ab5 by=world as=labels"},
     {COMMAND("weight", act_weight, GROUP_WEIGHT, R | S | E | C),
      {NEED("FILE", VALUE_FILE, .is_read = true, .choices = WEIGHT_KINDS),
       WEIGHT_ARGUMENTS(MAY_WEIGH, KEYED_WEIGH), RESAMPLE},

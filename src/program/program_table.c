@@ -389,7 +389,7 @@ static const struct program program[] = {
      .form = "--procedure",
      ONE("JOURNAL"),
      .option = {PROCEDURE, SCENE, LIMIT_OPTIONS},
-     .summary = "what `apply` needs of it, without image, names",
+     .summary = "what `apply` needs of it, and no image",
      .detail =
          "Labels and their grid, percentiles of intensities, gestures, landmarks, weights and "
          "finish, as text into FILE; where that is -, it is printed. No image, no comment, and "
