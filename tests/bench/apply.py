@@ -55,6 +55,13 @@ FLOOR = 0.93  # of the brain on elastic5, in the mean
 MARKS = {"genu": ("0,36,6", "-125.5,-116,131"), "splenium": ("0,-37,21", "-125.5,-195,118"),
          "cerebellum-back": ("0,-80,-19", "-126,-221,72"),
          "cerebellum-low": ("0,-60,-44", "-126,-182,53"), "pons": ("0,-11,-33", "-126,-150,94")}
+# In a process of its own, since a child's memory begins as that of its parent.
+MEASURED = """import resource, subprocess, sys
+code = subprocess.call(sys.argv[2:])
+used = resource.getrusage(resource.RUSAGE_CHILDREN)
+with open(sys.argv[1], "w") as file:
+    print(used.ru_utime + used.ru_stime, used.ru_maxrss, file=file)
+sys.exit(code)"""
 BALL_MOST = 12
 CORRECTIONS = 3
 
@@ -76,21 +83,19 @@ class Bench:
 
     def apply(self, scene, by, plants):
         """The journal, or None and why it was refused; processor seconds, megabytes."""
-        out = tempfile.mkdtemp(dir=self.folder)
-        with open(self.path("said"), "w+") as said:
-            marks = ["--landmarks", self.path("marks"), "--fit", "similarity"]
-            child = subprocess.Popen([self.iftty, "apply", self.marked, scene, "--by", by, "--as",
-                                      plants, "--out", out, "--json"] +
-                                     (marks if by == "landmarks" else []), stdout=said,
-                                     stderr=subprocess.DEVNULL, stdin=subprocess.DEVNULL)
-            _, status, used = os.wait4(child.pid, 0)
-            child.returncode = os.waitstatus_to_exitcode(status)
-            said.seek(0)
-            told = said.read()
-        if child.returncode not in (0, 1):
-            raise Broken("apply --by %s %s: status %d: %s" % (by, scene, child.returncode, told))
-        told = json.loads(told)[0]
-        cost = used.ru_utime + used.ru_stime, used.ru_maxrss / 1024
+        out, used = tempfile.mkdtemp(dir=self.folder), self.path("used")
+        words = [self.iftty, "apply", self.marked, scene, "--by", by, "--as", plants, "--out", out,
+                 "--json"]
+        if by == "landmarks":
+            words += ["--landmarks", self.path("marks"), "--fit", "similarity"]
+        done = subprocess.run([sys.executable, "-c", MEASURED, used, *words], text=True,
+                              stdin=subprocess.DEVNULL, capture_output=True)
+        if done.returncode not in (0, 1):
+            raise Broken("apply --by %s %s: %s" % (by, scene, done.stderr))
+        told = json.loads(done.stdout)[0]
+        with open(used) as file:
+            seconds, kilobytes = (float(word) for word in file.read().split())
+        cost = seconds, kilobytes / 1024
         return told.get("journal"), told.get("why"), cost
 
     def saved(self, journal):
