@@ -121,6 +121,7 @@ static enum err receive_found(struct registration *out, struct coprocess *proces
     out->identity_metric = *at++;
     out->mirrored_metric = *at++;
     out->overlap = fmin(fmin(at[0], at[1]), 1);
+    out->tells_sides = out->mirrored_metric * REGISTRATION_MIRRORED_MOST < out->metric;
     at += 2;
     out->agreement_mm = *at++;
     out->length_mm = *at++;

@@ -75,18 +75,20 @@ static enum err row(const char *name, const struct placed_scene *subject,
 {
     struct watch watch = {.poll = look};
     struct registration r;
+    char off[16] = "-";
     held_most = 0;
     const enum err err = registration_find(&r, subject, procedure, &watch, fault);
     if (err && err != ERR_CHECK && err != ERR_INPUT)
         return err;
+    if (!err && known)
+        snprintf(off, sizeof off, "%.2f", subject_error(known, &r.affine));
     printf("%-24s %-7s", name, err ? "refused" : "found");
     if (err == ERR_INPUT)
         printf("   %s\n", fault->text);
     else
-        printf(" %6.3f %8.3f %8.3f %7.2f %9.2f  %4.2f-%4.2f %8.*f %6.1f %5zu\n", r.metric,
+        printf(" %6.3f %8.3f %8.3f %7.2f %9.2f  %4.2f-%4.2f %7s %6.1f %4zu\n", r.metric,
                r.identity_metric, r.mirrored_metric, r.overlap, r.agreement_mm, r.stretch[2],
-               r.stretch[0], known ? 2 : 0, known ? subject_error(known, &r.affine) : NAN,
-               r.seconds, held_most / 1000000);
+               r.stretch[0], off, r.seconds, held_most / 1000000);
     fflush(stdout);
     return OK;
 }
@@ -169,7 +171,7 @@ enum err run_register(const struct options *options, struct fault *fault)
     err = subject_make(&procedure, &ch2, &(struct deformation){.noise = 0}, 1);
     if (!err) {
         const struct placed_scene placed = subject_placed(&procedure);
-        printf("%-24s %-7s %6s %8s %8s %7s %9s  %-9s %8s %6s %5s\n", "subject, onto ch2", "",
+        printf("%-24s %-7s %6s %8s %8s %7s %9s  %-9s %7s %6s %4s\n", "subject, onto ch2", "",
                "nats", "identity", "mirrored", "overlap", "agree, mm", "stretch", "off, mm", "s",
                "MB");
         err = made(&ch2, &placed, fault);
