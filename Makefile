@@ -18,7 +18,7 @@ SCENES   := mricron-data
 TEST_PACKAGES := tmux screen procps python3 python3-nibabel python3-pydicom python3-h5py \
                  python3-jsonschema python3-matplotlib \
                  teem-apps dcmtk medcon plastimatch libinsighttoolkit5-dev openssh-client \
-                 bindfs fuse3
+                 bindfs fuse3 python3-pil
 FORMATTER     := clang-format-14
 BARE_PACKAGES := debootstrap
 # Other versions of clang-tidy find other things.
@@ -92,8 +92,8 @@ endif
 MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 1)
 
 PARTS   := src/base src/confine src/engine src/image src/register src/session src/show src/report \
-           src/sandbox src/command src/serve src/verify src/steps src/program journal render tui \
-           tui/picture tui/prompt tui/pilot
+           src/sandbox src/command src/serve src/verify src/steps src/apply src/program journal \
+           render tui tui/picture tui/prompt tui/pilot
 SOURCES := $(sort $(foreach part,$(PARTS),$(wildcard $(part)/*.c)))
 OBJECTS := $(SOURCES:%.c=$(BUILD)/%.o)
 LIBRARY := $(BUILD)/libiftty.a
@@ -133,6 +133,11 @@ MATRIX_PACKAGES := clang libclang-rt-dev gcc-i686-linux-gnu libc6-dev-i386-cross
 # The helpers with a probe in place of their libraries.
 PROBES := $(addprefix $(BUILD)/tests/probe/iftty-,image volume register)
 
+# Engines for the scripts of examples/cohort, and what those take; and a head for bench-apply.
+COHORT_PACKAGES := snakemake slurm-wlm iproute2 python3-numpy python3-nibabel python3-scipy \
+                   python3-pil
+HEAD_PACKAGES   := python3-numpy python3-nibabel python3-scipy insighttoolkit5-examples
+
 # Terminals, what they are shown on without a screen, and what looks at them and types.
 STAGED            := $(BUILD)/tests/terminals/paint $(BUILD)/tests/terminals/panel
 TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-dejavu-core foot \
@@ -140,11 +145,10 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
 
 .DEFAULT_GOAL := all
 .PHONY: all tests test test-long test-stress test-bare check-format format analyse variants \
-        test-matrix \
-        test-matrix-short test-terminals fuzz fuzzers demo bench-peers bench-chafa bench-paper \
-        bench-growth bench-render bench-frames bench-journal bench-keys bench-looks bench-effort \
-        bench-mend bench-noise bench-register bench-series bench-files bench-beside help clean \
-        packages
+        test-matrix test-matrix-short test-terminals test-cohort fuzz fuzzers demo bench-peers \
+        bench-chafa bench-paper bench-growth bench-render bench-frames bench-journal bench-keys \
+        bench-looks bench-effort bench-mend bench-noise bench-register bench-series bench-files \
+        bench-beside bench-apply help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -176,6 +180,11 @@ test-matrix-short: all build/.packages-matrix
 ## test-terminals: pictures, prompt and pilot in real terminals, by screenshot; WORD=kitty for some
 test-terminals: all $(STAGED) build/.packages-terminals
 	@$(PYTHON) -B tests/terminals/run.py $(BUILD) $(WORD)
+
+## test-cohort: a procedure for twelve subjects by Snakemake and by Slurm, with tasks that are
+##     killed; ten minutes
+test-cohort: all build/.packages-cohort
+	@LIMIT=900 tests/run.sh $(BUILD) cohort.sh
 
 ## fuzz: have libFuzzer look for bytes that break a reader; FUZZ_SECONDS=60 each; FUZZ=journal: one
 fuzz: build/.packages-matrix
@@ -239,6 +248,10 @@ bench-paper bench-growth bench-render bench-frames bench-journal bench-keys benc
 ## bench-effort: how many gestures a segmentation takes, by robots; ARGS="--quick other"
 bench-effort: $(BENCH) $(BUILD)/tests/peers/itk_worker
 	@$(BENCH) effort $(ARGS)
+
+## bench-apply: a procedure carried to other heads; ARGS="--seeds 5 elastic5"
+bench-apply: all build/.packages-heads
+	@$(PYTHON) -B tests/bench/apply.py $(ARGS) $(BUILD)
 
 ## bench-chafa: the pictures of `iftty bench terminal` by chafa; ARGS=--json
 bench-chafa: all build/.packages-chafa
@@ -353,6 +366,14 @@ build/.packages-chafa: Makefile | $(PACKAGES_STAMP)
 
 build/.packages-beside: Makefile | $(PACKAGES_STAMP)
 	@.ci/packages python3-vtk9 xvfb python3-pil $(SCENES) --
+	@touch $@
+
+build/.packages-cohort: Makefile | $(PACKAGES_STAMP)
+	@.ci/packages $(COHORT_PACKAGES) $(SCENES) --
+	@touch $@
+
+build/.packages-heads: Makefile | $(PACKAGES_STAMP)
+	@.ci/packages $(HEAD_PACKAGES) $(SCENES) --
 	@touch $@
 
 build/.packages-bench-files: Makefile | $(PACKAGES_STAMP)

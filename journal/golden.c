@@ -163,12 +163,32 @@ bool golden_name_is_valid(const char *name)
            strspn(name, allowed) == length;
 }
 
+/* Without the ending of a journal that is not whole yet. */
+static size_t whole_length(const char *journal_path)
+{
+    const size_t length = strlen(journal_path), ending = sizeof JOURNAL_PART - 1;
+    return length > ending && strcmp(journal_path + length - ending, JOURNAL_PART) == 0
+               ? length - ending
+               : length;
+}
+
+void golden_journal_name(struct buf *out, const char *journal_path)
+{
+    struct buf real = {0};
+    file_real(&real, journal_path);
+    const char *name = file_name(buf_text(&real));
+    buf_clear(out);
+    buf_add(out, name, whole_length(name));
+    out->failed |= real.failed;
+    buf_release(&real);
+}
+
 static void write_folder(struct buf *out, const char *journal_path)
 {
     const size_t ending = sizeof journal_ending - 1;
-    size_t length = strlen(journal_path);
+    size_t length = whole_length(journal_path);
     /* a journal that is called ".iftty" and nothing else keeps its name */
-    if (length > ending && strcmp(journal_path + length - ending, journal_ending) == 0 &&
+    if (length > ending && memcmp(journal_path + length - ending, journal_ending, ending) == 0 &&
         journal_path[length - ending - 1] != '/')
         length -= ending;
     buf_clear(out);

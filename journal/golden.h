@@ -52,6 +52,13 @@ void golden_describe(struct buf *out, const struct golden_difference *difference
 /* Golden names are [a-z0-9][a-z0-9_-]{0,63}: nothing that leads to another folder. */
 bool golden_name_is_valid(const char *name);
 
+/* What follows the name of a journal that is not whole yet: of `iftty run --whole`. */
+#define JOURNAL_PART ".part"
+
+/* out = the file name that pictures have of a journal: the one of what a link leads to, and the one
+ * that it will have. */
+void golden_journal_name(struct buf *out, const char *journal_path);
+
 /* out = "<journal path without .iftty>.golden", the folder of a journal's golden images, and the
  * path of one of them in it: "<folder>/<name>.exr". Of a link to a journal it is that of the
  * journal itself, unless there is only one beside the link. ERR_INPUT for a name that is not

@@ -1510,6 +1510,10 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"labels @/regions.nii erode=1",
          "door.golden/labels-adf152d6330b2c5f3d6197c6a06ac573.nii.gz"},
         {"orient sform", NULL},
+        {"landmark AC 3,4,5", NULL},
+        {"landmark PC 3,2,5", NULL},
+        {"landmark AC none", NULL},
+        {"origin 74120d6c3f0cc54e2237dc0bced98ab5 volumes=1:900", NULL},
     };
     struct interpreter interp;
     struct snapshot end, again;

@@ -170,6 +170,48 @@ err_has "other:20: report.csv exists already and was left alone"
 same_files again/k.iftty again/former
 close_story
 
+begin "with --whole the journal appears when all is done, to the same bytes, wherever it was killed"
+for made in 0 1 $(seq 4 3 "$records"); do
+    rm -rf again/k.*
+    cp -r again/whole.golden again/k.golden
+    [ "$made" = 0 ] || { head_of "$made" && mv again/k.iftty again/k.iftty.part; }
+    expect_in again 0 "$iftty" run script --journal k.iftty --whole
+    same_files again/k.iftty again/whole.iftty
+    same "$(cd again && echo k.*)" "k.golden k.iftty"
+done
+for shows in '' --json; do # and once more
+    expect_in again 0 "$iftty" run script --journal k.iftty --whole $shows
+    same_files again/k.iftty again/whole.iftty
+done
+out_has "{\"done\": true, \"journal\": \"k.iftty\", \"records\": $records, \"chain\": \""
+expect_in again 0 "$iftty" verify k.iftty
+{ cat again/script; echo 'golden last'; } >again/other
+expect_in again 0 "$iftty" run other --journal l.iftty --whole
+expect_in again 0 "$iftty" verify --strict l.iftty
+grep -aq 'l\.iftty' again/l.golden/last.exr || fail "the golden image does not name the journal"
+grep -aq 'iftty\.part' again/l.golden/last.exr && fail "the golden image names the part"
+close_story
+
+begin "what fails stays a part; what is whole is never added to"
+rm -rf again/k.*
+sed '6a seed 99,99,99 1' again/script >again/other
+for way in '' --keep-going; do
+    expect_in again 3 "$iftty" run other --journal k.iftty --whole --json $way
+    same "$(cd again && echo k.ift*)" "k.iftty.part"
+    grep -q '^{"done": false,' out || fail "another summary: $(cat out)"
+done
+expect_in again 0 "$iftty" run script --journal k.iftty --whole
+{ cat again/script; echo 'seed 3,3,3 2'; } >again/other
+expect_in again 3 "$iftty" run other --journal k.iftty --whole
+err_has "k.iftty is whole, and the script has more than it: nothing was added"
+sed 's/zoom fit/zoom 3/' again/script >again/other
+expect_in again 3 "$iftty" run other --journal k.iftty --whole
+err_has "the journal has another run"
+same_files again/k.iftty again/whole.iftty
+expect_in again 2 "$iftty" run script --whole
+err_has "needs --journal FILE"
+close_story
+
 begin "a script that opens no scene adds to the journal, as ever"
 beginning 5
 printf '# more\nlabel 7 seven\nseed 1,1,1 7\n' >again/other

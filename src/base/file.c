@@ -436,6 +436,13 @@ static bool rename_new(const char *draft, const char *path)
     return is_not_supported() && rename_over_empty(draft, path);
 }
 
+enum err file_rename_new(const char *path, const char *name, struct fault *fault)
+{
+    if (!rename_new(path, name))
+        return fault_errno(fault, "write", name);
+    return file_step_sync_folder(name) ? OK : fault_errno(fault, "sync the folder of", name);
+}
+
 enum err file_publish(const char *draft, const char *path, enum file_mode mode, struct fault *fault)
 {
     const int fd = file_step_open(draft, O_RDONLY);

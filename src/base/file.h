@@ -96,6 +96,10 @@ enum err file_publish(const char *draft, const char *path, enum file_mode mode,
                       struct fault *fault);
 void file_discard(const char *draft);
 
+/* Gives a file, which is synced, another name in its folder, which has to be free. On failure it
+ * has the name that it had. */
+enum err file_rename_new(const char *path, const char *name, struct fault *fault);
+
 /* A second name for what `path` holds now (a copy, where there are no hard links), so that it
  * outlives being replaced; and back again. The caller discards a backup that is not needed. */
 enum err file_backup(struct buf *backup, const char *path, struct fault *fault);

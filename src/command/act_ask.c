@@ -463,6 +463,15 @@ enum err act_hints(const struct act *act)
         return fault_set(act->fault, ERR_USAGE,
                          "report: expected a name that ends in .json, not %s", report);
     enum err err = find_hints(act, &hints);
+    unsigned worst = 0;
+    double share = 1;
+    if (!err)
+        err = session_find_worst(act->session, &worst, &share, act->fault);
+    if (worst && !act_has(act, "label")) {
+        buf_add_text(out, "first label ");
+        label_report_write_name(out, act->session, worst);
+        buf_printf(out, ", which has %.0f %% of the procedure's volume\n", 100 * share);
+    }
     if (!err)
         err = write_report(act, hints);
     for (size_t i = 0; !err && i < hints->count; i++) {

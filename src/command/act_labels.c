@@ -396,8 +396,9 @@ enum err act_labels(const struct act *act)
     const struct value *erode = act_value(act, "erode");
     const bool is_new = is_whole(act) && !act_has(act, "copy");
     const unsigned rounds = erode->given ? (unsigned)erode->number : is_new ? 0 : ERODE_BEFORE;
+    const bool rests = act_has(act, "rest") && act_number(act, "rest") == 1;
     const struct piece_choice choice = {rounds, (uint32_t)act_number(act, "least"),
-                                        is_whole(act) ? 0 : REGION_NONE};
+                                        is_whole(act) && !rests ? 0 : REGION_NONE};
     struct volume map = {0};
     struct piece_seeds seeds = {0};
     if (!erode->given)

@@ -1,12 +1,12 @@
 /* Commands that show or write pictures: renditions, slices and mosaics; and how slices look. */
 #include "command/act_picture.h"
 
-#include "base/file.h"
 #include "command/answers.h"
 #include "command/files.h"
 #include "image/exr.h"
 #include "image/image_helper.h"
 #include "image/picture_writer.h"
+#include "journal/golden.h"
 #include "journal/journal.h"
 #include "session/semantics.h"
 #include "session/session.h"
@@ -21,21 +21,21 @@ enum err act_note_picture(const struct act *act, const struct labels *labels,
                           struct picture *picture)
 {
     const struct journal *journal = act->interp->journal;
-    struct buf steps = {0}, path = {0};
+    struct buf steps = {0}, name = {0};
     enum err err = OK;
     finish_write(&steps, &session_kept(act->session)->finish);
     if (journal)
-        file_real(&path, journal_path(journal));
-    if (steps.failed || path.failed)
+        golden_journal_name(&name, journal_path(journal));
+    if (steps.failed || name.failed)
         err = fault_memory(act->fault, "a note on a picture");
     if (!err && labels->finished)
         err = picture_note(picture, "iftty:finish", buf_text(&steps), act->fault);
     if (!err && journal && !session_is_private(act->session))
-        err = picture_note(picture, "iftty:journal", file_name(buf_text(&path)), act->fault);
+        err = picture_note(picture, "iftty:journal", buf_text(&name), act->fault);
     if (!err && journal)
         err = picture_note(picture, "iftty:chain", journal_chain(journal), act->fault);
     buf_release(&steps);
-    buf_release(&path);
+    buf_release(&name);
     return err;
 }
 

@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "base/choice.h"
+#include "command/act_landmark.h"
 #include "engine/roi.h"
 #include "image/geometry.h"
 #include "journal/journal.h"
@@ -492,6 +493,7 @@ enum err act_info(const struct act *act)
     err = write_reaches(act);
     act_write_finish(out, session);
     write_numbers(out, session_kept(session));
+    act_write_origin(out, session);
     write_look(out, session);
     /* The scene's bytes a voxel are what README promises; the rest does not depend on its
      * voxels, but for answers, which are made when they are asked for. */

@@ -112,16 +112,16 @@ bool golden_is_leftover(const char *path, const char *journal_path, const char *
                         size_t length)
 {
     struct picture picture = {0};
-    struct buf real = {0};
+    struct buf name = {0};
     if (exr_read(&picture, path, NULL) != OK)
         return false;
-    file_real(&real, journal_path);
+    golden_journal_name(&name, journal_path);
     const char *journal = picture_find(&picture, "iftty:journal"),
                *chain = picture_find(&picture, "iftty:chain");
-    const bool is_ours = !journal || strcmp(journal, file_name(buf_text(&real))) == 0;
+    const bool is_ours = !journal || strcmp(journal, buf_text(&name)) == 0;
     const bool is_leftover = is_ours && chain && is_followed_by_no_golden(chain, bytes, length);
     picture_release(&picture);
-    buf_release(&real);
+    buf_release(&name);
     return is_leftover;
 }
 

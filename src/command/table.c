@@ -109,6 +109,7 @@ enum {
     K = COMMAND_SKETCHED,
     P = COMMAND_PLANTS,
     A = COMMAND_ANSWERS,
+    C = COMMAND_CARRIED,
     TURNS = 10 * VIEW_TURN, /* angles may be given beyond one turn; they are reduced */
     PANS = 1000 * VIEW_SIDE_MOST,
 };
@@ -165,13 +166,49 @@ static const struct command command_table[] = {
      "A wrong answer swaps left and right in every picture and report. A map that is saved says as "
      "much of its place as the file of the scene.",
      "orient RAS"},
-    {COMMAND("weight", act_weight, GROUP_WEIGHT, R | S | E),
+    {COMMAND("landmark", act_landmark, GROUP_SCENE, R | S),
+     {NEED("NAME", VALUE_WORD), NEED("PLACE", VALUE_POSITION, .choices = "none")},
+     "name a place that other subjects have too",
+     "As the anterior commissure, AC. Where two scenes have the same names, `iftty apply --by "
+     "landmarks` carries a procedure from one to the other. PLACE is kept as a voxel; `none` takes "
+     "the landmark away. Up to 64, and `info` lists them.",
+     "landmark AC 90,128,72"},
+    {COMMAND("origin", act_origin, GROUP_SCENE, R | S),
+     {NEED("PROCEDURE", VALUE_WORD), KEYED("digest", VALUE_WORD),
+      KEYED("by", VALUE_CHOICE, .choices = ORIGIN_WAYS),
+      KEYED("as", VALUE_CHOICE, .choices = ORIGIN_PLANTS),
+      KEYED("pull", VALUE_WORD, .form = "12 NUMBERS"), KEYED("scene", VALUE_WORD, .form = "SHA256"),
+      KEYED("from", VALUE_WORD, .form = "SHA256"), KEYED("rms", VALUE_REAL, .form = "MM"),
+      KEYED("gate", VALUE_DECIMAL, .most = 1000000),
+      KEYED("depth", VALUE_DECIMAL, .most = 1000000, .form = "MM"),
+      KEYED("volumes", VALUE_WORD, .form = "LABEL:MM3,.."),
+      KEYED("dropped", VALUE_WORD, .form = "LABEL:N/OF,..")},
+     "which procedure this journal was made by",
+     "`iftty apply` records it; it changes no voxel. PROCEDURE is the last chain of the "
+     "procedure's "
+     "journal, `none` for no more; `info` shows it.\n"
+     "digest: of the procedure, as `iftty log --procedure` writes it.\n"
+     "by, as: how it was carried over, and what of it was planted.\n"
+     "pull: twelve numbers, in rows of four: x, y, z of this scene's world, in millimetres to the "
+     "right, front and head, times the first three and plus the fourth, are those of the "
+     "procedure's.\n"
+     "scene, from: the digests of this scene and of the procedure's.\n"
+     "rms: what landmarks are off by in the mean, in mm.\n"
+     "gate: how far an intensity might be off, in percent of what the procedure's object has "
+     "between its percentiles 10 and 90.\n"
+     "depth: how far labels were eroded at most, in mm.\n"
+     "volumes: what each label had in the procedure, in mm3 of this scene; `hints` begins with the "
+     "label that is farthest from it.\n"
+     "dropped: seeds of each label that were not planted, of how many, since their intensities did "
+     "not fit.",
+     "origin 74120d6c3f0cc54e2237dc0bced98ab5 by=world as=labels"},
+    {COMMAND("weight", act_weight, GROUP_WEIGHT, R | S | E | C),
      {NEED("FILE", VALUE_FILE, .is_read = true, .choices = WEIGHT_KINDS),
       WEIGHT_ARGUMENTS(MAY_WEIGH, KEYED_WEIGH), RESAMPLE},
      "arc weights: the cost of a step",
      WEIGHT_DETAIL,
      "weight gauss 1.5"},
-    {COMMAND("polarity", act_polarity, GROUP_WEIGHT, R | S | E),
+    {COMMAND("polarity", act_polarity, GROUP_WEIGHT, R | S | E | C),
      {NEED("LABEL", VALUE_LABEL, .most = 255),
       NEED("PERCENT", VALUE_NUMBER, .least = -POLARITY_MOST, .most = POLARITY_MOST)},
      "prefer edges to darker or to brighter voxels",
@@ -213,7 +250,7 @@ static const struct command command_table[] = {
      "regions: the entries, as the values of an atlas.\n"
      "as: the labels that they are for, one for each of `regions`.",
      "label-file aal.nii.txt regions=1-90"},
-    {CALLED("seed", "plant|paint|foreground", act_seed, GROUP_SEEDS, R | S | E | P | K),
+    {CALLED("seed", "plant|paint|foreground", act_seed, GROUP_SEEDS, R | S | E | P | K | C),
      {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255),
       KEYED("radius", VALUE_RADIUS, .most = BRUSH_HOLLOW_REACH_MOST), WITHIN,
       KEYED("to", VALUE_LINE), KEYED("joined", VALUE_CHOICE, .choices = "yes"), HOLLOW,
@@ -274,7 +311,8 @@ static const struct command command_table[] = {
       KEYED("erode", VALUE_NUMBER, .most = PIECE_ERODE_MOST, .added = true),
       KEYED("copy", VALUE_WORD, .form = "DIGEST", .added = true), RESAMPLE,
       KEYED("numbers", VALUE_LIST, .least = 1, .most = REGION_MOST, .added = true),
-      KEYED("least", VALUE_NUMBER, .least = 1, .most = 1000000)},
+      KEYED("least", VALUE_NUMBER, .least = 1, .most = 1000000),
+      KEYED("rest", VALUE_CHOICE, .choices = "background|none")},
      "begin with a segmentation, and correct it",
      "FILE is a label map on the scene's grid, of whatever program, whose labels come out as they "
      "are. Each piece of each label becomes a marker, the background's too, all of them one undo. "
@@ -292,7 +330,9 @@ static const struct command command_table[] = {
      "copy: the journal has its own copy of the labels, beside it, and adds the digest here: it "
      "needs FILE no more.\n"
      "numbers: added likewise: the regions that became labels in rising order.\n"
-     "least: pieces of fewer voxels are left out, and go to the trees around them." RESAMPLE_NOTE,
+     "least: pieces of fewer voxels are left out, and go to the trees around them.\n"
+     "rest: none plants nothing in what is not chosen, which goes to the trees around "
+     "it." RESAMPLE_NOTE,
      "labels model.nii.gz erode=3"},
     {CALLED("object", "threshold|grow|flood", act_object, GROUP_SEEDS, R | S | E | P),
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("HOW", VALUE_CHOICE, .choices = "threshold"),
@@ -519,7 +559,7 @@ static const struct command command_table[] = {
      "The rendition, or a slice or mosaic as it would be shown now. `iftty verify` compares it "
      "pixel for pixel. It is stored in a folder beside the journal." SHOWN_NOTE,
      "golden front-1"},
-    {CALLED("finish", "smooth|relax|clean", act_finish, GROUP_KEPT, R | S),
+    {CALLED("finish", "smooth|relax|clean", act_finish, GROUP_KEPT, R | S | C),
      {MAY("STEP", VALUE_CHOICE, .choices = FINISH_KINDS "|none"),
       KEYED("radius", VALUE_RADIUS, .most = FINISH_RADIUS_MOST),
       KEYED("voxels", VALUE_NUMBER, .least = 1, .most = 1000000000),
@@ -638,6 +678,8 @@ static const struct command command_table[] = {
      "the border that is least certain is weak; what hangs together of that in a block of 16 "
      "voxels a side is a place, and the places with most such voxels, and the weakest, come "
      "first. It takes about as long as a run, and no time where nothing has changed since.\n"
+     "In what `iftty apply` has made, places of the label whose volume is farthest from the "
+     "procedure's come before others.\n"
      "label: places at the border of that label alone.\n"
      "report: all of them as FILE.json.",
      "hints 5"},

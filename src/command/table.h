@@ -9,6 +9,10 @@ struct act;
 /* What `open raw:FILE type=` takes. */
 #define OPEN_TYPES "int8|uint8|int16|uint16|int32|uint32|int64|uint64|float32|float64"
 
+/* What `origin by=` and `as=` take: how a procedure was carried over, and what was planted. */
+#define ORIGIN_WAYS   "world|landmarks|affine|file"
+#define ORIGIN_PLANTS "labels|seeds"
+
 /* act_open.c */
 enum err act_open(const struct act *act);
 enum err act_interpolate(const struct act *act);
@@ -33,6 +37,9 @@ enum err act_run(const struct act *act);
 enum err act_seed_file(const struct act *act);
 /* act_labels.c */
 enum err act_labels(const struct act *act);
+/* act_landmark.c */
+enum err act_landmark(const struct act *act);
+enum err act_origin(const struct act *act);
 /* act_history.c */
 enum err act_undo(const struct act *act);
 enum err act_redo(const struct act *act);

@@ -20,7 +20,7 @@
 
 enum err begin_interpreter(struct interpreter *interp, const struct options *o, struct fault *fault)
 {
-    struct buf lines = {0};
+    struct buf lines = {0}, path = {0};
     enum err err = interpreter_init(interp, fault);
     session_set_watch(interp->session, console_watch());
     interp->scene_path = o->scene;
@@ -29,16 +29,29 @@ enum err begin_interpreter(struct interpreter *interp, const struct options *o, 
     interp->has_blocks = isatty(STDOUT_FILENO) && locale_is_utf8();
     if (!err && o->out)
         err = file_make_folder(o->out, fault);
-    if (!err && o->journal && file_exists(o->journal))
-        err = interpreter_resume_journal(interp, o->journal, &lines, fault);
+    if (!err && o->whole && (!o->journal || o->read_only))
+        err = fault_set(fault, ERR_USAGE,
+                        "--whole is about a journal that is written: it needs "
+                        "--journal FILE, and no --read-only");
+    buf_add_text(&path, o->journal ? o->journal : "");
+    if (o->whole && o->journal && !file_exists(o->journal))
+        buf_add_text(&path, JOURNAL_PART);
+    else
+        interp->is_read_only |= o->whole; /* it is whole */
+    const char *journal = buf_text(&path);
+    if (!err && path.failed)
+        err = fault_memory(fault, "a path");
+    if (!err && o->journal && file_exists(journal))
+        err = interpreter_resume_journal(interp, journal, &lines, fault);
     else if (!err && o->journal && o->read_only)
-        err = fault_set(fault, ERR_IO, "--read-only: there is no journal %s", o->journal);
-    else if (!err && o->journal && !(err = interpreter_create_journal(interp, o->journal, fault)))
+        err = fault_set(fault, ERR_IO, "--read-only: there is no journal %s", journal);
+    else if (!err && o->journal && !(err = interpreter_create_journal(interp, journal, fault)))
         interpreter_tell_lock(interp, &lines);
     console_erase_progress();
     if (lines.length)
         fprintf(stderr, "iftty: %s", buf_text(&lines));
     buf_release(&lines);
+    buf_release(&path);
     return err;
 }
 

@@ -71,11 +71,12 @@ struct options {
     const char *commands, *journal, *scene, *out;
     const char *junit, *html, *accept, *with, *export, *picture;
     const char *expect, *lock, *sign, *allowed_signers, *revoked, *signed_at, *shard;
-    const char *regions, *as, *by, *save, *pages;
+    const char *regions, *as, *by, *save, *pages, *fit, *landmarks, *orient, *procedure;
     const char *limit_memory, *limit_time, *limit_output;
     size_t processes, from, until; /* 0: not given */
     struct graphics_wish graphics; /* {0}: the terminal decides */
-    bool help, read_only, keep_going, smooth, json, histogram, csv, binary, resample, anonymise;
+    bool help, read_only, whole, keep_going, smooth, json, histogram, csv, binary, resample,
+        anonymise;
     bool quiz, strict, no_strict, update_lock, fail_fast, timings, remove_orphans;
     bool unconfined;
     bool is_form; /* one that only says which form is meant */

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "apply/apply.h"
 #include "report/agreement.h"
 #include "session/map.h"
 #include "verify/signature.h"
@@ -19,6 +20,7 @@ enum {
     OUT,
     REPLAY_OUT,
     EVIDENCE_OUT,
+    WHOLE,
     KEEP_GOING,
     GRAPHICS,
     SMOOTH,
@@ -59,6 +61,13 @@ enum {
     PAGES,
     FROM_STEP,
     UNTIL_STEP,
+    BY,
+    PLANT_AS,
+    FIT,
+    LANDMARKS_OF,
+    ORIENT,
+    APPLY_OUT,
+    PROCEDURE_SCENE,
     LIMIT_MEMORY,
     LIMIT_TIME,
     LIMIT_OUTPUT,
@@ -80,6 +89,7 @@ enum {
     REPAIR,
     RESEAL,
     SIGN,
+    PROCEDURE,
 };
 
 static enum err read_graphics(const struct option *option, const char *text, void *out,
@@ -140,6 +150,10 @@ static const struct option option[] = {
                       "leave there what a golden image differs by, in N/ for the Nth journal where "
                       "several have one name",
                       TEXT(out)},
+    [WHOLE] = {"--whole", NULL,
+               "the journal appears when all is done: until then it is FILE.part, which the run "
+               "goes on with when it is repeated",
+               FLAG(whole)},
     [KEEP_GOING] = {"--keep-going", NULL, "do not stop at the first error", FLAG(keep_going)},
     [GRAPHICS] = {"--graphics", "HOW",
                   "how pictures are shown, whatever the terminal says of itself", read_graphics, 0,
@@ -231,6 +245,26 @@ static const struct option option[] = {
                TEXT(pages)},
     [FROM_STEP] = {"--from", "N", "the first step", NUMBER(from, 1, RECORDS_MOST)},
     [UNTIL_STEP] = {"--until", "N", "the last step", NUMBER(until, 1, RECORDS_MOST)},
+    [BY] =
+        {"--by", "WAY",
+         "world (same millimetres), landmarks, affine (by the intensities of both; the default), "
+         "or a FILE with a transform of ITK, or fsl:FILE",
+         TEXT(by)},
+    [PLANT_AS] = {"--as", "WHAT",
+                  "labels (what it came to, eroded; the default) or seeds (its gestures)",
+                  TEXT(as)},
+    [FIT] = {"--fit", "KIND", "of landmarks: " APPLY_FITS "; the most that they say, unless given",
+             TEXT(fit)},
+    [LANDMARKS_OF] = {"--landmarks", "FILE",
+                      "of the subject: lines NAME X,Y,Z in mm, or a journal of its scene",
+                      TEXT(landmarks)},
+    [ORIENT] = {"--orient", "HOW",
+                "what `orient` is to say of scenes whose files do not say it, as RAS",
+                TEXT(orient)},
+    [APPLY_OUT] = {"--out", "DIR", "the journals go into this folder, else into the present one",
+                   TEXT(out)},
+    [PROCEDURE_SCENE] = {"--scene", "FILE", "the procedure's scene, whatever name `open` gives",
+                         TEXT(scene)},
     [LIMIT_MEMORY] = {"--limit-memory", "SIZE",
                       "the most memory that a journal may take, as 2G (3/4 of what is free)",
                       TEXT(limit_memory)},
@@ -259,6 +293,7 @@ static const struct option option[] = {
     [REPAIR] = {"--repair", FORM},
     [RESEAL] = {"--reseal", FORM},
     [SIGN] = {"--sign", "KEY", "", TEXT(sign)},
+    [PROCEDURE] = {"--procedure", "FILE", "", TEXT(procedure)},
 };
 
 /* ---- programs ---- */
@@ -276,18 +311,22 @@ static const struct program program[] = {
      .summary = "the prompt, on a new scene or a journal", .run = run_prompt},
     {.form = "-c",
      .words = "",
-     .option = {COMMANDS, SESSION_OPTIONS, KEEP_GOING},
+     .option = {COMMANDS, SESSION_OPTIONS, WHOLE, KEEP_GOING},
      .summary = "carry out these commands",
      .run = run_commands},
     {.name = "run",
      ONE("FILE|-"),
-     .option = {SESSION_OPTIONS, KEEP_GOING},
+     .option = {SESSION_OPTIONS, WHOLE, KEEP_GOING, JSON},
      .summary = "carry out the commands of a script or journal",
      .detail = "Each command is acknowledged, once its record is on the disk, by a line that "
                "begins `ok N`, where N is the number of the record, or `ok -` for a command that "
                "changes nothing and has none, and repeats the command. The first error ends the "
                "run. One that was interrupted goes on after its last record when it is repeated "
-               "with the same --journal; where script and journal differ, nothing is added.",
+               "with the same --journal; where script and journal differ, nothing is added.\n"
+               "For a batch: --whole, and --json for one object in place of those lines. No "
+               "terminal is needed. Exit status: 0 all was carried out, or was there; 1 a golden "
+               "image differs; 2 bad usage, also of a command; 3 bad input or I/O, a full disk "
+               "too; 130 Ctrl-C.",
      .run = run_script},
     {.name = "serve",
      AT_MOST_1("[SCENE|JOURNAL]"),
@@ -378,6 +417,20 @@ static const struct program program[] = {
                "Dice's coefficient with the labels that the expert ends with. Journals record no "
                "time.",
      .run = run_diff_gestures},
+    {.name = "apply",
+     .words = "PROCEDURE SCENE...",
+     .least = 2,
+     .most = FILES_MOST,
+     .option = {BY, PLANT_AS, APPLY_OUT, LANDMARKS_OF, FIT, ORIENT, PROCEDURE_SCENE, JSON,
+                LIMIT_OPTIONS},
+     .summary = "carry a procedure to other scenes",
+     .detail =
+         "PROCEDURE is a journal, which is carried out by the rules of `replay`, or what "
+         "`iftty log --procedure` writes. Each SCENE comes to a journal SCENE.iftty, whole or "
+         "not at all, that can be corrected and verified as any other. One that is there is "
+         "skipped where it is what would be made. Seeds whose intensities are none of the "
+         "object are dropped, and counted. Status 1: a scene was refused.",
+     .run = run_apply},
     {.name = "compare",
      TWO("A B"),
      .option = {REGIONS, AS, BINARY, RESAMPLE, JSON, CSV, SLICES, SLICES_SCENE},
@@ -432,6 +485,16 @@ static const struct program program[] = {
      .summary = "its provenance as W3C PROV-JSON, into FILE",
      .detail = "Where FILE is -, it is printed. Nothing is overwritten.",
      .run = run_log_export},
+    {.name = "log",
+     .form = "--procedure",
+     ONE("JOURNAL"),
+     .option = {PROCEDURE, SCENE, LIMIT_OPTIONS},
+     .summary = "what `apply` needs of it, and no image",
+     .detail =
+         "Labels and their grid, percentiles of intensities, gestures, landmarks, weights and "
+         "finish, as text into FILE; where that is -, it is printed. No image, no comment, and "
+         "no name of a file; labels keep theirs. Nothing is overwritten.",
+     .run = run_log_procedure},
     {.name = "log",
      .form = "--repair",
      ONE("JOURNAL"),

@@ -18,6 +18,8 @@ enum err run_review(const struct options *options, struct fault *fault);
 enum err run_reseal(const struct options *options, struct fault *fault);
 enum err run_diff(const struct options *options, struct fault *fault);
 enum err run_diff_gestures(const struct options *options, struct fault *fault);
+enum err run_apply(const struct options *options, struct fault *fault);
+enum err run_log_procedure(const struct options *options, struct fault *fault);
 enum err run_compare(const struct options *options, struct fault *fault);
 enum err run_agree(const struct options *options, struct fault *fault);
 enum err run_log(const struct options *options, struct fault *fault);

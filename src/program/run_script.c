@@ -3,8 +3,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "journal/journal.h"
+#include "base/file.h"
+#include "base/json.h"
 #include "command/script.h"
+#include "journal/journal.h"
 #include "program/begin.h"
 #include "program/console.h"
 #include "program/programs.h"
@@ -60,11 +62,48 @@ static void say_how_to_go_on(const struct options *o, const struct journal *jour
     }
     buf_add_text(&text, "iftty run ");
     add_argument(&text, is_whole ? o->word[0] : "-");
-    buf_add_text(&text, " --journal ");
-    add_argument(&text, journal_path(journal));
+    buf_add_text(&text, o->whole ? " --whole --journal " : " --journal ");
+    add_argument(&text, o->whole ? o->journal : journal_path(journal));
     buf_add_char(&text, '\n');
     console_warn(NULL, buf_text(&text));
     buf_release(&text);
+}
+
+/* Of --whole: the journal gets its name, which is still free, while it is locked. One that had it
+ * is whole, and `records` long: nothing was written to it. */
+static enum err publish(const struct options *o, const struct journal *journal, size_t records,
+                        struct fault *fault)
+{
+    if (!journal_only_looks(journal))
+        return file_rename_new(journal_path(journal), o->journal, fault);
+    return journal_count(journal) == records
+               ? OK
+               : fault_set(fault, ERR_INPUT,
+                           "%s is whole, and the script has more than it: nothing was added "
+                           "(`--journal FILE` of a new name begins another)",
+                           o->journal);
+}
+
+static void print_json(const struct options *o, const struct journal *journal, bool is_done)
+{
+    struct buf text = {0};
+    struct json json = {.out = &text};
+    json_object(&json, NULL);
+    json_boolean(&json, "done", is_done);
+    if (journal) {
+        json_text(&json, "journal", o->journal);
+        json_count(&json, "records", journal_count(journal));
+        json_text(&json, "chain", journal_chain(journal));
+    }
+    json_end(&json);
+    console_print(NULL, buf_text(&text));
+    buf_release(&text);
+}
+
+static void print_nothing(void *context, const char *text)
+{
+    (void)context;
+    (void)text;
 }
 
 static enum err run_lines(const struct options *o, FILE *input, const char *name,
@@ -72,20 +111,25 @@ static enum err run_lines(const struct options *o, FILE *input, const char *name
 {
     struct interpreter interp;
     const struct printer printer = {.context = (void *)(uintptr_t)o,
-                                    .print = console_print,
+                                    .print = o->json ? print_nothing : console_print,
                                     .warn = console_warn,
-                                    .show = show_picture,
+                                    .show = o->json ? NULL : show_picture,
                                     .waits = console_wait};
     console_handle_interrupts();
     enum err err = begin_interpreter(&interp, o, fault);
     begin_to_wait(&interp);
     if (!err) {
+        const size_t records = interp.journal ? journal_count(interp.journal) : 0;
         size_t stopped;
         err = script_run(&interp, input, name, o->keep_going, &printer, &stopped, fault);
         fault->text[0] = '\0'; /* printed with its line */
         say_how_to_go_on(o, interp.journal, input, stopped);
+        err = end_journal(&interp, err, fault);
+        if (!err && o->whole)
+            err = publish(o, interp.journal, records, fault);
     }
-    err = end_journal(&interp, err, fault);
+    if (o->json)
+        print_json(o, interp.journal, !err);
     interpreter_release(&interp);
     return err;
 }

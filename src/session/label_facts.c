@@ -152,6 +152,47 @@ enum err session_sum_label(struct session *session, unsigned label, struct label
     return label_measures_sum(&session->measures, &labels, label, session->team, sums, fault);
 }
 
+/* ---- against a procedure ---- */
+
+enum err session_find_worst(struct session *session, unsigned *label, double *share,
+                            struct fault *fault)
+{
+    const uint32_t *expected = session->now.kept.origin_mm3;
+    const double voxel_mm3 = tally_voxel_mm3(session_geometry(session));
+    const enum err err = session_count_labels(session, fault);
+    double worst = 0;
+    *label = 0;
+    *share = 1;
+    for (unsigned l = 1; !err && l < 256; l++) {
+        const double now = (double)session->tally.voxels[l] * voxel_mm3 / (expected[l] + 1.0);
+        const double off = now > 1 ? now : 1 / (now + 1e-9);
+        if (!expected[l] || off <= worst)
+            continue;
+        *label = l;
+        *share = now;
+        worst = off;
+    }
+    return err;
+}
+
+/* Places at the border of the worst label come before others; each kind in its order. */
+static enum err put_worst_first(struct hint_list *hints, struct session *session,
+                                struct fault *fault)
+{
+    unsigned worst;
+    double share;
+    const enum err err = session_find_worst(session, &worst, &share, fault);
+    size_t first = 0;
+    for (size_t i = 0; !err && worst && i < hints->count; i++) {
+        const struct hint hint = hints->item[i];
+        if (hint.label != worst && hint.other != worst)
+            continue;
+        memmove(hints->item + first + 1, hints->item + first, (i - first) * sizeof hint);
+        hints->item[first++] = hint;
+    }
+    return err;
+}
+
 /* ---- hints ---- */
 
 void hinting_release(struct hinting *hinting)
@@ -159,6 +200,14 @@ void hinting_release(struct hinting *hinting)
     hints_release(&hinting->hints);
     free(hinting->heat);
     *hinting = (struct hinting){0};
+}
+
+static uint64_t digest_of_origin(const uint32_t mm3[256])
+{
+    uint64_t mix = 0;
+    for (unsigned l = 0; l < 256; l++)
+        mix = hash_mix_at(mix, mm3[l]);
+    return mix;
 }
 
 /* Lets go of what is of another forest. */
@@ -169,9 +218,10 @@ static void keep_up_hints(struct session *session)
                                 .forest = forest_digest(session->forest),
                                 .labels = forest_label_digest(session->forest),
                                 .weights = session->weight_digest,
-                                .adjacency = session->now.kept.adjacency};
+                                .adjacency = session->now.kept.adjacency,
+                                .origin = digest_of_origin(session->now.kept.origin_mm3)};
     if (h->cells == now.cells && h->forest == now.forest && h->labels == now.labels &&
-        h->weights == now.weights && h->adjacency == now.adjacency)
+        h->weights == now.weights && h->adjacency == now.adjacency && h->origin == now.origin)
         return;
     hinting_release(h);
     *h = now;
@@ -186,6 +236,8 @@ static enum err make_hints(struct session *session, bool with_heat, struct fault
         err = fault_memory(fault, "the heat");
     if (!err)
         err = hints_find(&h->hints, session->forest, margin, h->heat, fault);
+    if (!err)
+        err = put_worst_first(&h->hints, session, fault);
     free(margin);
     h->has_hints = err == OK;
     if (err)

@@ -327,6 +327,11 @@ enum err session_interpolate(struct session *session, unsigned doubled, struct f
         return fault_set(fault, ERR_USAGE,
                          "what is cut away lies on the scene as it is; interpolate first, or say "
                          "`clip none`, `plane none`, `cut none`; nothing has changed");
+    if (*session->now.kept.landmark[0].name)
+        return fault_set(
+            fault, ERR_USAGE,
+            "landmarks lie on the scene as it is; interpolate first, or take them away "
+            "with `landmark NAME none`; nothing has changed");
     for (unsigned a = 0; a < 3; a++)
         if (session->scene->grid.size[a] == 1)
             doubled &= ~(1U << a);

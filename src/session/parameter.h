@@ -93,6 +93,7 @@ enum command_flag {
     COMMAND_EDITS = 4,    /* changes what `run` computes: its digests are recorded */
     COMMAND_SKETCHED = 8, /* can be carried out to be seen and no more */
     COMMAND_PLANTS = 16,  /* seeds or eliminators, which may change far more than they say */
+    COMMAND_CARRIED = 64, /* is carried to other scenes with a procedure (iftty apply) */
     COMMAND_ANSWERS = 32, /* shows, writes or answers from labels: what waits is applied first */
 };
 

@@ -347,8 +347,13 @@ uint64_t session_finished_digest(const struct session *session);
 const uint8_t *session_finished(const struct session *session);
 uint64_t session_finish_source(const struct session *session);
 
-/* Hints (engine/hints.h), made in about the time of a run; and their heat where it is asked for, a
- * byte a voxel until the next edit. Borrowed, as above. ERR_USAGE under `weight polarity`,
+/* In a session that has the origin of a procedure: the label whose volume is farthest from what it
+ * was there, and so many times that; 0 where there is none. ERR_CANCELLED. */
+enum err session_find_worst(struct session *session, unsigned *label, double *share,
+                            struct fault *fault);
+
+/* Hints (engine/hints.h), those of the worst label first, made in about the time of a run; and their
+ * heat where it is asked for, a byte a voxel until the next edit. Borrowed, as above. ERR_USAGE under `weight polarity`,
  * ERR_MEMORY, ERR_CANCELLED. */
 enum err session_find_hints(struct session *session, const struct hint_list **hints,
                             const uint8_t **heat, struct fault *fault);

@@ -46,7 +46,7 @@ struct hinting {
     struct hint_list hints;
     uint8_t *heat; /* [cells], or NULL */
     size_t cells;
-    uint64_t forest, labels, weights; /* digests */
+    uint64_t forest, labels, weights, origin; /* digests */
     unsigned adjacency;
 };
 void hinting_release(struct hinting *hinting);

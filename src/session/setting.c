@@ -9,7 +9,7 @@
 
 /* ---- the table ---- */
 
-enum { R = COMMAND_RECORDED, S = COMMAND_NEEDS_SCENE, E = COMMAND_EDITS };
+enum { R = COMMAND_RECORDED, S = COMMAND_NEEDS_SCENE, E = COMMAND_EDITS, C = COMMAND_CARRIED };
 
 /* What every row begins with, on one line. */
 #define SETTING(NAME, GROUP, FLAGS) NAME, NULL, NULL, NULL, GROUP, FLAGS
@@ -25,7 +25,7 @@ enum { R = COMMAND_RECORDED, S = COMMAND_NEEDS_SCENE, E = COMMAND_EDITS };
              __VA_ARGS__}
 
 const struct command setting_table[] = {
-    {SETTING("adjacency", GROUP_WEIGHT, R | S | E),
+    {SETTING("adjacency", GROUP_WEIGHT, R | S | E | C),
      {{"COUNT", VALUE_CHOICE, .choices = "6|26",
        SETS(kept.adjacency, 6, .made = MADE_WEIGHTS, .as = HELD_AS_COUNT, .says = SAYS_WEIGHTS)}},
      "neighbours of a voxel: by faces, or by corners too",
@@ -231,6 +231,9 @@ static const struct state_field {
     FIELD(kept.weight_file, 0),
     FIELD(kept.mask_file, 0),
     FIELD(kept.mask_regions, 0),
+    FIELD(kept.landmark, 0),
+    FIELD(kept.origin, 0),
+    FIELD(kept.origin_mm3, 0),
     FIELD(kept.has_range, MADE_ROI),
     FIELD(kept.range, MADE_ROI),
     FIELD(kept.finish, 0),

@@ -94,7 +94,13 @@ size_t edit_lists_memory(const struct edit_lists *lists);
 
 /* ---- states ---- */
 
-enum { LABEL_NAME_BYTES = 32, FILE_WORDS_BYTES = 128 };
+enum { LABEL_NAME_BYTES = 32, FILE_WORDS_BYTES = 128, LANDMARK_NAME_BYTES = 32, LANDMARKS = 64 };
+
+/* A place of the patient that can be found in other scenes too; zeros after the end of its name. */
+struct landmark {
+    char name[LANDMARK_NAME_BYTES]; /* "" for none */
+    uint32_t place[3];              /* a voxel */
+};
 
 /* Here and below, no bytes are between members (tests/test_setting.c). */
 struct kept {
@@ -115,8 +121,12 @@ struct kept {
     char weight_file[FILE_WORDS_BYTES]; /* what to call both; a long name is cut; "" for none */
     char mask_file[FILE_WORDS_BYTES];
     uint32_t mask_regions[2]; /* first and last */
-    uint64_t has_range;       /* 0 or 1, as wide as what it is about: */
-    struct decimal range[2];  /* real values, lowest and highest inside */
+    struct landmark
+        landmark[LANDMARKS];       /* in the order in which they were put; those of none last */
+    char origin[FILE_WORDS_BYTES]; /* the procedure that it was made by (`origin`); "": none */
+    uint32_t origin_mm3[256];      /* and what volume each label had there; 0: it had none */
+    uint64_t has_range;            /* 0 or 1, as wide as what it is about: */
+    struct decimal range[2];       /* real values, lowest and highest inside */
 };
 
 /* How slices and mosaics are shown. */

@@ -1,0 +1,280 @@
+#include "apply/apply.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "apply/subject.h"
+#include "base/choice.h"
+#include "base/file.h"
+#include "base/json.h"
+#include "command/table.h"
+#include "verify/replay_file.h"
+
+struct applying {
+    const struct apply_options *options;
+    const struct printer *printer;
+    struct procedure procedure;
+    struct buf image;
+    struct procedure_landmark landmark[PROCEDURE_LANDMARKS];
+    struct subject_choice choice;
+    struct buf text; /* the report as JSON, which is printed at the end */
+    struct json json;
+    size_t refused, failed, made, there;
+};
+
+/* ---- what is asked ---- */
+
+static enum err take_options(struct applying *a, struct fault *fault)
+{
+    const struct apply_options *o = a->options;
+    const int way = o->by ? choice_find(ORIGIN_WAYS, o->by) : CARRY_AFFINE;
+    const int kind = o->fit ? choice_find(APPLY_FITS, o->fit) : AFFINE_FULL;
+    a->choice.folder = o->out ? o->out : ".";
+    a->choice.orient = o->orient;
+    a->choice.depth_mm = APPLY_DEPTH_MM;
+    a->choice.gate = APPLY_GATE;
+    a->choice.watch = o->procedure.watch;
+    a->choice.carry.landmark = a->landmark;
+    a->choice.carry.way = way < 0 ? CARRY_FILE : (enum carry_way)way;
+    a->choice.carry.file = o->by;
+    a->choice.plants = o->as ? choice_find(ORIGIN_PLANTS, o->as) : PLANT_LABELS;
+    if (a->choice.plants < 0)
+        return fault_set(fault, ERR_USAGE, "--as: expected labels or seeds, not %s", o->as);
+    if (kind < 0)
+        return fault_set(fault, ERR_USAGE, "--fit: expected rigid, similarity or affine, not %s",
+                         o->fit);
+    a->choice.carry.kind = (enum affine_kind)kind;
+    if (a->choice.carry.way == CARRY_LANDMARKS && !o->landmarks)
+        return fault_set(fault, ERR_USAGE,
+                         "--by landmarks: --landmarks FILE gives those of the subject: lines NAME "
+                         "X,Y,Z in millimetres, or a journal with the command `landmark`");
+    if (o->landmarks && o->scenes > 1)
+        return fault_set(fault, ERR_USAGE,
+                         "--landmarks: they are those of one subject; expected one scene, not %zu",
+                         o->scenes);
+    if (a->choice.carry.way == CARRY_FILE && o->scenes > 1)
+        return fault_set(fault, ERR_USAGE,
+                         "--by %s: a transform leads to one scene; expected one, not %zu", o->by,
+                         o->scenes);
+    return OK;
+}
+
+/* No two scenes come to one journal. */
+static enum err check_names(struct applying *a, struct fault *fault)
+{
+    const struct apply_options *o = a->options;
+    enum err err = OK;
+    for (size_t i = 1; !err && i < o->scenes; i++)
+        for (size_t k = 0; !err && k < i; k++) {
+            struct buf name[2] = {{0}, {0}};
+            a->choice.scene = o->scene[i];
+            subject_journal(&name[0], &a->choice);
+            a->choice.scene = o->scene[k];
+            subject_journal(&name[1], &a->choice);
+            if (strcmp(buf_text(&name[0]), buf_text(&name[1])) == 0)
+                err = fault_set(fault, ERR_USAGE,
+                                "%s and %s would both come to %s; apply them one by one, each with "
+                                "an --out DIR of its own",
+                                o->scene[k], o->scene[i], buf_text(&name[0]));
+            buf_release(&name[0]);
+            buf_release(&name[1]);
+        }
+    return err;
+}
+
+/* A journal of the subject is carried out as that of the procedure is. */
+static enum err take_landmarks(struct applying *a, struct fault *fault)
+{
+    const struct apply_options *o = a->options;
+    struct procedure subject = {.has_place = false};
+    if (!o->landmarks)
+        return OK;
+    if (!interpreter_is_journal(o->landmarks) && !file_begins_with(o->landmarks, PROCEDURE_BEGINS))
+        return carry_read_landmarks(a->landmark, &a->choice.carry.landmarks, o->landmarks, fault);
+    struct procedure_source source = o->procedure;
+    source.path = o->landmarks;
+    source.scene_path = NULL;
+    const enum err err = procedure_load(&subject, NULL, &source, fault);
+    memcpy(a->landmark, subject.landmark, sizeof a->landmark);
+    a->choice.carry.landmarks = subject.landmarks;
+    procedure_release(&subject);
+    return err;
+}
+
+/* ---- what came of a scene ---- */
+
+static void print(struct applying *a, struct buf *text)
+{
+    a->printer->print(a->printer->context, buf_text(text));
+    buf_release(text);
+}
+
+static void write_table(struct buf *out, const struct applying *a, const struct subject *s)
+{
+    buf_printf(out, "    %-22s %11s %9s %9s %8s %7s\n", "label", "volume ml", "expected", "dropped",
+               "depth mm", "doubt");
+    for (unsigned l = 1; l < 256; l++) {
+        const struct subject_label *label = &s->label[l];
+        struct buf name = {0};
+        if (!label->is_there)
+            continue;
+        buf_printf(&name, "%u ", l);
+        buf_add_safe_text(&name, a->procedure.label[l].name);
+        buf_printf(out, "    %-22s %11.2f %7.0f %% %7.1f %% %8.1f %5.1f %%%s\n", buf_text(&name),
+                   label->mm3 / 1000, 100 * label->mm3 / label->expected_mm3,
+                   label->seeds ? 100.0 * (double)label->dropped / (double)label->seeds : 0.0,
+                   label->depth_mm, 100 * label->doubt,
+                   label->dropped == label->seeds ? "  no seed was planted"
+                   : l == s->worst                ? "  look here first"
+                                                  : "");
+        buf_release(&name);
+    }
+}
+
+static void write_text(struct applying *a, const struct subject *s, enum err err,
+                       const struct fault *fault)
+{
+    struct buf text = {0};
+    buf_add_safe_text(&text, a->choice.scene);
+    if (err && a->options->scenes == 1) {
+        buf_clear(&text); /* the end says it */
+    } else if (err) {
+        buf_printf(&text, ": %s: %s\n", err == ERR_CHECK ? "refused" : "failed", fault->text);
+    } else if (s->was_there) {
+        buf_add_text(&text, ": done before: ");
+        buf_add_safe_text(&text, buf_text(&s->journal));
+        buf_add_char(&text, '\n');
+    } else {
+        buf_add_text(&text, ": ");
+        buf_add_safe_text(&text, buf_text(&s->journal));
+        buf_printf(&text, "%s%s\n", s->words.length ? ", " : "", buf_text(&s->words));
+        write_table(&text, a, s);
+    }
+    print(a, &text);
+}
+
+static void write_json(struct applying *a, const struct subject *s, enum err err,
+                       const struct fault *fault)
+{
+    struct json *json = &a->json;
+    json_object(json, NULL);
+    json_text(json, "scene", a->choice.scene);
+    json_text(json, "state",
+              err == ERR_CHECK ? "refused"
+              : err            ? "failed"
+              : s->was_there   ? "there"
+                               : "made");
+    if (err)
+        json_text(json, "why", fault->text);
+    else
+        json_text(json, "journal", buf_text(&s->journal));
+    if (!err && !s->was_there) {
+        json_array(json, "pull");
+        for (int i = 0; i < 12; i++)
+            json_real(json, NULL, s->pull.m[i / 4][i % 4], 17);
+        json_end(json);
+        if (a->choice.carry.way == CARRY_LANDMARKS)
+            json_fixed(json, "rms_mm", s->rms_mm, 4);
+        json_text(json, "found", buf_text(&s->words));
+        json_count(json, "worst", s->worst);
+        json_array(json, "labels");
+        for (unsigned l = 1; l < 256; l++) {
+            const struct subject_label *label = &s->label[l];
+            if (!label->is_there)
+                continue;
+            json_object(json, NULL);
+            json_count(json, "label", l);
+            json_text(json, "name", a->procedure.label[l].name);
+            json_count(json, "voxels", label->voxels);
+            json_fixed(json, "volume_mm3", label->mm3, 3);
+            json_fixed(json, "expected_mm3", label->expected_mm3, 3);
+            json_count(json, "seeds", label->seeds);
+            json_count(json, "dropped", label->dropped);
+            json_fixed(json, "depth_mm", label->depth_mm, 3);
+            json_fixed(json, "doubt", label->doubt, 4);
+            json_end(json);
+        }
+        json_end(json);
+    }
+    json_end(json);
+}
+
+/* ---- all of them ---- */
+
+static enum err apply_one(struct applying *a, struct fault *fault)
+{
+    struct subject subject = {.was_there = false};
+    const enum err err = subject_make(&subject, &a->procedure, &a->choice, fault);
+    if (err != ERR_CANCELLED && a->options->json)
+        write_json(a, &subject, err, fault);
+    else if (err != ERR_CANCELLED)
+        write_text(a, &subject, err, fault);
+    a->made += !err && !subject.was_there;
+    a->there += subject.was_there;
+    a->refused += err == ERR_CHECK;
+    a->failed += err && err != ERR_CHECK;
+    subject_release(&subject);
+    return err;
+}
+
+static enum err apply_all(struct applying *a, struct fault *fault)
+{
+    const struct apply_options *o = a->options;
+    enum err worst = OK;
+    json_array(&a->json, NULL);
+    for (size_t i = 0; i < o->scenes && worst != ERR_CANCELLED; i++) {
+        struct fault words = {.text = ""};
+        a->choice.scene = o->scene[i];
+        const enum err err = apply_one(a, &words);
+        if (err_exit_status(err) > err_exit_status(worst)) {
+            worst = err;
+            *fault = words;
+        }
+    }
+    json_end(&a->json);
+    if (worst == ERR_CANCELLED)
+        return worst;
+    if (o->json)
+        print(a, &a->text);
+    else if (o->scenes > 1) {
+        struct buf sum = {0};
+        buf_printf(&sum, "# %zu made, %zu done before, %zu refused, %zu failed\n", a->made,
+                   a->there, a->refused, a->failed);
+        print(a, &sum);
+    }
+    return worst && o->scenes > 1
+               ? fault_set(fault, worst, "%zu of %zu scenes failed or were refused",
+                           a->failed + a->refused, o->scenes)
+               : worst;
+}
+
+enum err apply_procedure(const struct apply_options *options, const struct printer *printer,
+                         struct fault *fault)
+{
+    struct applying *a = calloc(1, sizeof *a);
+    if (!a)
+        return fault_memory(fault, "a procedure");
+    a->options = options;
+    a->printer = printer;
+    a->json.out = &a->text;
+    enum err err = take_options(a, fault);
+    if (!err)
+        err = check_names(a, fault);
+    if (!err && options->out)
+        err = file_make_folder(options->out, fault);
+    if (!err)
+        err = take_landmarks(a, fault);
+    if (!err)
+        err = procedure_load(&a->procedure, a->choice.carry.way == CARRY_AFFINE ? &a->image : NULL,
+                             &options->procedure, fault);
+    a->choice.carry.intensity = (const uint16_t *)(const void *)a->image.data;
+    if (!err)
+        err = apply_all(a, fault);
+    procedure_release(&a->procedure);
+    buf_release(&a->image);
+    buf_release(&a->text);
+    free(a);
+    return err;
+}

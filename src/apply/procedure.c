@@ -1,0 +1,381 @@
+#include "apply/procedure.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/decimal.h"
+#include "base/mem.h"
+#include "base/safe.h"
+#include "base/scan.h"
+#include "engine/grid.h"
+#include "session/map.h"
+
+enum { RUNS_LINE = 90 };
+
+void procedure_release(struct procedure *p)
+{
+    buf_release(&p->settings);
+    free(p->gesture);
+    free(p->corner);
+    free(p->voxel);
+    *p = (struct procedure){0};
+}
+
+double procedure_voxel_mm3(const struct procedure *p)
+{
+    return fabs(affine_determinant(&p->to_mm));
+}
+
+enum err procedure_add_gesture(struct procedure *p, const struct procedure_gesture *gesture,
+                               struct fault *fault)
+{
+    if (p->gestures == PROCEDURE_GESTURES)
+        return fault_set(fault, ERR_LIMIT, "it has more than %d gestures", PROCEDURE_GESTURES);
+    if (!mem_grow(&p->gesture, &p->gesture_capacity, p->gestures + 1, sizeof *p->gesture))
+        return fault_memory(fault, "gestures");
+    p->gesture[p->gestures] = *gesture;
+    p->gesture[p->gestures].corner = p->corners;
+    p->gesture[p->gestures++].corners = 0;
+    return OK;
+}
+
+enum err procedure_add_corner(struct procedure *p, const double mm[3], struct fault *fault)
+{
+    if (p->corners == PROCEDURE_CORNERS)
+        return fault_set(fault, ERR_LIMIT, "its gestures have more than %d corners",
+                         PROCEDURE_CORNERS);
+    if (!mem_grow(&p->corner, &p->corner_capacity, p->corners + 1, sizeof *p->corner))
+        return fault_memory(fault, "gestures");
+    memcpy(p->corner[p->corners++], mm, sizeof *p->corner);
+    p->gesture[p->gestures - 1].corners++;
+    return OK;
+}
+
+/* ---- written ---- */
+
+static void write_real(struct buf *out, double value)
+{
+    const struct decimal decimal = decimal_near(value, 17);
+    buf_add_char(out, ' ');
+    decimal_write(out, &decimal);
+}
+
+static void write_reals(struct buf *out, const double *value, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        write_real(out, value[i]);
+}
+
+static void write_label(struct buf *out, unsigned label, const struct procedure_label *l)
+{
+    buf_printf(out, "label %u #%02x%02x%02x %u", label, l->rgb[0], l->rgb[1], l->rgb[2], l->number);
+    write_real(out, l->low);
+    write_real(out, l->high);
+    buf_printf(out, " %s\n", l->name);
+}
+
+static void write_gesture(struct buf *out, const struct procedure *p,
+                          const struct procedure_gesture *g)
+{
+    buf_printf(out, "gesture %u", g->label);
+    write_real(out, g->radius_mm);
+    write_real(out, g->within_mm);
+    write_real(out, g->intensity);
+    write_reals(out, p->corner[g->corner], 3 * g->corners);
+    buf_add_char(out, '\n');
+}
+
+static void write_voxels(struct buf *out, const struct procedure *p)
+{
+    const size_t voxels = (size_t)p->size[0] * p->size[1] * p->size[2];
+    size_t begin = out->length;
+    for (size_t i = 0, next; i < voxels; i = next) {
+        for (next = i + 1; next < voxels && p->voxel[next] == p->voxel[i];)
+            next++;
+        buf_printf(out, "%u*%zu", p->voxel[i], next - i);
+        const bool ends = next == voxels || out->length - begin > RUNS_LINE;
+        buf_add_char(out, ends ? '\n' : ' ');
+        begin = ends ? out->length : begin;
+    }
+}
+
+void procedure_write(struct buf *out, const struct procedure *p)
+{
+    const size_t begin = out->length;
+    char digest[SHA256_HEX];
+    buf_printf(out, PROCEDURE_BEGINS "%d\nchain %s\nscene %s\nworld %s\nsize %u %u %u\nto_mm",
+               PROCEDURE_VERSION, p->chain.hex, p->scene, p->has_place ? "place" : "sides",
+               p->size[0], p->size[1], p->size[2]);
+    write_reals(out, p->to_mm.m[0], 12);
+    buf_add_char(out, '\n');
+    for (const char *at = buf_text(&p->settings); *at;) {
+        const size_t n = strcspn(at, "\n");
+        buf_printf(out, "setting %.*s\n", (int)n, at);
+        at += n + (at[n] == '\n');
+    }
+    for (unsigned label = 0; label < 256; label++)
+        if (p->label[label].is_there)
+            write_label(out, label, &p->label[label]);
+    for (size_t i = 0; i < p->landmarks; i++) {
+        buf_printf(out, "landmark %s", p->landmark[i].name);
+        write_reals(out, p->landmark[i].mm, 3);
+        buf_add_char(out, '\n');
+    }
+    for (size_t i = 0; i < p->gestures; i++)
+        write_gesture(out, p, &p->gesture[i]);
+    buf_add_text(out, "voxels\n");
+    write_voxels(out, p);
+    if (out->failed)
+        return;
+    sha256_bytes_hex(digest, out->data + begin, out->length - begin);
+    buf_printf(out, "digest %s\n", digest);
+}
+
+/* ---- read ---- */
+
+struct reader {
+    const char *at, *end; /* of the text, which a NUL ends */
+    const char *line;     /* at hand */
+    size_t number;
+    struct fault *fault;
+};
+
+static enum err refuse(const struct reader *r, const char *expected)
+{
+    return fault_set(r->fault, ERR_INPUT, "line %zu of the procedure: expected %s", r->number,
+                     expected);
+}
+
+/* Begins the next line where it has this word. */
+static bool begins(struct reader *r, const char *word)
+{
+    const char *at = r->at;
+    if (!scan_text(&at, word) || (*at != ' ' && *at != '\n'))
+        return false;
+    r->number++;
+    r->at = at;
+    return true;
+}
+
+static bool ends_line(struct reader *r)
+{
+    return scan_text(&r->at, "\n");
+}
+
+static bool take_digits(struct reader *r, char *out, size_t digits)
+{
+    if (!scan_text(&r->at, " ") || strspn(r->at, "0123456789abcdef") != digits)
+        return false;
+    memcpy(out, r->at, digits);
+    out[digits] = '\0';
+    r->at += digits;
+    return true;
+}
+
+static bool take_real(struct reader *r, double *out)
+{
+    const double most = 1e30;
+    struct decimal decimal;
+    if (!scan_text(&r->at, " ") || !decimal_scan(&r->at, &decimal))
+        return false;
+    *out = decimal_value(&decimal);
+    return *out >= -most && *out <= most;
+}
+
+static bool take_reals(struct reader *r, double *out, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (!take_real(r, &out[i]))
+            return false;
+    return true;
+}
+
+static bool take_number(struct reader *r, int64_t least, int64_t most, int64_t *out)
+{
+    return scan_text(&r->at, " ") && scan_integer(&r->at, least, most, out);
+}
+
+/* The rest of the line, or up to a blank; it may be empty where it is the rest. */
+static bool take_name(struct reader *r, char *out, size_t room, const char *until)
+{
+    const size_t n = scan_text(&r->at, " ") ? strcspn(r->at, until) : room;
+    if (n >= room)
+        return false;
+    memcpy(out, r->at, n);
+    memset(out + n, 0, room - n);
+    r->at += n;
+    return *safe_end(out) == '\0' && !strpbrk(out, "=\"\\");
+}
+
+static enum err read_head(struct reader *r, struct procedure *p)
+{
+    int64_t size[3], version;
+    char world[8];
+    if (!begins(r, "iftty") || !scan_text(&r->at, " procedure") ||
+        !take_number(r, 1, 999999999, &version) || !ends_line(r))
+        return refuse(r, "`" PROCEDURE_BEGINS "1`: it is none");
+    if (version > PROCEDURE_VERSION)
+        return fault_set(r->fault, ERR_INPUT,
+                         "it is a procedure of version %lld, and this program knows %d",
+                         (long long)version, PROCEDURE_VERSION);
+    if (!begins(r, "chain") || !take_digits(r, p->chain.hex, RECORD_CHAIN_DIGITS) || !ends_line(r))
+        return refuse(r, "chain and 32 digits");
+    if (!begins(r, "scene") || !take_digits(r, p->scene, SHA256_HEX - 1) || !ends_line(r))
+        return refuse(r, "scene and 64 digits");
+    if (!begins(r, "world") || !take_name(r, world, sizeof world, " \n") || !ends_line(r) ||
+        (strcmp(world, "place") != 0 && strcmp(world, "sides") != 0))
+        return refuse(r, "world place, or world sides");
+    p->has_place = *world == 'p';
+    if (!begins(r, "size") || !take_number(r, 1, GRID_SIDE_MOST, &size[0]) ||
+        !take_number(r, 1, GRID_SIDE_MOST, &size[1]) ||
+        !take_number(r, 1, GRID_SIDE_MOST, &size[2]) || !ends_line(r))
+        return refuse(r, "size and three numbers");
+    for (int a = 0; a < 3; a++)
+        p->size[a] = (uint32_t)size[a];
+    if ((uint64_t)size[0] * (uint64_t)size[1] > PROCEDURE_VOXELS / (uint64_t)size[2])
+        return fault_set(r->fault, ERR_LIMIT, "it has more than %d voxels", PROCEDURE_VOXELS);
+    struct affine inverse;
+    if (!begins(r, "to_mm") || !take_reals(r, p->to_mm.m[0], 12) || !ends_line(r) ||
+        !affine_invert(&inverse, &p->to_mm))
+        return refuse(r, "to_mm and twelve numbers that can be inverted");
+    return OK;
+}
+
+static bool take_colour(struct reader *r, uint8_t rgb[3])
+{
+    uint64_t colour;
+    if (!scan_text(&r->at, " #") || !scan_hex(&r->at, 6, &colour))
+        return false;
+    for (int k = 0; k < 3; k++)
+        rgb[k] = (uint8_t)(colour >> (16 - 8 * k));
+    return true;
+}
+
+static enum err read_labels(struct reader *r, struct procedure *p)
+{
+    int64_t number, label, before = -1;
+    while (begins(r, "label")) {
+        if (!take_number(r, before + 1, 255, &label))
+            return refuse(r, "labels 0..255, in rising order");
+        struct procedure_label *l = &p->label[label];
+        if (!take_colour(r, l->rgb) || !take_number(r, 0, REGION_MOST, &number) ||
+            !take_real(r, &l->low) || !take_real(r, &l->high) || l->low > l->high ||
+            !take_name(r, l->name, sizeof l->name, "\n") || !ends_line(r))
+            return refuse(r, "label N #rrggbb NUMBER LOW HIGH NAME");
+        l->number = (uint16_t)number;
+        l->is_there = true;
+        before = label;
+    }
+    return OK;
+}
+
+static enum err read_landmarks(struct reader *r, struct procedure *p)
+{
+    while (begins(r, "landmark")) {
+        struct procedure_landmark *mark = &p->landmark[p->landmarks];
+        if (p->landmarks == PROCEDURE_LANDMARKS)
+            return refuse(r, "no more than 64 landmarks");
+        if (!take_name(r, mark->name, sizeof mark->name, " \n") || !*mark->name ||
+            !take_reals(r, mark->mm, 3) || !ends_line(r))
+            return refuse(r, "landmark NAME X Y Z");
+        for (size_t i = 0; i < p->landmarks; i++)
+            if (strcmp(p->landmark[i].name, mark->name) == 0)
+                return refuse(r, "each landmark once");
+        p->landmarks++;
+    }
+    return OK;
+}
+
+static enum err read_gestures(struct reader *r, struct procedure *p)
+{
+    int64_t label;
+    while (begins(r, "gesture")) {
+        struct procedure_gesture g = {0};
+        double mm[3];
+        if (!take_number(r, 0, 255, &label) || !take_real(r, &g.radius_mm) ||
+            !take_real(r, &g.within_mm) || !take_real(r, &g.intensity) || g.radius_mm < 0 ||
+            g.within_mm < 0)
+            return refuse(r, "gesture LABEL RADIUS REACH INTENSITY X Y Z ...");
+        g.label = (uint8_t)label;
+        enum err err = procedure_add_gesture(p, &g, r->fault);
+        while (!err && *r->at == ' ')
+            err = take_reals(r, mm, 3) ? procedure_add_corner(p, mm, r->fault)
+                                       : refuse(r, "corners of three numbers each");
+        if (err)
+            return err;
+        if (!p->gesture[p->gestures - 1].corners || !ends_line(r))
+            return refuse(r, "a corner of three numbers, and the end of the line");
+    }
+    return OK;
+}
+
+static enum err read_voxels(struct reader *r, struct procedure *p)
+{
+    const size_t voxels = (size_t)p->size[0] * p->size[1] * p->size[2];
+    int64_t label, count;
+    size_t done = 0;
+    if (!begins(r, "voxels") || !ends_line(r))
+        return refuse(r, "voxels, or lines in the order of the format");
+    p->voxel = mem_array(voxels, 1);
+    if (!p->voxel)
+        return fault_memory(r->fault, "the labels of a procedure");
+    r->number++;
+    while (done < voxels) {
+        if (!scan_integer(&r->at, 0, 255, &label) || !scan_text(&r->at, "*") ||
+            !scan_integer(&r->at, 1, (int64_t)(voxels - done), &count) ||
+            (label && !p->label[label].is_there))
+            return refuse(r, "runs LABEL*COUNT of labels that are named, as many as voxels");
+        memset(p->voxel + done, (int)label, (size_t)count);
+        p->label[label].voxels += (uint64_t)count;
+        done += (size_t)count;
+        if (scan_text(&r->at, "\n"))
+            r->number++;
+        else if (!scan_text(&r->at, " "))
+            return refuse(r, "a blank or the end of the line after a run");
+    }
+    r->number--;
+    return OK;
+}
+
+static enum err read_all(struct reader *r, struct procedure *p, const char *begin)
+{
+    char now[SHA256_HEX];
+    enum err err = read_head(r, p);
+    while (!err && begins(r, "setting")) {
+        const size_t n = strcspn(r->at, "\n");
+        if (n < 2 || r->at[n] != '\n')
+            return refuse(r, "a command");
+        buf_add(&p->settings, r->at + 1, n);
+        r->at += n + 1;
+    }
+    if (!err && p->settings.failed)
+        err = fault_memory(r->fault, "a procedure");
+    if (!err)
+        err = read_labels(r, p);
+    if (!err)
+        err = read_landmarks(r, p);
+    if (!err)
+        err = read_gestures(r, p);
+    if (!err)
+        err = read_voxels(r, p);
+    if (err)
+        return err;
+    sha256_bytes_hex(now, begin, (size_t)(r->at - begin));
+    if (!begins(r, "digest") || !take_digits(r, p->digest, SHA256_HEX - 1) || !ends_line(r) ||
+        r->at != r->end)
+        return refuse(r, "digest and 64 digits, and the end of the file");
+    return strcmp(now, p->digest) == 0
+               ? OK
+               : fault_set(r->fault, ERR_INPUT,
+                           "it is not as it was written: its digest does not fit");
+}
+
+enum err procedure_read(struct procedure *p, const char *bytes, size_t length, struct fault *fault)
+{
+    struct reader r = {.at = bytes, .end = bytes + length, .fault = fault};
+    if (length > PROCEDURE_BYTES || memchr(bytes, '\0', length))
+        return fault_set(fault, ERR_INPUT,
+                         "it is no procedure: it is too long, or holds a zero byte");
+    return read_all(&r, p, bytes);
+}

@@ -1,0 +1,609 @@
+#include "apply/subject.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "apply/warp.h"
+#include "base/choice.h"
+#include "base/decimal.h"
+#include "base/file.h"
+#include "command/command.h"
+#include "command/execute.h"
+#include "command/table.h"
+#include "engine/brush.h"
+#include "engine/hints.h"
+#include "image/volume.h"
+#include "journal/journal.h"
+#include "session/paint.h"
+#include "session/tally.h"
+
+/* How far intensities of the background's gestures may be off, of what lies between the percentiles
+ * of the largest object. 0.3 to 0.8 did alike. */
+#define GATE_OF_BACKGROUND 0.5
+
+struct making {
+    struct interpreter interp;
+    const struct procedure *procedure;
+    const struct subject_choice *choice;
+    struct subject *subject;
+    struct warped warped;
+    struct buf origin, seeds; /* a command; commands, a line each, or the path of a map */
+    struct fault *fault;
+};
+
+void subject_release(struct subject *subject)
+{
+    buf_release(&subject->journal);
+    buf_release(&subject->words);
+}
+
+/* The file's name without its ending. */
+static void add_name(struct buf *out, const struct subject_choice *choice)
+{
+    const char *scene = choice->scene, *ending = volume_ending(scene);
+    size_t end = strlen(scene) - (ending ? strlen(ending) : 0);
+    while (end > 1 && scene[end - 1] == '/')
+        end--;
+    size_t begin = end;
+    while (begin > 0 && scene[begin - 1] != '/')
+        begin--;
+    buf_printf(out, "%s/%.*s", choice->folder, (int)(end - begin), scene + begin);
+}
+
+void subject_journal(struct buf *out, const struct subject_choice *choice)
+{
+    add_name(out, choice);
+    buf_add_text(out, ".iftty");
+}
+
+/* ---- commands ---- */
+
+static enum err execute(struct making *m, const char *line)
+{
+    struct reply reply = {0};
+    const enum err err = interpreter_execute(&m->interp, line, &reply, m->fault);
+    reply_release(&reply);
+    return err;
+}
+
+static enum err execute_buf(struct making *m, struct buf *line)
+{
+    const enum err err =
+        line->failed ? fault_memory(m->fault, "a command") : execute(m, buf_text(line));
+    buf_release(line);
+    return err;
+}
+
+static enum err open_scene(struct making *m)
+{
+    struct buf line = {0};
+    buf_add_text(&line, "open ");
+    command_write_word(&line, m->choice->scene);
+    enum err err = execute_buf(m, &line);
+    if (!err && m->choice->orient) {
+        buf_add_text(&line, "orient ");
+        command_write_word(&line, m->choice->orient);
+        err = execute_buf(m, &line);
+    }
+    return err ? err : session_complete(m->interp.session, m->fault);
+}
+
+/* Commands of a file, which somebody else may have written: these alone, and none that reads. */
+static enum err execute_settings(struct making *m)
+{
+    struct buf line = {0};
+    enum err err = OK;
+    for (const char *at = buf_text(&m->procedure->settings); !err && *at;) {
+        const size_t n = strcspn(at, "\n");
+        struct call call;
+        buf_clear(&line);
+        buf_add(&line, at, n);
+        at += n + (at[n] == '\n');
+        bool is_fine = command_parse(&call, buf_text(&line), m->interp.session, NULL) == OK &&
+                       call.command && (call.command->flags & COMMAND_CARRIED) &&
+                       !(call.command->flags & COMMAND_PLANTS);
+        for (int i = 0; is_fine && call.command->parameter[i].type; i++)
+            is_fine = !call.command->parameter[i].is_read || call.value[i].number >= 0;
+        call_release(&call);
+        if (!is_fine)
+            err = fault_set(m->fault, ERR_INPUT,
+                            "the procedure has a setting that is none of weights or the finish: %s",
+                            buf_text(&line));
+        if (!err)
+            err = execute(m, buf_text(&line));
+    }
+    buf_release(&line);
+    return err;
+}
+
+static enum err name_labels(struct making *m)
+{
+    enum err err = OK;
+    for (unsigned l = 0; !err && l < 256; l++) {
+        const struct procedure_label *label = &m->procedure->label[l];
+        struct buf line = {0};
+        if (!label->is_there || !*label->name)
+            continue;
+        buf_printf(&line, "label %u ", l);
+        command_write_word(&line, label->name);
+        if (l)
+            buf_printf(&line, " #%02x%02x%02x", label->rgb[0], label->rgb[1], label->rgb[2]);
+        if (label->number)
+            buf_printf(&line, " number=%u", label->number);
+        err = execute_buf(m, &line);
+    }
+    return err;
+}
+
+static bool find_voxel(int64_t place[3], const struct making *m, const double mm[3])
+{
+    const struct session *session = m->interp.session;
+    return geometry_voxel(session_geometry(session), mm, place) &&
+           grid_contains(&session_scene(session)->grid, place[0], place[1], place[2]);
+}
+
+static enum err place_landmarks(struct making *m)
+{
+    enum err err = OK;
+    for (size_t i = 0; !err && i < m->choice->carry.landmarks; i++) {
+        const struct procedure_landmark *mark = &m->choice->carry.landmark[i];
+        int64_t at[3];
+        struct buf line = {0};
+        if (!find_voxel(at, m, mark->mm)) /* the fit has it all the same */
+            continue;
+        buf_printf(&line, "landmark %s %d,%d,%d", mark->name, (int)at[0], (int)at[1], (int)at[2]);
+        err = execute_buf(m, &line);
+    }
+    return err;
+}
+
+/* ---- what is planted ---- */
+
+static void write_row(void *context, uint32_t y, uint32_t z, void *values)
+{
+    const struct making *m = context;
+    const uint32_t *size = session_scene(m->interp.session)->grid.size;
+    memcpy(values, m->warped.label + ((size_t)z * size[1] + y) * size[0],
+           size[0] * sizeof *m->warped.label);
+}
+
+static void note_label(struct making *m, unsigned label, uint64_t seeds, uint64_t dropped)
+{
+    m->subject->label[label].seeds += seeds;
+    m->subject->label[label].dropped += dropped;
+}
+
+/* The map, and the command that plants it. */
+static enum err prepare_labels(struct making *m)
+{
+    struct session *session = m->interp.session;
+    struct buf path = {0}, regions = {0}, as = {0};
+    enum err err = warp_seeds(&m->warped, session, m->choice->depth_mm, m->fault);
+    const struct volume_map map = {.size = session_scene(session)->grid.size,
+                                   .geometry = session_geometry(session),
+                                   .type = VOXEL_UINT16,
+                                   .description = "iftty seeds",
+                                   .row = write_row,
+                                   .context = m};
+    add_name(&path, m->choice);
+    buf_add_text(&path, ".seeds.nii.gz");
+    for (unsigned l = 1; l <= 256; l++) {
+        const unsigned label = l % 256;
+        const uint64_t left = m->warped.eroded[label] - m->warped.dropped[label];
+        note_label(m, label, m->warped.eroded[label], m->warped.dropped[label]);
+        m->subject->label[label].depth_mm = m->warped.depth_mm[label];
+        if (left) {
+            buf_printf(&regions, "%s%u", regions.length ? "," : "", l);
+            buf_printf(&as, "%s%u", as.length ? "," : "", label);
+        }
+    }
+    if (!err && !regions.length)
+        err = fault_set(m->fault, ERR_CHECK, "no seed is left to plant");
+    if (!err && path.failed)
+        err = fault_memory(m->fault, "a path");
+    if (!err)
+        err = volume_write(buf_text(&path), FILE_REPLACE, &map, session_watch(session), m->fault);
+    buf_add_text(&m->seeds, "labels ");
+    command_write_word(&m->seeds, file_name(buf_text(&path)));
+    buf_printf(&m->seeds, " regions=%s as=%s erode=0 rest=none\n", buf_text(&regions),
+               buf_text(&as));
+    buf_release(&path);
+    buf_release(&regions);
+    buf_release(&as);
+    return err;
+}
+
+static void write_mm(struct buf *out, int64_t nm)
+{
+    const struct decimal mm = decimal_of(nm, 6);
+    decimal_write(out, &mm);
+    buf_add_text(out, "mm");
+}
+
+static unsigned largest_object(const struct procedure *p)
+{
+    unsigned largest = 1;
+    for (unsigned l = 1; l < 256; l++)
+        if (p->label[l].voxels > p->label[largest].voxels)
+            largest = l;
+    return largest;
+}
+
+/* Intensities that seeds of a gesture may have; low above high: any. Those of the background have
+ * none in common, so each gesture of it is held to its own, matched by the largest object: without
+ * that, brain Dice was .895 in place of .936 on a head deformed by 5 mm, since the background was
+ * planted in the brain. */
+static void find_range(double range[2], const struct making *m, const struct procedure_gesture *g)
+{
+    const unsigned object = largest_object(m->procedure);
+    const struct procedure_label *there = &m->procedure->label[object];
+    const struct percentiles *here = &m->warped.percentiles;
+    const double spread = here->high[object] - here->low[object];
+    memcpy(range, m->warped.within[g->label], 2 * sizeof *range);
+    if (g->label > 0 || m->choice->gate <= 0 || there->high <= there->low || spread <= 0)
+        return;
+    const double matched =
+        here->low[object] + (g->intensity - there->low) * spread / (there->high - there->low);
+    range[0] = matched - GATE_OF_BACKGROUND * spread;
+    range[1] = matched + GATE_OF_BACKGROUND * spread;
+}
+
+/* How many voxels of a gesture are within a range. */
+static enum err count_seeds(struct making *m, const struct procedure_gesture *g, int64_t radius_nm,
+                            const uint32_t (*corner)[3], const double range[2], uint64_t *left)
+{
+    const struct session *session = m->interp.session;
+    const struct scene *scene = session_scene(session);
+    struct brush brush = {0};
+    struct voxels voxels = {0};
+    enum err err = brush_init(&brush, scene->spacing_nm, radius_nm, BRUSH_REACH_MOST, m->fault);
+    if (!err)
+        err = paint_stroke(&voxels, &scene->grid, &brush, corner, g->corners,
+                           session_watch(session), m->fault);
+    *left = 0;
+    for (size_t i = 0; i < voxels.count; i++)
+        *left += warp_may_have(range, percentiles_value(session, voxels.cell[i]));
+    note_label(m, g->label, voxels.count, voxels.count - *left);
+    voxels_release(&voxels);
+    brush_release(&brush);
+    return err;
+}
+
+/* Adds the command of a gesture; none where a corner of it lies outside, or nothing is left. */
+static enum err prepare_gesture(struct making *m, const struct procedure_gesture *g,
+                                const struct affine *push, double times, uint32_t (*corner)[3])
+{
+    const int64_t radius_nm = llround(g->radius_mm * times * 1e6),
+                  within_nm = llround(g->within_mm * times * 1e6);
+    double range[2];
+    uint64_t left;
+    for (size_t i = 0; i < g->corners; i++) {
+        double mm[3];
+        int64_t place[3];
+        affine_apply(push, m->procedure->corner[g->corner + i], mm);
+        if (!find_voxel(place, m, mm)) {
+            note_label(m, g->label, 1, 1);
+            return OK;
+        }
+        for (int a = 0; a < 3; a++)
+            corner[i][a] = (uint32_t)place[a];
+    }
+    if (radius_nm > 1000000000)
+        return fault_set(m->fault, ERR_INPUT, "a gesture of the procedure is larger than a metre");
+    find_range(range, m, g);
+    const struct decimal low = decimal_near(range[0], 9), high = decimal_near(range[1], 9);
+    range[0] = decimal_value(&low);
+    range[1] = decimal_value(&high);
+    const enum err err = count_seeds(m, g, radius_nm, (const uint32_t(*)[3])corner, range, &left);
+    if (err || !left)
+        return err;
+    buf_printf(&m->seeds, "seed %u,%u,%u %u", corner[0][0], corner[0][1], corner[0][2], g->label);
+    if (radius_nm) {
+        buf_add_text(&m->seeds, " radius=");
+        write_mm(&m->seeds, radius_nm);
+    }
+    if (range[0] <= range[1]) {
+        buf_add_text(&m->seeds, " range=");
+        decimal_write(&m->seeds, &low);
+        buf_add_text(&m->seeds, "..");
+        decimal_write(&m->seeds, &high);
+    }
+    for (size_t i = 1; i < g->corners; i++)
+        buf_printf(&m->seeds, " to=%u,%u,%u", corner[i][0], corner[i][1], corner[i][2]);
+    if (within_nm) {
+        buf_add_text(&m->seeds, " within=");
+        write_mm(&m->seeds, within_nm);
+    }
+    buf_add_char(&m->seeds, '\n');
+    return OK;
+}
+
+static enum err prepare_gestures(struct making *m)
+{
+    const struct procedure *p = m->procedure;
+    struct affine push;
+    uint32_t(*corner)[3] = calloc(p->corners + 1, sizeof *corner);
+    enum err err = corner ? OK : fault_memory(m->fault, "gestures");
+    if (!err && !p->gestures)
+        err = fault_set(m->fault, ERR_INPUT,
+                        "the procedure has no gesture that can be moved (balls and strokes can); "
+                        "--as labels carries what it came to");
+    if (!err && !affine_invert(&push, &m->subject->pull))
+        err = fault_set(m->fault, ERR_INPUT, "the transform has no inverse");
+    for (size_t i = 0; !err && i < p->gestures; i++)
+        err = prepare_gesture(m, &p->gesture[i], &push, cbrt(fabs(affine_determinant(&push))),
+                              corner);
+    if (!err && !m->seeds.length)
+        err = fault_set(m->fault, ERR_CHECK, "no seed is left to plant");
+    free(corner);
+    return err ? err : m->seeds.failed ? fault_memory(m->fault, "gestures") : OK;
+}
+
+/* ---- the origin ---- */
+
+static void add_choice(struct buf *out, const char *key, const char *choices, unsigned which)
+{
+    const struct choice word = choice_at(choices, which);
+    buf_printf(out, " %s=%.*s", key, (int)word.length, word.word);
+}
+
+/* Up to what is asked of a journal that is there, and with the pull, which is not where it would
+ * have to be found again. */
+static void write_origin(struct making *m, bool with_pull)
+{
+    const struct subject_choice *choice = m->choice;
+    const struct procedure *p = m->procedure;
+    struct buf *out = &m->origin;
+    buf_clear(out);
+    buf_printf(out, "origin %s digest=%s", p->chain.hex, p->digest);
+    add_choice(out, "by", ORIGIN_WAYS, choice->carry.way);
+    add_choice(out, "as", ORIGIN_PLANTS, (unsigned)choice->plants);
+    for (unsigned i = 0; with_pull && i < 12; i++) {
+        const struct decimal number = decimal_near(m->subject->pull.m[i / 4][i % 4], 17);
+        buf_add_text(out, i ? "," : " pull=");
+        decimal_write(out, &number);
+    }
+    buf_printf(out, " scene=%s from=%s gate=%g depth=%g", session_proof(m->interp.session),
+               p->scene, choice->gate * 100, choice->plants == PLANT_LABELS ? choice->depth_mm : 0);
+}
+
+static void add_figures(struct making *m)
+{
+    struct buf *out = &m->origin;
+    const char *between = " volumes=";
+    if (m->choice->carry.way == CARRY_LANDMARKS)
+        buf_printf(out, " rms=%.6g", m->subject->rms_mm);
+    for (unsigned l = 1; l < 256; l++)
+        if (m->subject->label[l].is_there) {
+            buf_printf(out, "%s%u:%.0f", between, l,
+                       fmin(round(m->subject->label[l].expected_mm3), UINT32_MAX));
+            between = ",";
+        }
+    between = " dropped=";
+    for (unsigned l = 0; l < 256; l++)
+        if (m->subject->label[l].seeds) {
+            buf_printf(out, "%s%u:%llu/%llu", between, l,
+                       (unsigned long long)m->subject->label[l].dropped,
+                       (unsigned long long)m->subject->label[l].seeds);
+            between = ",";
+        }
+}
+
+/* ---- a journal that is there ---- */
+
+/* Whether each word of `asked` is one of `line`. */
+static bool has_words(const char *line, const char *asked)
+{
+    for (size_t n; *asked; asked += n + (asked[n] == ' ')) {
+        n = strcspn(asked, " ");
+        const char *at = line;
+        while (*at && (strncmp(at, asked, n) != 0 || (at[n] && at[n] != ' '))) {
+            at += strcspn(at, " ");
+            at += *at == ' ';
+        }
+        if (!*at)
+            return false;
+    }
+    return true;
+}
+
+/* Whether it is sound, begins as this one would, and was run. */
+static enum err look_at(bool *is_done, struct making *m, const char *path)
+{
+    struct buf bytes = {0};
+    struct walk walk;
+    struct record record;
+    struct record_word word;
+    bool has_origin = false;
+    *is_done = false;
+    enum err err = file_read(&bytes, path, JOURNAL_BYTES_MAX, m->fault);
+    if (!err)
+        err = walk_begin(&walk, buf_text(&bytes), bytes.length, m->fault);
+    if (err) {
+        buf_release(&bytes);
+        return err;
+    }
+    while (!*is_done && walk_next_sound(&walk, &record) == WALK_RECORD) {
+        has_origin |= has_words(record.command, buf_text(&m->origin));
+        *is_done = has_origin && record_word_find(record.result, "forest", 6, &word) &&
+                   !record_word_find(record.result, "pending", 7, &word);
+    }
+    while (*is_done && walk_next_sound(&walk, &record) == WALK_RECORD)
+        ;
+    *is_done = *is_done && walk.over == WALK_END;
+    walk_release(&walk);
+    buf_release(&bytes);
+    return OK;
+}
+
+/* ---- what came of it ---- */
+
+/* Voxels of each label that have a face on another. */
+static void count_borders(uint64_t border[256], const struct session *session)
+{
+    const struct scene *scene = session_scene(session);
+    const struct grid *grid = &scene->grid;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            const struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++) {
+                const struct cell *at = scene->cell + c;
+                bool differs = false;
+                for (int a = 0; a < 3; a++)
+                    differs |= at[grid->step[a]].label != at->label ||
+                               at[-grid->step[a]].label != at->label;
+                border[at->label] += differs;
+            }
+        }
+}
+
+static enum err find_doubts(struct making *m)
+{
+    struct session *session = m->interp.session;
+    const struct hint_list *hints;
+    if (session_kept(session)->weight.kind == WEIGHT_POLARITY)
+        return OK; /* there are none */
+    const enum err err = session_find_hints(session, &hints, NULL, m->fault);
+    uint64_t border[256] = {0};
+    count_borders(border, session);
+    for (size_t i = 0; !err && i < hints->count; i++) {
+        const struct hint *hint = &hints->item[i];
+        m->subject->label[hint->label].doubt += hint->voxels;
+        m->subject->label[hint->other].doubt += hint->voxels;
+    }
+    for (unsigned l = 0; l < 256; l++) { /* both sides of the border count */
+        const double share = m->subject->label[l].doubt / (2 * (double)border[l] + 1);
+        m->subject->label[l].doubt = fmin(share, 1);
+    }
+    return err;
+}
+
+static enum err sum_up(struct making *m)
+{
+    struct session *session = m->interp.session;
+    const double voxel_mm3 = tally_voxel_mm3(session_geometry(session));
+    double share;
+    enum err err = session_find_worst(session, &m->subject->worst, &share, m->fault);
+    if (!err)
+        err = find_doubts(m);
+    for (unsigned l = 0; !err && l < 256; l++) {
+        struct subject_label *label = &m->subject->label[l];
+        label->voxels = session_tally(session)->voxels[l];
+        label->mm3 = (double)label->voxels * voxel_mm3;
+    }
+    return err;
+}
+
+/* ---- all of it ---- */
+
+static enum err plant(struct making *m)
+{
+    enum err err = execute(m, buf_text(&m->origin));
+    for (char *at = m->seeds.data; !err && *at;) {
+        char *end = at + strcspn(at, "\n");
+        *end = '\0';
+        err = execute(m, at);
+        at = end + 1;
+    }
+    return err ? err : execute(m, "run");
+}
+
+static enum err prepare(struct making *m)
+{
+    const struct procedure *p = m->procedure;
+    const double shrinks = fabs(affine_determinant(&m->subject->pull));
+    for (unsigned l = 0; l < 256; l++) {
+        m->subject->label[l].is_there = l && p->label[l].voxels > 0;
+        m->subject->label[l].expected_mm3 =
+            (double)p->label[l].voxels * procedure_voxel_mm3(p) / shrinks;
+    }
+    enum err err = warp_labels(&m->warped, p, m->interp.session, &m->subject->pull, m->fault);
+    if (err)
+        return err;
+    warp_find_gates(&m->warped, p, m->choice->gate);
+    err = m->choice->plants == PLANT_LABELS ? prepare_labels(m) : prepare_gestures(m);
+    write_origin(m, true);
+    add_figures(m);
+    return err ? err : m->origin.failed || m->seeds.failed ? fault_memory(m->fault, "seeds") : OK;
+}
+
+static enum err carry_over(struct making *m)
+{
+    const char *path = buf_text(&m->subject->journal);
+    struct carry carry = {.pairs = 0};
+    const bool is_costly = m->choice->carry.way == CARRY_AFFINE;
+    const bool is_there = file_exists(path);
+    enum err err = OK;
+    if (!(is_there && is_costly)) {
+        err = carry_find(&carry, &m->choice->carry, m->procedure, m->interp.session, m->fault);
+        m->subject->pull = carry.pull;
+        m->subject->rms_mm = carry.rms_mm;
+        buf_add_text(&m->subject->words, buf_text(&carry.words));
+    }
+    buf_release(&carry.words);
+    if (err || !is_there)
+        return err;
+    write_origin(m, !is_costly);
+    err = look_at(&m->subject->was_there, m, path);
+    if (!err && !m->subject->was_there)
+        err = fault_set(m->fault, ERR_IO,
+                        "%s is there, and is not what would be made now: of another procedure or "
+                        "scene, by other options, or unfinished; --out DIR makes it elsewhere",
+                        path);
+    return err;
+}
+
+static enum err make(struct making *m)
+{
+    enum err err = open_scene(m);
+    if (!err)
+        err = carry_over(m);
+    if (err || m->subject->was_there)
+        return err;
+    err = execute_settings(m);
+    if (!err)
+        err = name_labels(m);
+    if (!err)
+        err = place_landmarks(m);
+    if (!err)
+        err = prepare(m);
+    if (!err)
+        err = plant(m);
+    if (!err)
+        err = sum_up(m);
+    return err ? err : journal_sync(m->interp.journal, m->fault);
+}
+
+enum err subject_make(struct subject *subject, const struct procedure *procedure,
+                      const struct subject_choice *choice, struct fault *fault)
+{
+    struct making m = {
+        .procedure = procedure, .choice = choice, .subject = subject, .fault = fault};
+    struct buf draft = {0};
+    subject_journal(&subject->journal, choice);
+    const char *path = buf_text(&subject->journal);
+    enum err err = interpreter_init(&m.interp, fault);
+    session_set_watch(m.interp.session, choice->watch);
+    if (!err && subject->journal.failed)
+        err = fault_memory(fault, "a path");
+    if (!err)
+        err = file_draft(&draft, path, FILE_REPLACE, fault);
+    if (!err)
+        err = interpreter_create_journal(&m.interp, buf_text(&draft), fault);
+    const bool is_begun = !err;
+    if (!err) /* what lies beside it is named as it will be called */
+        err = interpreter_set_home(&m.interp, path, fault);
+    if (!err)
+        err = make(&m);
+    interpreter_release(&m.interp);
+    if (!err && !subject->was_there)
+        err = file_publish(buf_text(&draft), path, FILE_KEEP, fault);
+    else if (is_begun)
+        file_discard(buf_text(&draft));
+    warped_release(&m.warped);
+    buf_release(&m.origin);
+    buf_release(&m.seeds);
+    buf_release(&draft);
+    return err;
+}

@@ -1,0 +1,63 @@
+/*
+ * One subject: the journal that a procedure comes to in its scene.
+ *
+ *     open SCENE; orient; settings; names of labels; landmarks
+ *     origin CHAIN ...            whose it is, how it was carried over, what was dropped
+ *     labels NAME.seeds.nii.gz    or a `seed` for each gesture
+ *     run
+ *
+ * It is written into a draft, and gets its name when it is whole (base/file.h). A journal of that
+ * name which is there already is left alone: it counts as done where it is sound, and says of its
+ * origin and scene what this one would; a registration is not made again to ask that.
+ */
+#ifndef APPLY_SUBJECT_H
+#define APPLY_SUBJECT_H
+
+#include "apply/carry.h"
+#include "apply/procedure.h"
+
+enum { PLANT_LABELS, PLANT_SEEDS }; /* as ORIGIN_PLANTS */
+
+#define APPLY_DEPTH_MM 7
+#define APPLY_GATE     0.15 /* 0.05 to 0.3 did alike */
+
+struct subject_choice {
+    const char *scene;  /* the file */
+    const char *folder; /* where the journal goes */
+    const char *orient; /* what `orient` is to say of it, or NULL */
+    int plants;
+    double depth_mm, gate;
+    struct carry_choice carry;
+    struct watch *watch; /* or NULL */
+};
+
+/* What came of a label. */
+struct subject_label {
+    bool is_there;            /* in the procedure */
+    uint64_t voxels;          /* now */
+    double mm3, expected_mm3; /* now; and in the procedure, in the millimetres of this scene */
+    uint64_t seeds, dropped;  /* that were to be planted, and of those not planted */
+    double depth_mm;          /* by which it was eroded */
+    double doubt;             /* 0..1: of the voxels at its border, those that hints calls weak */
+};
+
+struct subject {
+    struct buf journal; /* its path */
+    struct buf words;   /* how it was carried over; "" for nothing to say */
+    bool was_there;     /* done before: of its labels nothing is known */
+    unsigned worst;     /* the label whose volume is farthest from the procedure's; 0: none */
+    struct affine pull;
+    double rms_mm;
+    struct subject_label label[256];
+};
+void subject_release(struct subject *subject);
+
+/* The path of its journal. */
+void subject_journal(struct buf *out, const struct subject_choice *choice);
+
+/* `subject` begins as {0}, and is to be released whatever is returned. ERR_CHECK where it is not to
+ * be carried over so, ERR_INPUT, ERR_IO; there is no journal then that was not there before. */
+enum err subject_make(struct subject *subject, const struct procedure *procedure,
+                      const struct subject_choice *choice, struct fault *fault);
+
+#endif

@@ -1,0 +1,173 @@
+#include "apply/warp.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "engine/distance.h"
+#include "engine/scene.h"
+#include "image/geometry.h"
+
+/* An object keeps one of so many voxels at least. */
+enum { KEEPS_ONE_OF = 10, BINS = 4096 };
+
+void warped_release(struct warped *warped)
+{
+    free(warped->label);
+    warped->label = NULL;
+}
+
+/* ---- warped ---- */
+
+/* The label at a place in the procedure's voxels. */
+static uint16_t label_at(const struct procedure *p, const double at[3])
+{
+    size_t index = 0;
+    for (int a = 2; a >= 0; a--) {
+        const double nearest = floor(at[a] + 0.5);
+        if (!(nearest >= 0 && nearest < p->size[a]))
+            return WARP_NONE;
+        index = index * p->size[a] + (size_t)nearest;
+    }
+    return p->voxel[index];
+}
+
+enum err warp_labels(struct warped *warped, const struct procedure *p,
+                     const struct session *session, const struct affine *pull, struct fault *fault)
+{
+    const struct grid *grid = &session_scene(session)->grid;
+    struct affine way, mm;
+    *warped = (struct warped){.voxels = grid->voxels};
+    memcpy(mm.m, session_geometry(session)->to_mm, sizeof mm.m);
+    affine_invert(&way, &p->to_mm);
+    affine_compose(&mm, pull, &mm);
+    affine_compose(&way, &way, &mm);
+    warped->label = mem_array(grid->voxels, sizeof *warped->label);
+    if (!warped->label)
+        return fault_memory(fault, "the labels of a procedure");
+    struct task task = task_begin(session_watch(session), "labels carried over", grid->size[2]);
+    uint16_t *to = warped->label;
+    size_t common = 0;
+    for (uint32_t z = 0; z < grid->size[2] && task_advance(&task, 1); z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++)
+            for (uint32_t x = 0; x < grid->size[0]; x++) {
+                double at[3];
+                affine_apply(&way, (const double[]){x, y, z}, at);
+                *to = label_at(p, at);
+                common += *to++ != WARP_NONE;
+            }
+    const enum err err = watch_fault(session_watch(session), fault);
+    if (!err && !common)
+        return fault_set(fault, ERR_INPUT,
+                         "no voxel of it lies where the procedure's scene does: they have no place "
+                         "in common");
+    return err ? err : percentiles_find(&warped->percentiles, session, warped->label, fault);
+}
+
+/* ---- gated ---- */
+
+void warp_find_gates(struct warped *warped, const struct procedure *p, double gate)
+{
+    for (unsigned l = 0; l < 256; l++) {
+        const double spread = p->label[l].high - p->label[l].low,
+                     here = warped->percentiles.high[l] - warped->percentiles.low[l];
+        const bool is_open = l == 0 || gate <= 0 || !warped->percentiles.voxels[l] || spread <= 0;
+        warped->within[l][0] = is_open ? 1 : warped->percentiles.low[l] - gate * here;
+        warped->within[l][1] = is_open ? 0 : warped->percentiles.high[l] + gate * here;
+    }
+}
+
+/* ---- eroded ---- */
+
+static bool differs(const uint16_t *label, const struct grid *grid, uint32_t x, uint32_t y,
+                    uint32_t z, size_t i)
+{
+    const size_t step[3] = {1, grid->size[0], (size_t)grid->size[0] * grid->size[1]};
+    const uint32_t at[3] = {x, y, z};
+    for (int a = 0; a < 3; a++)
+        if ((at[a] > 0 && label[i - step[a]] != label[i]) ||
+            (at[a] + 1 < grid->size[a] && label[i + step[a]] != label[i]))
+            return true;
+    return false;
+}
+
+/* How far each voxel is from the nearest at the border of two labels, in BINS of `bin_mm`. */
+static enum err find_depths(uint16_t *depth, const struct warped *warped,
+                            const struct session *session, double bin_mm, struct fault *fault)
+{
+    const struct scene *scene = session_scene(session);
+    const struct grid *grid = &scene->grid;
+    const struct distance_scale scale = distance_scale_of(scene->spacing_nm, grid->size);
+    uint64_t *squared = mem_array(grid->voxels, sizeof *squared);
+    if (!squared)
+        return fault_memory(fault, "the depth of labels");
+    size_t i = 0;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++)
+            for (uint32_t x = 0; x < grid->size[0]; x++, i++)
+                squared[i] = differs(warped->label, grid, x, y, z, i) ? 0 : DISTANCE_NONE;
+    const enum err err = distance_spread(squared, grid->size, &scale, session_team(session),
+                                         session_watch(session), fault);
+    for (i = 0; !err && i < grid->voxels; i++) {
+        const double mm = sqrt((double)squared[i]) * ((double)scale.unit_nm / 1e6);
+        depth[i] = squared[i] == DISTANCE_NONE || mm >= (BINS - 1) * bin_mm
+                       ? BINS - 1
+                       : (uint16_t)(mm / bin_mm + 1e-9);
+    }
+    free(squared);
+    return err;
+}
+
+/* The deepest bin up to `most` that leaves a tenth of the voxels. */
+static unsigned find_least(const uint64_t *count, uint64_t voxels, unsigned most)
+{
+    uint64_t left = voxels;
+    unsigned at = 0;
+    while (at < most && (left - count[at]) * KEEPS_ONE_OF >= voxels)
+        left -= count[at++];
+    return at;
+}
+
+enum err warp_seeds(struct warped *warped, const struct session *session, double depth_mm,
+                    struct fault *fault)
+{
+    const struct scene *scene = session_scene(session);
+    const struct grid *grid = &scene->grid;
+    const unsigned most = BINS / 4;
+    const double bin_mm = depth_mm / most;
+    uint16_t *depth = mem_array(grid->voxels, sizeof *depth);
+    uint64_t(*count)[BINS] = mem_new(256 * sizeof *count);
+    unsigned least[256];
+    enum err err = depth && count ? OK : fault_memory(fault, "the depth of labels");
+    if (!err)
+        err = find_depths(depth, warped, session, bin_mm, fault);
+    for (size_t i = 0; !err && i < grid->voxels; i++)
+        if (warped->label[i] < 256)
+            count[warped->label[i]][depth[i]]++;
+    for (unsigned l = 0; !err && l < 256; l++) {
+        least[l] = find_least(count[l], warped->percentiles.voxels[l], most);
+        warped->depth_mm[l] = least[l] * bin_mm;
+    }
+    size_t i = 0;
+    for (uint32_t z = 0; !err && z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            const struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++, i++) {
+                const unsigned l = warped->label[i];
+                if (l == WARP_NONE || depth[i] < least[l]) {
+                    warped->label[i] = 0;
+                    continue;
+                }
+                const bool fits = warp_may_have(warped->within[l], percentiles_value(session, c));
+                warped->eroded[l]++;
+                warped->dropped[l] += !fits;
+                warped->label[i] = (uint16_t)(l == 0 ? SEEDS_BACKGROUND
+                                              : fits ? l
+                                                     : l + SEEDS_DROPPED);
+            }
+        }
+    free(depth);
+    free(count);
+    return err ? err : watch_fault(session_watch(session), fault);
+}

@@ -1,0 +1,297 @@
+#!/bin/sh
+# A procedure carried to other scenes, as a user types it: landmarks, ways of carrying over, what is
+# planted and dropped, journals that are there already, files of strangers, and what is refused.
+. "$(dirname "$0")/lib.sh"
+phantom="python3 $top/tests/apply/phantom.py"
+cd "$work" || exit 1
+for where in plain moved mirrored coarse oblique other far; do
+    $phantom make $where.nii $where
+done
+seeds='seed 28,28,24 1 radius=5; seed 48,33,24 2 radius=2; seed 5,5,5 0 radius=2'
+marks='landmark A 28,28,24; landmark B 48,33,24; landmark C 28,42,30; landmark D 20,28,38'
+names="label 1 large #ff0000; label 2 'the small one'; label 0 air"
+expect 0 "$iftty" -c "open plain.nii; $names; $marks; $seeds; box 0,0,0 63,55,1 0; run" \
+    --journal p.iftty
+# apply SCENE...: into $work/o, which is new
+apply() {
+    rm -rf o
+    expect 0 "$iftty" apply p.iftty "$@" --out o
+}
+
+begin "landmarks are recorded, listed, moved, taken away and undone"
+expect 2 "$iftty" -c "open synth:geom; landmark AC 9,8,7; landmark PC 1,2,3; landmark AC 9,9,9; info
+landmark AC none; info; undo; info; landmark XX none" --journal l.iftty --keep-going
+same "$(grep '^ *landmarks' out)" "    landmarks AC 9,9,9, PC 1,2,3
+    landmarks PC 1,2,3
+    landmarks AC 9,9,9, PC 1,2,3"
+err_has "there is no landmark XX"
+expect 2 "$iftty" -c "open synth:geom; landmark A 1,1,1; interpolate 2 2 2"
+err_has "landmarks lie on the scene as it is"
+expect 2 "$iftty" -c "open synth:geom; landmark 'a b' 1,1,1"
+err_has "NAME: expected a word"
+expect 0 "$iftty" verify l.iftty
+close_story
+
+begin "an origin is recorded, shown and undone, changes no voxel, and is checked"
+chain=74120d6c3f0cc54e2237dc0bced98ab5
+expect 0 "$iftty" -c "open plain.nii; $seeds; run; origin $chain by=file as=seeds volumes=1:9,2:8
+info; undo; origin $chain; origin none; info" --journal m.iftty
+out_has "origin    procedure $chain, by file, as seeds"
+same "$(grep -c '^ *origin ' out)" 1
+of_run=$(sed -n 's/^= 5 .*forest=\([0-9a-f]*\).*/\1/p' m.iftty)
+same "$(last_word forest m.iftty)" "$of_run"
+for words in xyz "$chain digest=12" "$chain pull=1,2,3" "$chain volumes=2:1,1:1" \
+    "$chain dropped=1:9/8" "$chain by=guess"; do
+    expect 2 "$iftty" -c "open synth:geom; origin $words"
+done
+close_story
+
+begin "a procedure's file holds what apply needs, no image, no name of a file and no comment"
+printf '# John Doe, born 1950\nopen plain.nii\n# he said ouch\n' >q.txt
+sed -n '/^label/p; /^landmark/p; /^seed/p; /^box/p; /^run/p' p.iftty >>q.txt
+expect 0 "$iftty" run q.txt --journal q.iftty
+expect 0 "$iftty" log --procedure q.proc q.iftty
+grep -qiE 'plain|nii|doe|ouch|1950|/' q.proc && fail "$(grep -iE 'plain|nii|doe|ouch' q.proc)"
+grep -q '^label 2 #.* the small one$' q.proc || fail "$(grep ^label q.proc)"
+same "$(grep -c ^gesture q.proc)" 3
+same "$(grep ^landmark q.proc | head -1)" "landmark A 0 0 0"
+expect 3 "$iftty" log --procedure q.proc q.iftty
+expect 0 "$iftty" log --procedure - q.iftty
+same_files out q.proc
+close_story
+
+begin "labels come to lie right on grids that are moved, mirrored, coarse, oblique"
+for where in plain moved mirrored coarse oblique; do
+    apply $where.nii --by world
+    expect 0 $phantom check o/$where.seeds.nii.gz $where 7 2.2
+    expect 0 "$iftty" verify o/$where.iftty
+done
+close_story
+
+begin "from the journal and from the file come the same bytes"
+expect 0 "$iftty" log --procedure p.proc p.iftty
+for as in labels seeds; do
+    rm -rf a b
+    expect 0 "$iftty" apply p.iftty oblique.nii --by world --as $as --out a
+    expect 0 "$iftty" apply p.proc oblique.nii --by world --as $as --out b
+    same_files a/oblique.iftty b/oblique.iftty
+    [ $as = seeds ] || same_files a/oblique.seeds.nii.gz b/oblique.seeds.nii.gz
+done
+close_story
+
+begin "gestures themselves are moved, with their radii, and verify"
+apply mirrored.nii --by world --as seeds
+grep -qx 'seed 24,27,35 1 radius=5mm range=.*' o/mirrored.iftty || fail "$(grep ^seed o/*.iftty)"
+grep -q '^seed 24,22,15 2 radius=2mm' o/mirrored.iftty || fail "$(grep ^seed o/*.iftty)"
+expect 0 "$iftty" verify o/mirrored.iftty
+close_story
+
+begin "landmarks: rigid, similarity or affine, with what they are off by"
+# the places in other.nii that the pull of phantom.py leads to those of p.iftty
+python3 - >marks.txt <<'END'
+import math
+c, s = math.cos(0.4), math.sin(0.4)
+for name, at in (("A", (0, 0, 0)), ("B", (20, 5, 0)), ("C", (0, 14, 6)), ("D", (-8, 0, 14))):
+    x, y, z = at[0] + 4, at[1] - 2, at[2] - 1
+    print("%s %.6f,%.6f,%.6f" % (name, 1.2 * (c * x - s * y), 1.2 * (s * x + c * y), 1.2 * z))
+END
+for fit in similarity affine; do
+    apply other.nii --by landmarks --landmarks marks.txt --fit $fit
+    out_has "$fit by 4 landmarks, off by 0.00 mm"
+    expect 0 $phantom check o/other.seeds.nii.gz other 7.8 2.8
+done
+grep -q '^landmark A ' o/other.iftty || fail "no landmark in the journal"
+apply other.nii --by landmarks --landmarks marks.txt --fit rigid
+out_has "rigid by 4 landmarks, off by 2."
+grep -q ' rms=2\.' o/other.iftty || fail "$(grep ^origin o/other.iftty)"
+expect 0 "$iftty" verify o/other.iftty
+head -2 marks.txt >few.txt
+expect 3 "$iftty" apply p.iftty other.nii --by landmarks --landmarks few.txt --out o2
+err_has "2 landmarks of the subject are in the procedure too (2 and 4), and 3 are needed"
+sed 's/A /A x/' marks.txt >bad.txt
+expect 3 "$iftty" apply p.iftty other.nii --by landmarks --landmarks bad.txt --out o2
+err_has "bad.txt, line 1: expected NAME X,Y,Z in millimetres, each name once"
+expect 2 "$iftty" apply p.iftty other.nii --by landmarks --out o2
+err_has "--landmarks FILE gives those of the subject"
+close_story
+
+begin "the subject's landmarks may be those of a journal of it"
+marked="landmark A 33,26,27; landmark B 53,31,27; landmark C 33,40,33"
+expect 0 "$iftty" -c "open moved.nii; $marked" --journal s.iftty
+apply moved.nii --by landmarks --landmarks s.iftty
+expect 0 $phantom check o/moved.seeds.nii.gz moved 7 2.2
+close_story
+
+begin "a transform of ITK's"
+cat >shift.txt <<'END'
+#Insight Transform File V1.0
+#Transform 0
+Transform: AffineTransform_double_3_3
+Parameters: 1 0 0 0 1 0 0 0 1 500 0 0
+FixedParameters: 0 0 0
+END
+$phantom make away.nii moved
+put away.nii 292 '\000\200\351\103' # its sform: 467 in place of -33
+apply away.nii --by shift.txt
+expect 0 "$iftty" verify o/away.iftty
+expect 3 "$iftty" apply p.iftty far.nii --by world --out o
+err_has "they have no place in common"
+expect 3 "$iftty" apply p.iftty moved.nii --by nothere.txt --out o
+err_has "nothere.txt"
+close_story
+
+begin "seeds whose intensity is none of the object are dropped, counted, and kept as what they are"
+$phantom make lesion.nii moved lesion
+apply lesion.nii --by world
+grep -q ' dropped=.*1:2[0-9][0-9]/' o/lesion.iftty || fail "$(grep ^origin o/lesion.iftty)"
+$phantom check o/lesion.seeds.nii.gz moved 7 2.2 | grep -q ' 257:2[0-9][0-9]' || fail "no drops"
+out_has "large"
+expect 0 "$iftty" verify o/lesion.iftty
+close_story
+
+begin "what is done is left alone, what differs is not overwritten, and a correction stays"
+apply moved.nii --by world
+before=$(cat o/moved.iftty)
+expect 0 "$iftty" apply p.iftty moved.nii --by world --out o
+out_has "moved.nii: done before: o/moved.iftty"
+expect 3 "$iftty" apply p.iftty moved.nii --by world --as seeds --out o
+err_has "is there, and is not what would be made now"
+cp mirrored.nii moved2.nii && mkdir -p other && cp mirrored.nii other/moved.nii
+expect 3 "$iftty" apply p.iftty other/moved.nii --by world --out o
+same "$(cat o/moved.iftty)" "$before"
+expect 0 "$iftty" -c "seed 9,9,9 2 radius=1; run" --journal o/moved.iftty
+expect 0 "$iftty" apply p.iftty moved.nii --by world --out o
+out_has "done before"
+grep -v '^= 11' o/moved.iftty | head -c 1500 >o/cut && mv o/cut o/moved.iftty
+expect 3 "$iftty" apply p.iftty moved.nii --by world --out o
+close_story
+
+begin "a task that is killed leaves no journal, and is done by the same words"
+rm -rf o
+for tenths in 0 1 2 4; do
+    "$iftty" apply p.iftty moved.nii --by world --out o >/dev/null 2>&1 &
+    task=$!
+    sleep "0.0$tenths"
+    kill -9 $task 2>/dev/null
+    wait $task 2>/dev/null
+    if [ -e o/moved.iftty ]; then
+        expect 0 "$iftty" verify o/moved.iftty
+        rm o/moved.iftty
+    fi
+done
+expect 0 "$iftty" apply p.iftty moved.nii --by world --out o
+expect 0 "$iftty" verify o/moved.iftty
+same "$(find o -name '*tmp*' | wc -l | tr -d ' ')" 0
+close_story
+
+begin "a scene behind a link, named as seen from the journal's folder; two of one name"
+mkdir -p data links && cp moved.nii data/real.nii && ln -sf ../data/real.nii links/sub-01_T1w.nii
+apply links/sub-01_T1w.nii --by world
+grep -q '^open \.\./links/sub-01_T1w.nii ' o/sub-01_T1w.iftty || fail "$(sed -n 2p o/*.iftty)"
+expect 0 "$iftty" verify o/sub-01_T1w.iftty
+expect 2 "$iftty" apply p.iftty moved.nii other/moved.nii --by world --out o
+err_has "would both come to o/moved.iftty"
+close_story
+
+begin "what a file does not say is not guessed"
+$phantom make silent.nii moved silent
+expect 3 "$iftty" apply p.iftty silent.nii --by world --out o
+err_has "does not say to which sides of the patient its axes run, and nobody may guess it; --orient"
+expect 3 "$iftty" apply p.iftty silent.nii --by world --orient RAS --out o
+err_has "its file does not say where it lies in the world; --by landmarks needs no more"
+printf 'A 33,26,27\nB 53,31,27\nC 33,40,33\n' >told.txt
+apply silent.nii --by landmarks --landmarks told.txt --orient RAS
+expect 0 $phantom check o/silent.seeds.nii.gz moved 7 2.2
+expect 0 "$iftty" -c "open silent.nii; $seeds; run" --journal silent.iftty
+expect 3 "$iftty" log --procedure - silent.iftty
+err_has "does not say to which sides"
+close_story
+
+begin "a registration without the expert's image is refused, in words that help"
+expect 3 "$iftty" apply p.proc moved.nii --out o3
+err_has "looks at both scenes, and a procedure's file has none; give the journal with its scene"
+close_story
+
+begin "a registration that is not believed is refused: status 1, and no journal"
+expect 1 "$iftty" apply p.iftty oblique.nii --out o3
+err_has "the scenes were registered, and the outcome is not believed"
+same "$(ls o3)" ""
+expect 0 "$iftty" apply p.iftty plain.nii --out o3
+out_has "registered: overlap 100 %"
+expect 0 $phantom check o3/plain.seeds.nii.gz plain 7 2.2
+expect 0 "$iftty" verify o3/plain.iftty
+expect 0 "$iftty" apply p.iftty plain.nii --out o3
+out_has "done before"
+close_story
+
+begin "JSON of several scenes; one that fails keeps none of the others"
+rm -rf o
+expect 3 "$iftty" apply p.proc moved.nii far.nii oblique.nii --by world --out o --json
+python3 - "$work/out" <<'END' || fail "$(cat "$work/out")"
+import json, sys
+rows = json.load(open(sys.argv[1]))
+assert [row["state"] for row in rows] == ["made", "failed", "made"], rows
+assert rows[0]["labels"][0]["name"] == "large" and rows[0]["labels"][0]["seeds"] > 500
+assert 0.8 < rows[0]["labels"][1]["volume_mm3"] / rows[0]["labels"][1]["expected_mm3"] < 1.3
+assert len(rows[0]["pull"]) == 12 and "no place in common" in rows[1]["why"]
+END
+err_has "1 of 3 scenes failed or were refused"
+close_story
+
+begin "hints begin with the label that is farthest from the procedure's volume"
+expect 0 "$iftty" -c "hints 2" --journal o/moved.iftty --read-only
+out_has "first label 2 the small one, which has 1"
+grep -A1 'first label' out | tail -1 | grep -q 'label 2' || fail "$(cat out)"
+close_story
+
+# forge FROM TO SED: a procedure's file with its digest right
+forge() {
+    sed '$d' "$1" | sed "$3" >forged
+    printf 'digest %s\n' "$(sha256sum forged | cut -c 1-64)" >>forged
+    mv forged "$2"
+}
+begin "a procedure's file of somebody else reads and writes nothing, and is refused where it is odd"
+refused() { # SED WORDS
+    forge p.proc bad.proc "$1"
+    expect 3 "$iftty" apply bad.proc moved.nii --by world --out hostile
+    err_has "$2"
+    [ -e hostile/moved.iftty ] && fail "$1: a journal was made"
+}
+forge p.proc same.proc ''
+same_files p.proc same.proc
+refused 's/^setting weight.*/setting weight \/etc\/passwd/' "a setting that is none of weights"
+refused 's/^setting weight.*/setting save labels stolen.nii/' "a setting that is none of weights"
+refused 's/^setting weight.*/setting open other.nii/' "a setting that is none of weights"
+refused 's/^setting weight.*/setting nonsense/' "a setting that is none of weights"
+refused 's/^size .*/size 65534 65534 65534/' "it has more than"
+refused 's/^size .*/size 64 56 47/' "runs LABEL"
+refused 's/^size .*/size 64 56 49/' "runs LABEL"
+refused 's/^to_mm .*/to_mm 1 0 0 0 1 0 0 0 0 0 0 0/' "can be inverted"
+refused 's/^label 1 /label 9 /' "in rising order"
+refused 's/^chain .*/chain 12/' "chain and 32 digits"
+refused 's/^iftty procedure 1/iftty procedure 2/' "version 2"
+refused 's/^landmark B/landmark A/' "each landmark once"
+refused 's/^gesture 1 5 0/gesture 1 -5 0/' "gesture LABEL RADIUS"
+refused 's/^label 2 .*/& "quoted"/' "label N #rrggbb"
+head -c 2000 p.proc >cut.proc
+expect 3 "$iftty" apply cut.proc moved.nii --by world --out hostile
+cp p.proc flipped.proc && flip_byte flipped.proc 300
+expect 3 "$iftty" apply flipped.proc moved.nii --by world --out hostile
+close_story
+
+begin "usage: one scene at least, ways and fits that are there; the walls around a journal hold"
+expect 2 "$iftty" apply p.iftty
+expect 2 "$iftty" apply p.iftty moved.nii --as pictures
+err_has "--as: expected labels or seeds, not pictures"
+expect 2 "$iftty" apply p.iftty moved.nii --by landmarks --fit bent --landmarks marks.txt
+expect 2 "$iftty" apply p.iftty moved.nii far.nii --by landmarks --landmarks marks.txt
+err_has "they are those of one subject"
+mkdir -p stranger && cp p.iftty stranger && sed -i 's/^open .*/open ..\/plain.nii weight=morph/' \
+    stranger/p.iftty
+chain_anew stranger/p.iftty stranger/q.iftty
+sed -i 's/ sha256=[0-9a-f]*//' stranger/q.iftty
+expect 3 "$iftty" apply stranger/q.iftty moved.nii --by world --out o4
+err_has "the journal may not open ../plain.nii"
+close_story
+
+finish
