@@ -86,6 +86,20 @@ grep -q '^seed 24,22,15 2 radius=2mm' o/mirrored.iftty || fail "$(grep ^seed o/*
 expect 0 "$iftty" verify o/mirrored.iftty
 close_story
 
+begin "what was removed, undone or painted over is no gesture; a stroke has its corners"
+expect 0 "$iftty" -c "open plain.nii; seed 9,9,9 0 radius=1; seed 20,28,24 1; remove 20,28,24
+seed 22,28,24 1; undo; seed 30,28,24 1 radius=2; seed 30,28,24 2 radius=2
+seed 24,28,24 1 to=28,30,24 to=28,34,24 radius=1.5mm; seed 28,24,24 1 within=9mm; run" \
+    --journal g.iftty
+mkdir -p moved_away && mv g.iftty moved_away/g.iftty
+expect 3 "$iftty" log --procedure - moved_away/g.iftty
+expect 0 "$iftty" log --procedure - moved_away/g.iftty --scene plain.nii
+same "$(grep ^gesture out)" "gesture 0 1 0 20 -19 -19 -15
+gesture 2 2 0 81 2 0 0
+gesture 1 1.5 0 78 -4 0 0 0 2 0 0 6 0
+gesture 1 0 9 80 0 -4 0"
+close_story
+
 begin "landmarks: rigid, similarity or affine, with what they are off by"
 # the places in other.nii that the pull of phantom.py leads to those of p.iftty
 python3 - >marks.txt <<'END'
@@ -188,6 +202,8 @@ begin "a scene behind a link, named as seen from the journal's folder; two of on
 mkdir -p data links && cp moved.nii data/real.nii && ln -sf ../data/real.nii links/sub-01_T1w.nii
 apply links/sub-01_T1w.nii --by world
 grep -q '^open \.\./links/sub-01_T1w.nii ' o/sub-01_T1w.iftty || fail "$(sed -n 2p o/*.iftty)"
+rm o/sub-01_T1w.seeds.nii.gz # the journal has a copy beside it, under its own name
+same "$(find o -name 'labels-*' | cut -d / -f 2)" sub-01_T1w.golden
 expect 0 "$iftty" verify o/sub-01_T1w.iftty
 expect 2 "$iftty" apply p.iftty moved.nii other/moved.nii --by world --out o
 err_has "would both come to o/moved.iftty"
@@ -272,6 +288,7 @@ refused 's/^chain .*/chain 12/' "chain and 32 digits"
 refused 's/^iftty procedure 1/iftty procedure 2/' "version 2"
 refused 's/^landmark B/landmark A/' "each landmark once"
 refused 's/^gesture 1 5 0/gesture 1 -5 0/' "gesture LABEL RADIUS"
+refused 's/^gesture 1 5 0 .*/& 1 2 3/; s/^gesture 1 5 0/gesture 1 5 9/' "a reach for a ball alone"
 refused 's/^label 2 .*/& "quoted"/' "label N #rrggbb"
 head -c 2000 p.proc >cut.proc
 expect 3 "$iftty" apply cut.proc moved.nii --by world --out hostile

@@ -304,6 +304,8 @@ static enum err read_gestures(struct reader *r, struct procedure *p)
                                        : refuse(r, "corners of three numbers each");
         if (err)
             return err;
+        if (g.within_mm > 0 && p->gesture[p->gestures - 1].corners > 1)
+            return refuse(r, "a reach for a ball alone, and not for a stroke");
         if (!p->gesture[p->gestures - 1].corners || !ends_line(r))
             return refuse(r, "a corner of three numbers, and the end of the line");
     }

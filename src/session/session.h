@@ -352,9 +352,9 @@ uint64_t session_finish_source(const struct session *session);
 enum err session_find_worst(struct session *session, unsigned *label, double *share,
                             struct fault *fault);
 
-/* Hints (engine/hints.h), those of the worst label first, made in about the time of a run; and their
- * heat where it is asked for, a byte a voxel until the next edit. Borrowed, as above. ERR_USAGE under `weight polarity`,
- * ERR_MEMORY, ERR_CANCELLED. */
+/* Hints (engine/hints.h), those of the worst label first, made in about the time of a run; and
+ * their heat where it is asked for, a byte a voxel until the next edit. Borrowed, as above.
+ * ERR_USAGE under `weight polarity`, ERR_MEMORY, ERR_CANCELLED. */
 enum err session_find_hints(struct session *session, const struct hint_list **hints,
                             const uint8_t **heat, struct fault *fault);
 
