@@ -75,9 +75,9 @@ for readme in $(find . -path ./build -prune -o -name README.md -print); do
 done
 close_story
 
-begin "the README lists the programs as --help does"
+begin "journal/README.md lists the programs as --help does"
 "$iftty" --help | sed -n '/^    iftty/,/^$/p' >"$work/help"
-sed -n '/^<!-- programs/,/^<!-- end of programs/p' README.md | sed '1,2d;$d' |
+sed -n '/^<!-- programs/,/^<!-- end of programs/p' journal/README.md | sed '1,2d;$d' |
     diff - "$work/help" >"$work/diff" || fail "$(cat "$work/diff")"
 close_story
 

@@ -31,8 +31,8 @@ shows() {
 see() {
     comes_true shows "$1" || fail "the screen is:" "$(screen_text | grep .)"
 }
-# A line to the shell, once the screen shows nothing of what was before: that would be taken for what
-# the line gives.
+# A line to the shell, once the screen shows nothing of what was before: that would be taken for
+# what the line gives.
 enter_anew() {
     checks=$((checks + 1))
     enter "clear; echo cl\"\"ear $checks"
