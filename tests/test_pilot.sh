@@ -213,7 +213,7 @@ enter "help"
 see '^The scene'
 see '^1-23 of [0-9]+  q: leave, Space, b'
 press Space
-see '^remove X,Y,Z '
+see '^labels FILE '
 type_letters "q"
 see '^coronal y=13 '
 type_letters ":"

@@ -4,7 +4,8 @@
     phantom.py make FILE WHERE [lesion] [silent]   writes the scene, .nii
     phantom.py check SEEDS WHERE DEPTH SMALL       whether a map of seeds is what it has to be
 
-The large ball is of radius 14 mm around 0,0,0, the small one of 5 mm around 20,5,0. WHERE is one of
+The large ball is of radius 14 mm around 0,0,0, the small one of 5 mm around 20,5,0; a third one, of
+no label, is where only one way of turning the three meets all of them. WHERE is one of
 the rows of `where`: size, voxels to millimetres, and the pull, by which a place of the subject is
 one of the balls' world. A lesion is a brighter ball of 4 mm in the large one. A silent file says
 nothing of where it lies.
@@ -44,7 +45,7 @@ def value_at(at, lesion):
     for label, middle, radius in BALLS:
         if math.dist(at, middle) <= radius:  # a slope, so that percentiles lie apart
             return (80 if label == 1 else 150) + int(at[0] * 0.7)
-    return 20
+    return 50 if math.dist(at, (-6, -19, 10)) <= 6 else 20
 
 
 def make(path, name, words):
