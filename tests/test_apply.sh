@@ -68,6 +68,17 @@ for where in plain moved mirrored coarse oblique; do
 done
 close_story
 
+begin "what lies on the expert's scene alone is not carried over, and each of it is named"
+expect 0 "$iftty" -c "open plain.nii; weight plain.nii; mask plain.nii regions=1-255; range 0 300
+    $seeds; box 0,0,0 63,55,1 0; run" --journal left.iftty
+expect 0 "$iftty" apply left.iftty plain.nii --by world --as seeds --out left
+out_has "not carried over: its map of weights, its mask, its range, 1 gesture that is no ball"
+expect 0 "$iftty" log --procedure left.proc left.iftty
+same "$(grep ^left left.proc)" "left 1 1 1 1"
+expect 0 "$iftty" apply left.proc moved.nii --by world --out left
+out_has "not carried over: its map of weights, its mask, its range"
+close_story
+
 begin "from the journal and from the file come the same bytes"
 expect 0 "$iftty" log --procedure p.proc p.iftty
 for as in labels seeds; do

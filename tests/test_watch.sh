@@ -14,7 +14,7 @@ begin_terminal
 
 begin "space leads through a journal, and what a step changed is told"
 before=$(listing . | grep -v tmux)
-enter "clear; $iftty watch e.iftty"
+enter_anew "$iftty watch e.iftty"
 see '^the beginning, before step 1 of 7$'
 see '^Space on  Backspace back  G end  p play  m largest  : command  \? keys  q back$'
 press Space
@@ -89,7 +89,7 @@ same "$(listing . | grep -v 'tmux\|modes')" "$before"
 close_story
 
 begin "with a quiz the learner plants first, and both are compared"
-enter "clear; $iftty watch e.iftty --quiz; echo ends \$?"
+enter_anew "$iftty watch e.iftty --quiz; echo ends \$?"
 see '^the beginning'
 type_letters "3G"
 see '^YOUR TURN, before step 3 of 7$'
@@ -132,6 +132,9 @@ err_has "expected a new folder, or an empty one"
 mkdir empty
 expect 0 "$iftty" watch e.iftty --pages empty/ --from 3 --until 3
 same "$(ls empty | tr '\n' ' ')" "index.html step-3-1.png step-3-2.png step-3-3.png "
+expect 0 "$iftty" -c "open s.nii private=yes; seed 12,10,8 1" --journal JohnDoe.iftty
+expect 0 "$iftty" watch JohnDoe.iftty --pages nobody
+grep -q JohnDoe nobody/index.html && fail "the page names a private journal"
 expect 3 "$iftty" watch e.iftty --pages nowhere/there
 expect 2 "$iftty" watch e.iftty --pages more --quiz
 expect 2 "$iftty" watch e.iftty
@@ -160,7 +163,7 @@ err_has "record"
 grep -q 'class="failed">NOT verified: ' differs/index.html || fail "the page does not say so"
 grep -q 'step 3 of 7' differs/index.html || fail "what is the same is not there"
 grep -q "$(printf '\033')" differs/index.html && fail "an escape sequence is in the page"
-enter "clear; $iftty watch edited.iftty; echo ends \$?"
+enter_anew "$iftty watch edited.iftty; echo ends \$?"
 see '^the beginning'
 type_letters "4G"
 see 'error: .*record'
@@ -175,7 +178,7 @@ sane
 close_story
 
 begin "the time that one looks is not the journal's"
-enter "clear; $iftty watch e.iftty --limit-time 2s"
+enter_anew "$iftty watch e.iftty --limit-time 2s"
 see '^the beginning'
 sleep 2.2
 type_letters ":stats"

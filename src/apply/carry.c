@@ -137,6 +137,9 @@ static enum err find_affine(struct carry *carry, const struct carry_choice *choi
                    "registered: overlap %.0f %%, mutual information %.3f (%.3f before), agreement "
                    "%.2f mm",
                    100 * found.overlap, found.metric, found.identity_metric, found.agreement_mm);
+        if (!found.tells_sides)
+            buf_add_text(&carry->words, "; the images do not tell left from right, the files alone "
+                                        "do: look at a side that you know");
     }
     scene_free(scene);
     return err;

@@ -109,6 +109,9 @@ void procedure_write(struct buf *out, const struct procedure *p)
                p->size[0], p->size[1], p->size[2]);
     write_reals(out, p->to_mm.m[0], 12);
     buf_add_char(out, '\n');
+    if (p->left[LEFT_WEIGHTS] | p->left[LEFT_MASK] | p->left[LEFT_RANGE] | p->left[LEFT_GESTURES])
+        buf_printf(out, "left %u %u %u %u\n", p->left[LEFT_WEIGHTS], p->left[LEFT_MASK],
+                   p->left[LEFT_RANGE], p->left[LEFT_GESTURES]);
     for (const char *at = buf_text(&p->settings); *at;) {
         const size_t n = strcspn(at, "\n");
         buf_printf(out, "setting %.*s\n", (int)n, at);
@@ -344,6 +347,15 @@ static enum err read_all(struct reader *r, struct procedure *p, const char *begi
 {
     char now[SHA256_HEX];
     enum err err = read_head(r, p);
+    if (!err && begins(r, "left")) {
+        int64_t left = 0;
+        for (int i = 0; i < LEFT_KINDS; i++, p->left[i - 1] = (uint32_t)left)
+            if (!scan_text(&r->at, " ") ||
+                !scan_integer(&r->at, 0, i == LEFT_GESTURES ? UINT32_MAX : 1, &left))
+                return refuse(r, "what is not carried over: 0 or 1 three times, and a number");
+        if (!ends_line(r))
+            return refuse(r, "the end of the line");
+    }
     while (!err && begins(r, "setting")) {
         const size_t n = strcspn(r->at, "\n");
         if (n < 2 || r->at[n] != '\n')

@@ -14,6 +14,7 @@
  *     world place|sides                 whether to_mm is a place in the world, or sides alone
  *     size 181 217 181
  *     to_mm A B C D ...                 twelve numbers: world = to_mm * (i, j, k, 1), as NIfTI
+ *     left 0 1 0 3                      what is not carried over (enum procedure_left)
  *     setting weight gauss 1.5          a command each
  *     label 2 #56b4e9 0 40.5 90 cerebellum    colour, own number, percentiles 10 and 90, name
  *     landmark AC 0.5 3 -4              millimetres of the world
@@ -22,8 +23,9 @@
  *     0*345 1*17 0*4 ...                labels by rows, x fastest; as many as voxels
  *     digest SHA256                     of all bytes before this line
  *
- * Lines stand in this order, and those from `setting` to `gesture` as often as they are wanted.
- * Intensities are real values. Numbers have 17 digits, and so are the same when they are read.
+ * Lines stand in this order, those from `setting` to `gesture` as often as they are wanted, and
+ * `left` only where something is. Intensities are real values. Numbers have 17 digits, and so are
+ * the same when they are read.
  */
 #ifndef APPLY_PROCEDURE_H
 #define APPLY_PROCEDURE_H
@@ -68,6 +70,11 @@ struct procedure_gesture {
     size_t corner, corners;      /* in `corner` */
 };
 
+/* What lies on the procedure's own scene, and so is not carried over: whether its weights are a
+ * map, whether a mask or a range restricts its trees; how many gestures stand that are no ball or
+ * stroke, of which the labels alone are carried. */
+enum procedure_left { LEFT_WEIGHTS, LEFT_MASK, LEFT_RANGE, LEFT_GESTURES, LEFT_KINDS };
+
 struct procedure {
     struct record_chain chain;
     char scene[SHA256_HEX];
@@ -76,6 +83,7 @@ struct procedure {
     uint32_t size[3];
     struct affine to_mm; /* of voxels */
     struct buf settings; /* commands, a line each */
+    uint32_t left[LEFT_KINDS];
     struct procedure_label label[256];
     struct procedure_landmark landmark[PROCEDURE_LANDMARKS];
     size_t landmarks;

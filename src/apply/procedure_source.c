@@ -105,12 +105,16 @@ static enum err take_gestures(struct procedure *p, const struct noting *noting, 
         const struct planted *planted = &noting->planted[i];
         const char *line = command_of(&interp->history, planted->record);
         struct call call = {.command = NULL};
-        if (planted->first != planted->last || !line ||
-            !still_stands(markers, &markers->marker[planted->first - 1]))
+        bool stands = false;
+        for (size_t m = planted->first; line && !stands && m <= planted->last; m++)
+            stands = still_stands(markers, &markers->marker[m - 1]);
+        if (!stands)
             continue;
-        if (!command_parse(&call, line, interp->session, NULL) && call.command &&
-            call.command->flags & COMMAND_CARRIED && !call_has(&call, "shell"))
+        if (planted->first == planted->last && !command_parse(&call, line, interp->session, NULL) &&
+            call.command && call.command->flags & COMMAND_CARRIED && !call_has(&call, "shell"))
             err = add_gesture(p, interp->session, &call, fault);
+        else
+            p->left[LEFT_GESTURES]++;
         call_release(&call);
     }
     return noting->failed ? fault_memory(fault, "gestures") : err;
@@ -218,6 +222,9 @@ static enum err take_all(struct procedure *p, const struct noting *noting, struc
         geometry_point(session_geometry(session), kept->landmark[i].place, mark->mm);
     }
     write_settings(&p->settings, kept, session_state(session));
+    p->left[LEFT_WEIGHTS] = kept->weight.kind == WEIGHT_FILE;
+    p->left[LEFT_MASK] = *kept->mask_file != '\0';
+    p->left[LEFT_RANGE] = kept->has_range != 0;
     return !err && p->settings.failed ? fault_memory(fault, "a procedure") : err;
 }
 

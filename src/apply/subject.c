@@ -528,6 +528,23 @@ static enum err prepare(struct making *m)
     return err ? err : m->origin.failed || m->seeds.failed ? fault_memory(m->fault, "seeds") : OK;
 }
 
+/* Nothing is left out without a word. */
+static void say_left(struct making *m)
+{
+    static const char *const what[LEFT_GESTURES] = {"its map of weights", "its mask", "its range"};
+    const uint32_t *left = m->procedure->left;
+    struct buf *out = &m->subject->words;
+    const char *before = out->length ? "; not carried over: " : "not carried over: ";
+    for (int i = 0; i < LEFT_GESTURES; i++)
+        if (left[i]) {
+            buf_printf(out, "%s%s", before, what[i]);
+            before = ", ";
+        }
+    if (left[LEFT_GESTURES] && m->choice->plants != PLANT_LABELS)
+        buf_printf(out, "%s%u gesture%s that %s no ball or stroke", before, left[LEFT_GESTURES],
+                   plural(left[LEFT_GESTURES]), left[LEFT_GESTURES] == 1 ? "is" : "are");
+}
+
 static enum err carry_over(struct making *m)
 {
     const char *path = buf_text(&m->subject->journal);
@@ -540,6 +557,7 @@ static enum err carry_over(struct making *m)
         m->subject->pull = carry.pull;
         m->subject->rms_mm = carry.rms_mm;
         buf_add_text(&m->subject->words, buf_text(&carry.words));
+        say_left(m);
     }
     buf_release(&carry.words);
     if (err || !is_there)

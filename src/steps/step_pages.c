@@ -139,11 +139,13 @@ static enum err add_step(struct making *m, struct fault *fault)
 static enum err write_page(struct making *m, struct fault *fault)
 {
     struct buf page = {0}, path = {0}, verdict = {0};
+    const char *title =
+        session_is_private(m->walk->interp->session) ? "A journal" : m->pages->title;
     buf_add_text(&page, head);
     buf_add_text(&page, "<title>");
-    markup_add(&page, m->pages->title);
+    markup_add(&page, title);
     buf_add_text(&page, "</title>\n</head>\n<body>\n<h1>");
-    markup_add(&page, m->pages->title);
+    markup_add(&page, title);
     step_words_verdict(&verdict, m->walk);
     buf_printf(&page, "</h1>\n<p class=\"%s\">", m->walk->ended ? "failed" : "fine");
     markup_add(&page, buf_text(&verdict));

@@ -15,7 +15,7 @@
 
 struct step_pages {
     const char *folder; /* which is there, and empty */
-    const char *title;  /* what the journal is called */
+    const char *title;  /* what the journal is called, which a private scene keeps back */
     size_t first, last; /* steps; 0: from the first on, to the last */
     struct watch *watch;
 };
