@@ -30,7 +30,7 @@ static enum err take_options(struct applying *a, struct fault *fault)
 {
     const struct apply_options *o = a->options;
     const int way = o->by ? choice_find(ORIGIN_WAYS, o->by) : CARRY_AFFINE;
-    const int kind = o->fit ? choice_find(APPLY_FITS, o->fit) : AFFINE_FULL;
+    const int kind = o->fit ? choice_find(CARRY_FITS, o->fit) : AFFINE_FULL;
     a->choice.folder = o->out ? o->out : ".";
     a->choice.orient = o->orient;
     a->choice.depth_mm = APPLY_DEPTH_MM;

@@ -19,8 +19,6 @@ struct apply_options {
     bool json;
 };
 
-#define APPLY_FITS "rigid|similarity|affine"
-
 /* Prints what came of each scene. All are tried, but for ERR_CANCELLED; the error of the worst
  * comes back: ERR_CHECK where one was refused and none failed otherwise. */
 enum err apply_procedure(const struct apply_options *options, const struct printer *printer,

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/choice.h"
 #include "base/decimal.h"
 #include "base/file.h"
 #include "base/safe.h"
@@ -77,7 +78,6 @@ enum err carry_read_landmarks(struct procedure_landmark mark[PROCEDURE_LANDMARKS
 static enum err fit(struct carry *carry, const struct carry_choice *choice,
                     const struct procedure *p, struct fault *fault)
 {
-    static const char *const called[] = {"rigid", "similarity", "affine"};
     double from[PROCEDURE_LANDMARKS][3], to[PROCEDURE_LANDMARKS][3];
     size_t n = 0;
     for (size_t i = 0; i < choice->landmarks; i++)
@@ -98,13 +98,24 @@ static enum err fit(struct carry *carry, const struct carry_choice *choice,
                                       : choice->kind;
     const enum err err = affine_fit(&carry->pull, kind, n, (const double(*)[3])from,
                                     (const double(*)[3])to, &carry->rms_mm, fault);
+    const struct choice word = choice_at(CARRY_FITS, kind);
     if (!err)
-        buf_printf(&carry->words, "%s by %zu landmarks, off by %.2f mm", called[kind], n,
-                   carry->rms_mm);
+        buf_printf(&carry->words, "%.*s by %zu landmarks, off by %.2f mm", (int)word.length,
+                   word.word, n, carry->rms_mm);
     return err;
 }
 
 /* ---- registered ---- */
+
+/* Of the procedure's scene: where it lies, and its steps. */
+static struct geometry geometry_of(const struct procedure *p)
+{
+    struct geometry geometry = {.slope = 1};
+    geometry_place(&geometry, (const double(*)[4])p->to_mm.m, ORIENTATION_SFORM);
+    for (int a = 0; a < 3; a++)
+        geometry_spacing(&geometry.spacing_nm[a], geometry_step_mm(&geometry, a));
+    return geometry;
+}
 
 static enum err find_affine(struct carry *carry, const struct carry_choice *choice,
                             const struct procedure *p, const struct session *subject,
@@ -112,15 +123,12 @@ static enum err find_affine(struct carry *carry, const struct carry_choice *choi
 {
     struct registration found;
     struct scene *scene = NULL;
-    struct geometry geometry = {.slope = 1};
+    const struct geometry geometry = geometry_of(p);
     if (!choice->intensity)
         return fault_set(fault, ERR_INPUT,
                          "--by affine looks at both scenes, and a procedure's file has none; give "
                          "the journal with its scene, or carry over --by landmarks, --by FILE (a "
                          "transform that was found where the scene is) or --by world");
-    geometry_place(&geometry, (const double(*)[4])p->to_mm.m, ORIENTATION_SFORM);
-    for (int a = 0; a < 3; a++)
-        geometry_spacing(&geometry.spacing_nm[a], geometry_step_mm(&geometry, a));
     enum err err =
         scene_new_filled(&scene, p->size, choice->intensity, session_watch(subject), fault);
     if (!err) {
@@ -187,10 +195,7 @@ enum err carry_find(struct carry *carry, const struct carry_choice *choice,
         return fit(carry, choice, p, fault);
     if (choice->way == CARRY_AFFINE)
         return find_affine(carry, choice, p, subject, fault);
-    struct geometry of_procedure = {.slope = 1};
-    geometry_place(&of_procedure, (const double(*)[4])p->to_mm.m, ORIENTATION_SFORM);
-    for (int a = 0; a < 3; a++)
-        geometry_spacing(&of_procedure.spacing_nm[a], geometry_step_mm(&of_procedure, a));
+    const struct geometry of_procedure = geometry_of(p);
     struct placed_grid there = {.geometry = &of_procedure}, here = {.geometry = geometry};
     memcpy(there.size, p->size, sizeof there.size);
     memcpy(here.size, session_scene(subject)->grid.size, sizeof here.size);

@@ -17,6 +17,8 @@
 
 enum carry_way { CARRY_WORLD, CARRY_LANDMARKS, CARRY_AFFINE, CARRY_FILE }; /* as ORIGIN_WAYS */
 
+#define CARRY_FITS "rigid|similarity|affine" /* enum affine_kind */
+
 struct carry_choice {
     enum carry_way way;
     const char *file; /* of CARRY_FILE */

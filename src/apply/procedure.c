@@ -245,6 +245,17 @@ static enum err read_head(struct reader *r, struct procedure *p)
     return OK;
 }
 
+static enum err read_left(struct reader *r, struct procedure *p)
+{
+    int64_t left[LEFT_KINDS];
+    for (int i = 0; i < LEFT_KINDS; i++) {
+        if (!take_number(r, 0, i == LEFT_GESTURES ? UINT32_MAX : 1, &left[i]))
+            return refuse(r, "what is not carried over: 0 or 1 three times, and a number");
+        p->left[i] = (uint32_t)left[i];
+    }
+    return ends_line(r) ? OK : refuse(r, "the end of the line");
+}
+
 static bool take_colour(struct reader *r, uint8_t rgb[3])
 {
     uint64_t colour;
@@ -347,15 +358,8 @@ static enum err read_all(struct reader *r, struct procedure *p, const char *begi
 {
     char now[SHA256_HEX];
     enum err err = read_head(r, p);
-    if (!err && begins(r, "left")) {
-        int64_t left = 0;
-        for (int i = 0; i < LEFT_KINDS; i++, p->left[i - 1] = (uint32_t)left)
-            if (!scan_text(&r->at, " ") ||
-                !scan_integer(&r->at, 0, i == LEFT_GESTURES ? UINT32_MAX : 1, &left))
-                return refuse(r, "what is not carried over: 0 or 1 three times, and a number");
-        if (!ends_line(r))
-            return refuse(r, "the end of the line");
-    }
+    if (!err && begins(r, "left"))
+        err = read_left(r, p);
     while (!err && begins(r, "setting")) {
         const size_t n = strcspn(r->at, "\n");
         if (n < 2 || r->at[n] != '\n')

@@ -27,12 +27,6 @@ enum { SEEDS_BACKGROUND = 256, SEEDS_DROPPED = 256 }; /* label + SEEDS_DROPPED: 
 
 enum { WARP_NONE = UINT16_MAX };
 
-struct warp_choice {
-    struct affine pull; /* scene's world -> procedure's world */
-    double depth_mm;    /* usually APPLY_DEPTH_MM */
-    double gate;        /* 0: none is dropped */
-};
-
 struct warped {
     uint16_t *label; /* [z][y][x] 0..255, or WARP_NONE; then what warp_seeds makes of it */
     size_t voxels;

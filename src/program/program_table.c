@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "apply/apply.h"
+#include "apply/carry.h"
 #include "report/agreement.h"
 #include "session/map.h"
 #include "verify/signature.h"
@@ -253,7 +253,7 @@ static const struct option option[] = {
     [PLANT_AS] = {"--as", "WHAT",
                   "labels (what it came to, eroded; the default) or seeds (its gestures)",
                   TEXT(as)},
-    [FIT] = {"--fit", "KIND", "of landmarks: " APPLY_FITS "; the most that they say, unless given",
+    [FIT] = {"--fit", "KIND", "of landmarks: " CARRY_FITS "; the most that they say, unless given",
              TEXT(fit)},
     [LANDMARKS_OF] = {"--landmarks", "FILE",
                       "of the subject: lines NAME X,Y,Z in mm, or a journal of its scene",

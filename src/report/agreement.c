@@ -88,11 +88,6 @@ void agreement_release(struct agreement *agreement)
 
 /* ---- figures ---- */
 
-static double ratio(double part, double whole)
-{
-    return whole > 0 ? part / whole : NAN;
-}
-
 static double dice(const struct overlap *overlap, unsigned label)
 {
     return figures_dice(overlap_counts_of(overlap, label));
@@ -102,7 +97,7 @@ static double sensitivity(const struct agreement *g, unsigned rater, unsigned la
 {
     const struct overlap_counts n = overlap_counts_of(&g->rater[rater], label);
     const double *estimate = g->estimate[rater].sensitivity;
-    return !label ? NAN : estimate ? estimate[label] : ratio((double)n.both, (double)n.b);
+    return !label ? NAN : estimate ? estimate[label] : figures_ratio((double)n.both, (double)n.b);
 }
 
 static double specificity(const struct agreement *g, unsigned rater, unsigned label)
@@ -111,7 +106,7 @@ static double specificity(const struct agreement *g, unsigned rater, unsigned la
     const double *estimate = g->estimate[rater].specificity, outside = (double)(g->voxels - n.b);
     return !label     ? NAN
            : estimate ? estimate[label]
-                      : ratio(outside - (double)(n.a - n.both), outside);
+                      : figures_ratio(outside - (double)(n.a - n.both), outside);
 }
 
 /* Whether any rater has the label; label 0, which stands for all, is always there. */

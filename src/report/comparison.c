@@ -256,18 +256,11 @@ enum err comparison_make(struct comparison *comparison, const struct compared *c
     return err;
 }
 
-/* ---- in words ---- */
-
 /* ---- the measures of a label, for programs ---- */
-
-static double ratio(double part, double whole)
-{
-    return whole > 0 ? part / whole : NAN;
-}
 
 static double jaccard(const struct overlap_counts *n)
 {
-    return ratio((double)n->both, (double)n->a + (double)n->b - (double)n->both);
+    return figures_ratio((double)n->both, (double)n->a + (double)n->b - (double)n->both);
 }
 
 static struct figures figures_of(const struct comparison_report *report, unsigned label)
@@ -283,7 +276,7 @@ static struct figures figures_of(const struct comparison_report *report, unsigne
     figures_add(&f, "volume_a_mm3", (double)n.a * mm3);
     figures_add(&f, "volume_b_mm3", (double)n.b * mm3);
     figures_add(&f, "volume_difference_mm3", difference * mm3);
-    figures_add(&f, "volume_similarity", ratio(2 * difference, (double)n.a + (double)n.b));
+    figures_add(&f, "volume_similarity", figures_ratio(2 * difference, (double)n.a + (double)n.b));
     figures_add(&f, "dice", figures_dice(n));
     figures_add(&f, "jaccard", jaccard(&n));
     figures_add(&f, "hausdorff_mm", d->has_hausdorff ? d->hausdorff_mm : NAN);

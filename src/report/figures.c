@@ -40,10 +40,14 @@ void figures_write_csv(struct buf *out, const char *label_name, const struct fig
     buf_add_char(out, '\n');
 }
 
+double figures_ratio(double part, double whole)
+{
+    return whole > 0 ? part / whole : NAN;
+}
+
 double figures_dice(struct overlap_counts counts)
 {
-    const double sum = (double)counts.a + (double)counts.b;
-    return sum > 0 ? 2.0 * (double)counts.both / sum : NAN;
+    return figures_ratio(2.0 * (double)counts.both, (double)counts.a + (double)counts.b);
 }
 
 void figures_add_cell(struct buf *out, int columns, int decimals, double value)

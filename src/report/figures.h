@@ -29,6 +29,9 @@ void figures_write_json(struct json *json, const struct figures *figures);
 void figures_write_csv_names(struct buf *out, const struct figures *figures);
 void figures_write_csv(struct buf *out, const char *label_name, const struct figures *figures);
 
+/* NAN of nothing. */
+double figures_ratio(double part, double whole);
+
 /* Dice's coefficient, 2 both / (a + b). */
 double figures_dice(struct overlap_counts counts);
 

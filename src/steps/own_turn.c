@@ -8,6 +8,7 @@
 #include "command/command.h"
 #include "command/execute.h"
 #include "engine/forest.h"
+#include "engine/labels.h"
 #include "image/geometry.h"
 #include "report/label_report.h"
 #include "sandbox/limits.h"
@@ -34,10 +35,8 @@ struct comparing {
 
 static void keep(uint8_t *label, const struct scene *scene)
 {
-    for (size_t i = 0; i < scene->grid.cells; i++) {
-        scene_fetch_ahead(scene, i);
-        label[i] = scene->cell[i].label;
-    }
+    const struct labels labels = labels_of_forest(scene);
+    labels_copy_row(&labels, (struct span){0, (uint32_t)scene->grid.cells}, label);
 }
 
 static void keep_without(void *context)

@@ -7,6 +7,7 @@
 #include "command/command.h"
 #include "command/execute.h"
 #include "engine/forest.h"
+#include "engine/labels.h"
 #include "sandbox/limits.h"
 #include "session/semantics.h"
 #include "session/tally.h"
@@ -329,10 +330,8 @@ static enum err keep_former(struct walkthrough *w, size_t step, struct fault *fa
             return fault_memory(fault, "the labels before a step");
         w->cells = scene->grid.cells;
     }
-    for (size_t i = 0; i < w->cells; i++) {
-        scene_fetch_ahead(scene, i);
-        w->former[i] = scene->cell[i].label;
-    }
+    const struct labels labels = labels_of_forest(scene);
+    labels_copy_row(&labels, (struct span){0, (uint32_t)scene->grid.cells}, w->former);
     w->former_of = step;
     return OK;
 }
