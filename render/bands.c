@@ -1,7 +1,6 @@
 #include "render/bands.h"
 
 #include "render/layers.h"
-#include "render/patch.h"
 #include "render/projection.h"
 
 /* More leave the caches. Of less, voxels and rows around that lie across two bands are drawn twice:
@@ -13,7 +12,7 @@ struct drawing {
     struct rendition *out; /* or NULL */
     struct team *team;
     uint32_t reach;  /* rows of samples that are drawn on both sides of a band, */
-    uint32_t most;   /* and those of a band, of whole blocks of patches */
+    uint32_t most;   /* and those of a band, of whole tiles */
     bool is_reduced; /* else pixels are what is drawn */
     struct rendition room[TEAM_MOST], pixels[TEAM_MOST]; /* for each thread */
     struct layers layers[TEAM_MOST];
@@ -28,14 +27,14 @@ static struct drawing drawing_of(struct rendition *out, const struct bands *band
 {
     const uint32_t samples = bands->look->samples;
     struct drawing d = {.bands = bands, .out = out, .is_reduced = out || samples > 1};
-    d.team = bands->project == splat_border ? bands->shader->team : NULL;
+    d.team = bands->project == project_border ? bands->shader->team : NULL;
     d.reach = round_up((uint32_t)shade_reach(bands->look, bands->camera).pixels, TILE);
     uint32_t high = d.reach > SAMPLES_HIGH ? d.reach : SAMPLES_HIGH;
     if (!d.reach && SAMPLES_A_BAND / bands->camera->view.width < high)
         high = SAMPLES_LEAST_HIGH;
     if (bands->rows)
         high = bands->rows * samples;
-    d.most = round_up(high, PATCH_SIDE) / samples * samples;
+    d.most = round_up(high, TILE) / samples * samples;
     return d;
 }
 
@@ -50,12 +49,12 @@ static void draw_band(const struct drawing *d, uint32_t top, uint32_t height, un
     const struct camera camera = camera_rows(bands->camera, top - above, drawn_height);
     struct rendition drawn = rendition_rows(room, 0, drawn_height);
     struct rendition fine = rendition_rows(room, above, height);
-    if (bands->project == splat_border)
-        splat_border_quietly(&drawn, &camera, bands->border);
+    if (bands->project == project_border)
+        project_border_quietly(&drawn, &camera, bands->mesh);
     else
-        bands->project(&drawn, &camera, bands->border);
-    shade_rows(&drawn, above / TILE, above / TILE + fine.tiles_y, &camera, bands->border,
-               bands->palette, bands->look, bands->shader, thread);
+        bands->project(&drawn, &camera, bands->mesh);
+    shade_rows(&drawn, above / TILE, above / TILE + fine.tiles_y, &camera, bands->mesh,
+               bands->palette, bands->look, bands->shader);
     struct rendition pixels = fine;
     if (d->is_reduced) {
         pixels = d->out ? rendition_rows(d->out, top / samples, height / samples)
@@ -87,19 +86,14 @@ static enum err make_room(struct drawing *d, struct fault *fault)
     const struct view *view = &bands->camera->view;
     const uint32_t samples = bands->look->samples, most = d->most + 2 * d->reach;
     const uint32_t height = most < view->height ? most : view->height;
-    enum err err = shader_prepare(bands->shader, team_size(d->team), bands->camera, bands->border,
-                                  bands->look, fault);
+    enum err err = shader_prepare(bands->shader, bands->mesh->border, bands->look, fault);
     for (unsigned i = 0; i < team_size(d->team) && !err; i++) {
         struct rendition *room = &d->room[i];
         err = rendition_init(room, view->width, height, fault);
         if (!err && !d->out && d->is_reduced)
             err = rendition_init(&d->pixels[i], view->width / samples, d->most / samples, fault);
         if (!err)
-            err = shade_take_layers(bands->shader, &d->layers[i], room, bands->camera,
-                                    bands->border, bands->look, fault);
-        if (!err)
-            err = rendition_refined(room, shade_refines(bands->look, bands->camera, bands->border),
-                                    fault);
+            err = layers_take(&d->layers[i], room, bands->mesh->border, fault);
     }
     return err;
 }

@@ -14,19 +14,17 @@
 #ifndef RENDER_BANDS_H
 #define RENDER_BANDS_H
 
+#include "render/projection.h"
 #include "render/shade.h"
 
 /* Rows of the picture from row `top` on, as they are drawn: by any thread, in any order, and each
  * once. They are gone afterwards, so colours may be changed. */
 typedef void take_rows(void *context, const struct rendition *rows, uint32_t top);
 
-typedef void projection(struct rendition *rendition, const struct camera *camera,
-                        const struct border *border);
-
 struct bands {
-    projection *project;         /* splat_border is the one that is shared by threads */
+    projection *project;         /* project_border is the one that is shared by threads */
     const struct camera *camera; /* look->samples times as large as the picture */
-    const struct border *border;
+    const struct mesh *mesh;     /* up to date */
     const struct palette *palette;
     const struct look *look;
     struct shader *shader;

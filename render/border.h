@@ -8,16 +8,8 @@
  * proportional to them; reading the border is one sequential scan. It answers the scattered border
  * lists of the paper with ordered access.
  *
- * A surface between voxel centres (render/refine.h) may lie up to half a voxel outside the cubes of
- * shown voxels. The *skin* is where: voxels that are not shown, lie in the scene, are not cut away,
- * and have a shown face neighbour. With it, shown voxels are *solid* voxels, which are what is
- * projected, and solid voxels with a face neighbour that is not solid are the *hull*, which is what
- * border projection goes by. Without a skin, these two are `shown` and `border` themselves. Where
- * something is cut away, the surface is cut too, and ends there as flat as the cut: so it is that
- * of the *whole*, which would be shown were nothing cut away.
- *
- * Invariant B1: between calls all sets equal a recount from labels and cut, and a block that holds
- * a solid voxel is occupied; tests/border_check.h checks it.
+ * Invariant B1: between calls both sets equal a recount from labels and cut, and a block that
+ * holds a border voxel is occupied; tests/border_check.h checks it.
  */
 #ifndef RENDER_BORDER_H
 #define RENDER_BORDER_H
@@ -41,19 +33,13 @@ struct border {
     uint64_t *border;     /* likewise: cell c is a border voxel */
     size_t words;         /* of each, with one spare word at the end that stays 0 */
 
-    bool has_skin;
-    uint64_t *solid, *hull; /* likewise; `shown` and `border` where there is no skin */
-    uint64_t *whole;        /* likewise: shown, were nothing cut away; `shown` without a skin */
-    uint64_t *open;         /* with a skin, likewise: voxels of the scene that are not cut away */
-    uint8_t *occupied; /* blocks in which a voxel may be solid, as render/walk.h has numbers for
-                               them; until a recount also those in which one has been */
+    uint8_t *occupied; /* blocks in which a voxel may be shown, as render/walk.h has numbers for
+                          them; until a recount also those in which one has been */
 
-    /* For results that were made of `shown` or `whole` and stored (render/field.h): every update
-     * and recount has a number, and each word that of the last one in which either changed. So do
-     * changes of the labels of shown voxels by updates, while something is translucent. */
+    /* For results that were made of `shown` and stored (render/mesh.h): every update and recount
+     * has a number, and each word that of the last one in which it changed. */
     uint32_t version;
     uint32_t *changed;    /* [words] */
-    uint32_t unnoted;     /* the last version whose changes of shown labels are not in `changed` */
     bool visible[256];    /* which labels the view shows; [0] is false */
     uint8_t opacity[256]; /* of each label, percent, 1..100 where it is visible: for layers
                              (render/layers.h) alone, all else is the same for any */
@@ -72,18 +58,14 @@ void border_release(struct border *border);
 
 size_t border_memory(const struct border *border); /* bytes, without the labels */
 
-/* From now on with a skin or without; a scan of the shown voxels where that changes. ERR_MEMORY:
- * without one. */
-enum err border_set_skin(struct border *border, bool has_skin, struct fault *fault);
-
 /* After an edit of the forest. Also right after one whose changes are "everything". */
 void border_update(struct border *border, const struct changes *changes);
 
 /* After `visible` or `cut` has changed, or to start with: a scan of the scene, under its watch. */
 void border_recount(struct border *border);
 
-/* The first half of that: `shown` alone, which is all that scene projection reads without a skin.
- * The other sets are then out of date. */
+/* The first half of that: `shown` alone, which is all that scene projection reads. The other
+ * set is then out of date. */
 void border_recount_shown(struct border *border);
 
 static inline bool border_shows(const struct border *border, uint32_t cell)
@@ -93,20 +75,6 @@ static inline bool border_shows(const struct border *border, uint32_t cell)
 static inline bool border_holds(const struct border *border, uint32_t cell)
 {
     return border->border[cell >> 6] >> (cell & 63) & 1;
-}
-
-static inline bool border_is_solid(const struct border *border, uint32_t cell)
-{
-    return border->solid[cell >> 6] >> (cell & 63) & 1;
-}
-static inline bool border_is_hull(const struct border *border, uint32_t cell)
-{
-    return border->hull[cell >> 6] >> (cell & 63) & 1;
-}
-/* Whether the cell is a voxel of the scene and not cut away; only with a skin. */
-static inline bool border_is_open(const struct border *border, uint32_t cell)
-{
-    return border->open[cell >> 6] >> (cell & 63) & 1;
 }
 
 /* The 64 bits from bit `at` on, whose word has one after it, as that of every cell has. */
@@ -132,11 +100,6 @@ static inline uint64_t border_bits_from(const uint64_t *words, size_t count, ptr
 static inline uint64_t border_shown_from(const struct border *border, ptrdiff_t at)
 {
     return border_bits_from(border->shown, border->words, at);
-}
-
-static inline uint64_t border_solid_from(const struct border *border, ptrdiff_t at)
-{
-    return border_bits_from(border->solid, border->words, at);
 }
 
 /* Whether the cell would be shown, were it not cut away: beside such a cell the scene has been cut

@@ -7,7 +7,7 @@
 #include "base/mem.h"
 #include "render/notes.h"
 #include "render/slice_plan.h"
-#include "render/sweep.h"
+#include "render/projection.h"
 
 static const uint8_t black[3];
 
@@ -151,16 +151,17 @@ static void draw_legend(const struct canvas *canvas, const struct decoration *d,
 static void place_of(const struct decoration *d, uint32_t cell, int64_t place[2])
 {
     const struct camera *camera = d->camera;
-    const struct projection seen = project(camera, grid_place(&camera->scene->grid, cell));
+    int64_t centre[3];
+    project_place(camera, grid_place(&camera->scene->grid, cell), centre);
     for (int i = 0; i < 2; i++) {
-        const int64_t sample = (seen.centre[i] + (1 << 29)) >> 30, n = d->samples;
+        const int64_t sample = (centre[i] + (1 << 29)) >> 30, n = d->samples;
         place[i] = sample >= 0 ? sample / n : -((n - 1 - sample) / n);
     }
 }
 
 static bool is_seen(const struct decoration *d, uint32_t cell)
 {
-    const struct footprint f = splat_footprint(d->camera, cell, 1); /* surfaces may lie beyond */
+    const struct footprint f = project_around(d->camera, cell, 1); /* surfaces may lie beyond */
     const int32_t n = (int32_t)d->samples;
     const bool is_none = f.left > f.right || f.top > f.bottom;
     for (int32_t y = f.top / n; y <= f.bottom / n && !is_none; y++)

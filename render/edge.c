@@ -12,18 +12,6 @@ enum {
 /* 65 degrees between normals are a fold: 1 - cos 65, where 2^28 is 1. */
 static const int64_t FOLD_LEAST = (INT64_C(1) << 28) * 577 / 1000;
 
-bool edge_hides(const struct rendition *r, uint32_t x, uint32_t y)
-{
-    const size_t here = (size_t)y * r->width + x;
-    const size_t around[4] = {x > 0 ? here - 1 : here, x + 1 < r->width ? here + 1 : here,
-                              y > 0 ? here - r->width : here,
-                              y + 1 < r->height ? here + r->width : here};
-    for (int i = 0; i < 4; i++)
-        if (r->label[around[i]] != r->label[here] && r->depth[around[i]] > r->depth[here])
-            return true;
-    return false;
-}
-
 static int64_t fold_of(const struct camera *camera)
 {
     return FOLD_VOXELS * normal_stride(camera);

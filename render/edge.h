@@ -35,7 +35,4 @@ enum edge edge_at(const struct edges *edges, uint32_t x, uint32_t y);
 
 int edge_reach(const struct camera *camera, uint32_t samples);
 
-/* Whether another object, or nothing, lies further back beside a pixel: all of what look 1 has. */
-bool edge_hides(const struct rendition *rendition, uint32_t x, uint32_t y);
-
 #endif

@@ -1,20 +1,12 @@
 /*
  * Layers: what each pixel shows where some of the objects are translucent.
  *
- * Along the ray of a pixel the shown voxels form runs of one label. The face by which the ray comes
- * into a run is a layer of the pixel: its depth is the crossing there, its label and opacity are
- * those of the run. Faces that a ray leaves by are none, so an object is as dense as its front. Nor
- * is there one where the ray has left a run of the label at most LAYERS_GAP voxels before: a ray
- * along a surface comes in and out of the cubes of its steps, and would draw them as a mesh. A
- * pixel holds its nearest LAYERS_MOST translucent layers that lie before the first opaque one, and
- * that one: however many surfaces are before it, an opaque object is seen. Keys of faces never tie
- * (render/view.h), so the layers are a function of what is shown and of the view; splatting the
- * faces in whatever order, walking the rays and repairing former layers give the same.
- *
- * Where a voxel is large, from look 4 on, layers are refined: they are where the smooth surface of
- * each object is (render/refine.h). The rendition is projected as if all objects were opaque, and
- * from its maps of cubes on each ray is walked through the scene, as the tile that it belongs to is
- * shaded (layers_refine). So these layers too are a function of what is shown and of the view.
+ * Each translucent object has a surface of its own, and all opaque ones have one together
+ * (render/mesh.h). Where the ray of a pixel comes into one of them is a layer of the pixel; where it
+ * leaves one is none, so an object is as dense as its front. A pixel holds its nearest LAYERS_MOST
+ * translucent layers that lie before the first opaque one, and that one: however many surfaces are
+ * before it, an opaque object is seen. Layers have keys, as pixels have (render/projection.h), so
+ * they are a function of what is shown and of the view, in whatever order triangles are drawn.
  *
  * Colour. Each layer is shaded as the one surface of an opaque picture would be, with the normal
  * that the object has by itself. From the nearest on it takes its share of the light that is left;
@@ -30,16 +22,9 @@
 
 #include "render/rendition.h"
 
-struct seams;
-
-enum {
-    LAYERS_MOST = 8,
-    LAYERS_GAP = 4, /* voxels, at most 7 */
-};
+enum { LAYERS_MOST = 8 };
 
 struct layers {
-    struct seams *seams;    /* borrowed; of the border that is shown */
-    bool are_refined;       /* and made of maps of cubes, tile by tile, as tiles are shaded */
     uint32_t width, height; /* 0 where there is no memory yet */
 
     /* [height][width]: the first opaque layer; DEPTH_NONE, CELL_NONE and 0 where there is none */
@@ -63,37 +48,17 @@ void layers_release(struct layers *layers);
 size_t layers_bytes(const struct layers *layers);
 
 /* To be called before a rendition is made of what a border shows: where an object is translucent,
- * the rendition takes these layers, which are its own from now on; else it has none. Both outlive
- * it, and so do the seams, which are made those of the border. They are refined where the border
- * has a skin and `are_refined` says so. ERR_MEMORY. */
+ * the rendition takes these layers, which are its own from now on and outlive it; else it has none.
+ * ERR_MEMORY. */
 enum err layers_take(struct layers *layers, struct rendition *rendition,
-                     const struct border *border, struct seams *seams, bool are_refined,
-                     struct fault *fault);
-
-/* Whether a rendition has layers, and they are what is projected. */
-static inline bool layers_are_projected(const struct rendition *rendition)
-{
-    return rendition->layers && !rendition->layers->are_refined;
-}
+                     const struct border *border, struct fault *fault);
 
 /* Those of the rows of the rendition from one on, to be splatted into; borrows the maps. */
 struct layers layers_rows(const struct layers *layers, uint32_t top);
 
-/* Nothing is seen, and all is to be shaded. */
+/* Nothing is seen, and all is to be shaded; or of one tile. */
 void layers_clear(struct rendition *rendition);
-
-/* Of the four ways (render/projection.h), where a rendition has layers that are projected: scene
- * projection; border projection; the ray of a pixel; and the incremental image, which is false
- * where layers are to be made anew, since all has changed or there was no memory. */
-void layers_splat_scene(struct rendition *rendition, const struct camera *camera,
-                        const struct border *border);
-void layers_splat_border(struct task *task, struct rendition *rendition,
-                         const struct camera *camera, const struct border *border);
-void layers_walk(struct layers *layers, const struct camera *camera, const struct border *border,
-                 size_t pixel);
-bool layers_follow(struct rendition *rendition, const struct camera *camera,
-                   const struct border *border, const struct changes *changes,
-                   struct shade_reach reach);
+void layers_clear_tile(struct rendition *rendition, size_t tile);
 
 /* ---- layers of a pixel ---- */
 
@@ -108,7 +73,8 @@ struct layer {
 /* From the nearest on, number 0, to the opaque one, which is the last. */
 struct layer layers_at(const struct layers *layers, size_t pixel, unsigned number);
 
-/* One more: the opaque one, if it is nearer than that so far, or one of the others. */
+/* One more: the opaque one, if it is nearer than that so far, or one of the others, unless it is
+ * there already. */
 void layers_put(struct layers *layers, size_t pixel, int64_t depth, uint32_t cell, uint8_t label,
                 bool is_opaque);
 

@@ -2,12 +2,7 @@
 
 #include "base/wide.h"
 
-enum {
-    BEFORE = 154,       /* 0.6 voxels: where the slope is read before the surface, */
-    FURTHER = 384,      /* 1.5 voxels: and further out, */
-    FURTHER_WEIGHT = 4, /* which counts so much more */
-    BARELY = 64,        /* of a normal's length: what it faces the viewer by at least */
-};
+enum { BARELY = 64 }; /* of a normal's length: what it faces the viewer by at least */
 
 /* ---- gradients to normals ---- */
 
@@ -126,86 +121,20 @@ WIDE void normalise_all(struct directions *directions, const struct gradients *g
         }
 }
 
-/* ---- from fields ---- */
+/* ---- of pixels ---- */
 
-/* The points of a tile's pixels, and what is known of the surface there. */
-struct points {
-    unsigned count;
-    int32_t at[NORMALISED][3];
-    uint8_t label[NORMALISED];        /* of which the field is, or 0 for that of all shown voxels */
-    struct gradient near[NORMALISED]; /* before the surface */
-    struct gradients outward;
-    struct directions normal;
-};
-
-static void face_viewer(struct directions *normal, unsigned i, const struct normals *normals)
+int64_t normal_stride(const struct camera *camera)
 {
+    const int64_t pixels = (camera->view.zoom + VIEW_ZOOM_ONE / 2) / VIEW_ZOOM_ONE;
+    return pixels < 1 ? 1 : pixels;
+}
+
+void normals_init(struct normals *normals, const struct camera *camera, const struct mesh *mesh)
+{
+    *normals = (struct normals){.camera = camera};
+    drawer_init(&normals->drawer, camera, mesh);
     for (int a = 0; a < 3; a++)
-        normal->along[a][i] = (int16_t)normals->viewer[a];
-}
-
-/* The gradient `way` / 2^NORMAL_BITS of `distance` away from a point, or as far that way as the
- * field goes. */
-static struct gradient gradient_beside(struct normals *normals, const int32_t point[3],
-                                       const int16_t way[3], int32_t distance)
-{
-    int32_t at[3];
-    for (int a = 0; a < 3; a++) {
-        const int32_t last =
-            (int32_t)(normals->camera->scene->grid.size[a] << LOCATOR_POINT_BITS) - 1;
-        const int32_t p = point[a] + (way[a] * distance >> NORMAL_BITS);
-        at[a] = p < -(1 << LOCATOR_POINT_BITS) ? -(1 << LOCATOR_POINT_BITS) : p > last ? last : p;
-    }
-    return field_at(&normals->shown, at);
-}
-
-/* Few take less one by one. */
-static void normalise_points(struct points *points)
-{
-    enum { FEW = 12 };
-    const struct gradients *outward = &points->outward;
-    if (points->count > FEW) {
-        normalise_all(&points->normal, outward);
-        return;
-    }
-    for (unsigned i = 0; i < points->count; i++) {
-        const int64_t gradient[3] = {outward->along[0][i], outward->along[1][i],
-                                     outward->along[2][i]};
-        int16_t normal[3] = {0};
-        normalise_one(normal, gradient);
-        for (int a = 0; a < 3; a++)
-            points->normal.along[a][i] = normal[a];
-    }
-}
-
-static void slopes_before(struct points *points, struct normals *normals)
-{
-    for (unsigned i = 0; i < points->count; i++) {
-        normals->shown.label = points->label[i];
-        points->near[i] = gradient_beside(normals, points->at[i], normals->before, BEFORE);
-        for (int a = 0; a < 3; a++)
-            points->outward.along[a][i] = -points->near[i].along[a];
-    }
-    normalise_points(points);
-    for (unsigned i = 0; i < points->count; i++) {
-        normals->shown.label = points->label[i];
-        /* Within a sheet of one voxel the field has its crest, where its slope says nothing;
-         * outside it is steep, and the slope the same for some voxels. So it is read before the
-         * surface, and with more weight further out the way that this points, unless something else
-         * is there. */
-        const int16_t out[3] = {points->normal.along[0][i], points->normal.along[1][i],
-                                points->normal.along[2][i]};
-        const struct gradient *near = &points->near[i];
-        const struct gradient far = gradient_beside(normals, points->at[i], out, FURTHER);
-        int64_t along = 0;
-        for (int a = 0; a < 3; a++)
-            along += near->along[a] * far.along[a];
-        for (int a = 0; a < 3; a++) {
-            const int32_t way = -near->along[a] - (along > 0 ? FURTHER_WEIGHT * far.along[a] : 0);
-            points->outward.along[a][i] =
-                (int32_t)((int64_t)way * normals->scale[a] / FURTHER_WEIGHT);
-        }
-    }
+        normals->viewer[a] = -camera->ahead[a] >> (30 - NORMAL_BITS);
 }
 
 /* What a pixel shows faces the viewer, if barely. */
@@ -220,137 +149,49 @@ static void turn_to_viewer(struct directions *normal, unsigned i, const struct n
     for (int a = 0; a < 3; a++)
         across[a] = normal->along[a][i] - (along * normals->viewer[a] >> (2 * NORMAL_BITS)) +
                     normals->viewer[a] / BARELY;
-    if (!normalise_one(turned, across)) {
-        face_viewer(normal, i, normals);
-        return;
-    }
+    const bool has_one = normalise_one(turned, across);
     for (int a = 0; a < 3; a++)
-        normal->along[a][i] = turned[a];
+        normal->along[a][i] = has_one ? turned[a] : (int16_t)normals->viewer[a];
 }
 
-static void field_normals(struct points *points, struct normals *normals)
+/* The mean of the corners' normals, by their shares. */
+static void blend(struct gradients *outward, unsigned i, const struct seen *seen)
 {
-    struct gradients *outward = &points->outward;
-    if (normals->looks_out)
-        slopes_before(points, normals);
-    for (unsigned i = 0; i < points->count && !normals->looks_out; i++) { /* on the surface */
-        normals->shown.label = points->label[i];
-        const struct gradient inward = field_at(&normals->shown, points->at[i]);
-        for (int a = 0; a < 3; a++)
-            outward->along[a][i] = -inward.along[a] * normals->scale[a];
-    }
-    for (unsigned i = 0; i < points->count && normals->mode == SHADE_SCENE; i++) {
-        /* The scene's gradient takes the surface's side, and outweighs it but where the scene is
-         * flat. */
-        const struct gradient inward = field_at(&normals->scene, points->at[i]);
-        int32_t gradient[3];
-        int64_t along = 0;
-        for (int a = 0; a < 3; a++) {
-            gradient[a] = inward.along[a] * normals->scale[a];
-            along += (int64_t)gradient[a] * outward->along[a][i];
-        }
-        for (int a = 0; a < 3; a++)
-            outward->along[a][i] =
-                outward->along[a][i] / 16 + (along < 0 ? -gradient[a] : gradient[a]);
-    }
-    normalise_points(points);
-    for (unsigned i = 0; i < points->count; i++) {
-        if (!(outward->along[0][i] | outward->along[1][i] | outward->along[2][i]))
-            face_viewer(&points->normal, i, normals); /* as thick as thin: it shows no side */
-        if (normals->looks_out)
-            turn_to_viewer(&points->normal, i, normals);
-    }
-}
-
-/* ---- from depths ---- */
-
-/* Sums over the pixels around one, for the plane that fits their depths best. Places count in
- * steps of `stride` pixels, depths in 1/256 pixels from the pixel's own. */
-struct fit {
-    int64_t n, x, y, xx, xy, yy, d, xd, yd;
-};
-
-static void depth_normal(struct directions *normal, unsigned i, const struct rendition *r,
-                         const struct normals *normals, uint32_t x, uint32_t y)
-{
-    /* Pixels of the same surface: what lies steeper than 4 to 1 is another. */
-    const int64_t own = r->depth[(size_t)y * r->width + x], stride = normals->stride;
-    struct fit f = {0};
-    for (int64_t j = -NORMAL_FIT_STEPS; j <= NORMAL_FIT_STEPS; j++)
-        for (int64_t k = -NORMAL_FIT_STEPS; k <= NORMAL_FIT_STEPS; k++) {
-            const int64_t column = x + k * stride, row = y + j * stride;
-            if (column < 0 || row < 0 || column >= r->width || row >= r->height)
-                continue;
-            const int64_t depth = r->depth[(size_t)row * r->width + (size_t)column];
-            if (depth == DEPTH_NONE)
-                continue;
-            const int64_t d = (depth - own) >> (CROSSING_PIXEL_BITS - 8);
-            const int64_t steep = 4 * 256 * stride * (2 + (k < 0 ? -k : k) + (j < 0 ? -j : j));
-            if (d >= steep || d <= -steep)
-                continue;
-            f.n++;
-            f.x += k, f.y += j, f.d += d;
-            f.xx += k * k, f.xy += k * j, f.yy += j * j;
-            f.xd += k * d, f.yd += j * d;
-        }
-    const int64_t xx = f.n * f.xx - f.x * f.x, yy = f.n * f.yy - f.y * f.y;
-    const int64_t xy = f.n * f.xy - f.x * f.y;
-    const int64_t xd = f.n * f.xd - f.x * f.d, yd = f.n * f.yd - f.y * f.d;
-    const int64_t toward = (xx * yy - xy * xy) * normals->stride * 256;
-    const int64_t gradient[3] = {xd * yy - yd * xy, -(yd * xx - xd * xy), -toward};
-    int16_t n[3]; /* to the right, up, ahead */
-    if (toward == 0 || !normalise_one(n, gradient)) {
-        face_viewer(normal, i, normals);
-        return;
-    }
-    const struct camera *camera = normals->camera;
-    for (int a = 0; a < 3; a++)
-        normal->along[a][i] =
-            (int16_t)((n[0] * (int64_t)camera->right[a] + n[1] * (int64_t)camera->up[a] +
-                       n[2] * (int64_t)camera->ahead[a]) >>
-                      30);
-}
-
-/* ---- of pixels ---- */
-
-int64_t normal_stride(const struct camera *camera)
-{
-    const int64_t pixels = (camera->view.zoom + VIEW_ZOOM_ONE / 2) / VIEW_ZOOM_ONE;
-    return pixels < 1 ? 1 : pixels;
-}
-
-void normals_init(struct normals *normals, const struct camera *camera, enum shade_mode mode,
-                  bool looks_out, struct field *shown, struct field *scene)
-{
-    int64_t before[3];
-    *normals = (struct normals){
-        .camera = camera, .mode = mode, .looks_out = looks_out, .stride = normal_stride(camera)};
-    normals->shown.field = shown;
-    normals->scene.field = scene;
+    enum { SHARE_BITS = 15 };
+    const uint64_t all = (uint64_t)(seen->share[0] + seen->share[1] + seen->share[2]) | 1;
+    const int bits = 64 - __builtin_clzll(all), shift = bits > SHARE_BITS ? bits - SHARE_BITS : 0;
     for (int a = 0; a < 3; a++) {
-        normals->locator[a] = locator_of(camera, a);
-        normals->viewer[a] = -camera->ahead[a] >> (30 - NORMAL_BITS);
-        normals->scale[a] =
-            (int32_t)((camera->unit_nm << 12) / (int64_t)camera->scene->spacing_nm[a]);
-        before[a] = -(int64_t)camera->ahead[a] * normals->scale[a];
+        int32_t sum = 0;
+        for (int k = 0; k < 3; k++)
+            sum += (int32_t)(seen->share[k] >> shift) * seen->corner[k]->normal[a];
+        outward->along[a][i] = sum;
     }
-    normalise_one(normals->before, before);
 }
 
-void normals_of(struct directions *out, struct normals *normals, const struct rendition *r,
-                const struct tile_pixels *pixels)
+void normals_of(struct directions *out, uint8_t open[NORMALISED], const struct normals *normals,
+                const struct rendition *r, const struct tile_pixels *pixels)
 {
-    struct points points = {.count = pixels->count};
-    for (unsigned i = 0; i < pixels->count; i++) {
+    struct gradients outward;
+    for (unsigned i = 0; i < NORMALISED; i++) {
+        struct seen seen;
+        if (i >= pixels->count) {
+            for (int a = 0; a < 3; a++)
+                outward.along[a][i] = 0;
+            continue;
+        }
         const uint32_t x = pixels->x[i], y = pixels->y[i];
-        const int64_t depth = r->depth[(size_t)y * r->width + x];
-        if (normals->mode == SHADE_DEPTH)
-            depth_normal(&points.normal, i, r, normals, x, y);
-        points.label[i] = r->layers || normals->creases ? r->label[(size_t)y * r->width + x] : 0;
-        for (int a = 0; a < 3; a++)
-            points.at[i][a] = locator_point(&normals->locator[a], depth, x, y);
+        const size_t pixel = (size_t)y * r->width + x;
+        drawer_see(&normals->drawer, &seen, x, y, r->depth[pixel], r->cell[pixel]);
+        const unsigned face = seen.quad->key & 7u;
+        open[i] = seen.quad->is_closed ? (uint8_t)(face + 1) : 0;
+        if (!open[i]) {
+            blend(&outward, i, &seen);
+            continue;
+        }
+        for (unsigned a = 0; a < 3; a++)
+            outward.along[a][i] = a == face / 2 ? (face & 1 ? 1 : -1) : 0;
     }
-    if (normals->mode != SHADE_DEPTH)
-        field_normals(&points, normals);
-    *out = points.normal;
+    normalise_all(out, &outward);
+    for (unsigned i = 0; i < pixels->count; i++)
+        turn_to_viewer(out, i, normals);
 }

@@ -1,27 +1,15 @@
 /*
  * Normals: which way the surface faces at the point that a pixel shows.
  *
- * Its normal comes from one of
- *
- *   surface   the smoothed field of shown voxels (render/field.h): the direction in which it falls.
- *             Look 1 reads it on the surface; look 2 before it, where thin sheets have a slope too,
- *             and turns what would face away to the viewer
- *   scene     the gradient of the scene's intensities, turned outward by the surface's normal,
- *             which is used where the scene is flat
- *   depth     the plane that fits the depths around the pixel best
- *   cubes     as surface; what is seen are the faces of voxels, as all of look 1 has them
- *
- * The first and the last go by all that is shown, or by the pixel's object alone: then there is a
- * crease where two objects touch.
+ * It is the mean of those of the triangle's corners (engine/net.h), turned to the viewer where it
+ * faces away. A face that is closed, because it was cut open or the scene ends there, is flat.
  *
  * A normal lies along voxel axes, and its length in the world is 2^NORMAL_BITS.
  */
 #ifndef RENDER_NORMAL_H
 #define RENDER_NORMAL_H
 
-#include "render/field.h"
-#include "render/look.h"
-#include "render/rendition.h"
+#include "render/projection.h"
 
 enum {
     NORMAL_BITS = 14, /* 1 of a normal's length */
@@ -36,29 +24,13 @@ struct directions {
     int16_t along[3][NORMALISED];
 };
 
-enum {
-    NORMAL_FIT_STEPS = 3,           /* voxels each way to which a plane is fitted */
-    NORMAL_REACH = FIELD_REACH + 1, /* as FIELD_REACH, where the field is read before the surface */
-};
-
 /* All that normals depend on besides the pixel. */
 struct normals {
     const struct camera *camera;
-    enum shade_mode mode;
-    bool creases;   /* each object has normals of its own, as if it touched no other */
-    bool looks_out; /* slopes of the field are read before the surface, as look 2 has them */
-    struct locator locator[3];
+    struct drawer drawer;
     int32_t viewer[3];
-    int16_t before[3]; /* the viewer's side, of length 2^NORMAL_BITS in voxels */
-    int32_t scale[3];  /* unit / spacing times 2^12: gradients per voxel to gradients per length */
-    int64_t stride;    /* pixels between the depths that a plane is fitted to: a voxel's */
-    struct field_reader shown, scene;
 };
-
-/* `shown`, and in mode `scene` both, are fields of what the camera looks at, and outlive this; a
- * mode that has no use for one takes NULL. */
-void normals_init(struct normals *normals, const struct camera *camera, enum shade_mode mode,
-                  bool looks_out, struct field *shown, struct field *scene);
+void normals_init(struct normals *normals, const struct camera *camera, const struct mesh *mesh);
 
 /* Pixels of a tile that show something. */
 struct tile_pixels {
@@ -66,9 +38,10 @@ struct tile_pixels {
     uint32_t x[NORMALISED], y[NORMALISED];
 };
 
-/* Their normals. */
-void normals_of(struct directions *out, struct normals *normals, const struct rendition *rendition,
-                const struct tile_pixels *pixels);
+/* Their normals; and `open`: 0, or which face of its voxel the pixel shows where that is closed,
+ * counted from 1. */
+void normals_of(struct directions *out, uint8_t open[NORMALISED], const struct normals *normals,
+                const struct rendition *rendition, const struct tile_pixels *pixels);
 
 /* Pixels to a voxel, at least 1. */
 int64_t normal_stride(const struct camera *camera);

@@ -3,264 +3,471 @@
 #include <string.h>
 
 #include "render/layers.h"
-#include "render/seams.h"
-#include "render/sweep.h"
-#include "render/walk.h"
 
-/* ---- scene projection ---- */
-
-/* Puts a cube into every pixel of a footprint whose ray is in it. */
-static inline void splat_cube(struct rendition *r, const struct camera *camera, uint32_t cell,
-                              const int64_t near[3], struct footprint f)
-{
-    const int64_t T0 = camera->T[0], T1 = camera->T[1], T2 = camera->T[2];
-    const int64_t A0 = camera->A[0], A1 = camera->A[1], A2 = camera->A[2];
-    for (int32_t y = f.top; y <= f.bottom; y++) {
-        int64_t near0 = near[0] + f.left * A0 + y * camera->B[0];
-        int64_t near1 = near[1] + f.left * A1 + y * camera->B[1];
-        int64_t near2 = near[2] + f.left * A2 + y * camera->B[2];
-        const size_t row = (size_t)y * r->width;
-        for (int32_t x = f.left; x <= f.right; x++) {
-            const int64_t first = most_of(near0, near1, near2);
-            int64_t *depth = r->cube.depth + row + x;
-            if (first < *depth && first < least_of(near0 + T0, near1 + T1, near2 + T2)) {
-                *depth = first;
-                r->cube.cell[row + (size_t)x] = cell;
-            }
-            near0 += A0, near1 += A1, near2 += A2;
-        }
-    }
-}
-
-void splat_scene(struct rendition *r, const struct camera *camera, const struct border *border)
-{
-    if (layers_are_projected(r)) {
-        layers_splat_scene(r, camera, border);
-        return;
-    }
-    struct sweep sweep;
-    sweep_init(&sweep, camera);
-    rendition_clear(r);
-    struct task task = task_begin(border->scene->watch, "rendition", border->scene->grid.cells);
-    for (size_t w = 0; w < border->words && task_advance(&task, 64); w++)
-        for (uint64_t word = border->solid[w]; word; word &= word - 1) {
-            const uint32_t cell = (uint32_t)(w * 64) + (uint32_t)__builtin_ctzll(word);
-            int64_t near[3];
-            const struct footprint f = sweep_to(&sweep, cell, FACE_SETS - 1, near);
-            splat_cube(r, camera, cell, near, f);
-        }
-}
-
-/* ---- border projection ---- */
-
-/* A ray runs towards larger numbers along every axis as the camera counts them (render/view.h), and
- * so from cube to cube, and from block to block of cubes. So the order of these numbers, by one
- * axis and where they are the same by the next, is that of cubes along any ray. */
-
-enum { WORD = 64, SIDE = 1 << BORDER_BLOCK_BITS };
-
-struct covering {
-    const struct rendition *r;
-    const struct border *border;
-    struct sweep sweep;
-    size_t words; /* of a row of `uncovered` */
+enum {
+    PIXEL = 1 << POINT_BITS,
+    POINT_SHIFT = 30 - POINT_BITS, /* places in pictures are times 2^30 at first */
+    DEPTH_SHIFT = 30 - (CROSSING_PIXEL_BITS - NUMBER_BITS),
+    POINTS_MOST = 1024, /* corners of a brick that are projected once; of more, for each quad */
 };
 
-/* Of 64 pixels from column x on, those of a footprint, which has some of them. */
-static inline uint64_t word_mask(struct footprint f, int32_t x)
+/* Further than any slope that is seen, and such that sums fit. */
+static const int64_t SLOPE_MOST = INT64_C(1) << 40;
+
+struct point {
+    int32_t x, y; /* of 256ths of pixels */
+    int64_t z;    /* of depths, without the number */
+};
+
+/* ---- places ---- */
+
+static int64_t dot30(const int64_t a[3], const int32_t b[3])
 {
-    const uint64_t all = ~UINT64_C(0);
-    const uint64_t from = x < f.left ? all << (f.left - x) : all;
-    return x + WORD - 1 > f.right ? from & all >> (x + WORD - 1 - f.right) : from;
+    return times30(a[0], b[0]) + times30(a[1], b[1]) + times30(a[2], b[2]);
 }
 
-static bool is_covered(const struct covering *c, struct footprint f)
+void drawer_init(struct drawer *d, const struct camera *camera, const struct mesh *mesh)
 {
-    uint64_t left = 0;
-    for (int32_t x = f.left & -WORD; x <= f.right; x += WORD) {
-        const uint64_t mask = word_mask(f, x);
-        for (int32_t y = f.top; y <= f.bottom && !left; y++)
-            left = c->r->uncovered[(size_t)y * c->words + (size_t)x / WORD] & mask;
-    }
-    return !left;
-}
-
-/* Gives the cube those of some pixels, from column x on in row y, whose ray is in it; the others
- * are given back. */
-static inline uint64_t cover_pixels(const struct covering *c, uint32_t cell, const int64_t near[3],
-                                    int32_t x, int32_t y, uint64_t pixels)
-{
-    const struct camera *camera = c->sweep.camera;
-    const int64_t *A = camera->A, *B = camera->B, *T = camera->T;
-    const size_t row = (size_t)y * c->r->width;
-    uint64_t others = pixels;
-    for (; pixels; pixels &= pixels - 1) {
-        const int64_t column = x + __builtin_ctzll(pixels);
-        const int64_t near0 = near[0] + column * A[0] + y * B[0];
-        const int64_t near1 = near[1] + column * A[1] + y * B[1];
-        const int64_t near2 = near[2] + column * A[2] + y * B[2];
-        const int64_t first = most_of(near0, near1, near2);
-        if (first < least_of(near0 + T[0], near1 + T[1], near2 + T[2])) {
-            c->r->cube.depth[row + (size_t)column] = first;
-            c->r->cube.cell[row + (size_t)column] = cell;
-            others ^= pixels & -pixels;
-        }
-    }
-    return others;
-}
-
-static inline void cover_faces(struct covering *c, uint32_t cell, unsigned faces)
-{
-    int64_t near[3];
-    const struct footprint f = sweep_to(&c->sweep, cell, faces, near);
-    for (int32_t x = f.left & -WORD; x <= f.right; x += WORD) {
-        const uint64_t mask = word_mask(f, x);
-        uint64_t *word = c->r->uncovered + (size_t)f.top * c->words + (size_t)x / WORD;
-        for (int32_t y = f.top; y <= f.bottom; y++, word += c->words) {
-            const uint64_t left = *word & mask;
-            if (left)
-                *word ^= left ^ cover_pixels(c, cell, near, x, y, left);
-        }
-    }
-}
-
-/* Number i of so many in the order of the camera. */
-static inline uint32_t in_order(const struct camera *camera, int a, uint32_t i, uint32_t count)
-{
-    return camera->flip[a] ? count - 1 - i : i;
-}
-
-/* A pixel shows a face whose neighbour is not solid: one of the three towards us. So voxels without
- * such a face are left out, and of the others, such faces are looked at alone. */
-static void cover_row(struct covering *c, struct place first, uint32_t cell, unsigned hull)
-{
-    const struct camera *camera = c->sweep.camera;
-    unsigned open[3], left = 0;
-    for (int a = 0; a < 3; a++) {
-        const uint32_t beside = cell + (uint32_t)camera->toward[a];
-        open[a] = hull & ~(unsigned)border_bits_at(c->border->solid, beside);
-        left |= open[a];
-    }
-    if (left)
-        sweep_at_row(&c->sweep, first.y, first.z);
-    for (unsigned bit; left; left &= ~(1u << bit)) {
-        bit = (unsigned)(camera->flip[0] ? 31 - __builtin_clz(left) : __builtin_ctz(left));
-        cover_faces(c, cell + bit,
-                    (open[0] >> bit & 1) | (open[1] >> bit & 1) << 1 | (open[2] >> bit & 1) << 2);
-    }
-}
-
-static uint32_t voxels_along(const struct grid *grid, int a, uint32_t first)
-{
-    return grid->size[a] - first < SIDE ? grid->size[a] - first : SIDE;
-}
-
-static void cover_block(struct covering *c, struct place first)
-{
-    const struct camera *camera = c->sweep.camera;
-    const struct grid *grid = &camera->scene->grid;
-    /* The pixels that cubes of a block may cover: its middle is half a voxel from one of them. */
-    enum { MIDDLE = SIDE / 2 - 1 };
-    struct projection seen =
-        project(camera, (struct place){first.x + MIDDLE, first.y + MIDDLE, first.z + MIDDLE});
-    int64_t reach[2];
-    for (int k = 0; k < 2; k++) {
-        reach[k] = SIDE * camera->reach[k];
+    const int32_t *r = camera->right, *u = camera->up;
+    int64_t normal[3];
+    *d = (struct drawer){.camera = camera, .mesh = mesh};
+    for (int k = 0; k < 3; k++)
         for (int a = 0; a < 3; a++)
-            seen.centre[k] += (camera->flip[a] ? -1 : 1) * camera->column[k][a] / 2;
+            d->step[k][a] = (camera->flip[a] ? -1 : 1) * camera->column[k][a];
+    for (int i = 0; i < 3; i++) { /* right x down */
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        normal[i] = times30(r[k], u[j]) - times30(r[j], u[k]);
     }
-    const struct footprint f = footprint_at(camera, seen.centre[0], seen.centre[1], reach);
-    const int64_t right = (int64_t)camera->view.width - 1,
-                  bottom = (int64_t)camera->view.height - 1;
-    if (is_covered(c, f))
-        return;
-    c->sweep.is_within = f.left > 0 && f.top > 0 && f.right < right && f.bottom < bottom;
-    const uint32_t rows = voxels_along(grid, 1, first.y), planes = voxels_along(grid, 2, first.z);
-    const unsigned all = (1u << voxels_along(grid, 0, first.x)) - 1;
-    for (uint32_t k = 0; k < planes; k++)
-        for (uint32_t j = 0; j < rows; j++) {
-            const struct place p = {first.x, first.y + in_order(camera, 1, j, rows),
-                                    first.z + in_order(camera, 2, k, planes)};
-            const uint32_t cell = grid_cell(grid, p.x, p.y, p.z);
-            const unsigned hull = (unsigned)border_bits_at(c->border->hull, cell) & all;
-            if (hull)
-                cover_row(c, p, cell, hull);
+    d->is_mirrored = dot30(normal, camera->ahead) < 0;
+}
+
+void project_place(const struct camera *camera, struct place place, int64_t centre[3])
+{
+    const uint32_t voxel[3] = {place.x, place.y, place.z};
+    for (int k = 0; k < 3; k++) {
+        centre[k] = camera->centre[k];
+        for (int a = 0; a < 3; a++) {
+            const int64_t size = camera->scene->grid.size[a];
+            centre[k] += (camera->flip[a] ? size - 1 - voxel[a] : voxel[a]) * camera->column[k][a];
         }
+    }
 }
 
-/* The first cube of each pixel, where no layers are projected. */
-static void cover_by_border(struct task *task, struct rendition *r, const struct camera *camera,
-                            const struct border *border)
+static void base_of(const struct drawer *d, const uint32_t first[3], int64_t base[3])
 {
-    const struct grid *grid = &border->scene->grid;
-    struct covering c = {.r = r, .border = border, .words = rendition_words(r)};
-    uint32_t blocks[3];
-    for (int a = 0; a < 3; a++)
-        blocks[a] = walk_blocks(grid, a, BORDER_BLOCK_BITS);
-    sweep_init(&c.sweep, camera);
-    rendition_clear(r);
-    memset(r->uncovered, UINT8_MAX, r->height * c.words * sizeof *r->uncovered);
-    for (uint32_t k = 0; k < blocks[2] && task_advance(task, grid->cells / blocks[2]); k++)
-        for (uint32_t i = 0; i < blocks[1]; i++)
-            for (uint32_t j = 0; j < blocks[0]; j++) {
-                const uint32_t z = in_order(camera, 2, k, blocks[2]);
-                const uint32_t y = in_order(camera, 1, i, blocks[1]);
-                const uint32_t x = in_order(camera, 0, j, blocks[0]);
-                if (border->occupied[((size_t)z * blocks[1] + y) * blocks[0] + x])
-                    cover_block(&c, (struct place){x * SIDE, y * SIDE, z * SIDE});
+    project_place(d->camera, (struct place){first[0], first[1], first[2]}, base);
+}
+
+static inline int64_t along(const struct drawer *d, int k, const int64_t base[3],
+                            const int32_t at[3])
+{
+    const int64_t *step = d->step[k];
+    return base[k] + ((step[0] * at[0] + step[1] * at[1] + step[2] * at[2]) >> NET_BITS);
+}
+
+static inline struct point point_of(const struct drawer *d, const int64_t base[3],
+                                    const int32_t at[3])
+{
+    return (struct point){(int32_t)(along(d, 0, base, at) >> POINT_SHIFT),
+                          (int32_t)(along(d, 1, base, at) >> POINT_SHIFT),
+                          along(d, 2, base, at) >> DEPTH_SHIFT};
+}
+
+/* ---- triangles ---- */
+
+struct window {
+    int32_t left, top, right, bottom; /* both ends included */
+};
+
+/* On which side of an edge a pixel lies: twice the area between the two. An edge through a centre
+ * counts for one of its two directions alone. */
+struct edge_function {
+    int64_t at, right, down; /* at the pixel at hand; what a pixel to the right and down adds */
+};
+
+static inline struct edge_function edge_of(const struct point *a, const struct point *b, int32_t x,
+                                           int32_t y)
+{
+    const int64_t dx = b->x - a->x, dy = b->y - a->y;
+    const bool owns = dy < 0 || (dy == 0 && dx > 0);
+    const int64_t at = dx * ((int64_t)y * PIXEL - a->y) - dy * ((int64_t)x * PIXEL - a->x);
+    return (struct edge_function){at - !owns, -dy * PIXEL, dx * PIXEL};
+}
+
+/* Twice the area, above 0 where it is seen from in front. */
+static inline int64_t area_of(const struct point *a, const struct point *b, const struct point *c)
+{
+    return (int64_t)(b->x - a->x) * (c->y - a->y) - (int64_t)(c->x - a->x) * (b->y - a->y);
+}
+
+static inline int32_t least_of(int32_t a, int32_t b)
+{
+    return a < b ? a : b;
+}
+static inline int32_t most_of(int32_t a, int32_t b)
+{
+    return a > b ? a : b;
+}
+
+/* How deep a triangle is. */
+struct slope {
+    const struct point *from;
+    int64_t right, down; /* for a pixel; */
+    int64_t least, most;
+};
+
+static int64_t slope_within(int64_t slope)
+{
+    return slope < -SLOPE_MOST ? -SLOPE_MOST : slope > SLOPE_MOST ? SLOPE_MOST : slope;
+}
+
+static struct slope slope_of(const struct point *a, const struct point *b, const struct point *c,
+                             int64_t area)
+{
+    const int64_t z1 = b->z - a->z, z2 = c->z - a->z;
+    const int64_t right = z1 * (c->y - a->y) - z2 * (b->y - a->y);
+    const int64_t down = z2 * (b->x - a->x) - z1 * (c->x - a->x);
+    struct slope s = {a, slope_within(right * PIXEL / area), slope_within(down * PIXEL / area),
+                      a->z < b->z ? a->z : b->z, a->z > b->z ? a->z : b->z};
+    s.least = c->z < s.least ? c->z : s.least;
+    s.most = c->z > s.most ? c->z : s.most;
+    return s;
+}
+
+static inline int64_t depth_at(const struct slope *s, int32_t x, int32_t y)
+{
+    const int64_t right = (int64_t)x * PIXEL - s->from->x, down = (int64_t)y * PIXEL - s->from->y;
+    const int64_t z = s->from->z + ((s->right * right + s->down * down) >> POINT_BITS);
+    return z < s->least ? s->least : z > s->most ? s->most : z;
+}
+
+/* What a triangle is of. */
+struct owner {
+    uint32_t cell;
+    uint8_t label;
+    unsigned number;
+    bool is_layer; /* of a picture with layers, */
+    bool is_opaque;
+};
+
+static inline void put(struct rendition *r, size_t pixel, size_t tile, int64_t key,
+                       const struct owner *o)
+{
+    if (o->is_layer) {
+        layers_put(r->layers, pixel, key, o->cell, o->label, o->is_opaque);
+    } else if (key < r->depth[pixel] || (key == r->depth[pixel] && o->cell < r->cell[pixel])) {
+        r->depth[pixel] = key;
+        r->cell[pixel] = o->cell;
+    } else {
+        return;
+    }
+    r->is_drawn[tile] = true;
+}
+
+static void draw_triangle(struct rendition *r, const struct window *w, const struct point *a,
+                          const struct point *b, const struct point *c, const struct owner *o)
+{
+    const int64_t area = area_of(a, b, c);
+    if (area <= 0)
+        return;
+    const int32_t left =
+        most_of(w->left, (least_of(a->x, least_of(b->x, c->x)) + PIXEL - 1) >> POINT_BITS);
+    const int32_t right = least_of(w->right, most_of(a->x, most_of(b->x, c->x)) >> POINT_BITS);
+    const int32_t top =
+        most_of(w->top, (least_of(a->y, least_of(b->y, c->y)) + PIXEL - 1) >> POINT_BITS);
+    const int32_t bottom = least_of(w->bottom, most_of(a->y, most_of(b->y, c->y)) >> POINT_BITS);
+    if (left > right || top > bottom)
+        return;
+    struct edge_function e[3] = {edge_of(a, b, left, top), edge_of(b, c, left, top),
+                                 edge_of(c, a, left, top)};
+    struct slope slope = {0};
+    for (int32_t y = top; y <= bottom; y++) {
+        int64_t e0 = e[0].at, e1 = e[1].at, e2 = e[2].at;
+        for (int32_t x = left; x <= right; x++) {
+            if ((e0 | e1 | e2) >= 0) {
+                if (!slope.from)
+                    slope = slope_of(a, b, c, area);
+                put(r, (size_t)y * r->width + (size_t)x,
+                    (size_t)(y / TILE) * r->tiles_x + (size_t)(x / TILE),
+                    depth_at(&slope, x, y) << NUMBER_BITS | o->number, o);
             }
+            e0 += e[0].right, e1 += e[1].right, e2 += e[2].right;
+        }
+        for (int i = 0; i < 3; i++)
+            e[i].at += e[i].down;
+    }
 }
 
-static void splat_under(struct task *task, struct rendition *r, const struct camera *camera,
-                        const struct border *border)
+/* ---- bricks ---- */
+
+/* The cell of a quad's voxel. */
+static uint32_t cell_of(const struct mesh *mesh, const uint32_t first[3], unsigned key)
 {
-    if (layers_are_projected(r))
-        layers_splat_border(task, r, camera, border);
+    const unsigned at = key >> 3;
+    return grid_cell(&mesh->border->scene->grid, first[0] + at % MESH_SIDE,
+                     first[1] + at / MESH_SIDE % MESH_SIDE, first[2] + at / MESH_SIDE / MESH_SIDE);
+}
+
+static void draw_brick(const struct drawer *d, struct rendition *r, const struct window *w,
+                       uint32_t number)
+{
+    const struct mesh *mesh = d->mesh;
+    const struct mesh_brick *brick = mesh->brick[number];
+    const bool is_kept = brick->vertices <= POINTS_MOST;
+    struct point kept[POINTS_MOST], own[4];
+    uint32_t first[3];
+    int64_t base[3];
+    mesh_first(mesh, number, first);
+    base_of(d, first, base);
+    for (uint32_t v = 0; is_kept && v < brick->vertices; v++)
+        kept[v] = point_of(d, base, brick->vertex[v].at);
+    for (uint32_t q = 0; q < brick->quads; q++) {
+        const struct mesh_quad *quad = &brick->quad[q];
+        const struct point *p[4];
+        for (int k = 0; k < 4; k++) {
+            if (!is_kept)
+                own[k] = point_of(d, base, brick->vertex[quad->corner[k]].at);
+            p[k] = is_kept ? &kept[quad->corner[k]] : &own[k];
+        }
+        struct owner o = {.label = quad->label, .number = (quad->key & 7u) * 2};
+        o.is_layer = r->layers != NULL;
+        o.is_opaque = mesh->opacity[quad->label] == BORDER_OPAQUE;
+        o.cell = cell_of(mesh, first, quad->key);
+        if (d->is_mirrored) {
+            draw_triangle(r, w, p[0], p[1], p[2], &o);
+            o.number++;
+            draw_triangle(r, w, p[0], p[2], p[3], &o);
+        } else {
+            draw_triangle(r, w, p[0], p[2], p[1], &o);
+            o.number++;
+            draw_triangle(r, w, p[0], p[3], p[2], &o);
+        }
+    }
+}
+
+/* The pixels between two places each way, and one more. */
+static struct footprint between(const struct camera *camera, const int64_t middle[2],
+                                const int64_t reach[2])
+{
+    const int64_t most[2] = {(int64_t)camera->view.width - 1, (int64_t)camera->view.height - 1};
+    int64_t end[2][2];
+    for (int k = 0; k < 2; k++) {
+        end[k][0] = ((middle[k] - reach[k]) >> 30) - 1;
+        end[k][1] = ((middle[k] + reach[k]) >> 30) + 2;
+        end[k][0] = end[k][0] < 0 ? 0 : end[k][0] > most[k] ? most[k] + 1 : end[k][0];
+        end[k][1] = end[k][1] > most[k] ? most[k] : end[k][1] < 0 ? -1 : end[k][1];
+    }
+    return (struct footprint){(int32_t)end[0][0], (int32_t)end[1][0], (int32_t)end[0][1],
+                              (int32_t)end[1][1]};
+}
+
+/* Where a brick may be seen, and how near. */
+struct place_seen {
+    struct footprint pixels;
+    int64_t near;
+};
+
+static struct place_seen seen_of(const struct drawer *d, uint32_t number)
+{
+    struct place_seen seen;
+    uint32_t first[3];
+    int64_t middle[3], reach[3] = {0, 0, 0};
+    mesh_first(d->mesh, number, first);
+    base_of(d, first, middle);
+    for (int k = 0; k < 3; k++)
+        for (int a = 0; a < 3; a++) {
+            const int64_t step = d->step[k][a], size = step < 0 ? -step : step;
+            middle[k] += step * (MESH_SIDE - 1) / 2;
+            reach[k] += size * (MESH_SIDE - 1) / 2 + size + size / 4 + 1;
+        }
+    seen.pixels = between(d->camera, middle, reach);
+    seen.near = ((middle[2] - reach[2]) >> DEPTH_SHIFT) * (1 << NUMBER_BITS);
+    return seen;
+}
+
+/* The furthest that pixels of a tile show, or of its opaque layers. */
+static int64_t far_of(struct rendition *r, size_t tile)
+{
+    if (!r->is_drawn[tile])
+        return r->far[tile];
+    const int64_t *depth = r->layers ? r->layers->last_depth : r->depth;
+    const uint32_t left = (uint32_t)(tile % r->tiles_x) * TILE;
+    const uint32_t top = (uint32_t)(tile / r->tiles_x) * TILE;
+    const uint32_t right = left + TILE < r->width ? left + TILE : r->width;
+    const uint32_t bottom = top + TILE < r->height ? top + TILE : r->height;
+    int64_t far = INT64_MIN;
+    for (uint32_t y = top; y < bottom; y++)
+        for (uint32_t x = left; x < right; x++)
+            far = depth[(size_t)y * r->width + x] > far ? depth[(size_t)y * r->width + x] : far;
+    r->far[tile] = far;
+    r->is_drawn[tile] = false;
+    return far;
+}
+
+/* Whether all pixels that a brick may cover show something nearer. */
+static bool is_hidden(struct rendition *r, const struct place_seen *seen)
+{
+    const struct footprint f = seen->pixels;
+    if (f.left > f.right || f.top > f.bottom)
+        return true;
+    for (int32_t y = f.top / TILE; y <= f.bottom / TILE; y++)
+        for (int32_t x = f.left / TILE; x <= f.right / TILE; x++)
+            if (far_of(r, (size_t)y * r->tiles_x + (size_t)x) >= seen->near)
+                return false;
+    return true;
+}
+
+/* ---- the ways ---- */
+
+static struct window whole(const struct rendition *r)
+{
+    return (struct window){0, 0, (int32_t)r->width - 1, (int32_t)r->height - 1};
+}
+
+static void clear(struct rendition *r)
+{
+    if (r->layers)
+        layers_clear(r);
     else
-        cover_by_border(task, r, camera, border);
+        rendition_clear(r);
 }
 
-void splat_border(struct rendition *r, const struct camera *camera, const struct border *border)
+void project_scene(struct rendition *r, const struct camera *camera, const struct mesh *mesh)
 {
-    struct task task = task_begin(border->scene->watch, "rendition", border->scene->grid.cells);
-    splat_under(&task, r, camera, border);
+    struct task task = task_begin(camera->scene->watch, "rendition", mesh->bricks);
+    const struct window window = whole(r);
+    struct drawer d;
+    drawer_init(&d, camera, mesh);
+    clear(r);
+    for (uint32_t b = 0; b < mesh->bricks && task_advance(&task, 1); b++) {
+        const struct footprint f =
+            mesh->brick[b] ? seen_of(&d, b).pixels : (struct footprint){1, 1, 0, 0};
+        if (f.left <= f.right && f.top <= f.bottom)
+            draw_brick(&d, r, &window, b);
+    }
 }
 
-void splat_border_quietly(struct rendition *r, const struct camera *camera,
-                          const struct border *border)
+/* From the nearest brick on, as far as rows of them tell. */
+static void draw_border(struct task *task, struct rendition *r, const struct camera *camera,
+                        const struct mesh *mesh, const struct window *window)
 {
-    struct task task = task_begin_part(border->scene->watch, NULL, 0, 1);
-    splat_under(&task, r, camera, border);
+    struct drawer d;
+    uint32_t at[3];
+    drawer_init(&d, camera, mesh);
+    for (uint32_t k = 0; k < mesh->size[2]; k++) {
+        at[2] = camera->flip[2] ? mesh->size[2] - 1 - k : k;
+        if (!task_advance(task, (uint64_t)mesh->size[0] * mesh->size[1]))
+            return;
+        for (uint32_t j = 0; j < mesh->size[1]; j++) {
+            at[1] = camera->flip[1] ? mesh->size[1] - 1 - j : j;
+            for (uint32_t i = 0; i < mesh->size[0]; i++) {
+                at[0] = camera->flip[0] ? mesh->size[0] - 1 - i : i;
+                const size_t b = ((size_t)at[2] * mesh->size[1] + at[1]) * mesh->size[0] + at[0];
+                if (!mesh->brick[b])
+                    continue;
+                const struct place_seen seen = seen_of(&d, (uint32_t)b);
+                const struct footprint f = seen.pixels;
+                if (f.left > window->right || f.right < window->left || f.top > window->bottom ||
+                    f.bottom < window->top || is_hidden(r, &seen))
+                    continue;
+                draw_brick(&d, r, window, (uint32_t)b);
+            }
+        }
+    }
 }
 
-/* ---- the same by several threads ---- */
+void project_border(struct rendition *r, const struct camera *camera, const struct mesh *mesh)
+{
+    struct task task = task_begin(camera->scene->watch, "rendition", mesh->bricks);
+    const struct window window = whole(r);
+    clear(r);
+    draw_border(&task, r, camera, mesh, &window);
+}
 
-enum { WORDS_APART = 61, ROWS_MOST = 4 * VIEW_SIDE_MOST / TILE };
+void project_border_quietly(struct rendition *r, const struct camera *camera,
+                            const struct mesh *mesh)
+{
+    struct task task = task_begin_part(camera->scene->watch, NULL, 0, 1);
+    const struct window window = whole(r);
+    clear(r);
+    draw_border(&task, r, camera, mesh, &window);
+}
 
-struct splatting {
+void project_stale(struct rendition *r, const struct camera *camera, const struct mesh *mesh)
+{
+    struct task task = task_begin(camera->scene->watch, "rendition", mesh->bricks);
+    const size_t tiles = (size_t)r->tiles_x * r->tiles_y;
+    struct window window = {INT32_MAX, INT32_MAX, -1, -1};
+    for (size_t i = rendition_tile(r, 0, tiles, TILE_STALE); i < tiles;
+         i = rendition_tile(r, i + 1, tiles, TILE_STALE)) {
+        const int32_t left = (int32_t)(i % r->tiles_x) * TILE;
+        const int32_t top = (int32_t)(i / r->tiles_x) * TILE;
+        window.left = least_of(window.left, left), window.top = least_of(window.top, top);
+        window.right = most_of(window.right, least_of(left + TILE, (int32_t)r->width) - 1);
+        window.bottom = most_of(window.bottom, least_of(top + TILE, (int32_t)r->height) - 1);
+        if (r->layers)
+            layers_clear_tile(r, i);
+        else
+            rendition_clear_tile(r, i);
+    }
+    if (window.right >= 0)
+        draw_border(&task, r, camera, mesh, &window);
+}
+
+void project_rays(struct rendition *r, const struct camera *camera, const struct mesh *mesh)
+{
+    const size_t tiles = (size_t)r->tiles_x * r->tiles_y;
+    struct task task = task_begin(camera->scene->watch, "rendition", tiles * mesh->bricks);
+    struct drawer d;
+    drawer_init(&d, camera, mesh);
+    clear(r);
+    for (size_t tile = 0; tile < tiles && task_advance(&task, mesh->bricks); tile++) {
+        const int32_t left = (int32_t)(tile % r->tiles_x) * TILE;
+        const int32_t top = (int32_t)(tile / r->tiles_x) * TILE;
+        const int32_t right = least_of(left + TILE, (int32_t)r->width) - 1;
+        const int32_t bottom = least_of(top + TILE, (int32_t)r->height) - 1;
+        for (uint32_t b = 0; b < mesh->bricks; b++) {
+            if (!mesh->brick[b])
+                continue;
+            const struct footprint f = seen_of(&d, b).pixels;
+            for (int32_t y = most_of(top, f.top); y <= least_of(bottom, f.bottom); y++)
+                for (int32_t x = most_of(left, f.left); x <= least_of(right, f.right); x++)
+                    draw_brick(&d, r, &(struct window){x, y, x, y}, b);
+        }
+    }
+}
+
+/* ---- by several threads ---- */
+
+enum { ROWS_MOST = 4 * VIEW_SIDE_MOST / TILE };
+
+struct splitting {
     const struct rendition *rendition;
     const struct camera *camera;
-    const struct border *border;
+    const struct mesh *mesh;
     uint32_t first[TEAM_MOST + 1]; /* rows of tiles of each thread, to those of the next */
 };
 
 /* Each thread has about as much to do, and pixels of its own. */
-static void share_rows(struct splatting *s, unsigned threads)
+static void share_rows(struct splitting *s, unsigned threads)
 {
     uint32_t work[ROWS_MOST], y = 0;
     uint64_t all = 0, before = 0;
-    /* Counts, by row of tiles, some of the border voxels, and adds what clearing a row takes. */
-    const struct grid *grid = &s->camera->scene->grid;
+    struct drawer d;
     const int64_t last = (int64_t)s->rendition->tiles_y - 1;
+    drawer_init(&d, s->camera, s->mesh);
     for (int64_t i = 0; i <= last; i++)
-        work[i] = 1 + s->rendition->width / 512;
-    for (size_t w = 0; w < s->border->words; w += WORDS_APART) {
-        if (!s->border->border[w])
+        work[i] = 1 + s->rendition->width / 32;
+    for (uint32_t b = 0; b < s->mesh->bricks; b++) {
+        uint32_t first[3];
+        int64_t base[3];
+        if (!s->mesh->brick[b])
             continue;
-        const uint32_t cell = (uint32_t)(w * 64) + (uint32_t)__builtin_ctzll(s->border->border[w]);
-        const int64_t row = project(s->camera, grid_place(grid, cell)).centre[1] >> 30;
+        mesh_first(s->mesh, b, first);
+        base_of(&d, first, base);
+        const int64_t row = base[1] >> 30;
         if (row >= 0 && row / TILE <= last)
-            work[row / TILE]++;
+            work[row / TILE] += s->mesh->brick[b]->quads;
     }
     for (uint32_t i = 0; i < s->rendition->tiles_y; i++)
         all += work[i];
@@ -273,9 +480,9 @@ static void share_rows(struct splatting *s, unsigned threads)
     s->first[threads] = s->rendition->tiles_y;
 }
 
-static void splat_share(void *context, unsigned thread)
+static void draw_share(void *context, unsigned thread)
 {
-    const struct splatting *s = context;
+    const struct splitting *s = context;
     const uint32_t top = s->first[thread] * TILE, end = s->first[thread + 1] * TILE;
     const uint32_t height = (end < s->rendition->height ? end : s->rendition->height) - top;
     if (end <= top)
@@ -287,70 +494,80 @@ static void splat_share(void *context, unsigned thread)
         part.layers = &layers;
     }
     const struct camera camera = camera_rows(s->camera, top, height);
-    struct task task =
-        task_begin_part(s->border->scene->watch, "rendition", s->border->scene->grid.cells, thread);
-    splat_under(&task, &part, &camera, s->border);
+    struct task task = task_begin_part(camera.scene->watch, "rendition", s->mesh->bricks, thread);
+    const struct window window = whole(&part);
+    clear(&part);
+    draw_border(&task, &part, &camera, s->mesh, &window);
 }
 
-void splat_border_shared(struct rendition *r, const struct camera *camera,
-                         const struct border *border, struct team *team)
+void project_border_shared(struct rendition *r, const struct camera *camera,
+                           const struct mesh *mesh, struct team *team)
 {
-    struct splatting s = {.rendition = r, .camera = camera, .border = border};
+    struct splitting s = {.rendition = r, .camera = camera, .mesh = mesh};
     if (team_size(team) == 1 || r->tiles_y > ROWS_MOST) {
-        splat_border(r, camera, border);
+        project_border(r, camera, mesh);
         return;
     }
     share_rows(&s, team_size(team));
-    team_run(team, splat_share, &s);
+    team_run(team, draw_share, &s);
 }
 
-/* ---- the ray walk ---- */
+/* ---- where things fall ---- */
 
-/* Most blocks of voxels on its way are empty. */
-bool raycast_pixel(const struct camera *camera, const struct border *border, uint32_t column,
-                   uint32_t row, int64_t from, int64_t *depth, uint32_t *cell)
+struct footprint project_footprint(const struct camera *camera, const struct mesh *mesh,
+                                   uint32_t number, const struct mesh_brick *brick,
+                                   const struct mesh_quad *quad)
 {
-    struct walk blocks, walk;
-    if (!walk_begin(&blocks, camera, BORDER_BLOCK_BITS, column, row, from))
-        return false;
-    do {
-        if (!border->occupied[blocks.cell] || !walk_begin(&walk, camera, 0, column, row, blocks.at))
-            continue;
-        const int64_t end = walk_leaves(&blocks);
-        do {
-            if (border_is_solid(border, walk.cell)) {
-                *depth = walk.at;
-                *cell = walk.cell;
-                return true;
-            }
-        } while (walk_on(&walk) && walk.at < end);
-    } while (walk_on(&blocks));
-    return false;
-}
-
-void raycast(struct rendition *r, const struct camera *camera, const struct border *border)
-{
-    const bool has_layers = layers_are_projected(r);
-    const uint32_t *size = border->scene->grid.size;
-    const uint64_t row = r->width * ((uint64_t)size[0] + size[1] + size[2]); /* steps at most */
-    if (has_layers)
-        layers_clear(r);
-    else
-        rendition_clear(r);
-    struct task task = task_begin(border->scene->watch, "rendition", row * r->height);
-    for (uint32_t y = 0; y < r->height && task_advance(&task, row); y++)
-        for (uint32_t x = 0; x < r->width; x++) {
-            const size_t pixel = (size_t)y * r->width + x;
-            if (has_layers)
-                layers_walk(r->layers, camera, border, pixel);
-            else
-                raycast_pixel(camera, border, x, y, INT64_MIN, &r->cube.depth[pixel],
-                              &r->cube.cell[pixel]);
+    struct drawer d;
+    uint32_t first[3];
+    int64_t base[3], least[2] = {INT64_MAX, INT64_MAX}, most[2] = {INT64_MIN, INT64_MIN};
+    int64_t middle[2], reach[2];
+    drawer_init(&d, camera, mesh);
+    mesh_first(mesh, number, first);
+    base_of(&d, first, base);
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 2; k++) {
+            const int64_t at = along(&d, k, base, brick->vertex[quad->corner[i]].at);
+            least[k] = at < least[k] ? at : least[k];
+            most[k] = at > most[k] ? at : most[k];
         }
+    for (int k = 0; k < 2; k++) {
+        middle[k] = (least[k] + most[k]) / 2;
+        reach[k] = (most[k] - least[k]) / 2 + 1;
+    }
+    return between(camera, middle, reach);
 }
 
-void splat_voxel(struct rendition *r, const struct camera *camera, uint32_t cell)
+struct footprint project_around(const struct camera *camera, uint32_t cell, int around)
 {
-    struct projection seen = project(camera, grid_place(&camera->scene->grid, cell));
-    splat_cube(r, camera, cell, seen.near, splat_footprint(camera, cell, 0));
+    int64_t centre[3];
+    project_place(camera, grid_place(&camera->scene->grid, cell), centre);
+    return between(camera, centre,
+                   (const int64_t[]){(2 * around + 1) * camera->reach[0],
+                                     (2 * around + 1) * camera->reach[1]});
+}
+
+void drawer_see(const struct drawer *d, struct seen *seen, uint32_t x, uint32_t y, int64_t depth,
+                uint32_t cell)
+{
+    static const uint8_t corners[2][3] = {{0, 1, 2}, {0, 2, 3}};
+    const unsigned number = (unsigned)(depth & NUMBER_MASK);
+    const struct mesh_brick *brick;
+    struct point p[3];
+    uint32_t b, first[3];
+    int64_t base[3];
+    seen->quad = mesh_find(d->mesh, &brick, &b, cell, number / 2);
+    mesh_first(d->mesh, b, first);
+    base_of(d, first, base);
+    for (int k = 0; k < 3; k++) {
+        seen->corner[k] = &brick->vertex[seen->quad->corner[corners[number & 1][k]]];
+        p[k] = point_of(d, base, seen->corner[k]->at);
+    }
+    for (int k = 0; k < 3; k++) {
+        const struct point *from = &p[(k + 1) % 3], *to = &p[(k + 2) % 3];
+        const int64_t right = (int64_t)x * PIXEL - from->x, down = (int64_t)y * PIXEL - from->y;
+        const int64_t share =
+            (int64_t)(to->x - from->x) * down - (int64_t)(to->y - from->y) * right;
+        seen->share[k] = d->is_mirrored ? share : -share;
+    }
 }

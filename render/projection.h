@@ -1,46 +1,81 @@
 /*
- * Projection: the ways to the first cube of each pixel (render/rendition.h). All give the same.
+ * Projection: the ways to what each pixel shows (render/rendition.h). All give the same.
  *
- *     scene projection    splats every shown voxel
- *     border projection   takes border voxels alone, from the nearest to the furthest: a pixel that
- *                         has been given one keeps it, so that what lies behind covered pixels is
- *                         passed over, whole blocks of voxels at once
- *     ray walk            follows the ray of each pixel
- *     incremental image   repairs the former picture after an edit (render/incremental.h)
+ *     scene projection    draws every quad of every brick of the mesh, in the order of the scene
+ *     border projection   takes bricks from the nearest to the furthest, and passes over those
+ *                         that lie behind what has been drawn
+ *     ray walk            looks, pixel by pixel, at the bricks along its ray
+ *     incremental image   draws the pixels anew that are out of date (render/incremental.h)
  *
- * Where objects are translucent and their layers are projected (render/layers.h), these are what
- * the four ways make.
+ * They differ in which bricks they look at, and in what order, and in nothing else. A quad is two
+ * triangles. Corners fall on 256ths of pixels, wherever their brick begins; a triangle that faces
+ * us covers a pixel by the signs of three edge functions, where an edge through the pixel's centre
+ * belongs to one of the two triangles beside it; its depth there follows from its corners. A pixel
+ * takes the least key: depth, and in its last bits face * 2 + triangle, then the voxel.
+ *
+ * Where objects are translucent, each pixel takes the layers of render/layers.h in these ways.
  */
 #ifndef RENDER_PROJECTION_H
 #define RENDER_PROJECTION_H
 
+#include "render/mesh.h"
 #include "render/rendition.h"
 
-/* Scene projection and border projection; the rendition has the camera's size. These, the ray walk
- * and shading are done under the scene's watch: what ends early is of no use. */
-void splat_scene(struct rendition *rendition, const struct camera *camera,
-                 const struct border *border);
-void splat_border(struct rendition *rendition, const struct camera *camera,
-                  const struct border *border);
+enum {
+    POINT_BITS = 8,  /* of a pixel, in places of corners in a picture */
+    NUMBER_BITS = 4, /* of a depth: face * 2 + triangle */
+    NUMBER_MASK = (1 << NUMBER_BITS) - 1,
+};
+
+typedef void projection(struct rendition *rendition, const struct camera *camera,
+                        const struct mesh *mesh);
+
+/* The rendition has the camera's size, the mesh is up to date. These and shading are done under the
+ * scene's watch: what ends early is of no use. */
+projection project_scene, project_border, project_rays;
 
 /* Border projection by any thread, which ends early where the watch has stopped, but does not poll
  * it. */
-void splat_border_quietly(struct rendition *rendition, const struct camera *camera,
-                          const struct border *border);
+projection project_border_quietly;
 
 /* Border projection by a team, each thread with rows of its own. */
-void splat_border_shared(struct rendition *rendition, const struct camera *camera,
-                         const struct border *border, struct team *team);
+void project_border_shared(struct rendition *rendition, const struct camera *camera,
+                           const struct mesh *mesh, struct team *team);
 
-/* The ray walk over the whole picture. */
-void raycast(struct rendition *rendition, const struct camera *camera, const struct border *border);
+/* Makes the pixels of stale tiles anew. */
+void project_stale(struct rendition *rendition, const struct camera *camera,
+                   const struct mesh *mesh);
 
-/* The first solid voxel (render/border.h) on the ray of a pixel whose depth is at least `from`: its
- * depth and cell, or false. INT64_MIN starts before the scene. */
-bool raycast_pixel(const struct camera *camera, const struct border *border, uint32_t column,
-                   uint32_t row, int64_t from, int64_t *depth, uint32_t *cell);
+/* The pixels that a quad may cover, within the picture. */
+struct footprint project_footprint(const struct camera *camera, const struct mesh *mesh,
+                                   uint32_t number, const struct mesh_brick *brick,
+                                   const struct mesh_quad *quad);
 
-/* One voxel more is shown: its cube in the pixels that it may cover. */
-void splat_voxel(struct rendition *rendition, const struct camera *camera, uint32_t cell);
+/* Where the centre of a voxel falls: column and row, in pixels times 2^30, and depth likewise. */
+void project_place(const struct camera *camera, struct place place, int64_t centre[3]);
+
+/* The pixels that a voxel and those up to `around` steps away may cover. */
+struct footprint project_around(const struct camera *camera, uint32_t cell, int around);
+
+/* ---- what is under a pixel ---- */
+
+/* How the camera sees the mesh. */
+struct drawer {
+    const struct camera *camera;
+    const struct mesh *mesh;
+    int64_t step[3][3]; /* columns, rows, depth: what a voxel's step along each axis adds */
+    bool is_mirrored;   /* corners go round the other way in the picture */
+};
+void drawer_init(struct drawer *drawer, const struct camera *camera, const struct mesh *mesh);
+
+/* The triangle that a depth and a voxel name, and how near its corners are: shares at the pixel's
+ * centre, none below 0, not all of them 0. */
+struct seen {
+    const struct mesh_quad *quad;
+    const struct mesh_vertex *corner[3];
+    int64_t share[3];
+};
+void drawer_see(const struct drawer *drawer, struct seen *seen, uint32_t x, uint32_t y,
+                int64_t depth, uint32_t cell);
 
 #endif

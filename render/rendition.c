@@ -12,16 +12,17 @@ enum err rendition_init(struct rendition *r, uint32_t width, uint32_t height, st
     *r = (struct rendition){.width = width, .height = height};
     r->tiles_x = (width + TILE - 1) / TILE;
     r->tiles_y = (height + TILE - 1) / TILE;
-    r->depth = r->cube.depth = mem_array(pixels, sizeof *r->depth);
-    r->cell = r->cube.cell = mem_array(pixels, sizeof *r->cell);
+    r->depth = mem_array(pixels, sizeof *r->depth);
+    r->cell = mem_array(pixels, sizeof *r->cell);
     r->label = mem_array(pixels, sizeof *r->label);
     r->rgba = mem_array(pixels, 4);
     r->normal = mem_array(pixels, 4 * sizeof *r->normal);
     r->stale = mem_array((size_t)r->tiles_x * r->tiles_y, 1);
     r->blank = mem_new((size_t)r->tiles_x * r->tiles_y * sizeof *r->blank);
-    r->uncovered = mem_array(height * rendition_words(r), sizeof *r->uncovered);
+    r->far = mem_array((size_t)r->tiles_x * r->tiles_y, sizeof *r->far);
+    r->is_drawn = mem_array((size_t)r->tiles_x * r->tiles_y, sizeof *r->is_drawn);
     if (!r->depth || !r->cell || !r->label || !r->rgba || !r->normal || !r->stale || !r->blank ||
-        !r->uncovered) {
+        !r->far || !r->is_drawn) {
         rendition_release(r);
         return fault_memory(fault, "a rendition");
     }
@@ -29,40 +30,8 @@ enum err rendition_init(struct rendition *r, uint32_t width, uint32_t height, st
     return OK;
 }
 
-static void drop_refined(struct rendition *r)
-{
-    if (rendition_is_refined(r)) {
-        free(r->depth);
-        free(r->cell);
-    }
-    r->depth = r->cube.depth;
-    r->cell = r->cube.cell;
-}
-
-enum err rendition_refined(struct rendition *r, bool is_refined, struct fault *fault)
-{
-    const size_t pixels = (size_t)r->width * r->height;
-    if (is_refined == rendition_is_refined(r))
-        return OK;
-    drop_refined(r);
-    memset(r->blank, 0, (size_t)r->tiles_x * r->tiles_y * sizeof *r->blank);
-    if (!is_refined)
-        return OK;
-    int64_t *depth = mem_array(pixels, sizeof *depth);
-    uint32_t *cell = mem_array(pixels, sizeof *cell);
-    if (!depth || !cell) {
-        free(depth);
-        free(cell);
-        return fault_memory(fault, "a rendition");
-    }
-    r->depth = depth;
-    r->cell = cell;
-    return OK;
-}
-
 void rendition_release(struct rendition *r)
 {
-    drop_refined(r);
     free(r->depth);
     free(r->cell);
     free(r->label);
@@ -70,18 +39,17 @@ void rendition_release(struct rendition *r)
     free(r->normal);
     free(r->stale);
     free(r->blank);
-    free(r->uncovered);
+    free(r->far);
+    free(r->is_drawn);
     *r = (struct rendition){0};
 }
 
 size_t rendition_bytes(const struct rendition *r)
 {
-    const size_t map = sizeof *r->depth + sizeof *r->cell;
-    const size_t maps = rendition_is_refined(r) ? 2 * map : map;
-    const size_t a_pixel = maps + 1 + 4 + 4 * sizeof *r->normal;
-    const size_t a_tile = sizeof *r->stale + sizeof *r->blank;
-    return (size_t)r->width * r->height * a_pixel + (size_t)r->tiles_x * r->tiles_y * a_tile +
-           r->height * rendition_words(r) * sizeof *r->uncovered;
+    const size_t a_pixel = sizeof *r->depth + sizeof *r->cell + 1 + 4 + 4 * sizeof *r->normal;
+    const size_t a_tile =
+        sizeof *r->stale + sizeof *r->blank + sizeof *r->far + sizeof *r->is_drawn;
+    return (size_t)r->width * r->height * a_pixel + (size_t)r->tiles_x * r->tiles_y * a_tile;
 }
 
 /* After an edit most tiles are fresh: they are passed over eight at a time. */
@@ -113,8 +81,6 @@ struct rendition rendition_rows(const struct rendition *r, uint32_t top, uint32_
     const size_t first = (size_t)top * r->width;
     struct rendition rows = *r;
     rows.height = height;
-    rows.cube.depth += first;
-    rows.cube.cell += first;
     rows.depth += first;
     rows.cell += first;
     rows.label += first;
@@ -122,7 +88,8 @@ struct rendition rendition_rows(const struct rendition *r, uint32_t top, uint32_
     rows.normal += 4 * first;
     rows.stale += (size_t)(top / TILE) * r->tiles_x;
     rows.blank += (size_t)(top / TILE) * r->tiles_x;
-    rows.uncovered += top * rendition_words(r);
+    rows.far += (size_t)(top / TILE) * r->tiles_x;
+    rows.is_drawn += (size_t)(top / TILE) * r->tiles_x;
     rows.tiles_y = (height + TILE - 1) / TILE;
     rows.layers = top ? NULL : r->layers;
     return rows;
@@ -130,11 +97,32 @@ struct rendition rendition_rows(const struct rendition *r, uint32_t top, uint32_
 
 void rendition_clear(struct rendition *r)
 {
-    size_t pixels = (size_t)r->width * r->height;
+    const size_t pixels = (size_t)r->width * r->height;
+    const size_t tiles = (size_t)r->tiles_x * r->tiles_y;
     for (size_t i = 0; i < pixels; i++)
-        r->cube.depth[i] = DEPTH_NONE;
-    memset(r->cube.cell, UINT8_MAX, pixels * sizeof *r->cube.cell); /* CELL_NONE */
-    memset(r->stale, TILE_STALE, (size_t)r->tiles_x * r->tiles_y);
+        r->depth[i] = DEPTH_NONE;
+    memset(r->cell, UINT8_MAX, pixels * sizeof *r->cell); /* CELL_NONE */
+    memset(r->stale, TILE_STALE, tiles);
+    for (size_t i = 0; i < tiles; i++)
+        r->far[i] = DEPTH_NONE;
+    memset(r->is_drawn, false, tiles * sizeof *r->is_drawn);
+}
+
+void rendition_clear_tile(struct rendition *r, size_t tile)
+{
+    const uint32_t left = (uint32_t)(tile % r->tiles_x) * TILE;
+    const uint32_t top = (uint32_t)(tile / r->tiles_x) * TILE;
+    const uint32_t right = left + TILE < r->width ? left + TILE : r->width;
+    const uint32_t bottom = top + TILE < r->height ? top + TILE : r->height;
+    for (uint32_t y = top; y < bottom; y++)
+        for (size_t pixel = (size_t)y * r->width + left; pixel < (size_t)y * r->width + right;
+             pixel++) {
+            r->depth[pixel] = DEPTH_NONE;
+            r->cell[pixel] = CELL_NONE;
+        }
+    r->stale[tile] = TILE_STALE;
+    r->far[tile] = DEPTH_NONE;
+    r->is_drawn[tile] = false;
 }
 
 void rendition_empty(struct rendition *r, size_t first, size_t count)
@@ -196,7 +184,7 @@ uint64_t rendition_digest(const struct rendition *r)
 enum {
     COLOURS = 4,
     PAIR = 2 * COLOURS,
-    NOT_FRESH = TILE_STALE | TILE_LIT | TILE_SHADED | TILE_EMPTY | TILE_STANDS,
+    NOT_FRESH = TILE_STALE | TILE_LIT | TILE_SHADED | TILE_EMPTY,
     TILES_SHARED = 1024, /* from so many on it is worth waking another thread */
 };
 
@@ -304,26 +292,14 @@ static inline void reduce_tile(struct rendition *out, const struct rendition *fi
     const uint32_t side = TILE / samples, left = (uint32_t)(tile % fine->tiles_x) * side;
     const uint32_t top = (uint32_t)(tile / fine->tiles_x) * side;
     const uint32_t width = out->width - left < side ? out->width - left : side;
-    const enum tile_state state = (enum tile_state)fine->stale[tile];
-    const size_t stands = (samples / 2) * ((size_t)fine->width + 1);
+    const bool is_empty = fine->stale[tile] == TILE_EMPTY;
     for (uint32_t y = top; y < top + side && y < out->height; y++) {
         const size_t to = (size_t)y * out->width + left;
         const size_t first = ((size_t)y * fine->width + left) * samples;
-        if (state == TILE_EMPTY)
+        if (is_empty)
             rendition_empty(out, to, width);
-        else if (state == TILE_STANDS) {
-            for (uint32_t x = 0; x < width; x++) {
-                const size_t from = first + stands + (size_t)x * samples;
-                out->depth[to + x] = fine->depth[from];
-                out->cell[to + x] = fine->cell[from];
-                out->label[to + x] = fine->label[from];
-                memcpy(out->normal + 4 * (to + x), fine->normal + 4 * from,
-                       4 * sizeof *out->normal);
-                memcpy(out->rgba + COLOURS * (to + x), fine->rgba + COLOURS * from, COLOURS);
-            }
-        } else {
+        else
             reduce_row(out, to, width, fine, first, samples);
-        }
     }
 }
 

@@ -1,12 +1,11 @@
 /*
  * The rendition: which voxel each pixel shows, at what depth, and in what colour.
  *
- * A pixel's key is its depth, and the least wins. Depths of two cubes never tie (render/view.h), so
- * the map is a function of what is shown and of the view, and the four ways of making it
- * (render/projection.h) agree in every pixel.
+ * A pixel's key is depth and voxel, and the least wins. So the map is a function of what is shown and
+ * of the view, and the four ways of making it (render/projection.h) agree in every pixel.
  *
- * Invariant R1: `cube` is what any of the four gives, and the rest follows from it; a pixel that
- * shows nothing has DEPTH_NONE, CELL_NONE, and once it is shaded label 0, colour 0 and normal 0.
+ * Invariant R1: depths and voxels are what any of the four gives, and the rest follows from them; a
+ * pixel that shows nothing has DEPTH_NONE, CELL_NONE, and once it is shaded label 0, colour 0 and normal 0.
  * Where the scene itself is put behind objects (render/mip.h), it has a colour.
  */
 #ifndef RENDER_RENDITION_H
@@ -33,33 +32,23 @@ enum tile_state {
     TILE_LIT = 2,    /* then for its edges, where it has any; */
     TILE_SHADED = 4, /* then, where it is of samples, to be reduced, */
     TILE_EMPTY = 8,  /* as does one that shows nothing, */
-    TILE_STANDS = 16 /* or of which one sample of each pixel is made alone, and stands for all: that
-                        after half of them, to the right and down (render/patch.h) */
-};
-
-/* Maps of all pixels, [height][width]. */
-struct cube_maps {
-    int64_t *depth; /* a crossing (4 * t + axis) */
-    uint32_t *cell;
 };
 
 struct rendition {
     uint32_t width, height;
-    struct cube_maps cube; /* the first cube of each pixel's ray, which the four ways give */
-    int64_t *depth;  /* [height][width], of what is seen: that crossing, or where the surface lies
-                        within cubes (render/refine.h), as 4 * t + 3 */
-    uint32_t *cell;  /* of the visible voxel; with layers, of the one that counts. Both are the maps
-                        of cubes unless it is refined */
-    uint8_t *label;  /* of that voxel */
-    uint8_t *rgba;   /* [height][width][4], sRGB, not multiplied by alpha; alpha is 255 where
+    int64_t *depth; /* [height][width], of what is seen: 2^CROSSING_PIXEL_BITS to a pixel, and which
+                       triangle that is (render/projection.h) */
+    uint32_t *cell; /* of the visible voxel; with layers, of the one that counts */
+    uint8_t *label; /* of that voxel */
+    uint8_t *rgba;  /* [height][width][4], sRGB, not multiplied by alpha; alpha is 255 where
                         something opaque is seen, and 0 where nothing is */
     int16_t *normal; /* [height][width][4], outward along voxel axes, length 2^14 in the world; the
                         fourth is 0, as is all where nothing is seen */
     uint8_t *stale;  /* [tiles_y][tiles_x], enum tile_state */
-    bool *blank;     /* likewise: all but the maps of cubes are as rendition_empty leaves them, also
+    bool *blank;     /* likewise: all but depths and voxels are as rendition_empty leaves them, also
                         while the tile is stale */
-    uint64_t *uncovered; /* of border projection: bit x % 64 of word x / 64 of a row where pixel x
-                            shows nothing yet */
+    int64_t *far;    /* likewise: the furthest depth that a pixel has, as of when `is_drawn` was */
+    bool *is_drawn;  /* cleared: a pixel may have become nearer since */
     uint32_t tiles_x, tiles_y;
     struct layers *layers; /* borrowed; NULL where all objects are opaque (render/layers.h) */
 };
@@ -67,12 +56,6 @@ struct rendition {
 enum err rendition_init(struct rendition *rendition, uint32_t width, uint32_t height,
                         struct fault *fault);
 void rendition_release(struct rendition *rendition);
-
-/* Words of a row of `uncovered`. */
-static inline size_t rendition_words(const struct rendition *rendition)
-{
-    return (rendition->width + 63) / 64;
-}
 
 size_t rendition_bytes(const struct rendition *rendition);
 
@@ -86,17 +69,13 @@ size_t rendition_count(const struct rendition *rendition, unsigned states);
 /* The part of `height` rows from row `top` on, a multiple of TILE; borrows the maps, and the
  * layers where they begin with the same row. */
 struct rendition rendition_rows(const struct rendition *rendition, uint32_t top, uint32_t height);
-/* Gives what is seen maps of its own, to be made of those of cubes, or none. ERR_MEMORY: as it
- * was. Right after one of the four ways: every tile is stale. */
-enum err rendition_refined(struct rendition *rendition, bool is_refined, struct fault *fault);
-static inline bool rendition_is_refined(const struct rendition *rendition)
-{
-    return rendition->depth != rendition->cube.depth;
-}
 
 /* Nothing is seen, and every tile is stale; labels, colours and normals are for shading to make,
  * but where they are blank. */
 void rendition_clear(struct rendition *rendition);
+
+/* Nothing is seen in a tile, and it is stale. */
+void rendition_clear_tile(struct rendition *rendition, size_t tile);
 
 /* Shaded pixels of which nothing is seen: `count` of them, from number `first` on. */
 void rendition_empty(struct rendition *rendition, size_t first, size_t count);
@@ -108,13 +87,6 @@ struct footprint {
 
 /* Marks the tiles of the pixels of a footprint, and of those up to `pixels` away. */
 void rendition_mark_stale(struct rendition *rendition, struct footprint footprint, int pixels);
-
-/* How far around a voxel whose label changes colours may change: by so many voxels where it
- * appears or disappears, which is 1 at least, or only changes its object, or, whatever it changes
- * to, where there are layers, which have the fields of labels; and by so many pixels more. */
-struct shade_reach {
-    int voxels, labels, layers, pixels;
-};
 
 /* Makes each pixel of `out` of samples x samples pixels of `fine`, which is so much larger: the
  * nearest one's depth, voxel, label and normal; the mean colour, taken of squares, which is near to

@@ -244,24 +244,29 @@ struct basis {
  * rays even where `ahead` was made a little oblique. */
 static void set_projection(struct camera *camera, const struct basis *b)
 {
-    int64_t dual[2][3];
+    int64_t dual[3][3];
     cross(dual[0], b->down, b->ahead);
     cross(dual[1], b->ahead, b->right);
+    cross(dual[2], b->right, b->down);
     int64_t volume = 0;
     for (int a = 0; a < 3; a++)
         volume += times30(dual[0][a], b->right[a]);
-    const uint32_t extent[2] = {camera->view.width, camera->view.height};
-    for (int k = 0; k < 2; k++) {
+    const uint32_t extent[3] = {camera->view.width, camera->view.height, 1};
+    for (int k = 0; k < 3; k++) {
         camera->centre[k] = ((int64_t)extent[k] - 1) * (ONE30 / 2);
-        camera->reach[k] = MARGIN;
         for (int a = 0; a < 3; a++) {
             int64_t along = volume < 0 ? -dual[k][a] : dual[k][a];
             int64_t column = (along * b->side[a]) >> RELATIVE_BITS;
             camera->column[k][a] = column;
-            camera->centre[k] -= (int64_t)(camera->scene->grid.size[a] - 1) * column / 2 +
-                                 focus_times(b->focus[a], column);
-            camera->reach[k] += (llabs(column) + 1) / 2;
+            camera->centre[k] -= (int64_t)(camera->scene->grid.size[a] - 1) * column / 2;
+            if (k < 2)
+                camera->centre[k] -= focus_times(b->focus[a], column);
         }
+    }
+    for (int k = 0; k < 2; k++) {
+        camera->reach[k] = MARGIN;
+        for (int a = 0; a < 3; a++)
+            camera->reach[k] += (llabs(camera->column[k][a]) + 1) / 2;
     }
 }
 

@@ -92,8 +92,9 @@ struct camera {
     int64_t T[3], A[3], B[3], C[3]; /* as above, each times 4; C holds the axis bits */
     /* The centre of the cube at flipped (n0, n1, n2) falls on pixel column
      * (centre[0] + sum of n_a * column[0][a]) / 2^30, and on the row likewise; it covers no pixel
-     * further off than reach[0], reach[1], likewise. */
-    int64_t centre[2], column[2][3], reach[2];
+     * further off than reach[0], reach[1], likewise. Its depth is the third, from the plane of the
+     * scene's middle on. */
+    int64_t centre[3], column[3][3], reach[2];
     int32_t right[3], up[3], ahead[3]; /* unit vectors in voxel axes (not flipped), times 2^30 */
     ptrdiff_t toward[3];               /* cell step along each axis towards the viewer */
     int64_t unit_nm;                   /* length of one pixel at zoom 1 */

@@ -6,7 +6,6 @@
 #include "base/mem.h"
 #include "base/watch.h"
 #include "render/bands.h"
-#include "render/normal.h"
 #include "render/incremental.h"
 #include "render/projection.h"
 #include "render/view.h"
@@ -46,7 +45,8 @@ static void drop_live(struct pictures *p)
     struct live_finish *live = &p->live;
     if (!live->label)
         return;
-    shader_release(&p->shader); /* its fields may be of this border */
+    shader_release(&p->shader); /* what is stored may be of this border */
+    mesh_release(&p->mesh);
     mem_pages_free(live->label, live->cells);
     border_release(&live->border);
     *live = (struct live_finish){0};
@@ -60,6 +60,7 @@ static void release(struct pictures *p)
     drop_live(p);
     mip_release(&p->context.mip);
     shader_release(&p->shader);
+    mesh_release(&p->mesh);
     free(p);
 }
 
@@ -67,6 +68,7 @@ static void leave_scene(struct pictures *p)
 {
     drop_live(p);
     shader_release(&p->shader);
+    mesh_release(&p->mesh);
 }
 
 static void count_memory(const struct pictures *p, struct session_memory *memory)
@@ -76,7 +78,7 @@ static void count_memory(const struct pictures *p, struct session_memory *memory
     memory->pictures += sizeof *p + rendition_bytes(&p->rendition) + rendition_bytes(&p->reduced) +
                         layers_bytes(&p->layers) + mip_bytes(&p->context.mip) +
                         (size_t)4 * frame->width * frame->height + 4 * p->decorated_pixels +
-                        shader_bytes(&p->shader);
+                        shader_bytes(&p->shader) + mesh_bytes(&p->mesh);
 }
 
 /* ---- the camera ---- */
@@ -172,12 +174,12 @@ static void prepare_shader(struct pictures *p)
 }
 
 /* Colours of what the maps of the rendition show, and the picture at the size of the view. */
-static enum err colour(struct pictures *p, const struct border *border, struct fault *fault)
+static enum err colour(struct pictures *p, struct fault *fault)
 {
     const struct look *look = look_of(p);
     prepare_shader(p);
-    enum err err = shade(&p->rendition, &p->camera, border, &session_kept(p->session)->palette,
-                         look, &p->shader, fault);
+    const enum err err = shade(&p->rendition, &p->camera, &p->mesh,
+                               &session_kept(p->session)->palette, look, &p->shader, fault);
     if (!err && look->samples > 1)
         rendition_reduce(&p->reduced, &p->rendition, look->samples, session_team(p->session));
     return err;
@@ -221,30 +223,30 @@ static enum err make_room(struct pictures *p, enum render_mode mode, struct faul
 static enum err draw_border(struct pictures *p, struct border *border, enum render_mode mode,
                             struct fault *fault)
 {
-    projection *project = mode == RENDER_SCENE ? splat_scene
-                          : mode == RENDER_RAY ? raycast
-                                               : splat_border;
+    projection *project = mode == RENDER_SCENE ? project_scene
+                          : mode == RENDER_RAY ? project_rays
+                                               : project_border;
     const struct look *look = look_of(p);
+    struct team *team = session_team(p->session);
     forget(p);
-    enum err err = border_set_skin(border, look_is_refined(look), fault);
+    enum err err = mesh_update(&p->mesh, border, shade_kind(look), team, NULL, fault);
     if (err)
         return err;
     if (p->rendition.depth) {
-        err = shade_take_layers(&p->shader, &p->layers, &p->rendition, &p->camera, border, look,
-                                fault);
+        err = layers_take(&p->layers, &p->rendition, border, fault);
         if (err)
             return err;
-        if (project == splat_border)
-            splat_border_shared(&p->rendition, &p->camera, border, session_team(p->session));
+        if (project == project_border)
+            project_border_shared(&p->rendition, &p->camera, &p->mesh, team);
         else
-            project(&p->rendition, &p->camera, border);
-        err = colour(p, border, fault);
+            project(&p->rendition, &p->camera, &p->mesh);
+        err = colour(p, fault);
         if (!err && p->take)
             p->take(p->take_context, &p->rendition, 0);
     } else {
         const struct bands bands = {.project = project,
                                     .camera = &p->camera,
-                                    .border = border,
+                                    .mesh = &p->mesh,
                                     .palette = &session_kept(p->session)->palette,
                                     .look = look,
                                     .shader = &p->shader,
@@ -283,16 +285,16 @@ static enum err draw_at(struct pictures *p, uint32_t zoom, enum rendered as, enu
 static void follow_rendition(struct pictures *p, enum rendered as, const struct changes *changes)
 {
     const struct border *border = border_of(p, as);
+    mesh_note(&p->mesh, border, changes);
     if (p->rendered != as)
         return;
     forget(p);
     if (!p->rendition.depth)
         return;
-    if (look_of(p)->creases && !p->rendition.layers)
-        shade_follow(&p->shader, border, changes);
-    incremental_image(&p->rendition, &p->camera, border, changes,
-                      shade_reach(look_of(p), &p->camera));
-    enum err err = colour(p, border, NULL);
+    enum err err = incremental_image(&p->rendition, &p->camera, &p->mesh, border, look_of(p),
+                                     changes, session_team(p->session), NULL);
+    if (!err)
+        err = colour(p, NULL);
     if (!err)
         err = put_context(p, NULL);
     p->rendered = err ? RENDERED_NOT : as;
@@ -530,7 +532,7 @@ enum err pictures_begin(struct pictures **pictures, struct session *session, str
 
 /* ---- pictures that are asked for ---- */
 
-/* The shader's fields are those of the forest's border, or of this one, which goes. */
+/* What is stored is of the forest's border, or of this one, which goes. */
 static enum err draw_finished(struct pictures *p, const struct labels *labels,
                               enum render_mode mode, struct fault *fault)
 {
@@ -545,6 +547,7 @@ static enum err draw_finished(struct pictures *p, const struct labels *labels,
     if (!err)
         err = draw_border(p, &border, mode, fault);
     shader_release(&p->shader);
+    mesh_release(&p->mesh);
     border_release(&border);
     return err;
 }

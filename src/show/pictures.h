@@ -16,6 +16,7 @@
 
 #include "render/border.h"
 #include "render/layers.h"
+#include "render/mesh.h"
 #include "render/mip.h"
 #include "render/rendition.h"
 #include "render/shade.h"
@@ -43,6 +44,7 @@ struct pictures {
                                    be stored */
     struct context context;     /* what is behind it */
     struct layers layers;       /* the rendition's, where objects are translucent */
+    struct mesh mesh;           /* of what was shown last */
     struct rendition reduced;   /* to the view's size, where look.samples is above 1 */
     unsigned rendered;          /* V1; enum rendered (draw.h) */
     unsigned former_rendered;   /* when the command at hand began; not rough labels */

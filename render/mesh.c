@@ -1,0 +1,582 @@
+#include "render/mesh.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "render/view.h"
+
+enum {
+    REGION_BITS = 6, /* voxels a side of what one net is made of, at most */
+    REGION_BRICKS = 1 << (REGION_BITS - BORDER_BLOCK_BITS),
+    FAR = NET_MARGIN, /* voxels from a change to what may change with it */
+};
+
+/* ---- bricks ---- */
+
+static void free_brick(struct mesh_brick *brick)
+{
+    if (!brick)
+        return;
+    free(brick->vertex);
+    free(brick->quad);
+    free(brick);
+}
+
+static size_t brick_bytes(const struct mesh_brick *brick)
+{
+    return brick ? sizeof *brick + brick->vertices * sizeof *brick->vertex +
+                       brick->quads * sizeof *brick->quad
+                 : 0;
+}
+
+void mesh_release(struct mesh *mesh)
+{
+    for (uint32_t i = 0; i < mesh->bricks && mesh->brick; i++)
+        free_brick(mesh->brick[i]);
+    free(mesh->brick);
+    free(mesh->stale);
+    *mesh = (struct mesh){0};
+}
+
+size_t mesh_bytes(const struct mesh *mesh)
+{
+    return mesh->bytes + mesh->bricks * (sizeof *mesh->brick + sizeof *mesh->stale);
+}
+
+void mesh_first(const struct mesh *mesh, uint32_t number, uint32_t first[3])
+{
+    first[0] = number % mesh->size[0] * MESH_SIDE;
+    first[1] = number / mesh->size[0] % mesh->size[1] * MESH_SIDE;
+    first[2] = number / mesh->size[0] / mesh->size[1] * MESH_SIDE;
+}
+
+const struct mesh_quad *mesh_find(const struct mesh *mesh, const struct mesh_brick **brick,
+                                  uint32_t *number, uint32_t cell, unsigned face)
+{
+    enum { LAST = MESH_SIDE - 1 };
+    const struct place p = grid_place(&mesh->border->scene->grid, cell);
+    const uint32_t row = (p.z & LAST) * MESH_SIDE + (p.y & LAST);
+    const unsigned key = (row * MESH_SIDE + (p.x & LAST)) * 8 + face;
+    *number =
+        ((p.z / MESH_SIDE) * mesh->size[1] + p.y / MESH_SIDE) * mesh->size[0] + p.x / MESH_SIDE;
+    *brick = mesh->brick[*number];
+    if (!*brick)
+        return NULL;
+    const struct mesh_quad *end = (*brick)->quad + (*brick)->row[row + 1];
+    for (const struct mesh_quad *q = (*brick)->quad + (*brick)->row[row]; q < end; q++)
+        if (q->key == key)
+            return q;
+    return NULL;
+}
+
+/* ---- nets of a region ---- */
+
+/* What quads of a net are of: all opaque labels, or a translucent one. */
+enum { OPAQUE = 0 };
+
+static bool has_own_net(const struct mesh *mesh, uint8_t label)
+{
+    return mesh->kind == MESH_APART || mesh->border->opacity[label] < BORDER_OPAQUE;
+}
+
+struct group_source {
+    const struct border *border;
+    uint8_t group[256]; /* of each visible label */
+    uint8_t wanted;
+};
+
+static void read_row(void *context, int32_t x, int32_t y, int32_t z, uint32_t count,
+                     uint16_t *voxel)
+{
+    const struct group_source *s = context;
+    const struct border *border = s->border;
+    const struct grid *grid = &border->scene->grid;
+    const bool is_cut = !cut_is_none(&border->cut);
+    const bool is_inside =
+        y >= 0 && z >= 0 && y < (int32_t)grid->size[1] && z < (int32_t)grid->size[2];
+    for (uint32_t i = 0; i < count; i++) {
+        const int32_t at = x + (int32_t)i;
+        voxel[i] = NET_CLOSED;
+        if (!is_inside || at < 0 || at >= (int32_t)grid->size[0])
+            continue;
+        const uint32_t cell = grid_cell(grid, (uint32_t)at, (uint32_t)y, (uint32_t)z);
+        const bool is_shown = border_shows(border, cell);
+        voxel[i] = 0;
+        if (!is_shown && !is_cut)
+            continue;
+        const uint8_t label = labels_at(&border->labels, cell);
+        if (border->visible[label] && s->group[label] == s->wanted)
+            voxel[i] = is_shown ? label : NET_CLOSED;
+    }
+}
+
+/* Some bricks that are made anew together, and what comes of it. */
+struct region {
+    uint32_t first[3], end[3];                                               /* in bricks */
+    struct mesh_brick *brick[REGION_BRICKS * REGION_BRICKS * REGION_BRICKS]; /* [z][y][x] of it */
+    enum err err;
+};
+
+static uint32_t brick_in(const struct region *r, const uint32_t brick[3])
+{
+    return ((brick[2] - r->first[2]) * REGION_BRICKS + brick[1] - r->first[1]) * REGION_BRICKS +
+           brick[0] - r->first[0];
+}
+
+/* Where the groups of a region lie: of each, the voxels it is between. */
+struct extent {
+    int32_t first[3], last[3];
+    bool is_there;
+};
+
+static void find_extents(const struct mesh *mesh, const struct region *r, const uint8_t group[256],
+                         struct extent extent[256])
+{
+    const struct border *border = mesh->border;
+    const struct grid *grid = &border->scene->grid;
+    const bool has_walls = mesh->kind == MESH_APART || border_is_translucent(border);
+    uint32_t first[3], end[3];
+    memset(extent, 0, 256 * sizeof *extent);
+    for (int a = 0; a < 3; a++) {
+        first[a] = r->first[a] * MESH_SIDE;
+        end[a] = r->end[a] * MESH_SIDE < grid->size[a] ? r->end[a] * MESH_SIDE : grid->size[a];
+    }
+    for (uint32_t z = first[2]; z < end[2]; z++)
+        for (uint32_t y = first[1]; y < end[1]; y++) {
+            const uint32_t row = grid_cell(grid, first[0], y, z);
+            for (uint32_t x = first[0]; x < end[0]; x++) {
+                const uint32_t cell = row + x - first[0];
+                if (!(has_walls ? border_shows(border, cell) : border_holds(border, cell)))
+                    continue;
+                const uint8_t label = labels_at(&border->labels, cell);
+                struct extent *e = &extent[group[label]];
+                const int32_t at[3] = {(int32_t)x, (int32_t)y, (int32_t)z};
+                for (int a = 0; a < 3; a++) {
+                    e->first[a] = e->is_there && e->first[a] < at[a] ? e->first[a] : at[a];
+                    e->last[a] = e->is_there && e->last[a] > at[a] ? e->last[a] : at[a];
+                }
+                e->is_there = true;
+            }
+        }
+}
+
+/* Quads of a net that are of one brick. */
+struct sorting {
+    uint32_t *order; /* numbers of quads, brick by brick */
+    uint32_t count[REGION_BRICKS * REGION_BRICKS * REGION_BRICKS + 1];
+    uint32_t *local; /* of vertices: their number in the brick at hand, */
+    uint32_t *of;    /* and which brick that is, counted from 1 */
+};
+
+static uint32_t brick_of(const struct region *r, const struct net_quad *q)
+{
+    const uint32_t brick[3] = {(uint32_t)q->voxel[0] / MESH_SIDE, (uint32_t)q->voxel[1] / MESH_SIDE,
+                               (uint32_t)q->voxel[2] / MESH_SIDE};
+    return brick_in(r, brick);
+}
+
+/* Whether the shorter diagonal is 1 3; of two that are as long, 0 2 is taken. */
+static bool turns(const struct mesh_vertex *vertex, const uint16_t corner[4])
+{
+    int64_t square[2] = {0, 0};
+    for (int k = 0; k < 2; k++)
+        for (int a = 0; a < 3; a++) {
+            const int64_t d = vertex[corner[k + 2]].at[a] - vertex[corner[k]].at[a];
+            square[k] += d * d;
+        }
+    return square[1] < square[0];
+}
+
+static bool grow(struct mesh_brick **brick, uint32_t quads)
+{
+    if (!*brick)
+        *brick = mem_new(sizeof **brick);
+    if (!*brick)
+        return false;
+    struct mesh_brick *b = *brick;
+    struct mesh_quad *quad = mem_array(b->quads + quads, sizeof *quad);
+    struct mesh_vertex *vertex = mem_array(b->vertices + 4 * quads, sizeof *vertex);
+    if (!quad || !vertex) {
+        free(quad);
+        free(vertex);
+        return false;
+    }
+    if (b->quads) {
+        memcpy(quad, b->quad, b->quads * sizeof *quad);
+        memcpy(vertex, b->vertex, b->vertices * sizeof *vertex);
+    }
+    free(b->quad);
+    free(b->vertex);
+    b->quad = quad;
+    b->vertex = vertex;
+    return true;
+}
+
+/* Adds quads of a net to a brick. */
+static bool add_quads(struct mesh_brick **brick, const struct net *net, const uint32_t *order,
+                      uint32_t count, struct sorting *s, uint32_t number)
+{
+    enum { LAST = MESH_SIDE - 1 };
+    if (!grow(brick, count))
+        return false;
+    struct mesh_brick *b = *brick;
+    for (uint32_t i = 0; i < count; i++) {
+        const struct net_quad *from = &net->quad[order[i]];
+        const int32_t *v = from->voxel;
+        struct mesh_quad *q = &b->quad[b->quads++];
+        const int at = (v[0] & LAST) + MESH_SIDE * ((v[1] & LAST) + MESH_SIDE * (v[2] & LAST));
+        *q = (struct mesh_quad){.key = (uint16_t)(at * 8 + from->face),
+                                .label = from->label,
+                                .is_closed = from->is_closed};
+        for (int k = 0; k < 4; k++) {
+            const uint32_t c = from->corner[k];
+            if (s->of[c] != number) {
+                const struct net_vertex *n = &net->vertex[c];
+                struct mesh_vertex *out = &b->vertex[b->vertices];
+                out->normal[3] = 0;
+                for (int a = 0; a < 3; a++) {
+                    out->at[a] = (n->cube[a] - (v[a] & ~LAST)) * NET_ONE + n->at[a];
+                    out->normal[a] = n->normal[a];
+                }
+                s->of[c] = number;
+                s->local[c] = b->vertices++;
+            }
+            q->corner[k] = (uint16_t)s->local[c];
+        }
+        if (turns(b->vertex, q->corner))
+            memcpy(q->corner, (uint16_t[]){q->corner[1], q->corner[2], q->corner[3], q->corner[0]},
+                   sizeof q->corner);
+    }
+    return true;
+}
+
+/* Shares out a net's quads to the bricks of a region. */
+static bool share_out(struct region *r, const struct net *net)
+{
+    enum { BRICKS = REGION_BRICKS * REGION_BRICKS * REGION_BRICKS };
+    struct sorting *s = mem_new(sizeof *s);
+    bool made = s != NULL;
+    if (made) {
+        s->order = mem_array(net->quads + 1, sizeof *s->order);
+        s->local = mem_array(net->vertices + 1, sizeof *s->local);
+        s->of = mem_new((net->vertices + 1) * sizeof *s->of);
+        made = s->order && s->local && s->of;
+    }
+    for (uint32_t q = 0; made && q < net->quads; q++)
+        s->count[brick_of(r, &net->quad[q]) + 1]++;
+    for (uint32_t b = 0; made && b < BRICKS; b++)
+        s->count[b + 1] += s->count[b];
+    for (uint32_t q = 0; made && q < net->quads; q++)
+        s->order[s->count[brick_of(r, &net->quad[q])]++] = q;
+    for (uint32_t b = 0, first = 0; made && b < BRICKS; first = s->count[b++])
+        if (s->count[b] > first)
+            made = add_quads(&r->brick[b], net, s->order + first, s->count[b] - first, s, b + 1);
+    if (s) {
+        free(s->order);
+        free(s->local);
+        free(s->of);
+    }
+    free(s);
+    return made;
+}
+
+static int by_key(const void *a, const void *b)
+{
+    return (int)((const struct mesh_quad *)a)->key - (int)((const struct mesh_quad *)b)->key;
+}
+
+static void finish_brick(struct mesh_brick *b)
+{
+    bool is_sorted = true;
+    for (uint32_t q = 1; q < b->quads; q++)
+        is_sorted = is_sorted && b->quad[q - 1].key < b->quad[q].key;
+    if (!is_sorted)
+        qsort(b->quad, b->quads, sizeof *b->quad, by_key);
+    for (uint32_t q = 0, row = 0; row <= MESH_ROWS; row++) {
+        while (q < b->quads && b->quad[q].key < row * MESH_SIDE * 8)
+            q++;
+        b->row[row] = (uint16_t)q;
+    }
+    struct mesh_vertex *vertex = realloc(b->vertex, b->vertices * sizeof *vertex);
+    b->vertex = vertex ? vertex : b->vertex;
+}
+
+static void make_region(const struct mesh *mesh, struct region *r, struct fault *fault)
+{
+    const struct border *border = mesh->border;
+    struct group_source groups = {.border = border};
+    struct net_source source = {read_row, &groups, {0}, mesh->kind == MESH_CUBES};
+    struct extent *extent = mem_array(256, sizeof *extent);
+    const uint64_t unit = view_unit(border->scene);
+    if (!extent) {
+        r->err = fault_memory(fault, "a surface");
+        return;
+    }
+    for (int label = 1; label < 256; label++)
+        groups.group[label] = has_own_net(mesh, (uint8_t)label) ? (uint8_t)label : OPAQUE;
+    for (int a = 0; a < 3; a++)
+        source.scale[a] = (uint32_t)((unit << 12) / border->scene->spacing_nm[a]);
+    find_extents(mesh, r, groups.group, extent);
+    for (int g = 0; g < 256 && !r->err; g++) {
+        struct net net;
+        uint32_t size[3];
+        if (!extent[g].is_there)
+            continue;
+        groups.wanted = (uint8_t)g;
+        for (int a = 0; a < 3; a++)
+            size[a] = (uint32_t)(extent[g].last[a] - extent[g].first[a] + 1);
+        r->err = net_make(&net, &source, extent[g].first, size, fault);
+        if (r->err)
+            break;
+        if (!share_out(r, &net))
+            r->err = fault_memory(fault, "a surface");
+        net_release(&net);
+    }
+    for (size_t i = 0; i < sizeof r->brick / sizeof *r->brick && !r->err; i++)
+        if (r->brick[i])
+            finish_brick(r->brick[i]);
+    free(extent);
+}
+
+/* ---- what is stale ---- */
+
+/* Bricks of which a voxel lies at most FAR steps from these along each axis. */
+static void mark(struct mesh *mesh, const uint32_t first[3], const uint32_t last[3])
+{
+    uint32_t from[3], to[3];
+    for (int a = 0; a < 3; a++) {
+        from[a] = first[a] < FAR ? 0 : (first[a] - FAR) / MESH_SIDE;
+        to[a] = (last[a] + FAR) / MESH_SIDE;
+        to[a] = to[a] < mesh->size[a] ? to[a] : mesh->size[a] - 1;
+    }
+    for (uint32_t z = from[2]; z <= to[2]; z++)
+        for (uint32_t y = from[1]; y <= to[1]; y++)
+            memset(mesh->stale + ((size_t)z * mesh->size[1] + y) * mesh->size[0] + from[0], true,
+                   to[0] - from[0] + 1);
+    mesh->is_stale = true;
+}
+
+static void mark_cell(struct mesh *mesh, uint32_t cell)
+{
+    const struct place p = grid_place(&mesh->border->scene->grid, cell);
+    const uint32_t at[3] = {p.x, p.y, p.z};
+    mark(mesh, at, at);
+}
+
+static void mark_all(struct mesh *mesh)
+{
+    memset(mesh->stale, true, mesh->bricks);
+    mesh->is_stale = true;
+}
+
+void mesh_note(struct mesh *mesh, const struct border *border, const struct changes *changes)
+{
+    if (mesh->border != border || changes->everything || border->version != mesh->version + 1)
+        return; /* mesh_update looks for itself */
+    for (size_t i = 0; i < changes->count; i++) {
+        const struct change *c = changes->item + i;
+        if (!border->visible[c->former_label] && !border->visible[c->label])
+            continue;
+        mark_cell(mesh, c->cell);
+    }
+    mesh->version = border->version;
+}
+
+/* Voxels of one row from a cell on, before another one: marks them, and says how many cells. */
+static size_t mark_run(struct mesh *mesh, size_t cell, size_t end)
+{
+    const struct grid *grid = &mesh->border->scene->grid;
+    const size_t x = cell % (size_t)grid->step[1], y = cell / (size_t)grid->step[1];
+    const size_t rows = (size_t)(grid->step[2] / grid->step[1]);
+    const uint32_t row = (uint32_t)(y % rows), plane = (uint32_t)(y / rows);
+    size_t run = (size_t)grid->step[1] - x;
+    run = run < end - cell ? run : end - cell;
+    if (row == 0 || row > grid->size[1] || plane == 0 || plane > grid->size[2])
+        return run;
+    const uint32_t first = x ? (uint32_t)x - 1 : 0, last = (uint32_t)(x + run - 1);
+    const uint32_t least[3] = {first, row - 1, plane - 1};
+    const uint32_t most[3] = {last < grid->size[0] ? last : grid->size[0] - 1, row - 1, plane - 1};
+    if (first < grid->size[0])
+        mark(mesh, least, most);
+    return run;
+}
+
+/* After a recount: words of shown voxels that have changed, and voxels seen whose label has. */
+static void mark_recounted(struct mesh *mesh)
+{
+    const struct border *border = mesh->border;
+    const struct grid *grid = &border->scene->grid;
+    for (size_t w = 0; w + 1 < border->words; w++)
+        for (size_t cell = w * 64, end = cell + 64;
+             border->changed[w] > mesh->version && cell < end;)
+            cell += mark_run(mesh, cell, end);
+    for (uint32_t b = 0; b < mesh->bricks; b++) {
+        const struct mesh_brick *brick = mesh->brick[b];
+        uint32_t first[3];
+        if (!brick)
+            continue;
+        mesh_first(mesh, b, first);
+        for (uint32_t q = 0; q < brick->quads; q++) {
+            const uint32_t at = brick->quad[q].key >> 3;
+            const uint32_t cell =
+                grid_cell(grid, first[0] + at % 8, first[1] + at / 8 % 8, first[2] + at / 64);
+            if (labels_at(&border->labels, cell) != brick->quad[q].label)
+                mark_cell(mesh, cell);
+        }
+    }
+}
+
+/* Whether the mesh is of other things altogether. */
+static bool is_other(const struct mesh *mesh, const struct border *border, enum mesh_kind kind)
+{
+    return mesh->kind != kind ||
+           memcmp(mesh->opacity, border->opacity, sizeof mesh->opacity) != 0 ||
+           (!cut_is_none(&border->cut) &&
+            memcmp(mesh->visible, border->visible, sizeof mesh->visible) != 0);
+}
+
+static enum err begin(struct mesh *mesh, const struct border *border, struct fault *fault)
+{
+    const struct grid *grid = &border->scene->grid;
+    mesh_release(mesh);
+    mesh->bricks = 1;
+    for (int a = 0; a < 3; a++) {
+        mesh->size[a] = (grid->size[a] - 1) / MESH_SIDE + 1;
+        mesh->bricks *= mesh->size[a];
+    }
+    mesh->brick = mem_new(mesh->bricks * sizeof *mesh->brick);
+    mesh->stale = mem_new(mesh->bricks);
+    if (!mesh->brick || !mesh->stale) {
+        mesh_release(mesh);
+        return fault_memory(fault, "a surface");
+    }
+    mesh->border = border;
+    mark_all(mesh);
+    return OK;
+}
+
+/* ---- the update ---- */
+
+/* The regions in which bricks are to be made anew. */
+struct updating {
+    struct mesh *mesh;
+    struct region *region;
+    size_t regions;
+    struct team *team;
+    struct fault fault[TEAM_MOST];
+};
+
+/* The stale bricks of a box that may have quads, or have some: the box around them. */
+static bool find_region(const struct mesh *mesh, const uint32_t from[3], struct region *r)
+{
+    bool is_any = false;
+    uint32_t to[3];
+    for (int a = 0; a < 3; a++)
+        to[a] = from[a] + REGION_BRICKS < mesh->size[a] ? from[a] + REGION_BRICKS : mesh->size[a];
+    for (uint32_t z = from[2]; z < to[2]; z++)
+        for (uint32_t y = from[1]; y < to[1]; y++)
+            for (uint32_t x = from[0]; x < to[0]; x++) {
+                const uint32_t at[3] = {x, y, z};
+                const size_t number = ((size_t)z * mesh->size[1] + y) * mesh->size[0] + x;
+                if (!mesh->stale[number] ||
+                    (!mesh->border->occupied[number] && !mesh->brick[number]))
+                    continue;
+                for (int a = 0; a < 3; a++) {
+                    r->first[a] = is_any && r->first[a] < at[a] ? r->first[a] : at[a];
+                    r->end[a] = is_any && r->end[a] > at[a] + 1 ? r->end[a] : at[a] + 1;
+                }
+                is_any = true;
+            }
+    return is_any;
+}
+
+static bool find_regions(struct updating *u)
+{
+    const struct mesh *mesh = u->mesh;
+    size_t capacity = 0;
+    for (uint32_t z = 0; z < mesh->size[2]; z += REGION_BRICKS)
+        for (uint32_t y = 0; y < mesh->size[1]; y += REGION_BRICKS)
+            for (uint32_t x = 0; x < mesh->size[0]; x += REGION_BRICKS) {
+                if (!mem_grow(&u->region, &capacity, u->regions + 1, sizeof *u->region))
+                    return false;
+                memset(&u->region[u->regions], 0, sizeof *u->region);
+                if (find_region(mesh, (const uint32_t[]){x, y, z}, &u->region[u->regions]))
+                    u->regions++;
+            }
+    return true;
+}
+
+static void make_share(void *context, unsigned thread)
+{
+    struct updating *u = context;
+    struct task task = task_begin_part(u->mesh->border->scene->watch, "surface",
+                                       u->regions << (3 * REGION_BITS), thread);
+    for (size_t i = thread; i < u->regions; i += team_size(u->team)) {
+        make_region(u->mesh, &u->region[i], &u->fault[thread]);
+        if (u->region[i].err || !task_advance(&task, UINT64_C(1) << (3 * REGION_BITS)))
+            return;
+    }
+}
+
+/* Takes the bricks of a region that were stale; the others are as they were. */
+static void take_region(struct mesh *mesh, struct region *r, const struct mesh_listener *listener)
+{
+    for (uint32_t z = r->first[2]; z < r->end[2]; z++)
+        for (uint32_t y = r->first[1]; y < r->end[1]; y++)
+            for (uint32_t x = r->first[0]; x < r->end[0]; x++) {
+                const uint32_t number =
+                    (uint32_t)(((size_t)z * mesh->size[1] + y) * mesh->size[0] + x);
+                struct mesh_brick **next = &r->brick[brick_in(r, (const uint32_t[]){x, y, z})];
+                if (!mesh->stale[number])
+                    continue;
+                if (listener)
+                    listener->replaces(listener->context, mesh, number, *next);
+                mesh->bytes += brick_bytes(*next) - brick_bytes(mesh->brick[number]);
+                free_brick(mesh->brick[number]);
+                mesh->brick[number] = *next;
+                *next = NULL;
+            }
+}
+
+enum err mesh_update(struct mesh *mesh, const struct border *border, enum mesh_kind kind,
+                     struct team *team, const struct mesh_listener *listener, struct fault *fault)
+{
+    struct updating u = {.mesh = mesh, .team = team};
+    enum err err = OK;
+    if (mesh->border != border)
+        err = begin(mesh, border, fault);
+    else if (is_other(mesh, border, kind))
+        mark_all(mesh);
+    else if (mesh->version != border->version)
+        mark_recounted(mesh);
+    if (err || (!mesh->is_stale && mesh->version == border->version))
+        return err;
+    mesh->kind = kind;
+    memcpy(mesh->opacity, border->opacity, sizeof mesh->opacity);
+    memcpy(mesh->visible, border->visible, sizeof mesh->visible);
+    mesh->version = border->version;
+    if (!find_regions(&u))
+        err = fault_memory(fault, "a surface");
+    u.team = u.regions > 1 ? team : NULL;
+    if (!err)
+        team_run(u.team, make_share, &u);
+    for (size_t i = 0; i < u.regions && !err; i++)
+        if (u.region[i].err) {
+            err = u.region[i].err;
+            fault_memory(fault, "a surface");
+        }
+    if (!err)
+        err = watch_fault(border->scene->watch, fault);
+    for (size_t i = 0; i < u.regions; i++) {
+        if (!err)
+            take_region(mesh, &u.region[i], listener);
+        for (size_t b = 0; b < sizeof u.region[i].brick / sizeof *u.region[i].brick; b++)
+            free_brick(u.region[i].brick[b]);
+    }
+    if (!err)
+        memset(mesh->stale, false, mesh->bricks);
+    mesh->is_stale = err != OK;
+    free(u.region);
+    return err;
+}
