@@ -12,6 +12,7 @@
 #include "render/border.h"
 #include "engine/forest.h"
 #include "render/layers.h"
+#include "render/mesh.h"
 #include "render/projection.h"
 #include "render/rendition.h"
 #include "render/shade.h"
@@ -21,6 +22,7 @@ struct stage {
     struct scene *scene;
     struct forest *forest;
     struct border border;
+    struct mesh mesh; /* of the border, as of the last picture */
     struct view view;
     struct camera camera;
     struct palette palette;
@@ -51,12 +53,6 @@ static inline enum err stage_init(struct stage *s, const uint32_t size[3], unsig
     return err ? err : stage_take(s, scene, adjacency, why);
 }
 
-/* The border as the look has it projected. */
-static inline enum err stage_fit_border(struct stage *s)
-{
-    return border_set_skin(&s->border, look_is_refined(&s->look), NULL);
-}
-
 /* Half of the time, some of the labels are translucent. */
 static inline void stage_opacities(struct stage *s, uint64_t *random)
 {
@@ -75,7 +71,6 @@ static inline uint32_t stage_occlusion(uint64_t *random)
 /* Any look, any angles, and any of so many modes of shading, the first ones. */
 static inline void stage_look_at_random(struct stage *s, uint32_t modes, uint64_t *random)
 {
-    s->look.number = LOOK_FIRST + check_below(random, LOOK_PRESENT - LOOK_FIRST + 1);
     s->look.mode = (enum shade_mode)check_below(random, modes);
     s->look.edges = check_below(random, 2);
     s->look.samples = 1u << check_below(random, 3);
@@ -86,34 +81,36 @@ static inline void stage_look_at_random(struct stage *s, uint32_t modes, uint64_
         s->view.angle[i] = (int32_t)check_below(random, VIEW_TURN);
 }
 
-/* All samples of a rendition that shading leaves out where it is to be reduced: those that another
- * one stands for, and those of tiles that show nothing. */
-static inline void stage_fill(struct rendition *r, uint32_t samples)
+/* All samples of tiles that show nothing, which shading leaves out where it is to be reduced. */
+static inline void stage_fill(struct rendition *r)
 {
     for (uint32_t y = 0; y < r->height; y++)
-        for (uint32_t x = 0; x < r->width; x++) {
-            const size_t here = (size_t)y * r->width + x;
-            const uint8_t state = r->stale[(size_t)(y / TILE) * r->tiles_x + x / TILE];
-            const size_t from = (size_t)(y / samples * samples + samples / 2) * r->width +
-                                x / samples * samples + samples / 2;
-            if (state == TILE_EMPTY)
-                rendition_empty(r, here, 1);
-            if (state != TILE_STANDS || from == here)
-                continue;
-            r->depth[here] = r->depth[from];
-            r->cell[here] = r->cell[from];
-            r->label[here] = r->label[from];
-            memcpy(r->rgba + 4 * here, r->rgba + 4 * from, 4);
-            memcpy(r->normal + 4 * here, r->normal + 4 * from, 4 * sizeof *r->normal);
-        }
+        for (uint32_t x = 0; x < r->width; x++)
+            if (r->stale[(size_t)(y / TILE) * r->tiles_x + x / TILE] == TILE_EMPTY)
+                rendition_empty(r, (size_t)y * r->width + x, 1);
 }
 
-/* Has a rendition of what is shown the stage's layers where it needs them; the camera is made. */
-static inline void stage_take_layers(struct stage *s, struct rendition *rendition)
+/* Brings the mesh up to date, and has a rendition of what is shown the stage's layers where it
+ * needs them. */
+static inline void stage_fit(struct stage *s, struct rendition *rendition)
 {
-    CHECK(stage_fit_border(s) == OK);
-    CHECK(shade_take_layers(&s->shader, &s->layers, rendition, &s->camera, &s->border, &s->look,
-                            NULL) == OK);
+    CHECK(mesh_update(&s->mesh, &s->border, shade_kind(&s->look), NULL, NULL, NULL) == OK);
+    CHECK(layers_take(&s->layers, rendition, &s->border, NULL) == OK);
+}
+
+/* Colours of what a rendition shows. */
+static inline void stage_shade(struct stage *s, struct rendition *rendition)
+{
+    CHECK(shade(rendition, &s->camera, &s->mesh, &s->palette, &s->look, &s->shader, NULL) == OK);
+    stage_fill(rendition);
+}
+
+/* A picture of what is shown, from nothing; the camera is made. */
+static inline void stage_render(struct stage *s, struct rendition *rendition, projection *project)
+{
+    stage_fit(s, rendition);
+    project(rendition, &s->camera, &s->mesh);
+    stage_shade(s, rendition);
 }
 
 /* The stage's picture of what is shown, by its view. */
@@ -121,11 +118,7 @@ static inline void stage_draw(struct stage *s)
 {
     CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
     CHECK(rendition_init(&s->rendition, s->view.width, s->view.height, NULL) == OK);
-    stage_take_layers(s, &s->rendition);
-    splat_border(&s->rendition, &s->camera, &s->border);
-    CHECK(shade(&s->rendition, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) ==
-          OK);
-    stage_fill(&s->rendition, s->look.samples);
+    stage_render(s, &s->rendition, project_border);
 }
 
 static inline void stage_release(struct stage *s)
@@ -133,6 +126,7 @@ static inline void stage_release(struct stage *s)
     rendition_release(&s->rendition);
     shader_release(&s->shader);
     layers_release(&s->layers);
+    mesh_release(&s->mesh);
     border_release(&s->border);
     forest_free(s->forest);
     scene_free(s->scene);

@@ -23,21 +23,6 @@ static bool same_maps(const struct rendition *a, const struct rendition *b, cons
     return true;
 }
 
-typedef void projection(struct rendition *, const struct camera *, const struct border *);
-
-static void colour(struct stage *s, struct rendition *r)
-{
-    CHECK(shade(r, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) == OK);
-    stage_fill(r, s->look.samples);
-}
-
-static void render(struct stage *s, struct rendition *r, projection *project)
-{
-    stage_take_layers(s, r);
-    project(r, &s->camera, &s->border);
-    colour(s, r);
-}
-
 /* Whatever the surface, what is seen is a voxel that is shown, of the label that the pixel has. */
 static bool shows_voxels(const struct stage *s, const struct rendition *r)
 {
@@ -57,19 +42,23 @@ static bool modes_agree(struct stage *s, struct rendition *kept)
     struct rendition bp, other;
     struct shader keeper = s->shader;
     struct layers layers = s->layers;
+    struct mesh mesh = s->mesh;
+    s->mesh = (struct mesh){0};
     s->shader = (struct shader){0};
     s->layers = (struct layers){0};
     CHECK(rendition_init(&bp, s->view.width, s->view.height, NULL) == OK);
     CHECK(rendition_init(&other, s->view.width, s->view.height, NULL) == OK);
-    render(s, &bp, splat_border);
+    stage_render(s, &bp, project_border);
     CHECK(shows_voxels(s, &bp));
-    render(s, &other, splat_scene);
+    stage_render(s, &other, project_scene);
     bool same = CHECK(same_maps(&bp, &other, "scene projection"));
-    render(s, &other, raycast);
+    stage_render(s, &other, project_rays);
     same = CHECK(same_maps(&bp, &other, "ray walk")) && same;
     same = CHECK(same_maps(&bp, kept, "incremental image")) && same;
     shader_release(&s->shader);
     layers_release(&s->layers);
+    mesh_release(&s->mesh);
+    s->mesh = mesh;
     s->shader = keeper;
     s->layers = layers;
     rendition_release(&bp);
@@ -100,7 +89,6 @@ static void random_view(struct stage *s, uint64_t *random)
 
 static void random_look(struct stage *s, uint64_t *random)
 {
-    s->look.number = LOOK_FIRST + check_below(random, LOOK_PRESENT);
     s->look.mode = (enum shade_mode)check_below(random, 4);
     s->look.light[0] = (int32_t)check_below(random, 360001) - 180000;
     s->look.light[1] = (int32_t)check_below(random, 180001) - 90000;
@@ -158,13 +146,14 @@ static void random_sitting(uint64_t seed)
         random_view(&s, &random);
         random_look(&s, &random);
         CHECK(rendition_init(&kept, s.view.width, s.view.height, NULL) == OK);
-        render(&s, &kept, splat_border);
+        stage_render(&s, &kept, project_border);
         for (int step = 0; step < 4 && check_failures == 0; step++) {
             random_edit(&s, &random);
             struct changes changes = forest_changes(s.forest);
-            incremental_image(&kept, &s.camera, &s.border, &changes,
-                              shade_reach(&s.look, &s.camera));
-            colour(&s, &kept);
+            mesh_note(&s.mesh, &s.border, &changes);
+            CHECK(incremental_image(&kept, &s.camera, &s.mesh, &s.border, &s.look, &changes, NULL,
+                                    NULL) == OK);
+            stage_shade(&s, &kept);
             if (!modes_agree(&s, &kept))
                 printf("# seed %" PRIu64 " look %d step %d size %ux%ux%u angles %d %d %d zoom %u\n",
                        seed, look, step, size[0], size[1], size[2], s.view.angle[0],
@@ -253,7 +242,7 @@ STORY(named_views_show_the_patient_from_the_side_they_name)
         CHECK(view_by_name(expected[i].name, s.view.angle));
         CHECK_TEXT(view_name(s.view.angle), expected[i].name);
         CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
-        render(&s, &r, splat_border);
+        stage_render(&s, &r, project_border);
         CHECK_INT(label_at(&r, 20, 20), expected[i].centre);
         CHECK_INT(label_at(&r, 10, 20), expected[i].left);
         CHECK_INT(label_at(&r, 30, 20), expected[i].right);
@@ -284,8 +273,8 @@ STORY(a_long_row_of_voxels_is_seen_whole)
             CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
             CHECK(rendition_init(&splatted, s.view.width, s.view.height, NULL) == OK);
             CHECK(rendition_init(&walked, s.view.width, s.view.height, NULL) == OK);
-            render(&s, &splatted, splat_border);
-            render(&s, &walked, raycast);
+            stage_render(&s, &splatted, project_border);
+            stage_render(&s, &walked, project_rays);
             CHECK(same_maps(&splatted, &walked, "ray walk"));
             rendition_release(&splatted);
             rendition_release(&walked);
