@@ -2,7 +2,11 @@
 
 #include "base/wide.h"
 
-enum { BARELY = 64 }; /* of a normal's length: what it faces the viewer by at least */
+enum {
+    BARELY = 64,     /* of a normal's length: what it faces the viewer by at least */
+    STORED_BITS = 4, /* triangles of a tile that are at hand, by what their numbers are mixed to */
+    STORED = 1 << STORED_BITS,
+};
 
 /* ---- gradients to normals ---- */
 
@@ -172,7 +176,9 @@ void normals_of(struct directions *out, uint8_t open[NORMALISED], const struct n
                 const struct rendition *r, const struct tile_pixels *pixels)
 {
     struct gradients outward;
-    struct seen seen = {.cell = CELL_NONE};
+    struct seen stored[STORED];
+    for (unsigned k = 0; k < STORED; k++)
+        stored[k].cell = CELL_NONE;
     for (unsigned i = 0; i < NORMALISED; i++) {
         if (i >= pixels->count) {
             for (int a = 0; a < 3; a++)
@@ -181,11 +187,13 @@ void normals_of(struct directions *out, uint8_t open[NORMALISED], const struct n
         }
         const uint32_t x = pixels->x[i], y = pixels->y[i];
         const size_t pixel = (size_t)y * r->width + x;
-        drawer_see(&normals->drawer, &seen, x, y, r->depth[pixel], r->cell[pixel]);
-        const unsigned face = seen.quad->key & 7u;
-        open[i] = seen.quad->is_closed ? (uint8_t)(face + 1) : 0;
+        const uint32_t mixed = (r->cell[pixel] * 16 + (uint32_t)(r->depth[pixel] & NUMBER_MASK));
+        struct seen *seen = &stored[mixed * UINT32_C(2654435769) >> (32 - STORED_BITS)];
+        drawer_see(&normals->drawer, seen, x, y, r->depth[pixel], r->cell[pixel]);
+        const unsigned face = seen->quad->key & 7u;
+        open[i] = seen->quad->is_closed ? (uint8_t)(face + 1) : 0;
         if (!open[i]) {
-            blend(&outward, i, &seen);
+            blend(&outward, i, seen);
             continue;
         }
         for (unsigned a = 0; a < 3; a++)

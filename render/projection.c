@@ -165,11 +165,9 @@ static inline void put(struct rendition *r, size_t pixel, size_t tile, int64_t k
 }
 
 static void draw_triangle(struct rendition *r, const struct window *w, const struct point *a,
-                          const struct point *b, const struct point *c, const struct owner *o)
+                          const struct point *b, const struct point *c, int64_t area,
+                          const struct owner *o)
 {
-    const int64_t area = area_of(a, b, c);
-    if (area <= 0)
-        return;
     const int32_t left =
         most_of(w->left, (least_of(a->x, least_of(b->x, c->x)) + PIXEL - 1) >> POINT_BITS);
     const int32_t right = least_of(w->right, most_of(a->x, most_of(b->x, c->x)) >> POINT_BITS);
@@ -229,19 +227,27 @@ static void draw_brick(const struct drawer *d, struct rendition *r, const struct
                 own[k] = point_of(d, base, brick->vertex[quad->corner[k]].at);
             p[k] = is_kept ? &kept[quad->corner[k]] : &own[k];
         }
-        struct owner o = {.label = quad->label, .number = (quad->key & 7u) * 2};
-        o.is_layer = r->layers != NULL;
-        o.is_opaque = mesh->opacity[quad->label] == BORDER_OPAQUE;
-        o.cell = cell_of(mesh, first, quad->key);
-        if (d->is_mirrored) {
-            draw_triangle(r, w, p[0], p[1], p[2], &o);
-            o.number++;
-            draw_triangle(r, w, p[0], p[2], p[3], &o);
-        } else {
-            draw_triangle(r, w, p[0], p[2], p[1], &o);
-            o.number++;
-            draw_triangle(r, w, p[0], p[3], p[2], &o);
-        }
+        /* Mirrored corners go round the other way: then the middle ones change places. */
+        const struct point *const second = d->is_mirrored ? p[1] : p[3];
+        const struct point *const fourth = d->is_mirrored ? p[3] : p[1];
+        const int64_t one =
+            area_of(p[0], d->is_mirrored ? second : p[2], d->is_mirrored ? p[2] : fourth);
+        const int64_t two =
+            area_of(p[0], d->is_mirrored ? p[2] : second, d->is_mirrored ? fourth : p[2]);
+        if (one <= 0 && two <= 0)
+            continue;
+        struct owner o = {.cell = cell_of(mesh, first, quad->key),
+                          .label = quad->label,
+                          .number = (quad->key & 7u) * 2,
+                          .is_layer = r->layers != NULL,
+                          .is_opaque = mesh->opacity[quad->label] == BORDER_OPAQUE};
+        if (one > 0)
+            draw_triangle(r, w, p[0], d->is_mirrored ? second : p[2],
+                          d->is_mirrored ? p[2] : fourth, one, &o);
+        o.number++;
+        if (two > 0)
+            draw_triangle(r, w, p[0], d->is_mirrored ? p[2] : second,
+                          d->is_mirrored ? fourth : p[2], two, &o);
     }
 }
 
