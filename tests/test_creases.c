@@ -15,10 +15,7 @@ static void draw(struct stage *s, struct rendition *out)
 {
     CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
     CHECK(rendition_init(out, s->view.width, s->view.height, NULL) == OK);
-    CHECK(stage_fit_border(s) == OK);
-    splat_border(out, &s->camera, &s->border);
-    CHECK(shade(out, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) == OK);
-    stage_fill(out, s->look.samples);
+    stage_render(s, out, project_border);
 }
 
 static const int16_t *normal_at(const struct rendition *r, size_t pixel)

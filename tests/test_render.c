@@ -1,7 +1,5 @@
 /* The rendition: four ways of making it, pixel for pixel the same. */
 #include "check.h"
-#include "render/incremental.h"
-
 #include <stdlib.h>
 
 #include "tests/stage.h"
@@ -150,9 +148,7 @@ static void random_sitting(uint64_t seed)
         for (int step = 0; step < 4 && check_failures == 0; step++) {
             random_edit(&s, &random);
             struct changes changes = forest_changes(s.forest);
-            mesh_note(&s.mesh, &s.border, &changes);
-            CHECK(incremental_image(&kept, &s.camera, &s.mesh, &s.border, &s.look, &changes, NULL,
-                                    NULL) == OK);
+            stage_follow(&s, &kept, &changes);
             stage_shade(&s, &kept);
             if (!modes_agree(&s, &kept))
                 printf("# seed %" PRIu64 " look %d step %d size %ux%ux%u angles %d %d %d zoom %u\n",

@@ -301,7 +301,7 @@ STORY(an_edit_makes_no_more_than_its_surroundings_stale)
         s.scene->cell[change.cell].label = 0;
         border_update(&s.border, &changes);
         const struct shade_reach reach = shade_reach(&s.look, &s.camera);
-        incremental_image(&s.rendition, &s.camera, &s.border, &changes, reach);
+        stage_follow(&s, &s.rendition, &changes);
         size_t stale = 0;
         for (size_t i = 0; i < (size_t)s.rendition.tiles_x * s.rendition.tiles_y; i++)
             stale += s.rendition.stale[i] == TILE_STALE;
