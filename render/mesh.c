@@ -41,7 +41,12 @@ void mesh_release(struct mesh *mesh)
 
 size_t mesh_bytes(const struct mesh *mesh)
 {
-    return mesh->bytes + mesh->bricks * (sizeof *mesh->brick + sizeof *mesh->stale);
+    return mesh->bytes + mesh->bricks * sizeof *mesh->brick + mesh->regions * sizeof *mesh->stale;
+}
+
+static uint32_t number_of(const struct mesh *mesh, const uint32_t brick[3])
+{
+    return (uint32_t)(((size_t)brick[2] * mesh->size[1] + brick[1]) * mesh->size[0] + brick[0]);
 }
 
 void mesh_first(const struct mesh *mesh, uint32_t number, uint32_t first[3])
@@ -111,17 +116,18 @@ static void read_row(void *context, int32_t x, int32_t y, int32_t z, uint32_t co
     }
 }
 
-/* Some bricks that are made anew together, and what comes of it. */
+/* Voxels of a region whose quads are made anew, and the bricks that come of it. */
 struct region {
-    uint32_t first[3], end[3];                                               /* in bricks */
-    struct mesh_brick *brick[REGION_BRICKS * REGION_BRICKS * REGION_BRICKS]; /* [z][y][x] of it */
+    struct mesh_box box;
+    uint32_t first[3], end[3]; /* the bricks in which these voxels lie */
+    struct mesh_brick *brick[REGION_BRICKS * REGION_BRICKS * REGION_BRICKS]; /* [z][y][x] */
     enum err err;
 };
 
-static uint32_t brick_in(const struct region *r, const uint32_t brick[3])
+static uint32_t brick_in(const uint32_t brick[3])
 {
-    return ((brick[2] - r->first[2]) * REGION_BRICKS + brick[1] - r->first[1]) * REGION_BRICKS +
-           brick[0] - r->first[0];
+    return ((brick[2] % REGION_BRICKS) * REGION_BRICKS + brick[1] % REGION_BRICKS) * REGION_BRICKS +
+           brick[0] % REGION_BRICKS;
 }
 
 /* Where the groups of a region lie: of each, the voxels it is between. */
@@ -136,12 +142,8 @@ static void find_extents(const struct mesh *mesh, const struct region *r, const 
     const struct border *border = mesh->border;
     const struct grid *grid = &border->scene->grid;
     const bool has_walls = mesh->kind == MESH_APART || border_is_translucent(border);
-    uint32_t first[3], end[3];
+    const uint32_t *first = r->box.first, *end = r->box.end;
     memset(extent, 0, 256 * sizeof *extent);
-    for (int a = 0; a < 3; a++) {
-        first[a] = r->first[a] * MESH_SIDE;
-        end[a] = r->end[a] * MESH_SIDE < grid->size[a] ? r->end[a] * MESH_SIDE : grid->size[a];
-    }
     for (uint32_t z = first[2]; z < end[2]; z++)
         for (uint32_t y = first[1]; y < end[1]; y++) {
             const uint32_t row = grid_cell(grid, first[0], y, z);
@@ -169,11 +171,11 @@ struct sorting {
     uint32_t *of;    /* and which brick that is, counted from 1 */
 };
 
-static uint32_t brick_of(const struct region *r, const struct net_quad *q)
+static uint32_t brick_of(const struct net_quad *q)
 {
     const uint32_t brick[3] = {(uint32_t)q->voxel[0] / MESH_SIDE, (uint32_t)q->voxel[1] / MESH_SIDE,
                                (uint32_t)q->voxel[2] / MESH_SIDE};
-    return brick_in(r, brick);
+    return brick_in(brick);
 }
 
 /* Whether the shorter diagonal is 1 3; of two that are as long, 0 2 is taken. */
@@ -264,11 +266,11 @@ static bool share_out(struct region *r, const struct net *net)
         made = s->order && s->local && s->of;
     }
     for (uint32_t q = 0; made && q < net->quads; q++)
-        s->count[brick_of(r, &net->quad[q]) + 1]++;
+        s->count[brick_of(&net->quad[q]) + 1]++;
     for (uint32_t b = 0; made && b < BRICKS; b++)
         s->count[b + 1] += s->count[b];
     for (uint32_t q = 0; made && q < net->quads; q++)
-        s->order[s->count[brick_of(r, &net->quad[q])]++] = q;
+        s->order[s->count[brick_of(&net->quad[q])]++] = q;
     for (uint32_t b = 0, first = 0; made && b < BRICKS; first = s->count[b++])
         if (s->count[b] > first)
             made = add_quads(&r->brick[b], net, s->order + first, s->count[b] - first, s, b + 1);
@@ -278,6 +280,66 @@ static bool share_out(struct region *r, const struct net *net)
         free(s->of);
     }
     free(s);
+    return made;
+}
+
+static bool lies_in(const struct mesh_box *box, const uint32_t first[3], unsigned key)
+{
+    const unsigned at = key >> 3;
+    const uint32_t voxel[3] = {first[0] + at % MESH_SIDE, first[1] + at / MESH_SIDE % MESH_SIDE,
+                               first[2] + at / MESH_SIDE / MESH_SIDE};
+    for (int a = 0; a < 3; a++)
+        if (voxel[a] < box->first[a] || voxel[a] >= box->end[a])
+            return false;
+    return true;
+}
+
+/* Adds those of the quads that were there of which the voxels lie outside the box. */
+static bool add_former(struct mesh_brick **brick, const struct mesh_brick *former,
+                       const struct mesh_box *box, const uint32_t first[3])
+{
+    uint32_t count = 0;
+    for (uint32_t q = 0; q < former->quads; q++)
+        count += !lies_in(box, first, former->quad[q].key);
+    if (count == 0)
+        return true;
+    uint32_t *number = mem_new(former->vertices * sizeof *number); /* in the new one, from 1 */
+    if (!number || !grow(brick, count)) {
+        free(number);
+        return false;
+    }
+    struct mesh_brick *b = *brick;
+    for (uint32_t i = 0; i < former->quads; i++) {
+        if (lies_in(box, first, former->quad[i].key))
+            continue;
+        struct mesh_quad *q = &b->quad[b->quads++];
+        *q = former->quad[i];
+        for (int k = 0; k < 4; k++) {
+            const uint16_t c = q->corner[k];
+            if (!number[c]) {
+                b->vertex[b->vertices++] = former->vertex[c];
+                number[c] = b->vertices;
+            }
+            q->corner[k] = (uint16_t)(number[c] - 1);
+        }
+    }
+    free(number);
+    return true;
+}
+
+/* What lies outside the box in bricks of which the box is a part. */
+static bool add_rest(const struct mesh *mesh, struct region *r)
+{
+    bool made = true;
+    for (uint32_t z = r->first[2]; z < r->end[2] && made; z++)
+        for (uint32_t y = r->first[1]; y < r->end[1] && made; y++)
+            for (uint32_t x = r->first[0]; x < r->end[0] && made; x++) {
+                const uint32_t at[3] = {x, y, z};
+                const uint32_t first[3] = {x * MESH_SIDE, y * MESH_SIDE, z * MESH_SIDE};
+                const struct mesh_brick *former = mesh->brick[number_of(mesh, at)];
+                if (former)
+                    made = add_former(&r->brick[brick_in(at)], former, &r->box, first);
+            }
     return made;
 }
 
@@ -333,6 +395,8 @@ static void make_region(const struct mesh *mesh, struct region *r, struct fault 
             r->err = fault_memory(fault, "a surface");
         net_release(&net);
     }
+    if (!r->err && !add_rest(mesh, r))
+        r->err = fault_memory(fault, "a surface");
     for (size_t i = 0; i < sizeof r->brick / sizeof *r->brick && !r->err; i++)
         if (r->brick[i])
             finish_brick(r->brick[i]);
@@ -341,19 +405,45 @@ static void make_region(const struct mesh *mesh, struct region *r, struct fault 
 
 /* ---- what is stale ---- */
 
-/* Bricks of which a voxel lies at most FAR steps from these along each axis. */
+static uint32_t regions_along(const struct mesh *mesh, int a)
+{
+    return (mesh->size[a] - 1) / REGION_BRICKS + 1;
+}
+
+static struct mesh_box *box_of(struct mesh *mesh, uint32_t x, uint32_t y, uint32_t z)
+{
+    return &mesh->stale[((size_t)z * regions_along(mesh, 1) + y) * regions_along(mesh, 0) + x];
+}
+
+static bool is_none(const struct mesh_box *box)
+{
+    return box->first[0] >= box->end[0];
+}
+
+/* Quads of voxels at most FAR steps from these along each axis. */
 static void mark(struct mesh *mesh, const uint32_t first[3], const uint32_t last[3])
 {
-    uint32_t from[3], to[3];
+    const uint32_t *size = mesh->border->scene->grid.size;
+    struct mesh_box all;
     for (int a = 0; a < 3; a++) {
-        from[a] = first[a] < FAR ? 0 : (first[a] - FAR) / MESH_SIDE;
-        to[a] = (last[a] + FAR) / MESH_SIDE;
-        to[a] = to[a] < mesh->size[a] ? to[a] : mesh->size[a] - 1;
+        all.first[a] = first[a] < FAR ? 0 : first[a] - FAR;
+        all.end[a] = last[a] + FAR + 1 < size[a] ? last[a] + FAR + 1 : size[a];
     }
-    for (uint32_t z = from[2]; z <= to[2]; z++)
-        for (uint32_t y = from[1]; y <= to[1]; y++)
-            memset(mesh->stale + ((size_t)z * mesh->size[1] + y) * mesh->size[0] + from[0], true,
-                   to[0] - from[0] + 1);
+    for (uint32_t z = all.first[2] >> REGION_BITS; z <= (all.end[2] - 1) >> REGION_BITS; z++)
+        for (uint32_t y = all.first[1] >> REGION_BITS; y <= (all.end[1] - 1) >> REGION_BITS; y++)
+            for (uint32_t x = all.first[0] >> REGION_BITS; x <= (all.end[0] - 1) >> REGION_BITS;
+                 x++) {
+                const uint32_t at[3] = {x, y, z};
+                struct mesh_box *box = box_of(mesh, x, y, z);
+                const bool is_new = is_none(box);
+                for (int a = 0; a < 3; a++) {
+                    const uint32_t from = at[a] << REGION_BITS, to = (at[a] + 1) << REGION_BITS;
+                    const uint32_t low = all.first[a] > from ? all.first[a] : from;
+                    const uint32_t high = all.end[a] < to ? all.end[a] : to;
+                    box->first[a] = is_new || low < box->first[a] ? low : box->first[a];
+                    box->end[a] = is_new || high > box->end[a] ? high : box->end[a];
+                }
+            }
     mesh->is_stale = true;
 }
 
@@ -366,8 +456,9 @@ static void mark_cell(struct mesh *mesh, uint32_t cell)
 
 static void mark_all(struct mesh *mesh)
 {
-    memset(mesh->stale, true, mesh->bricks);
-    mesh->is_stale = true;
+    const uint32_t *size = mesh->border->scene->grid.size;
+    mark(mesh, (const uint32_t[]){0, 0, 0},
+         (const uint32_t[]){size[0] - 1, size[1] - 1, size[2] - 1});
 }
 
 void mesh_note(struct mesh *mesh, const struct border *border, const struct changes *changes)
@@ -446,7 +537,10 @@ static enum err begin(struct mesh *mesh, const struct border *border, struct fau
         mesh->bricks *= mesh->size[a];
     }
     mesh->brick = mem_new(mesh->bricks * sizeof *mesh->brick);
-    mesh->stale = mem_new(mesh->bricks);
+    mesh->regions = 1;
+    for (int a = 0; a < 3; a++)
+        mesh->regions *= regions_along(mesh, a);
+    mesh->stale = mem_new(mesh->regions * sizeof *mesh->stale);
     if (!mesh->brick || !mesh->stale) {
         mesh_release(mesh);
         return fault_memory(fault, "a surface");
@@ -467,43 +561,36 @@ struct updating {
     struct fault fault[TEAM_MOST];
 };
 
-/* The stale bricks of a box that may have quads, or have some: the box around them. */
-static bool find_region(const struct mesh *mesh, const uint32_t from[3], struct region *r)
+/* Whether there is something to be made of a region, or to be taken away: the bricks of its box. */
+static bool find_region(struct mesh *mesh, struct region *r)
 {
     bool is_any = false;
-    uint32_t to[3];
-    for (int a = 0; a < 3; a++)
-        to[a] = from[a] + REGION_BRICKS < mesh->size[a] ? from[a] + REGION_BRICKS : mesh->size[a];
-    for (uint32_t z = from[2]; z < to[2]; z++)
-        for (uint32_t y = from[1]; y < to[1]; y++)
-            for (uint32_t x = from[0]; x < to[0]; x++) {
-                const uint32_t at[3] = {x, y, z};
-                const size_t number = ((size_t)z * mesh->size[1] + y) * mesh->size[0] + x;
-                if (!mesh->stale[number] ||
-                    (!mesh->border->occupied[number] && !mesh->brick[number]))
-                    continue;
-                for (int a = 0; a < 3; a++) {
-                    r->first[a] = is_any && r->first[a] < at[a] ? r->first[a] : at[a];
-                    r->end[a] = is_any && r->end[a] > at[a] + 1 ? r->end[a] : at[a] + 1;
-                }
-                is_any = true;
+    for (int a = 0; a < 3; a++) {
+        r->first[a] = r->box.first[a] / MESH_SIDE;
+        r->end[a] = (r->box.end[a] - 1) / MESH_SIDE + 1;
+    }
+    for (uint32_t z = r->first[2]; z < r->end[2]; z++)
+        for (uint32_t y = r->first[1]; y < r->end[1]; y++)
+            for (uint32_t x = r->first[0]; x < r->end[0]; x++) {
+                const uint32_t number = number_of(mesh, (const uint32_t[]){x, y, z});
+                is_any = is_any || mesh->border->occupied[number] || mesh->brick[number];
             }
     return is_any;
 }
 
 static bool find_regions(struct updating *u)
 {
-    const struct mesh *mesh = u->mesh;
     size_t capacity = 0;
-    for (uint32_t z = 0; z < mesh->size[2]; z += REGION_BRICKS)
-        for (uint32_t y = 0; y < mesh->size[1]; y += REGION_BRICKS)
-            for (uint32_t x = 0; x < mesh->size[0]; x += REGION_BRICKS) {
-                if (!mem_grow(&u->region, &capacity, u->regions + 1, sizeof *u->region))
-                    return false;
-                memset(&u->region[u->regions], 0, sizeof *u->region);
-                if (find_region(mesh, (const uint32_t[]){x, y, z}, &u->region[u->regions]))
-                    u->regions++;
-            }
+    for (uint32_t i = 0; i < u->mesh->regions; i++) {
+        const struct mesh_box *box = &u->mesh->stale[i];
+        if (is_none(box))
+            continue;
+        if (!mem_grow(&u->region, &capacity, u->regions + 1, sizeof *u->region))
+            return false;
+        memset(&u->region[u->regions], 0, sizeof *u->region);
+        u->region[u->regions].box = *box;
+        u->regions += find_region(u->mesh, &u->region[u->regions]);
+    }
     return true;
 }
 
@@ -519,17 +606,13 @@ static void make_share(void *context, unsigned thread)
     }
 }
 
-/* Takes the bricks of a region that were stale; the others are as they were. */
 static void take_region(struct mesh *mesh, struct region *r, const struct mesh_listener *listener)
 {
     for (uint32_t z = r->first[2]; z < r->end[2]; z++)
         for (uint32_t y = r->first[1]; y < r->end[1]; y++)
             for (uint32_t x = r->first[0]; x < r->end[0]; x++) {
-                const uint32_t number =
-                    (uint32_t)(((size_t)z * mesh->size[1] + y) * mesh->size[0] + x);
-                struct mesh_brick **next = &r->brick[brick_in(r, (const uint32_t[]){x, y, z})];
-                if (!mesh->stale[number])
-                    continue;
+                const uint32_t at[3] = {x, y, z}, number = number_of(mesh, at);
+                struct mesh_brick **next = &r->brick[brick_in(at)];
                 if (listener)
                     listener->replaces(listener->context, mesh, number, *next);
                 mesh->bytes += brick_bytes(*next) - brick_bytes(mesh->brick[number]);
@@ -575,7 +658,7 @@ enum err mesh_update(struct mesh *mesh, const struct border *border, enum mesh_k
             free_brick(u.region[i].brick[b]);
     }
     if (!err)
-        memset(mesh->stale, false, mesh->bricks);
+        memset(mesh->stale, 0, mesh->regions * sizeof *mesh->stale);
     mesh->is_stale = err != OK;
     free(u.region);
     return err;

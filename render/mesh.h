@@ -6,8 +6,8 @@
  * translucent one has a net of its own. A brick holds the quads of its own voxels, and their
  * vertices, whichever net they are of: so it is drawn without a look at others.
  *
- * After an edit, mesh_note marks the bricks near its changes; after a recount of the border,
- * mesh_update finds what has become another by itself. Bricks that are marked are made anew, and
+ * After an edit, mesh_note marks what lies near its changes; after a recount of the border,
+ * mesh_update finds what has become another by itself. Quads that are marked are made anew, and
  * nothing else is looked at.
  *
  * Invariants
@@ -48,6 +48,11 @@ struct mesh_brick {
     uint16_t row[MESH_ROWS + 1]; /* the first quad of each row of voxels */
 };
 
+/* Voxels from `first` to before `end`; none where these are the same. */
+struct mesh_box {
+    uint32_t first[3], end[3];
+};
+
 enum mesh_kind {
     MESH_SMOOTH,
     MESH_APART, /* each object has a net of its own */
@@ -62,8 +67,9 @@ struct mesh {
     bool visible[256];
     uint32_t size[3], bricks;  /* bricks along each axis, and in all */
     struct mesh_brick **brick; /* [z][y][x]; NULL where nothing is seen */
-    bool *stale;               /* likewise: to be made anew */
-    bool is_stale;             /* whether any may be */
+    uint32_t regions;
+    struct mesh_box *stale; /* [z][y][x] of regions of 64x64x64 voxels: quads to be made anew */
+    bool is_stale;          /* whether any may be */
     size_t bytes;
 };
 

@@ -172,8 +172,8 @@ void normals_of(struct directions *out, uint8_t open[NORMALISED], const struct n
                 const struct rendition *r, const struct tile_pixels *pixels)
 {
     struct gradients outward;
+    struct seen seen = {.cell = CELL_NONE};
     for (unsigned i = 0; i < NORMALISED; i++) {
-        struct seen seen;
         if (i >= pixels->count) {
             for (int a = 0; a < 3; a++)
                 outward.along[a][i] = 0;

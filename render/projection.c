@@ -552,22 +552,25 @@ void drawer_see(const struct drawer *d, struct seen *seen, uint32_t x, uint32_t 
 {
     static const uint8_t corners[2][3] = {{0, 1, 2}, {0, 2, 3}};
     const unsigned number = (unsigned)(depth & NUMBER_MASK);
-    const struct mesh_brick *brick;
-    struct point p[3];
-    uint32_t b, first[3];
-    int64_t base[3];
-    seen->quad = mesh_find(d->mesh, &brick, &b, cell, number / 2);
-    mesh_first(d->mesh, b, first);
-    base_of(d, first, base);
-    for (int k = 0; k < 3; k++) {
-        seen->corner[k] = &brick->vertex[seen->quad->corner[corners[number & 1][k]]];
-        p[k] = point_of(d, base, seen->corner[k]->at);
+    if (seen->cell != cell || seen->number != number) {
+        const struct mesh_brick *brick;
+        uint32_t b, first[3];
+        int64_t base[3];
+        seen->cell = cell;
+        seen->number = number;
+        seen->quad = mesh_find(d->mesh, &brick, &b, cell, number / 2);
+        mesh_first(d->mesh, b, first);
+        base_of(d, first, base);
+        for (int k = 0; k < 3; k++) {
+            seen->corner[k] = &brick->vertex[seen->quad->corner[corners[number & 1][k]]];
+            const struct point p = point_of(d, base, seen->corner[k]->at);
+            seen->at[k][0] = p.x, seen->at[k][1] = p.y;
+        }
     }
     for (int k = 0; k < 3; k++) {
-        const struct point *from = &p[(k + 1) % 3], *to = &p[(k + 2) % 3];
-        const int64_t right = (int64_t)x * PIXEL - from->x, down = (int64_t)y * PIXEL - from->y;
-        const int64_t share =
-            (int64_t)(to->x - from->x) * down - (int64_t)(to->y - from->y) * right;
+        const int32_t *from = seen->at[(k + 1) % 3], *to = seen->at[(k + 2) % 3];
+        const int64_t right = (int64_t)x * PIXEL - from[0], down = (int64_t)y * PIXEL - from[1];
+        const int64_t share = (to[0] - from[0]) * down - (to[1] - from[1]) * right;
         seen->share[k] = d->is_mirrored ? share : -share;
     }
 }

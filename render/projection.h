@@ -74,6 +74,10 @@ struct seen {
     const struct mesh_quad *quad;
     const struct mesh_vertex *corner[3];
     int64_t share[3];
+    uint32_t
+        cell; /* stored, since pixels beside each other often show one triangle: CELL_NONE at */
+    unsigned number;  /* first, */
+    int32_t at[3][2]; /* and where corners fall */
 };
 void drawer_see(const struct drawer *drawer, struct seen *seen, uint32_t x, uint32_t y,
                 int64_t depth, uint32_t cell);
