@@ -82,7 +82,7 @@ enum { OPAQUE = 0 };
 
 static bool has_own_net(const struct mesh *mesh, uint8_t label)
 {
-    return mesh->kind == MESH_APART || mesh->border->opacity[label] < BORDER_OPAQUE;
+    return (mesh->kind & MESH_APART) || mesh->border->opacity[label] < BORDER_OPAQUE;
 }
 
 struct group_source {
@@ -141,7 +141,7 @@ static void find_extents(const struct mesh *mesh, const struct region *r, const 
 {
     const struct border *border = mesh->border;
     const struct grid *grid = &border->scene->grid;
-    const bool has_walls = mesh->kind == MESH_APART || border_is_translucent(border);
+    const bool has_walls = (mesh->kind & MESH_APART) || border_is_translucent(border);
     const uint32_t *first = r->box.first, *end = r->box.end;
     memset(extent, 0, 256 * sizeof *extent);
     for (uint32_t z = first[2]; z < end[2]; z++)
@@ -368,7 +368,7 @@ static void make_region(const struct mesh *mesh, struct region *r, struct fault 
 {
     const struct border *border = mesh->border;
     struct group_source groups = {.border = border};
-    struct net_source source = {read_row, &groups, {0}, mesh->kind == MESH_CUBES};
+    struct net_source source = {read_row, &groups, {0}, mesh->kind & MESH_CUBES};
     struct extent *extent = mem_array(256, sizeof *extent);
     const uint64_t unit = view_unit(border->scene);
     if (!extent) {

@@ -55,8 +55,9 @@ struct mesh_box {
 
 enum mesh_kind {
     MESH_SMOOTH,
-    MESH_APART, /* each object has a net of its own */
-    MESH_CUBES  /* vertices stay at the corners of voxels */
+    MESH_APART = 1, /* each object has a net of its own */
+    MESH_CUBES = 2, /* vertices stay at the corners of voxels */
+    MESH_CUBES_APART = MESH_CUBES | MESH_APART
 };
 
 struct mesh {

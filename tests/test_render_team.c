@@ -143,8 +143,7 @@ STORY(a_picture_may_be_stopped_at_any_time)
         struct watch watch = {.context = &left, .poll = stop_after_looks, .step = 1000};
         s.scene->watch = &watch;
         project_border_shared(&fine, &s.camera, &s.mesh, team);
-        const enum err err =
-            shade(&fine, &s.camera, &s.mesh, &s.palette, &s.look, &s.shader, NULL);
+        const enum err err = shade(&fine, &s.camera, &s.mesh, &s.palette, &s.look, &s.shader, NULL);
         CHECK(err == OK || err == ERR_CANCELLED);
         s.scene->watch = NULL;
     }

@@ -27,7 +27,7 @@ static bool keeps_border(enum experiment e)
 struct work {
     struct session *session; /* its border is the one that is kept up to date */
     struct border sought;    /* and this one is sought in the whole scene */
-    struct mesh mesh[2];     /* of `sought`, from nothing each time; of the session's border, kept */
+    struct mesh mesh[2]; /* of `sought`, from nothing each time; of the session's border, kept */
     struct rendition former; /* before the step, */
     struct rendition made;   /* by the experiment at hand, */
     struct rendition first;  /* and by the first experiment of this step */
