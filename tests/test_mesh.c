@@ -52,7 +52,8 @@ static bool is_same_mesh(const struct mesh *a, const struct mesh *b)
     return true;
 }
 
-/* M1 and M2 of render/mesh.h, and that each quad is a face that can be seen. */
+/* What render/mesh.h says of vertices and of the order of quads, and that each is of a voxel that is
+ * shown. */
 static bool holds(const struct mesh *mesh)
 {
     size_t bytes = 0;

@@ -279,6 +279,61 @@ STORY(a_long_row_of_voxels_is_seen_whole)
     }
 }
 
+/* Whatever a camera takes: voxels far smaller than a pixel or as large as the picture, long rows of
+ * them, and spacings that differ by far. */
+STORY(the_four_modes_agree_however_large_or_long_voxels_are)
+{
+    unsigned drawn = 0;
+    for (unsigned i = 0; i < 200 && check_failures == 0; i++) {
+        uint64_t random = 7000 + i;
+        struct stage s;
+        struct rendition kept;
+        const bool is_long = i % 10 == 0;
+        uint32_t size[3];
+        for (int a = 0; a < 3; a++)
+            size[a] = 1 + check_below(&random, is_long ? 2 : 9);
+        if (is_long)
+            size[check_below(&random, 3)] = i % 40 ? 500 + check_below(&random, 5000) : 65534;
+        CHECK(stage_init(&s, size, 6, NULL) == OK);
+        for (int a = 0; a < 3; a++) {
+            const uint32_t bits = check_below(&random, i % 3 ? 4 : 20);
+            s.scene->spacing_nm[a] = 1 + (uint32_t)(check_random(&random) >> (44 - bits));
+            s.scene->world_sign[a] = check_below(&random, 2) ? 1 : -1;
+        }
+        for (int edit = 0; edit < 3; edit++)
+            random_edit(&s, &random);
+        random_look(&s, &random);
+        for (int k = 0; k < 3; k++)
+            s.view.angle[k] = random_angle(&random);
+        s.view.width = 1 + check_below(&random, 60);
+        s.view.height = 1 + check_below(&random, 60);
+        s.view.zoom = (uint32_t)(10 << check_below(&random, 13)) + check_below(&random, 10);
+        s.view.zoom = s.view.zoom < VIEW_ZOOM_MOST ? s.view.zoom : VIEW_ZOOM_MOST;
+        if (check_below(&random, 2)) {
+            uint32_t place[3];
+            for (int a = 0; a < 3; a++)
+                place[a] = check_below(&random, size[a]);
+            view_focus_on(&s.view, s.scene, place);
+        }
+        if (camera_init(&s.camera, s.scene, &s.view, NULL) == OK) {
+            drawn++;
+            CHECK(rendition_init(&kept, s.view.width, s.view.height, NULL) == OK);
+            stage_render(&s, &kept, project_border);
+            random_edit(&s, &random);
+            const struct changes changes = forest_changes(s.forest);
+            stage_follow(&s, &kept, &changes);
+            stage_shade(&s, &kept);
+            if (!modes_agree(&s, &kept))
+                printf("# number %u: size %ux%ux%u spacing %u %u %u zoom %u\n", i, size[0], size[1],
+                       size[2], s.scene->spacing_nm[0], s.scene->spacing_nm[1],
+                       s.scene->spacing_nm[2], s.view.zoom);
+            rendition_release(&kept);
+        }
+        stage_release(&s);
+    }
+    CHECK(drawn > 120);
+}
+
 STORY(absurd_views_are_refused_in_words)
 {
     struct stage s;
@@ -301,5 +356,6 @@ int main(void)
         TELL(sines_are_right_and_symmetric), TELL(a_scene_of_very_thick_slices_has_a_view),
         TELL(named_views_show_the_patient_from_the_side_they_name),
         TELL(the_four_modes_agree_in_every_pixel), TELL(a_long_row_of_voxels_is_seen_whole),
+        TELL(the_four_modes_agree_however_large_or_long_voxels_are),
         TELL(absurd_views_are_refused_in_words));
 }
