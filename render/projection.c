@@ -196,7 +196,7 @@ static void draw_triangle(struct rendition *r, const struct window *w, const str
                     slope = slope_of(a, b, c, area);
                 put(r, (size_t)y * r->width + (size_t)x,
                     (size_t)(y / TILE) * r->tiles_x + (size_t)(x / TILE),
-                    depth_at(&slope, x, y) << NUMBER_BITS | o->number, o);
+                    depth_at(&slope, x, y) * (1 << NUMBER_BITS) + o->number, o);
             }
             e0 += e[0].right, e1 += e[1].right, e2 += e[2].right;
         }
