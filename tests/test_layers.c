@@ -130,6 +130,43 @@ STORY(each_pixel_has_the_layers_that_its_ray_passes)
         printf("# %zu of %zu pixels differ, of %zu layers\n", others, pixels, layers);
 }
 
+/* Of few depths and voxels, so that many are as near as others, and some are put twice. */
+STORY(in_whatever_order_layers_are_put_they_are_the_same)
+{
+    enum { PUTS = 24 };
+    uint64_t random = 2;
+    struct stage s;
+    struct layers one = {0}, other = {0};
+    struct rendition r;
+    CHECK(stage_init(&s, (uint32_t[]){2, 2, 2}, 6, NULL) == OK);
+    s.border.opacity[1] = 50;
+    CHECK(rendition_init(&r, 8, 8, NULL) == OK);
+    CHECK(layers_take(&one, &r, &s.border, NULL) == OK);
+    CHECK(layers_take(&other, &r, &s.border, NULL) == OK);
+    for (int round = 0; round < 2000; round++) {
+        struct layer put[PUTS];
+        layers_put_none(&one, 0);
+        layers_put_none(&other, 0);
+        for (int i = 0; i < PUTS; i++) {
+            const uint32_t depth = check_below(&random, 9), cell = check_below(&random, 4);
+            put[i] = (struct layer){depth, cell, (uint8_t)(1 + cell % 3)};
+            layers_put(&one, 0, depth, cell, put[i].label, put[i].label == 3);
+        }
+        for (int i = PUTS - 1; i >= 0; i--)
+            layers_put(&other, 0, put[i].depth, put[i].cell, put[i].label, put[i].label == 3);
+        CHECK(one.count[0] == other.count[0] && one.last_cell[0] == other.last_cell[0]);
+        CHECK(memcmp(one.depth, other.depth, one.count[0] * sizeof *one.depth) == 0);
+        CHECK(memcmp(one.cell, other.cell, one.count[0] * sizeof *one.cell) == 0);
+        for (unsigned k = 1; k < one.count[0]; k++)
+            CHECK(one.depth[k] > one.depth[k - 1] ||
+                  (one.depth[k] == one.depth[k - 1] && one.cell[k] > one.cell[k - 1]));
+    }
+    rendition_release(&r);
+    layers_release(&one);
+    layers_release(&other);
+    stage_release(&s);
+}
+
 /* ---- what they come to ---- */
 
 enum { SIDE = 21, MIDDLE = 10 };
@@ -319,6 +356,7 @@ STORY(each_front_of_an_object_is_a_layer)
 int main(void)
 {
     return RUN_STORIES(TELL(each_pixel_has_the_layers_that_its_ray_passes),
+                       TELL(in_whatever_order_layers_are_put_they_are_the_same),
                        TELL(shares_of_squares_add_up_from_the_front),
                        TELL(what_has_the_largest_share_is_what_a_pixel_shows),
                        TELL(an_opaque_object_is_seen_however_many_are_before_it),

@@ -21,6 +21,20 @@ static bool same_maps(const struct rendition *a, const struct rendition *b, cons
     return true;
 }
 
+/* Of renditions that have them: what counts of each pixel's, to the opaque one. */
+static bool same_layers(const struct rendition *r, const struct layers *a, const struct layers *b)
+{
+    for (size_t pixel = 0; r->layers && pixel < (size_t)r->width * r->height; pixel++)
+        for (unsigned k = 0; k <= LAYERS_MOST; k++) {
+            const struct layer p = layers_at(a, pixel, k), q = layers_at(b, pixel, k);
+            if (p.depth != q.depth || p.cell != q.cell || p.label != q.label)
+                return false;
+            if (p.depth == a->last_depth[pixel])
+                break;
+        }
+    return true;
+}
+
 /* Whatever the surface, what is seen is a voxel that is shown, of the label that the pixel has. */
 static bool shows_voxels(const struct stage *s, const struct rendition *r)
 {
@@ -48,10 +62,13 @@ static bool modes_agree(struct stage *s, struct rendition *kept)
     CHECK(rendition_init(&other, s->view.width, s->view.height, NULL) == OK);
     stage_render(s, &bp, project_border);
     CHECK(shows_voxels(s, &bp));
+    bool same = CHECK(same_layers(&bp, &layers, &s->layers));
     stage_render(s, &other, project_scene);
-    bool same = CHECK(same_maps(&bp, &other, "scene projection"));
+    same = CHECK(same_maps(&bp, &other, "scene projection")) && same;
+    same = CHECK(same_layers(&other, &layers, &s->layers)) && same;
     stage_render(s, &other, project_rays);
     same = CHECK(same_maps(&bp, &other, "ray walk")) && same;
+    same = CHECK(same_layers(&other, &layers, &s->layers)) && same;
     same = CHECK(same_maps(&bp, kept, "incremental image")) && same;
     shader_release(&s->shader);
     layers_release(&s->layers);
