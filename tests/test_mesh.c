@@ -125,14 +125,14 @@ static void random_place(const struct stage *s, uint64_t *random, uint32_t place
  * of changes come as "everything". */
 static struct changes change_labels(struct stage *s, struct change *item, uint64_t *random)
 {
-    enum { ITEMS = 400 };
+    enum { ITEMS = 9000 };
     const struct grid *grid = &s->scene->grid;
     uint32_t from[3], end[3], count = 0;
-    const bool is_box = check_below(random, 2);
+    const bool is_box = check_below(random, 2), is_large = check_below(random, 4) == 0;
     const uint8_t label = (uint8_t)check_below(random, 4);
     random_place(s, random, from);
     for (int a = 0; a < 3; a++) {
-        end[a] = from[a] + 1 + (is_box ? check_below(random, 7) : 0);
+        end[a] = from[a] + 1 + (is_box ? check_below(random, is_large ? 30 : 7) : 0);
         end[a] = end[a] < grid->size[a] ? end[a] : grid->size[a];
     }
     for (uint32_t z = from[2]; z < end[2]; z++)
@@ -151,7 +151,7 @@ static struct changes change_labels(struct stage *s, struct change *item, uint64
                             .voxels = count};
 }
 
-static void change_what_is_shown(struct stage *s, uint64_t *random)
+static void change_cut_or_labels(struct stage *s, uint64_t *random)
 {
     uint32_t a[3], b[3];
     struct cut *cut = &s->border.cut;
@@ -180,6 +180,13 @@ static void change_what_is_shown(struct stage *s, uint64_t *random)
     default:
         s->border.visible[1 + check_below(random, 3)] = check_below(random, 2);
     }
+}
+
+/* Several at once, as a command may. */
+static void change_what_is_shown(struct stage *s, uint64_t *random)
+{
+    for (uint32_t i = 1 + check_below(random, 4); i > 0; i--)
+        change_cut_or_labels(s, random);
     border_recount(&s->border);
 }
 
@@ -192,7 +199,7 @@ static void change_opacity(struct stage *s, uint64_t *random)
 /* Anything that a mesh is to follow; edits with a note, mostly. */
 static void happens(struct stage *s, enum mesh_kind *kind, uint64_t *random)
 {
-    static struct change item[400];
+    static struct change item[9000];
     switch (check_below(random, 8)) {
     case 0:
         change_what_is_shown(s, random);
@@ -234,6 +241,25 @@ STORY(a_mesh_that_follows_is_the_one_from_nothing)
         }
         stage_release(&s);
     }
+}
+
+/* No voxel is shown or hidden by it, and yet a face is closed no more. */
+STORY(what_was_cut_away_and_is_hidden_now_leaves_an_open_face)
+{
+    struct stage s;
+    CHECK(stage_init(&s, (uint32_t[]){24, 24, 24}, 6, NULL) == OK);
+    for (uint32_t v = 0; v < s.scene->grid.voxels; v++)
+        s.scene->cell[grid_cell(&s.scene->grid, v % 24, v / 24 % 24, v / 576)].label =
+            v % 24 < 12 ? 1 : 2;
+    s.border.cut.last[0] = 11;
+    border_recount(&s.border);
+    CHECK(mesh_update(&s.mesh, &s.border, MESH_SMOOTH, NULL, NULL, NULL) == OK);
+    s.border.cut = cut_none();
+    s.border.visible[2] = false;
+    border_recount(&s.border);
+    CHECK(mesh_update(&s.mesh, &s.border, MESH_SMOOTH, NULL, NULL, NULL) == OK);
+    is_right(&s.mesh, &s.border, MESH_SMOOTH);
+    stage_release(&s);
 }
 
 STORY(any_number_of_threads_makes_the_same_mesh)
@@ -388,6 +414,7 @@ STORY(who_listens_hears_of_every_brick_that_becomes_another)
 int main(void)
 {
     return RUN_STORIES(TELL(a_mesh_that_follows_is_the_one_from_nothing),
+                       TELL(what_was_cut_away_and_is_hidden_now_leaves_an_open_face),
                        TELL(any_number_of_threads_makes_the_same_mesh),
                        TELL(an_update_without_memory_changes_nothing_and_the_next_is_right),
                        TELL(an_update_that_is_stopped_changes_nothing_and_the_next_is_right),

@@ -296,6 +296,37 @@ STORY(a_long_row_of_voxels_is_seen_whole)
     }
 }
 
+/* A voxel of a wall becomes another object: nothing moves, and lines around it are in tiles beside
+ * its own. */
+STORY(lines_around_what_changes_are_drawn_anew)
+{
+    struct stage s;
+    struct rendition kept;
+    CHECK(stage_init(&s, (uint32_t[]){24, 4, 24}, 6, NULL) == OK);
+    for (uint32_t v = 0; v < s.scene->grid.voxels; v++)
+        s.scene->cell[grid_cell(&s.scene->grid, v % 24, v / 24 % 4, v / 96)].label = 1;
+    border_recount(&s.border);
+    s.look.edges = 1;
+    s.look.samples = 4;
+    s.view.width = s.view.height = 96;
+    s.view.zoom = 4 * VIEW_ZOOM_ONE;
+    CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
+    CHECK(rendition_init(&kept, 96, 96, NULL) == OK);
+    stage_render(&s, &kept, project_border);
+    for (uint32_t i = 0; i < 40 && check_failures == 0; i++) {
+        const uint32_t cell = grid_cell(&s.scene->grid, 4 + i * 7 % 16, 3, 4 + i * 5 % 16);
+        struct change change = {cell, s.scene->cell[cell].label, 1 + i % 2};
+        const struct changes changes = {.item = &change, .count = 1, .listed = 1, .voxels = 1};
+        s.scene->cell[cell].label = change.label;
+        border_update(&s.border, &changes);
+        stage_follow(&s, &kept, &changes);
+        stage_shade(&s, &kept);
+        modes_agree(&s, &kept);
+    }
+    rendition_release(&kept);
+    stage_release(&s);
+}
+
 /* Whatever a camera takes: voxels far smaller than a pixel or as large as the picture, long rows of
  * them, and spacings that differ by far. */
 STORY(the_four_modes_agree_however_large_or_long_voxels_are)
@@ -373,6 +404,7 @@ int main(void)
         TELL(sines_are_right_and_symmetric), TELL(a_scene_of_very_thick_slices_has_a_view),
         TELL(named_views_show_the_patient_from_the_side_they_name),
         TELL(the_four_modes_agree_in_every_pixel), TELL(a_long_row_of_voxels_is_seen_whole),
+        TELL(lines_around_what_changes_are_drawn_anew),
         TELL(the_four_modes_agree_however_large_or_long_voxels_are),
         TELL(absurd_views_are_refused_in_words));
 }

@@ -537,6 +537,34 @@ STORY(depths_are_those_of_planes_and_balls)
     memset(off, 0, sizeof off);
 }
 
+/* Whatever the order and direction of its axes, a scene shows its objects from outside. */
+STORY(what_is_seen_is_the_side_towards_us_in_scenes_of_any_orientation)
+{
+    static const int8_t order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
+                                       {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    for (int i = 0; i < 48; i++) {
+        struct stage s;
+        radius = 12;
+        stage_shape(&s, 31, is_ball);
+        for (int a = 0; a < 3; a++) {
+            s.scene->world_axis[a] = order[i / 8][a];
+            s.scene->world_sign[a] = i >> a & 1 ? -1 : 1;
+        }
+        draw(&s, 2000, side[i % SIDES]);
+        CHECK(fabs(radius_seen(&s, 2000) - 12) < 0.2);
+        for (size_t p = 0; p < (size_t)s.view.width * s.view.height; p++) {
+            double at[3], behind = 0;
+            if (s.rendition.cell[p] == CELL_NONE)
+                continue;
+            point_of(&s, p, at);
+            for (int a = 0; a < 3; a++)
+                behind += at[a] * s.camera.ahead[a] / (1 << 30);
+            CHECK(behind < 1 && fabs(above_ball(at)) < 1);
+        }
+        stage_release(&s);
+    }
+}
+
 /* ---- cuts and the scene's edge ---- */
 
 /* Where a ball is cut open, 12.5 voxels above its middle, the scene is shown in a circle, as wide as
@@ -636,6 +664,7 @@ int main(void)
         TELL(what_is_thin_has_no_holes_and_does_not_vanish),
         TELL(a_sheet_of_one_voxel_has_no_hole_from_any_side), TELL(a_single_voxel_does_not_vanish),
         TELL(depths_are_those_of_planes_and_balls),
+        TELL(what_is_seen_is_the_side_towards_us_in_scenes_of_any_orientation),
         TELL(a_face_that_is_cut_open_is_flat_and_ends_where_the_surface_does),
         TELL(the_rim_of_a_cut_is_a_line), TELL(the_edge_of_the_scene_is_flat));
 }
