@@ -309,7 +309,7 @@ STORY(lines_around_what_changes_are_drawn_anew)
     s.look.edges = 1;
     s.look.samples = 4;
     s.view.width = s.view.height = 96;
-    s.view.zoom = 4 * VIEW_ZOOM_ONE;
+    s.view.zoom = 3300;
     CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
     CHECK(rendition_init(&kept, 96, 96, NULL) == OK);
     stage_render(&s, &kept, project_border);
