@@ -92,7 +92,8 @@ struct mesh_listener {
 };
 
 /* Makes it that of the border as it is now. ERR_MEMORY, and what the watch says: it is as it was,
- * or without quads where it was another border's, and stays to be updated. `listener` may be NULL. */
+ * or without quads where it was another border's, and stays to be updated. `listener` may be
+ * NULL. */
 enum err mesh_update(struct mesh *mesh, const struct border *border, enum mesh_kind kind,
                      struct team *team, const struct mesh_listener *listener, struct fault *fault);
 

@@ -36,8 +36,8 @@ static size_t pass(struct passed *out, const struct stage *s, uint32_t column, u
     return count;
 }
 
-/* Of what a ray passes, the layers: where it comes into a translucent object, up to the first opaque
- * one, which *last is. */
+/* Of what a ray passes, the layers: where it comes into a translucent object, up to the first
+ * opaque one, which *last is. */
 static size_t pick_layers(struct passed *passed, size_t count, const struct stage *s,
                           struct passed *last)
 {

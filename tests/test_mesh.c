@@ -52,7 +52,7 @@ static bool is_same_mesh(const struct mesh *a, const struct mesh *b)
     return true;
 }
 
-/* What render/mesh.h says of vertices and of the order of quads, and that each is of a voxel that is
+/* What render/mesh.h says of vertices and of the order of quads; and each is of a voxel that is
  * shown. */
 static bool holds(const struct mesh *mesh)
 {

@@ -231,7 +231,7 @@ static double mean_ball(double of, uint64_t *random)
     return sum;
 }
 
-/* The mean radius of rods of 40 voxels, seen from aside: half of what they cover of their length. */
+/* The mean radius of rods of 40 voxels, from aside: half of what they cover of their length. */
 static double mean_rod(double of, uint64_t *random)
 {
     enum { RODS = 8 };
@@ -567,8 +567,8 @@ STORY(what_is_seen_is_the_side_towards_us_in_scenes_of_any_orientation)
 
 /* ---- cuts and the scene's edge ---- */
 
-/* Where a ball is cut open, 12.5 voxels above its middle, the scene is shown in a circle, as wide as
- * the last layer of voxels in its middle, and flat. */
+/* Where a ball is cut open, 12.5 voxels above its middle, the scene is shown in a circle, as wide
+ * as the last layer of voxels in its middle, and flat. */
 STORY(a_face_that_is_cut_open_is_flat_and_ends_where_the_surface_does)
 {
     struct stage s;
