@@ -142,13 +142,6 @@ static bool count_shown(struct border *border, struct task *task)
     return task_advance(task, 0);
 }
 
-void border_recount_shown(struct border *border)
-{
-    const uint64_t cells = border->scene->grid.cells;
-    struct task task = task_begin(border->scene->watch, "shown voxels", cells);
-    count_shown(border, &task);
-}
-
 void border_recount(struct border *border)
 {
     const uint64_t cells = border->scene->grid.cells;

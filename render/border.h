@@ -64,10 +64,6 @@ void border_update(struct border *border, const struct changes *changes);
 /* After `visible` or `cut` has changed, or to start with: a scan of the scene, under its watch. */
 void border_recount(struct border *border);
 
-/* The first half of that: `shown` alone, which is all that scene projection reads. The other
- * set is then out of date. */
-void border_recount_shown(struct border *border);
-
 static inline bool border_shows(const struct border *border, uint32_t cell)
 {
     return border->shown[cell >> 6] >> (cell & 63) & 1;

@@ -2,8 +2,9 @@
  * Layers: what each pixel shows where some of the objects are translucent.
  *
  * Each translucent object has a surface of its own, and all opaque ones have one together
- * (render/mesh.h). Where the ray of a pixel comes into one of them is a layer of the pixel; where it
- * leaves one is none, so an object is as dense as its front. A pixel holds its nearest LAYERS_MOST
+ * (render/mesh.h). Where the ray of a pixel comes into one of them is a layer of the pixel; where
+ * it leaves one is none, so an object is as dense as its front. A pixel holds its nearest
+ * LAYERS_MOST
  * translucent layers that lie before the first opaque one, and that one: however many surfaces are
  * before it, an opaque object is seen. Layers have keys, as pixels have (render/projection.h), so
  * they are a function of what is shown and of the view, in whatever order triangles are drawn.

@@ -82,7 +82,7 @@ enum { OPAQUE = 0 };
 
 static bool has_own_net(const struct mesh *mesh, uint8_t label)
 {
-    return mesh->kind == MESH_APART || mesh->border->opacity[label] < BORDER_OPAQUE;
+    return (mesh->kind & MESH_APART) || mesh->border->opacity[label] < BORDER_OPAQUE;
 }
 
 struct group_source {
@@ -141,7 +141,7 @@ static void find_extents(const struct mesh *mesh, const struct region *r, const 
 {
     const struct border *border = mesh->border;
     const struct grid *grid = &border->scene->grid;
-    const bool has_walls = mesh->kind == MESH_APART || border_is_translucent(border);
+    const bool has_walls = (mesh->kind & MESH_APART) || border_is_translucent(border);
     const uint32_t *first = r->box.first, *end = r->box.end;
     memset(extent, 0, 256 * sizeof *extent);
     for (uint32_t z = first[2]; z < end[2]; z++)
@@ -368,7 +368,7 @@ static void make_region(const struct mesh *mesh, struct region *r, struct fault 
 {
     const struct border *border = mesh->border;
     struct group_source groups = {.border = border};
-    struct net_source source = {read_row, &groups, {0}, mesh->kind == MESH_CUBES};
+    struct net_source source = {read_row, &groups, {0}, mesh->kind & MESH_CUBES};
     struct extent *extent = mem_array(256, sizeof *extent);
     const uint64_t unit = view_unit(border->scene);
     if (!extent) {
@@ -463,8 +463,12 @@ static void mark_all(struct mesh *mesh)
 
 void mesh_note(struct mesh *mesh, const struct border *border, const struct changes *changes)
 {
-    if (mesh->border != border || changes->everything || border->version != mesh->version + 1)
-        return; /* mesh_update looks for itself */
+    if (mesh->border != border)
+        return;
+    if (changes->everything || border->version != mesh->version + 1) {
+        mesh->is_lost = true; /* mesh_update looks for itself */
+        return;
+    }
     for (size_t i = 0; i < changes->count; i++) {
         const struct change *c = changes->item + i;
         if (!border->visible[c->former_label] && !border->visible[c->label])
@@ -518,13 +522,25 @@ static void mark_recounted(struct mesh *mesh)
     }
 }
 
-/* Whether the mesh is of other things altogether. */
+/* Whether the mesh is of other things altogether. Labels of voxels that have no quad count where
+ * they are cut away, and where objects may come to have walls. */
 static bool is_other(const struct mesh *mesh, const struct border *border, enum mesh_kind kind)
 {
+    const bool is_cut = mesh->is_cut || !cut_is_none(&border->cut);
+    const bool has_walls = (kind & MESH_APART) || border_is_translucent(border);
     return mesh->kind != kind ||
            memcmp(mesh->opacity, border->opacity, sizeof mesh->opacity) != 0 ||
-           (!cut_is_none(&border->cut) &&
-            memcmp(mesh->visible, border->visible, sizeof mesh->visible) != 0);
+           (is_cut && memcmp(mesh->visible, border->visible, sizeof mesh->visible) != 0) ||
+           (mesh->is_lost && (is_cut || has_walls));
+}
+
+static void take_after(struct mesh *mesh, const struct border *border, enum mesh_kind kind)
+{
+    mesh->kind = kind;
+    memcpy(mesh->opacity, border->opacity, sizeof mesh->opacity);
+    memcpy(mesh->visible, border->visible, sizeof mesh->visible);
+    mesh->is_cut = !cut_is_none(&border->cut);
+    mesh->version = border->version;
 }
 
 static enum err begin(struct mesh *mesh, const struct border *border, struct fault *fault)
@@ -635,10 +651,8 @@ enum err mesh_update(struct mesh *mesh, const struct border *border, enum mesh_k
         mark_recounted(mesh);
     if (err || (!mesh->is_stale && mesh->version == border->version))
         return err;
-    mesh->kind = kind;
-    memcpy(mesh->opacity, border->opacity, sizeof mesh->opacity);
-    memcpy(mesh->visible, border->visible, sizeof mesh->visible);
-    mesh->version = border->version;
+    const struct mesh former = *mesh;
+    take_after(mesh, border, kind);
     if (!find_regions(&u))
         err = fault_memory(fault, "a surface");
     u.team = u.regions > 1 ? team : NULL;
@@ -657,9 +671,12 @@ enum err mesh_update(struct mesh *mesh, const struct border *border, enum mesh_k
         for (size_t b = 0; b < sizeof u.region[i].brick / sizeof *u.region[i].brick; b++)
             free_brick(u.region[i].brick[b]);
     }
-    if (!err)
+    if (err)
+        *mesh = former;
+    else
         memset(mesh->stale, 0, mesh->regions * sizeof *mesh->stale);
     mesh->is_stale = err != OK;
+    mesh->is_lost = mesh->is_lost && err;
     free(u.region);
     return err;
 }

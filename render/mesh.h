@@ -55,8 +55,9 @@ struct mesh_box {
 
 enum mesh_kind {
     MESH_SMOOTH,
-    MESH_APART, /* each object has a net of its own */
-    MESH_CUBES  /* vertices stay at the corners of voxels */
+    MESH_APART = 1, /* each object has a net of its own */
+    MESH_CUBES = 2, /* vertices stay at the corners of voxels */
+    MESH_CUBES_APART = MESH_CUBES | MESH_APART
 };
 
 struct mesh {
@@ -65,6 +66,8 @@ struct mesh {
     enum mesh_kind kind;
     uint8_t opacity[256]; /* of the border, then; and whether labels were visible */
     bool visible[256];
+    bool is_cut;               /* likewise: whether something was cut away */
+    bool is_lost;              /* labels have become others since, in a way that no list says */
     uint32_t size[3], bricks;  /* bricks along each axis, and in all */
     struct mesh_brick **brick; /* [z][y][x]; NULL where nothing is seen */
     uint32_t regions;
@@ -77,7 +80,7 @@ struct mesh {
 void mesh_release(struct mesh *mesh);
 size_t mesh_bytes(const struct mesh *mesh);
 
-/* After border_update with these changes. */
+/* After border_update with these changes: each change of its labels is to be told. */
 void mesh_note(struct mesh *mesh, const struct border *border, const struct changes *changes);
 
 /* Told of each brick that is replaced, before it is: what was there is `mesh->brick[number]`, what
@@ -89,7 +92,8 @@ struct mesh_listener {
 };
 
 /* Makes it that of the border as it is now. ERR_MEMORY, and what the watch says: it is as it was,
- * and stays to be updated. `listener` may be NULL. */
+ * or without quads where it was another border's, and stays to be updated. `listener` may be
+ * NULL. */
 enum err mesh_update(struct mesh *mesh, const struct border *border, enum mesh_kind kind,
                      struct team *team, const struct mesh_listener *listener, struct fault *fault);
 

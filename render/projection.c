@@ -77,6 +77,7 @@ static inline struct point point_of(const struct drawer *d, const int64_t base[3
 
 struct window {
     int32_t left, top, right, bottom; /* both ends included */
+    bool is_by_pixel;                 /* each by itself, as its ray has it */
 };
 
 /* On which side of an edge a pixel lies: twice the area between the two. An edge through a centre
@@ -176,6 +177,12 @@ static void draw_triangle(struct rendition *r, const struct window *w, const str
     const int32_t bottom = least_of(w->bottom, most_of(a->y, most_of(b->y, c->y)) >> POINT_BITS);
     if (left > right || top > bottom)
         return;
+    if (w->is_by_pixel) {
+        for (int32_t y = top; y <= bottom; y++)
+            for (int32_t x = left; x <= right; x++)
+                draw_triangle(r, &(struct window){x, y, x, y, false}, a, b, c, o);
+        return;
+    }
     struct edge_function e[3] = {edge_of(a, b, left, top), edge_of(b, c, left, top),
                                  edge_of(c, a, left, top)};
     struct slope slope = {0};
@@ -187,7 +194,7 @@ static void draw_triangle(struct rendition *r, const struct window *w, const str
                     slope = slope_of(a, b, c, area);
                 put(r, (size_t)y * r->width + (size_t)x,
                     (size_t)(y / TILE) * r->tiles_x + (size_t)(x / TILE),
-                    depth_at(&slope, x, y) << NUMBER_BITS | o->number, o);
+                    depth_at(&slope, x, y) * (1 << NUMBER_BITS) + o->number, o);
             }
             e0 += e[0].right, e1 += e[1].right, e2 += e[2].right;
         }
@@ -327,7 +334,7 @@ static bool is_hidden(struct rendition *r, const struct place_seen *seen)
 
 static struct window whole(const struct rendition *r)
 {
-    return (struct window){0, 0, (int32_t)r->width - 1, (int32_t)r->height - 1};
+    return (struct window){0, 0, (int32_t)r->width - 1, (int32_t)r->height - 1, false};
 }
 
 static void clear(struct rendition *r)
@@ -403,7 +410,7 @@ void project_stale(struct rendition *r, const struct camera *camera, const struc
 {
     struct task task = task_begin(camera->scene->watch, "rendition", mesh->bricks);
     const size_t tiles = (size_t)r->tiles_x * r->tiles_y;
-    struct window window = {INT32_MAX, INT32_MAX, -1, -1};
+    struct window window = {INT32_MAX, INT32_MAX, -1, -1, false};
     for (size_t i = rendition_tile(r, 0, tiles, TILE_STALE); i < tiles;
          i = rendition_tile(r, i + 1, tiles, TILE_STALE)) {
         const int32_t left = (int32_t)(i % r->tiles_x) * TILE;
@@ -430,15 +437,15 @@ void project_rays(struct rendition *r, const struct camera *camera, const struct
     for (size_t tile = 0; tile < tiles && task_advance(&task, mesh->bricks); tile++) {
         const int32_t left = (int32_t)(tile % r->tiles_x) * TILE;
         const int32_t top = (int32_t)(tile / r->tiles_x) * TILE;
-        const int32_t right = least_of(left + TILE, (int32_t)r->width) - 1;
-        const int32_t bottom = least_of(top + TILE, (int32_t)r->height) - 1;
+        const struct window window = {left, top, least_of(left + TILE, (int32_t)r->width) - 1,
+                                      least_of(top + TILE, (int32_t)r->height) - 1, true};
         for (uint32_t b = 0; b < mesh->bricks; b++) {
             if (!mesh->brick[b])
                 continue;
             const struct footprint f = seen_of(&d, b).pixels;
-            for (int32_t y = most_of(top, f.top); y <= least_of(bottom, f.bottom); y++)
-                for (int32_t x = most_of(left, f.left); x <= least_of(right, f.right); x++)
-                    draw_brick(&d, r, &(struct window){x, y, x, y}, b);
+            if (f.left <= window.right && f.right >= window.left && f.top <= window.bottom &&
+                f.bottom >= window.top)
+                draw_brick(&d, r, &window, b);
         }
     }
 }

@@ -1,11 +1,12 @@
 /*
  * The rendition: which voxel each pixel shows, at what depth, and in what colour.
  *
- * A pixel's key is depth and voxel, and the least wins. So the map is a function of what is shown and
- * of the view, and the four ways of making it (render/projection.h) agree in every pixel.
+ * A pixel's key is depth and voxel, and the least wins. So the map is a function of what is shown
+ * and of the view, and the four ways of making it (render/projection.h) agree in every pixel.
  *
  * Invariant R1: depths and voxels are what any of the four gives, and the rest follows from them; a
- * pixel that shows nothing has DEPTH_NONE, CELL_NONE, and once it is shaded label 0, colour 0 and normal 0.
+ * pixel that shows nothing has DEPTH_NONE, CELL_NONE, and once it is shaded label 0, colour 0 and
+ * normal 0.
  * Where the scene itself is put behind objects (render/mip.h), it has a colour.
  */
 #ifndef RENDER_RENDITION_H

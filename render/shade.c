@@ -29,7 +29,8 @@ size_t shader_bytes(const struct shader *shader)
 
 enum mesh_kind shade_kind(const struct look *look)
 {
-    return look->mode == SHADE_CUBES ? MESH_CUBES : look->creases ? MESH_APART : MESH_SMOOTH;
+    return (look->mode == SHADE_CUBES ? MESH_CUBES : MESH_SMOOTH) |
+           (look->creases ? MESH_APART : MESH_SMOOTH);
 }
 
 /* Translucent objects let the light in. */

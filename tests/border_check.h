@@ -11,34 +11,6 @@ static inline bool border_should_show(const struct border *border, uint32_t cell
            !cut_takes(&border->cut, &scene->grid, cell);
 }
 
-/* A voxel beside that is outside the scene is neither. */
-static inline bool border_should_be_solid(const struct border *border, uint32_t cell)
-{
-    const struct grid *grid = &border->scene->grid;
-    bool solid = border_should_show(border, cell);
-    if (!border->has_skin || border->scene->cell[cell].flags & CELL_RIM ||
-        cut_takes(&border->cut, grid, cell))
-        return solid;
-    for (int a = 0; a < 3; a++)
-        solid = solid || border_should_show(border, cell - (uint32_t)grid->step[a]) ||
-                border_should_show(border, cell + (uint32_t)grid->step[a]);
-    return solid;
-}
-
-static inline bool border_check_hull(const struct border *border, uint32_t at)
-{
-    const struct grid *grid = &border->scene->grid;
-    const bool solid = border_should_be_solid(border, at);
-    bool inside = solid;
-    for (int a = 0; a < 3; a++)
-        inside = inside && border_should_be_solid(border, at - (uint32_t)grid->step[a]) &&
-                 border_should_be_solid(border, at + (uint32_t)grid->step[a]);
-    const bool whole = border->has_skin ? border->visible[labels_at(&border->labels, at)]
-                                        : border_should_show(border, at);
-    return (border->whole[at >> 6] >> (at & 63) & 1) == whole &&
-           border_is_solid(border, at) == solid && border_is_hull(border, at) == (solid && !inside);
-}
-
 static inline bool border_check_block(const struct border *border, uint32_t x, uint32_t y,
                                       uint32_t z)
 {
@@ -47,7 +19,7 @@ static inline bool border_check_block(const struct border *border, uint32_t x, u
     const uint32_t down = ((grid->size[1] - 1) >> BORDER_BLOCK_BITS) + 1;
     const size_t plane = (size_t)(z >> BORDER_BLOCK_BITS) * down + (y >> BORDER_BLOCK_BITS);
     return border->occupied[plane * across + (x >> BORDER_BLOCK_BITS)] ||
-           !border_is_solid(border, grid_cell(grid, x, y, z));
+           !border_shows(border, grid_cell(grid, x, y, z));
 }
 
 /* `why` names the first voxel where it does not hold. */
@@ -63,8 +35,7 @@ static inline bool border_check(const struct border *border, struct fault *why)
                 for (int a = 0; a < 3; a++)
                     inside = inside && border_should_show(border, at - (uint32_t)grid->step[a]) &&
                              border_should_show(border, at + (uint32_t)grid->step[a]);
-                if (border_shows(border, at) != shown || !border_check_hull(border, at) ||
-                    !border_check_block(border, x, y, z) ||
+                if (border_shows(border, at) != shown || !border_check_block(border, x, y, z) ||
                     border_holds(border, at) != (shown && !inside)) {
                     fault_set(why, ERR_CHECK, "voxel %u,%u,%u: B1: the border is not a recount", x,
                               y, z);

@@ -11,6 +11,7 @@
 
 #include "render/border.h"
 #include "engine/forest.h"
+#include "render/incremental.h"
 #include "render/layers.h"
 #include "render/mesh.h"
 #include "render/projection.h"
@@ -111,6 +112,15 @@ static inline void stage_render(struct stage *s, struct rendition *rendition, pr
     stage_fit(s, rendition);
     project(rendition, &s->camera, &s->mesh);
     stage_shade(s, rendition);
+}
+
+/* After an edit, which the border has followed: the mesh and the pixels do. */
+static inline void stage_follow(struct stage *s, struct rendition *rendition,
+                                const struct changes *changes)
+{
+    mesh_note(&s->mesh, &s->border, changes);
+    CHECK(incremental_image(rendition, &s->camera, &s->mesh, &s->border, &s->look, changes,
+                            s->shader.team, NULL) == OK);
 }
 
 /* The stage's picture of what is shown, by its view. */

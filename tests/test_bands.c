@@ -68,7 +68,6 @@ static void look_at_random(struct stage *s, uint64_t *random)
     s->view.height = s->look.samples * (1 + check_below(random, 90));
     s->view.zoom = s->look.samples * (300 + check_below(random, 10000));
     CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
-    CHECK(stage_fit_border(s) == OK);
 }
 
 static void begin(struct stage *s, struct rendition *fine, struct rendition *out)
@@ -76,12 +75,12 @@ static void begin(struct stage *s, struct rendition *fine, struct rendition *out
     CHECK(rendition_init(fine, s->view.width, s->view.height, NULL) == OK);
     CHECK(rendition_init(out, s->view.width / s->look.samples, s->view.height / s->look.samples,
                          NULL) == OK);
-    stage_take_layers(s, fine);
+    stage_fit(s, fine);
 }
 
 static void colour(struct stage *s, struct rendition *fine, struct rendition *out)
 {
-    CHECK(shade(fine, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) == OK);
+    CHECK(shade(fine, &s->camera, &s->mesh, &s->palette, &s->look, &s->shader, NULL) == OK);
     rendition_reduce(out, fine, s->look.samples, NULL);
 }
 
@@ -124,13 +123,13 @@ static uint64_t sum_of_rows(const struct rendition *r)
 /* In bands of several heights, by several projections; stored, or taken as they come. */
 static bool bands_agree(struct stage *s, const struct rendition *whole)
 {
-    static projection *const projections[] = {splat_border, splat_scene, raycast};
+    static projection *const projections[] = {project_border, project_scene, project_rays};
     bool fine = true;
     for (uint32_t i = 0; fine && i < 5; i++) {
         struct rendition out;
         const struct bands bands = {.project = projections[i % 3],
                                     .camera = &s->camera,
-                                    .border = &s->border,
+                                    .mesh = &s->mesh,
                                     .palette = &s->palette,
                                     .look = &s->look,
                                     .shader = &s->shader,
@@ -159,13 +158,12 @@ STORY(bands_of_any_height_are_the_whole_and_so_is_what_follows_edits)
         look_at_random(&s, &random);
         begin(&s, &fine, &out);
         s.shader.team = team[number % 4];
-        splat_border(&fine, &s.camera, &s.border);
+        project_border(&fine, &s.camera, &s.mesh);
         colour(&s, &fine, &out);
         bool agree = bands_agree(&s, &out);
         for (int i = 0; agree && i < 4; i++) {
             const struct changes changes = edit(&s, &random);
-            incremental_image(&fine, &s.camera, &s.border, &changes,
-                              shade_reach(&s.look, &s.camera));
+            stage_follow(&s, &fine, &changes);
             colour(&s, &fine, &out);
             agree = bands_agree(&s, &out);
         }

@@ -15,10 +15,7 @@ static void draw(struct stage *s, struct rendition *out)
 {
     CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
     CHECK(rendition_init(out, s->view.width, s->view.height, NULL) == OK);
-    CHECK(stage_fit_border(s) == OK);
-    splat_border(out, &s->camera, &s->border);
-    CHECK(shade(out, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) == OK);
-    stage_fill(out, s->look.samples);
+    stage_render(s, out, project_border);
 }
 
 static const int16_t *normal_at(const struct rendition *r, size_t pixel)
@@ -59,6 +56,7 @@ static void stage_at_random(struct stage *s, uint64_t *random)
     s->look.mode =
         (enum shade_mode[]){SHADE_SURFACE, SHADE_SCENE, SHADE_CUBES}[check_below(random, 3)];
     s->look.creases = 1;
+    s->look.samples = 1; /* where others meet it in a pixel, no sample stands for all of them */
     s->view.width = s->view.height = 90;
     s->view.zoom = 1000 + check_below(random, 2000);
 }
@@ -70,11 +68,14 @@ static void show_alone(struct stage *s, int label)
     border_recount(&s->border);
 }
 
-/* How many pixels show the same point of an object in both; they have the same normal then. */
+/* A pixel that shows the same point in both has the same normal, and none shows what lies after
+ * what an object shows there alone. How many are the same. */
 static size_t compare(const struct rendition *all, const struct rendition *alone, bool *agree)
 {
     size_t same = 0;
     for (size_t i = 0; i < (size_t)all->width * all->height; i++) {
+        *agree = *agree && all->depth[i] <= alone->depth[i] &&
+                 (all->label[i] != alone->label[i] || all->depth[i] == alone->depth[i]);
         if (alone->cell[i] == CELL_NONE || all->cell[i] != alone->cell[i] ||
             all->depth[i] != alone->depth[i])
             continue;
@@ -140,10 +141,11 @@ STORY(there_is_a_crease_where_two_objects_touch_and_nowhere_else)
         const size_t pixel = 20 * 40 + x;
         const int across = normal_at(&creased, pixel)[0], far = x < 20 ? 19 - (int)x : (int)x - 20;
         CHECK_INT(normal_at(&smooth, pixel)[0], 0);
-        CHECK(smooth.depth[pixel] == creased.depth[pixel]);
-        if (far > 6)
+        if (far > 8) {
+            CHECK(smooth.depth[pixel] == creased.depth[pixel]);
             CHECK_INT(across, 0);
-        else if (far < 2) /* it looks at the other one */
+        }
+        if (far < 2) /* it looks at the other one */
             CHECK(creased.label[pixel] == 1 ? across > 4000 : across < -4000);
     }
     rendition_release(&smooth);

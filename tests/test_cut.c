@@ -3,7 +3,6 @@
  * and hidden labels, and commands whose every step can be taken back.
  */
 #include "command/resume.h"
-#include "render/incremental.h"
 #include "interpreting.h"
 
 #include <errno.h>
@@ -143,7 +142,6 @@ static void stage_at_random(struct stage *s, uint64_t *random)
     for (int a = 0; a < 3; a++)
         size[a] = 1 + check_below(random, check_below(random, 3) ? 24 : 4);
     CHECK(stage_init(s, size, 6, NULL) == OK);
-    s->look.number = LOOK_FIRST + check_below(random, LOOK_PRESENT);
     s->look.mode = (enum shade_mode)check_below(random, 4);
     s->look.edges = check_below(random, 2);
     s->look.ao_percent = stage_occlusion(random);
@@ -238,30 +236,15 @@ static bool same(const struct rendition *a, const struct rendition *b, const cha
     return fine;
 }
 
-static void paint(struct stage *s, struct rendition *r)
-{
-    CHECK(shade(r, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) == OK);
-    stage_fill(r, s->look.samples);
-}
-
-typedef void projection(struct rendition *, const struct camera *, const struct border *);
-
-static void draw(struct stage *s, struct rendition *r, projection *project)
-{
-    CHECK(stage_fit_border(s) == OK);
-    project(r, &s->camera, &s->border);
-    paint(s, r);
-}
-
 /* `kept` has followed the edits as an incremental image. */
 static void all_ways_agree(struct stage *s, const struct rendition *kept)
 {
-    static projection *const way[] = {splat_border, splat_scene, raycast};
+    static projection *const way[] = {project_border, project_scene, project_rays};
     static const char *const name[] = {"border projection", "scene projection", "ray walk"};
     struct rendition r;
     CHECK(rendition_init(&r, s->view.width, s->view.height, NULL) == OK);
     for (int i = 0; i < 3; i++) {
-        draw(s, &r, way[i]);
+        stage_render(s, &r, way[i]);
         CHECK(same(&r, kept, name[i]));
     }
     rendition_release(&r);
@@ -275,9 +258,10 @@ static void a_new_shader_sees_the_same(struct stage *s, uint64_t *random)
     CHECK(border_check(&s->border, NULL));
     CHECK(rendition_init(&kept, s->view.width, s->view.height, NULL) == OK);
     CHECK(rendition_init(&anew, s->view.width, s->view.height, NULL) == OK);
-    draw(s, &kept, splat_border);
+    stage_render(s, &kept, project_border);
     shader_release(&s->shader);
-    draw(s, &anew, splat_border);
+    mesh_release(&s->mesh);
+    stage_render(s, &anew, project_border);
     CHECK(same(&kept, &anew, "what a shader kept"));
     rendition_release(&kept);
     rendition_release(&anew);
@@ -310,7 +294,7 @@ STORY(faces_that_are_cut_open_show_the_scene)
     s.view = (struct view){.zoom = 1000, .width = 20, .height = 20};
     CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
     CHECK(rendition_init(&r, 20, 20, NULL) == OK);
-    draw(&s, &r, splat_border);
+    stage_render(&s, &r, project_border);
     /* From the front the patient's left, where x is small, is on the right; row 19 - z is z. */
     for (uint32_t z = 0; z < 20; z++) {
         const uint8_t *open = r.rgba + 4 * ((19 - z) * 20 + 15), *closed = open - 4 * 10;
@@ -338,13 +322,12 @@ STORY(borders_and_pictures_follow_cuts_edits_and_hidden_labels)
         random_cut(&s, &random);
         CHECK(border_check(&s.border, NULL));
         CHECK(rendition_init(&kept, s.view.width, s.view.height, NULL) == OK);
-        draw(&s, &kept, splat_border);
+        stage_render(&s, &kept, project_border);
         for (int step = 0; step < 4 && check_failures == 0; step++) {
             const struct changes changes = random_edit(&s, &random);
             CHECK(border_check(&s.border, NULL));
-            incremental_image(&kept, &s.camera, &s.border, &changes,
-                              shade_reach(&s.look, &s.camera));
-            paint(&s, &kept);
+            stage_follow(&s, &kept, &changes);
+            stage_shade(&s, &kept);
             all_ways_agree(&s, &kept);
         }
         for (uint32_t c = 0; c < s.scene->grid.cells; c++)

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "render/decoration.h"
-#include "render/sweep.h"
+#include "render/projection.h"
 #include "show/decorating.h"
 #include "show/slicing.h"
 #include "tests/interpreting.h"
@@ -47,10 +47,11 @@ static void from_middle(const struct stage *s, uint32_t cell, double along[2])
 {
     const struct grid *grid = &s->scene->grid;
     const uint32_t middle = grid_cell(grid, SIDE / 2, SIDE / 2, SIDE / 2);
-    const struct projection a = project(&s->camera, grid_place(grid, middle));
-    const struct projection b = project(&s->camera, grid_place(grid, cell));
+    int64_t from[3], to[3];
+    project_place(&s->camera, grid_place(grid, middle), from);
+    project_place(&s->camera, grid_place(grid, cell), to);
     for (int i = 0; i < 2; i++)
-        along[i] = (double)(b.centre[i] - a.centre[i]) / (1 << 30);
+        along[i] = (double)(to[i] - from[i]) / (1 << 30);
 }
 
 /* All that letters name lies there, by more than the letters that follow, and what lies there by

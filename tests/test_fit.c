@@ -76,6 +76,7 @@ static void check_fit(const struct world *w, const struct view *view)
 {
     struct view wide = *view;
     struct camera camera;
+    struct mesh mesh = {0};
     struct rendition r;
     uint32_t box[2][2];
     const uint32_t size[2] = {view->width, view->height}, beyond = 60;
@@ -85,7 +86,9 @@ static void check_fit(const struct world *w, const struct view *view)
     if (!CHECK(camera_init(&camera, w->scene, &wide, NULL) == OK))
         return;
     CHECK(rendition_init(&r, wide.width, wide.height, NULL) == OK);
-    splat_border(&r, &camera, &w->border);
+    CHECK(mesh_update(&mesh, &w->border, MESH_CUBES, NULL, NULL, NULL) == OK);
+    project_border(&r, &camera, &mesh);
+    mesh_release(&mesh);
     find_box(box, &r);
     uint64_t most = 0, voxel = 0; /* pixels of the largest */
     for (int a = 0; a < 3; a++) {

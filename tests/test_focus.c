@@ -3,13 +3,12 @@
 
 #include <stdlib.h>
 
-#include "render/border.h"
-#include "engine/forest.h"
 #include "render/projection.h"
 
 struct stage {
     struct scene *scene;
     struct border border;
+    struct mesh mesh;
     struct view view;
     struct camera camera;
 };
@@ -24,6 +23,7 @@ static void stage_init(struct stage *s, const uint32_t size[3])
 
 static void stage_release(struct stage *s)
 {
+    mesh_release(&s->mesh);
     border_release(&s->border);
     scene_free(s->scene);
 }
@@ -62,11 +62,11 @@ static void random_place(const struct scene *scene, uint64_t *random, uint32_t p
         place[a] = check_below(random, scene->grid.size[a]);
 }
 
-static void draw(struct rendition *r, const struct stage *s,
-                 void (*project)(struct rendition *, const struct camera *, const struct border *))
+static void draw(struct rendition *r, struct stage *s, projection *project)
 {
     CHECK(rendition_init(r, s->view.width, s->view.height, NULL) == OK);
-    project(r, &s->camera, &s->border);
+    CHECK(mesh_update(&s->mesh, &s->border, MESH_SMOOTH, NULL, NULL, NULL) == OK);
+    project(r, &s->camera, &s->mesh);
 }
 
 static bool same_maps(const struct rendition *a, const struct rendition *b)
@@ -93,7 +93,7 @@ STORY(the_voxel_in_focus_is_in_the_middle_of_the_picture)
         border_recount(&s.border);
         view_focus_on(&s.view, s.scene, place);
         CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
-        draw(&r, &s, splat_border);
+        draw(&r, &s, project_border);
         CHECK_INT(r.cell[(size_t)(r.height / 2) * r.width + r.width / 2], cell);
         rendition_release(&r);
         stage_release(&s);
@@ -114,9 +114,9 @@ STORY(all_ways_agree_wherever_the_focus_is)
         view_pan(&s.view, &s.camera, check_below(&random, 20001) - (int64_t)10000,
                  check_below(&random, 20001) - (int64_t)10000);
         if (camera_init(&s.camera, s.scene, &s.view, NULL) == OK) {
-            draw(&border, &s, splat_border);
-            draw(&scene, &s, splat_scene);
-            draw(&walk, &s, raycast);
+            draw(&border, &s, project_border);
+            draw(&scene, &s, project_scene);
+            draw(&walk, &s, project_rays);
             CHECK(same_maps(&border, &scene));
             CHECK(same_maps(&border, &walk));
             rendition_release(&border);
@@ -189,7 +189,7 @@ STORY(angles_turn_the_way_they_say)
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
         memcpy(s.view.angle, row[i].angle, sizeof s.view.angle);
         CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
-        draw(&r, &s, splat_border);
+        draw(&r, &s, project_border);
         for (int k = 0; k < 3; k++)
             CHECK_INT(r.cell[(size_t)(20 + row[i].at[k][1]) * 41 + (size_t)(20 + row[i].at[k][0])],
                       grid_cell(&s.scene->grid, end[k][0], end[k][1], end[k][2]));
@@ -209,10 +209,10 @@ STORY(the_focus_changes_no_depth)
     s.view.width = s.view.height = 99;
     s.view.zoom = 2000;
     CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
-    draw(&centred, &s, splat_border);
+    draw(&centred, &s, project_border);
     view_pan(&s.view, &s.camera, 10000, -4000);
     CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
-    draw(&panned, &s, splat_border);
+    draw(&panned, &s, project_border);
     unsigned seen = 0;
     for (uint32_t y = 4; y < 99; y++)
         for (uint32_t x = 0; x < 89; x++) {
@@ -288,7 +288,7 @@ STORY(a_ball_is_round_from_everywhere)
         s.view.width = s.view.height = 300;
         s.view.zoom = (uint32_t)(4 * (uint64_t)least / 1000); /* 4 pixels a millimetre */
         CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
-        draw(&r, &s, splat_border);
+        draw(&r, &s, project_border);
         for (uint32_t y = 0; y < 300; y++)
             for (uint32_t x = 0; x < 300; x++)
                 if (r.cell[y * 300 + x] != CELL_NONE) {

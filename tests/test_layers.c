@@ -5,7 +5,6 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
-#include "render/seams.h"
 #include "tests/ray_search.h"
 #include "tests/stage.h"
 
@@ -37,43 +36,47 @@ static size_t pass(struct passed *out, const struct stage *s, uint32_t column, u
     return count;
 }
 
-/* Of what a ray passes, the layers: the translucent ones, and in *last the opaque one. */
+/* Of what a ray passes, the layers: where it comes into a translucent object, up to the first
+ * opaque one, which *last is. */
 static size_t pick_layers(struct passed *passed, size_t count, const struct stage *s,
                           struct passed *last)
 {
     size_t layers = 0;
-    struct passed *layer = mem_array(count + 1, sizeof *layer);
+    uint8_t before = 0;
     *last = (struct passed){DEPTH_NONE, CELL_NONE, 0};
     for (size_t i = 0; i < count; i++) {
-        bool is_new = passed[i].label != 0;
-        for (size_t k = i > LAYERS_GAP ? i - LAYERS_GAP - 1 : 0; k < i; k++)
-            is_new = is_new && passed[k].label != passed[i].label;
+        const struct passed at = passed[i];
+        const bool is_new = at.label && at.label != before;
+        before = at.label;
         if (!is_new)
             continue;
-        if (s->border.opacity[passed[i].label] == BORDER_OPAQUE) {
-            *last = passed[i];
+        if (s->border.opacity[at.label] == BORDER_OPAQUE) {
+            *last = at;
             break;
         }
-        layer[layers++] = passed[i];
+        passed[layers++] = at;
     }
-    memcpy(passed, layer, layers * sizeof *layer);
-    free(layer);
     return layers < LAYERS_MOST ? layers : LAYERS_MOST;
+}
+
+/* Depths are right to a quarter of a pixel, where faces are not too steep. */
+static bool is_at(int64_t depth, uint32_t cell, uint8_t label, const struct passed *expected)
+{
+    const int64_t apart = depth - expected->depth;
+    return cell == expected->cell && label == expected->label &&
+           (expected->cell == CELL_NONE || llabs(apart) < 1 << (CROSSING_PIXEL_BITS - 2));
 }
 
 static bool layers_are(const struct layers *l, size_t pixel, const struct passed *expected,
                        size_t count, const struct passed *last)
 {
-    bool same = l->last_depth[pixel] == last->depth && l->last_cell[pixel] == last->cell &&
-                l->last_label[pixel] == last->label && l->count[pixel] >= count;
-    for (size_t k = 0; same && k < count; k++) {
-        const size_t at = pixel * LAYERS_MOST + k;
-        same = l->depth[at] == expected[k].depth && l->cell[at] == expected[k].cell &&
-               l->label[at] == expected[k].label;
+    bool same = is_at(l->last_depth[pixel], l->last_cell[pixel], l->last_label[pixel], last);
+    for (unsigned k = 0; same && k < count; k++) {
+        const struct layer layer = layers_at(l, pixel, k);
+        same = is_at(layer.depth, layer.cell, layer.label, &expected[k]);
     }
-    for (size_t k = count; same && k < l->count[pixel]; k++)
-        same = l->depth[pixel * LAYERS_MOST + k] > last->depth;
-    return same;
+    const struct layer end = layers_at(l, pixel, (unsigned)count);
+    return same && (count == LAYERS_MOST || (end.cell == last->cell && end.label == last->label));
 }
 
 static void random_scene(struct stage *s, uint64_t *random)
@@ -96,14 +99,18 @@ static void random_scene(struct stage *s, uint64_t *random)
     s->view.zoom = 300 + check_below(random, 3000);
 }
 
+/* Of cubes, whose faces are known. Where a ray passes by an edge within a 256th of a pixel, the two
+ * may differ. */
 STORY(each_pixel_has_the_layers_that_its_ray_passes)
 {
     uint64_t random = 5;
     const char *factor = getenv("IFTTY_TEST_SCALE");
     const int scenes = 1500 * (factor ? atoi(factor) : 1);
-    for (int i = 0; i < scenes && check_failures == 0; i++) {
+    size_t pixels = 0, others = 0, layers = 0;
+    for (int i = 0; i < scenes; i++) {
         struct stage s;
         random_scene(&s, &random);
+        s.look.mode = SHADE_CUBES;
         s.border.opacity[1] = 30;
         s.border.visible[1] = true;
         draw(&s, 1 + check_below(&random, 12));
@@ -111,13 +118,53 @@ STORY(each_pixel_has_the_layers_that_its_ray_passes)
         for (uint32_t y = 0; y < s.view.height; y++)
             for (uint32_t x = 0; x < s.view.width; x++) {
                 const size_t count = pick_layers(passed, pass(passed, &s, x, y), &s, &last);
-                if (!CHECK(
-                        layers_are(&s.layers, (size_t)y * s.view.width + x, passed, count, &last)))
-                    printf("# scene %d, pixel %u,%u of %zu layers\n", i, x, y, count);
+                pixels++;
+                layers += count;
+                others +=
+                    !layers_are(&s.layers, (size_t)y * s.view.width + x, passed, count, &last);
             }
         free(passed);
         stage_release(&s);
     }
+    if (!CHECK(others * 50 < pixels && layers > pixels / 4))
+        printf("# %zu of %zu pixels differ, of %zu layers\n", others, pixels, layers);
+}
+
+/* Of few depths and voxels, so that many are as near as others, and some are put twice. */
+STORY(in_whatever_order_layers_are_put_they_are_the_same)
+{
+    enum { PUTS = 24 };
+    uint64_t random = 2;
+    struct stage s;
+    struct layers one = {0}, other = {0};
+    struct rendition r;
+    CHECK(stage_init(&s, (uint32_t[]){2, 2, 2}, 6, NULL) == OK);
+    s.border.opacity[1] = 50;
+    CHECK(rendition_init(&r, 8, 8, NULL) == OK);
+    CHECK(layers_take(&one, &r, &s.border, NULL) == OK);
+    CHECK(layers_take(&other, &r, &s.border, NULL) == OK);
+    for (int round = 0; round < 2000; round++) {
+        struct layer put[PUTS];
+        layers_put_none(&one, 0);
+        layers_put_none(&other, 0);
+        for (int i = 0; i < PUTS; i++) {
+            const uint32_t depth = check_below(&random, 9), cell = check_below(&random, 4);
+            put[i] = (struct layer){depth, cell, (uint8_t)(1 + cell % 3)};
+            layers_put(&one, 0, depth, cell, put[i].label, put[i].label == 3);
+        }
+        for (int i = PUTS - 1; i >= 0; i--)
+            layers_put(&other, 0, put[i].depth, put[i].cell, put[i].label, put[i].label == 3);
+        CHECK(one.count[0] == other.count[0] && one.last_cell[0] == other.last_cell[0]);
+        CHECK(memcmp(one.depth, other.depth, one.count[0] * sizeof *one.depth) == 0);
+        CHECK(memcmp(one.cell, other.cell, one.count[0] * sizeof *one.cell) == 0);
+        for (unsigned k = 1; k < one.count[0]; k++)
+            CHECK(one.depth[k] > one.depth[k - 1] ||
+                  (one.depth[k] == one.depth[k - 1] && one.cell[k] > one.cell[k - 1]));
+    }
+    rendition_release(&r);
+    layers_release(&one);
+    layers_release(&other);
+    stage_release(&s);
 }
 
 /* ---- what they come to ---- */
@@ -251,7 +298,7 @@ STORY(each_of_three_balls_within_each_other_is_seen)
     stage_release(&s);
 }
 
-/* ---- refined ---- */
+/* ---- smooth ---- */
 
 /* As wide as a disc of as many pixels, in voxels. */
 static double radius_seen(const struct stage *s, uint32_t times)
@@ -284,8 +331,8 @@ STORY(a_translucent_ball_is_as_wide_as_its_surface)
     stage_release(&s);
 }
 
-/* Two plates of one label: as far apart as a ray along a rough surface leaves it, they are one. */
-STORY(what_lies_close_behind_the_same_object_is_the_same_layer)
+/* Two plates of one label are two layers, however near they lie: each has its own front. */
+STORY(each_front_of_an_object_is_a_layer)
 {
     struct stage s;
     for (uint32_t times = 1; times <= 8; times += 7)
@@ -300,128 +347,20 @@ STORY(what_lies_close_behind_the_same_object_is_the_same_layer)
             s.view.zoom = times * VIEW_ZOOM_ONE;
             draw(&s, SIDE * times);
             const size_t pixel = ((size_t)SIDE * times / 2) * SIDE * times + SIDE * times / 2;
-            if (!CHECK(s.rendition.rgba[4 * pixel + 3] == (gap > LAYERS_GAP ? 191 : 128)))
+            if (!CHECK(s.rendition.rgba[4 * pixel + 3] == 191))
                 printf("# %u pixels to a voxel, %u voxels between\n", times, gap);
             stage_release(&s);
         }
 }
 
-/* ---- seams ---- */
-
-static bool are_same_seams(const struct seams *a, const struct seams *b)
-{
-    bool same = memcmp(a->edge, b->edge, a->words * sizeof *a->edge) == 0;
-    for (int axis = 0; axis < 3; axis++)
-        same = same &&
-               memcmp(a->between[axis], b->between[axis], a->words * sizeof *a->between[axis]) == 0;
-    return same && memcmp(a->label, b->label, a->border->scene->grid.cells) == 0;
-}
-
-/* What was near an edge before is so until a recount. */
-static bool are_near(const struct seams *kept, const struct seams *counted)
-{
-    bool are = kept->has_near && counted->has_near;
-    for (size_t w = 0; w < counted->words; w++)
-        are = are && !(counted->near[w] & ~kept->near[w]);
-    return are;
-}
-
-static bool all_near(const struct seams *seams, const struct grid *grid, struct place p)
-{
-    enum { AROUND = 2 * SEAMS_NEAR + 1 };
-    bool all = true;
-    for (int i = 0; i < AROUND * AROUND * AROUND; i++) {
-        const int64_t x = (int64_t)p.x + i % AROUND - SEAMS_NEAR;
-        const int64_t y = (int64_t)p.y + i / AROUND % AROUND - SEAMS_NEAR;
-        const int64_t z = (int64_t)p.z + i / AROUND / AROUND - SEAMS_NEAR;
-        all = all && (!grid_contains(grid, x, y, z) ||
-                      seams_is_near(seams, grid_cell(grid, (uint32_t)x, (uint32_t)y, (uint32_t)z)));
-    }
-    return all;
-}
-
-/* Around each edge. */
-static bool is_near_as_seen(const struct seams *seams, const struct grid *grid)
-{
-    bool same = true;
-    for (uint32_t v = 0; v < grid->voxels; v++) {
-        const struct place p = {v % grid->size[0], v / grid->size[0] % grid->size[1],
-                                v / grid->size[0] / grid->size[1]};
-        const bool is_edge = seams_is_edge(seams, grid_cell(grid, p.x, p.y, p.z));
-        same = same && (!is_edge || all_near(seams, grid, p));
-    }
-    return same;
-}
-
-STORY(seams_that_follow_edits_are_as_counted_ones)
-{
-    uint64_t random = 11;
-    for (int i = 0; i < 40 && check_failures == 0; i++) {
-        struct stage s;
-        struct seams kept = {0};
-        const uint32_t side = 2 + check_below(&random, 24);
-        CHECK(stage_init(&s, (uint32_t[]){side, side, side}, 6, NULL) == OK);
-        s.border.visible[3] = false;
-        border_recount(&s.border);
-        CHECK(seams_count(&kept, &s.border, NULL) == OK);
-        seams_find_near(&kept);
-        for (int step = 0; step < 8; step++) {
-            struct seams counted = {0};
-            const struct edit edit = {grid_cell(&s.scene->grid, check_below(&random, side),
-                                                check_below(&random, side),
-                                                check_below(&random, side)),
-                                      (int16_t)check_below(&random, 4), 0};
-            CHECK(forest_edit(s.forest, &edit, 1, NULL) == OK);
-            const struct changes changes = forest_changes(s.forest);
-            border_update(&s.border, &changes);
-            CHECK(seams_follow(&kept, &s.border, &changes, NULL) == OK);
-            CHECK(seams_count(&counted, &s.border, NULL) == OK);
-            seams_find_near(&kept); /* which an edit of everything has taken away */
-            seams_find_near(&counted);
-            CHECK(are_same_seams(&kept, &counted));
-            CHECK(are_near(&kept, &counted));
-            CHECK(step > 0 || is_near_as_seen(&counted, &s.scene->grid));
-            seams_release(&counted);
-        }
-        seams_release(&kept);
-        stage_release(&s);
-    }
-}
-
-STORY(around_a_voxel_that_changes_all_is_near)
-{
-    struct stage s;
-    struct seams kept = {0}, counted = {0};
-    CHECK(stage_init(&s, (uint32_t[]){40, 40, 40}, 6, NULL) == OK);
-    for (uint32_t v = 0; v < s.scene->grid.voxels; v++)
-        set_label(&s, v % 40, v / 40 % 40, v / 1600, 1);
-    border_recount(&s.border);
-    CHECK(seams_count(&kept, &s.border, NULL) == OK);
-    seams_find_near(&kept);
-    const struct change change = {grid_cell(&s.scene->grid, 20, 20, 20), 1, 2};
-    const struct changes changes = {.count = 1, .item = &change, .listed = 1, .voxels = 1};
-    CHECK(!seams_is_near(&kept, change.cell));
-    set_label(&s, 20, 20, 20, 2);
-    border_update(&s.border, &changes);
-    CHECK(seams_follow(&kept, &s.border, &changes, NULL) == OK);
-    CHECK(seams_count(&counted, &s.border, NULL) == OK);
-    seams_find_near(&counted);
-    CHECK(are_near(&kept, &counted) && is_near_as_seen(&kept, &s.scene->grid));
-    CHECK(!seams_is_near(&kept, grid_cell(&s.scene->grid, 20, 20, 10)));
-    seams_release(&kept);
-    seams_release(&counted);
-    stage_release(&s);
-}
-
 int main(void)
 {
     return RUN_STORIES(TELL(each_pixel_has_the_layers_that_its_ray_passes),
+                       TELL(in_whatever_order_layers_are_put_they_are_the_same),
                        TELL(shares_of_squares_add_up_from_the_front),
                        TELL(what_has_the_largest_share_is_what_a_pixel_shows),
                        TELL(an_opaque_object_is_seen_however_many_are_before_it),
                        TELL(each_of_three_balls_within_each_other_is_seen),
                        TELL(a_translucent_ball_is_as_wide_as_its_surface),
-                       TELL(what_lies_close_behind_the_same_object_is_the_same_layer),
-                       TELL(seams_that_follow_edits_are_as_counted_ones),
-                       TELL(around_a_voxel_that_changes_all_is_near));
+                       TELL(each_front_of_an_object_is_a_layer));
 }

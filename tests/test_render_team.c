@@ -5,7 +5,6 @@
 
 #include <stdlib.h>
 
-#include "render/incremental.h"
 #include "render/bands.h"
 #include "tests/stage.h"
 
@@ -57,12 +56,12 @@ static void begin(struct stage *s, struct rendition *fine, struct rendition *out
     const uint32_t samples = s->look.samples;
     CHECK(rendition_init(fine, s->view.width, s->view.height, NULL) == OK);
     CHECK(rendition_init(out, s->view.width / samples, s->view.height / samples, NULL) == OK);
-    stage_take_layers(s, fine);
+    stage_fit(s, fine);
 }
 
 static void colour(struct stage *s, struct rendition *fine, struct rendition *out)
 {
-    CHECK(shade(fine, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) == OK);
+    CHECK(shade(fine, &s->camera, &s->mesh, &s->palette, &s->look, &s->shader, NULL) == OK);
     rendition_reduce(out, fine, s->look.samples, s->shader.team);
 }
 
@@ -70,16 +69,16 @@ static void colour(struct stage *s, struct rendition *fine, struct rendition *ou
 static void draw(struct stage *s, struct team *team, uint64_t digest[3])
 {
     struct rendition fine, out;
-    const struct bands bands = {.project = splat_border,
+    const struct bands bands = {.project = project_border,
                                 .camera = &s->camera,
-                                .border = &s->border,
+                                .mesh = &s->mesh,
                                 .palette = &s->palette,
                                 .look = &s->look,
                                 .shader = &s->shader,
                                 .rows = TILE};
     begin(s, &fine, &out);
     s->shader.team = team;
-    splat_border_shared(&fine, &s->camera, &s->border, team);
+    project_border_shared(&fine, &s->camera, &s->mesh, team);
     colour(s, &fine, &out);
     digest[0] = rendition_digest(&out);
     for (int y = 0; y < (int)out.height; y++)
@@ -94,7 +93,7 @@ static void draw(struct stage *s, struct team *team, uint64_t digest[3])
     CHECK(forest_edit(s->forest, &seed, 1, NULL) == OK);
     const struct changes changes = forest_changes(s->forest);
     border_update(&s->border, &changes);
-    incremental_image(&fine, &s->camera, &s->border, &changes, shade_reach(&s->look, &s->camera));
+    stage_follow(s, &fine, &changes);
     colour(s, &fine, &out);
     digest[2] = rendition_digest(&out);
     rendition_release(&fine);
@@ -136,16 +135,15 @@ STORY(a_picture_may_be_stopped_at_any_time)
     stage_at_random(&s, &random);
     s.border.opacity[1] = 50;
     CHECK(rendition_init(&fine, s.view.width, s.view.height, NULL) == OK);
-    stage_take_layers(&s, &fine);
+    stage_fit(&s, &fine);
     s.shader.team = team;
     for (int stop = 0; stop < STOPS; stop++) {
         const int looks = stop * 40 / STOPS;
         int left = looks;
         struct watch watch = {.context = &left, .poll = stop_after_looks, .step = 1000};
         s.scene->watch = &watch;
-        splat_border_shared(&fine, &s.camera, &s.border, team);
-        const enum err err =
-            shade(&fine, &s.camera, &s.border, &s.palette, &s.look, &s.shader, NULL);
+        project_border_shared(&fine, &s.camera, &s.mesh, team);
+        const enum err err = shade(&fine, &s.camera, &s.mesh, &s.palette, &s.look, &s.shader, NULL);
         CHECK(err == OK || err == ERR_CANCELLED);
         s.scene->watch = NULL;
     }

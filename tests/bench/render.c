@@ -87,8 +87,9 @@ static double quantile(struct row *row, double share)
 static enum err colour(struct session *session, struct fault *fault)
 {
     const struct state *now = &session->now;
-    return shade(&session->pictures->rendition, &session->pictures->camera, &session->border,
-                 &now->kept.palette, &now->outlook.look, &session->pictures->shader, fault);
+    struct pictures *p = session->pictures;
+    return shade(&p->rendition, &p->camera, &p->mesh, &now->kept.palette, &now->outlook.look,
+                 &p->shader, fault);
 }
 
 static enum err turn_to(struct session *session, int frame, uint32_t zoom, struct fault *fault)
@@ -123,13 +124,14 @@ static enum err time_turn(struct session *session, struct table *table, uint32_t
          "    both, nothing kept of other frames"}};
     const int which = zoom != VIEW_ZOOM_ONE;
     struct row *row[4];
+    struct pictures *p = session->pictures;
     for (int i = 0; i < 4; i++)
         row[i] = add_row(table, name[which][i]);
     enum err err = turn_to(session, FRAMES - 1, zoom, fault);
     for (int frame = 0; !err && frame < FRAMES; frame++) {
         err = turn_to(session, frame, zoom, fault);
         const uint64_t begin = clock_ns();
-        splat_border(&session->pictures->rendition, &session->pictures->camera, &session->border);
+        project_border(&p->rendition, &p->camera, &p->mesh);
         const uint64_t between = add_since(row[1], begin);
         err = err ? err : colour(session, fault);
         add_since(row[2], between);
@@ -175,11 +177,8 @@ static enum err time_look(struct session *session, struct table *table, const ch
 static enum err time_looks(struct session *session, struct table *table, struct fault *fault)
 {
     struct look look = look_default(LOOK_PRESENT);
-    look.mode = SHADE_SCENE;
-    enum err err = time_look(session, table, "    by the scene's gradient, zoom 1", &look, fault);
-    look.mode = SHADE_DEPTH;
-    if (!err)
-        err = time_look(session, table, "    by depth, zoom 1", &look, fault);
+    look.mode = SHADE_CUBES;
+    enum err err = time_look(session, table, "    as cubes, zoom 1", &look, fault);
     look = look_default(LOOK_PRESENT);
     look.samples = 2;
     if (!err)
@@ -230,10 +229,12 @@ static enum err follow_edit(struct session *session, const struct edit *edit, si
     const bool is_wanted =
         !changes.everything && changes.count >= LEAST_LABELS && changes.count <= MOST_LABELS;
     out->labels = is_wanted ? changes.count : 0;
+    struct pictures *p = session->pictures;
     const uint64_t begin = clock_ns();
-    incremental_image(&session->pictures->rendition, &session->pictures->camera, &session->border,
-                      &changes,
-                      shade_reach(&session->now.outlook.look, &session->pictures->camera));
+    mesh_note(&p->mesh, &session->border, &changes);
+    if (!err)
+        err = incremental_image(&p->rendition, &p->camera, &p->mesh, &session->border,
+                                &session->now.outlook.look, &changes, session->team, fault);
     err = err ? err : colour(session, fault);
     out->ms = times_since(begin);
     return err;

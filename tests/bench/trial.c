@@ -27,6 +27,7 @@ static bool keeps_border(enum experiment e)
 struct work {
     struct session *session; /* its border is the one that is kept up to date */
     struct border sought;    /* and this one is sought in the whole scene */
+    struct mesh mesh[2]; /* of `sought`, from nothing each time; of the session's border, kept */
     struct rendition former; /* before the step, */
     struct rendition made;   /* by the experiment at hand, */
     struct rendition first;  /* and by the first experiment of this step */
@@ -39,6 +40,8 @@ static void work_free(struct work *work)
 {
     if (!work)
         return;
+    mesh_release(&work->mesh[0]);
+    mesh_release(&work->mesh[1]);
     border_release(&work->sought);
     rendition_release(&work->former);
     rendition_release(&work->made);
@@ -110,27 +113,44 @@ static enum err colour(struct work *work, struct rendition *rendition, bool of_k
                        struct fault *fault)
 {
     const struct session *session = work->session;
-    return shade(rendition, &session->pictures->camera, of_kept ? &session->border : &work->sought,
+    return shade(rendition, &session->pictures->camera, &work->mesh[of_kept],
                  &session->now.kept.palette, &session->now.outlook.look, &work->shader[of_kept],
                  fault);
+}
+
+static enum err update_mesh(struct work *work, bool of_kept, const struct changes *changes,
+                            struct fault *fault)
+{
+    const struct session *session = work->session;
+    const enum mesh_kind kind = shade_kind(&session->now.outlook.look);
+    if (of_kept) {
+        mesh_note(&work->mesh[1], &session->border, changes);
+        return mesh_update(&work->mesh[1], &session->border, kind, session->team, NULL, fault);
+    }
+    mesh_release(&work->mesh[0]);
+    return mesh_update(&work->mesh[0], &work->sought, kind, session->team, NULL, fault);
 }
 
 static enum err render(struct work *work, enum experiment e, struct fault *fault)
 {
     const struct session *session = work->session;
     const struct camera *camera = &session->pictures->camera;
-    const struct border *border = keeps_border(e) ? &session->border : &work->sought;
+    const struct look *look = &session->now.outlook.look;
     const struct changes changes = forest_changes(session->forest);
-    if (e == IFT_SP || e == DIFT_SP) {
-        border_recount_shown(&work->sought);
-        splat_scene(&work->made, camera, border);
-    } else if (e == DIFT_II) {
-        incremental_image(&work->made, camera, border, &changes,
-                          shade_reach(&session->now.outlook.look, camera));
+    enum err err = OK;
+    if (e == IFT_SP || e == DIFT_SP)
+        border_recount(&work->sought);
+    if (e == DIFT_II) {
+        mesh_note(&work->mesh[1], &session->border, &changes);
+        err = incremental_image(&work->made, camera, &work->mesh[1], &session->border, look,
+                                &changes, session->team, fault);
     } else {
-        splat_border(&work->made, camera, border);
+        err = update_mesh(work, keeps_border(e), &changes, fault);
+        if (!err)
+            (e == BDIFT_BP || e == DIFT_SCAN_BP ? project_border : project_scene)(
+                &work->made, camera, &work->mesh[keeps_border(e)]);
     }
-    return colour(work, &work->made, keeps_border(e), fault);
+    return err ? err : colour(work, &work->made, keeps_border(e), fault);
 }
 
 /* From the forest before the step, with `former` its picture, to the one after it. */
@@ -158,8 +178,10 @@ static enum err take_back(struct work *work, enum experiment e, const struct edi
         work->erase[i] = (struct edit){edit[i].cell, EDIT_ERASE, 0};
     enum err err = forest_edit(work->session->forest, work->erase, count, fault);
     const struct changes changes = forest_changes(work->session->forest);
-    if (!err && keeps_border(e))
+    if (!err && keeps_border(e)) {
         border_update(&work->session->border, &changes);
+        err = update_mesh(work, true, &changes, fault);
+    }
     return err;
 }
 
@@ -301,9 +323,9 @@ enum err trial_run(struct trial *trial, struct session *session, const struct se
     memcpy(trial->size, session->scene->grid.size, sizeof trial->size);
     view.angle[0] = 30000, view.angle[1] = 15000; /* from in front, a little aside and above */
     view.width = view.height = TRIAL_SIDE;
-    session->now.outlook.look =
-        look_default(LOOK_FIRST); /* faces of voxels, as the paper has them */
-    struct pictures *pictures;    /* the session's, which hold the camera */
+    session->now.outlook.look = look_default(LOOK_PRESENT);
+    session->now.outlook.look.mode = SHADE_CUBES; /* faces of voxels, as the paper has them */
+    struct pictures *pictures;                    /* the session's, which hold the camera */
     enum err err = session_set_view(session, &view, fault);
     if (!err)
         err = pictures_begin(&pictures, session, fault);
@@ -311,6 +333,9 @@ enum err trial_run(struct trial *trial, struct session *session, const struct se
         err = work_new(&work, session, fault);
     if (!err) {
         rendition_clear(&work->former);
+        err = update_mesh(work, true, &(struct changes){.everything = true}, fault);
+    }
+    if (!err) {
         err = colour(work, &work->former, true, fault);
     }
     unsigned planted = 0;

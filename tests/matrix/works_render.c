@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "base/hash.h"
-#include "render/incremental.h"
 #include "render/background.h"
 #include "render/cut.h"
 #include "render/decoration.h"
@@ -50,30 +49,29 @@ static void look_from(struct stage *s)
 static void colour(struct stage *s)
 {
     struct fault fault;
-    must(shade(&s->rendition, &s->camera, &s->border, &s->palette, &s->look, &s->shader, &fault),
+    must(shade(&s->rendition, &s->camera, &s->mesh, &s->palette, &s->look, &s->shader, &fault),
          &fault, "shading");
-    stage_fill(&s->rendition, s->look.samples);
+    stage_fill(&s->rendition);
 }
 
 /* Nothing kept of other pictures, and layers where something is translucent. */
 static void begin_picture(struct stage *s)
 {
     shader_release(&s->shader);
-    must(stage_fit_border(s), &(struct fault){0}, "a border");
-    must(shade_take_layers(&s->shader, &s->layers, &s->rendition, &s->camera, &s->border, &s->look,
-                           NULL),
-         &(struct fault){0}, "layers");
+    mesh_release(&s->mesh);
+    must(mesh_update(&s->mesh, &s->border, shade_kind(&s->look), NULL, NULL, NULL),
+         &(struct fault){0}, "a mesh");
+    must(layers_take(&s->layers, &s->rendition, &s->border, NULL), &(struct fault){0}, "layers");
 }
 
 /* The one digest that all ways of making the picture have. */
 static void tell_picture(struct stage *s, const char *name, int number)
 {
-    static void (*const way[])(struct rendition *, const struct camera *,
-                               const struct border *) = {splat_border, splat_scene, raycast};
+    static projection *const way[] = {project_border, project_scene, project_rays};
     uint64_t digest[3];
     for (int i = 0; i < 3; i++) {
         begin_picture(s);
-        way[i](&s->rendition, &s->camera, &s->border);
+        way[i](&s->rendition, &s->camera, &s->mesh);
         colour(s);
         digest[i] = rendition_digest(&s->rendition);
     }
@@ -112,15 +110,15 @@ static void views(struct stage *s)
 
 static void looks(struct stage *s)
 {
-    for (int i = 0; i < 72; i++) {
-        s->look = look_default(LOOK_FIRST + (uint32_t)i / 24);
-        s->look.mode = (enum shade_mode)(i % 24 % 4);
+    for (int i = 0; i < 24; i++) {
+        s->look = look_default(LOOK_PRESENT);
+        s->look.mode = (enum shade_mode)(i % 4);
         s->look.edges = (uint32_t)i / 3 % 2;
-        s->look.cue_percent = (uint32_t)(i % 24 * 4);
+        s->look.cue_percent = (uint32_t)(i * 4);
         s->look.light[0] = i * 14321;
         s->look.light[1] = i * 3456 - 40000;
         tell_picture(s, "look", i);
-        s->look.ao_percent = (uint32_t)(100 - i);
+        s->look.ao_percent = (uint32_t)(100 - 3 * i);
         s->look.creases = 1;
         tell_picture(s, "occluded", i);
     }
@@ -307,14 +305,13 @@ static void incremental(struct stage *s)
     struct fault fault;
     works_edits(edit, s->scene, 29);
     begin_picture(s);
-    splat_border(&s->rendition, &s->camera, &s->border);
+    project_border(&s->rendition, &s->camera, &s->mesh);
     colour(s);
     for (int i = 0; i < 20; i++) {
         must(forest_edit(s->forest, &edit[i], 1, &fault), &fault, "an edit");
         const struct changes changes = forest_changes(s->forest);
         border_update(&s->border, &changes);
-        incremental_image(&s->rendition, &s->camera, &s->border, &changes,
-                          shade_reach(&s->look, &s->camera));
+        stage_follow(s, &s->rendition, &changes);
         colour(s);
         tell(rendition_digest(&s->rendition), "rendition/incremental/%d", i);
     }
@@ -379,7 +376,7 @@ static void decorations(struct stage *s)
         s->view.angle[1] = i * 13000;
         look_from(s);
         begin_picture(s);
-        splat_border(&s->rendition, &s->camera, &s->border);
+        project_border(&s->rendition, &s->camera, &s->mesh);
         colour(s);
         memcpy(canvas.rgba, s->rendition.rgba, (size_t)4 * canvas.width * canvas.height);
         const uint32_t seen =

@@ -1,0 +1,670 @@
+/*
+ * What is seen of known shapes: as large as they are, without holes, at the depth where they lie,
+ * flat where they are cut.
+ */
+#include "check.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "tests/stage.h"
+
+/* Whether the voxel at this place from the middle of the scene is part of a shape. */
+typedef bool shape(const double at[3]);
+
+static void stage_shape(struct stage *s, uint32_t side, shape *holds)
+{
+    CHECK(stage_init(s, (uint32_t[]){side, side, side}, 6, NULL) == OK);
+    for (uint32_t z = 0; z < side; z++)
+        for (uint32_t y = 0; y < side; y++)
+            for (uint32_t x = 0; x < side; x++) {
+                const double middle = (side - 1) / 2.0;
+                const double at[3] = {x - middle, y - middle, z - middle};
+                s->scene->cell[grid_cell(&s->scene->grid, x, y, z)].label = holds(at);
+            }
+    border_recount(&s->border);
+}
+
+static void draw(struct stage *s, uint32_t zoom, const int32_t angle[2])
+{
+    const uint32_t side = s->scene->grid.size[0] * 7 / 4 * zoom / VIEW_ZOOM_ONE;
+    rendition_release(&s->rendition);
+    s->view = (struct view){.angle = {angle[0], angle[1]}, .zoom = zoom};
+    s->view.width = s->view.height = side;
+    stage_draw(s);
+}
+
+static size_t seen(const struct rendition *r)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < (size_t)r->width * r->height; i++)
+        count += r->cell[i] != CELL_NONE;
+    return count;
+}
+
+static const int32_t side[][2] = {{0, 0},          {45000, 0},      {45000, 35264}, {100000, 46000},
+                                  {153000, 69000}, {204000, 92000}, {33000, 12000}, {90000, 90000}};
+enum { SIDES = sizeof side / sizeof side[0] };
+
+/* ---- shapes ---- */
+
+static double radius, off[3], tilt[3]; /* of the shape at hand, from the middle of the scene */
+
+static double distance_of(const double at[3])
+{
+    return sqrt(pow(at[0] - off[0], 2) + pow(at[1] - off[1], 2) + pow(at[2] - off[2], 2));
+}
+static bool is_ball(const double at[3])
+{
+    return distance_of(at) <= radius;
+}
+/* Along `tilt`, which has length 1. */
+static double height_of(const double at[3])
+{
+    return (at[0] - off[0]) * tilt[0] + (at[1] - off[1]) * tilt[1] + (at[2] - off[2]) * tilt[2];
+}
+static bool is_rod(const double at[3])
+{
+    const double d = distance_of(at), h = height_of(at);
+    return d * d - h * h <= radius * radius && fabs(h) <= 20;
+}
+static bool is_below_plane(const double at[3])
+{
+    return height_of(at) <= 0;
+}
+static bool is_shell_1(const double at[3])
+{
+    return distance_of(at) <= 16 && distance_of(at) > 15;
+}
+static bool is_shell_2(const double at[3])
+{
+    return distance_of(at) <= 16 && distance_of(at) > 14;
+}
+static bool is_shell_3(const double at[3])
+{
+    return distance_of(at) <= 16 && distance_of(at) > 13;
+}
+static bool is_voxel(const double at[3])
+{
+    return at[0] == 0 && at[1] == 0 && at[2] == 0;
+}
+static bool is_pair(const double at[3])
+{
+    return at[0] == at[1] && at[1] == at[2] && (at[0] == 0 || at[0] == 1);
+}
+static bool is_cube_of_3(const double at[3])
+{
+    return fabs(at[0]) <= 1 && fabs(at[1]) <= 1 && fabs(at[2]) <= 1;
+}
+static bool is_line(const double at[3])
+{
+    return at[1] == 0 && at[2] == 0 && fabs(at[0]) <= 15;
+}
+static bool is_oblique_line(const double at[3])
+{
+    return at[1] == at[0] && at[2] == floor(at[0] / 3) && fabs(at[0]) <= 15;
+}
+static bool is_sheet(const double at[3])
+{
+    return at[2] == 0;
+}
+static bool is_sheet_at_45_degrees(const double at[3])
+{
+    return at[0] + at[1] == 0;
+}
+static bool is_oblique_sheet(const double at[3])
+{
+    return at[0] + at[1] + at[2] == 0;
+}
+static bool is_gentle_sheet(const double at[3])
+{
+    return at[2] == floor(at[0] / 4);
+}
+static bool is_sheet_on_a_wall(const double at[3])
+{
+    return at[0] < -8 || at[1] == 0;
+}
+static bool is_line_on_a_wall(const double at[3])
+{
+    return at[0] < -8 || (at[1] == 0 && at[2] == 0);
+}
+static bool is_voxel_before_a_wall(const double at[3])
+{
+    return at[0] < -2 || is_voxel(at);
+}
+static bool are_crossed_sheets(const double at[3])
+{
+    return at[0] == 0 || at[1] == 0 || at[2] == 2;
+}
+static bool are_sheets_side_by_side(const double at[3])
+{
+    return fmod(at[1] + 100, 2) == 0;
+}
+static bool is_rod_of_3(const double at[3])
+{
+    return fabs(at[1]) <= 1 && fabs(at[2]) <= 1;
+}
+static bool is_block(const double at[3])
+{
+    return fabs(at[0]) <= 100;
+}
+
+static const struct thing {
+    const char *name;
+    shape *holds;
+    double rim; /* voxels from its cubes' silhouette to where there is no hole */
+} thing[] = {
+    {"shell of 1", is_shell_1, 1.5},
+    {"shell of 2", is_shell_2, 1.5},
+    {"shell of 3", is_shell_3, 1.5},
+    {"voxel", is_voxel, 1.5},
+    {"pair", is_pair, 1.5},
+    {"cube of 3", is_cube_of_3, 1.5},
+    {"line", is_line, 1.5},
+    {"oblique line", is_oblique_line, 1.5},
+    {"sheet", is_sheet, 1.5},
+    {"sheet at 45 degrees", is_sheet_at_45_degrees, 1.5},
+    {"oblique sheet", is_oblique_sheet, 1.5},
+    {"gentle sheet", is_gentle_sheet, 1.5},
+    {"sheet on a wall", is_sheet_on_a_wall, 1.5},
+    {"line on a wall", is_line_on_a_wall, 1.5},
+    {"voxel before a wall", is_voxel_before_a_wall, 1.5},
+    {"crossed sheets", are_crossed_sheets, 1.5},
+    {"sheets side by side", are_sheets_side_by_side, 1.5},
+    {"rod of 3", is_rod_of_3, 1.5},
+};
+enum { THINGS = sizeof thing / sizeof thing[0] };
+
+/* ---- sizes ---- */
+
+static double radius_seen(const struct stage *s, uint32_t zoom)
+{
+    return sqrt((double)seen(&s->rendition) / M_PI) * VIEW_ZOOM_ONE / zoom;
+}
+
+STORY(the_silhouette_of_a_ball_is_as_large_as_the_ball)
+{
+    struct stage s;
+    radius = 40;
+    stage_shape(&s, 85, is_ball);
+    for (int i = 0; i < SIDES; i++)
+        for (uint32_t zoom = 1000; zoom <= 4000; zoom *= 2) {
+            draw(&s, zoom, side[i]);
+            const double shown = radius_seen(&s, zoom);
+            if (!CHECK(fabs(shown - 40) < 0.1))
+                printf("# view %d zoom %u: radius %.3f\n", i, zoom, shown);
+        }
+    s.look.mode = SHADE_CUBES;
+    draw(&s, 4000, side[3]);
+    CHECK(radius_seen(&s, 4000) > 40.3);
+    stage_release(&s);
+}
+
+static void place_at_random(uint64_t *random)
+{
+    double squares = 0;
+    for (int a = 0; a < 3; a++) {
+        off[a] = check_below(random, 1001) / 1000.0 - 0.5;
+        tilt[a] = check_below(random, 2001) / 1000.0 - 1;
+        squares += tilt[a] * tilt[a];
+    }
+    for (int a = 0; a < 3; a++)
+        tilt[a] /= sqrt(squares);
+}
+
+/* The mean radius of balls at random places. */
+static double mean_ball(double of, uint64_t *random)
+{
+    double sum = 0;
+    for (int ball = 0; ball < 12; ball++) {
+        struct stage s;
+        place_at_random(random);
+        radius = of;
+        stage_shape(&s, 2 * (uint32_t)of + 9, is_ball);
+        for (int i = 0; i < 3; i++) {
+            draw(&s, 8000, side[(ball * 3 + i) % SIDES]);
+            sum += radius_seen(&s, 8000) / 36;
+        }
+        stage_release(&s);
+    }
+    memset(off, 0, sizeof off);
+    return sum;
+}
+
+/* The mean radius of rods of 40 voxels, from aside: half of what they cover of their length. */
+static double mean_rod(double of, uint64_t *random)
+{
+    enum { RODS = 8 };
+    double sum = 0;
+    for (int rod = 0; rod < RODS; rod++) {
+        struct stage s;
+        place_at_random(random);
+        const double turn = 2 * M_PI * rod / RODS + check_below(random, 1000) / 1000.0;
+        tilt[0] = cos(turn), tilt[1] = 0, tilt[2] = sin(turn); /* across the view from the front */
+        radius = of;
+        stage_shape(&s, 55, is_rod);
+        draw(&s, 4000, side[0]);
+        sum += (double)seen(&s.rendition) / 16 / 41 / 2 / RODS;
+        stage_release(&s);
+    }
+    memset(off, 0, sizeof off);
+    return sum;
+}
+
+/* Half of each: what is 10 % larger by itself is seen to be larger. */
+STORY(small_balls_and_rods_keep_their_sizes_and_their_order)
+{
+    static const double of[] = {1.47, 1.97, 2.37, 2.7, 3.19, 3.6, 4.06, 5.09, 7};
+    uint64_t random = 3;
+    double ball = 0, rod = 0;
+    for (size_t i = 0; i < sizeof of / sizeof of[0]; i++) {
+        const double next = mean_ball(of[i], &random);
+        const double next_rod = of[i] < 5 ? mean_rod(of[i], &random) : rod + 1;
+        if (!CHECK(next > ball && fabs(next / of[i] - 1) < 0.05))
+            printf("# a ball of %.2f has a mean radius of %.3f\n", of[i], next);
+        if (of[i] < 5 && !CHECK(next_rod > rod && fabs(next_rod / of[i] - 1) < 0.05))
+            printf("# a rod of %.2f has a mean radius of %.3f\n", of[i], next_rod);
+        ball = next, rod = next_rod;
+    }
+}
+
+/* Of a round silhouette at zoom 8, the distances from the middle are nearly the same; of cubes they
+ * differ by up to a voxel. */
+STORY(a_silhouette_is_curved)
+{
+    struct stage s;
+    radius = 40;
+    stage_shape(&s, 85, is_ball);
+    for (int i = 0; i < SIDES; i++) {
+        double least = 100, most = 0;
+        draw(&s, 8000, side[i]);
+        const struct rendition *r = &s.rendition;
+        for (uint32_t y = 1; y + 1 < r->height; y++)
+            for (uint32_t x = 1; x + 1 < r->width; x++) {
+                const size_t p = (size_t)y * r->width + x;
+                const bool is_edge =
+                    r->cell[p] != CELL_NONE &&
+                    (r->cell[p - 1] == CELL_NONE || r->cell[p + 1] == CELL_NONE ||
+                     r->cell[p - r->width] == CELL_NONE || r->cell[p + r->width] == CELL_NONE);
+                const double d = hypot(x - (r->width - 1) / 2.0, y - (r->height - 1) / 2.0) / 8;
+                if (is_edge && d < least)
+                    least = d;
+                if (is_edge && d > most)
+                    most = d;
+            }
+        if (!CHECK(most - least < 0.7))
+            printf("# view %d: radii from %.2f to %.2f\n", i, least, most);
+    }
+    stage_release(&s);
+}
+
+/* ---- what is thin ---- */
+
+/* Whether all pixels up to `reach` around one show something. */
+static bool is_within(const struct rendition *r, uint32_t x, uint32_t y, uint32_t reach)
+{
+    if (x < reach || y < reach || x + reach >= r->width || y + reach >= r->height)
+        return false;
+    for (uint32_t j = y - reach; j <= y + reach; j++)
+        for (uint32_t i = x - reach; i <= x + reach; i++)
+            if (r->cell[(size_t)j * r->width + i] == CELL_NONE)
+                return false;
+    return true;
+}
+
+/* Pixels so far within the silhouette of cubes that show nothing. */
+static size_t holes_of(const struct rendition *r, const struct rendition *cubes, uint32_t reach)
+{
+    size_t holes = 0;
+    for (uint32_t y = 0; y < cubes->height; y++)
+        for (uint32_t x = 0; x < cubes->width; x++)
+            holes +=
+                r->cell[(size_t)y * cubes->width + x] == CELL_NONE && is_within(cubes, x, y, reach);
+    return holes;
+}
+
+/* Corners are round, and lines too: nearer to a silhouette than the rim there may be anything, but
+ * no shape becomes much smaller or larger than its cubes. */
+STORY(what_is_thin_has_no_holes_and_does_not_vanish)
+{
+    for (int t = 0; t < THINGS; t++) {
+        struct stage s;
+        struct mesh mesh = {0};
+        stage_shape(&s, 35, thing[t].holds);
+        CHECK(mesh_update(&mesh, &s.border, MESH_CUBES, NULL, NULL, NULL) == OK);
+        for (int i = 0; i < SIDES; i++)
+            for (uint32_t zoom = 1000; zoom <= 8000; zoom *= zoom < 2000 ? 2 : 4) {
+                struct rendition cubes;
+                draw(&s, zoom, side[i]);
+                CHECK(rendition_init(&cubes, s.view.width, s.view.height, NULL) == OK);
+                project_border(&cubes, &s.camera, &mesh);
+                const uint32_t rim = (uint32_t)ceil(thing[t].rim * zoom / VIEW_ZOOM_ONE);
+                const size_t holes = holes_of(&s.rendition, &cubes, rim);
+                const double share = (double)seen(&s.rendition) / (double)seen(&cubes);
+                if (!CHECK(holes == 0 && share > (zoom == 1000 ? 0.4 : 0.6) &&
+                           share < (zoom == 1000 ? 2 : 1.5)))
+                    printf("# %s, view %d, zoom %u: %zu holes, %.2f of its cubes\n", thing[t].name,
+                           i, zoom, holes, share);
+                rendition_release(&cubes);
+            }
+        mesh_release(&mesh);
+        stage_release(&s);
+    }
+}
+
+/* Sheets of any direction, one voxel thick, whose voxels hang together by faces, as slices of a
+ * wall are. */
+static bool is_sheet_of_faces(const double at[3])
+{
+    const double h = height_of(at), most = fabs(tilt[0]) + fabs(tilt[1]) + fabs(tilt[2]);
+    return fabs(h) <= most / 2;
+}
+
+STORY(a_sheet_of_one_voxel_has_no_hole_from_any_side)
+{
+    uint64_t random = 9;
+    size_t looked_at = 0;
+    for (int i = 0; i < 25; i++) {
+        struct stage s;
+        place_at_random(&random);
+        stage_shape(&s, 31, is_sheet_of_faces);
+        for (int view = 0; view < 3; view++) {
+            const int32_t angle[2] = {(int32_t)check_below(&random, 360000),
+                                      (int32_t)check_below(&random, 360000)};
+            draw(&s, view % 2 ? 1000 : 4000, angle);
+            /* Where the ray comes through the sheet, well within the scene. */
+            const struct rendition *r = &s.rendition;
+            const double scale = (double)s.view.zoom / VIEW_ZOOM_ONE;
+            size_t holes = 0;
+            for (uint32_t p = 0; p < r->width * r->height; p++) {
+                double from[3], along = 0, ahead = 0;
+                for (int a = 0; a < 3; a++) {
+                    const double right = (p % r->width - (r->width - 1) / 2.0) / scale;
+                    const double up = ((r->height - 1) / 2.0 - p / r->width) / scale;
+                    from[a] = (right * s.camera.right[a] + up * s.camera.up[a]) / (1 << 30);
+                    ahead += tilt[a] * s.camera.ahead[a] / (1 << 30);
+                }
+                along = fabs(ahead) > 0.2 ? -height_of(from) / ahead : 1000;
+                bool is_inside = true;
+                for (int a = 0; a < 3; a++)
+                    is_inside =
+                        is_inside && fabs(from[a] + along * s.camera.ahead[a] / (1 << 30)) < 12;
+                looked_at += is_inside;
+                holes += is_inside && r->cell[p] == CELL_NONE;
+            }
+            if (!CHECK(holes == 0))
+                printf("# sheet %d: %zu holes\n", i, holes);
+        }
+        stage_release(&s);
+    }
+    CHECK(looked_at > 20000);
+    memset(off, 0, sizeof off);
+}
+
+/* How many of the voxels of a layer of such that lie apart are seen; none hides another. */
+static size_t voxels_seen(struct stage *s, uint32_t z, uint32_t zoom, const int32_t angle[2])
+{
+    size_t count = 0;
+    draw(s, zoom, angle);
+    for (uint32_t i = 0; i < 11 * 11; i++) {
+        const uint32_t cell = grid_cell(&s->scene->grid, 3 + i % 11 * 6, 3 + i / 11 * 6, z);
+        bool is_seen = false;
+        for (size_t p = 0; p < (size_t)s->view.width * s->view.height; p++)
+            is_seen = is_seen || s->rendition.cell[p] == cell;
+        count += is_seen;
+    }
+    return count;
+}
+
+/* A ball of the volume of a voxel covers a pixel from zoom 1.15 on, wherever it lies. Below that
+ * some fall between pixels, and so do some cubes. */
+STORY(a_single_voxel_does_not_vanish)
+{
+    uint64_t random = 4;
+    struct stage s;
+    size_t small = 0, all = 0;
+    CHECK(stage_init(&s, (uint32_t[]){64, 64, 64}, 6, NULL) == OK);
+    for (uint32_t i = 0; i < 11 * 11; i++)
+        s.scene->cell[grid_cell(&s.scene->grid, 3 + i % 11 * 6, 3 + i / 11 * 6, 30)].label = 1;
+    border_recount(&s.border);
+    for (uint32_t i = 0; i < 16; i++) {
+        const int32_t angle[2] = {(int32_t)check_below(&random, 360000),
+                                  60000 + (int32_t)check_below(&random, 60000)};
+        const size_t count = voxels_seen(&s, 30, i < 8 ? 1000 : 1200 + 100 * i, angle);
+        CHECK(i < 8 || count == 11 * 11);
+        small += i < 8 ? count : 0;
+        all += i < 8 ? 11 * 11 : 0;
+    }
+    if (!CHECK(small * 100 >= all * 90))
+        printf("# %zu of %zu voxels are seen at zoom 1\n", small, all);
+    stage_release(&s);
+}
+
+/* ---- where they lie ---- */
+
+/* The point that a pixel shows, from the middle of a scene of voxels of 1 mm. */
+static void point_of(const struct stage *s, size_t pixel, double out[3])
+{
+    const struct rendition *r = &s->rendition;
+    for (int a = 0; a < 3; a++) {
+        const int64_t x = (int64_t)(pixel % r->width), y = (int64_t)(pixel / r->width);
+        const int64_t first = camera_crossing(&s->camera, a, 0, x, y);
+        const double beyond = (double)(r->depth[pixel] - first) / (double)s->camera.T[a];
+        out[a] = (beyond - s->scene->grid.size[a] / 2.0) * (s->camera.flip[a] ? -1 : 1);
+    }
+}
+
+static int by_size(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double apart[400000];
+
+/* The 95 % of distances of a picture's points from where a shape is; what is near the scene's edge
+ * does not count. `mean` is signed. */
+static double most_apart(const struct stage *s, double (*distance)(const double at[3]),
+                         double *mean)
+{
+    size_t count = 0;
+    double sum = 0;
+    for (size_t p = 0; p < (size_t)s->view.width * s->view.height; p++) {
+        double at[3];
+        if (s->rendition.cell[p] == CELL_NONE)
+            continue;
+        point_of(s, p, at);
+        const double most = (s->scene->grid.size[0] - 1) / 2.0 - 8;
+        if (fabs(at[0]) > most || fabs(at[1]) > most || fabs(at[2]) > most)
+            continue;
+        sum += distance(at);
+        apart[count++] = fabs(distance(at));
+    }
+    CHECK(count > 500);
+    qsort(apart, count, sizeof *apart, by_size);
+    *mean = sum / (double)count;
+    return apart[count * 95 / 100];
+}
+
+static double above_ball(const double at[3])
+{
+    return distance_of(at) - radius;
+}
+
+/* Voxels as they are taken or not leave a plane uncertain by some tenths; the mean is not. */
+STORY(depths_are_those_of_planes_and_balls)
+{
+    uint64_t random = 8;
+    double ripple = 0;
+    for (int i = 0; i < 12; i++) {
+        struct stage s;
+        double mean;
+        place_at_random(&random);
+        stage_shape(&s, 61, is_below_plane);
+        /* From the side that the plane faces, more or less. */
+        const int32_t yaw = (int32_t)(atan2(tilt[0], tilt[1]) * 180000 / M_PI);
+        const int32_t pitch = (int32_t)(asin(tilt[2]) * 180000 / M_PI);
+        double most = 100;
+        for (int sign = -1; sign <= 1; sign += 2) {
+            draw(&s, 2000,
+                 (const int32_t[]){(sign * yaw + 360000) % 360000, (pitch + 360000) % 360000});
+            double facing = 0;
+            for (int a = 0; a < 3; a++)
+                facing -= tilt[a] * s.camera.ahead[a] / (1 << 30);
+            if (facing < 0.8)
+                continue;
+            most = most_apart(&s, height_of, &mean);
+        }
+        ripple = most < 100 && most > ripple ? most : ripple;
+        if (most < 100 && !CHECK(most < 0.3 && fabs(mean) < 0.1))
+            printf("# plane %.2f %.2f %.2f: mean %.3f, 95 %% %.3f voxels\n", tilt[0], tilt[1],
+                   tilt[2], mean, most);
+        stage_release(&s);
+    }
+    CHECK(ripple > 0);
+    for (int i = 0; i < SIDES; i++) {
+        struct stage s;
+        double mean;
+        place_at_random(&random);
+        radius = 20;
+        stage_shape(&s, 61, is_ball);
+        draw(&s, 3000, side[i]);
+        const double most = most_apart(&s, above_ball, &mean);
+        if (!CHECK(most < 0.3 && fabs(mean) < 0.1))
+            printf("# ball, view %d: mean %.3f, 95 %% %.3f voxels\n", i, mean, most);
+        stage_release(&s);
+    }
+    memset(off, 0, sizeof off);
+}
+
+/* Whatever the order and direction of its axes, a scene shows its objects from outside. */
+STORY(what_is_seen_is_the_side_towards_us_in_scenes_of_any_orientation)
+{
+    static const int8_t order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
+                                       {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    for (int i = 0; i < 48; i++) {
+        struct stage s;
+        radius = 12;
+        stage_shape(&s, 31, is_ball);
+        for (int a = 0; a < 3; a++) {
+            s.scene->world_axis[a] = order[i / 8][a];
+            s.scene->world_sign[a] = i >> a & 1 ? -1 : 1;
+        }
+        draw(&s, 2000, side[i % SIDES]);
+        CHECK(fabs(radius_seen(&s, 2000) - 12) < 0.2);
+        for (size_t p = 0; p < (size_t)s.view.width * s.view.height; p++) {
+            double at[3], behind = 0;
+            if (s.rendition.cell[p] == CELL_NONE)
+                continue;
+            point_of(&s, p, at);
+            for (int a = 0; a < 3; a++)
+                behind += at[a] * s.camera.ahead[a] / (1 << 30);
+            CHECK(behind < 1 && fabs(above_ball(at)) < 1);
+        }
+        stage_release(&s);
+    }
+}
+
+/* ---- cuts and the scene's edge ---- */
+
+/* Where a ball is cut open, 12.5 voxels above its middle, the scene is shown in a circle, as wide
+ * as the last layer of voxels in its middle, and flat. */
+STORY(a_face_that_is_cut_open_is_flat_and_ends_where_the_surface_does)
+{
+    struct stage s;
+    size_t open = 0;
+    radius = 40;
+    stage_shape(&s, 85, is_ball);
+    for (size_t i = 0; i < s.scene->grid.cells; i++)
+        s.scene->cell[i].intensity = 77;
+    s.border.cut.last[2] = 54;
+    border_recount(&s.border);
+    s.shader.window[0] = 0, s.shader.window[1] = 255;
+    s.look.cue_percent = 0;
+    draw(&s, 4000, (const int32_t[]){0, 90000});
+    const struct rendition *r = &s.rendition;
+    for (size_t i = 0; i < (size_t)r->width * r->height; i++) {
+        double at[3];
+        if (r->cell[i] == CELL_NONE || r->normal[4 * i] || r->normal[4 * i + 1])
+            continue;
+        point_of(&s, i, at);
+        open++;
+        CHECK(fabs(at[2] - 12.5) < 0.001);
+        CHECK(r->normal[4 * i + 2] > 16380);
+        CHECK_INT(r->rgba[4 * i], (3 * 77 + s.palette.rgb[1][0] + 2) / 4);
+    }
+    const double shown = sqrt((double)open / M_PI) / 4;
+    if (!CHECK(fabs(shown - sqrt(1600 - 12 * 12)) < 0.15))
+        printf("# radius %.3f\n", shown);
+    stage_release(&s);
+}
+
+/* The first row of a column that shows something. */
+static uint32_t top_of(const struct rendition *r, uint32_t x)
+{
+    uint32_t y = 0;
+    while (y < r->height && r->cell[(size_t)y * r->width + x] == CELL_NONE)
+        y++;
+    return y;
+}
+
+/* Columns whose top lies more than a pixel off the middle of those beside it. */
+static unsigned count_teeth(const struct rendition *r)
+{
+    unsigned teeth = 0;
+    for (uint32_t x = r->width / 4; x < r->width * 3 / 4; x++) {
+        const int64_t across = 2 * (int64_t)top_of(r, x) - top_of(r, x - 1) - top_of(r, x + 1);
+        teeth += across > 1 || across < -1;
+    }
+    return teeth;
+}
+
+/* A ball without its upper half, from all sides. */
+STORY(the_rim_of_a_cut_is_a_line)
+{
+    struct stage s;
+    radius = 40;
+    stage_shape(&s, 85, is_ball);
+    s.border.cut.last[2] = 42;
+    border_recount(&s.border);
+    for (int32_t pitch = -70000; pitch <= 70000; pitch += 20000) {
+        draw(&s, 8000, (const int32_t[]){20000, pitch});
+        if (!CHECK(count_teeth(&s.rendition) <= 1))
+            printf("# pitch %d: %u teeth\n", pitch, count_teeth(&s.rendition));
+    }
+    stage_release(&s);
+}
+
+/* A scene that is all one object is a box with sharp edges, and none of its faces was cut open. */
+STORY(the_edge_of_the_scene_is_flat)
+{
+    static const int32_t angle[][2] = {{0, 0}, {90000, 0}, {0, 90000}, {180000, 0}, {0, 270000}};
+    struct stage s;
+    stage_shape(&s, 21, is_block);
+    for (size_t i = 0; i < sizeof angle / sizeof angle[0]; i++) {
+        draw(&s, 4000, angle[i]);
+        CHECK_INT(seen(&s.rendition), 84 * 84);
+        const struct rendition *r = &s.rendition;
+        const size_t middle = (size_t)(r->height / 2) * r->width + r->width / 2;
+        for (size_t p = 0; p < (size_t)r->width * r->height; p++)
+            if (r->cell[p] != CELL_NONE) {
+                CHECK(memcmp(r->normal + 4 * p, r->normal + 4 * middle, 8) == 0);
+                CHECK(memcmp(r->rgba + 4 * p, r->rgba + 4 * middle, 4) == 0);
+                CHECK(r->depth[p] >> NUMBER_BITS == r->depth[middle] >> NUMBER_BITS);
+            }
+    }
+    stage_release(&s);
+}
+
+int main(void)
+{
+    return RUN_STORIES(
+        TELL(the_silhouette_of_a_ball_is_as_large_as_the_ball),
+        TELL(small_balls_and_rods_keep_their_sizes_and_their_order), TELL(a_silhouette_is_curved),
+        TELL(what_is_thin_has_no_holes_and_does_not_vanish),
+        TELL(a_sheet_of_one_voxel_has_no_hole_from_any_side), TELL(a_single_voxel_does_not_vanish),
+        TELL(depths_are_those_of_planes_and_balls),
+        TELL(what_is_seen_is_the_side_towards_us_in_scenes_of_any_orientation),
+        TELL(a_face_that_is_cut_open_is_flat_and_ends_where_the_surface_does),
+        TELL(the_rim_of_a_cut_is_a_line), TELL(the_edge_of_the_scene_is_flat));
+}
