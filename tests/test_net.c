@@ -361,10 +361,85 @@ STORY(small_and_thin_things_keep_their_volume)
     }
 }
 
+/* A vertex of the top of a block belongs to a border where quads around it have both labels. */
+STORY(a_border_between_labels_is_smooth_along_the_surface)
+{
+    double least_y = 100, most_y = 0, least_z = 100, most_z = 0;
+    scene_init(30);
+    for (int32_t k = 0; k < 20 * 20 * 20; k++) {
+        const int32_t p[3] = {5 + k % 20, 5 + k / 20 % 20, 5 + k / 400};
+        *scene_at(p[0], p[1], p[2]) = p[1] < 14 + p[0] % 2 ? 1 : 2;
+    }
+    struct net net = net_of_scene(false);
+    uint8_t *labels = calloc(net.vertices, 1);
+    for (uint32_t q = 0; q < net.quads; q++)
+        for (int k = 0; k < 4 && net.quad[q].face == 5; k++)
+            labels[net.quad[q].corner[k]] |= net.quad[q].label;
+    for (uint32_t v = 0; v < net.vertices; v++) {
+        const double y = place_of(&net.vertex[v], 1), z = place_of(&net.vertex[v], 2);
+        if (labels[v] != 3 || net.vertex[v].cube[0] < 10 || net.vertex[v].cube[0] > 18)
+            continue;
+        least_y = fmin(least_y, y);
+        most_y = fmax(most_y, y);
+        least_z = fmin(least_z, z);
+        most_z = fmax(most_z, z);
+    }
+    CHECK(most_y > 0 && most_y - least_y < 0.4); /* 1 in voxels */
+    CHECK(most_z - least_z < 0.01);
+    CHECK_NEAR(volume_of(&net) / 8000, 1, 0.002);
+    free(labels);
+    net_release(&net);
+}
+
+STORY(cuts_and_cubes_lie_on_faces_of_voxels)
+{
+    scene_init(24);
+    scene_blobs(3, 2);
+    for (int32_t k = 0; k < 24 * 24 * 24; k++)
+        if (k / 24 % 24 > 13)
+            *scene_at(k % 24, k / 24 % 24, k / 576) = NET_CLOSED;
+    for (int is_cubes = 0; is_cubes < 2; is_cubes++) {
+        struct net net = net_of_scene(is_cubes);
+        bool flat = true, whole = true;
+        uint32_t closed = 0;
+        for (uint32_t q = 0; q < net.quads; q++)
+            for (int k = 0; k < 4 && net.quad[q].is_closed; k++, closed++)
+                flat &= net.vertex[net.quad[q].corner[k]].at[net.quad[q].face / 2] == NET_ONE / 2;
+        for (uint32_t v = 0; v < net.vertices; v++)
+            for (int a = 0; a < 3; a++)
+                whole &= net.vertex[v].at[a] == NET_ONE / 2;
+        CHECK(closed > 100 && flat);
+        CHECK(whole == is_cubes);
+        net_release(&net);
+    }
+}
+
+STORY(memory_that_runs_out_leaves_things_as_they_were)
+{
+    struct net net = {.vertices = 77};
+    const struct net_source source = {.row = scene_row, .scale = {4096, 4096, 4096}};
+    const uint32_t side[3] = {24, 24, 24}, large[3] = {32000, 32000, 32000};
+    enum err err = ERR_MEMORY;
+    scene_init(24);
+    scene_random(1, 300, 3, 200);
+    for (size_t n = 0; err == ERR_MEMORY && n < 100; n++) {
+        CHECK_INT(net.vertices, 77);
+        allow_allocations(n);
+        err = net_make(&net, &source, (const int32_t[]){0, 0, 0}, side, NULL);
+        mem_allows = NULL;
+    }
+    CHECK(err == OK);
+    net_release(&net);
+    CHECK(net_make(&net, &source, (const int32_t[]){0, 0, 0}, large, NULL) == ERR_MEMORY);
+}
+
 int main(void)
 {
     return RUN_STORIES(TELL(a_box_has_the_same_net_as_a_part_of_a_larger_one),
                        TELL(every_edge_has_its_partner),
                        TELL(turned_and_mirrored_labels_have_the_turned_and_mirrored_net),
-                       TELL(small_and_thin_things_keep_their_volume));
+                       TELL(small_and_thin_things_keep_their_volume),
+                       TELL(a_border_between_labels_is_smooth_along_the_surface),
+                       TELL(cuts_and_cubes_lie_on_faces_of_voxels),
+                       TELL(memory_that_runs_out_leaves_things_as_they_were));
 }

@@ -217,6 +217,59 @@ static int32_t push_of(net_lanes m)
     return (int32_t)h;
 }
 
+/* ---- borders between labels ---- */
+
+/* Along a border, what a vertex is off the middle between the two beside it. */
+static inline net_lanes off_line(const struct net_graph *g, const net_lanes *x, int32_t v)
+{
+    return 2 * x[v] - x[g->line[v][0]] - x[g->line[v][1]];
+}
+
+static inline net_lanes without(net_lanes x, net_lanes n)
+{
+    const int64_t along =
+        rounded((int64_t)x[0] * n[0] + (int64_t)x[1] * n[1] + (int64_t)x[2] * n[2], NET_BITS);
+    for (int k = 0; k < 3; k++)
+        x[k] -= (int32_t)rounded(along * n[k], NET_BITS);
+    return x;
+}
+
+/* Vertices through which the border of two labels runs, along it: a polynomial of four passes of
+ * the umbrella operator of the line, which leaves long waves alone, 1 - 4.578 u^2 + 4.717 u^3 -
+ * 1.294 u^4, least squares from .4 to 2. Where three labels meet, and where a border ends, it is
+ * held. What moves outward or inward is left to volumes. */
+static bool find_slide(struct net_graph *g, net_lanes **slide)
+{
+    net_lanes *off = net_store(g->scratch, NET_LANES_1, (size_t)g->upto[4], sizeof *off);
+    net_lanes *y = net_store(g->scratch, NET_LANES_2, (size_t)g->upto[4], sizeof *y);
+    net_lanes *t = *slide = net_store(g->scratch, NET_SLIDE, (size_t)g->upto[4], sizeof *t);
+    if (!off || !y || !t)
+        return false;
+    memset(off, 0, (size_t)g->upto[4] * sizeof *off);
+    memset(y, 0, (size_t)g->upto[4] * sizeof *y);
+    memset(t, 0, (size_t)g->upto[4] * sizeof *t);
+    for (int32_t v = 0; v < g->upto[3]; v++)
+        if (g->lines[v] == 2)
+            off[v] = unlocked(g, v, part_of(off_line(g, g->at, v), FIXED(1, 2, WHOLE), WHOLE));
+    for (int32_t v = 0; v < g->upto[2]; v++)
+        if (g->lines[v] == 2)
+            y[v] = unlocked(g, v,
+                            part_of(off_line(g, off, v), FIXED(1294, 2000, WHOLE), WHOLE) -
+                                part_of(off[v], FIXED(4717, 1000, MANY), MANY));
+    for (int32_t v = 0; v < g->upto[1]; v++)
+        if (g->lines[v] == 2)
+            t[v] = unlocked(g, v,
+                            part_of(off_line(g, y, v), FIXED(1, 2, WHOLE), WHOLE) +
+                                part_of(off[v], FIXED(4578, 1000, MANY), MANY));
+    for (int32_t v = 0; v < g->upto[0]; v++)
+        y[v] = g->lines[v] == 2
+                   ? without(unlocked(g, v, part_of(off_line(g, t, v), FIXED(1, 2, WHOLE), WHOLE)),
+                             g->push[v])
+                   : (net_lanes){0};
+    *slide = y;
+    return true;
+}
+
 /* ---- both ---- */
 
 /* What the passes filter: terms, and normals. */
@@ -274,7 +327,8 @@ static const int32_t normal_step[4] = {512184, 619511, 880419, 1253800}; /* 10^-
 /* That of terms, of four passes, least from 1/5 to 2:
  * 1 - u (283360 - 516000 u + 352000 u^2 - 80000 u^3) / 45281. */
 WIDE static void restore(struct net_graph *g, struct both *x, struct both *off, struct both *y,
-                         struct both *t, const uint32_t scale[3], net_lanes *normal)
+                         struct both *t, const net_lanes *slide, const uint32_t scale[3],
+                         net_lanes *normal)
 {
     int32_t share[LINKS], last[LINKS], step[4][LINKS];
     shares(share, 1, 1, WHOLE);
@@ -308,7 +362,8 @@ WIDE static void restore(struct net_graph *g, struct both *x, struct both *off, 
                                part_of(off[v].term, FIXED(283360, 45281, MANY), MANY);
         const int32_t push = push_of(term);
         const net_lanes toward = push < 0 ? -g->push[v] : g->push[v];
-        g->at[v] = clamped(g, v, g->at[v] + part_of(toward, push < 0 ? -push : push, NET_BITS));
+        const net_lanes at = g->at[v] + part_of(toward, push < 0 ? -push : push, NET_BITS);
+        g->at[v] = clamped(g, v, slide ? at - slide[v] : at);
         normal[v] = in_world(t[v].normal - part_of(a.normal, step[3][n], TWICE), scale);
     }
 }
@@ -320,11 +375,14 @@ bool net_restore(struct net_graph *g, const struct net_sum *sum, const uint32_t 
     struct both *off = net_store(g->scratch, NET_BOTH_1, (size_t)g->upto[3], sizeof *off);
     struct both *y = net_store(g->scratch, NET_BOTH_2, (size_t)g->upto[2], sizeof *y);
     struct both *t = net_store(g->scratch, NET_BOTH_3, (size_t)g->upto[1], sizeof *t);
+    net_lanes *slide = NULL;
     *normal = net_store(g->scratch, NET_LANES_0, (size_t)g->upto[0], sizeof **normal);
     if (!x || !off || !y || !t || !*normal)
         return false;
+    if (g->has_labels && !find_slide(g, &slide))
+        return false;
     take_sums(g, sum, x);
-    restore(g, x, off, y, t, scale, *normal);
+    restore(g, x, off, y, t, slide, scale, *normal);
     return true;
 }
 
