@@ -202,3 +202,15 @@ void net_release(struct net *net)
     free(net->quad);
     *net = (struct net){.vertices = 0};
 }
+
+struct net_scratch *net_scratch_new(void)
+{
+    return mem_new(sizeof(struct net_scratch));
+}
+
+void net_scratch_free(struct net_scratch *scratch)
+{
+    for (int k = 0; k < NET_STORES && scratch; k++)
+        free(scratch->store[k].items);
+    free(scratch);
+}

@@ -11,18 +11,6 @@ struct net_cell {
     uint8_t air, level;
 };
 
-struct net_scratch *net_scratch_new(void)
-{
-    return mem_new(sizeof(struct net_scratch));
-}
-
-void net_scratch_free(struct net_scratch *scratch)
-{
-    for (int k = 0; k < NET_STORES && scratch; k++)
-        free(scratch->store[k].items);
-    free(scratch);
-}
-
 void *net_store(struct net_scratch *scratch, enum net_store which, size_t count, size_t size)
 {
     size_t bytes;

@@ -21,8 +21,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "engine/net.h"
 #include "engine/net_parts.h"
+#include "engine/net_source.h"
 
 enum {
     NET_SLOTS = 6,       /* links of a vertex, unless it has more */

@@ -3,7 +3,7 @@
 #include <pthread.h>
 #include <string.h>
 
-#include "engine/net.h"
+#include "engine/net_source.h"
 
 /* Which corners hang together with the lowest of `left` by faces, through `left`. */
 static uint8_t grown_from(uint8_t left)
