@@ -148,7 +148,7 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
         test-matrix test-matrix-short test-terminals test-cohort fuzz fuzzers demo bench-peers \
         bench-chafa bench-paper bench-growth bench-render bench-frames bench-journal bench-keys \
         bench-looks bench-effort bench-mend bench-noise bench-register bench-series bench-files \
-        bench-beside bench-apply help clean packages
+        bench-beside bench-apply bench-surface help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -239,10 +239,10 @@ bench-peers: $(PEERS)
 	@$(PYTHON) tests/peers/run.py --rounds $(ROUNDS) $(if $(JSON),--json $(JSON)) $(BUILD)
 
 ## bench-paper, bench-growth, bench-render, bench-frames, bench-journal, bench-keys, bench-looks,
-##     bench-mend, bench-noise, bench-register: ARGS=--help says which options
+##     bench-mend, bench-noise, bench-register, bench-surface: ARGS=--help says which options
 bench-keys bench-register: all
 bench-paper bench-growth bench-render bench-frames bench-journal bench-keys bench-looks \
-  bench-mend bench-noise bench-register: $(BENCH)
+  bench-mend bench-noise bench-register bench-surface: $(BENCH)
 	@$(BENCH) $(@:bench-%=%) $(ARGS)
 
 ## bench-effort: how many gestures a segmentation takes, by robots; ARGS="--quick other"

@@ -93,6 +93,12 @@ static const struct program program[] = {
      .detail = "Each kind of command on synth:geom:SIZE (256x256x256; 1024x1024x1024 takes 20 GB): "
                "its time, how often it looks at the watch, and the longest time between two looks.",
      .run = run_looks},
+    {.name = "surface",
+     .words = "",
+     .summary = "how true surfaces of balls, rods, planes and sheets are; VTK beside them",
+     .detail = "At random places and in random directions: radius, volume, ripple, the median and "
+               "95 % of the angles of normals. VTK where python3-vtk9 is installed.",
+     .run = run_surface},
     {.name = "effort",
      .words = "[OBJECT...]",
      .most = 40,

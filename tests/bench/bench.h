@@ -33,6 +33,7 @@ enum err run_effort(const struct options *options, struct fault *fault);
 enum err run_mend(const struct options *options, struct fault *fault);
 enum err run_noise(const struct options *options, struct fault *fault);
 enum err run_register(const struct options *options, struct fault *fault);
+enum err run_surface(const struct options *options, struct fault *fault);
 enum err run_looks(const struct options *options, struct fault *fault);
 
 /* What the commands of a journal of examples/ segment; nothing is written. */
