@@ -657,7 +657,7 @@ enum err net_make(struct net *net, const struct net_source *source, const int32_
     return made ? OK : fault_memory(fault, "a surface");
 }
 
-unsigned net_diagonal(const int32_t corner[4][3], unsigned face)
+unsigned net_diagonal(int32_t corner[4][3], unsigned face)
 {
     int64_t longer = 0; /* how much 0 to 2 is, squared */
     for (int a = 0; a < 3; a++) {

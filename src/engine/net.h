@@ -80,6 +80,6 @@ void net_release(struct net *net);
  * and (d + 2, d + 3, d), mod 4. It is the shorter diagonal, in voxels along the axes; of two as
  * long, the one from the lowest cube to the highest, so that a face has the same triangles from
  * both of its sides. */
-unsigned net_diagonal(const int32_t corner[4][3], unsigned face);
+unsigned net_diagonal(int32_t corner[4][3], unsigned face);
 
 #endif
