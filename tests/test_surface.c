@@ -152,7 +152,7 @@ static void net_row_of_box(void *context, int32_t x, int32_t y, int32_t z, uint3
 /* Those of the net of all that is not air, made in one piece. */
 static struct triangles triangles_of_net(bool is_cubes)
 {
-    const struct net_source source = {net_row_of_box, NULL, {4096, 4096, 4096}, is_cubes};
+    const struct net_source source = {net_row_of_box, NULL, {4096, 4096, 4096}, is_cubes, NULL};
     struct net net;
     CHECK(net_make(&net, &source, (const int32_t[]){0, 0, 0}, box.size, NULL) == OK);
     struct triangles all = {calloc(2 * net.quads + 1, sizeof *all.item), 2 * net.quads};

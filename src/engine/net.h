@@ -35,17 +35,20 @@ enum {
     NET_BITS = 14, /* of a voxel, in the places of vertices */
     NET_ONE = 1 << NET_BITS,
     NET_NORMAL_BITS = 14, /* 1 of a normal's length, in the world */
-    NET_MARGIN = 10,      /* voxels around a box that its net depends on */
+    NET_MARGIN = 9,       /* voxels around a box that its net depends on */
     NET_CLOSED = 256,     /* a voxel that is cut away, or outside the scene */
 };
 
 /* Where the voxels are. `row` fills `count` voxels from (x, y, z) on, which may lie outside the
  * scene: 0 for air, the label 1..255 for a voxel of the object, or NET_CLOSED. */
+struct net_scratch;
+
 struct net_source {
     void (*row)(void *context, int32_t x, int32_t y, int32_t z, uint32_t count, uint16_t *voxel);
     void *context;
-    uint32_t scale[3]; /* least spacing / spacing of each axis, times 2^12: for normals */
-    bool is_cubes;     /* vertices stay at the corners of voxels */
+    uint32_t scale[3];           /* least spacing / spacing of each axis, times 2^12: for normals */
+    bool is_cubes;               /* vertices stay at the corners of voxels */
+    struct net_scratch *scratch; /* of net_scratch_new, of one thread; or NULL */
 };
 
 struct net_vertex {
@@ -81,5 +84,8 @@ void net_release(struct net *net);
  * long, the one from the lowest cube to the highest, so that a face has the same triangles from
  * both of its sides. */
 unsigned net_diagonal(int32_t corner[4][3], unsigned face);
+/* Memory that is kept from one net_make to the next; NULL: no memory. */
+struct net_scratch *net_scratch_new(void);
+void net_scratch_free(struct net_scratch *scratch);
 
 #endif

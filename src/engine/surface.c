@@ -5,9 +5,10 @@
 
 #include "base/lookup.h"
 #include "base/mem.h"
+#include "engine/net_parts.h"
 
 enum {
-    BOX = 128, /* voxels along each axis whose nets are made at once, at most */
+    BOX = 64, /* voxels along each axis whose nets are made at once, at most */
     CORNERS = 8,
     QUADS_MOST = 12, /* around a vertex: as many as a cube has edges */
 };
@@ -46,6 +47,7 @@ struct making {
     size_t spot_of_room;
     struct quad *quad;
     size_t quads, quad_room;
+    struct net_scratch *scratch;
     struct lookup sewn;    /* vertices at the sides of boxes: points */
     struct lookup numbers; /* of spots */
     struct spot *spot;
@@ -117,17 +119,6 @@ static void net_row(void *context, int32_t x, int32_t y, int32_t z, uint32_t cou
 
 /* ---- spots ---- */
 
-/* Corners of a cube that hang together with those of `grown`, all being of `set`. */
-static unsigned hang_together(unsigned grown, unsigned set)
-{
-    for (unsigned before = 0; before != grown;) {
-        before = grown;
-        grown |= set & ((grown & 0x55) << 1 | (grown & 0xaa) >> 1 | (grown & 0x33) << 2 |
-                        (grown & 0xcc) >> 2 | (grown & 0x0f) << 4 | grown >> 4);
-    }
-    return grown;
-}
-
 /* The crossings of a cube, one bit for each edge, 4 * axis and so on, between corners of `part` and
  * others of `object`. */
 static unsigned crossings_of(unsigned part, unsigned object)
@@ -157,18 +148,17 @@ static unsigned share_place(unsigned crossings, const uint8_t label[CORNERS])
             for (unsigned k = 0; k < CORNERS; k++)
                 set |= (unsigned)(label[k] == label[c]) << k;
             const unsigned object = label[c] ? set : ~set & 0xff;
-            for (unsigned left = ~object & 0xff; left;) {
-                const unsigned part = hang_together(left & -left, left);
-                const unsigned of = crossings_of(part, object);
+            const struct net_cube *cube = &net_cubes()[~object & 0xff];
+            for (unsigned p = 0; p < cube->count; p++) {
+                const unsigned of = crossings_of(cube->part[p].air, object);
                 crossings |= of & crossings ? of : 0;
-                left &= ~part;
             }
         }
     }
     return crossings;
 }
 
-/* The number of the spot where a vertex of the net at hand lies; UINT32_MAX where memory runs out. */
+/* The number of the spot where a vertex of the net at hand lies; UINT32_MAX: no memory. */
 static uint32_t spot_of(struct making *m, const struct net_vertex *vertex)
 {
     uint8_t label[CORNERS];
@@ -301,8 +291,11 @@ static bool add_outside(struct making *m, const struct net *net)
 static enum err take_nets(struct making *m, const struct extent *extent, bool adds_spots)
 {
     static const uint32_t any_scale = 1 << 12;
-    const struct net_source source = {
-        net_row, m, {any_scale, any_scale, any_scale}, .is_cubes = m->choice->is_cubes};
+    const struct net_source source = {net_row,
+                                      m,
+                                      {any_scale, any_scale, any_scale},
+                                      .is_cubes = m->choice->is_cubes,
+                                      .scratch = m->scratch};
     int32_t side[3];
     struct extent box;
     lookup_clear(&m->sewn);
@@ -370,8 +363,8 @@ static bool find_around(struct around *around, const struct making *m, size_t po
     return true;
 }
 
-/* Of the corners around a point, the one that comes after one: its quad is the other one at the edge
- * that leaves the point there, of four the one of the same voxel. */
+/* Of the corners around a point, the one that comes after one: its quad is the other one at the
+ * edge that leaves the point there, of four the one of the same voxel. */
 static unsigned next_around(const struct quad *quad, const uint32_t *corner, unsigned count,
                             unsigned at)
 {
@@ -521,8 +514,9 @@ enum err surface_new(struct surface **surface, const struct surface_source *sour
     if (!err) {
         m->surface = *surface;
         m->choice = choice;
+        m->scratch = net_scratch_new();
         m->fault = fault;
-        err = take_labels(m, source, watch);
+        err = m->scratch ? take_labels(m, source, watch) : fault_memory(fault, "a surface");
     }
     if (!err)
         err = add_parts(m, watch);
@@ -531,6 +525,7 @@ enum err surface_new(struct surface **surface, const struct surface_source *sour
         err = make_triangles(m) ? OK : fault_memory(fault, "a surface");
     }
     if (m) {
+        net_scratch_free(m->scratch);
         free(m->label);
         free(m->spot_of);
         free(m->quad);

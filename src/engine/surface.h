@@ -8,9 +8,10 @@
  * labels have the means of the places that their own nets give. Voxels outside the scene have label
  * 0, which has no surface.
  *
- * In a net, four quads may share an edge, and a vertex may be that of two sheets, where voxels touch
- * at an edge or a corner. Here such edges and vertices are split, so voxels of a label that share no
- * face may be apart though a picture joins them; the points of a split vertex have the same place.
+ * In a net, four quads may share an edge, and a vertex may be that of two sheets, where voxels
+ * touch at an edge or a corner. Here such edges and vertices are split, so voxels of a label that
+ * share no face may be apart though a picture joins them; the points of a split vertex have the
+ * same place.
  *
  * Promises
  *   U1 closed: each edge of a surface has exactly two triangles, which run along it in opposite

@@ -1,0 +1,143 @@
+/*
+ * The graph of a surface net (net.h): the vertices of a box and of what its net depends on around
+ * it, with their links.
+ *
+ * Vertices are numbered by levels, and within a level by rising cubes. The level of a cube says how
+ * long a calculation that ends in the box needs it: each pass reads links of one step, so it goes
+ * over the levels up to one less than the pass before, which are the first so many vertices.
+ *
+ *     level   steps of a cube outside those of the box,    needed for
+ *             along one axis, and along all together
+ *     0       0, 0                                         the net
+ *     1 2 3   1 2 3, 1 2 3                                 passes of volumes and normals
+ *     4       4, 4                                         volumes and areas, by quads
+ *     5       5, 7                                         places of those quads' corners
+ *     6 7 8   6 7 8, 8 9 10                                passes of places
+ */
+#ifndef ENGINE_NET_GRAPH_H
+#define ENGINE_NET_GRAPH_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "engine/net.h"
+#include "engine/net_parts.h"
+
+enum {
+    NET_SLOTS = 6,       /* links of a vertex, unless it has more */
+    NET_LINKS_MOST = 12, /* a face of a cube has two at most */
+    NET_LEVELS = 9,
+    NET_TERMS = 5,  /* the level of quads' terms, and one */
+    NET_PLACES = 6, /* of places of their vertices, and one */
+    NET_STEP = 60,  /* voxels from a word of bits to the next */
+};
+
+/* Four numbers at once: those of x, y and z, or others. */
+typedef int32_t net_lanes __attribute__((vector_size(16)));
+
+/* Memory of a graph, kept between boxes. */
+enum net_store {
+    NET_VOXEL,
+    NET_BITS_IN,
+    NET_BITS_CLOSED,
+    NET_FIRST,
+    NET_CELL,
+    NET_PLACE,
+    NET_LINK,
+    NET_DEGREE,
+    NET_HEAD,
+    NET_MORE,
+    NET_LINE,
+    NET_LINES,
+    NET_BEND,
+    NET_AT,
+    NET_LANES_0,
+    NET_LANES_1,
+    NET_PUSH,
+    NET_SUM,
+    NET_BOTH_0,
+    NET_BOTH_1,
+    NET_BOTH_2,
+    NET_BOTH_3,
+    NET_USED,
+    NET_STORES,
+};
+
+struct net_scratch {
+    struct {
+        void *items;
+        size_t bytes;
+    } store[NET_STORES];
+};
+
+/* `count` items of `size` bytes, their contents undefined; NULL: no memory. */
+void *net_store(struct net_scratch *scratch, enum net_store which, size_t count, size_t size);
+
+/* A link beyond NET_SLOTS. */
+struct net_more {
+    int32_t to, next; /* of the same vertex, or -1 */
+};
+
+struct net_place {
+    int16_t x, y, z; /* of a cube, from the first of the box with its margin */
+    uint8_t lock;    /* net_part.lock */
+    uint8_t air;
+};
+
+struct net_graph {
+    struct net_scratch *scratch;
+    int32_t size[3]; /* voxels with the margin */
+    int32_t stride;  /* voxels from a row to the next */
+    uint16_t *voxel; /* [z][y][x] */
+    uint64_t *in;    /* [z][y][word]: bits of voxels of the object; each word begins NET_STEP
+                        voxels after the one before, and ends with the first of the next ones */
+    uint64_t *closed;
+    int32_t words;
+    bool has_closed, has_labels; /* some voxel is closed; some labels differ */
+
+    int32_t *first;           /* [z][y][x], by stride: the first vertex of a cube that has some */
+    int32_t upto[NET_LEVELS]; /* vertices of this level and those before */
+    struct net_place *place;
+    net_lanes *at;   /* where they begin, 2^-NET_BITS voxels from the centre of the first */
+    net_lanes *push; /* which way faces of voxels look there: net_part.normal */
+    int32_t (*link)[NET_SLOTS]; /* itself where there are fewer */
+    uint8_t *degree;
+    int32_t *head; /* of its chain in `more`, where its degree is over NET_SLOTS */
+    struct net_more *more;
+
+    /* Where labels differ: links along the border between two labels. */
+    int32_t (*line)[2];
+    uint8_t *lines; /* of each vertex; 3: three or more */
+};
+
+/* Reads the box with its margin; false: no memory. */
+bool net_graph_make(struct net_graph *graph, const struct net_source *source,
+                    const int32_t first[3], const uint32_t size[3], struct net_scratch *scratch);
+
+static inline size_t net_index(const struct net_graph *g, int32_t x, int32_t y, int32_t z)
+{
+    return ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->stride + (size_t)x;
+}
+
+/* The vertex of a cube whose part has this corner. */
+static inline int32_t net_vertex_at(const struct net_graph *g, size_t cube, int corner)
+{
+    int32_t v = g->first[cube];
+    while (!(g->place[v].air >> corner & 1))
+        v++;
+    return v;
+}
+
+/* Its links times what it has, less what they have. */
+static inline net_lanes net_apart(const struct net_graph *g, const net_lanes *x, int32_t v)
+{
+    const int32_t *link = g->link[v];
+    net_lanes apart =
+        6 * x[v] - (x[link[0]] + x[link[1]] + x[link[2]]) - (x[link[3]] + x[link[4]] + x[link[5]]);
+    for (int32_t k = g->degree[v] > NET_SLOTS ? g->head[v] : -1; k >= 0; k = g->more[k].next)
+        apart += x[v] - x[g->more[k].to];
+    return apart;
+}
+
+#endif

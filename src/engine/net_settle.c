@@ -1,0 +1,341 @@
+#include "engine/net_settle.h"
+
+#include <string.h>
+
+enum {
+    SLACK = NET_ONE / 4,           /* how far outside its cube a vertex may lie */
+    PUSH_MOST = 15 * NET_ONE / 16, /* and how far it is pushed at most */
+    LINKS = NET_LINKS_MOST + 1,
+    AREA_BITS = 10, /* by which sums of areas are rounded, */
+    TERM_BITS = 24, /* and terms: to 2^-18 voxels */
+};
+
+/* ---- rounding ---- */
+
+/* p / 2^bits; halves away from 0, so that what is mirrored comes out mirrored. */
+static inline int64_t rounded(int64_t p, int bits)
+{
+    return (p + (INT64_C(1) << (bits - 1)) + (p >> 63)) >> bits;
+}
+
+/* a p + b q, both factors in 2^-32. */
+static inline net_lanes mixed(net_lanes p, int64_t a, net_lanes q, int64_t b)
+{
+    net_lanes out;
+    for (int k = 0; k < 4; k++)
+        out[k] = (int32_t)rounded(p[k] * a + q[k] * b, 32);
+    return out;
+}
+
+#define FIXED(numerator, denominator) ((numerator) * (INT64_C(1) << 32) / (denominator))
+
+/* numerator / denominator / links, by links. */
+static void shares(int64_t share[LINKS], int64_t numerator, int64_t denominator)
+{
+    share[0] = 0;
+    for (int n = 1; n < LINKS; n++)
+        share[n] = (numerator * (INT64_C(1) << 32)) / (denominator * n);
+}
+
+/* 1 / sqrt(x), by Newton's rule: times 2^30 where x is a part of 2^32, from a quarter up. */
+static inline uint64_t root_share(uint64_t x)
+{
+    uint64_t y = UINT64_C(2244120412) - (x * 5025111 >> 24);
+    for (int k = 0; k < 3; k++) {
+        const uint64_t off = x * (y * y >> 30) >> 32;
+        y = y * ((UINT64_C(3) << 30) - off) >> 31;
+    }
+    return y;
+}
+
+/* As long as 2^14. */
+static inline net_lanes long_as_one(net_lanes n)
+{
+    uint64_t square = 0;
+    for (int k = 0; k < 3; k++)
+        square += (uint64_t)((int64_t)n[k] * n[k]);
+    if (square == 0)
+        return (net_lanes){0};
+    const int zeros = __builtin_clzll(square), half = (zeros >> 1) - 16;
+    const uint64_t part = half < 0 ? square >> -2 * half : square << 2 * half;
+    const int64_t share = (int64_t)root_share(part);
+    for (int k = 0; k < 3; k++)
+        n[k] = (int32_t)rounded(n[k] * share, 32 - half);
+    n[3] = 0;
+    return n;
+}
+
+/* ---- places ---- */
+
+/* Keeps what is along axes that are not locked. */
+static const net_lanes free_of[8] = {
+    {-1, -1, -1, -1}, {0, -1, -1, -1}, {-1, 0, -1, -1}, {0, 0, -1, -1},
+    {-1, -1, 0, -1},  {0, -1, 0, -1},  {-1, 0, 0, -1},  {0, 0, 0, -1},
+};
+
+static inline net_lanes unlocked(const struct net_graph *g, int32_t v, net_lanes x)
+{
+    return x & free_of[g->place[v].lock & 7];
+}
+
+static inline net_lanes middle_of(const struct net_graph *g, int32_t v)
+{
+    const struct net_place *p = &g->place[v];
+    return (net_lanes){p->x, p->y, p->z, 0} * NET_ONE + (net_lanes){1, 1, 1, 0} * (NET_ONE / 2);
+}
+
+static inline net_lanes clamped(const struct net_graph *g, int32_t v, net_lanes at)
+{
+    const net_lanes middle = middle_of(g, v);
+    net_lanes off = at - middle;
+    for (int k = 0; k < 3; k++) {
+        const int32_t most = NET_ONE / 2 + SLACK;
+        off[k] = off[k] < -most ? -most : off[k] > most ? most : off[k];
+    }
+    return middle + off;
+}
+
+/* Chebyshev's polynomial of three passes, least from 1/2 to 2: 1 - u (1092 - 960 u + 256 u^2) / 365
+ * of the umbrella operator u. */
+static void smooth(struct net_graph *g, net_lanes *off, net_lanes *next)
+{
+    int64_t share[LINKS], last[LINKS];
+    shares(share, 1, 1);
+    shares(last, 256, 365);
+    for (int32_t v = 0; v < g->upto[7]; v++)
+        off[v] = unlocked(g, v, mixed(net_apart(g, g->at, v), share[g->degree[v]], off[v], 0));
+    for (int32_t v = 0; v < g->upto[6]; v++)
+        next[v] = unlocked(
+            g, v, mixed(net_apart(g, off, v), last[g->degree[v]], off[v], FIXED(-960, 365)));
+    for (int32_t v = 0; v < g->upto[5]; v++)
+        g->at[v] = clamped(g, v,
+                           g->at[v] - unlocked(g, v,
+                                               mixed(net_apart(g, next, v), share[g->degree[v]],
+                                                     off[v], FIXED(1092, 365))));
+}
+
+/* Which way faces of voxels look around each, smoothed twice; links weigh 1, a vertex what makes
+ * six of it. */
+static void find_push(struct net_graph *g, net_lanes *next)
+{
+    for (int32_t v = 0; v < g->upto[6]; v++)
+        next[v] = 6 * g->push[v] - net_apart(g, g->push, v);
+    for (int32_t v = 0; v < g->upto[5]; v++)
+        g->push[v] = long_as_one(unlocked(g, v, 6 * next[v] - net_apart(g, next, v)));
+}
+
+bool net_smooth(struct net_graph *g, struct net_sum **sum)
+{
+    const size_t all = (size_t)g->upto[NET_LEVELS - 1];
+    net_lanes *off = net_store(g->scratch, NET_LANES_0, all, sizeof *off);
+    net_lanes *next = net_store(g->scratch, NET_LANES_1, all, sizeof *next);
+    *sum = net_store(g->scratch, NET_SUM, (size_t)g->upto[5], sizeof **sum);
+    if (!off || !next || !*sum)
+        return false;
+    smooth(g, off, next);
+    find_push(g, next);
+    memset(*sum, 0, (size_t)g->upto[5] * sizeof **sum);
+    return true;
+}
+
+/* ---- volume ---- */
+
+static inline void cross(const int64_t a[3], const int64_t b[3], int64_t out[3])
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+void net_add_quad(const struct net_graph *g, struct net_sum *sum, const int32_t corner[4], int face)
+{
+    const net_lanes *at = g->at, *push = g->push;
+    const int32_t a = corner[0], b = corner[1], c = corner[2], d = corner[3];
+    const net_lanes e4 = at[c] - at[a], g4 = at[d] - at[b], en4 = push[c] - push[a],
+                    gn4 = push[d] - push[b];
+    const net_lanes ec4 = e4 + middle_of(g, c) - middle_of(g, a),
+                    gc4 = g4 + middle_of(g, d) - middle_of(g, b);
+    const int64_t e[3] = {e4[0], e4[1], e4[2]}, f[3] = {g4[0], g4[1], g4[2]},
+                  en[3] = {en4[0], en4[1], en4[2]}, fn[3] = {gn4[0], gn4[1], gn4[2]},
+                  ec[3] = {ec4[0], ec4[1], ec4[2]}, fc[3] = {gc4[0], gc4[1], gc4[2]};
+    int64_t is[3], was[3], once[3], other[3], twice[3];
+    cross(e, f, is);
+    cross(ec, fc, was);
+    cross(e, fn, once);
+    cross(en, f, other);
+    cross(en, fn, twice);
+    for (int k = 0; k < 3; k++) {
+        once[k] += other[k];
+        was[k] += is[k];
+    }
+    was[face >> 1] += (face & 1 ? 2 : -2) * (int64_t)NET_ONE * NET_ONE;
+    for (int i = 0; i < 4; i++) {
+        const int32_t v = corner[i];
+        const net_lanes lost = middle_of(g, v) - at[v], n = push[v];
+        struct net_sum *s = &sum[v];
+        for (int k = 0; k < 3; k++) {
+            s->area[k] += is[k];
+            s->term[NET_LOST] += was[k] * lost[k];
+            s->term[NET_BY_PUSH] += is[k] * n[k];
+            s->term[NET_BY_SQUARE] += once[k] * n[k];
+            s->term[NET_BY_CUBE] += twice[k] * n[k];
+        }
+    }
+}
+
+/* The push h at which BY_PUSH h + BY_SQUARE h^2 + BY_CUBE h^3 makes up for what is lost: Newton's
+ * rule between bounds, which are halved where it leaves them. What has collapsed has no BY_PUSH. */
+static int32_t push_of(net_lanes m)
+{
+    int64_t low = -PUSH_MOST, high = PUSH_MOST, h = 0;
+    while (high - low > 1) {
+        const int64_t cube = m[NET_BY_CUBE] * h / NET_ONE, square = m[NET_BY_SQUARE];
+        const int64_t off =
+            (int64_t)m[NET_LOST] * NET_ONE - (m[NET_BY_PUSH] + (square + cube) * h / NET_ONE) * h;
+        const int64_t slope = m[NET_BY_PUSH] + (2 * square + 3 * cube) * h / NET_ONE;
+        if (off > 0)
+            low = h;
+        else
+            high = h;
+        const int64_t step = slope > 0 ? off / slope : 0;
+        if (slope > 0 && step >= -1 && step <= 1)
+            break;
+        h += step;
+        if (slope <= 0 || h <= low || h >= high)
+            h = (low + high) / 2;
+    }
+    return (int32_t)h;
+}
+
+/* ---- both ---- */
+
+/* What the passes filter: terms, and normals. */
+struct both {
+    net_lanes term, normal;
+};
+
+static inline struct both apart_of(const struct net_graph *g, const struct both *x, int32_t v)
+{
+    const int32_t *link = g->link[v];
+    struct both apart = {6 * x[v].term, 6 * x[v].normal};
+    for (int k = 0; k < NET_SLOTS; k++) {
+        apart.term -= x[link[k]].term;
+        apart.normal -= x[link[k]].normal;
+    }
+    for (int32_t k = g->degree[v] > NET_SLOTS ? g->head[v] : -1; k >= 0; k = g->more[k].next) {
+        apart.term += x[v].term - x[g->more[k].to].term;
+        apart.normal += x[v].normal - x[g->more[k].to].normal;
+    }
+    return apart;
+}
+
+/* Terms by links, so that the sum of all stays what it is: a vertex with more links has a larger
+ * part of the surface, and is heard by more. */
+static void take_sums(const struct net_graph *g, const struct net_sum *sum, struct both *out)
+{
+    static const int64_t times[NET_KINDS] = {48, 8, 16, 24};
+    int64_t share[NET_KINDS][LINKS] = {{0}};
+    for (int i = 0; i < NET_KINDS; i++)
+        for (int n = 1; n < LINKS; n++)
+            share[i][n] = (INT64_C(1) << 26) / (times[i] * n);
+    for (int32_t v = 0; v < g->upto[4]; v++) {
+        const struct net_sum *s = &sum[v];
+        for (int i = 0; i < NET_KINDS; i++)
+            out[v].term[i] = (int32_t)rounded(rounded(s->term[i], 16) * share[i][g->degree[v]],
+                                              26 + TERM_BITS - 16);
+        for (int k = 0; k < 3; k++)
+            out[v].normal[k] = (int32_t)rounded(s->area[k], AREA_BITS);
+        out[v].normal[3] = 0;
+    }
+}
+
+/* Lengths from voxels to the world, and then 1. */
+static net_lanes in_world(net_lanes normal, const uint32_t scale[3])
+{
+    for (int k = 0; k < 3; k++)
+        normal[k] = (int32_t)rounded(normal[k] * (int64_t)scale[k], 12);
+    return long_as_one(normal);
+}
+
+/* Chebyshev's polynomials of four passes: of terms, least from 1/5 to 2,
+ * 1 - u (283360 - 516000 u + 352000 u^2 - 80000 u^3) / 45281; of normals, least from 3/4 to 2, by
+ * its roots. */
+bool net_restore(struct net_graph *g, const struct net_sum *sum, const uint32_t scale[3],
+                 net_lanes **normal)
+{
+    static const int64_t root[4] = {512184, 619511, 880419, 1253800}; /* 1 / root, in 10^-6 */
+    int64_t share[LINKS], last[LINKS], step[4][LINKS];
+    const int64_t one = INT64_C(1) << 32;
+    const net_lanes none = {0};
+    struct both *x = net_store(g->scratch, NET_BOTH_0, (size_t)g->upto[4], sizeof *x);
+    struct both *off = net_store(g->scratch, NET_BOTH_1, (size_t)g->upto[3], sizeof *off);
+    struct both *y = net_store(g->scratch, NET_BOTH_2, (size_t)g->upto[2], sizeof *y);
+    struct both *t = net_store(g->scratch, NET_BOTH_3, (size_t)g->upto[1], sizeof *t);
+    *normal = net_store(g->scratch, NET_LANES_0, (size_t)g->upto[0], sizeof **normal);
+    if (!x || !off || !y || !t || !*normal)
+        return false;
+    shares(share, 1, 1);
+    shares(last, -80000, 45281);
+    for (int k = 0; k < 4; k++)
+        shares(step[k], -root[k], 1000000);
+    take_sums(g, sum, x);
+    for (int32_t v = 0; v < g->upto[3]; v++) {
+        const struct both a = apart_of(g, x, v);
+        const int n = g->degree[v];
+        off[v].term = mixed(a.term, share[n], none, 0);
+        off[v].normal = mixed(a.normal, step[0][n], x[v].normal, one);
+    }
+    for (int32_t v = 0; v < g->upto[2]; v++) {
+        const struct both a = apart_of(g, off, v);
+        const int n = g->degree[v];
+        y[v].term = mixed(a.term, last[n], off[v].term, FIXED(352000, 45281));
+        y[v].normal = mixed(a.normal, step[1][n], off[v].normal, one);
+    }
+    for (int32_t v = 0; v < g->upto[1]; v++) {
+        const struct both a = apart_of(g, y, v);
+        const int n = g->degree[v];
+        t[v].term = mixed(a.term, share[n], off[v].term, FIXED(-516000, 45281));
+        t[v].normal = mixed(a.normal, step[2][n], y[v].normal, one);
+    }
+    for (int32_t v = 0; v < g->upto[0]; v++) {
+        const struct both a = apart_of(g, t, v);
+        const int n = g->degree[v];
+        const net_lanes term =
+            x[v].term - mixed(a.term, share[n], off[v].term, FIXED(283360, 45281));
+        const int64_t push = push_of(term);
+        net_lanes by;
+        for (int k = 0; k < 4; k++)
+            by[k] = (int32_t)rounded(push * g->push[v][k], NET_BITS);
+        g->at[v] = clamped(g, v, g->at[v] + by);
+        (*normal)[v] = in_world(mixed(a.normal, step[3][n], t[v].normal, one), scale);
+    }
+    return true;
+}
+
+/* ---- cubes ---- */
+
+bool net_centre(struct net_graph *g, const uint32_t scale[3], net_lanes **normal)
+{
+    static const int64_t root[4] = {512184, 619511, 880419, 1253800};
+    net_lanes *next = net_store(g->scratch, NET_LANES_1, (size_t)g->upto[3], sizeof *next);
+    net_lanes *is = g->push;
+    if (!next)
+        return false;
+    for (int32_t v = 0; v < g->upto[4]; v++)
+        is[v] = is[v] * (1 << 18);
+    for (int k = 0; k < 4; k++) {
+        int64_t step[LINKS];
+        shares(step, -root[k], 1000000);
+        for (int32_t v = 0; v < g->upto[3 - k]; v++)
+            next[v] = mixed(net_apart(g, is, v), step[g->degree[v]], is[v], INT64_C(1) << 32);
+        net_lanes *former = is;
+        is = next;
+        next = former;
+    }
+    for (int32_t v = 0; v < g->upto[0]; v++) {
+        g->at[v] = middle_of(g, v);
+        is[v] = in_world(is[v], scale);
+    }
+    *normal = is;
+    return true;
+}
