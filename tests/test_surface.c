@@ -287,17 +287,21 @@ STORY(a_ring_and_a_hollow_ball_have_their_euler_numbers)
     surface_free(s);
 }
 
-/* Walls have the same triangles from both sides, and what is around all labels is the surface of all
- * together. */
+/* Walls have the same triangles from both sides, and what is around all labels is the surface of
+ * all together. */
 STORY(surfaces_of_labels_fit_one_another_and_the_whole)
 {
     uint64_t random = 5;
     for (int round = 0; round < 30 && check_failures == 0; round++) {
-        const bool is_ball = round == 1;
+        const bool is_ball = round == 1, is_long = round == 2;
         if (is_ball) {
             box_of_ball(9, (const double[]){1, 1, 1});
             for (uint32_t i = 0; i < box.size[0] * box.size[1] * box.size[2]; i++)
                 box.label[i] *= (uint8_t)(1 + (i % box.size[0] > 11) + (i % 361 > 200));
+        } else if (is_long) { /* its ends are boxes of one label */
+            box_init(250, 7, 6);
+            for (uint32_t i = 0; i < 250 * 7 * 6; i++)
+                box.label[i] = check_below(&random, 5) ? (uint8_t)(1 + (i % 250 > 120)) : 0;
         } else {
             box_of_noise(&random);
         }
@@ -317,13 +321,18 @@ STORY(surfaces_of_labels_fit_one_another_and_the_whole)
             found += bsearch(&ahead.item[k], back.item, back.count, sizeof *back.item,
                              places_order) != NULL;
         CHECK(found >= 4 * walls);
-        for (size_t k = 0; k < net.count; k++, i += i < ahead.count) {
+        for (size_t k = 0; k < net.count; k++) {
             while (i < ahead.count && places_order(&ahead.item[i], &net.item[k]) < 0)
                 i++;
-            outside += i < ahead.count && places_order(&ahead.item[i], &net.item[k]) == 0;
+            if (i < ahead.count && places_order(&ahead.item[i], &net.item[k]) == 0) {
+                outside++;
+                i++;
+            }
         }
         CHECK(ahead.count == net.count + 4 * walls);
-        CHECK(outside == net.count || (round % 4 && !is_ball && 3 * outside > net.count));
+        /* Noise has cubes where a vertex of a label is that of two parts of air. */
+        CHECK(outside == net.count ||
+              (round % 4 && !is_ball && outside * 100 > net.count * (is_long ? 99 : 70)));
         free(ahead.item);
         free(back.item);
         free(net.item);

@@ -13,6 +13,7 @@ enum {
     QUADS_MOST = 12, /* around a vertex: as many as a cube has edges */
 };
 static const size_t POINTS_MOST = INT32_MAX;
+static const uint32_t NO_SPOT = UINT32_MAX;
 
 struct extent {
     int32_t first[3], end[3];
@@ -40,10 +41,10 @@ struct making {
     uint64_t voxels[256];
     uint8_t of; /* the label whose net is made; 0: all together */
     const struct surface_choice *choice;
-    bool has_spots; /* there are surfaces that meet */
+    bool has_spots, box_has_spots; /* there are surfaces that may meet, in all or in a box */
     struct surface *surface;
     size_t point_room;
-    uint32_t *spot_of; /* [points]: of several labels */
+    uint32_t *spot_of; /* [points]; NO_SPOT: it stays where its label's net has it */
     size_t spot_of_room;
     struct quad *quad;
     size_t quads, quad_room;
@@ -158,7 +159,7 @@ static unsigned share_place(unsigned crossings, const uint8_t label[CORNERS])
     return crossings;
 }
 
-/* The number of the spot where a vertex of the net at hand lies; UINT32_MAX: no memory. */
+/* The number of the spot where a vertex of the net at hand lies; NO_SPOT: no memory. */
 static uint32_t spot_of(struct making *m, const struct net_vertex *vertex)
 {
     uint8_t label[CORNERS];
@@ -183,10 +184,10 @@ static uint32_t spot_of(struct making *m, const struct net_vertex *vertex)
         cube = cube * (m->size[a] + 2) + (uint64_t)(vertex->cube[a] + 1);
     uint32_t *number = lookup_at(&m->numbers, cube << 12 | crossings);
     if (!number)
-        return UINT32_MAX;
+        return NO_SPOT;
     if (*number == LOOKUP_NEW) {
         if (!mem_grow(&m->spot, &m->spot_room, m->spots + 1, sizeof *m->spot))
-            return UINT32_MAX;
+            return NO_SPOT;
         m->spot[m->spots] = (struct spot){.cube = cube};
         *number = (uint32_t)m->spots++;
     }
@@ -240,12 +241,13 @@ static uint32_t add_point(struct making *m, const struct net_vertex *vertex,
     for (int a = 0; a < 3; a++)
         s->point[points].at[a] = (uint32_t)((vertex->cube[a] + 1) * SURFACE_ONE + vertex->at[a]);
     if (m->has_spots) {
-        const uint32_t spot = spot_of(m, vertex);
-        if (spot == UINT32_MAX ||
-            !mem_grow(&m->spot_of, &m->spot_of_room, points + 1, sizeof *m->spot_of))
+        if (!mem_grow(&m->spot_of, &m->spot_of_room, points + 1, sizeof *m->spot_of))
             return UINT32_MAX;
-        m->spot_of[points] = spot;
-        add_to_spot(&m->spot[spot], vertex, false);
+        m->spot_of[points] = m->box_has_spots ? spot_of(m, vertex) : NO_SPOT;
+        if (m->box_has_spots && m->spot_of[points] == NO_SPOT)
+            return UINT32_MAX;
+        if (m->box_has_spots)
+            add_to_spot(&m->spot[m->spot_of[points]], vertex, false);
     }
     if (sewn)
         *sewn = (uint32_t)points;
@@ -279,11 +281,34 @@ static bool add_outside(struct making *m, const struct net *net)
 {
     for (uint32_t v = 0; v < net->vertices; v++) {
         const uint32_t spot = spot_of(m, &net->vertex[v]);
-        if (spot == UINT32_MAX)
+        if (spot == NO_SPOT)
             return false;
         add_to_spot(&m->spot[spot], &net->vertex[v], true);
     }
     return true;
+}
+
+/* Whether several labels are in a box or near enough to move vertices in it: else the net of one is
+ * that of all together. */
+static bool holds_several(const struct making *m, const struct extent *box)
+{
+    struct extent near;
+    uint8_t one = 0;
+    for (int a = 0; a < 3; a++) {
+        const int32_t first = box->first[a] - NET_MARGIN, end = box->end[a] + NET_MARGIN;
+        near.first[a] = first > 0 ? first : 0;
+        near.end[a] = end < (int32_t)m->size[a] ? end : (int32_t)m->size[a];
+    }
+    for (int32_t z = near.first[2]; z < near.end[2]; z++)
+        for (int32_t y = near.first[1]; y < near.end[1]; y++) {
+            const uint8_t *row = m->label + ((size_t)z * m->size[1] + (size_t)y) * m->size[0];
+            for (int32_t x = near.first[0]; x < near.end[0]; x++) {
+                if (row[x] && one && row[x] != one)
+                    return true;
+                one = row[x] ? row[x] : one;
+            }
+        }
+    return false;
 }
 
 /* The nets of the boxes of an extent: of the label m->of, or of all together; either for spots
@@ -320,6 +345,9 @@ static enum err take_nets(struct making *m, const struct extent *extent, bool ad
                 }
                 if (!task_advance(&m->task, voxels))
                     return watch_fault(m->task.watch, m->fault);
+                m->box_has_spots = m->has_spots && holds_several(m, &box);
+                if (adds_spots && !m->box_has_spots)
+                    continue;
                 enum err err = net_make(&net, &source, box.first, size, m->fault);
                 if (err)
                     return err;
@@ -477,6 +505,8 @@ static void place_points(struct making *m)
 {
     struct surface *s = m->surface;
     for (size_t p = 0; m->has_spots && p < s->points; p++) {
+        if (m->spot_of[p] == NO_SPOT)
+            continue;
         const struct spot *spot = &m->spot[m->spot_of[p]];
         uint64_t cube = spot->cube;
         for (int a = 0; a < 3; a++) {
