@@ -90,32 +90,30 @@ static enum err take_labels(struct making *m, const struct surface_source *sourc
     return watch_fault(watch, m->fault);
 }
 
-static bool is_inside(const struct making *m, const int32_t at[3])
+/* The labels of a row of voxels; NULL outside the scene. */
+static const uint8_t *row_at(const struct making *m, int32_t y, int32_t z)
 {
-    bool is = true;
-    for (int a = 0; a < 3; a++)
-        is &= at[a] >= 0 && (uint32_t)at[a] < m->size[a];
-    return is;
-}
-
-static uint8_t label_at(const struct making *m, const int32_t at[3])
-{
-    if (!is_inside(m, at))
-        return 0;
-    const size_t row = (size_t)at[2] * m->size[1] + (size_t)at[1];
-    return m->label[row * m->size[0] + (size_t)at[0]];
+    const bool is_row = y >= 0 && z >= 0 && (uint32_t)y < m->size[1] && (uint32_t)z < m->size[2];
+    return is_row ? m->label + ((size_t)z * m->size[1] + (size_t)y) * m->size[0] : NULL;
 }
 
 static void net_row(void *context, int32_t x, int32_t y, int32_t z, uint32_t count, uint16_t *voxel)
 {
     const struct making *m = context;
-    const bool is_row = y >= 0 && z >= 0 && (uint32_t)y < m->size[1] && (uint32_t)z < m->size[2];
-    const uint8_t *label =
-        is_row ? m->label + ((size_t)z * m->size[1] + (size_t)y) * m->size[0] : NULL;
+    const uint8_t *label = row_at(m, y, z);
     for (uint32_t i = 0; i < count; i++, x++) {
         const bool is_in = label && x >= 0 && (uint32_t)x < m->size[0];
         voxel[i] = !is_in ? NET_CLOSED : !m->of || label[x] == m->of ? label[x] : 0;
     }
+}
+
+/* Counted from one before the scene. */
+static uint64_t cube_number(const struct making *m, const int32_t cube[3])
+{
+    uint64_t number = 0;
+    for (int a = 2; a >= 0; a--)
+        number = number * (m->size[a] + 2) + (uint64_t)(cube[a] + 1);
+    return number;
 }
 
 /* ---- spots ---- */
@@ -162,15 +160,15 @@ static unsigned share_place(unsigned crossings, const uint8_t label[CORNERS])
 /* The number of the spot where a vertex of the net at hand lies; NO_SPOT: no memory. */
 static uint32_t spot_of(struct making *m, const struct net_vertex *vertex)
 {
+    const uint64_t cube = cube_number(m, vertex->cube);
     uint8_t label[CORNERS];
-    uint64_t cube = 0;
     unsigned object = 0;
     bool is_alone = true;
     for (unsigned c = 0; c < CORNERS; c++) {
-        int32_t at[3];
-        for (int a = 0; a < 3; a++)
-            at[a] = vertex->cube[a] + (int32_t)(c >> a & 1);
-        label[c] = label_at(m, at);
+        const int32_t x = vertex->cube[0] + (int32_t)(c & 1);
+        const uint8_t *row =
+            row_at(m, vertex->cube[1] + (int32_t)(c >> 1 & 1), vertex->cube[2] + (int32_t)(c >> 2));
+        label[c] = row && x >= 0 && (uint32_t)x < m->size[0] ? row[x] : 0;
         object |= (unsigned)(m->of ? label[c] == m->of : label[c] != 0) << c;
     }
     for (unsigned c = 0, one = 0; c < CORNERS; c++) {
@@ -180,8 +178,6 @@ static uint32_t spot_of(struct making *m, const struct net_vertex *vertex)
     unsigned crossings = crossings_of(vertex->air, object);
     if (!is_alone)
         crossings = share_place(crossings, label);
-    for (int a = 2; a >= 0; a--)
-        cube = cube * (m->size[a] + 2) + (uint64_t)(vertex->cube[a] + 1);
     uint32_t *number = lookup_at(&m->numbers, cube << 12 | crossings);
     if (!number)
         return NO_SPOT;
@@ -229,10 +225,7 @@ static uint32_t add_point(struct making *m, const struct net_vertex *vertex,
     const size_t points = s->points;
     uint32_t *sewn = NULL;
     if (is_at_side(vertex, box)) {
-        uint64_t key = 0;
-        for (int a = 2; a >= 0; a--)
-            key = key * (m->size[a] + 2) + (uint64_t)(vertex->cube[a] + 1);
-        sewn = lookup_at(&m->sewn, key << 8 | vertex->air);
+        sewn = lookup_at(&m->sewn, cube_number(m, vertex->cube) << 8 | vertex->air);
         if (!sewn || *sewn != LOOKUP_NEW)
             return sewn ? *sewn : UINT32_MAX;
     }
@@ -301,7 +294,7 @@ static bool holds_several(const struct making *m, const struct extent *box)
     }
     for (int32_t z = near.first[2]; z < near.end[2]; z++)
         for (int32_t y = near.first[1]; y < near.end[1]; y++) {
-            const uint8_t *row = m->label + ((size_t)z * m->size[1] + (size_t)y) * m->size[0];
+            const uint8_t *row = row_at(m, y, z);
             for (int32_t x = near.first[0]; x < near.end[0]; x++) {
                 if (row[x] && one && row[x] != one)
                     return true;
