@@ -27,14 +27,11 @@
  * a kind differ in length where axes are sheared: balls are as right there, and what has few
  * directions is off by up to 5 % at 15 degrees, and 12 % at 30, which answers say.
  *
- * The net that pictures show (engine/net.h) measures worse in all, and is not asked. It is truer of
- * what is round and small, or thin: balls of 1.5, 2.4 and 3.2 s have 1.03, 1.04 and 1.01 of their
- * area by it, by pairs 1.08, 1.08 and 1.03, and turned sheets of one and two voxels .92 and .95, by
- * pairs 1.15 and 1.11. But it rounds edges off (cubes of 3, 10 and 30 voxels along the axes .83,
- * .89 and .96, by pairs .94, .98 and .99; turned boxes of 12, 20 and 30 in the mean .94, .96 and
- * .98, by pairs 1.00), and steps between slices that lie seven times as far apart as voxels do not
- * go away: 1.07 of any ball, by pairs 1.00. And it would be made anew for each answer, where pairs
- * follow edits.
+ * The net that pictures show (engine/net.h) is no better measure. It is truer of what is round
+ * and small, or thin: balls of 1.5, 2.4, 3.2 s have 1.03, 1.04, 1.01 of their area, by pairs 1.08,
+ * 1.08, 1.03; turned sheets of one and two voxels .92 and .95, by pairs 1.15 and 1.11. But it rounds
+ * edges off (cubes of 3, 10, 30 voxels along the axes .83, .89, .96, turned boxes of 12, 20, 30
+ * .94, .96, .98), and slices 7 times as far apart as voxels stay steps, 1.07 of any ball.
  */
 #ifndef REPORT_LABEL_AREA_H
 #define REPORT_LABEL_AREA_H
