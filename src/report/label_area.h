@@ -29,7 +29,7 @@
  *
  * The net that pictures show (engine/net.h) is no better measure. It is truer of what is round
  * and small, or thin: balls of 1.5, 2.4, 3.2 s have 1.03, 1.04, 1.01 of their area, by pairs 1.08,
- * 1.08, 1.03; turned sheets of one and two voxels .92 and .95, by pairs 1.15 and 1.11. But it rounds
+ * 1.08, 1.03; turned sheets of one, two voxels .92, .95, by pairs 1.15, 1.11. But it rounds
  * edges off (cubes of 3, 10, 30 voxels along the axes .83, .89, .96, turned boxes of 12, 20, 30
  * .94, .96, .98), and slices 7 times as far apart as voxels stay steps, 1.07 of any ball.
  */
