@@ -18,8 +18,9 @@
  *      directions, and the triangles around a point are one fan, also where a label touches itself
  *      or another at an edge or a corner;
  *   U2 a surface has the points of the net, whatever boxes it is made from;
- *   U3 until it is reduced, a surface encloses as much as its voxels do, nearly, and no point is
- *      further than 1/4 voxel outside the cube of voxels that it is of;
+ *   U3 until it is reduced, no point is further than 1/4 voxel outside the cube of voxels that it
+ *      is of; a surface that meets no other encloses as much as its voxels do, to 2 % where it is
+ *      a ball with a radius of 3 voxels or more;
  *   U4 normals point out of the label;
  *   U5 the same labels give the same triangles in the same order, on every machine;
  *   U6 where two labels touch, their surfaces have points at the same places, until they are
