@@ -218,7 +218,7 @@ STORY(a_surface_has_the_triangles_of_the_net)
             size[round / 8 % 3] = 129 + check_below(&random, 150);
             box_init(size[0], size[1], size[2]);
             for (uint32_t i = 0; i < size[0] * size[1] * size[2]; i++)
-                box.label[i] = check_below(&random, 5) > 1 ? (uint8_t)(1 + round % 2) : 0;
+                box.label[i] = (uint8_t)(check_below(&random, 5) > 1 ? 1 + round % 2 : 0);
         }
         struct surface *s = surface_of_box(JOINED);
         struct triangles of = triangles_of(s, false), net = triangles_of_net(false);
@@ -301,7 +301,7 @@ STORY(surfaces_of_labels_fit_one_another_and_the_whole)
         } else if (is_long) { /* its ends are boxes of one label */
             box_init(250, 7, 6);
             for (uint32_t i = 0; i < 250 * 7 * 6; i++)
-                box.label[i] = check_below(&random, 5) ? (uint8_t)(1 + (i % 250 > 120)) : 0;
+                box.label[i] = (uint8_t)(check_below(&random, 5) ? 1 + (i % 250 > 120) : 0);
         } else {
             box_of_noise(&random);
         }

@@ -528,6 +528,21 @@ static bool make_triangles(struct making *m)
     return s->triangle;
 }
 
+/* All but points and quads. */
+static void release(struct making *m)
+{
+    net_scratch_free(m->scratch);
+    free(m->label);
+    free(m->spot_of);
+    free(m->spot);
+    lookup_release(&m->sewn);
+    lookup_release(&m->numbers);
+    m->scratch = NULL;
+    m->label = NULL;
+    m->spot_of = NULL;
+    m->spot = NULL;
+}
+
 enum err surface_new(struct surface **surface, const struct surface_source *source,
                      const struct surface_choice *choice, struct watch *watch, struct fault *fault)
 {
@@ -545,16 +560,12 @@ enum err surface_new(struct surface **surface, const struct surface_source *sour
         err = add_parts(m, watch);
     if (!err) {
         place_points(m);
+        release(m);
         err = make_triangles(m) ? OK : fault_memory(fault, "a surface");
     }
     if (m) {
-        net_scratch_free(m->scratch);
-        free(m->label);
-        free(m->spot_of);
+        release(m);
         free(m->quad);
-        free(m->spot);
-        lookup_release(&m->sewn);
-        lookup_release(&m->numbers);
     }
     free(m);
     if (err) {
