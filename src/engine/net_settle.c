@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "base/wide.h"
+
 enum {
     SLACK = NET_ONE / 4,           /* how far outside its cube a vertex may lie */
     PUSH_MOST = 15 * NET_ONE / 16, /* and how far it is pushed at most */
@@ -18,23 +20,29 @@ static inline int64_t rounded(int64_t p, int bits)
     return (p + (INT64_C(1) << (bits - 1)) + (p >> 63)) >> bits;
 }
 
-/* a p + b q, both factors in 2^-32. */
-static inline net_lanes mixed(net_lanes p, int64_t a, net_lanes q, int64_t b)
+typedef uint32_t counts __attribute__((vector_size(16)));
+
+/* x share / 2^bits of each, halves away from 0; share is at most 2^16, and so is 2^bits. In two
+ * halves of x, which no product of 32 bits is too small for. */
+static inline net_lanes part_of(net_lanes x, int32_t share, int bits)
 {
-    net_lanes out;
-    for (int k = 0; k < 4; k++)
-        out[k] = (int32_t)rounded(p[k] * a + q[k] * b, 32);
-    return out;
+    const counts low = (counts)(x & 0xffff) * (uint32_t)share;
+    return (x >> 16) * share * (1 << (16 - bits)) +
+           (net_lanes)((low + (1U << (bits - 1)) + (counts)(x >> 31)) >> bits);
 }
 
-#define FIXED(numerator, denominator) ((numerator) * (INT64_C(1) << 32) / (denominator))
+/* The nearest number of 2^-bits to numerator / denominator. */
+#define FIXED(numerator, denominator, bits)                                                        \
+    ((int32_t)((((int64_t)(numerator) << ((bits) + 1)) / (denominator) + 1) / 2))
+
+enum { WHOLE = 16, TWICE = 15, MANY = 13 }; /* bits of factors up to 1, 2 and 8 */
 
 /* numerator / denominator / links, by links. */
-static void shares(int64_t share[LINKS], int64_t numerator, int64_t denominator)
+static void shares(int32_t share[LINKS], int32_t numerator, int32_t denominator, int bits)
 {
     share[0] = 0;
     for (int n = 1; n < LINKS; n++)
-        share[n] = (numerator * (INT64_C(1) << 32)) / (denominator * n);
+        share[n] = FIXED(numerator, denominator * n, bits);
 }
 
 /* 1 / sqrt(x), by Newton's rule: times 2^30 where x is a part of 2^32, from a quarter up. */
@@ -97,26 +105,28 @@ static inline net_lanes clamped(const struct net_graph *g, int32_t v, net_lanes 
 
 /* Chebyshev's polynomial of three passes, least from 1/2 to 2: 1 - u (1092 - 960 u + 256 u^2) / 365
  * of the umbrella operator u. */
-static void smooth(struct net_graph *g, net_lanes *off, net_lanes *next)
+WIDE static void smooth(struct net_graph *g, net_lanes *off, net_lanes *next)
 {
-    int64_t share[LINKS], last[LINKS];
-    shares(share, 1, 1);
-    shares(last, 256, 365);
+    int32_t share[LINKS], last[LINKS];
+    shares(share, 1, 1, WHOLE);
+    shares(last, 256, 365, WHOLE);
     for (int32_t v = 0; v < g->upto[7]; v++)
-        off[v] = unlocked(g, v, mixed(net_apart(g, g->at, v), share[g->degree[v]], off[v], 0));
+        off[v] = unlocked(g, v, part_of(net_apart(g, g->at, v), share[g->degree[v]], WHOLE));
     for (int32_t v = 0; v < g->upto[6]; v++)
-        next[v] = unlocked(
-            g, v, mixed(net_apart(g, off, v), last[g->degree[v]], off[v], FIXED(-960, 365)));
+        next[v] = unlocked(g, v,
+                           part_of(net_apart(g, off, v), last[g->degree[v]], WHOLE) -
+                               part_of(off[v], FIXED(960, 365, MANY), MANY));
     for (int32_t v = 0; v < g->upto[5]; v++)
-        g->at[v] = clamped(g, v,
-                           g->at[v] - unlocked(g, v,
-                                               mixed(net_apart(g, next, v), share[g->degree[v]],
-                                                     off[v], FIXED(1092, 365))));
+        g->at[v] =
+            clamped(g, v,
+                    g->at[v] - unlocked(g, v,
+                                        part_of(net_apart(g, next, v), share[g->degree[v]], WHOLE) +
+                                            part_of(off[v], FIXED(1092, 365, MANY), MANY)));
 }
 
 /* Which way faces of voxels look around each, smoothed twice; links weigh 1, a vertex what makes
  * six of it. */
-static void find_push(struct net_graph *g, net_lanes *next)
+WIDE static void find_push(struct net_graph *g, net_lanes *next)
 {
     for (int32_t v = 0; v < g->upto[6]; v++)
         next[v] = 6 * g->push[v] - net_apart(g, g->push, v);
@@ -252,21 +262,60 @@ static void take_sums(const struct net_graph *g, const struct net_sum *sum, stru
 /* Lengths from voxels to the world, and then 1. */
 static net_lanes in_world(net_lanes normal, const uint32_t scale[3])
 {
-    for (int k = 0; k < 3; k++)
+    const uint32_t one = 1 << 12;
+    for (int k = 0; k < 3 && (scale[0] != one || scale[1] != one || scale[2] != one); k++)
         normal[k] = (int32_t)rounded(normal[k] * (int64_t)scale[k], 12);
     return long_as_one(normal);
 }
 
-/* Chebyshev's polynomials of four passes: of terms, least from 1/5 to 2,
- * 1 - u (283360 - 516000 u + 352000 u^2 - 80000 u^3) / 45281; of normals, least from 3/4 to 2, by
- * its roots. */
+/* 1 / the roots of Chebyshev's polynomial of normals, of four passes, least from 3/4 to 2. */
+static const int32_t normal_step[4] = {512184, 619511, 880419, 1253800}; /* 10^-6 */
+
+/* That of terms, of four passes, least from 1/5 to 2:
+ * 1 - u (283360 - 516000 u + 352000 u^2 - 80000 u^3) / 45281. */
+WIDE static void restore(struct net_graph *g, struct both *x, struct both *off, struct both *y,
+                         struct both *t, const uint32_t scale[3], net_lanes *normal)
+{
+    int32_t share[LINKS], last[LINKS], step[4][LINKS];
+    shares(share, 1, 1, WHOLE);
+    shares(last, 80000, 45281, TWICE);
+    for (int k = 0; k < 4; k++)
+        shares(step[k], normal_step[k], 1000000, TWICE);
+    for (int32_t v = 0; v < g->upto[3]; v++) {
+        const struct both a = apart_of(g, x, v);
+        const int n = g->degree[v];
+        off[v].term = part_of(a.term, share[n], WHOLE);
+        off[v].normal = x[v].normal - part_of(a.normal, step[0][n], TWICE);
+    }
+    for (int32_t v = 0; v < g->upto[2]; v++) {
+        const struct both a = apart_of(g, off, v);
+        const int n = g->degree[v];
+        y[v].term = part_of(off[v].term, FIXED(352000, 45281, MANY), MANY) -
+                    part_of(a.term, last[n], TWICE);
+        y[v].normal = off[v].normal - part_of(a.normal, step[1][n], TWICE);
+    }
+    for (int32_t v = 0; v < g->upto[1]; v++) {
+        const struct both a = apart_of(g, y, v);
+        const int n = g->degree[v];
+        t[v].term = part_of(a.term, share[n], WHOLE) -
+                    part_of(off[v].term, FIXED(516000, 45281, MANY - 1), MANY - 1);
+        t[v].normal = y[v].normal - part_of(a.normal, step[2][n], TWICE);
+    }
+    for (int32_t v = 0; v < g->upto[0]; v++) {
+        const struct both a = apart_of(g, t, v);
+        const int n = g->degree[v];
+        const net_lanes term = x[v].term - part_of(a.term, share[n], WHOLE) -
+                               part_of(off[v].term, FIXED(283360, 45281, MANY), MANY);
+        const int32_t push = push_of(term);
+        const net_lanes toward = push < 0 ? -g->push[v] : g->push[v];
+        g->at[v] = clamped(g, v, g->at[v] + part_of(toward, push < 0 ? -push : push, NET_BITS));
+        normal[v] = in_world(t[v].normal - part_of(a.normal, step[3][n], TWICE), scale);
+    }
+}
+
 bool net_restore(struct net_graph *g, const struct net_sum *sum, const uint32_t scale[3],
                  net_lanes **normal)
 {
-    static const int64_t root[4] = {512184, 619511, 880419, 1253800}; /* 1 / root, in 10^-6 */
-    int64_t share[LINKS], last[LINKS], step[4][LINKS];
-    const int64_t one = INT64_C(1) << 32;
-    const net_lanes none = {0};
     struct both *x = net_store(g->scratch, NET_BOTH_0, (size_t)g->upto[4], sizeof *x);
     struct both *off = net_store(g->scratch, NET_BOTH_1, (size_t)g->upto[3], sizeof *off);
     struct both *y = net_store(g->scratch, NET_BOTH_2, (size_t)g->upto[2], sizeof *y);
@@ -274,41 +323,8 @@ bool net_restore(struct net_graph *g, const struct net_sum *sum, const uint32_t 
     *normal = net_store(g->scratch, NET_LANES_0, (size_t)g->upto[0], sizeof **normal);
     if (!x || !off || !y || !t || !*normal)
         return false;
-    shares(share, 1, 1);
-    shares(last, -80000, 45281);
-    for (int k = 0; k < 4; k++)
-        shares(step[k], -root[k], 1000000);
     take_sums(g, sum, x);
-    for (int32_t v = 0; v < g->upto[3]; v++) {
-        const struct both a = apart_of(g, x, v);
-        const int n = g->degree[v];
-        off[v].term = mixed(a.term, share[n], none, 0);
-        off[v].normal = mixed(a.normal, step[0][n], x[v].normal, one);
-    }
-    for (int32_t v = 0; v < g->upto[2]; v++) {
-        const struct both a = apart_of(g, off, v);
-        const int n = g->degree[v];
-        y[v].term = mixed(a.term, last[n], off[v].term, FIXED(352000, 45281));
-        y[v].normal = mixed(a.normal, step[1][n], off[v].normal, one);
-    }
-    for (int32_t v = 0; v < g->upto[1]; v++) {
-        const struct both a = apart_of(g, y, v);
-        const int n = g->degree[v];
-        t[v].term = mixed(a.term, share[n], off[v].term, FIXED(-516000, 45281));
-        t[v].normal = mixed(a.normal, step[2][n], y[v].normal, one);
-    }
-    for (int32_t v = 0; v < g->upto[0]; v++) {
-        const struct both a = apart_of(g, t, v);
-        const int n = g->degree[v];
-        const net_lanes term =
-            x[v].term - mixed(a.term, share[n], off[v].term, FIXED(283360, 45281));
-        const int64_t push = push_of(term);
-        net_lanes by;
-        for (int k = 0; k < 4; k++)
-            by[k] = (int32_t)rounded(push * g->push[v][k], NET_BITS);
-        g->at[v] = clamped(g, v, g->at[v] + by);
-        (*normal)[v] = in_world(mixed(a.normal, step[3][n], t[v].normal, one), scale);
-    }
+    restore(g, x, off, y, t, scale, *normal);
     return true;
 }
 
@@ -316,7 +332,6 @@ bool net_restore(struct net_graph *g, const struct net_sum *sum, const uint32_t 
 
 bool net_centre(struct net_graph *g, const uint32_t scale[3], net_lanes **normal)
 {
-    static const int64_t root[4] = {512184, 619511, 880419, 1253800};
     net_lanes *next = net_store(g->scratch, NET_LANES_1, (size_t)g->upto[3], sizeof *next);
     net_lanes *is = g->push;
     if (!next)
@@ -324,10 +339,10 @@ bool net_centre(struct net_graph *g, const uint32_t scale[3], net_lanes **normal
     for (int32_t v = 0; v < g->upto[4]; v++)
         is[v] = is[v] * (1 << 18);
     for (int k = 0; k < 4; k++) {
-        int64_t step[LINKS];
-        shares(step, -root[k], 1000000);
+        int32_t step[LINKS];
+        shares(step, normal_step[k], 1000000, TWICE);
         for (int32_t v = 0; v < g->upto[3 - k]; v++)
-            next[v] = mixed(net_apart(g, is, v), step[g->degree[v]], is[v], INT64_C(1) << 32);
+            next[v] = is[v] - part_of(net_apart(g, is, v), step[g->degree[v]], TWICE);
         net_lanes *former = is;
         is = next;
         next = former;
