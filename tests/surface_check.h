@@ -83,28 +83,12 @@ static inline int surface_place_order(const void *a, const void *b)
     return memcmp(a, b, sizeof(struct surface_point));
 }
 
-/* U2, of each part. */
-static inline bool surface_has_no_point_twice(const struct surface *s)
-{
-    struct surface_point *point = calloc(s->points + 1, sizeof *point);
-    bool holds = true;
-    memcpy(point, s->point, s->points * sizeof *point);
-    for (unsigned p = 0; p < s->parts; p++) {
-        struct surface_point *part = point + s->part[p].point;
-        qsort(part, s->part[p].points, sizeof *part, surface_place_order);
-        for (size_t i = 1; i < s->part[p].points; i++)
-            holds &= surface_place_order(&part[i - 1], &part[i]) != 0;
-    }
-    free(point);
-    return holds;
-}
-
 static inline bool surface_check(const struct surface *s)
 {
-    return surface_is_closed(s) && surface_is_manifold(s) && surface_has_no_point_twice(s);
+    return surface_is_closed(s) && surface_is_manifold(s);
 }
 
-/* Six times the enclosed volume, in 2^-24 voxels; below 0 where triangles face inwards. By the flow
+/* Six times the enclosed volume, in 2^-30 voxels; below 0 where triangles face inwards. By the flow
  * of z through them; sums mod 2^64, which hold what they come to. */
 static inline int64_t surface_volume(const struct surface *surface, const struct surface_part *part)
 {
@@ -113,7 +97,7 @@ static inline int64_t surface_volume(const struct surface *surface, const struct
         int64_t at[3][3];
         for (int k = 0; k < 3; k++)
             for (int a = 0; a < 3; a++)
-                at[k][a] = surface->point[surface->triangle[i].point[k]].at[a] >> 8;
+                at[k][a] = surface->point[surface->triangle[i].point[k]].at[a] >> (NET_BITS - 10);
         const int64_t normal = (at[1][0] - at[0][0]) * (at[2][1] - at[0][1]) -
                                (at[1][1] - at[0][1]) * (at[2][0] - at[0][0]);
         sum += (uint64_t)(normal * (at[0][2] + at[1][2] + at[2][2]));

@@ -83,20 +83,10 @@ enum err act_finish(const struct act *act)
 
 /* ---- surfaces: what encloses the labels, as triangles ---- */
 
-enum { PASSES_USUALLY = 20 };
-
 static void row_of_labels(void *context, uint32_t y, uint32_t z, uint8_t *label)
 {
     const struct labels *labels = context;
     labels_copy_row(labels, grid_row(&labels->scene->grid, y, z), label);
-}
-
-static void row_of_all(void *context, uint32_t y, uint32_t z, uint8_t *label)
-{
-    const struct labels *labels = context;
-    row_of_labels(context, y, z, label);
-    for (uint32_t x = 0; x < labels->scene->grid.size[0]; x++)
-        label[x] = label[x] != 0;
 }
 
 /* `joins`: all labels as one. */
@@ -106,14 +96,12 @@ static enum err make_surface(struct surface **surface, const struct act *act,
     struct session *session = act->session;
     const struct value *label = act_value(act, "label"), *smooth = act_value(act, "smooth");
     struct labels of = *labels;
-    const struct surface_source source = {session_scene(session)->grid.size,
-                                          joins ? row_of_all : row_of_labels, &of};
-    bool wanted[256];
-    for (int l = 0; l < 256; l++)
-        wanted[l] = !label->given || label->number == l;
-    const unsigned passes = smooth->given ? (unsigned)smooth->number : PASSES_USUALLY;
-    const enum err err =
-        surface_new(surface, &source, wanted, passes, session_watch(session), act->fault);
+    const struct surface_source source = {session_scene(session)->grid.size, row_of_labels, &of};
+    struct surface_choice choice = {.joins = joins,
+                                    .is_cubes = smooth->given && smooth->number == 0};
+    for (int l = 1; l < 256; l++)
+        choice.wanted[l] = !label->given || label->number == l;
+    const enum err err = surface_new(surface, &source, &choice, session_watch(session), act->fault);
     if (err || (*surface)->parts)
         return err;
     return label->given

@@ -6,7 +6,6 @@
 #include "engine/brush.h"
 #include "engine/finish.h"
 #include "engine/hints.h"
-#include "engine/surface.h"
 #include "engine/weight.h"
 #include "image/image_helper.h"
 #include "render/view.h"
@@ -577,7 +576,7 @@ static const struct command command_table[] = {
      {NEED("MAP", VALUE_CHOICE, .choices = MAPS "|seeds|names|surface"), NEED("FILE", VALUE_FILE),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED,
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255),
-      KEYED("smooth", VALUE_NUMBER, .most = SURFACE_PASSES_MOST),
+      KEYED("smooth", VALUE_NUMBER, .most = 100),
       KEYED("triangles", VALUE_NUMBER, .least = 4, .most = INT32_MAX),
       KEYED("empty", VALUE_CHOICE, .choices = "yes|no")},
      "write a map, surfaces, the seeds, names of labels",
@@ -597,12 +596,13 @@ static const struct command command_table[] = {
      "seeds: all that are planted as FILE.csv, which `seed-file` reads.\n"
      "names: of labels, with their colours, as `label-file` reads them: .txt or .label for "
      "ITK-SNAP, .ctab for FreeSurfer, .ctbl for 3D Slicer, .nii.txt or .lut for mricron.\n"
-     "surface: what encloses each label, as .stl, .ply, .obj or .vtp, in millimetres of the world. "
-     "It is closed, and holds as much as the voxels. A .stl knows no labels: it has all of them as "
-     "one.\n"
+     "surface: what encloses each label, as .stl, .ply, .obj or .vtp, in millimetres of the world: "
+     "point by point the surface that pictures show. It is closed, and holds as much as the "
+     "voxels. "
+     "A .stl knows no labels: it has all of them as one.\n"
      "label: the surface of that one alone.\n"
-     "smooth: how often, 20 times unless given; no point comes nearer to the centre of a voxel "
-     "than 1/16 of the way to the next.\n"
+     "smooth=0: the faces of voxels, as `shade cubes` shows them; with any other number nothing "
+     "changes.\n"
      "triangles: no more than so many, as far as surfaces stay closed. Those of labels that touch "
      "then no longer have the same points.\n"
      "empty=yes: labels are written though no voxel has one, which is refused else." FINISHED_NOTE,

@@ -196,6 +196,16 @@ enum err net_make(struct net *net, const struct net_source *source, const int32_
     return made ? OK : fault_memory(fault, "a surface");
 }
 
+unsigned net_diagonal(int32_t corner[4][3], unsigned face)
+{
+    int64_t longer = 0; /* how much 0 to 2 is, squared */
+    for (int a = 0; a < 3; a++) {
+        const int64_t d = corner[2][a] - corner[0][a], e = corner[3][a] - corner[1][a];
+        longer += d * d - e * e;
+    }
+    return longer == 0 ? !(face & 1) : longer > 0;
+}
+
 void net_release(struct net *net)
 {
     free(net->vertex);

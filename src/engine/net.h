@@ -81,6 +81,12 @@ enum err net_make(struct net *net, const struct net_source *source, const int32_
                   const uint32_t size[3], struct fault *fault);
 void net_release(struct net *net);
 
+/* Where a quad is split into triangles, by the places of its corners in 2^-NET_BITS voxels from
+ * anywhere: 0 from corner 0 to 2, 1 from corner 1 to 3. With d for that, they are (d, d + 1, d + 2)
+ * and (d + 2, d + 3, d), mod 4. It is the shorter diagonal, in voxels along the axes; of two as
+ * long, the one from the lowest cube to the highest, so that a face has the same triangles from
+ * both of its sides. */
+unsigned net_diagonal(int32_t corner[4][3], unsigned face);
 /* Memory that is kept from one net_make to the next; NULL: no memory. */
 struct net_scratch *net_scratch_new(void);
 void net_scratch_free(struct net_scratch *scratch);

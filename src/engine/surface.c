@@ -3,599 +3,575 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/lookup.h"
 #include "base/mem.h"
+#include "engine/net_parts.h"
 
 enum {
-    NODE_MARGIN = SURFACE_ONE / 16,
-    ROUNDS = 8,         /* of setting the volume, at most */
-    CLOSE_ENOUGH = 4096 /* the part of the volume that may be wrong */
+    BOX = 64, /* voxels along each axis whose nets are made at once, at most */
+    CORNERS = 8,
+    QUADS_MOST = 12, /* around a vertex: as many as a cube has edges */
 };
-static const size_t NODES_MOST = INT32_MAX;
-static const uint32_t NO_NODE = UINT32_MAX;
+static const size_t POINTS_MOST = INT32_MAX;
+static const uint32_t NO_SPOT = UINT32_MAX;
 
-/* ---- nodes: the points that the surfaces of all labels share ---- */
-
-/* Between two voxels that are neighbours along an axis. */
-struct surface_node {
-    uint16_t low[3]; /* the first of them, counted from 1 voxel before the scene */
-    uint8_t axis;
-    uint8_t label[2]; /* of the first and the second one; they differ */
-    uint16_t along;   /* how far from the first to the second, 1..SURFACE_ONE - 1 */
+struct extent {
+    int32_t first[3], end[3];
 };
 
-/* A corner of a triangle: 2 * node + 1 where the label of the surface is that of the second voxel,
- * else 2 * node. */
-struct surface_corners {
-    uint32_t corner[3];
+struct quad {
+    uint32_t corner[4]; /* points */
+    uint32_t voxel;     /* its index, mod 2^32 */
+    uint8_t face;
 };
 
-struct surface_nodes {
-    struct surface_node *node;
-    struct surface_corners *triangle; /* of all labels, as the cubes come */
-    uint32_t (*segment)[2];           /* pairs of nodes that are neighbours on a surface */
-    size_t nodes, triangles, segments;
-    size_t node_room, triangle_room, segment_room;
+/* A place that all labels which meet there share: in a cube, crossings between voxels that differ,
+ * as far as they hang together through the vertices of nets. */
+struct spot {
+    uint64_t cube;
+    int32_t sum[3]; /* of places from the centre of the cube's first voxel, in SURFACE_ONE */
+    uint8_t count;
+    uint8_t air; /* the part of air whose place it is; 0: of none */
+};
+
+struct making {
+    const uint32_t *size;
+    uint8_t *label; /* [z][y][x] */
+    struct extent extent[256];
     uint64_t voxels[256];
-};
-
-/* Where a node is, along one axis. */
-static uint32_t surface_node_at(const struct surface_node *node, unsigned axis)
-{
-    return node->low[axis] * (uint32_t)SURFACE_ONE + (axis == node->axis ? node->along : 0);
-}
-
-/* The label whose surface a triangle belongs to. */
-static uint8_t surface_label_of(const struct surface_nodes *nodes,
-                                const struct surface_corners *triangle)
-{
-    return nodes->node[triangle->corner[0] / 2].label[triangle->corner[0] % 2];
-}
-
-/* ---- the cases of a cube ---- */
-
-/*
- * How a surface passes through a cube of eight voxel centres: one case for each set of them that is
- * inside.
- *
- * Corner c of the cube has bit 0, 1, 2 where it is at the upper end of x, y, z. Edge 4 a + 2 v + u
- * runs along axis a, with u and v saying on which side it is along axes a + 1 and a + 2 (mod 3).
- *
- * On each face of the cube a segment cuts off every run of corners that are inside. So where two
- * corners at a diagonal are inside, they are cut off one by one, and the cube on the other side of
- * the face does the same: nothing stays open. Segments make closed polygons of 3 to 7 corners. Each
- * is a fan of triangles around a corner from which no diagonal lies in a face of the cube, and
- * there always is one: so no other cube has an edge between the same two nodes.
- *
- * After Lorensen and Cline, "Marching cubes" (1987), with the table made at run time from these
- * rules, as they are shorter than it.
- */
-enum { FACES = 6, EDGES = 12, NO_EDGE = 255 };
-
-struct surface_case {
-    uint8_t triangles, segments;
-    uint8_t triangle[5][3]; /* edges of the cube, counter-clockwise seen from outside the label */
-    uint8_t segment[6][2];  /* on the three faces at the lower ends: each once in all cubes */
-};
-
-/* Face 2 a + 1 is at the upper end of axis a, face 2 a at the lower one: its corners and edges
- * counter-clockwise as seen from outside; edge i leads from corner i to the next one. */
-struct face {
-    uint8_t corner[4], edge[4];
-};
-
-/* The corner at the lower end of an edge; the upper one is 1 << (edge / 4) further. */
-static unsigned edge_corner(unsigned edge)
-{
-    const unsigned u = (edge / 4 + 1) % 3, v = (edge / 4 + 2) % 3;
-    return (edge & 1) << u | (edge >> 1 & 1) << v;
-}
-
-static uint8_t edge_between(unsigned corner, unsigned other)
-{
-    const unsigned axis = (corner ^ other) / 2; /* 1, 2, 4: 0, 1, 2 */
-    const unsigned u = (axis + 1) % 3, v = (axis + 2) % 3;
-    return (uint8_t)(4 * axis + 2 * (corner >> v & 1) + (corner >> u & 1));
-}
-
-static struct face face_of(unsigned number)
-{
-    const unsigned axis = number / 2, upper = number & 1;
-    const unsigned u = 1u << (axis + 1) % 3, v = 1u << (axis + 2) % 3;
-    const unsigned round[4] = {0, u, u | v, v};
-    struct face face;
-    for (unsigned i = 0; i < 4; i++)
-        face.corner[i] = (uint8_t)(round[upper ? i : 3 - i] | upper << axis);
-    for (unsigned i = 0; i < 4; i++)
-        face.edge[i] = edge_between(face.corner[i], face.corner[(i + 1) % 4]);
-    return face;
-}
-
-static bool share_face(unsigned edge, unsigned other)
-{
-    for (unsigned f = 0; f < FACES; f++) {
-        const struct face face = face_of(f);
-        unsigned found = 0;
-        for (unsigned i = 0; i < 4; i++)
-            found += face.edge[i] == edge || face.edge[i] == other;
-        if (found == 2)
-            return true;
-    }
-    return false;
-}
-
-static void make_case(struct surface_case *out, unsigned set)
-{
-    uint8_t next[EDGES], polygon[EDGES];
-    *out = (struct surface_case){0};
-    for (unsigned e = 0; e < EDGES; e++)
-        next[e] = NO_EDGE;
-    for (unsigned f = 0; f < FACES; f++) {
-        /* The segments of a face: next[] leads from the edge where the inside ends to where it
-         * began, so that polygons run clockwise as seen from outside the label. */
-        const struct face face = face_of(f);
-        for (unsigned i = 0; i < 4; i++) {
-            unsigned first = i; /* of the run of corners inside that ends with corner i */
-            if (!(set >> face.corner[i] & 1) || set >> face.corner[(i + 1) % 4] & 1)
-                continue;
-            while (set >> face.corner[(first + 3) % 4] & 1)
-                first = (first + 3) % 4;
-            const uint8_t from = face.edge[i], to = face.edge[(first + 3) % 4];
-            next[from] = to;
-            if (f % 2 == 0) {
-                out->segment[out->segments][0] = from;
-                out->segment[out->segments++][1] = to;
-            }
-        }
-    }
-    for (unsigned e = 0; e < EDGES; e++) {
-        unsigned count = 0;
-        for (uint8_t at = (uint8_t)e; next[at] != NO_EDGE;) {
-            const uint8_t to = next[at];
-            next[at] = NO_EDGE;
-            polygon[count++] = at;
-            at = to;
-        }
-        if (count) {
-            /* The corner of the polygon that can be the middle of the fan. */
-            unsigned middle = 0;
-            for (bool fits = false; !fits; middle += !fits) {
-                fits = true;
-                for (unsigned i = 2; i + 1 < count && fits; i++)
-                    fits = !share_face(polygon[middle], polygon[(middle + i) % count]);
-            }
-            for (unsigned i = 1; i + 1 < count; i++) {
-                uint8_t *triangle = out->triangle[out->triangles++];
-                triangle[0] = polygon[middle];
-                triangle[1] = polygon[(middle + i + 1) % count];
-                triangle[2] = polygon[(middle + i) % count];
-            }
-        }
-    }
-}
-
-/* Two planes of labels with a rim of 0, and which nodes begin there: nodes[a] along axis a. */
-struct plane {
-    uint8_t *label;
-    uint32_t *node[3];
-};
-
-struct sweep {
-    const struct surface_source *source;
-    struct surface_nodes *nodes;
-    struct surface_case cases[256];
-    size_t width, cells;   /* of a plane with its rim */
-    struct plane plane[2]; /* the lower and the upper one of the cubes at hand */
-    uint32_t z;            /* of the lower one, counted from 1 before the scene */
+    uint8_t of; /* the label whose net is made; 0: all together */
+    const struct surface_choice *choice;
+    bool has_spots, box_has_spots; /* there are surfaces that may meet, in all or in a box */
+    struct surface *surface;
+    size_t point_room;
+    uint32_t *spot_of; /* [points]; NO_SPOT: it stays where its label's net has it */
+    size_t spot_of_room;
+    struct quad *quad;
+    size_t quads, quad_room;
+    struct net_scratch *scratch;
+    struct lookup sewn;    /* vertices at the sides of boxes: points */
+    struct lookup numbers; /* of spots */
+    struct spot *spot;
+    size_t spots, spot_room;
+    struct task task;
     struct fault *fault;
 };
 
-/* ---- planes ---- */
+/* ---- labels ---- */
 
-static enum err plane_init(struct plane *plane, size_t cells, struct fault *fault)
+static enum err take_labels(struct making *m, const struct surface_source *source,
+                            struct watch *watch)
 {
-    plane->label = mem_new(cells);
-    for (int a = 0; a < 3; a++)
-        plane->node[a] = mem_array(cells, sizeof *plane->node[a]);
-    return plane->label && plane->node[0] && plane->node[1] && plane->node[2]
-               ? OK
-               : fault_memory(fault, "a surface");
-}
-
-static void plane_release(struct plane *plane)
-{
-    free(plane->label);
-    for (int a = 0; a < 3; a++)
-        free(plane->node[a]);
-}
-
-/* The plane `z`, counted from 1 before the scene, becomes the upper one. */
-static void take_plane(struct sweep *s, uint32_t z)
-{
-    const uint32_t *size = s->source->size;
-    const struct plane former = s->plane[0];
-    s->plane[0] = s->plane[1];
-    s->plane[1] = former;
-    for (int a = 0; a < 3; a++)
-        memset(former.node[a], 0xff, s->cells * sizeof *former.node[a]); /* NO_NODE */
-    if (z > size[2]) {
-        memset(former.label, 0, s->cells);
-        return;
-    }
-    for (uint32_t y = 0; y < size[1]; y++) {
-        uint8_t *row = former.label + (y + 1) * s->width + 1;
-        s->source->row(s->source->context, y, z - 1, row);
-        for (uint32_t x = 0; x < size[0]; x++)
-            s->nodes->voxels[row[x]]++;
-    }
-}
-
-/* ---- a cube ---- */
-
-static uint32_t new_node(struct sweep *s, size_t at, unsigned corner, unsigned axis,
-                         const uint8_t label[8])
-{
-    struct surface_nodes *n = s->nodes;
-    if (!mem_grow(&n->node, &n->node_room, n->nodes + 1, sizeof *n->node))
-        return NO_NODE;
-    n->node[n->nodes] = (struct surface_node){{(uint16_t)(at % s->width + (corner & 1)),
-                                               (uint16_t)(at / s->width + (corner >> 1 & 1)),
-                                               (uint16_t)(s->z + (corner >> 2))},
-                                              (uint8_t)axis,
-                                              {label[corner], label[corner | 1u << axis]},
-                                              SURFACE_ONE / 2};
-    return (uint32_t)n->nodes++;
-}
-
-/* The node on an edge of the cube, which is made where it is new; NO_NODE where that fails. */
-static uint32_t node_on(struct sweep *s, size_t at, unsigned edge, const uint8_t label[8])
-{
-    const unsigned corner = edge_corner(edge), axis = edge / 4;
-    uint32_t *node =
-        &s->plane[corner >> 2].node[axis][at + (corner & 1) + (corner >> 1 & 1) * s->width];
-    if (*node == NO_NODE)
-        *node = new_node(s, at, corner, axis, label);
-    return *node;
-}
-
-static bool add_triangle(struct surface_nodes *n, const uint32_t node[3], uint8_t label)
-{
-    if (!mem_grow(&n->triangle, &n->triangle_room, n->triangles + 1, sizeof *n->triangle))
-        return false;
-    for (int i = 0; i < 3; i++)
-        n->triangle[n->triangles].corner[i] =
-            2 * node[i] + (n->node[node[i]].label[1] == label ? 1 : 0);
-    n->triangles++;
-    return true;
-}
-
-static bool add_segment(struct surface_nodes *n, uint32_t from, uint32_t to)
-{
-    if (!mem_grow(&n->segment, &n->segment_room, n->segments + 1, sizeof *n->segment))
-        return false;
-    n->segment[n->segments][0] = from;
-    n->segment[n->segments++][1] = to;
-    return true;
-}
-
-/* The surface of one label in a cube. */
-static bool join_nodes(struct sweep *s, size_t at, const uint8_t label[8], uint8_t of)
-{
-    unsigned set = 0;
-    for (unsigned c = 0; c < 8; c++)
-        set |= (unsigned)(label[c] == of) << c;
-    const struct surface_case *now = &s->cases[set];
-    uint32_t node[3];
-    for (unsigned t = 0; t < now->triangles; t++) {
-        for (unsigned i = 0; i < 3; i++) {
-            node[i] = node_on(s, at, now->triangle[t][i], label);
-            if (node[i] == NO_NODE)
-                return false;
-        }
-        if (!add_triangle(s->nodes, node, of))
-            return false;
-    }
-    for (unsigned i = 0; i < now->segments; i++)
-        if (!add_segment(s->nodes, node_on(s, at, now->segment[i][0], label),
-                         node_on(s, at, now->segment[i][1], label)))
-            return false;
-    return true;
-}
-
-static enum err fill_cube(struct sweep *s, size_t at)
-{
-    uint8_t label[8];
-    for (unsigned c = 0; c < 8; c++)
-        label[c] = s->plane[c >> 2].label[at + (c & 1) + (c >> 1 & 1) * s->width];
-    for (unsigned c = 0; c < 8; c++) {
-        bool is_first = label[c] != 0;
-        for (unsigned former = 0; former < c; former++)
-            is_first &= label[former] != label[c];
-        if (is_first && !join_nodes(s, at, label, label[c]))
-            return fault_memory(s->fault, "a surface");
-    }
-    if (s->nodes->nodes > NODES_MOST)
-        return fault_set(s->fault, ERR_LIMIT,
-                         "the labels have more than %zu faces in common; no surface is made of so "
-                         "many",
-                         NODES_MOST);
-    return OK;
-}
-
-/* Whether no label changes in the eight cubes from here on: most of a scene is passed by that. */
-static bool is_plain(const struct sweep *s, size_t at)
-{
-    uint64_t first, word;
-    memcpy(&first, s->plane[0].label + at, sizeof first);
-    for (unsigned i = 0; i < 8; i++) {
-        memcpy(&word, s->plane[i >> 2].label + at + (i & 1) + (i >> 1 & 1) * s->width, sizeof word);
-        if (word != first)
-            return false;
-    }
-    return true;
-}
-
-/* ---- all of them ---- */
-
-static enum err fill_plane(struct sweep *s, struct task *task)
-{
-    const size_t rows = s->source->size[1] + 1, cubes = s->source->size[0] + 1;
-    for (size_t y = 0; y < rows && task_advance(task, cubes); y++)
-        for (size_t x = 0; x < cubes; x++) {
-            const size_t at = y * s->width + x;
-            if (x + 8 <= cubes && is_plain(s, at)) {
-                x += 7;
-                continue;
+    const uint32_t *size = source->size;
+    size_t row = 0;
+    size_t voxels = 0;
+    if (!size_multiply(size[0], size[1], &row) || !size_multiply(row, size[2], &voxels))
+        return fault_memory(m->fault, "a surface");
+    m->size = size;
+    m->label = mem_array(voxels + 1, 1);
+    if (!m->label)
+        return fault_memory(m->fault, "a surface");
+    struct task task = task_begin(watch, "looking at labels", voxels);
+    for (uint32_t z = 0; z < size[2]; z++)
+        for (uint32_t y = 0; y < size[1] && task_advance(&task, size[0]); y++) {
+            uint8_t *label = m->label + z * row + (size_t)y * size[0];
+            source->row(source->context, y, z, label);
+            for (uint32_t x = 0; x < size[0]; x++) {
+                label[x] = m->choice->wanted[label[x]] ? label[x] : 0;
+                struct extent *e = &m->extent[label[x]];
+                const int32_t at[3] = {(int32_t)x, (int32_t)y, (int32_t)z};
+                for (int a = 0; a < 3 && label[x]; a++) {
+                    e->first[a] = !m->voxels[label[x]] || at[a] < e->first[a] ? at[a] : e->first[a];
+                    e->end[a] = at[a] >= e->end[a] ? at[a] + 1 : e->end[a];
+                }
+                m->voxels[label[x]]++;
             }
-            const enum err err = fill_cube(s, at);
-            if (err)
-                return err;
         }
+    return watch_fault(watch, m->fault);
+}
+
+/* The labels of a row of voxels; NULL outside the scene. */
+static const uint8_t *row_at(const struct making *m, int32_t y, int32_t z)
+{
+    const bool is_row = y >= 0 && z >= 0 && (uint32_t)y < m->size[1] && (uint32_t)z < m->size[2];
+    return is_row ? m->label + ((size_t)z * m->size[1] + (size_t)y) * m->size[0] : NULL;
+}
+
+static void net_row(void *context, int32_t x, int32_t y, int32_t z, uint32_t count, uint16_t *voxel)
+{
+    const struct making *m = context;
+    const uint8_t *label = row_at(m, y, z);
+    for (uint32_t i = 0; i < count; i++, x++) {
+        const bool is_in = label && x >= 0 && (uint32_t)x < m->size[0];
+        voxel[i] = !is_in ? NET_CLOSED : !m->of || label[x] == m->of ? label[x] : 0;
+    }
+}
+
+/* Counted from one before the scene. */
+static uint64_t cube_number(const struct making *m, const int32_t cube[3])
+{
+    uint64_t number = 0;
+    for (int a = 2; a >= 0; a--)
+        number = number * (m->size[a] + 2) + (uint64_t)(cube[a] + 1);
+    return number;
+}
+
+/* ---- spots ---- */
+
+/* The crossings of a cube, one bit for each edge, 4 * axis and so on, between corners of `part` and
+ * others of `object`. */
+static unsigned crossings_of(unsigned part, unsigned object)
+{
+    unsigned crossings = 0, bit = 0;
+    for (unsigned a = 0; a < 3; a++)
+        for (unsigned c = 0; c < CORNERS; c++) {
+            const unsigned other = c | 1u << a;
+            if (other == c)
+                continue;
+            const bool crosses =
+                (part >> c & 1 && object >> other & 1) || (part >> other & 1 && object >> c & 1);
+            crossings |= (unsigned)crosses << bit++;
+        }
+    return crossings;
+}
+
+/* All crossings that share a place with some of a cube of these labels. */
+static unsigned share_place(unsigned crossings, const uint8_t label[CORNERS])
+{
+    for (unsigned before = 0; before != crossings;) {
+        before = crossings;
+        for (unsigned c = 0; c < CORNERS; c++) {
+            /* The nets that have vertices here: of each label; and of all, whose object is what is
+             * not air. */
+            unsigned set = 0;
+            for (unsigned k = 0; k < CORNERS; k++)
+                set |= (unsigned)(label[k] == label[c]) << k;
+            const unsigned object = label[c] ? set : ~set & 0xff;
+            const struct net_cube *cube = &net_cubes()[~object & 0xff];
+            for (unsigned p = 0; p < cube->count; p++) {
+                const unsigned of = crossings_of(cube->part[p].air, object);
+                crossings |= of & crossings ? of : 0;
+            }
+        }
+    }
+    return crossings;
+}
+
+/* The number of the spot where a vertex of the net at hand lies; NO_SPOT: no memory. */
+static uint32_t spot_of(struct making *m, const struct net_vertex *vertex)
+{
+    const uint64_t cube = cube_number(m, vertex->cube);
+    uint8_t label[CORNERS];
+    unsigned object = 0;
+    bool is_alone = true;
+    for (unsigned c = 0; c < CORNERS; c++) {
+        const int32_t x = vertex->cube[0] + (int32_t)(c & 1);
+        const uint8_t *row =
+            row_at(m, vertex->cube[1] + (int32_t)(c >> 1 & 1), vertex->cube[2] + (int32_t)(c >> 2));
+        label[c] = row && x >= 0 && (uint32_t)x < m->size[0] ? row[x] : 0;
+        object |= (unsigned)(m->of ? label[c] == m->of : label[c] != 0) << c;
+    }
+    for (unsigned c = 0, one = 0; c < CORNERS; c++) {
+        is_alone &= !label[c] || !one || label[c] == one;
+        one = label[c] ? label[c] : one;
+    }
+    unsigned crossings = crossings_of(vertex->air, object);
+    if (!is_alone)
+        crossings = share_place(crossings, label);
+    uint32_t *number = lookup_at(&m->numbers, cube << 12 | crossings);
+    if (!number)
+        return NO_SPOT;
+    if (*number == LOOKUP_NEW) {
+        if (!mem_grow(&m->spot, &m->spot_room, m->spots + 1, sizeof *m->spot))
+            return NO_SPOT;
+        m->spot[m->spots] = (struct spot){.cube = cube};
+        *number = (uint32_t)m->spots++;
+    }
+    return *number;
+}
+
+/* Air says where a spot is, and of several parts of air the first; else all labels do. */
+static void add_to_spot(struct spot *spot, const struct net_vertex *vertex, bool is_air)
+{
+    if (!is_air && spot->air)
+        return;
+    if (is_air) {
+        if (spot->air && spot->air <= vertex->air)
+            return;
+        spot->air = vertex->air;
+        memset(spot->sum, 0, sizeof spot->sum);
+        spot->count = 0;
+    }
+    for (int a = 0; a < 3; a++)
+        spot->sum[a] += vertex->at[a];
+    spot->count++;
+}
+
+/* ---- points and quads ---- */
+
+static bool is_at_side(const struct net_vertex *vertex, const struct extent *box)
+{
+    bool is = false;
+    for (int a = 0; a < 3; a++)
+        is |= vertex->cube[a] < box->first[a] || vertex->cube[a] + 1 >= box->end[a];
+    return is;
+}
+
+/* The point of a vertex; UINT32_MAX where memory runs out. */
+static uint32_t add_point(struct making *m, const struct net_vertex *vertex,
+                          const struct extent *box)
+{
+    struct surface *s = m->surface;
+    const size_t points = s->points;
+    uint32_t *sewn = NULL;
+    if (is_at_side(vertex, box)) {
+        sewn = lookup_at(&m->sewn, cube_number(m, vertex->cube) << 8 | vertex->air);
+        if (!sewn || *sewn != LOOKUP_NEW)
+            return sewn ? *sewn : UINT32_MAX;
+    }
+    if (!mem_grow(&s->point, &m->point_room, points + 1, sizeof *s->point))
+        return UINT32_MAX;
+    for (int a = 0; a < 3; a++)
+        s->point[points].at[a] = (uint32_t)((vertex->cube[a] + 1) * SURFACE_ONE + vertex->at[a]);
+    if (m->has_spots) {
+        if (!mem_grow(&m->spot_of, &m->spot_of_room, points + 1, sizeof *m->spot_of))
+            return UINT32_MAX;
+        m->spot_of[points] = m->box_has_spots ? spot_of(m, vertex) : NO_SPOT;
+        if (m->box_has_spots && m->spot_of[points] == NO_SPOT)
+            return UINT32_MAX;
+        if (m->box_has_spots)
+            add_to_spot(&m->spot[m->spot_of[points]], vertex, false);
+    }
+    if (sewn)
+        *sewn = (uint32_t)points;
+    s->points++;
+    return (uint32_t)points;
+}
+
+static bool add_net(struct making *m, const struct net *net, const struct extent *box)
+{
+    uint32_t *point = mem_array(net->vertices + (size_t)1, sizeof *point);
+    bool fits = point && mem_grow(&m->quad, &m->quad_room, m->quads + net->quads, sizeof *m->quad);
+    for (uint32_t v = 0; fits && v < net->vertices; v++) {
+        point[v] = add_point(m, &net->vertex[v], box);
+        fits = point[v] != UINT32_MAX;
+    }
+    for (uint32_t q = 0; fits && q < net->quads; q++) {
+        const struct net_quad *from = &net->quad[q];
+        struct quad *to = &m->quad[m->quads++];
+        to->face = from->face;
+        to->voxel = (uint32_t)from->voxel[0] +
+                    m->size[0] * ((uint32_t)from->voxel[1] + m->size[1] * (uint32_t)from->voxel[2]);
+        for (int k = 0; k < 4; k++)
+            to->corner[k] = point[from->corner[k]];
+    }
+    free(point);
+    return fits;
+}
+
+/* Where air meets labels, all together, in pictures. */
+static bool add_outside(struct making *m, const struct net *net)
+{
+    for (uint32_t v = 0; v < net->vertices; v++) {
+        const uint32_t spot = spot_of(m, &net->vertex[v]);
+        if (spot == NO_SPOT)
+            return false;
+        add_to_spot(&m->spot[spot], &net->vertex[v], true);
+    }
+    return true;
+}
+
+/* Whether several labels are in a box or near enough to move vertices in it: else the net of one is
+ * that of all together. */
+static bool holds_several(const struct making *m, const struct extent *box)
+{
+    struct extent near;
+    uint8_t one = 0;
+    for (int a = 0; a < 3; a++) {
+        const int32_t first = box->first[a] - NET_MARGIN, end = box->end[a] + NET_MARGIN;
+        near.first[a] = first > 0 ? first : 0;
+        near.end[a] = end < (int32_t)m->size[a] ? end : (int32_t)m->size[a];
+    }
+    for (int32_t z = near.first[2]; z < near.end[2]; z++)
+        for (int32_t y = near.first[1]; y < near.end[1]; y++) {
+            const uint8_t *row = row_at(m, y, z);
+            for (int32_t x = near.first[0]; x < near.end[0]; x++) {
+                if (row[x] && one && row[x] != one)
+                    return true;
+                one = row[x] ? row[x] : one;
+            }
+        }
+    return false;
+}
+
+/* The nets of the boxes of an extent: of the label m->of, or of all together; either for spots
+ * where air meets labels, or points and quads. */
+static enum err take_nets(struct making *m, const struct extent *extent, bool adds_spots)
+{
+    static const uint32_t any_scale = 1 << 12;
+    const struct net_source source = {net_row,
+                                      m,
+                                      {any_scale, any_scale, any_scale},
+                                      .is_cubes = m->choice->is_cubes,
+                                      .scratch = m->scratch};
+    int32_t side[3];
+    struct extent box;
+    lookup_clear(&m->sewn);
+    for (int a = 0; a < 3; a++) {
+        const int32_t length = extent->end[a] - extent->first[a];
+        const int32_t boxes = (length + BOX - 1) / BOX;
+        side[a] = (length + boxes - 1) / boxes;
+    }
+    for (box.first[2] = extent->first[2]; box.first[2] < extent->end[2]; box.first[2] += side[2])
+        for (box.first[1] = extent->first[1]; box.first[1] < extent->end[1];
+             box.first[1] += side[1])
+            for (box.first[0] = extent->first[0]; box.first[0] < extent->end[0];
+                 box.first[0] += side[0]) {
+                struct net net;
+                uint32_t size[3];
+                size_t voxels = 1;
+                for (int a = 0; a < 3; a++) {
+                    const int32_t end = box.first[a] + side[a];
+                    box.end[a] = end < extent->end[a] ? end : extent->end[a];
+                    size[a] = (uint32_t)(box.end[a] - box.first[a]);
+                    voxels *= size[a];
+                }
+                if (!task_advance(&m->task, voxels))
+                    return watch_fault(m->task.watch, m->fault);
+                m->box_has_spots = m->has_spots && holds_several(m, &box);
+                if (adds_spots && !m->box_has_spots)
+                    continue;
+                enum err err = net_make(&net, &source, box.first, size, m->fault);
+                if (err)
+                    return err;
+                const bool fits = adds_spots ? add_outside(m, &net) : add_net(m, &net, &box);
+                net_release(&net);
+                if (!fits)
+                    return fault_memory(m->fault, "a surface");
+                if (m->surface->points > POINTS_MOST)
+                    return fault_set(m->fault, ERR_LIMIT,
+                                     "the surface has more than 2147483647 points; save labels one "
+                                     "by one (label=)");
+            }
     return OK;
 }
 
-static enum err sweep(struct sweep *s, struct watch *watch)
-{
-    const uint32_t *size = s->source->size;
-    struct task task =
-        task_begin(watch, "surfaces",
-                   ((uint64_t)size[0] + 1) * ((uint64_t)size[1] + 1) * ((uint64_t)size[2] + 1));
-    take_plane(s, size[2] + 1); /* the rim before the scene */
-    enum err err = OK;
-    for (s->z = 0; s->z <= size[2] && !err && !watch_stops(watch); s->z++) {
-        take_plane(s, s->z + 1);
-        err = fill_plane(s, &task);
-    }
-    return err ? err : watch_fault(watch, s->fault);
-}
+/* ---- sheets that touch ---- */
 
-static enum err make_nodes(struct surface_nodes *nodes, const struct surface_source *source,
-                           struct watch *watch, struct fault *fault)
-{
-    struct sweep *s = mem_new(sizeof *s);
-    if (!s)
-        return fault_memory(fault, "a surface");
-    s->source = source;
-    s->nodes = nodes;
-    s->fault = fault;
-    s->width = (size_t)source->size[0] + 2;
-    s->cells = s->width * ((size_t)source->size[1] + 2);
-    for (unsigned set = 0; set < 256; set++)
-        make_case(&s->cases[set], set);
-    enum err err = plane_init(&s->plane[0], s->cells, fault);
-    if (!err)
-        err = plane_init(&s->plane[1], s->cells, fault);
-    if (!err)
-        err = sweep(s, watch);
-    plane_release(&s->plane[0]);
-    plane_release(&s->plane[1]);
-    free(s);
-    return err;
-}
-
-/* ---- smoothing: passes ---- */
-
-static uint16_t within_line(int64_t along)
-{
-    const int64_t most = SURFACE_ONE - NODE_MARGIN;
-    return (uint16_t)(along < NODE_MARGIN ? NODE_MARGIN : along > most ? most : along);
-}
-
-struct neighbours {
-    int32_t sum; /* of where they are along the node's axis, from where the node's line begins */
-    uint32_t count;
+/* Which quads are around each point of a part: corner 4 * quad + k at its point. */
+struct around {
+    uint32_t *first; /* [points + 1] */
+    uint32_t *corner;
 };
 
-static void look_at(struct neighbours *all, const struct surface_node *node, uint32_t of,
-                    uint32_t neighbour)
+static bool find_around(struct around *around, const struct making *m, size_t points,
+                        size_t first_point, size_t first_quad)
 {
-    const struct surface_node *n = &node[of];
-    all[of].sum += (int32_t)(surface_node_at(&node[neighbour], n->axis) -
-                             n->low[n->axis] * (uint32_t)SURFACE_ONE);
-    all[of].count++;
+    const size_t quads = m->quads - first_quad;
+    around->first = mem_array(points + 2, sizeof *around->first);
+    around->corner = mem_array(4 * quads + 1, sizeof *around->corner);
+    if (!around->first || !around->corner)
+        return false;
+    memset(around->first, 0, (points + 2) * sizeof *around->first);
+    for (size_t i = 0; i < 4 * quads; i++)
+        around->first[m->quad[first_quad + i / 4].corner[i % 4] - first_point + 2]++;
+    for (size_t p = 0; p < points; p++)
+        around->first[p + 2] += around->first[p + 1];
+    for (size_t i = 0; i < 4 * quads; i++)
+        around
+            ->corner[around->first[m->quad[first_quad + i / 4].corner[i % 4] - first_point + 1]++] =
+            (uint32_t)i;
+    return true;
 }
 
-/* The nodes go half the way to the means of their neighbours. */
-static void pass(struct surface_nodes *nodes, struct neighbours *all, struct task *task)
+/* Of the corners around a point, the one that comes after one: its quad is the other one at the
+ * edge that leaves the point there, of four the one of the same voxel. */
+static unsigned next_around(const struct quad *quad, const uint32_t *corner, unsigned count,
+                            unsigned at)
 {
-    memset(all, 0, nodes->nodes * sizeof *all);
-    for (size_t i = 0; i < nodes->segments && task_advance(task, 1); i++) {
-        look_at(all, nodes->node, nodes->segment[i][0], nodes->segment[i][1]);
-        look_at(all, nodes->node, nodes->segment[i][1], nodes->segment[i][0]);
+    const struct quad *of = &quad[corner[at] / 4];
+    const uint32_t end = of->corner[(corner[at] + 1) % 4];
+    unsigned next = at;
+    for (unsigned i = 0; i < count; i++) {
+        const struct quad *other = &quad[corner[i] / 4];
+        if (other->corner[(corner[i] + 3) % 4] == end && (next == at || other->voxel == of->voxel))
+            next = i;
     }
-    if (watch_stops(task->watch))
-        return;
-    for (size_t i = 0; i < nodes->nodes; i++) {
-        struct surface_node *node = &nodes->node[i];
-        const int64_t count = all[i].count, way = all[i].sum - count * node->along;
-        node->along = within_line(node->along + way / (2 * count));
-    }
+    return next;
 }
 
-/* ---- smoothing: volumes ---- */
-
-/* By labels, six times as much, in 2^-24 voxels; sums mod 2^64, which hold what they come to. */
-struct volumes {
-    uint64_t is[256];
-    int64_t grows[256]; /* by each 1/256 voxel that all its nodes go outwards */
-};
-
-static void add_volume(struct volumes *volumes, const struct surface_nodes *nodes,
-                       const struct surface_corners *triangle)
+/* A point of several fans becomes several. */
+static enum err split_fans(struct making *m, const struct surface_part *part, size_t first_quad)
 {
-    const struct surface_node *node[3];
-    int64_t at[3][3];
-    const uint8_t label = surface_label_of(nodes, triangle);
-    for (int i = 0; i < 3; i++) {
-        node[i] = &nodes->node[triangle->corner[i] / 2];
-        for (unsigned a = 0; a < 3; a++)
-            at[i][a] = surface_node_at(node[i], a) >> 8;
-    }
-    int64_t normal[3];
-    for (int a = 0; a < 3; a++) {
-        const int u = (a + 1) % 3, v = (a + 2) % 3;
-        normal[a] = (at[1][u] - at[0][u]) * (at[2][v] - at[0][v]) -
-                    (at[1][v] - at[0][v]) * (at[2][u] - at[0][u]);
-    }
-    volumes->is[label] += (uint64_t)(normal[2] * (at[0][2] + at[1][2] + at[2][2]));
-    for (int i = 0; i < 3; i++)
-        volumes->grows[label] +=
-            triangle->corner[i] % 2 ? -normal[node[i]->axis] : normal[node[i]->axis];
-}
-
-/* How far the nodes of each label are to go outwards, in SURFACE_ONE; false where no label has to
- * go any further. */
-static bool find_growth(int64_t outward[256], const struct surface_nodes *nodes,
-                        struct volumes *volumes, struct task *task)
-{
-    bool grows = false;
-    memset(volumes, 0, sizeof *volumes);
-    for (size_t i = 0; i < nodes->triangles && task_advance(task, 1); i++)
-        add_volume(volumes, nodes, &nodes->triangle[i]);
-    for (unsigned label = 1; label < 256; label++) {
-        const int64_t wanted = (int64_t)(nodes->voxels[label] * 6) << 24;
-        const int64_t lacks = wanted - (int64_t)volumes->is[label];
-        const int64_t each = volumes->grows[label] > 0 ? volumes->grows[label] : 1;
-        const int64_t way = lacks / each < -64 ? -64 : lacks / each > 64 ? 64 : lacks / each;
-        outward[label] = way * 256 + (way > -64 && way < 64 ? lacks % each * 256 / each : 0);
-        grows |= lacks > wanted / CLOSE_ENOUGH || -lacks > wanted / CLOSE_ENOUGH;
-    }
-    return grows;
-}
-
-/*
- * In each pass, every node goes half the way to the mean of its neighbours, along its line and no
- * further than to NODE_MARGIN before its ends. Then every label grows or shrinks, each node by as
- * much, until it encloses what its voxels do.
- */
-static enum err smooth(struct surface_nodes *nodes, unsigned passes, struct watch *watch,
-                       struct fault *fault)
-{
-    struct neighbours *all = mem_array(nodes->nodes + 1, sizeof *all);
-    if (!all)
-        return fault_memory(fault, "a surface");
-    struct task task =
-        task_begin(watch, "smoothing",
-                   (uint64_t)passes * nodes->segments + ROUNDS * (uint64_t)nodes->triangles);
-    for (unsigned i = 0; i < passes && !watch_stops(watch); i++)
-        pass(nodes, all, &task);
-    int64_t outward[256] = {0};
-    struct volumes volumes;
-    for (int round = 0; round < ROUNDS && find_growth(outward, nodes, &volumes, &task); round++)
-        for (size_t i = 0; i < nodes->nodes; i++) {
-            struct surface_node *node = &nodes->node[i];
-            node->along =
-                within_line(node->along + outward[node->label[0]] - outward[node->label[1]]);
+    struct surface *s = m->surface;
+    const size_t points = s->points - part->point;
+    struct around around = {NULL, NULL};
+    struct quad *quad = m->quad + first_quad;
+    bool fits = find_around(&around, m, points, part->point, first_quad);
+    for (size_t p = 0; fits && p < points; p++) {
+        const uint32_t *corner = around.corner + around.first[p];
+        const unsigned count = around.first[p + 1] - around.first[p];
+        unsigned left = (1u << count) - 1;
+        if (count < 6) /* a fan has three or more */
+            continue;
+        for (unsigned at = 0; left & 1u << at; at = next_around(quad, corner, count, at))
+            left &= ~(1u << at);
+        for (unsigned start = 0; fits && start < count; start++) {
+            if (!(left >> start & 1))
+                continue;
+            fits = mem_grow(&s->point, &m->point_room, s->points + 1, sizeof *s->point) &&
+                   (!m->has_spots ||
+                    mem_grow(&m->spot_of, &m->spot_of_room, s->points + 1, sizeof *m->spot_of));
+            if (!fits)
+                break;
+            s->point[s->points] = s->point[part->point + p];
+            if (m->has_spots)
+                m->spot_of[s->points] = m->spot_of[part->point + p];
+            unsigned fan = 0;
+            for (unsigned at = start; !(fan >> at & 1); at = next_around(quad, corner, count, at))
+                fan |= 1u << at;
+            left &= ~fan;
+            for (unsigned i = 0; i < count; i++)
+                if (fan >> i & 1)
+                    quad[corner[i] / 4].corner[corner[i] % 4] = (uint32_t)s->points;
+            s->points++;
         }
-    free(all);
-    return watch_fault(watch, fault);
+    }
+    free(around.first);
+    free(around.corner);
+    return fits ? OK : fault_memory(m->fault, "a surface");
 }
 
 /* ---- parts ---- */
 
-static void count_parts(struct surface *surface, const struct surface_nodes *nodes,
-                        const bool wanted[256])
+static enum err add_part(struct making *m, const struct extent *extent, uint64_t voxels)
 {
-    size_t points[256] = {0}, triangles[256] = {0};
-    for (size_t i = 0; i < nodes->nodes; i++)
-        for (int side = 0; side < 2; side++)
-            points[nodes->node[i].label[side]]++;
-    for (size_t i = 0; i < nodes->triangles; i++)
-        triangles[surface_label_of(nodes, &nodes->triangle[i])]++;
-    for (unsigned label = 1; label < 256; label++) {
-        if (!wanted[label] || !triangles[label])
+    struct surface *s = m->surface;
+    const size_t first_quad = m->quads;
+    struct surface_part *part = &s->part[s->parts++];
+    *part = (struct surface_part){
+        .label = m->of ? m->of : 1, .point = s->points, .triangle = 2 * m->quads, .voxels = voxels};
+    enum err err = take_nets(m, extent, false);
+    if (!err)
+        err = split_fans(m, part, first_quad);
+    part->points = s->points - part->point;
+    part->triangles = 2 * (m->quads - first_quad);
+    return err;
+}
+
+static enum err add_parts(struct making *m, struct watch *watch)
+{
+    struct extent all = {.first = {INT32_MAX, INT32_MAX, INT32_MAX}};
+    uint64_t voxels = 0, boxes = 0; /* voxels to look at */
+    unsigned labels = 0;
+    for (unsigned l = 1; l < 256; l++) {
+        const struct extent *e = &m->extent[l];
+        uint64_t box = 1;
+        if (!m->voxels[l])
             continue;
-        surface->part[surface->parts++] = (struct surface_part){
-            .label = (uint8_t)label,
-            .point = surface->points,
-            .points = points[label],
-            .triangle = surface->triangles,
-            .triangles = triangles[label],
-            .voxels = nodes->voxels[label],
-        };
-        surface->points += points[label];
-        surface->triangles += triangles[label];
+        for (int a = 0; a < 3; a++) {
+            box *= (uint64_t)(e->end[a] - e->first[a]);
+            all.first[a] = all.first[a] < e->first[a] ? all.first[a] : e->first[a];
+            all.end[a] = all.end[a] > e->end[a] ? all.end[a] : e->end[a];
+        }
+        boxes += box;
+        voxels += m->voxels[l];
+        labels++;
+    }
+    m->task = task_begin(watch, "surface", boxes);
+    if (!labels)
+        return OK;
+    if (m->choice->joins)
+        return add_part(m, &all, voxels);
+    m->has_spots = labels > 1;
+    enum err err = m->has_spots ? take_nets(m, &all, true) : OK;
+    for (unsigned l = 1; !err && l < 256; l++) {
+        m->of = (uint8_t)l;
+        if (m->voxels[l])
+            err = add_part(m, &m->extent[l], m->voxels[l]);
+    }
+    return err;
+}
+
+/* Where several labels are, points lie at their spots. */
+static void place_points(struct making *m)
+{
+    struct surface *s = m->surface;
+    for (size_t p = 0; m->has_spots && p < s->points; p++) {
+        if (m->spot_of[p] == NO_SPOT)
+            continue;
+        const struct spot *spot = &m->spot[m->spot_of[p]];
+        uint64_t cube = spot->cube;
+        for (int a = 0; a < 3; a++) {
+            s->point[p].at[a] = (uint32_t)((int64_t)(cube % (m->size[a] + 2)) * SURFACE_ONE +
+                                           spot->sum[a] / spot->count);
+            cube /= m->size[a] + 2;
+        }
     }
 }
 
-/* Puts points and triangles of each part together, in the order of nodes and of cubes. `number` has
- * room for two numbers for each node. */
-static void fill_parts(struct surface *surface, const struct surface_nodes *nodes, uint32_t *number)
+static bool make_triangles(struct making *m)
 {
-    size_t point[256], triangle[256];
-    bool is_part[256] = {false};
-    for (unsigned p = 0; p < surface->parts; p++) {
-        const struct surface_part *part = &surface->part[p];
-        is_part[part->label] = true;
-        point[part->label] = part->point;
-        triangle[part->label] = part->triangle;
+    struct surface *s = m->surface;
+    s->triangles = 2 * m->quads;
+    s->triangle = mem_array(s->triangles + 1, sizeof *s->triangle);
+    for (size_t q = 0; s->triangle && q < m->quads; q++) {
+        const struct quad *quad = &m->quad[q];
+        int32_t at[4][3];
+        for (int k = 0; k < 4; k++)
+            for (int a = 0; a < 3; a++)
+                at[k][a] = (int32_t)s->point[quad->corner[k]].at[a];
+        const unsigned d = net_diagonal(at, quad->face);
+        for (unsigned k = 0; k < 6; k++)
+            s->triangle[2 * q + k / 3].point[k % 3] = quad->corner[(d + k - (k > 2 ? 1 : 0)) % 4];
     }
-    for (size_t i = 0; i < 2 * nodes->nodes; i++) {
-        const struct surface_node *node = &nodes->node[i / 2];
-        const uint8_t label = node->label[i % 2];
-        if (!is_part[label])
-            continue;
-        for (unsigned a = 0; a < 3; a++)
-            surface->point[point[label]].at[a] = surface_node_at(node, a);
-        number[i] = (uint32_t)point[label]++;
-    }
-    for (size_t i = 0; i < nodes->triangles; i++) {
-        const uint8_t label = surface_label_of(nodes, &nodes->triangle[i]);
-        for (int k = 0; is_part[label] && k < 3; k++)
-            surface->triangle[triangle[label]].point[k] = number[nodes->triangle[i].corner[k]];
-        triangle[label] += is_part[label];
-    }
+    return s->triangle;
+}
+
+/* All but points and quads. */
+static void release(struct making *m)
+{
+    net_scratch_free(m->scratch);
+    free(m->label);
+    free(m->spot_of);
+    free(m->spot);
+    lookup_release(&m->sewn);
+    lookup_release(&m->numbers);
+    m->scratch = NULL;
+    m->label = NULL;
+    m->spot_of = NULL;
+    m->spot = NULL;
 }
 
 enum err surface_new(struct surface **surface, const struct surface_source *source,
-                     const bool wanted[256], unsigned passes, struct watch *watch,
-                     struct fault *fault)
+                     const struct surface_choice *choice, struct watch *watch, struct fault *fault)
 {
-    struct surface_nodes nodes = {0};
-    enum err err = make_nodes(&nodes, source, watch, fault);
-    *surface = err ? NULL : mem_new(sizeof **surface);
-    if (!err && !*surface)
-        err = fault_memory(fault, "a surface");
-    if (!err)
-        err = smooth(&nodes, passes, watch, fault);
+    struct making *m = mem_new(sizeof *m);
+    *surface = mem_new(sizeof **surface);
+    enum err err = m && *surface ? OK : fault_memory(fault, "a surface");
     if (!err) {
-        struct surface *made = *surface;
-        count_parts(made, &nodes, wanted);
-        uint32_t *number = mem_array(2 * nodes.nodes + 1, sizeof *number);
-        made->point = mem_array(made->points + 1, sizeof *made->point);
-        made->triangle = mem_array(made->triangles + 1, sizeof *made->triangle);
-        const bool fits = number && made->point && made->triangle;
-        if (fits)
-            fill_parts(made, &nodes, number);
-        free(number);
-        err = fits ? OK : fault_memory(fault, "a surface");
+        m->surface = *surface;
+        m->choice = choice;
+        m->scratch = net_scratch_new();
+        m->fault = fault;
+        err = m->scratch ? take_labels(m, source, watch) : fault_memory(fault, "a surface");
     }
+    if (!err)
+        err = add_parts(m, watch);
+    if (!err) {
+        place_points(m);
+        release(m);
+        err = make_triangles(m) ? OK : fault_memory(fault, "a surface");
+    }
+    if (m) {
+        release(m);
+        free(m->quad);
+    }
+    free(m);
     if (err) {
         surface_free(*surface);
         *surface = NULL;
     }
-    free(nodes.node);
-    free(nodes.triangle);
-    free(nodes.segment);
     return err;
 }
 

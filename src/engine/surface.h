@@ -1,26 +1,32 @@
 /*
- * Surfaces: what encloses the voxels of each label, as triangles. Integers only.
+ * Surfaces: what encloses the voxels of each label, as triangles: the nets that pictures show
+ * (engine/net.h), sewn together from boxes. Integers only.
  *
- * A node lies between each two voxels with a face in common that have different labels, on the line
- * between their centres. The eight centres around a corner of voxels make a cube; in each cube
- * marching cubes join the nodes on its edges, once for each label there, so that each label has a
- * surface of its own. Smoothing moves nodes along their lines and never to their ends. Voxels
- * outside the scene have label 0, which has no surface.
+ * The surface of a single label is its net, point by point. Of several, each has the quads of a net
+ * of its own, so that it is closed by itself, and they lie where they fit: what meets air has the
+ * places of the net of all labels together, as pictures of opaque objects show it; walls between
+ * labels have the means of the places that their own nets give. Voxels outside the scene have label
+ * 0, which has no surface.
  *
- * Marching cubes, and not surface nets: with a node on each line, and no vertex in the middle of a
- * cube that two sheets must share, a surface is a manifold for any labels, without repair.
+ * In a net, four quads may share an edge, and a vertex may be that of two sheets, where voxels
+ * touch at an edge or a corner. Here such edges and vertices are split, so voxels of a label that
+ * share no face may be apart though a picture joins them; the points of a split vertex have the
+ * same place.
  *
  * Promises
  *   U1 closed: each edge of a surface has exactly two triangles, which run along it in opposite
- *      directions, also where a label touches itself or another at an edge or a corner;
- *   U2 no two points of a surface have the same place, so U1 holds for files without numbers of
- *      points (STL) as well;
- *   U3 until it is reduced, a surface has the centres of all voxels of its label inside and of all
- *      others outside; voxels of a label that share no face are apart;
+ *      directions, and the triangles around a point are one fan, also where a label touches itself
+ *      or another at an edge or a corner;
+ *   U2 a surface has the points of the net, whatever boxes it is made from;
+ *   U3 until it is reduced, no point is further than 1/4 voxel outside the cube of voxels that it
+ *      is of; a surface that meets no other encloses as much as its voxels do, to 2 % where it is
+ *      a ball with a radius of 3 voxels or more;
  *   U4 normals point out of the label;
  *   U5 the same labels give the same triangles in the same order, on every machine;
- *   U6 where two labels touch, their surfaces have the same points, until they are reduced.
- * tests/surface_check.h asserts U1 and U2.
+ *   U6 where two labels touch, their surfaces have points at the same places, until they are
+ *      reduced.
+ * tests/surface_check.h asserts U1. No two points of a surface have the same place in files
+ * (image/surface_file.h).
  */
 #ifndef ENGINE_SURFACE_H
 #define ENGINE_SURFACE_H
@@ -31,8 +37,9 @@
 
 #include "base/err.h"
 #include "base/watch.h"
+#include "engine/net.h"
 
-enum { SURFACE_ONE = 65536 }; /* the distance of two voxels, in the places of points */
+enum { SURFACE_ONE = NET_ONE }; /* the distance of two voxels, in the places of points */
 
 /* A place, in voxels times SURFACE_ONE along x, y, z: the centre of voxel i is i + 1, so that what
  * is outside the scene has no sign. */
@@ -68,21 +75,22 @@ struct surface_source {
     void *context;
 };
 
-enum { SURFACE_PASSES_MOST = 100 };
+/* Which surfaces. */
+struct surface_choice {
+    bool wanted[256]; /* labels; others are air */
+    bool joins;       /* all of them as one, which then has label 1 */
+    bool is_cubes;    /* the faces of voxels */
+};
 
-/* The surfaces of the labels that are `wanted`, without those that have no voxel, smoothed `passes`
- * times, 0..SURFACE_PASSES_MOST, and then set so that they enclose the volume of their voxels. All
- * labels take part in that, wanted or not, so that surfaces made one by one fit one another.
- * ERR_MEMORY; ERR_LIMIT for more than 2^31 nodes; ERR_CANCELLED by the watch, or NULL. The caller
- * frees. */
+/* Those of the labels that have voxels. ERR_MEMORY; ERR_LIMIT for more than 2^31 points;
+ * ERR_CANCELLED by the watch, or NULL. The caller frees. */
 enum err surface_new(struct surface **surface, const struct surface_source *source,
-                     const bool wanted[256], unsigned passes, struct watch *watch,
-                     struct fault *fault);
+                     const struct surface_choice *choice, struct watch *watch, struct fault *fault);
 void surface_free(struct surface *surface);
 
 /* Takes triangles away until no more than `most` are left, or none can go: each time the point
  * whose triangles sweep the least volume when it moves to a neighbour. Surfaces stay closed, and
- * hold U1, U2 and U4. On failure *surface is of no use but to be freed. */
+ * hold U1 and U4. On failure *surface is of no use but to be freed. */
 enum err surface_reduce(struct surface *surface, size_t most, struct watch *watch,
                         struct fault *fault);
 

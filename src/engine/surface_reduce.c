@@ -3,8 +3,7 @@
  * vanish.
  *
  * Corner 3 t + k is that of triangle t at its point k. `across` of a corner is the corner beyond
- * the edge that faces it: the whole of how triangles hang together. Points keep their places, so no
- * two of them ever share one.
+ * the edge that faces it: the whole of how triangles hang together. Points keep their places.
  *
  * The next move is the one of the least cost: the volume that it sweeps, which does not depend on
  * spacing, and something for its length, so that flat parts get even triangles. After Lindstrom and
@@ -23,7 +22,7 @@
 #include "base/mem.h"
 
 enum {
-    SHIFT = 8,             /* places count 1/256 voxel here: */
+    SHIFT = NET_BITS - 8,  /* places count 1/256 voxel here: */
     LENGTH_MOST = 64 << 8, /* no edge becomes longer along an axis, so that products fit */
     LENGTH_PRICE = 16,     /* as much as one triangle that goes 1/16 voxel off */
     SPOKES_MOST = 1024,    /* a point with more neighbours stays */

@@ -4,10 +4,14 @@
 #include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/hash.h"
+#include "base/lookup.h"
+#include "base/mem.h"
 #include "engine/weight_gradient.h"
 
 enum { FLUSH = 1 << 20 };
@@ -30,6 +34,7 @@ struct output {
     const struct surface *surface;
     const struct volume_label *label; /* [256] */
     struct world world;
+    float (*mm)[3]; /* [points]: where they are in the world */
 };
 
 /* ---- the world ---- */
@@ -67,22 +72,64 @@ static float world_mm(const struct world *world, int axis, const struct surface_
     return (float)ldexp((double)along_world(world, axis, point), -world->shift);
 }
 
-/* Nodes are 1/16 of a voxel from one another at least, and singles hold 24 bits. */
-static enum err check_precision(const struct geometry *geometry, const struct surface *surface,
-                                const struct world *world, struct fault *fault)
+static enum err check_precision(const struct output *out, double finest_mm, struct fault *fault)
 {
-    double far = 0, finest = 1e300;
-    for (size_t i = 0; i < surface->points; i++)
+    double far = 0;
+    for (size_t i = 0; i < out->surface->points; i++)
         for (int w = 0; w < 3; w++)
-            far = fmax(far, fabs((double)world_mm(world, w, &surface->point[i])));
-    for (int a = 0; a < 3; a++)
-        finest = fmin(finest, geometry->spacing_nm[a] / 1e6);
-    if (far < finest / 32 * 16777216)
+            far = fmax(far, fabs((double)out->mm[i][w]));
+    if (far < finest_mm / 32 * 16777216) /* singles hold 24 bits */
         return OK;
     return fault_set(fault, ERR_LIMIT,
                      "the surface lies up to %.6g mm from the origin of the world, too far for "
                      "voxels of %.6g mm in the single precision of such files",
-                     far, finest);
+                     far, finest_mm);
+}
+
+/* Moves those points of a part that lie where another does. */
+static bool move_apart(const struct output *out, const struct surface_part *part, float step_mm,
+                       struct lookup *taken)
+{
+    lookup_clear(taken);
+    for (size_t i = part->point; i < part->point + part->points; i++)
+        for (bool is_apart = false; !is_apart;) {
+            uint64_t key = 0;
+            for (int w = 0; w < 3; w++) {
+                uint32_t bits;
+                memcpy(&bits, &out->mm[i][w], sizeof bits);
+                key = hash_mix_at(key, bits);
+            }
+            uint32_t *point = lookup_at(taken, key);
+            if (!point)
+                return false;
+            is_apart = *point == LOOKUP_NEW;
+            if (is_apart)
+                *point = 0;
+            else
+                out->mm[i][0] = fmaxf(out->mm[i][0] + step_mm, nextafterf(out->mm[i][0], INFINITY));
+        }
+    return true;
+}
+
+static enum err find_places(struct output *out, const struct geometry *geometry,
+                            struct fault *fault)
+{
+    const struct surface *s = out->surface;
+    struct lookup taken = {NULL};
+    double finest_mm = 1e300;
+    for (int a = 0; a < 3; a++)
+        finest_mm = fmin(finest_mm, geometry->spacing_nm[a] / 1e6);
+    world_init(&out->world, geometry);
+    out->mm = mem_array(s->points + 1, sizeof *out->mm);
+    bool fits = out->mm;
+    for (size_t i = 0; fits && i < s->points; i++)
+        for (int w = 0; w < 3; w++)
+            out->mm[i][w] = world_mm(&out->world, w, &s->point[i]) + 0.0f; /* no -0 */
+    enum err err = fits ? check_precision(out, finest_mm, fault) : OK;
+    for (unsigned p = 0; fits && !err && p < s->parts; p++)
+        fits = move_apart(out, &s->part[p], (float)(finest_mm / SURFACE_ONE), &taken);
+    lookup_release(&taken);
+    return fits ? err : fault_memory(fault, "a surface");
 }
 
 /* The points of a triangle, counter-clockwise as seen from outside. */
@@ -129,7 +176,7 @@ static void put_float(struct output *out, float value)
 static void put_point(struct output *out, uint32_t point)
 {
     for (int w = 0; w < 3; w++)
-        put_float(out, world_mm(&out->world, w, &out->surface->point[point]));
+        put_float(out, out->mm[point][w]);
 }
 
 static unsigned number_of(const struct output *out, unsigned label)
@@ -243,7 +290,7 @@ static void write_obj(struct output *out)
         for (size_t i = part->point; i < part->point + part->points && go_on(out); i++) {
             buf_add_char(&out->bytes, 'v');
             for (int w = 0; w < 3; w++)
-                buf_printf(&out->bytes, " %.9g", (double)world_mm(&out->world, w, &s->point[i]));
+                buf_printf(&out->bytes, " %.9g", (double)out->mm[i][w]);
             for (int k = 0; k < 3; k++)
                 buf_printf(&out->bytes, " %.4g", rgb[k] / 255.0);
             buf_add_char(&out->bytes, '\n');
@@ -412,10 +459,9 @@ enum err surface_write(const char *path, enum file_mode mode,
                : is_spaced         ? "millimetres, along the axes of voxels; orientation unknown"
                                    : "voxels, along their axes",
                *document->notes ? "; " : "", document->notes);
-    world_init(&out.world, geometry);
     enum err err = says.failed ? fault_memory(fault, "a surface") : surface_file_check(path, fault);
     if (!err)
-        err = check_precision(geometry, surface, &out.world, fault);
+        err = find_places(&out, geometry, fault);
     if (!err)
         err = file_draft(&draft, path, mode, fault);
     if (!err) {
@@ -429,5 +475,6 @@ enum err surface_write(const char *path, enum file_mode mode,
     buf_release(&draft);
     buf_release(&says);
     buf_release(&out.bytes);
+    free(out.mm);
     return err;
 }

@@ -11,6 +11,10 @@
  * in single precision. They are worked out from whole numbers of 2^-n millimetres, so that files
  * are the same on every machine. Normals point out of the label, also where the axes of the
  * voxels are left-handed.
+ *
+ * No two points of a surface have the same place in a file, so that readers which know points by
+ * their places alone (of STL, all) find it closed as well: one of two is moved by 2^-14 of the
+ * finest spacing along x, or by the least that single precision knows.
  */
 #ifndef IMAGE_SURFACE_FILE_H
 #define IMAGE_SURFACE_FILE_H
@@ -34,7 +38,7 @@ struct surface_document {
 };
 
 /* Writes `path` whole or not at all, as where the watch, or NULL, stops it. ERR_LIMIT where the
- * scene lies so far from the origin of the world that points would fall on one another. */
+ * scene lies so far from the origin of the world that voxels would not be told apart well. */
 enum err surface_write(const char *path, enum file_mode mode,
                        const struct surface_document *document, struct watch *watch,
                        struct fault *fault);

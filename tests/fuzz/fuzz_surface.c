@@ -1,5 +1,5 @@
 /* Bytes as labels, and as how their surfaces are made: these are closed whatever the labels are,
- * also once they are reduced. The first bytes are the size, the passes of smoothing, the triangles
+ * also once they are reduced. The first bytes are the size, which kind of surface, the triangles
  * that may be left, and how many labels there are. */
 #include "tests/fuzz/fuzz.h"
 
@@ -37,7 +37,7 @@ static void check(const struct surface *surface)
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
 {
     struct surface *surface = NULL;
-    bool wanted[256];
+    struct surface_choice choice;
     if (length < OPTIONS)
         return 0;
     struct labels labels = {{1 + bytes[0] % 12u, 1 + bytes[1] % 12u, 1 + bytes[2] % 12u},
@@ -45,9 +45,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
                             length - OPTIONS,
                             1 + bytes[5] % 255u};
     const struct surface_source source = {labels.size, row, &labels};
-    memset(wanted, true, sizeof wanted);
-    wanted[0] = wanted[7] = false;
-    HOLDS(surface_new(&surface, &source, wanted, bytes[3] % 16, NULL, NULL) == OK);
+    choice.joins = bytes[3] & 2;
+    choice.is_cubes = bytes[3] & 1;
+    memset(choice.wanted, true, sizeof choice.wanted);
+    choice.wanted[0] = choice.wanted[7] = false;
+    HOLDS(surface_new(&surface, &source, &choice, NULL, NULL) == OK);
     check(surface);
     HOLDS(surface_reduce(surface, 4u * bytes[4], NULL, NULL) == OK);
     check(surface);

@@ -176,7 +176,7 @@ static void tell_surface(const struct surface *surface, const char *name)
     tell((uint64_t)surface_volume(surface, &surface->part[0]), "surface/%s/volume", name);
 }
 
-/* Of a forest: as it comes, smoothed, and of fewer triangles. */
+/* Of a forest: faces of voxels, the net, and of fewer triangles. */
 static void surfaces(struct team *team)
 {
     static const struct weight_choice morph = {WEIGHT_MORPH, 1};
@@ -186,18 +186,18 @@ static void surfaces(struct team *team)
     struct forest *forest = NULL;
     struct edit edit[WORKS_SEEDS];
     struct fault fault;
-    bool wanted[256];
-    memset(wanted, true, sizeof wanted);
+    struct surface_choice choice = {.is_cubes = true};
+    memset(choice.wanted, true, sizeof choice.wanted);
     must(forest_new(&forest, scene, 6, &fault), &fault, "a forest");
     weigh(forest, scene, &morph, team);
     works_edits(edit, scene, 7);
     must(forest_edit(forest, edit, WORKS_SEEDS, &fault), &fault, "the seeds");
-    for (unsigned passes = 0; passes <= 20; passes += 20) {
+    for (int turn = 0; turn < 2; turn++, choice.is_cubes = false) {
         struct surface *surface;
-        must(surface_new(&surface, &source, wanted, passes, NULL, &fault), &fault, "a surface");
-        tell_surface(surface, passes ? "smooth" : "plain");
+        must(surface_new(&surface, &source, &choice, NULL, &fault), &fault, "a surface");
+        tell_surface(surface, turn ? "smooth" : "plain");
         must(surface_reduce(surface, surface->triangles / 5, NULL, &fault), &fault, "fewer");
-        tell_surface(surface, passes ? "smooth-few" : "plain-few");
+        tell_surface(surface, turn ? "smooth-few" : "plain-few");
         surface_free(surface);
     }
     forest_free(forest);
