@@ -24,7 +24,7 @@ struct golden_finding {
     struct picture *actual;         /* to which notes may be added */
     const struct picture *expected; /* NULL where none can be read */
     const struct golden_difference *difference; /* NULL likewise */
-    bool is_former; /* it can be read, and shows a look that is gone: nothing was compared */
+    bool is_former; /* it can be read, and its look is gone: nothing was compared */
 };
 
 struct golden_judge {

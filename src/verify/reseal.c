@@ -229,13 +229,15 @@ static void add_mark(const struct resealing *r, struct buf *out, const struct re
                      const char *words)
 {
     struct record_word word;
-    if (r->accept && record->has_result && !has_other_result(record, words, &word))
+    const bool has_other = !record->has_result || has_other_result(record, words, &word);
+    if (r->accept && (!has_other || r->accept->note.length)) {
         buf_printf(out, "# accepted: %s", buf_text(&r->accept->why));
-    else
-        buf_add_text(out, "# resealed: its results are those of iftty " PROGRAM_VERSION);
-    if (r->accept && r->accept->note.length)
-        buf_printf(out, " (%s)", buf_text(&r->accept->note));
-    buf_add_char(out, '\n');
+        if (r->accept->note.length)
+            buf_printf(out, " (%s)", buf_text(&r->accept->note));
+        buf_add_char(out, '\n');
+    }
+    if (!r->accept || has_other)
+        buf_add_text(out, "# resealed: its results are those of iftty " PROGRAM_VERSION "\n");
     if (record->has_result)
         buf_printf(out, "# it was: chain=%s%s%.*s\n", record->chain.hex, *record->result ? " " : "",
                    WORDS_SHOWN_MOST, record->result);
