@@ -93,7 +93,7 @@ grep -q "<system-out>9 digests and 2 golden images of a former look not compared
 grep -q "<br>9 digests and 2 golden images of a former look not compared<" j.html || fail "HTML"
 expect 0 "$iftty" verify --strict --json j.iftty
 out_has '"digests_of_a_former_look": 9, "golden_images_of_a_former_look": 2'
-expect 0 "$iftty" replay j.iftty
+expect 0 "$iftty" replay j.iftty --out replayed
 err_has "# 9 results were not compared: semantics 9: "
 close_story
 
