@@ -234,8 +234,8 @@ tests: $(TESTS) $(BENCH) $(FUZZ_REPLAYS) $(BUILD)/tests/mutation/nudge $(PEERS_I
 demo: $(BUILD)/iftty $(BUILD)/iftty-image
 	@examples/demo.sh $(BUILD)
 
-## remake-examples: after a change of pictures, examples/ and the journal of the present semantics in
-##     tests/journals anew, with their locks, if every other word stays; LET=print: in all but those
+## remake-examples: after a change of pictures, examples/ and the journal of the present semantics
+##     in tests/journals anew, with their locks, if every other word stays; LET=print: but in those
 remake-examples: all
 	@tests/remake.sh $(BUILD) $(LET)
 

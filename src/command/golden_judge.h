@@ -46,8 +46,8 @@ struct golden_judge {
 /*
  * The words that a golden image carries beside its pixels (show/export_picture.h): from semantics
  * 10 on they are those that the picture drawn now would carry, and none is missing. Which journal
- * it was of, at which record, and which version drew it, is of the time at which it was made: of those
- * only the form is looked at.
+ * it was of, at which record, and which version drew it, is of the time at which it was made: of
+ * those only the form is looked at.
  */
 
 /* Whether it is one of those, and of their form. */
