@@ -148,7 +148,7 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
         test-matrix test-matrix-short test-terminals test-cohort fuzz fuzzers demo bench-peers \
         bench-chafa bench-paper bench-growth bench-render bench-frames bench-journal bench-keys \
         bench-looks bench-effort bench-mend bench-noise bench-register bench-series bench-files \
-        bench-beside bench-apply bench-surface help clean packages
+        bench-beside bench-apply bench-surface remake-examples help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -233,6 +233,11 @@ tests: $(TESTS) $(BENCH) $(FUZZ_REPLAYS) $(BUILD)/tests/mutation/nudge $(PEERS_I
 ## demo: segment a brain by seeds, render it, replay and verify the journal
 demo: $(BUILD)/iftty $(BUILD)/iftty-image
 	@examples/demo.sh $(BUILD)
+
+## remake-examples: after a change of pictures, examples/ and the journal of the present semantics
+##     in tests/journals anew, with their locks, if every other word stays; LET=print: but in those
+remake-examples: all
+	@tests/remake.sh $(BUILD) $(LET)
 
 ## bench-peers: the same work by iftty, ITK, vigra, scipy and scikit-image; ROUNDS=5, JSON=FILE
 bench-peers: $(PEERS)

@@ -54,13 +54,13 @@ static enum err compare(const struct record *record, const struct replay_host *h
     const char *at = record->result, *end = at + strlen(at);
     struct record_word expected, actual;
     while (record_word_next(&at, end, &expected)) {
-        if (host->is_lost && host->is_lost(host->context, expected.key, expected.key_length)) {
-            report->lost_words++;
-            continue;
-        }
-        if (!record_word_is_among(words, &expected, &actual))
+        const bool is_same = record_word_is_among(words, &expected, &actual);
+        const bool is_lost = !actual.value && host->is_lost &&
+                             host->is_lost(host->context, expected.key, expected.key_length);
+        if (!is_same && !is_lost)
             return diverge(record, words, &expected, &actual, report, fault);
-        report->digests += record_word_is_digest(&expected);
+        report->lost_words += is_lost;
+        report->digests += is_same && record_word_is_digest(&expected);
     }
     if (record_lacks_digest(record->result, words) && !report->bare++) {
         report->bare_number = record->number;

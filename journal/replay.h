@@ -28,8 +28,8 @@ struct replay_host {
     /* Called by replay_run before the first command, with the number of a journal's header. NULL
      * calls nobody. */
     void (*begin)(void *context, unsigned semantics);
-    /* Whether the word of this key has a meaning that cannot be had any more: then it is counted as
-     * not compared. NULL: none has. */
+    /* Whether the word of this key has a meaning that cannot be had any more: where a command does
+     * not give it, it is counted as not compared. NULL: none has. */
     bool (*is_lost)(void *context, const char *key, size_t length);
 };
 

@@ -9,7 +9,7 @@ static const uint8_t gradient_top[3] = {62, 70, 82}, gradient_bottom[3] = {20, 2
 
 void background_write(struct buf *out, uint32_t background)
 {
-    if (background == BACKGROUND_FADE || background == BACKGROUND_PLAIN)
+    if (background == BACKGROUND_PLAIN)
         buf_add_text(out, "black");
     else if (background == BACKGROUND_GRADIENT || background == BACKGROUND_CLEAR)
         buf_add_text(out, background == BACKGROUND_CLEAR ? "transparent" : "gradient");
@@ -57,10 +57,7 @@ void background_put_rows(uint8_t *rgba, uint32_t width, uint32_t top, uint32_t r
         for (uint32_t x = 0; x < width; x++, rgba += 4) {
             if (rgba[3] == 255)
                 continue;
-            if (background != BACKGROUND_FADE)
-                background_over(rgba, rgba, behind);
-            for (int k = 0; k < 3 && background == BACKGROUND_FADE; k++)
-                rgba[k] = (uint8_t)((rgba[k] * rgba[3] + 127) / 255);
+            background_over(rgba, rgba, behind);
             rgba[3] = 255;
         }
     }

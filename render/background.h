@@ -20,7 +20,6 @@
 
 /* A background: one of these kinds, the plain one with 0xRRGGBB. */
 enum {
-    BACKGROUND_FADE = 0, /* black, as look 1 has it: colours times alpha, their squares or not */
     BACKGROUND_PLAIN = 1 << 24,
     BACKGROUND_GRADIENT = 2 << 24, /* from a calm grey at the top to a darker one */
     BACKGROUND_CLEAR = 3 << 24     /* alpha stays; black where that cannot be shown */

@@ -18,9 +18,9 @@ enum { LOOK_FIRST = 1, LOOK_SECOND, LOOK_THIRD, LOOK_PRESENT };
 
 enum { SHADE_SAMPLES_MOST = 4, LIGHT_PITCH_MOST = 90000 };
 
-/* Where normals come from (render/normal.h), and what commands call it. */
-#define SHADE_MODES "surface|scene|depth|cubes"
-enum shade_mode { SHADE_SURFACE, SHADE_SCENE, SHADE_DEPTH, SHADE_CUBES };
+/* What is shown of an object, and what commands call it. The last two are nobody's any more. */
+#define SHADE_MODES "surface|cubes"
+enum shade_mode { SHADE_SURFACE, SHADE_CUBES, SHADE_SCENE, SHADE_DEPTH };
 
 struct look {
     uint32_t number; /* LOOK_FIRST..LOOK_PRESENT */

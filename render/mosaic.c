@@ -124,69 +124,9 @@ static struct mosaic_box source_of(const struct fitting *f, uint32_t x, uint32_t
                                right > left ? right - left : 1, bottom > top ? bottom - top : 1};
 }
 
-/* ---- as look 1 has it ---- */
-
-/* Colours fade to black, and the first voxel counts. */
-static bool fades(const struct mosaic_choice *choice)
-{
-    return background_opaque(choice->background) == BACKGROUND_FADE;
-}
-
-/* The voxel of the first that shows one. */
-static uint32_t first_cell(const struct rendition *r, const struct mosaic_box *source)
-{
-    for (uint32_t y = 0; y < source->height; y++)
-        for (uint32_t x = 0; x < source->width; x++) {
-            const size_t at = (size_t)(source->top + y) * r->width + source->left + x;
-            if (r->cell[at] != CELL_NONE)
-                return r->cell[at];
-        }
-    return CELL_NONE;
-}
-
-/* The mean of what four pixels, two by two, look like over black. Most are covered whole or not at
- * all. */
-static void average_four(uint8_t rgb[3], const struct rendition *r, size_t first)
-{
-    const uint8_t *above = r->rgba + 4 * first, *below = above + (size_t)4 * r->width;
-    const uint32_t a = above[3], b = above[7], c = below[3], d = below[7];
-    const bool is_whole = (a & b & c & d) == 255;
-    rgb[0] = rgb[1] = rgb[2] = 0;
-    for (int k = 0; k < 3 && (a | b | c | d); k++) {
-        const uint32_t plain = (uint32_t)above[k] + above[k + 4] + below[k] + below[k + 4];
-        rgb[k] = (uint8_t)(is_whole ? (plain + 2) / 4
-                                    : (above[k] * a + above[k + 4] * b + below[k] * c +
-                                       below[k + 4] * d + 2 * 255) /
-                                          (4 * 255));
-    }
-}
-
-/* The same of any number. */
-static void average(uint8_t rgb[3], const struct rendition *r, const struct mosaic_box *source)
-{
-    const uint64_t whole = (uint64_t)source->width * source->height * 255;
-    uint64_t sum[3] = {0};
-    for (uint32_t y = 0; y < source->height; y++) {
-        const uint8_t *p = r->rgba + 4 * ((size_t)(source->top + y) * r->width + source->left);
-        for (uint32_t x = 0; x < source->width; x++, p += 4)
-            for (int k = 0; k < 3 && p[3]; k++)
-                sum[k] += (uint32_t)p[k] * p[3];
-    }
-    const bool is_small = whole < 1 << 24; /* dividing 32 bits takes a third of the time */
-    for (int k = 0; k < 3; k++) {
-        const uint64_t dividend = sum[k] + whole / 2;
-        if (!sum[k])
-            rgb[k] = 0;
-        else if (is_small)
-            rgb[k] = (uint8_t)((uint32_t)dividend / (uint32_t)whole);
-        else
-            rgb[k] = (uint8_t)(dividend / whole);
-    }
-}
-
 /* ---- pixels of the pane ---- */
 
-/* One row of the pane; source_of has each pixel's source. `behind` is NULL where colours fade. */
+/* One row of the pane; source_of has each pixel's source. */
 static void draw_row(const struct canvas *pane, const struct fitting *f, const struct rendition *r,
                      uint32_t y, const uint8_t *behind)
 {
@@ -205,19 +145,11 @@ static void draw_row(const struct canvas *pane, const struct fitting *f, const s
         }
         source.left = f->from_left + left;
         source.width = at > left ? at - left : 1;
-        uint32_t shown;
-        if (behind) { /* the mean is that of samples (render/rendition.h), and the nearest counts */
-            uint8_t rgba[4];
-            shown = r->cell[rendition_mean(rgba, r, source.left, source.top, source.width,
-                                           source.height)];
-            background_over(pixel, rgba, behind);
-        } else {
-            shown = first_cell(r, &source);
-            if (source.width == 2 && source.height == 2)
-                average_four(pixel, r, (size_t)source.top * r->width + source.left);
-            else
-                average(pixel, r, &source);
-        }
+        /* The mean is that of samples (render/rendition.h), and the nearest counts. */
+        uint8_t rgba[4];
+        const uint32_t shown =
+            r->cell[rendition_mean(rgba, r, source.left, source.top, source.width, source.height)];
+        background_over(pixel, rgba, behind);
         if (cell)
             cell[x] = shown;
     }
@@ -249,14 +181,12 @@ static void draw_share(void *context, unsigned worker)
         if (pane == MOSAIC_RENDITION) {
             const struct fitting f =
                 fit(d->rendition, d->choice, d->canvas->width, d->canvas->height);
-            const bool is_fading = fades(d->choice);
             uint8_t behind[3];
             for (uint32_t y = 0; y < part.height; y++) {
                 background_at(behind, background_opaque(d->choice->background), y, part.height);
-                if (!is_fading)
-                    canvas_box(&part, 0, y, part.width, 1, behind);
+                canvas_box(&part, 0, y, part.width, 1, behind);
                 if (y - f.top < f.shown_height) /* huge where above */
-                    draw_row(&part, &f, d->rendition, y - f.top, is_fading ? NULL : behind);
+                    draw_row(&part, &f, d->rendition, y - f.top, behind);
             }
             continue;
         }
@@ -318,9 +248,8 @@ uint32_t mosaic_cell_at(const struct scene *scene, uint32_t width, uint32_t heig
             if (x - f.left >= f.shown_width || y - f.top >= f.shown_height)
                 return CELL_NONE;
             const struct mosaic_box s = source_of(&f, x - f.left, y - f.top);
-            return fades(choice) ? first_cell(rendition, &s)
-                                 : rendition->cell[rendition_mean(rgba, rendition, s.left, s.top,
-                                                                  s.width, s.height)];
+            return rendition
+                ->cell[rendition_mean(rgba, rendition, s.left, s.top, s.width, s.height)];
         }
         const struct slice_choice slice =
             mosaic_slice(scene, choice, width, height, (enum slice_plane)pane);

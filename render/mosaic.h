@@ -68,7 +68,7 @@ struct mosaic_point mosaic_point_of(uint32_t width, uint32_t height,
 
 /* The cell that a pixel of a picture of that size shows, or CELL_NONE. A pixel of the rendition's
  * pane shows the voxel of the nearest of its pixels, and the mean of their colours, as a pixel of
- * samples does; under BACKGROUND_FADE that of the first that shows one. */
+ * samples does. */
 uint32_t mosaic_cell_at(const struct scene *scene, uint32_t width, uint32_t height,
                         const struct rendition *rendition, const struct mosaic_choice *choice,
                         uint32_t column, uint32_t row);

@@ -2,8 +2,6 @@
 
 #include <string.h>
 
-#include "render/look.h"
-
 enum { HUES = 8 };
 
 /* Sand, sky, amber, green, rose, orange, violet, grey: of different lightness too. */
@@ -11,7 +9,7 @@ static const uint8_t hue[HUES][3] = {{214, 178, 150}, {86, 180, 233},  {240, 200
                                      {0, 158, 115},   {204, 121, 167}, {230, 130, 40},
                                      {130, 130, 220}, {190, 190, 190}};
 
-/* From label 9 on, in look 2. Each colour is the one that lies furthest from those before it, also
+/* From label 9 on. Each colour is the one that lies furthest from those before it, also
  * for eyes that do not distinguish red from green; near numbers count more. The rule is in
  * tests/test_palette.c, which makes the table by it, and prints it where it differs. */
 static const uint32_t further[255 - HUES] = {
@@ -45,16 +43,11 @@ static const uint32_t further[255 - HUES] = {
     0x962d69, 0xa578c3, 0x78691e, 0x3ce196,
 };
 
-void palette_default(struct palette *palette, uint32_t look)
+void palette_default(struct palette *palette)
 {
     memset(palette, 0, sizeof *palette);
     memcpy(palette->rgb[1], hue, sizeof hue);
-    for (int label = 1 + HUES; label < 256; label++) {
-        const uint8_t *base = hue[(label - 1) % HUES];
-        const int bright = 8 - (label - 1) / HUES % 4; /* in look 1 further rounds are darker */
-        const uint32_t rgb = further[label - 1 - HUES];
+    for (int label = 1 + HUES; label < 256; label++)
         for (int k = 0; k < 3; k++)
-            palette->rgb[label][k] = (uint8_t)(look == LOOK_FIRST ? (uint32_t)(base[k] * bright / 8)
-                                                                  : rgb >> (16 - 8 * k));
-    }
+            palette->rgb[label][k] = (uint8_t)(further[label - 1 - HUES] >> (16 - 8 * k));
 }

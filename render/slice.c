@@ -277,7 +277,7 @@ static bool draw_marks(const struct work *work)
                          slice_side_counted(&plan->side[1], place), mark);
         }
     }
-    if (work->style->marks_rims && marks.count) {
+    if (marks.count) {
         /* Dots side by side would hide what is segmented. */
         struct mark_runs runs = {.columns = (size_t)work->plan.side[0].voxels,
                                  .rows = (size_t)work->plan.side[1].voxels,

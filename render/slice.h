@@ -46,8 +46,8 @@ struct slice_style {
     const bool *visible;           /* [256], whether a label is overlaid */
     const uint8_t *finished;       /* labels (engine/labels.h); NULL: those of the forest */
     bool crosses;                  /* the cross-hair */
-    bool marks_rims;               /* seeds that have four neighbours like them are not marked */
-    bool marks_seeds;              /* seeds that are planted, and beside them: */
+    bool marks_seeds; /* seeds that are planted, but those that have four neighbours like them, and
+                         beside them: */
     const struct slice_mark *mark; /* [marks]; those of other slices are passed over */
     size_t marks;
     const char *least, *most; /* what stands at the ends of the bar of greys; ASCII */

@@ -39,7 +39,7 @@ static inline enum err stage_take(struct stage *s, struct scene *scene, unsigned
 {
     *s = (struct stage){
         .scene = scene, .view = view_default(scene), .look = look_default(LOOK_PRESENT)};
-    palette_default(&s->palette, LOOK_PRESENT);
+    palette_default(&s->palette);
     const enum err err = forest_new(&s->forest, scene, adjacency, why);
     return err ? err : border_init(&s->border, scene, why);
 }

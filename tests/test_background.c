@@ -50,18 +50,6 @@ STORY(light_adds_up_and_not_its_code)
     }
 }
 
-STORY(black_of_look_1_fades_as_it_always_has)
-{
-    uint8_t all[256 * 256][4];
-    for (unsigned i = 0; i < 256 * 256; i++)
-        memcpy(all[i], (uint8_t[4]){(uint8_t)(i >> 8), 1, 77, (uint8_t)i}, 4);
-    background_put(all[0], 256, 256, BACKGROUND_FADE);
-    for (unsigned i = 0; i < 256 * 256; i++) {
-        CHECK_INT(all[i][0], ((i >> 8) * (i & 255) + 127) / 255);
-        CHECK_INT(all[i][3], 255);
-    }
-}
-
 STORY(a_gradient_runs_from_the_top_to_a_darker_bottom)
 {
     for (uint32_t height = 1; height < 2000; height = 2 * height + 1) {
@@ -127,16 +115,15 @@ STORY(each_word_is_a_background_and_info_prints_it)
     interpreter_release(&interp);
 }
 
-/* The PNG of a look 1 shows what it did; what is asked for in it has the light of others. */
-STORY(journals_made_before_have_the_black_they_had)
+/* Journals of every semantics have the present look. */
+STORY(journals_made_before_have_the_background_of_all)
 {
     struct interpreter interp;
     begin_interpreter(&interp);
     session_take_semantics(interp.session, 5);
     must(&interp, "open synth:geom:40x40x20");
-    CHECK_INT(interp.session->now.outlook.background, BACKGROUND_FADE);
-    has_background(&interp, "background white", BACKGROUND_WHITE);
-    has_background(&interp, "background black", BACKGROUND_FADE);
+    CHECK_INT(interp.session->now.outlook.background, BACKGROUND_GRADIENT);
+    has_background(&interp, "background black", BACKGROUND_PLAIN);
     interpreter_release(&interp);
 }
 
@@ -253,10 +240,9 @@ int main(void)
         return 1;
     int status = RUN_STORIES(
         TELL(what_is_covered_whole_or_not_at_all_is_exact), TELL(light_adds_up_and_not_its_code),
-        TELL(black_of_look_1_fades_as_it_always_has),
         TELL(a_gradient_runs_from_the_top_to_a_darker_bottom), TELL(what_is_clear_stays_as_it_is),
         TELL(each_word_is_a_background_and_info_prints_it),
-        TELL(journals_made_before_have_the_black_they_had),
+        TELL(journals_made_before_have_the_background_of_all),
         TELL(files_and_the_screen_show_the_same), TELL(a_clear_picture_has_its_alpha),
         TELL(an_exr_holds_the_objects_alone_whatever_is_behind),
         TELL(the_pane_of_a_mosaic_has_it_too));

@@ -870,7 +870,7 @@ STORY(completion_says_what_words_mean)
     must(&interp, "seed 1,1,1 7");
     means(&interp, "un", "undo\ttake back the last change of the segmentation\n");
     means(&interp, "help ", "keys\tthose of the prompt.\n");
-    means(&interp, "shade ", "depth\tthe depths around a pixel.\n");
+    means(&interp, "shade ", "cubes\tthe faces of their voxels, and normals as of the surface.\n");
     means(&interp, "shade ", "surface\tthe shown objects, smoothed.\n"); /* surface, the default: */
     means(&interp, "weight so", "sobel\tthe 3-D Sobel operator.\n");
     means(&interp, "remove 1,1,1 of=t", "tree\tthe seed of the single tree that holds the voxel");

@@ -277,7 +277,7 @@ STORY(faces_that_are_cut_open_show_the_scene)
     CHECK(scene_new(&s.scene, (uint32_t[]){20, 20, 20}, NULL) == OK);
     CHECK(forest_new(&s.forest, s.scene, 6, NULL) == OK);
     CHECK(border_init(&s.border, s.scene, NULL) == OK);
-    palette_default(&s.palette, LOOK_PRESENT);
+    palette_default(&s.palette);
     s.look = look_default(LOOK_PRESENT);
     s.look.cue_percent = 0;
     s.shader.window[0] = 100, s.shader.window[1] = 355;

@@ -131,7 +131,7 @@ STORY(where_one_looks_from_is_not_undone)
     must(&interp, "seed 1,1,1 1");
     must(&interp, "view left");
     must(&interp, "cross 3,3,3");
-    must(&interp, "shade depth");
+    must(&interp, "shade cubes");
     must(&interp, "undo");
     CHECK_TEXT(buf_text(&reply.text), "undone: 4 seed 1,1,1 1\nafter 3 label 0 background\n");
     CHECK_HAS(buf_text(&reply.words), "at=3 on=main forest=");
@@ -859,7 +859,7 @@ static unsigned syncs_of(struct interpreter *interp, const char *line)
 STORY(only_what_changes_how_one_looks_waits_to_be_synced)
 {
     static const char *const looks[] = {"turn 3",      "cross 2,2,2", "zoom 2",     "window 1 90",
-                                        "shade depth", "auto off",    "size 20 20", "view left"};
+                                        "shade cubes", "auto off",    "size 20 20", "view left"};
     static const char *const others[] = {
         "label 1 head", "hide 1",   "seed 1,1,1 1",   "run",    "weight sobel",        "undo",
         "goto 2",       "branch b", "clip axial 1-5", "render", "remove 1,1,1 of=tree"};

@@ -2,7 +2,6 @@
  * written. */
 #include "report/label_table.h"
 #include "session/setting.h"
-#include "session/semantics.h"
 
 #include <stdlib.h>
 
@@ -25,7 +24,7 @@ static enum err read_text(const char *text)
 static enum err take(const char *text, const char *regions, const char *labels)
 {
     uint16_t *as = NULL;
-    state = state_default(SEMANTICS);
+    state = state_default();
     enum err err = read_text(text);
     if (!err)
         err = regions_new(&as, regions, labels, &fault);
@@ -74,7 +73,7 @@ STORY(a_lut_gives_every_label_a_colour)
         bytes[256 + i] = 7;
         bytes[512 + i] = (uint8_t)(255 - i);
     }
-    state = state_default(SEMANTICS);
+    state = state_default();
     strcpy(state.kept.label_name[9], "spleen");
     CHECK(regions_new(&as, NULL, NULL, NULL) == OK);
     CHECK_INT(label_table_read_lut(&table, bytes, 768, &fault), OK);

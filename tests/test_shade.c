@@ -132,7 +132,7 @@ STORY(shading_by_scene_or_depth_is_that_of_the_surface)
     put_ball(&s, 15, 1);
     draw(&s, 90, 2000, 30000, 20000);
     const uint64_t surface = rendition_digest(&s.rendition);
-    for (int mode = SHADE_SCENE; mode <= SHADE_CUBES; mode++) {
+    for (int mode = SHADE_CUBES; mode <= SHADE_DEPTH; mode++) {
         s.look.mode = (enum shade_mode)mode;
         draw(&s, 90, 2000, 30000, 20000);
         CHECK((rendition_digest(&s.rendition) == surface) == (mode != SHADE_CUBES));

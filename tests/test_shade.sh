@@ -70,10 +70,10 @@ begin "a journal with them verifies, for any number of threads, and resumes"
 for threads in 1 2 5; do
     IFTTY_THREADS=$threads expect 0 "$iftty" verify a.iftty
 done
-printf 'info\nshade scene ao=7\ninfo\n' >more
+printf 'info\nshade scene ao=7\ninfo\n' >more # a word of former journals
 expect 0 "$iftty" run more --journal a.iftty
-out_has "look      shade scene, light"
-out_has "look      shade scene ao=7, light"
+out_has "look      shade surface, light"
+out_has "look      shade surface ao=7, light"
 expect 0 "$iftty" verify a.iftty
 close_story
 
@@ -84,7 +84,7 @@ for wrong in ao=101 ao=-1 ao=half ao=; do
 done
 for wrong in 40 oa=40; do
     expect 2 "$iftty" -c "open synth:geom:20x20x20; shade surface $wrong"
-    err_has "usage: shade surface|scene|depth|cubes [ao=PERCENT] [creases=yes|no]"
+    err_has "usage: shade surface|cubes [ao=PERCENT] [creases=yes|no]"
 done
 expect 2 "$iftty" -c "open synth:geom:20x20x20; shade surface creases=on"
 err_has "creases: expected yes|no, not on"

@@ -9,6 +9,7 @@
 #include "command/golden_judge.h"
 #include "image/exr.h"
 #include "journal/journal.h"
+#include "journal/record.h"
 #include "show/export_picture.h"
 #include "session/semantics.h"
 #include "show/draw.h"
@@ -46,7 +47,7 @@ static enum err compare_pictures(const struct picture *expected, const struct pi
     if (!err && !difference->is_same) {
         golden_describe(&words, difference);
         err = fault_set(fault, ERR_CHECK, "golden image %s: %s", name, buf_text(&words));
-    } else if (!err && semantics_has(session_semantics(interp->session), MEANING_NOTES)) {
+    } else if (!err && semantics_has(session_semantics(interp->session), MEANING_SURFACE)) {
         err = golden_compare_notes(expected, actual, !interp->scene_path, fault);
         if (err)
             fault_prefix(fault, err, "golden image %s", name);
@@ -56,7 +57,7 @@ static enum err compare_pictures(const struct picture *expected, const struct pi
 }
 
 static enum err compare_golden(struct interpreter *interp, const char *name, const char *path,
-                               struct picture *actual, struct fault *fault)
+                               struct picture *actual, bool is_former, struct fault *fault)
 {
     const struct golden_judge *judge = interp->judge;
     struct picture expected = {0};
@@ -65,12 +66,16 @@ static enum err compare_golden(struct interpreter *interp, const char *name, con
     const char *source = has_source ? judge->source(judge->context, path) : path;
     enum err err = read_golden(interp, &expected, name, source, fault);
     const bool is_read = !err;
-    if (is_read)
+    if (is_read && !is_former)
         err = compare_pictures(&expected, actual, name, interp, &difference, fault);
     if (is_read && err == ERR_CHECK) /* for people, who look at both */
         export_background(&expected, interp->session, NULL);
-    const struct golden_finding finding = {name, path, actual, is_read ? &expected : NULL,
-                                           is_read ? &difference : NULL};
+    const struct golden_finding finding = {name,
+                                           path,
+                                           actual,
+                                           is_read ? &expected : NULL,
+                                           is_read && !is_former ? &difference : NULL,
+                                           is_former};
     if (err == ERR_CHECK && judge && judge->differs)
         err = judge->differs(judge->context, interp, &finding, fault);
     else if (!err && judge && judge->is_same)
@@ -88,7 +93,7 @@ static enum err write_both(struct interpreter *interp, const char *name, const c
                            const char *png, struct picture *picture, struct fault *fault)
 {
     const bool is_there = file_exists(path), has_png = file_exists(png);
-    enum err err = is_there ? compare_golden(interp, name, path, picture, fault) : OK;
+    enum err err = is_there ? compare_golden(interp, name, path, picture, false, fault) : OK;
     if (err)
         return fault_prefix(fault, err, "it exists already and was left alone");
     if (!is_there)
@@ -137,13 +142,14 @@ static enum err take_golden(const struct act *act, struct picture *picture)
 }
 
 /* Compares it in a replay, or writes it. */
-static enum err settle_golden(const struct act *act, const char *name, struct picture *picture)
+static enum err settle_golden(const struct act *act, const char *name, struct picture *picture,
+                              bool is_former)
 {
     struct interpreter *interp = act->interp;
     struct buf path = {0};
     enum err err = golden_path(&path, buf_text(&interp->home), name, act->fault);
     if (!err && interp->mode != MODE_LIVE)
-        err = compare_golden(interp, name, buf_text(&path), picture, act->fault);
+        err = compare_golden(interp, name, buf_text(&path), picture, is_former, act->fault);
     else if (!err)
         err = write_golden(interp, name, buf_text(&path), picture, act->fault);
     if (!err && interp->mode == MODE_LIVE)
@@ -163,13 +169,19 @@ static enum err note_name(struct interpreter *interp, const char *name, struct f
     return fault_memory(fault, "a name");
 }
 
+/* Of a look that is gone no record says what it was. */
+static bool is_of_former_look(const struct act *act)
+{
+    struct record_word word;
+    return !semantics_has(session_semantics(act->session), MEANING_SURFACE) &&
+           !record_word_find(buf_text(&act->reply->words), "picture", strlen("picture"), &word);
+}
+
 enum err act_golden(const struct act *act)
 {
     const struct interpreter *interp = act->interp;
     struct picture picture = {0};
     const char *name = act_text(act, "NAME");
-    const bool can_be_drawn =
-        semantics_has(session_semantics(act->session), MEANING_SMOOTH_SURFACES);
     if (!golden_name_is_valid(name))
         return fault_set(act->fault, ERR_USAGE,
                          "NAME: expected at most 64 lower-case letters, digits, - and _, not %s",
@@ -179,22 +191,23 @@ enum err act_golden(const struct act *act)
             act->fault, ERR_USAGE,
             "the journal was opened read-only, and so were its golden images; `journal "
             "FILE` continues in a file of your own");
-    if (!can_be_drawn && interp->mode == MODE_LIVE)
-        return fault_set(act->fault, ERR_USAGE,
-                         "the journal has semantics %u, whose pictures this program no longer "
-                         "draws; `iftty log --reseal` brings it to semantics %d",
-                         session_semantics(act->session), SEMANTICS);
     enum err err = note_name(act->interp, name, act->fault);
     if (!err)
         err = take_golden(act, &picture);
     if (err)
         return err;
-    if (!interp->home.length && interp->mode == MODE_LIVE)
+    const bool is_former = is_of_former_look(act);
+    if (is_former && interp->mode == MODE_LIVE)
+        err = fault_set(act->fault, ERR_USAGE,
+                        "the journal has semantics %u, whose pictures this program no longer "
+                        "draws; `iftty log --reseal --accept WHY FILE` brings it to semantics %d",
+                        session_semantics(act->session), SEMANTICS);
+    else if (!interp->home.length && interp->mode == MODE_LIVE)
         buf_add_text(&act->reply->text,
                      "not stored: there is no journal that it could belong to; `--journal FILE` "
                      "records one from the beginning\n");
-    else if (interp->mode == MODE_LIVE || (interp->judge && can_be_drawn))
-        err = settle_golden(act, name, &picture);
+    else if (interp->mode == MODE_LIVE || interp->judge)
+        err = settle_golden(act, name, &picture, is_former);
     picture_release(&picture);
     return err;
 }

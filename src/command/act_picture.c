@@ -69,8 +69,6 @@ enum err act_draw_picture(const struct act *act, const struct labels *labels,
 
 void act_add_picture_digest(const struct act *act)
 {
-    if (!semantics_has(session_semantics(act->session), MEANING_SMOOTH_SURFACES))
-        return;
     const struct rendition picture = session_picture(act->session);
     act_add_digest(act, "picture", rendition_digest(&picture));
 }
@@ -212,9 +210,11 @@ enum err act_window(const struct act *act)
 static enum err draw(const struct act *act, enum slice_kind kind, const struct labels *labels,
                      bool with_cells, struct canvas *canvas)
 {
-    enum err err = slicing_draw(canvas, act->session, kind, labels, with_cells, act->fault);
-    if (!err)
-        act_add_digest(act, "picture", canvas_digest(canvas));
+    const bool is_former = !semantics_has(session_semantics(act->session), MEANING_SURFACE);
+    enum err err =
+        slicing_draw(canvas, act->session, kind, labels, with_cells || is_former, act->fault);
+    if (!err && (!is_former || slicing_is_as_ever(act->session, kind, labels, canvas)))
+        act_add_digest_anyway(act, "picture", canvas_digest(canvas));
     return err;
 }
 

@@ -12,7 +12,6 @@
 #include "report/label_report.h"
 #include "report/label_table.h"
 #include "session/seed_file.h"
-#include "session/semantics.h"
 
 enum { LIST_BYTES_MOST = 64 << 20, LISTED_MOST = 12 };
 
@@ -154,15 +153,12 @@ static enum err plant(const struct act *act, const struct seeds *seeds, const ch
     uint32_t *cell = NULL;
     struct session *session = act->session;
     size_t *end = mem_array(REGION_MOST + 1, sizeof *end), begin = 0;
-    const size_t pendings = session_pendings(session);
     enum err err = end ? seeds_by_region(seeds, &cell, end, session_watch(session), act->fault)
                        : fault_memory(act->fault, "the seeds of regions");
     for (uint32_t r = 0; !err && r <= REGION_MOST; begin = end[r++]) {
         const struct voxels at = {.cell = cell + begin, .count = end[r] - begin};
         err = plant_region(act, planting, seeds, choice, r, &at);
     }
-    if (!err && !semantics_has(session_semantics(session), MEANING_SEED_ORDER))
-        session_sort_pendings(session, pendings);
     if (!err && act_has(act, "as"))
         write_regions(act, path, choice->as, end);
     if (!err && !act_has(act, "label")) {

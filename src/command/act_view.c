@@ -75,7 +75,7 @@ enum err act_zoom(const struct act *act)
         return fault_set(act->fault, ERR_USAGE, "fit finds the place in the centre: without at=");
     if (!zoom->text) {
         view->zoom = (uint32_t)zoom->number;
-    } else if (semantics_has(session_semantics(act->session), MEANING_LOOK)) {
+    } else if (semantics_has(session_semantics(act->session), MEANING_FIT)) {
         err = fit_shown(act);
     } else {
         view->zoom = view_fitting_zoom(session_scene(act->session), view->width, view->height,
@@ -247,20 +247,15 @@ enum err act_cut(const struct act *act)
 
 /* ---- settings: commands that do no more than set something (session/setting.h) ---- */
 
-/* Black in look 1 is what it has always been. */
-static int64_t background_of(const struct value *value, const struct outlook *outlook)
+static int64_t background_of(const struct value *value)
 {
     static const uint32_t named[] = {BACKGROUND_PLAIN, BACKGROUND_WHITE, BACKGROUND_GRADIENT,
                                      BACKGROUND_CLEAR};
-    const uint32_t background =
-        value->text ? named[value->number] : BACKGROUND_PLAIN | (uint32_t)value->number;
-    const bool is_fade = background == BACKGROUND_PLAIN && outlook->look.number == LOOK_FIRST;
-    return is_fade ? BACKGROUND_FADE : background;
+    return value->text ? named[value->number] : BACKGROUND_PLAIN | (uint32_t)value->number;
 }
 
 /* A value as the member holds it. */
-static int64_t held(const struct setting_member *member, const struct value *value,
-                    const struct outlook *outlook)
+static int64_t held(const struct setting_member *member, const struct value *value)
 {
     switch (member->as) {
     case HELD_AS_SWITCH:
@@ -268,7 +263,7 @@ static int64_t held(const struct setting_member *member, const struct value *val
     case HELD_AS_COUNT:
         return strtol(value->text, NULL, 10);
     case HELD_AS_BACKGROUND:
-        return background_of(value, outlook);
+        return background_of(value);
     default:
         return value->number;
     }
@@ -313,7 +308,7 @@ enum err act_set(const struct act *act)
         const struct value *value = act_value(act, parameter[i].name);
         given += value->given;
         if (value->given)
-            setting_put(act->next, member, held(member, value, &act->next->outlook));
+            setting_put(act->next, member, held(member, value));
         else if (!member->stays)
             setting_put(act->next, member, member->usual);
     }

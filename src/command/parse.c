@@ -336,7 +336,9 @@ static enum err read_part(struct value *value, const struct parameter *p, const 
 static enum err read_value(struct value *value, const struct parameter *p, const char *word,
                            const struct known *known, struct fault *fault)
 {
-    const int choice = p->choices ? choice_find(p->choices, word) : -1;
+    int choice = p->choices ? choice_find(p->choices, word) : -1;
+    if (p->former && choice_find(p->former, word) >= 0)
+        choice = 0;
     if (p->type == VALUE_PARTS)
         return read_part(value, p, word, choice, fault);
     value->given = true;

@@ -70,7 +70,7 @@ static enum err execute_again(void *context, const char *command, struct buf *wo
 static bool is_lost(void *context, const char *key, size_t length)
 {
     const struct resume *resume = context;
-    return semantics_lost(session_semantics(resume->interp->session), key, length) != NULL;
+    return semantics_lost(session_semantics(resume->interp->session), key, length);
 }
 
 static enum err compare_record(struct resume *resume, const struct record *record,

@@ -379,7 +379,7 @@ static const struct program program[] = {
      .detail = "Those that differ or are missing. Refused where CI is set: this is a person's "
                "decision. The former journal is kept "
                "beside the new one.",
-     .run = run_reseal},
+     .run = run_accept},
     {.name = "verify",
      .form = "--review",
      .words = "JOURNAL...",
@@ -504,8 +504,12 @@ static const struct program program[] = {
     {.name = "log",
      .form = "--reseal",
      ONE("JOURNAL"),
-     .option = {RESEAL, SCENE},
+     .option = {RESEAL, ACCEPT, SCENE},
      .summary = "give an edited journal its results anew",
+     .detail = "Also one of former semantics, whose meaning is the present one then. With --accept "
+               "WHY golden images are made anew in the same step, as by `verify --accept`; without "
+               "it they are left alone, and such a journal is refused where they are others. The "
+               "former journal is kept beside the new one.",
      .run = run_reseal},
     {.name = "log",
      .form = "--sign",

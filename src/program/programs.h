@@ -15,6 +15,7 @@ enum err run_verify(const struct options *options, struct fault *fault);
 enum err run_verify_builds(const struct options *options, struct fault *fault);
 enum err run_verify_bisect(const struct options *options, struct fault *fault);
 enum err run_review(const struct options *options, struct fault *fault);
+enum err run_accept(const struct options *options, struct fault *fault);
 enum err run_reseal(const struct options *options, struct fault *fault);
 enum err run_diff(const struct options *options, struct fault *fault);
 enum err run_diff_gestures(const struct options *options, struct fault *fault);

@@ -166,7 +166,7 @@ static enum err save(struct raters *raters, struct fault *fault)
     struct volume_label label[256];
     struct palette palette;
     struct buf description = {0};
-    palette_default(&palette, LOOK_PRESENT);
+    palette_default(&palette);
     for (unsigned l = 0; l < 256; l++) {
         label[l] = (struct volume_label){.name = raters->label_name[l], .number = (uint16_t)l};
         memcpy(label[l].rgb, palette.rgb[l], sizeof label[l].rgb);

@@ -262,15 +262,27 @@ enum err run_diff_gestures(const struct options *o, struct fault *fault)
 
 /* ---- sealing anew ---- */
 
-/* With a reason, golden images are accepted; else an edited journal gets its results. */
-enum err run_reseal(const struct options *o, struct fault *fault)
+static enum err seal_anew(const struct options *o,
+                          enum err (*seal)(struct interpreter *interp, const char *path,
+                                           const char *why, const struct printer *printer,
+                                           struct fault *fault),
+                          struct fault *fault)
 {
     struct interpreter interp;
     console_handle_interrupts();
     enum err err = begin_interpreter(&interp, o, fault);
     if (!err)
-        err = o->accept ? reseal_accept(&interp, o->word[0], o->accept, &console_printer, fault)
-                        : reseal_edited(&interp, o->word[0], &console_printer, fault);
+        err = seal(&interp, o->word[0], o->accept, &console_printer, fault);
     interpreter_release(&interp);
     return err;
+}
+
+enum err run_accept(const struct options *o, struct fault *fault)
+{
+    return seal_anew(o, reseal_accept, fault);
+}
+
+enum err run_reseal(const struct options *o, struct fault *fault)
+{
+    return seal_anew(o, reseal_edited, fault);
 }

@@ -26,11 +26,6 @@ void session_drop_markers(struct session *session, size_t count)
     markers_drop(&session->markers, count, session->watch);
 }
 
-void session_sort_pendings(struct session *session, size_t first)
-{
-    edits_sort_from(&session->now.lists.pending, first);
-}
-
 enum err session_plant(struct session *session, const uint32_t *cell, size_t count, int16_t label,
                        struct fault *fault)
 {

@@ -2,19 +2,14 @@
 
 #include <string.h>
 
+#include "base/choice.h"
 #include "base/hash.h"
 
 const struct meaning_row meaning_table[MEANINGS] = {
     [MEANING_LABEL_SUM] = {"label-sum", 2, "`labels` was a sum of mixes of place and label",
                            "`labels` is a sum of mixed places times labels", NULL},
-    [MEANING_SMOOTH_SURFACES] = {"smooth-surfaces", 3,
-                                 "pictures were shaded by the faces of voxels",
-                                 "pictures are shaded by a smoothed field", "picture"},
     [MEANING_MARKERS] = {"markers", 4, "`remove` removed single trees",
                          "`remove` removes markers, unless of=tree", NULL},
-    [MEANING_SEED_ORDER] = {"seed-order", 4,
-                            "seeds of a file that wait were drawn in the order of their voxels",
-                            "they are drawn region by region", NULL},
     [MEANING_BRANCH_TIPS] = {"branch-tips", 4, "`goto` moved the branch that it went to",
                              "a branch stays where its last command or undo left it", NULL},
     [MEANING_STROKES] = {"strokes", 4,
@@ -33,13 +28,8 @@ const struct meaning_row meaning_table[MEANINGS] = {
                         "a map lies where the scene does, or is resampled", NULL},
     [MEANING_OPEN_WEIGHT] = {"open-weight", 5, "`open` meant `weight morph`",
                              "`open` records its weight, and means morph without one", NULL},
-    [MEANING_LOOK] = {"look", 6, "pictures have look 1, and `zoom fit` shows the whole scene",
-                      "pictures have look 2, and `zoom fit` shows what is shown", NULL},
-    [MEANING_PATCHES] = {"patches", 7, "pictures have look 2", "pictures have look 3", NULL},
-    [MEANING_SMOOTH_LAYERS] = {"smooth-layers", 8, "pictures have look 3", "pictures have look 4",
-                               NULL},
-    [MEANING_NOTES] = {"notes", 9, "notes of golden images are not compared",
-                       "notes of golden images say what was drawn", NULL},
+    [MEANING_FIT] = {"fit", 6, "`zoom fit` shows the whole scene",
+                     "it shows what is shown, and is recorded as the zoom it comes to", NULL},
     [MEANING_APPLIED] = {"applied", 9, "slices and mosaics showed labels without edits that wait",
                          "they apply them first, as renditions do", NULL},
     [MEANING_SHEAR] = {"shear", 9, "volumes are products of the spacings",
@@ -68,6 +58,10 @@ const struct meaning_row meaning_table[MEANINGS] = {
                          "a mosaic is the volume that it holds; a damaged file is refused, unless "
                          "`skip` leaves it out",
                          NULL},
+    [MEANING_SURFACE] = {"surface", 10,
+                         "pictures had other surfaces, letters and colours of labels",
+                         "pictures show the surface that is measured and saved",
+                         "picture|spin|names"},
 };
 
 bool semantics_has(unsigned semantics, enum meaning meaning)
@@ -75,15 +69,15 @@ bool semantics_has(unsigned semantics, enum meaning meaning)
     return semantics >= meaning_table[meaning].since;
 }
 
-const struct meaning_row *semantics_lost(unsigned semantics, const char *word, size_t length)
+bool semantics_lost(unsigned semantics, const char *word, size_t length)
 {
-    for (int m = 0; m < MEANINGS; m++) {
-        const char *lost = meaning_table[m].lost;
-        if (lost && semantics < meaning_table[m].since && strlen(lost) == length &&
-            memcmp(lost, word, length) == 0)
-            return &meaning_table[m];
-    }
-    return NULL;
+    struct choice lost;
+    for (int m = 0; m < MEANINGS; m++)
+        for (const char *at = meaning_table[m].lost; at && choice_next(&lost, &at);)
+            if (semantics < meaning_table[m].since && lost.length == length &&
+                memcmp(lost.word, word, length) == 0)
+                return true;
+    return false;
 }
 
 void semantics_tell_lost(struct buf *out, unsigned semantics)
@@ -92,9 +86,9 @@ void semantics_tell_lost(struct buf *out, unsigned semantics)
         const struct meaning_row *row = &meaning_table[m];
         if (row->lost && semantics < row->since)
             buf_printf(out,
-                       "semantics %u: %s, a look that this program no longer has: `%s` is "
-                       "neither compared nor recorded (`iftty log --reseal` draws them anew)\n",
-                       semantics, row->was, row->lost);
+                       "semantics %u: %s, and are neither compared nor recorded (`iftty log "
+                       "--reseal --accept WHY FILE` draws them anew)\n",
+                       semantics, row->was);
     }
 }
 

@@ -6,8 +6,9 @@
  * since is a row of one table. Code that has a row asks semantics_has, and does as it was before
  * for older journals: they are verified, and gone on with, under their own meaning, for good.
  *
- * Where the former meaning cannot be had any more, the row names the word of the records that is
- * lost with it: that word is neither compared nor written under such a number, and reports say so.
+ * Where the former meaning cannot be had any more, the row names the words of the records that are
+ * lost with it: under such a number a command gives them no more, unless it knows that they are
+ * what they were, and one that is recorded and not given is not compared. Reports say how many.
  */
 #ifndef SESSION_SEMANTICS_H
 #define SESSION_SEMANTICS_H
@@ -20,30 +21,26 @@
 #include "engine/forest.h"
 
 /* The number of new journals, and the highest that can be gone on with. */
-enum { SEMANTICS = 9 };
+enum { SEMANTICS = 10 };
 
 /* One row each. */
 enum meaning {
     MEANING_LABEL_SUM,
-    MEANING_SMOOTH_SURFACES,
     MEANING_MARKERS,
-    MEANING_SEED_ORDER,
     MEANING_BRANCH_TIPS,
     MEANING_STROKES,
     MEANING_QUOTES,
     MEANING_ORIENTATION,
     MEANING_PLACES,
     MEANING_OPEN_WEIGHT,
-    MEANING_LOOK,
-    MEANING_PATCHES,
-    MEANING_SMOOTH_LAYERS,
-    MEANING_NOTES,
+    MEANING_FIT,
     MEANING_APPLIED,
     MEANING_SHEAR,
     MEANING_LEVELS,
     MEANING_WHOLE_LABELS,
     MEANING_SLICE_NUMBERS,
     MEANING_FOLDERS,
+    MEANING_SURFACE,
     MEANINGS
 };
 
@@ -51,16 +48,16 @@ struct meaning_row {
     const char *name;
     unsigned since;        /* the first number that has the new meaning */
     const char *was, *now; /* what means what */
-    const char *lost;      /* the word that has no meaning before; NULL where it can be had */
+    const char *lost;      /* "a|b": the words that are lost before; NULL where it can be had */
 };
 extern const struct meaning_row meaning_table[MEANINGS];
 
 bool semantics_has(unsigned semantics, enum meaning meaning);
 
-/* The row by which the word of a record cannot be compared under this number; NULL: it can. */
-const struct meaning_row *semantics_lost(unsigned semantics, const char *word, size_t length);
+/* Whether the word of a record is lost under this number. */
+bool semantics_lost(unsigned semantics, const char *word, size_t length);
 
-/* Adds a line for each word that is lost under this number; none where nothing is. */
+/* Adds a line for each row that has lost words under this number; none where nothing is lost. */
 void semantics_tell_lost(struct buf *out, unsigned semantics);
 
 /* What records say of labels, as this number has it. */

@@ -29,7 +29,7 @@ enum err session_new(struct session **session, struct fault *fault)
 void session_take_semantics(struct session *session, unsigned semantics)
 {
     session->semantics = semantics;
-    session->now = state_default(semantics);
+    session->now = state_default();
 }
 
 /* What is made of a scene, or looks at one, goes before it. */

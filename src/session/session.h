@@ -218,9 +218,6 @@ uint64_t session_bytes_for(const uint32_t size[3]);
 /* How many edits wait for a run. */
 size_t session_pendings(const struct session *session);
 
-/* Those from the `first` on wait in the order of their voxels. */
-void session_sort_pendings(struct session *session, size_t first);
-
 /* As if the markers after the first `count` had never been put up. */
 void session_drop_markers(struct session *session, size_t count);
 

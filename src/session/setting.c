@@ -5,7 +5,6 @@
 
 #include "base/choice.h"
 #include "render/decoration.h"
-#include "session/semantics.h"
 
 /* ---- the table ---- */
 
@@ -51,24 +50,22 @@ const struct command setting_table[] = {
 
      "size 512 512"},
     {SETTING("shade", GROUP_LOOK, R | S),
-     {{"NORMALS", VALUE_CHOICE, .choices = SHADE_MODES,
+     {{"FORM", VALUE_CHOICE, .choices = SHADE_MODES, .former = "scene|depth",
        SETS(outlook.look.mode, SHADE_SURFACE, .made = MADE_CAMERA)},
       {"ao", VALUE_NUMBER, KEYED, .most = 100, .form = "PERCENT",
        SETS(outlook.look.ao_percent, 0, .made = MADE_CAMERA)},
       {"creases", VALUE_CHOICE, KEYED, .choices = "yes|no",
        SETS(outlook.look.creases, 0, .made = MADE_CAMERA, .as = HELD_AS_SWITCH)}},
-     "where the normals of a surface come from",
+     "smooth surfaces, or the faces of voxels",
      "surface, the default: the shown objects, smoothed.\n"
-     "scene: the gradient of the intensities, with finer detail where objects end at an edge of "
-     "the scene.\n"
-     "depth: the depths around a pixel.\n"
-     "cubes: as surface, on the faces of voxels. The others show a smooth surface between them.\n"
+     "cubes: the faces of their voxels, and normals as of the surface.\n"
+     "scene and depth, in journals of former semantics, mean surface.\n"
      "ao: ambient occlusion; 0, the default, is none. Sulci and other hollows, which little light "
      "comes into, are darker by up to so much. Not while an object is translucent, nor on faces "
      "that are cut open.\n"
      "creases: yes shades each object as if it were alone, so that a crease is seen where two "
-     "touch; else one surface runs across both. Not by depths.",
-     "shade scene"},
+     "touch; else one surface runs across both.",
+     "shade cubes"},
     {SETTING("light", GROUP_LOOK, R | S),
      {{"YAW", VALUE_DECIMAL, .least = -VIEW_TURN / 2, .most = VIEW_TURN / 2,
        SETS(outlook.look.light[0], -25000, .made = MADE_CAMERA)},
@@ -184,19 +181,15 @@ void setting_put(struct state *state, const struct setting_member *member, int64
         memcpy(at, &word, sizeof word);
 }
 
-struct state state_default(unsigned semantics)
+struct state state_default(void)
 {
-    const uint32_t look = LOOK_FIRST + (uint32_t)semantics_has(semantics, MEANING_LOOK) +
-                          (uint32_t)semantics_has(semantics, MEANING_PATCHES) +
-                          (uint32_t)semantics_has(semantics, MEANING_SMOOTH_LAYERS);
-    struct state state = {.kept = {.cut = cut_none(), .weight = {WEIGHT_MORPH, 1}},
-                          .outlook = {.look.number = look, .slices = {.times = SLICE_TIMES_ONE}}};
+    struct state state = {
+        .kept = {.cut = cut_none(), .weight = {WEIGHT_MORPH, 1}},
+        .outlook = {.look.number = LOOK_PRESENT, .slices = {.times = SLICE_TIMES_ONE}}};
     for (const struct command *setting = setting_table; setting->name; setting++)
         for (const struct parameter *p = setting->parameter; p->type; p++)
             setting_put(&state, &p->sets, p->sets.usual);
-    if (look == LOOK_FIRST)
-        state.outlook.background = BACKGROUND_FADE;
-    palette_default(&state.kept.palette, look);
+    palette_default(&state.kept.palette);
     for (int label = 1; label < 256; label++)
         state.kept.visible[label] = true;
     memset(state.kept.opacity, BORDER_OPAQUE, sizeof state.kept.opacity);

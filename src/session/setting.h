@@ -21,8 +21,8 @@ extern const struct command setting_table[];
 int64_t setting_get(const struct state *state, const struct setting_member *member);
 void setting_put(struct state *state, const struct setting_member *member, int64_t number);
 
-/* As a session of this semantics begins. */
-struct state state_default(unsigned semantics);
+/* As a session begins. */
+struct state state_default(void);
 
 /* Two are the same where every member is: each is a setting (session/setting.h), or a row of
  * setting.c. Maps are, where they are one and the same. */

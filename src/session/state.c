@@ -64,20 +64,6 @@ enum err edits_add(struct edits *edits, struct edit edit, struct fault *fault)
     return OK;
 }
 
-static int compare_cells(const void *a, const void *b)
-{
-    const struct edit *x = a, *y = b;
-    return (x->cell > y->cell) - (x->cell < y->cell);
-}
-
-void edits_sort_from(struct edits *edits, size_t first)
-{
-    const size_t count = edits_count(edits);
-    if (count > first)
-        qsort(edits->room->item + edits->first + first, count - first, sizeof(struct edit),
-              compare_cells);
-}
-
 const struct edit *edits_first(const struct edits *edits)
 {
     return edits_count(edits) ? edits->room->item + edits->first : NULL;

@@ -58,9 +58,6 @@ void edits_release(struct edits *edits);
 /* Adds to a list that is held. ERR_MEMORY leaves it as it was. */
 enum err edits_add(struct edits *edits, struct edit edit, struct fault *fault);
 
-/* Puts those from the `first` on, which no other list has yet, in the order of their cells. */
-void edits_sort_from(struct edits *edits, size_t first);
-
 /* The first of edits_count items; NULL where there are none. */
 const struct edit *edits_first(const struct edits *edits);
 

@@ -107,19 +107,8 @@ void seen_normals(float *out, const int16_t *normal, size_t pixels, const struct
 
 /* ---- notes ---- */
 
-/* Angles, zoom and size; where the middle of the picture is not the scene's, the focus as it is
- * held (render/view.h). */
-static void write_view(struct buf *out, const struct view *view)
-{
-    buf_printf(out, "%d %d %d zoom %u size %ux%u", view->angle[0], view->angle[1], view->angle[2],
-               view->zoom, view->width, view->height);
-    if (view->focus[0] || view->focus[1] || view->focus[2])
-        buf_printf(out, " focus %lld %lld %lld", (long long)view->focus[0],
-                   (long long)view->focus[1], (long long)view->focus[2]);
-}
-
-/* The same of look 2, with units, and the middle in voxels as they are numbered. */
-static void write_view_in_words(struct buf *out, const struct session *session)
+/* With units, and the middle of the picture in voxels as they are numbered. */
+static void write_view(struct buf *out, const struct session *session)
 {
     const struct view *view = &session_outlook(session)->view;
     buf_printf(out, "yaw %g pitch %g roll %g degrees, zoom %g, %ux%u pixels",
@@ -171,12 +160,8 @@ static enum err add_view_notes(struct picture *picture, const struct session *se
                                struct fault *fault)
 {
     const struct cut *away = &session_kept(session)->cut;
-    const struct outlook *outlook = session_outlook(session);
     struct buf seen = {0}, cut = {0}, opacity = {0}, look = {0};
-    if (outlook->look.number == LOOK_FIRST)
-        write_view(&seen, &outlook->view);
-    else
-        write_view_in_words(&seen, session);
+    write_view(&seen, session);
     settings_write(&look, GROUP_LOOK, session_state(session));
     write_cut(&cut, away, &session_scene(session)->grid);
     export_opacity(&opacity, session_kept(session));
@@ -201,7 +186,7 @@ static enum err add_label_note(struct picture *picture, const struct session *se
                                const struct label_set *shown, struct fault *fault)
 {
     struct buf labels = {0};
-    if (session_outlook(session)->look.number == LOOK_FIRST || !shown)
+    if (!shown)
         return OK;
     /* {"1": {"name": "brain", "colour": "#d6b296"}, ...} of the labels that a picture shows. */
     const struct kept *kept = session_kept(session);
@@ -255,7 +240,7 @@ enum err export_notes(struct picture *picture, const struct session *session,
         err = add_label_note(picture, session, shown, fault);
     if (!err && session_outlook(session)->context)
         err = picture_note(picture, "iftty:context", context, fault);
-    picture->is_associated = session_outlook(session)->look.number > LOOK_FIRST;
+    picture->is_associated = true;
     return err;
 }
 
@@ -266,8 +251,7 @@ static enum err describe_rendition(struct picture *picture, const struct session
     char scale[32]; /* of a rendition; slices have one of their own */
     snprintf(scale, sizeof scale, "%.9g", seen_mm_per_pixel(session));
     enum err err = export_notes(picture, session, shown, fault);
-    if (!err && session_outlook(session)->look.number > LOOK_FIRST &&
-        !session_geometry(session)->spacing_unknown)
+    if (!err && !session_geometry(session)->spacing_unknown)
         err = picture_note(picture, "iftty:mm-per-pixel", scale, fault);
     if (err)
         picture_release(picture);
@@ -307,13 +291,6 @@ enum err export_picture(struct picture *picture, const struct session *session, 
     return describe_rendition(picture, session, &labels, fault);
 }
 
-/* What is behind the objects in them; clear, where the file's format decides how that is shown. */
-static uint32_t behind_colours(const struct session *session)
-{
-    const uint32_t background = session_outlook(session)->background;
-    return background == BACKGROUND_FADE ? BACKGROUND_CLEAR : background;
-}
-
 enum err export_colours(struct picture *picture, const struct session *session, struct fault *fault)
 {
     const struct rendition shown = session_picture(session), *r = &shown;
@@ -323,7 +300,7 @@ enum err export_colours(struct picture *picture, const struct session *session, 
         return err;
     label_set_add(&labels, r);
     memcpy(picture->rgba, r->rgba, (size_t)4 * r->width * r->height);
-    background_put(picture->rgba, r->width, r->height, behind_colours(session));
+    background_put(picture->rgba, r->width, r->height, session_outlook(session)->background);
     picture->is_clear = session_outlook(session)->background == BACKGROUND_CLEAR;
     return describe_rendition(picture, session, &labels, fault);
 }
@@ -379,7 +356,7 @@ static enum err draw_rows(struct drawn_colours *colours, struct session *session
     if (err)
         return err;
     colours->height = view->height;
-    colours->background = behind_colours(session);
+    colours->background = session_outlook(session)->background;
     colours->digest = rendition_digest_begin(view->width, view->height);
     if (session_outlook(session)->look.samples > 1)
         pictures_release_rendition(p);
@@ -420,7 +397,7 @@ enum err export_background(struct picture *picture, const struct session *sessio
     const uint32_t background = session_outlook(session)->background;
     const size_t bytes = (size_t)4 * picture->width * picture->height;
     picture->is_clear = background == BACKGROUND_CLEAR;
-    if (picture->is_clear || background == BACKGROUND_FADE)
+    if (picture->is_clear)
         return OK;
     picture->shown = mem_array(bytes, 1);
     if (!picture->shown)
@@ -430,25 +407,12 @@ enum err export_background(struct picture *picture, const struct session *sessio
     return OK;
 }
 
-void export_normals_to_world(float *out, const int16_t *normal, size_t pixels,
-                             const struct scene *scene)
-{
-    for (size_t i = 0; i < pixels; i++)
-        for (int a = 0; a < 3; a++) {
-            const uint8_t axis = (uint8_t)scene->world_axis[a];
-            out[3 * i + axis] =
-                (float)(normal[4 * i + (size_t)a] * scene->world_sign[a]) / 16384.0f;
-        }
-}
-
 enum err export_normals(struct picture *picture, const struct session *session, struct fault *fault)
 {
     const struct rendition *r = session_frame(session);
     const size_t pixels = (size_t)r->width * r->height;
     enum err err = picture_add_normals(picture, fault);
-    if (!err && session_outlook(session)->look.number > LOOK_FIRST)
+    if (!err)
         seen_normals(picture->normal, r->normal, pixels, session_geometry(session));
-    else if (!err)
-        export_normals_to_world(picture->normal, r->normal, pixels, session_scene(session));
     return err;
 }

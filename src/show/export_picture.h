@@ -57,10 +57,7 @@ enum err export_normals(struct picture *picture, const struct session *session,
                         struct fault *fault);
 
 /* Normals along the axes of voxels (unit vectors times 2^14, [pixels][4], the fourth unused), as
- * unit vectors towards Right, Anterior, Superior ([pixels][3]); zeros stay zeros. The first is of
- * look 1, for which all axes lie along those, and exact: a float holds it. */
-void export_normals_to_world(float *out, const int16_t *normal, size_t pixels,
-                             const struct scene *scene);
+ * unit vectors towards Right, Anterior, Superior ([pixels][3]); zeros stay zeros. */
 void seen_normals(float *out, const int16_t *normal, size_t pixels,
                   const struct geometry *geometry);
 

@@ -101,7 +101,6 @@ static enum err sketch_init(struct sketch *sketch, struct session *session, stru
     sketch->style.visible = session_kept(session)->visible;
     sketch->style.crosses = s->crosses;
     sketch->style.marks_seeds = s->marks;
-    sketch->style.marks_rims = session_outlook(session)->look.number > LOOK_FIRST;
     sketch->style.mark = NULL;
     sketch->style.marks = 0;
     if (s->marks && !list_marks(sketch, session))
@@ -215,6 +214,26 @@ enum err slicing_draw(struct canvas *canvas, struct session *session, enum slice
     if (!err)
         err = canvas_init(canvas, view->width, view->height, tells_cells, fault);
     return err ? err : draw(canvas, session, kind, labels, NULL, fault);
+}
+
+bool slicing_is_as_ever(const struct session *session, enum slice_kind kind,
+                        const struct labels *labels, const struct canvas *canvas)
+{
+    const struct slice_settings *s = &session_outlook(session)->slices;
+    const struct kept *kept = session_kept(session);
+    const size_t pixels = (size_t)canvas->width * canvas->height;
+    struct palette usual;
+    if (kind == SLICE_KIND_MOSAIC || s->words || s->marks || s->overlay == SLICE_CONTOUR)
+        return false;
+    palette_default(&usual);
+    for (size_t i = 0; i < pixels && s->overlay == SLICE_TINT; i++) {
+        const uint32_t cell = canvas->cell[i];
+        const uint8_t label = cell == CELL_NONE ? 0 : labels_at(labels, cell);
+        if (label && kept->visible[label] &&
+            memcmp(kept->palette.rgb[label], usual.rgb[label], sizeof usual.rgb[label]) == 0)
+            return false;
+    }
+    return true;
 }
 
 enum err slicing_draw_panel(struct canvas *canvas, struct session *session,

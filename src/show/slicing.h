@@ -32,6 +32,12 @@ void slicing_move(const struct session *session, enum slice_plane plane, uint32_
 enum err slicing_draw(struct canvas *canvas, struct session *session, enum slice_kind kind,
                       const struct labels *labels, bool tells_cells, struct fault *fault);
 
+/* Whether a slice that was drawn, with its cells, is drawn now as under every semantics: it has no
+ * letters, marks or contours, and tints only of labels whose colours are not by default. A mosaic,
+ * which has a rendition in it, is not. */
+bool slicing_is_as_ever(const struct session *session, enum slice_kind kind,
+                        const struct labels *labels, const struct canvas *canvas);
+
 /* ERR_LIMIT for a view that is too small for a mosaic. */
 enum err slicing_check_size(const struct view *view, struct fault *fault);
 

@@ -83,7 +83,7 @@ static void begin(void *context, unsigned semantics)
 static bool is_lost(void *context, const char *key, size_t length)
 {
     const struct replaying *replaying = context;
-    return semantics_lost(session_semantics(replaying->interp->session), key, length) != NULL;
+    return semantics_lost(session_semantics(replaying->interp->session), key, length);
 }
 
 struct replay_host replay_file_host(struct replaying *replaying)

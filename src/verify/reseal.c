@@ -170,11 +170,23 @@ static void golden_accept_release(struct golden_accept *accept)
 struct resealing {
     struct interpreter *interp;
     struct golden_accept *accept; /* NULL where golden images are left alone */
+    bool takes_results;           /* what is no picture may have changed, and was edited */
     struct buf header, out;       /* the new journal */
     struct record_chain chain;
     size_t count, marked; /* records; those that have changed */
+    size_t stale;         /* golden images that are left alone, and are others now */
     bool changes_header;
 };
+
+static enum err count_stale(void *context, struct interpreter *interp,
+                            const struct golden_finding *finding, struct fault *fault)
+{
+    struct resealing *r = context;
+    (void)interp, (void)finding;
+    r->stale++;
+    fault->text[0] = '\0';
+    return OK;
+}
 
 /* Whether every recorded word is given now. */
 static bool all_are_given(const char *recorded, const char *words)
@@ -187,32 +199,45 @@ static bool all_are_given(const char *recorded, const char *words)
     return true;
 }
 
+/* The first word of the record that is given otherwise now, and is no picture's. */
+static bool has_other_result(const struct record *record, const char *words,
+                             struct record_word *word)
+{
+    struct record_word now;
+    const char *at = record->result, *end = at + strlen(at);
+    while (record_word_next(&at, end, word))
+        if (!record_word_is_among(words, word, &now) && !record_key_is(word, "picture", 7) &&
+            !record_key_is(word, "spin", 4))
+            return true;
+    return false;
+}
+
 /* Accepting is for pictures: any other result that has changed is refused. */
 static enum err refuse_results(const struct record *record, const char *words, struct fault *fault)
 {
-    struct record_word word, now;
-    const char *at = record->result, *end = at + strlen(at);
-    while (record_word_next(&at, end, &word))
-        if (!record_word_is_among(words, &word, &now) && !record_key_is(&word, "picture", 7) &&
-            !record_key_is(&word, "spin", 4))
-            return fault_set(fault, ERR_CHECK,
-                             "record %zu (line %zu) gives another %.*s: no picture, but a result, "
-                             "which is not accepted; iftty log --reseal takes it in; %s",
-                             record->number, record->line, (int)word.key_length, word.key,
-                             unchanged);
-    return OK;
+    struct record_word word;
+    return has_other_result(record, words, &word)
+               ? fault_set(fault, ERR_CHECK,
+                           "record %zu (line %zu) gives another %.*s: no picture, but a result, "
+                           "which is not accepted; iftty log --reseal takes it in; %s",
+                           record->number, record->line, (int)word.key_length, word.key, unchanged)
+               : OK;
 }
 
 /* Why it has changed, and what it was before. */
-static void add_mark(const struct resealing *r, struct buf *out, const struct record *record)
+static void add_mark(const struct resealing *r, struct buf *out, const struct record *record,
+                     const char *words)
 {
-    if (r->accept)
+    struct record_word word;
+    const bool has_other = !record->has_result || has_other_result(record, words, &word);
+    if (r->accept && (!has_other || r->accept->note.length)) {
         buf_printf(out, "# accepted: %s", buf_text(&r->accept->why));
-    else
-        buf_add_text(out, "# resealed: its results are those of iftty " PROGRAM_VERSION);
-    if (r->accept && r->accept->note.length)
-        buf_printf(out, " (%s)", buf_text(&r->accept->note));
-    buf_add_char(out, '\n');
+        if (r->accept->note.length)
+            buf_printf(out, " (%s)", buf_text(&r->accept->note));
+        buf_add_char(out, '\n');
+    }
+    if (!r->accept || has_other)
+        buf_add_text(out, "# resealed: its results are those of iftty " PROGRAM_VERSION "\n");
     if (record->has_result)
         buf_printf(out, "# it was: chain=%s%s%.*s\n", record->chain.hex, *record->result ? " " : "",
                    WORDS_SHOWN_MOST, record->result);
@@ -227,12 +252,13 @@ static enum err write_record(struct resealing *r, const char *bytes, const struc
     const bool is_sound = !record_judge(record, NULL);
     const bool is_left = r->accept && r->accept->is_left;
     const bool is_same =
-        is_left || (record->has_result && all_are_given(record->result, buf_text(&reply->words)) &&
-                    (r->accept || !record_lacks_digest(record->result, buf_text(&reply->words))));
+        is_left ||
+        (record->has_result && all_are_given(record->result, buf_text(&reply->words)) &&
+         (!r->takes_results || !record_lacks_digest(record->result, buf_text(&reply->words))));
     const bool has_note = r->accept && r->accept->note.length;
     buf_add(&comments, bytes + record->offset, (size_t)(record->command_offset - record->offset));
     if (!is_sound || !is_same || has_note) {
-        add_mark(r, &comments, record);
+        add_mark(r, &comments, record, buf_text(&reply->words));
         r->marked++;
     }
     const struct record anew = {.number = r->count + 1,
@@ -253,7 +279,7 @@ static enum err reseal_record(struct resealing *r, const char *bytes, const stru
     struct reply reply = {0};
     enum err err = OK;
     if (r->accept) {
-        err = record_judge(record, fault);
+        err = r->takes_results ? OK : record_judge(record, fault);
         if (err)
             return fault_set(fault, ERR_CHECK,
                              "record %zu (line %zu) was edited: iftty log --reseal comes first; %s",
@@ -269,7 +295,7 @@ static enum err reseal_record(struct resealing *r, const char *bytes, const stru
     if (err)
         fault_prefix(fault, err, "record %zu (line %zu) fails; %s", record->number, record->line,
                      unchanged);
-    if (!err && r->accept)
+    if (!err && !r->takes_results)
         err = refuse_results(record, buf_text(&reply.words), fault);
     /* A picture that is no golden image: only its digest is known, nobody can see what it was. */
     if (!err && r->accept && !r->accept->is_left && !r->accept->note.length &&
@@ -296,10 +322,10 @@ static enum err reseal_bytes(struct resealing *r, const struct buf *bytes, struc
     if (!walk.is_journal)
         err = fault_set(fault, ERR_CHECK,
                         "this is a script, not a journal: run it into a new one; %s", unchanged);
-    else if (r->changes_header && r->accept)
+    else if (r->changes_header && !r->takes_results)
         err = fault_set(fault, ERR_CHECK,
-                        "it was written with semantics %u, here is %u: iftty log --reseal comes "
-                        "first; %s",
+                        "it was written with semantics %u, here is %u: iftty log --reseal --accept "
+                        "WHY FILE draws all of its pictures anew; %s",
                         walk.semantics, (unsigned)SEMANTICS, unchanged);
     record_header(&r->header, SEMANTICS);
     buf_add(&r->out, buf_text(&r->header), r->header.length);
@@ -308,6 +334,11 @@ static enum err reseal_bytes(struct resealing *r, const struct buf *bytes, struc
     if (!err && walk.over != WALK_END)
         err = fault_set(fault, ERR_CHECK, "%s; going on with the journal repairs it; %s",
                         walk.fault.text, unchanged);
+    if (!err && r->stale && r->changes_header)
+        err = fault_set(fault, ERR_CHECK,
+                        "%zu golden image%s had a former look: iftty log --reseal --accept WHY "
+                        "FILE draws %s anew; %s",
+                        r->stale, plural(r->stale), r->stale > 1 ? "them" : "it", unchanged);
     if (!err && (r->out.failed || r->header.failed))
         err = fault_memory(fault, "a journal");
     walk_release(&walk);
@@ -361,6 +392,11 @@ static void report(const struct resealing *r, const char *path, const struct buf
         buf_add_text(&text, "; nothing has changed");
     }
     buf_add_char(&text, '\n');
+    if (r->stale)
+        buf_printf(&text,
+                   "# %zu golden image%s not what the journal draws, and left alone: iftty verify "
+                   "--accept WHY FILE draws %s anew\n",
+                   r->stale, r->stale > 1 ? "s are" : " is", r->stale > 1 ? "them" : "it");
     printer->print(printer->context, buf_text(&text));
     buf_release(&text);
 }
@@ -371,10 +407,13 @@ static enum err reseal(struct resealing *r, const char *path, const struct print
     struct file_log *lock = NULL;
     struct buf bytes = {0}, former = {0}, lines = {0};
     struct interpreter *interp = r->interp;
-    const struct golden_judge judge = {.context = r->accept, .source = source, .differs = differs};
+    const struct golden_judge judge =
+        r->accept
+            ? (struct golden_judge){.context = r->accept, .source = source, .differs = differs}
+            : (struct golden_judge){.context = r, .differs = count_stale};
     r->chain = record_chain_zero;
     interp->mode = MODE_REPLAY;
-    interp->judge = r->accept ? &judge : NULL;
+    interp->judge = &judge;
     enum err err = file_log_open(&lock, path, false, fault); /* R4 */
     if (!err)
         err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
@@ -430,21 +469,23 @@ static enum err check_person(const char *option, struct fault *fault)
                        : OK;
 }
 
+/* The reason, by a person. */
+static enum err take_reason(struct golden_accept *accept, const char *why, struct fault *fault)
+{
+    const enum err refused = check_person("--accept", fault);
+    const enum err err = refused ? refused : reseal_check_reason(why, fault);
+    buf_add_text(&accept->why, why);
+    return err && !refused ? fault_prefix(fault, err, "--accept") : err;
+}
+
 enum err reseal_accept(struct interpreter *interp, const char *path, const char *why,
                        const struct printer *printer, struct fault *fault)
 {
     struct golden_accept accept = {0};
     struct resealing r = {.interp = interp, .accept = &accept};
-    enum err err = check_person("--accept", fault);
-    if (!err) {
-        err = reseal_check_reason(why, fault);
-        if (err)
-            fault_prefix(fault, err, "--accept");
-    }
-    if (err)
-        return err;
-    buf_add_text(&accept.why, why);
-    err = reseal(&r, path, printer, fault);
+    enum err err = take_reason(&accept, why, fault);
+    if (!err)
+        err = reseal(&r, path, printer, fault);
     golden_accept_release(&accept);
     return err;
 }
@@ -469,9 +510,14 @@ enum err reseal_review(struct interpreter *interp, const char *path,
     return err;
 }
 
-enum err reseal_edited(struct interpreter *interp, const char *path, const struct printer *printer,
-                       struct fault *fault)
+enum err reseal_edited(struct interpreter *interp, const char *path, const char *why,
+                       const struct printer *printer, struct fault *fault)
 {
-    struct resealing r = {.interp = interp};
-    return reseal(&r, path, printer, fault);
+    struct golden_accept accept = {0};
+    struct resealing r = {.interp = interp, .accept = why ? &accept : NULL, .takes_results = true};
+    enum err err = why ? take_reason(&accept, why, fault) : OK;
+    if (!err)
+        err = reseal(&r, path, printer, fault);
+    golden_accept_release(&accept);
+    return err;
 }

@@ -26,12 +26,6 @@ enum err strict_judge(const struct strictness *s, struct fault *fault)
                          "strict: it was written with semantics %u, and this program knows 1 to "
                          "%u: a later version verifies it",
                          report->semantics, s->semantics);
-    if (report->lost_words)
-        return fault_set(fault, ERR_CHECK,
-                         "strict: %zu result%s of semantics %u could not be compared: iftty log "
-                         "--reseal gives the journal the present meaning, --no-strict leaves them "
-                         "out",
-                         report->lost_words, plural(report->lost_words), report->semantics);
     if (report->is_torn)
         return strict_refuse_torn(report->torn_offset, "strict", fault);
     if (!report->executed)

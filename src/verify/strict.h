@@ -7,14 +7,16 @@
  *
  *     torn tail          an unfinished record at the end was left alone
  *     other semantics    the journal says that it was made under a number that this build does not
- *                        know, or under one whose pictures it cannot draw
+ *                        know
  *     no records         a header and no more
  *     bare record        one without a digest, of a command that gives one
  *     no golden image    no pixel was compared; asked of whole journals alone
  *
  * What cannot be seen in a journal itself is that its last records are gone, with the digests of
  * all others in place: for that there are --expect and --lock. A recorded word that this build does
- * not give is a failure of any replay (journal/replay.h).
+ * not give is a failure of any replay (journal/replay.h), unless it is of a look that is gone
+ * (session/semantics.h). Such pictures are no missing evidence: they pass, and are counted in the
+ * line of the journal; a golden image among them is to be there, and to be one, in any replay.
  */
 #ifndef VERIFY_STRICT_H
 #define VERIFY_STRICT_H
@@ -28,7 +30,7 @@ bool ci_is_set(void);
 
 struct strictness {
     const struct replay_report *report; /* of a replay that went well */
-    uint64_t goldens;                   /* golden images compared */
+    uint64_t goldens;                   /* golden images compared, or of a look that is gone */
     unsigned semantics;                 /* the highest that is known here */
     bool is_part;                       /* not all records were to be compared */
 };

@@ -84,7 +84,7 @@ static enum err judge_whole(const struct verify_options *options, const struct i
                             struct verify_result *result, struct fault *fault)
 {
     const struct strictness strictness = {.report = report,
-                                          .goldens = collector->goldens,
+                                          .goldens = collector->goldens + collector->former,
                                           .semantics = SEMANTICS,
                                           .is_part = options->first || options->last};
     if (!report->is_journal)
@@ -230,6 +230,8 @@ static void replay_one(const struct verify_options *options, struct verify_resul
     result->digests = report.digests;
     result->goldens = collector.goldens;
     result->pixels = collector.pixels;
+    result->former = report.lost_words;
+    result->former_goldens = collector.former;
     if (report.executed)
         buf_add_text(&result->chain, report.chain.hex);
     result->took_ms = (clock_ns() - begin) / 1000000;
@@ -293,6 +295,8 @@ static void print_result(const struct verification *v, size_t number)
     } else if (!r->err) {
         buf_add_text(&text, " (");
         verify_result_describe(&text, r);
+        buf_add_text(&text, r->former || r->former_goldens ? ", " : "");
+        verify_result_describe_former(&text, r);
         buf_add_char(&text, ')');
     }
     buf_add_char(&text, '\n');

@@ -36,7 +36,18 @@ void verify_result_describe(struct buf *out, const struct verify_result *r)
                plural(r->digests), r->goldens, plural(r->goldens), r->pixels, plural(r->pixels));
 }
 
+void verify_result_describe_former(struct buf *out, const struct verify_result *r)
+{
+    if (r->former || r->former_goldens)
+        buf_printf(out,
+                   "%" PRIu64 " digest%s and %" PRIu64 " golden image%s of a former look "
+                   "not compared",
+                   r->former, plural(r->former), r->former_goldens, plural(r->former_goldens));
+}
+
 /* ---- through a pipe ---- */
+
+enum { NUMBERS = 11 };
 
 /* The parts that differ in length, in the order in which they are sent; NULL after the last. */
 static struct buf *part_of(const struct verify_result *result, size_t number)
@@ -56,11 +67,12 @@ static struct buf *part_of(const struct verify_result *result, size_t number)
 void verify_result_write(struct buf *out, const struct verify_result *r)
 {
     const struct buf *part;
-    const uint64_t number[] = {(uint64_t)r->err, r->executed, r->compared,
-                               r->digests,       r->goldens,  r->pixels,
-                               r->took_ms,       r->line,     r->evidence.pictures};
+    const uint64_t number[NUMBERS] = {(uint64_t)r->err, r->executed,         r->compared,
+                                      r->digests,       r->goldens,          r->pixels,
+                                      r->former,        r->former_goldens,   r->took_ms,
+                                      r->line,          r->evidence.pictures};
     buf_add_text(out, "result");
-    for (size_t i = 0; i < sizeof number / sizeof *number; i++)
+    for (size_t i = 0; i < NUMBERS; i++)
         buf_printf(out, " %" PRIu64, number[i]);
     buf_add_char(out, '\n');
     for (size_t i = 0; (part = part_of(r, i)); i++) {
@@ -83,14 +95,15 @@ static bool read_numbers(const char **at, const char *name, int64_t *number, siz
 static bool read_all(struct verify_result *r, const char *at, const char *end)
 {
     struct buf *part;
-    int64_t number[9], length;
-    if (!read_numbers(&at, "result", number, 9) || number[0] > ERR_CANCELLED ||
-        number[8] > EVIDENCE_MOST)
+    int64_t number[NUMBERS], length;
+    if (!read_numbers(&at, "result", number, NUMBERS) || number[0] > ERR_CANCELLED ||
+        number[NUMBERS - 1] > EVIDENCE_MOST)
         return false;
     r->err = (enum err)number[0];
-    r->evidence.pictures = (size_t)number[8];
-    uint64_t *const count[] = {&r->executed, &r->compared, &r->digests, &r->goldens,
-                               &r->pixels,   &r->took_ms,  &r->line};
+    r->evidence.pictures = (size_t)number[NUMBERS - 1];
+    uint64_t *const count[] = {&r->executed,       &r->compared, &r->digests,
+                               &r->goldens,        &r->pixels,   &r->former,
+                               &r->former_goldens, &r->took_ms,  &r->line};
     for (size_t i = 0; i < sizeof count / sizeof *count; i++)
         *count[i] = (uint64_t)number[i + 1];
     for (size_t i = 0; (part = part_of(r, i)); i++, at += length) {

@@ -9,7 +9,6 @@
 #include "base/safe.h"
 #include "report/label_table.h"
 #include "session/setting.h"
-#include "session/semantics.h"
 #include "session/map.h"
 
 static void check_names(const struct kept *kept)
@@ -40,7 +39,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
 {
     static const enum label_table_format format[] = {TABLE_ITKSNAP, TABLE_SLICER, TABLE_FREESURFER};
     static const bool used[256] = {[7] = true};
-    struct state state = state_default(SEMANTICS);
+    struct state state = state_default();
     struct label_table table, again;
     struct buf text = {0}, written = {0};
     buf_add(&text, bytes, length);

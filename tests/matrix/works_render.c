@@ -235,9 +235,9 @@ static void put_mip_behind(struct stage *s, struct rendition *picture)
 
 static void put_backgrounds(const struct rendition *picture, const char *name)
 {
-    static const uint32_t background[] = {BACKGROUND_FADE,  BACKGROUND_PLAIN,
-                                          BACKGROUND_WHITE, BACKGROUND_PLAIN | 0x3080c0,
-                                          BACKGROUND_CLEAR, BACKGROUND_GRADIENT};
+    static const uint32_t background[] = {BACKGROUND_PLAIN, BACKGROUND_WHITE,
+                                          BACKGROUND_PLAIN | 0x3080c0, BACKGROUND_CLEAR,
+                                          BACKGROUND_GRADIENT};
     uint8_t rgba[WIDTH * HEIGHT][4];
     const size_t bytes = (size_t)4 * picture->width * picture->height;
     for (size_t i = 0; i < sizeof background / sizeof background[0]; i++) {
@@ -342,7 +342,6 @@ static void slices(struct stage *s)
                                             .notes = SLICE_LETTERS | SLICE_SCALE | SLICE_COLOURS,
                                             .title = title[i % 3]};
         style.overlay = (enum slice_overlay)(i / 3 % 3);
-        style.marks_rims = i >= 9;
         must(slice_draw(&canvas, s->scene, &choice, &style, &fault), &fault, "a slice");
         tell(canvas_digest(&canvas), "slice/%d", i);
     }

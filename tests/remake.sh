@@ -1,0 +1,89 @@
+#!/bin/sh
+# After a change of pictures: examples/, and the journal of the present semantics in tests/journals,
+# made anew with their golden images and locks. Each is carried out as a script into a new journal.
+# All take their places, or none: every command, comment and word of a record has to be what it was,
+# but for words of pictures (picture, spin, names) and the chain; a record may have more words.
+#
+#     remake.sh BUILD [NAME...]   the words of the examples with these names may differ; what does
+#                                 is printed
+set -u
+cd "$(dirname "$0")/.." || exit 1
+unset CI GITHUB_ACTIONS # a person decides here
+iftty=$(cd "$1" && pwd)/iftty made=$1/remake
+shift
+may_differ=" $* "
+present=$("$iftty" info | sed -n 's/^semantics //p')
+rm -rf "$made" && mkdir -p "$made/examples" "$made/tests/journals" || exit 1
+
+# What commands of former semantics meant, in words of the present.
+translate() { # JOURNAL
+    number=$(sed -n '1s/.* semantics //p' "$1")
+    sed 1d "$1" | if [ "$number" -lt 4 ]; then sed '/^remove /s/$/ of=tree/'; else cat; fi |
+        if [ "$number" -lt 9 ]; then
+            sed -e '/^labels /{' -e '/ erode=/!s/$/ erode=2/' -e 's/$/ rest=none/' -e '}'
+        else
+            cat
+        fi
+}
+# Prints what is not as before, and how many words are; false where anything is not.
+compare() { # BEFORE NOW: without their first lines
+    awk -v now="$2" -v name="$3" '
+        BEGIN { split("chain picture spin names", list, " "); for (i in list) drawn[list[i]] = 1 }
+        function differs(what) { print "# " name ": " what; bad = 1 }
+        {
+            if ((getline line <now) < 1) { differs("it ends before: " $0); exit }
+            if (!/^= /) {
+                if (index(line, $0) != 1) differs("\"" $0 "\" is now \"" line "\"")
+                next
+            }
+            records++
+            delete value
+            count = split(line, word, " ")
+            for (i = 3; i <= count; i++) {
+                at = index(word[i], "=")
+                value[substr(word[i], 1, at - 1)] = substr(word[i], at + 1)
+            }
+            for (i = 3; i <= NF; i++) {
+                at = index($i, "=")
+                key = substr($i, 1, at - 1)
+                if (key in drawn) { anew += key != "chain" && value[key] != substr($i, at + 1) }
+                else if (value[key] == substr($i, at + 1)) same++
+                else differs("record " $2 ": " $i " is now " value[key])
+            }
+        }
+        END {
+            if (!bad && (getline line <now) > 0) differs("it goes on: " line)
+            printf "# %s: %d records, %d words the same, %d of pictures anew\n",
+                name, records, same, anew
+            exit bad
+        }' "$1"
+}
+remake() { # JOURNAL
+    to=$made/$1
+    mkdir -p "${to%.iftty}.golden"
+    cp "${1%.iftty}.golden"/labels-* "${to%.iftty}.golden" 2>/dev/null
+    translate "$1" >"$to.before"
+    grep -v '^= ' "$to.before" >"$to.script"
+    "$iftty" run "$to.script" --journal "$to" --out "$to.out" >"$to.log" 2>&1 ||
+        { echo "$1 cannot be carried out:"; tail -n 3 "$to.log"; return 1; }
+    sed 1d "$to" >"$to.now"
+    compare "$to.before" "$to.now" "$1" && return
+    name=${1##*/}
+    case $may_differ in *" ${name%.iftty} "*) ;; *) return 1 ;; esac
+}
+
+cp tests/journals/*.nii.gz tests/journals/*.csv tests/journals/*.ctab "$made/tests/journals"
+journals="$(ls examples/*.iftty) tests/journals/semantics-$present.iftty" status=0
+for journal in $journals; do
+    remake "$journal" || status=1
+done
+[ $status = 0 ] || { echo "# nothing has changed"; exit 1; }
+for journal in $journals; do
+    cp "$made/$journal" "$journal"
+    rm -rf "${journal%.iftty}.golden"
+    cp -r "$made/${journal%.iftty}.golden" "${journal%.iftty}.golden"
+done
+for folder in examples tests/journals; do
+    "$iftty" verify --strict --lock "$folder/iftty.lock" --update-lock || status=1
+done
+exit $status
