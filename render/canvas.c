@@ -6,6 +6,7 @@
 #include "base/hash.h"
 #include "base/mem.h"
 #include "engine/grid.h"
+#include "engine/weight_gradient.h"
 
 static const uint8_t black[3];
 
@@ -67,6 +68,33 @@ void canvas_box(const struct canvas *canvas, int64_t left, int64_t top, int64_t 
         uint8_t *row = canvas_pixel(canvas, 0, (size_t)y);
         for (int64_t x = left; x < right; x++)
             memcpy(row + 4 * x, rgba, 4);
+    }
+}
+
+void canvas_blend(uint8_t pixel[4], const uint8_t rgb[3], uint32_t share)
+{
+    const uint32_t over = 255 * share, below = pixel[3] * (255 - share), all = over + below;
+    const bool is_grey =
+        pixel[0] == pixel[1] && pixel[0] == pixel[2] && rgb[0] == rgb[1] && rgb[0] == rgb[2];
+    for (int k = 0; k < 3; k++) {
+        const uint32_t light = over * rgb[k] * rgb[k] + below * pixel[k] * pixel[k];
+        pixel[k] = below == 0         ? rgb[k]
+                   : is_grey && k > 0 ? pixel[0]
+                                      : (uint8_t)square_root((light + all / 2) / all);
+    }
+    pixel[3] = (uint8_t)((all + 127) / 255);
+}
+
+void canvas_lay_over(uint8_t *layer, const uint8_t *below, size_t pixels)
+{
+    for (size_t i = 0; i < 4 * pixels; i += 4) {
+        uint8_t laid[4];
+        if (layer[i + 3] == 255)
+            continue;
+        memcpy(laid, below + i, 4);
+        if (layer[i + 3])
+            canvas_blend(laid, layer + i, layer[i + 3]);
+        memcpy(layer + i, laid, 4);
     }
 }
 

@@ -5,9 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/least.h"
 #include "base/mem.h"
 #include "render/mosaic.h"
-#include "render/text.h"
+#include "render/notes.h"
 #include "show/export_picture.h"
 #include "show/slicing.h"
 #include "show/window.h"
@@ -80,61 +81,75 @@ static enum err draw_slices(const struct canvas *canvas, struct session *session
 /* Where the next line goes. */
 struct sheet {
     struct canvas canvas;
-    uint32_t scale;
+    uint32_t tall;
     int64_t top;
 };
 
-static const uint8_t ink[3] = {232, 232, 232};
-
-/* As much of it as fits; ahead of it a box of the colour, or NULL. */
-static void write_line(struct sheet *sheet, const uint8_t rgb[3], const char *words)
+/* As much of it as fits from column `left` on, in units of a capital. */
+static void write_words(const struct sheet *sheet, unsigned left, const char *words)
 {
-    const int64_t left = 4 * (int64_t)sheet->scale;
-    const int64_t indent = left + (rgb ? (TEXT_TALL + 3) * (int64_t)sheet->scale : 0);
+    const int64_t at = (int64_t)left * sheet->tall;
     struct buf fitting = {0};
     buf_add_safe_text(&fitting, words);
-    while (fitting.length && indent + text_width(fitting.data, sheet->scale) > sheet->canvas.width)
-        fitting.data[--fitting.length] = '\0';
-    if (rgb)
-        canvas_box(&sheet->canvas, left, sheet->top, TEXT_TALL * (int64_t)sheet->scale,
-                   TEXT_TALL * (int64_t)sheet->scale, rgb);
-    text_draw(&sheet->canvas, indent, sheet->top, sheet->scale, buf_text(&fitting), ink);
-    sheet->top += TEXT_LINE * (int64_t)sheet->scale;
+    if (fitting.length)
+        text_cut(fitting.data, fitting.length + 1, sheet->tall, sheet->canvas.width - at);
+    text_draw(&sheet->canvas, at, sheet->top, sheet->tall, buf_text(&fitting), &notes_light);
     buf_release(&fitting);
 }
 
-static void write_words(const struct canvas *canvas, const struct comparison_report *report)
+static void end_line(struct sheet *sheet)
+{
+    sheet->top += text_line(sheet->tall);
+}
+
+/* Figures before the name: what is cut off is the end of a long name. */
+static void write_table(struct sheet *sheet, const struct comparison_report *report)
+{
+    enum { DICE = 1, FAR = 6, LABEL = 15 };
+    write_words(sheet, DICE, "Dice");
+    write_words(sheet, FAR, "Hausdorff mm");
+    write_words(sheet, LABEL, "label");
+    end_line(sheet);
+    for (unsigned label = 1; label < 256 && sheet->top < sheet->canvas.height; label++) {
+        const struct overlap_counts n = overlap_counts_of(&report->comparison->overlap, label);
+        const struct label_distances *d = &report->comparison->distance[label];
+        char words[LABEL_NAME_BYTES + 32];
+        if (!comparison_has(report->comparison, label))
+            continue;
+        snprintf(words, sizeof words, "%.4f",
+                 n.a + n.b ? 2.0 * (double)n.both / (double)(n.a + n.b) : 0);
+        write_words(sheet, DICE, words);
+        snprintf(words, sizeof words, "%.2f", d->hausdorff_mm);
+        write_words(sheet, FAR, d->has_hausdorff ? words : "none");
+        snprintf(words, sizeof words, "%u %s", label, report->label_name[label]);
+        write_words(sheet, LABEL, words);
+        end_line(sheet);
+    }
+}
+
+static void write_report(const struct canvas *canvas, const struct comparison_report *report)
 {
     const struct mosaic_box box = mosaic_box(canvas->width, canvas->height, MOSAIC_RENDITION);
-    const uint32_t scale = slice_unit(box.width, box.height);
+    const uint32_t tall = notes_tall(least(box.width, box.height));
     struct sheet sheet = {
         .canvas = canvas_part(canvas, box.left, box.top, box.width, box.height),
-        .scale = scale,
-        .top = 4 * (int64_t)scale,
+        .tall = tall,
+        .top = notes_margin(tall),
     };
     struct buf name = {0};
     for (int i = 0; i < 2; i++) {
         buf_clear(&name);
         buf_printf(&name, "%c  %s", 'A' + i, report->name[i]);
-        write_line(&sheet, NULL, buf_text(&name));
+        write_words(&sheet, 1, buf_text(&name));
+        end_line(&sheet);
     }
     buf_release(&name);
-    for (int i = AGREES; i < DIFFERENCES; i++)
-        write_line(&sheet, difference_rgb[i], difference_words[i]);
-    write_line(&sheet, NULL, "  Dice  Hausdorff mm  label");
-    for (unsigned label = 1; label < 256 && sheet.top < box.height; label++)
-        if (comparison_has(report->comparison, label)) {
-            /* Figures before the name: what is cut off then is the end of a long name. */
-            const struct overlap_counts n = overlap_counts_of(&report->comparison->overlap, label);
-            const struct label_distances *d = &report->comparison->distance[label];
-            char words[LABEL_NAME_BYTES + 96], far[24] = "none";
-            if (d->has_hausdorff)
-                snprintf(far, sizeof far, "%.2f", d->hausdorff_mm);
-            snprintf(words, sizeof words, "%.4f  %12s  %u %s",
-                     n.a + n.b ? 2.0 * (double)n.both / (double)(n.a + n.b) : 0, far, label,
-                     report->label_name[label]);
-            write_line(&sheet, NULL, words);
-        }
+    for (int i = AGREES; i < DIFFERENCES; i++) {
+        canvas_box(&sheet.canvas, tall, sheet.top, tall, tall, difference_rgb[i]);
+        write_words(&sheet, 3, difference_words[i]);
+        end_line(&sheet);
+    }
+    write_table(&sheet, report);
 }
 
 /* ---- the whole ---- */
@@ -173,7 +188,7 @@ enum err comparison_picture_draw(struct picture *picture, struct session *sessio
                      : fault_memory(fault, "a picture");
     free(difference);
     if (!err) {
-        write_words(&canvas, report);
+        write_report(&canvas, report);
         err = note(picture, session, report, place, fault);
     }
     if (err)
