@@ -41,8 +41,8 @@ struct canvas canvas_part(const struct canvas *canvas, uint32_t left, uint32_t t
 void canvas_box(const struct canvas *canvas, int64_t left, int64_t top, int64_t width,
                 int64_t height, const uint8_t rgb[3]);
 
-/* Lays a colour over a pixel, of which it covers 1..255 of 255: light adds up, so squares of colours
- * do. One that is clear takes the colour, and the share as its alpha. */
+/* Lays a colour over a pixel, of which it covers 1..255 of 255: light adds up, so squares of
+ * colours do. One that is clear takes the colour, and the share as its alpha. */
 void canvas_blend(uint8_t pixel[4], const uint8_t rgb[3], uint32_t share);
 
 /* Makes of a layer [pixels][4] what is seen where it lies over another picture. */

@@ -9,8 +9,8 @@
  *     cross     the cross-hair, if a pixel shows its voxel
  *
  * Only colours change: which voxel a pixel shows is what is below. What is drawn has an outline, so
- * that it shows on any ground, and is opaque but for the edges of letters. Sizes follow the picture;
- * one that is too small for a part goes without it.
+ * that it shows on any ground, and is opaque but for the edges of letters. Sizes follow the
+ * picture; one that is too small for a part goes without it.
  */
 #ifndef RENDER_DECORATION_H
 #define RENDER_DECORATION_H

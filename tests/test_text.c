@@ -32,7 +32,7 @@ static void draw_glyph(const struct canvas *canvas, unsigned outline, uint32_t t
     glyph_draw(canvas, &glyph, 0, on_black.rgb);
 }
 
-/* How much of a canvas is inked, white on black, in pixels: light is the square of what is there. */
+/* How much of a canvas is inked, white on black, in pixels: light is the square of a colour. */
 static double inked(const struct canvas *canvas)
 {
     double sum = 0;

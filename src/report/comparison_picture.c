@@ -82,11 +82,12 @@ static enum err draw_slices(const struct canvas *canvas, struct session *session
 struct sheet {
     struct canvas canvas;
     uint32_t tall;
-    int64_t top;
+    int64_t top, next;
 };
 
-/* As much of it as fits from column `left` on, in units of a capital. */
-static void write_words(const struct sheet *sheet, unsigned left, const char *words)
+/* As much of it as fits from column `left` on, in heights of a capital; and whether more of its
+ * line follows. */
+static void write_words(struct sheet *sheet, unsigned left, const char *words, bool goes_on)
 {
     const int64_t at = (int64_t)left * sheet->tall;
     struct buf fitting = {0};
@@ -95,36 +96,15 @@ static void write_words(const struct sheet *sheet, unsigned left, const char *wo
         text_cut(fitting.data, fitting.length + 1, sheet->tall, sheet->canvas.width - at);
     text_draw(&sheet->canvas, at, sheet->top, sheet->tall, buf_text(&fitting), &notes_light);
     buf_release(&fitting);
-}
-
-static void end_line(struct sheet *sheet)
-{
-    sheet->top += text_line(sheet->tall);
+    sheet->top += goes_on ? 0 : sheet->next;
 }
 
 /* Figures before the name: what is cut off is the end of a long name. */
-static void write_table(struct sheet *sheet, const struct comparison_report *report)
+static void write_row(struct sheet *sheet, const char *dice, const char *far, const char *label)
 {
-    enum { DICE = 1, FAR = 6, LABEL = 15 };
-    write_words(sheet, DICE, "Dice");
-    write_words(sheet, FAR, "Hausdorff mm");
-    write_words(sheet, LABEL, "label");
-    end_line(sheet);
-    for (unsigned label = 1; label < 256 && sheet->top < sheet->canvas.height; label++) {
-        const struct overlap_counts n = overlap_counts_of(&report->comparison->overlap, label);
-        const struct label_distances *d = &report->comparison->distance[label];
-        char words[LABEL_NAME_BYTES + 32];
-        if (!comparison_has(report->comparison, label))
-            continue;
-        snprintf(words, sizeof words, "%.4f",
-                 n.a + n.b ? 2.0 * (double)n.both / (double)(n.a + n.b) : 0);
-        write_words(sheet, DICE, words);
-        snprintf(words, sizeof words, "%.2f", d->hausdorff_mm);
-        write_words(sheet, FAR, d->has_hausdorff ? words : "none");
-        snprintf(words, sizeof words, "%u %s", label, report->label_name[label]);
-        write_words(sheet, LABEL, words);
-        end_line(sheet);
-    }
+    write_words(sheet, 1, dice, true);
+    write_words(sheet, 6, far, true);
+    write_words(sheet, 15, label, false);
 }
 
 static void write_report(const struct canvas *canvas, const struct comparison_report *report)
@@ -135,21 +115,32 @@ static void write_report(const struct canvas *canvas, const struct comparison_re
         .canvas = canvas_part(canvas, box.left, box.top, box.width, box.height),
         .tall = tall,
         .top = notes_margin(tall),
+        .next = text_line(tall),
     };
     struct buf name = {0};
     for (int i = 0; i < 2; i++) {
         buf_clear(&name);
         buf_printf(&name, "%c  %s", 'A' + i, report->name[i]);
-        write_words(&sheet, 1, buf_text(&name));
-        end_line(&sheet);
+        write_words(&sheet, 1, buf_text(&name), false);
     }
     buf_release(&name);
     for (int i = AGREES; i < DIFFERENCES; i++) {
         canvas_box(&sheet.canvas, tall, sheet.top, tall, tall, difference_rgb[i]);
-        write_words(&sheet, 3, difference_words[i]);
-        end_line(&sheet);
+        write_words(&sheet, 3, difference_words[i], false);
     }
-    write_table(&sheet, report);
+    write_row(&sheet, "Dice", "Hausdorff mm", "of label");
+    for (unsigned label = 1; label < 256 && sheet.top < box.height; label++)
+        if (comparison_has(report->comparison, label)) {
+            const struct overlap_counts n = overlap_counts_of(&report->comparison->overlap, label);
+            const struct label_distances *d = &report->comparison->distance[label];
+            char dice[24], far[24] = "none", words[LABEL_NAME_BYTES + 8];
+            snprintf(dice, sizeof dice, "%.4f",
+                     n.a + n.b ? 2.0 * (double)n.both / (double)(n.a + n.b) : 0);
+            if (d->has_hausdorff)
+                snprintf(far, sizeof far, "%.2f", d->hausdorff_mm);
+            snprintf(words, sizeof words, "%u %s", label, report->label_name[label]);
+            write_row(&sheet, dice, far, words);
+        }
 }
 
 /* ---- the whole ---- */
