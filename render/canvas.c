@@ -73,14 +73,17 @@ void canvas_box(const struct canvas *canvas, int64_t left, int64_t top, int64_t 
 
 void canvas_blend(uint8_t pixel[4], const uint8_t rgb[3], uint32_t share)
 {
+    if (share == 255 || pixel[3] == 0) {
+        memcpy(pixel, rgb, 3);
+        pixel[3] = (uint8_t)share;
+        return;
+    }
     const uint32_t over = 255 * share, below = pixel[3] * (255 - share), all = over + below;
     const bool is_grey =
         pixel[0] == pixel[1] && pixel[0] == pixel[2] && rgb[0] == rgb[1] && rgb[0] == rgb[2];
     for (int k = 0; k < 3; k++) {
         const uint32_t light = over * rgb[k] * rgb[k] + below * pixel[k] * pixel[k];
-        pixel[k] = below == 0         ? rgb[k]
-                   : is_grey && k > 0 ? pixel[0]
-                                      : (uint8_t)square_root((light + all / 2) / all);
+        pixel[k] = is_grey && k ? pixel[0] : (uint8_t)square_root((light + all / 2) / all);
     }
     pixel[3] = (uint8_t)((all + 127) / 255);
 }

@@ -258,6 +258,8 @@ static void approach(struct band *b, struct spot from, struct spot to, int32_t r
         int32_t *pixel = band_row(b, y);
         const int64_t wy = (b->top + y) * ONE + ONE / 2 - from.y;
         for (int32_t x = left > 0 ? left / ONE : 0; x < b->columns && x * ONE < right; x++) {
+            if (pixel[x] <= (reach - ONE) * (reach - ONE))
+                continue; /* it is covered */
             const int64_t wx = (b->left + x) * ONE + ONE / 2 - from.x;
             const int64_t along = wx * vx + wy * vy, across = wx * vy - wy * vx;
             int64_t apart;
