@@ -110,9 +110,10 @@ static bool next_row(struct rows *rows, uint32_t tall, int64_t *top)
 static void draw_line(const struct canvas *canvas, const struct decoration *d, uint32_t tall,
                       int64_t top, const struct legend_line *line)
 {
-    const int64_t left = notes_margin(tall), halo = text_halo(tall), gap = 3 * tall / 4;
-    const int64_t end = top < 2 * tall ? canvas->width / 2 - tall : 2 * canvas->width / 3;
-    const int64_t amount = text_width(line->amount, tall), words_left = left + tall + gap;
+    const int64_t left = notes_margin(tall), halo = text_halo(tall), width = canvas->width;
+    const int64_t end = top < 2 * (int64_t)tall ? width / 2 - tall : 2 * width / 3;
+    const int64_t gap = tall - tall / 4, words_left = left + tall + gap;
+    const int64_t amount = text_width(line->amount, tall);
     const struct ink *ink = ink_of(d);
     char name[sizeof line->name + 4];
     memcpy(name, line->name, sizeof line->name);

@@ -77,23 +77,22 @@ int face_kerning(uint32_t point, uint32_t next)
 
 /* ---- outlines ---- */
 
-/* What is moved by x, y is not itself made of others that are, but once. */
-static size_t read_outline(struct face_point *out, size_t count, unsigned outline, int x, int y)
+static struct reader begin_of(unsigned outline)
 {
     struct reader index = {face_index, (size_t)outline * INDEX_DIGITS}, r = {face_outline, 0};
-    const int x0 = x, y0 = y;
     for (int i = 0; i < INDEX_DIGITS - 2; i++)
         r.at = r.at * FACE_BASE + (size_t)digit(&index);
+    return r;
+}
+
+/* Adds the points of an outline without parts, moved by x, y. */
+static size_t add_points(struct face_point *out, size_t count, struct reader r, int x, int y)
+{
     for (int kind = digit(&r); kind; kind = digit(&r)) {
-        if (kind == 1) {
-            const int part = large(&r), right = large(&r), up = large(&r);
-            count = read_outline(out, count, (unsigned)part, x0 + right, y0 + up);
-            continue;
-        }
-        const int which = (kind - 2) / 9, across = (kind - 2) / 3 % 3, down = (kind - 2) % 3;
+        const int which = (kind - 2) / 9, across = (kind - 2) / 3 % 3, up = (kind - 2) % 3;
         x += across == 0 ? 0 : across == 1 ? small(&r) : large(&r);
-        y += down == 0 ? 0 : down == 1 ? small(&r) : large(&r);
-        assert(count < FACE_POINTS_MOST);
+        y += up == 0 ? 0 : up == 1 ? small(&r) : large(&r);
+        assert(kind > 1 && count < FACE_POINTS_MOST);
         out[count++] = (struct face_point){(int16_t)x, (int16_t)y, which > 0, which == 2};
     }
     return count;
@@ -102,5 +101,13 @@ static size_t read_outline(struct face_point *out, size_t count, unsigned outlin
 size_t face_read(struct face_point out[FACE_POINTS_MOST], unsigned outline)
 {
     assert(outline < FACE_OUTLINES);
-    return read_outline(out, 0, outline, 0, 0);
+    size_t count = 0;
+    struct reader r = begin_of(outline), rest = r;
+    if (digit(&rest) != 1)
+        return add_points(out, 0, r, 0, 0);
+    while (digit(&r) == 1) {
+        const int part = large(&r), x = large(&r), y = large(&r);
+        count = add_points(out, count, begin_of((unsigned)part), x, y);
+    }
+    return count;
 }

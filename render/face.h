@@ -21,7 +21,7 @@ enum { /* in units of the face */
        FACE_TALLEST = 778, /* small letters with an ascender, */
        FACE_LOWEST = 213,  /* and how far descenders go down */
 };
-enum { FACE_OUTLINES = 642, FACE_POINTS_MOST = 256 /* of one of them */ };
+enum { FACE_OUTLINES = 641, FACE_POINTS_MOST = 256 /* of one of them */ };
 
 struct face_point {
     int16_t x, y;

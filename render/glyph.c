@@ -19,8 +19,8 @@ enum {
 
 int64_t glyph_scaled(int64_t units, uint32_t tall)
 {
-    const int64_t twice = 2 * units * tall * ONE;
-    return (twice + (twice < 0 ? -FACE_CAPITAL : FACE_CAPITAL)) / (2 * FACE_CAPITAL);
+    const int64_t capital = FACE_CAPITAL, twice = 2 * units * tall * ONE;
+    return (twice + (twice < 0 ? -capital : capital)) / (2 * capital);
 }
 
 /* ---- outlines ---- */
@@ -234,7 +234,9 @@ static void cover(struct band *b, struct spot from, struct spot to)
     const struct spot a = from.y < to.y ? from : to, z = from.y < to.y ? to : from;
     const int32_t top = b->top * ONE, end = top + b->rows * ONE, left = b->left * ONE;
     int32_t y = a.y > top ? a.y : top;
-    int32_t x = a.y == z.y ? 0 : a.x + (int32_t)((int64_t)(z.x - a.x) * (y - a.y) / (z.y - a.y));
+    if (a.y == z.y)
+        return;
+    int32_t x = a.x + (int32_t)((int64_t)(z.x - a.x) * (y - a.y) / (z.y - a.y));
     while (y < z.y && y < end) {
         const int32_t row = (y - top) / ONE, below = top + (row + 1) * ONE;
         const int32_t next = below < z.y ? below : z.y;

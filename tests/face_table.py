@@ -13,6 +13,7 @@ FONT = "/usr/share/fonts/truetype/dejavu/DejaVuSansCondensed.ttf"
 NOTICE = "/usr/share/doc/fonts-dejavu-extra/copyright"
 DIGITS = "".join(chr(c) for c in range(35, 127) if chr(c) not in "?\\")  # a string of C is plain
 BASE, SMALL, WIDTH = len(DIGITS), 45, 90
+SERIF = 62  # so much wider on either side is what has serifs
 
 # What European names need, Greek, and signs that stand in names and figures.
 WANTED = [(0x20, 0x7E), (0xA0, 0xAC), (0xAE, 0x17F), (0x18F, 0x18F), (0x1CD, 0x1D4),
@@ -64,10 +65,26 @@ def contours_of(name):
         yield contour[first:] + contour[:first]
 
 
-def is_plain(glyph):
-    """Whether its parts are moved, and not turned or enlarged."""
-    return glyph.isComposite() and not any(hasattr(part, "transform") or hasattr(part, "firstPt")
-                                           for part in glyph.components)
+def has_parts(name):
+    """Whether it is others, which are moved, and not turned or enlarged; an IJ has no serifs."""
+    glyph = shapes[name]
+    return name != "IJ" and glyph.isComposite() and not any(
+        hasattr(part, "transform") or hasattr(part, "firstPt") for part in glyph.components)
+
+
+def has_serifs(name):
+    return name == "I" or (name not in ("", "IJ") and shapes[name].isComposite() and
+                           any(has_serifs(part.glyphName) for part in shapes[name].components))
+
+
+def parts_of(name, x=0, y=0):
+    """Names of plain outlines, and where they lie; what is wider moves what is above it."""
+    if not has_parts(name):
+        yield name, x, y
+        return
+    for part in shapes[name].components:
+        is_moved = has_serifs(name) and not has_serifs(part.glyphName) and part.glyphName != "tonos"
+        yield from parts_of(part.glyphName, x + half(part.x) + SERIF * is_moved, y + half(part.y))
 
 
 def write_contours(contours):
@@ -105,14 +122,6 @@ def barred():
         (end, thick), (end, 0))]
 
 
-SERIF = 62  # so much wider on either side is what has serifs
-
-
-def has_serifs(name):
-    return name == "I" or (name not in ("", "IJ") and shapes[name].isComposite() and
-                           any(has_serifs(part.glyphName) for part in shapes[name].components))
-
-
 points = [p for first, last in WANTED for p in range(first, last + 1) if p in names]
 order, number = ["", *(names[p] for p in points)], {}
 for i, name in enumerate(order):
@@ -120,24 +129,18 @@ for i, name in enumerate(order):
 records, i = [write_contours(box())], 1
 while i < len(order):  # parts come last, as they are met
     name, i = order[i], i + 1
-    glyph = shapes[name]
-    if number[name] != i - 1:  # the same as a letter before
-        records.append(DIGITS[1] + large(number[name]) + large(0) + large(0) + DIGITS[0])
-        continue
     if name == "I":
         records.append(write_contours(barred()))
         continue
-    if not is_plain(glyph) or name == "IJ":
+    if not has_parts(name) and number[name] == i - 1:
         records.append(write_contours(contours_of(name)))
         continue
     text = ""
-    for part in glyph.components:
-        if part.glyphName not in number:
-            number[part.glyphName] = len(order)
-            order.append(part.glyphName)
-        is_moved = has_serifs(name) and not has_serifs(part.glyphName) and part.glyphName != "tonos"
-        x = half(part.x) + SERIF * is_moved
-        text += DIGITS[1] + large(number[part.glyphName]) + large(x) + large(half(part.y))
+    for part, x, y in parts_of(name):
+        if part not in number:
+            number[part] = len(order)
+            order.append(part)
+        text += DIGITS[1] + large(number[part]) + large(x) + large(y)
     records.append(text + DIGITS[0])
 
 index, data = "", ""
@@ -206,7 +209,7 @@ print(f"""/*
  * whose characters are digits 0 to {BASE - 1}: those from '#' to '~' but for '?' and '\\'. A small
  * number is a digit less {SMALL}, a large one two less {BASE * BASE // 2}. An outline is a list of
  *     0                          its end
- *     1 NUMBER X Y               another outline, moved so far; three large numbers
+ *     1 NUMBER X Y               another outline without such, moved so far; three large numbers
  *     2 + 9 WHICH + 3 SX + SY    a point, from the one before on: WHICH is 0 beside the curve, 1 on
  *                                it, 2 where a contour begins, which is on it too. SX and SY say
  *                                what follows for x and y: 0 nothing, 1 a small number, 2 a large
