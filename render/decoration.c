@@ -86,7 +86,7 @@ struct rows {
 
 static struct rows rows_of(const struct canvas *canvas, const struct decoration *d, uint32_t tall)
 {
-    const int64_t letter = notes_tall_letters(tall), margin = notes_margin(tall);
+    const int64_t letter = notes_tall_letters(notes_side(canvas)), margin = notes_margin(tall);
     const int64_t foot = d->parts & DECORATE_SCALE ? 3 * (int64_t)tall : 0;
     struct rows rows = {margin, text_line(tall), canvas->height - margin - foot, 0, 0};
     if (d->parts & DECORATE_LETTERS) {
@@ -106,23 +106,25 @@ static bool next_row(struct rows *rows, uint32_t tall, int64_t *top)
     return *top + tall <= rows->end;
 }
 
-/* The name, as much of it as leaves room for the amount. */
+/* The name, as much of it as leaves room for the amount; where hardly any would be left, alone. */
 static void draw_line(const struct canvas *canvas, const struct decoration *d, uint32_t tall,
                       int64_t top, const struct legend_line *line)
 {
     const int64_t left = notes_margin(tall), halo = text_halo(tall), width = canvas->width;
     const int64_t end = top < 2 * (int64_t)tall ? width / 2 - tall : 2 * width / 3;
-    const int64_t gap = tall - tall / 4, words_left = left + tall + gap;
-    const int64_t amount = text_width(line->amount, tall);
+    const int64_t gap = tall - tall / 4, words_left = left + tall + gap, room = end - words_left;
+    const int64_t amount = gap + text_width(line->amount, tall);
     const struct ink *ink = ink_of(d);
     char name[sizeof line->name + 4];
     memcpy(name, line->name, sizeof line->name);
-    text_cut(name, sizeof name, tall, end - words_left - gap - amount);
+    const bool has_amount =
+        amount + text_width(name, tall) <= room || amount + 4 * (int64_t)tall <= room;
+    text_cut(name, sizeof name, tall, has_amount ? room - amount : room);
     canvas_box(canvas, left - halo, top - halo, tall + 2 * halo, tall + 2 * halo, ink->outline);
     canvas_box(canvas, left, top, tall, tall, d->palette->rgb[line->label]);
     text_draw(canvas, words_left, top, tall, name, ink);
-    text_draw(canvas, words_left + (*name ? text_width(name, tall) + gap : 0), top, tall,
-              line->amount, ink);
+    if (has_amount)
+        text_draw(canvas, words_left + text_width(name, tall) + gap, top, tall, line->amount, ink);
 }
 
 static void draw_legend(const struct canvas *canvas, const struct decoration *d, uint32_t tall)
@@ -253,7 +255,7 @@ enum err decoration_draw(const struct canvas *canvas, const struct decoration *d
         char word[4][DECORATION_WORD];
         decoration_sides(word, d->camera);
         const char *const sides[4] = {word[0], word[1], word[2], word[3]};
-        notes_draw_sides(canvas, tall, sides, ink_of(d));
+        notes_draw_sides(canvas, side, sides, ink_of(d));
     }
     if (d->parts & DECORATE_SCALE && side >= NOTES_BARS_FROM) {
         char words[32];

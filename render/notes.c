@@ -19,9 +19,9 @@ uint32_t notes_tall(uint32_t side)
     return side > LEAST * PARTS ? side / PARTS : LEAST;
 }
 
-uint32_t notes_tall_letters(uint32_t tall)
+uint32_t notes_tall_letters(uint32_t side)
 {
-    return tall * 4 / 3;
+    return side < NOTES_BARS_FROM ? notes_tall(side) : notes_tall(side) * 4 / 3;
 }
 
 int64_t notes_margin(uint32_t tall)
@@ -29,11 +29,11 @@ int64_t notes_margin(uint32_t tall)
     return (tall + 1) / 2;
 }
 
-void notes_draw_sides(const struct canvas *canvas, uint32_t tall, const char *const word[4],
+void notes_draw_sides(const struct canvas *canvas, uint32_t side, const char *const word[4],
                       const struct ink *ink)
 {
-    const uint32_t letter = notes_tall_letters(tall);
-    const int64_t margin = notes_margin(tall);
+    const uint32_t letter = notes_tall_letters(side);
+    const int64_t margin = notes_margin(notes_tall(side));
     for (int i = 0; i < 4; i++) {
         const int64_t right = canvas->width - text_width(word[i], letter);
         const int64_t bottom = (int64_t)canvas->height - letter;

@@ -32,13 +32,14 @@ uint32_t notes_side(const struct canvas *canvas);
 /* How tall words are in a picture with so many pixels on its shorter side: about as in print, where
  * it is as wide as a column; and letters of the patient's sides. */
 uint32_t notes_tall(uint32_t side);
-uint32_t notes_tall_letters(uint32_t tall);
+uint32_t notes_tall_letters(uint32_t side);
 
-/* How far words and bars stay from the edge. */
+/* How far words so tall, and bars, stay from the edge. */
 int64_t notes_margin(uint32_t tall);
 
-/* Words in the middle of the left, right, upper and lower edges. */
-void notes_draw_sides(const struct canvas *canvas, uint32_t tall, const char *const word[4],
+/* Words in the middle of the left, right, upper and lower edges, as large as in a picture of that
+ * shorter side. */
+void notes_draw_sides(const struct canvas *canvas, uint32_t side, const char *const word[4],
                       const struct ink *ink);
 
 /* Bottom left: a bar so many pixels long, and its length in words above it. */

@@ -361,7 +361,7 @@ static void draw_notes(const struct work *work)
         slice_letters(scene, choice->plane, letter);
         const char *const word[4] = {(char[]){letter[0], 0}, (char[]){letter[1], 0},
                                      (char[]){letter[2], 0}, (char[]){letter[3], 0}};
-        notes_draw_sides(work->canvas, tall, word, &notes_light);
+        notes_draw_sides(work->canvas, work->plan.size, word, &notes_light);
     }
     if (choice->notes & SLICE_SCALE && side >= NOTES_BARS_FROM && !scene->spacing_unknown) {
         /* About a fifth of the picture's width. */

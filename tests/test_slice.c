@@ -824,7 +824,7 @@ static char letter_at(const struct canvas *s, int edge)
         struct canvas expected;
         bool same = true;
         CHECK(canvas_init(&expected, 100, 100, false, NULL) == OK);
-        notes_draw_sides(&expected, notes_tall(100), sides, &notes_light);
+        notes_draw_sides(&expected, 100, sides, &notes_light);
         for (uint32_t y = 0; y < 20; y++)
             same &= memcmp(canvas_pixel(&expected, corner[edge][0], corner[edge][1] + y),
                            canvas_pixel(s, corner[edge][0], corner[edge][1] + y), 15 * 4) == 0;

@@ -91,29 +91,32 @@ static void use_qform(const char *name, const float quaternion[3], float qfac)
 }
 
 /* The letter in the middle of an edge of a picture of 100x100; 0 left, 1 right, 2 top, 3 bottom.
- * The ground is not always black: of those whose ink is all there, that which has most. */
+ * The ground is not always black: what counts is what is the same on black and on white. */
 static char letter_at(const struct canvas *s, int edge)
 {
     static const uint32_t corner[4][2] = {{0, 40}, {85, 40}, {40, 0}, {40, 80}};
-    char found = '?';
-    int most = 0;
+    static const uint8_t white[3] = {255, 255, 255};
     for (const char *letter = "RLAPSI"; *letter; letter++) {
         const char word[2] = {*letter, '\0'}, *const sides[4] = {word, word, word, word};
-        struct canvas expected;
-        int inked = 0;
-        CHECK(canvas_init(&expected, 100, 100, false, NULL) == OK);
-        notes_draw_sides(&expected, notes_tall(100), sides, &notes_light);
-        for (uint32_t y = 0; y < 20; y++)
-            for (uint32_t x = 0; x < 15; x++) {
-                const uint32_t at[2] = {corner[edge][0] + x, corner[edge][1] + y};
-                if (canvas_pixel(&expected, at[0], at[1])[0] == 232)
-                    inked += canvas_pixel(s, at[0], at[1])[0] == 232 ? 1 : -1000;
+        struct canvas on[2];
+        bool same = true;
+        for (int ground = 0; ground < 2; ground++) {
+            CHECK(canvas_init(&on[ground], 100, 100, false, NULL) == OK);
+            if (ground)
+                canvas_box(&on[ground], 0, 0, 100, 100, white);
+            notes_draw_sides(&on[ground], 100, sides, &notes_light);
+        }
+        for (uint32_t y = corner[edge][1]; y < corner[edge][1] + 20; y++)
+            for (uint32_t x = corner[edge][0]; x < corner[edge][0] + 15; x++) {
+                const uint8_t *a = canvas_pixel(&on[0], x, y), *b = canvas_pixel(&on[1], x, y);
+                same &= *a != *b || *canvas_pixel(s, x, y) == *a;
             }
-        canvas_release(&expected);
-        found = inked > most ? *letter : found;
-        most = inked > most ? inked : most;
+        canvas_release(&on[0]);
+        canvas_release(&on[1]);
+        if (same)
+            return *letter;
     }
-    return found;
+    return '?';
 }
 
 /* The scene is bright on one of the patient's sides, `letter`: in both planes that have that side

@@ -245,7 +245,8 @@ STORY(sizes_follow_the_picture)
         CHECK_INT(notes_tall(side[i]), tall[i]);
     CHECK_INT(text_halo(8), 1);
     CHECK_INT(text_halo(45), 5);
-    CHECK(notes_tall_letters(notes_tall(8192)) <= GLYPH_TALL_MOST);
+    CHECK(notes_tall_letters(8192) <= GLYPH_TALL_MOST);
+    CHECK_INT(notes_tall_letters(48), 8);
 }
 
 /* ---- where it is drawn ---- */
