@@ -57,9 +57,12 @@ static int64_t height_of(int64_t y, uint32_t tall)
 
 /* ---- stems ---- */
 
-/* Edges of upright strokes, from left to right, and where they are moved to. */
+/* Edges of upright strokes, from left to right, and where those of a stem are moved to. */
 struct stems {
-    int32_t edge[STEMS_MOST], place[STEMS_MOST];
+    struct edge {
+        int32_t from, to;
+        bool rises; /* the ink is on its right */
+    } edge[STEMS_MOST];
     int count;
 };
 
@@ -68,57 +71,64 @@ static int32_t nearest_pixel(int32_t at)
     return (at + ONE / 2 + (ONE << 16)) / ONE * ONE - (ONE << 16);
 }
 
-static void add_edge(struct stems *s, int32_t edge, int32_t rises)
+static void add_edge(struct stems *s, int32_t from, bool rises)
 {
     int at = s->count;
-    while (at > 0 && s->edge[at - 1] > edge)
+    while (at > 0 && s->edge[at - 1].from > from)
         at--;
-    if (s->count == STEMS_MOST || (at > 0 && s->edge[at - 1] == edge))
+    if (s->count == STEMS_MOST || (at > 0 && s->edge[at - 1].from == from))
         return;
-    for (int i = s->count++; i > at; i--) {
-        s->edge[i] = s->edge[i - 1];
-        s->place[i] = s->place[i - 1];
-    }
-    s->edge[at] = edge;
-    s->place[at] = rises;
+    memmove(&s->edge[at + 1], &s->edge[at], (size_t)(s->count++ - at) * sizeof *s->edge);
+    s->edge[at] = (struct edge){from, from, rises};
 }
 
-/* The ink is on the right of an edge that rises. Its left edge is moved to a whole pixel, and its
- * right one as far, but for what is thinner than a pixel. */
+/* Keeps edges of stems alone, which begin at a whole pixel and are a pixel wide at least. */
+static void place_stems(struct stems *s)
+{
+    int kept = 0;
+    for (int i = 0; i < s->count; i++)
+        for (int k = i + 1; k < s->count && s->edge[i].rises; k++) {
+            const struct edge left = s->edge[i], right = s->edge[k];
+            const int32_t wide = right.from - left.from, least = wide < ONE ? ONE : wide;
+            const int32_t at = nearest_pixel(left.from - (least - wide) / 2);
+            if (right.rises || wide < ONE * 3 / 4)
+                continue;
+            if (wide < 2 * ONE && (kept == 0 || at > s->edge[kept - 1].to)) {
+                s->edge[kept++] = (struct edge){left.from, at, true};
+                s->edge[kept++] = (struct edge){right.from, at + least, false};
+                i = k;
+            }
+            break;
+        }
+    s->count = kept;
+}
+
 static void find_stems(struct stems *s, const struct face_point *point, size_t count, uint32_t tall,
                        int32_t part)
 {
     s->count = 0;
-    if (tall > STEMS_TALL_MOST)
-        return;
-    for (size_t i = 1; i < count; i++) {
-        const int32_t rise = point[i].y - point[i - 1].y;
-        if (!point[i].begins && point[i].x == point[i - 1].x && abs(rise) >= STEM_LEAST)
-            add_edge(s, (int32_t)glyph_scaled(point[i].x, tall) + part, rise > 0);
+    for (size_t i = 0, begin = 0; i < count && tall <= STEMS_TALL_MOST; i++) {
+        begin = point[i].begins ? i : begin;
+        const struct face_point *next =
+            &point[i + 1 < count && !point[i + 1].begins ? i + 1 : begin];
+        if (next->x == point[i].x && abs(next->y - point[i].y) >= STEM_LEAST)
+            add_edge(s, (int32_t)glyph_scaled(next->x, tall) + part, next->y > point[i].y);
     }
-    for (int i = 0; i < s->count; i++) {
-        const bool rises = s->place[i];
-        s->place[i] = nearest_pixel(s->edge[i]);
-        if (!rises && i > 0 && s->edge[i] - s->edge[i - 1] < 2 * ONE) {
-            const int32_t wide = s->edge[i] - s->edge[i - 1];
-            s->place[i] = s->place[i - 1] + (wide < ONE ? ONE : wide);
-        }
-        if (i > 0 && s->place[i] <= s->place[i - 1])
-            s->place[i] = s->place[i - 1] + 1;
-    }
+    place_stems(s);
 }
 
+/* Moved with the stem that it belongs to, and in between as it lies between them. */
 static int32_t place_by_stems(const struct stems *s, int32_t x)
 {
     if (s->count == 0)
         return x;
-    if (x <= s->edge[0])
-        return x + s->place[0] - s->edge[0];
-    for (int i = 1; i < s->count; i++)
-        if (x <= s->edge[i])
-            return s->place[i - 1] + (x - s->edge[i - 1]) * (s->place[i] - s->place[i - 1]) /
-                                         (s->edge[i] - s->edge[i - 1]);
-    return x + s->place[s->count - 1] - s->edge[s->count - 1];
+    const struct edge *e = s->edge, *last = e + s->count - 1;
+    if (x <= e->from)
+        return x + e->to - e->from;
+    for (; e < last; e++)
+        if (x <= e[1].from)
+            return e->to + (x - e->from) * (e[1].to - e->to) / (e[1].from - e->from);
+    return x + last->to - last->from;
 }
 
 static void add_line(struct glyph *l, struct spot from, struct spot to)

@@ -103,8 +103,8 @@ static void write_words(struct sheet *sheet, unsigned left, const char *words, b
 static void write_row(struct sheet *sheet, const char *dice, const char *far, const char *label)
 {
     write_words(sheet, 1, dice, true);
-    write_words(sheet, 6, far, true);
-    write_words(sheet, 15, label, false);
+    write_words(sheet, 7, far, true);
+    write_words(sheet, 18, label, false);
 }
 
 static void write_report(const struct canvas *canvas, const struct comparison_report *report)
