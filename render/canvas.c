@@ -88,16 +88,26 @@ void canvas_blend(uint8_t pixel[4], const uint8_t rgb[3], uint32_t share)
     pixel[3] = (uint8_t)((all + 127) / 255);
 }
 
+/* Most of a layer is clear, and taken by runs of pixels. */
 void canvas_lay_over(uint8_t *layer, const uint8_t *below, size_t pixels)
 {
-    for (size_t i = 0; i < 4 * pixels; i += 4) {
-        uint8_t laid[4];
-        if (layer[i + 3] == 255)
+    enum { RUN = 64 };
+    static const uint8_t clear[4 * RUN];
+    for (size_t i = 0, end; i < pixels; i = end) {
+        end = pixels - i < RUN ? pixels : i + RUN;
+        if (memcmp(layer + 4 * i, clear, 4 * (end - i)) == 0) {
+            memcpy(layer + 4 * i, below + 4 * i, 4 * (end - i));
             continue;
-        memcpy(laid, below + i, 4);
-        if (layer[i + 3])
-            canvas_blend(laid, layer + i, layer[i + 3]);
-        memcpy(layer + i, laid, 4);
+        }
+        for (size_t k = 4 * i; k < 4 * end; k += 4) {
+            uint8_t laid[4];
+            if (layer[k + 3] == 255)
+                continue;
+            memcpy(laid, below + k, 4);
+            if (layer[k + 3])
+                canvas_blend(laid, layer + k, layer[k + 3]);
+            memcpy(layer + k, laid, 4);
+        }
     }
 }
 
