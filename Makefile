@@ -18,7 +18,7 @@ SCENES   := mricron-data
 TEST_PACKAGES := tmux screen procps python3 python3-nibabel python3-pydicom python3-h5py \
                  python3-jsonschema python3-matplotlib \
                  teem-apps dcmtk medcon plastimatch libinsighttoolkit5-dev openssh-client \
-                 bindfs fuse3 python3-pil
+                 bindfs fuse3 python3-pil python3-fonttools fonts-dejavu-extra
 FORMATTER     := clang-format-14
 BARE_PACKAGES := debootstrap
 # Other versions of clang-tidy find other things.

@@ -6,6 +6,7 @@
 #include "base/hash.h"
 #include "base/mem.h"
 #include "engine/grid.h"
+#include "engine/weight_gradient.h"
 
 static const uint8_t black[3];
 
@@ -67,6 +68,46 @@ void canvas_box(const struct canvas *canvas, int64_t left, int64_t top, int64_t 
         uint8_t *row = canvas_pixel(canvas, 0, (size_t)y);
         for (int64_t x = left; x < right; x++)
             memcpy(row + 4 * x, rgba, 4);
+    }
+}
+
+void canvas_blend(uint8_t pixel[4], const uint8_t rgb[3], uint32_t share)
+{
+    if (share == 255 || pixel[3] == 0) {
+        memcpy(pixel, rgb, 3);
+        pixel[3] = (uint8_t)share;
+        return;
+    }
+    const uint32_t over = 255 * share, below = pixel[3] * (255 - share), all = over + below;
+    const bool is_grey =
+        pixel[0] == pixel[1] && pixel[0] == pixel[2] && rgb[0] == rgb[1] && rgb[0] == rgb[2];
+    for (int k = 0; k < 3; k++) {
+        const uint32_t light = over * rgb[k] * rgb[k] + below * pixel[k] * pixel[k];
+        pixel[k] = is_grey && k ? pixel[0] : (uint8_t)square_root((light + all / 2) / all);
+    }
+    pixel[3] = (uint8_t)((all + 127) / 255);
+}
+
+/* Most of a layer is clear, and taken by runs of pixels. */
+void canvas_lay_over(uint8_t *layer, const uint8_t *below, size_t pixels)
+{
+    enum { RUN = 64 };
+    static const uint8_t clear[4 * RUN];
+    for (size_t i = 0, end; i < pixels; i = end) {
+        end = pixels - i < RUN ? pixels : i + RUN;
+        if (memcmp(layer + 4 * i, clear, 4 * (end - i)) == 0) {
+            memcpy(layer + 4 * i, below + 4 * i, 4 * (end - i));
+            continue;
+        }
+        for (size_t k = 4 * i; k < 4 * end; k += 4) {
+            uint8_t laid[4];
+            if (layer[k + 3] == 255)
+                continue;
+            memcpy(laid, below + k, 4);
+            if (layer[k + 3])
+                canvas_blend(laid, layer + k, layer[k + 3]);
+            memcpy(layer + k, laid, 4);
+        }
     }
 }
 

@@ -1,7 +1,8 @@
 /*
  * A canvas: the pixels that slices, mosaics and words are drawn into, or a part of them.
  *
- * Pixels are opaque sRGB, rows from the top, columns from the left. Drawing may go beyond
+ * Pixels are sRGB, rows from the top, columns from the left; opaque, but where what is drawn is to
+ * be laid over another picture. Drawing may go beyond
  * the edges: pixels outside are not drawn. A part borrows the pixels of the whole.
  *
  * Where `cell` is not NULL it says which voxel each pixel shows, CELL_NONE for none.
@@ -39,6 +40,13 @@ struct canvas canvas_part(const struct canvas *canvas, uint32_t left, uint32_t t
 /* Fills a box of width x height pixels. */
 void canvas_box(const struct canvas *canvas, int64_t left, int64_t top, int64_t width,
                 int64_t height, const uint8_t rgb[3]);
+
+/* Lays a colour over a pixel, of which it covers 1..255 of 255: light adds up, so squares of
+ * colours do. One that is clear takes the colour, and the share as its alpha. */
+void canvas_blend(uint8_t pixel[4], const uint8_t rgb[3], uint32_t share);
+
+/* Makes of a layer [pixels][4] what is seen where it lies over another picture. */
+void canvas_lay_over(uint8_t *layer, const uint8_t *below, size_t pixels);
 
 /* A sum mod 2^64 over the pixels of a whole canvas of a mix of place and colour. */
 uint64_t canvas_digest(const struct canvas *canvas);

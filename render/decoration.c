@@ -84,65 +84,65 @@ struct rows {
     int64_t hole, hole_end; /* no row lies between */
 };
 
-static struct rows rows_of(const struct canvas *canvas, const struct decoration *d, int64_t unit)
+static struct rows rows_of(const struct canvas *canvas, const struct decoration *d, uint32_t tall)
 {
-    const int64_t letter = TEXT_TALL * (int64_t)notes_letter_scale(canvas, (uint32_t)unit);
-    const int64_t foot = d->parts & DECORATE_SCALE ? (TEXT_TALL + 12) * unit : 0;
-    struct rows rows = {4 * unit, TEXT_LINE * unit, canvas->height - 4 * unit - foot, 0, 0};
+    const int64_t letter = notes_tall_letters(notes_side(canvas)), margin = notes_margin(tall);
+    const int64_t foot = d->parts & DECORATE_SCALE ? 3 * (int64_t)tall : 0;
+    struct rows rows = {margin, text_line(tall), canvas->height - margin - foot, 0, 0};
     if (d->parts & DECORATE_LETTERS) {
-        rows.hole = (canvas->height - letter) / 2 - 3 * unit;
-        rows.hole_end = rows.hole + letter + 6 * unit;
+        rows.hole = (canvas->height - letter - tall) / 2;
+        rows.hole_end = rows.hole + letter + tall;
     }
     return rows;
 }
 
 /* The top of the next row; false where there is no room for one. */
-static bool next_row(struct rows *rows, int64_t unit, int64_t *top)
+static bool next_row(struct rows *rows, uint32_t tall, int64_t *top)
 {
-    if (rows->top + TEXT_TALL * unit > rows->hole && rows->top < rows->hole_end)
+    if (rows->top + tall > rows->hole && rows->top < rows->hole_end)
         rows->top = rows->hole_end;
     *top = rows->top;
     rows->top += rows->next;
-    return *top + TEXT_TALL * unit <= rows->end;
+    return *top + tall <= rows->end;
 }
 
-static void draw_line(const struct canvas *canvas, const struct decoration *d, int64_t unit,
+/* The name, as much of it as leaves room for the amount; where hardly any would be left, alone. */
+static void draw_line(const struct canvas *canvas, const struct decoration *d, uint32_t tall,
                       int64_t top, const struct legend_line *line)
 {
-    const int64_t left = 4 * unit, side = TEXT_TALL * unit, words_left = left + side + 4 * unit;
-    const int64_t right = top < 12 * unit ? canvas->width / 2 - 8 * unit : 2 * canvas->width / 3;
-    const int64_t room = (right - words_left) / (TEXT_ADVANCE * unit);
+    const int64_t left = notes_margin(tall), halo = text_halo(tall), width = canvas->width;
+    const int64_t end = top < 2 * (int64_t)tall ? width / 2 - tall : 2 * width / 3;
+    const int64_t gap = tall - tall / 4, words_left = left + tall + gap, room = end - words_left;
+    const int64_t amount = gap + text_width(line->amount, tall);
     const struct ink *ink = ink_of(d);
-    char words[80];
-    const int64_t amount = (int64_t)strlen(line->amount) + 2, name = (int64_t)strlen(line->name);
-    if (name + amount <= room) /* the name, as much of it as leaves room for the amount */
-        snprintf(words, sizeof words, "%s  %s", line->name, line->amount);
-    else if (room > amount + 3)
-        snprintf(words, sizeof words, "%.*s..  %s", (int)(room - amount - 2), line->name,
-                 line->amount);
-    else
-        snprintf(words, sizeof words, "%s", line->amount);
-    canvas_box(canvas, left - unit, top - unit, side + 2 * unit, side + 2 * unit, ink->outline);
-    canvas_box(canvas, left, top, side, side, d->palette->rgb[line->label]);
-    text_draw_outlined(canvas, words_left, top, (uint32_t)unit, words, ink);
+    char name[sizeof line->name + 4];
+    memcpy(name, line->name, sizeof line->name);
+    const bool has_amount =
+        amount + text_width(name, tall) <= room || amount + 4 * (int64_t)tall <= room;
+    text_cut(name, sizeof name, tall, has_amount ? room - amount : room);
+    canvas_box(canvas, left - halo, top - halo, tall + 2 * halo, tall + 2 * halo, ink->outline);
+    canvas_box(canvas, left, top, tall, tall, d->palette->rgb[line->label]);
+    text_draw(canvas, words_left, top, tall, name, ink);
+    if (has_amount)
+        text_draw(canvas, words_left + text_width(name, tall) + gap, top, tall, line->amount, ink);
 }
 
-static void draw_legend(const struct canvas *canvas, const struct decoration *d, uint32_t unit)
+static void draw_legend(const struct canvas *canvas, const struct decoration *d, uint32_t tall)
 {
-    struct rows rows = rows_of(canvas, d, unit);
+    struct rows rows = rows_of(canvas, d, tall);
     size_t fit = 0;
     int64_t top;
     char words[32];
-    while (fit < d->lines && next_row(&rows, unit, &top))
+    while (fit < d->lines && next_row(&rows, tall, &top))
         fit++;
     if (fit < d->lines && fit > 0)
         fit--; /* for how many more there are */
-    rows = rows_of(canvas, d, unit);
-    for (size_t i = 0; i < fit && next_row(&rows, unit, &top); i++)
-        draw_line(canvas, d, unit, top, &d->line[i]);
+    rows = rows_of(canvas, d, tall);
+    for (size_t i = 0; i < fit && next_row(&rows, tall, &top); i++)
+        draw_line(canvas, d, tall, top, &d->line[i]);
     snprintf(words, sizeof words, "and %zu more", d->lines - fit);
-    if (fit < d->lines && next_row(&rows, unit, &top))
-        text_draw_outlined(canvas, 4 * unit, top, unit, words, ink_of(d));
+    if (fit < d->lines && next_row(&rows, tall, &top))
+        text_draw(canvas, notes_margin(tall), top, tall, words, ink_of(d));
 }
 
 /* ---- seeds and the cross-hair ---- */
@@ -245,24 +245,24 @@ static void draw_cross(const struct canvas *canvas, const struct decoration *d, 
 enum err decoration_draw(const struct canvas *canvas, const struct decoration *d,
                          struct fault *fault)
 {
-    const uint32_t side = notes_side(canvas), unit = slice_unit(canvas->width, canvas->height);
+    const uint32_t side = notes_side(canvas), unit = slice_unit(side), tall = notes_tall(side);
     if (d->parts & DECORATE_SEEDS && !draw_seeds(canvas, d, unit))
         return fault_memory(fault, "the marks of a rendition");
     if (d->parts & DECORATE_CROSS)
         draw_cross(canvas, d, unit);
     if (d->parts & DECORATE_LEGEND && side >= NOTES_BARS_FROM)
-        draw_legend(canvas, d, unit);
+        draw_legend(canvas, d, tall);
     if (d->parts & DECORATE_LETTERS && side >= NOTES_LETTERS_FROM) {
         char word[4][DECORATION_WORD];
         decoration_sides(word, d->camera);
         const char *const sides[4] = {word[0], word[1], word[2], word[3]};
-        notes_draw_sides(canvas, unit, sides, ink_of(d));
+        notes_draw_sides(canvas, side, sides, ink_of(d));
     }
     if (d->parts & DECORATE_SCALE && side >= NOTES_BARS_FROM) {
         char words[32];
         const int64_t pixels = decoration_scale(words, d->camera, d->samples, canvas->width);
         if (pixels > 0)
-            notes_draw_scale(canvas, unit, pixels, words, ink_of(d));
+            notes_draw_scale(canvas, tall, pixels, words, ink_of(d));
     }
     return OK;
 }

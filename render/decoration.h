@@ -8,9 +8,9 @@
  *     seeds     seeds and eliminators whose voxels pixels show, as slices mark them
  *     cross     the cross-hair, if a pixel shows its voxel
  *
- * Only colours change: which voxel a pixel shows is what is below. What is drawn is opaque, and has
- * an outline, so that it shows on any ground. Sizes follow the picture; one that is
- * too small for a part goes without it.
+ * Only colours change: which voxel a pixel shows is what is below. What is drawn has an outline, so
+ * that it shows on any ground, and is opaque but for the edges of letters. Sizes follow the
+ * picture; one that is too small for a part goes without it.
  */
 #ifndef RENDER_DECORATION_H
 #define RENDER_DECORATION_H
@@ -29,7 +29,7 @@ enum { /* bits, in that order */
        DECORATE_ALL = 31,
 };
 
-/* A label of the legend: ASCII. */
+/* A label of the legend. */
 struct legend_line {
     uint8_t label;
     char name[32], amount[32];

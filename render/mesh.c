@@ -36,6 +36,8 @@ void mesh_release(struct mesh *mesh)
         free_brick(mesh->brick[i]);
     free(mesh->brick);
     free(mesh->stale);
+    for (int i = 0; i < TEAM_MOST; i++)
+        net_scratch_free(mesh->scratch[i]);
     *mesh = (struct mesh){0};
 }
 
@@ -178,18 +180,6 @@ static uint32_t brick_of(const struct net_quad *q)
     return brick_in(brick);
 }
 
-/* Whether the shorter diagonal is 1 3; of two that are as long, 0 2 is taken. */
-static bool turns(const struct mesh_vertex *vertex, const uint16_t corner[4])
-{
-    int64_t square[2] = {0, 0};
-    for (int k = 0; k < 2; k++)
-        for (int a = 0; a < 3; a++) {
-            const int64_t d = vertex[corner[k + 2]].at[a] - vertex[corner[k]].at[a];
-            square[k] += d * d;
-        }
-    return square[1] < square[0];
-}
-
 static bool grow(struct mesh_brick **brick, uint32_t quads)
 {
     if (!*brick)
@@ -246,7 +236,10 @@ static bool add_quads(struct mesh_brick **brick, const struct net *net, const ui
             }
             q->corner[k] = (uint16_t)s->local[c];
         }
-        if (turns(b->vertex, q->corner))
+        int32_t at[4][3];
+        for (int k = 0; k < 4; k++)
+            memcpy(at[k], b->vertex[q->corner[k]].at, sizeof at[k]);
+        if (net_diagonal(at, from->face) == 1)
             memcpy(q->corner, (uint16_t[]){q->corner[1], q->corner[2], q->corner[3], q->corner[0]},
                    sizeof q->corner);
     }
@@ -364,11 +357,12 @@ static void finish_brick(struct mesh_brick *b)
     b->vertex = vertex ? vertex : b->vertex;
 }
 
-static void make_region(const struct mesh *mesh, struct region *r, struct fault *fault)
+static void make_region(const struct mesh *mesh, struct region *r, struct net_scratch *scratch,
+                        struct fault *fault)
 {
     const struct border *border = mesh->border;
     struct group_source groups = {.border = border};
-    struct net_source source = {read_row, &groups, {0}, mesh->kind & MESH_CUBES};
+    struct net_source source = {read_row, &groups, {0}, mesh->kind & MESH_CUBES, scratch};
     struct extent *extent = mem_array(256, sizeof *extent);
     const uint64_t unit = view_unit(border->scene);
     if (!extent) {
@@ -616,7 +610,9 @@ static void make_share(void *context, unsigned thread)
     struct task task = task_begin_part(u->mesh->border->scene->watch, "surface",
                                        u->regions << (3 * REGION_BITS), thread);
     for (size_t i = thread; i < u->regions; i += team_size(u->team)) {
-        make_region(u->mesh, &u->region[i], &u->fault[thread]);
+        if (!u->mesh->scratch[thread])
+            u->mesh->scratch[thread] = net_scratch_new(); /* or NULL: then it takes longer */
+        make_region(u->mesh, &u->region[i], u->mesh->scratch[thread], &u->fault[thread]);
         if (u->region[i].err || !task_advance(&task, UINT64_C(1) << (3 * REGION_BITS)))
             return;
     }

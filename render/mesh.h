@@ -74,6 +74,7 @@ struct mesh {
     struct mesh_box *stale; /* [z][y][x] of regions of 64x64x64 voxels: quads to be made anew */
     bool is_stale;          /* whether any may be */
     size_t bytes;
+    struct net_scratch *scratch[TEAM_MOST]; /* of each thread; NULL where there is none yet */
 };
 
 /* A new one is zeroed. */

@@ -49,9 +49,9 @@ struct slice_choice mosaic_slice(const struct scene *scene, const struct mosaic_
         if (box.width == 0)
             continue;
         const uint64_t pixel_pm = slice_fitting_pixel(scene, p, box.width, box.height);
-        const uint32_t unit = choice->layout ? slice_unit(box.width, box.height) : 0;
+        const uint32_t size = choice->layout ? least(box.width, box.height) : 0;
         fitting_pm = pixel_pm > fitting_pm ? pixel_pm : fitting_pm;
-        slice.unit = unit > slice.unit ? unit : slice.unit;
+        slice.size = size > slice.size ? size : slice.size;
     }
     for (int a = 0; a < 3; a++) {
         slice.place[a] = choice->place[a];

@@ -13,36 +13,50 @@ uint32_t notes_side(const struct canvas *canvas)
     return canvas->width < canvas->height ? canvas->width : canvas->height;
 }
 
-uint32_t notes_letter_scale(const struct canvas *canvas, uint32_t unit)
+uint32_t notes_tall(uint32_t side)
 {
-    return unit + (notes_side(canvas) >= NOTES_LARGE_FROM);
+    enum { LEAST = 8, PARTS = 45 };
+    return side > LEAST * PARTS ? side / PARTS : LEAST;
 }
 
-void notes_draw_sides(const struct canvas *canvas, uint32_t unit, const char *const word[4],
+uint32_t notes_tall_letters(uint32_t side)
+{
+    return side < NOTES_BARS_FROM ? notes_tall(side) : notes_tall(side) * 4 / 3;
+}
+
+int64_t notes_margin(uint32_t tall)
+{
+    return (tall + 1) / 2;
+}
+
+void notes_draw_sides(const struct canvas *canvas, uint32_t side, const char *const word[4],
                       const struct ink *ink)
 {
-    const uint32_t scale = notes_letter_scale(canvas, unit);
-    const int64_t tall = TEXT_TALL * (int64_t)scale, margin = 2 * scale;
+    const uint32_t letter = notes_tall_letters(side);
+    const int64_t margin = notes_margin(notes_tall(side));
     for (int i = 0; i < 4; i++) {
-        const int64_t right = canvas->width - text_width(word[i], scale);
-        const int64_t bottom = canvas->height - tall;
+        const int64_t right = canvas->width - text_width(word[i], letter);
+        const int64_t bottom = (int64_t)canvas->height - letter;
         const int64_t left = i == 0 ? margin : i == 1 ? right - margin : right / 2;
         const int64_t top = i == 2 ? margin : i == 3 ? bottom - margin : bottom / 2;
-        text_draw_outlined(canvas, left, top, scale, word[i], ink);
+        text_draw(canvas, left, top, letter, word[i], ink);
     }
 }
 
-void notes_draw_scale(const struct canvas *canvas, uint32_t unit, int64_t pixels, const char *words,
+void notes_draw_scale(const struct canvas *canvas, uint32_t tall, int64_t pixels, const char *words,
                       const struct ink *ink)
 {
-    const int64_t u = unit, left = 4 * u, bottom = canvas->height - 4 * u, tick = 3 * u;
-    canvas_box(canvas, left - u, bottom - 2 * u, pixels + 2 * u, 3 * u, ink->outline);
-    canvas_box(canvas, left - u, bottom - u - tick, 3 * u, tick + 2 * u, ink->outline);
-    canvas_box(canvas, left + pixels - 2 * u, bottom - u - tick, 3 * u, tick + 2 * u, ink->outline);
-    canvas_box(canvas, left, bottom - u, pixels, u, ink->rgb);
-    canvas_box(canvas, left, bottom - tick, u, tick, ink->rgb);
-    canvas_box(canvas, left + pixels - u, bottom - tick, u, tick, ink->rgb);
-    text_draw_outlined(canvas, left, bottom - tick - (TEXT_TALL + 3) * u, unit, words, ink);
+    const int64_t wide = (tall + 4) / 8, tick = (tall + 1) / 2, left = notes_margin(tall);
+    const int64_t bottom = canvas->height - notes_margin(tall), halo = text_halo(tall);
+    const int64_t box[3][4] = {{left, bottom - wide, pixels, wide},
+                               {left, bottom - tick, wide, tick},
+                               {left + pixels - wide, bottom - tick, wide, tick}};
+    for (int i = 0; i < 6; i++) {
+        const int64_t *b = box[i % 3], around = i < 3 ? halo : 0;
+        canvas_box(canvas, b[0] - around, b[1] - around, b[2] + 2 * around, b[3] + 2 * around,
+                   i < 3 ? ink->outline : ink->rgb);
+    }
+    text_draw(canvas, left, bottom - 2 * tick - tall, tall, words, ink);
 }
 
 /* ---- marks ---- */

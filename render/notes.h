@@ -3,8 +3,9 @@
  * marks of seeds and eliminators. A seed is a dot of its label's colour, an eliminator an x,
  * outlined in white where it waits for a run, else in black.
  *
- * Sizes follow the picture by `unit`, how many pixels a thin line is wide (slice_unit). All of it
- * has an outline, so that it shows on any ground.
+ * Sizes follow the picture: marks by `unit`, how many pixels a thin line is wide (slice_unit), and
+ * words and bars by `tall`, how many rows a capital has. All of it has an outline, so that it shows
+ * on any ground.
  */
 #ifndef RENDER_NOTES_H
 #define RENDER_NOTES_H
@@ -28,15 +29,21 @@ extern const uint8_t notes_yellow[3]; /* of the cross-hair */
 /* The picture's shorter side. */
 uint32_t notes_side(const struct canvas *canvas);
 
-/* How large letters of the patient's sides are (render/text.h). */
-uint32_t notes_letter_scale(const struct canvas *canvas, uint32_t unit);
+/* How tall words are in a picture with so many pixels on its shorter side: about as in print, where
+ * it is as wide as a column; and letters of the patient's sides. */
+uint32_t notes_tall(uint32_t side);
+uint32_t notes_tall_letters(uint32_t side);
 
-/* Words in the middle of the left, right, upper and lower edges. */
-void notes_draw_sides(const struct canvas *canvas, uint32_t unit, const char *const word[4],
+/* How far words so tall, and bars, stay from the edge. */
+int64_t notes_margin(uint32_t tall);
+
+/* Words in the middle of the left, right, upper and lower edges, as large as in a picture of that
+ * shorter side. */
+void notes_draw_sides(const struct canvas *canvas, uint32_t side, const char *const word[4],
                       const struct ink *ink);
 
 /* Bottom left: a bar so many pixels long, and its length in words above it. */
-void notes_draw_scale(const struct canvas *canvas, uint32_t unit, int64_t pixels, const char *words,
+void notes_draw_scale(const struct canvas *canvas, uint32_t tall, int64_t pixels, const char *words,
                       const struct ink *ink);
 
 /* ---- marks ---- */

@@ -180,7 +180,7 @@ static void draw_triangle(struct rendition *r, const struct window *w, const str
     if (w->is_by_pixel) {
         for (int32_t y = top; y <= bottom; y++)
             for (int32_t x = left; x <= right; x++)
-                draw_triangle(r, &(struct window){x, y, x, y, false}, a, b, c, o);
+                draw_triangle(r, &(struct window){x, y, x, y, false}, a, b, c, area, o);
         return;
     }
     struct edge_function e[3] = {edge_of(a, b, left, top), edge_of(b, c, left, top),

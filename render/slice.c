@@ -234,7 +234,7 @@ static void paint_labels(const struct work *work)
         uint8_t *pixel = canvas_pixel(work->canvas, (size_t)column->first, (size_t)y);
         const uint8_t *label = work->label + (size_t)(y - row->first) * columns;
         if (work->style->overlay == SLICE_CONTOUR)
-            outline_row(pixel, work, y, work->plan.unit, palette);
+            outline_row(pixel, work, y, slice_unit(work->plan.size), palette);
         else
             for (size_t x = 0; x < columns; x++, pixel += 4)
                 for (int k = 0; label[x] && k < 3; k++)
@@ -290,7 +290,7 @@ static bool draw_marks(const struct work *work)
             marks_keep_rims(&marks, &runs);
         free(runs.run);
     }
-    marks_draw(work->canvas, &marks, work->plan.unit, work->style->palette);
+    marks_draw(work->canvas, &marks, slice_unit(work->plan.size), work->style->palette);
     free(marks.mark);
     return !marks.failed;
 }
@@ -316,7 +316,7 @@ static void draw_line(const struct canvas *canvas, bool upright, int64_t at, int
 static void draw_cross(const struct work *work)
 {
     const struct canvas *canvas = work->canvas;
-    int64_t middle[2], gap = 6 * (int64_t)work->plan.unit;
+    int64_t middle[2], gap = 6 * (int64_t)slice_unit(work->plan.size);
     if (gap > notes_side(canvas) / 8)
         gap = notes_side(canvas) / 8;
     for (int i = 0; i < 2; i++) {
@@ -332,29 +332,28 @@ static void draw_cross(const struct work *work)
 /* ---- letters and bars ---- */
 
 /* Bottom right, with the values left of its ends. */
-static void draw_greys(const struct canvas *canvas, int64_t unit, const struct slice_style *style)
+static void draw_greys(const struct canvas *canvas, uint32_t tall, const struct slice_style *style)
 {
-    const int64_t wide = 5 * unit, tall = canvas->height / 4;
-    const int64_t left = canvas->width - wide - 4 * unit, bottom = canvas->height - 4 * unit;
-    const int64_t before = left - 3 * unit;
-    const uint32_t scale = (uint32_t)unit;
-    canvas_box(canvas, left - unit, bottom - tall - unit, wide + 2 * unit, tall + 2 * unit,
+    const int64_t wide = 2 * tall / 3, high = canvas->height / 4, frame = text_halo(tall);
+    const int64_t margin = notes_margin(tall) + frame, bottom = canvas->height - margin;
+    const int64_t left = canvas->width - wide - margin, before = left - tall / 2 - frame;
+    canvas_box(canvas, left - frame, bottom - high - frame, wide + 2 * frame, high + 2 * frame,
                notes_light.rgb);
-    for (int64_t i = 0; i < tall; i++) {
-        const uint8_t grey = (uint8_t)(255 * i / (tall - 1));
+    for (int64_t i = 0; i < high; i++) {
+        const uint8_t grey = (uint8_t)(255 * i / (high - 1));
         canvas_box(canvas, left, bottom - 1 - i, wide, 1, (uint8_t[3]){grey, grey, grey});
     }
-    text_draw(canvas, before - text_width(style->most, scale), bottom - tall, scale, style->most,
-              notes_light.rgb);
-    text_draw(canvas, before - text_width(style->least, scale), bottom - TEXT_TALL * unit, scale,
-              style->least, notes_light.rgb);
+    text_draw(canvas, before - text_width(style->most, tall), bottom - high, tall, style->most,
+              &notes_light);
+    text_draw(canvas, before - text_width(style->least, tall), bottom - tall, tall, style->least,
+              &notes_light);
 }
 
 static void draw_notes(const struct work *work)
 {
     const struct scene *scene = work->scene;
     const struct slice_choice *choice = work->choice;
-    const uint32_t side = notes_side(work->canvas), unit = work->plan.unit;
+    const uint32_t side = notes_side(work->canvas), tall = notes_tall(work->plan.size);
     if (work->style->crosses)
         draw_cross(work);
     if (choice->notes & SLICE_LETTERS && side >= NOTES_LETTERS_FROM && !scene->sides_unknown) {
@@ -362,7 +361,7 @@ static void draw_notes(const struct work *work)
         slice_letters(scene, choice->plane, letter);
         const char *const word[4] = {(char[]){letter[0], 0}, (char[]){letter[1], 0},
                                      (char[]){letter[2], 0}, (char[]){letter[3], 0}};
-        notes_draw_sides(work->canvas, unit, word, &notes_light);
+        notes_draw_sides(work->canvas, work->plan.size, word, &notes_light);
     }
     if (choice->notes & SLICE_SCALE && side >= NOTES_BARS_FROM && !scene->spacing_unknown) {
         /* About a fifth of the picture's width. */
@@ -371,13 +370,14 @@ static void draw_notes(const struct work *work)
         const uint64_t length = slice_round_length(most);
         char words[32];
         slice_length_words(words, length);
-        notes_draw_scale(work->canvas, unit, ((int64_t)length + pixel_pm / 2) / pixel_pm, words,
+        notes_draw_scale(work->canvas, tall, ((int64_t)length + pixel_pm / 2) / pixel_pm, words,
                          &notes_light);
     }
     if (choice->notes & SLICE_COLOURS && side >= NOTES_BARS_FROM)
-        draw_greys(work->canvas, unit, work->style);
+        draw_greys(work->canvas, tall, work->style);
     if (choice->title && side >= NOTES_BARS_FROM)
-        text_draw(work->canvas, 4 * unit, 4 * unit, unit, choice->title, notes_light.rgb);
+        text_draw(work->canvas, notes_margin(tall), notes_margin(tall), tall, choice->title,
+                  &notes_light);
 }
 
 /* ---- the whole ---- */

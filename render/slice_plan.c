@@ -3,6 +3,7 @@
 #include <assert.h>
 #include <stdio.h>
 
+#include "base/least.h"
 #include "render/view.h"
 
 /* The patient's axes of each plane. In the picture, both of them run downwards: columns from the
@@ -13,7 +14,7 @@ static const int8_t world_axis_of[3][3] = {
 
 enum {
     EDGE_PARTS = 8,    /* of the picture, one on each side where its place does not come to lie */
-    UNIT_PIXELS = 400, /* so many of its shorter side more make all notes a pixel thicker */
+    UNIT_PIXELS = 400, /* so many of its shorter side more make lines a pixel thicker */
 };
 
 /* Wide enough for any scene that there is, and small enough for 64 bits in all that follows. */
@@ -154,9 +155,9 @@ static int64_t origin2(const struct slice_side *side, int64_t place, int64_t mid
     return within(seen, 0, length2 - picture2);
 }
 
-uint32_t slice_unit(uint32_t width, uint32_t height)
+uint32_t slice_unit(uint32_t size)
 {
-    return 1 + (width < height ? width : height) / UNIT_PIXELS;
+    return 1 + size / UNIT_PIXELS;
 }
 
 void slice_plan_init(struct slice_plan *plan, const struct scene *scene,
@@ -166,7 +167,7 @@ void slice_plan_init(struct slice_plan *plan, const struct scene *scene,
     const struct grid *grid = &scene->grid;
     uint32_t corner[3];
     *plan = (struct slice_plan){.across = scene_axis(scene, world[ACROSS]),
-                                .unit = choice->unit ? choice->unit : slice_unit(width, height)};
+                                .size = choice->size ? choice->size : least(width, height)};
     for (int a = 0; a < 3; a++) {
         assert(choice->place[a] < grid->size[a]);
         assert(!choice->has_middle || choice->middle[a] < grid->size[a]);

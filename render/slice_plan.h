@@ -35,10 +35,11 @@ struct slice_choice {
     uint64_t pixel_pm;
     bool smooth;
     unsigned notes;    /* enum slice_note */
-    const char *title; /* ASCII, or NULL */
+    const char *title; /* or NULL */
     bool has_middle;
     uint32_t middle[3];
-    uint32_t unit; /* pixels that a thin line is wide; 0: as slice_unit has it for the picture */
+    uint32_t
+        size; /* lines and letters are as in a picture of this shorter side; 0: as in its own */
 };
 
 /* The scene's axis along which slices of a plane are counted; how many of them the scene has; which
@@ -64,8 +65,8 @@ uint64_t slice_zoomed_pixel(const struct scene *scene, uint32_t zoom);
 void slice_magnify(struct slice_choice *choice, const struct scene *scene, uint64_t fitting_pm,
                    uint32_t times);
 
-/* How many pixels a thin line is wide in a picture of that size; letters are as large. */
-uint32_t slice_unit(uint32_t width, uint32_t height);
+/* How many pixels a thin line is wide in a picture of that shorter side. */
+uint32_t slice_unit(uint32_t size);
 
 /* The patient's sides at the left, right, top and bottom of a picture: R L A P S I. For scenes
  * whose sides are known. */
@@ -111,7 +112,7 @@ struct slice_plan {
     size_t corner;             /* the cell of the voxel that both sides begin with */
     ptrdiff_t step[2];         /* cells from a voxel to the next in the picture's direction */
     int across;                /* the axis that the slice cuts */
-    uint32_t unit;             /* how many pixels a thin line is wide */
+    uint32_t size;             /* of the picture that lines and letters follow */
 };
 
 void slice_plan_init(struct slice_plan *plan, const struct scene *scene,

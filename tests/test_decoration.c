@@ -134,7 +134,7 @@ STORY(the_bar_is_as_long_as_it_says)
     stage_release(&s);
 }
 
-/* However large or small the picture, and however many labels: within it, and opaque. */
+/* However large or small the picture, and however many labels: within it. */
 STORY(every_size_has_what_fits)
 {
     static const uint32_t side[] = {1, 47, 48, 128, 191, 512, 2048};
@@ -170,8 +170,8 @@ STORY(every_size_has_what_fits)
             size_t drawn = 0;
             for (size_t p = 0; p < (size_t)canvas.width * canvas.height; p++) {
                 const uint8_t *rgba = canvas.rgba + 4 * p;
-                CHECK(rgba[3] == 255 || (!rgba[0] && !rgba[1] && !rgba[2] && !rgba[3]));
-                drawn += rgba[3] == 255;
+                CHECK(rgba[3] || (!rgba[0] && !rgba[1] && !rgba[2]));
+                drawn += rgba[3] > 0;
             }
             CHECK(drawn > 0 || canvas.width < 48 || canvas.height < 48);
             canvas_release(&canvas);

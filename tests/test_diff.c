@@ -4,6 +4,7 @@
  */
 #include <stdlib.h>
 
+#include "render/notes.h"
 #include "show/decorating.h"
 #include "verify/difference_picture.h"
 #include "verify/first_difference.h"
@@ -220,8 +221,9 @@ STORY(the_picture_shows_both_and_where_they_differ)
     CHECK(session_render(again.session, RENDER_RAY, NULL) == OK);
     draw(&picture, &a, label_a, label_b);
     CHECK_INT(picture.width, 3 * 120 + 2 * 2);
-    const uint32_t top = 11 + 8, right = 2 * (120 + 2);
-    CHECK_INT(picture.height, top + 100 + 3 * 11 + 8);
+    const uint32_t line = (uint32_t)text_line(notes_tall(100)), top = line + 8,
+                   right = 2 * (120 + 2);
+    CHECK_INT(picture.height, top + 100 + 3 * line + 8);
     CHECK(shows(&picture, 0, top, again.session));
     CHECK(shows(&picture, 120 + 2, top, b.session));
     CHECK(!shows(&picture, 120 + 2, top, again.session));

@@ -137,8 +137,8 @@ STORY(slices_line_up)
     const struct mosaic_choice choice = {.layout = &layout};
     CHECK(box[MOSAIC_CORONAL].height < 400 && box[MOSAIC_AXIAL].height > 400);
     for (int p = 0; p < 3; p++) /* notes as large in all of them */
-        CHECK_INT(mosaic_slice(scene, &choice, large.width, large.height, (enum slice_plane)p).unit,
-                  2);
+        CHECK_INT(mosaic_slice(scene, &choice, large.width, large.height, (enum slice_plane)p).size,
+                  box[MOSAIC_AXIAL].height);
     mosaic_lay_out(&layout, scene, &wide); /* all in a row */
     CHECK(box[MOSAIC_AXIAL].top == 0 && box[MOSAIC_AXIAL].height == wide.height);
     CHECK(box[MOSAIC_RENDITION].left + box[MOSAIC_RENDITION].width == wide.width);

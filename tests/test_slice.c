@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "render/slice.h"
-#include "render/text.h"
+#include "render/notes.h"
 
 /* The anatomy: sizes and spacings along the patient's right, anterior, superior, and what is at
  * each place of it. */
@@ -815,16 +815,16 @@ STORY(of_a_run_of_seeds_the_rim_is_marked)
  * that is black there: '?' for none of them. */
 static char letter_at(const struct canvas *s, int edge)
 {
-    static const uint32_t corner[4][2] = {{2, 46}, {93, 46}, {47, 2}, {47, 91}};
+    static const uint32_t corner[4][2] = {{0, 40}, {85, 40}, {40, 0}, {40, 80}};
     for (const char *letter = "RLAPSI"; *letter; letter++) {
+        const char word[2] = {*letter, '\0'}, *const sides[4] = {word, word, word, word};
         struct canvas expected;
         bool same = true;
         CHECK(canvas_init(&expected, 100, 100, false, NULL) == OK);
-        text_draw(&expected, corner[edge][0], corner[edge][1], 1, (char[2]){*letter, '\0'},
-                  (const uint8_t[3]){232, 232, 232});
-        for (uint32_t y = 0; y < 7; y++)
+        notes_draw_sides(&expected, 100, sides, &notes_light);
+        for (uint32_t y = 0; y < 20; y++)
             same &= memcmp(canvas_pixel(&expected, corner[edge][0], corner[edge][1] + y),
-                           canvas_pixel(s, corner[edge][0], corner[edge][1] + y), 5 * 4) == 0;
+                           canvas_pixel(s, corner[edge][0], corner[edge][1] + y), 15 * 4) == 0;
         canvas_release(&expected);
         if (same)
             return *letter;
@@ -899,8 +899,8 @@ STORY(bars_tell_lengths_and_greys)
     CHECK(is_rgb(&s, 3, 195, 0, 0, 0) && is_rgb(&s, 54, 195, 0, 0, 0));
     CHECK(is_rgb(&s, 4, 193, 232, 232, 232) && is_rgb(&s, 5, 193, 0, 0, 0));
     CHECK(canvas_init(&words, 200, 200, false, NULL) == OK);
-    text_draw(&words, 4, 183, 1, "50 mm", (const uint8_t[3]){232, 232, 232});
-    for (uint32_t y = 183; y < 190; y++)
+    text_draw(&words, 4, 180, 8, "50 mm", &notes_light);
+    for (uint32_t y = 175; y < 190; y++)
         CHECK(memcmp(canvas_pixel(&s, 0, y), canvas_pixel(&words, 0, y), 60 * 4) == 0);
     canvas_release(&s);
     canvas_release(&words);
@@ -909,12 +909,12 @@ STORY(bars_tell_lengths_and_greys)
     style.least = "-12.5";
     style.most = "300";
     s = take(scene, &choice, &style, 200, 200);
-    CHECK(is_rgb(&s, 191, 195, 0, 0, 0) && is_rgb(&s, 191, 146, 255, 255, 255));
-    CHECK(is_rgb(&s, 191, 170, 130, 130, 130)); /* 25 of 49 */
-    CHECK(is_rgb(&s, 190, 170, 232, 232, 232) && is_rgb(&s, 196, 170, 232, 232, 232));
+    CHECK(is_rgb(&s, 190, 194, 0, 0, 0) && is_rgb(&s, 190, 145, 255, 255, 255));
+    CHECK(is_rgb(&s, 190, 170, 124, 124, 124)); /* 24 of 49 */
+    CHECK(is_rgb(&s, 189, 170, 232, 232, 232) && is_rgb(&s, 195, 170, 232, 232, 232));
     CHECK(canvas_init(&words, 200, 200, false, NULL) == OK);
-    text_draw(&words, 188 - 17, 146, 1, "300", (const uint8_t[3]){232, 232, 232});
-    text_draw(&words, 188 - 29, 189, 1, "-12.5", (const uint8_t[3]){232, 232, 232});
+    text_draw(&words, 185 - text_width("300", 8), 145, 8, "300", &notes_light);
+    text_draw(&words, 185 - text_width("-12.5", 8), 187, 8, "-12.5", &notes_light);
     for (uint32_t y = 140; y < 200; y++)
         CHECK(memcmp(canvas_pixel(&s, 150, y), canvas_pixel(&words, 150, y), 38 * 4) == 0);
     canvas_release(&s);

@@ -11,7 +11,7 @@
 #include "base/file.h"
 #include "image/exr.h"
 #include "image/volume.h"
-#include "render/text.h"
+#include "render/notes.h"
 #include "show/pictures.h"
 #include "show/slicing.h"
 #include "tests/interpreting.h"
@@ -90,24 +90,29 @@ static void use_qform(const char *name, const float quaternion[3], float qfac)
     buf_release(&file);
 }
 
-/* The letter in the middle of an edge of a picture of 100x100; 0 left, 1 right, 2 top, 3 bottom. */
+/* The letter in the middle of an edge of a picture of 100x100; 0 left, 1 right, 2 top, 3 bottom.
+ * The ground is not always black: what counts is what is the same on black and on white. */
 static char letter_at(const struct canvas *s, int edge)
 {
-    static const uint32_t corner[4][2] = {{2, 46}, {93, 46}, {47, 2}, {47, 91}};
+    static const uint32_t corner[4][2] = {{0, 40}, {85, 40}, {40, 0}, {40, 80}};
+    static const uint8_t white[3] = {255, 255, 255};
     for (const char *letter = "RLAPSI"; *letter; letter++) {
-        struct canvas expected;
+        const char word[2] = {*letter, '\0'}, *const sides[4] = {word, word, word, word};
+        struct canvas on[2];
         bool same = true;
-        CHECK(canvas_init(&expected, 100, 100, false, NULL) == OK);
-        text_draw(&expected, corner[edge][0], corner[edge][1], 1, (char[2]){*letter, '\0'},
-                  (const uint8_t[3]){232, 232, 232});
-        for (uint32_t y = 0; y < 7; y++)
-            for (uint32_t x = 0; x < 5; x++) { /* the ground is not always black */
-                const uint8_t *e =
-                    canvas_pixel(&expected, corner[edge][0] + x, corner[edge][1] + y);
-                const uint8_t *p = canvas_pixel(s, corner[edge][0] + x, corner[edge][1] + y);
-                same &= (e[0] == 232) == (p[0] == 232);
+        for (int ground = 0; ground < 2; ground++) {
+            CHECK(canvas_init(&on[ground], 100, 100, false, NULL) == OK);
+            if (ground)
+                canvas_box(&on[ground], 0, 0, 100, 100, white);
+            notes_draw_sides(&on[ground], 100, sides, &notes_light);
+        }
+        for (uint32_t y = corner[edge][1]; y < corner[edge][1] + 20; y++)
+            for (uint32_t x = corner[edge][0]; x < corner[edge][0] + 15; x++) {
+                const uint8_t *a = canvas_pixel(&on[0], x, y), *b = canvas_pixel(&on[1], x, y);
+                same &= *a != *b || *canvas_pixel(s, x, y) == *a;
             }
-        canvas_release(&expected);
+        canvas_release(&on[0]);
+        canvas_release(&on[1]);
         if (same)
             return *letter;
     }
@@ -358,15 +363,15 @@ static void move_values(float mm)
 /* Whether the top left corner of the picture at hand says these words and no more. */
 static bool is_titled(const struct interpreter *interp, const char *words)
 {
-    const uint8_t ink[3] = {232, 232, 232};
+    const uint32_t tall = notes_tall(200);
     struct canvas expected;
     bool same = true;
     CHECK(canvas_init(&expected, 200, 200, false, NULL) == OK);
-    text_draw(&expected, 4, 4, 1, words, ink);
-    for (uint32_t y = 4; y < 4 + 2 * TEXT_LINE; y++)
+    text_draw(&expected, 4, 4, tall, words, &notes_light);
+    for (uint32_t y = 4; y < 4 + 2 * text_line(tall); y++)
         for (uint32_t x = 0; x < 90; x++)
-            same &= (canvas_pixel(&expected, x, y)[0] == ink[0]) ==
-                    (canvas_pixel(&interp->shown, x, y)[0] == ink[0]);
+            same &= (canvas_pixel(&expected, x, y)[0] == 232) ==
+                    (canvas_pixel(&interp->shown, x, y)[0] == 232);
     canvas_release(&expected);
     return same;
 }

@@ -5,9 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/least.h"
 #include "base/mem.h"
 #include "render/mosaic.h"
-#include "render/text.h"
+#include "render/notes.h"
 #include "show/export_picture.h"
 #include "show/slicing.h"
 #include "show/window.h"
@@ -80,60 +81,65 @@ static enum err draw_slices(const struct canvas *canvas, struct session *session
 /* Where the next line goes. */
 struct sheet {
     struct canvas canvas;
-    uint32_t scale;
-    int64_t top;
+    uint32_t tall;
+    int64_t top, next;
 };
 
-static const uint8_t ink[3] = {232, 232, 232};
-
-/* As much of it as fits; ahead of it a box of the colour, or NULL. */
-static void write_line(struct sheet *sheet, const uint8_t rgb[3], const char *words)
+/* As much of it as fits from column `left` on, in heights of a capital; and whether more of its
+ * line follows. */
+static void write_words(struct sheet *sheet, unsigned left, const char *words, bool goes_on)
 {
-    const int64_t left = 4 * (int64_t)sheet->scale;
-    const int64_t indent = left + (rgb ? (TEXT_TALL + 3) * (int64_t)sheet->scale : 0);
+    const int64_t at = (int64_t)left * sheet->tall;
     struct buf fitting = {0};
     buf_add_safe_text(&fitting, words);
-    while (fitting.length && indent + text_width(fitting.data, sheet->scale) > sheet->canvas.width)
-        fitting.data[--fitting.length] = '\0';
-    if (rgb)
-        canvas_box(&sheet->canvas, left, sheet->top, TEXT_TALL * (int64_t)sheet->scale,
-                   TEXT_TALL * (int64_t)sheet->scale, rgb);
-    text_draw(&sheet->canvas, indent, sheet->top, sheet->scale, buf_text(&fitting), ink);
-    sheet->top += TEXT_LINE * (int64_t)sheet->scale;
+    if (fitting.length)
+        text_cut(fitting.data, fitting.length + 1, sheet->tall, sheet->canvas.width - at);
+    text_draw(&sheet->canvas, at, sheet->top, sheet->tall, buf_text(&fitting), &notes_light);
     buf_release(&fitting);
+    sheet->top += goes_on ? 0 : sheet->next;
 }
 
-static void write_words(const struct canvas *canvas, const struct comparison_report *report)
+/* Figures before the name: what is cut off is the end of a long name. */
+static void write_row(struct sheet *sheet, const char *dice, const char *far, const char *label)
+{
+    write_words(sheet, 1, dice, true);
+    write_words(sheet, 7, far, true);
+    write_words(sheet, 18, label, false);
+}
+
+static void write_report(const struct canvas *canvas, const struct comparison_report *report)
 {
     const struct mosaic_box box = mosaic_box(canvas->width, canvas->height, MOSAIC_RENDITION);
-    const uint32_t scale = slice_unit(box.width, box.height);
+    const uint32_t tall = notes_tall(least(box.width, box.height));
     struct sheet sheet = {
         .canvas = canvas_part(canvas, box.left, box.top, box.width, box.height),
-        .scale = scale,
-        .top = 4 * (int64_t)scale,
+        .tall = tall,
+        .top = notes_margin(tall),
+        .next = text_line(tall),
     };
     struct buf name = {0};
     for (int i = 0; i < 2; i++) {
         buf_clear(&name);
         buf_printf(&name, "%c  %s", 'A' + i, report->name[i]);
-        write_line(&sheet, NULL, buf_text(&name));
+        write_words(&sheet, 1, buf_text(&name), false);
     }
     buf_release(&name);
-    for (int i = AGREES; i < DIFFERENCES; i++)
-        write_line(&sheet, difference_rgb[i], difference_words[i]);
-    write_line(&sheet, NULL, "  Dice  Hausdorff mm  label");
+    for (int i = AGREES; i < DIFFERENCES; i++) {
+        canvas_box(&sheet.canvas, tall, sheet.top, tall, tall, difference_rgb[i]);
+        write_words(&sheet, 3, difference_words[i], false);
+    }
+    write_row(&sheet, "Dice", "Hausdorff mm", "of label");
     for (unsigned label = 1; label < 256 && sheet.top < box.height; label++)
         if (comparison_has(report->comparison, label)) {
-            /* Figures before the name: what is cut off then is the end of a long name. */
             const struct overlap_counts n = overlap_counts_of(&report->comparison->overlap, label);
             const struct label_distances *d = &report->comparison->distance[label];
-            char words[LABEL_NAME_BYTES + 96], far[24] = "none";
+            char dice[24], far[24] = "none", words[LABEL_NAME_BYTES + 8];
+            snprintf(dice, sizeof dice, "%.4f",
+                     n.a + n.b ? 2.0 * (double)n.both / (double)(n.a + n.b) : 0);
             if (d->has_hausdorff)
                 snprintf(far, sizeof far, "%.2f", d->hausdorff_mm);
-            snprintf(words, sizeof words, "%.4f  %12s  %u %s",
-                     n.a + n.b ? 2.0 * (double)n.both / (double)(n.a + n.b) : 0, far, label,
-                     report->label_name[label]);
-            write_line(&sheet, NULL, words);
+            snprintf(words, sizeof words, "%u %s", label, report->label_name[label]);
+            write_row(&sheet, dice, far, words);
         }
 }
 
@@ -173,7 +179,7 @@ enum err comparison_picture_draw(struct picture *picture, struct session *sessio
                      : fault_memory(fault, "a picture");
     free(difference);
     if (!err) {
-        write_words(&canvas, report);
+        write_report(&canvas, report);
         err = note(picture, session, report, place, fault);
     }
     if (err)

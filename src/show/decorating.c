@@ -14,6 +14,8 @@
 #include "show/draw.h"
 #include "show/pictures.h"
 
+_Static_assert(sizeof((struct legend_line *)0)->name == LABEL_NAME_BYTES, "a name fits a line");
+
 /* ---- the legend ---- */
 
 /* Voxels of each label, as it is shown. */
@@ -47,16 +49,11 @@ static enum err list_labels(struct legend_line line[255], size_t *lines, struct 
             continue;
         struct legend_line *next = &line[(*lines)++];
         next->label = (uint8_t)label;
-        /* A letter that is no ASCII is a question mark. */
         const char *name = session_kept(session)->label_name[label];
-        size_t length = 0;
-        if (!*name)
-            snprintf(next->name, 32, "label %u", label);
-        for (; *name; name++)
-            if (((unsigned char)*name & 0xc0) != 0x80)
-                next->name[length++] = (unsigned char)*name < 0x80 ? *name : '?';
-        if (length)
-            next->name[length] = '\0';
+        if (*name)
+            memcpy(next->name, name, sizeof next->name);
+        else
+            snprintf(next->name, sizeof next->name, "label %u", label);
         struct buf words = {0};
         if (session_scene(session)->spacing_unknown)
             buf_printf(&words, "%llu voxel%s", (unsigned long long)voxels[label],
@@ -99,8 +96,8 @@ enum err session_show_frame(struct canvas *canvas, const struct session *session
     return OK;
 }
 
-/* A copy of the frame's colours. */
-static enum err copy_colours(struct pictures *p, struct fault *fault)
+/* Room for what is drawn over the frame, which is clear. */
+static enum err begin_layer(struct pictures *p, struct fault *fault)
 {
     const size_t pixels = pixels_of(p->session);
     if (p->decorated_pixels != pixels) {
@@ -111,7 +108,7 @@ static enum err copy_colours(struct pictures *p, struct fault *fault)
             return fault_memory(fault, "a picture");
         p->decorated_pixels = pixels;
     }
-    memcpy(p->decorated, session_frame(p->session)->rgba, 4 * pixels);
+    memset(p->decorated, 0, 4 * pixels);
     return OK;
 }
 
@@ -168,14 +165,16 @@ enum err session_decorate(struct session *session, const struct labels *labels, 
         return OK;
     enum err err = pictures_begin(&p, session, fault);
     if (!err)
-        err = copy_colours(p, fault);
+        err = begin_layer(p, fault);
     if (err)
         return err;
     const struct canvas canvas = {.width = frame->width,
                                   .height = frame->height,
                                   .stride = frame->width,
                                   .rgba = p->decorated};
-    return draw(session, labels, &canvas, &p->camera, frame, fault);
+    err = draw(session, labels, &canvas, &p->camera, frame, fault);
+    canvas_lay_over(p->decorated, frame->rgba, pixels_of(session));
+    return err;
 }
 
 bool session_decorates_ahead(const struct session *session)

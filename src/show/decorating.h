@@ -16,8 +16,8 @@
 enum err session_decorate(struct session *session, const struct labels *labels,
                           struct fault *fault);
 
-/* The same into a picture [height][width][4] that is yet to be drawn, and clear, alpha 0: what is
- * opaque afterwards lies over what is drawn. Not where a part asks which voxels are seen. */
+/* The same into a picture [height][width][4] that is yet to be drawn, and clear, alpha 0: it is a
+ * layer over what is drawn (canvas_lay_over). Not where a part asks which voxels are seen. */
 bool session_decorates_ahead(const struct session *session);
 enum err session_decorate_ahead(struct session *session, const struct labels *labels, uint8_t *rgba,
                                 struct fault *fault);

@@ -331,15 +331,14 @@ static void take_rows(void *context, const struct rendition *rows, uint32_t top)
         colours->labels[i] |= labels.bits[i];
     /* Both are what is drawn, with decorations over it that are in the picture already. */
     bool is_decorated = false;
-    for (size_t i = 0; i < 4 * ((size_t)rows->height * rows->width); i += 4)
-        if (rgba[i + 3]) {
-            memcpy(rows->rgba + i, rgba + i, 4);
-            is_decorated = true;
-        } else {
-            memcpy(rgba + i, rows->rgba + i, 4);
-        }
-    if (is_decorated)
+    const size_t pixels = (size_t)rows->height * rows->width;
+    for (size_t i = 0; i < pixels && !is_decorated; i++)
+        is_decorated = rgba[4 * i + 3] > 0;
+    canvas_lay_over(rgba, rows->rgba, pixels);
+    if (is_decorated) {
+        memcpy(rows->rgba, rgba, 4 * pixels);
         memset(rows->blank, 0, (size_t)rows->tiles_x * rows->tiles_y * sizeof *rows->blank);
+    }
     colours->digest += rendition_digest_rows(rows, top);
     background_put_rows(rgba, rows->width, top, rows->height, colours->height, colours->background);
 }

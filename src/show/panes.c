@@ -2,8 +2,9 @@
 
 #include <string.h>
 
+#include "base/least.h"
 #include "engine/way.h"
-#include "render/text.h"
+#include "render/notes.h"
 #include "session/session.h"
 #include "session/state.h"
 #include "session/tally.h"
@@ -14,8 +15,8 @@ _Static_assert((int)PANE_AXIAL == (int)SLICE_AXIAL && (int)PANE_CORONAL == (int)
                    (int)PANE_RENDITION == (int)MOSAIC_RENDITION,
                "panes are planes, and those of a mosaic");
 
-static const uint8_t white[3] = {255, 255, 255}, yellow[3] = {230, 200, 90},
-                     words_rgb[3] = {200, 200, 200}, black[3] = {0, 0, 0}, ink[3] = {232, 232, 232};
+static const uint8_t white[3] = {255, 255, 255}, yellow[3] = {230, 200, 90}, black[3] = {0, 0, 0},
+                     ink[3] = {232, 232, 232};
 
 void panes_release(struct panes *p)
 {
@@ -119,15 +120,16 @@ static void draw_lines(const struct canvas *canvas, const struct mosaic_box *box
                        const char *const line[PANES_LINES])
 {
     const int64_t width = box->width, height = box->height;
+    static const struct ink grey = {{200, 200, 200}, {0, 0, 0}};
+    const uint32_t tall = notes_tall(least(box->width, box->height));
+    const int64_t apart = 2 * (int64_t)tall;
     int64_t widest = 0;
     for (int i = 0; i < PANES_LINES; i++)
-        widest = text_width(line[i], 1) > widest ? text_width(line[i], 1) : widest;
-    const uint32_t scale = 2 * widest < width ? 2 : 1;
-    const int64_t tall = TEXT_LINE * scale * 3 / 2;
-    for (int i = 0; i < PANES_LINES && widest <= width && PANES_LINES * tall <= height; i++)
-        text_draw(canvas, box->left + (width - text_width(line[i], scale)) / 2,
-                  box->top + height / 2 + (2 * i - PANES_LINES) * tall / 2, scale, line[i],
-                  words_rgb);
+        widest = text_width(line[i], tall) > widest ? text_width(line[i], tall) : widest;
+    for (int i = 0; i < PANES_LINES && widest <= width && PANES_LINES * apart <= height; i++)
+        text_draw(canvas, box->left + (width - text_width(line[i], tall)) / 2,
+                  box->top + (height - PANES_LINES * apart + tall) / 2 + i * apart, tall, line[i],
+                  &grey);
 }
 
 /* ---- notes ---- */

@@ -4,10 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/least.h"
 #include "base/mem.h"
 #include "render/border.h"
 #include "render/canvas.h"
-#include "render/text.h"
+#include "render/notes.h"
 #include "report/comparison_picture.h"
 #include "session/session.h"
 #include "session/state.h"
@@ -25,7 +26,7 @@ enum {
 enum { SAME_OBJECT = AGREES };
 
 static const uint8_t ghost_rgb[3] = {150, 150, 150};
-static const uint8_t paper[3] = {24, 24, 24}, ink[3] = {232, 232, 232};
+static const uint8_t paper[3] = {24, 24, 24};
 
 /* What is drawn, and where it lies. */
 struct sheet {
@@ -35,7 +36,7 @@ struct sheet {
     struct state state;      /* in which the session is to be for what is drawn next, */
     uint8_t *label;          /* and the labels of that, by cell */
     uint32_t width, height;  /* of a pane */
-    uint32_t scale;          /* of letters */
+    uint32_t tall;           /* of letters */
     uint32_t top, bottom;    /* heights of the strips */
     struct canvas canvas;    /* the picture's pixels */
 };
@@ -146,31 +147,34 @@ static enum err draw_difference(struct sheet *sheet, struct fault *fault)
 
 /* ---- words ---- */
 
+/* From the top of a strip to that of its first capitals. */
+static int64_t title_top(const struct sheet *sheet)
+{
+    return BORDER + (text_line(sheet->tall) - sheet->tall) / 2;
+}
+
 /* As much of it as fits. */
 static void write_title(const struct sheet *sheet, uint32_t pane, const char *letter,
                         const char *name)
 {
     char words[NAME_MOST];
     const int64_t room = (int64_t)sheet->width - 2 * BORDER;
-    int length = snprintf(words, sizeof words, "%s%s%s", letter, *name ? "  " : "", name);
-    length = length < NAME_MOST ? length : NAME_MOST - 1;
-    while (length && text_width(words, sheet->scale) > room)
-        words[--length] = '\0';
-    text_draw(&sheet->canvas, (int64_t)pane_left(sheet, pane) + BORDER, BORDER + sheet->scale,
-              sheet->scale, words, ink);
+    snprintf(words, sizeof words, "%s%s%s", letter, *name ? "  " : "", name);
+    text_cut(words, sizeof words, sheet->tall, room);
+    text_draw(&sheet->canvas, (int64_t)pane_left(sheet, pane) + BORDER, title_top(sheet),
+              sheet->tall, words, &notes_light);
 }
 
 /* A row of the strip below: a box of the colour and words. Gives where they end. */
 static int64_t write_entry(const struct sheet *sheet, int64_t left, uint32_t row,
                            const uint8_t rgb[3], const char *words)
 {
-    const int64_t scale = sheet->scale;
+    const int64_t tall = sheet->tall, indent = 3 * tall / 2;
     const int64_t top =
-        (int64_t)sheet->top + sheet->height + BORDER + scale + row * TEXT_LINE * scale;
-    const int64_t indent = (TEXT_TALL + 3) * scale;
-    canvas_box(&sheet->canvas, left, top, TEXT_TALL * scale, TEXT_TALL * scale, rgb);
-    text_draw(&sheet->canvas, left + indent, top, sheet->scale, words, ink);
-    return left + indent + text_width(words, sheet->scale);
+        sheet->top + sheet->height + title_top(sheet) + row * text_line(sheet->tall);
+    canvas_box(&sheet->canvas, left, top, tall, tall, rgb);
+    text_draw(&sheet->canvas, left + indent, top, sheet->tall, words, &notes_light);
+    return left + indent + text_width(words, sheet->tall);
 }
 
 /* Labels in columns, as many as there is room for below the two panes. */
@@ -189,13 +193,13 @@ static void write_labels(const struct sheet *sheet)
             continue;
         snprintf(words, sizeof words, "%d%s%s  Dice %u.%04u", label, *name ? " " : "", name,
                  dice / DICE_ONE, dice % DICE_ONE);
-        if (left + 10 * (int64_t)sheet->scale + text_width(words, sheet->scale) > end)
+        if (left + 2 * (int64_t)sheet->tall + text_width(words, sheet->tall) > end)
             return;
         const int64_t right = write_entry(sheet, left, row, kept->palette.rgb[label], words);
         widest = right > widest ? right : widest;
         if (++row == ROWS) {
             row = 0;
-            left = widest + 2 * TEXT_ADVANCE * sheet->scale;
+            left = widest + 2 * (int64_t)sheet->tall;
         }
     }
 }
@@ -204,14 +208,14 @@ enum err difference_picture_draw(struct picture *picture, struct session *sessio
                                  const struct difference_picture *of, struct fault *fault)
 {
     const struct view *view = &session_outlook(session)->view;
-    const uint32_t scale = view->height >= 800 ? view->height / 400 : 1;
-    const uint32_t line = TEXT_LINE * scale;
+    const uint32_t tall = notes_tall(least(view->width, view->height));
+    const uint32_t line = (uint32_t)text_line(tall);
     struct sheet sheet = {.of = of,
                           .session = session,
                           .state = *session_state(session),
                           .width = view->width,
                           .height = view->height,
-                          .scale = scale,
+                          .tall = tall,
                           .top = line + 2 * BORDER,
                           .bottom = ROWS * line + 2 * BORDER};
     for (int label = 0; label < 256; label++)

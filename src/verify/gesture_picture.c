@@ -6,7 +6,7 @@
 #include "base/version.h"
 #include "engine/overlap.h"
 #include "render/canvas.h"
-#include "render/text.h"
+#include "render/notes.h"
 #include "report/comparison_picture.h"
 #include "session/state.h"
 #include "verify/side.h"
@@ -18,12 +18,12 @@ enum {
     ACROSS = 3,  /* of those in a row */
     LABELS_MOST = 9,
     MARGIN = 16,
-    SCALE = 2,                        /* of words, */
-    LINE = TEXT_LINE * SCALE,         /* and how tall they are */
-    BEFORE = 4 * TEXT_ADVANCE * SCALE /* room for those of the axis */
+    LETTERS = 13, /* how tall capitals are, */
+    LINE = 22,    /* and lines of words */
+    BEFORE = 48,  /* room for those of the axis */
 };
 
-static const uint8_t paper[3] = {24, 24, 24}, ink[3] = {232, 232, 232}, rule[3] = {80, 80, 80};
+static const uint8_t paper[3] = {24, 24, 24}, rule[3] = {80, 80, 80};
 
 /* Where a curve is drawn: its Dice 0 is at the bottom. */
 struct frame {
@@ -67,27 +67,19 @@ static void draw_frame(const struct frame *f, const struct gesture_report *repor
 {
     static const char *const tick[] = {"1", ".5", "0"};
     char words[32];
-    text_draw(f->canvas, f->left, f->top - LINE, SCALE, title, ink);
+    text_draw(f->canvas, f->left, f->top - LINE, LETTERS, title, &notes_light);
     for (int i = 0; i < 3; i++) {
         const int64_t row = row_of(f, (unsigned)(DICE_ONE - i * DICE_ONE / 2));
         canvas_box(f->canvas, f->left, row, f->width, 1, rule);
-        text_draw(f->canvas, f->left - 8 - text_width(tick[i], SCALE), row - TEXT_TALL * SCALE / 2,
-                  SCALE, tick[i], ink);
+        text_draw(f->canvas, f->left - 8 - text_width(tick[i], LETTERS), row - LETTERS / 2, LETTERS,
+                  tick[i], &notes_light);
     }
     canvas_box(f->canvas, f->left, f->top, 1, f->height, rule);
     snprintf(words, sizeof words, "%u gesture%s", f->gestures, plural(f->gestures));
-    text_draw(f->canvas, f->left + f->width - text_width(words, SCALE), f->top + f->height + 6,
-              SCALE, words, ink);
+    text_draw(f->canvas, f->left + f->width - text_width(words, LETTERS), f->top + f->height + 6,
+              LETTERS, words, &notes_light);
     draw_curve(f, report->gestures[0], label, difference_rgb[A_ALONE]);
     draw_curve(f, report->gestures[1], label, difference_rgb[B_ALONE]);
-}
-
-/* As much of the words as fits. */
-static void cut_to_fit(char *words, int64_t room)
-{
-    size_t length = strlen(words);
-    while (length && text_width(words, SCALE) > room)
-        words[--length] = '\0';
 }
 
 /* A box of the colour, and who it is. */
@@ -96,9 +88,9 @@ static void draw_key(const struct canvas *canvas, int64_t top, const char *who, 
 {
     char words[256];
     snprintf(words, sizeof words, "%s  %s", who, name);
-    cut_to_fit(words, WIDTH - 3 * MARGIN - LINE);
-    canvas_box(canvas, MARGIN, top, TEXT_TALL * SCALE, TEXT_TALL * SCALE, rgb);
-    text_draw(canvas, MARGIN + LINE, top, SCALE, words, ink);
+    text_cut(words, sizeof words, LETTERS, WIDTH - 3 * MARGIN - LINE);
+    canvas_box(canvas, MARGIN, top, LETTERS, LETTERS, rgb);
+    text_draw(canvas, MARGIN + LINE, top, LETTERS, words, &notes_light);
 }
 
 enum err gesture_picture_draw(struct picture *picture, const struct gesture_report *report,
@@ -135,7 +127,7 @@ enum err gesture_picture_draw(struct picture *picture, const struct gesture_repo
     for (unsigned i = 0; rows && i < labels; i++) {
         char words[LABEL_NAME_BYTES + 8];
         snprintf(words, sizeof words, "%u %s", label[i], gesture_report_name(report, label[i]));
-        cut_to_fit(words, frame.width);
+        text_cut(words, sizeof words, LETTERS, frame.width);
         frame.left = MARGIN + BEFORE + (i % ACROSS) * ((WIDTH - MARGIN) / ACROSS);
         frame.top = below + LINE + i / ACROSS * row;
         draw_frame(&frame, report, label[i], words);

@@ -355,7 +355,9 @@ static void slices(struct stage *s)
     must(mosaic_draw(&canvas, s->scene, &s->rendition, &bright, &style, &fault), &fault,
          "a mosaic");
     tell(canvas_digest(&canvas), "mosaic/white");
-    text_draw(&canvas, -3, 5, 2, "The quick brown fox\n0123 {|}~ \x7f", (uint8_t[]){9, 200, 30});
+    for (uint32_t tall = 7; tall <= 61; tall += 6)
+        text_draw(&canvas, -3, tall, tall, "The quick br\xc3\xb6wn \xcf\x83ox\n0123 {|}~ \x7f\xff",
+                  &(struct ink){{9, 200, 30}, {200, 9, 90}});
     tell(canvas_digest(&canvas), "text");
     canvas_release(&canvas);
 }

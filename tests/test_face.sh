@@ -1,0 +1,17 @@
+#!/bin/sh
+# The outlines of letters are those of the font, and the table is what its script makes.
+. "$(dirname "$0")/lib.sh"
+
+begin "the table of outlines is what its script makes of the font"
+if ! /usr/bin/python3 -c 'import fontTools' 2>/dev/null; then
+    skip "python3-fonttools is not installed"
+elif "$top/tests/face_table.py" >"$work/face_table.h" 2>"$work/err"; then
+    cmp "$work/face_table.h" "$top/render/face_table.h" ||
+        fail "tests/face_table.py >render/face_table.h"
+    grep -q 'Bitstream.*All Rights Reserved' "$top/render/face_table.h" || fail "no notice"
+else
+    fail "$(tail -n 1 "$work/err")"
+fi
+close_story
+
+finish
