@@ -35,7 +35,9 @@ enum slice_overlay {
     SLICE_PLAIN,   /* grey alone */
     SLICE_TINT,    /* a third of the label's colour, two thirds of the grey */
     SLICE_CONTOUR, /* the label's colour where another label is beside, above or below, as near as a
-                      thin line is wide: one pixel, two where the picture's shorter side has 400 */
+                      thin line is wide: one pixel, two where the picture's shorter side has 400.
+                      A hairline, a quarter of the grey, is beside it where no label is, and, of two
+                      pixels on, within the label too: so it is seen on white and on grey */
 };
 
 /* How slices are drawn, whichever they are. */

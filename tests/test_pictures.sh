@@ -177,7 +177,7 @@ for name in worldToCamera worldToNDC; do
     grep -q "^$name (type m44f)" placed.txt || fail "no $name: $(cat placed.txt)"
 done
 same "$(attribute placed.exr iftty:alpha)" associated
-same "$(attribute placed.exr iftty:labels)" '{"1": {"name": "core", "colour": "#d6b296"}}'
+same "$(attribute placed.exr iftty:labels)" '{"1": {"name": "core", "colour": "#fc961e"}}'
 close_story
 
 begin "formats without loss agree with the PNG, pixel for pixel"
