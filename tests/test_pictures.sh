@@ -11,8 +11,9 @@ make_scene s.nii 24 20 16
 formats="png tif tiff bmp tga ppm sgi iff rla dpx fits ico jp2 gif jpg webp hdr heic"
 {
     # Pale colours: formats with loss have half as many pixels for hues.
-    printf '%s\n' 'open s.nii' 'label 1 ball #d6b296' 'label 2 rod #a0b4c8' 'seed 6,10,8 1' \
-        'seed 20,10,8 2' 'seed 2,3,4 0' run 'background black' 'size 150 110' 'zoom 4' 'view 30 20' \
+    printf '%s\n' 'open s.nii' 'label 1 ball #d6b296' 'label 2 rod #a0b4c8' \
+        'seed 6,10,8 1' 'seed 20,10,8 2' 'seed 2,3,4 0' run 'background black' 'size 150 110' \
+        'zoom 4' 'view 30 20' \
         'shade cubes' 'render lines.exr' 'render tiled.exr layout=tiled' # few colours, as GIF has
     for format in $formats; do echo "render a.$format"; done
 } >script

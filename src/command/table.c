@@ -55,6 +55,8 @@
     "a scene of that size. A large scene says what memory it needs before it is loaded, and is "   \
     "refused where that is not free."
 
+enum { PLANE_OFFSET_MOST = 1000000 }; /* thousandths of a millimetre */
+
 /* What every row begins with, on one line. */
 #define COMMAND(NAME, ACT, GROUP, FLAGS)        NAME, NULL, NULL, ACT, GROUP, FLAGS
 #define CALLED(NAME, ALSO, ACT, GROUP, FLAGS)   NAME, ALSO, NULL, ACT, GROUP, FLAGS
@@ -466,11 +468,17 @@ static const struct command command_table[] = {
      "labels do not change.",
      "clip axial 40-120"},
     {COMMAND("plane", act_plane, GROUP_CUTS, R | S),
-     {NEED("PLACE", VALUE_POSITION, .choices = "none")},
+     {NEED("PLACE", VALUE_POSITION, .choices = "none"),
+      KEYED("normal", VALUE_WORD, .choices = VIEW_NAMES, .form = "A,B,C"),
+      KEYED("offset", VALUE_DECIMAL, .least = -PLANE_OFFSET_MOST, .most = PLANE_OFFSET_MOST)},
      "cut away all that is in front of a voxel",
      "A plane at right angles to the present view, through the voxel, which stays. The plane stays "
-     "with the patient when the view turns. Up to 8; `none` removes them.",
-     "plane 100,100,50"},
+     "with the patient when the view turns. Up to 8; `none` removes them.\n"
+     "normal: the way to what is cut away, whatever the view: a side of the patient, or steps to "
+     "the right, the front and the head (as A,B,C of the world, of any length): normal=left and "
+     "normal=-1,0,0 cut away what is left of the voxel. Axes that are oblique count as they are.\n"
+     "offset: so many millimetres that way, from the voxel: offset=-5 cuts 5 mm deeper.",
+     "plane 100,100,50 normal=1,1,0.5"},
     {COMMAND("cut", act_cut, GROUP_CUTS, R | S),
      {NEED("CORNER", VALUE_POSITION, .choices = "none"), PAIRED("OPPOSITE", VALUE_POSITION)},
      "cut a box out of what is shown",
