@@ -5,7 +5,6 @@
 
 #include "base/mem.h"
 #include "engine/labels.h"
-#include "render/notes.h"
 
 enum {
     PART = 256, /* parts of the way from one voxel to the next */
@@ -297,7 +296,8 @@ static bool draw_marks(const struct work *work)
             const int64_t row = (int64_t)plan->corner + y * plan->step[1];
             for (int64_t x = 0; x < plan->side[0].voxels; x++) {
                 const struct cell *cell = work->scene->cell + (row + x * plan->step[0]);
-                if (cell->flags & CELL_SEED)
+                if (cell->flags & CELL_SEED &&
+                    mark_choice_has(&work->style->marked, (uint32_t)(cell - work->scene->cell)))
                     add_mark(&marks, plan, x, y, &(struct slice_mark){.label = cell->label});
             }
         }

@@ -19,6 +19,7 @@
 
 #include "base/err.h"
 #include "render/canvas.h"
+#include "render/notes.h"
 #include "render/palette.h"
 #include "render/slice_plan.h"
 
@@ -49,7 +50,8 @@ struct slice_style {
     const uint8_t *finished;       /* labels (engine/labels.h); NULL: those of the forest */
     bool crosses;                  /* the cross-hair */
     bool marks_rims;               /* seeds that have four neighbours like them are not marked */
-    bool marks_seeds;              /* seeds that are planted, and beside them: */
+    bool marks_seeds;              /* seeds that are planted, */
+    struct mark_choice marked;     /* of those, and beside them: */
     const struct slice_mark *mark; /* [marks]; those of other slices are passed over */
     size_t marks;
     const char *least, *most; /* what stands at the ends of the bar of greys; ASCII */

@@ -9,6 +9,7 @@
 #include "base/mem.h"
 #include "render/mosaic.h"
 #include "image/geometry.h"
+#include "session/markers.h"
 #include "session/semantics.h"
 #include "session/state.h"
 #include "show/draw.h"
@@ -102,6 +103,7 @@ static enum err sketch_init(struct sketch *sketch, struct session *session, stru
     sketch->style.crosses = s->crosses;
     sketch->style.marks_seeds = s->marks;
     sketch->style.marks_rims = session_outlook(session)->look.number > LOOK_FIRST;
+    sketch->style.marked = (struct mark_choice){markers_show, session_markers(session)};
     sketch->style.mark = NULL;
     sketch->style.marks = 0;
     if (s->marks && !list_marks(sketch, session))
