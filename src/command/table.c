@@ -711,7 +711,7 @@ static const struct command command_table[] = {
      {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
       KEYED("as", VALUE_LIST, .least = 1, .most = 255),
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255), KEYED("at", VALUE_POSITION),
-      KEYED("report", VALUE_FILE), KEYED("picture", VALUE_FILE),
+      KEYED("report", VALUE_FILE), KEYED("picture", VALUE_FILE), KEYED("surface", VALUE_FILE),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED, RESAMPLE},
      "how far the labels agree with a label map",
      "A is the labels here, B the map, on the scene's grid. For each label, and all together:\n"
@@ -728,7 +728,10 @@ static const struct command command_table[] = {
      "report: FILE.json or FILE.csv.\n"
      "picture: slices through the voxel `at`, or where both are farthest apart, with lines around "
      "what differs: white for A and B, orange for A alone, blue for B alone, purple for another "
-     "label." FINISHED_NOTE RESAMPLE_NOTE,
+     "label.\n"
+     "surface: a picture of A's surface, all objects as one, from where one looks now: red where "
+     "it "
+     "lies outside B, blue where inside, by the distance to B's." FINISHED_NOTE RESAMPLE_NOTE,
      "compare expert.nii.gz picture=difference.png"},
     {COMMAND("pilot", act_pilot, GROUP_QUESTIONS, S),
      {{0}},
