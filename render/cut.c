@@ -1,5 +1,7 @@
 #include "render/cut.h"
 
+#include <stdlib.h>
+
 struct cut cut_none(void)
 {
     return (struct cut){.last = {UINT32_MAX, UINT32_MAX, UINT32_MAX}};
@@ -43,24 +45,31 @@ bool cut_takes(const struct cut *cut, const struct grid *grid, uint32_t cell)
     return false;
 }
 
-struct cut_plane cut_plane_through(const struct scene *scene, const uint32_t place[3],
-                                   const int32_t ahead[3])
+struct cut_plane cut_plane_at(const int64_t into[3], const uint32_t place[3], int64_t behind)
 {
     struct cut_plane plane = {{0, 0, 0}, 0};
     int64_t largest = 0;
     int shift = 0;
-    for (int a = 0; a < 3; a++) {
-        plane.normal[a] = (int64_t)ahead[a] * scene->spacing_nm[a];
-        const int64_t length = plane.normal[a] < 0 ? -plane.normal[a] : plane.normal[a];
-        largest = length > largest ? length : largest;
-    }
+    for (int a = 0; a < 3; a++)
+        largest = llabs(into[a]) > largest ? llabs(into[a]) : largest;
     while (largest >> shift >> CUT_NORMAL_BITS)
         shift++;
+    const int64_t unit = INT64_C(1) << shift;
+    plane.least = -(behind / unit - (behind % unit < 0));
     for (int a = 0; a < 3; a++) {
-        plane.normal[a] /= INT64_C(1) << shift; /* towards 0, so that both sides are alike */
+        plane.normal[a] = into[a] / unit; /* towards 0, so that both sides are alike */
         plane.least += plane.normal[a] * place[a];
     }
     return plane;
+}
+
+struct cut_plane cut_plane_through(const struct scene *scene, const uint32_t place[3],
+                                   const int32_t ahead[3])
+{
+    int64_t into[3];
+    for (int a = 0; a < 3; a++)
+        into[a] = (int64_t)ahead[a] * scene->spacing_nm[a];
+    return cut_plane_at(into, place, 0);
 }
 
 /* ---- rows ---- */

@@ -2,7 +2,7 @@
  * The cut: what of the scene is cut away, so that the inside can be seen.
  *
  * Three means, and a voxel is cut away where any of them says so: slabs leave the voxels between
- * two slices of an axis, planes what lies after them, boxes are taken out. All are held in voxels
+ * two slices of an axis, planes what lies beyond them, boxes are taken out. All are held in voxels
  * of the scene, so they stay with the patient however the view turns; a voxel is cut whole, by its
  * centre. Labels do not matter: a cut is a function of place alone.
  *
@@ -48,7 +48,13 @@ bool cut_is_none(const struct cut *cut);
 /* Whether the cell of a voxel is cut away. */
 bool cut_takes(const struct cut *cut, const struct grid *grid, uint32_t cell);
 
-/* The plane through the centre of a voxel that leaves what lies `ahead` of it: a direction along
+/* The plane that leaves the voxels whose centres lie `into` of that of a voxel, or at most `behind`
+ * against it: `into` is by how much a step along each voxel axis leads there, in any unit, and
+ * `behind` counts in the same. Where components have more than CUT_NORMAL_BITS, the least bits are
+ * dropped. */
+struct cut_plane cut_plane_at(const int64_t into[3], const uint32_t place[3], int64_t behind);
+
+/* The one through the centre of a voxel that leaves what lies `ahead` of it: a direction along
  * voxel axes, of any length below 2^31, in a scene of this spacing. */
 struct cut_plane cut_plane_through(const struct scene *scene, const uint32_t place[3],
                                    const int32_t ahead[3]);

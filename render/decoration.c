@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "render/notes.h"
 #include "render/slice_plan.h"
 #include "render/projection.h"
 
@@ -203,7 +202,8 @@ static bool draw_seeds(const struct canvas *canvas, const struct decoration *d, 
             for (uint32_t x = 0; x < r->width; x++) {
                 const size_t pixel = (size_t)y * r->width + x;
                 const uint32_t cell = r->cell[pixel];
-                if (cell == CELL_NONE || !(d->camera->scene->cell[cell].flags & CELL_SEED))
+                if (cell == CELL_NONE || !(d->camera->scene->cell[cell].flags & CELL_SEED) ||
+                    !mark_choice_has(&d->marked, cell))
                     continue;
                 const struct mark mark = {.label = d->camera->scene->cell[cell].label};
                 runs.run[pixel] = mark_run(&mark);

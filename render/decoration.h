@@ -5,7 +5,8 @@
  *               an oblique view with the nearest first. Of unknown orientation: the axes, "+x"
  *     scale     a bar of a round length; in voxels where their distance is unknown
  *     legend    the labels that are shown, with how much each takes
- *     seeds     seeds and eliminators whose voxels pixels show, as slices mark them
+ *     seeds     seeds that were placed, not those of a file's pieces, and eliminators, whose voxels
+ *               pixels show, as slices mark them
  *     cross     the cross-hair, if a pixel shows its voxel
  *
  * Only colours change: which voxel a pixel shows is what is below. What is drawn has an outline, so
@@ -16,6 +17,7 @@
 #define RENDER_DECORATION_H
 
 #include "render/canvas.h"
+#include "render/notes.h"
 #include "render/palette.h"
 #include "render/rendition.h"
 
@@ -42,6 +44,7 @@ struct decoration {
     const struct camera *camera;   /* of its samples, */
     uint32_t samples;              /* so many a side for a pixel */
     const struct palette *palette;
+    struct mark_choice marked;      /* of the seeds */
     bool is_bright;                 /* what is behind the objects: words are dark then */
     const struct legend_line *line; /* [lines] */
     size_t lines;

@@ -55,6 +55,17 @@ struct mark {
     bool eliminates, waits;
 };
 
+/* Which seeds are marked, by their cells: those that `shows` says; {0}: all. */
+struct mark_choice {
+    bool (*shows)(const void *of, uint32_t cell);
+    const void *of;
+};
+
+static inline bool mark_choice_has(const struct mark_choice *choice, uint32_t cell)
+{
+    return !choice->shows || choice->shows(choice->of, cell);
+}
+
 /* {0} is none; the caller frees `mark`. */
 struct marks {
     struct mark *mark;

@@ -5,9 +5,12 @@
 
 #include "base/mem.h"
 #include "engine/labels.h"
-#include "render/notes.h"
 
-enum { PART = 256, HALF = PART * PART / 2 }; /* parts of the way from one voxel to the next */
+enum {
+    PART = 256, /* parts of the way from one voxel to the next */
+    HALF = PART * PART / 2,
+    HAIRLINE_DIMS = 4, /* to this part of the grey */
+};
 
 void slice_window(uint8_t grey[UINT16_MAX + 1], int32_t low, int32_t high)
 {
@@ -190,38 +193,67 @@ static uint8_t label_at(const struct work *work, int64_t x, int64_t y, uint8_t o
     return work->label[(size_t)(y - row->first) * work->columns + (size_t)(x - column->first)];
 }
 
-static bool on_contour(const struct work *work, int64_t x, int64_t y, uint8_t own, int64_t reach)
+/* How far the nearest other label is beside, above or below, at most `reach`; 0 for none. */
+static int64_t edge_near(const struct work *work, int64_t x, int64_t y, uint8_t own, int64_t reach)
 {
     for (int64_t d = 1; d <= reach; d++)
         if (label_at(work, x - d, y, own) != own || label_at(work, x + d, y, own) != own ||
             label_at(work, x, y - d, own) != own || label_at(work, x, y + d, own) != own)
-            return true;
-    return false;
+            return d;
+    return 0;
 }
 
-/* The same where all voxels read lie in the scene and all pixels in the picture, as nearly all
- * does. */
-static bool on_contour_inside(const uint8_t *label, ptrdiff_t columns, int64_t reach)
+/* The same where all those are pixels of the scene, as nearly everywhere. */
+static int64_t edge_near_inside(const uint8_t *label, ptrdiff_t columns, int64_t reach)
 {
-    unsigned differs = 0;
     for (ptrdiff_t d = 1; d <= reach; d++)
-        differs |= (unsigned)(label[-d] ^ *label) | (unsigned)(label[d] ^ *label) |
-                   (unsigned)(label[-d * columns] ^ *label) |
-                   (unsigned)(label[d * columns] ^ *label);
-    return differs;
+        if ((label[-d] ^ *label) | (label[d] ^ *label) | (label[-d * columns] ^ *label) |
+            (label[d * columns] ^ *label))
+            return d;
+    return 0;
 }
 
-static void outline_row(uint8_t *pixel, const struct work *work, int64_t y, int64_t reach,
-                        const struct palette *palette)
+/* Whether eight of them side by side have no other label that near. */
+static bool is_plain(const uint8_t *label, ptrdiff_t columns, int64_t reach)
+{
+    uint64_t own, other, differs = 0;
+    memcpy(&own, label, sizeof own);
+    for (ptrdiff_t d = 1; d <= reach; d++) {
+        const ptrdiff_t step[4] = {-d, d, -d * columns, d * columns};
+        for (int i = 0; i < 4; i++) {
+            memcpy(&other, label + step[i], sizeof other);
+            differs |= own ^ other;
+        }
+    }
+    return !differs;
+}
+
+/* A line of the label's colour along the edge of a region, between two hairlines that darken what
+ * they lie on: outside where no label is, and, where there is room, inside. */
+static void outline_row(const struct work *work, int64_t y, const struct palette *palette)
 {
     const struct slice_side *column = &work->plan.side[0], *row = &work->plan.side[1];
+    const int64_t line = work->plan.unit, hair = (line + 1) / 2;
+    const int64_t reach = line > 1 ? line + hair : line;
     const bool is_inner = y - row->first >= reach && row->end - y > reach;
-    const uint8_t *label = work->label + (size_t)(y - row->first) * work->columns;
-    for (int64_t x = column->first; x < column->end; x++, pixel += 4, label++) {
-        const bool inside = is_inner && x - column->first >= reach && column->end - x > reach;
-        if (*label && (inside ? on_contour_inside(label, (ptrdiff_t)work->columns, reach)
-                              : on_contour(work, x, y, *label, reach)))
+    const ptrdiff_t columns = (ptrdiff_t)work->columns;
+    const uint8_t *label = work->label + (y - row->first) * columns;
+    for (int64_t x = column->first; x < column->end; x++, label++) {
+        const bool inside = is_inner && x - column->first >= reach && column->end - x >= reach + 8;
+        if (inside && x % 8 == 0 && is_plain(label, columns, reach)) {
+            x += 7;
+            label += 7;
+            continue;
+        }
+        uint8_t *pixel = canvas_pixel(work->canvas, (size_t)x, (size_t)y);
+        const int64_t near = *label ? reach : hair;
+        const int64_t edge =
+            inside ? edge_near_inside(label, columns, near) : edge_near(work, x, y, *label, near);
+        if (*label && edge && edge <= line)
             memcpy(pixel, palette->rgb[*label], 3);
+        else
+            for (int k = 0; edge && k < 3; k++)
+                pixel[k] /= HAIRLINE_DIMS;
     }
 }
 
@@ -234,7 +266,7 @@ static void paint_labels(const struct work *work)
         uint8_t *pixel = canvas_pixel(work->canvas, (size_t)column->first, (size_t)y);
         const uint8_t *label = work->label + (size_t)(y - row->first) * columns;
         if (work->style->overlay == SLICE_CONTOUR)
-            outline_row(pixel, work, y, slice_unit(work->plan.size), palette);
+            outline_row(work, y, palette);
         else
             for (size_t x = 0; x < columns; x++, pixel += 4)
                 for (int k = 0; label[x] && k < 3; k++)
@@ -264,7 +296,8 @@ static bool draw_marks(const struct work *work)
             const int64_t row = (int64_t)plan->corner + y * plan->step[1];
             for (int64_t x = 0; x < plan->side[0].voxels; x++) {
                 const struct cell *cell = work->scene->cell + (row + x * plan->step[0]);
-                if (cell->flags & CELL_SEED)
+                if (cell->flags & CELL_SEED &&
+                    mark_choice_has(&work->style->marked, (uint32_t)(cell - work->scene->cell)))
                     add_mark(&marks, plan, x, y, &(struct slice_mark){.label = cell->label});
             }
         }

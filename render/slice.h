@@ -19,6 +19,7 @@
 
 #include "base/err.h"
 #include "render/canvas.h"
+#include "render/notes.h"
 #include "render/palette.h"
 #include "render/slice_plan.h"
 
@@ -35,7 +36,9 @@ enum slice_overlay {
     SLICE_PLAIN,   /* grey alone */
     SLICE_TINT,    /* a third of the label's colour, two thirds of the grey */
     SLICE_CONTOUR, /* the label's colour where another label is beside, above or below, as near as a
-                      thin line is wide: one pixel, two where the picture's shorter side has 400 */
+                      thin line is wide: one pixel, two where the picture's shorter side has 400.
+                      A hairline, a quarter of the grey, is beside it where no label is, and, of two
+                      pixels on, within the label too: so it is seen on white and on grey */
 };
 
 /* How slices are drawn, whichever they are. */
@@ -46,8 +49,8 @@ struct slice_style {
     const bool *visible;           /* [256], whether a label is overlaid */
     const uint8_t *finished;       /* labels (engine/labels.h); NULL: those of the forest */
     bool crosses;                  /* the cross-hair */
-    bool marks_seeds; /* seeds that are planted, but those that have four neighbours like them, and
-                         beside them: */
+    bool marks_seeds; /* seeds that are planted, but those that have four neighbours like them, */
+    struct mark_choice marked; /* of those; and beside them: */
     const struct slice_mark *mark; /* [marks]; those of other slices are passed over */
     size_t marks;
     const char *least, *most; /* what stands at the ends of the bar of greys; ASCII */

@@ -133,6 +133,39 @@ expect 0 "$iftty" info cut.png
 out_has "iftty:differ"
 close_story
 
+# A box, and one that is 2 voxels larger on each side: all of the larger one is too large by as much
+# along the axes, and the smaller one too small; no colour but theirs, however the light falls.
+begin "the picture of a surface is red outside, blue inside, and the scene is as before"
+"$iftty" -c "open synth:geom:60x50x40; box 0,0,0 59,49,39 0; box 20,18,12 39,31,27 1; run
+    save labels small.nii; undo 2; box 18,16,10 41,33,29 1; run; save labels large.nii" \
+    --journal boxes.iftty >/dev/null || fail "cannot segment"
+expect 0 "$iftty" compare large.nii small.nii --surface red.png
+expect 0 "$iftty" compare small.nii large.nii --surface blue.png
+expect 0 "$iftty" compare small.nii small.nii --surface grey.png
+if needs oiiotool; then
+    for picture in red blue grey; do # of the middle, where no words are
+        oiiotool -q $picture.png --ch R,G,B --cut 400x300+312+362 -d uint8 -o $picture.ppm ||
+            fail "no picture $picture"
+        tail -c 360000 $picture.ppm | od -An -v -tu1 -w3 | awk '
+            { most = $1 > $3 + 40 ? "red" : $3 > $1 + 40 ? "blue" : "grey"; count[most]++ }
+            END { for (c in count) if (count[c] > n) { n = count[c]; seen = c }
+                  print seen, (n > 100000) }' >seen
+        same "$(cat seen)" "$picture 1"
+    done
+fi
+expect 0 "$iftty" info red.png
+out_has "iftty:distance: of A's surface from B's, -5 mm inside to 5 mm outside"
+expect 0 "$iftty" -c 'render; compare small.nii surface=red2.png; render' --journal boxes.iftty
+same "$(grep -c 'picture=' boxes.iftty)" 2
+same "$(grep -o 'picture=[0-9a-f]*' boxes.iftty | sort -u | wc -l)" 1
+expect 3 "$iftty" compare large.nii small.nii --surface red.png
+err_has "--surface: "
+"$iftty" -c 'open synth:geom:60x50x40; seed 1,1,1 0; run; save labels none.nii empty=yes' \
+    >/dev/null
+expect 3 "$iftty" compare large.nii none.nii --surface none.png
+err_has "expected an object in A and in B"
+close_story
+
 begin "one label, and regions of a map for it"
 expect 0 "$iftty" compare --binary --csv a.nii b.nii
 sed -n 2p out >both

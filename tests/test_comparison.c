@@ -350,6 +350,53 @@ STORY(a_stop_is_heard_wherever_it_comes)
     free(c.label[1]);
 }
 
+/* ---- classes ---- */
+
+enum { BOX = 9 };
+
+static uint8_t class_at(const uint8_t *class, const struct grid *grid, uint32_t x, uint32_t y,
+                        uint32_t z)
+{
+    return class[grid_cell(grid, x, y, z)];
+}
+
+/* A is a cube of 5 around B, a cube of 3, whose contour is all but its middle: up to 2 mm, and with
+ * voxels of 2 mm along x. */
+STORY(classes_are_signed_distances_to_the_contour_of_b)
+{
+    static uint8_t a[BOX * BOX * BOX], b[BOX * BOX * BOX];
+    struct compared c = {{BOX, BOX, BOX}, {1000000, 1000000, 1000000}, {a, b}};
+    struct grid grid;
+    CHECK(grid_init(&grid, c.size, NULL) == OK);
+    uint8_t *class = mem_new(grid.cells);
+    for (int i = 0; i < BOX * BOX * BOX; i++) {
+        const int at[3] = {i % BOX, i / BOX % BOX, i / BOX / BOX};
+        bool in_a = true, in_b = true;
+        for (int k = 0; k < 3; k++) {
+            in_a = in_a && at[k] >= 2 && at[k] <= 6;
+            in_b = in_b && at[k] >= 3 && at[k] <= 5;
+        }
+        a[i] = in_a * 7; /* whichever label: objects are one */
+        b[i] = in_b;
+    }
+    CHECK(comparison_classify(class, &grid, &c, 2, NULL, NULL, NULL) == OK);
+    CHECK_INT(class_at(class, &grid, 1, 4, 4), 0);
+    CHECK_INT(class_at(class, &grid, 2, 4, 4), 128 + 64);  /* 63.5 steps outside */
+    CHECK_INT(class_at(class, &grid, 6, 6, 6), 128 + 110); /* 1.73 mm */
+    CHECK_INT(class_at(class, &grid, 3, 4, 4), 128);
+    CHECK_INT(class_at(class, &grid, 4, 4, 4), 128 - 64);
+    c.spacing_nm[0] = 2000000;
+    CHECK(comparison_classify(class, &grid, &c, 1.5, NULL, NULL, NULL) == OK);
+    CHECK_INT(class_at(class, &grid, 2, 4, 4), 255); /* no more than all steps */
+    CHECK_INT(class_at(class, &grid, 4, 2, 4), 128 + 85);
+    c.label[0] = b, c.label[1] = a; /* too small now */
+    memset(class, 0, grid.cells);
+    CHECK(comparison_classify(class, &grid, &c, 1.5, NULL, NULL, NULL) == OK);
+    CHECK_INT(class_at(class, &grid, 4, 3, 4), 128 - 85);
+    CHECK_INT(class_at(class, &grid, 2, 4, 4), 0);
+    free(class);
+}
+
 int main(void)
 {
     return RUN_STORIES(TELL(distances_are_those_to_the_nearest_voxel),
@@ -359,5 +406,6 @@ int main(void)
                        TELL(sets_may_agree_more_than_their_surfaces),
                        TELL(what_is_not_there_has_no_distance),
                        TELL(random_labels_are_as_far_apart_as_a_slow_computation_finds),
-                       TELL(a_stop_is_heard_wherever_it_comes));
+                       TELL(a_stop_is_heard_wherever_it_comes),
+                       TELL(classes_are_signed_distances_to_the_contour_of_b));
 }

@@ -7,6 +7,7 @@
 
 #include <errno.h>
 #include <limits.h>
+#include <math.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -99,6 +100,12 @@ STORY(slabs_boxes_and_planes_take_what_they_say)
     cut_as(&border, &cut);
     CHECK(shows(&border, 3, 3, 0) && shows(&border, 5, 2, 0) && shows(&border, 9, 0, 0));
     CHECK(!shows(&border, 2, 3, 0) && !shows(&border, 4, 2, 0) && !shows(&border, 8, 0, 0));
+
+    /* Where bits are dropped, a plane less than one of them deeper is beyond its voxel. */
+    const int64_t far[3] = {INT64_C(1) << 45, 0, 0};
+    cut.plane[0] = cut_plane_at(far, (uint32_t[]){3, 3, 0}, -1);
+    cut_as(&border, &cut);
+    CHECK(!shows(&border, 3, 3, 0) && shows(&border, 4, 3, 0));
 
     /* Seen the other way, the rest, and the voxels on the plane both times. */
     cut.plane[0] =
@@ -431,6 +438,143 @@ STORY(a_plane_cuts_what_lies_before_a_voxel_and_stays_with_the_patient)
     interpreter_release(&interp);
 }
 
+/* Voxels that are shown of those with x + 2 y of this much. */
+static unsigned shown_at(const struct interpreter *interp, uint32_t sum)
+{
+    unsigned count = 0;
+    for (uint32_t y = 0; y < 30; y++)
+        for (uint32_t x = 0; x < 40; x++)
+            for (uint32_t z = 0; z < 20; z++)
+                count += x + 2 * y == sum && is_shown(interp, x, y, z);
+    return count;
+}
+
+STORY(a_plane_with_a_normal_is_the_same_from_everywhere)
+{
+    struct interpreter interp;
+    begin(&interp);
+    must(&interp, "view 33 20");
+    must(&interp, "plane 20,15,10 normal=right"); /* x counts to the right */
+    CHECK(is_shown(&interp, 20, 3, 3) && !is_shown(&interp, 21, 3, 3));
+    must(&interp, "plane none");
+    must(&interp, "plane 20,15,10 normal=bottom offset=2.5");
+    CHECK(is_shown(&interp, 20, 3, 8) && !is_shown(&interp, 20, 3, 7));
+    must(&interp, "plane none");
+    must(&interp, "plane 20,15,10 normal=back offset=-3"); /* the plane's own voxels stay */
+    CHECK(is_shown(&interp, 20, 18, 8) && !is_shown(&interp, 20, 17, 7));
+    must(&interp, "plane none");
+
+    /* All on the plane stay, and none beyond: 20 + 2 * 15 is 50. */
+    static const char *const same[] = {"plane 20,15,10 normal=1,2,0", "plane 20,15,10 normal=1,2,0",
+                                       "plane 20,15,10 normal=0.000001,0.000002,0",
+                                       "plane 20,15,10 normal=-500,-1000,0"};
+    struct cut cut[4];
+    for (int i = 0; i < 4; i++) {
+        must(&interp, "turn 31 17");
+        must(&interp, same[i]);
+        cut[i] = interp.session->now.kept.cut;
+        CHECK_INT(shown_at(&interp, 50), 20 * 20);
+        CHECK_INT(shown_at(&interp, i < 3 ? 49 : 51), 20 * 20);
+        CHECK_INT(shown_at(&interp, i < 3 ? 51 : 49), 0);
+        must(&interp, "plane none");
+    }
+    CHECK(memcmp(&cut[0], &cut[1], sizeof cut[0]) == 0);
+
+    /* From his left, what is before the voxel is what lies to his left. */
+    must(&interp, "view left");
+    must(&interp, "plane 20,15,10 offset=1");
+    const struct cut seen = interp.session->now.kept.cut;
+    must(&interp, "view top");
+    must(&interp, "plane none");
+    must(&interp, "plane 20,15,10 normal=left offset=1");
+    for (uint32_t x = 0; x < 40; x++) {
+        const uint32_t cell = grid_cell(&interp.session->scene->grid, x, 3, 3);
+        CHECK(cut_takes(&seen, &interp.session->scene->grid, cell) == !is_shown(&interp, x, 3, 3));
+        CHECK(is_shown(&interp, x, 3, 3) == (x >= 19));
+    }
+    CHECK(execute(&interp, "plane none normal=left") == ERR_USAGE);
+    CHECK(execute(&interp, "plane 1,1,1 normal=0,0,0") == ERR_USAGE);
+    CHECK(execute(&interp, "plane 1,1,1 normal=1,2") == ERR_USAGE);
+    CHECK(execute(&interp, "plane 1,1,1 normal=1,2,3,") == ERR_USAGE);
+    CHECK(execute(&interp, "plane 1,1,1 normal=1,2,1001") == ERR_USAGE);
+    CHECK_HAS(fault.text, "expected front|back|left|right|top|bottom or A,B,C, not all 0");
+    CHECK_INT(interp.session->now.kept.cut.planes, 1);
+    interp.session->scene->sides_unknown = true;
+    CHECK(execute(&interp, "plane 1,1,1 normal=left") == ERR_INPUT);
+    CHECK_HAS(fault.text, "nothing says which way the patient lies; expected A,B,C");
+    must(&interp, "plane 1,1,1 normal=1,0,0");
+    interp.session->scene->spacing_unknown = true;
+    CHECK(execute(&interp, "plane 1,1,1 normal=1,0,0 offset=1") == ERR_INPUT);
+    CHECK_HAS(fault.text, "there are no millimetres");
+    interpreter_release(&interp);
+}
+
+/* A turned grid of any spacing, mirrored or not; sheared by a little every other time. */
+static void place_at_random(struct interpreter *interp, uint64_t *random)
+{
+    struct geometry *geometry = &interp->session->geometry;
+    double to_mm[3][4] = {{0}}, turn[3];
+    for (int i = 0; i < 3; i++)
+        turn[i] = check_below(random, 6284) / 1000.0;
+    for (int a = 0; a < 3; a++) {
+        double v[3] = {a == 0, a == 1, a == 2};
+        v[0] += a == 1 && check_below(random, 2) ? 0.3 : 0;
+        for (int i = 0; i < 3; i++) { /* around each axis in turn */
+            const double p = v[(i + 1) % 3], q = v[(i + 2) % 3];
+            v[(i + 1) % 3] = p * cos(turn[i]) - q * sin(turn[i]);
+            v[(i + 2) % 3] = p * sin(turn[i]) + q * cos(turn[i]);
+        }
+        const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        geometry->spacing_nm[a] = 200000 + check_below(random, 3000000);
+        for (int w = 0; w < 3; w++)
+            to_mm[w][a] = v[w] / length * geometry->spacing_nm[a] / 1e6;
+    }
+    CHECK(geometry_place(geometry, (const double(*)[4])to_mm, ORIENTATION_SFORM));
+}
+
+STORY(in_oblique_scenes_a_plane_cuts_what_lies_that_way_in_the_world)
+{
+    uint64_t random = 31;
+    struct interpreter interp;
+    unsigned cut = 0, left = 0;
+    begin(&interp);
+    for (int round = 0; round < 60 && check_failures == 0; round++) {
+        const double(*to_mm)[4] = (const double(*)[4])interp.session->geometry.to_mm;
+        const uint32_t at[3] = {check_below(&random, 40), check_below(&random, 30),
+                                check_below(&random, 20)};
+        const int digits = (int)check_below(&random, 4);
+        double normal[3], length = 0;
+        char line[96];
+        place_at_random(&interp, &random);
+        for (int w = 0; w < 3; w++) {
+            normal[w] = ((int)check_below(&random, 2001) - 1000) / pow(10, digits);
+            length += normal[w] * normal[w];
+        }
+        const double offset = ((int)check_below(&random, 12001) - 6000) / 1000.0;
+        snprintf(line, sizeof line, "plane %u,%u,%u normal=%.3f,%.3f,%.3f offset=%.3f", at[0],
+                 at[1], at[2], normal[0], normal[1], normal[2], offset);
+        must(&interp, line);
+        for (uint32_t c = 0; c < interp.session->scene->grid.cells; c++) {
+            if (interp.session->scene->cell[c].flags & CELL_RIM)
+                continue;
+            const struct place p = grid_place(&interp.session->scene->grid, c);
+            const double step[3] = {(double)p.x - at[0], (double)p.y - at[1], (double)p.z - at[2]};
+            double beyond = -offset; /* in millimetres */
+            for (int w = 0; w < 3; w++)
+                for (int a = 0; a < 3; a++)
+                    beyond += normal[w] * to_mm[w][a] * step[a] / sqrt(length);
+            if (fabs(beyond) > 1e-4) { /* steps are rounded to nanometres */
+                CHECK(border_shows(&interp.session->border, c) == (beyond < 0));
+                cut += beyond > 0;
+                left += beyond < 0;
+            }
+        }
+        must(&interp, "plane none");
+    }
+    CHECK(cut > 100000 && left > 100000);
+    interpreter_release(&interp);
+}
+
 STORY(boxes_are_taken_out_and_put_back)
 {
     struct interpreter interp;
@@ -520,6 +664,7 @@ STORY(cuts_are_taken_back_and_replayed_exactly)
                                        "render",
                                        "turn 20 30",
                                        "plane 20,15,10",
+                                       "plane 20,15,10 normal=1,-0.5,2 offset=1.5",
                                        "render",
                                        "clip axial 2-15",
                                        "cut 0,0,0 15,15,9",
@@ -586,6 +731,8 @@ int main(void)
                     TELL(borders_and_pictures_follow_cuts_edits_and_hidden_labels),
                     TELL(slabs_are_counted_as_slices_are),
                     TELL(a_plane_cuts_what_lies_before_a_voxel_and_stays_with_the_patient),
+                    TELL(a_plane_with_a_normal_is_the_same_from_everywhere),
+                    TELL(in_oblique_scenes_a_plane_cuts_what_lies_that_way_in_the_world),
                     TELL(boxes_are_taken_out_and_put_back), TELL(a_cut_scene_is_not_interpolated),
                     TELL(a_picture_notes_what_is_cut_away_and_in_focus),
                     TELL(cuts_are_taken_back_and_replayed_exactly));

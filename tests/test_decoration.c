@@ -8,6 +8,7 @@
 #include "render/projection.h"
 #include "show/decorating.h"
 #include "show/slicing.h"
+#include "tests/folder.h"
 #include "tests/interpreting.h"
 #include "tests/stage.h"
 
@@ -181,6 +182,8 @@ STORY(every_size_has_what_fits)
 
 /* ---- in a session ---- */
 
+static char folder[FOLDER_LENGTH];
+
 static void begin_with_object(struct interpreter *interp)
 {
     begin_interpreter(interp);
@@ -269,6 +272,41 @@ STORY(what_no_pixel_shows_has_no_mark)
     interpreter_release(&interp);
 }
 
+/* All that is seen of a piece of a file are its seeds: marked, they would be a rope around its
+ * silhouette, and in slices around its contour. */
+STORY(seeds_of_a_files_pieces_have_no_marks_and_those_that_are_placed_do)
+{
+    char save[FILE_LENGTH + 16], labels[FILE_LENGTH + 16];
+    struct interpreter interp;
+    snprintf(save, sizeof save, "save labels %s", file_in(folder, "map.nii"));
+    snprintf(labels, sizeof labels, "labels %s", file_in(folder, "map.nii"));
+    begin_with_object(&interp);
+    must(&interp, save);
+    interpreter_release(&interp);
+    begin_interpreter(&interp);
+    must(&interp, "open synth:geom:40x40x20");
+    must(&interp, "size 140 130");
+    must(&interp, "zoom 3");
+    must(&interp, "view 40 30");
+    must(&interp, labels);
+    must(&interp, "run");
+    for (int placed = 0; placed < 2; placed++) {
+        must(&interp, "decorate none");
+        must(&interp, "overlay marks=off");
+        const uint64_t plain = digest_of(&interp, "render");
+        const uint64_t slice = digest_of(&interp, "slice axial 10");
+        must(&interp, "decorate seeds");
+        must(&interp, "overlay marks=on");
+        CHECK((digest_of(&interp, "render") != plain) == placed);
+        CHECK((digest_of(&interp, "slice axial 10") != slice) == placed);
+        const uint32_t at = grid_cell(&interp.session->scene->grid, 20, 20, 10);
+        CHECK(!(interp.session->scene->cell[at].flags & CELL_SEED) == !placed);
+        must(&interp, "seed 20,20,10 1 radius=12"); /* comes out at the surface */
+        must(&interp, "run");
+    }
+    interpreter_release(&interp);
+}
+
 STORY(mosaics_are_not_decorated)
 {
     struct interpreter interp;
@@ -296,13 +334,16 @@ STORY(what_is_no_part_is_refused)
 
 int main(void)
 {
+    if (!make_folder(folder, "decoration"))
+        return 1;
     const int status =
         RUN_STORIES(TELL(letters_name_the_sides_that_lie_there),
                     TELL(of_unknown_orientation_the_axes_are_named),
                     TELL(the_bar_is_as_long_as_it_says), TELL(every_size_has_what_fits),
                     TELL(every_way_of_drawing_has_the_same_and_none_takes_all_away),
                     TELL(what_is_below_stays_what_it_is), TELL(what_no_pixel_shows_has_no_mark),
+                    TELL(seeds_of_a_files_pieces_have_no_marks_and_those_that_are_placed_do),
                     TELL(mosaics_are_not_decorated), TELL(what_is_no_part_is_refused));
     reply_release(&reply);
-    return status;
+    return status | remove_folder(folder);
 }

@@ -1,18 +1,17 @@
 /*
- * Colours of labels: distinct, and well apart, also for eyes that lack one kind of cone.
- *
- * Distances are those of OKLab (Ottosson 2020), in 10 000ths, rounded to whole ones; 200 is about
- * what can just be told apart side by side. What protanopia and deuteranopia leave of a colour is
- * that of Machado, Oliveira and Fernandes (2009).
+ * Colours of labels: distinct, and well apart, off grey and off what is drawn over slices, also for
+ * eyes that lack one kind of cone. Distances are as render/palette.h has them.
  */
 #include "check.h"
 
 #include <math.h>
 
-#include "render/palette.h"
 #include "render/look.h"
+#include "render/notes.h"
+#include "render/palette.h"
 
-enum { EYES = 3 }; /* all cones; without long ones, protanopia; without middle ones, deuteranopia */
+/* All cones; without long ones, protanopia; middle ones, deuteranopia; short ones, tritanopia. */
+enum { EYES = 4 };
 
 struct seen {
     int64_t lab[EYES][3];
@@ -52,7 +51,10 @@ static struct seen see(const uint8_t rgb[3])
                                             {-0.003882, -0.048116, 1.051998}},
                                            {{0.367322, 0.860646, -0.227968},
                                             {0.280085, 0.672501, 0.047413},
-                                            {-0.011820, 0.042940, 0.968881}}};
+                                            {-0.011820, 0.042940, 0.968881}},
+                                           {{1.255528, -0.076749, -0.178779},
+                                            {-0.078411, 0.930809, 0.147602},
+                                            {0.004733, 0.691367, 0.303900}}};
     const double in[3] = {linear(rgb[0]), linear(rgb[1]), linear(rgb[2])};
     struct seen seen;
     for (int e = 0; e < EYES; e++) {
@@ -72,6 +74,21 @@ static int64_t apart_for(int eye, const struct seen *a, const struct seen *b)
         squared += d * d;
     }
     return squared;
+}
+
+/* From the nearest grey, of any lightness. */
+static int64_t off_grey(int eye, const struct seen *a)
+{
+    return a->lab[eye][1] * a->lab[eye][1] + a->lab[eye][2] * a->lab[eye][2];
+}
+
+/* From the yellows of the cross-hair, and of the pilot's frames (src/show/panes.c). */
+static int64_t off_marks(int eye, const struct seen *a)
+{
+    static const uint8_t frame[3] = {230, 200, 90};
+    const struct seen mark[] = {see(notes_yellow), see(frame)};
+    const int64_t d[] = {apart_for(eye, a, &mark[0]), apart_for(eye, a, &mark[1])};
+    return d[0] < d[1] ? d[0] : d[1];
 }
 
 /* The square of a distance. Eyes with all cones distinguish more: for them it is to be twice as
@@ -97,7 +114,18 @@ static struct candidate {
 } candidate[CANDIDATES];
 static int candidates;
 
-/* Neither black nor white nor grey, nor too bright to be shaded. */
+/* Off grey and off marks, and neither too dark nor too bright to be shaded. */
+static bool is_fit(const struct seen *seen)
+{
+    static const int64_t grey[2] = {PALETTE_OFF_GREY_ALL, PALETTE_OFF_GREY_ALL_BLIND};
+    static const int64_t marks[2] = {PALETTE_OFF_MARKS_ALL, PALETTE_OFF_MARKS_ALL_BLIND};
+    bool fit = seen->lab[0][0] >= 4500 && seen->lab[0][0] <= 9200;
+    for (int eye = 0; eye < EYES && fit; eye++)
+        fit = off_grey(eye, seen) >= grey[eye > 0] * grey[eye > 0] &&
+              off_marks(eye, seen) >= marks[eye > 0] * marks[eye > 0];
+    return fit && off_grey(0, seen) <= 2000 * 2000;
+}
+
 static void list_candidates(void)
 {
     for (int i = 0; i < CANDIDATES; i++) {
@@ -107,10 +135,7 @@ static void list_candidates(void)
             c->rgb[k] = (uint8_t)(LEVEL_STEP * level[k]);
         c->seen = see(c->rgb);
         c->apart = INT64_MAX / 16;
-        const int64_t *lab = c->seen.lab[0];
-        const int64_t chroma = lab[1] * lab[1] + lab[2] * lab[2];
-        candidates +=
-            lab[0] >= 4500 && lab[0] <= 9200 && chroma >= 500 * 500 && chroma <= 2000 * 2000;
+        candidates += is_fit(&c->seen);
     }
 }
 
@@ -128,7 +153,7 @@ static int64_t score(const struct candidate *c, const struct seen *label, int nu
     return least;
 }
 
-/* The first eight are given. */
+/* The first are given. */
 static void follow_rule(struct palette *palette)
 {
     struct seen label[256];
@@ -136,12 +161,12 @@ static void follow_rule(struct palette *palette)
     for (int number = 1; number < 256; number++) {
         int64_t most = -1;
         const struct candidate *best = candidate;
-        for (int i = 0; i < candidates && number > 8; i++) {
+        for (int i = 0; i < candidates && number > PALETTE_CHOSEN; i++) {
             const int64_t s = score(&candidate[i], label, number);
             best = s > most ? &candidate[i] : best;
             most = s > most ? s : most;
         }
-        if (number > 8)
+        if (number > PALETTE_CHOSEN)
             memcpy(palette->rgb[number], best->rgb, 3);
         label[number] = see(palette->rgb[number]);
         for (int i = 0; i < candidates; i++) {
@@ -153,10 +178,10 @@ static void follow_rule(struct palette *palette)
 
 static void print_table(const struct palette *palette)
 {
-    for (int label = 9; label < 256; label++)
-        printf("%s0x%02x%02x%02x,%s", (label - 9) % 9 ? " " : "#     ", palette->rgb[label][0],
+    for (int label = 1; label < 256; label++)
+        printf("%s0x%02x%02x%02x,%s", (label - 1) % 9 ? " " : "#     ", palette->rgb[label][0],
                palette->rgb[label][1], palette->rgb[label][2],
-               (label - 9) % 9 == 8 || label == 255 ? "\n" : "");
+               (label - 1) % 9 == 8 || label == 255 ? "\n" : "");
 }
 
 STORY(the_table_is_what_its_rule_makes)
@@ -171,38 +196,77 @@ STORY(the_table_is_what_its_rule_makes)
 
 /* ---- what it gives ---- */
 
-/* The least distances of all labels, of those with near numbers, and of the first 24. */
-static void find_least(int eye, const struct seen *label, double least[3])
+/* The least distances, as the header names them. */
+enum least {
+    APART_4,
+    APART_8,
+    APART_16,
+    NEAR,
+    ALL,
+    OFF_GREY,
+    OFF_GREY_ALL,
+    OFF_MARKS,
+    OFF_MARKS_ALL,
+    LEASTS
+};
+
+static void take_least(int64_t *least, int64_t squared)
 {
-    for (int i = 1; i < 256; i++)
-        for (int j = 1; j < i; j++) {
-            const double d = sqrt((double)apart_for(eye, &label[i], &label[j]));
-            const bool counts[3] = {true, i > 8 && i - j <= NEIGHBOURS, i <= 24};
-            for (int k = 0; k < 3; k++)
-                least[k] = counts[k] && d < least[k] ? d : least[k];
-        }
+    const int64_t distance = (int64_t)sqrt((double)squared);
+    *least = distance < *least ? distance : *least;
 }
 
-STORY(labels_are_well_apart_for_every_eye)
+static void find_least(int eye, const struct seen *label, int64_t least[LEASTS])
 {
-    static const double promised[EYES][3] = {{250, 1050, 550}, {125, 520, 430}, {125, 520, 430}};
+    for (int i = 1; i < 256; i++) {
+        for (int j = 1; j < i; j++) {
+            const int64_t squared = apart_for(eye, &label[i], &label[j]);
+            const bool counts[] = {i <= 4, i <= 8, i <= PALETTE_CHOSEN,
+                                   i > PALETTE_CHOSEN && i - j <= NEIGHBOURS, true};
+            for (int k = APART_4; k <= ALL; k++)
+                if (counts[k])
+                    take_least(&least[k], squared);
+        }
+        if (i <= PALETTE_CHOSEN) {
+            take_least(&least[OFF_GREY], off_grey(eye, &label[i]));
+            take_least(&least[OFF_MARKS], off_marks(eye, &label[i]));
+        }
+        take_least(&least[OFF_GREY_ALL], off_grey(eye, &label[i]));
+        take_least(&least[OFF_MARKS_ALL], off_marks(eye, &label[i]));
+    }
+}
+
+STORY(labels_stand_off_each_other_off_grey_and_off_marks_for_every_eye)
+{
+#define BOTH(name)                                                                                 \
+    {                                                                                              \
+        PALETTE_##name, PALETTE_##name##_BLIND                                                     \
+    }
+    static const int64_t promised[LEASTS][2] = {
+        BOTH(APART_4),  BOTH(APART_8),      BOTH(APART_16),  BOTH(APART_NEAR),    BOTH(APART_ALL),
+        BOTH(OFF_GREY), BOTH(OFF_GREY_ALL), BOTH(OFF_MARKS), BOTH(OFF_MARKS_ALL),
+    };
     struct palette palette;
     struct seen label[256];
     palette_default(&palette);
     for (int i = 1; i < 256; i++)
         label[i] = see(palette.rgb[i]);
     for (int eye = 0; eye < EYES; eye++) {
-        double least[3] = {10000, 10000, 10000};
+        int64_t least[LEASTS];
+        for (int k = 0; k < LEASTS; k++)
+            least[k] = 10000;
         find_least(eye, label, least);
-        printf("# eye %d: least distances %.0f of all, %.0f of near numbers, %.0f of the first\n",
-               eye, least[0], least[1], least[2]);
-        for (int k = 0; k < 3; k++)
-            CHECK(least[k] >= promised[eye][k]);
+        printf("# eye %d:", eye);
+        for (int k = 0; k < LEASTS; k++)
+            printf(" %lld", (long long)least[k]);
+        printf("\n");
+        for (int k = 0; k < LEASTS; k++)
+            CHECK(least[k] >= promised[k][eye > 0]);
     }
 }
 
 int main(void)
 {
     return RUN_STORIES(TELL(the_table_is_what_its_rule_makes),
-                       TELL(labels_are_well_apart_for_every_eye));
+                       TELL(labels_stand_off_each_other_off_grey_and_off_marks_for_every_eye));
 }

@@ -596,7 +596,8 @@ STORY(labels_tint_or_are_outlined)
     CHECK(is_rgb(&s, 0, 3, 0x50, 0x60, 0x70));
     CHECK_INT(grey_at(&s, 2, 8), 20);
     CHECK(is_rgb(&s, 3, 8, 0x50, 0x60, 0x70));
-    CHECK_INT(grey_at(&s, 4, 8), 10); /* the background has none */
+    CHECK_INT(grey_at(&s, 4, 8), 2);  /* a hairline in the background: a quarter of 10, */
+    CHECK_INT(grey_at(&s, 5, 8), 10); /* and nothing beyond */
     canvas_release(&s);
 
     /* Where the picture goes on beyond the scene, there is background. */
@@ -609,7 +610,7 @@ STORY(labels_tint_or_are_outlined)
     visible[1] = false;
     s = take(scene, &choice, &style, 8, 9);
     CHECK(is_rgb(&s, 0, 2, 255, 0, 1));
-    CHECK_INT(grey_at(&s, 0, 3), 70);
+    CHECK_INT(grey_at(&s, 0, 3), 17);
     CHECK_INT(grey_at(&s, 3, 8), 20);
     style.overlay = SLICE_TINT;
     canvas_release(&s);
@@ -638,9 +639,11 @@ STORY(contours_are_thicker_in_larger_pictures)
     const struct slice_choice choice = slice_number(scene, SLICE_AXIAL, 0, 0);
     struct canvas s = take(scene, &choice, &style, 400, 450); /* 100 columns, 150 rows a voxel */
     CHECK(is_rgb(&s, 0, 149, 255, 0, 1) && is_rgb(&s, 0, 148, 255, 0, 1));
-    CHECK_INT(grey_at(&s, 0, 147), 110);
+    CHECK_INT(grey_at(&s, 0, 147), 27); /* a hairline inside: there is room for it */
+    CHECK_INT(grey_at(&s, 0, 146), 110);
     CHECK(is_rgb(&s, 199, 449, 0x50, 0x60, 0x70) && is_rgb(&s, 198, 449, 0x50, 0x60, 0x70));
-    CHECK_INT(grey_at(&s, 197, 449), 20);
+    CHECK_INT(grey_at(&s, 197, 449), 5);
+    CHECK_INT(grey_at(&s, 196, 449), 20);
     canvas_release(&s);
     scene_free(scene);
 }
@@ -650,34 +653,38 @@ static uint8_t label_under(const struct scene *scene, const struct canvas *s, si
     return s->cell[pixel] == CELL_NONE ? 0 : scene->cell[s->cell[pixel]].label;
 }
 
-/* Whether another label lies within `reach` pixels along rows or columns. */
-static bool is_outlined(const struct scene *scene, const struct canvas *s, int64_t x, int64_t y,
-                        int64_t reach)
+/* How far along rows and columns the nearest other label lies; 0 where none is within `reach`. */
+static int64_t edge_by_search(const struct scene *scene, const struct canvas *s, int64_t x,
+                              int64_t y, int64_t reach)
 {
-    const size_t pixel = (size_t)(y * s->width + x);
-    const uint8_t own = label_under(scene, s, pixel);
-    for (int64_t d = -reach; own && d <= reach; d++) {
-        if (x + d >= 0 && x + d < s->width && label_under(scene, s, pixel + (size_t)d) != own)
-            return true;
-        if (y + d >= 0 && y + d < s->height &&
-            label_under(scene, s, pixel + (size_t)(d * s->width)) != own)
-            return true;
-    }
-    return false;
+    static const int64_t way[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
+    const uint8_t own = label_under(scene, s, (size_t)(y * s->width + x));
+    for (int64_t d = 1; d <= reach; d++)
+        for (int i = 0; i < 4; i++) {
+            const int64_t at[2] = {x + d * way[i][0], y + d * way[i][1]};
+            if (at[0] >= 0 && at[1] >= 0 && at[0] < s->width && at[1] < s->height &&
+                label_under(scene, s, (size_t)(at[1] * s->width + at[0])) != own)
+                return d;
+        }
+    return 0;
 }
 
-/* Labels at random in blocks, in pictures that they fill, or do not. */
-STORY(contours_are_those_of_a_plain_search)
+/* Labels at random in blocks, and background, in pictures that they fill, or do not: lines of one
+ * pixel have a hairline outside, those of two inside as well. */
+STORY(contours_and_hairlines_are_those_of_a_plain_search)
 {
     static const uint32_t size[3] = {40, 30, 20};
     static const uint32_t pictures[4][2] = {{90, 70}, {400, 410}, {33, 50}, {120, 40}};
-    struct slice_style style = style_of(0, 60000, SLICE_CONTOUR); /* all grey is black */
+    struct slice_style style = style_of(0, 255, SLICE_CONTOUR);
     struct scene *scene = NULL;
     uint64_t seed = 3;
     CHECK(scene_new(&scene, size, NULL) == OK);
     for (uint32_t c = 0; c < scene->grid.cells; c++)
-        if (!(scene->cell[c].flags & CELL_RIM))
-            scene->cell[c].label = (uint8_t)check_below(&seed, 40) < 30 ? 1 : 2;
+        if (!(scene->cell[c].flags & CELL_RIM)) {
+            scene->cell[c].intensity = 200;
+            const unsigned label = check_below(&seed, 40) < 30 ? 1 : 2;
+            scene->cell[c].label = (uint8_t)(c / 160 % 3 ? label : 0);
+        }
     for (unsigned i = 0; i < 24; i++) {
         const uint32_t *picture = pictures[i % 4];
         const struct slice_choice choice = {(enum slice_plane)(i / 8),
@@ -690,13 +697,21 @@ STORY(contours_are_those_of_a_plain_search)
                                             {0},
                                             0};
         struct canvas s = take(scene, &choice, &style, picture[0], picture[1]);
-        uint32_t wrong = 0;
+        const int64_t line = picture[0] >= 400 ? 2 : 1;
+        uint32_t wrong = 0, hairs = 0;
         for (uint32_t p = 0; p < s.width * s.height; p++) {
-            const bool drawn = !is_rgb(&s, p % s.width, p / s.width, 0, 0, 0);
-            wrong += drawn !=
-                     is_outlined(scene, &s, p % s.width, p / s.width, picture[0] >= 400 ? 2 : 1);
+            const uint32_t x = p % s.width, y = p / s.width;
+            const uint8_t own = label_under(scene, &s, p);
+            const int64_t edge = edge_by_search(scene, &s, x, y, line + 1);
+            const bool is_hair = own ? line > 1 && edge == line + 1 : edge == 1;
+            const int grey = s.cell[p] == CELL_NONE ? 0 : is_hair ? 50 : 200;
+            wrong += own && edge && edge <= line
+                         ? memcmp(canvas_pixel(&s, x, y), style.palette->rgb[own], 3) != 0
+                         : !is_rgb(&s, x, y, grey, grey, grey);
+            hairs += is_hair && grey;
         }
         CHECK_INT(wrong, 0);
+        CHECK(hairs > 0);
         canvas_release(&s);
     }
     scene_free(scene);
@@ -1002,7 +1017,8 @@ int main(void)
         TELL(what_is_magnified_enough_shows_voxels_as_they_are),
         TELL(a_window_ramps_from_black_to_white),
         TELL(smooth_grey_lies_between_the_four_voxels_around), TELL(labels_tint_or_are_outlined),
-        TELL(contours_are_thicker_in_larger_pictures), TELL(contours_are_those_of_a_plain_search),
+        TELL(contours_are_thicker_in_larger_pictures),
+        TELL(contours_and_hairlines_are_those_of_a_plain_search),
         TELL(a_cross_leaves_its_voxel_free), TELL(seeds_are_dots_and_eliminators_crosses),
         TELL(of_a_run_of_seeds_the_rim_is_marked), TELL(letters_say_where_the_patients_sides_are),
         TELL(letters_are_told_as_they_are_drawn), TELL(lengths_of_bars_are_round),

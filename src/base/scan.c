@@ -36,6 +36,15 @@ bool scan_decimal(const char **cursor, unsigned places, int64_t least, int64_t m
     return true;
 }
 
+bool scan_three(const char **cursor, unsigned places, int64_t least, int64_t most, int64_t out[3])
+{
+    bool reads = true;
+    for (int i = 0; i < 3 && reads; i++)
+        reads = (i == 0 || scan_text(cursor, ",")) &&
+                scan_decimal(cursor, places, least, most, &out[i]);
+    return reads;
+}
+
 bool scan_integer(const char **cursor, int64_t least, int64_t most, int64_t *out)
 {
     return scan_decimal(cursor, 0, least, most, out);

@@ -23,6 +23,9 @@ bool scan_integer(const char **cursor, int64_t least, int64_t most, int64_t *out
  * than places are refused unless they are zeros. */
 bool scan_decimal(const char **cursor, unsigned places, int64_t least, int64_t most, int64_t *out);
 
+/* Three of them with commas between, "1.5,0,-2". */
+bool scan_three(const char **cursor, unsigned places, int64_t least, int64_t most, int64_t out[3]);
+
 /* "A-B" with A <= B, both within least..most, or "A" for "A-A". */
 bool scan_range(const char **cursor, int64_t least, int64_t most, int64_t *first, int64_t *last);
 

@@ -2,6 +2,7 @@
 #include "command/act_figures.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/file.h"
 #include "base/mem.h"
@@ -11,6 +12,7 @@
 #include "command/files.h"
 #include "engine/forest.h"
 #include "report/comparison_picture.h"
+#include "report/distance_picture.h"
 #include "report/label_report.h"
 #include "session/map.h"
 #include "session/numbering.h"
@@ -215,9 +217,10 @@ static enum err write_comparison(const struct act *act, const struct comparison_
     return err;
 }
 
-/* Through the place that is named, or the voxel where both are farthest apart, or the cross-hair.
- */
-static enum err write_picture(const struct act *act, const struct compared *compared,
+/* "picture": slices, through the place that is named, or the voxel where both are farthest apart,
+ * or the cross-hair; or "surface". Nothing where it is not asked for. */
+static enum err write_picture(const struct act *act, const char *which,
+                              const struct compared *compared,
                               const struct comparison_report *report)
 {
     const uint32_t *cross = session_outlook(act->session)->slices.cross;
@@ -226,13 +229,17 @@ static enum err write_picture(const struct act *act, const struct compared *comp
     struct picture picture = {0};
     struct buf path = {0};
     struct labels labels;
-    if (!act_has(act, "picture"))
+    if (!act_has(act, which))
         return OK;
     enum err err = session_labels(act->session, act_is_yes(act, "finished"), &labels, act->fault);
     if (!err)
-        err = interpreter_output_path(act->interp, act_text(act, "picture"), &path, act->fault);
+        err = interpreter_output_path(act->interp, act_text(act, which), &path, act->fault);
     if (!err && path.length)
-        err = comparison_picture_draw(&picture, act->session, compared, report, place, act->fault);
+        err = strcmp(which, "picture") == 0
+                  ? comparison_picture_draw(&picture, act->session, compared, report, place,
+                                            act->fault)
+                  : distance_picture_draw(&picture, act->session, compared, report, false,
+                                          act->fault);
     if (!err && path.length)
         err = act_note_picture(act, &labels, &picture);
     if (!err && path.length)
@@ -254,7 +261,9 @@ static enum err answer_comparison(const struct act *act, const struct compared *
                                              session_geometry(session)};
     enum err err = write_comparison(act, &report);
     if (!err)
-        err = write_picture(act, compared, &report);
+        err = write_picture(act, "picture", compared, &report);
+    if (!err)
+        err = write_picture(act, "surface", compared, &report);
     if (!err)
         comparison_write_text(&act->reply->text, &report);
     if (!err)

@@ -19,16 +19,14 @@ static const char RAW[] = "raw:";
 enum { SERIES_MOST = 100000 };
 
 /* "X,Y,Z": three numbers of at least one unit, which has so many decimals. */
-static bool scan_three(uint32_t out[3], const char *text, unsigned places)
+static bool read_three(uint32_t out[3], const char *text, unsigned places)
 {
-    for (int a = 0; a < 3; a++) {
-        int64_t number;
-        if ((a > 0 && !scan_text(&text, ",")) ||
-            !scan_decimal(&text, places, 1, UINT32_MAX, &number))
-            return false;
-        out[a] = (uint32_t)number;
-    }
-    return *text == '\0';
+    int64_t number[3];
+    if (!scan_three(&text, places, 1, UINT32_MAX, number) || *text)
+        return false;
+    for (int a = 0; a < 3; a++)
+        out[a] = (uint32_t)number[a];
+    return true;
 }
 
 /* "A-B,C-D,E-F" */
@@ -56,7 +54,7 @@ static enum err choose_layout(struct raw_layout *raw, const struct act *act)
         return fault_set(act->fault, ERR_USAGE,
                          "raw: expected its layout: size=X,Y,Z type=" OPEN_TYPES
                          ", and where it differs, endian=big offset=BYTES spacing=X,Y,Z in mm");
-    if (!scan_three(raw->size, act_text(act, "size"), 0))
+    if (!read_three(raw->size, act_text(act, "size"), 0))
         return fault_set(act->fault, ERR_USAGE, "size: expected X,Y,Z in voxels, as 512,512,400");
     voxel_type_named(&type, act_text(act, "type"));
     raw->type = type;
@@ -109,7 +107,7 @@ static enum err choose(struct volume_choice *choice, const char **name, const st
                          "size, type, endian and offset are for `open raw:FILE`, whose layout "
                          "nothing else says");
     if (!err && act_has(act, "spacing") &&
-        !scan_three(choice->spacing_nm, act_text(act, "spacing"), 6))
+        !read_three(choice->spacing_nm, act_text(act, "spacing"), 6))
         err =
             fault_set(fault, ERR_USAGE, "spacing: expected X,Y,Z in millimetres, as 0.5,0.5,1.25");
     return err;

@@ -7,7 +7,10 @@
 #include <string.h>
 
 #include "base/least.h"
+#include "base/scan.h"
 #include "command/answers.h"
+#include "engine/weight_gradient.h"
+#include "image/geometry.h"
 #include "render/fit.h"
 #include "session/semantics.h"
 #include "show/slicing.h"
@@ -197,10 +200,83 @@ enum err act_clip(const struct act *act)
 
 /* ---- planes and boxes ---- */
 
+/* "A,B,C": a direction whose longest component has 30 bits; false for anything else. */
+static bool scan_direction(const char *text, int64_t direction[3])
+{
+    int64_t longest = 0;
+    if (!scan_three(&text, 6, -1000000000, 1000000000, direction))
+        return false;
+    for (int a = 0; a < 3; a++)
+        longest = llabs(direction[a]) > longest ? llabs(direction[a]) : longest;
+    for (; longest && longest < 1 << 29; longest *= 2)
+        for (int a = 0; a < 3; a++)
+            direction[a] *= 2;
+    return longest && !*text;
+}
+
+/* Which way is out of what stays, by `normal`. */
+static enum err read_normal(const struct act *act, int64_t normal[3])
+{
+    const char *word = act_text(act, "normal");
+    const bool is_side = act_number(act, "normal") >= 0;
+    if (is_side && session_scene(act->session)->sides_unknown)
+        return fault_set(act->fault, ERR_INPUT,
+                         "normal=%s: nothing says which way the patient lies; expected A,B,C along "
+                         "the voxel axes, or `orient` before; the view is unchanged",
+                         word);
+    if (is_side) {
+        int32_t angle[3], right[3], up[3], ahead[3];
+        view_by_name(word, angle);
+        view_look(&(struct view){.angle = {angle[0], angle[1], angle[2]}}, right, up, ahead);
+        for (int a = 0; a < 3; a++)
+            normal[a] = -ahead[a] / 2; /* of 30 bits */
+    } else if (!scan_direction(word, normal)) {
+        return fault_set(act->fault, ERR_USAGE,
+                         "normal: expected " VIEW_NAMES
+                         " or A,B,C, not all 0, as in normal=-1,0,0.5, each within -1000..1000 "
+                         "with at most six decimals, not %s; the view is unchanged",
+                         word);
+    }
+    return OK;
+}
+
+/* The plane through the voxel, at right angles to `normal` or to the present view. */
+static enum err make_plane(const struct act *act, struct cut_plane *plane)
+{
+    const struct scene *scene = session_scene(act->session);
+    const int64_t offset_nm = 1000 * act_number(act, "offset");
+    const uint32_t *place = act_place(act, "PLACE");
+    int64_t normal[3], into[3], length = INT64_C(1) << 30;
+    struct camera camera;
+    enum err err;
+    if (scene->spacing_unknown && offset_nm)
+        return fault_set(act->fault, ERR_INPUT,
+                         "offset: how far apart the voxels of this scene are is not known, so "
+                         "there are no millimetres; expected another voxel; the view is unchanged");
+    if (!act_has(act, "normal")) {
+        err = session_aim(act->session, session_outlook(act->session), &camera, act->fault);
+        for (int a = 0; a < 3 && !err; a++)
+            into[a] = (int64_t)camera.ahead[a] * scene->spacing_nm[a];
+    } else if (!(err = read_normal(act, normal))) {
+        length = 0;
+        for (int a = 0; a < 3; a++)
+            length += normal[a] * normal[a];
+        length = square_root((uint64_t)length);
+        geometry_along(session_geometry(act->session), normal, into);
+        for (int a = 0; a < 3; a++)
+            into[a] = -into[a];
+    }
+    *plane = err ? (struct cut_plane){{0, 0, 0}, 0} : cut_plane_at(into, place, offset_nm * length);
+    return err;
+}
+
 enum err act_plane(const struct act *act)
 {
     struct cut *cut = &act->next->kept.cut;
     if (act_text(act, "PLACE")) {
+        if (act_has(act, "normal|offset"))
+            return fault_set(act->fault, ERR_USAGE,
+                             "`plane none` takes no normal and no offset; the view is unchanged");
         memset(cut->plane, 0, sizeof cut->plane);
         cut->planes = 0;
     } else if (cut->planes == CUT_PLANES_MOST) {
@@ -209,13 +285,9 @@ enum err act_plane(const struct act *act)
                          "view is unchanged",
                          CUT_PLANES_MOST);
     } else {
-        struct camera camera;
-        const enum err err =
-            session_aim(act->session, session_outlook(act->session), &camera, act->fault);
+        const enum err err = make_plane(act, &cut->plane[cut->planes++]);
         if (err)
             return err;
-        cut->plane[cut->planes++] =
-            cut_plane_through(session_scene(act->session), act_place(act, "PLACE"), camera.ahead);
     }
     return act_go(act);
 }

@@ -152,10 +152,7 @@ static enum err read_position(struct value *value, const struct parameter *p, co
     int64_t part[3], place[3];
     if (!session_has_scene(known->session))
         return fault_set(fault, ERR_USAGE, "no scene is open; open one first");
-    bool reads = true;
-    for (int a = 0; a < 3 && reads; a++)
-        reads = (a == 0 || scan_text(&at, ",")) &&
-                scan_decimal(&at, 6, INT64_C(-1000000000000), INT64_C(1000000000000), &part[a]);
+    const bool reads = scan_three(&at, 6, INT64_C(-1000000000000), INT64_C(1000000000000), part);
     const bool world = reads && scan_text(&at, "mm");
     if (!reads || *at)
         return expect(fault, p, word, "X,Y,Z (voxel indices) or X,Y,Zmm (world)");

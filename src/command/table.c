@@ -54,6 +54,8 @@
     "a scene of that size. A large scene says what memory it needs before it is loaded, and is "   \
     "refused where that is not free."
 
+enum { PLANE_OFFSET_MOST = 1000000 }; /* thousandths of a millimetre */
+
 /* What every row begins with, on one line. */
 #define COMMAND(NAME, ACT, GROUP, FLAGS)        NAME, NULL, NULL, ACT, GROUP, FLAGS
 #define CALLED(NAME, ALSO, ACT, GROUP, FLAGS)   NAME, ALSO, NULL, ACT, GROUP, FLAGS
@@ -465,11 +467,17 @@ static const struct command command_table[] = {
      "labels do not change.",
      "clip axial 40-120"},
     {COMMAND("plane", act_plane, GROUP_CUTS, R | S),
-     {NEED("PLACE", VALUE_POSITION, .choices = "none")},
+     {NEED("PLACE", VALUE_POSITION, .choices = "none"),
+      KEYED("normal", VALUE_WORD, .choices = VIEW_NAMES, .form = "A,B,C"),
+      KEYED("offset", VALUE_DECIMAL, .least = -PLANE_OFFSET_MOST, .most = PLANE_OFFSET_MOST)},
      "cut away all that is in front of a voxel",
      "A plane at right angles to the present view, through the voxel, which stays. The plane stays "
-     "with the patient when the view turns. Up to 8; `none` removes them.",
-     "plane 100,100,50"},
+     "with the patient when the view turns. Up to 8; `none` removes them.\n"
+     "normal: the way to what is cut away, whatever the view: a side of the patient, or steps to "
+     "the right, the front and the head (as A,B,C of the world, of any length): normal=left and "
+     "normal=-1,0,0 cut away what is left of the voxel. Axes that are oblique count as they are.\n"
+     "offset: so many millimetres that way, from the voxel: offset=-5 cuts 5 mm deeper.",
+     "plane 100,100,50 normal=1,1,0.5"},
     {COMMAND("cut", act_cut, GROUP_CUTS, R | S),
      {NEED("CORNER", VALUE_POSITION, .choices = "none"), PAIRED("OPPOSITE", VALUE_POSITION)},
      "cut a box out of what is shown",
@@ -703,7 +711,7 @@ static const struct command command_table[] = {
      {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
       KEYED("as", VALUE_LIST, .least = 1, .most = 255),
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255), KEYED("at", VALUE_POSITION),
-      KEYED("report", VALUE_FILE), KEYED("picture", VALUE_FILE),
+      KEYED("report", VALUE_FILE), KEYED("picture", VALUE_FILE), KEYED("surface", VALUE_FILE),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED, RESAMPLE},
      "how far the labels agree with a label map",
      "A is the labels here, B the map, on the scene's grid. For each label, and all together:\n"
@@ -720,7 +728,10 @@ static const struct command command_table[] = {
      "report: FILE.json or FILE.csv.\n"
      "picture: slices through the voxel `at`, or where both are farthest apart, with lines around "
      "what differs: white for A and B, orange for A alone, blue for B alone, purple for another "
-     "label." FINISHED_NOTE RESAMPLE_NOTE,
+     "label.\n"
+     "surface: a picture of A's surface, all objects as one, from where one looks now: red where "
+     "it "
+     "lies outside B, blue where inside, by the distance to B's." FINISHED_NOTE RESAMPLE_NOTE,
      "compare expert.nii.gz picture=difference.png"},
     {COMMAND("pilot", act_pilot, GROUP_QUESTIONS, S),
      {{0}},

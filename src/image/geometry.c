@@ -259,6 +259,17 @@ void geometry_steps(const struct geometry *geometry, double step_mm[3][3])
             step_mm[a][w] = axis[a][w] * (geometry->spacing_nm[a] / 1e6);
 }
 
+void geometry_along(const struct geometry *geometry, const int64_t direction[3], int64_t along[3])
+{
+    double axis[3][3];
+    unit_axes(axis, (const double(*)[4])geometry->to_mm);
+    for (int a = 0; a < 3; a++) {
+        along[a] = 0;
+        for (int w = 0; w < 3; w++)
+            along[a] += direction[w] * llround(axis[a][w] * geometry->spacing_nm[a]);
+    }
+}
+
 double geometry_tilt(const struct geometry *geometry)
 {
     double axis[3][3], least = 1;

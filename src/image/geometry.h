@@ -134,6 +134,11 @@ double geometry_fill(const struct geometry *geometry);
  * axes where none are sheared. */
 void geometry_steps(const struct geometry *geometry, double step_mm[3][3]);
 
+/* How far each step along a voxel axis leads along a direction of the world: in nanometres, times
+ * the direction's length, whose components are below 2^30. Steps are rounded to nanometres before,
+ * so that this is of integers. */
+void geometry_along(const struct geometry *geometry, const int64_t direction[3], int64_t along[3]);
+
 /* The largest angle, in degrees, of an axis and the side of the patient that names it; 0 where no
  * side does. Words and letters for sides are off by as much. */
 double geometry_tilt(const struct geometry *geometry);

@@ -69,7 +69,7 @@ struct options {
     char **word; /* operands, without the program's name and form */
     int words;
     const char *commands, *journal, *scene, *out;
-    const char *junit, *html, *accept, *with, *export, *picture;
+    const char *junit, *html, *accept, *with, *export, *picture, *surface;
     const char *expect, *lock, *sign, *allowed_signers, *revoked, *signed_at, *shard;
     const char *regions, *as, *by, *save, *pages, *fit, *landmarks, *orient, *procedure;
     const char *limit_memory, *limit_time, *limit_output;

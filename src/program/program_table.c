@@ -56,6 +56,7 @@ enum {
     PICTURE,
     CURVES,
     SLICES,
+    SURFACE,
     SLICES_SCENE,
     QUIZ,
     PAGES,
@@ -218,6 +219,10 @@ static const struct option option[] = {
                 TEXT(picture)},
     [SLICES_SCENE] = {"--scene", "FILE", "the scene of those slices, which else show A",
                       TEXT(scene)},
+    [SURFACE] =
+        {"--surface", "FILE.png",
+         "draw A's surface, red where it lies outside B, blue where inside, by the distance",
+         TEXT(surface)},
     [REGIONS] = {"--regions", "LIST",
                  "compare these values of both maps alone, as 1-90,2001 (all above 0)",
                  LIST(regions, 0, REGION_MOST)},
@@ -433,7 +438,7 @@ static const struct program program[] = {
      .run = run_apply},
     {.name = "compare",
      TWO("A B"),
-     .option = {REGIONS, AS, BINARY, RESAMPLE, JSON, CSV, SLICES, SLICES_SCENE},
+     .option = {REGIONS, AS, BINARY, RESAMPLE, JSON, CSV, SLICES, SLICES_SCENE, SURFACE},
      .summary = "how far two label maps agree",
      .detail = "For each label, and all together: overlap (Dice, Jaccard), volumes, and distances "
                "between the two objects and their surfaces, as the command `compare` prints them. "

@@ -10,7 +10,9 @@
 #include "image/image_helper.h"
 #include "program/console.h"
 #include "program/programs.h"
+#include "render/decoration.h"
 #include "report/comparison_picture.h"
+#include "report/distance_picture.h"
 #include "session/map.h"
 #include "session/session.h"
 #include "session/state.h"
@@ -81,6 +83,9 @@ static enum err open_scene(struct pair *pair, struct fault *fault)
         return err;
     struct state next = *session_state(pair->session);
     next.outlook.view.width = next.outlook.view.height = PICTURE_SIDE;
+    next.outlook.view.angle[0] = 30000; /* from the left and above; the front is seen too */
+    next.outlook.view.angle[1] = 20000;
+    next.outlook.decorations = DECORATE_LETTERS | DECORATE_SCALE; /* of a surface */
     err = session_go(pair->session, &next, NULL, 0, fault);
     if (err)
         return err;
@@ -91,15 +96,32 @@ static enum err open_scene(struct pair *pair, struct fault *fault)
 
 /* ---- answers ---- */
 
+static enum err write_picture(struct pair *pair, const struct comparison_report *report,
+                              bool of_surface, struct fault *fault)
+{
+    struct session *session = pair->session;
+    struct picture picture = {0};
+    const uint32_t *place =
+        comparison_farthest(&pair->comparison, session_outlook(session)->slices.cross);
+    enum err err =
+        of_surface
+            ? distance_picture_draw(&picture, session, &pair->compared, report, true, fault)
+            : comparison_picture_draw(&picture, session, &pair->compared, report, place, fault);
+    if (!err)
+        err = image_write_png(of_surface ? pair->options->surface : pair->options->picture,
+                              &picture, fault);
+    picture_release(&picture);
+    return err;
+}
+
 static enum err compare(struct pair *pair, struct team *team, struct fault *fault)
 {
     static const char no_name[256][LABEL_NAME_BYTES];
     const struct options *o = pair->options;
-    struct picture picture = {0};
     struct buf text = {0};
     const struct comparison_report report = {
         &pair->comparison, {o->word[0], o->word[1]}, no_name, &pair->geometry};
-    enum err err = o->picture ? open_scene(pair, fault) : read_first(pair, fault);
+    enum err err = o->picture || o->surface ? open_scene(pair, fault) : read_first(pair, fault);
     if (!err)
         err = read_map(pair, 1, fault);
     for (int a = 0; a < 3 && !err; a++) {
@@ -108,15 +130,10 @@ static enum err compare(struct pair *pair, struct team *team, struct fault *faul
     }
     if (!err)
         err = comparison_make(&pair->comparison, &pair->compared, team, console_watch(), fault);
-    if (!err && o->picture) {
-        const uint32_t *place =
-            comparison_farthest(&pair->comparison, session_outlook(pair->session)->slices.cross);
-        err = comparison_picture_draw(&picture, pair->session, &pair->compared, &report, place,
-                                      fault);
-        if (!err)
-            err = image_write_png(o->picture, &picture, fault);
-        picture_release(&picture);
-    }
+    if (!err && o->picture)
+        err = write_picture(pair, &report, false, fault);
+    if (!err && o->surface)
+        err = write_picture(pair, &report, true, fault);
     if (!err) {
         (o->json  ? comparison_write_json
          : o->csv ? comparison_write_csv
@@ -141,6 +158,9 @@ enum err run_compare(const struct options *o, struct fault *fault)
     enum err err = image_check_png(o->picture, fault);
     if (err)
         return fault_prefix(fault, err, "--picture");
+    err = image_check_png(o->surface, fault);
+    if (err)
+        return fault_prefix(fault, err, "--surface");
     struct pair *pair = mem_new(sizeof *pair);
     if (!pair)
         return fault_memory(fault, "a comparison");

@@ -123,6 +123,14 @@ static enum err work_init(struct work *w, const struct box *box, unsigned label,
     return watch_fault(w->watch, fault);
 }
 
+static void work_release(struct work *w)
+{
+    free(w->set);
+    free(w->contour);
+    free(w->squared);
+    free(w->found);
+}
+
 static double in_mm(const struct work *w, uint64_t squared)
 {
     return sqrt((double)squared) * ((double)w->scale->unit_nm / 1e6);
@@ -190,14 +198,18 @@ static enum err take_surface(struct label_distances *d, struct work *w, int dire
     return OK;
 }
 
+/* From each voxel to the nearest of that contour. */
+static enum err spread_from(struct work *w, uint8_t contour, struct fault *fault)
+{
+    for (size_t i = 0; i < w->voxels; i++)
+        w->squared[i] = w->contour[i] & contour ? 0 : DISTANCE_NONE;
+    return distance_spread(w->squared, w->box.size, w->scale, w->team, w->watch, fault);
+}
+
 static enum err measure_towards(struct label_distances *d, struct work *w, int direction,
                                 struct fault *fault)
 {
-    const uint8_t to = in_set[!direction];
-    for (size_t i = 0; i < w->voxels; i++)
-        w->squared[i] = w->contour[i] & to ? 0 : DISTANCE_NONE;
-    const enum err err =
-        distance_spread(w->squared, w->box.size, w->scale, w->team, w->watch, fault);
+    const enum err err = spread_from(w, in_set[!direction], fault);
     if (err)
         return err;
     take_farthest(d, w, in_set[direction]);
@@ -226,10 +238,7 @@ static enum err measure_label(struct comparison *comparison, struct work work,
     enum err err = work_init(&work, box, label, fault);
     if (!err)
         err = measure(&comparison->distance[label], &work, fault);
-    free(work.set);
-    free(work.contour);
-    free(work.squared);
-    free(work.found);
+    work_release(&work);
     return err;
 }
 
@@ -253,6 +262,41 @@ enum err comparison_make(struct comparison *comparison, const struct compared *c
     if (comparison->labels > 1 && !err)
         return measure_label(comparison, work, &box[0], 0, fault);
     comparison->distance[0] = comparison->distance[only];
+    return err;
+}
+
+/* ---- classes ---- */
+
+static uint8_t class_of(const struct work *w, size_t voxel, double most_mm)
+{
+    if (!(w->set[voxel] & IN_A))
+        return 0;
+    const double part = fmin(in_mm(w, w->squared[voxel]) / most_mm, 1);
+    const int steps = (int)lround(part * COMPARISON_CLASS_STEPS);
+    return (uint8_t)(COMPARISON_CLASS_ON + (w->set[voxel] & IN_B ? -steps : steps));
+}
+
+enum err comparison_classify(uint8_t *class, const struct grid *grid,
+                             const struct compared *compared, double most_mm, struct team *team,
+                             struct watch *watch, struct fault *fault)
+{
+    const struct distance_scale scale = distance_scale_of(compared->spacing_nm, compared->size);
+    struct work w = {.compared = compared, .scale = &scale, .team = team, .watch = watch};
+    struct overlap overlap = {0};
+    struct box box[256];
+    size_t voxel = 0;
+    enum err err = look_through(&overlap, box, compared, watch, fault);
+    if (!err)
+        err = work_init(&w, &box[0], 0, fault);
+    if (!err)
+        err = spread_from(&w, IN_B, fault);
+    for (uint32_t z = 0; z < w.box.size[2] && !err; z++)
+        for (uint32_t y = 0; y < w.box.size[1]; y++) {
+            uint8_t *row = class + grid_cell(grid, w.first[0], w.first[1] + y, w.first[2] + z);
+            for (uint32_t x = 0; x < w.box.size[0]; x++)
+                row[x] = class_of(&w, voxel++, most_mm);
+        }
+    work_release(&w);
     return err;
 }
 

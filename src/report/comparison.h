@@ -21,6 +21,7 @@
 #include "base/buf.h"
 #include "base/team.h"
 #include "base/watch.h"
+#include "engine/grid.h"
 #include "engine/overlap.h"
 #include "image/geometry.h"
 #include "session/state.h"
@@ -50,6 +51,15 @@ struct comparison {
  * ERR_CANCELLED. */
 enum err comparison_make(struct comparison *comparison, const struct compared *compared,
                          struct team *team, struct watch *watch, struct fault *fault);
+
+/* Classes of A's voxels, all objects as one, by their distance to the nearest voxel of B's contour:
+ * 0 outside A; COMPARISON_CLASS_ON on the contour; by up to COMPARISON_CLASS_STEPS less within B,
+ * and more outside it, at `most_mm` and beyond. By cell of the grid, and 0 before. Takes 10 bytes a
+ * voxel of the box around all objects. ERR_MEMORY, ERR_CANCELLED. */
+enum { COMPARISON_CLASS_ON = 128, COMPARISON_CLASS_STEPS = 127 };
+enum err comparison_classify(uint8_t *class, const struct grid *grid,
+                             const struct compared *compared, double most_mm, struct team *team,
+                             struct watch *watch, struct fault *fault);
 
 /* Whether a label is there to be listed: label 0, which stands for all together, always. */
 bool comparison_has(const struct comparison *comparison, unsigned label);

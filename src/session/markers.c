@@ -356,6 +356,13 @@ int16_t markers_seed(const struct markers *markers, uint32_t cell)
     return markers_edit(markers, cell).label;
 }
 
+bool markers_show(const void *markers, uint32_t cell)
+{
+    const struct markers *all = markers;
+    const uint32_t number = all->yields ? markers_at(all, cell) : 0;
+    return !number || !all->marker[number - 1].yields;
+}
+
 uint32_t markers_stroke(const struct markers *markers, uint32_t number)
 {
     while (markers->marker[number - 1].joined)

@@ -122,6 +122,11 @@ bool markers_can_plant(const struct markers *markers, uint32_t cell);
  * be an eraser. */
 uint32_t markers_at(const struct markers *markers, uint32_t cell);
 
+/* Whether the seed of a voxel is marked in pictures: it was placed, and is none of those in the
+ * outer voxels of a piece of a file, of which all that is seen would be marks. `markers` are those;
+ * a seed that none of them decides about is marked. */
+bool markers_show(const void *markers, uint32_t cell);
+
 /* The first part of a marker's stroke; and the next one that stands, 0 for none. */
 uint32_t markers_stroke(const struct markers *markers, uint32_t number);
 uint32_t markers_next(const struct markers *markers, uint32_t number);

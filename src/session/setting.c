@@ -117,7 +117,7 @@ const struct command setting_table[] = {
      "letters: the patient's sides, R L A P S I, or the axes where nobody knows them.\n"
      "scale: a bar and its length in millimetres, or in voxels where their distance is unknown.\n"
      "legend: the labels that are shown, with their volumes.\n"
-     "seeds: seeds and eliminators of the last run, where their voxels are seen.\n"
+     "seeds: as `overlay marks` has them, where their voxels are seen.\n"
      "cross: the cross-hair, where its voxel is seen.",
 
      "decorate letters scale legend"},
@@ -142,8 +142,10 @@ const struct command setting_table[] = {
      "what is drawn over the grey of slices",
      "none, tint or contour of the labels that are shown; contour by default.\n"
      "cross: the cross-hair.\n"
-     "marks: a dot for a seed in the slice, of seeds side by side for the outermost alone; an x "
-     "for an eliminator of the last run; in the pilot, a white rim means that it waits for a run.\n"
+     "marks: a dot for a seed in the slice, of seeds side by side for the outermost alone, and "
+     "none "
+     "for those that `labels` planted; an x for an eliminator of the last run; in the pilot, a "
+     "white rim means that it waits for a run.\n"
      "words: the title, letters for the patient's sides, the scale bar, the grey bar.",
      "overlay tint cross=off"},
     {SETTING("finished", GROUP_KEPT, R | S),

@@ -9,6 +9,7 @@
 #include "render/decoration.h"
 #include "engine/labels.h"
 #include "session/follower.h"
+#include "session/markers.h"
 #include "session/state.h"
 #include "session/tally.h"
 #include "show/draw.h"
@@ -145,6 +146,7 @@ static enum err draw(struct session *session, const struct labels *labels,
         .camera = camera,
         .samples = outlook->look.samples,
         .palette = &session_kept(session)->palette,
+        .marked = {markers_show, session_markers(session)},
         .is_bright = is_bright(session),
         .line = line,
         .lines = lines,

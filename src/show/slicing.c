@@ -9,6 +9,7 @@
 #include "base/mem.h"
 #include "render/mosaic.h"
 #include "image/geometry.h"
+#include "session/markers.h"
 #include "session/semantics.h"
 #include "session/state.h"
 #include "show/draw.h"
@@ -101,6 +102,7 @@ static enum err sketch_init(struct sketch *sketch, struct session *session, stru
     sketch->style.visible = session_kept(session)->visible;
     sketch->style.crosses = s->crosses;
     sketch->style.marks_seeds = s->marks;
+    sketch->style.marked = (struct mark_choice){markers_show, session_markers(session)};
     sketch->style.mark = NULL;
     sketch->style.marks = 0;
     if (s->marks && !list_marks(sketch, session))
