@@ -124,28 +124,35 @@ static const struct rendition *objects_of(const struct pictures *p)
     return look_of(p)->samples > 1 ? &p->reduced : &p->rendition;
 }
 
-/* Puts it behind what is rendered, which has just changed. Nothing to do where the outlook has
- * none. */
-static enum err put_context(struct pictures *p, struct fault *fault)
+/* Makes it. */
+static enum err draw_context(struct pictures *p, struct fault *fault)
 {
     struct session *session = p->session;
-    struct context *context = &p->context;
-    const struct rendition *rendered = objects_of(p);
     struct mip_source source = {.scene = session_scene(session),
                                 .digest = session_scene_digest(session),
                                 .cut = session_kept(session)->cut};
     const uint32_t samples = look_of(p)->samples;
     struct view view = p->camera.view; /* of samples; that of pixels is less */
     struct camera camera;
-    if (session_outlook(session)->context == CONTEXT_NONE)
-        return OK;
     view.width /= samples;
     view.height /= samples;
     view.zoom /= samples;
     window_of(source.window, session);
     enum err err = camera_init(&camera, session_scene(session), &view, fault);
     if (!err)
-        err = mip_draw(&context->mip, &source, &camera, session_team(session), fault);
+        err = mip_draw(&p->context.mip, &source, &camera, session_team(session), fault);
+    return err;
+}
+
+/* Puts it behind what is rendered, which has just changed. Nothing to do where the outlook has
+ * none. */
+static enum err put_context(struct pictures *p, struct fault *fault)
+{
+    struct context *context = &p->context;
+    const struct rendition *rendered = objects_of(p);
+    if (session_outlook(p->session)->context == CONTEXT_NONE)
+        return OK;
+    const enum err err = draw_context(p, fault);
     if (err)
         return err;
     uint8_t *rgba = context->frame.rgba;
@@ -182,9 +189,6 @@ static enum err colour(struct pictures *p, const struct border *border, struct f
         rendition_reduce(&p->reduced, &p->rendition, look->samples, session_team(p->session));
     return err;
 }
-
-/* Samples of so many pixels are stored, so that an edit is seen at once: 210 MB of them. */
-enum { SAMPLES_STORED_MOST = 1 << 23 };
 
 static enum err make_rendition(struct pictures *p, struct rendition *rendition,
                                const struct view *view, struct fault *fault)
@@ -229,7 +233,7 @@ static enum err draw_border(struct pictures *p, struct border *border, enum rend
     enum err err = border_set_skin(border, look_is_refined(look), fault);
     if (err)
         return err;
-    if (p->rendition.depth) {
+    if (!p->take && p->rendition.depth) {
         err = shade_take_layers(&p->shader, &p->layers, &p->rendition, &p->camera, border, look,
                                 fault);
         if (err)
@@ -239,8 +243,6 @@ static enum err draw_border(struct pictures *p, struct border *border, enum rend
         else
             project(&p->rendition, &p->camera, border);
         err = colour(p, border, fault);
-        if (!err && p->take)
-            p->take(p->take_context, &p->rendition, 0);
     } else {
         const struct bands bands = {.project = project,
                                     .camera = &p->camera,
@@ -251,9 +253,12 @@ static enum err draw_border(struct pictures *p, struct border *border, enum rend
                                     .take = p->take,
                                     .context = p->take_context};
         prepare_shader(p);
-        err = bands_draw(p->take ? NULL : &p->reduced, &bands, fault);
+        if (p->take && session_outlook(p->session)->context)
+            err = draw_context(p, fault);
+        if (!err)
+            err = bands_draw(p->take ? NULL : &p->reduced, &bands, fault);
     }
-    if (!err)
+    if (!err && !p->take)
         err = put_context(p, fault);
     return err ? err : watch_fault(session_watch(p->session), fault);
 }
