@@ -48,23 +48,23 @@ struct canvas canvas_part(const struct canvas *canvas, uint32_t left, uint32_t t
                           uint32_t height)
 {
     const size_t first = (size_t)top * canvas->stride + left;
-    return (struct canvas){width,
-                           height,
-                           canvas->stride,
-                           canvas->rgba + 4 * first,
-                           canvas->cell ? canvas->cell + first : NULL,
-                           canvas->words ? canvas->words + first : NULL,
-                           canvas->below ? canvas->below + first : NULL};
+    return (struct canvas){.width = width,
+                           .height = height,
+                           .stride = canvas->stride,
+                           .rgba = canvas->rgba + 4 * first,
+                           .cell = canvas->cell ? canvas->cell + first : NULL,
+                           .words = canvas->words ? canvas->words + first : NULL,
+                           .below = canvas->below ? canvas->below + first : NULL};
 }
 
 void canvas_box(const struct canvas *canvas, int64_t left, int64_t top, int64_t width,
                 int64_t height, const uint8_t rgb[3])
 {
     const int64_t right = left + width < canvas->width ? left + width : canvas->width;
-    const int64_t bottom = top + height < canvas->height ? top + height : canvas->height;
+    const int64_t end = canvas_end(canvas), bottom = top + height < end ? top + height : end;
     const uint8_t rgba[4] = {rgb[0], rgb[1], rgb[2], 255};
     left = left > 0 ? left : 0;
-    for (int64_t y = top > 0 ? top : 0; y < bottom; y++) {
+    for (int64_t y = top > canvas->from ? top : canvas->from; y < bottom; y++) {
         uint8_t *row = canvas_pixel(canvas, 0, (size_t)y);
         for (int64_t x = left; x < right; x++)
             memcpy(row + 4 * x, rgba, 4);

@@ -5,6 +5,9 @@
  * be laid over another picture. Drawing may go beyond
  * the edges: pixels outside are not drawn. A part borrows the pixels of the whole.
  *
+ * A canvas may hold some rows of its picture alone, from row `from` on: what is drawn is drawn as
+ * into the whole, and the rest of it left out.
+ *
  * Where `cell` is not NULL it says which voxel each pixel shows, CELL_NONE for none.
  */
 #ifndef RENDER_CANVAS_H
@@ -18,11 +21,12 @@
 
 struct canvas {
     uint32_t width, height;
-    size_t stride;  /* pixels from one row to the next */
-    uint8_t *rgba;  /* [height][stride][4], alpha 255 */
-    uint32_t *cell; /* [height][stride], or NULL */
-    uint8_t *words; /* the same: not 0 where words were drawn, with their outline; or NULL */
-    uint8_t *below; /* the same: the greys of slices, without labels and notes; or NULL */
+    size_t stride;       /* pixels from one row to the next */
+    uint8_t *rgba;       /* [height][stride][4], alpha 255 */
+    uint32_t *cell;      /* [height][stride], or NULL */
+    uint8_t *words;      /* the same: not 0 where words were drawn, with their outline; or NULL */
+    uint8_t *below;      /* the same: the greys of slices, without labels and notes; or NULL */
+    uint32_t from, rows; /* rows that are held, where these are not 0: all */
 };
 
 /* Black, of 1..VIEW_SIDE_MOST pixels a side, which the caller releases; nothing on error. */
@@ -51,15 +55,22 @@ void canvas_lay_over(uint8_t *layer, const uint8_t *below, size_t pixels);
 /* A sum mod 2^64 over the pixels of a whole canvas of a mix of place and colour. */
 uint64_t canvas_digest(const struct canvas *canvas);
 
+/* The row after the last one that is held. */
+static inline uint32_t canvas_end(const struct canvas *canvas)
+{
+    return canvas->rows ? canvas->from + canvas->rows : canvas->height;
+}
+
+/* Of a row that is held. */
 static inline uint8_t *canvas_pixel(const struct canvas *canvas, size_t column, size_t row)
 {
-    return canvas->rgba + 4 * (row * canvas->stride + column);
+    return canvas->rgba + 4 * ((row - canvas->from) * canvas->stride + column);
 }
 
 static inline void canvas_dot(const struct canvas *canvas, int64_t column, int64_t row,
                               const uint8_t rgb[3])
 {
-    if (column < 0 || row < 0 || column >= canvas->width || row >= canvas->height)
+    if (column < 0 || row < canvas->from || column >= canvas->width || row >= canvas_end(canvas))
         return;
     uint8_t *pixel = canvas_pixel(canvas, (size_t)column, (size_t)row);
     for (int k = 0; k < 3; k++)

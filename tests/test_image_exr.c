@@ -9,6 +9,7 @@
 #include "base/buf.h"
 #include "base/file.h"
 #include "image/exr.h"
+#include "image/exr_write.h"
 #include "image/linear.h"
 
 static char folder[FOLDER_LENGTH];

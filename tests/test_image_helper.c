@@ -293,7 +293,7 @@ static const char *failure(const char *script, bool writing)
     struct image_helper *odd = scripted(script);
     struct picture p = sample(writing ? 1500 : 4, 1000), q = {0};
     fault = (struct fault){0};
-    enum err err = writing ? image_write(odd, file_in(folder, "x.png"), FILE_REPLACE, &p, &fault)
+    enum err err = writing ? image_write(odd, file_in(folder, "x.tif"), FILE_REPLACE, &p, &fault)
                            : image_helper_read(odd, file_in(folder, "x.png"), &q, &fault);
     CHECK(err != OK && q.rgba == NULL);
     image_helper_free(odd);

@@ -133,24 +133,24 @@ STORY(what_cannot_be_is_refused_at_once)
 STORY(what_fails_later_is_reported)
 {
     struct picture_writer *writer = begin();
-    give(writer, "late.png", FILE_KEEP, 1);
-    give(writer, "late.png", FILE_KEEP, 2); /* not there yet, when it was given */
+    give(writer, "late.tif", FILE_KEEP, 1);
+    give(writer, "late.tif", FILE_KEEP, 2); /* not there yet, when it was given */
     const char *text = news(writer);
     CHECK_HAS(text, "wrote ");
     CHECK_HAS(text, "\nerror: ");
-    CHECK_HAS(text, "late.png exists already and was left alone\n");
+    CHECK_HAS(text, "late.tif exists already and was left alone\n");
     picture_writer_free(writer);
 }
 
 STORY(a_helper_that_dies_costs_one_picture)
 {
     struct picture_writer *writer = scripted("exit 3");
-    give(writer, "dead.png", FILE_KEEP, 1);
+    give(writer, "dead.tif", FILE_KEEP, 1);
     CHECK_HAS(news(writer), "error: cannot write ");
     CHECK_TEXT(news(writer), ""); /* told once */
     give(writer, "alive.exr", FILE_KEEP, 1);
     CHECK_HAS(news(writer), "wrote ");
-    CHECK(!file_exists(file_in(folder, "dead.png")) && file_exists(file_in(folder, "alive.exr")));
+    CHECK(!file_exists(file_in(folder, "dead.tif")) && file_exists(file_in(folder, "alive.exr")));
     picture_writer_free(writer);
 }
 
@@ -162,23 +162,23 @@ STORY(a_known_number_of_pictures_waits)
     snprintf(script, sizeof script, "until [ -e %s ]; do sleep 0.02; done", file_in(folder, "go"));
     struct picture_writer *writer = scripted(script);
     for (unsigned i = 0; i < PICTURE_WRITER_WAITING_MOST + 1; i++) {
-        snprintf(name, sizeof name, "wait%u.png", i);
+        snprintf(name, sizeof name, "wait%u.tif", i);
         give(writer, name, FILE_KEEP, 1);
     }
     /* One is at work, four wait, and nobody has waited for any of them. */
-    CHECK(picture_writer_holds(writer, file_in(folder, "wait0.png")) &&
-          picture_writer_holds(writer, file_in(folder, "wait4.png")));
-    CHECK(!picture_writer_holds(writer, file_in(folder, "wait5.png")));
+    CHECK(picture_writer_holds(writer, file_in(folder, "wait0.tif")) &&
+          picture_writer_holds(writer, file_in(folder, "wait4.tif")));
+    CHECK(!picture_writer_holds(writer, file_in(folder, "wait5.tif")));
     fflush(stdout);
     const pid_t child = fork();
     if (child == 0) {
         usleep(200000);
         _exit(file_write(file_in(folder, "go"), "", 0, FILE_KEEP, NULL) == OK ? 0 : 1);
     }
-    give(writer, "wait5.png", FILE_KEEP, 1);
+    give(writer, "wait5.tif", FILE_KEEP, 1);
     CHECK(file_exists(file_in(folder, "go"))); /* it had to wait for that */
     CHECK(!picture_writer_holds(writer,
-                                file_in(folder, "wait0.png"))); /* the helper has ended by then */
+                                file_in(folder, "wait0.tif"))); /* the helper has ended by then */
     CHECK(waitpid(child, NULL, 0) == child);
     const char *text = news(writer);
     unsigned lines = 0;
@@ -202,13 +202,13 @@ STORY(waiting_can_be_given_up)
     struct buf text = {0};
     image_helper_patience_ms = 1500;
     for (unsigned i = 0; i < 3; i++)
-        give(writer, i == 0 ? "up0.png" : i == 1 ? "up1.png" : "up2.png", FILE_KEEP, 1);
+        give(writer, i == 0 ? "up0.tif" : i == 1 ? "up1.tif" : "up2.tif", FILE_KEEP, 1);
     CHECK_INT(picture_writer_wait(writer, &watch, NULL), ERR_CANCELLED);
     picture_writer_news(writer, &text);
     CHECK_HAS(buf_text(&text), "cancelled: ");
-    CHECK_HAS(buf_text(&text), "up2.png was not written\n");
+    CHECK_HAS(buf_text(&text), "up2.tif was not written\n");
     CHECK_HAS(buf_text(&text), "did not answer"); /* the one at work had its time */
-    CHECK(!file_exists(file_in(folder, "up0.png")) && !file_exists(file_in(folder, "up2.png")));
+    CHECK(!file_exists(file_in(folder, "up0.tif")) && !file_exists(file_in(folder, "up2.tif")));
     image_helper_patience_ms = 60000;
     buf_release(&text);
     picture_writer_free(writer);
@@ -217,11 +217,11 @@ STORY(waiting_can_be_given_up)
 STORY(leaving_waits_for_everything)
 {
     struct picture_writer *writer = begin();
-    give(writer, "end1.png", FILE_KEEP, 1);
+    give(writer, "end1.tif", FILE_KEEP, 1);
     give(writer, "end2.exr", FILE_KEEP, 2);
     give(writer, "end3.tif", FILE_KEEP, 3);
     picture_writer_free(writer);
-    CHECK(file_exists(file_in(folder, "end1.png")) && file_exists(file_in(folder, "end2.exr")) &&
+    CHECK(file_exists(file_in(folder, "end1.tif")) && file_exists(file_in(folder, "end2.exr")) &&
           file_exists(file_in(folder, "end3.tif")));
     picture_writer_free(NULL);
     picture_job_free(NULL);

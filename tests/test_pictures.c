@@ -207,6 +207,76 @@ static size_t check_places(const struct picture *p, const struct session *sessio
     return seen;
 }
 
+/* The bytes that follow a mark in a file, so many; false where there is none. */
+static bool after_mark(const char *path, const char *mark, size_t length, size_t skipped, void *out,
+                       size_t bytes)
+{
+    struct buf file = {0};
+    bool fine = file_read(&file, path, 1 << 24, NULL) == OK;
+    const char *at = fine ? memmem(buf_text(&file), file.length, mark, length) : NULL;
+    fine = at && at + length + skipped + bytes <= buf_text(&file) + file.length;
+    if (fine)
+        memcpy(out, at + length + skipped, bytes);
+    buf_release(&file);
+    return fine;
+}
+
+/* The camera of Blender and Nuke is a rotation, and a place: a pixel is where x to the right, y up
+ * and Z ahead, against the third axis, lead from there. */
+STORY(an_exr_has_a_camera_that_is_a_rotation)
+{
+    static const char mark[] = "iftty:cameraToWorld\0m44f";
+    struct interpreter interp;
+    struct picture p;
+    float m[16];
+    begin_with_object(&interp);
+    must(&interp, "view 77 -31 140");
+    must(&interp, "render camera.exr");
+    CHECK_INT(export_picture(&p, interp.session, NULL), OK);
+    CHECK(after_mark("camera.exr", mark, sizeof mark, 4, m, sizeof m));
+    const double a = (double)m[0], b = (double)m[1], c = (double)m[2], d = (double)m[4],
+                 e = (double)m[5], f = (double)m[6], g = (double)m[8], h = (double)m[9],
+                 i = (double)m[10];
+    const double determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g);
+    CHECK(fabs(determinant - 1) < 1e-5);
+    const double mm = seen_mm_per_pixel(interp.session);
+    const struct picture_space *space = &((const struct picture *)&p)->space;
+    for (uint32_t y = 5; y < p.height; y += 20)
+        for (uint32_t x = 5; x < p.width; x += 20) {
+            const double z = 3 + x, from[3] = {(x + 0.5 - p.width / 2.0) * mm,
+                                               (p.height / 2.0 - y - 0.5) * mm, -z};
+            double world[3], ndc[3], camera[3];
+            for (int w = 0; w < 3; w++)
+                world[w] = from[0] * (double)m[w] + from[1] * (double)m[4 + w] +
+                           from[2] * (double)m[8 + w] + (double)m[12 + w];
+            by_matrix(ndc, world, space->to_ndc);
+            by_matrix(camera, world, space->to_camera);
+            CHECK(fabs(ndc[0] * p.width - x - 0.5) < 0.01);
+            CHECK(fabs(ndc[1] * p.height - y - 0.5) < 0.01);
+            CHECK(fabs(camera[2] - z) < 0.01);
+        }
+    picture_release(&p);
+    interpreter_release(&interp);
+}
+
+/* Pixels per metre of what is shown, the same both ways; colours are to be shown by perceptual
+ * intent. Where the scale is not known, none is said. */
+STORY(a_png_says_how_large_it_is_and_what_its_colours_are)
+{
+    struct interpreter interp;
+    uint8_t scale[9], intent[1];
+    begin_with_object(&interp);
+    must(&interp, "zoom 2");
+    must(&interp, "render scale.png");
+    CHECK(after_mark("scale.png", "pHYs", 4, 0, scale, sizeof scale));
+    CHECK(memcmp(scale, "\0\0\x07\xd0\0\0\x07\xd0\1", 9) == 0);
+    CHECK(after_mark("scale.png", "sRGB", 4, 0, intent, 1) && intent[0] == 0);
+    interp.session->geometry.spacing_unknown = true;
+    must(&interp, "render scale.png replace=yes");
+    CHECK(!after_mark("scale.png", "pHYs", 4, 0, scale, sizeof scale));
+    interpreter_release(&interp);
+}
+
 /* A scene that lies obliquely in the world: 30 degrees about z, then 20 about x. */
 static const double oblique[3][4] = {{0.866025404, -0.5, 0, 17},
                                      {0.469846310, 0.813797681, -0.342020143, -40},
@@ -345,7 +415,10 @@ STORY(files_of_a_turntable_are_those_that_turning_writes)
                {"samples 2", "tif"},          {"background transparent", "png"},
                {"decorate scale", "tif"},     {"context mip", "png"},
                {"decorate none", "png"},      {"context none", "jpg"},
-               {"opacity 1 40", "png"},       {"shade depth", "png"},
+               {"opacity 1 40", "png"},       {"samples 4", "exr"},
+               {"decorate letters", "exr"},   {"edges off", "exr"},
+               {"context mip", "exr"},        {"context none", "exr"},
+               {"samples 1", "exr"},          {"shade depth", "png"},
                {"cut 0,0,0 20,20,10", "exr"}, {"shade cubes", "png"},
                {"opacity 1 100", "png"}};
     struct interpreter interp;
@@ -591,9 +664,9 @@ STORY(a_picture_that_fails_later_changes_nothing_else)
     CHECK_INT(file_make_folder("going", NULL), OK);
     picture_writer_free(interp.writer);
     CHECK_INT(picture_writer_new(&interp.writer, "/nonexistent/iftty-image", NULL), OK);
-    must(&interp, "render going/a.png");
+    must(&interp, "render going/a.tif");
     CHECK_HAS(news_of(&interp), "error: cannot start the image helper /nonexistent/iftty-image");
-    CHECK(session_rendered(interp.session) && !file_exists("going/a.png"));
+    CHECK(session_rendered(interp.session) && !file_exists("going/a.tif"));
     must(&interp, "pick 45 35");
     interpreter_release(&interp);
 }
@@ -620,6 +693,8 @@ int main(void)
         TELL(a_picture_says_which_labels_it_shows),
         TELL(pictures_of_journals_made_before_say_what_others_do),
         TELL(matrices_lead_from_the_world_to_the_pixel),
+        TELL(an_exr_has_a_camera_that_is_a_rotation),
+        TELL(a_png_says_how_large_it_is_and_what_its_colours_are),
         TELL(normals_of_an_oblique_scene_are_turned_with_it),
         TELL(normals_of_a_sheared_scene_stay_at_right_angles),
         TELL(a_turntable_shows_what_turning_shows),

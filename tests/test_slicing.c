@@ -10,6 +10,7 @@
 #include "command/golden_judge.h"
 #include "base/file.h"
 #include "image/exr.h"
+#include "image/exr_write.h"
 #include "image/volume.h"
 #include "render/notes.h"
 #include "show/pictures.h"

@@ -2,6 +2,7 @@
 #include "command/act_picture.h"
 
 #include "command/answers.h"
+#include "base/mem.h"
 #include "command/files.h"
 #include "image/exr.h"
 #include "image/image_helper.h"
@@ -12,6 +13,7 @@
 #include "session/session.h"
 #include "show/decorating.h"
 #include "show/export_picture.h"
+#include "show/export_rows.h"
 #include "show/draw.h"
 #include "show/slicing.h"
 
@@ -56,10 +58,46 @@ enum err act_take_picture(const struct act *act, const struct labels *labels, co
     return err;
 }
 
-enum err act_draw_picture(const struct act *act, const struct labels *labels,
+/* Into the file of that name, which is not empty, or into memory. */
+static enum err draw_into(const struct act *act, const struct drawn_file *file,
+                          const struct labels *labels, struct picture *picture, uint64_t *digest)
+{
+    const struct strips_format *format = image_strips(file->path);
+    const unsigned planes = exr_is_named(file->path) ? PICTURE_EVERY : 0;
+    struct strips *strips = NULL;
+    enum err err = interpreter_will_write(act->interp, file->path, file->mode, act->fault);
+    if (!err)
+        err = strips_begin(&strips, format, file->path, file->mode, picture, planes, act->fault);
+    if (!err)
+        err = export_rows(picture, strips, act->session, labels, file->render, digest, act->fault);
+    if (!err)
+        err = act_note_picture(act, labels, picture);
+    if (err)
+        strips_abandon(strips);
+    return err ? err : strips_end(strips, picture, act->fault);
+}
+
+enum err act_draw_file(const struct act *act, const struct drawn_file *file,
+                       const struct labels *labels, uint64_t *digest)
+{
+    struct picture picture;
+    export_form(&picture, act->session);
+    picture.tiled = file->tiled;
+    const enum err err = *file->path ? draw_into(act, file, labels, &picture, digest)
+                                     : export_rows(&picture, NULL, act->session, labels,
+                                                   file->render, digest, act->fault);
+    picture_release(&picture);
+    return err;
+}
+
+enum err act_draw_picture(const struct act *act, const struct labels *labels, enum render_mode mode,
                           struct picture *picture, uint64_t *digest)
 {
-    enum err err = export_drawn(picture, act->session, labels, digest, act->fault);
+    export_form(picture, act->session);
+    picture->rgba = mem_array((size_t)picture->width * picture->height, 4);
+    enum err err = picture->rgba
+                       ? export_rows(picture, NULL, act->session, labels, mode, digest, act->fault)
+                       : fault_memory(act->fault, "a picture");
     if (!err)
         err = act_note_picture(act, labels, picture);
     if (err)
@@ -67,10 +105,16 @@ enum err act_draw_picture(const struct act *act, const struct labels *labels,
     return err;
 }
 
+static void add_picture_digest(const struct act *act, uint64_t digest)
+{
+    if (semantics_has(session_semantics(act->session), MEANING_SMOOTH_SURFACES))
+        act_add_digest(act, "picture", digest);
+}
+
 void act_add_picture_digest(const struct act *act)
 {
     const struct rendition picture = session_picture(act->session);
-    act_add_digest(act, "picture", rendition_digest(&picture));
+    add_picture_digest(act, rendition_digest(&picture));
 }
 
 enum err act_write_now(struct interpreter *interp, const char *path, enum file_mode mode,
@@ -111,15 +155,40 @@ enum err act_render_labels(const struct act *act, enum render_mode mode, struct 
     return err ? err : session_decorate(act->session, labels, act->fault);
 }
 
-enum err act_render(const struct act *act)
+/* Into a file of which so much is drawn that none of it is to be stored. */
+static enum err render_large(const struct act *act, const char *name, enum render_mode mode)
 {
-    static const enum render_mode mode[] = {RENDER_SCENE, RENDER_BORDER, RENDER_INCREMENTAL,
-                                            RENDER_RAY};
-    if (act_has(act, "layout") && !(act_has(act, "FILE") && exr_is_named(act_text(act, "FILE"))))
-        return fault_set(act->fault, ERR_USAGE, "layout: only an .exr has lines or tiles");
     struct labels labels;
-    enum err err = act_render_labels(
-        act, act_has(act, "mode") ? mode[act_number(act, "mode")] : RENDER_AS_KEPT, &labels);
+    struct buf path = {0};
+    uint64_t digest = 0;
+    enum err err = session_run(act->session, act->fault);
+    if (!err)
+        err = act_take_shown(act, &labels);
+    if (!err)
+        err = interpreter_output_path(act->interp, name, &path, act->fault);
+    const char *to = buf_text(&path);
+    if (!err && (!*to || image_strips(to))) {
+        const struct drawn_file file = {to, act_file_mode(act), mode,
+                                        act_number(act, "layout") == 1};
+        err = act_draw_file(act, &file, &labels, &digest);
+        if (!err && *to)
+            act_write_file_line("wrote ", to, act->reply);
+    } else if (!err) {
+        struct picture picture;
+        err = act_draw_picture(act, &labels, mode, &picture, &digest);
+        if (!err)
+            err = act_write_picture(act, to, act_file_mode(act), &picture);
+    }
+    if (!err)
+        add_picture_digest(act, digest);
+    buf_release(&path);
+    return err;
+}
+
+static enum err render_whole(const struct act *act, enum render_mode mode)
+{
+    struct labels labels;
+    enum err err = act_render_labels(act, mode, &labels);
     if (err || act->interp->mode == MODE_SKIM)
         return err;
     act_add_picture_digest(act);
@@ -144,6 +213,20 @@ enum err act_render(const struct act *act)
     buf_printf(&act->reply->text, "%ux%u pixels, %zu of them with an object\n", r->width, r->height,
                seen);
     return OK;
+}
+
+enum err act_render(const struct act *act)
+{
+    static const enum render_mode mode[] = {RENDER_SCENE, RENDER_BORDER, RENDER_INCREMENTAL,
+                                            RENDER_RAY};
+    const bool has_mode = act_has(act, "mode"), has_file = act_has(act, "FILE");
+    const enum render_mode wanted = has_mode ? mode[act_number(act, "mode")] : RENDER_AS_KEPT;
+    if (act_has(act, "layout") && !(has_file && exr_is_named(act_text(act, "FILE"))))
+        return fault_set(act->fault, ERR_USAGE, "layout: only an .exr has lines or tiles");
+    if (has_file && act->interp->mode != MODE_SKIM && export_is_large(act->session) &&
+        export_takes_rows(act->session))
+        return render_large(act, act_text(act, "FILE"), wanted);
+    return render_whole(act, wanted);
 }
 
 /* ---- how slices are shown ---- */

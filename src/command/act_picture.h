@@ -17,10 +17,20 @@ enum err act_note_picture(const struct act *act, const struct labels *labels,
 enum err act_take_picture(const struct act *act, const struct labels *labels, const char *name,
                           struct picture *picture);
 
-/* The same of one that is yet to be drawn, for a file that holds colours alone, and its digest
- * (export_drawn). */
-enum err act_draw_picture(const struct act *act, const struct labels *labels,
+/* The same of one that is yet to be drawn (show/export_rows.h), as colours, and its digest. */
+enum err act_draw_picture(const struct act *act, const struct labels *labels, enum render_mode mode,
                           struct picture *picture, uint64_t *digest);
+
+/* Draws one right into a file, which is there when this returns: of image_strips, at a path that
+ * interpreter_output_path gave; where that is empty, for its digest alone. */
+struct drawn_file {
+    const char *path;
+    enum file_mode mode;
+    enum render_mode render;
+    bool tiled;
+};
+enum err act_draw_file(const struct act *act, const struct drawn_file *file,
+                       const struct labels *labels, uint64_t *digest);
 
 /* Runs the edits that wait, and makes the rendition, finished where that is asked for, of whose
  * labels *labels is. */

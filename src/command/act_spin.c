@@ -10,12 +10,11 @@
 #include "base/least.h"
 #include "command/act_picture.h"
 #include "command/files.h"
-#include "image/exr.h"
 #include "image/image_helper.h"
 #include "render/fit.h"
 #include "session/session.h"
 #include "show/decorating.h"
-#include "show/export_picture.h"
+#include "show/export_rows.h"
 #include "show/draw.h"
 
 /* "turn%03d.png": what stands before the number of a picture, how many digits it has at least, and
@@ -50,7 +49,7 @@ struct spin {
     const struct act *act;
     struct labels labels; /* that are shown */
     struct pattern pattern;
-    bool needs_maps;                 /* more than the colours of the pictures */
+    bool takes_rows, is_streamed;    /* pictures are not stored; they go right into files */
     unsigned axis[3], axes;          /* one turn about each of these angles of a view */
     unsigned count, total, delay_ms; /* pictures of a turn, and of all */
     enum file_mode mode;
@@ -61,9 +60,10 @@ struct spin {
 
 /* ---- files ---- */
 
-static bool is_exr(const struct spin *spin)
+/* Whether the image helper writes the files. */
+static bool is_helped(const struct spin *spin)
 {
-    return exr_is_named(spin->pattern.name);
+    return !image_strips(spin->pattern.name);
 }
 
 /* Waits until the image helper has finished its file. */
@@ -112,7 +112,7 @@ static enum err write_picture(struct spin *spin, unsigned number, const struct p
         err = find_path(spin, number);
     if (err || !spin->path.length)
         return err;
-    if (is_exr(spin))
+    if (!is_helped(spin))
         return act_write_now(act->interp, buf_text(&spin->path), spin->mode, picture, act->fault);
     err = begins ? begin_file(spin, picture) : OK;
     return err ? err : image_movie_add(&spin->movie, picture, act->fault);
@@ -170,6 +170,14 @@ static enum err draw_whole(struct spin *spin, struct picture *picture, uint64_t 
     return act_take_picture(spin->act, &spin->labels, spin->pattern.name, picture);
 }
 
+/* Right into a file. */
+static enum err draw_file(struct spin *spin, unsigned number, uint64_t *digest)
+{
+    enum err err = find_path(spin, number);
+    const struct drawn_file file = {buf_text(&spin->path), spin->mode, RENDER_ONCE, false};
+    return err ? err : act_draw_file(spin->act, &file, &spin->labels, digest);
+}
+
 static enum err show_turned(struct spin *spin, const struct view *from, unsigned number)
 {
     struct session *session = spin->act->session;
@@ -177,10 +185,13 @@ static enum err show_turned(struct spin *spin, const struct view *from, unsigned
     struct picture picture = {0};
     uint64_t digest = 0;
     enum err err = session_set_view(session, &view, spin->act->fault);
-    if (!err)
-        err = spin->needs_maps ? draw_whole(spin, &picture, &digest)
-                               : act_draw_picture(spin->act, &spin->labels, &picture, &digest);
-    if (!err)
+    if (!err && spin->is_streamed)
+        err = draw_file(spin, number, &digest);
+    else if (!err && spin->takes_rows)
+        err = act_draw_picture(spin->act, &spin->labels, RENDER_ONCE, &picture, &digest);
+    else if (!err)
+        err = draw_whole(spin, &picture, &digest);
+    if (!err && !spin->is_streamed)
         err = write_picture(spin, number, &picture);
     if (!err && spin->path.length && (spin->pattern.counts || number + 1 == spin->total))
         act_note_file(buf_text(&spin->path), spin->act->reply);
@@ -204,7 +215,8 @@ static enum err turn_around(struct spin *spin)
     if (!err)
         err = find_path(spin, 0);
     buf_add_text(&spin->first, buf_text(&spin->path));
-    if (!err && spin->path.length && !is_exr(spin)) /* it loads its libraries while one is drawn */
+    if (!err && spin->path.length &&
+        is_helped(spin)) /* it loads its libraries while one is drawn */
         err = image_helper_start(spin->act->interp->helper, fault);
     for (unsigned i = 0; i < spin->total && !err; i++) {
         watch_poll(session_watch(session), "turntable", i, spin->total);
@@ -270,7 +282,8 @@ static enum err prepare(struct spin *spin)
                          "name that ends in .gif or .tif; not %s",
                          act_text(spin->act, "FILE"));
     const enum err err = read_axes(spin);
-    spin->needs_maps = is_exr(spin) || !export_takes_colours(spin->act->session);
+    spin->takes_rows = export_takes_rows(spin->act->session);
+    spin->is_streamed = spin->takes_rows && !is_helped(spin);
     spin->total = spin->count * spin->axes;
     if (!err && spin->total > IMAGE_FRAMES_MOST)
         return fault_set(fault, ERR_USAGE, "%u turns of %u pictures: at most %d pictures in all",

@@ -1,5 +1,5 @@
 /*
- * OpenEXR: golden images and renditions, by OpenEXR's C library.
+ * OpenEXR: golden images and renditions, by OpenEXR's C library; image/exr_write.h writes them.
  *
  * A file has one part under ZIP, of scan lines or (picture->tiled) of tiles of 64x64 pixels in one
  * level, data and display window from 0,0:
@@ -14,7 +14,12 @@
  * of which all but the first are there when the picture has the plane. Z is what compositors know,
  * and is not read back: depth is exact. The string attribute iftty:alpha is "associated", and
  * worldToCamera and worldToNDC are OpenEXR's standard attributes, where the picture's space has a
- * world: the camera looks along its +z, in millimetres.
+ * world, in millimetres, with points as rows. ImfStandardAttributes.h of OpenEXR has the space of
+ * the camera left-handed, as RenderMan has it: x to the right, y up, +z ahead, so that Z is z; the
+ * matrix has determinant -1, and programs that make a camera of it (scripts for Nuke, by that name)
+ * turn z around. iftty:cameraToWorld is the camera as Blender and Nuke place one, right-handed: x
+ * to the right, y up, -z ahead, a rotation of determinant 1 with the place in its last row. A pixel
+ * lies where the camera's point (x, y, -Z) goes. It is not there for sheared scenes.
  *
  * A picture that is not associated, as those of look 1 are, has no iftty:alpha: colours are not
  * multiplied by A then, Z is depth_mm, and there is no channel depth. Readers go by the attribute.
@@ -31,16 +36,11 @@
 #include <stdbool.h>
 
 #include "base/err.h"
-#include "base/file.h"
 #include "image/picture.h"
 
 /* Whether a path ends in .exr, or in .sxr or .mxr, which are the same. */
+#define EXR_NAMES ".exr|.sxr|.mxr"
 bool exr_is_named(const char *path);
-
-/* Writes `picture` as `path`, whole or not at all. ERR_INPUT for an attribute whose name OpenEXR
- * uses itself (such as "channels") or that is empty or longer than 255 bytes. */
-enum err exr_write(const char *path, enum file_mode mode, const struct picture *picture,
-                   struct fault *fault);
 
 /* Reads a picture of the form above; channels it does not know are left out. A file of more than
  * 16384 pixels a side, of another form or damaged is refused in one line, *out is empty then. */

@@ -9,6 +9,8 @@
 #include "base/scan.h"
 #include "image/coprocess.h"
 #include "image/exr.h"
+#include "image/exr_write.h"
+#include "image/png_file.h"
 
 enum {
     PATH_MOST = 4096,
@@ -58,6 +60,11 @@ enum err image_helper_start(struct image_helper *helper, struct fault *fault)
 }
 
 /* ---- writing ---- */
+
+const struct strips_format *image_strips(const char *path)
+{
+    return exr_is_named(path) ? &exr_strips : file_is_named(path, ".png") ? &png_strips : NULL;
+}
 
 static bool transmit_notes(struct image_helper *helper, const struct picture *picture)
 {
@@ -203,6 +210,8 @@ enum err image_write(struct image_helper *helper, const char *path, enum file_mo
     struct image_movie movie = {.helper = helper, .path = path, .mode = mode};
     if (exr_is_named(path))
         return exr_write(path, mode, picture, fault);
+    if (file_is_named(path, ".png"))
+        return png_write(path, mode, picture, fault);
     enum err err = image_movie_begin(&movie, picture, 1, 0, fault);
     if (!err)
         err = image_movie_add(&movie, picture, fault);

@@ -1,5 +1,6 @@
 /*
- * The image helper: every image format but OpenEXR, by OpenImageIO in a process of its own.
+ * The image helper: every image format but OpenEXR, and PNG as it is written, by OpenImageIO in a
+ * process of its own.
  *
  * OpenImageIO has no C interface and loads some 260 shared libraries, so it lives in the program
  * iftty-image, started on first use. A decoder that dies on a hostile file costs one error
@@ -39,6 +40,7 @@
 #include "base/err.h"
 #include "base/file.h"
 #include "image/picture.h"
+#include "image/strips.h"
 
 #define IMAGE_HELPER "iftty-image" /* the program, beside the running one */
 
@@ -55,13 +57,15 @@ enum err image_helper_start(struct image_helper *helper, struct fault *fault);
 /* Ends the helper, if it runs, and waits for it. */
 void image_helper_free(struct image_helper *helper);
 
-/* Writes `picture` as `path`, whole or not at all: .exr by exr_write with all planes, any other
- * extension by the helper: what is shown of it, and notes; a clear picture has its alpha in PNG and
- * TIFF, and is over black in other formats. PNG holds
- * each note as a text chunk; formats without such have them as lines "name: value" of their image
- * description, where they have one. The same picture gives the same bytes. */
+/* Writes `picture` as `path`, whole or not at all: .exr by exr_write with all planes, .png by
+ * png_write, any other extension by the helper: what is shown of it, and notes; a clear picture has
+ * its alpha in PNG and TIFF, and is over black in other formats. Notes are lines "name: value" of
+ * the image description, where a format has one. The same picture gives the same bytes. */
 enum err image_write(struct image_helper *helper, const char *path, enum file_mode mode,
                      const struct picture *picture, struct fault *fault);
+
+/* How a file of this name is written while its picture is drawn; NULL for formats of the helper. */
+const struct strips_format *image_strips(const char *path);
 
 /* For programs whose long work ends in one picture: before it, whether `path` (NULL: no picture is
  * wanted) is the name of a .png that can be written and is not there yet; then the picture, by a

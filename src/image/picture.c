@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum err picture_init(struct picture *picture, uint32_t width, uint32_t height, bool all_planes,
-                      struct fault *fault)
+enum err picture_init_planes(struct picture *picture, uint32_t width, uint32_t height,
+                             unsigned planes, struct fault *fault)
 {
     *picture = (struct picture){0};
     if (width == 0 || height == 0)
@@ -16,17 +16,31 @@ enum err picture_init(struct picture *picture, uint32_t width, uint32_t height, 
     picture->width = width;
     picture->height = height;
     picture->rgba = calloc(pixels, 4);
-    if (all_planes) {
+    if (planes & PICTURE_DEPTH)
         picture->depth_mm = calloc(pixels, sizeof *picture->depth_mm);
+    if (planes & PICTURE_LABEL)
         picture->label = calloc(pixels, sizeof *picture->label);
+    if (planes & PICTURE_VOXEL)
         picture->voxel = calloc(pixels, sizeof *picture->voxel);
-    }
-    if (!picture->rgba ||
-        (all_planes && (!picture->depth_mm || !picture->label || !picture->voxel))) {
-        picture_release(picture);
-        return fault_memory(fault, "a picture");
-    }
-    return OK;
+    if (planes & PICTURE_NORMAL)
+        picture->normal = calloc(pixels, 3 * sizeof *picture->normal);
+    if (picture->rgba && picture_planes(picture) == planes)
+        return OK;
+    picture_release(picture);
+    return fault_memory(fault, "a picture");
+}
+
+enum err picture_init(struct picture *picture, uint32_t width, uint32_t height, bool all_planes,
+                      struct fault *fault)
+{
+    return picture_init_planes(picture, width, height,
+                               all_planes ? PICTURE_EVERY & ~PICTURE_NORMAL : 0, fault);
+}
+
+unsigned picture_planes(const struct picture *picture)
+{
+    return (picture->depth_mm ? PICTURE_DEPTH : 0) | (picture->label ? PICTURE_LABEL : 0) |
+           (picture->voxel ? PICTURE_VOXEL : 0) | (picture->normal ? PICTURE_NORMAL : 0);
 }
 
 enum err picture_add_normals(struct picture *picture, struct fault *fault)
@@ -34,6 +48,22 @@ enum err picture_add_normals(struct picture *picture, struct fault *fault)
     const size_t pixels = (size_t)picture->width * picture->height;
     picture->normal = calloc(pixels, 3 * sizeof *picture->normal);
     return picture->normal ? OK : fault_memory(fault, "the normals of a picture");
+}
+
+struct picture picture_rows(const struct picture *picture, uint32_t top, uint32_t height)
+{
+    const size_t first = (size_t)top * picture->width;
+    struct picture rows = *picture;
+    rows.height = height;
+    rows.rgba += 4 * first;
+    rows.shown = rows.shown ? rows.shown + 4 * first : NULL;
+    rows.depth_mm = rows.depth_mm ? rows.depth_mm + first : NULL;
+    rows.label = rows.label ? rows.label + first : NULL;
+    rows.voxel = rows.voxel ? rows.voxel + first : NULL;
+    rows.normal = rows.normal ? rows.normal + 3 * first : NULL;
+    rows.attribute = NULL;
+    rows.attributes = 0;
+    return rows;
 }
 
 void picture_release(struct picture *picture)

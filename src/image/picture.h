@@ -44,18 +44,37 @@ struct picture {
     bool is_associated; /* OpenEXR: colours are multiplied by alpha, and the rest that goes with it
                            (image/exr.h) */
     struct picture_space space;
-    bool tiled;                  /* in tiles rather than lines, where the format knows them */
+    double pixel_mm; /* the length of a pixel in what is shown; 0 where that is not known */
+    bool tiled;      /* in tiles rather than lines, where the format knows them */
     struct attribute *attribute; /* names differ from one another */
     size_t attributes;
+};
+
+/* Planes beside the colours. */
+enum {
+    PICTURE_DEPTH = 1,
+    PICTURE_LABEL = 2,
+    PICTURE_VOXEL = 4,
+    PICTURE_NORMAL = 8,
+    PICTURE_EVERY = 15,
 };
 
 /* All planes but normals (or rgba alone) for width x height pixels, zeroed. ERR_LIMIT over 16384 a
  * side. */
 enum err picture_init(struct picture *picture, uint32_t width, uint32_t height, bool all_planes,
                       struct fault *fault);
+/* The same with these planes. */
+enum err picture_init_planes(struct picture *picture, uint32_t width, uint32_t height,
+                             unsigned planes, struct fault *fault);
+/* Which there are. */
+unsigned picture_planes(const struct picture *picture);
+
 /* Normals for all pixels, zeroed. On failure the picture is as it was. */
 enum err picture_add_normals(struct picture *picture, struct fault *fault);
 void picture_release(struct picture *picture);
+
+/* `height` rows of it from row `top` on; borrows the planes, and has no notes. */
+struct picture picture_rows(const struct picture *picture, uint32_t top, uint32_t height);
 
 /* What people see, where something is transparent over black. */
 static inline const uint8_t *picture_colours(const struct picture *picture)

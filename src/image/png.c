@@ -8,8 +8,7 @@
 #include "base/safe.h"
 #include "image/picture.h"
 
-enum { HEADER = 13, AROUND = 12 /* the data of a chunk */, KEYWORD_MOST = 79 };
-enum { COLOURED = 2, INDEXED = 3, WITH_ALPHA = 6 }; /* kinds of pixels, as the header names them */
+enum { HEADER = 13, AROUND = 12 /* the data of a chunk */, SCALE = 9, KEYWORD_MOST = 79 };
 
 static const uint8_t signature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
 
@@ -33,7 +32,7 @@ static void put_number(uint8_t *place, uint32_t n)
         place[i] = (uint8_t)(n >> (24 - 8 * i));
 }
 
-static void add_chunk(struct buf *png, const char type[4], const void *data, size_t length)
+void png_add_chunk(struct buf *png, const char type[4], const void *data, size_t length)
 {
     uint8_t number[4];
     uint32_t crc = libdeflate_crc32(libdeflate_crc32(0, type, 4), data, length);
@@ -43,6 +42,54 @@ static void add_chunk(struct buf *png, const char type[4], const void *data, siz
     buf_add(png, data, length);
     put_number(number, crc);
     buf_add(png, number, 4);
+}
+
+void png_add_beginning(struct buf *png, uint32_t width, uint32_t height, unsigned bits,
+                       enum png_kind kind)
+{
+    uint8_t header[HEADER] = {[8] = (uint8_t)bits, [9] = (uint8_t)kind};
+    put_number(header, width);
+    put_number(header + 4, height);
+    buf_add(png, signature, sizeof signature);
+    png_add_chunk(png, "IHDR", header, HEADER);
+}
+
+/* The colours of sRGB, which the pixels have, to be shown by perceptual intent; and what there is
+ * in files of former versions, by OpenImageIO: no intent that was said, and no offset. */
+enum { WRITTEN = 3 };
+static const struct {
+    char type[5];
+    uint8_t length;
+    uint8_t data[32];
+} constant[] = {
+    {"gAMA", 4, {0, 0, 0xb1, 0x8f}},
+    {"cHRM", 32, {0, 0, 0x7a, 0x26, 0, 0, 0x80, 0x84, 0, 0, 0xfa, 0,    0, 0, 0x80, 0xe8,
+                  0, 0, 0x75, 0x30, 0, 0, 0xea, 0x60, 0, 0, 0x3a, 0x98, 0, 0, 0x17, 0x70}},
+    {"sRGB", 1, {0}},
+    {"sRGB", 1, {3}},
+    {"oFFs", 9, {0}},
+};
+
+void png_add_colours(struct buf *png)
+{
+    for (int i = 0; i < WRITTEN; i++)
+        png_add_chunk(png, constant[i].type, constant[i].data, constant[i].length);
+}
+
+uint32_t png_pixels_a_metre(double pixel_mm)
+{
+    const double most = INT32_MAX, count = pixel_mm > 0 ? 1000 / pixel_mm + 0.5 : 0;
+    return count < most ? (uint32_t)count : 0;
+}
+
+void png_add_scale(struct buf *png, double pixel_mm)
+{
+    const uint32_t a_metre = png_pixels_a_metre(pixel_mm);
+    uint8_t scale[SCALE] = {[8] = 1}; /* of metres */
+    put_number(scale, a_metre);
+    put_number(scale + 4, a_metre);
+    if (a_metre)
+        png_add_chunk(png, "pHYs", scale, SCALE);
 }
 
 /* Rows of a palette that is smaller: pixels side by side, the leftmost in the highest bits. */
@@ -144,12 +191,10 @@ void png_add(struct png_writer *w, const struct raster *raster, enum png_effort 
         packed = length < packed_length ? packed + w->packed_capacity / 2 : packed;
         packed_length = length < packed_length ? length : packed_length;
     }
-    const int kind = raster->colour ? INDEXED : raster->has_alpha ? WITH_ALPHA : COLOURED;
-    uint8_t header[HEADER] = {[8] = (uint8_t)bits, [9] = (uint8_t)kind};
-    put_number(header, raster->width);
-    put_number(header + 4, raster->height);
-    buf_add(png, signature, sizeof signature);
-    add_chunk(png, "IHDR", header, HEADER);
+    const enum png_kind kind = raster->colour      ? PNG_INDEXED
+                               : raster->has_alpha ? PNG_WITH_ALPHA
+                                                   : PNG_COLOURED;
+    png_add_beginning(png, raster->width, raster->height, bits, kind);
     if (raster->colour) {
         uint8_t rgb[3 * RASTER_COLOURS_MOST];
         for (size_t i = 0; i < colours; i++) {
@@ -157,12 +202,12 @@ void png_add(struct png_writer *w, const struct raster *raster, enum png_effort 
             rgb[3 * i + 1] = (uint8_t)(used[i] >> 8);
             rgb[3 * i + 2] = (uint8_t)used[i];
         }
-        add_chunk(png, "PLTE", rgb, 3 * (size_t)colours);
+        png_add_chunk(png, "PLTE", rgb, 3 * (size_t)colours);
     }
     if (is_clear)
-        add_chunk(png, "tRNS", "", 1); /* the first colour is seen through */
-    add_chunk(png, "IDAT", packed, packed_length);
-    add_chunk(png, "IEND", "", 0);
+        png_add_chunk(png, "tRNS", "", 1); /* the first colour is seen through */
+    png_add_chunk(png, "IDAT", packed, packed_length);
+    png_add_chunk(png, "IEND", "", 0);
 }
 
 void png_add_pixels(struct png_writer *w, const struct raster *raster, enum png_effort effort,
@@ -205,20 +250,6 @@ enum err png_encode(struct buf *out, uint32_t width, uint32_t height, const uint
 
 /* ---- reading ---- */
 
-/* What else the writer puts there: the colours of sRGB, which the pixels have, and no offset. */
-static const struct {
-    char type[5];
-    uint8_t length;
-    uint8_t data[32];
-} constant[] = {
-    {"gAMA", 4, {0, 0, 0xb1, 0x8f}},
-    {"sRGB", 1, {0}},
-    {"sRGB", 1, {3}},
-    {"oFFs", 9, {0}},
-    {"cHRM", 32, {0, 0, 0x7a, 0x26, 0, 0, 0x80, 0x84, 0, 0, 0xfa, 0,    0, 0, 0x80, 0xe8,
-                  0, 0, 0x75, 0x30, 0, 0, 0xea, 0x60, 0, 0, 0x3a, 0x98, 0, 0, 0x17, 0x70}},
-};
-
 struct reading {
     struct picture *out;
     const uint8_t *at, *end;
@@ -259,32 +290,48 @@ static enum err take_header(struct reading *r, uint32_t width, uint32_t height)
 {
     const uint8_t *d = r->data;
     if (strcmp(r->type, "IHDR") != 0 || r->length != HEADER || d[8] != 8 ||
-        (d[9] != COLOURED && d[9] != WITH_ALPHA) || d[10] || d[11] || d[12])
+        (d[9] != PNG_COLOURED && d[9] != PNG_WITH_ALPHA) || d[10] || d[11] || d[12])
         return refuse(r, "it is no PNG of 8 bits a channel, in colours, as iftty writes them");
     if (number_at(d) != width || number_at(d + 4) != height)
         return fault_set(r->fault, ERR_CHECK, "it has another size");
-    r->channels = d[9] == COLOURED ? 3 : 4;
+    r->channels = d[9] == PNG_COLOURED ? 3 : 4;
     return OK;
+}
+
+/* Pixels per metre, the same both ways. */
+static bool is_scale(const struct reading *r)
+{
+    return strcmp(r->type, "pHYs") == 0 && r->length == SCALE && number_at(r->data) > 0 &&
+           number_at(r->data) == number_at(r->data + 4) && r->data[8] == 1;
 }
 
 static enum err take_other(struct reading *r)
 {
-    if (strcmp(r->type, "tEXt") == 0) {
-        /* A keyword, a zero, and the text, without one. */
+    const bool is_utf8 = strcmp(r->type, "iTXt") == 0;
+    if (is_utf8 || strcmp(r->type, "tEXt") == 0) {
+        /* A keyword, a zero, and the text, without one; before one of UTF-8 four more, which say
+         * that it is not packed, of no language, and the keyword not translated. */
         char name[KEYWORD_MOST + 1];
         const uint8_t *zero = memchr(r->data, 0, r->length);
         const size_t before = zero ? (size_t)(zero - r->data) : 0;
+        const size_t skipped = before + 1 + (is_utf8 ? 4 : 0);
         struct buf value = {0};
-        if (!before || before > KEYWORD_MOST || memchr(zero + 1, 0, r->length - before - 1))
+        if (!before || before > KEYWORD_MOST || skipped > r->length ||
+            (is_utf8 && memcmp(zero + 1, "\0\0\0", 4) != 0) ||
+            memchr(r->data + skipped, 0, r->length - skipped))
             return refuse(r, "a text in it has no name, or two");
         memcpy(name, r->data, before + 1);
         if (picture_find(r->out, name))
             return refuse(r, "two texts in it have one name");
-        buf_add(&value, zero + 1, r->length - before - 1);
+        buf_add(&value, r->data + skipped, r->length - skipped);
         const enum err err = value.failed ? fault_memory(r->fault, "a note on a picture")
                                           : picture_note(r->out, name, buf_text(&value), r->fault);
         buf_release(&value);
         return err;
+    }
+    if (is_scale(r)) {
+        r->out->pixel_mm = 1000.0 / number_at(r->data);
+        return OK;
     }
     for (size_t i = 0; i < sizeof constant / sizeof *constant; i++)
         if (strcmp(r->type, constant[i].type) == 0 && r->length == constant[i].length &&

@@ -43,16 +43,34 @@ void png_add_pixels(struct png_writer *writer, const struct raster *raster, enum
 enum err png_encode(struct buf *out, uint32_t width, uint32_t height, const uint8_t *rgba,
                     struct fault *fault);
 
+/* ---- what files have before their pixels (image/png_file.h) ---- */
+
+/* Kinds of pixels, as the header names them. */
+enum png_kind { PNG_COLOURED = 2, PNG_INDEXED = 3, PNG_WITH_ALPHA = 6 };
+
+/* Adds length, type, data, and the CRC of these two. */
+void png_add_chunk(struct buf *png, const char type[4], const void *data, size_t length);
+
+/* What a file begins with; that its colours are sRGB, to be shown by perceptual intent; and how
+ * many pixels of this length go to a metre, to the nearest: nothing where that is 0, which it is of
+ * length 0, or more than PNG can say. */
+void png_add_beginning(struct buf *png, uint32_t width, uint32_t height, unsigned bits,
+                       enum png_kind kind);
+void png_add_colours(struct buf *png);
+uint32_t png_pixels_a_metre(double pixel_mm);
+void png_add_scale(struct buf *png, double pixel_mm);
+
 /*
- * A PNG as this program has it written beside a golden image, taken apart without the image helper:
+ * A PNG as this program writes it beside a golden image, taken apart without the image helper:
  * 8 bits a channel, RGB or RGBA, not interlaced, with notes as text chunks before the pixels.
  *
  * Everything else is refused, and with it whatever could make a viewer show something else than the
  * pixels that were compared: profiles, another gamma, a colour that is clear, frames of an
  * animation, text that nobody asked for, bytes after the end.
  *
- * `out` gets rgba, alpha 255 in files without, and the notes. The size is that of the picture which
- * it is compared with: ERR_CHECK for another. ERR_INPUT for another form, with what it is;
+ * `out` gets rgba, alpha 255 in files without, the notes, and the length of a pixel. The size is
+ * that of the picture which it is compared with: ERR_CHECK for another. ERR_INPUT for another form,
+ * with what it is;
  * ERR_MEMORY. On error *out is empty.
  */
 struct picture;

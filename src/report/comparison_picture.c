@@ -172,8 +172,8 @@ enum err comparison_picture_draw(struct picture *picture, struct session *sessio
         err = picture_init(picture, view->width, view->height, false, fault);
     if (err)
         return err;
-    const struct canvas canvas = {view->width, view->height, view->width, picture->rgba,
-                                  NULL,        NULL,         NULL};
+    const struct canvas canvas = {
+        .width = view->width, .height = view->height, .stride = view->width, .rgba = picture->rgba};
     uint8_t *difference = differences_of(compared, &session_scene(session)->grid);
     err = difference ? draw_slices(&canvas, session, difference, place, fault)
                      : fault_memory(fault, "a picture");

@@ -121,41 +121,44 @@ static bool is_bright(const struct session *session)
     return 2 * rgb[0] + 5 * rgb[1] + rgb[2] > 8 * 128;
 }
 
-/* Over this canvas; the frame only where seeds or the cross-hair are among the parts. */
-static enum err draw(struct session *session, const struct labels *labels,
-                     const struct canvas *canvas, const struct camera *camera,
-                     const struct rendition *frame, struct fault *fault)
+void decorating_end(struct decorating *d)
+{
+    if (d)
+        free(d->eliminator);
+    free(d);
+}
+
+enum err decorating_begin(struct decorating **out, struct session *session,
+                          const struct labels *labels, struct fault *fault)
 {
     const struct outlook *outlook = session_outlook(session);
     const uint32_t *cross = outlook->slices.cross;
-    struct legend_line line[255];
-    size_t lines = 0;
-    enum err err = outlook->decorations & DECORATE_LEGEND
-                       ? list_labels(line, &lines, session, labels, fault)
-                       : OK;
-    if (err)
-        return err;
     const struct edits *list = &session_state(session)->lists.eliminators;
     const size_t eliminators = edits_count(list);
-    uint32_t *eliminator = eliminators ? mem_array(eliminators, sizeof *eliminator) : NULL;
-    for (size_t i = 0; eliminator && i < eliminators; i++)
-        eliminator[i] = edits_first(list)[i].cell;
-    const struct decoration decoration = {
+    struct decorating *d = *out = mem_new(sizeof *d);
+    if (!d)
+        return fault_memory(fault, "the marks of a rendition");
+    d->eliminator = mem_array(eliminators + 1, sizeof *d->eliminator);
+    enum err err = d->eliminator ? OK : fault_memory(fault, "the marks of a rendition");
+    for (size_t i = 0; !err && i < eliminators; i++)
+        d->eliminator[i] = edits_first(list)[i].cell;
+    d->of = (struct decoration){
         .parts = outlook->decorations,
-        .frame = frame,
-        .camera = camera,
         .samples = outlook->look.samples,
         .palette = &session_kept(session)->palette,
         .marked = {markers_show, session_markers(session)},
         .is_bright = is_bright(session),
-        .line = line,
-        .lines = lines,
-        .eliminator = eliminator,
+        .line = d->line,
+        .eliminator = d->eliminator,
         .eliminators = eliminators,
         .cross = grid_cell(&session_scene(session)->grid, cross[0], cross[1], cross[2])};
-    err = eliminators && !eliminator ? fault_memory(fault, "the marks of a rendition")
-                                     : decoration_draw(canvas, &decoration, fault);
-    free(eliminator);
+    if (!err && outlook->decorations & DECORATE_LEGEND)
+        err = list_labels(d->line, &d->of.lines, session, labels, fault);
+    d->of.camera = &d->camera;
+    if (err) {
+        decorating_end(d);
+        *out = NULL;
+    }
     return err;
 }
 
@@ -174,27 +177,19 @@ enum err session_decorate(struct session *session, const struct labels *labels, 
                                   .height = frame->height,
                                   .stride = frame->width,
                                   .rgba = p->decorated};
-    err = draw(session, labels, &canvas, &p->camera, frame, fault);
+    struct decorating *d;
+    err = decorating_begin(&d, session, labels, fault);
+    if (err)
+        return err;
+    d->of.frame = frame;
+    d->camera = p->camera;
+    err = decoration_draw(&canvas, &d->of, fault);
+    decorating_end(d);
     canvas_lay_over(p->decorated, frame->rgba, pixels_of(session));
     return err;
 }
 
-bool session_decorates_ahead(const struct session *session)
+bool session_decorates_rows(const struct session *session)
 {
     return !(session_outlook(session)->decorations & (DECORATE_SEEDS | DECORATE_CROSS));
-}
-
-enum err session_decorate_ahead(struct session *session, const struct labels *labels, uint8_t *rgba,
-                                struct fault *fault)
-{
-    const struct outlook *outlook = session_outlook(session);
-    const struct canvas canvas = {.width = outlook->view.width,
-                                  .height = outlook->view.height,
-                                  .stride = outlook->view.width,
-                                  .rgba = rgba};
-    struct camera camera;
-    if (!outlook->decorations)
-        return OK;
-    const enum err err = session_aim(session, outlook, &camera, fault);
-    return err ? err : draw(session, labels, &canvas, &camera, NULL, fault);
 }

@@ -8,6 +8,7 @@
 #define SHOW_DECORATING_H
 
 #include "render/canvas.h"
+#include "render/decoration.h"
 #include "render/rendition.h"
 #include "session/session.h"
 
@@ -16,11 +17,18 @@
 enum err session_decorate(struct session *session, const struct labels *labels,
                           struct fault *fault);
 
-/* The same into a picture [height][width][4] that is yet to be drawn, and clear, alpha 0: it is a
- * layer over what is drawn (canvas_lay_over). Not where a part asks which voxels are seen. */
-bool session_decorates_ahead(const struct session *session);
-enum err session_decorate_ahead(struct session *session, const struct labels *labels, uint8_t *rgba,
-                                struct fault *fault);
+/* The same over some rows of a picture, as they are drawn, by any thread: what is drawn over all of
+ * it is found once. Not where a part asks which voxels are seen, which no row knows. */
+struct decorating {
+    struct decoration of; /* without a frame */
+    struct camera camera; /* the caller says which */
+    struct legend_line line[255];
+    uint32_t *eliminator;
+};
+bool session_decorates_rows(const struct session *session);
+enum err decorating_begin(struct decorating **decorating, struct session *session,
+                          const struct labels *labels, struct fault *fault);
+void decorating_end(struct decorating *decorating); /* NULL is fine */
 
 /* The frame with what was drawn over it last; all maps but `rgba` are the frame's. */
 struct rendition session_picture(const struct session *session);

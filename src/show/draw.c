@@ -126,28 +126,35 @@ static const struct rendition *objects_of(const struct pictures *p)
     return look_of(p)->samples > 1 ? &p->reduced : &p->rendition;
 }
 
-/* Puts it behind what is rendered, which has just changed. Nothing to do where the outlook has
- * none. */
-static enum err put_context(struct pictures *p, struct fault *fault)
+/* Makes it. */
+static enum err draw_context(struct pictures *p, struct fault *fault)
 {
     struct session *session = p->session;
-    struct context *context = &p->context;
-    const struct rendition *rendered = objects_of(p);
     struct mip_source source = {.scene = session_scene(session),
                                 .digest = session_scene_digest(session),
                                 .cut = session_kept(session)->cut};
     const uint32_t samples = look_of(p)->samples;
     struct view view = p->camera.view; /* of samples; that of pixels is less */
     struct camera camera;
-    if (session_outlook(session)->context == CONTEXT_NONE)
-        return OK;
     view.width /= samples;
     view.height /= samples;
     view.zoom /= samples;
     window_of(source.window, session);
     enum err err = camera_init(&camera, session_scene(session), &view, fault);
     if (!err)
-        err = mip_draw(&context->mip, &source, &camera, session_team(session), fault);
+        err = mip_draw(&p->context.mip, &source, &camera, session_team(session), fault);
+    return err;
+}
+
+/* Puts it behind what is rendered, which has just changed. Nothing to do where the outlook has
+ * none. */
+static enum err put_context(struct pictures *p, struct fault *fault)
+{
+    struct context *context = &p->context;
+    const struct rendition *rendered = objects_of(p);
+    if (session_outlook(p->session)->context == CONTEXT_NONE)
+        return OK;
+    const enum err err = draw_context(p, fault);
     if (err)
         return err;
     uint8_t *rgba = context->frame.rgba;
@@ -184,9 +191,6 @@ static enum err colour(struct pictures *p, struct fault *fault)
         rendition_reduce(&p->reduced, &p->rendition, look->samples, session_team(p->session));
     return err;
 }
-
-/* Samples of so many pixels are stored, so that an edit is seen at once: 210 MB of them. */
-enum { SAMPLES_STORED_MOST = 1 << 23 };
 
 static enum err make_rendition(struct pictures *p, struct rendition *rendition,
                                const struct view *view, struct fault *fault)
@@ -232,7 +236,7 @@ static enum err draw_border(struct pictures *p, struct border *border, enum rend
     enum err err = mesh_update(&p->mesh, border, shade_kind(look), team, NULL, fault);
     if (err)
         return err;
-    if (p->rendition.depth) {
+    if (!p->take && p->rendition.depth) {
         err = layers_take(&p->layers, &p->rendition, border, fault);
         if (err)
             return err;
@@ -241,8 +245,6 @@ static enum err draw_border(struct pictures *p, struct border *border, enum rend
         else
             project(&p->rendition, &p->camera, &p->mesh);
         err = colour(p, fault);
-        if (!err && p->take)
-            p->take(p->take_context, &p->rendition, 0);
     } else {
         const struct bands bands = {.project = project,
                                     .camera = &p->camera,
@@ -253,9 +255,12 @@ static enum err draw_border(struct pictures *p, struct border *border, enum rend
                                     .take = p->take,
                                     .context = p->take_context};
         prepare_shader(p);
-        err = bands_draw(p->take ? NULL : &p->reduced, &bands, fault);
+        if (p->take && session_outlook(p->session)->context)
+            err = draw_context(p, fault);
+        if (!err)
+            err = bands_draw(p->take ? NULL : &p->reduced, &bands, fault);
     }
-    if (!err)
+    if (!err && !p->take)
         err = put_context(p, fault);
     return err ? err : watch_fault(session_watch(p->session), fault);
 }

@@ -105,6 +105,17 @@ void seen_normals(float *out, const int16_t *normal, size_t pixels, const struct
     }
 }
 
+void export_normals_to_world(float *out, const int16_t *normal, size_t pixels,
+                             const struct scene *scene)
+{
+    for (size_t i = 0; i < pixels; i++)
+        for (int a = 0; a < 3; a++) {
+            const uint8_t axis = (uint8_t)scene->world_axis[a];
+            out[3 * i + axis] =
+                (float)(normal[4 * i + (size_t)a] * scene->world_sign[a]) / 16384.0f;
+        }
+}
+
 /* ---- notes ---- */
 
 /* With units, and the middle of the picture in voxels as they are numbered. */
@@ -244,15 +255,16 @@ enum err export_notes(struct picture *picture, const struct session *session,
     return err;
 }
 
-/* What a picture of a rendition says of itself. After an error it is released. */
-static enum err describe_rendition(struct picture *picture, const struct session *session,
-                                   const struct label_set *shown, struct fault *fault)
+enum err export_rendition_notes(struct picture *picture, const struct session *session,
+                                const struct label_set *shown, struct fault *fault)
 {
     char scale[32]; /* of a rendition; slices have one of their own */
     snprintf(scale, sizeof scale, "%.9g", seen_mm_per_pixel(session));
     enum err err = export_notes(picture, session, shown, fault);
-    if (!err && !session_geometry(session)->spacing_unknown)
+    if (!err && !session_geometry(session)->spacing_unknown) {
+        picture->pixel_mm = seen_mm_per_pixel(session);
         err = picture_note(picture, "iftty:mm-per-pixel", scale, fault);
+    }
     if (err)
         picture_release(picture);
     return err;
@@ -260,10 +272,49 @@ static enum err describe_rendition(struct picture *picture, const struct session
 
 /* ---- planes ---- */
 
-static void label_set_add(struct label_set *set, const struct rendition *r)
+void label_set_add(struct label_set *set, const struct rendition *r)
 {
     for (size_t i = 0; i < (size_t)r->width * r->height; i++)
         label_set_put(set, r->label[i]);
+}
+
+static void fill_normals(float *out, const struct session *session, const int16_t *normal,
+                         size_t pixels)
+{
+    if (session_outlook(session)->look.number > LOOK_FIRST)
+        seen_normals(out, normal, pixels, session_geometry(session));
+    else
+        export_normals_to_world(out, normal, pixels, session_scene(session));
+}
+
+void export_fill(const struct picture *to, const struct session *session, const struct rendition *r,
+                 size_t first)
+{
+    const size_t pixels = (size_t)to->width * to->height;
+    /* One pixel of depth in millimetres: crossings count 2^-24 pixels, four times. */
+    const struct camera *camera = &session_pictures(session)->camera;
+    const double pixel_mm = (double)camera->unit_nm / 1e6 * 1000.0 / camera->view.zoom;
+    const double unit_mm = pixel_mm / (double)(INT64_C(4) << 24);
+    memcpy(to->rgba, r->rgba + 4 * first, 4 * pixels);
+    for (size_t i = 0; to->depth_mm && i < pixels; i++) {
+        const uint32_t cell = r->cell[first + i];
+        const bool seen = cell != CELL_NONE;
+        to->depth_mm[i] = seen ? (float)((double)r->depth[first + i] * unit_mm) : (float)INFINITY;
+        to->label[i] = r->label[first + i];
+        to->voxel[i] = seen ? grid_voxel(&session_scene(session)->grid, cell) : CELL_NONE;
+    }
+    if (to->normal)
+        fill_normals(to->normal, session, r->normal + 4 * first, pixels);
+}
+
+void export_form(struct picture *picture, const struct session *session)
+{
+    const struct outlook *outlook = session_outlook(session);
+    *picture = (struct picture){.width = outlook->view.width,
+                                .height = outlook->view.height,
+                                .is_clear = outlook->background == BACKGROUND_CLEAR,
+                                .is_associated = outlook->look.number > LOOK_FIRST};
+    seen_from(&picture->space, session);
 }
 
 enum err export_picture(struct picture *picture, const struct session *session, struct fault *fault)
@@ -274,21 +325,14 @@ enum err export_picture(struct picture *picture, const struct session *session, 
     if (err)
         return err;
     label_set_add(&labels, r);
-    /* One pixel of depth in millimetres: crossings count 2^-24 pixels, four times. */
-    const struct camera *camera = &session_pictures(session)->camera;
-    const double pixel_mm = (double)camera->unit_nm / 1e6 * 1000.0 / camera->view.zoom;
-    const double unit_mm = pixel_mm / (double)(INT64_C(4) << 24);
-    for (size_t i = 0; i < (size_t)r->width * r->height; i++) {
-        bool seen = r->cell[i] != CELL_NONE;
-        for (int k = 0; k < 4; k++)
-            picture->rgba[4 * i + (size_t)k] = r->rgba[4 * i + (size_t)k];
-        picture->depth_mm[i] = seen ? (float)((double)r->depth[i] * unit_mm) : (float)INFINITY;
-        picture->label[i] = r->label[i];
-        picture->voxel[i] =
-            seen ? grid_voxel(&session_scene(session)->grid, r->cell[i]) : CELL_NONE;
-    }
+    export_fill(picture, session, r, 0);
     seen_from(&picture->space, session);
-    return describe_rendition(picture, session, &labels, fault);
+    return export_rendition_notes(picture, session, &labels, fault);
+}
+
+uint32_t export_behind(const struct session *session)
+{
+    return session_outlook(session)->background;
 }
 
 enum err export_colours(struct picture *picture, const struct session *session, struct fault *fault)
@@ -300,94 +344,9 @@ enum err export_colours(struct picture *picture, const struct session *session, 
         return err;
     label_set_add(&labels, r);
     memcpy(picture->rgba, r->rgba, (size_t)4 * r->width * r->height);
-    background_put(picture->rgba, r->width, r->height, session_outlook(session)->background);
+    background_put(picture->rgba, r->width, r->height, export_behind(session));
     picture->is_clear = session_outlook(session)->background == BACKGROUND_CLEAR;
-    return describe_rendition(picture, session, &labels, fault);
-}
-
-/* ---- colours alone ---- */
-
-/* Being drawn a few rows at a time. Nobody will ask for the depth or the voxel of one of these
- * pixels, so no map of them is stored: it takes 4 bytes a pixel, not 25, and the rows at hand. */
-struct drawn_colours {
-    uint8_t *rgba;              /* [height][width][4] of the view's size */
-    _Atomic uint64_t digest;    /* rendition_digest */
-    _Atomic uint64_t labels[4]; /* that are shown: a struct label_set */
-    uint32_t height, background;
-};
-
-bool export_takes_colours(const struct session *session)
-{
-    return session_outlook(session)->context == CONTEXT_NONE && session_decorates_ahead(session);
-}
-
-static void take_rows(void *context, const struct rendition *rows, uint32_t top)
-{
-    struct drawn_colours *colours = context;
-    uint8_t *rgba = colours->rgba + (size_t)4 * top * rows->width;
-    struct label_set labels = {{0}};
-    label_set_add(&labels, rows);
-    for (int i = 0; i < 4; i++)
-        colours->labels[i] |= labels.bits[i];
-    /* Both are what is drawn, with decorations over it that are in the picture already. */
-    bool is_decorated = false;
-    const size_t pixels = (size_t)rows->height * rows->width;
-    for (size_t i = 0; i < pixels && !is_decorated; i++)
-        is_decorated = rgba[4 * i + 3] > 0;
-    canvas_lay_over(rgba, rows->rgba, pixels);
-    if (is_decorated) {
-        memcpy(rows->rgba, rgba, 4 * pixels);
-        memset(rows->blank, 0, (size_t)rows->tiles_x * rows->tiles_y * sizeof *rows->blank);
-    }
-    colours->digest += rendition_digest_rows(rows, top);
-    background_put_rows(rgba, rows->width, top, rows->height, colours->height, colours->background);
-}
-
-/* Draws such labels as session_draw_labels does, over what is behind them, from nothing. A
- * rendition of one sample a pixel that is there is drawn over, so that going back needs no memory;
- * others are let go of. */
-static enum err draw_rows(struct drawn_colours *colours, struct session *session,
-                          const struct labels *labels, struct fault *fault)
-{
-    const struct view *view = &session_outlook(session)->view;
-    struct pictures *p;
-    enum err err = pictures_begin(&p, session, fault);
-    if (err)
-        return err;
-    colours->height = view->height;
-    colours->background = session_outlook(session)->background;
-    colours->digest = rendition_digest_begin(view->width, view->height);
-    if (session_outlook(session)->look.samples > 1)
-        pictures_release_rendition(p);
-    p->rendered = RENDERED_NOT;
-    err = session_decorate_ahead(session, labels, colours->rgba, fault);
-    p->take = take_rows;
-    p->take_context = colours;
-    if (!err)
-        err = session_draw_labels(session, labels, RENDER_ONCE, fault);
-    p->take = NULL;
-    p->rendered = RENDERED_NOT;
-    return err;
-}
-
-enum err export_drawn(struct picture *picture, struct session *session, const struct labels *labels,
-                      uint64_t *digest, struct fault *fault)
-{
-    const struct outlook *outlook = session_outlook(session);
-    enum err err = picture_init(picture, outlook->view.width, outlook->view.height, false, fault);
-    if (err)
-        return err;
-    struct drawn_colours colours = {.rgba = picture->rgba};
-    err = draw_rows(&colours, session, labels, fault);
-    if (err) {
-        picture_release(picture);
-        return err;
-    }
-    *digest = colours.digest;
-    const struct label_set shown = {
-        {colours.labels[0], colours.labels[1], colours.labels[2], colours.labels[3]}};
-    picture->is_clear = outlook->background == BACKGROUND_CLEAR;
-    return describe_rendition(picture, session, &shown, fault);
+    return export_rendition_notes(picture, session, &labels, fault);
 }
 
 enum err export_background(struct picture *picture, const struct session *session,
@@ -409,9 +368,8 @@ enum err export_background(struct picture *picture, const struct session *sessio
 enum err export_normals(struct picture *picture, const struct session *session, struct fault *fault)
 {
     const struct rendition *r = session_frame(session);
-    const size_t pixels = (size_t)r->width * r->height;
-    enum err err = picture_add_normals(picture, fault);
+    const enum err err = picture_add_normals(picture, fault);
     if (!err)
-        seen_normals(picture->normal, r->normal, pixels, session_geometry(session));
+        fill_normals(picture->normal, session, r->normal, (size_t)r->width * r->height);
     return err;
 }

@@ -12,6 +12,7 @@
 
 #include "base/buf.h"
 #include "image/picture.h"
+#include "render/rendition.h"
 #include "session/session.h"
 
 /* Labels that pixels show, 0 among them: a bit each. */
@@ -41,12 +42,24 @@ enum err export_picture(struct picture *picture, const struct session *session,
 enum err export_colours(struct picture *picture, const struct session *session,
                         struct fault *fault);
 
-/* The same of a picture that is yet to be drawn, of these labels, and its digest: in place, and no
- * rendition is stored afterwards. Not where more than colours is looked at, which context and marks
- * of seeds do (export_takes_colours). ERR_MEMORY, ERR_CANCELLED. */
-bool export_takes_colours(const struct session *session);
-enum err export_drawn(struct picture *picture, struct session *session, const struct labels *labels,
-                      uint64_t *digest, struct fault *fault);
+/* ---- of the same, a picture that is not stored (show/export_rows.h) ---- */
+
+/* What is known of it before it is drawn: sizes, where it is seen from, how files hold it. */
+void export_form(struct picture *picture, const struct session *session);
+
+/* Fills in rgba, and what else there is of planes, with pixels of a rendition from `first` on. */
+void export_fill(const struct picture *to, const struct session *session,
+                 const struct rendition *from, size_t first);
+void label_set_add(struct label_set *set, const struct rendition *rendition);
+
+/* What is behind colours; clear, where the file's format decides how that is shown. */
+uint32_t export_behind(const struct session *session);
+
+/* What a picture of a rendition says of itself. After an error it is released. */
+enum err export_rendition_notes(struct picture *picture, const struct session *session,
+                                const struct label_set *shown, struct fault *fault);
+
+/* ---- more of those that are ---- */
 
 /* What is behind a picture of all planes, for those who look at it: as `shown`. */
 enum err export_background(struct picture *picture, const struct session *session,

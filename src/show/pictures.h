@@ -37,6 +37,9 @@ struct context {
                                without maps where nothing is */
 };
 
+/* Samples of so many pixels are stored, so that an edit is seen at once: 210 MB of them. */
+enum { SAMPLES_STORED_MOST = 1 << 23 };
+
 struct pictures {
     struct session *session;
     struct camera camera; /* of the view, `look.samples` times as large; see session_draw_fitting */
@@ -52,7 +55,8 @@ struct pictures {
     struct live_finish live;
     uint8_t *decorated; /* colours of the frame with what is drawn over them (decorating.h) */
     size_t decorated_pixels;
-    /* While a picture of colours alone is drawn: takes its rows (render/bands.h). Else NULL. */
+    /* While a picture is drawn that is not stored: takes its rows (render/bands.h), without their
+     * context, which is made before. Else NULL. */
     void (*take)(void *context, const struct rendition *rows, uint32_t top);
     void *take_context;
 };

@@ -226,7 +226,8 @@ enum err difference_picture_draw(struct picture *picture, struct session *sessio
     enum err err = picture_init(picture, width, height, false, fault);
     if (err)
         return err;
-    sheet.canvas = (struct canvas){width, height, width, picture->rgba, NULL, NULL, NULL};
+    sheet.canvas =
+        (struct canvas){.width = width, .height = height, .stride = width, .rgba = picture->rgba};
     canvas_box(&sheet.canvas, 0, 0, width, height, paper);
     /* First, since the colours of labels are gone once the pane on the right is drawn. */
     write_title(&sheet, 0, "A", of->name[0]);

@@ -108,8 +108,10 @@ enum err gesture_picture_draw(struct picture *picture, const struct gesture_repo
         picture_init(picture, WIDTH, (uint32_t)(below + MARGIN + rows * row), false, fault);
     if (err)
         return err;
-    const struct canvas canvas = {
-        picture->width, picture->height, picture->width, picture->rgba, NULL, NULL, NULL};
+    const struct canvas canvas = {.width = picture->width,
+                                  .height = picture->height,
+                                  .stride = picture->width,
+                                  .rgba = picture->rgba};
     struct frame frame = {.canvas = &canvas,
                           .left = MARGIN + BEFORE,
                           .top = MARGIN + 4 * LINE,

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "image/exr.h"
+#include "image/exr_write.h"
 
 /* The pixel in the middle of those that show something. */
 static size_t pixel_in_the_middle(const struct picture *p)
