@@ -236,10 +236,10 @@ static bool add_quads(struct mesh_brick **brick, const struct net *net, const ui
             }
             q->corner[k] = (uint16_t)s->local[c];
         }
-        int32_t at[4][3];
+        int32_t place[4][3];
         for (int k = 0; k < 4; k++)
-            memcpy(at[k], b->vertex[q->corner[k]].at, sizeof at[k]);
-        if (net_diagonal(at, from->face) == 1)
+            memcpy(place[k], b->vertex[q->corner[k]].at, sizeof place[k]);
+        if (net_diagonal(place, from->face) == 1)
             memcpy(q->corner, (uint16_t[]){q->corner[1], q->corner[2], q->corner[3], q->corner[0]},
                    sizeof q->corner);
     }

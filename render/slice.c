@@ -233,7 +233,7 @@ static bool is_plain(const uint8_t *label, ptrdiff_t columns, int64_t reach)
 static void outline_row(const struct work *work, int64_t y, const struct palette *palette)
 {
     const struct slice_side *column = &work->plan.side[0], *row = &work->plan.side[1];
-    const int64_t line = work->plan.unit, hair = (line + 1) / 2;
+    const int64_t line = slice_unit(work->plan.size), hair = (line + 1) / 2;
     const int64_t reach = line > 1 ? line + hair : line;
     const bool is_inner = y - row->first >= reach && row->end - y > reach;
     const ptrdiff_t columns = (ptrdiff_t)work->columns;

@@ -50,7 +50,7 @@ struct slice_style {
     const uint8_t *finished;       /* labels (engine/labels.h); NULL: those of the forest */
     bool crosses;                  /* the cross-hair */
     bool marks_seeds; /* seeds that are planted, but those that have four neighbours like them, */
-    struct mark_choice marked; /* of those; and beside them: */
+    struct mark_choice marked;     /* of those; and beside them: */
     const struct slice_mark *mark; /* [marks]; those of other slices are passed over */
     size_t marks;
     const char *least, *most; /* what stands at the ends of the bar of greys; ASCII */

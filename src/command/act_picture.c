@@ -105,16 +105,10 @@ enum err act_draw_picture(const struct act *act, const struct labels *labels, en
     return err;
 }
 
-static void add_picture_digest(const struct act *act, uint64_t digest)
-{
-    if (semantics_has(session_semantics(act->session), MEANING_SMOOTH_SURFACES))
-        act_add_digest(act, "picture", digest);
-}
-
 void act_add_picture_digest(const struct act *act)
 {
     const struct rendition picture = session_picture(act->session);
-    add_picture_digest(act, rendition_digest(&picture));
+    act_add_digest(act, "picture", rendition_digest(&picture));
 }
 
 enum err act_write_now(struct interpreter *interp, const char *path, enum file_mode mode,
@@ -180,7 +174,7 @@ static enum err render_large(const struct act *act, const char *name, enum rende
             err = act_write_picture(act, to, act_file_mode(act), &picture);
     }
     if (!err)
-        add_picture_digest(act, digest);
+        act_add_digest(act, "picture", digest);
     buf_release(&path);
     return err;
 }

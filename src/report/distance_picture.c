@@ -139,17 +139,17 @@ static enum err take_picture(struct picture *picture, struct session *session, s
 static void write_beside(const struct canvas *canvas, int64_t right, int64_t top, uint32_t unit,
                          const char *words)
 {
-    text_draw_outlined(canvas, right - text_width(words, unit), top, unit, words, &notes_light);
+    text_draw(canvas, right - text_width(words, unit), top, unit, words, &notes_light);
 }
 
 /* Bottom right, a third of the picture tall, with what its ends and its middle mean. */
 static void draw_bar(const struct canvas *canvas, const struct palette *palette, double most_mm,
                      const char *unit_name, bool has_more)
 {
-    const uint32_t unit = slice_unit(canvas->width, canvas->height);
-    const int64_t u = unit, wide = 6 * u, tall = canvas->height / 3;
+    const uint32_t unit = notes_tall(notes_side(canvas));
+    const int64_t u = (unit + 7) / 8, wide = 6 * u, tall = canvas->height / 3;
     const int64_t left = canvas->width - wide - 4 * u, top = canvas->height - tall - 4 * u;
-    const int64_t right = left - 4 * u, letter = TEXT_TALL * u;
+    const int64_t right = left - 4 * u, letter = unit;
     const char *more = has_more ? " or more" : "";
     char words[64];
     if (notes_side(canvas) < NOTES_BARS_FROM)
@@ -167,17 +167,17 @@ static void draw_bar(const struct canvas *canvas, const struct palette *palette,
 
 static void write_names(const struct canvas *canvas, const struct comparison_report *report)
 {
-    const uint32_t unit = slice_unit(canvas->width, canvas->height);
-    int64_t top = 4 * (int64_t)unit;
-    const int64_t room = canvas->width / 2 - 12 * (int64_t)unit; /* clear of the upper letter */
+    const uint32_t unit = notes_tall(notes_side(canvas));
+    int64_t top = notes_margin(unit);
+    const int64_t room = canvas->width / 2 - 2 * (int64_t)unit; /* clear of the upper letter */
     for (int i = 0; i < 2 && notes_side(canvas) >= NOTES_BARS_FROM; i++) {
         struct buf words = {0}, safe = {0};
         buf_printf(&words, "%c  %s", 'A' + i, report->name[i]);
         buf_add_safe_text(&safe, buf_text(&words));
         while (safe.length && text_width(safe.data, unit) > room)
             safe.data[--safe.length] = '\0';
-        text_draw_outlined(canvas, 4 * (int64_t)unit, top, unit, buf_text(&safe), &notes_light);
-        top += TEXT_LINE * (int64_t)unit;
+        text_draw(canvas, notes_margin(unit), top, unit, buf_text(&safe), &notes_light);
+        top += text_line(unit);
         buf_release(&words);
         buf_release(&safe);
     }

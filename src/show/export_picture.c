@@ -105,17 +105,6 @@ void seen_normals(float *out, const int16_t *normal, size_t pixels, const struct
     }
 }
 
-void export_normals_to_world(float *out, const int16_t *normal, size_t pixels,
-                             const struct scene *scene)
-{
-    for (size_t i = 0; i < pixels; i++)
-        for (int a = 0; a < 3; a++) {
-            const uint8_t axis = (uint8_t)scene->world_axis[a];
-            out[3 * i + axis] =
-                (float)(normal[4 * i + (size_t)a] * scene->world_sign[a]) / 16384.0f;
-        }
-}
-
 /* ---- notes ---- */
 
 /* With units, and the middle of the picture in voxels as they are numbered. */
@@ -278,15 +267,6 @@ void label_set_add(struct label_set *set, const struct rendition *r)
         label_set_put(set, r->label[i]);
 }
 
-static void fill_normals(float *out, const struct session *session, const int16_t *normal,
-                         size_t pixels)
-{
-    if (session_outlook(session)->look.number > LOOK_FIRST)
-        seen_normals(out, normal, pixels, session_geometry(session));
-    else
-        export_normals_to_world(out, normal, pixels, session_scene(session));
-}
-
 void export_fill(const struct picture *to, const struct session *session, const struct rendition *r,
                  size_t first)
 {
@@ -304,7 +284,7 @@ void export_fill(const struct picture *to, const struct session *session, const 
         to->voxel[i] = seen ? grid_voxel(&session_scene(session)->grid, cell) : CELL_NONE;
     }
     if (to->normal)
-        fill_normals(to->normal, session, r->normal + 4 * first, pixels);
+        seen_normals(to->normal, r->normal + 4 * first, pixels, session_geometry(session));
 }
 
 void export_form(struct picture *picture, const struct session *session)
@@ -370,6 +350,7 @@ enum err export_normals(struct picture *picture, const struct session *session, 
     const struct rendition *r = session_frame(session);
     const enum err err = picture_add_normals(picture, fault);
     if (!err)
-        fill_normals(picture->normal, session, r->normal, (size_t)r->width * r->height);
+        seen_normals(picture->normal, r->normal, (size_t)r->width * r->height,
+                     session_geometry(session));
     return err;
 }
