@@ -332,6 +332,14 @@ static bool is_hidden(struct rendition *r, const struct place_seen *seen)
 
 /* ---- the ways ---- */
 
+/* Of work: a voxel each. */
+enum { MESH_UNITS = MESH_SIDE * MESH_SIDE * MESH_SIDE };
+
+static uint64_t units_of(const struct mesh *mesh)
+{
+    return (uint64_t)mesh->bricks * MESH_UNITS;
+}
+
 static struct window whole(const struct rendition *r)
 {
     return (struct window){0, 0, (int32_t)r->width - 1, (int32_t)r->height - 1, false};
@@ -347,12 +355,12 @@ static void clear(struct rendition *r)
 
 void project_scene(struct rendition *r, const struct camera *camera, const struct mesh *mesh)
 {
-    struct task task = task_begin(camera->scene->watch, "rendition", mesh->bricks);
+    struct task task = task_begin(camera->scene->watch, "rendition", units_of(mesh));
     const struct window window = whole(r);
     struct drawer d;
     drawer_init(&d, camera, mesh);
     clear(r);
-    for (uint32_t b = 0; b < mesh->bricks && task_advance(&task, 1); b++) {
+    for (uint32_t b = 0; b < mesh->bricks && task_advance(&task, MESH_UNITS); b++) {
         const struct footprint f =
             mesh->brick[b] ? seen_of(&d, b).pixels : (struct footprint){1, 1, 0, 0};
         if (f.left <= f.right && f.top <= f.bottom)
@@ -369,7 +377,7 @@ static void draw_border(struct task *task, struct rendition *r, const struct cam
     drawer_init(&d, camera, mesh);
     for (uint32_t k = 0; k < mesh->size[2]; k++) {
         at[2] = camera->flip[2] ? mesh->size[2] - 1 - k : k;
-        if (!task_advance(task, (uint64_t)mesh->size[0] * mesh->size[1]))
+        if (!task_advance(task, (uint64_t)mesh->size[0] * mesh->size[1] * MESH_UNITS))
             return;
         for (uint32_t j = 0; j < mesh->size[1]; j++) {
             at[1] = camera->flip[1] ? mesh->size[1] - 1 - j : j;
@@ -391,7 +399,7 @@ static void draw_border(struct task *task, struct rendition *r, const struct cam
 
 void project_border(struct rendition *r, const struct camera *camera, const struct mesh *mesh)
 {
-    struct task task = task_begin(camera->scene->watch, "rendition", mesh->bricks);
+    struct task task = task_begin(camera->scene->watch, "rendition", units_of(mesh));
     const struct window window = whole(r);
     clear(r);
     draw_border(&task, r, camera, mesh, &window);
@@ -408,7 +416,7 @@ void project_border_quietly(struct rendition *r, const struct camera *camera,
 
 void project_stale(struct rendition *r, const struct camera *camera, const struct mesh *mesh)
 {
-    struct task task = task_begin(camera->scene->watch, "rendition", mesh->bricks);
+    struct task task = task_begin(camera->scene->watch, "rendition", units_of(mesh));
     const size_t tiles = (size_t)r->tiles_x * r->tiles_y;
     struct window window = {INT32_MAX, INT32_MAX, -1, -1, false};
     for (size_t i = rendition_tile(r, 0, tiles, TILE_STALE); i < tiles;
@@ -507,7 +515,7 @@ static void draw_share(void *context, unsigned thread)
         part.layers = &layers;
     }
     const struct camera camera = camera_rows(s->camera, top, height);
-    struct task task = task_begin_part(camera.scene->watch, "rendition", s->mesh->bricks, thread);
+    struct task task = task_begin_part(camera.scene->watch, "rendition", units_of(s->mesh), thread);
     const struct window window = whole(&part);
     clear(&part);
     draw_border(&task, &part, &camera, s->mesh, &window);

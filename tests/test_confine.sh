@@ -35,7 +35,7 @@ begin "pictures are read and written by a process that reaches nothing else"
 if is_confined; then
     refused telling "$probed" info p.png
     refused reading "$probed" show --graphics kitty p.png
-    refused writing "$probed" -c "open s.nii; render r.png"
+    refused writing "$probed" -c "open s.nii; render r.tif"
     refused writing "$probed" -c "open s.nii; slice axial 3 r.jpg"
     refused writing "$probed" -c "open s.nii; spin 4 r.gif"
 fi
@@ -64,7 +64,7 @@ if is_confined; then
     for program in replay verify; do
         refused opening "$probed" $program "$work/j" --scene v.mha
     done
-    printf 'open s.nii\nrender r.png\n' >"$work/j"
+    printf 'open s.nii\nrender r.tif\n' >"$work/j"
     refused writing "$probed" replay "$work/j" --scene s.nii --out "$work/out-folder"
 fi
 close_story

@@ -60,17 +60,28 @@ elif needs python3; then
         at=$(($1 / 2)),$(($1 / 2)),$(($1 / 2))
         printf '%s\n' "open synth:geom:$1x$1x$1" "seed $at 1 radius=3" 'seed 1,1,1 0' \
             'seed 5,5,5 2 radius=4' "seed $(($1 * 3 / 4)),9,9 3" run "remove $at" run \
-            "seed $at 1 radius=9" run info 'size 256 256' render info
+            "seed $at 1 radius=9" run info
     }
-    for side in 30 260; do # the program itself, and its pictures, take some 15 MB
-        commands_for $side >script
+    picture() { # SIDE: what a picture adds, with the surface that it shows
+        commands_for $1
+        printf '%s\n' 'size 256 256' render info
+    }
+    peak() { # of the script
         python3 -c 'import resource, subprocess, sys
 subprocess.run(sys.argv[1:], stdout=open("out", "w"), stderr=subprocess.DEVNULL, check=True)
-print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)' "$iftty" run script \
-            >peak.$side
+print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)' "$iftty" run script
+    }
+    for side in 30 260; do # the program itself takes some 10 MB
+        commands_for $side >script
+        peak >peak.$side
+        picture $side >script
+        peak >pictured.$side
     done
     [ $(($(cat peak.260) - $(cat peak.30))) -lt $((20 * 260 * 260 * 260)) ] ||
         fail "at most $(cat peak.260) bytes, $(cat peak.30) of them without a scene"
+    # A surface takes bytes by its area: here it has a third of a million quads.
+    [ $(($(cat pictured.260) - $(cat pictured.30))) -lt $((22 * 260 * 260 * 260)) ] ||
+        fail "at most $(cat pictured.260) bytes with a picture"
     out_has '; pictures 0.0; and '
     grep -qE 'scene [0-9.]+, 1[0-9]\.[0-9] bytes a voxel' out || fail "$(grep memory out)"
     grep -qE 'pictures [1-9][0-9]*\.[0-9]; and ' out || fail "$(grep memory out)"

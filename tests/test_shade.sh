@@ -63,7 +63,9 @@ same "$(picture plain)" "$(picture off)"
 same "$(picture dark)" "$(picture undone)"
 same "$(picture through)" "$(picture clear)"
 [ "$(picture plain)" != "$(picture dark)" ] || fail "nothing is darker"
-same "$(for name in plain dark creases both; do picture $name; done | sort -u | grep -c .)" 4
+# The objects do not touch, so each has the surface that it has by itself in any case.
+same "$(picture plain)" "$(picture creases)"
+same "$(picture dark)" "$(picture both)"
 close_story
 
 begin "a journal with them verifies, for any number of threads, and resumes"
