@@ -114,7 +114,7 @@ close_story
 
 begin "how far things are stands on a terminal, and is gone afterwards"
 if needs script; then
-    line="$iftty -c 'open synth:geom:300x300x300; seed 150,150,150 1; seed 1,1,1 0; run'"
+    line="$iftty -c 'open synth:geom:360x360x360; seed 180,180,180 1; seed 1,1,1 0; run'"
     script -qec "$line" /dev/null </dev/null >seen
     tr '\r' '\n' <seen >lines
     grep -qE '\[#*-*\] +[0-9]+ %, [0-9]+ s' lines || fail "no bar: $(head -c 600 seen)"

@@ -147,34 +147,6 @@ STORY(the_lines_of_the_cross_hair_run_on)
     scene_free(scene);
 }
 
-STORY(the_rendition_is_averaged_over_black)
-{
-    struct scene *scene = graded_scene();
-    const struct slice_style style = plain_style();
-    const struct mosaic_choice choice = {.place = {0, 0, 0}};
-    struct rendition r = black_rendition(20, 21);
-    /* The pane has 10x10 pixels, and the first stands for columns 0, 1 and rows 0, 1. */
-    memcpy(r.rgba, (const uint8_t[]){255, 8, 3, 255, 255, 9, 3, 255}, 8);
-    memcpy(r.rgba + (size_t)4 * 20, (const uint8_t[]){255, 8, 4, 255, 99, 99, 99, 0}, 8);
-    memcpy(r.rgba + 8, (const uint8_t[]){200, 0, 0, 51}, 4); /* a fifth of it is covered */
-    r.cell[1] = 77;
-    r.cell[20] = 78;
-    r.cell[20 * 19 + 19] = 79;
-    struct canvas mosaic = take(scene, &r, &choice, &style);
-    const uint8_t *p = canvas_pixel(&mosaic, 10, 11);
-    CHECK_INT(p[0], 191); /* 765 / 4 = 191.25 */
-    CHECK_INT(p[1], 6);   /* 25 / 4 = 6.25 */
-    CHECK_INT(p[2], 3);   /* 10 / 4 = 2.5 */
-    CHECK_INT(p[3], 255);
-    CHECK_INT(canvas_pixel(&mosaic, 11, 11)[0], 10);
-    CHECK_INT(mosaic.cell[11 * 20 + 10], 77);
-    CHECK_INT(mosaic.cell[20 * 20 + 19], 79);
-    CHECK_INT(mosaic.cell[20 * 20 + 18], CELL_NONE);
-    canvas_release(&mosaic);
-    rendition_release(&r);
-    scene_free(scene);
-}
-
 /* The pane of a mosaic that has a rendition at half its size, and 2x2 samples of the same. */
 STORY(a_pixel_of_the_pane_is_what_samples_come_to)
 {
@@ -230,6 +202,7 @@ STORY(the_rendition_lies_in_the_middle_of_its_pane)
     CHECK_INT(mosaic.cell[66 * 130 + 67], CELL_NONE);
     CHECK_INT(mosaic.cell[130 * 130 + 129], CELL_NONE); /* the last row has no other */
     r.cell[129 * 130 + 128] = 9;
+    r.depth[129 * 130 + 128] = 0;
     CHECK_INT(mosaic_cell_at(scene, r.width, r.height, &r, &choice, 129, 130), 9);
     canvas_release(&mosaic);
     rendition_release(&r);
@@ -328,8 +301,7 @@ int main(void)
 {
     return RUN_STORIES(
         TELL(panes_share_the_picture_out), TELL(panes_are_slices_at_one_scale),
-        TELL(the_lines_of_the_cross_hair_run_on), TELL(the_rendition_is_averaged_over_black),
-        TELL(a_pixel_of_the_pane_is_what_samples_come_to),
+        TELL(the_lines_of_the_cross_hair_run_on), TELL(a_pixel_of_the_pane_is_what_samples_come_to),
         TELL(the_rendition_lies_in_the_middle_of_its_pane),
         TELL(a_pixel_of_a_mosaic_knows_its_voxel), TELL(a_rendition_of_another_size_is_fitted_in),
         TELL(without_memory_there_is_no_mosaic));

@@ -320,6 +320,7 @@ STORY(edges_are_drawn_on_the_nearer_object)
 {
     struct stage s;
     stage_cube(&s, 41);
+    memset(s.palette.rgb[2], 200, 3);
     for (int z = 0; z < 41; z++)
         for (int x = 0; x < 41; x++) {
             put(&s, x, 10, z, 1);
