@@ -438,11 +438,11 @@ void project_stale(struct rendition *r, const struct camera *camera, const struc
 void project_rays(struct rendition *r, const struct camera *camera, const struct mesh *mesh)
 {
     const size_t tiles = (size_t)r->tiles_x * r->tiles_y;
-    struct task task = task_begin(camera->scene->watch, "rendition", tiles * mesh->bricks);
+    struct task task = task_begin(camera->scene->watch, "rendition", 8 * tiles * mesh->bricks);
     struct drawer d;
     drawer_init(&d, camera, mesh);
     clear(r);
-    for (size_t tile = 0; tile < tiles && task_advance(&task, mesh->bricks); tile++) {
+    for (size_t tile = 0; tile < tiles && task_advance(&task, 8 * mesh->bricks); tile++) {
         const int32_t left = (int32_t)(tile % r->tiles_x) * TILE;
         const int32_t top = (int32_t)(tile / r->tiles_x) * TILE;
         const struct window window = {left, top, least_of(left + TILE, (int32_t)r->width) - 1,

@@ -2108,7 +2108,7 @@ STORY(a_command_that_is_cancelled_is_undone)
     must(&interp, "render");
     take_snapshot(&before, &interp);
     for (size_t i = 0; i < sizeof picture / sizeof picture[0]; i++) /* with nothing else to do */
-        CHECK(stop_everywhere(&interp, picture[i], 4, &before) == 4);
+        CHECK(stop_everywhere(&interp, picture[i], 1, &before) == 1);
     CHECK(forest_check(interp.session->forest, NULL));
     CHECK(border_check(&interp.session->border, NULL));
     interpreter_release(&interp);
