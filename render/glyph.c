@@ -298,10 +298,11 @@ static void blend_band(const struct canvas *canvas, struct band *b, int64_t colu
     for (int32_t y = 0; y < b->rows; y++) {
         const int32_t *pixel = band_row(b, y);
         int32_t sum = 0;
-        if (row + y < 0 || row + y >= canvas->height)
+        if (row + y < canvas->from || row + y >= canvas_end(canvas))
             continue;
         for (int32_t x = 0; x < last; x++) {
-            const size_t at = (size_t)(row + y) * canvas->stride + (size_t)(column + x);
+            const size_t at =
+                (size_t)(row + y - canvas->from) * canvas->stride + (size_t)(column + x);
             int32_t share = 255;
             sum += pixel[x];
             if (reach && pixel[x] > (reach - ONE) * (reach - ONE))
@@ -335,8 +336,8 @@ void glyph_draw(const struct canvas *canvas, const struct glyph *g, uint32_t hal
     b.left = pixel_of(g->least.x - reach);
     b.columns = pixel_of(g->most.x + reach) + 1 - b.left;
     const int64_t column = g->column + b.left;
-    if (column >= canvas->width || column + b.columns <= 0 || g->row + top >= canvas->height ||
-        g->row + end <= 0)
+    if (column >= canvas->width || column + b.columns <= 0 || g->row + top >= canvas_end(canvas) ||
+        g->row + end <= canvas->from)
         return;
     const int32_t rows = BAND / (b.columns + 2);
     for (b.top = top; b.top < end; b.top += rows) {

@@ -2034,11 +2034,13 @@ static void begin_interesting_work(struct interpreter *interp)
     must(interp, "remove 1,1,1");
 }
 
-/* How often the watch is asked while a command runs, which is taken back again by opening anew. */
+/* How often the watch is asked while a command runs: on what is new, and new again after it. */
 static unsigned looks_of(struct interpreter *interp, const char *line)
 {
     struct looks looks = {0, UINT32_MAX};
     struct watch watch = {.context = &looks, .poll = after_some_polls};
+    interpreter_release(interp);
+    begin_interesting_work(interp);
     interp->session->watch = &watch;
     CHECK_INT(execute(interp, line), OK);
     interpreter_release(interp);

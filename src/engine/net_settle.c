@@ -27,7 +27,8 @@ typedef uint32_t counts __attribute__((vector_size(16)));
 static inline net_lanes part_of(net_lanes x, int32_t share, int bits)
 {
     const counts low = (counts)(x & 0xffff) * (uint32_t)share;
-    return (x >> 16) * share * (1 << (16 - bits)) +
+    const int32_t high = share * (1 << (16 - bits));
+    return (x >> 16) * high +
            (net_lanes)((low + (1U << (bits - 1)) + (counts)(x >> 31)) >> bits);
 }
 

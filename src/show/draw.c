@@ -37,6 +37,7 @@ void pictures_release_rendition(struct pictures *p)
     p->decorated_pixels = 0;
     forget_context(&p->context);
     p->rendered = RENDERED_NOT;
+    p->drawings++;
 }
 
 /* Nothing is known of finished labels any more. */
@@ -47,6 +48,7 @@ static void drop_live(struct pictures *p)
         return;
     shader_release(&p->shader); /* what is stored may be of this border */
     mesh_release(&p->mesh);
+    p->drawings++;
     mem_pages_free(live->label, live->cells);
     border_release(&live->border);
     *live = (struct live_finish){0};
@@ -69,6 +71,7 @@ static void leave_scene(struct pictures *p)
     drop_live(p);
     shader_release(&p->shader);
     mesh_release(&p->mesh);
+    p->drawings++;
 }
 
 static void count_memory(const struct pictures *p, struct session_memory *memory)
@@ -233,6 +236,7 @@ static enum err draw_border(struct pictures *p, struct border *border, enum rend
     const struct look *look = look_of(p);
     struct team *team = session_team(p->session);
     forget(p);
+    p->drawings++;
     enum err err = mesh_update(&p->mesh, border, shade_kind(look), team, NULL, fault);
     if (err)
         return err;
@@ -294,6 +298,7 @@ static void follow_rendition(struct pictures *p, enum rendered as, const struct 
     if (p->rendered != as)
         return;
     forget(p);
+    p->drawings++;
     if (!p->rendition.depth)
         return;
     enum err err = incremental_image(&p->rendition, &p->camera, &p->mesh, border, look_of(p),
@@ -481,17 +486,24 @@ void session_show_refining(struct session *session, void (*draw)(void *context),
 
 static void mark(struct pictures *p)
 {
-    p->former_rendered = session_is_rough(p->session) ? RENDERED_NOT : p->rendered;
+    p->former.rendered = session_is_rough(p->session) ? RENDERED_NOT : p->rendered;
+    p->former.drawings = p->drawings;
+    p->former.camera = p->camera;
 }
 
+/* Pixels that stayed are shown again, without memory for it; others are drawn anew. */
 static void take_back(struct pictures *p)
 {
     struct labels labels;
-    const enum rendered as = p->former_rendered;
-    if (!as)
+    const enum rendered as = p->former.rendered;
+    if (!as) {
         forget(p);
-    else if (!session_labels(p->session, as == RENDERED_FINISHED, &labels, NULL))
+    } else if (p->drawings == p->former.drawings) {
+        p->camera = p->former.camera;
+        p->rendered = as;
+    } else if (!session_labels(p->session, as == RENDERED_FINISHED, &labels, NULL)) {
         session_draw_labels(p->session, &labels, RENDER_AS_KEPT, NULL);
+    }
 }
 
 static void settle(struct pictures *p)

@@ -50,7 +50,12 @@ struct pictures {
     struct mesh mesh;           /* of what was shown last */
     struct rendition reduced;   /* to the view's size, where look.samples is above 1 */
     unsigned rendered;          /* V1; enum rendered (draw.h) */
-    unsigned former_rendered;   /* when the command at hand began; not rough labels */
+    unsigned drawings;          /* how often pixels, or what they are of, became others */
+    struct {                    /* when the command at hand began: */
+        unsigned rendered;      /* not rough labels */
+        unsigned drawings;
+        struct camera camera;
+    } former;
     struct shader shader;
     struct live_finish live;
     uint8_t *decorated; /* colours of the frame with what is drawn over them (decorating.h) */
