@@ -141,7 +141,8 @@ def painter_stories(stage):
 
 SCENE = ("open synth:geom:64x64x64", "auto on", "size 240 180", "label 1 ball",
          "seed 32,32,32 ball radius=5", "seed 2,2,2 0", "zoom fit")
-SHADES_APART = 16  # of 255: a rendition's shades are rounded to those of a palette,
+SHADES_APART = 24  # of 255: a rendition's shades are rounded to those of a palette, along a line
+                   # from dark to lit to shining, and what shines in the dark lies beside it;
 COLOURS_APART = 60  # and what is laid over slices to fewer
 
 
@@ -397,8 +398,12 @@ def same_blocks(cells, shot, plain, picture):
     wanted = picture.resize((columns, 2 * rows), Image.BOX)
     apart = mean_apart(found, wanted)
     nothing = mean_apart(Image.new("RGB", wanted.size), wanted)
-    return None if apart < 0.55 * nothing else (  # sixteen colours, in the worst case
-        "the picture is %.1f of 255 from the right one, nothing at all %.1f" % (apart, nothing))
+    # Sixteen colours, in the worst case, none of them orange.
+    turned = [mean_apart(found, wanted.transpose(way))
+              for way in (Image.Transpose.FLIP_LEFT_RIGHT, Image.Transpose.FLIP_TOP_BOTTOM)]
+    return None if apart < 0.7 * nothing and apart < 0.9 * min(turned) else (
+        "the picture is %.1f of 255 from the right one, %.1f and %.1f from it mirrored, nothing at "
+        "all %.1f" % (apart, *turned, nothing))
 
 
 def share_apart(one, other, tolerance):
