@@ -492,8 +492,9 @@ static const struct command command_table[] = {
      ".exr holds colour, depth, label, voxel and normal of each pixel, in lines or tiled; .png and "
      "whatever else OpenImageIO writes hold the colours. At the prompt a file is written in the "
      "background; a line says when it is there. `iftty info FILE` prints what a picture shows.\n"
-     "All modes give the same pixels: sp splats every object voxel, bp border voxels, ray walks "
-     "the rays, ii repairs the last rendition." SHOWN_NOTE,
+     "All modes give the same pixels: sp draws the surface in the order of the scene, bp from the "
+     "nearest on without what is hidden, ray what lies along each pixel's ray, ii those pixels of "
+     "the last rendition that are out of date." SHOWN_NOTE,
      "render brain.png"},
     {CALLED("spin", "turntable|movie|animate", act_spin, GROUP_RENDITION, R | S | E | A),
      {NEED("N", VALUE_NUMBER, .least = 2, .most = IMAGE_FRAMES_MOST), NEED("FILE", VALUE_FILE),
