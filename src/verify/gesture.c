@@ -24,8 +24,10 @@ struct heading {
 /* Kinds have the names of commands, but for eliminators, and those that are kinds of `seed`. */
 static bool read_kind(enum gesture_kind *kind, const struct call *call)
 {
-    const bool removes = strcmp(call->command->name, "remove") == 0;
-    const char *name = removes ? gesture_kind_name[GESTURE_ELIMINATOR] : call->command->name;
+    static const char eliminator[] = "remove";
+    const char *name = call->command->name;
+    if (strcmp(name, eliminator) == 0)
+        name = gesture_kind_name[GESTURE_ELIMINATOR];
     unsigned i = 0;
     while (i < GESTURE_KIND_COUNT && strcmp(gesture_kind_name[i], name) != 0)
         i++;
