@@ -10,14 +10,8 @@
  *     * 5 branch second
  *     @ 6 (second, present) seed 6,10,7 2
  *
- * The tree follows from three result words; commands are not read, and nothing is carried out.
- *   at=N         the state after this record is that after record N, 0 for the beginning: a note
- *                between parentheses, and what comes next hangs on N;
- *   on=NAME      and belongs to this alternative, or, where nothing is said, to that of N;
- *   branch=NAME  an alternative of that name begins with this record.
- * Every other record follows the state that was the present one, and belongs to the alternative
- * that one was on; the first is called main. A name stands beside the last record of its
- * alternative in the journal. Both words may stand in one record: it then hangs on N itself.
+ * Which record follows which is the tree's (journal/tree.h). What at=N says is a note between
+ * parentheses; a name stands beside the last record of its alternative in the journal.
  *
  * Invariants
  *     (G1) a record that others follow stays in its lane until the last of them is drawn, which

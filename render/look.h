@@ -1,29 +1,18 @@
 /*
  * The look: how people have chosen that surfaces are coloured.
- *
- * Looks have numbers: what is drawn under one stays as it is, so that images that were made under
- * it can be made again. A session draws under that of its journal's semantics. From look 2 on
- * surfaces are smooth; from look 3 on most of their pixels lie in patches (render/patch.h), and
- * pits and rims of cuts are looked at closely (render/refine.h); from look 4 on one sample stands
- * for a pixel where a patch shows one object, blocks of tiles are patches, and layers of
- * translucent objects are smooth too where voxels are large (render/layers.h).
  */
 #ifndef RENDER_LOOK_H
 #define RENDER_LOOK_H
 
-#include <stdbool.h>
 #include <stdint.h>
-
-enum { LOOK_FIRST = 1, LOOK_SECOND, LOOK_THIRD, LOOK_PRESENT };
 
 enum { SHADE_SAMPLES_MOST = 4, LIGHT_PITCH_MOST = 90000 };
 
-/* What is shown of an object, and what commands call it. The last two are nobody's any more. */
+/* What is shown of an object, and what commands call it. */
 #define SHADE_MODES "surface|cubes"
-enum shade_mode { SHADE_SURFACE, SHADE_CUBES, SHADE_SCENE, SHADE_DEPTH };
+enum shade_mode { SHADE_SURFACE, SHADE_CUBES };
 
 struct look {
-    uint32_t number; /* LOOK_FIRST..LOOK_PRESENT */
     enum shade_mode mode;
     int32_t light[2]; /* where it comes from, thousandths of a degree: yaw to the viewer's right,
                          pitch above him; 0, 0 is from where he stands */
@@ -37,18 +26,9 @@ struct look {
 };
 
 /* Surface; the light over the viewer's left shoulder. */
-static inline struct look look_default(uint32_t number)
+static inline struct look look_default(void)
 {
-    return (struct look){
-        .number = number, .light = {-25000, 30000}, .cue_percent = 30, .samples = 1};
-}
-
-/* Whether it shows surfaces between voxel centres (render/refine.h), for which a border has a skin:
- * what is not of cubes, from look 2 on. What the border has no skin for is shown as cubes, and so
- * are translucent objects where their layers are not refined. */
-static inline bool look_is_refined(const struct look *look)
-{
-    return look->number > LOOK_FIRST && look->mode != SHADE_CUBES;
+    return (struct look){.light = {-25000, 30000}, .cue_percent = 30, .samples = 1};
 }
 
 #endif

@@ -37,8 +37,7 @@ struct stage {
 static inline enum err stage_take(struct stage *s, struct scene *scene, unsigned adjacency,
                                   struct fault *why)
 {
-    *s = (struct stage){
-        .scene = scene, .view = view_default(scene), .look = look_default(LOOK_PRESENT)};
+    *s = (struct stage){.scene = scene, .view = view_default(scene), .look = look_default()};
     palette_default(&s->palette);
     const enum err err = forest_new(&s->forest, scene, adjacency, why);
     return err ? err : border_init(&s->border, scene, why);
@@ -69,10 +68,10 @@ static inline uint32_t stage_occlusion(uint64_t *random)
     return check_below(random, 2) ? 1 + check_below(random, 100) : 0;
 }
 
-/* Any look, any angles, and any of so many modes of shading, the first ones. */
-static inline void stage_look_at_random(struct stage *s, uint32_t modes, uint64_t *random)
+/* Any look, any angles. */
+static inline void stage_look_at_random(struct stage *s, uint64_t *random)
 {
-    s->look.mode = (enum shade_mode)check_below(random, modes);
+    s->look.mode = check_below(random, 4) == 1 ? SHADE_CUBES : SHADE_SURFACE;
     s->look.edges = check_below(random, 2);
     s->look.samples = 1u << check_below(random, 3);
     s->look.ao_percent = stage_occlusion(random);

@@ -64,7 +64,7 @@ static void stage_at_random(struct stage *s, uint64_t *random)
 /* `samples` samples a pixel, both ways; the camera and the view are those of the samples. */
 static void look_at_random(struct stage *s, uint64_t *random)
 {
-    stage_look_at_random(s, 4, random);
+    stage_look_at_random(s, random);
     s->view.width = s->look.samples * (1 + check_below(random, 30));
     s->view.height = s->look.samples * (1 + check_below(random, 90));
     s->view.zoom = s->look.samples * (300 + check_below(random, 10000));

@@ -149,7 +149,7 @@ static void stage_at_random(struct stage *s, uint64_t *random)
     for (int a = 0; a < 3; a++)
         size[a] = 1 + check_below(random, check_below(random, 3) ? 24 : 4);
     CHECK(stage_init(s, size, 6, NULL) == OK);
-    s->look.mode = (enum shade_mode)check_below(random, 4);
+    s->look.mode = check_below(random, 4) == 1 ? SHADE_CUBES : SHADE_SURFACE;
     s->look.edges = check_below(random, 2);
     s->look.ao_percent = stage_occlusion(random);
     s->look.creases = check_below(random, 2);
@@ -285,7 +285,7 @@ STORY(faces_that_are_cut_open_show_the_scene)
     CHECK(forest_new(&s.forest, s.scene, 6, NULL) == OK);
     CHECK(border_init(&s.border, s.scene, NULL) == OK);
     palette_default(&s.palette);
-    s.look = look_default(LOOK_PRESENT);
+    s.look = look_default();
     s.look.cue_percent = 0;
     s.shader.window[0] = 100, s.shader.window[1] = 355;
     for (uint32_t x = 0; x < 20; x++)

@@ -50,7 +50,7 @@ err_has "this is a script"
 [ ! -s out ] || fail "it draws: $(cat out)"
 printf 'a|\nb|at=7\n' | by_hand h.iftty
 expect 3 "$iftty" log --graph h.iftty
-err_has "record 2, line 4: at=7: expected the number of a record before it, or 0; nothing is drawn"
+err_has "record 2, line 4: at=7: expected the number of a record before it, or 0"
 expect 3 "$iftty" log --graph missing.iftty
 expect 2 "$iftty" log --graph
 close_story

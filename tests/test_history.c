@@ -137,7 +137,7 @@ STORY(where_one_looks_from_is_not_undone)
     CHECK_HAS(buf_text(&reply.words), "at=3 on=main forest=");
     CHECK_INT(session_pendings(interp.session), 0);
     CHECK_INT(interp.session->now.outlook.slices.cross[0], 3);
-    CHECK(interp.session->now.outlook.look.mode != look_default(LOOK_PRESENT).mode);
+    CHECK(interp.session->now.outlook.look.mode != look_default().mode);
     CHECK(interp.session->now.outlook.view.angle[0] != 0);
     interpreter_release(&interp);
 }

@@ -399,7 +399,7 @@ static void sitting(unsigned number, struct team *team)
     for (int look = 0; look < 3 && check_failures == 0; look++) {
         rendition_release(&s.rendition);
         show_at_random(&s, &random);
-        stage_look_at_random(&s, 4, &random);
+        stage_look_at_random(&s, &random);
         memset(s.border.opacity, BORDER_OPAQUE, sizeof s.border.opacity);
         s.look.ao_percent = 100;
         s.view.width = 20 + check_below(&random, 120);

@@ -104,7 +104,7 @@ static void random_view(struct stage *s, uint64_t *random)
 
 static void random_look(struct stage *s, uint64_t *random)
 {
-    s->look.mode = (enum shade_mode)check_below(random, 4);
+    s->look.mode = check_below(random, 4) == 1 ? SHADE_CUBES : SHADE_SURFACE;
     s->look.light[0] = (int32_t)check_below(random, 360001) - 180000;
     s->look.light[1] = (int32_t)check_below(random, 180001) - 90000;
     s->look.cue_percent = check_below(random, 101);

@@ -44,7 +44,7 @@ static void stage_at_random(struct stage *s, uint64_t *random)
     s->shader.window[1] = 4000;
     s->border.cut.last[2] = size[2] - check_below(random, 10);
     border_recount(&s->border);
-    stage_look_at_random(s, 3, random);
+    stage_look_at_random(s, random);
     s->view.width = s->look.samples * (60 + check_below(random, 60));
     s->view.height = s->look.samples * (60 + check_below(random, 60));
     s->view.zoom = s->look.samples * (1000 + check_below(random, 2000));

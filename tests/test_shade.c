@@ -124,22 +124,6 @@ STORY(a_ball_is_round_from_every_side)
     stage_release(&s);
 }
 
-/* The words of former looks mean the surface. */
-STORY(shading_by_scene_or_depth_is_that_of_the_surface)
-{
-    struct stage s;
-    stage_cube(&s, 41);
-    put_ball(&s, 15, 1);
-    draw(&s, 90, 2000, 30000, 20000);
-    const uint64_t surface = rendition_digest(&s.rendition);
-    for (int mode = SHADE_CUBES; mode <= SHADE_DEPTH; mode++) {
-        s.look.mode = (enum shade_mode)mode;
-        draw(&s, 90, 2000, 30000, 20000);
-        CHECK((rendition_digest(&s.rendition) == surface) == (mode != SHADE_CUBES));
-    }
-    stage_release(&s);
-}
-
 /* ---- shells ---- */
 
 enum { SHELL_RADIUS = 40 }; /* millimetres */
@@ -241,7 +225,7 @@ STORY(an_edit_makes_no_more_than_its_surroundings_stale)
     struct stage s;
     stage_cube(&s, 81);
     put_ball(&s, 36, 1);
-    for (int mode = SHADE_SURFACE; mode <= SHADE_CUBES; mode += SHADE_CUBES) {
+    for (int mode = SHADE_SURFACE; mode <= SHADE_CUBES; mode++) {
         s.look.mode = (enum shade_mode)mode;
         s.look.edges = true;
         draw(&s, 512, 2000, 0, 0);
@@ -384,7 +368,6 @@ STORY(samples_become_their_mean_and_the_nearest_of_them)
 int main(void)
 {
     return RUN_STORIES(TELL(a_ball_is_round_from_every_side),
-                       TELL(shading_by_scene_or_depth_is_that_of_the_surface),
                        TELL(normals_of_thin_shells_are_as_true_as_those_of_solid_balls),
                        TELL(a_ball_has_no_hole_no_speckle_and_no_staircase),
                        TELL(an_edit_makes_no_more_than_its_surroundings_stale),

@@ -123,6 +123,24 @@ STORY(steps_are_the_gestures_and_say_whether_they_stand)
     end_walk();
 }
 
+/* One goes back past the beginning of an alternative and stays on it: on=NAME says so. */
+STORY(what_was_undone_on_ones_own_alternative_lies_on_no_other)
+{
+    const char *path = journal_of("on.iftty", OPEN "seed 30,30,15 1 radius=2\n" /* 1, on main */
+                                                   "branch other\n"             /* 2 */
+                                                   "seed 50,9,9 2\n"            /* 3, undone */
+                                                   "undo\n"                     /* 4 */
+                                                   "undo\n"                     /* 5 */
+                                                   "seed 2,2,2 0\n");           /* 6 */
+    static const enum step_fate fate[] = {STEP_ELSEWHERE, STEP_MOVES, STEP_UNDONE,
+                                          STEP_MOVES,     STEP_MOVES, STEP_STANDS};
+    begin_walk(path);
+    CHECK_INT(walk.list.count, 6);
+    for (size_t i = 0; i < 6 && i < walk.list.count; i++)
+        CHECK_INT(walk.list.step[i].fate, fate[i]);
+    end_walk();
+}
+
 /* ---- to and fro ---- */
 
 STORY(a_step_is_drawn_before_it_is_carried_out)
@@ -407,6 +425,7 @@ int main(void)
         return 1;
     const int status =
         RUN_STORIES(TELL(steps_are_the_gestures_and_say_whether_they_stand),
+                    TELL(what_was_undone_on_ones_own_alternative_lies_on_no_other),
                     TELL(a_step_is_drawn_before_it_is_carried_out),
                     TELL(what_a_learner_looks_at_changes_no_step),
                     TELL(what_is_cancelled_is_shown_as_it_was_and_can_be_gone_on_with),

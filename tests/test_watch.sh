@@ -147,6 +147,9 @@ sed 's/^open s.nii.*/open away\/..\/..\/other.nii/' e.iftty >out.iftty
 expect 3 "$iftty" watch out.iftty --pages strange
 err_has "is not at away/"
 [ -e strange ] && fail "pages of nothing are there"
+mkdir kept
+expect 3 "$iftty" watch out.iftty --pages kept
+[ -d kept ] || fail "an empty folder is gone"
 expect 3 "$iftty" watch e.iftty --pages strange --limit-memory 100k
 err_has "--limit-memory"
 expect 3 "$iftty" watch e.iftty --pages strange --limit-output 2k

@@ -1,4 +1,4 @@
-#!/usr/bin/python3
+#!/usr/bin/python3 -B
 """What came of a cohort: a table, a page of those to look at first, and a contact sheet.
 
     gather.py BIDS OUT
@@ -32,25 +32,13 @@ import sys
 
 from PIL import Image, ImageDraw
 
+from whole import write_whole
+
 COLUMNS = ["subject", "state", "order", "label", "name", "volume_ml", "procedure_ml",
            "dropped_share", "doubt", "dice", "strange", "seconds", "processor_seconds",
            "memory_mb", "disk_mb", "chain"]
 LEAST = {"volume": 0.05, "dropped_share": 0.05, "doubt": 0.05}  # deviations that count as none
 SIDE = 320  # pixels of a picture of the sheet
-
-
-def write_whole(path, data):
-    draft = "%s.%d.part" % (path, os.getpid())
-    try:
-        with open(draft, "wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(draft, path)
-    except OSError:
-        if os.path.exists(draft):
-            os.unlink(draft)
-        raise
 
 
 def scenes(bids):

@@ -1,4 +1,4 @@
-#!/usr/bin/python3
+#!/usr/bin/python3 -B
 """Subjects whose truth is known: a scene, deformed anew for each of them.
 
     subjects.py [options] SCENE LABELS OUT
@@ -35,24 +35,10 @@ import nibabel
 import numpy
 from scipy import ndimage
 
+from whole import write_whole
+
 STEP_MM = 4  # between the places where a displacement is drawn; the rest lies between them
 SMOOTH_MM = 24  # the standard deviation of what smooths it
-
-
-def write_whole(path, data):
-    """A file that is there as a whole or not at all, and after a power cut too."""
-    draft = "%s.%d.part" % (path, os.getpid())
-    os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
-    try:
-        with open(draft, "wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(draft, path)
-    except OSError:
-        if os.path.exists(draft):
-            os.unlink(draft)
-        raise
 
 
 def write_json(path, what):
@@ -199,11 +185,13 @@ def main():
         for number in [options.only] if options.only else range(1, options.count + 1):
             name = "sub-%02d" % number
             image, map_, to_mm, about = make_subject(options, scene, labels, number)
-            folder = os.path.join(truth, name, "anat", name + "_desc-truth_dseg")
-            write_volume(folder + ".nii.gz", map_.astype(numpy.uint8), to_mm)
-            write_json(folder + ".json", {"Manual": False, "Sources": [
-                os.path.basename(options.labels)]})
+            mask = os.path.join(truth, name, "anat", name + "_desc-truth_dseg")
             path = os.path.join(options.out, name, "anat", name + "_T1w")
+            for folder in os.path.dirname(mask), os.path.dirname(path):
+                os.makedirs(folder, exist_ok=True)
+            write_volume(mask + ".nii.gz", map_.astype(numpy.uint8), to_mm)
+            write_json(mask + ".json", {"Manual": False, "Sources": [
+                os.path.basename(options.labels)]})
             write_json(path + ".json", about)
             write_volume(path + ".nii.gz", image, to_mm)  # last: who waits for it has the rest
             print(path + ".nii.gz", flush=True)

@@ -35,7 +35,7 @@ static enum err take_options(struct applying *a, struct fault *fault)
     a->choice.orient = o->orient;
     a->choice.depth_mm = APPLY_DEPTH_MM;
     a->choice.gate = APPLY_GATE;
-    a->choice.watch = o->procedure.watch;
+    a->choice.watch = o->procedure.journal.watch;
     a->choice.carry.landmark = a->landmark;
     a->choice.carry.way = way < 0 ? CARRY_FILE : (enum carry_way)way;
     a->choice.carry.file = o->by;
@@ -95,7 +95,7 @@ static enum err take_landmarks(struct applying *a, struct fault *fault)
         return carry_read_landmarks(a->landmark, &a->choice.carry.landmarks, o->landmarks, fault);
     struct procedure_source source = o->procedure;
     source.path = o->landmarks;
-    source.scene_path = NULL;
+    source.journal.scene_path = NULL;
     const enum err err = procedure_load(&subject, NULL, &source, fault);
     memcpy(a->landmark, subject.landmark, sizeof a->landmark);
     a->choice.carry.landmarks = subject.landmarks;

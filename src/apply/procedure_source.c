@@ -9,11 +9,10 @@
 #include "base/mem.h"
 #include "command/answers.h"
 #include "command/command.h"
+#include "command/interpreter.h"
 #include "engine/finish.h"
 #include "session/markers.h"
 #include "session/setting.h"
-#include "verify/process.h"
-#include "verify/replay_file.h"
 
 _Static_assert((int)PROCEDURE_NAME == (int)LABEL_NAME_BYTES &&
                    (int)PROCEDURE_NAME == (int)LANDMARK_NAME_BYTES &&
@@ -27,23 +26,21 @@ struct planted {
 };
 
 struct noting {
-    struct interpreter *interp;
     struct planted *planted;
     size_t count, capacity, seen;
-    bool failed;
+    bool failed, with_image;
 };
 
-/* Called with what each command answers. */
-static void note_markers(void *context, const char *text)
+static void note_markers(void *context, const struct interpreter *interp, const struct reply *reply)
 {
-    (void)text;
+    (void)reply;
     struct noting *n = context;
-    const size_t now = session_markers(n->interp->session)->count;
+    const size_t now = session_markers(interp->session)->count;
     if (now == n->seen)
         return;
     n->failed |= !mem_grow(&n->planted, &n->capacity, n->count + 1, sizeof *n->planted);
     if (!n->failed)
-        n->planted[n->count++] = (struct planted){n->interp->history.records, n->seen + 1, now};
+        n->planted[n->count++] = (struct planted){interp->history.records, n->seen + 1, now};
     n->seen = now;
 }
 
@@ -96,9 +93,9 @@ static const char *command_of(const struct history *history, size_t record)
 }
 
 /* Balls and strokes alone: what else was planted is in the labels. */
-static enum err take_gestures(struct procedure *p, const struct noting *noting, struct fault *fault)
+static enum err take_gestures(struct procedure *p, const struct noting *noting,
+                              const struct interpreter *interp, struct fault *fault)
 {
-    const struct interpreter *interp = noting->interp;
     const struct markers *markers = session_markers(interp->session);
     enum err err = OK;
     for (size_t i = 0; !err && i < noting->count; i++) {
@@ -203,9 +200,10 @@ static enum err take_labels(struct procedure *p, const struct session *session, 
     return err;
 }
 
-static enum err take_all(struct procedure *p, const struct noting *noting, struct fault *fault)
+static enum err take_all(struct procedure *p, const struct noting *noting,
+                         const struct interpreter *interp, struct fault *fault)
 {
-    struct session *session = noting->interp->session;
+    struct session *session = interp->session;
     enum err err = session_complete(session, fault);
     if (!err && session_pendings(session))
         err = session_run(session, fault);
@@ -215,7 +213,7 @@ static enum err take_all(struct procedure *p, const struct noting *noting, struc
     if (!err)
         err = take_labels(p, session, fault);
     if (!err)
-        err = take_gestures(p, noting, fault);
+        err = take_gestures(p, noting, interp, fault);
     for (size_t i = 0; !err && i < LANDMARKS && *kept->landmark[i].name; i++) {
         struct procedure_landmark *mark = &p->landmark[p->landmarks++];
         memcpy(mark->name, kept->landmark[i].name, sizeof mark->name);
@@ -228,120 +226,72 @@ static enum err take_all(struct procedure *p, const struct noting *noting, struc
     return !err && p->settings.failed ? fault_memory(fault, "a procedure") : err;
 }
 
-/* ---- in the process of a journal ---- */
+/* ---- what its process hands back ---- */
 
-/* What it hands back: this, then the words of an error, or the text and the intensities. */
-struct handed {
-    enum err err;
-    size_t text;
-};
-
-struct work {
-    const struct procedure_source *source;
-    bool with_image;
-};
-
-static enum err carry_out(struct procedure *p, struct noting *noting,
-                          const struct procedure_source *source, struct fault *fault)
+/* How long the text is, the text, and the intensities. */
+static enum err hand_back(void *context, const struct interpreter *interp,
+                          const struct side_facts *facts, const uint8_t *label, struct buf *out,
+                          struct fault *fault)
 {
-    struct replay_report report = {0};
-    const struct printer printer = {noting, note_markers, note_markers, NULL, NULL};
-    enum err err = replay_file(noting->interp, source->path, 0, 0, &printer, NULL, &report, fault);
-    p->chain = report.chain;
-    if (err == ERR_CHECK)
-        err = fault_prefix(fault, ERR_CHECK,
-                           "it gives other results than it records, or was edited; see iftty "
-                           "verify");
-    if (!err && !report.is_journal)
-        err = fault_set(fault, ERR_INPUT,
-                        "it is a script; `iftty run FILE --journal NAME` makes a "
-                        "journal of it");
-    if (!err && !session_has_scene(noting->interp->session))
-        err = fault_set(fault, ERR_INPUT, "it opens no scene");
-    replay_report_release(&report);
-    return err ? err : take_all(p, noting, fault);
-}
-
-static void hand_back(struct buf *out, const struct procedure *p, const struct session *session,
-                      bool with_image)
-{
-    const struct grid *grid = &session_scene(session)->grid;
-    procedure_write(out, p);
-    const size_t text = out->length - sizeof(struct handed);
-    uint16_t *to = with_image ? buf_reserve(out, grid->voxels * sizeof *to) : NULL;
+    (void)label;
+    const struct noting *noting = context;
+    const struct scene *scene = session_scene(interp->session);
+    const struct grid *grid = &scene->grid;
+    struct procedure procedure = {.chain = facts->chain};
+    struct buf text = {0};
+    const enum err err = take_all(&procedure, noting, interp, fault);
+    if (!err)
+        procedure_write(&text, &procedure);
+    const uint64_t length = text.length;
+    buf_add(out, &length, sizeof length);
+    buf_add(out, buf_text(&text), text.length);
+    out->failed |= text.failed;
+    uint16_t *to = !err && noting->with_image ? buf_reserve(out, grid->voxels * sizeof *to) : NULL;
     for (uint32_t z = 0; to && z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             const struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++, out->length += sizeof *to)
-                memcpy(out->data + out->length, &session_scene(session)->cell[c].intensity,
-                       sizeof *to);
+                memcpy(out->data + out->length, &scene->cell[c].intensity, sizeof *to);
         }
-    if (!out->failed)
-        memcpy(out->data, &(struct handed){OK, text}, sizeof(struct handed));
+    buf_release(&text);
+    procedure_release(&procedure);
+    return err;
 }
 
-static void carry_out_one(void *context, size_t number, struct buf *out)
+/* The process may have been taken over: its text is read as a stranger's. */
+static enum err take_back(struct buf *text, struct buf *image, const struct side *side,
+                          const char *path, struct fault *fault)
 {
-    (void)number;
-    const struct work *work = context;
-    const struct procedure_source *source = work->source;
-    struct interpreter interp;
-    struct fault fault = {.text = ""};
-    struct procedure procedure = {.has_place = false};
-    struct noting noting = {.interp = &interp};
-    struct handed handed = {.err = interpreter_init(&interp, &fault)};
-    interp.scene_path = source->scene_path;
-    if (!handed.err && source->begin)
-        handed.err = source->begin(source->context, source->path, &fault);
-    if (!handed.err)
-        handed.err = carry_out(&procedure, &noting, source, &fault);
-    buf_add(out, &handed, sizeof handed);
-    if (handed.err)
-        buf_add_text(out, fault.text);
-    else
-        hand_back(out, &procedure, interp.session, work->with_image);
-    procedure_release(&procedure);
-    free(noting.planted);
-    interpreter_release(&interp);
+    const char *at = side->more;
+    uint64_t length, left = side->facts->more;
+    if (left >= sizeof length)
+        memcpy(&length, at, sizeof length);
+    if (left < sizeof length || length > left - sizeof length)
+        return fault_set(fault, ERR_INPUT, "%s: its process hands back what makes no sense", path);
+    at += sizeof length, left -= sizeof length;
+    buf_add(text, at, length);
+    if (image)
+        buf_add(image, at + length, left - length);
+    return text->failed || (image && image->failed) ? fault_memory(fault, "a procedure") : OK;
 }
 
 /* ---- from outside ---- */
 
-/* The process may have been taken over: its text is read as a stranger's. */
-static enum err take_back(struct buf *text, struct buf *image, const struct buf *bytes,
-                          struct fault *fault)
-{
-    struct handed handed;
-    if (bytes->length < sizeof handed)
-        return fault_memory(fault, "a procedure");
-    memcpy(&handed, bytes->data, sizeof handed);
-    const char *at = bytes->data + sizeof handed;
-    const size_t length = bytes->length - sizeof handed;
-    if (handed.err > OK && handed.err <= ERR_CANCELLED)
-        return fault_set(fault, handed.err, "%s", at);
-    if (handed.err || handed.text > length)
-        return fault_set(fault, ERR_INPUT, "its process hands back what makes no sense");
-    buf_add(text, at, handed.text);
-    if (image)
-        buf_add(image, at + handed.text, length - handed.text);
-    return text->failed || (image && image->failed) ? fault_memory(fault, "a procedure") : OK;
-}
-
 enum err procedure_text(struct buf *text, struct buf *image, const struct procedure_source *source,
                         struct fault *fault)
 {
-    struct buf bytes = {0};
-    struct work work = {source, image != NULL};
-    const struct processes how = {
-        .work = carry_out_one, .context = &work, .most = UINT32_MAX, .watch = source->watch};
+    struct noting noting = {.with_image = image};
+    const struct side_work work = {
+        .context = &noting, .hear = note_markers, .add = hand_back, .most = UINT32_MAX};
+    struct side_options how = source->journal;
+    struct side side = {.facts = NULL};
     if (file_begins_with(source->path, PROCEDURE_BEGINS))
         return file_read(text, source->path, PROCEDURE_BYTES, fault);
-    enum err err = process_run(&bytes, &how, fault);
+    how.is_strict = true;
+    enum err err = side_carry_out(&side, source->path, &how, &work, fault);
     if (!err)
-        err = take_back(text, image, &bytes, fault);
-    if (err && err != ERR_CANCELLED)
-        fault_prefix(fault, err, "%s", source->path);
-    buf_release(&bytes);
+        err = take_back(text, image, &side, source->path, fault);
+    side_release(&side);
     return err;
 }
 

@@ -1,23 +1,19 @@
 /*
  * Where a procedure comes from: the text of one, or a journal, which is carried out.
  *
- * A journal may be a stranger's. It is carried out in a process of its own, by the rules of a
- * replay (sandbox/trust.h, sandbox/limits.h), which hands back the procedure as text; so both are
- * read by the same reader, and lead to the same bytes.
+ * A journal may be a stranger's. It is carried out in a process of its own (verify/side.h), which
+ * hands back the procedure as text; so both are read by the same reader, and lead to the same
+ * bytes.
  */
 #ifndef APPLY_PROCEDURE_SOURCE_H
 #define APPLY_PROCEDURE_SOURCE_H
 
 #include "apply/procedure.h"
-#include "base/watch.h"
+#include "verify/side.h"
 
 struct procedure_source {
     const char *path;
-    const char *scene_path; /* of a journal's scene, whatever name it gives; or NULL */
-    /* Called in the process before the journal is carried out. */
-    enum err (*begin)(void *context, const char *journal, struct fault *fault);
-    void *context;
-    struct watch *watch; /* or NULL */
+    struct side_options journal; /* how one is carried out; strictly, whatever this says */
 };
 
 /* The text of it. `image` (NULL: not wanted) gets the intensities of the scene, two bytes each,

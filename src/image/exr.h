@@ -21,7 +21,7 @@
  * to the right, y up, -z ahead, a rotation of determinant 1 with the place in its last row. A pixel
  * lies where the camera's point (x, y, -Z) goes. It is not there for sheared scenes.
  *
- * A picture that is not associated, as those of look 1 are, has no iftty:alpha: colours are not
+ * A picture that is not associated, as golden images were once, has no iftty:alpha: colours are not
  * multiplied by A then, Z is depth_mm, and there is no channel depth. Readers go by the attribute.
  *
  * Each attribute of the picture is a string attribute of its own name. exr_read gives back exactly

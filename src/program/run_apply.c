@@ -11,10 +11,10 @@
 static struct procedure_source source_of(const struct options *o)
 {
     return (struct procedure_source){.path = o->word[0],
-                                     .scene_path = o->scene,
-                                     .begin = begin_one,
-                                     .context = (void *)(uintptr_t)o,
-                                     .watch = console_watch()};
+                                     .journal = {.scene_path = o->scene,
+                                                 .begin = begin_one,
+                                                 .context = (void *)(uintptr_t)o,
+                                                 .watch = console_watch()}};
 }
 
 enum err run_apply(const struct options *o, struct fault *fault)

@@ -1,4 +1,5 @@
 /* `iftty watch`: the steps of a journal, at the terminal or as pages. */
+#include <dirent.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -133,7 +134,24 @@ static void make_pages(void *context, size_t number, struct buf *out)
     console_erase_progress();
 }
 
-/* To its name, where there is nothing, or an empty folder. */
+/* OK where nothing has that name, or an empty folder, which stays until the pages are there. */
+static enum err may_publish(const char *to, struct fault *fault)
+{
+    struct stat status;
+    unsigned entries = 0;
+    if (lstat(to, &status) != 0)
+        return OK;
+    DIR *listing = S_ISDIR(status.st_mode) ? opendir(to) : NULL;
+    while (listing && readdir(listing))
+        entries++; /* . and .. are two */
+    if (listing)
+        closedir(listing);
+    return listing && entries <= 2
+               ? OK
+               : fault_set(fault, ERR_IO, "--pages: expected a new folder, or an empty one, not %s",
+                           to);
+}
+
 static enum err publish(const char *folder, const char *to, struct fault *fault)
 {
     const mode_t mask = umask(0);
@@ -147,16 +165,15 @@ static enum err watch_as_pages(const struct options *o, struct fault *fault)
 {
     enum { WORDS_MOST = 4096 };
     struct buf parent = {0}, folder = {0}, words = {0};
-    struct stat status;
     char to[PATH_MAX];
     size_t length = strlen(o->pages);
     while (length > 1 && o->pages[length - 1] == '/')
         length--;
     snprintf(to, sizeof to, "%.*s", (int)length, o->pages);
-    if (lstat(to, &status) == 0 && rmdir(to) != 0)
-        return fault_errno(fault, "--pages: expected a new folder, or an empty one, not", to);
+    enum err err = may_publish(to, fault);
     file_folder(&parent, to);
-    enum err err = folder_passing(&folder, buf_text(&parent), fault);
+    if (!err)
+        err = folder_passing(&folder, buf_text(&parent), fault);
     struct page_work work = {o, buf_text(&folder)};
     const struct processes how = {
         .work = make_pages, .context = &work, .most = WORDS_MOST, .watch = console_watch()};
@@ -167,7 +184,7 @@ static enum err watch_as_pages(const struct options *o, struct fault *fault)
     const bool is_there = !err && words.data[1] == '+';
     if (is_there)
         err = publish(buf_text(&folder), to, fault);
-    else if (folder.length)
+    if (folder.length && (err || !is_there))
         folder_remove(buf_text(&folder));
     if (!err && words.data[0]) {
         err = fault_set(fault, (enum err)words.data[0], "%s", buf_text(&words) + 2);

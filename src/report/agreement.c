@@ -290,6 +290,5 @@ void agreement_write_text(struct buf *out, const struct agreement *g)
                    g->ties, g->ties == 1 ? " is" : "s are", g->ties == 1 ? "has" : "have");
     else if (g->has_ties)
         buf_add_text(out, "no voxel is tied\n");
-    if (g->geometry->spacing_unknown)
-        buf_add_text(out, "the file does not say how large voxels are; 1 mm is assumed\n");
+    figures_add_spacing(out, g->geometry->spacing_unknown);
 }

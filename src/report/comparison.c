@@ -451,8 +451,7 @@ void comparison_write_text(struct buf *out, const struct comparison_report *repo
     if (is_odd)
         buf_add_text(out, "surfaces inside of an object, around cavities, lie further apart than "
                           "its voxels\n");
-    if (report->geometry->spacing_unknown)
-        buf_add_text(out, "the file does not say how large voxels are; 1 mm is assumed\n");
+    figures_add_spacing(out, report->geometry->spacing_unknown);
     if (geometry_fill(report->geometry) < 1)
         buf_printf(out, "axes are sheared by %.2g degrees: distances are as if they were not\n",
                    geometry_shear(report->geometry));

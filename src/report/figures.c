@@ -71,3 +71,9 @@ void figures_add_volume(struct buf *out, int columns, const char *sign,
     out->failed |= words.failed;
     buf_release(&words);
 }
+
+void figures_add_spacing(struct buf *out, bool is_unknown)
+{
+    if (is_unknown)
+        buf_add_text(out, "the file does not say how large voxels are; 1 mm is assumed\n");
+}

@@ -41,4 +41,7 @@ void figures_add_cell(struct buf *out, int columns, int decimals, double value);
 void figures_add_volume(struct buf *out, int columns, const char *sign,
                         const struct geometry *geometry, uint64_t voxels);
 
+/* A line below a table of millimetres where the file does not say how large voxels are. */
+void figures_add_spacing(struct buf *out, bool is_unknown);
+
 #endif

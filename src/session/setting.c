@@ -185,9 +185,8 @@ void setting_put(struct state *state, const struct setting_member *member, int64
 
 struct state state_default(void)
 {
-    struct state state = {
-        .kept = {.cut = cut_none(), .weight = {WEIGHT_MORPH, 1}},
-        .outlook = {.look.number = LOOK_PRESENT, .slices = {.times = SLICE_TIMES_ONE}}};
+    struct state state = {.kept = {.cut = cut_none(), .weight = {WEIGHT_MORPH, 1}},
+                          .outlook.slices.times = SLICE_TIMES_ONE};
     for (const struct command *setting = setting_table; setting->name; setting++)
         for (const struct parameter *p = setting->parameter; p->type; p++)
             setting_put(&state, &p->sets, p->sets.usual);
@@ -235,7 +234,6 @@ static const struct state_field {
     FIELD(outlook.view.angle, MADE_CAMERA),
     FIELD(outlook.view.zoom, MADE_CAMERA),
     FIELD(outlook.view.focus, MADE_CAMERA),
-    FIELD(outlook.look.number, MADE_CAMERA),
     FIELD(outlook.slices.cross, 0),
     FIELD(outlook.slices.zoom, 0),
     FIELD(outlook.slices.times, 0),

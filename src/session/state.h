@@ -147,11 +147,11 @@ enum context_kind { CONTEXT_NONE, CONTEXT_MIP };
 struct outlook {
     struct view view;
     struct look look;
-    uint32_t decorations; /* of the rendition: bits of render/decoration.h */
-    uint32_t background;  /* render/background.h */
-    uint32_t context;     /* enum context_kind */
-    struct slice_settings slices;
+    uint32_t decorations;    /* of the rendition: bits of render/decoration.h */
+    uint32_t background;     /* render/background.h */
+    uint32_t context;        /* enum context_kind */
     uint32_t runs_by_itself; /* 0 or 1: each edit is run at once */
+    struct slice_settings slices;
     uint32_t shows_finished; /* 0 or 1: pictures show labels as kept.finish leaves them; it stays
                                 the last member (tests/test_setting.c) */
 };

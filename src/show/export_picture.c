@@ -293,7 +293,7 @@ void export_form(struct picture *picture, const struct session *session)
     *picture = (struct picture){.width = outlook->view.width,
                                 .height = outlook->view.height,
                                 .is_clear = outlook->background == BACKGROUND_CLEAR,
-                                .is_associated = outlook->look.number > LOOK_FIRST};
+                                .is_associated = true};
     seen_from(&picture->space, session);
 }
 

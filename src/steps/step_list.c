@@ -4,21 +4,12 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "base/scan.h"
 #include "command/command.h"
-#include "journal/record.h"
-
-/* A record, or at 0 the beginning. */
-struct node {
-    size_t state;  /* the record whose state is the present one after it: itself, but for at=N */
-    size_t parent; /* the record whose state it followed */
-    size_t branch; /* the record that began its alternative; 0 for the first one */
-};
+#include "journal/tree.h"
 
 struct reading {
     struct step_list *list;
-    struct node *node; /* [nodes] by the number of the record */
-    size_t nodes, capacity;
+    struct tree tree;
     struct buf comments; /* since the last step */
 };
 
@@ -65,56 +56,24 @@ static bool is_step(const struct command *command)
            (command->group == GROUP_WEIGHT || (command->group == GROUP_SEEDS && command->act));
 }
 
-static enum err add_node(struct reading *r, const struct record *record, bool *moves,
-                         struct fault *fault)
-{
-    struct record_word word;
-    struct node node = {.state = r->nodes};
-    if (!mem_grow(&r->node, &r->capacity, r->nodes + 1, sizeof *r->node))
-        return fault_memory(fault, "the steps of a journal");
-    const bool begins = record && record_word_find(record->result, "branch", 6, &word);
-    *moves = record && record_word_find(record->result, "at", 2, &word);
-    if (*moves) {
-        const char *at = word.value;
-        int64_t number;
-        if (!scan_integer(&at, 0, (int64_t)r->nodes - 1, &number) ||
-            at != word.value + word.value_length)
-            return fault_set(fault, ERR_INPUT,
-                             "record %zu, line %zu: at=%.*s: expected the number of a record "
-                             "before it, or 0",
-                             record->number, record->line,
-                             (int)(word.value_length < 40 ? word.value_length : 40), word.value);
-        node.state = r->node[number].state;
-    }
-    if (r->nodes) {
-        node.parent = r->node[r->nodes - 1].state;
-        node.branch = begins   ? r->nodes
-                      : *moves ? r->node[node.state].branch
-                               : r->node[r->nodes - 1].branch;
-    }
-    *moves = *moves || begins;
-    r->node[r->nodes++] = node;
-    return OK;
-}
-
 static enum err add_record(struct reading *r, const char *bytes, const struct record *record,
                            struct fault *fault)
 {
     struct step_list *list = r->list;
-    bool moves;
-    enum err err = add_node(r, record, &moves, fault);
+    enum err err = tree_add(&r->tree, record, fault);
     gather_comments(r, bytes, record);
     list->records++;
     if (err || !is_step(command_of(record->command)))
         return err;
     if (!mem_grow(&list->step, &list->capacity, list->count + 1, sizeof *list->step))
         return fault_memory(fault, "the steps of a journal");
+    const struct tree_node *node = r->tree.node + r->tree.nodes - 1;
     struct step *step = list->step + list->count++;
     *step = (struct step){.record = record->number,
                           .line = record->line,
                           .command = keep_text(list, record->command),
                           .comments = keep_text(list, buf_text(&r->comments)),
-                          .fate = moves ? STEP_MOVES : STEP_UNDONE};
+                          .fate = node->is_note || node->begins ? STEP_MOVES : STEP_UNDONE};
     buf_clear(&r->comments);
     return OK;
 }
@@ -122,18 +81,17 @@ static enum err add_record(struct reading *r, const char *bytes, const struct re
 /* The way back from the end to the beginning is what stands. */
 static void find_fates(struct reading *r)
 {
-    const struct node *last = r->node + r->nodes - 1;
-    const size_t branch = last->branch;
-    size_t stands = last->state;
+    const struct tree *tree = &r->tree;
+    size_t stands = tree->present;
     for (size_t i = r->list->count; i-- > 0;) {
         struct step *step = r->list->step + i;
         while (stands > step->record) /* parents come before */
-            stands = r->node[stands].parent;
+            stands = tree->node[stands].parent;
         if (step->fate == STEP_MOVES)
             continue;
         if (stands == step->record)
             step->fate = STEP_STANDS;
-        else if (r->node[step->record].branch != branch)
+        else if (tree->node[step->record].branch != tree->on)
             step->fate = STEP_ELSEWHERE;
     }
 }
@@ -144,14 +102,9 @@ enum err step_list_read(struct step_list *list, const char *bytes, size_t length
     struct reading r = {.list = list};
     struct walk walk;
     struct record record;
-    bool moves;
     enum err err = walk_begin(&walk, bytes, length, fault);
-    if (!err && !walk.is_journal)
-        err = fault_set(fault, ERR_INPUT,
-                        "this is a script, not a journal; `iftty run --journal FILE` makes one "
-                        "of it");
     if (!err)
-        err = add_node(&r, NULL, &moves, fault);
+        err = tree_begin(&r.tree, &walk, fault);
     while (!err && walk_next(&walk, &record) == WALK_RECORD)
         err = add_record(&r, bytes, &record, fault);
     if (!err && (list->text.failed || r.comments.failed))
@@ -159,7 +112,7 @@ enum err step_list_read(struct step_list *list, const char *bytes, size_t length
     if (!err)
         find_fates(&r);
     walk_release(&walk);
-    free(r.node);
+    tree_release(&r.tree);
     buf_release(&r.comments);
     return err;
 }

@@ -3,9 +3,9 @@
  *
  * A *step* is a record whose command is about seeds, labels, weights or the region of interest, or
  * goes through the history; the records between, which look, write or ask, go with the step after
- * them. Nothing is carried out here: what a step led to follows from the words at=N and branch=NAME
- * of the results, as journal/graph.h has it. A step *stands* where it lies on the way to the
- * segmentation that the journal ends with; else it was undone, or lies on another alternative.
+ * them. Nothing is carried out here: the results say which record follows which (journal/tree.h).
+ * A step *stands* where it lies on the way to the segmentation that the journal ends with; else it
+ * was undone, or lies on another alternative.
  *
  *     1 open s.nii
  *     # the head first

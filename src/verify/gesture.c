@@ -21,22 +21,19 @@ struct heading {
 
 /* ---- what a command is ---- */
 
+/* Kinds have the names of commands, but for eliminators, and those that are kinds of `seed`. */
 static bool read_kind(enum gesture_kind *kind, const struct call *call)
 {
-    static const struct {
-        const char *command;
-        enum gesture_kind kind;
-    } row[] = {{"seed", GESTURE_SEED},           {"box", GESTURE_BOX},
-               {"fill", GESTURE_FILL},           {"object", GESTURE_OBJECT},
-               {"seed-file", GESTURE_SEED_FILE}, {"labels", GESTURE_MAP},
-               {"remove", GESTURE_ELIMINATOR},   {"undo", GESTURE_UNDO},
-               {"redo", GESTURE_REDO},           {"goto", GESTURE_GOTO}};
-    size_t i = 0;
-    while (i < sizeof row / sizeof row[0] && strcmp(row[i].command, call->command->name) != 0)
+    static const char eliminator[] = "remove";
+    const char *name = call->command->name;
+    if (strcmp(name, eliminator) == 0)
+        name = gesture_kind_name[GESTURE_ELIMINATOR];
+    unsigned i = 0;
+    while (i < GESTURE_KIND_COUNT && strcmp(gesture_kind_name[i], name) != 0)
         i++;
-    if (i == sizeof row / sizeof row[0])
+    if (i == GESTURE_KIND_COUNT)
         return false;
-    *kind = row[i].kind;
+    *kind = (enum gesture_kind)i;
     if (*kind <= GESTURE_BOX && call_has(call, "shell"))
         *kind = GESTURE_SHELL;
     else if (*kind == GESTURE_SEED && call_has(call, "to"))

@@ -142,8 +142,7 @@ static void write_places(struct buf *out, const struct gesture_report *report)
                "the nearest of the same label, one to one, no farther than %.2f mm:\n"
                "%zu matched, %zu of the expert and %zu of the trainee not\n",
                report->match->limit_mm, pairs, a->placed - pairs, b->placed - pairs);
-    if (report->side[0]->facts->spacing_unknown)
-        buf_add_text(out, "the file does not say how large voxels are; 1 mm is assumed\n");
+    figures_add_spacing(out, report->side[0]->facts->spacing_unknown);
 }
 
 /* Kendall's tau is a fraction of whole numbers: it is printed as it is, and as a decimal. */

@@ -28,23 +28,28 @@ struct task_at_hand {
     const struct side_work *work;
 };
 
-/* A journal that was edited by hand, and gives the results it records, is taken with a warning. */
 static enum err carry_out(struct interpreter *interp, const struct task_at_hand *task,
                           struct side_facts *facts, struct fault *fault)
 {
     const struct listener listener = {task->work->context, task->work->hear};
     struct replay_report report = {0};
     interp->listener = listener.hear ? &listener : NULL;
+    const bool is_strict = task->options->is_strict;
     enum err err =
         replay_file(interp, task->path, 0, task->options->last, NULL, NULL, &report, fault);
     interp->listener = NULL;
     facts->is_edited = !report.is_intact;
     facts->is_torn = report.is_torn;
-    if (err == ERR_CHECK && report.outcome == REPLAY_SAME)
+    facts->chain = report.chain;
+    if (err == ERR_CHECK && report.outcome == REPLAY_SAME && !is_strict)
         err = OK;
     if (err == ERR_CHECK)
         err = fault_prefix(fault, ERR_CHECK,
-                           "it gives other results than it records; see iftty verify");
+                           "it gives other results than it records%s; see iftty verify",
+                           is_strict ? ", or was edited" : "");
+    if (!err && is_strict && !report.is_journal)
+        err = fault_set(fault, ERR_INPUT,
+                        "it is a script; `iftty run FILE --journal NAME` makes a journal of it");
     if (!err && !session_has_scene(interp->session))
         err = fault_set(fault, ERR_INPUT, "it opens no scene");
     replay_report_release(&report);
@@ -62,7 +67,6 @@ static enum err hand_back(struct buf *out, const struct interpreter *interp,
     const struct labels labels = labels_of_forest(session_scene(session));
     const struct grid *grid = &labels.scene->grid;
     const size_t voxels = grid->voxels, end = labels_end(voxels);
-    struct buf more = {0};
     uint8_t *label = buf_reserve(out, end);
     if (!label)
         return fault_memory(fault, "labels");
@@ -84,13 +88,11 @@ static enum err hand_back(struct buf *out, const struct interpreter *interp,
     facts->scene_digest = session_scene_digest(session);
     facts->voxels = voxels;
     facts->pending = session_pendings(session);
+    const size_t before = out->length;
     const enum err err =
-        work->add ? work->add(work->context, interp, facts, label, &more, fault) : OK;
-    facts->more = more.length;
-    buf_add(out, buf_text(&more), more.length);
-    const bool failed = more.failed || out->failed;
-    buf_release(&more);
-    return err || !failed ? err : fault_memory(fault, "what a journal comes to");
+        work->add ? work->add(work->context, interp, facts, label, out, fault) : OK;
+    facts->more = out->length - before;
+    return err || !out->failed ? err : fault_memory(fault, "what a journal comes to");
 }
 
 static void carry_out_one(void *context, size_t number, struct buf *out)
@@ -131,17 +133,19 @@ static bool is_whole(const struct side_facts *f, size_t length)
            length - sizeof *f - f->more == labels_end(f->voxels);
 }
 
-static enum err judge(struct side *side, struct fault *fault)
+static enum err judge(struct side *side, bool is_strict, struct fault *fault)
 {
     struct side_facts *f = (struct side_facts *)(void *)side->bytes.data;
     if (side->bytes.length < sizeof *f)
         return fault_memory(fault, "labels");
     f->why[sizeof f->why - 1] = f->proof[sizeof f->proof - 1] = '\0';
+    f->chain.hex[RECORD_CHAIN_DIGITS] = '\0';
     for (int label = 0; label < 256; label++)
         f->label_name[label][LABEL_NAME_BYTES - 1] = '\0';
-    /* Status 1 stands for a difference between the two, and for nothing else. */
+    /* Status 1 of a comparison stands for a difference between the two, and for nothing else. */
     if (f->err > OK && f->err <= ERR_CANCELLED)
-        return fault_set(fault, f->err == ERR_CHECK ? ERR_INPUT : f->err, "%s", f->why);
+        return fault_set(fault, f->err == ERR_CHECK && !is_strict ? ERR_INPUT : f->err, "%s",
+                         f->why);
     if (f->err || !is_whole(f, side->bytes.length))
         return fault_set(fault, ERR_INPUT, "its process hands back what makes no sense");
     side->facts = f;
@@ -162,7 +166,7 @@ enum err side_carry_out(struct side *side, const char *path, const struct side_o
                                   .watch = options->watch};
     enum err err = process_run(&side->bytes, &how, fault);
     if (!err)
-        err = judge(side, fault);
+        err = judge(side, options->is_strict, fault);
     return err && err != ERR_CANCELLED ? fault_prefix(fault, err, "%s", path) : err;
 }
 

@@ -92,27 +92,23 @@ static void take_team(struct table *table, struct session *session, int which)
 
 struct frames {
     const char *what;
-    uint32_t look, samples, side, zoom;
+    uint32_t samples, side, zoom;
     int count; /* of a turn, seen a little from above */
     enum render_mode mode;
 };
 
 static const struct frames frames[] = {
-    {"512x512, zoom 1, look 1", 1, 1, 512, 1000, 24, RENDER_BORDER},
-    {"512x512, zoom 1", LOOK_PRESENT, 1, 512, 1000, 24, RENDER_BORDER},
-    {"512x512, zoom 2", LOOK_PRESENT, 1, 512, 2000, 24, RENDER_BORDER},
-    {"2048x2048, zoom 8, look 1", 1, 1, 2048, 8000, 9, RENDER_BORDER},
-    {"2048x2048, zoom 8", LOOK_PRESENT, 1, 2048, 8000, 9, RENDER_BORDER},
-    {"512x512, zoom 1, 4x4 samples", LOOK_PRESENT, 4, 512, 1000, 9, RENDER_BORDER},
-    {"a picture of a turntable of 2048x2048, zoom 8, 4x4 samples", LOOK_PRESENT, 4, 2048, 8000, 3,
-     RENDER_ONCE},
+    {"512x512, zoom 1", 1, 512, 1000, 24, RENDER_BORDER},
+    {"512x512, zoom 2", 1, 512, 2000, 24, RENDER_BORDER},
+    {"2048x2048, zoom 8", 1, 2048, 8000, 9, RENDER_BORDER},
+    {"512x512, zoom 1, 4x4 samples", 4, 512, 1000, 9, RENDER_BORDER},
+    {"a picture of a turntable of 2048x2048, zoom 8, 4x4 samples", 4, 2048, 8000, 3, RENDER_ONCE},
 };
 
 static enum err look_with(struct session *session, const struct frames *f, int frame,
                           struct fault *fault)
 {
     struct state next = session->now;
-    next.outlook.look.number = f->look;
     next.outlook.look.samples = f->samples;
     next.outlook.view.width = next.outlook.view.height = f->side;
     next.outlook.view.zoom = f->zoom;
@@ -189,7 +185,7 @@ static enum err follow(struct session *session, const struct edit *edit, size_t 
 static enum err time_edits(struct session *session, struct table *table, const char *what,
                            uint32_t samples, struct fault *fault)
 {
-    const struct frames f = {what, LOOK_PRESENT, samples, 512, 1000, 12, RENDER_BORDER};
+    const struct frames f = {what, samples, 512, 1000, 12, RENDER_BORDER};
     if (table->text && !strstr(what, table->text))
         return OK;
     struct row *row = add_row(table, what);
@@ -335,8 +331,7 @@ static enum err time_head(struct session *session, struct table *table, struct f
         {"a head, zoom 8, opaque", "a head, zoom 8, three layers"}};
     enum err err = OK;
     for (uint32_t i = 0; !err && i < 8; i++) {
-        const struct frames f = {what[i / 2][i % 2], LOOK_PRESENT, 1, 512, 1000u << i / 2, 24,
-                                 RENDER_BORDER};
+        const struct frames f = {what[i / 2][i % 2], 1, 512, 1000u << i / 2, 24, RENDER_BORDER};
         err = i % 2 ? set_opacity(session, 25, 45, fault)
                     : set_opacity(session, BORDER_OPAQUE, BORDER_OPAQUE, fault);
         if (!err)

@@ -9,17 +9,15 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/json.h"
-#include "command/execute.h"
 #include "command/golden_judge.h"
 #include "program/times.h"
 #include "command/interpreter.h"
 #include "journal/journal.h"
-#include "journal/replay.h"
 #include "journal/record.h"
-#include "show/export_picture.h"
 #include "session/session.h"
 #include "session/session_inside.h"
 #include "show/draw.h"
+#include "verify/replay_file.h"
 
 enum { RECORDS = 100000, ROUNDS = 5, VERIFYINGS = 3 };
 
@@ -98,15 +96,6 @@ static enum err time_many(struct figures *f, struct fault *fault)
 
 /* ---- verifying ---- */
 
-static enum err execute(void *context, const char *command, struct buf *words, struct fault *fault)
-{
-    struct reply reply = {0};
-    enum err err = interpreter_execute(context, command, &reply, fault);
-    buf_add_text(words, buf_text(&reply.words));
-    reply_release(&reply);
-    return err;
-}
-
 static bool gives(const struct record *record, const char *key)
 {
     struct record_word word;
@@ -114,15 +103,16 @@ static bool gives(const struct record *record, const char *key)
 }
 
 /* Carries a record out and compares. What it shows is rendered before, so that its time is told
- * apart from that of reading and comparing golden images. */
+ * apart from that of reading and comparing golden images; but where it applies edits first. */
 static enum err verify_record(struct interpreter *interp, const struct record *record,
                               struct figures *f, struct fault *fault)
 {
-    const struct replay_host host = {.context = interp, .execute = execute};
+    struct replaying replaying = {.interp = interp, .judge = interp->judge};
+    const struct replay_host host = replay_file_host(&replaying);
     struct replay_report report = {0};
     uint64_t begin = clock_ns();
     enum err err = OK;
-    if (gives(record, "picture") && interp->session->has_scene)
+    if (gives(record, "picture") && !gives(record, "forest") && interp->session->has_scene)
         err = session_render(interp->session, RENDER_AS_KEPT, fault);
     f->rendition_ms += times_since(begin);
     begin = clock_ns();

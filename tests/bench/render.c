@@ -176,10 +176,10 @@ static enum err time_look(struct session *session, struct table *table, const ch
 
 static enum err time_looks(struct session *session, struct table *table, struct fault *fault)
 {
-    struct look look = look_default(LOOK_PRESENT);
+    struct look look = look_default();
     look.mode = SHADE_CUBES;
     enum err err = time_look(session, table, "    as cubes, zoom 1", &look, fault);
-    look = look_default(LOOK_PRESENT);
+    look = look_default();
     look.samples = 2;
     if (!err)
         err = time_look(session, table, "    2x2 samples, zoom 1", &look, fault);

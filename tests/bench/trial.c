@@ -323,7 +323,7 @@ enum err trial_run(struct trial *trial, struct session *session, const struct se
     memcpy(trial->size, session->scene->grid.size, sizeof trial->size);
     view.angle[0] = 30000, view.angle[1] = 15000; /* from in front, a little aside and above */
     view.width = view.height = TRIAL_SIDE;
-    session->now.outlook.look = look_default(LOOK_PRESENT);
+    session->now.outlook.look = look_default();
     session->now.outlook.look.mode = SHADE_CUBES; /* faces of voxels, as the paper has them */
     struct pictures *pictures;                    /* the session's, which hold the camera */
     enum err err = session_set_view(session, &view, fault);

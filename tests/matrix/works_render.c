@@ -111,8 +111,8 @@ static void views(struct stage *s)
 static void looks(struct stage *s)
 {
     for (int i = 0; i < 24; i++) {
-        s->look = look_default(LOOK_PRESENT);
-        s->look.mode = (enum shade_mode)(i % 4);
+        s->look = look_default();
+        s->look.mode = i % 4 == 1 ? SHADE_CUBES : SHADE_SURFACE;
         s->look.edges = (uint32_t)i / 3 % 2;
         s->look.cue_percent = (uint32_t)(i * 4);
         s->look.light[0] = i * 14321;
@@ -122,7 +122,7 @@ static void looks(struct stage *s)
         s->look.creases = 1;
         tell_picture(s, "occluded", i);
     }
-    s->look = look_default(LOOK_PRESENT);
+    s->look = look_default();
 }
 
 /* Another number of pixels, with the same view otherwise. */
@@ -155,7 +155,7 @@ static void samples(struct stage *s)
         sample(s, &reduced, "fine", n);
         rendition_release(&reduced);
     }
-    s->look = look_default(LOOK_PRESENT);
+    s->look = look_default();
     resize(s, WIDTH, HEIGHT);
 }
 
@@ -194,13 +194,13 @@ static void translucent(struct stage *s)
         for (uint32_t label = 1; label < 8; label++)
             opacity[label] = (uint8_t)(100 - (label * 29 + i * 17) % 100);
         s->look.edges = i % 2;
-        s->look.mode = (enum shade_mode)(i / 2 % 3);
+        s->look.mode = i / 2 % 3 == 1 ? SHADE_CUBES : SHADE_SURFACE;
         tell_picture(s, "translucent", (int)i);
     }
     s->view.zoom = zoom;
     look_from(s);
     memset(opacity, BORDER_OPAQUE, sizeof s->border.opacity);
-    s->look = look_default(LOOK_PRESENT);
+    s->look = look_default();
     for (int i = 0; i < 4; i++) {
         struct mip_source source = {s->scene, 0, {i * 40, 255 - i * 70}, cut_none()};
         uint64_t digest = 0;
@@ -261,7 +261,7 @@ static void behind(struct stage *s)
         rendition_release(&reduced);
     }
     memset(s->border.opacity, BORDER_OPAQUE, sizeof s->border.opacity);
-    s->look = look_default(LOOK_PRESENT);
+    s->look = look_default();
     resize(s, WIDTH, HEIGHT);
 }
 
