@@ -262,7 +262,8 @@ bench-apply: all build/.packages-heads
 bench-chafa: all build/.packages-chafa
 	@$(PYTHON) -B tests/bench/chafa.py $(ARGS) $(BUILD)
 
-## bench-beside: the pictures of examples/ beside VTK's, in build/beside; ARGS="--only brain"
+## bench-beside: the pictures of examples/ beside VTK's, in build/beside, and how far both are from
+##     the truth of shapes that are known; ARGS="--only brain", ARGS="--only truth"
 bench-beside: all build/.packages-beside
 	@$(PYTHON) -B tests/bench/beside.py $(ARGS) $(BUILD)
 
@@ -370,7 +371,7 @@ build/.packages-chafa: Makefile | $(PACKAGES_STAMP)
 	@touch $@
 
 build/.packages-beside: Makefile | $(PACKAGES_STAMP)
-	@.ci/packages python3-vtk9 xvfb python3-pil $(SCENES) --
+	@.ci/packages python3-vtk9 python3-numpy xvfb python3-pil $(SCENES) --
 	@touch $@
 
 build/.packages-cohort: Makefile | $(PACKAGES_STAMP)

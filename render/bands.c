@@ -3,19 +3,25 @@
 #include "render/layers.h"
 #include "render/projection.h"
 
-/* More leave the caches. Of less, voxels and rows around that lie across two bands are drawn twice:
- * of voxels it takes 2 % more time to have half as many, which wide pictures spare memory by. */
+/* More leave the caches. Of less, voxels that lie across two bands are drawn twice: it takes 2 % more
+ * time to have half as many, which wide pictures spare memory by. */
 enum { SAMPLES_HIGH = 64, SAMPLES_LEAST_HIGH = 32, SAMPLES_A_BAND = 1 << 18 };
+
+/* What one thread draws into: a band, and where its colours depend on rows around, it and those. */
+struct room {
+    struct rendition drawn, pixels, around;
+    struct layers layers;
+    uint32_t first, end; /* the rows of samples that are in `around` */
+};
 
 struct drawing {
     const struct bands *bands;
     struct rendition *out; /* or NULL */
     struct team *team;
-    uint32_t reach;  /* rows of samples that are drawn on both sides of a band, */
+    uint32_t reach;  /* rows of samples that are looked at on both sides of a band, */
     uint32_t most;   /* and those of a band, of whole tiles */
     bool is_reduced; /* else pixels are what is drawn */
-    struct rendition room[TEAM_MOST], pixels[TEAM_MOST]; /* for each thread */
-    struct layers layers[TEAM_MOST];
+    struct room room[TEAM_MOST];
 };
 
 static uint32_t round_up(uint32_t rows, uint32_t unit)
@@ -29,8 +35,8 @@ static struct drawing drawing_of(struct rendition *out, const struct bands *band
     struct drawing d = {.bands = bands, .out = out, .is_reduced = out || samples > 1};
     d.team = bands->project == project_border ? bands->shader->team : NULL;
     d.reach = round_up((uint32_t)shade_reach(bands->look, bands->camera).pixels, TILE);
-    uint32_t high = d.reach > SAMPLES_HIGH ? d.reach : SAMPLES_HIGH;
-    if (!d.reach && SAMPLES_A_BAND / bands->camera->view.width < high)
+    uint32_t high = SAMPLES_HIGH;
+    if (SAMPLES_A_BAND / bands->camera->view.width < high)
         high = SAMPLES_LEAST_HIGH;
     if (bands->rows)
         high = bands->rows * samples;
@@ -38,43 +44,80 @@ static struct drawing drawing_of(struct rendition *out, const struct bands *band
     return d;
 }
 
-/* The band of `height` rows of samples from row `top` on. */
-static void draw_band(const struct drawing *d, uint32_t top, uint32_t height, unsigned thread)
+/* Rows of samples, but for their edges; the thread's until it draws others. */
+static struct rendition draw_rows(const struct drawing *d, uint32_t top, uint32_t height,
+                                  struct room *room)
 {
     const struct bands *bands = d->bands;
-    const struct rendition *room = &d->room[thread];
-    const uint32_t samples = bands->look->samples, all = bands->camera->view.height;
-    const uint32_t above = top < d->reach ? top : d->reach, rest = all - (top + height);
-    const uint32_t drawn_height = above + height + (rest < d->reach ? rest : d->reach);
-    const struct camera camera = camera_rows(bands->camera, top - above, drawn_height);
-    struct rendition drawn = rendition_rows(room, 0, drawn_height);
-    struct rendition fine = rendition_rows(room, above, height);
+    const struct camera camera = camera_rows(bands->camera, top, height);
+    struct rendition drawn = rendition_rows(&room->drawn, 0, height);
     if (bands->project == project_border)
         project_border_quietly(&drawn, &camera, bands->mesh);
     else
         bands->project(&drawn, &camera, bands->mesh);
-    shade_rows(&drawn, above / TILE, above / TILE + fine.tiles_y, &camera, bands->mesh,
-               bands->palette, bands->look, bands->shader);
+    shade_rows(&drawn, &camera, bands->mesh, bands->palette, bands->look, bands->shader);
+    return drawn;
+}
+
+/* The same with edges. Bands of a thread follow each other, so rows around that are there stay. */
+static struct rendition draw_with_edges(const struct drawing *d, uint32_t top, uint32_t height,
+                                        struct room *room)
+{
+    const struct bands *bands = d->bands;
+    const uint32_t all = bands->camera->view.height, first = top < d->reach ? 0 : top - d->reach;
+    const uint32_t below = top + height, end = all - below < d->reach ? all : below + d->reach;
+    if (first >= room->end)
+        room->end = first;
+    else {
+        const struct rendition kept =
+            rendition_rows(&room->around, first - room->first, room->end - first);
+        rendition_copy(&room->around, &kept, kept.height);
+    }
+    for (room->first = first; room->end < end;) {
+        const uint32_t rows = end - room->end < d->most ? end - room->end : d->most;
+        const struct rendition drawn = draw_rows(d, room->end, rows, room);
+        struct rendition to = rendition_rows(&room->around, room->end - first, rows);
+        rendition_copy(&to, &drawn, rows);
+        room->end += rows;
+    }
+    struct rendition whole = rendition_rows(&room->around, 0, end - first);
+    struct rendition band = rendition_rows(&whole, top - first, height);
+    shade_edges(&whole, (top - first) / TILE, (top - first) / TILE + band.tiles_y, bands->camera,
+                bands->palette, bands->look);
+    return band;
+}
+
+/* The band of `height` rows of samples from row `top` on. */
+static void draw_band(struct drawing *d, uint32_t top, uint32_t height, struct room *room)
+{
+    const struct bands *bands = d->bands;
+    const uint32_t samples = bands->look->samples;
+    struct rendition fine =
+        d->reach ? draw_with_edges(d, top, height, room) : draw_rows(d, top, height, room);
     struct rendition pixels = fine;
     if (d->is_reduced) {
         pixels = d->out ? rendition_rows(d->out, top / samples, height / samples)
-                        : rendition_rows(&d->pixels[thread], 0, height / samples);
+                        : rendition_rows(&room->pixels, 0, height / samples);
         rendition_reduce(&pixels, &fine, samples, NULL);
     }
     if (bands->take)
         bands->take(bands->context, &pixels, top / samples);
 }
 
+/* Bands in turn, or where rows around are kept, those of a part of the picture. */
 static void draw_share(void *context, unsigned thread)
 {
-    const struct drawing *d = context;
+    struct drawing *d = context;
     const struct view *view = &d->bands->camera->view;
     struct task task = task_begin_part(d->bands->camera->scene->watch, "rendition",
                                        (uint64_t)view->width * view->height, thread);
-    for (uint32_t i = thread; i * d->most < view->height; i += team_size(d->team)) {
-        const uint32_t top = i * d->most, rest = view->height - top;
+    const size_t count = (view->height + d->most - 1) / d->most;
+    const struct share part =
+        d->reach ? team_share(d->team, thread, count) : (struct share){thread, count};
+    for (size_t i = part.first; i < part.end; i += d->reach ? 1 : team_size(d->team)) {
+        const uint32_t top = (uint32_t)i * d->most, rest = view->height - top;
         const uint32_t height = rest < d->most ? rest : d->most;
-        draw_band(d, top, height, thread);
+        draw_band(d, top, height, &d->room[thread]);
         if (!task_advance(&task, (uint64_t)height * view->width))
             return;
     }
@@ -84,16 +127,18 @@ static enum err make_room(struct drawing *d, struct fault *fault)
 {
     const struct bands *bands = d->bands;
     const struct view *view = &bands->camera->view;
-    const uint32_t samples = bands->look->samples, most = d->most + 2 * d->reach;
-    const uint32_t height = most < view->height ? most : view->height;
+    const uint32_t all = view->height, samples = bands->look->samples;
+    const uint32_t around = d->most + 2 * d->reach, most = d->most < all ? d->most : all;
     enum err err = shader_prepare(bands->shader, bands->mesh->border, bands->look, fault);
     for (unsigned i = 0; i < team_size(d->team) && !err; i++) {
-        struct rendition *room = &d->room[i];
-        err = rendition_init(room, view->width, height, fault);
+        struct room *room = &d->room[i];
+        err = rendition_init(&room->drawn, view->width, most, fault);
+        if (!err && d->reach)
+            err = rendition_init(&room->around, view->width, around < all ? around : all, fault);
         if (!err && !d->out && d->is_reduced)
-            err = rendition_init(&d->pixels[i], view->width / samples, d->most / samples, fault);
+            err = rendition_init(&room->pixels, view->width / samples, d->most / samples, fault);
         if (!err)
-            err = layers_take(&d->layers[i], room, bands->mesh->border, fault);
+            err = layers_take(&room->layers, &room->drawn, bands->mesh->border, fault);
     }
     return err;
 }
@@ -105,9 +150,10 @@ enum err bands_draw(struct rendition *out, const struct bands *bands, struct fau
     if (!err)
         team_run(d.team, draw_share, &d);
     for (int i = 0; i < TEAM_MOST; i++) {
-        rendition_release(&d.room[i]);
-        rendition_release(&d.pixels[i]);
-        layers_release(&d.layers[i]);
+        rendition_release(&d.room[i].drawn);
+        rendition_release(&d.room[i].around);
+        rendition_release(&d.room[i].pixels);
+        layers_release(&d.room[i].layers);
     }
     return err;
 }

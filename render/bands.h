@@ -3,13 +3,13 @@
  *
  * A picture of 2048x2048 pixels of 4x4 samples has 67 million of those, some 1.7 GB. None of them
  * is needed once its pixel is made. So rows of the picture are drawn as a rendition of their own,
- * by a camera that sees these rows alone (camera_rows), and reduced at once. Colours depend on
- * pixels near by (shade_reach): so many rows more are drawn on both sides, and only looked at.
- * What comes out is the whole drawn at once and reduced, bit for bit.
+ * by a camera that sees these rows alone (camera_rows), and reduced at once. Where there are edges,
+ * colours depend on pixels near by (shade_reach), and a thread keeps the rows around that it has
+ * drawn. What comes out is the whole drawn at once and reduced, bit for bit.
  *
- * Threads have bands in turn, and nothing in common but what they read. What is made of a picture
- * need not be stored: one who wants no more than colours takes those of each band, and the rest of
- * it is drawn over by the next.
+ * Threads have bands of their own, and nothing in common but what they read. What is made of a
+ * picture need not be stored: one who wants no more than colours takes those of each band, and the
+ * rest of it is drawn over by the next.
  */
 #ifndef RENDER_BANDS_H
 #define RENDER_BANDS_H

@@ -25,7 +25,9 @@ int edge_reach(const struct camera *camera, uint32_t samples)
 void edges_init(struct edges *edges, const struct rendition *rendition, const struct camera *camera,
                 uint32_t samples)
 {
-    *edges = (struct edges){rendition, camera, samples, 256, fold_of(camera)};
+    *edges = (struct edges){rendition, camera, samples, 256, fold_of(camera), {{{0}}}};
+    for (int i = 0; i < 2 * TILE; i++)
+        edges->run[i / TILE][i % TILE].line = -1;
     for (int a = 0; a < 3; a++) {
         const int64_t side = (int64_t)camera->view.zoom * 256 / VIEW_ZOOM_ONE *
                              (camera->scene->spacing_nm[a] / camera->unit_nm);
@@ -127,30 +129,45 @@ static enum edge hiding_at(const struct edges *edges, uint32_t x, uint32_t y)
 
 /* ---- folds ---- */
 
-/* Whether a way from a pixel leads over one surface of one object for so many steps. */
-static bool is_joined(const struct edges *edges, uint32_t x, uint32_t y, const struct way *way,
-                      int64_t steps)
+/* Whether a pixel and the next along a way lie on one surface of one object. */
+static bool is_joined(const struct edges *edges, uint32_t x, uint32_t y, const struct way *way)
 {
     const struct rendition *r = edges->rendition;
     const struct way back = reversed(way);
-    size_t from = (size_t)y * r->width + x, to;
-    for (int64_t i = 1; i <= steps; i++, from = to)
-        if (!step(edges, &to, x, y, way, i) || r->label[to] != r->label[from] ||
-            is_behind(edges, from, to, way, 1) || is_behind(edges, to, from, &back, 1))
-            return false;
-    return true;
+    const size_t from = (size_t)y * r->width + x;
+    size_t to;
+    return step(edges, &to, x, y, way, 1) && r->label[to] == r->label[from] &&
+           !is_behind(edges, from, to, way, 1) && !is_behind(edges, to, from, &back, 1);
+}
+
+/* Whether a row (0) or column (1) leads over one surface for so many pixels to both sides. */
+static bool is_one(struct edges *edges, uint32_t x, uint32_t y, int axis, int64_t pixels)
+{
+    const int64_t at = axis ? y : x, line = axis ? x : y;
+    struct edge_run *run = &edges->run[axis][line % TILE];
+    if (run->line != line || at < run->first || at > run->last)
+        *run = (struct edge_run){line, at, at, false, false};
+    while (run->last < at + pixels && !run->ends) {
+        const uint32_t place = (uint32_t)run->last;
+        run->ends = !is_joined(edges, axis ? x : place, axis ? place : y, &around[axis]);
+        run->last += !run->ends;
+    }
+    while (run->first > at - pixels && !run->begins) {
+        const uint32_t place = (uint32_t)run->first;
+        run->begins = !is_joined(edges, axis ? x : place, axis ? place : y, &around[axis + 2]);
+        run->first -= !run->begins;
+    }
+    return run->last >= at + pixels && run->first <= at - pixels;
 }
 
 /* How far the normals on both sides of a pixel turn away from each other, where 2^28 is 1; -1 where
- * they are not of one surface. */
-static int64_t turn_at(const struct edges *edges, uint32_t x, uint32_t y, const struct way *way)
+ * they are outside the picture. */
+static int64_t turn_at(const struct edges *edges, uint32_t x, uint32_t y, int axis)
 {
     const struct rendition *r = edges->rendition;
-    const struct way back = reversed(way);
     size_t one, other;
-    if (!step(edges, &one, x, y, way, edges->fold) ||
-        !step(edges, &other, x, y, &back, edges->fold) ||
-        !is_joined(edges, x, y, way, edges->fold) || !is_joined(edges, x, y, &back, edges->fold))
+    if (!step(edges, &one, x, y, &around[axis], edges->fold) ||
+        !step(edges, &other, x, y, &around[axis + 2], edges->fold))
         return -1;
     int64_t cosine = 0;
     for (int a = 0; a < 3; a++)
@@ -159,31 +176,28 @@ static int64_t turn_at(const struct edges *edges, uint32_t x, uint32_t y, const 
 }
 
 /* Where the turn is largest, and as wide as a line: there it is no less than a line's width to
- * either side. */
-static bool is_crest(const struct edges *edges, uint32_t x, uint32_t y, const struct way *way)
+ * either side. All of it is of one surface. */
+static bool is_crest(struct edges *edges, uint32_t x, uint32_t y, int axis)
 {
-    const struct rendition *r = edges->rendition;
-    const int64_t turn = turn_at(edges, x, y, way);
+    const int64_t turn = turn_at(edges, x, y, axis), width = edges->width;
     if (turn < FOLD_LEAST)
         return false;
     for (int64_t side = -1; side <= 1; side += 2) {
         size_t beside;
-        if (!step(edges, &beside, x, y, way, side * edges->width) ||
-            r->label[beside] != r->label[(size_t)y * r->width + x])
+        if (!step(edges, &beside, x, y, &around[axis], side * width))
             return false;
-        const int64_t there =
-            turn_at(edges, (uint32_t)(beside % r->width), (uint32_t)(beside / r->width), way);
+        const int64_t there = axis ? turn_at(edges, x, (uint32_t)(y + side * width), axis)
+                                   : turn_at(edges, (uint32_t)(x + side * width), y, axis);
         if (there < 0 || there > turn || (there == turn && side < 0))
             return false;
     }
-    return true;
+    return is_one(edges, x, y, axis, edges->fold + width);
 }
 
-enum edge edge_at(const struct edges *edges, uint32_t x, uint32_t y)
+enum edge edge_at(struct edges *edges, uint32_t x, uint32_t y)
 {
     const enum edge edge = hiding_at(edges, x, y);
     if (edge != EDGE_NONE)
         return edge;
-    return is_crest(edges, x, y, &around[0]) || is_crest(edges, x, y, &around[1]) ? EDGE_DARK
-                                                                                  : EDGE_NONE;
+    return is_crest(edges, x, y, 0) || is_crest(edges, x, y, 1) ? EDGE_DARK : EDGE_NONE;
 }

@@ -95,6 +95,19 @@ struct rendition rendition_rows(const struct rendition *r, uint32_t top, uint32_
     return rows;
 }
 
+void rendition_copy(struct rendition *to, const struct rendition *from, uint32_t height)
+{
+    const size_t pixels = (size_t)height * from->width;
+    const size_t tiles = (size_t)((height + TILE - 1) / TILE) * from->tiles_x;
+    memmove(to->depth, from->depth, pixels * sizeof *to->depth);
+    memmove(to->cell, from->cell, pixels * sizeof *to->cell);
+    memmove(to->label, from->label, pixels);
+    memmove(to->rgba, from->rgba, 4 * pixels);
+    memmove(to->normal, from->normal, 4 * pixels * sizeof *to->normal);
+    memmove(to->stale, from->stale, tiles);
+    memmove(to->blank, from->blank, tiles * sizeof *to->blank);
+}
+
 void rendition_clear(struct rendition *r)
 {
     const size_t pixels = (size_t)r->width * r->height;

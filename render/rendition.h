@@ -71,6 +71,10 @@ size_t rendition_count(const struct rendition *rendition, unsigned states);
  * layers where they begin with the same row. */
 struct rendition rendition_rows(const struct rendition *rendition, uint32_t top, uint32_t height);
 
+/* What is shown in the first `height` rows of one goes to those of another of its width, which may
+ * be of the same maps. */
+void rendition_copy(struct rendition *to, const struct rendition *from, uint32_t height);
+
 /* Nothing is seen, and every tile is stale; labels, colours and normals are for shading to make,
  * but where they are blank. */
 void rendition_clear(struct rendition *rendition);

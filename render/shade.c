@@ -349,21 +349,22 @@ static void draw_edges(struct rendition *r, size_t first, size_t end, const stru
 
 /* ---- pictures ---- */
 
-void shade_rows(struct rendition *r, uint32_t first, uint32_t end, const struct camera *camera,
-                const struct mesh *mesh, const struct palette *palette, const struct look *look,
-                const struct shader *shader)
+void shade_rows(struct rendition *r, const struct camera *camera, const struct mesh *mesh,
+                const struct palette *palette, const struct look *look, const struct shader *shader)
 {
     struct shading s;
     struct task task = task_begin_part(camera->scene->watch, NULL, 0, 1);
     const size_t all = (size_t)r->tiles_x * r->tiles_y;
-    const size_t from = (size_t)first * r->tiles_x, to = (size_t)end * r->tiles_x;
     shading_init(&s, camera, mesh, palette, look, shader);
     label_tiles(r, 0, all, &s);
-    if (look->edges) /* which look at rows around */
-        shade_tiles(r, 0, all, &s, &task);
-    else
-        shade_tiles(r, from, to, &s, &task);
-    draw_edges(r, from, to, &s);
+    shade_tiles(r, 0, all, &s, &task);
+}
+
+void shade_edges(struct rendition *r, uint32_t first, uint32_t end, const struct camera *camera,
+                 const struct palette *palette, const struct look *look)
+{
+    const struct shading s = {.camera = camera, .palette = palette, .look = look};
+    draw_edges(r, (size_t)first * r->tiles_x, (size_t)end * r->tiles_x, &s);
 }
 
 struct sharing {

@@ -32,14 +32,17 @@ enum err shade(struct rendition *rendition, const struct camera *camera, const s
                const struct palette *palette, const struct look *look, struct shader *shader,
                struct fault *fault);
 
-/* The same in two steps, for the caller who has threads of his own: first what they need, which may
- * be ERR_MEMORY. Then a thread shades tiles of a rendition of its own, from row `first` of tiles to
- * before row `end`, and only looks at the others; it ends early where the watch has stopped, but
- * does not poll it. */
+/* The same in steps, for the caller who has threads of his own: first what they need, which may be
+ * ERR_MEMORY. Then a thread shades the tiles of a rendition of its own, but for edges; it ends early
+ * where the watch has stopped, but does not poll it. Edges are drawn from row `first` of tiles to
+ * before row `end`, and those around are looked at. */
 enum err shader_prepare(struct shader *shader, const struct border *border, const struct look *look,
                         struct fault *fault);
-void shade_rows(struct rendition *rendition, uint32_t first, uint32_t end,
-                const struct camera *camera, const struct mesh *mesh, const struct palette *palette,
-                const struct look *look, const struct shader *shader);
+void shade_rows(struct rendition *rendition, const struct camera *camera, const struct mesh *mesh,
+                const struct palette *palette, const struct look *look,
+                const struct shader *shader);
+void shade_edges(struct rendition *rendition, uint32_t first, uint32_t end,
+                 const struct camera *camera, const struct palette *palette,
+                 const struct look *look);
 
 #endif

@@ -108,6 +108,21 @@ EOS
 fi
 close_story
 
+# Without VTK: iftty's pictures and the shapes' own. A torus is right within a pixel.
+begin "pictures beside the truth"
+mkdir -p "$work/beside" "$work/no-vtk/vtkmodules"
+echo 'raise ImportError("no VTK")' >"$work/no-vtk/vtkmodules/__init__.py"
+PYTHONPATH=$work/no-vtk expect 0 /usr/bin/python3 -B tests/bench/beside.py --only truth-torus \
+    --places 1 --side 32 --out "$work/beside" "$build"
+out_has "torus, rays "
+awk '/^torus, iftty/ { seen = $3 < 1 && $5 < 4 && $7 < 0.3 } END { exit !seen }' "$work/out" ||
+    fail "a torus is shown wrong: $(cat "$work/out")"
+same "$(ls "$work/beside")" truth-torus.png
+same "$(grep -c VTK "$work/out")" 0
+expect 2 /usr/bin/python3 -B tests/bench/beside.py --side 8 "$build"
+err_has "--side is 32 to 200"
+close_story
+
 begin "what is wrong is told at once"
 expect 2 "$iftty" bench liver
 err_has "bench: expected brain or terminal, not liver"

@@ -55,18 +55,23 @@ static int red_at(const struct rendition *r, uint32_t x, uint32_t y)
 }
 
 /* How many pixels of the samples that were drawn last have a line of a kind, within `margin` pixels
- * of the middle. */
+ * of the middle; each has the one that it has where no other was looked at before. */
 static int count(const struct stage *s, enum edge kind, int margin)
 {
-    struct edges edges;
+    struct edges edges, alone;
     const struct rendition *r = &s->rendition;
     const int middle = (int)r->width / 2, reach = margin * (int)s->look.samples;
     int n = 0;
     edges_init(&edges, r, &s->camera, s->look.samples);
     for (int y = middle - reach; y < middle + reach; y++)
-        for (int x = middle - reach; x < middle + reach; x++)
-            n += r->cell[(size_t)y * r->width + (size_t)x] != CELL_NONE &&
-                 edge_at(&edges, (uint32_t)x, (uint32_t)y) == kind;
+        for (int x = middle - reach; x < middle + reach; x++) {
+            if (r->cell[(size_t)y * r->width + (size_t)x] == CELL_NONE)
+                continue;
+            const enum edge edge = edge_at(&edges, (uint32_t)x, (uint32_t)y);
+            edges_init(&alone, r, &s->camera, s->look.samples);
+            CHECK(edge == edge_at(&alone, (uint32_t)x, (uint32_t)y));
+            n += edge == kind;
+        }
     return n;
 }
 

@@ -4,7 +4,7 @@ changed, what a turn takes, and the same labels as a picture.
     vtk_render.py LABELS.nii[.gz] [--size W H] [--angles YAW PITCH ROLL] [--zoom PIXELS]
                   [--rounds N] [--colours 1=#d6b296,2=#56b4e9] [--opacity 1=25,2=50] [--at X,Y,Z]
                   [--background #ffffff|gradient] [--smooth TIMES BAND] [--occlusion MM]
-                  [--png FILE]
+                  [--png FILE | --maps FILE]
 
 LABELS is what `save labels FILE` writes. Size, angles (degrees), zoom (pixels to a voxel of the
 finest spacing) and at (the voxel in the middle) are those of iftty's `size`, `view` and `zoom`, and
@@ -32,6 +32,10 @@ Surfaces are as they come out of the filter in the first three rows. In the last
 what --smooth says) and with normals. With --png they are shaded by Phong's model with iftty's
 coefficients, what is translucent by depth peeling, and written to FILE; nothing is timed.
 
+--maps draws the same surfaces, and writes what each pixel shows: five planes of float32, from its
+upper left on, label (0 for none), normal along right, anterior and superior, and depth in mm behind
+the plane of the middle.
+
 Debian 12 has VTK 9.1 as python3-vtk9, which /usr/bin/python3 sees. Its windows are those of X even
 off the screen, so this runs itself again under xvfb-run where there is no DISPLAY: packages
 python3-vtk9 and xvfb. Mesa draws in software (llvmpipe); a GPU is not used.
@@ -54,6 +58,7 @@ PALETTE = ["#d6b296", "#56b4e9", "#f0c842", "#009e73", "#cc79a7", "#e68228", "#8
 AMBIENT, DIFFUSE, SPECULAR, SHINE = 0.2, 0.8, 70 / 255, 32
 LIGHT_YAW, LIGHT_PITCH = -25, 30  # to the viewer's right, and above him
 GRADIENT = "#3e4652", "#14161a"  # at the top, at the bottom
+AWAY = 1000  # mm from the camera to what it looks at
 PEELS = 30  # of what is translucent, at most
 
 
@@ -191,7 +196,7 @@ def look_from(camera, angles):
     up = (math.sin(yaw) * math.sin(pitch), -math.cos(yaw) * math.sin(pitch), math.cos(pitch))
     ahead = (math.sin(yaw) * math.cos(pitch), -math.cos(yaw) * math.cos(pitch), -math.sin(pitch))
     middle = camera.GetFocalPoint()
-    camera.SetPosition([middle[i] - 1000 * ahead[i] for i in range(3)])
+    camera.SetPosition([middle[i] - AWAY * ahead[i] for i in range(3)])
     camera.SetViewUp([right[i] * math.sin(roll) + up[i] * math.cos(roll) for i in range(3)])
 
 
@@ -231,15 +236,15 @@ class Stage:
         self.mapper.SetLookupTable(colour_table(options.colours, options.opacity))
         self.mapper.SetColorModeToMapScalars()  # bytes would be taken for grey
         self.mapper.SetScalarRange(0, 255)
-        actor = core.vtkActor()
-        actor.SetMapper(self.mapper)
-        shine = actor.GetProperty()
+        self.actor = core.vtkActor()
+        self.actor.SetMapper(self.mapper)
+        shine = self.actor.GetProperty()
         shine.SetInterpolationToPhong()
         shine.SetAmbient(AMBIENT)
         shine.SetDiffuse(DIFFUSE)
         shine.SetSpecular(SPECULAR)
         shine.SetSpecularPower(SHINE)
-        self.renderer.AddActor(actor)
+        self.renderer.AddActor(self.actor)
         if options.occlusion:
             self.renderer.SetPass(occluding(options.occlusion))
         self.add_light(core.vtkLight())
@@ -287,6 +292,44 @@ class Stage:
         writer.Write()
         if not os.path.exists(path):
             raise Broken("cannot write %s" % path)
+
+    def read(self):
+        """Colours as drawn, rows from the top on, and depths: 0 near, 1 far."""
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkCommonCore import vtkFloatArray, vtkUnsignedCharArray
+
+        self.draw()
+        width, height = self.window.GetSize()
+        far, colours = vtkFloatArray(), vtkUnsignedCharArray()
+        self.window.GetZbufferData(0, 0, width - 1, height - 1, far)
+        self.window.GetPixelData(0, 0, width - 1, height - 1, 0, colours, 0)
+        return (vtk_to_numpy(colours).reshape(height, width, 3)[::-1].astype(float),
+                vtk_to_numpy(far).reshape(height, width)[::-1].astype(float))
+
+    def write_maps(self, surface, path):
+        import numpy
+        from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+        from vtkmodules.vtkCommonExecutionModel import vtkTrivialProducer
+
+        surface.Update()
+        mesh, read = surface.GetOutput(), []
+        points = mesh.GetPointData()
+        normals = vtk_to_numpy(points.GetNormals())
+        labels = numpy.repeat(vtk_to_numpy(points.GetScalars())[:, None], 3, 1)
+        source = vtkTrivialProducer()
+        source.SetOutput(mesh)
+        self.show(source)
+        self.mapper.SetColorModeToDirectScalars()
+        self.actor.GetProperty().LightingOff()
+        for values in labels, numpy.rint((normals + 1) * 127.5):
+            points.SetScalars(numpy_to_vtk(values.astype(numpy.uint8), deep=True))
+            mesh.Modified()
+            read.append(self.read())
+        near, end = self.renderer.GetActiveCamera().GetClippingRange()
+        depth = near + read[0][1] * (end - near) - AWAY
+        label = numpy.where(read[0][1] < 1, read[0][0][:, :, 0], 0)
+        normal = numpy.moveaxis(read[1][0], 2, 0) / 127.5 - 1
+        numpy.stack([label, *normal, depth]).astype("<f4").tofile(path)
 
     def versions(self):
         from vtkmodules.vtkCommonCore import vtkSMPTools, vtkVersion
@@ -446,6 +489,7 @@ def parse():
     parser.add_argument("--occlusion", type=float, default=0)
     parser.add_argument("--smooth", nargs=2, type=float, default=[20, 0.1])
     parser.add_argument("--png")
+    parser.add_argument("--maps")
     options = parser.parse_args()
     if min(options.size) < 1 or options.zoom <= 0 or options.rounds < 1:
         parser.error("size, zoom and rounds are above 0")
@@ -474,9 +518,13 @@ def run(options):
     labels = labels.copy()
     image = image_of(labels, spacing)
     stage = Stage(middle_of(labels, spacing, axes, options.at), spacing, options)
-    if options.png:
+    if options.png or options.maps:
         surface = surface_filter("vtkDiscreteFlyingEdges3D", image, values)
-        stage.show(smoothed(surface, *options.smooth))
+        surface = smoothed(surface, *options.smooth)
+        if options.maps:
+            stage.write_maps(surface, options.maps)
+            return
+        stage.show(surface)
         stage.write(options.png)
         return
     lines = []
