@@ -28,8 +28,7 @@ static inline net_lanes part_of(net_lanes x, int32_t share, int bits)
 {
     const counts low = (counts)(x & 0xffff) * (uint32_t)share;
     const int32_t high = share * (1 << (16 - bits));
-    return (x >> 16) * high +
-           (net_lanes)((low + (1U << (bits - 1)) + (counts)(x >> 31)) >> bits);
+    return (x >> 16) * high + (net_lanes)((low + (1U << (bits - 1)) + (counts)(x >> 31)) >> bits);
 }
 
 /* The nearest number of 2^-bits to numerator / denominator. */
