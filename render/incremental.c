@@ -7,7 +7,7 @@
 
 struct following {
     struct rendition *rendition;
-    const struct camera *camera;
+    struct drawer drawer;
     int pixels; /* further than quads, to which colours may change */
 };
 
@@ -22,10 +22,10 @@ static bool is_same(const struct mesh_brick *a, const struct mesh_quad *p,
     return true;
 }
 
-static void mark(const struct following *f, const struct mesh *mesh, uint32_t number,
-                 const struct mesh_brick *brick, const struct mesh_quad *quad)
+static void mark(const struct following *f, uint32_t number, const struct mesh_brick *brick,
+                 const struct mesh_quad *quad)
 {
-    rendition_mark_stale(f->rendition, project_footprint(f->camera, mesh, number, brick, quad),
+    rendition_mark_stale(f->rendition, project_footprint(&f->drawer, number, brick, quad),
                          f->pixels);
 }
 
@@ -46,9 +46,9 @@ static void follow_brick(void *context, const struct mesh *mesh, uint32_t number
             continue;
         }
         if (!comes)
-            mark(f, mesh, number, former, p);
+            mark(f, number, former, p);
         if (!goes)
-            mark(f, mesh, number, next, q);
+            mark(f, number, next, q);
         i += !comes;
         j += !goes;
     }
@@ -59,7 +59,7 @@ enum err incremental_image(struct rendition *r, const struct camera *camera, str
                            const struct changes *changes, struct team *team, struct fault *fault)
 {
     const struct shade_reach reach = shade_reach(look, camera);
-    struct following following = {r, camera, reach.pixels};
+    struct following following = {.rendition = r, .pixels = reach.pixels};
     const struct mesh_listener listener = {follow_brick, &following};
     if (changes->everything) {
         const enum err err = mesh_update(mesh, border, shade_kind(look), team, NULL, fault);
@@ -67,6 +67,7 @@ enum err incremental_image(struct rendition *r, const struct camera *camera, str
             project_border_shared(r, camera, mesh, team);
         return err;
     }
+    drawer_init(&following.drawer, camera, mesh);
     const enum err err = mesh_update(mesh, border, shade_kind(look), team, &listener, fault);
     if (err)
         return err;

@@ -104,11 +104,10 @@ void layers_clear(struct rendition *r)
 
 void layers_clear_tile(struct rendition *r, size_t tile)
 {
-    const uint32_t left = (uint32_t)(tile % r->tiles_x) * TILE;
-    const uint32_t top = (uint32_t)(tile / r->tiles_x) * TILE;
+    const struct tile_bounds t = rendition_bounds(r, tile);
     rendition_clear_tile(r, tile);
-    for (uint32_t y = top; y < top + TILE && y < r->height; y++)
-        for (uint32_t x = left; x < left + TILE && x < r->width; x++)
+    for (uint32_t y = t.top; y < t.bottom; y++)
+        for (uint32_t x = t.left; x < t.right; x++)
             layers_put_none(r->layers, (size_t)y * r->width + x);
 }
 
@@ -189,12 +188,12 @@ static struct layer pick(const struct layers *l, const uint8_t opacity[256], siz
     return found;
 }
 
-bool layers_pick(struct rendition *r, const struct border *border, struct footprint tile)
+bool layers_pick(struct rendition *r, const struct border *border, struct tile_bounds tile)
 {
     bool is_empty = true;
-    for (int32_t y = tile.top; y <= tile.bottom; y++)
-        for (int32_t x = tile.left; x <= tile.right; x++) {
-            const size_t pixel = (size_t)y * r->width + (size_t)x;
+    for (uint32_t y = tile.top; y < tile.bottom; y++)
+        for (uint32_t x = tile.left; x < tile.right; x++) {
+            const size_t pixel = (size_t)y * r->width + x;
             const struct layer layer = pick(r->layers, border->opacity, pixel);
             r->depth[pixel] = layer.depth;
             r->cell[pixel] = layer.cell;
@@ -213,18 +212,18 @@ bool layers_pick(struct rendition *r, const struct border *border, struct footpr
 /* The pixel of a tile that has this number in it. */
 static inline size_t pixel_at(const struct blend *blend, unsigned number)
 {
-    const size_t x = (size_t)blend->tile.left + number % TILE;
-    const size_t y = (size_t)blend->tile.top + number / TILE;
+    const size_t x = blend->tile.left + number % TILE;
+    const size_t y = blend->tile.top + number / TILE;
     return y * blend->layers->width + x;
 }
 
 void blend_begin(struct blend *blend, struct rendition *r, const struct border *border,
-                 struct footprint tile)
+                 struct tile_bounds tile)
 {
     *blend = (struct blend){.layers = r->layers, .border = border, .tile = tile};
-    for (int32_t y = tile.top; y <= tile.bottom; y++)
-        for (int32_t x = tile.left; x <= tile.right; x++) {
-            const tile_mask is_shown = r->label[(size_t)y * r->width + (size_t)x] != 0;
+    for (uint32_t y = tile.top; y < tile.bottom; y++)
+        for (uint32_t x = tile.left; x < tile.right; x++) {
+            const tile_mask is_shown = r->label[(size_t)y * r->width + x] != 0;
             blend->shown |= is_shown << ((y - tile.top) * TILE + x - tile.left);
         }
     blend->goes_on = blend->shown;

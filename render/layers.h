@@ -4,10 +4,10 @@
  * Each translucent object has a surface of its own, and all opaque ones have one together
  * (render/mesh.h). Where the ray of a pixel comes into one of them is a layer of the pixel; where
  * it leaves one is none, so an object is as dense as its front. A pixel holds its nearest
- * LAYERS_MOST
- * translucent layers that lie before the first opaque one, and that one: however many surfaces are
- * before it, an opaque object is seen. Layers have keys, as pixels have (render/projection.h), so
- * they are a function of what is shown and of the view, in whatever order triangles are drawn.
+ * LAYERS_MOST translucent layers that lie before the first opaque one, and that one: however many
+ * surfaces are before it, an opaque object is seen. Layers have keys, as pixels have
+ * (render/projection.h), so they are a function of what is shown and of the view, in whatever order
+ * triangles are drawn.
  *
  * Colour. Each layer is shaded as the one surface of an opaque picture would be, with the normal
  * that the object has by itself. From the nearest on it takes its share of the light that is left;
@@ -81,15 +81,14 @@ void layers_put(struct layers *layers, size_t pixel, int64_t depth, uint32_t cel
 
 /* ---- shading ---- */
 
-/* Depths, voxels and labels of the pixels of a footprint, which is a tile; true where none of them
- * shows anything. */
-bool layers_pick(struct rendition *rendition, const struct border *border, struct footprint tile);
+/* Depths, voxels and labels of the pixels of a tile; true where none of them shows anything. */
+bool layers_pick(struct rendition *rendition, const struct border *border, struct tile_bounds tile);
 
 /* A tile in the making. */
 struct blend {
     struct layers *layers;
     const struct border *border;
-    struct footprint tile;
+    struct tile_bounds tile;
     unsigned number;              /* of the next layer */
     tile_mask shown, goes_on;     /* pixels of which something is seen, and those with more of it */
     uint32_t left[TILE * TILE];   /* of the light of each pixel, of 2^16 */
@@ -98,7 +97,7 @@ struct blend {
 
 /* Labels of the tile are made. */
 void blend_begin(struct blend *blend, struct rendition *rendition, const struct border *border,
-                 struct footprint tile);
+                 struct tile_bounds tile);
 /* Puts the next layer into layers->pass, and gives back which pixels have one, for the caller to
  * shade them; none after the last. */
 tile_mask blend_next(struct blend *blend);

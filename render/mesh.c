@@ -9,7 +9,9 @@
 enum {
     REGION_BITS = 6, /* voxels a side of what one net is made of, at most */
     REGION_BRICKS = 1 << (REGION_BITS - BORDER_BLOCK_BITS),
-    FAR = NET_MARGIN, /* voxels from a change to what may change with it */
+    BRICKS = REGION_BRICKS * REGION_BRICKS * REGION_BRICKS,
+    QUADS_MOST = MESH_ROWS * MESH_SIDE * 6, /* of a brick */
+    FAR = NET_MARGIN,                       /* voxels from a change to what may change with it */
 };
 
 /* ---- bricks ---- */
@@ -58,13 +60,16 @@ void mesh_first(const struct mesh *mesh, uint32_t number, uint32_t first[3])
     first[2] = number / mesh->size[0] / mesh->size[1] * MESH_SIDE;
 }
 
+static unsigned row_of(unsigned key)
+{
+    return key / (MESH_SIDE * MESH_FACES);
+}
+
 const struct mesh_quad *mesh_find(const struct mesh *mesh, const struct mesh_brick **brick,
                                   uint32_t *number, uint32_t cell, unsigned face)
 {
-    enum { LAST = MESH_SIDE - 1 };
     const struct place p = grid_place(&mesh->border->scene->grid, cell);
-    const uint32_t row = (p.z & LAST) * MESH_SIDE + (p.y & LAST);
-    const unsigned key = (row * MESH_SIDE + (p.x & LAST)) * 8 + face;
+    const unsigned key = mesh_key(p, face), row = row_of(key);
     *number =
         ((p.z / MESH_SIDE) * mesh->size[1] + p.y / MESH_SIDE) * mesh->size[0] + p.x / MESH_SIDE;
     *brick = mesh->brick[*number];
@@ -91,39 +96,67 @@ struct group_source {
     const struct border *border;
     uint8_t group[256]; /* of each visible label */
     uint8_t wanted;
+    bool is_all;   /* all that is shown is of the group, and nothing is cut away: then labels are */
+    uint8_t label; /* read where faces show them; elsewhere it is the one before */
 };
+
+/* The 64 cells from one on, or fewer: labels of border voxels and of no others are read. */
+static void read_bits(struct group_source *s, uint32_t cell, uint32_t count, uint16_t *voxel)
+{
+    const uint64_t none = UINT64_MAX << (count - 1) << 1;
+    const uint64_t shown = border_bits_at(s->border->shown, cell) & ~none;
+    uint64_t seen = border_bits_at(s->border->border, cell) & ~none;
+    if (shown == 0) {
+        memset(voxel, 0, count * sizeof *voxel);
+        return;
+    }
+    for (uint32_t i = 0; i < count; i++)
+        voxel[i] = (uint16_t)(-(shown >> i & 1) & s->label);
+    for (; seen; seen &= seen - 1) {
+        const uint32_t i = (uint32_t)__builtin_ctzll(seen);
+        voxel[i] = s->label = labels_at(&s->border->labels, cell + i);
+    }
+}
+
+static uint16_t read_one(const struct group_source *s, uint32_t cell)
+{
+    const bool is_shown = border_shows(s->border, cell);
+    if (!is_shown && cut_is_none(&s->border->cut))
+        return 0;
+    const uint8_t label = labels_at(&s->border->labels, cell);
+    if (!s->border->visible[label] || s->group[label] != s->wanted)
+        return 0;
+    return is_shown ? label : NET_CLOSED;
+}
 
 static void read_row(void *context, int32_t x, int32_t y, int32_t z, uint32_t count,
                      uint16_t *voxel)
 {
-    const struct group_source *s = context;
-    const struct border *border = s->border;
-    const struct grid *grid = &border->scene->grid;
-    const bool is_cut = !cut_is_none(&border->cut);
+    struct group_source *s = context;
+    const struct grid *grid = &s->border->scene->grid;
+    const int32_t width = (int32_t)grid->size[0], end = x + (int32_t)count;
     const bool is_inside =
         y >= 0 && z >= 0 && y < (int32_t)grid->size[1] && z < (int32_t)grid->size[2];
-    for (uint32_t i = 0; i < count; i++) {
-        const int32_t at = x + (int32_t)i;
-        voxel[i] = NET_CLOSED;
-        if (!is_inside || at < 0 || at >= (int32_t)grid->size[0])
-            continue;
+    const int32_t from = x < 0 ? 0 : x, to = !is_inside ? from : end < width ? end : width;
+    for (int32_t at = x; at < end; at++)
+        if (at < from || at >= to)
+            voxel[at - x] = NET_CLOSED;
+    for (int32_t at = from; at < to; at += 64) {
         const uint32_t cell = grid_cell(grid, (uint32_t)at, (uint32_t)y, (uint32_t)z);
-        const bool is_shown = border_shows(border, cell);
-        voxel[i] = 0;
-        if (!is_shown && !is_cut)
-            continue;
-        const uint8_t label = labels_at(&border->labels, cell);
-        if (border->visible[label] && s->group[label] == s->wanted)
-            voxel[i] = is_shown ? label : NET_CLOSED;
+        const uint32_t some = to - at < 64 ? (uint32_t)(to - at) : 64;
+        if (s->is_all)
+            read_bits(s, cell, some, voxel + (at - x));
+        for (uint32_t i = 0; i < some && !s->is_all; i++)
+            voxel[at - x + (int32_t)i] = read_one(s, cell + i);
     }
 }
 
 /* Voxels of a region whose quads are made anew, and the bricks that come of it. */
 struct region {
     struct mesh_box box;
-    uint32_t first[3], end[3]; /* the bricks in which these voxels lie */
-    struct mesh_brick *brick[REGION_BRICKS * REGION_BRICKS * REGION_BRICKS]; /* [z][y][x] */
-    enum err err;
+    uint32_t first[3], end[3];        /* the bricks in which these voxels lie */
+    struct mesh_brick *brick[BRICKS]; /* [z][y][x] */
+    bool is_short;                    /* of memory */
 };
 
 static uint32_t brick_in(const uint32_t brick[3])
@@ -135,43 +168,84 @@ static uint32_t brick_in(const uint32_t brick[3])
 /* Where the groups of a region lie: of each, the voxels it is between. */
 struct extent {
     int32_t first[3], last[3];
-    bool is_there;
+    uint8_t label; /* of one of them; 0: there is none */
 };
+
+/* Voxels of a row that are of the group, and what lies between them. */
+static void extend(struct extent *e, uint32_t x, uint32_t last, uint32_t y, uint32_t z,
+                   uint8_t label)
+{
+    const int32_t low[3] = {(int32_t)x, (int32_t)y, (int32_t)z};
+    const int32_t high[3] = {(int32_t)last, (int32_t)y, (int32_t)z};
+    for (int a = 0; a < 3; a++) {
+        e->first[a] = e->label && e->first[a] < low[a] ? e->first[a] : low[a];
+        e->last[a] = e->label && e->last[a] > high[a] ? e->last[a] : high[a];
+    }
+    e->label = label;
+}
+
+static bool has_walls(const struct mesh *mesh)
+{
+    return (mesh->kind & MESH_APART) || border_is_translucent(mesh->border);
+}
 
 static void find_extents(const struct mesh *mesh, const struct region *r, const uint8_t group[256],
                          struct extent extent[256])
 {
     const struct border *border = mesh->border;
-    const struct grid *grid = &border->scene->grid;
-    const bool has_walls = (mesh->kind & MESH_APART) || border_is_translucent(border);
+    const bool is_all = !has_walls(mesh);
     const uint32_t *first = r->box.first, *end = r->box.end;
     memset(extent, 0, 256 * sizeof *extent);
     for (uint32_t z = first[2]; z < end[2]; z++)
         for (uint32_t y = first[1]; y < end[1]; y++) {
-            const uint32_t row = grid_cell(grid, first[0], y, z);
-            for (uint32_t x = first[0]; x < end[0]; x++) {
-                const uint32_t cell = row + x - first[0];
-                if (!(has_walls ? border_shows(border, cell) : border_holds(border, cell)))
-                    continue;
-                const uint8_t label = labels_at(&border->labels, cell);
-                struct extent *e = &extent[group[label]];
-                const int32_t at[3] = {(int32_t)x, (int32_t)y, (int32_t)z};
-                for (int a = 0; a < 3; a++) {
-                    e->first[a] = e->is_there && e->first[a] < at[a] ? e->first[a] : at[a];
-                    e->last[a] = e->is_there && e->last[a] > at[a] ? e->last[a] : at[a];
-                }
-                e->is_there = true;
+            const uint32_t cell = grid_cell(&border->scene->grid, first[0], y, z);
+            const uint32_t count = end[0] - first[0]; /* of a region: 64 at most */
+            uint64_t bits = border_bits_at(is_all ? border->border : border->shown, cell) &
+                            UINT64_MAX >> (64 - count);
+            while (bits) {
+                const uint32_t x = (uint32_t)__builtin_ctzll(bits);
+                const uint32_t last = is_all ? 63 - (uint32_t)__builtin_clzll(bits) : x;
+                const uint8_t label = labels_at(&border->labels, cell + x);
+                extend(&extent[group[label]], first[0] + x, first[0] + last, y, z, label);
+                bits = is_all ? 0 : bits & (bits - 1);
             }
         }
 }
 
-/* Quads of a net that are of one brick. */
-struct sorting {
-    uint32_t *order; /* numbers of quads, brick by brick */
-    uint32_t count[REGION_BRICKS * REGION_BRICKS * REGION_BRICKS + 1];
-    uint32_t *local; /* of vertices: their number in the brick at hand, */
-    uint32_t *of;    /* and which brick that is, counted from 1 */
+/* ---- bricks of nets ---- */
+
+/* A net, and which of its quads are of each brick of a region. */
+struct part {
+    struct net net;
+    uint32_t *order;            /* numbers of quads, brick by brick */
+    uint32_t first[BRICKS + 2]; /* of each brick, in `order` */
 };
+
+/* Of a region in the making: its nets, and one brick. */
+struct assembly {
+    struct part *part;
+    size_t parts, capacity;
+    struct mesh_quad *quad;
+    struct mesh_vertex *vertex;
+    uint32_t quads, vertices;
+    size_t quads_most, vertices_most;
+    uint32_t *local; /* of vertices of a net, or of a former brick: their number in the new one, */
+    uint32_t *of;    /* and which that is: the `sources`th, from 1 */
+    uint32_t sources;
+};
+
+static void release_assembly(struct assembly *a)
+{
+    for (size_t i = 0; i < a->parts; i++) {
+        net_release(&a->part[i].net);
+        free(a->part[i].order);
+    }
+    free(a->part);
+    free(a->quad);
+    free(a->vertex);
+    free(a->local);
+    free(a->of);
+}
 
 static uint32_t brick_of(const struct net_quad *q)
 {
@@ -180,221 +254,203 @@ static uint32_t brick_of(const struct net_quad *q)
     return brick_in(brick);
 }
 
-static bool grow(struct mesh_brick **brick, uint32_t quads)
-{
-    if (!*brick)
-        *brick = mem_new(sizeof **brick);
-    if (!*brick)
-        return false;
-    struct mesh_brick *b = *brick;
-    struct mesh_quad *quad = mem_array(b->quads + quads, sizeof *quad);
-    struct mesh_vertex *vertex = mem_array(b->vertices + 4 * quads, sizeof *vertex);
-    if (!quad || !vertex) {
-        free(quad);
-        free(vertex);
-        return false;
-    }
-    if (b->quads) {
-        memcpy(quad, b->quad, b->quads * sizeof *quad);
-        memcpy(vertex, b->vertex, b->vertices * sizeof *vertex);
-    }
-    free(b->quad);
-    free(b->vertex);
-    b->quad = quad;
-    b->vertex = vertex;
-    return true;
-}
-
-/* Adds quads of a net to a brick. */
-static bool add_quads(struct mesh_brick **brick, const struct net *net, const uint32_t *order,
-                      uint32_t count, struct sorting *s, uint32_t number)
-{
-    enum { LAST = MESH_SIDE - 1 };
-    if (!grow(brick, count))
-        return false;
-    struct mesh_brick *b = *brick;
-    for (uint32_t i = 0; i < count; i++) {
-        const struct net_quad *from = &net->quad[order[i]];
-        const int32_t *v = from->voxel;
-        struct mesh_quad *q = &b->quad[b->quads++];
-        const int at = (v[0] & LAST) + MESH_SIDE * ((v[1] & LAST) + MESH_SIDE * (v[2] & LAST));
-        *q = (struct mesh_quad){.key = (uint16_t)(at * 8 + from->face),
-                                .label = from->label,
-                                .is_closed = from->is_closed};
-        for (int k = 0; k < 4; k++) {
-            const uint32_t c = from->corner[k];
-            if (s->of[c] != number) {
-                const struct net_vertex *n = &net->vertex[c];
-                struct mesh_vertex *out = &b->vertex[b->vertices];
-                out->normal[3] = 0;
-                for (int a = 0; a < 3; a++) {
-                    out->at[a] = (n->cube[a] - (v[a] & ~LAST)) * NET_ONE + n->at[a];
-                    out->normal[a] = n->normal[a];
-                }
-                s->of[c] = number;
-                s->local[c] = b->vertices++;
-            }
-            q->corner[k] = (uint16_t)s->local[c];
-        }
-        int32_t place[4][3];
-        for (int k = 0; k < 4; k++)
-            memcpy(place[k], b->vertex[q->corner[k]].at, sizeof place[k]);
-        if (net_diagonal(place, from->face) == 1)
-            memcpy(q->corner, (uint16_t[]){q->corner[1], q->corner[2], q->corner[3], q->corner[0]},
-                   sizeof q->corner);
-    }
-    return true;
-}
-
 /* Shares out a net's quads to the bricks of a region. */
-static bool share_out(struct region *r, const struct net *net)
+static bool share_out(struct part *p)
 {
-    enum { BRICKS = REGION_BRICKS * REGION_BRICKS * REGION_BRICKS };
-    struct sorting *s = mem_new(sizeof *s);
-    bool made = s != NULL;
-    if (made) {
-        s->order = mem_array(net->quads + 1, sizeof *s->order);
-        s->local = mem_array(net->vertices + 1, sizeof *s->local);
-        s->of = mem_new((net->vertices + 1) * sizeof *s->of);
-        made = s->order && s->local && s->of;
+    p->order = mem_array(p->net.quads, sizeof *p->order);
+    if (!p->order)
+        return false;
+    memset(p->first, 0, sizeof p->first);
+    for (uint32_t q = 0; q < p->net.quads; q++)
+        p->first[brick_of(&p->net.quad[q]) + 2]++;
+    for (uint32_t b = 2; b < BRICKS + 2; b++)
+        p->first[b] += p->first[b - 1];
+    for (uint32_t q = 0; q < p->net.quads; q++)
+        p->order[p->first[brick_of(&p->net.quad[q]) + 1]++] = q;
+    return true;
+}
+
+/* The number in the new brick of a vertex, which may be seen for the first time. */
+static uint16_t take_vertex(struct assembly *a, uint32_t vertex, bool *is_new)
+{
+    *is_new = a->of[vertex] != a->sources;
+    if (*is_new) {
+        a->of[vertex] = a->sources;
+        a->local[vertex] = a->vertices++;
     }
-    for (uint32_t q = 0; made && q < net->quads; q++)
-        s->count[brick_of(&net->quad[q]) + 1]++;
-    for (uint32_t b = 0; made && b < BRICKS; b++)
-        s->count[b + 1] += s->count[b];
-    for (uint32_t q = 0; made && q < net->quads; q++)
-        s->order[s->count[brick_of(&net->quad[q])]++] = q;
-    for (uint32_t b = 0, first = 0; made && b < BRICKS; first = s->count[b++])
-        if (s->count[b] > first)
-            made = add_quads(&r->brick[b], net, s->order + first, s->count[b] - first, s, b + 1);
-    if (s) {
-        free(s->order);
-        free(s->local);
-        free(s->of);
+    return (uint16_t)a->local[vertex];
+}
+
+static void take_quad(struct assembly *a, const struct net *net, const struct net_quad *from)
+{
+    const int32_t *v = from->voxel;
+    const struct place voxel = {(uint32_t)v[0], (uint32_t)v[1], (uint32_t)v[2]};
+    struct mesh_quad *q = &a->quad[a->quads++];
+    uint16_t corner[4];
+    int32_t place[4][3];
+    for (int k = 0; k < 4; k++) {
+        bool is_new;
+        corner[k] = take_vertex(a, from->corner[k], &is_new);
+        struct mesh_vertex *out = &a->vertex[corner[k]];
+        if (is_new) {
+            const struct net_vertex *n = &net->vertex[from->corner[k]];
+            for (int i = 0; i < 3; i++) {
+                out->at[i] = (n->cube[i] - (v[i] & ~(MESH_SIDE - 1))) * NET_ONE + n->at[i];
+                out->normal[i] = n->normal[i];
+            }
+            out->normal[3] = 0;
+        }
+        memcpy(place[k], out->at, sizeof place[k]);
     }
-    free(s);
-    return made;
+    const unsigned d = net_diagonal(place, from->face);
+    *q = (struct mesh_quad){{corner[d], corner[d + 1], corner[d + 2], corner[(d + 3) % 4]},
+                            (uint16_t)mesh_key(voxel, from->face),
+                            from->label,
+                            from->is_closed};
 }
 
 static bool lies_in(const struct mesh_box *box, const uint32_t first[3], unsigned key)
 {
-    const unsigned at = key >> 3;
-    const uint32_t voxel[3] = {first[0] + at % MESH_SIDE, first[1] + at / MESH_SIDE % MESH_SIDE,
-                               first[2] + at / MESH_SIDE / MESH_SIDE};
-    for (int a = 0; a < 3; a++)
-        if (voxel[a] < box->first[a] || voxel[a] >= box->end[a])
-            return false;
-    return true;
+    const struct place v = mesh_voxel(first, key);
+    return v.x >= box->first[0] && v.x < box->end[0] && v.y >= box->first[1] && v.y < box->end[1] &&
+           v.z >= box->first[2] && v.z < box->end[2];
 }
 
-/* Adds those of the quads that were there of which the voxels lie outside the box. */
-static bool add_former(struct mesh_brick **brick, const struct mesh_brick *former,
-                       const struct mesh_box *box, const uint32_t first[3])
+/* Those of the quads that were there of which the voxels lie outside the box. */
+static void take_former(struct assembly *a, const struct mesh_brick *former,
+                        const struct mesh_box *box, const uint32_t first[3])
 {
-    uint32_t count = 0;
-    for (uint32_t q = 0; q < former->quads; q++)
-        count += !lies_in(box, first, former->quad[q].key);
-    if (count == 0)
-        return true;
-    uint32_t *number = mem_new(former->vertices * sizeof *number); /* in the new one, from 1 */
-    if (!number || !grow(brick, count)) {
-        free(number);
-        return false;
-    }
-    struct mesh_brick *b = *brick;
     for (uint32_t i = 0; i < former->quads; i++) {
         if (lies_in(box, first, former->quad[i].key))
             continue;
-        struct mesh_quad *q = &b->quad[b->quads++];
+        struct mesh_quad *q = &a->quad[a->quads++];
         *q = former->quad[i];
         for (int k = 0; k < 4; k++) {
-            const uint16_t c = q->corner[k];
-            if (!number[c]) {
-                b->vertex[b->vertices++] = former->vertex[c];
-                number[c] = b->vertices;
-            }
-            q->corner[k] = (uint16_t)(number[c] - 1);
+            bool is_new;
+            const uint16_t was = q->corner[k];
+            q->corner[k] = take_vertex(a, was, &is_new);
+            if (is_new)
+                a->vertex[q->corner[k]] = former->vertex[was];
         }
     }
-    free(number);
-    return true;
 }
 
-/* What lies outside the box in bricks of which the box is a part. */
-static bool add_rest(const struct mesh *mesh, struct region *r)
+/* What was taken, in the order of keys. */
+static struct mesh_brick *finish_brick(const struct assembly *a)
 {
-    bool made = true;
+    struct mesh_brick *b = mem_new(sizeof *b);
+    uint16_t next[MESH_ROWS];
+    if (!b)
+        return NULL;
+    b->vertex = mem_array(a->vertices, sizeof *b->vertex);
+    b->quad = mem_array(a->quads, sizeof *b->quad);
+    if (!b->vertex || !b->quad) {
+        free_brick(b);
+        return NULL;
+    }
+    b->vertices = a->vertices;
+    memcpy(b->vertex, a->vertex, a->vertices * sizeof *b->vertex);
+    b->quads = a->quads;
+    for (uint32_t q = 0; q < a->quads; q++)
+        b->row[row_of(a->quad[q].key) + 1]++;
+    for (uint32_t row = 0; row < MESH_ROWS; row++)
+        b->row[row + 1] = (uint16_t)(b->row[row + 1] + b->row[row]);
+    memcpy(next, b->row, sizeof next);
+    for (const struct mesh_quad *q = a->quad; q < a->quad + a->quads; q++) {
+        const uint32_t row = row_of(q->key);
+        uint32_t at = next[row]++;
+        for (; at > b->row[row] && b->quad[at - 1].key > q->key; at--)
+            b->quad[at] = b->quad[at - 1];
+        b->quad[at] = *q;
+    }
+    return b;
+}
+
+/* One brick of a region: out of its nets, and of what lies outside its box. */
+static bool make_brick(struct assembly *a, const struct mesh *mesh, struct region *r,
+                       const uint32_t at[3])
+{
+    const uint32_t b = brick_in(at);
+    const uint32_t first[3] = {at[0] * MESH_SIDE, at[1] * MESH_SIDE, at[2] * MESH_SIDE};
+    const struct mesh_brick *former = mesh->brick[number_of(mesh, at)];
+    size_t most = former ? former->quads : 0;
+    for (size_t i = 0; i < a->parts; i++)
+        most += a->part[i].first[b + 1] - a->part[i].first[b];
+    if (!mem_grow(&a->quad, &a->quads_most, most, sizeof *a->quad) ||
+        !mem_grow(&a->vertex, &a->vertices_most, 4 * most, sizeof *a->vertex))
+        return false;
+    a->quads = a->vertices = 0;
+    if (former) {
+        a->sources++;
+        take_former(a, former, &r->box, first);
+    }
+    for (const struct part *p = a->part; p < a->part + a->parts; p++) {
+        a->sources++;
+        for (uint32_t i = p->first[b]; i < p->first[b + 1]; i++)
+            take_quad(a, &p->net, &p->net.quad[p->order[i]]);
+    }
+    if (a->quads > 0)
+        r->brick[b] = finish_brick(a);
+    return a->quads == 0 || r->brick[b];
+}
+
+static bool make_bricks(struct assembly *a, const struct mesh *mesh, struct region *r)
+{
+    size_t most = 4 * QUADS_MOST; /* of a former brick */
+    for (size_t i = 0; i < a->parts; i++)
+        most = a->part[i].net.vertices > most ? a->part[i].net.vertices : most;
+    a->local = mem_array(most, sizeof *a->local);
+    a->of = mem_new(most * sizeof *a->of);
+    bool made = a->local && a->of;
     for (uint32_t z = r->first[2]; z < r->end[2] && made; z++)
         for (uint32_t y = r->first[1]; y < r->end[1] && made; y++)
-            for (uint32_t x = r->first[0]; x < r->end[0] && made; x++) {
-                const uint32_t at[3] = {x, y, z};
-                const uint32_t first[3] = {x * MESH_SIDE, y * MESH_SIDE, z * MESH_SIDE};
-                const struct mesh_brick *former = mesh->brick[number_of(mesh, at)];
-                if (former)
-                    made = add_former(&r->brick[brick_in(at)], former, &r->box, first);
-            }
+            for (uint32_t x = r->first[0]; x < r->end[0] && made; x++)
+                made = make_brick(a, mesh, r, (const uint32_t[]){x, y, z});
     return made;
 }
 
-static int by_key(const void *a, const void *b)
-{
-    return (int)((const struct mesh_quad *)a)->key - (int)((const struct mesh_quad *)b)->key;
-}
-
-static void finish_brick(struct mesh_brick *b)
-{
-    bool is_sorted = true;
-    for (uint32_t q = 1; q < b->quads; q++)
-        is_sorted = is_sorted && b->quad[q - 1].key < b->quad[q].key;
-    if (!is_sorted)
-        qsort(b->quad, b->quads, sizeof *b->quad, by_key);
-    for (uint32_t q = 0, row = 0; row <= MESH_ROWS; row++) {
-        while (q < b->quads && b->quad[q].key < row * MESH_SIDE * 8)
-            q++;
-        b->row[row] = (uint16_t)q;
-    }
-    struct mesh_vertex *vertex = realloc(b->vertex, b->vertices * sizeof *vertex);
-    b->vertex = vertex ? vertex : b->vertex;
-}
-
-static void make_region(const struct mesh *mesh, struct region *r, struct net_scratch *scratch,
-                        struct fault *fault)
+/* The nets of a region, each with its quads shared out. */
+static bool make_nets(struct assembly *a, const struct mesh *mesh, const struct region *r,
+                      struct net_scratch *scratch)
 {
     const struct border *border = mesh->border;
-    struct group_source groups = {.border = border};
+    struct group_source groups = {.border = border,
+                                  .is_all = !has_walls(mesh) && cut_is_none(&border->cut)};
     struct net_source source = {read_row, &groups, {0}, mesh->kind & MESH_CUBES, scratch};
-    struct extent *extent = mem_array(256, sizeof *extent);
+    struct extent extent[256];
     const uint64_t unit = view_unit(border->scene);
-    if (!extent) {
-        r->err = fault_memory(fault, "a surface");
-        return;
-    }
     for (int label = 1; label < 256; label++)
         groups.group[label] = has_own_net(mesh, (uint8_t)label) ? (uint8_t)label : OPAQUE;
-    for (int a = 0; a < 3; a++)
-        source.scale[a] = (uint32_t)((unit << 12) / border->scene->spacing_nm[a]);
+    for (int k = 0; k < 3; k++)
+        source.scale[k] = (uint32_t)((unit << 12) / border->scene->spacing_nm[k]);
     find_extents(mesh, r, groups.group, extent);
-    for (int g = 0; g < 256 && !r->err; g++) {
-        struct net net;
+    for (int g = 0; g < 256; g++) {
+        const struct extent *e = &extent[g];
         uint32_t size[3];
-        if (!extent[g].is_there)
+        if (!e->label)
             continue;
         groups.wanted = (uint8_t)g;
-        for (int a = 0; a < 3; a++)
-            size[a] = (uint32_t)(extent[g].last[a] - extent[g].first[a] + 1);
-        r->err = net_make(&net, &source, extent[g].first, size, fault);
-        if (r->err)
-            break;
-        if (!share_out(r, &net))
-            r->err = fault_memory(fault, "a surface");
-        net_release(&net);
+        groups.label = e->label;
+        for (int k = 0; k < 3; k++)
+            size[k] = (uint32_t)(e->last[k] - e->first[k] + 1);
+        if (!mem_grow(&a->part, &a->capacity, a->parts + 1, sizeof *a->part))
+            return false;
+        struct part *p = &a->part[a->parts];
+        p->order = NULL;
+        if (net_make(&p->net, &source, e->first, size, NULL))
+            return false;
+        a->parts++;
+        if (!share_out(p))
+            return false;
     }
-    if (!r->err && !add_rest(mesh, r))
-        r->err = fault_memory(fault, "a surface");
-    for (size_t i = 0; i < sizeof r->brick / sizeof *r->brick && !r->err; i++)
-        if (r->brick[i])
-            finish_brick(r->brick[i]);
-    free(extent);
+    return true;
+}
+
+static void make_region(const struct mesh *mesh, struct region *r, struct net_scratch *scratch)
+{
+    struct assembly a = {.parts = 0};
+    r->is_short = !make_nets(&a, mesh, r, scratch) || !make_bricks(&a, mesh, r);
+    release_assembly(&a);
 }
 
 /* ---- what is stale ---- */
@@ -507,9 +563,8 @@ static void mark_recounted(struct mesh *mesh)
             continue;
         mesh_first(mesh, b, first);
         for (uint32_t q = 0; q < brick->quads; q++) {
-            const uint32_t at = brick->quad[q].key >> 3;
-            const uint32_t cell =
-                grid_cell(grid, first[0] + at % 8, first[1] + at / 8 % 8, first[2] + at / 64);
+            const struct place p = mesh_voxel(first, brick->quad[q].key);
+            const uint32_t cell = grid_cell(grid, p.x, p.y, p.z);
             if (labels_at(&border->labels, cell) != brick->quad[q].label)
                 mark_cell(mesh, cell);
         }
@@ -521,11 +576,10 @@ static void mark_recounted(struct mesh *mesh)
 static bool is_other(const struct mesh *mesh, const struct border *border, enum mesh_kind kind)
 {
     const bool is_cut = mesh->is_cut || !cut_is_none(&border->cut);
-    const bool has_walls = (kind & MESH_APART) || border_is_translucent(border);
     return mesh->kind != kind ||
            memcmp(mesh->opacity, border->opacity, sizeof mesh->opacity) != 0 ||
            (is_cut && memcmp(mesh->visible, border->visible, sizeof mesh->visible) != 0) ||
-           (mesh->is_lost && (is_cut || has_walls));
+           (mesh->is_lost && (is_cut || has_walls(mesh)));
 }
 
 static void take_after(struct mesh *mesh, const struct border *border, enum mesh_kind kind)
@@ -568,7 +622,6 @@ struct updating {
     struct region *region;
     size_t regions;
     struct team *team;
-    struct fault fault[TEAM_MOST];
 };
 
 /* Whether there is something to be made of a region, or to be taken away: the bricks of its box. */
@@ -612,8 +665,8 @@ static void make_share(void *context, unsigned thread)
     for (size_t i = thread; i < u->regions; i += team_size(u->team)) {
         if (!u->mesh->scratch[thread])
             u->mesh->scratch[thread] = net_scratch_new(); /* or NULL: then it takes longer */
-        make_region(u->mesh, &u->region[i], u->mesh->scratch[thread], &u->fault[thread]);
-        if (u->region[i].err || !task_advance(&task, UINT64_C(1) << (3 * REGION_BITS)))
+        make_region(u->mesh, &u->region[i], u->mesh->scratch[thread]);
+        if (u->region[i].is_short || !task_advance(&task, UINT64_C(1) << (3 * REGION_BITS)))
             return;
     }
 }
@@ -655,10 +708,8 @@ enum err mesh_update(struct mesh *mesh, const struct border *border, enum mesh_k
     if (!err)
         team_run(u.team, make_share, &u);
     for (size_t i = 0; i < u.regions && !err; i++)
-        if (u.region[i].err) {
-            err = u.region[i].err;
-            fault_memory(fault, "a surface");
-        }
+        if (u.region[i].is_short)
+            err = fault_memory(fault, "a surface");
     if (!err)
         err = watch_fault(border->scene->watch, fault);
     for (size_t i = 0; i < u.regions; i++) {

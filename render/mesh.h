@@ -14,7 +14,7 @@
  *   M1 after mesh_update, bricks are a function of what the border shows, of its labels and
  *      opacities, whatever order edits came in; quads of a brick are in the order of voxel and
  *      face;
- *   M2 a vertex lies at most MESH_BEYOND from the voxel centres of its brick along each axis.
+ *   M2 along each axis, a vertex lies at most MESH_BEYOND outside the centres of its brick's voxels.
  */
 #ifndef RENDER_MESH_H
 #define RENDER_MESH_H
@@ -27,6 +27,7 @@ enum {
     MESH_SIDE = 1 << BORDER_BLOCK_BITS,  /* voxels a side of a brick */
     MESH_BEYOND = NET_ONE + NET_ONE / 4, /* in 2^-NET_BITS voxels */
     MESH_ROWS = MESH_SIDE * MESH_SIDE,
+    MESH_FACES = 8, /* keys of a voxel, of which 6 are in use */
 };
 
 struct mesh_vertex {
@@ -36,7 +37,7 @@ struct mesh_vertex {
 
 struct mesh_quad {
     uint16_t corner[4]; /* the two triangles are 0 1 2 and 0 2 3 */
-    uint16_t key;       /* (x + 8 y + 64 z) * 8 + face, of a voxel of the brick */
+    uint16_t key;       /* mesh_key */
     uint8_t label;
     bool is_closed; /* engine/net.h */
 };
@@ -97,6 +98,21 @@ struct mesh_listener {
  * NULL. */
 enum err mesh_update(struct mesh *mesh, const struct border *border, enum mesh_kind kind,
                      struct team *team, const struct mesh_listener *listener, struct fault *fault);
+
+/* Of a face of a voxel, in its brick: that of x comes before that of y, and z last. */
+static inline unsigned mesh_key(struct place voxel, unsigned face)
+{
+    enum { LAST = MESH_SIDE - 1 };
+    const uint32_t row = (voxel.z & LAST) * MESH_SIDE + (voxel.y & LAST);
+    return (row * MESH_SIDE + (voxel.x & LAST)) * MESH_FACES + face;
+}
+/* The voxel of a key, in the brick that begins at `first`. */
+static inline struct place mesh_voxel(const uint32_t first[3], unsigned key)
+{
+    const unsigned at = key / MESH_FACES;
+    return (struct place){first[0] + at % MESH_SIDE, first[1] + at / MESH_SIDE % MESH_SIDE,
+                          first[2] + at / MESH_ROWS};
+}
 
 /* The voxel that is the first one of a brick. */
 void mesh_first(const struct mesh *mesh, uint32_t number, uint32_t first[3]);

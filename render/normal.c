@@ -190,7 +190,7 @@ void normals_of(struct directions *out, uint8_t open[NORMALISED], const struct n
         const uint32_t mixed = (r->cell[pixel] * 16 + (uint32_t)(r->depth[pixel] & NUMBER_MASK));
         struct seen *seen = &stored[mixed * UINT32_C(2654435769) >> (32 - STORED_BITS)];
         drawer_see(&normals->drawer, seen, x, y, r->depth[pixel], r->cell[pixel]);
-        const unsigned face = seen->quad->key & 7u;
+        const unsigned face = seen->quad->key % MESH_FACES;
         open[i] = seen->quad->is_closed ? (uint8_t)(face + 1) : 0;
         if (!open[i]) {
             blend(&outward, i, seen);

@@ -205,13 +205,8 @@ static void draw_triangle(struct rendition *r, const struct window *w, const str
 
 /* ---- bricks ---- */
 
-/* The cell of a quad's voxel. */
-static uint32_t cell_of(const struct mesh *mesh, const uint32_t first[3], unsigned key)
-{
-    const unsigned at = key >> 3;
-    return grid_cell(&mesh->border->scene->grid, first[0] + at % MESH_SIDE,
-                     first[1] + at / MESH_SIDE % MESH_SIDE, first[2] + at / MESH_SIDE / MESH_SIDE);
-}
+/* Corners of a quad's triangles; in a picture they go round the other way, unless mirrored. */
+static const uint8_t triangle[2][3] = {{0, 1, 2}, {0, 2, 3}};
 
 static void draw_brick(const struct drawer *d, struct rendition *r, const struct window *w,
                        uint32_t number)
@@ -219,6 +214,7 @@ static void draw_brick(const struct drawer *d, struct rendition *r, const struct
     const struct mesh *mesh = d->mesh;
     const struct mesh_brick *brick = mesh->brick[number];
     const bool is_kept = brick->vertices <= POINTS_MOST;
+    const unsigned middle = d->is_mirrored ? 1 : 2;
     struct point kept[POINTS_MOST], own[4];
     uint32_t first[3];
     int64_t base[3];
@@ -234,27 +230,22 @@ static void draw_brick(const struct drawer *d, struct rendition *r, const struct
                 own[k] = point_of(d, base, brick->vertex[quad->corner[k]].at);
             p[k] = is_kept ? &kept[quad->corner[k]] : &own[k];
         }
-        /* Mirrored corners go round the other way: then the middle ones change places. */
-        const struct point *const second = d->is_mirrored ? p[1] : p[3];
-        const struct point *const fourth = d->is_mirrored ? p[3] : p[1];
-        const int64_t one =
-            area_of(p[0], d->is_mirrored ? second : p[2], d->is_mirrored ? p[2] : fourth);
-        const int64_t two =
-            area_of(p[0], d->is_mirrored ? p[2] : second, d->is_mirrored ? fourth : p[2]);
-        if (one <= 0 && two <= 0)
-            continue;
-        struct owner o = {.cell = cell_of(mesh, first, quad->key),
-                          .label = quad->label,
-                          .number = (quad->key & 7u) * 2,
-                          .is_layer = r->layers != NULL,
-                          .is_opaque = mesh->opacity[quad->label] == BORDER_OPAQUE};
-        if (one > 0)
-            draw_triangle(r, w, p[0], d->is_mirrored ? second : p[2],
-                          d->is_mirrored ? p[2] : fourth, one, &o);
-        o.number++;
-        if (two > 0)
-            draw_triangle(r, w, p[0], d->is_mirrored ? p[2] : second,
-                          d->is_mirrored ? fourth : p[2], two, &o);
+        for (unsigned t = 0; t < 2; t++) {
+            const struct point *second = p[triangle[t][middle]];
+            const struct point *third = p[triangle[t][3 - middle]];
+            const int64_t area = area_of(p[0], second, third);
+            if (area <= 0)
+                continue;
+            const struct place voxel = mesh_voxel(first, quad->key);
+            const struct owner o = {
+                .cell = grid_cell(&mesh->border->scene->grid, voxel.x, voxel.y, voxel.z),
+                .label = quad->label,
+                .number = quad->key % MESH_FACES * 2 + t,
+                .is_layer = r->layers != NULL,
+                .is_opaque = mesh->opacity[quad->label] == BORDER_OPAQUE,
+            };
+            draw_triangle(r, w, p[0], second, third, area, &o);
+        }
     }
 }
 
@@ -304,13 +295,10 @@ static int64_t far_of(struct rendition *r, size_t tile)
     if (!r->is_drawn[tile])
         return r->far[tile];
     const int64_t *depth = r->layers ? r->layers->last_depth : r->depth;
-    const uint32_t left = (uint32_t)(tile % r->tiles_x) * TILE;
-    const uint32_t top = (uint32_t)(tile / r->tiles_x) * TILE;
-    const uint32_t right = left + TILE < r->width ? left + TILE : r->width;
-    const uint32_t bottom = top + TILE < r->height ? top + TILE : r->height;
+    const struct tile_bounds t = rendition_bounds(r, tile);
     int64_t far = INT64_MIN;
-    for (uint32_t y = top; y < bottom; y++)
-        for (uint32_t x = left; x < right; x++)
+    for (uint32_t y = t.top; y < t.bottom; y++)
+        for (uint32_t x = t.left; x < t.right; x++)
             far = depth[(size_t)y * r->width + x] > far ? depth[(size_t)y * r->width + x] : far;
     r->far[tile] = far;
     r->is_drawn[tile] = false;
@@ -343,6 +331,13 @@ static uint64_t units_of(const struct mesh *mesh)
 static struct window whole(const struct rendition *r)
 {
     return (struct window){0, 0, (int32_t)r->width - 1, (int32_t)r->height - 1, false};
+}
+
+static struct window tile_window(const struct rendition *r, size_t tile)
+{
+    const struct tile_bounds t = rendition_bounds(r, tile);
+    return (struct window){(int32_t)t.left, (int32_t)t.top, (int32_t)t.right - 1,
+                           (int32_t)t.bottom - 1, false};
 }
 
 static void clear(struct rendition *r)
@@ -421,11 +416,10 @@ void project_stale(struct rendition *r, const struct camera *camera, const struc
     struct window window = {INT32_MAX, INT32_MAX, -1, -1, false};
     for (size_t i = rendition_tile(r, 0, tiles, TILE_STALE); i < tiles;
          i = rendition_tile(r, i + 1, tiles, TILE_STALE)) {
-        const int32_t left = (int32_t)(i % r->tiles_x) * TILE;
-        const int32_t top = (int32_t)(i / r->tiles_x) * TILE;
-        window.left = least_of(window.left, left), window.top = least_of(window.top, top);
-        window.right = most_of(window.right, least_of(left + TILE, (int32_t)r->width) - 1);
-        window.bottom = most_of(window.bottom, least_of(top + TILE, (int32_t)r->height) - 1);
+        const struct window tile = tile_window(r, i);
+        window.left = least_of(window.left, tile.left), window.top = least_of(window.top, tile.top);
+        window.right = most_of(window.right, tile.right);
+        window.bottom = most_of(window.bottom, tile.bottom);
         if (r->layers)
             layers_clear_tile(r, i);
         else
@@ -443,10 +437,8 @@ void project_rays(struct rendition *r, const struct camera *camera, const struct
     drawer_init(&d, camera, mesh);
     clear(r);
     for (size_t tile = 0; tile < tiles && task_advance(&task, 8 * mesh->bricks); tile++) {
-        const int32_t left = (int32_t)(tile % r->tiles_x) * TILE;
-        const int32_t top = (int32_t)(tile / r->tiles_x) * TILE;
-        const struct window window = {left, top, least_of(left + TILE, (int32_t)r->width) - 1,
-                                      least_of(top + TILE, (int32_t)r->height) - 1, true};
+        struct window window = tile_window(r, tile);
+        window.is_by_pixel = true;
         for (uint32_t b = 0; b < mesh->bricks; b++) {
             if (!mesh->brick[b])
                 continue;
@@ -535,20 +527,17 @@ void project_border_shared(struct rendition *r, const struct camera *camera,
 
 /* ---- where things fall ---- */
 
-struct footprint project_footprint(const struct camera *camera, const struct mesh *mesh,
-                                   uint32_t number, const struct mesh_brick *brick,
-                                   const struct mesh_quad *quad)
+struct footprint project_footprint(const struct drawer *d, uint32_t number,
+                                   const struct mesh_brick *brick, const struct mesh_quad *quad)
 {
-    struct drawer d;
     uint32_t first[3];
     int64_t base[3], least[2] = {INT64_MAX, INT64_MAX}, most[2] = {INT64_MIN, INT64_MIN};
     int64_t middle[2], reach[2];
-    drawer_init(&d, camera, mesh);
-    mesh_first(mesh, number, first);
-    base_of(&d, first, base);
+    mesh_first(d->mesh, number, first);
+    base_of(d, first, base);
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 2; k++) {
-            const int64_t at = along(&d, k, base, brick->vertex[quad->corner[i]].at);
+            const int64_t at = along(d, k, base, brick->vertex[quad->corner[i]].at);
             least[k] = at < least[k] ? at : least[k];
             most[k] = at > most[k] ? at : most[k];
         }
@@ -556,7 +545,7 @@ struct footprint project_footprint(const struct camera *camera, const struct mes
         middle[k] = (least[k] + most[k]) / 2;
         reach[k] = (most[k] - least[k]) / 2 + 1;
     }
-    return between(camera, middle, reach);
+    return between(d->camera, middle, reach);
 }
 
 struct footprint project_around(const struct camera *camera, uint32_t cell, int around)
@@ -571,7 +560,6 @@ struct footprint project_around(const struct camera *camera, uint32_t cell, int 
 void drawer_see(const struct drawer *d, struct seen *seen, uint32_t x, uint32_t y, int64_t depth,
                 uint32_t cell)
 {
-    static const uint8_t corners[2][3] = {{0, 1, 2}, {0, 2, 3}};
     const unsigned number = (unsigned)(depth & NUMBER_MASK);
     if (seen->cell != cell || seen->number != number) {
         const struct mesh_brick *brick;
@@ -583,7 +571,7 @@ void drawer_see(const struct drawer *d, struct seen *seen, uint32_t x, uint32_t 
         mesh_first(d->mesh, b, first);
         base_of(d, first, base);
         for (int k = 0; k < 3; k++) {
-            seen->corner[k] = &brick->vertex[seen->quad->corner[corners[number & 1][k]]];
+            seen->corner[k] = &brick->vertex[seen->quad->corner[triangle[number & 1][k]]];
             const struct point p = point_of(d, base, seen->corner[k]->at);
             seen->at[k][0] = p.x, seen->at[k][1] = p.y;
         }

@@ -46,11 +46,6 @@ void project_border_shared(struct rendition *rendition, const struct camera *cam
 void project_stale(struct rendition *rendition, const struct camera *camera,
                    const struct mesh *mesh);
 
-/* The pixels that a quad may cover, within the picture. */
-struct footprint project_footprint(const struct camera *camera, const struct mesh *mesh,
-                                   uint32_t number, const struct mesh_brick *brick,
-                                   const struct mesh_quad *quad);
-
 /* Where the centre of a voxel falls: column and row, in pixels times 2^30, and depth likewise. */
 void project_place(const struct camera *camera, struct place place, int64_t centre[3]);
 
@@ -68,16 +63,21 @@ struct drawer {
 };
 void drawer_init(struct drawer *drawer, const struct camera *camera, const struct mesh *mesh);
 
+/* The pixels that a quad may cover, within the picture. */
+struct footprint project_footprint(const struct drawer *drawer, uint32_t number,
+                                   const struct mesh_brick *brick, const struct mesh_quad *quad);
+
 /* The triangle that a depth and a voxel name, and how near its corners are: shares at the pixel's
  * centre, none below 0, not all of them 0. */
 struct seen {
     const struct mesh_quad *quad;
     const struct mesh_vertex *corner[3];
     int64_t share[3];
-    uint32_t
-        cell; /* stored, since pixels beside each other often show one triangle: CELL_NONE at */
-    unsigned number;  /* first, */
-    int32_t at[3][2]; /* and where corners fall */
+    /* Kept, since pixels beside each other often show one triangle: which it is, CELL_NONE at
+     * first, and where its corners fall. */
+    uint32_t cell;
+    unsigned number;
+    int32_t at[3][2];
 };
 void drawer_see(const struct drawer *drawer, struct seen *seen, uint32_t x, uint32_t y,
                 int64_t depth, uint32_t cell);

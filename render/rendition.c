@@ -123,15 +123,11 @@ void rendition_clear(struct rendition *r)
 
 void rendition_clear_tile(struct rendition *r, size_t tile)
 {
-    const uint32_t left = (uint32_t)(tile % r->tiles_x) * TILE;
-    const uint32_t top = (uint32_t)(tile / r->tiles_x) * TILE;
-    const uint32_t right = left + TILE < r->width ? left + TILE : r->width;
-    const uint32_t bottom = top + TILE < r->height ? top + TILE : r->height;
-    for (uint32_t y = top; y < bottom; y++)
-        for (size_t pixel = (size_t)y * r->width + left; pixel < (size_t)y * r->width + right;
-             pixel++) {
-            r->depth[pixel] = DEPTH_NONE;
-            r->cell[pixel] = CELL_NONE;
+    const struct tile_bounds t = rendition_bounds(r, tile);
+    for (uint32_t y = t.top; y < t.bottom; y++)
+        for (uint32_t x = t.left; x < t.right; x++) {
+            r->depth[(size_t)y * r->width + x] = DEPTH_NONE;
+            r->cell[(size_t)y * r->width + x] = CELL_NONE;
         }
     r->stale[tile] = TILE_STALE;
     r->far[tile] = DEPTH_NONE;

@@ -67,6 +67,19 @@ size_t rendition_tile(const struct rendition *rendition, size_t tile, size_t end
 /* How many tiles are in one of these states. */
 size_t rendition_count(const struct rendition *rendition, unsigned states);
 
+/* The pixels of a tile; right and bottom are beyond it. */
+struct tile_bounds {
+    uint32_t left, top, right, bottom;
+};
+static inline struct tile_bounds rendition_bounds(const struct rendition *rendition, size_t tile)
+{
+    const uint32_t left = (uint32_t)(tile % rendition->tiles_x) * TILE;
+    const uint32_t top = (uint32_t)(tile / rendition->tiles_x) * TILE;
+    const uint32_t width = rendition->width, height = rendition->height;
+    return (struct tile_bounds){left, top, left + TILE < width ? left + TILE : width,
+                                top + TILE < height ? top + TILE : height};
+}
+
 /* The part of `height` rows from row `top` on, a multiple of TILE; borrows the maps, and the
  * layers where they begin with the same row. */
 struct rendition rendition_rows(const struct rendition *rendition, uint32_t top, uint32_t height);

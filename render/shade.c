@@ -142,32 +142,14 @@ static void shade_pixels(struct rendition *r, const struct shading *s,
 
 /* ---- tiles ---- */
 
-struct tile {
-    uint32_t left, top, right, bottom; /* right and bottom are beyond it */
-};
-
-static struct tile tile_at(const struct rendition *r, size_t number)
-{
-    const uint32_t x = (uint32_t)(number % r->tiles_x), y = (uint32_t)(number / r->tiles_x);
-    const uint32_t right = (x + 1) * TILE, bottom = (y + 1) * TILE;
-    return (struct tile){x * TILE, y * TILE, right < r->width ? right : r->width,
-                         bottom < r->height ? bottom : r->height};
-}
-
-static struct footprint footprint_of(struct tile tile)
-{
-    return (struct footprint){(int32_t)tile.left, (int32_t)tile.top, (int32_t)tile.right - 1,
-                              (int32_t)tile.bottom - 1};
-}
-
 /* Labels of a tile. Empty pixels get no colour and no normal; true where all of them are empty. */
-static bool label_tile(struct rendition *r, const struct border *border, struct tile tile)
+static bool label_tile(struct rendition *r, const struct border *border, struct tile_bounds tile)
 {
     bool is_empty = true;
     uint32_t last = CELL_NONE;
     uint8_t label = 0;
     if (r->layers)
-        return layers_pick(r, border, footprint_of(tile));
+        return layers_pick(r, border, tile);
     for (uint32_t y = tile.top; y < tile.bottom; y++)
         for (uint32_t x = tile.left; x < tile.right; x++) {
             const size_t pixel = (size_t)y * r->width + x;
@@ -184,7 +166,7 @@ static bool label_tile(struct rendition *r, const struct border *border, struct 
 }
 
 /* Whether nothing is seen in a tile. */
-static bool is_bare(const struct rendition *r, struct tile tile)
+static bool is_bare(const struct rendition *r, struct tile_bounds tile)
 {
     uint32_t all = CELL_NONE; /* which has all bits set */
     for (uint32_t y = tile.top; y < tile.bottom; y++) {
@@ -199,7 +181,7 @@ static void label_tiles(struct rendition *r, size_t first, size_t end, const str
 {
     for (size_t i = rendition_tile(r, first, end, TILE_STALE); i < end;
          i = rendition_tile(r, i + 1, end, TILE_STALE)) {
-        const struct tile tile = tile_at(r, i);
+        const struct tile_bounds tile = rendition_bounds(r, i);
         const bool bare = !r->layers && is_bare(r, tile);
         if (bare && !r->blank[i])
             for (uint32_t y = tile.top; y < tile.bottom; y++)
@@ -211,8 +193,8 @@ static void label_tiles(struct rendition *r, size_t first, size_t end, const str
 }
 
 /* Some pixels of a tile, those that show something. */
-static void take_pixels(struct tile_pixels *pixels, const struct rendition *r, struct tile tile,
-                        tile_mask mask)
+static void take_pixels(struct tile_pixels *pixels, const struct rendition *r,
+                        struct tile_bounds tile, tile_mask mask)
 {
     const tile_mask wide = (1u << (tile.right - tile.left)) - 1;
     pixels->count = 0;
@@ -226,7 +208,7 @@ static void take_pixels(struct tile_pixels *pixels, const struct rendition *r, s
         }
 }
 
-static void shade_mask(struct rendition *r, const struct shading *s, struct tile tile,
+static void shade_mask(struct rendition *r, const struct shading *s, struct tile_bounds tile,
                        tile_mask mask)
 {
     struct tile_pixels pixels;
@@ -270,7 +252,7 @@ static void spread(struct rendition *r, size_t first, size_t from, uint32_t samp
 
 /* A tile of samples: of pixels that show one surface, the sample after half of them alone. Cuts
  * show voxels, which are no smaller than pixels here. */
-static void shade_samples(struct rendition *r, const struct shading *s, struct tile tile)
+static void shade_samples(struct rendition *r, const struct shading *s, struct tile_bounds tile)
 {
     const uint32_t samples = s->look->samples, half = samples / 2;
     tile_mask all = ~(tile_mask)0, one = 0; /* samples to shade; those that stand for a pixel */
@@ -296,10 +278,10 @@ static void shade_samples(struct rendition *r, const struct shading *s, struct t
 }
 
 /* Where objects are translucent: layer by layer, from the nearest on. */
-static void blend_tile(struct rendition *r, const struct shading *s, struct tile tile)
+static void blend_tile(struct rendition *r, const struct shading *s, struct tile_bounds tile)
 {
     struct blend blend;
-    blend_begin(&blend, r, s->border, footprint_of(tile));
+    blend_begin(&blend, r, s->border, tile);
     for (tile_mask pixels = blend_next(&blend); pixels; pixels = blend_next(&blend)) {
         shade_mask(&r->layers->pass, s, tile, pixels);
         blend_add(&blend, r);
@@ -313,7 +295,7 @@ static void shade_tiles(struct rendition *r, size_t first, size_t end, const str
     for (size_t i = rendition_tile(r, first, end, TILE_STALE);
          i < end && task_advance(task, TILE * TILE);
          i = rendition_tile(r, i + 1, end, TILE_STALE)) {
-        const struct tile tile = tile_at(r, i);
+        const struct tile_bounds tile = rendition_bounds(r, i);
         if (r->layers)
             blend_tile(r, s, tile);
         else if (s->has_pixels)
@@ -331,7 +313,7 @@ static void draw_edges(struct rendition *r, size_t first, size_t end, const stru
     edges_init(&edges, r, s->camera, s->look->samples);
     for (size_t i = rendition_tile(r, first, end, TILE_LIT); i < end;
          i = rendition_tile(r, i + 1, end, TILE_LIT)) {
-        const struct tile tile = tile_at(r, i);
+        const struct tile_bounds tile = rendition_bounds(r, i);
         for (uint32_t y = tile.top; y < tile.bottom; y++)
             for (uint32_t x = tile.left; x < tile.right; x++) {
                 const size_t pixel = (size_t)y * r->width + x;

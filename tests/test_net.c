@@ -188,9 +188,28 @@ static bool is_same_vertex(const struct net_vertex *a, const struct net_vertex *
            memcmp(a->normal, b->normal, sizeof a->normal) == 0 && a->air == b->air;
 }
 
+/* Voxels of the object with others on all sides take the next label. */
+static void relabel_hidden(void)
+{
+    for (int32_t i = 0; i < scene.side * scene.side * scene.side; i++) {
+        const int32_t p[3] = {i % scene.side, i / scene.side % scene.side,
+                              i / scene.side / scene.side};
+        uint16_t *voxel = scene_at(p[0], p[1], p[2]);
+        bool is_hidden = *voxel > 0 && *voxel < NET_CLOSED;
+        for (int face = 0; face < 6; face++) {
+            int32_t q[3] = {p[0], p[1], p[2]};
+            q[face / 2] += face & 1 ? 1 : -1;
+            const uint16_t beside = scene_voxel(q);
+            is_hidden &= beside > 0 && beside < NET_CLOSED;
+        }
+        *voxel = is_hidden ? (uint16_t)(*voxel % 255 + 1) : *voxel;
+    }
+}
+
 static void check_parts(bool is_cubes, uint64_t seed)
 {
     struct net whole = net_of_scene(is_cubes);
+    relabel_hidden(); /* which counts for nothing */
     for (uint64_t trial = 0; trial < 12; trial++) {
         int32_t first[3];
         uint32_t size[3], quads = 0;

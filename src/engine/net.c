@@ -41,21 +41,6 @@ static void faces_of(const struct net_graph *g, int32_t word, int32_t y, int32_t
         face[k] = own & ~beside[k];
 }
 
-/* How far a voxel is outside the box, along an axis. */
-static int32_t outside(const struct net_graph *g, int axis, int32_t at)
-{
-    const int32_t low = NET_MARGIN, high = g->size[axis] - NET_MARGIN - 1;
-    return at < low ? low - at : at > high ? at - high : 0;
-}
-
-/* Bits low to high of a word of voxels. */
-static uint64_t bits_from(int32_t word, int32_t low, int32_t high)
-{
-    low = low > word * NET_STEP ? low - word * NET_STEP : 0;
-    high = high < (word + 1) * NET_STEP ? high - word * NET_STEP : NET_STEP - 1;
-    return high < low ? 0 : UINT64_MAX >> (63 - high) & UINT64_MAX << low;
-}
-
 struct quads {
     struct net_sum *sum; /* or NULL: of cubes */
     struct net_quad *quad;
@@ -99,7 +84,7 @@ static void walk(const struct net_graph *g, struct quads *q, int32_t reach)
     find_corners(g, &corners);
     for (int32_t z = 1; z + 1 < g->size[2]; z++)
         for (int32_t y = 1; y + 1 < g->size[1]; y++) {
-            const int32_t dy = outside(g, 1, y), dz = outside(g, 2, z);
+            const int32_t dy = net_outside(g, 1, y, 0), dz = net_outside(g, 2, z, 0);
             const int32_t left = reach - (dy > 0 ? dy - 1 : 0) - (dz > 0 ? dz - 1 : 0);
             const bool is_row = dy == 0 && dz == 0;
             if (left < 0 || (reach == 0 && !is_row))
@@ -107,7 +92,7 @@ static void walk(const struct net_graph *g, struct quads *q, int32_t reach)
             const int32_t low = NET_MARGIN - (reach ? left + 1 : 0);
             const int32_t high = g->size[0] - 1 - NET_MARGIN + (reach ? left + 1 : 0);
             for (int32_t k = 0; k < g->words; k++) {
-                const uint64_t wanted = bits_from(k, low, high);
+                const uint64_t wanted = net_bits(k, low, high);
                 uint64_t face[6], some = 0;
                 faces_of(g, k, y, z, face);
                 for (int f = 0; f < 6; f++) {
@@ -117,7 +102,7 @@ static void walk(const struct net_graph *g, struct quads *q, int32_t reach)
                 for (; some && q->quad; some &= some - 1) {
                     const int bit = __builtin_ctzll(some);
                     const int32_t at[3] = {k * NET_STEP + bit, y, z};
-                    const bool is_inside = is_row && outside(g, 0, at[0]) == 0;
+                    const bool is_inside = is_row && net_outside(g, 0, at[0], 0) == 0;
                     for (int f = 0; f < 6; f++)
                         if (face[f] >> bit & 1)
                             add_quad(g, q, &corners, at, f, is_inside);

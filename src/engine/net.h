@@ -87,6 +87,7 @@ void net_release(struct net *net);
  * long, the one from the lowest cube to the highest, so that a face has the same triangles from
  * both of its sides. */
 unsigned net_diagonal(int32_t corner[4][3], unsigned face);
+
 /* Memory that is kept from one net_make to the next; NULL: no memory. */
 struct net_scratch *net_scratch_new(void);
 void net_scratch_free(struct net_scratch *scratch);

@@ -29,13 +29,6 @@ void *net_store(struct net_scratch *scratch, enum net_store which, size_t count,
 
 /* ---- levels ---- */
 
-/* How far a cube is outside those of the box, along an axis. */
-static int32_t outside(const struct net_graph *g, int axis, int32_t at)
-{
-    const int32_t low = NET_MARGIN - 1, high = g->size[axis] - NET_MARGIN - 1;
-    return at < low ? low - at : at > high ? at - high : 0;
-}
-
 static int32_t most_of(int32_t a, int32_t b)
 {
     return a > b ? a : b;
@@ -50,7 +43,7 @@ static int32_t level_of(int32_t x, int32_t y, int32_t z)
 /* The cubes of a row that are needed; false: none. */
 static bool row_of(const struct net_graph *g, int32_t y, int32_t z, int32_t *low, int32_t *high)
 {
-    const int32_t dy = outside(g, 1, y), dz = outside(g, 2, z), last = NET_LEVELS - 1;
+    const int32_t dy = net_outside(g, 1, y, 1), dz = net_outside(g, 2, z, 1), last = NET_LEVELS - 1;
     const int32_t left = last + 2 - dy - dz, reach = left < last ? left : last;
     if (y < 0 || z < 0 || y + 1 >= g->size[1] || z + 1 >= g->size[2] || dy > last || dz > last ||
         left < 0)
@@ -152,11 +145,7 @@ static uint64_t mixed_of(const struct bundle *b, int32_t word, int32_t low, int3
         some |= b->row[i][word];
         all &= b->row[i][word];
     }
-    low = low > word * NET_STEP ? low - word * NET_STEP : 0;
-    high = high < (word + 1) * NET_STEP ? high - word * NET_STEP : NET_STEP - 1;
-    if (high < low)
-        return 0;
-    return (some | some >> 1) & ~(all & all >> 1) & UINT64_MAX >> (63 - high) & UINT64_MAX << low;
+    return (some | some >> 1) & ~(all & all >> 1) & net_bits(word, low, high);
 }
 
 static uint8_t corners_of(const struct bundle *b, int32_t word, int bit)
@@ -198,7 +187,7 @@ static bool find_cells(struct net_graph *g, struct net_cell **out, size_t *count
                 int32_t low, high;
                 if (!row_of(g, y, z, &low, &high))
                     continue;
-                const int32_t dy = outside(g, 1, y), dz = outside(g, 2, z);
+                const int32_t dy = net_outside(g, 1, y, 1), dz = net_outside(g, 2, z, 1);
                 const struct bundle rows = bundle_of(g, g->in, y, z);
                 for (int32_t k = 0; k < g->words; k++) {
                     uint64_t mixed = mixed_of(&rows, k, low, high);
@@ -208,7 +197,7 @@ static bool find_cells(struct net_graph *g, struct net_cell **out, size_t *count
                         const int bit = __builtin_ctzll(mixed);
                         const int32_t x = k * NET_STEP + bit;
                         const uint8_t air = (uint8_t)~corners_of(&rows, k, bit);
-                        const int32_t level = level_of(outside(g, 0, x), dy, dz);
+                        const int32_t level = level_of(net_outside(g, 0, x, 1), dy, dz);
                         cell[(*count)++] = (struct net_cell){(int16_t)x, (int16_t)y, (int16_t)z,
                                                              air, (uint8_t)level};
                         at_level[level] += (int32_t)cubes[air].count;

@@ -121,6 +121,21 @@ static inline size_t net_index(const struct net_graph *g, int32_t x, int32_t y, 
     return ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->stride + (size_t)x;
 }
 
+/* How far a voxel, or with `cubes` 1 a cube, is outside the box or its cubes, along an axis. */
+static inline int32_t net_outside(const struct net_graph *g, int axis, int32_t at, int32_t cubes)
+{
+    const int32_t low = NET_MARGIN - cubes, high = g->size[axis] - NET_MARGIN - 1;
+    return at < low ? low - at : at > high ? at - high : 0;
+}
+
+/* Bits of a word that stand for voxels low to high. */
+static inline uint64_t net_bits(int32_t word, int32_t low, int32_t high)
+{
+    low = low > word * NET_STEP ? low - word * NET_STEP : 0;
+    high = high < (word + 1) * NET_STEP ? high - word * NET_STEP : NET_STEP - 1;
+    return high < low ? 0 : UINT64_MAX >> (63 - high) & UINT64_MAX << low;
+}
+
 /* The vertex of a cube whose part has this corner. */
 static inline int32_t net_vertex_at(const struct net_graph *g, size_t cube, int corner)
 {

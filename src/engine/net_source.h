@@ -15,10 +15,11 @@ enum {
     NET_CLOSED = 256,     /* a voxel that is cut away, or outside the scene */
 };
 
-/* Where the voxels are. `row` fills `count` voxels from (x, y, z) on, which may lie outside the
- * scene: 0 for air, the label 1..255 for a voxel of the object, or NET_CLOSED. */
 struct net_scratch;
 
+/* Where the voxels are. `row` fills `count` voxels from (x, y, z) on, which may lie outside the
+ * scene: 0 for air, the label 1..255 for a voxel of the object, or NET_CLOSED. Which label counts for
+ * nothing where no face of the voxel has air or NET_CLOSED beside it. */
 struct net_source {
     void (*row)(void *context, int32_t x, int32_t y, int32_t z, uint32_t count, uint16_t *voxel);
     void *context;
