@@ -56,17 +56,39 @@ static inline uint64_t root_share(uint64_t x)
     return y;
 }
 
-/* As long as 2^14. */
-static inline net_lanes long_as_one(net_lanes n)
+static inline uint64_t square_of(net_lanes n)
 {
     uint64_t square = 0;
     for (int k = 0; k < 3; k++)
         square += (uint64_t)((int64_t)n[k] * n[k]);
+    return square;
+}
+
+/* Of a square over 0: 4^half of it, a part of 2^32 from a quarter up. */
+static inline uint64_t as_part(uint64_t square, int *half)
+{
+    *half = (__builtin_clzll(square) >> 1) - 16;
+    return *half < 0 ? square >> -2 * *half : square << 2 * *half;
+}
+
+static inline int32_t length_of(net_lanes n)
+{
+    const uint64_t square = square_of(n);
+    int half;
+    if (square == 0)
+        return 0;
+    const uint64_t part = as_part(square, &half);
+    return (int32_t)(part * root_share(part) >> (46 + half));
+}
+
+/* As long as 2^14. */
+static inline net_lanes long_as_one(net_lanes n)
+{
+    const uint64_t square = square_of(n);
+    int half;
     if (square == 0)
         return (net_lanes){0};
-    const int zeros = __builtin_clzll(square), half = (zeros >> 1) - 16;
-    const uint64_t part = half < 0 ? square >> -2 * half : square << 2 * half;
-    const int64_t share = (int64_t)root_share(part);
+    const int64_t share = (int64_t)root_share(as_part(square, &half));
     for (int k = 0; k < 3; k++)
         n[k] = (int32_t)rounded(n[k] * share, 32 - half);
     n[3] = 0;
@@ -308,7 +330,7 @@ static void take_sums(const struct net_graph *g, const struct net_sum *sum, stru
                                               26 + TERM_BITS - 16);
         for (int k = 0; k < 3; k++)
             out[v].normal[k] = (int32_t)rounded(s->area[k], AREA_BITS);
-        out[v].normal[3] = 0;
+        out[v].normal[3] = length_of(out[v].normal);
     }
 }
 
@@ -323,6 +345,19 @@ static net_lanes in_world(net_lanes normal, const uint32_t scale[3])
 
 /* 1 / the roots of Chebyshev's polynomial of normals, of four passes, least from 3/4 to 2. */
 static const int32_t normal_step[4] = {512184, 619511, 880419, 1253800}; /* 10^-6 */
+
+/* What its last step is longer by where the surface is nearly flat, by links, 2^-MANY: 0 to 2.946.
+ * There the sum of the normals around is nearly as long as the sum of their lengths; its square is
+ * more than .95: .97 on a ball of 10, .94 at the second vertex from the edge of a box. */
+static inline int32_t longer_step(net_lanes normal, int links)
+{
+    const uint64_t square = square_of(normal);
+    const uint64_t whole = (uint64_t)((int64_t)normal[3] * normal[3]);
+    if (normal[3] < 64 || links == 0 || 20 * square <= 19 * whole)
+        return 0;
+    const uint64_t least = (square - whole / 20 * 19) * 20 / (whole >> 12);
+    return (int32_t)((least < 4096 ? least : 4096) * FIXED(2946, 1000, MANY) >> 12) / links;
+}
 
 /* That of terms, of four passes, least from 1/5 to 2:
  * 1 - u (283360 - 516000 u + 352000 u^2 - 80000 u^3) / 45281. */
@@ -364,7 +399,9 @@ WIDE static void restore(struct net_graph *g, struct both *x, struct both *off, 
         const net_lanes toward = push < 0 ? -g->push[v] : g->push[v];
         const net_lanes at = g->at[v] + part_of(toward, push < 0 ? -push : push, NET_BITS);
         g->at[v] = clamped(g, v, slide ? at - slide[v] : at);
-        normal[v] = in_world(t[v].normal - part_of(a.normal, step[3][n], TWICE), scale);
+        const net_lanes mild = t[v].normal - part_of(a.normal, step[3][n], TWICE);
+        const int32_t longer = longer_step(mild, n);
+        normal[v] = in_world(longer ? mild - part_of(a.normal, longer, MANY) : mild, scale);
     }
 }
 
