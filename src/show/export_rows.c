@@ -25,11 +25,6 @@ struct exporting {
     struct fault fault;
 };
 
-bool export_takes_rows(const struct session *session)
-{
-    return session_decorates_rows(session);
-}
-
 bool export_is_large(const struct session *session)
 {
     const struct view *view = &session_outlook(session)->view;
