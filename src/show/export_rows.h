@@ -19,11 +19,11 @@
 /* Whether a picture of the view's size is too large to be stored for its file alone. */
 bool export_is_large(const struct session *session);
 
-/* Draws labels as session_draw_labels does in that mode, from nothing, where what is drawn over them
- * can be (session_decorates_rows), and gives the digest of what is drawn. The rows go into `file`, whose picture is that of export_form, or where that is NULL,
- * over what is behind them, into picture->rgba, or where that is NULL, nowhere. `picture` gets its
- * notes, and is released after an error. No rendition is stored afterwards. ERR_MEMORY,
- * ERR_CANCELLED. */
+/* Draws labels as session_draw_labels does in that mode, from nothing, and gives the digest of what
+ * is drawn; not where session_decorates_rows says no. The rows go into `file`, whose picture is
+ * that of export_form, or where that is NULL, over what is behind them, into picture->rgba, or
+ * where that is NULL, nowhere. `picture` gets its notes, and is released after an error. No
+ * rendition is stored afterwards. ERR_MEMORY, ERR_CANCELLED. */
 enum err export_rows(struct picture *picture, struct strips *file, struct session *session,
                      const struct labels *labels, enum render_mode mode, uint64_t *digest,
                      struct fault *fault);
