@@ -132,10 +132,9 @@ static void write_report(const struct canvas *canvas, const struct comparison_re
     write_row(&sheet, "Dice", "Hausdorff mm", "of label");
     for (unsigned label = 1; label < 256 && sheet.top < box.height; label++)
         if (comparison_has(report->comparison, label)) {
-            const struct overlap_counts n = overlap_counts_of(&report->comparison->overlap, label);
             const struct label_distances *d = &report->comparison->distance[label];
             char dice[24], far[24] = "none", words[LABEL_NAME_BYTES + 8];
-            snprintf(dice, sizeof dice, "%.4f", figures_dice(n));
+            snprintf(dice, sizeof dice, "%.4f", figures_dice(&report->comparison->overlap, label));
             if (d->has_hausdorff)
                 snprintf(far, sizeof far, "%.2f", d->hausdorff_mm);
             snprintf(words, sizeof words, "%u %s", label, report->label_name[label]);
