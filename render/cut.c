@@ -63,15 +63,6 @@ struct cut_plane cut_plane_at(const int64_t into[3], const uint32_t place[3], in
     return plane;
 }
 
-struct cut_plane cut_plane_through(const struct scene *scene, const uint32_t place[3],
-                                   const int32_t ahead[3])
-{
-    int64_t into[3];
-    for (int a = 0; a < 3; a++)
-        into[a] = (int64_t)ahead[a] * scene->spacing_nm[a];
-    return cut_plane_at(into, place, 0);
-}
-
 /* ---- rows ---- */
 
 /* The voxels first..end-1 of a row; empty where first >= end. */

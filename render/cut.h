@@ -54,11 +54,6 @@ bool cut_takes(const struct cut *cut, const struct grid *grid, uint32_t cell);
  * dropped. */
 struct cut_plane cut_plane_at(const int64_t into[3], const uint32_t place[3], int64_t behind);
 
-/* The one through the centre of a voxel that leaves what lies `ahead` of it: a direction along
- * voxel axes, of any length below 2^31, in a scene of this spacing. */
-struct cut_plane cut_plane_through(const struct scene *scene, const uint32_t place[3],
-                                   const int32_t ahead[3]);
-
 /* Clears the bits (c % 64 of word c / 64) of all voxels that are cut away, under the scene's watch.
  * False where that has stopped it. */
 bool cut_clear(const struct cut *cut, const struct scene *scene, uint64_t *bits);

@@ -54,7 +54,7 @@ size_t layers_bytes(const struct layers *layers);
 enum err layers_take(struct layers *layers, struct rendition *rendition,
                      const struct border *border, struct fault *fault);
 
-/* Those of the rows of the rendition from one on, to be splatted into; borrows the maps. */
+/* Those of the rows of the rendition from one on, to be drawn into; borrows the maps. */
 struct layers layers_rows(const struct layers *layers, uint32_t top);
 
 /* Nothing is seen, and all is to be shaded; or of one tile. */

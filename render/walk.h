@@ -93,46 +93,4 @@ static inline bool walk_on(struct walk *walk)
     return true;
 }
 
-/* A leap: as many cubes as lie within `most` planes along every axis. */
-struct leap {
-    int64_t crossings;
-    int64_t apart[3]; /* the planes along an axis that are crossed in any case, */
-    uint32_t step[3]; /* and the cubes between them; maybe one more */
-};
-
-/* Of walks from voxel to voxel. */
-static inline struct leap leap_of(const struct camera *camera, int64_t most)
-{
-    const int64_t *T = camera->T;
-    const int64_t xy = T[0] < T[1] ? T[0] : T[1];
-    struct leap leap = {.crossings = most * (xy < T[2] ? xy : T[2]) - 1};
-    for (int a = 0; a < 3; a++) {
-        const int64_t planes = leap.crossings / T[a];
-        const uint32_t beyond = (uint32_t)planes * (uint32_t)camera->scene->grid.step[a];
-        leap.apart[a] = planes * T[a];
-        leap.step[a] = camera->flip[a] ? -beyond : beyond;
-    }
-    return leap;
-}
-
-static inline void leap_along(struct walk *walk, const struct leap *leap, int a)
-{
-    walk->next[a] += leap->apart[a];
-    walk->cell += leap->step[a];
-    const int64_t is_crossed = -(int64_t)(walk->next[a] <= walk->at);
-    walk->next[a] += walk->apart[a] & is_crossed;
-    walk->cell += walk->step[a] & (uint32_t)is_crossed;
-}
-
-/* To the cube in which the ray is then, where `at` need not be a crossing; false where it has left
- * the scene. */
-static inline bool walk_leap(struct walk *walk, const struct leap *leap)
-{
-    walk->at += leap->crossings;
-    leap_along(walk, leap, 0);
-    leap_along(walk, leap, 1);
-    leap_along(walk, leap, 2);
-    return walk->at < walk->end;
-}
-
 #endif

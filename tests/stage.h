@@ -62,6 +62,17 @@ static inline void stage_opacities(struct stage *s, uint64_t *random)
             (uint8_t)(translucent && check_below(random, 3) ? 1 + check_below(random, 100) : 100);
 }
 
+/* The plane through the centre of a voxel that leaves what lies `ahead` of it: a direction along
+ * voxel axes, of any length below 2^31, in a scene of this spacing. */
+static inline struct cut_plane stage_plane_through(const struct scene *scene,
+                                                   const uint32_t place[3], const int32_t ahead[3])
+{
+    int64_t into[3];
+    for (int a = 0; a < 3; a++)
+        into[a] = (int64_t)ahead[a] * scene->spacing_nm[a];
+    return cut_plane_at(into, place, 0);
+}
+
 /* Half of the time, none. */
 static inline uint32_t stage_occlusion(uint64_t *random)
 {

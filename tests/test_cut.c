@@ -88,7 +88,7 @@ STORY(slabs_boxes_and_planes_take_what_they_say)
     /* Across the diagonal of x and y, through 3,3,0: kept where x + y >= 6. */
     cut = cut_none();
     cut.plane[cut.planes++] =
-        cut_plane_through(scene, (uint32_t[]){3, 3, 0}, (int32_t[]){1 << 29, 1 << 29, 0});
+        stage_plane_through(scene, (uint32_t[]){3, 3, 0}, (int32_t[]){1 << 29, 1 << 29, 0});
     cut_as(&border, &cut);
     CHECK(shows(&border, 3, 3, 0) && shows(&border, 6, 0, 5) && shows(&border, 0, 6, 2));
     CHECK(!shows(&border, 3, 2, 0) && !shows(&border, 5, 0, 5) && !shows(&border, 0, 5, 2));
@@ -96,7 +96,7 @@ STORY(slabs_boxes_and_planes_take_what_they_say)
     /* The same direction where voxels are twice as high as wide: kept where x + 2 y >= 9. */
     scene->spacing_nm[1] = 2000000;
     cut.plane[0] =
-        cut_plane_through(scene, (uint32_t[]){3, 3, 0}, (int32_t[]){1 << 29, 1 << 29, 0});
+        stage_plane_through(scene, (uint32_t[]){3, 3, 0}, (int32_t[]){1 << 29, 1 << 29, 0});
     cut_as(&border, &cut);
     CHECK(shows(&border, 3, 3, 0) && shows(&border, 5, 2, 0) && shows(&border, 9, 0, 0));
     CHECK(!shows(&border, 2, 3, 0) && !shows(&border, 4, 2, 0) && !shows(&border, 8, 0, 0));
@@ -109,7 +109,7 @@ STORY(slabs_boxes_and_planes_take_what_they_say)
 
     /* Seen the other way, the rest, and the voxels on the plane both times. */
     cut.plane[0] =
-        cut_plane_through(scene, (uint32_t[]){3, 3, 0}, (int32_t[]){-(1 << 29), -(1 << 29), 0});
+        stage_plane_through(scene, (uint32_t[]){3, 3, 0}, (int32_t[]){-(1 << 29), -(1 << 29), 0});
     cut_as(&border, &cut);
     CHECK(shows(&border, 3, 3, 0) && shows(&border, 2, 3, 0) && !shows(&border, 4, 3, 0));
     border_release(&border);
@@ -130,7 +130,7 @@ STORY(planes_of_any_spacing_keep_their_voxel_and_fit_64_bits)
             ahead[a] = (int32_t)(check_below(&random, 1u << 31) - (1u << 30));
             scene->spacing_nm[a] = 1 + (uint32_t)(check_random(&random) >> (32 + round % 32));
         }
-        const struct cut_plane plane = cut_plane_through(scene, place, ahead);
+        const struct cut_plane plane = stage_plane_through(scene, place, ahead);
         for (int a = 0; a < 3; a++) {
             CHECK(llabs(plane.normal[a]) < INT64_C(1) << CUT_NORMAL_BITS);
             CHECK((plane.normal[a] < 0) <= (ahead[a] < 0));
@@ -198,7 +198,7 @@ static void random_cut(struct stage *s, uint64_t *random)
     }
     for (uint32_t i = check_below(random, 3); i > 0; i--) {
         random_place(s, random, a);
-        cut.plane[cut.planes++] = cut_plane_through(s->scene, a, s->camera.ahead);
+        cut.plane[cut.planes++] = stage_plane_through(s->scene, a, s->camera.ahead);
         random_view(s, random);
     }
     for (uint32_t i = check_below(random, 3); i > 0; i--, cut.boxes++) {

@@ -339,17 +339,6 @@ static void copy_scene(struct world *to, const struct world *from)
     forest_set_arcs(to->forest, forest_arcs(from->forest));
 }
 
-static bool same_forest(const struct world *a, const struct world *b)
-{
-    for (size_t i = 0; i < a->scene->grid.cells; i++)
-        if (a->scene->cell[i].key != b->scene->cell[i].key ||
-            a->scene->cell[i].label != b->scene->cell[i].label)
-            return false;
-    return forest_digest(a->forest) == forest_digest(b->forest) &&
-           forest_label_digest(a->forest) == forest_label_digest(b->forest) &&
-           forest_seeds(a->forest) == forest_seeds(b->forest);
-}
-
 /* The same seeds planted at once into an empty forest. */
 static bool equals_scratch(struct world *w)
 {
@@ -363,7 +352,7 @@ static bool equals_scratch(struct world *w)
         if (w->scene->cell[i].flags & CELL_SEED)
             seed[seeds++] = (struct edit){(uint32_t)i, w->scene->cell[i].label, 0};
     CHECK(forest_edit(fresh.forest, seed, seeds, NULL) == OK);
-    bool same = same_forest(w, &fresh);
+    bool same = world_is_same(w, &fresh);
     free(seed);
     world_free(&fresh);
     return same;

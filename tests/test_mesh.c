@@ -164,10 +164,10 @@ static void change_cut_or_labels(struct stage *s, uint64_t *random)
     case 1:
         *cut = cut_none();
         cut->plane[cut->planes++] =
-            cut_plane_through(s->scene, a,
-                              (int32_t[]){(int32_t)check_below(random, 2000) - 1000,
-                                          (int32_t)check_below(random, 2000) - 1000,
-                                          (int32_t)check_below(random, 2000) - 1000});
+            stage_plane_through(s->scene, a,
+                                (int32_t[]){(int32_t)check_below(random, 2000) - 1000,
+                                            (int32_t)check_below(random, 2000) - 1000,
+                                            (int32_t)check_below(random, 2000) - 1000});
         break;
     case 2:
         *cut = cut_none();

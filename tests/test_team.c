@@ -3,11 +3,11 @@
 #include "check.h"
 #include "scarce_memory.h"
 #include "stopping.h"
+#include "world.h"
 
 #include <stdlib.h>
 
 #include "base/team.h"
-#include "engine/forest.h"
 
 enum { WORKERS = 8 };
 
@@ -82,13 +82,8 @@ STORY(shares_cover_everything_once)
 
 /* ---- forests ---- */
 
-struct world {
-    struct scene *scene;
-    struct forest *forest;
-};
-
 /* The same world for the same number, whatever the team. */
-static struct world world_new(uint64_t number, struct team *team)
+static struct world random_world(uint64_t number, struct team *team)
 {
     uint64_t random = number;
     const uint32_t size[3] = {1 + check_below(&random, 30), 1 + check_below(&random, 30),
@@ -110,12 +105,6 @@ static struct world world_new(uint64_t number, struct team *team)
     return w;
 }
 
-static void world_free(struct world *w)
-{
-    forest_free(w->forest);
-    scene_free(w->scene);
-}
-
 enum { BATCH = 40 };
 
 static size_t random_batch(const struct world *w, struct edit *batch, uint64_t *random)
@@ -128,17 +117,6 @@ static size_t random_batch(const struct world *w, struct edit *batch, uint64_t *
                                     check_below(random, size[1]), check_below(random, size[2])),
                           (int16_t)((int)check_below(random, 4) - 1), 0};
     return count;
-}
-
-static bool same_cells(const struct world *a, const struct world *b)
-{
-    for (size_t i = 0; i < a->scene->grid.cells; i++)
-        if (a->scene->cell[i].key != b->scene->cell[i].key ||
-            a->scene->cell[i].label != b->scene->cell[i].label)
-            return false;
-    return forest_digest(a->forest) == forest_digest(b->forest) &&
-           forest_label_digest(a->forest) == forest_label_digest(b->forest) &&
-           forest_seeds(a->forest) == forest_seeds(b->forest);
 }
 
 /* From scratch, an edit on top, and everything again. */
@@ -158,16 +136,16 @@ STORY(one_to_eight_workers_grow_the_same_forest)
     for (unsigned workers = 2; workers <= WORKERS; workers++)
         CHECK(team_new(&team[workers], workers, NULL) == OK);
     for (uint64_t number = FIRST; number < FIRST + scaled(8) && check_failures == 0; number++) {
-        struct world alone = world_new(number, NULL);
+        struct world alone = random_world(number, NULL);
         grow(&alone, number);
         CHECK(forest_check(alone.forest, NULL));
         for (unsigned workers = 2; workers <= WORKERS; workers++) {
             if ((number + workers) % SHARE != 0)
                 continue;
-            struct world w = world_new(number, team[workers]);
+            struct world w = random_world(number, team[workers]);
             grow(&w, number);
             CHECK(forest_check(w.forest, NULL));
-            if (!CHECK(same_cells(&alone, &w)))
+            if (!CHECK(world_is_same(&alone, &w)))
                 printf("# world %" PRIu64 ", %u workers\n", number, workers);
             world_free(&w);
         }
@@ -183,7 +161,7 @@ STORY(a_shared_pass_cancelled_at_any_level_leaves_an_empty_forest)
     CHECK(team_new(&team, 3, NULL) == OK);
     for (uint64_t number = FIRST; number < FIRST + scaled(3) && check_failures == 0; number++) {
         uint64_t random = number;
-        struct world w = world_new(number, team);
+        struct world w = random_world(number, team);
         struct edit batch[BATCH];
         const size_t count = random_batch(&w, batch, &random);
         enum err err = ERR_CANCELLED;
@@ -211,7 +189,7 @@ STORY(workers_out_of_memory_leave_an_empty_forest)
     CHECK(team_new(&team, 2, NULL) == OK);
     for (uint64_t number = 1; number <= 6; number++) {
         uint64_t random = number;
-        struct world w = world_new(number, NULL);
+        struct world w = random_world(number, NULL);
         struct edit batch[BATCH];
         const size_t count = random_batch(&w, batch, &random);
         enum err err = ERR_MEMORY;

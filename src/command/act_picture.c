@@ -218,7 +218,7 @@ enum err act_render(const struct act *act)
     if (act_has(act, "layout") && !(has_file && exr_is_named(act_text(act, "FILE"))))
         return fault_set(act->fault, ERR_USAGE, "layout: only an .exr has lines or tiles");
     if (has_file && act->interp->mode != MODE_SKIM && export_is_large(act->session) &&
-        export_takes_rows(act->session))
+        session_decorates_rows(act->session))
         return render_large(act, act_text(act, "FILE"), wanted);
     return render_whole(act, wanted);
 }

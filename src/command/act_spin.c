@@ -282,7 +282,7 @@ static enum err prepare(struct spin *spin)
                          "name that ends in .gif or .tif; not %s",
                          act_text(spin->act, "FILE"));
     const enum err err = read_axes(spin);
-    spin->takes_rows = export_takes_rows(spin->act->session);
+    spin->takes_rows = session_decorates_rows(spin->act->session);
     spin->is_streamed = spin->takes_rows && !is_helped(spin);
     spin->total = spin->count * spin->axes;
     if (!err && spin->total > IMAGE_FRAMES_MOST)

@@ -31,6 +31,12 @@ struct place grid_place(const struct grid *grid, uint32_t cell)
     return (struct place){cell % row - 1, cell % plane / row - 1, cell / plane - 1};
 }
 
+void grid_find(const struct grid *grid, uint32_t cell, uint32_t place[3])
+{
+    const struct place p = grid_place(grid, cell);
+    place[0] = p.x, place[1] = p.y, place[2] = p.z;
+}
+
 uint32_t grid_voxel(const struct grid *grid, uint32_t cell)
 {
     struct place p = grid_place(grid, cell);

@@ -62,6 +62,7 @@ static inline uint32_t grid_held(int64_t at, uint32_t size)
 
 /* The position of a voxel's cell. */
 struct place grid_place(const struct grid *grid, uint32_t cell);
+void grid_find(const struct grid *grid, uint32_t cell, uint32_t place[3]);
 
 /* The voxel index x + size_x * (y + size_y * z) of a cell, as files name it. */
 uint32_t grid_voxel(const struct grid *grid, uint32_t cell);

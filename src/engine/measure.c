@@ -146,9 +146,6 @@ bool centre_of_label(const struct scene *scene, unsigned label, uint32_t place[3
     }
     if (!search(&s, "the centre of a label"))
         return false;
-    const struct place at = grid_place(&scene->grid, s.cell);
-    place[0] = at.x;
-    place[1] = at.y;
-    place[2] = at.z;
+    grid_find(&scene->grid, s.cell, place);
     return true;
 }

@@ -10,7 +10,6 @@
 enum {
     BOX = 64, /* voxels along each axis whose nets are made at once, at most */
     CORNERS = 8,
-    QUADS_MOST = 12, /* around a vertex: as many as a cube has edges */
 };
 static const size_t POINTS_MOST = INT32_MAX;
 static const uint32_t NO_SPOT = UINT32_MAX;

@@ -76,15 +76,10 @@ void png_add_colours(struct buf *png)
         png_add_chunk(png, constant[i].type, constant[i].data, constant[i].length);
 }
 
-uint32_t png_pixels_a_metre(double pixel_mm)
-{
-    const double most = INT32_MAX, count = pixel_mm > 0 ? 1000 / pixel_mm + 0.5 : 0;
-    return count < most ? (uint32_t)count : 0;
-}
-
 void png_add_scale(struct buf *png, double pixel_mm)
 {
-    const uint32_t a_metre = png_pixels_a_metre(pixel_mm);
+    const double most = INT32_MAX, count = pixel_mm > 0 ? 1000 / pixel_mm + 0.5 : 0;
+    const uint32_t a_metre = count < most ? (uint32_t)count : 0;
     uint8_t scale[SCALE] = {[8] = 1}; /* of metres */
     put_number(scale, a_metre);
     put_number(scale + 4, a_metre);

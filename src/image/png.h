@@ -57,7 +57,6 @@ void png_add_chunk(struct buf *png, const char type[4], const void *data, size_t
 void png_add_beginning(struct buf *png, uint32_t width, uint32_t height, unsigned bits,
                        enum png_kind kind);
 void png_add_colours(struct buf *png);
-uint32_t png_pixels_a_metre(double pixel_mm);
 void png_add_scale(struct buf *png, double pixel_mm);
 
 /*

@@ -88,11 +88,6 @@ void agreement_release(struct agreement *agreement)
 
 /* ---- figures ---- */
 
-static double dice(const struct overlap *overlap, unsigned label)
-{
-    return figures_dice(overlap_counts_of(overlap, label));
-}
-
 static double sensitivity(const struct agreement *g, unsigned rater, unsigned label)
 {
     const struct overlap_counts n = overlap_counts_of(&g->rater[rater], label);
@@ -128,7 +123,7 @@ static struct figures figures_of(const struct agreement *g, unsigned rater, unsi
     figures_add(&f, "voxels_both", (double)n.both);
     figures_add(&f, "volume_mm3", (double)n.a * mm3);
     figures_add(&f, "volume_consensus_mm3", (double)n.b * mm3);
-    figures_add(&f, "dice", dice(&g->rater[rater], label));
+    figures_add(&f, "dice", figures_dice(&g->rater[rater], label));
     figures_add(&f, "sensitivity", sensitivity(g, rater, label));
     figures_add(&f, "specificity", specificity(g, rater, label));
     return f;
@@ -171,13 +166,13 @@ static void add_pair(struct json *json, const struct agreement *g, unsigned a, u
     json_text(json, "a", g->name[a]);
     json_text(json, "b", g->name[b]);
     json_count(json, "differing", overlap->differing);
-    json_real(json, "dice", dice(overlap, 0), 12);
+    json_real(json, "dice", figures_dice(overlap, 0), 12);
     json_array(json, "labels");
     for (unsigned label = 1; label < 256; label++) {
         if (!has(g, label))
             continue;
         add_label(json, g, label);
-        json_real(json, "dice", dice(overlap, label), 12);
+        json_real(json, "dice", figures_dice(overlap, label), 12);
         json_end(json);
     }
     json_end(json);
@@ -243,7 +238,7 @@ static void write_label(struct buf *out, const struct agreement *g, unsigned lab
     buf_add_safe_text(&name, label ? g->label_name[label] : "all");
     for (unsigned r = 0; r < g->raters; r++) {
         buf_printf(out, "%-16s", r ? "" : buf_text(&name));
-        figures_add_cell(out, 7, 4, dice(&g->rater[r], label));
+        figures_add_cell(out, 7, 4, figures_dice(&g->rater[r], label));
         figures_add_cell(out, 11, 4, sensitivity(g, r, label));
         figures_add_cell(out, 11, 4, specificity(g, r, label));
         figures_add_volume(out, 9, "", g->geometry, overlap_counts_of(&g->rater[r], label).a);
@@ -274,7 +269,7 @@ void agreement_write_text(struct buf *out, const struct agreement *g)
     for (unsigned a = 0; a < g->raters; a++)
         for (unsigned b = a + 1; b < g->raters; b++) {
             buf_printf(out, "%-16s", "");
-            figures_add_cell(out, 7, 4, dice(pair++, 0));
+            figures_add_cell(out, 7, 4, figures_dice(pair++, 0));
             buf_add_text(out, "  ");
             buf_add_safe_text(out, g->name[a]);
             buf_add_text(out, ", ");

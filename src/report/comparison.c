@@ -321,7 +321,7 @@ static struct figures figures_of(const struct comparison_report *report, unsigne
     figures_add(&f, "volume_b_mm3", (double)n.b * mm3);
     figures_add(&f, "volume_difference_mm3", difference * mm3);
     figures_add(&f, "volume_similarity", figures_ratio(2 * difference, (double)n.a + (double)n.b));
-    figures_add(&f, "dice", figures_dice(n));
+    figures_add(&f, "dice", figures_dice(&report->comparison->overlap, label));
     figures_add(&f, "jaccard", jaccard(&n));
     figures_add(&f, "hausdorff_mm", d->has_hausdorff ? d->hausdorff_mm : NAN);
     figures_add(&f, "surface_95_mm", d->has_surfaces ? d->percentile_95_mm : NAN);
@@ -413,7 +413,7 @@ static void write_row(struct buf *out, const struct comparison_report *report, u
     buf_add_safe_text(&name, label ? report->label_name[label] : "all");
     buf_printf(out, "%-16s", buf_text(&name));
     buf_release(&name);
-    figures_add_cell(out, 6, 4, figures_dice(n));
+    figures_add_cell(out, 6, 4, figures_dice(&report->comparison->overlap, label));
     figures_add_cell(out, 7, 4, jaccard(&n));
     figures_add_volume(out, 9, "", report->geometry, n.a);
     figures_add_volume(out, 9, n.a > n.b ? "+" : "-", report->geometry,

@@ -9,6 +9,7 @@
 #include "base/mem.h"
 #include "render/mosaic.h"
 #include "render/notes.h"
+#include "report/figures.h"
 #include "show/export_picture.h"
 #include "show/slicing.h"
 #include "show/window.h"
@@ -131,11 +132,9 @@ static void write_report(const struct canvas *canvas, const struct comparison_re
     write_row(&sheet, "Dice", "Hausdorff mm", "of label");
     for (unsigned label = 1; label < 256 && sheet.top < box.height; label++)
         if (comparison_has(report->comparison, label)) {
-            const struct overlap_counts n = overlap_counts_of(&report->comparison->overlap, label);
             const struct label_distances *d = &report->comparison->distance[label];
             char dice[24], far[24] = "none", words[LABEL_NAME_BYTES + 8];
-            snprintf(dice, sizeof dice, "%.4f",
-                     n.a + n.b ? 2.0 * (double)n.both / (double)(n.a + n.b) : 0);
+            snprintf(dice, sizeof dice, "%.4f", figures_dice(&report->comparison->overlap, label));
             if (d->has_hausdorff)
                 snprintf(far, sizeof far, "%.2f", d->hausdorff_mm);
             snprintf(words, sizeof words, "%u %s", label, report->label_name[label]);

@@ -45,8 +45,9 @@ double figures_ratio(double part, double whole)
     return whole > 0 ? part / whole : NAN;
 }
 
-double figures_dice(struct overlap_counts counts)
+double figures_dice(const struct overlap *overlap, unsigned label)
 {
+    const struct overlap_counts counts = overlap_counts_of(overlap, label);
     return figures_ratio(2.0 * (double)counts.both, (double)counts.a + (double)counts.b);
 }
 

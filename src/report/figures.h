@@ -32,8 +32,8 @@ void figures_write_csv(struct buf *out, const char *label_name, const struct fig
 /* NAN of nothing. */
 double figures_ratio(double part, double whole);
 
-/* Dice's coefficient, 2 both / (a + b). */
-double figures_dice(struct overlap_counts counts);
+/* Dice's coefficient of a label, or 0 for all: 2 both / (a + b). */
+double figures_dice(const struct overlap *overlap, unsigned label);
 
 /* A cell of a table for people, to the right in so many columns after a blank: "-" for NAN; and a
  * volume, as tally_write_volume has it, after a sign, or "0". */

@@ -45,11 +45,7 @@ bool session_find_surprise(struct surprise *surprise, const struct session *sess
         return false;
     *surprise = (struct surprise){.label = (uint8_t)loser, .voxels = lost};
     surprise->has_passage = passage_find(&cell, session_forest(session), loser);
-    if (surprise->has_passage) {
-        const struct place p = grid_place(&session_scene(session)->grid, cell);
-        surprise->passage[0] = p.x;
-        surprise->passage[1] = p.y;
-        surprise->passage[2] = p.z;
-    }
+    if (surprise->has_passage)
+        grid_find(&session_scene(session)->grid, cell, surprise->passage);
     return true;
 }

@@ -16,14 +16,6 @@ static uint32_t cell_at(const struct session *session, const uint32_t p[3])
     return grid_cell(&session_scene(session)->grid, p[0], p[1], p[2]);
 }
 
-static void place_of(const struct session *session, uint32_t cell, uint32_t place[3])
-{
-    const struct place p = grid_place(&session_scene(session)->grid, cell);
-    place[0] = p.x;
-    place[1] = p.y;
-    place[2] = p.z;
-}
-
 /* ---- of a voxel ---- */
 
 /* "label 2 cerebellum 142 ml (+1.2 ml)": all of the label, and what the last edit changed of it. */
@@ -127,13 +119,13 @@ bool voxel_why_find(struct voxel_why *why, const struct session *session, const 
     why->label = at->label;
     why->next = rival.exists ? rival.label : 0;
     why->has_edge = why->way.edge != CELL_NONE;
-    place_of(session, key_root(at->key), why->root);
+    grid_find(&session_scene(session)->grid, key_root(at->key), why->root);
     buf_add_text(out, "label ");
     label_report_write_name(out, session, at->label);
     buf_printf(out, " at a cost of %u, %zu step%s from its seed", key_cost(at->key), steps,
                plural(steps));
     if (why->has_edge) {
-        place_of(session, why->way.edge, why->edge);
+        grid_find(&session_scene(session)->grid, why->way.edge, why->edge);
         buf_printf(out, ", strongest edge into %u,%u,%u", why->edge[0], why->edge[1], why->edge[2]);
     }
     if (rival.exists) {
@@ -154,7 +146,7 @@ bool voxel_facts_find_held(struct held *held, const struct session *session,
         buf_printf(out, "marker %u: %s%zu tree%s, ", held->marker,
                    held->has_more ? "at least " : "", held->trees, plural(held->trees));
     } else {
-        place_of(session, held->seed, seed);
+        grid_find(&session_scene(session)->grid, held->seed, seed);
         buf_printf(out, "the tree of the seed at %u,%u,%u: ", seed[0], seed[1], seed[2]);
     }
     if (held->has_more)
@@ -209,7 +201,7 @@ bool voxel_facts_next_seed(const struct session *session, unsigned label, int64_
             cell[count++] = middle;
     }
     if (count > 0)
-        place_of(session, cell[((at + by) % count + count) % count], place);
+        grid_find(&session_scene(session)->grid, cell[((at + by) % count + count) % count], place);
     free(cell);
     return count > 0;
 }

@@ -45,7 +45,4 @@ void session_take_pictures(struct session *session, struct pictures *pictures,
 /* NULL while there are none. */
 struct pictures *session_pictures(const struct session *session);
 
-/* The session's border, whose skin (render/border.h) is as its pictures want it. */
-struct border *session_own_border(struct session *session);
-
 #endif

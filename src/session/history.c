@@ -275,7 +275,9 @@ enum err history_find(const struct history *history, const char *name, uint32_t 
 
 const struct kept_settings *history_settings_after(const struct history *history, size_t record)
 {
-    return history->points ? history->point[history_point_after(history, record)].settings : NULL;
+    const size_t since = record < history->first ? 0 : record - history->first;
+    const uint32_t point = since < history->ats ? history->at[since] : 0; /* the root before it */
+    return history->points ? history->point[point].settings : NULL;
 }
 
 static uint32_t depth(const struct history *history, uint32_t point)
@@ -374,12 +376,6 @@ enum err history_go(struct history *history, struct session *session, uint32_t t
     history->moves_tip = moves_tip;
     free(edit);
     return err;
-}
-
-uint32_t history_point_after(const struct history *history, size_t record)
-{
-    const size_t since = record < history->first ? 0 : record - history->first;
-    return since < history->ats ? history->at[since] : 0;
 }
 
 enum err history_look(struct history *history, struct session *session, uint32_t point,

@@ -126,10 +126,6 @@ enum err history_go(struct history *history, struct session *session, uint32_t p
 struct history_place history_place(const struct history *history);
 void history_forget(struct history *history, const struct history_place *place);
 
-/* The point where record `number` left the session, which has a scene; the root for an earlier
- * one. */
-uint32_t history_point_after(const struct history *history, size_t record);
-
 /* Has the session be what it was at `point`, to be looked at: no command has gone there, and before
  * the next one that is noted the session has to be led back to where it was. */
 enum err history_look(struct history *history, struct session *session, uint32_t point,

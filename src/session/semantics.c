@@ -5,61 +5,62 @@
 #include "base/choice.h"
 #include "base/hash.h"
 
-const struct meaning_row meaning_table[MEANINGS] = {
-    [MEANING_LABEL_SUM] = {"label-sum", 2, "`labels` was a sum of mixes of place and label",
+static const struct meaning_row {
+    unsigned since;        /* the first number that has the new meaning */
+    const char *was, *now; /* what means what */
+    const char *lost;      /* "a|b": the words that are lost before; NULL where it can be had */
+} meaning_table[MEANINGS] = {
+    [MEANING_LABEL_SUM] = {2, "`labels` was a sum of mixes of place and label",
                            "`labels` is a sum of mixed places times labels", NULL},
-    [MEANING_MARKERS] = {"markers", 4, "`remove` removed single trees",
+    [MEANING_MARKERS] = {4, "`remove` removed single trees",
                          "`remove` removes markers, unless of=tree", NULL},
-    [MEANING_BRANCH_TIPS] = {"branch-tips", 4, "`goto` moved the branch that it went to",
+    [MEANING_BRANCH_TIPS] = {4, "`goto` moved the branch that it went to",
                              "a branch stays where its last command or undo left it", NULL},
-    [MEANING_STROKES] = {"strokes", 4,
-                         "`pending` counts a voxel that balls of a stroke share more than once",
+    [MEANING_STROKES] = {4, "`pending` counts a voxel that balls of a stroke share more than once",
                          "`pending` counts it once", NULL},
-    [MEANING_QUOTES] = {"quotes", 4, "' is a letter like any other",
+    [MEANING_QUOTES] = {4, "' is a letter like any other",
                         "a word may stand between ' and ' as between \" and \"", NULL},
-    [MEANING_ORIENTATION] = {"orientation", 5,
+    [MEANING_ORIENTATION] = {5,
                              "what a file does not say of its voxels was taken to be axes towards "
                              "right, front and head, 1 mm apart, and the sform to hold against the "
                              "qform",
                              "it is unknown until `orient` tells it", NULL},
-    [MEANING_PLACES] = {"places", 5,
+    [MEANING_PLACES] = {5,
                         "a map of the scene's size, with axes along the same sides, was taken "
                         "wherever it lies",
                         "a map lies where the scene does, or is resampled", NULL},
-    [MEANING_OPEN_WEIGHT] = {"open-weight", 5, "`open` meant `weight morph`",
+    [MEANING_OPEN_WEIGHT] = {5, "`open` meant `weight morph`",
                              "`open` records its weight, and means morph without one", NULL},
-    [MEANING_FIT] = {"fit", 6, "`zoom fit` shows the whole scene",
+    [MEANING_FIT] = {6, "`zoom fit` shows the whole scene",
                      "it shows what is shown, and is recorded as the zoom it comes to", NULL},
-    [MEANING_APPLIED] = {"applied", 9, "slices and mosaics showed labels without edits that wait",
+    [MEANING_APPLIED] = {9, "slices and mosaics showed labels without edits that wait",
                          "they apply them first, as renditions do", NULL},
-    [MEANING_SHEAR] = {"shear", 9, "volumes are products of the spacings",
+    [MEANING_SHEAR] = {9, "volumes are products of the spacings",
                        "volumes are what voxels take in the world, less where axes are sheared",
                        NULL},
-    [MEANING_LEVELS] = {"levels", 9,
+    [MEANING_LEVELS] = {9,
                         "the scale of real and of wide whole numbers reached from the least to the "
                         "greatest, and ranges compared what levels stand for",
                         "it is cut where a few far values would take the levels of the others, "
                         "whole numbers that fit are exact, and ranges compare the file's values",
                         NULL},
     [MEANING_WHOLE_LABELS] =
-        {"whole-labels", 9,
+        {9,
          "`labels` eroded by 2 rounds unless told, left out what was not "
          "chosen, and stayed where it was corrected; an empty map was saved",
          "`labels` records its rounds, none unless told, plants the background "
          "wherever nothing else is chosen, and gives way to what is planted in "
          "it; an empty map is refused",
          NULL},
-    [MEANING_SLICE_NUMBERS] = {"slice-numbers", 9,
-                               "slices were counted from the patient's feet, back and left",
+    [MEANING_SLICE_NUMBERS] = {9, "slices were counted from the patient's feet, back and left",
                                "the number of a slice is the index of its voxels along its axis",
                                NULL},
-    [MEANING_FOLDERS] = {"folders", 9,
+    [MEANING_FOLDERS] = {9,
                          "a mosaic of DICOM is one slice; damaged files of a folder are left out",
                          "a mosaic is the volume that it holds; a damaged file is refused, unless "
                          "`skip` leaves it out",
                          NULL},
-    [MEANING_SURFACE] = {"surface", 10,
-                         "pictures had other surfaces, letters and colours of labels",
+    [MEANING_SURFACE] = {10, "pictures had other surfaces, letters and colours of labels",
                          "pictures show the surface that is measured and saved",
                          "picture|spin|names"},
 };

@@ -44,14 +44,6 @@ enum meaning {
     MEANINGS
 };
 
-struct meaning_row {
-    const char *name;
-    unsigned since;        /* the first number that has the new meaning */
-    const char *was, *now; /* what means what */
-    const char *lost;      /* "a|b": the words that are lost before; NULL where it can be had */
-};
-extern const struct meaning_row meaning_table[MEANINGS];
-
 bool semantics_has(unsigned semantics, enum meaning meaning);
 
 /* Whether the word of a record is lost under this number. */

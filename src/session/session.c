@@ -230,11 +230,6 @@ bool session_is_private(const struct session *session)
     return session->is_private;
 }
 
-struct border *session_own_border(struct session *session)
-{
-    return &session->border;
-}
-
 struct pictures *session_pictures(const struct session *session)
 {
     return session->pictures;

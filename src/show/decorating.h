@@ -18,7 +18,7 @@ enum err session_decorate(struct session *session, const struct labels *labels,
                           struct fault *fault);
 
 /* The same over some rows of a picture, as they are drawn, by any thread: what is drawn over all of
- * it is found once. Not where a part asks which voxels are seen, which no row knows. */
+ * it is found once. Not marks of seeds, nor the cross-hair: which voxels are seen no row knows. */
 struct decorating {
     struct decoration of; /* without a frame */
     struct camera camera; /* the caller says which */

@@ -227,7 +227,7 @@ static enum err make_room(struct pictures *p, enum render_mode mode, struct faul
 }
 
 /* Of the voxels that a border shows, from nothing, into memory that is there. */
-static enum err draw_border(struct pictures *p, struct border *border, enum render_mode mode,
+static enum err draw_border(struct pictures *p, const struct border *border, enum render_mode mode,
                             struct fault *fault)
 {
     projection *project = mode == RENDER_SCENE ? project_scene
@@ -269,9 +269,9 @@ static enum err draw_border(struct pictures *p, struct border *border, enum rend
     return err ? err : watch_fault(session_watch(p->session), fault);
 }
 
-static struct border *border_of(struct pictures *p, enum rendered as)
+static const struct border *border_of(const struct pictures *p, enum rendered as)
 {
-    return as == RENDERED_FINISHED ? &p->live.border : session_own_border(p->session);
+    return as == RENDERED_FINISHED ? &p->live.border : session_border(p->session);
 }
 
 /* At this zoom, where the session does not skim. */

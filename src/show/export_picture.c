@@ -310,11 +310,6 @@ enum err export_picture(struct picture *picture, const struct session *session, 
     return export_rendition_notes(picture, session, &labels, fault);
 }
 
-uint32_t export_behind(const struct session *session)
-{
-    return session_outlook(session)->background;
-}
-
 enum err export_colours(struct picture *picture, const struct session *session, struct fault *fault)
 {
     const struct rendition shown = session_picture(session), *r = &shown;
@@ -324,7 +319,7 @@ enum err export_colours(struct picture *picture, const struct session *session, 
         return err;
     label_set_add(&labels, r);
     memcpy(picture->rgba, r->rgba, (size_t)4 * r->width * r->height);
-    background_put(picture->rgba, r->width, r->height, export_behind(session));
+    background_put(picture->rgba, r->width, r->height, session_outlook(session)->background);
     picture->is_clear = session_outlook(session)->background == BACKGROUND_CLEAR;
     return export_rendition_notes(picture, session, &labels, fault);
 }

@@ -52,9 +52,6 @@ void export_fill(const struct picture *to, const struct session *session,
                  const struct rendition *from, size_t first);
 void label_set_add(struct label_set *set, const struct rendition *rendition);
 
-/* What is behind colours; clear, where the file's format decides how that is shown. */
-uint32_t export_behind(const struct session *session);
-
 /* What a picture of a rendition says of itself. After an error it is released. */
 enum err export_rendition_notes(struct picture *picture, const struct session *session,
                                 const struct label_set *shown, struct fault *fault);

@@ -25,11 +25,6 @@ struct exporting {
     struct fault fault;
 };
 
-bool export_takes_rows(const struct session *session)
-{
-    return session_decorates_rows(session);
-}
-
 bool export_is_large(const struct session *session)
 {
     const struct view *view = &session_outlook(session)->view;
@@ -99,7 +94,7 @@ static void take(void *context, const struct rendition *rows, uint32_t top)
         export_fill(&to, e->session, rows, (size_t)y * width);
         if (!to.depth_mm)
             background_put_rows(to.rgba, width, top + y, to.height, height,
-                                export_behind(e->session));
+                                session_outlook(e->session)->background);
         if (e->file)
             strips_give(e->file, top + y, to.height);
     }

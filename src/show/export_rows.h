@@ -16,18 +16,14 @@
 #include "session/session.h"
 #include "show/draw.h"
 
-/* Not where marks of seeds or the cross-hair are drawn over it: which voxels are seen is known once
- * all is drawn. */
-bool export_takes_rows(const struct session *session);
-
 /* Whether a picture of the view's size is too large to be stored for its file alone. */
 bool export_is_large(const struct session *session);
 
 /* Draws labels as session_draw_labels does in that mode, from nothing, and gives the digest of what
- * is drawn. The rows go into `file`, whose picture is that of export_form, or where that is NULL,
- * over what is behind them, into picture->rgba, or where that is NULL, nowhere. `picture` gets its
- * notes, and is released after an error. No rendition is stored afterwards. ERR_MEMORY,
- * ERR_CANCELLED. */
+ * is drawn; not where session_decorates_rows says no. The rows go into `file`, whose picture is
+ * that of export_form, or where that is NULL, over what is behind them, into picture->rgba, or
+ * where that is NULL, nowhere. `picture` gets its notes, and is released after an error. No
+ * rendition is stored afterwards. ERR_MEMORY, ERR_CANCELLED. */
 enum err export_rows(struct picture *picture, struct strips *file, struct session *session,
                      const struct labels *labels, enum render_mode mode, uint64_t *digest,
                      struct fault *fault);

@@ -25,14 +25,6 @@ void panes_release(struct panes *p)
     *p = (struct panes){0};
 }
 
-static void place_of(const struct session *session, uint32_t cell, uint32_t place[3])
-{
-    const struct place p = grid_place(&session_scene(session)->grid, cell);
-    place[0] = p.x;
-    place[1] = p.y;
-    place[2] = p.z;
-}
-
 /* What the slice of a pane is. */
 static struct slice_choice slice_of(const struct panes *p, const struct session *session,
                                     enum slice_plane plane)
@@ -59,8 +51,8 @@ static void mark_point(const struct canvas *canvas, int64_t column, int64_t row,
 static bool find_pixel(const struct scene *scene, const struct slice_choice *slice,
                        const struct mosaic_box *box, uint32_t cell, int64_t pixel[2])
 {
-    const struct place p = grid_place(&scene->grid, cell);
-    uint32_t place[3] = {p.x, p.y, p.z}, found[2];
+    uint32_t place[3], found[2];
+    grid_find(&scene->grid, cell, place);
     slice_move(scene, slice->plane, slice_index(scene, slice->plane, slice->place), place);
     if (!slice_pixel_of(scene, slice, box->width, box->height, place, found))
         return false;
@@ -75,8 +67,8 @@ static void mark_way(const struct canvas *canvas, const struct scene *scene,
 {
     int64_t pixel[2];
     for (size_t i = 0; i < way->count; i++) {
-        const struct place p = grid_place(&scene->grid, way->cell[i]);
-        const uint32_t place[3] = {p.x, p.y, p.z};
+        uint32_t place[3];
+        grid_find(&scene->grid, way->cell[i], place);
         const bool lies_in_it = slice_index(scene, slice->plane, place) ==
                                 slice_index(scene, slice->plane, slice->place);
         if (find_pixel(scene, slice, box, way->cell[i], pixel))
@@ -344,7 +336,7 @@ bool panes_voxel_at(const struct panes *p, const struct session *session, uint32
         return false;
     const uint32_t cell = canvas->cell[(size_t)row * canvas->stride + column];
     if (cell != CELL_NONE)
-        place_of(session, cell, place);
+        grid_find(&session_scene(session)->grid, cell, place);
     return cell != CELL_NONE;
 }
 
@@ -391,7 +383,7 @@ bool panes_voxel_of_frame(const struct session *session, uint32_t column, uint32
         return false;
     const uint32_t cell = r->cell[(size_t)row * r->width + column];
     if (cell != CELL_NONE)
-        place_of(session, cell, place);
+        grid_find(&session_scene(session)->grid, cell, place);
     return cell != CELL_NONE;
 }
 

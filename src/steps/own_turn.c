@@ -76,10 +76,9 @@ static enum err find_distance(struct own_turn *turn, const struct walkthrough *w
     const enum err err = walkthrough_seeds(w, step, &seeds, fault);
     geometry_point(geometry, turn->place, own);
     for (size_t i = 0; !err && i < edits_count(&seeds); i++) {
-        const struct place p =
-            grid_place(&session_scene(session)->grid, edits_first(&seeds)[i].cell);
-        const uint32_t place[3] = {p.x, p.y, p.z};
+        uint32_t place[3];
         double square = 0;
+        grid_find(&session_scene(session)->grid, edits_first(&seeds)[i].cell, place);
         geometry_point(geometry, place, there);
         for (int a = 0; a < 3; a++)
             square += (there[a] - own[a]) * (there[a] - own[a]);

@@ -48,7 +48,8 @@ const char *gesture_report_name(const struct gesture_report *report, unsigned la
     return *name || label ? name : "background";
 }
 
-unsigned gesture_report_dice(const struct gestures *gestures, uint32_t after, unsigned label)
+/* Ten-thousandths, after so many gestures; 0 before the first step. */
+static unsigned dice_after(const struct gestures *gestures, uint32_t after, unsigned label)
 {
     unsigned dice = 0;
     for (size_t i = 0; i < gestures->steps && gestures->step[i].gestures <= after; i++)
@@ -133,7 +134,7 @@ static void write_places(struct buf *out, const struct gesture_report *report)
         buf_release(&name);
         figures_add_cell(out, 8, 2, d.median_mm);
         figures_add_cell(out, 8, 2, d.most_mm);
-        const unsigned dice = gesture_report_dice(report->gestures[1], UINT32_MAX, label);
+        const unsigned dice = dice_after(report->gestures[1], UINT32_MAX, label);
         if (label && label < GESTURE_ERASES)
             buf_printf(out, " %3u.%04u", dice / DICE_ONE, dice % DICE_ONE);
         buf_add_char(out, '\n');
@@ -171,7 +172,7 @@ static void write_steps(struct buf *out, const struct gesture_report *report)
         buf_printf(out, "%-22u", after);
         for (int i = 0; i < 2; i++) {
             const struct gestures *g = report->gestures[i];
-            const unsigned dice = gesture_report_dice(g, after, DICE_OF_ALL);
+            const unsigned dice = dice_after(g, after, DICE_OF_ALL);
             const uint64_t before = (uint64_t)(row - 1) * last / rows;
             if (before >= g->count && row > 1) /* it has ended: the table says so */
                 buf_printf(out, " %8s", "-");
@@ -242,7 +243,7 @@ static void add_json_labels(struct json *json, const struct gesture_report *repo
         json_real(json, "most_mm", d.most_mm, 12);
         if (label && label < GESTURE_ERASES)
             json_count(json, "dice_ten_thousandths",
-                       gesture_report_dice(report->gestures[1], UINT32_MAX, label));
+                       dice_after(report->gestures[1], UINT32_MAX, label));
         json_end(json);
     }
     json_end(json);

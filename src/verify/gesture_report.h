@@ -26,9 +26,6 @@ void gesture_report_count(struct gesture_report *report);
 /* What a label is called by the expert, else by the trainee. */
 const char *gesture_report_name(const struct gesture_report *report, unsigned label);
 
-/* Ten-thousandths, after so many gestures; 0 before the first step. */
-unsigned gesture_report_dice(const struct gestures *gestures, uint32_t after, unsigned label);
-
 /* Tables: kinds, labels, order, and Dice over the steps, some 16 of them. */
 void gesture_report_write_text(struct buf *out, const struct gesture_report *report);
 

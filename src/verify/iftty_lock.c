@@ -86,13 +86,6 @@ static void write_entry(struct buf *out, const char *name, const char *facts)
     buf_printf(out, "journal %s\n%s", name, facts);
 }
 
-void lock_write(struct buf *out, const struct lock *lock)
-{
-    buf_printf(out, "%s%u\n", before_version, lock->version);
-    for (size_t i = 0; i < lock->count; i++)
-        write_entry(out, lock->entry[i].name, lock->entry[i].facts);
-}
-
 static bool is_hex(const char *text, size_t digits)
 {
     return strspn(text, "0123456789abcdef") == digits && !text[digits];

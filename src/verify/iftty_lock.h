@@ -44,7 +44,6 @@ bool lock_name_is_valid(const char *name);
 /* Takes the text apart. ERR_INPUT with the line that is wrong, and what was expected; ERR_MEMORY.
  * `lock` begins as {0}, and is to be released whatever is returned. */
 enum err lock_read(struct lock *lock, const char *bytes, size_t length, struct fault *fault);
-void lock_write(struct buf *out, const struct lock *lock);
 
 /* Of the journal of that name, or NULL. */
 const char *lock_facts_of(const struct lock *lock, const char *name);

@@ -25,7 +25,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
     HOLDS(err == OK || err == ERR_INPUT);
     if (!err) {
         check_names(&lock);
-        lock_write(&written, &lock);
+        buf_printf(&written, "# iftty lock %u\n", lock.version);
+        for (size_t i = 0; i < lock.count; i++)
+            buf_printf(&written, "journal %s\n%s", lock.entry[i].name, lock.entry[i].facts);
         HOLDS(written.length == length && memcmp(written.data, bytes, length) == 0);
     }
     for (size_t i = 0; i + 1 < lock.count; i++) {

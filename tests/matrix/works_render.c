@@ -169,7 +169,7 @@ static void cuts(struct stage *s)
             cut.first[i / 3] = 7;
             cut.last[i / 3] = 22;
         } else if (i % 3 == 1) {
-            cut.plane[cut.planes++] = cut_plane_through(s->scene, place, ahead[i / 3]);
+            cut.plane[cut.planes++] = stage_plane_through(s->scene, place, ahead[i / 3]);
         } else {
             cut.box[cut.boxes++] = (struct cut_box){{3, i, 0}, {30, 20 + i, 16}};
         }
