@@ -66,13 +66,11 @@ static unsigned row_of(unsigned key)
 }
 
 const struct mesh_quad *mesh_find(const struct mesh *mesh, const struct mesh_brick **brick,
-                                  uint32_t *number, uint32_t cell, unsigned face)
+                                  struct place p, unsigned face)
 {
-    const struct place p = grid_place(&mesh->border->scene->grid, cell);
     const unsigned key = mesh_key(p, face), row = row_of(key);
-    *number =
-        ((p.z / MESH_SIDE) * mesh->size[1] + p.y / MESH_SIDE) * mesh->size[0] + p.x / MESH_SIDE;
-    *brick = mesh->brick[*number];
+    const uint32_t at[3] = {p.x / MESH_SIDE, p.y / MESH_SIDE, p.z / MESH_SIDE};
+    *brick = mesh->brick[number_of(mesh, at)];
     if (!*brick)
         return NULL;
     const struct mesh_quad *end = (*brick)->quad + (*brick)->row[row + 1];

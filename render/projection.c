@@ -80,19 +80,22 @@ struct window {
     bool is_by_pixel;                 /* each by itself, as its ray has it */
 };
 
-/* On which side of an edge a pixel lies: twice the area between the two. An edge through a centre
- * counts for one of its two directions alone. */
-struct edge_function {
-    int64_t at, right, down; /* at the pixel at hand; what a pixel to the right and down adds */
-};
-
-static inline struct edge_function edge_of(const struct point *a, const struct point *b, int32_t x,
+static inline struct edge_function side_of(const struct point *a, const struct point *b, int32_t x,
                                            int32_t y)
 {
     const int64_t dx = b->x - a->x, dy = b->y - a->y;
-    const bool owns = dy < 0 || (dy == 0 && dx > 0);
     const int64_t at = dx * ((int64_t)y * PIXEL - a->y) - dy * ((int64_t)x * PIXEL - a->x);
-    return (struct edge_function){at - !owns, -dy * PIXEL, dx * PIXEL};
+    return (struct edge_function){at, -dy * PIXEL, dx * PIXEL};
+}
+
+/* An edge through a centre counts for one of its two directions alone. */
+static inline struct edge_function edge_of(const struct point *a, const struct point *b, int32_t x,
+                                           int32_t y)
+{
+    struct edge_function e = side_of(a, b, x, y);
+    const bool owns = b->y < a->y || (b->y == a->y && b->x > a->x);
+    e.at -= !owns;
+    return e;
 }
 
 /* Twice the area, above 0 where it is seen from in front. */
@@ -155,7 +158,7 @@ static inline void put(struct rendition *r, size_t pixel, size_t tile, int64_t k
                        const struct owner *o)
 {
     if (o->is_layer) {
-        layers_put(r->layers, pixel, key, o->cell, o->label, o->is_opaque);
+        layers_put(r->layers, pixel, (struct layer){key, o->cell, o->label}, o->is_opaque);
     } else if (key < r->depth[pixel] || (key == r->depth[pixel] && o->cell < r->cell[pixel])) {
         r->depth[pixel] = key;
         r->cell[pixel] = o->cell;
@@ -294,12 +297,14 @@ static int64_t far_of(struct rendition *r, size_t tile)
 {
     if (!r->is_drawn[tile])
         return r->far[tile];
-    const int64_t *depth = r->layers ? r->layers->last_depth : r->depth;
     const struct tile_bounds t = rendition_bounds(r, tile);
     int64_t far = INT64_MIN;
     for (uint32_t y = t.top; y < t.bottom; y++)
-        for (uint32_t x = t.left; x < t.right; x++)
-            far = depth[(size_t)y * r->width + x] > far ? depth[(size_t)y * r->width + x] : far;
+        for (uint32_t x = t.left; x < t.right; x++) {
+            const size_t pixel = (size_t)y * r->width + x;
+            const int64_t depth = r->layers ? r->layers->last[pixel].depth : r->depth[pixel];
+            far = depth > far ? depth : far;
+        }
     r->far[tile] = far;
     r->is_drawn[tile] = false;
     return far;
@@ -557,29 +562,28 @@ struct footprint project_around(const struct camera *camera, uint32_t cell, int 
                                      (2 * around + 1) * camera->reach[1]});
 }
 
-void drawer_see(const struct drawer *d, struct seen *seen, uint32_t x, uint32_t y, int64_t depth,
-                uint32_t cell)
+void drawer_see(const struct drawer *d, struct seen *seen, unsigned number, uint32_t cell)
 {
-    const unsigned number = (unsigned)(depth & NUMBER_MASK);
-    if (seen->cell != cell || seen->number != number) {
-        const struct mesh_brick *brick;
-        uint32_t b, first[3];
-        int64_t base[3];
-        seen->cell = cell;
-        seen->number = number;
-        seen->quad = mesh_find(d->mesh, &brick, &b, cell, number / 2);
-        mesh_first(d->mesh, b, first);
-        base_of(d, first, base);
-        for (int k = 0; k < 3; k++) {
-            seen->corner[k] = &brick->vertex[seen->quad->corner[triangle[number & 1][k]]];
-            const struct point p = point_of(d, base, seen->corner[k]->at);
-            seen->at[k][0] = p.x, seen->at[k][1] = p.y;
-        }
-    }
+    const struct place place = grid_place(&d->camera->scene->grid, cell);
+    const struct mesh_brick *brick;
+    const struct mesh_quad *quad = mesh_find(d->mesh, &brick, place, number / 2);
+    const uint32_t last = MESH_SIDE - 1;
+    const uint32_t first[3] = {place.x & ~last, place.y & ~last, place.z & ~last};
+    int64_t base[3];
+    struct point p[3];
+    base_of(d, first, base);
     for (int k = 0; k < 3; k++) {
-        const int32_t *from = seen->at[(k + 1) % 3], *to = seen->at[(k + 2) % 3];
-        const int64_t right = (int64_t)x * PIXEL - from[0], down = (int64_t)y * PIXEL - from[1];
-        const int64_t share = (to[0] - from[0]) * down - (to[1] - from[1]) * right;
-        seen->share[k] = d->is_mirrored ? share : -share;
+        const struct mesh_vertex *v = &brick->vertex[quad->corner[triangle[number & 1][k]]];
+        memcpy(seen->normal[k], v->normal, sizeof seen->normal[k]);
+        p[k] = point_of(d, base, v->at);
     }
+    for (int k = 0; k < 2; k++) {
+        const struct point *one = &p[k + 1], *other = &p[(k + 2) % 3];
+        seen->share[k] = d->is_mirrored ? side_of(one, other, 0, 0) : side_of(other, one, 0, 0);
+    }
+    const int64_t area = area_of(&p[0], &p[1], &p[2]);
+    seen->all = d->is_mirrored ? area : -area;
+    seen->cell = cell;
+    seen->number = number;
+    seen->open = quad->is_closed ? (uint8_t)(number / 2 + 1) : 0;
 }
