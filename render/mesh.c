@@ -10,8 +10,7 @@ enum {
     REGION_BITS = 6, /* voxels a side of what one net is made of, at most */
     REGION_BRICKS = 1 << (REGION_BITS - BORDER_BLOCK_BITS),
     BRICKS = REGION_BRICKS * REGION_BRICKS * REGION_BRICKS,
-    QUADS_MOST = MESH_ROWS * MESH_SIDE * 6, /* of a brick */
-    FAR = NET_MARGIN,                       /* voxels from a change to what may change with it */
+    FAR = NET_MARGIN, /* voxels from a change to what may change with it */
 };
 
 /* ---- bricks ---- */
@@ -95,15 +94,19 @@ struct group_source {
     uint8_t group[256]; /* of each visible label */
     uint8_t wanted;
     bool is_all;   /* all that is shown is of the group, and nothing is cut away: then labels are */
-    uint8_t label; /* read where faces show them; elsewhere it is the one before */
+    uint8_t label; /* read where they count (net_source.h); elsewhere it is the one before, */
+    int32_t first[3], last[3]; /* which is between these voxels */
 };
 
-/* The 64 cells from one on, or fewer: labels of border voxels and of no others are read. */
-static void read_bits(struct group_source *s, uint32_t cell, uint32_t count, uint16_t *voxel)
+/* Up to 64 cells from one on, which lie at (x, y, z). */
+static void read_bits(struct group_source *s, uint32_t cell, const int32_t at[3], uint32_t count,
+                      uint16_t *voxel)
 {
+    const bool is_near =
+        at[1] >= s->first[1] && at[1] <= s->last[1] && at[2] >= s->first[2] && at[2] <= s->last[2];
     const uint64_t none = UINT64_MAX << (count - 1) << 1;
     const uint64_t shown = border_bits_at(s->border->shown, cell) & ~none;
-    uint64_t seen = border_bits_at(s->border->border, cell) & ~none;
+    uint64_t seen = is_near ? border_bits_at(s->border->border, cell) & ~none : 0;
     if (shown == 0) {
         memset(voxel, 0, count * sizeof *voxel);
         return;
@@ -112,7 +115,9 @@ static void read_bits(struct group_source *s, uint32_t cell, uint32_t count, uin
         voxel[i] = (uint16_t)(-(shown >> i & 1) & s->label);
     for (; seen; seen &= seen - 1) {
         const uint32_t i = (uint32_t)__builtin_ctzll(seen);
-        voxel[i] = s->label = labels_at(&s->border->labels, cell + i);
+        const int32_t x = at[0] + (int32_t)i;
+        if (x >= s->first[0] && x <= s->last[0])
+            voxel[i] = s->label = labels_at(&s->border->labels, cell + i);
     }
 }
 
@@ -143,7 +148,7 @@ static void read_row(void *context, int32_t x, int32_t y, int32_t z, uint32_t co
         const uint32_t cell = grid_cell(grid, (uint32_t)at, (uint32_t)y, (uint32_t)z);
         const uint32_t some = to - at < 64 ? (uint32_t)(to - at) : 64;
         if (s->is_all)
-            read_bits(s, cell, some, voxel + (at - x));
+            read_bits(s, cell, (const int32_t[]){at, y, z}, some, voxel + (at - x));
         for (uint32_t i = 0; i < some && !s->is_all; i++)
             voxel[at - x + (int32_t)i] = read_one(s, cell + i);
     }
@@ -394,7 +399,14 @@ static bool make_brick(struct assembly *a, const struct mesh *mesh, struct regio
 
 static bool make_bricks(struct assembly *a, const struct mesh *mesh, struct region *r)
 {
-    size_t most = 4 * QUADS_MOST; /* of a former brick */
+    size_t most = 1; /* vertices of a source */
+    for (uint32_t z = r->first[2]; z < r->end[2]; z++)
+        for (uint32_t y = r->first[1]; y < r->end[1]; y++)
+            for (uint32_t x = r->first[0]; x < r->end[0]; x++) {
+                const struct mesh_brick *former =
+                    mesh->brick[number_of(mesh, (const uint32_t[]){x, y, z})];
+                most = former && former->vertices > most ? former->vertices : most;
+            }
     for (size_t i = 0; i < a->parts; i++)
         most = a->part[i].net.vertices > most ? a->part[i].net.vertices : most;
     a->local = mem_array(most, sizeof *a->local);
@@ -429,8 +441,11 @@ static bool make_nets(struct assembly *a, const struct mesh *mesh, const struct 
             continue;
         groups.wanted = (uint8_t)g;
         groups.label = e->label;
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; k++) {
             size[k] = (uint32_t)(e->last[k] - e->first[k] + 1);
+            groups.first[k] = e->first[k] - NET_LABEL_MARGIN;
+            groups.last[k] = e->last[k] + NET_LABEL_MARGIN;
+        }
         if (!mem_grow(&a->part, &a->capacity, a->parts + 1, sizeof *a->part))
             return false;
         struct part *p = &a->part[a->parts];

@@ -63,9 +63,16 @@ struct drawer {
 };
 void drawer_init(struct drawer *drawer, const struct camera *camera, const struct mesh *mesh);
 
-/* The pixels that a quad may cover, within the picture. */
-struct footprint project_footprint(const struct drawer *drawer, uint32_t number,
-                                   const struct mesh_brick *brick, const struct mesh_quad *quad);
+/* What something may cover of a picture, and a depth that it does not come nearer than. */
+struct sight {
+    struct footprint pixels;
+    int64_t near;
+};
+struct sight project_quad(const struct drawer *drawer, uint32_t number,
+                          const struct mesh_brick *brick, const struct mesh_quad *quad);
+
+/* Whether each of these pixels shows something nearer, which is opaque. */
+bool project_is_hidden(const struct rendition *rendition, const struct sight *sight);
 
 /* On which side of an edge a pixel lies: twice the area between the two. */
 struct edge_function {

@@ -286,6 +286,8 @@ static bool find_vertices(struct net_graph *g, const struct net_cell *cell, size
 {
     const struct net_cube *cubes = net_cubes();
     const size_t all = (size_t)g->upto[NET_LEVELS - 1];
+    if (all > INT32_MAX / 2)
+        return false;
     int32_t next[NET_LEVELS] = {0}, mores = 0;
     g->place = net_store(g->scratch, NET_PLACE, all, sizeof *g->place);
     g->at = net_store(g->scratch, NET_AT, all, sizeof *g->at);
@@ -308,7 +310,7 @@ static bool find_vertices(struct net_graph *g, const struct net_cell *cell, size
     for (const struct net_cell *c = cell; c < cell + cells; c++) {
         struct net_cube made;
         const struct net_cube *cube = cube_of(g, c, cubes, &made);
-        g->first[net_index(g, c->x, c->y, c->z)] = next[c->level];
+        g->first[net_index(g, c->x, c->y, c->z)] = next[c->level] * 2 + (cube->count == 1);
         for (uint32_t k = 0; k < cube->count; k++) {
             const struct net_part *part = &cube->part[k];
             const int32_t v = next[c->level]++;
