@@ -10,7 +10,6 @@ enum {
     REGION_BITS = 6, /* voxels a side of what one net is made of, at most */
     REGION_BRICKS = 1 << (REGION_BITS - BORDER_BLOCK_BITS),
     BRICKS = REGION_BRICKS * REGION_BRICKS * REGION_BRICKS,
-    FAR = NET_MARGIN, /* voxels from a change to what may change with it */
 };
 
 /* ---- bricks ---- */
@@ -483,14 +482,14 @@ static bool is_none(const struct mesh_box *box)
     return box->first[0] >= box->end[0];
 }
 
-/* Quads of voxels at most FAR steps from these along each axis. */
-static void mark(struct mesh *mesh, const uint32_t first[3], const uint32_t last[3])
+/* Quads of voxels at most `far` steps from these along each axis. */
+static void mark(struct mesh *mesh, const uint32_t first[3], const uint32_t last[3], uint32_t far)
 {
     const uint32_t *size = mesh->border->scene->grid.size;
     struct mesh_box all;
     for (int a = 0; a < 3; a++) {
-        all.first[a] = first[a] < FAR ? 0 : first[a] - FAR;
-        all.end[a] = last[a] + FAR + 1 < size[a] ? last[a] + FAR + 1 : size[a];
+        all.first[a] = first[a] < far ? 0 : first[a] - far;
+        all.end[a] = last[a] + far + 1 < size[a] ? last[a] + far + 1 : size[a];
     }
     for (uint32_t z = all.first[2] >> REGION_BITS; z <= (all.end[2] - 1) >> REGION_BITS; z++)
         for (uint32_t y = all.first[1] >> REGION_BITS; y <= (all.end[1] - 1) >> REGION_BITS; y++)
@@ -510,18 +509,24 @@ static void mark(struct mesh *mesh, const uint32_t first[3], const uint32_t last
     mesh->is_stale = true;
 }
 
-static void mark_cell(struct mesh *mesh, uint32_t cell)
+/* A voxel that became one of the object, or ceased to be; or is of
+ * another label. Where objects
+ * have no walls, only labels beside the surface count then, and only to what is near. */
+static void mark_cell(struct mesh *mesh, uint32_t cell, bool is_shown)
 {
     const struct place p = grid_place(&mesh->border->scene->grid, cell);
     const uint32_t at[3] = {p.x, p.y, p.z};
-    mark(mesh, at, at);
+    if (!is_shown || has_walls(mesh))
+        mark(mesh, at, at, NET_MARGIN);
+    else if (border_holds(mesh->border, cell))
+        mark(mesh, at, at, NET_LABEL_MARGIN);
 }
 
 static void mark_all(struct mesh *mesh)
 {
     const uint32_t *size = mesh->border->scene->grid.size;
     mark(mesh, (const uint32_t[]){0, 0, 0},
-         (const uint32_t[]){size[0] - 1, size[1] - 1, size[2] - 1});
+         (const uint32_t[]){size[0] - 1, size[1] - 1, size[2] - 1}, 0);
 }
 
 void mesh_note(struct mesh *mesh, const struct border *border, const struct changes *changes)
@@ -534,9 +539,9 @@ void mesh_note(struct mesh *mesh, const struct border *border, const struct chan
     }
     for (size_t i = 0; i < changes->count; i++) {
         const struct change *c = changes->item + i;
-        if (!border->visible[c->former_label] && !border->visible[c->label])
-            continue;
-        mark_cell(mesh, c->cell);
+        const bool was = border->visible[c->former_label], is = border->visible[c->label];
+        if (was || is)
+            mark_cell(mesh, c->cell, was && is);
     }
     mesh->version = border->version;
 }
@@ -556,7 +561,7 @@ static size_t mark_run(struct mesh *mesh, size_t cell, size_t end)
     const uint32_t least[3] = {first, row - 1, plane - 1};
     const uint32_t most[3] = {last < grid->size[0] ? last : grid->size[0] - 1, row - 1, plane - 1};
     if (first < grid->size[0])
-        mark(mesh, least, most);
+        mark(mesh, least, most, NET_MARGIN);
     return run;
 }
 
@@ -579,7 +584,7 @@ static void mark_recounted(struct mesh *mesh)
             const struct place p = mesh_voxel(first, brick->quad[q].key);
             const uint32_t cell = grid_cell(grid, p.x, p.y, p.z);
             if (labels_at(&border->labels, cell) != brick->quad[q].label)
-                mark_cell(mesh, cell);
+                mark_cell(mesh, cell, true);
         }
     }
 }
@@ -654,20 +659,38 @@ static bool find_region(struct mesh *mesh, struct region *r)
     return is_any;
 }
 
+static bool add_region(struct updating *u, size_t *capacity, const struct mesh_box *box)
+{
+    if (!mem_grow(&u->region, capacity, u->regions + 1, sizeof *u->region))
+        return false;
+    memset(&u->region[u->regions], 0, sizeof *u->region);
+    u->region[u->regions].box = *box;
+    u->regions += find_region(u->mesh, &u->region[u->regions]);
+    return true;
+}
+
+/* What is stale; or one box around all of it, if it has no more bricks than a region. */
 static bool find_regions(struct updating *u)
 {
+    const struct mesh *mesh = u->mesh;
+    struct mesh_box all = {{UINT32_MAX, UINT32_MAX, UINT32_MAX}, {0, 0, 0}};
     size_t capacity = 0;
-    for (uint32_t i = 0; i < u->mesh->regions; i++) {
-        const struct mesh_box *box = &u->mesh->stale[i];
-        if (is_none(box))
-            continue;
-        if (!mem_grow(&u->region, &capacity, u->regions + 1, sizeof *u->region))
-            return false;
-        memset(&u->region[u->regions], 0, sizeof *u->region);
-        u->region[u->regions].box = *box;
-        u->regions += find_region(u->mesh, &u->region[u->regions]);
-    }
-    return true;
+    bool is_one = true, made = true;
+    for (uint32_t i = 0; i < mesh->regions; i++)
+        for (int a = 0; a < 3 && !is_none(&mesh->stale[i]); a++) {
+            const struct mesh_box *box = &mesh->stale[i];
+            all.first[a] = box->first[a] < all.first[a] ? box->first[a] : all.first[a];
+            all.end[a] = box->end[a] > all.end[a] ? box->end[a] : all.end[a];
+        }
+    if (is_none(&all))
+        return true;
+    for (int a = 0; a < 3; a++)
+        is_one = is_one && (all.end[a] - 1) / MESH_SIDE - all.first[a] / MESH_SIDE < REGION_BRICKS;
+    if (is_one)
+        return add_region(u, &capacity, &all);
+    for (uint32_t i = 0; i < mesh->regions && made; i++)
+        made = is_none(&mesh->stale[i]) || add_region(u, &capacity, &mesh->stale[i]);
+    return made;
 }
 
 static void make_share(void *context, unsigned thread)

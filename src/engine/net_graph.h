@@ -108,7 +108,7 @@ struct net_graph {
     int32_t *head; /* of its chain in `more`, where its degree is over NET_SLOTS */
     struct net_more *more;
 
-    /* Where labels differ: links along the border between two labels. */
+    /* Where labels differ: links along the border between two labels, of levels below 4. */
     int32_t (*line)[2];
     uint8_t *lines; /* of each vertex; 3: three or more */
 };
