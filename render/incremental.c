@@ -22,11 +22,13 @@ static bool is_same(const struct mesh_brick *a, const struct mesh_quad *p,
     return true;
 }
 
+/* What hides a quad hides it still, or is marked itself. */
 static void mark(const struct following *f, uint32_t number, const struct mesh_brick *brick,
                  const struct mesh_quad *quad)
 {
-    rendition_mark_stale(f->rendition, project_footprint(&f->drawer, number, brick, quad),
-                         f->pixels);
+    const struct sight sight = project_quad(&f->drawer, number, brick, quad);
+    if (!project_is_hidden(f->rendition, &sight))
+        rendition_mark_stale(f->rendition, sight.pixels, f->pixels);
 }
 
 /* Both are in the order of keys. */

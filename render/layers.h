@@ -25,23 +25,25 @@
 
 enum { LAYERS_MOST = 8 };
 
+struct layer {
+    int64_t depth;
+    uint32_t cell;
+    uint8_t label; /* 0: the pixel has no layer of that number */
+};
+
 struct layers {
     uint32_t width, height; /* 0 where there is no memory yet */
+    size_t plane;           /* pixels from a layer to the next */
 
-    /* [height][width]: the first opaque layer; DEPTH_NONE, CELL_NONE and 0 where there is none */
-    int64_t *last_depth;
-    uint32_t *last_cell;
-    uint8_t *last_label;
+    /* [height][width]: the first opaque one; DEPTH_NONE, CELL_NONE and 0 where there is none */
+    struct layer *last;
 
-    /* [height][width][LAYERS_MOST]: the nearest translucent ones, from the nearest on; those beyond
-     * the opaque one do not count */
+    /* [LAYERS_MOST][height][width]: the nearest translucent ones before that, from the nearest on;
+     * so memory of layers that no pixel has is never touched */
+    struct layer *layer;
     uint8_t *count; /* [height][width] */
-    int64_t *depth;
-    uint32_t *cell;
-    uint8_t *label;
 
-    struct rendition pass; /* one layer of a tile, to be shaded; its `layers` are these */
-    uint8_t *root;         /* of squares, to the nearest */
+    uint8_t *root; /* of squares, to the nearest */
 };
 
 /* A new one is zeroed. */
@@ -65,19 +67,15 @@ void layers_clear_tile(struct rendition *rendition, size_t tile);
 
 void layers_put_none(struct layers *layers, size_t pixel);
 
-struct layer {
-    int64_t depth;
-    uint32_t cell;
-    uint8_t label; /* 0: the pixel has no layer of that number */
-};
-
 /* From the nearest on, number 0, to the opaque one, which is the last. */
-struct layer layers_at(const struct layers *layers, size_t pixel, unsigned number);
+static inline struct layer layers_at(const struct layers *l, size_t pixel, unsigned number)
+{
+    return number < l->count[pixel] ? l->layer[number * l->plane + pixel] : l->last[pixel];
+}
 
 /* One more: the opaque one, if it is nearer than that so far, or one of the others, unless it is
  * there already. */
-void layers_put(struct layers *layers, size_t pixel, int64_t depth, uint32_t cell, uint8_t label,
-                bool is_opaque);
+void layers_put(struct layers *layers, size_t pixel, struct layer layer, bool is_opaque);
 
 /* ---- shading ---- */
 
@@ -86,23 +84,26 @@ bool layers_pick(struct rendition *rendition, const struct border *border, struc
 
 /* A tile in the making. */
 struct blend {
-    struct layers *layers;
+    const struct layers *layers;
     const struct border *border;
     struct tile_bounds tile;
-    unsigned number;              /* of the next layer */
-    tile_mask shown, goes_on;     /* pixels of which something is seen, and those with more of it */
-    uint32_t left[TILE * TILE];   /* of the light of each pixel, of 2^16 */
-    uint32_t sum[TILE * TILE][3]; /* of shares of squares */
+    unsigned at, number;         /* the next pixel of the tile, and the next layer of it; */
+    uint32_t left;               /* of its light, of 2^16 */
+    unsigned of[TILE * TILE];    /* of each layer that was taken: whose it is, */
+    uint32_t share[TILE * TILE]; /* and what of the light is */
+    struct {
+        uint32_t all, squares[3]; /* shares so far, and those of squares of colours */
+    } sum[TILE * TILE];
 };
 
-/* Labels of the tile are made. */
-void blend_begin(struct blend *blend, struct rendition *rendition, const struct border *border,
-                 struct tile_bounds tile);
-/* Puts the next layer into layers->pass, and gives back which pixels have one, for the caller to
- * shade them; none after the last. */
-tile_mask blend_next(struct blend *blend);
-/* After that: adds the colours, and takes the normal where it is the pixel's. */
-void blend_add(struct blend *blend, struct rendition *rendition);
+/* Depths, voxels and labels of the tile are made. */
+void blend_begin(struct blend *blend, const struct rendition *rendition,
+                 const struct border *border, struct tile_bounds tile);
+/* The next layers, for the caller to shade them: pixel by pixel, each from the nearest on. False
+ * after the last. */
+bool blend_take(struct blend *blend, const struct rendition *rendition, struct tile_pixels *pixels);
+/* Adds the colour of a layer that was taken. */
+void blend_add(struct blend *blend, unsigned which, const uint8_t rgb[3]);
 void blend_end(const struct blend *blend, struct rendition *rendition);
 
 #endif

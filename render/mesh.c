@@ -10,8 +10,6 @@ enum {
     REGION_BITS = 6, /* voxels a side of what one net is made of, at most */
     REGION_BRICKS = 1 << (REGION_BITS - BORDER_BLOCK_BITS),
     BRICKS = REGION_BRICKS * REGION_BRICKS * REGION_BRICKS,
-    QUADS_MOST = MESH_ROWS * MESH_SIDE * 6, /* of a brick */
-    FAR = NET_MARGIN,                       /* voxels from a change to what may change with it */
 };
 
 /* ---- bricks ---- */
@@ -66,13 +64,11 @@ static unsigned row_of(unsigned key)
 }
 
 const struct mesh_quad *mesh_find(const struct mesh *mesh, const struct mesh_brick **brick,
-                                  uint32_t *number, uint32_t cell, unsigned face)
+                                  struct place p, unsigned face)
 {
-    const struct place p = grid_place(&mesh->border->scene->grid, cell);
     const unsigned key = mesh_key(p, face), row = row_of(key);
-    *number =
-        ((p.z / MESH_SIDE) * mesh->size[1] + p.y / MESH_SIDE) * mesh->size[0] + p.x / MESH_SIDE;
-    *brick = mesh->brick[*number];
+    const uint32_t at[3] = {p.x / MESH_SIDE, p.y / MESH_SIDE, p.z / MESH_SIDE};
+    *brick = mesh->brick[number_of(mesh, at)];
     if (!*brick)
         return NULL;
     const struct mesh_quad *end = (*brick)->quad + (*brick)->row[row + 1];
@@ -97,15 +93,19 @@ struct group_source {
     uint8_t group[256]; /* of each visible label */
     uint8_t wanted;
     bool is_all;   /* all that is shown is of the group, and nothing is cut away: then labels are */
-    uint8_t label; /* read where faces show them; elsewhere it is the one before */
+    uint8_t label; /* read where they count (net_source.h); elsewhere it is the one before, */
+    int32_t first[3], last[3]; /* which is between these voxels */
 };
 
-/* The 64 cells from one on, or fewer: labels of border voxels and of no others are read. */
-static void read_bits(struct group_source *s, uint32_t cell, uint32_t count, uint16_t *voxel)
+/* Up to 64 cells from one on, which lie at (x, y, z). */
+static void read_bits(struct group_source *s, uint32_t cell, const int32_t at[3], uint32_t count,
+                      uint16_t *voxel)
 {
+    const bool is_near =
+        at[1] >= s->first[1] && at[1] <= s->last[1] && at[2] >= s->first[2] && at[2] <= s->last[2];
     const uint64_t none = UINT64_MAX << (count - 1) << 1;
     const uint64_t shown = border_bits_at(s->border->shown, cell) & ~none;
-    uint64_t seen = border_bits_at(s->border->border, cell) & ~none;
+    uint64_t seen = is_near ? border_bits_at(s->border->border, cell) & ~none : 0;
     if (shown == 0) {
         memset(voxel, 0, count * sizeof *voxel);
         return;
@@ -114,7 +114,9 @@ static void read_bits(struct group_source *s, uint32_t cell, uint32_t count, uin
         voxel[i] = (uint16_t)(-(shown >> i & 1) & s->label);
     for (; seen; seen &= seen - 1) {
         const uint32_t i = (uint32_t)__builtin_ctzll(seen);
-        voxel[i] = s->label = labels_at(&s->border->labels, cell + i);
+        const int32_t x = at[0] + (int32_t)i;
+        if (x >= s->first[0] && x <= s->last[0])
+            voxel[i] = s->label = labels_at(&s->border->labels, cell + i);
     }
 }
 
@@ -145,7 +147,7 @@ static void read_row(void *context, int32_t x, int32_t y, int32_t z, uint32_t co
         const uint32_t cell = grid_cell(grid, (uint32_t)at, (uint32_t)y, (uint32_t)z);
         const uint32_t some = to - at < 64 ? (uint32_t)(to - at) : 64;
         if (s->is_all)
-            read_bits(s, cell, some, voxel + (at - x));
+            read_bits(s, cell, (const int32_t[]){at, y, z}, some, voxel + (at - x));
         for (uint32_t i = 0; i < some && !s->is_all; i++)
             voxel[at - x + (int32_t)i] = read_one(s, cell + i);
     }
@@ -396,7 +398,14 @@ static bool make_brick(struct assembly *a, const struct mesh *mesh, struct regio
 
 static bool make_bricks(struct assembly *a, const struct mesh *mesh, struct region *r)
 {
-    size_t most = 4 * QUADS_MOST; /* of a former brick */
+    size_t most = 1; /* vertices of a source */
+    for (uint32_t z = r->first[2]; z < r->end[2]; z++)
+        for (uint32_t y = r->first[1]; y < r->end[1]; y++)
+            for (uint32_t x = r->first[0]; x < r->end[0]; x++) {
+                const struct mesh_brick *former =
+                    mesh->brick[number_of(mesh, (const uint32_t[]){x, y, z})];
+                most = former && former->vertices > most ? former->vertices : most;
+            }
     for (size_t i = 0; i < a->parts; i++)
         most = a->part[i].net.vertices > most ? a->part[i].net.vertices : most;
     a->local = mem_array(most, sizeof *a->local);
@@ -431,8 +440,11 @@ static bool make_nets(struct assembly *a, const struct mesh *mesh, const struct 
             continue;
         groups.wanted = (uint8_t)g;
         groups.label = e->label;
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; k++) {
             size[k] = (uint32_t)(e->last[k] - e->first[k] + 1);
+            groups.first[k] = e->first[k] - NET_LABEL_MARGIN;
+            groups.last[k] = e->last[k] + NET_LABEL_MARGIN;
+        }
         if (!mem_grow(&a->part, &a->capacity, a->parts + 1, sizeof *a->part))
             return false;
         struct part *p = &a->part[a->parts];
@@ -470,14 +482,14 @@ static bool is_none(const struct mesh_box *box)
     return box->first[0] >= box->end[0];
 }
 
-/* Quads of voxels at most FAR steps from these along each axis. */
-static void mark(struct mesh *mesh, const uint32_t first[3], const uint32_t last[3])
+/* Quads of voxels at most `far` steps from these along each axis. */
+static void mark(struct mesh *mesh, const uint32_t first[3], const uint32_t last[3], uint32_t far)
 {
     const uint32_t *size = mesh->border->scene->grid.size;
     struct mesh_box all;
     for (int a = 0; a < 3; a++) {
-        all.first[a] = first[a] < FAR ? 0 : first[a] - FAR;
-        all.end[a] = last[a] + FAR + 1 < size[a] ? last[a] + FAR + 1 : size[a];
+        all.first[a] = first[a] < far ? 0 : first[a] - far;
+        all.end[a] = last[a] + far + 1 < size[a] ? last[a] + far + 1 : size[a];
     }
     for (uint32_t z = all.first[2] >> REGION_BITS; z <= (all.end[2] - 1) >> REGION_BITS; z++)
         for (uint32_t y = all.first[1] >> REGION_BITS; y <= (all.end[1] - 1) >> REGION_BITS; y++)
@@ -497,18 +509,24 @@ static void mark(struct mesh *mesh, const uint32_t first[3], const uint32_t last
     mesh->is_stale = true;
 }
 
-static void mark_cell(struct mesh *mesh, uint32_t cell)
+/* A voxel that became one of the object, or ceased to be; or is of
+ * another label. Where objects
+ * have no walls, only labels beside the surface count then, and only to what is near. */
+static void mark_cell(struct mesh *mesh, uint32_t cell, bool is_shown)
 {
     const struct place p = grid_place(&mesh->border->scene->grid, cell);
     const uint32_t at[3] = {p.x, p.y, p.z};
-    mark(mesh, at, at);
+    if (!is_shown || has_walls(mesh))
+        mark(mesh, at, at, NET_MARGIN);
+    else if (border_holds(mesh->border, cell))
+        mark(mesh, at, at, NET_LABEL_MARGIN);
 }
 
 static void mark_all(struct mesh *mesh)
 {
     const uint32_t *size = mesh->border->scene->grid.size;
     mark(mesh, (const uint32_t[]){0, 0, 0},
-         (const uint32_t[]){size[0] - 1, size[1] - 1, size[2] - 1});
+         (const uint32_t[]){size[0] - 1, size[1] - 1, size[2] - 1}, 0);
 }
 
 void mesh_note(struct mesh *mesh, const struct border *border, const struct changes *changes)
@@ -521,9 +539,9 @@ void mesh_note(struct mesh *mesh, const struct border *border, const struct chan
     }
     for (size_t i = 0; i < changes->count; i++) {
         const struct change *c = changes->item + i;
-        if (!border->visible[c->former_label] && !border->visible[c->label])
-            continue;
-        mark_cell(mesh, c->cell);
+        const bool was = border->visible[c->former_label], is = border->visible[c->label];
+        if (was || is)
+            mark_cell(mesh, c->cell, was && is);
     }
     mesh->version = border->version;
 }
@@ -543,7 +561,7 @@ static size_t mark_run(struct mesh *mesh, size_t cell, size_t end)
     const uint32_t least[3] = {first, row - 1, plane - 1};
     const uint32_t most[3] = {last < grid->size[0] ? last : grid->size[0] - 1, row - 1, plane - 1};
     if (first < grid->size[0])
-        mark(mesh, least, most);
+        mark(mesh, least, most, NET_MARGIN);
     return run;
 }
 
@@ -566,7 +584,7 @@ static void mark_recounted(struct mesh *mesh)
             const struct place p = mesh_voxel(first, brick->quad[q].key);
             const uint32_t cell = grid_cell(grid, p.x, p.y, p.z);
             if (labels_at(&border->labels, cell) != brick->quad[q].label)
-                mark_cell(mesh, cell);
+                mark_cell(mesh, cell, true);
         }
     }
 }
@@ -641,20 +659,38 @@ static bool find_region(struct mesh *mesh, struct region *r)
     return is_any;
 }
 
+static bool add_region(struct updating *u, size_t *capacity, const struct mesh_box *box)
+{
+    if (!mem_grow(&u->region, capacity, u->regions + 1, sizeof *u->region))
+        return false;
+    memset(&u->region[u->regions], 0, sizeof *u->region);
+    u->region[u->regions].box = *box;
+    u->regions += find_region(u->mesh, &u->region[u->regions]);
+    return true;
+}
+
+/* What is stale; or one box around all of it, if it has no more bricks than a region. */
 static bool find_regions(struct updating *u)
 {
+    const struct mesh *mesh = u->mesh;
+    struct mesh_box all = {{UINT32_MAX, UINT32_MAX, UINT32_MAX}, {0, 0, 0}};
     size_t capacity = 0;
-    for (uint32_t i = 0; i < u->mesh->regions; i++) {
-        const struct mesh_box *box = &u->mesh->stale[i];
-        if (is_none(box))
-            continue;
-        if (!mem_grow(&u->region, &capacity, u->regions + 1, sizeof *u->region))
-            return false;
-        memset(&u->region[u->regions], 0, sizeof *u->region);
-        u->region[u->regions].box = *box;
-        u->regions += find_region(u->mesh, &u->region[u->regions]);
-    }
-    return true;
+    bool is_one = true, made = true;
+    for (uint32_t i = 0; i < mesh->regions; i++)
+        for (int a = 0; a < 3 && !is_none(&mesh->stale[i]); a++) {
+            const struct mesh_box *box = &mesh->stale[i];
+            all.first[a] = box->first[a] < all.first[a] ? box->first[a] : all.first[a];
+            all.end[a] = box->end[a] > all.end[a] ? box->end[a] : all.end[a];
+        }
+    if (is_none(&all))
+        return true;
+    for (int a = 0; a < 3; a++)
+        is_one = is_one && (all.end[a] - 1) / MESH_SIDE - all.first[a] / MESH_SIDE < REGION_BRICKS;
+    if (is_one)
+        return add_region(u, &capacity, &all);
+    for (uint32_t i = 0; i < mesh->regions && made; i++)
+        made = is_none(&mesh->stale[i]) || add_region(u, &capacity, &mesh->stale[i]);
+    return made;
 }
 
 static void make_share(void *context, unsigned thread)

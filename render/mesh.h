@@ -119,6 +119,6 @@ void mesh_first(const struct mesh *mesh, uint32_t number, uint32_t first[3]);
 
 /* The quad of a face of a voxel, and its brick; NULL where there is none. */
 const struct mesh_quad *mesh_find(const struct mesh *mesh, const struct mesh_brick **brick,
-                                  uint32_t *number, uint32_t cell, unsigned face);
+                                  struct place voxel, unsigned face);
 
 #endif

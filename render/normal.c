@@ -1,11 +1,11 @@
 #include "render/normal.h"
 
+#include <string.h>
+
 #include "base/wide.h"
 
 enum {
-    BARELY = 64,     /* of a normal's length: what it faces the viewer by at least */
-    STORED_BITS = 4, /* triangles of a tile that are at hand, by what their numbers are mixed to */
-    STORED = 1 << STORED_BITS,
+    BARELY = 64, /* of a normal's length: what it faces the viewer by at least */
 };
 
 /* ---- gradients to normals ---- */
@@ -158,46 +158,53 @@ static void turn_to_viewer(struct directions *normal, unsigned i, const struct n
         normal->along[a][i] = has_one ? turned[a] : (int16_t)normals->viewer[a];
 }
 
+static inline int64_t share_at(const struct edge_function *e, uint32_t x, uint32_t y)
+{
+    return e->at + e->right * x + e->down * y;
+}
+
 /* The mean of the corners' normals, by their shares. */
-static void blend(struct gradients *outward, unsigned i, const struct seen *seen)
+static inline void blend(struct gradients *outward, unsigned i, const struct seen *seen, uint32_t x,
+                         uint32_t y)
 {
     enum { SHARE_BITS = 15 };
-    const uint64_t all = (uint64_t)(seen->share[0] + seen->share[1] + seen->share[2]) | 1;
-    const int bits = 64 - __builtin_clzll(all), shift = bits > SHARE_BITS ? bits - SHARE_BITS : 0;
-    for (int a = 0; a < 3; a++) {
-        int32_t sum = 0;
-        for (int k = 0; k < 3; k++)
-            sum += (int32_t)(seen->share[k] >> shift) * seen->corner[k]->normal[a];
-        outward->along[a][i] = sum;
-    }
+    const int bits = 64 - __builtin_clzll((uint64_t)seen->all | 1);
+    const int shift = bits > SHARE_BITS ? bits - SHARE_BITS : 0;
+    const int64_t first = share_at(&seen->share[0], x, y), second = share_at(&seen->share[1], x, y);
+    const int32_t share[3] = {(int32_t)(first >> shift), (int32_t)(second >> shift),
+                              (int32_t)((seen->all - first - second) >> shift)};
+    for (int a = 0; a < 3; a++)
+        outward->along[a][i] = share[0] * seen->normal[0][a] + share[1] * seen->normal[1][a] +
+                               share[2] * seen->normal[2][a];
+}
+
+void triangles_init(struct triangles *triangles)
+{
+    for (unsigned k = 0; k < 1 << TRIANGLES_BITS; k++)
+        triangles->seen[k].cell = CELL_NONE;
 }
 
 void normals_of(struct directions *out, uint8_t open[NORMALISED], const struct normals *normals,
-                const struct rendition *r, const struct tile_pixels *pixels)
+                struct triangles *triangles, const struct tile_pixels *pixels)
 {
     struct gradients outward;
-    struct seen stored[STORED];
-    for (unsigned k = 0; k < STORED; k++)
-        stored[k].cell = CELL_NONE;
-    for (unsigned i = 0; i < NORMALISED; i++) {
-        if (i >= pixels->count) {
-            for (int a = 0; a < 3; a++)
-                outward.along[a][i] = 0;
-            continue;
-        }
-        const uint32_t x = pixels->x[i], y = pixels->y[i];
-        const size_t pixel = (size_t)y * r->width + x;
-        const uint32_t mixed = (r->cell[pixel] * 16 + (uint32_t)(r->depth[pixel] & NUMBER_MASK));
-        struct seen *seen = &stored[mixed * UINT32_C(2654435769) >> (32 - STORED_BITS)];
-        drawer_see(&normals->drawer, seen, x, y, r->depth[pixel], r->cell[pixel]);
-        const unsigned face = seen->quad->key % MESH_FACES;
-        open[i] = seen->quad->is_closed ? (uint8_t)(face + 1) : 0;
+    for (int a = 0; a < 3; a++)
+        memset(outward.along[a] + pixels->count, 0,
+               (NORMALISED - pixels->count) * sizeof *outward.along[a]);
+    for (unsigned i = 0; i < pixels->count; i++) {
+        const uint32_t cell = pixels->cell[i];
+        const unsigned number = (unsigned)(pixels->depth[i] & NUMBER_MASK);
+        const uint32_t mixed = cell * (NUMBER_MASK + 1) + number;
+        struct seen *seen = &triangles->seen[mixed * UINT32_C(2654435769) >> (32 - TRIANGLES_BITS)];
+        if (seen->cell != cell || seen->number != number)
+            drawer_see(&normals->drawer, seen, number, cell);
+        open[i] = seen->open;
         if (!open[i]) {
-            blend(&outward, i, seen);
+            blend(&outward, i, seen, pixels->x[i], pixels->y[i]);
             continue;
         }
         for (unsigned a = 0; a < 3; a++)
-            outward.along[a][i] = a == face / 2 ? (face & 1 ? 1 : -1) : 0;
+            outward.along[a][i] = a == (number >> 2) ? (number & 2 ? 1 : -1) : 0;
     }
     normalise_all(out, &outward);
     for (unsigned i = 0; i < pixels->count; i++)

@@ -13,7 +13,8 @@
 
 enum {
     NORMAL_BITS = 14, /* 1 of a normal's length */
-    NORMALISED = 64,  /* at once: the pixels of a tile */
+    TRIANGLES_BITS = 6,
+    NORMALISED = TILE * TILE, /* at once */
 };
 
 /* Along x, y, z; of each as many as are at once. */
@@ -32,16 +33,16 @@ struct normals {
 };
 void normals_init(struct normals *normals, const struct camera *camera, const struct mesh *mesh);
 
-/* Pixels of a tile that show something. */
-struct tile_pixels {
-    unsigned count;
-    uint32_t x[NORMALISED], y[NORMALISED];
+/* Triangles at hand, by what their numbers are mixed to, from one tile of a picture to the next. */
+struct triangles {
+    struct seen seen[1 << TRIANGLES_BITS];
 };
+void triangles_init(struct triangles *triangles);
 
-/* Their normals; and `open`: 0, or which face of its voxel the pixel shows where that is closed,
- * counted from 1. */
+/* Normals of pixels; and `open`: 0, or which face of its voxel the pixel shows where that is
+ * closed, counted from 1. */
 void normals_of(struct directions *out, uint8_t open[NORMALISED], const struct normals *normals,
-                const struct rendition *rendition, const struct tile_pixels *pixels);
+                struct triangles *triangles, const struct tile_pixels *pixels);
 
 /* Pixels to a voxel, at least 1. */
 int64_t normal_stride(const struct camera *camera);

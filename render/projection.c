@@ -80,19 +80,22 @@ struct window {
     bool is_by_pixel;                 /* each by itself, as its ray has it */
 };
 
-/* On which side of an edge a pixel lies: twice the area between the two. An edge through a centre
- * counts for one of its two directions alone. */
-struct edge_function {
-    int64_t at, right, down; /* at the pixel at hand; what a pixel to the right and down adds */
-};
-
-static inline struct edge_function edge_of(const struct point *a, const struct point *b, int32_t x,
+static inline struct edge_function side_of(const struct point *a, const struct point *b, int32_t x,
                                            int32_t y)
 {
     const int64_t dx = b->x - a->x, dy = b->y - a->y;
-    const bool owns = dy < 0 || (dy == 0 && dx > 0);
     const int64_t at = dx * ((int64_t)y * PIXEL - a->y) - dy * ((int64_t)x * PIXEL - a->x);
-    return (struct edge_function){at - !owns, -dy * PIXEL, dx * PIXEL};
+    return (struct edge_function){at, -dy * PIXEL, dx * PIXEL};
+}
+
+/* An edge through a centre counts for one of its two directions alone. */
+static inline struct edge_function edge_of(const struct point *a, const struct point *b, int32_t x,
+                                           int32_t y)
+{
+    struct edge_function e = side_of(a, b, x, y);
+    const bool owns = b->y < a->y || (b->y == a->y && b->x > a->x);
+    e.at -= !owns;
+    return e;
 }
 
 /* Twice the area, above 0 where it is seen from in front. */
@@ -155,7 +158,7 @@ static inline void put(struct rendition *r, size_t pixel, size_t tile, int64_t k
                        const struct owner *o)
 {
     if (o->is_layer) {
-        layers_put(r->layers, pixel, key, o->cell, o->label, o->is_opaque);
+        layers_put(r->layers, pixel, (struct layer){key, o->cell, o->label}, o->is_opaque);
     } else if (key < r->depth[pixel] || (key == r->depth[pixel] && o->cell < r->cell[pixel])) {
         r->depth[pixel] = key;
         r->cell[pixel] = o->cell;
@@ -209,16 +212,14 @@ static void draw_triangle(struct rendition *r, const struct window *w, const str
 static const uint8_t triangle[2][3] = {{0, 1, 2}, {0, 2, 3}};
 
 static void draw_brick(const struct drawer *d, struct rendition *r, const struct window *w,
-                       uint32_t number)
+                       uint32_t number, const uint32_t first[3])
 {
     const struct mesh *mesh = d->mesh;
     const struct mesh_brick *brick = mesh->brick[number];
     const bool is_kept = brick->vertices <= POINTS_MOST;
     const unsigned middle = d->is_mirrored ? 1 : 2;
     struct point kept[POINTS_MOST], own[4];
-    uint32_t first[3];
     int64_t base[3];
-    mesh_first(mesh, number, first);
     base_of(d, first, base);
     for (uint32_t v = 0; is_kept && v < brick->vertices; v++)
         kept[v] = point_of(d, base, brick->vertex[v].at);
@@ -265,28 +266,33 @@ static struct footprint between(const struct camera *camera, const int64_t middl
                               (int32_t)end[1][1]};
 }
 
-/* Where a brick may be seen, and how near. */
-struct place_seen {
-    struct footprint pixels;
-    int64_t near;
-};
-
-static struct place_seen seen_of(const struct drawer *d, uint32_t number)
+/* Of so many bricks beside each other along x, from a voxel on. */
+static struct sight seen_of(const struct drawer *d, const uint32_t first[3], uint32_t bricks)
 {
-    struct place_seen seen;
-    uint32_t first[3];
+    const int64_t last[3] = {(int64_t)bricks * MESH_SIDE - 1, MESH_SIDE - 1, MESH_SIDE - 1};
+    struct sight seen;
     int64_t middle[3], reach[3] = {0, 0, 0};
-    mesh_first(d->mesh, number, first);
     base_of(d, first, middle);
     for (int k = 0; k < 3; k++)
         for (int a = 0; a < 3; a++) {
             const int64_t step = d->step[k][a], size = step < 0 ? -step : step;
-            middle[k] += step * (MESH_SIDE - 1) / 2;
-            reach[k] += size * (MESH_SIDE - 1) / 2 + size + size / 4 + 1;
+            middle[k] += step * last[a] / 2;
+            reach[k] += size * last[a] / 2 + size + size / 4 + 1;
         }
     seen.pixels = between(d->camera, middle, reach);
     seen.near = ((middle[2] - reach[2]) >> DEPTH_SHIFT) * (1 << NUMBER_BITS);
     return seen;
+}
+
+static bool may_cover(const struct sight *seen, const struct window *w)
+{
+    const struct footprint f = seen->pixels;
+    return f.left <= w->right && f.right >= w->left && f.top <= w->bottom && f.bottom >= w->top;
+}
+
+static int64_t depth_of(const struct rendition *r, size_t pixel)
+{
+    return r->layers ? r->layers->last[pixel].depth : r->depth[pixel];
 }
 
 /* The furthest that pixels of a tile show, or of its opaque layers. */
@@ -294,27 +300,30 @@ static int64_t far_of(struct rendition *r, size_t tile)
 {
     if (!r->is_drawn[tile])
         return r->far[tile];
-    const int64_t *depth = r->layers ? r->layers->last_depth : r->depth;
     const struct tile_bounds t = rendition_bounds(r, tile);
     int64_t far = INT64_MIN;
     for (uint32_t y = t.top; y < t.bottom; y++)
-        for (uint32_t x = t.left; x < t.right; x++)
-            far = depth[(size_t)y * r->width + x] > far ? depth[(size_t)y * r->width + x] : far;
+        for (uint32_t x = t.left; x < t.right; x++) {
+            const size_t pixel = (size_t)y * r->width + x;
+            const int64_t depth = depth_of(r, pixel);
+            far = depth > far ? depth : far;
+        }
     r->far[tile] = far;
     r->is_drawn[tile] = false;
     return far;
 }
 
-/* Whether all pixels that a brick may cover show something nearer. */
-static bool is_hidden(struct rendition *r, const struct place_seen *seen)
+/* Whether all pixels of stale tiles that a brick may cover in a window show something nearer. */
+static bool is_hidden(struct rendition *r, const struct sight *seen, const struct window *w)
 {
     const struct footprint f = seen->pixels;
-    if (f.left > f.right || f.top > f.bottom)
-        return true;
-    for (int32_t y = f.top / TILE; y <= f.bottom / TILE; y++)
-        for (int32_t x = f.left / TILE; x <= f.right / TILE; x++)
-            if (far_of(r, (size_t)y * r->tiles_x + (size_t)x) >= seen->near)
+    const int32_t right = least_of(f.right, w->right), bottom = least_of(f.bottom, w->bottom);
+    for (int32_t y = most_of(f.top, w->top) / TILE; y <= bottom / TILE; y++)
+        for (int32_t x = most_of(f.left, w->left) / TILE; x <= right / TILE; x++) {
+            const size_t tile = (size_t)y * r->tiles_x + (size_t)x;
+            if (r->stale[tile] == TILE_STALE && far_of(r, tile) >= seen->near)
                 return false;
+        }
     return true;
 }
 
@@ -348,6 +357,17 @@ static void clear(struct rendition *r)
         rendition_clear(r);
 }
 
+/* A brick, unless it lies outside a window. */
+static void draw_seen(const struct drawer *d, struct rendition *r, const struct window *window,
+                      uint32_t number)
+{
+    uint32_t first[3];
+    mesh_first(d->mesh, number, first);
+    const struct sight seen = seen_of(d, first, 1);
+    if (may_cover(&seen, window))
+        draw_brick(d, r, window, number, first);
+}
+
 void project_scene(struct rendition *r, const struct camera *camera, const struct mesh *mesh)
 {
     struct task task = task_begin(camera->scene->watch, "rendition", units_of(mesh));
@@ -355,12 +375,9 @@ void project_scene(struct rendition *r, const struct camera *camera, const struc
     struct drawer d;
     drawer_init(&d, camera, mesh);
     clear(r);
-    for (uint32_t b = 0; b < mesh->bricks && task_advance(&task, MESH_UNITS); b++) {
-        const struct footprint f =
-            mesh->brick[b] ? seen_of(&d, b).pixels : (struct footprint){1, 1, 0, 0};
-        if (f.left <= f.right && f.top <= f.bottom)
-            draw_brick(&d, r, &window, b);
-    }
+    for (uint32_t b = 0; b < mesh->bricks && task_advance(&task, MESH_UNITS); b++)
+        if (mesh->brick[b])
+            draw_seen(&d, r, &window, b);
 }
 
 /* From the nearest brick on, as far as rows of them tell. */
@@ -368,25 +385,25 @@ static void draw_border(struct task *task, struct rendition *r, const struct cam
                         const struct mesh *mesh, const struct window *window)
 {
     struct drawer d;
-    uint32_t at[3];
+    const uint32_t *size = mesh->size;
     drawer_init(&d, camera, mesh);
-    for (uint32_t k = 0; k < mesh->size[2]; k++) {
-        at[2] = camera->flip[2] ? mesh->size[2] - 1 - k : k;
-        if (!task_advance(task, (uint64_t)mesh->size[0] * mesh->size[1] * MESH_UNITS))
+    for (uint32_t k = 0; k < size[2]; k++) {
+        const uint32_t z = camera->flip[2] ? size[2] - 1 - k : k;
+        if (!task_advance(task, (uint64_t)size[0] * size[1] * MESH_UNITS))
             return;
-        for (uint32_t j = 0; j < mesh->size[1]; j++) {
-            at[1] = camera->flip[1] ? mesh->size[1] - 1 - j : j;
-            for (uint32_t i = 0; i < mesh->size[0]; i++) {
-                at[0] = camera->flip[0] ? mesh->size[0] - 1 - i : i;
-                const size_t b = ((size_t)at[2] * mesh->size[1] + at[1]) * mesh->size[0] + at[0];
-                if (!mesh->brick[b])
+        for (uint32_t j = 0; j < size[1]; j++) {
+            const uint32_t y = camera->flip[1] ? size[1] - 1 - j : j;
+            const uint32_t row = (z * size[1] + y) * size[0];
+            uint32_t first[3] = {0, y * MESH_SIDE, z * MESH_SIDE};
+            const struct sight all = seen_of(&d, first, size[0]);
+            for (uint32_t i = 0; may_cover(&all, window) && i < size[0]; i++) {
+                const uint32_t x = camera->flip[0] ? size[0] - 1 - i : i;
+                if (!mesh->brick[row + x])
                     continue;
-                const struct place_seen seen = seen_of(&d, (uint32_t)b);
-                const struct footprint f = seen.pixels;
-                if (f.left > window->right || f.right < window->left || f.top > window->bottom ||
-                    f.bottom < window->top || is_hidden(r, &seen))
-                    continue;
-                draw_brick(&d, r, window, (uint32_t)b);
+                first[0] = x * MESH_SIDE;
+                const struct sight seen = seen_of(&d, first, 1);
+                if (may_cover(&seen, window) && !is_hidden(r, &seen, window))
+                    draw_brick(&d, r, window, row + x, first);
             }
         }
     }
@@ -439,14 +456,9 @@ void project_rays(struct rendition *r, const struct camera *camera, const struct
     for (size_t tile = 0; tile < tiles && task_advance(&task, 8 * mesh->bricks); tile++) {
         struct window window = tile_window(r, tile);
         window.is_by_pixel = true;
-        for (uint32_t b = 0; b < mesh->bricks; b++) {
-            if (!mesh->brick[b])
-                continue;
-            const struct footprint f = seen_of(&d, b).pixels;
-            if (f.left <= window.right && f.right >= window.left && f.top <= window.bottom &&
-                f.bottom >= window.top)
-                draw_brick(&d, r, &window, b);
-        }
+        for (uint32_t b = 0; b < mesh->bricks; b++)
+            if (mesh->brick[b])
+                draw_seen(&d, r, &window, b);
     }
 }
 
@@ -527,25 +539,37 @@ void project_border_shared(struct rendition *r, const struct camera *camera,
 
 /* ---- where things fall ---- */
 
-struct footprint project_footprint(const struct drawer *d, uint32_t number,
-                                   const struct mesh_brick *brick, const struct mesh_quad *quad)
+struct sight project_quad(const struct drawer *d, uint32_t number, const struct mesh_brick *brick,
+                          const struct mesh_quad *quad)
 {
     uint32_t first[3];
-    int64_t base[3], least[2] = {INT64_MAX, INT64_MAX}, most[2] = {INT64_MIN, INT64_MIN};
+    int64_t base[3], least[3] = {INT64_MAX, INT64_MAX, INT64_MAX}, most[2] = {INT64_MIN, INT64_MIN};
     int64_t middle[2], reach[2];
     mesh_first(d->mesh, number, first);
     base_of(d, first, base);
     for (int i = 0; i < 4; i++)
-        for (int k = 0; k < 2; k++) {
+        for (int k = 0; k < 3; k++) {
             const int64_t at = along(d, k, base, brick->vertex[quad->corner[i]].at);
             least[k] = at < least[k] ? at : least[k];
-            most[k] = at > most[k] ? at : most[k];
+            if (k < 2)
+                most[k] = at > most[k] ? at : most[k];
         }
     for (int k = 0; k < 2; k++) {
         middle[k] = (least[k] + most[k]) / 2;
         reach[k] = (most[k] - least[k]) / 2 + 1;
     }
-    return between(d->camera, middle, reach);
+    return (struct sight){between(d->camera, middle, reach),
+                          (least[2] >> DEPTH_SHIFT) * (1 << NUMBER_BITS)};
+}
+
+bool project_is_hidden(const struct rendition *r, const struct sight *sight)
+{
+    const struct footprint f = sight->pixels;
+    for (int32_t y = f.top; y <= f.bottom; y++)
+        for (int32_t x = f.left; x <= f.right; x++)
+            if (depth_of(r, (size_t)y * r->width + (size_t)x) >= sight->near)
+                return false;
+    return true;
 }
 
 struct footprint project_around(const struct camera *camera, uint32_t cell, int around)
@@ -557,29 +581,28 @@ struct footprint project_around(const struct camera *camera, uint32_t cell, int 
                                      (2 * around + 1) * camera->reach[1]});
 }
 
-void drawer_see(const struct drawer *d, struct seen *seen, uint32_t x, uint32_t y, int64_t depth,
-                uint32_t cell)
+void drawer_see(const struct drawer *d, struct seen *seen, unsigned number, uint32_t cell)
 {
-    const unsigned number = (unsigned)(depth & NUMBER_MASK);
-    if (seen->cell != cell || seen->number != number) {
-        const struct mesh_brick *brick;
-        uint32_t b, first[3];
-        int64_t base[3];
-        seen->cell = cell;
-        seen->number = number;
-        seen->quad = mesh_find(d->mesh, &brick, &b, cell, number / 2);
-        mesh_first(d->mesh, b, first);
-        base_of(d, first, base);
-        for (int k = 0; k < 3; k++) {
-            seen->corner[k] = &brick->vertex[seen->quad->corner[triangle[number & 1][k]]];
-            const struct point p = point_of(d, base, seen->corner[k]->at);
-            seen->at[k][0] = p.x, seen->at[k][1] = p.y;
-        }
-    }
+    const struct place place = grid_place(&d->camera->scene->grid, cell);
+    const struct mesh_brick *brick;
+    const struct mesh_quad *quad = mesh_find(d->mesh, &brick, place, number / 2);
+    const uint32_t last = MESH_SIDE - 1;
+    const uint32_t first[3] = {place.x & ~last, place.y & ~last, place.z & ~last};
+    int64_t base[3];
+    struct point p[3];
+    base_of(d, first, base);
     for (int k = 0; k < 3; k++) {
-        const int32_t *from = seen->at[(k + 1) % 3], *to = seen->at[(k + 2) % 3];
-        const int64_t right = (int64_t)x * PIXEL - from[0], down = (int64_t)y * PIXEL - from[1];
-        const int64_t share = (to[0] - from[0]) * down - (to[1] - from[1]) * right;
-        seen->share[k] = d->is_mirrored ? share : -share;
+        const struct mesh_vertex *v = &brick->vertex[quad->corner[triangle[number & 1][k]]];
+        memcpy(seen->normal[k], v->normal, sizeof seen->normal[k]);
+        p[k] = point_of(d, base, v->at);
     }
+    for (int k = 0; k < 2; k++) {
+        const struct point *one = &p[k + 1], *other = &p[(k + 2) % 3];
+        seen->share[k] = d->is_mirrored ? side_of(one, other, 0, 0) : side_of(other, one, 0, 0);
+    }
+    const int64_t area = area_of(&p[0], &p[1], &p[2]);
+    seen->all = d->is_mirrored ? area : -area;
+    seen->cell = cell;
+    seen->number = number;
+    seen->open = quad->is_closed ? (uint8_t)(number / 2 + 1) : 0;
 }

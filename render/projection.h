@@ -63,23 +63,31 @@ struct drawer {
 };
 void drawer_init(struct drawer *drawer, const struct camera *camera, const struct mesh *mesh);
 
-/* The pixels that a quad may cover, within the picture. */
-struct footprint project_footprint(const struct drawer *drawer, uint32_t number,
-                                   const struct mesh_brick *brick, const struct mesh_quad *quad);
+/* What something may cover of a picture, and a depth that it does not come nearer than. */
+struct sight {
+    struct footprint pixels;
+    int64_t near;
+};
+struct sight project_quad(const struct drawer *drawer, uint32_t number,
+                          const struct mesh_brick *brick, const struct mesh_quad *quad);
 
-/* The triangle that a depth and a voxel name, and how near its corners are: shares at the pixel's
- * centre, none below 0, not all of them 0. */
+/* Whether each of these pixels shows something nearer, which is opaque. */
+bool project_is_hidden(const struct rendition *rendition, const struct sight *sight);
+
+/* On which side of an edge a pixel lies: twice the area between the two. */
+struct edge_function {
+    int64_t at, right, down; /* at a pixel; what one to the right and one down adds */
+};
+
+/* A triangle of a voxel, by the number in depths. */
 struct seen {
-    const struct mesh_quad *quad;
-    const struct mesh_vertex *corner[3];
-    int64_t share[3];
-    /* Kept, since pixels beside each other often show one triangle: which it is, CELL_NONE at
-     * first, and where its corners fall. */
     uint32_t cell;
     unsigned number;
-    int32_t at[3][2];
+    uint8_t open;                  /* 0, or its face where that is closed, counted from 1 */
+    int16_t normal[3][4];          /* of its corners */
+    struct edge_function share[2]; /* from pixel 0, 0 on: how near the first two corners are; */
+    int64_t all;                   /* and what those of all three come to, above 0 */
 };
-void drawer_see(const struct drawer *drawer, struct seen *seen, uint32_t x, uint32_t y,
-                int64_t depth, uint32_t cell);
+void drawer_see(const struct drawer *drawer, struct seen *seen, unsigned number, uint32_t cell);
 
 #endif

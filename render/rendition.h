@@ -80,6 +80,15 @@ static inline struct tile_bounds rendition_bounds(const struct rendition *rendit
                                 top + TILE < height ? top + TILE : height};
 }
 
+/* What is seen at some pixels of a tile: of each once, or of several layers. */
+struct tile_pixels {
+    unsigned count;
+    uint32_t x[TILE * TILE], y[TILE * TILE];
+    int64_t depth[TILE * TILE];
+    uint32_t cell[TILE * TILE];
+    uint8_t label[TILE * TILE];
+};
+
 /* The part of `height` rows from row `top` on, a multiple of TILE; borrows the maps, and the
  * layers where they begin with the same row. */
 struct rendition rendition_rows(const struct rendition *rendition, uint32_t top, uint32_t height);

@@ -110,34 +110,56 @@ static bool is_cut_open(const struct shading *s, uint32_t cell, unsigned open)
     return open && border_is_cut(s->border, cell + (uint32_t)((open - 1) & 1 ? step : -step));
 }
 
-/* Pixels that show something. */
-static void shade_pixels(struct rendition *r, const struct shading *s,
-                         const struct tile_pixels *pixels)
+/* A thread's. */
+struct shade {
+    const struct shading *s;
+    struct triangles triangles;
+    struct tile_pixels pixels;
+    struct directions normals; /* of these pixels, */
+    struct lit lit;            /* and their colours */
+};
+
+static void shade_begin(struct shade *shade, const struct shading *s)
 {
-    struct directions normals;
-    struct lit lit = {0};
+    shade->s = s;
+    triangles_init(&shade->triangles);
+    memset(&shade->lit, 0, sizeof shade->lit);
+}
+
+static void shade_pixels(struct shade *shade)
+{
+    const struct shading *s = shade->s;
+    const struct tile_pixels *p = &shade->pixels;
+    struct directions *normals = &shade->normals;
+    struct lit *lit = &shade->lit;
     uint8_t open[NORMALISED];
-    normals_of(&normals, open, &s->normals, r, pixels);
-    for (unsigned i = 0; i < pixels->count; i++) {
-        const size_t pixel = (size_t)pixels->y[i] * r->width + pixels->x[i];
-        const int16_t normal[4] = {normals.along[0][i], normals.along[1][i], normals.along[2][i]};
-        memcpy(r->normal + 4 * pixel, normal, sizeof normal);
-        lit.cue[i] = (uint16_t)light_cue(&s->light, r->depth[pixel]);
-        lit.open[i] = s->occludes ? occluder_leaves(&s->occluder, normal, r->depth[pixel],
-                                                    pixels->x[i], pixels->y[i])
-                                  : LIGHT_UNIT;
+    normals_of(normals, open, &s->normals, &shade->triangles, p);
+    for (unsigned i = 0; i < p->count; i++) {
+        const int16_t normal[3] = {normals->along[0][i], normals->along[1][i],
+                                   normals->along[2][i]};
+        lit->cue[i] = (uint16_t)light_cue(&s->light, p->depth[i]);
+        lit->open[i] = s->occludes
+                           ? occluder_leaves(&s->occluder, normal, p->depth[i], p->x[i], p->y[i])
+                           : LIGHT_UNIT;
         for (int k = 0; k < 3; k++)
-            lit.colour[k][i] = s->palette->rgb[r->label[pixel]][k];
+            lit->colour[k][i] = s->palette->rgb[p->label[i]][k];
     }
-    light_surfaces(&lit, &s->light, &normals);
-    for (unsigned i = 0; i < pixels->count; i++) {
-        const size_t pixel = (size_t)pixels->y[i] * r->width + pixels->x[i];
-        const uint8_t rgba[4] = {lit.colour[0][i], lit.colour[1][i], lit.colour[2][i], 255};
-        memcpy(r->rgba + 4 * pixel, rgba, sizeof rgba);
-        if (open[i] && is_cut_open(s, r->cell[pixel], open[i]))
-            shade_cut_face(r->rgba + 4 * pixel, s, r->cell[pixel], s->palette->rgb[r->label[pixel]],
-                           lit.cue[i]);
+    light_surfaces(lit, &s->light, normals);
+    for (unsigned i = 0; i < p->count; i++) {
+        uint8_t rgba[4];
+        if (!open[i] || !is_cut_open(s, p->cell[i], open[i]))
+            continue;
+        shade_cut_face(rgba, s, p->cell[i], s->palette->rgb[p->label[i]], lit->cue[i]);
+        for (int k = 0; k < 3; k++)
+            lit->colour[k][i] = rgba[k];
     }
+}
+
+static inline void put_normal(struct rendition *r, size_t pixel, const struct directions *normals,
+                              unsigned i)
+{
+    const int16_t normal[4] = {normals->along[0][i], normals->along[1][i], normals->along[2][i]};
+    memcpy(r->normal + 4 * pixel, normal, sizeof normal);
 }
 
 /* ---- tiles ---- */
@@ -201,20 +223,32 @@ static void take_pixels(struct tile_pixels *pixels, const struct rendition *r,
     for (uint32_t y = tile.top; y < tile.bottom; y++, mask >>= TILE)
         for (tile_mask row = mask & wide; row; row &= row - 1) {
             const uint32_t x = tile.left + (uint32_t)__builtin_ctzll(row);
-            if (r->cell[(size_t)y * r->width + x] == CELL_NONE)
+            const size_t pixel = (size_t)y * r->width + x;
+            if (r->cell[pixel] == CELL_NONE)
                 continue;
             pixels->x[pixels->count] = x;
-            pixels->y[pixels->count++] = y;
+            pixels->y[pixels->count] = y;
+            pixels->depth[pixels->count] = r->depth[pixel];
+            pixels->cell[pixels->count] = r->cell[pixel];
+            pixels->label[pixels->count++] = r->label[pixel];
         }
 }
 
-static void shade_mask(struct rendition *r, const struct shading *s, struct tile_bounds tile,
+static void shade_mask(struct rendition *r, struct shade *shade, struct tile_bounds tile,
                        tile_mask mask)
 {
-    struct tile_pixels pixels;
-    take_pixels(&pixels, r, tile, mask);
-    if (pixels.count)
-        shade_pixels(r, s, &pixels);
+    const struct tile_pixels *p = &shade->pixels;
+    const struct lit *lit = &shade->lit;
+    take_pixels(&shade->pixels, r, tile, mask);
+    if (p->count == 0)
+        return;
+    shade_pixels(shade);
+    for (unsigned i = 0; i < p->count; i++) {
+        const size_t pixel = (size_t)p->y[i] * r->width + p->x[i];
+        const uint8_t rgba[4] = {lit->colour[0][i], lit->colour[1][i], lit->colour[2][i], 255};
+        memcpy(r->rgba + 4 * pixel, rgba, sizeof rgba);
+        put_normal(r, pixel, &shade->normals, i);
+    }
 }
 
 /* ---- samples ---- */
@@ -252,9 +286,9 @@ static void spread(struct rendition *r, size_t first, size_t from, uint32_t samp
 
 /* A tile of samples: of pixels that show one surface, the sample after half of them alone. Cuts
  * show voxels, which are no smaller than pixels here. */
-static void shade_samples(struct rendition *r, const struct shading *s, struct tile_bounds tile)
+static void shade_samples(struct rendition *r, struct shade *shade, struct tile_bounds tile)
 {
-    const uint32_t samples = s->look->samples, half = samples / 2;
+    const uint32_t samples = shade->s->look->samples, half = samples / 2;
     tile_mask all = ~(tile_mask)0, one = 0; /* samples to shade; those that stand for a pixel */
     tile_mask box = 0;
     for (uint32_t y = 0; y < samples; y++)
@@ -268,7 +302,7 @@ static void shade_samples(struct rendition *r, const struct shading *s, struct t
             all &= ~(box << (y * TILE + x));
             one |= (tile_mask)1 << stands;
         }
-    shade_mask(r, s, tile, all | one);
+    shade_mask(r, shade, tile, all | one);
     for (; one; one &= one - 1) {
         const unsigned bit = (unsigned)__builtin_ctzll(one);
         const uint32_t x = tile.left + bit % TILE, y = tile.top + bit / TILE;
@@ -277,14 +311,22 @@ static void shade_samples(struct rendition *r, const struct shading *s, struct t
     }
 }
 
-/* Where objects are translucent: layer by layer, from the nearest on. */
-static void blend_tile(struct rendition *r, const struct shading *s, struct tile_bounds tile)
+/* Where objects are translucent: all layers of its pixels. */
+static void blend_tile(struct rendition *r, struct shade *shade, struct tile_bounds tile)
 {
+    const struct tile_pixels *p = &shade->pixels;
+    const struct lit *lit = &shade->lit;
     struct blend blend;
-    blend_begin(&blend, r, s->border, tile);
-    for (tile_mask pixels = blend_next(&blend); pixels; pixels = blend_next(&blend)) {
-        shade_mask(&r->layers->pass, s, tile, pixels);
-        blend_add(&blend, r);
+    blend_begin(&blend, r, shade->s->border, tile);
+    while (blend_take(&blend, r, &shade->pixels)) {
+        shade_pixels(shade);
+        for (unsigned i = 0; i < p->count; i++) {
+            const size_t pixel = (size_t)p->y[i] * r->width + p->x[i];
+            const uint8_t rgb[3] = {lit->colour[0][i], lit->colour[1][i], lit->colour[2][i]};
+            blend_add(&blend, i, rgb);
+            if (p->depth[i] == r->depth[pixel])
+                put_normal(r, pixel, &shade->normals, i);
+        }
     }
     blend_end(&blend, r);
 }
@@ -292,16 +334,18 @@ static void blend_tile(struct rendition *r, const struct shading *s, struct tile
 static void shade_tiles(struct rendition *r, size_t first, size_t end, const struct shading *s,
                         struct task *task)
 {
+    struct shade shade;
+    shade_begin(&shade, s);
     for (size_t i = rendition_tile(r, first, end, TILE_STALE);
          i < end && task_advance(task, TILE * TILE);
          i = rendition_tile(r, i + 1, end, TILE_STALE)) {
         const struct tile_bounds tile = rendition_bounds(r, i);
         if (r->layers)
-            blend_tile(r, s, tile);
+            blend_tile(r, &shade, tile);
         else if (s->has_pixels)
-            shade_samples(r, s, tile);
+            shade_samples(r, &shade, tile);
         else
-            shade_mask(r, s, tile, ~(tile_mask)0);
+            shade_mask(r, &shade, tile, ~(tile_mask)0);
         r->stale[i] = s->look->edges ? TILE_LIT : TILE_SHADED;
     }
 }

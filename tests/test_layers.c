@@ -70,7 +70,7 @@ static bool is_at(int64_t depth, uint32_t cell, uint8_t label, const struct pass
 static bool layers_are(const struct layers *l, size_t pixel, const struct passed *expected,
                        size_t count, const struct passed *last)
 {
-    bool same = is_at(l->last_depth[pixel], l->last_cell[pixel], l->last_label[pixel], last);
+    bool same = is_at(l->last[pixel].depth, l->last[pixel].cell, l->last[pixel].label, last);
     for (unsigned k = 0; same && k < count; k++) {
         const struct layer layer = layers_at(l, pixel, k);
         same = is_at(layer.depth, layer.cell, layer.label, &expected[k]);
@@ -150,16 +150,17 @@ STORY(in_whatever_order_layers_are_put_they_are_the_same)
         for (int i = 0; i < PUTS; i++) {
             const uint32_t depth = check_below(&random, 9), cell = check_below(&random, 4);
             put[i] = (struct layer){depth, cell, (uint8_t)(1 + cell % 3)};
-            layers_put(&one, 0, depth, cell, put[i].label, put[i].label == 3);
+            layers_put(&one, 0, put[i], put[i].label == 3);
         }
         for (int i = PUTS - 1; i >= 0; i--)
-            layers_put(&other, 0, put[i].depth, put[i].cell, put[i].label, put[i].label == 3);
-        CHECK(one.count[0] == other.count[0] && one.last_cell[0] == other.last_cell[0]);
-        CHECK(memcmp(one.depth, other.depth, one.count[0] * sizeof *one.depth) == 0);
-        CHECK(memcmp(one.cell, other.cell, one.count[0] * sizeof *one.cell) == 0);
-        for (unsigned k = 1; k < one.count[0]; k++)
-            CHECK(one.depth[k] > one.depth[k - 1] ||
-                  (one.depth[k] == one.depth[k - 1] && one.cell[k] > one.cell[k - 1]));
+            layers_put(&other, 0, put[i], put[i].label == 3);
+        CHECK(one.count[0] == other.count[0] && one.last->cell == other.last->cell);
+        for (unsigned k = 0; k < one.count[0]; k++) {
+            const struct layer p = layers_at(&one, 0, k), q = layers_at(&other, 0, k);
+            const struct layer next = layers_at(&one, 0, k + 1);
+            CHECK(p.depth == q.depth && p.cell == q.cell);
+            CHECK(next.depth > p.depth || (next.depth == p.depth && next.cell > p.cell));
+        }
     }
     rendition_release(&r);
     layers_release(&one);
@@ -255,10 +256,10 @@ STORY(an_opaque_object_is_seen_however_many_are_before_it)
     see_plates(&s, 11, opacity);
     const size_t pixel = MIDDLE * SIDE + MIDDLE;
     CHECK_INT(s.layers.count[pixel], LAYERS_MOST);
-    for (size_t k = 0; k < LAYERS_MOST; k++)
-        CHECK_INT(s.layers.label[pixel * LAYERS_MOST + k], k + 1);
+    for (unsigned k = 0; k < LAYERS_MOST; k++)
+        CHECK_INT(layers_at(&s.layers, pixel, k).label, k + 1);
     CHECK_INT(s.rendition.rgba[4 * pixel + 3], 255);
-    CHECK_INT(s.layers.last_label[pixel], 11);
+    CHECK_INT(s.layers.last[pixel].label, 11);
     stage_release(&s);
 }
 

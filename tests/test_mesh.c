@@ -243,6 +243,46 @@ STORY(a_mesh_that_follows_is_the_one_from_nothing)
     }
 }
 
+/* Of two halves of a ball, one voxel after the other changes sides: its shape stays. */
+STORY(a_voxel_that_is_repainted_changes_what_is_around_it)
+{
+    enum { SIDE = 24, MIDDLE = SIDE / 2, RADIUS = 8 };
+    struct stage s;
+    struct mesh mesh = {0};
+    uint64_t random = 11;
+    CHECK(stage_init(&s, (uint32_t[]){SIDE, SIDE, SIDE}, 6, NULL) == OK);
+    const struct grid *grid = &s.scene->grid;
+    for (int32_t i = 0; i < SIDE * SIDE * SIDE; i++) {
+        const int32_t x = i % SIDE - MIDDLE, y = i / SIDE % SIDE - MIDDLE,
+                      z = i / SIDE / SIDE - MIDDLE;
+        const uint32_t cell =
+            grid_cell(grid, (uint32_t)(x + MIDDLE), (uint32_t)(y + MIDDLE), (uint32_t)(z + MIDDLE));
+        if (x * x + y * y + z * z < RADIUS * RADIUS)
+            s.scene->cell[cell].label = x + y > 0 ? 1 : 2;
+    }
+    border_recount(&s.border);
+    CHECK(mesh_update(&mesh, &s.border, MESH_SMOOTH, NULL, NULL, NULL) == OK);
+    for (int round = 0; round < 150;) {
+        uint32_t p[3];
+        random_place(&s, &random, p);
+        const uint32_t cell = grid_cell(grid, p[0], p[1], p[2]);
+        const uint8_t label = s.scene->cell[cell].label, next = (uint8_t)(3 - label);
+        if (!label || (!border_holds(&s.border, cell) && check_below(&random, 8)))
+            continue;
+        struct change change = {cell, label, next};
+        const struct changes changes = {.item = &change, .count = 1, .listed = 1, .voxels = 1};
+        s.scene->cell[cell].label = next;
+        border_update(&s.border, &changes);
+        mesh_note(&mesh, &s.border, &changes);
+        CHECK(mesh_update(&mesh, &s.border, MESH_SMOOTH, NULL, NULL, NULL) == OK);
+        if (!is_right(&mesh, &s.border, MESH_SMOOTH))
+            break;
+        round++;
+    }
+    mesh_release(&mesh);
+    stage_release(&s);
+}
+
 /* No voxel is shown or hidden by it, and yet a face is closed no more. */
 STORY(what_was_cut_away_and_is_hidden_now_leaves_an_open_face)
 {
@@ -414,6 +454,7 @@ STORY(who_listens_hears_of_every_brick_that_becomes_another)
 int main(void)
 {
     return RUN_STORIES(TELL(a_mesh_that_follows_is_the_one_from_nothing),
+                       TELL(a_voxel_that_is_repainted_changes_what_is_around_it),
                        TELL(what_was_cut_away_and_is_hidden_now_leaves_an_open_face),
                        TELL(any_number_of_threads_makes_the_same_mesh),
                        TELL(an_update_without_memory_changes_nothing_and_the_next_is_right),

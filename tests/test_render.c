@@ -29,7 +29,7 @@ static bool same_layers(const struct rendition *r, const struct layers *a, const
             const struct layer p = layers_at(a, pixel, k), q = layers_at(b, pixel, k);
             if (p.depth != q.depth || p.cell != q.cell || p.label != q.label)
                 return false;
-            if (p.depth == a->last_depth[pixel])
+            if (p.depth == a->last[pixel].depth)
                 break;
         }
     return true;

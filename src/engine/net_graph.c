@@ -274,7 +274,8 @@ static void link_part(struct net_graph *g, int32_t v, const struct net_part *par
             last = to;
             add_slot(g, v, to, mores);
             add_slot(g, to, v, mores);
-            if (g->has_labels && is_border(g, cube, a, cell->air, part->link[a][i])) {
+            if (g->has_labels && cell->level < NET_TERMS &&
+                is_border(g, cube, a, cell->air, part->link[a][i])) {
                 add_line(g, v, to);
                 add_line(g, to, v);
             }
@@ -286,6 +287,8 @@ static bool find_vertices(struct net_graph *g, const struct net_cell *cell, size
 {
     const struct net_cube *cubes = net_cubes();
     const size_t all = (size_t)g->upto[NET_LEVELS - 1];
+    if (all > INT32_MAX / 2)
+        return false;
     int32_t next[NET_LEVELS] = {0}, mores = 0;
     g->place = net_store(g->scratch, NET_PLACE, all, sizeof *g->place);
     g->at = net_store(g->scratch, NET_AT, all, sizeof *g->at);
@@ -308,7 +311,7 @@ static bool find_vertices(struct net_graph *g, const struct net_cell *cell, size
     for (const struct net_cell *c = cell; c < cell + cells; c++) {
         struct net_cube made;
         const struct net_cube *cube = cube_of(g, c, cubes, &made);
-        g->first[net_index(g, c->x, c->y, c->z)] = next[c->level];
+        g->first[net_index(g, c->x, c->y, c->z)] = next[c->level] * 2 + (cube->count == 1);
         for (uint32_t k = 0; k < cube->count; k++) {
             const struct net_part *part = &cube->part[k];
             const int32_t v = next[c->level]++;

@@ -97,7 +97,8 @@ struct net_graph {
     int32_t words;
     bool has_closed, has_labels; /* some voxel is closed; some labels differ */
 
-    int32_t *first;           /* [z][y][x], by stride: the first vertex of a cube that has some */
+    int32_t *first; /* [z][y][x], by stride, of a cube that has vertices: twice the number of the
+                       first, and 1 where it is the only one */
     int32_t upto[NET_LEVELS]; /* vertices of this level and those before */
     struct net_place *place;
     net_lanes *at;   /* where they begin, 2^-NET_BITS voxels from the centre of the first */
@@ -107,7 +108,7 @@ struct net_graph {
     int32_t *head; /* of its chain in `more`, where its degree is over NET_SLOTS */
     struct net_more *more;
 
-    /* Where labels differ: links along the border between two labels. */
+    /* Where labels differ: links along the border between two labels, of levels below 4. */
     int32_t (*line)[2];
     uint8_t *lines; /* of each vertex; 3: three or more */
 };
@@ -139,8 +140,9 @@ static inline uint64_t net_bits(int32_t word, int32_t low, int32_t high)
 /* The vertex of a cube whose part has this corner. */
 static inline int32_t net_vertex_at(const struct net_graph *g, size_t cube, int corner)
 {
-    int32_t v = g->first[cube];
-    while (!(g->place[v].air >> corner & 1))
+    const int32_t first = g->first[cube];
+    int32_t v = first >> 1;
+    while (!(first & 1) && !(g->place[v].air >> corner & 1))
         v++;
     return v;
 }
