@@ -73,7 +73,14 @@ static inline bool border_holds(const struct border *border, uint32_t cell)
     return border->border[cell >> 6] >> (cell & 63) & 1;
 }
 
-/* The 64 bits from bit `at` on; those before the first and after the last are 0. */
+/* The 64 bits from bit `at` on, whose word has one after it, as that of every cell has. */
+static inline uint64_t border_bits_at(const uint64_t *words, size_t at)
+{
+    const uint64_t *word = words + (at >> 6);
+    return word[0] >> (at & 63) | word[1] << 1 << (63 - (at & 63));
+}
+
+/* The same; bits before the first and after the last are 0. */
 static inline uint64_t border_bits_from(const uint64_t *words, size_t count, ptrdiff_t at)
 {
     if (at < 0)
@@ -81,7 +88,7 @@ static inline uint64_t border_bits_from(const uint64_t *words, size_t count, ptr
     const size_t word = (size_t)at >> 6;
     if (word + 1 >= count)
         return word < count ? words[word] >> (at & 63) : 0;
-    return words[word] >> (at & 63) | words[word + 1] << 1 << (63 - (at & 63));
+    return border_bits_at(words, (size_t)at);
 }
 
 /* Which of the 64 cells from `at` on are shown, bit 0 the first. `at` may lie up to a row and a
