@@ -16,6 +16,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static unsigned check_failures;   /* of the current story */
@@ -96,6 +97,13 @@ static inline uint64_t check_random(uint64_t *state)
 static inline uint32_t check_below(uint64_t *state, uint32_t bound)
 {
     return (uint32_t)((check_random(state) >> 32) * (uint64_t)bound >> 32);
+}
+
+/* So many rounds, or as many times more as `make test-long` asks for. */
+static inline unsigned check_scaled(unsigned count)
+{
+    const char *factor = getenv("IFTTY_TEST_SCALE");
+    return factor ? count * (unsigned)atoi(factor) : count;
 }
 
 #endif

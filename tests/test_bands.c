@@ -4,7 +4,6 @@
  */
 #include "interpreting.h"
 
-#include <stdlib.h>
 #include <unistd.h>
 
 #include "base/hash.h"
@@ -13,12 +12,6 @@
 #include "render/bands.h"
 #include "show/pictures.h"
 #include "tests/stage.h"
-
-static unsigned scaled(unsigned count)
-{
-    const char *factor = getenv("IFTTY_TEST_SCALE");
-    return factor ? count * (unsigned)atoi(factor) : count;
-}
 
 /* ---- by hand and at random ---- */
 
@@ -151,7 +144,7 @@ STORY(bands_of_any_height_are_the_whole_and_so_is_what_follows_edits)
     struct team *team[4] = {NULL};
     for (unsigned i = 2; i < 4; i++)
         CHECK(team_new(&team[i], i, NULL) == OK);
-    for (unsigned number = 0; number < scaled(120) && check_failures == 0; number++) {
+    for (unsigned number = 0; number < check_scaled(120) && check_failures == 0; number++) {
         uint64_t random = number;
         struct stage s;
         struct rendition fine, out;

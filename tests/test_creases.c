@@ -1,15 +1,7 @@
 /* Creases: where two objects touch, each is shaded as if it were alone. */
 #include "interpreting.h"
 
-#include <stdlib.h>
-
 #include "tests/stage.h"
-
-static unsigned scaled(unsigned count)
-{
-    const char *factor = getenv("IFTTY_TEST_SCALE");
-    return factor ? count * (unsigned)atoi(factor) : count;
-}
 
 static void draw(struct stage *s, struct rendition *out)
 {
@@ -87,7 +79,7 @@ static size_t compare(const struct rendition *all, const struct rendition *alone
 STORY(an_object_among_others_has_the_normals_that_it_has_alone)
 {
     size_t same = 0;
-    for (unsigned number = 0; number < scaled(100) && check_failures == 0; number++) {
+    for (unsigned number = 0; number < check_scaled(100) && check_failures == 0; number++) {
         uint64_t random = number;
         struct stage s;
         struct rendition all, alone;

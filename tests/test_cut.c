@@ -315,11 +315,9 @@ STORY(faces_that_are_cut_open_show_the_scene)
 
 STORY(borders_and_pictures_follow_cuts_edits_and_hidden_labels)
 {
-    const char *factor = getenv("IFTTY_TEST_SCALE");
     uint64_t random = 11;
     unsigned open = 0;
-    for (int sitting = 0; sitting < 250 * (factor ? atoi(factor) : 1) && check_failures == 0;
-         sitting++) {
+    for (int sitting = 0; sitting < (int)check_scaled(250) && check_failures == 0; sitting++) {
         struct stage s;
         struct rendition kept;
         stage_at_random(&s, &random);

@@ -624,21 +624,15 @@ static void random_session(uint64_t seed, unsigned steps)
     world_free(&w);
 }
 
-static unsigned scaled(unsigned count)
-{
-    const char *factor = getenv("IFTTY_TEST_SCALE");
-    return factor ? count * (unsigned)atoi(factor) : count;
-}
-
 STORY(a_hundred_thousand_random_edits_each_equal_a_run_from_scratch)
 {
-    for (unsigned i = 0; i < scaled(20000) && check_failures == 0; i++)
+    for (unsigned i = 0; i < check_scaled(20000) && check_failures == 0; i++)
         random_session(i, i % 200 ? 5 : 40);
 }
 
 STORY(under_every_kind_of_arc_and_roi_edits_equal_the_fixed_point)
 {
-    for (unsigned i = 0; i < scaled(2500) && check_failures == 0; i++)
+    for (unsigned i = 0; i < check_scaled(2500) && check_failures == 0; i++)
         random_roi_session(i, i % 100 ? 12 : 60);
 }
 
@@ -714,7 +708,7 @@ STORY(an_edit_cancelled_anywhere_leaves_the_forest_as_it_was)
 {
     struct fault fault = {0};
     uint64_t random = 5;
-    for (unsigned round = 0; round < scaled(150) && check_failures == 0; round++) {
+    for (unsigned round = 0; round < check_scaled(150) && check_failures == 0; round++) {
         struct world w = random_world(&random, 6);
         struct edit *batch = malloc((w.scene->grid.voxels + 4) * sizeof *batch);
         size_t count = random_batch(&w, batch, &random);
@@ -799,7 +793,7 @@ STORY(what_is_shown_as_final_has_its_label_for_good)
     struct team *team;
     if (!CHECK(team_new(&team, 3, NULL) == OK))
         return;
-    for (unsigned round = 0; round < scaled(120) && check_failures == 0; round++) {
+    for (unsigned round = 0; round < check_scaled(120) && check_failures == 0; round++) {
         struct world w = random_world(&random, round % 2 ? 6 : 0);
         struct edit *batch = malloc((w.scene->grid.voxels + 4) * sizeof *batch);
         const size_t count = random_batch(&w, batch, &random);
@@ -820,7 +814,7 @@ STORY(what_is_shown_as_final_has_its_label_for_good)
         free(batch);
         world_free(&w);
     }
-    CHECK(shows > scaled(1000) && finals > scaled(10000));
+    CHECK(shows > check_scaled(1000) && finals > check_scaled(10000));
     team_free(team);
 }
 
@@ -867,7 +861,7 @@ end:
 
 STORY(an_allocation_that_fails_leaves_the_forest_as_it_was)
 {
-    for (uint64_t seed = 0; seed < scaled(40) && check_failures == 0; seed++) {
+    for (uint64_t seed = 0; seed < check_scaled(40) && check_failures == 0; seed++) {
         bool done = false;
         mem_allows = allow_some;
         for (int n = 0; !done && n < 1000 && check_failures == 0; n++) {

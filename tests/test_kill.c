@@ -208,9 +208,8 @@ static void kill_and_compare(struct victim *v, size_t *acknowledged)
 
 static unsigned rounds_wanted(void)
 {
-    const char *factor = getenv("IFTTY_TEST_SCALE");
-    const int scale = factor ? atoi(factor) : 1;
-    return scale > 1 ? 50 * (unsigned)scale : 25;
+    const unsigned scale = check_scaled(1);
+    return scale > 1 ? 50 * scale : 25;
 }
 
 STORY(kill_9_at_any_moment_takes_nothing_that_was_acknowledged)

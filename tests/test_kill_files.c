@@ -284,10 +284,9 @@ static void empty_folder(void)
 
 STORY(a_kill_at_any_step_leaves_whole_files_and_a_journal_that_verifies)
 {
-    const char *factor = getenv("IFTTY_TEST_SCALE");
     unsigned acknowledged, points = 0, drafts = 0, leftovers = 0;
     struct buf told = {0};
-    scale = factor ? (unsigned)atoi(factor) : 1;
+    scale = check_scaled(1);
     dies = true;
     for (unsigned step = 0; check_failures == 0 && kill_at(step, &acknowledged); points++) {
         step += acknowledged > GOLDENS && scale == 1 ? 9 : 1;

@@ -104,8 +104,7 @@ static void random_scene(struct stage *s, uint64_t *random)
 STORY(each_pixel_has_the_layers_that_its_ray_passes)
 {
     uint64_t random = 5;
-    const char *factor = getenv("IFTTY_TEST_SCALE");
-    const int scenes = 1500 * (factor ? atoi(factor) : 1);
+    const int scenes = (int)check_scaled(1500);
     size_t pixels = 0, others = 0, layers = 0;
     for (int i = 0; i < scenes; i++) {
         struct stage s;

@@ -271,8 +271,7 @@ static void verifies(const char *journal)
 
 STORY(seeds_are_what_the_commands_that_stand_give)
 {
-    const char *factor = getenv("IFTTY_TEST_SCALE");
-    const int rounds = 25 * (factor ? atoi(factor) : 1);
+    const int rounds = (int)check_scaled(25);
     char journal[PATH_MAX], line[LINE] = "";
     snprintf(journal, sizeof journal, "%s", place("markers.iftty"));
     for (int i = 0; i < rounds && check_failures < 5; i++) { /* each of 40 sessions */

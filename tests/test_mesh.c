@@ -7,12 +7,6 @@
 #include "tests/stage.h"
 #include "tests/stopping.h"
 
-static unsigned scaled(unsigned count)
-{
-    const char *factor = getenv("IFTTY_TEST_SCALE");
-    return factor ? count * (unsigned)atoi(factor) : count;
-}
-
 /* ---- one mesh beside another ---- */
 
 static bool is_same_vertex(const struct mesh_brick *a, const struct mesh_quad *p,
@@ -226,7 +220,7 @@ static void happens(struct stage *s, enum mesh_kind *kind, uint64_t *random)
 
 STORY(a_mesh_that_follows_is_the_one_from_nothing)
 {
-    for (unsigned number = 0; number < scaled(70) && check_failures == 0; number++) {
+    for (unsigned number = 0; number < check_scaled(70) && check_failures == 0; number++) {
         uint64_t random = number;
         struct stage s;
         enum mesh_kind kind = MESH_SMOOTH;
@@ -308,7 +302,7 @@ STORY(any_number_of_threads_makes_the_same_mesh)
     for (int i = 0; i < 2; i++) {
         struct team *team = NULL;
         CHECK(team_new(&team, threads[i], NULL) == OK);
-        for (unsigned number = 0; number < scaled(8) && check_failures == 0; number++) {
+        for (unsigned number = 0; number < check_scaled(8) && check_failures == 0; number++) {
             uint64_t random = 100 + number;
             struct stage s;
             enum mesh_kind kind = MESH_SMOOTH;
@@ -393,13 +387,13 @@ static void fails_and_comes_right(unsigned number, bool is_stopped)
 
 STORY(an_update_without_memory_changes_nothing_and_the_next_is_right)
 {
-    for (unsigned number = 0; number < scaled(12) && check_failures == 0; number++)
+    for (unsigned number = 0; number < check_scaled(12) && check_failures == 0; number++)
         fails_and_comes_right(number, false);
 }
 
 STORY(an_update_that_is_stopped_changes_nothing_and_the_next_is_right)
 {
-    for (unsigned number = 0; number < scaled(12) && check_failures == 0; number++)
+    for (unsigned number = 0; number < check_scaled(12) && check_failures == 0; number++)
         fails_and_comes_right(number, true);
 }
 
@@ -430,7 +424,7 @@ static void hear(void *context, const struct mesh *mesh, uint32_t number,
 
 STORY(who_listens_hears_of_every_brick_that_becomes_another)
 {
-    for (unsigned number = 0; number < scaled(10) && check_failures == 0; number++) {
+    for (unsigned number = 0; number < check_scaled(10) && check_failures == 0; number++) {
         uint64_t random = 50 + number;
         struct stage s;
         struct mesh copy;

@@ -9,12 +9,6 @@
 #include "tests/ray_search.h"
 #include "tests/stage.h"
 
-static unsigned scaled(unsigned count)
-{
-    const char *factor = getenv("IFTTY_TEST_SCALE");
-    return factor ? count * (unsigned)atoi(factor) : count;
-}
-
 /* Intensities below 1000 in a small scene that is seen from anywhere, and may be cut. */
 static void stage_at_random(struct stage *s, uint64_t *random)
 {
@@ -75,7 +69,7 @@ STORY(a_pixel_is_as_bright_as_the_brightest_voxel_on_its_ray)
     struct team *team[4] = {NULL};
     for (unsigned i = 2; i < 4; i++)
         CHECK(team_new(&team[i], i, NULL) == OK);
-    for (unsigned i = 0; i < scaled(400) && check_failures == 0; i++) {
+    for (unsigned i = 0; i < check_scaled(400) && check_failures == 0; i++) {
         struct stage s;
         struct mip mip = {0};
         stage_at_random(&s, &random);

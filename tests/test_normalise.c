@@ -7,12 +7,6 @@
 #include "render/light.h"
 #include "tests/stage.h"
 
-static unsigned scaled(unsigned count)
-{
-    const char *factor = getenv("IFTTY_TEST_SCALE");
-    return factor ? count * (unsigned)atoi(factor) : count;
-}
-
 /* Of any length, with parts of any length; some of them 0. */
 static int32_t random_part(uint64_t *random)
 {
@@ -56,7 +50,7 @@ static bool is_right(const struct directions *d, const struct gradients *g, int 
 STORY(many_gradients_at_once_become_what_each_of_them_does)
 {
     uint64_t random = 1;
-    for (unsigned round = 0; round < scaled(50000) && check_failures == 0; round++) {
+    for (unsigned round = 0; round < check_scaled(50000) && check_failures == 0; round++) {
         const struct gradients g = random_gradients(&random);
         struct directions d;
         normalise_all(&d, &g);
@@ -115,7 +109,7 @@ STORY(many_surfaces_at_once_are_lit_as_each_of_them_is)
     uint64_t random = 2;
     struct stage s;
     CHECK(stage_init(&s, (uint32_t[]){5, 5, 5}, 6, NULL) == OK);
-    for (unsigned round = 0; round < scaled(3000) && check_failures == 0; round++) {
+    for (unsigned round = 0; round < check_scaled(3000) && check_failures == 0; round++) {
         const int32_t angle[2] = {(int32_t)check_below(&random, 360001) - 180000,
                                   (int32_t)check_below(&random, 180001) - 90000};
         const struct gradients g = random_gradients(&random);

@@ -11,12 +11,6 @@
 #include "tests/scarce_memory.h"
 #include "tests/stage.h"
 
-static unsigned scaled(unsigned count)
-{
-    const char *factor = getenv("IFTTY_TEST_SCALE");
-    return factor ? count * (unsigned)atoi(factor) : count;
-}
-
 /* ---- bricks ---- */
 
 /* How many voxels are shown of a brick, by its number from the scene's first on, of 64. */
@@ -129,7 +123,7 @@ static void show_at_random(struct stage *s, uint64_t *random)
 
 STORY(bricks_are_what_is_counted_and_follow_edits_cuts_and_what_is_hidden)
 {
-    for (unsigned number = 0; number < scaled(30) && check_failures == 0; number++) {
+    for (unsigned number = 0; number < check_scaled(30) && check_failures == 0; number++) {
         uint64_t random = number;
         struct stage s;
         struct bricks bricks = {0};
@@ -195,7 +189,7 @@ static uint32_t most_around(const struct stage *s, const uint32_t voxel[3], uint
 STORY(nothing_counts_that_is_beyond_the_reach)
 {
     static const uint32_t spacing[][3] = {{1, 1, 1}, {1, 1, 2}, {5, 1, 1}, {2, 3, 2}, {1, 6, 40}};
-    for (unsigned number = 0; number < scaled(25) && check_failures == 0; number++) {
+    for (unsigned number = 0; number < check_scaled(25) && check_failures == 0; number++) {
         uint64_t random = number;
         struct stage s;
         uint32_t voxel[3];
@@ -296,7 +290,7 @@ STORY(what_is_flat_or_convex_stays_as_it_is)
 {
     static const uint32_t spacing[][3] = {{1, 1, 1}, {1, 1, 3}, {5, 1, 1}, {2, 3, 2}, {1, 2, 4}};
     enum { SPACINGS = sizeof spacing / sizeof spacing[0] };
-    for (unsigned number = 0; number < scaled(30) && check_failures == 0; number++) {
+    for (unsigned number = 0; number < check_scaled(30) && check_failures == 0; number++) {
         uint64_t random = number;
         struct stage s;
         struct brightness b;
@@ -425,7 +419,7 @@ STORY(four_ways_agree_and_the_incremental_image_follows_edits)
 {
     struct team *team = NULL;
     CHECK(team_new(&team, 3, NULL) == OK);
-    for (unsigned number = 0; number < scaled(30) && check_failures == 0; number++)
+    for (unsigned number = 0; number < check_scaled(30) && check_failures == 0; number++)
         sitting(number, number % 2 ? team : NULL);
     team_free(team);
 }

@@ -179,8 +179,7 @@ static void random_sitting(uint64_t seed)
 
 STORY(the_four_modes_agree_in_every_pixel)
 {
-    const char *factor = getenv("IFTTY_TEST_SCALE");
-    unsigned sittings = 160 * (unsigned)(factor ? atoi(factor) : 1);
+    const unsigned sittings = check_scaled(160);
     for (unsigned i = 0; i < sittings && check_failures == 0; i++)
         random_sitting(i);
 }

@@ -3,8 +3,6 @@
 #include "check.h"
 #include "stopping.h"
 
-#include <stdlib.h>
-
 #include "render/bands.h"
 #include "tests/stage.h"
 
@@ -16,12 +14,6 @@ enum { FIRST = 101, SCENES = 4, STOPS = 14 };
 #else
 enum { FIRST = 0, SCENES = 10, STOPS = 40 };
 #endif
-
-static unsigned scaled(unsigned count)
-{
-    const char *factor = getenv("IFTTY_TEST_SCALE");
-    return factor ? count * (unsigned)atoi(factor) : count;
-}
 
 /* A few objects of any shape, seen from anywhere, large enough that the work is shared. */
 static void stage_at_random(struct stage *s, uint64_t *random)
@@ -105,7 +97,7 @@ STORY(one_to_three_threads_draw_the_same_picture)
     struct team *team[THREADS_MOST + 1] = {NULL};
     for (unsigned threads = 2; threads <= THREADS_MOST; threads++)
         CHECK(team_new(&team[threads], threads, NULL) == OK);
-    for (unsigned number = FIRST; number < FIRST + scaled(SCENES) && check_failures == 0;
+    for (unsigned number = FIRST; number < FIRST + check_scaled(SCENES) && check_failures == 0;
          number++) {
         uint64_t digest[THREADS_MOST + 1][3];
         for (unsigned threads = 1; threads <= THREADS_MOST; threads++) {

@@ -5,8 +5,6 @@
 #include "stopping.h"
 #include "world.h"
 
-#include <stdlib.h>
-
 #include "base/team.h"
 
 enum { WORKERS = 8 };
@@ -18,12 +16,6 @@ enum { FIRST = 101 };
 enum { FIRST = 1 };
 #endif
 enum { SHARE = 2 };
-
-static unsigned scaled(unsigned count)
-{
-    const char *factor = getenv("IFTTY_TEST_SCALE");
-    return factor ? count * (unsigned)atoi(factor) : count;
-}
 
 /* ---- the team itself ---- */
 
@@ -135,7 +127,8 @@ STORY(one_to_eight_workers_grow_the_same_forest)
     struct team *team[WORKERS + 1] = {NULL};
     for (unsigned workers = 2; workers <= WORKERS; workers++)
         CHECK(team_new(&team[workers], workers, NULL) == OK);
-    for (uint64_t number = FIRST; number < FIRST + scaled(8) && check_failures == 0; number++) {
+    for (uint64_t number = FIRST; number < FIRST + check_scaled(8) && check_failures == 0;
+         number++) {
         struct world alone = random_world(number, NULL);
         grow(&alone, number);
         CHECK(forest_check(alone.forest, NULL));
@@ -159,7 +152,8 @@ STORY(a_shared_pass_cancelled_at_any_level_leaves_an_empty_forest)
 {
     struct team *team;
     CHECK(team_new(&team, 3, NULL) == OK);
-    for (uint64_t number = FIRST; number < FIRST + scaled(3) && check_failures == 0; number++) {
+    for (uint64_t number = FIRST; number < FIRST + check_scaled(3) && check_failures == 0;
+         number++) {
         uint64_t random = number;
         struct world w = random_world(number, team);
         struct edit batch[BATCH];

@@ -505,15 +505,9 @@ static void random_session(uint64_t seed, unsigned steps, struct team *team)
     world_free(&w);
 }
 
-static unsigned scaled(unsigned count)
-{
-    const char *factor = getenv("IFTTY_TEST_SCALE");
-    return factor ? count * (unsigned)atoi(factor) : count;
-}
-
 STORY(random_edits_equal_the_oracle_and_a_run_from_scratch)
 {
-    for (unsigned i = 0; i < scaled(700) && check_failures == 0; i++)
+    for (unsigned i = 0; i < check_scaled(700) && check_failures == 0; i++)
         random_session(i, 16, NULL);
     CHECK(holes_seen > 1000);
 }
@@ -523,7 +517,7 @@ STORY(threads_change_nothing)
     struct team *team;
     if (!CHECK(team_new(&team, 3, NULL) == OK))
         return;
-    for (unsigned i = 0; i < scaled(40) && check_failures == 0; i++)
+    for (unsigned i = 0; i < check_scaled(40) && check_failures == 0; i++)
         random_session(100000 + i, 12, team);
     team_free(team);
 }

@@ -83,6 +83,11 @@ bool scan_is_list(const char *text, int64_t least, int64_t most)
     return at != text && *at == '\0';
 }
 
+bool scan_is_hex(const char *text, size_t digits)
+{
+    return strspn(text, "0123456789abcdef") == digits && !text[digits];
+}
+
 bool scan_hex(const char **cursor, unsigned digits, uint64_t *out)
 {
     static const char hex[] = "0123456789abcdef";

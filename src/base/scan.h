@@ -38,6 +38,7 @@ bool scan_is_list(const char *text, int64_t least, int64_t most);
 
 /* Exactly `digits` lower-case hexadecimal digits. */
 bool scan_hex(const char **cursor, unsigned digits, uint64_t *out);
+bool scan_is_hex(const char *text, size_t digits); /* the text is these and no more */
 
 /* This very text. */
 bool scan_text(const char **cursor, const char *text);

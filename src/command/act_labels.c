@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/mem.h"
+#include "base/scan.h"
 #include "command/act_names.h"
 #include "command/answers.h"
 #include "command/files.h"
@@ -175,7 +176,7 @@ static enum err read_recorded(struct volume *map, const struct act *act, const c
     const struct value *numbered = act_value(act, "numbers");
     struct buf path = {0}, numbers = {0};
     char digest[LABEL_COPY_DIGEST];
-    if (!label_copy_is_digest(recorded))
+    if (!scan_is_hex(recorded, LABEL_COPY_DIGEST - 1))
         return fault_set(act->fault, ERR_USAGE,
                          "copy: expected %d digits 0-9a-f, as a journal has them, not %s",
                          LABEL_COPY_DIGEST - 1, recorded);

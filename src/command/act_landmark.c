@@ -41,15 +41,10 @@ enum err act_landmark(const struct act *act)
 
 /* ---- the origin ---- */
 
-static bool is_hex(const char *text, size_t digits)
-{
-    return strlen(text) == digits && strspn(text, "0123456789abcdef") == digits;
-}
-
 static enum err check_digest(const struct act *act, const char *key)
 {
     const char *text = act_text(act, key);
-    return !text || is_hex(text, SHA256_HEX - 1)
+    return !text || scan_is_hex(text, SHA256_HEX - 1)
                ? OK
                : fault_set(act->fault, ERR_USAGE, "%s: expected the 64 digits of a SHA-256, not %s",
                            key, text);
@@ -97,7 +92,7 @@ enum err act_origin(const struct act *act)
     const bool is_none = strcmp(procedure, "none") == 0;
     struct buf words = {0};
     enum err err =
-        is_none || is_hex(procedure, 32)
+        is_none || scan_is_hex(procedure, 32)
             ? OK
             : fault_set(act->fault, ERR_USAGE,
                         "PROCEDURE: expected the 32 digits of a chain, or none, not %s", procedure);

@@ -7,19 +7,12 @@
 
 #include "base/file.h"
 #include "base/safe.h"
+#include "base/scan.h"
 #include "image/exr.h"
 #include "journal/golden.h"
 #include "journal/record.h"
 
 /* ---- notes ---- */
-
-static const char digits[] = "0123456789", hex_digits[] = "0123456789abcdef";
-
-static bool is_of(const char *text, const char *letters, size_t least, size_t most)
-{
-    const size_t length = strspn(text, letters);
-    return !text[length] && length >= least && length <= most;
-}
 
 bool golden_note_is_of_its_time(const struct attribute *note)
 {
@@ -28,13 +21,12 @@ bool golden_note_is_of_its_time(const struct attribute *note)
     if (strcmp(name, "iftty:journal") == 0)
         return !strchr(value, '/') && !*safe_end(value);
     if (strcmp(name, "iftty:chain") == 0)
-        return is_of(value, hex_digits, RECORD_CHAIN_DIGITS, RECORD_CHAIN_DIGITS);
+        return scan_is_hex(value, RECORD_CHAIN_DIGITS);
     if (strcmp(name, "Software") != 0 || strncmp(value, program, sizeof program - 1) != 0)
         return false;
     value += sizeof program - 1;
-    const size_t major = strspn(value, digits);
-    value += major;
-    return major && *value == '.' && is_of(value + 1, "0123456789.", 1, 16);
+    const size_t major = strspn(value, "0123456789"), all = strspn(value, "0123456789.");
+    return major && all > major + 1 && all <= major + 17 && !value[all];
 }
 
 static enum err refuse_note(const struct attribute *note, const char *drawn, struct fault *fault)

@@ -112,8 +112,7 @@ static enum err check_options(const struct options *o, struct fault *fault)
                          o->until);
     if (o->strict && o->no_strict)
         return fault_set(fault, ERR_USAGE, "--strict and --no-strict: give one of them");
-    if (o->expect && (o->words != 1 || strlen(o->expect) != RECORD_CHAIN_DIGITS ||
-                      strspn(o->expect, "0123456789abcdef") != RECORD_CHAIN_DIGITS))
+    if (o->expect && (o->words != 1 || !scan_is_hex(o->expect, RECORD_CHAIN_DIGITS)))
         return fault_set(fault, ERR_USAGE,
                          "--expect: expected one journal, and the 32 digits of its last chain");
     if ((o->revoked || o->signed_at) && !o->allowed_signers)

@@ -373,12 +373,6 @@ enum err label_copy_digest(char digest[LABEL_COPY_DIGEST], const struct volume *
     return watch_fault(watch, fault);
 }
 
-bool label_copy_is_digest(const char *text)
-{
-    return strlen(text) == LABEL_COPY_DIGEST - 1 &&
-           strspn(text, "0123456789abcdef") == LABEL_COPY_DIGEST - 1;
-}
-
 void label_copy_name(struct buf *out, const char *digest)
 {
     buf_printf(out, "labels-%s.nii.gz", digest);

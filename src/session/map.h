@@ -101,7 +101,6 @@ enum { LABEL_COPY_DIGEST = 33 }; /* 32 digits and NUL: 128 bits of SHA-256 */
  * 16 bits; all little-endian. */
 enum err label_copy_digest(char digest[LABEL_COPY_DIGEST], const struct volume *map,
                            struct watch *watch, struct fault *fault); /* ERR_CANCELLED */
-bool label_copy_is_digest(const char *text);
 
 /* Adds the name of a copy in its folder. */
 void label_copy_name(struct buf *out, const char *digest);

@@ -86,11 +86,6 @@ static void write_entry(struct buf *out, const char *name, const char *facts)
     buf_printf(out, "journal %s\n%s", name, facts);
 }
 
-static bool is_hex(const char *text, size_t digits)
-{
-    return strspn(text, "0123456789abcdef") == digits && !text[digits];
-}
-
 static bool is_golden(const char *text)
 {
     char name[80] = "";
@@ -98,7 +93,7 @@ static bool is_golden(const char *text)
     if (length >= sizeof name || text[length] != ' ')
         return false;
     memcpy(name, text, length);
-    return golden_name_is_valid(name) && is_hex(text + length + 1, 64);
+    return golden_name_is_valid(name) && scan_is_hex(text + length + 1, 64);
 }
 
 /* Whether what follows the word is as it has to be. */
@@ -110,11 +105,11 @@ static bool is_value(enum kind kind, const char *value)
     case KIND_JOURNAL:
         return lock_name_is_valid(value);
     case KIND_CHAIN:
-        return is_hex(value, RECORD_CHAIN_DIGITS);
+        return scan_is_hex(value, RECORD_CHAIN_DIGITS);
     case KIND_RECORDS:
         return (*value != '0' || !value[1]) && scan_integer(&at, 0, INT64_MAX, &count) && !*at;
     case KIND_SCENE:
-        return is_hex(value, 16);
+        return scan_is_hex(value, 16);
     default:
         return is_golden(value);
     }
