@@ -164,14 +164,11 @@ static inline void put_normal(struct rendition *r, size_t pixel, const struct di
 
 /* ---- tiles ---- */
 
-/* Labels of a tile. Empty pixels get no colour and no normal; true where all of them are empty. */
-static bool label_tile(struct rendition *r, const struct border *border, struct tile_bounds tile)
+/* Labels of a tile. Empty pixels get no colour and no normal. */
+static void label_tile(struct rendition *r, const struct border *border, struct tile_bounds tile)
 {
-    bool is_empty = true;
     uint32_t last = CELL_NONE;
     uint8_t label = 0;
-    if (r->layers)
-        return layers_pick(r, border, tile);
     for (uint32_t y = tile.top; y < tile.bottom; y++)
         for (uint32_t x = tile.left; x < tile.right; x++) {
             const size_t pixel = (size_t)y * r->width + x;
@@ -179,12 +176,10 @@ static bool label_tile(struct rendition *r, const struct border *border, struct 
             if (cell != last)
                 label = cell == CELL_NONE ? 0 : labels_at(&border->labels, cell);
             last = cell;
-            is_empty = is_empty && cell == CELL_NONE;
             r->label[pixel] = label;
             if (cell == CELL_NONE)
                 rendition_empty(r, pixel, 1);
         }
-    return is_empty;
 }
 
 /* Whether nothing is seen in a tile. */
@@ -199,18 +194,21 @@ static bool is_bare(const struct rendition *r, struct tile_bounds tile)
     return all == CELL_NONE;
 }
 
+/* Those of layers come when they are blended. */
 static void label_tiles(struct rendition *r, size_t first, size_t end, const struct shading *s)
 {
     for (size_t i = rendition_tile(r, first, end, TILE_STALE); i < end;
          i = rendition_tile(r, i + 1, end, TILE_STALE)) {
         const struct tile_bounds tile = rendition_bounds(r, i);
-        const bool bare = !r->layers && is_bare(r, tile);
+        const bool bare = r->layers ? layers_are_none(r->layers, tile) : is_bare(r, tile);
         if (bare && !r->blank[i])
             for (uint32_t y = tile.top; y < tile.bottom; y++)
                 rendition_empty(r, (size_t)y * r->width + tile.left, tile.right - tile.left);
         r->blank[i] = bare;
-        if (bare || label_tile(r, s->border, tile))
+        if (bare)
             r->stale[i] = TILE_EMPTY;
+        else if (!r->layers)
+            label_tile(r, s->border, tile);
     }
 }
 
@@ -323,8 +321,7 @@ static void blend_tile(struct rendition *r, struct shade *shade, struct tile_bou
         for (unsigned i = 0; i < p->count; i++) {
             const size_t pixel = (size_t)p->y[i] * r->width + p->x[i];
             const uint8_t rgb[3] = {lit->colour[0][i], lit->colour[1][i], lit->colour[2][i]};
-            blend_add(&blend, i, rgb);
-            if (p->depth[i] == r->depth[pixel])
+            if (blend_add(&blend, i, rgb))
                 put_normal(r, pixel, &shade->normals, i);
         }
     }
