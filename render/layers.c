@@ -1,5 +1,6 @@
 #include "render/layers.h"
 
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -139,49 +140,22 @@ static uint32_t share_of(uint32_t left, unsigned opacity)
     return left - share < LIGHT_LEAST ? left : share;
 }
 
-static struct layer pick(const struct layers *l, const uint8_t opacity[256], size_t pixel)
+bool layers_are_none(const struct layers *l, struct tile_bounds tile)
 {
-    struct layer found = layers_at(l, pixel, 0);
-    uint32_t left = LIGHT_ALL, most = found.label ? share_of(left, opacity[found.label]) : left;
-    left -= most;
-    for (unsigned number = 1; left > most; number++) {
-        const struct layer layer = layers_at(l, pixel, number);
-        if (!layer.label)
-            break;
-        const uint32_t share = share_of(left, opacity[layer.label]);
-        found = share > most ? layer : found;
-        most = share > most ? share : most;
-        left -= share;
-    }
-    return found;
-}
-
-bool layers_pick(struct rendition *r, const struct border *border, struct tile_bounds tile)
-{
-    bool is_empty = true;
     for (uint32_t y = tile.top; y < tile.bottom; y++)
-        for (uint32_t x = tile.left; x < tile.right; x++) {
-            const size_t pixel = (size_t)y * r->width + x;
-            const struct layer layer = pick(r->layers, border->opacity, pixel);
-            r->depth[pixel] = layer.depth;
-            r->cell[pixel] = layer.cell;
-            r->label[pixel] = layer.label;
-            is_empty = is_empty && !layer.label;
-            if (layer.label)
-                continue;
-            memset(r->rgba + 4 * pixel, 0, 4);
-            memset(r->normal + 4 * pixel, 0, 4 * sizeof *r->normal);
-        }
-    return is_empty;
+        for (uint32_t x = tile.left; x < tile.right; x++)
+            if (layers_at(l, (size_t)y * l->width + x, 0).label)
+                return false;
+    return true;
 }
 
 /* ---- blending ---- */
 
 /* The pixel of a tile that has this number in it. */
-static inline size_t pixel_at(const struct blend *blend, unsigned number)
+static inline size_t pixel_at(const struct blend *blend, const struct rendition *r, unsigned number)
 {
     const size_t x = blend->tile.left + number % TILE, y = blend->tile.top + number / TILE;
-    return y * blend->layers->width + x;
+    return y * r->width + x;
 }
 
 /* Rows of a tile lie far from each other, in as many planes as there are layers: they are asked for
@@ -196,53 +170,74 @@ static void fetch(const struct layers *l, struct tile_bounds tile)
         }
 }
 
+static void next_pixel(struct blend *blend)
+{
+    const uint32_t width = blend->tile.right - blend->tile.left;
+    do
+        blend->at++;
+    while (blend->at % TILE >= width);
+    blend->number = 0;
+    blend->left = LIGHT_ALL;
+    blend->most = 0;
+}
+
 void blend_begin(struct blend *blend, const struct rendition *r, const struct border *border,
                  struct tile_bounds tile)
 {
-    blend->layers = r->layers;
     blend->border = border;
     blend->tile = tile;
-    blend->at = blend->number = 0;
-    blend->left = LIGHT_ALL;
+    blend->at = UINT_MAX;
+    next_pixel(blend);
     memset(blend->sum, 0, sizeof blend->sum);
     fetch(r->layers, tile);
 }
 
-bool blend_take(struct blend *blend, const struct rendition *r, struct tile_pixels *p)
+bool blend_take(struct blend *blend, struct rendition *r, struct tile_pixels *p)
 {
-    const uint32_t width = blend->tile.right - blend->tile.left;
     const unsigned end = (blend->tile.bottom - blend->tile.top) * TILE;
     p->count = 0;
     while (blend->at < end && p->count < TILE * TILE) {
-        const size_t pixel = pixel_at(blend, blend->at);
-        if (blend->left && blend->at % TILE < width && r->label[pixel]) {
-            const struct layer layer = layers_at(blend->layers, pixel, blend->number++);
-            if (layer.label) {
-                const uint32_t share = share_of(blend->left, blend->border->opacity[layer.label]);
-                blend->left -= share;
-                blend->of[p->count] = blend->at;
-                blend->share[p->count] = share;
-                p->x[p->count] = blend->tile.left + blend->at % TILE;
-                p->y[p->count] = blend->tile.top + blend->at / TILE;
-                p->depth[p->count] = layer.depth;
-                p->cell[p->count] = layer.cell;
-                p->label[p->count++] = layer.label;
-                continue;
-            }
+        const size_t pixel = pixel_at(blend, r, blend->at);
+        const struct layer layer = layers_at(r->layers, pixel, blend->number);
+        if (!layer.label) {
+            if (blend->number == 0)
+                rendition_empty(r, pixel, 1);
+            next_pixel(blend);
+            continue;
         }
-        blend->at++;
-        blend->number = 0;
-        blend->left = LIGHT_ALL;
+        const uint32_t share = share_of(blend->left, blend->border->opacity[layer.label]);
+        const bool is_seen = share > blend->most;
+        const unsigned i = p->count++;
+        blend->taken[i].of = blend->at;
+        blend->taken[i].share = share;
+        blend->taken[i].is_seen = is_seen;
+        p->x[i] = blend->tile.left + blend->at % TILE;
+        p->y[i] = blend->tile.top + blend->at / TILE;
+        p->depth[i] = layer.depth;
+        p->cell[i] = layer.cell;
+        p->label[i] = layer.label;
+        if (is_seen) {
+            r->depth[pixel] = layer.depth;
+            r->cell[pixel] = layer.cell;
+            r->label[pixel] = layer.label;
+            blend->most = share;
+        }
+        blend->left -= share;
+        blend->number++;
+        if (!blend->left)
+            next_pixel(blend);
     }
     return p->count > 0;
 }
 
-void blend_add(struct blend *blend, unsigned which, const uint8_t rgb[3])
+bool blend_add(struct blend *blend, unsigned which, const uint8_t rgb[3])
 {
-    const uint32_t share = blend->share[which];
-    blend->sum[blend->of[which]].all += share;
+    const uint32_t share = blend->taken[which].share;
+    const unsigned of = blend->taken[which].of;
+    blend->sum[of].all += share;
     for (int k = 0; k < 3; k++)
-        blend->sum[blend->of[which]].squares[k] += share * rgb[k] * rgb[k];
+        blend->sum[of].squares[k] += share * rgb[k] * rgb[k];
+    return blend->taken[which].is_seen;
 }
 
 void blend_end(const struct blend *blend, struct rendition *r)
@@ -251,9 +246,9 @@ void blend_end(const struct blend *blend, struct rendition *r)
         const uint32_t all = blend->sum[i].all;
         if (all == 0)
             continue;
-        uint8_t *rgba = r->rgba + 4 * pixel_at(blend, i);
+        uint8_t *rgba = r->rgba + 4 * pixel_at(blend, r, i);
         for (int k = 0; k < 3; k++)
-            rgba[k] = blend->layers->root[blend->sum[i].squares[k] / all];
+            rgba[k] = r->layers->root[blend->sum[i].squares[k] / all];
         rgba[3] = (uint8_t)((all * 255 + LIGHT_ALL / 2) / LIGHT_ALL);
     }
 }

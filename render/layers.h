@@ -79,31 +79,33 @@ void layers_put(struct layers *layers, size_t pixel, struct layer layer, bool is
 
 /* ---- shading ---- */
 
-/* Depths, voxels and labels of the pixels of a tile; true where none of them shows anything. */
-bool layers_pick(struct rendition *rendition, const struct border *border, struct tile_bounds tile);
+/* Whether a tile shows nothing. */
+bool layers_are_none(const struct layers *layers, struct tile_bounds tile);
 
 /* A tile in the making. */
 struct blend {
-    const struct layers *layers;
     const struct border *border;
     struct tile_bounds tile;
-    unsigned at, number;         /* the next pixel of the tile, and the next layer of it; */
-    uint32_t left;               /* of its light, of 2^16 */
-    unsigned of[TILE * TILE];    /* of each layer that was taken: whose it is, */
-    uint32_t share[TILE * TILE]; /* and what of the light is */
+    unsigned at, number; /* the next pixel of the tile, and the next layer of it; */
+    uint32_t left, most; /* of its light, of 2^16, and the largest share so far */
+    struct {             /* of each layer that was taken: */
+        unsigned of;     /* whose it is, */
+        uint32_t share;  /* what of the light is, */
+        bool is_seen;    /* and whether that is more than of those before it */
+    } taken[TILE * TILE];
     struct {
         uint32_t all, squares[3]; /* shares so far, and those of squares of colours */
     } sum[TILE * TILE];
 };
 
-/* Depths, voxels and labels of the tile are made. */
 void blend_begin(struct blend *blend, const struct rendition *rendition,
                  const struct border *border, struct tile_bounds tile);
 /* The next layers, for the caller to shade them: pixel by pixel, each from the nearest on. False
  * after the last. */
-bool blend_take(struct blend *blend, const struct rendition *rendition, struct tile_pixels *pixels);
-/* Adds the colour of a layer that was taken. */
-void blend_add(struct blend *blend, unsigned which, const uint8_t rgb[3]);
+bool blend_take(struct blend *blend, struct rendition *rendition, struct tile_pixels *pixels);
+/* Adds the colour of a layer that was taken; whether the pixel is to have its normal, unless that
+ * is said of a later one too. */
+bool blend_add(struct blend *blend, unsigned which, const uint8_t rgb[3]);
 void blend_end(const struct blend *blend, struct rendition *rendition);
 
 #endif

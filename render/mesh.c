@@ -736,7 +736,7 @@ enum err mesh_update(struct mesh *mesh, const struct border *border, enum mesh_k
         mark_recounted(mesh);
     if (err || (!mesh->is_stale && mesh->version == border->version))
         return err;
-    const struct mesh former = *mesh;
+    struct mesh former = *mesh;
     take_after(mesh, border, kind);
     if (!find_regions(&u))
         err = fault_memory(fault, "a surface");
@@ -754,6 +754,7 @@ enum err mesh_update(struct mesh *mesh, const struct border *border, enum mesh_k
         for (size_t b = 0; b < sizeof u.region[i].brick / sizeof *u.region[i].brick; b++)
             free_brick(u.region[i].brick[b]);
     }
+    memcpy(former.scratch, mesh->scratch, sizeof former.scratch);
     if (err)
         *mesh = former;
     else

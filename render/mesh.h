@@ -14,7 +14,8 @@
  *   M1 after mesh_update, bricks are a function of what the border shows, of its labels and
  *      opacities, whatever order edits came in; quads of a brick are in the order of voxel and
  *      face;
- *   M2 along each axis, a vertex lies at most MESH_BEYOND outside the centres of its brick's voxels.
+ *   M2 along each axis, a vertex lies at most MESH_BEYOND outside the centres of the voxels of its
+ *      brick.
  */
 #ifndef RENDER_MESH_H
 #define RENDER_MESH_H

@@ -110,8 +110,8 @@ static bool is_cut_open(const struct shading *s, uint32_t cell, unsigned open)
     return open && border_is_cut(s->border, cell + (uint32_t)((open - 1) & 1 ? step : -step));
 }
 
-/* A thread's. */
-struct shade {
+/* What a thread shades at a time: pixels of a tile, and what comes of them. */
+struct tile_shading {
     const struct shading *s;
     struct triangles triangles;
     struct tile_pixels pixels;
@@ -119,21 +119,21 @@ struct shade {
     struct lit lit;            /* and their colours */
 };
 
-static void shade_begin(struct shade *shade, const struct shading *s)
+static void shade_begin(struct tile_shading *t, const struct shading *s)
 {
-    shade->s = s;
-    triangles_init(&shade->triangles);
-    memset(&shade->lit, 0, sizeof shade->lit);
+    t->s = s;
+    triangles_init(&t->triangles);
+    memset(&t->lit, 0, sizeof t->lit);
 }
 
-static void shade_pixels(struct shade *shade)
+static void shade_pixels(struct tile_shading *t)
 {
-    const struct shading *s = shade->s;
-    const struct tile_pixels *p = &shade->pixels;
-    struct directions *normals = &shade->normals;
-    struct lit *lit = &shade->lit;
+    const struct shading *s = t->s;
+    const struct tile_pixels *p = &t->pixels;
+    struct directions *normals = &t->normals;
+    struct lit *lit = &t->lit;
     uint8_t open[NORMALISED];
-    normals_of(normals, open, &s->normals, &shade->triangles, p);
+    normals_of(normals, open, &s->normals, &t->triangles, p);
     for (unsigned i = 0; i < p->count; i++) {
         const int16_t normal[3] = {normals->along[0][i], normals->along[1][i],
                                    normals->along[2][i]};
@@ -164,14 +164,11 @@ static inline void put_normal(struct rendition *r, size_t pixel, const struct di
 
 /* ---- tiles ---- */
 
-/* Labels of a tile. Empty pixels get no colour and no normal; true where all of them are empty. */
-static bool label_tile(struct rendition *r, const struct border *border, struct tile_bounds tile)
+/* Labels of a tile. Empty pixels get no colour and no normal. */
+static void label_tile(struct rendition *r, const struct border *border, struct tile_bounds tile)
 {
-    bool is_empty = true;
     uint32_t last = CELL_NONE;
     uint8_t label = 0;
-    if (r->layers)
-        return layers_pick(r, border, tile);
     for (uint32_t y = tile.top; y < tile.bottom; y++)
         for (uint32_t x = tile.left; x < tile.right; x++) {
             const size_t pixel = (size_t)y * r->width + x;
@@ -179,12 +176,10 @@ static bool label_tile(struct rendition *r, const struct border *border, struct 
             if (cell != last)
                 label = cell == CELL_NONE ? 0 : labels_at(&border->labels, cell);
             last = cell;
-            is_empty = is_empty && cell == CELL_NONE;
             r->label[pixel] = label;
             if (cell == CELL_NONE)
                 rendition_empty(r, pixel, 1);
         }
-    return is_empty;
 }
 
 /* Whether nothing is seen in a tile. */
@@ -199,18 +194,21 @@ static bool is_bare(const struct rendition *r, struct tile_bounds tile)
     return all == CELL_NONE;
 }
 
+/* Those of layers come when they are blended. */
 static void label_tiles(struct rendition *r, size_t first, size_t end, const struct shading *s)
 {
     for (size_t i = rendition_tile(r, first, end, TILE_STALE); i < end;
          i = rendition_tile(r, i + 1, end, TILE_STALE)) {
         const struct tile_bounds tile = rendition_bounds(r, i);
-        const bool bare = !r->layers && is_bare(r, tile);
+        const bool bare = r->layers ? layers_are_none(r->layers, tile) : is_bare(r, tile);
         if (bare && !r->blank[i])
             for (uint32_t y = tile.top; y < tile.bottom; y++)
                 rendition_empty(r, (size_t)y * r->width + tile.left, tile.right - tile.left);
         r->blank[i] = bare;
-        if (bare || label_tile(r, s->border, tile))
+        if (bare)
             r->stale[i] = TILE_EMPTY;
+        else if (!r->layers)
+            label_tile(r, s->border, tile);
     }
 }
 
@@ -234,20 +232,20 @@ static void take_pixels(struct tile_pixels *pixels, const struct rendition *r,
         }
 }
 
-static void shade_mask(struct rendition *r, struct shade *shade, struct tile_bounds tile,
+static void shade_mask(struct rendition *r, struct tile_shading *t, struct tile_bounds tile,
                        tile_mask mask)
 {
-    const struct tile_pixels *p = &shade->pixels;
-    const struct lit *lit = &shade->lit;
-    take_pixels(&shade->pixels, r, tile, mask);
+    const struct tile_pixels *p = &t->pixels;
+    const struct lit *lit = &t->lit;
+    take_pixels(&t->pixels, r, tile, mask);
     if (p->count == 0)
         return;
-    shade_pixels(shade);
+    shade_pixels(t);
     for (unsigned i = 0; i < p->count; i++) {
         const size_t pixel = (size_t)p->y[i] * r->width + p->x[i];
         const uint8_t rgba[4] = {lit->colour[0][i], lit->colour[1][i], lit->colour[2][i], 255};
         memcpy(r->rgba + 4 * pixel, rgba, sizeof rgba);
-        put_normal(r, pixel, &shade->normals, i);
+        put_normal(r, pixel, &t->normals, i);
     }
 }
 
@@ -286,9 +284,9 @@ static void spread(struct rendition *r, size_t first, size_t from, uint32_t samp
 
 /* A tile of samples: of pixels that show one surface, the sample after half of them alone. Cuts
  * show voxels, which are no smaller than pixels here. */
-static void shade_samples(struct rendition *r, struct shade *shade, struct tile_bounds tile)
+static void shade_samples(struct rendition *r, struct tile_shading *t, struct tile_bounds tile)
 {
-    const uint32_t samples = shade->s->look->samples, half = samples / 2;
+    const uint32_t samples = t->s->look->samples, half = samples / 2;
     tile_mask all = ~(tile_mask)0, one = 0; /* samples to shade; those that stand for a pixel */
     tile_mask box = 0;
     for (uint32_t y = 0; y < samples; y++)
@@ -302,7 +300,7 @@ static void shade_samples(struct rendition *r, struct shade *shade, struct tile_
             all &= ~(box << (y * TILE + x));
             one |= (tile_mask)1 << stands;
         }
-    shade_mask(r, shade, tile, all | one);
+    shade_mask(r, t, tile, all | one);
     for (; one; one &= one - 1) {
         const unsigned bit = (unsigned)__builtin_ctzll(one);
         const uint32_t x = tile.left + bit % TILE, y = tile.top + bit / TILE;
@@ -312,20 +310,19 @@ static void shade_samples(struct rendition *r, struct shade *shade, struct tile_
 }
 
 /* Where objects are translucent: all layers of its pixels. */
-static void blend_tile(struct rendition *r, struct shade *shade, struct tile_bounds tile)
+static void blend_tile(struct rendition *r, struct tile_shading *t, struct tile_bounds tile)
 {
-    const struct tile_pixels *p = &shade->pixels;
-    const struct lit *lit = &shade->lit;
+    const struct tile_pixels *p = &t->pixels;
+    const struct lit *lit = &t->lit;
     struct blend blend;
-    blend_begin(&blend, r, shade->s->border, tile);
-    while (blend_take(&blend, r, &shade->pixels)) {
-        shade_pixels(shade);
+    blend_begin(&blend, r, t->s->border, tile);
+    while (blend_take(&blend, r, &t->pixels)) {
+        shade_pixels(t);
         for (unsigned i = 0; i < p->count; i++) {
             const size_t pixel = (size_t)p->y[i] * r->width + p->x[i];
             const uint8_t rgb[3] = {lit->colour[0][i], lit->colour[1][i], lit->colour[2][i]};
-            blend_add(&blend, i, rgb);
-            if (p->depth[i] == r->depth[pixel])
-                put_normal(r, pixel, &shade->normals, i);
+            if (blend_add(&blend, i, rgb))
+                put_normal(r, pixel, &t->normals, i);
         }
     }
     blend_end(&blend, r);
@@ -334,18 +331,18 @@ static void blend_tile(struct rendition *r, struct shade *shade, struct tile_bou
 static void shade_tiles(struct rendition *r, size_t first, size_t end, const struct shading *s,
                         struct task *task)
 {
-    struct shade shade;
-    shade_begin(&shade, s);
+    struct tile_shading t;
+    shade_begin(&t, s);
     for (size_t i = rendition_tile(r, first, end, TILE_STALE);
          i < end && task_advance(task, TILE * TILE);
          i = rendition_tile(r, i + 1, end, TILE_STALE)) {
         const struct tile_bounds tile = rendition_bounds(r, i);
         if (r->layers)
-            blend_tile(r, &shade, tile);
+            blend_tile(r, &t, tile);
         else if (s->has_pixels)
-            shade_samples(r, &shade, tile);
+            shade_samples(r, &t, tile);
         else
-            shade_mask(r, &shade, tile, ~(tile_mask)0);
+            shade_mask(r, &t, tile, ~(tile_mask)0);
         r->stale[i] = s->look->edges ? TILE_LIT : TILE_SHADED;
     }
 }

@@ -19,8 +19,8 @@ enum {
 struct net_scratch;
 
 /* Where the voxels are. `row` fills `count` voxels from (x, y, z) on, which may lie outside the
- * scene: 0 for air, the label 1..255 for a voxel of the object, or NET_CLOSED. Which label counts for
- * nothing where no face of the voxel has air or NET_CLOSED beside it, nor further than
+ * scene: 0 for air, the label 1..255 for a voxel of the object, or NET_CLOSED. Which label that is
+ * counts for nothing where no face of the voxel has air or NET_CLOSED beside it, nor further than
  * NET_LABEL_MARGIN outside the box. */
 struct net_source {
     void (*row)(void *context, int32_t x, int32_t y, int32_t z, uint32_t count, uint16_t *voxel);
