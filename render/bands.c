@@ -3,8 +3,8 @@
 #include "render/layers.h"
 #include "render/projection.h"
 
-/* More leave the caches. Of less, voxels that lie across two bands are drawn twice: it takes 2 % more
- * time to have half as many, which wide pictures spare memory by. */
+/* More leave the caches. Of less, voxels that lie across two bands are drawn twice: it takes 2 %
+ * more time to have half as many, which wide pictures spare memory by. */
 enum { SAMPLES_HIGH = 64, SAMPLES_LEAST_HIGH = 32, SAMPLES_A_BAND = 1 << 18 };
 
 /* What one thread draws into: a band, and where its colours depend on rows around, it and those. */
