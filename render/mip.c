@@ -113,26 +113,37 @@ static enum err take_source(struct drawing *d, const struct mip_source *source, 
 
 /* ---- along the rays ---- */
 
-/* The greatest of `most` and of the voxels of a block, which the ray leaves at `end`. */
-static uint8_t look_into(const struct mip *mip, struct walk walk, int64_t end, uint8_t most)
+/* The brightest voxel of a ray, and the crossing by which the ray comes into it. */
+struct peak {
+    int64_t at;
+    uint8_t grey;
+};
+
+/* The peak, or that of a block's voxels where it is brighter; the ray leaves the block at `end`. */
+static struct peak look_into(const struct mip *mip, struct walk walk, int64_t end, struct peak peak)
 {
     do
-        most = mip->grey[walk.cell] > most ? mip->grey[walk.cell] : most;
+        if (mip->grey[walk.cell] > peak.grey)
+            peak = (struct peak){walk.at, mip->grey[walk.cell]};
     while (walk_on(&walk) && walk.at < end);
-    return most;
+    return peak;
 }
 
-static uint8_t brightest(const struct mip *mip, const struct camera *camera, uint32_t x, uint32_t y)
+/* What is brightest in the ray beside is tried first: fewer blocks are brighter than that. */
+static struct peak brightest(const struct mip *mip, const struct camera *camera, uint32_t x,
+                             uint32_t y, struct peak beside)
 {
     struct walk blocks, walk;
-    uint8_t most = 0;
+    struct peak peak = {beside.at, 0};
     if (!walk_begin(&blocks, camera, MIP_BLOCK_BITS, x, y, INT64_MIN))
-        return 0;
+        return peak;
+    if (beside.grey && walk_begin(&walk, camera, 0, x, y, beside.at))
+        peak.grey = mip->grey[walk.cell];
     do
-        if (mip->most[blocks.cell] > most && walk_begin(&walk, camera, 0, x, y, blocks.at))
-            most = look_into(mip, walk, walk_leaves(&blocks), most);
-    while (most < WHITE && walk_on(&blocks));
-    return most;
+        if (mip->most[blocks.cell] > peak.grey && walk_begin(&walk, camera, 0, x, y, blocks.at))
+            peak = look_into(mip, walk, walk_leaves(&blocks), peak);
+    while (peak.grey < WHITE && walk_on(&blocks));
+    return peak;
 }
 
 /* Rows in turn: those in the middle take the most time. */
@@ -143,9 +154,13 @@ static void walk_share(void *context, unsigned thread)
     struct task task = task_begin_part(d->mip->of.scene->watch, "projection",
                                        (uint64_t)view->width * view->height, thread);
     for (uint32_t y = thread; y < view->height && task_advance(&task, view->width);
-         y += team_size(d->team))
-        for (uint32_t x = 0; x < view->width; x++)
-            d->mip->brightness[(size_t)y * view->width + x] = brightest(d->mip, d->camera, x, y);
+         y += team_size(d->team)) {
+        struct peak peak = {0};
+        for (uint32_t x = 0; x < view->width; x++) {
+            peak = brightest(d->mip, d->camera, x, y, peak);
+            d->mip->brightness[(size_t)y * view->width + x] = peak.grey;
+        }
+    }
 }
 
 static enum err take_view(struct drawing *d, struct fault *fault)

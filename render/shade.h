@@ -34,8 +34,8 @@ enum err shade(struct rendition *rendition, const struct camera *camera, const s
 
 /* The same in steps, for the caller who has threads of his own: first what they need, which may be
  * ERR_MEMORY. Then a thread shades the tiles of a rendition of its own, but for edges; it ends
- * early where the watch has stopped, but does not poll it. Edges are drawn from row `first` of tiles
- * to before row `end`, and those around are looked at. */
+ * early where the watch has stopped, but does not poll it. Edges are drawn from row `first` of
+ * tiles to before row `end`, and those around are looked at. */
 enum err shader_prepare(struct shader *shader, const struct border *border, const struct look *look,
                         struct fault *fault);
 void shade_rows(struct rendition *rendition, const struct camera *camera, const struct mesh *mesh,
