@@ -50,7 +50,7 @@ enum net_store {
     NET_MORE,
     NET_LINE,
     NET_LINES,
-    NET_SLIDE,
+    NET_BORDER,
     NET_AT,
     NET_LANES_0,
     NET_LANES_1,
@@ -110,7 +110,8 @@ struct net_graph {
 
     /* Where labels differ: links along the border between two labels, of levels below 4. */
     int32_t (*line)[2];
-    uint8_t *lines; /* of each vertex; 3: three or more */
+    uint8_t *lines;    /* of each vertex; 3: three or more */
+    net_lanes *border; /* where it runs, at vertices of level 0 with two lines (net_line.h) */
 };
 
 /* Reads the box with its margin; false: no memory. */

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/wide.h"
+#include "engine/net_line.h"
 
 enum {
     SLACK = NET_ONE / 4,           /* how far outside its cube a vertex may lie */
@@ -162,7 +163,7 @@ bool net_smooth(struct net_graph *g, struct net_sum **sum)
     net_lanes *off = net_store(g->scratch, NET_LANES_0, all, sizeof *off);
     net_lanes *next = net_store(g->scratch, NET_LANES_1, all, sizeof *next);
     *sum = net_store(g->scratch, NET_SUM, (size_t)g->upto[5], sizeof **sum);
-    if (!off || !next || !*sum)
+    if (!off || !next || !*sum || (g->has_labels && !net_line_find(g)))
         return false;
     smooth(g, off, next);
     find_push(g, next);
@@ -241,12 +242,6 @@ static int32_t push_of(net_lanes m)
 
 /* ---- borders between labels ---- */
 
-/* Along a border, what a vertex is off the middle between the two beside it. */
-static inline net_lanes off_line(const struct net_graph *g, const net_lanes *x, int32_t v)
-{
-    return 2 * x[v] - x[g->line[v][0]] - x[g->line[v][1]];
-}
-
 static inline net_lanes without(net_lanes x, net_lanes n)
 {
     const int64_t along =
@@ -256,40 +251,11 @@ static inline net_lanes without(net_lanes x, net_lanes n)
     return x;
 }
 
-/* Vertices through which the border of two labels runs, along it: a polynomial of four passes of
- * the umbrella operator of the line, which leaves long waves alone, 1 - 4.578 u^2 + 4.717 u^3 -
- * 1.294 u^4, least squares from .4 to 2. Where three labels meet, and where a border ends, it is
- * held. What moves outward or inward is left to volumes. */
-static bool find_slide(struct net_graph *g, net_lanes **slide)
+/* How far a vertex is off the border that runs through it, along the surface. What is outward or
+ * inward is left to volumes. */
+static inline net_lanes off_border(const struct net_graph *g, net_lanes at, int32_t v)
 {
-    net_lanes *off = net_store(g->scratch, NET_LANES_1, (size_t)g->upto[4], sizeof *off);
-    net_lanes *y = net_store(g->scratch, NET_LANES_2, (size_t)g->upto[4], sizeof *y);
-    net_lanes *t = *slide = net_store(g->scratch, NET_SLIDE, (size_t)g->upto[4], sizeof *t);
-    if (!off || !y || !t)
-        return false;
-    memset(off, 0, (size_t)g->upto[4] * sizeof *off);
-    memset(y, 0, (size_t)g->upto[4] * sizeof *y);
-    memset(t, 0, (size_t)g->upto[4] * sizeof *t);
-    for (int32_t v = 0; v < g->upto[3]; v++)
-        if (g->lines[v] == 2)
-            off[v] = unlocked(g, v, part_of(off_line(g, g->at, v), FIXED(1, 2, WHOLE), WHOLE));
-    for (int32_t v = 0; v < g->upto[2]; v++)
-        if (g->lines[v] == 2)
-            y[v] = unlocked(g, v,
-                            part_of(off_line(g, off, v), FIXED(1294, 2000, WHOLE), WHOLE) -
-                                part_of(off[v], FIXED(4717, 1000, MANY), MANY));
-    for (int32_t v = 0; v < g->upto[1]; v++)
-        if (g->lines[v] == 2)
-            t[v] = unlocked(g, v,
-                            part_of(off_line(g, y, v), FIXED(1, 2, WHOLE), WHOLE) +
-                                part_of(off[v], FIXED(4578, 1000, MANY), MANY));
-    for (int32_t v = 0; v < g->upto[0]; v++)
-        y[v] = g->lines[v] == 2
-                   ? without(unlocked(g, v, part_of(off_line(g, t, v), FIXED(1, 2, WHOLE), WHOLE)),
-                             g->push[v])
-                   : (net_lanes){0};
-    *slide = y;
-    return true;
+    return without(unlocked(g, v, at - g->border[v]), g->push[v]);
 }
 
 /* ---- both ---- */
@@ -362,8 +328,7 @@ static inline int32_t longer_step(net_lanes normal, int links)
 /* That of terms, of four passes, least from 1/5 to 2:
  * 1 - u (283360 - 516000 u + 352000 u^2 - 80000 u^3) / 45281. */
 WIDE static void restore(struct net_graph *g, struct both *x, struct both *off, struct both *y,
-                         struct both *t, const net_lanes *slide, const uint32_t scale[3],
-                         net_lanes *normal)
+                         struct both *t, const uint32_t scale[3], net_lanes *normal)
 {
     int32_t share[LINKS], last[LINKS], step[4][LINKS];
     shares(share, 1, 1, WHOLE);
@@ -398,7 +363,7 @@ WIDE static void restore(struct net_graph *g, struct both *x, struct both *off, 
         const int32_t push = push_of(term);
         const net_lanes toward = push < 0 ? -g->push[v] : g->push[v];
         const net_lanes at = g->at[v] + part_of(toward, push < 0 ? -push : push, NET_BITS);
-        g->at[v] = clamped(g, v, slide ? at - slide[v] : at);
+        g->at[v] = clamped(g, v, net_line_is_at(g, v) ? at - off_border(g, at, v) : at);
         const net_lanes mild = t[v].normal - part_of(a.normal, step[3][n], TWICE);
         const int32_t longer = longer_step(mild, n);
         normal[v] = in_world(longer ? mild - part_of(a.normal, longer, MANY) : mild, scale);
@@ -412,14 +377,11 @@ bool net_restore(struct net_graph *g, const struct net_sum *sum, const uint32_t 
     struct both *off = net_store(g->scratch, NET_BOTH_1, (size_t)g->upto[3], sizeof *off);
     struct both *y = net_store(g->scratch, NET_BOTH_2, (size_t)g->upto[2], sizeof *y);
     struct both *t = net_store(g->scratch, NET_BOTH_3, (size_t)g->upto[1], sizeof *t);
-    net_lanes *slide = NULL;
     *normal = net_store(g->scratch, NET_LANES_0, (size_t)g->upto[0], sizeof **normal);
     if (!x || !off || !y || !t || !*normal)
         return false;
-    if (g->has_labels && !find_slide(g, &slide))
-        return false;
     take_sums(g, sum, x);
-    restore(g, x, off, y, t, slide, scale, *normal);
+    restore(g, x, off, y, t, scale, *normal);
     return true;
 }
 
