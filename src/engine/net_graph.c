@@ -274,8 +274,7 @@ static void link_part(struct net_graph *g, int32_t v, const struct net_part *par
             last = to;
             add_slot(g, v, to, mores);
             add_slot(g, to, v, mores);
-            if (g->has_labels && cell->level < NET_TERMS &&
-                is_border(g, cube, a, cell->air, part->link[a][i])) {
+            if (g->has_labels && is_border(g, cube, a, cell->air, part->link[a][i])) {
                 add_line(g, v, to);
                 add_line(g, to, v);
             }

@@ -12,7 +12,7 @@ enum {
     NET_ONE = 1 << NET_BITS,
     NET_NORMAL_BITS = 14, /* 1 of a normal's length, in the world */
     NET_MARGIN = 9,       /* voxels around a box that its net depends on */
-    NET_LABEL_MARGIN = 4, /* and on whose labels it does */
+    NET_LABEL_MARGIN = 9, /* and on whose labels it does */
     NET_CLOSED = 256,     /* a voxel that is cut away, or outside the scene */
 };
 
