@@ -422,6 +422,112 @@ STORY(a_border_between_labels_is_smooth_along_the_surface)
     net_release(&net);
 }
 
+/* The top of a block, of label 1 below a line that rises by 1 in so many, else 2: how wide a strip
+ * along it the vertices of the border fill. */
+static double off_the_line(int32_t run)
+{
+    double least = 100, most = -100;
+    scene_init(SIDE);
+    for (int32_t k = 0; k < 38 * 38 * 12; k++) {
+        const int32_t p[3] = {3 + k % 38, 3 + k / 38 % 38, 3 + k / (38 * 38)};
+        *scene_at(p[0], p[1], p[2]) = run * (p[1] - 20) < p[0] - 20 ? 1 : 2;
+    }
+    struct net net = net_of_scene(false);
+    uint8_t *labels = calloc(net.vertices, 1);
+    for (uint32_t q = 0; q < net.quads; q++)
+        for (int k = 0; k < 4 && net.quad[q].face == 5; k++)
+            labels[net.quad[q].corner[k]] |= net.quad[q].label;
+    for (uint32_t v = 0; v < net.vertices; v++) {
+        const double x = place_of(&net.vertex[v], 0), y = place_of(&net.vertex[v], 1);
+        if (labels[v] != 3 || x < 12 || x > 32)
+            continue;
+        least = fmin(least, y - x / run);
+        most = fmax(most, y - x / run);
+    }
+    free(labels);
+    net_release(&net);
+    return most - least;
+}
+
+/* Voxels differ by 1. */
+STORY(lines_between_objects_are_no_stairs)
+{
+    CHECK_NEAR(off_the_line(4), 0, 0.2);
+    CHECK_NEAR(off_the_line(8), 0, 0.15);
+    CHECK_NEAR(off_the_line(12), 0, 0.4);
+    CHECK_NEAR(off_the_line(20), 0, 0.65);
+}
+
+/* Of quads of label 2 on the top of a block of label 1. */
+static double area_on_top(int32_t side)
+{
+    double sum = 0;
+    scene_init(30);
+    for (int32_t k = 0; k < 20 * 20 * 8; k++)
+        *scene_at(5 + k % 20, 5 + k / 20 % 20, 5 + k / 400) = 1;
+    for (int32_t k = 0; k < side * side; k++)
+        *scene_at(12 + k % side, 12 + k / side, 12) = 2;
+    struct net net = net_of_scene(false);
+    for (uint32_t q = 0; q < net.quads; q++)
+        for (int k = 0; k < 4 && net.quad[q].label == 2 && net.quad[q].face == 5; k++) {
+            const struct net_vertex *a = &net.vertex[net.quad[q].corner[k]];
+            const struct net_vertex *b = &net.vertex[net.quad[q].corner[(k + 1) % 4]];
+            sum += (place_of(a, 0) * place_of(b, 1) - place_of(a, 1) * place_of(b, 0)) / 2;
+        }
+    net_release(&net);
+    return sum;
+}
+
+STORY(small_patches_keep_their_area)
+{
+    for (int32_t side = 1; side < 9; side++)
+        CHECK_NEAR(area_on_top(side) / (side * side), 1, side == 2 ? 0.065 : 0.015);
+}
+
+/* Below a plane that rises by 1 in `run`, whatever along the other axis; the most that a normal is
+ * off, in degrees. */
+static double normals_off(double run)
+{
+    const double length = sqrt(1 + 1 / run / run), truth[3] = {-1 / run / length, 0, 1 / length};
+    double most = 0;
+    scene_init(SIDE);
+    for (int32_t k = 0; k < SIDE * SIDE * SIDE; k++)
+        scene.voxel[k] = k / (SIDE * SIDE) < 20 + k % SIDE / run;
+    struct net net = net_of_scene(false);
+    for (uint32_t v = 0; v < net.vertices; v++) {
+        const struct net_vertex *is = &net.vertex[v];
+        double cosine = 0;
+        for (int a = 0; a < 3; a++)
+            cosine += is->normal[a] * truth[a] / NET_ONE;
+        if (is->cube[0] > 12 && is->cube[0] < 31 && is->cube[1] > 12 && is->cube[1] < 31 &&
+            is->cube[2] > 10)
+            most = fmax(most, acos(fmin(1, cosine)) * 180 / 3.14159265358979);
+    }
+    net_release(&net);
+    return most;
+}
+
+STORY(normals_of_gentle_slopes_hardly_ripple_and_those_of_a_box_stay)
+{
+    CHECK_NEAR(normals_off(4), 0, 1);
+    CHECK_NEAR(normals_off(8), 0, 4);
+    CHECK_NEAR(normals_off(12), 0, 6.3);
+    CHECK_NEAR(normals_off(20), 0, 8.2);
+    scene_init(30);
+    for (int32_t k = 0; k < 20 * 20 * 20; k++)
+        *scene_at(5 + k % 20, 5 + k / 20 % 20, 5 + k / 400) = 1;
+    struct net net = net_of_scene(false);
+    for (uint32_t v = 0; v < net.vertices; v++) {
+        const struct net_vertex *is = &net.vertex[v];
+        if (is->cube[1] != 14 || is->cube[2] != 24 || is->cube[0] < 14)
+            continue;
+        const double slant = atan2(is->normal[0], is->normal[2]) * 180 / 3.14159265358979;
+        static const double most[] = {46, 25, 11, 6, 2.5, 1};
+        CHECK(slant < (is->cube[0] > 18 ? most[24 - is->cube[0]] : 0.2));
+    }
+    net_release(&net);
+}
+
 STORY(cuts_and_cubes_lie_on_faces_of_voxels)
 {
     scene_init(24);
@@ -466,11 +572,13 @@ STORY(memory_that_runs_out_leaves_things_as_they_were)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(a_box_has_the_same_net_as_a_part_of_a_larger_one),
-                       TELL(every_edge_has_its_partner),
-                       TELL(turned_and_mirrored_labels_have_the_turned_and_mirrored_net),
-                       TELL(small_and_thin_things_keep_their_volume),
-                       TELL(a_border_between_labels_is_smooth_along_the_surface),
-                       TELL(cuts_and_cubes_lie_on_faces_of_voxels),
-                       TELL(memory_that_runs_out_leaves_things_as_they_were));
+    return RUN_STORIES(
+        TELL(a_box_has_the_same_net_as_a_part_of_a_larger_one), TELL(every_edge_has_its_partner),
+        TELL(turned_and_mirrored_labels_have_the_turned_and_mirrored_net),
+        TELL(small_and_thin_things_keep_their_volume),
+        TELL(a_border_between_labels_is_smooth_along_the_surface),
+        TELL(lines_between_objects_are_no_stairs), TELL(small_patches_keep_their_area),
+        TELL(normals_of_gentle_slopes_hardly_ripple_and_those_of_a_box_stay),
+        TELL(cuts_and_cubes_lie_on_faces_of_voxels),
+        TELL(memory_that_runs_out_leaves_things_as_they_were));
 }

@@ -21,12 +21,12 @@
  *    1 to 8 % of volume are lost). All four are filtered by 1 - u (283360 - 516000 u + 352000 u^2
  *    - 80000 u^3) / 45281, of four passes, the least from 1/5 to 2; then h is solved for, and
  *    places are clamped again.
- * 4. Borders between labels: vertices that one runs through slide along it, tangentially, by 1 -
- *    4.578 u^2 + 4.717 u^3 - 1.294 u^4 of the line, which leaves long waves alone. Junctions of
- *    three labels are held.
+ * 4. Borders between labels: vertices that one runs through slide along the surface to where
+ *    net_line.h finds it. Junctions of three labels are held.
  * 5. Normals are those of the quads as they lie after step 2, by area, filtered by Chebyshev's
  *    polynomial of four passes, the least from 3/4 to 2. Below 3/4 those of single voxels turn
- *    over.
+ *    over. Where the surface is nearly flat, the last pass goes further, down to 1/4: there it is
+ *    steps of voxels that ripple, and nothing turns over.
  *
  * Where a voxel beside the object is closed (cut away, or outside the scene), vertices stay on the
  * face between the two along that axis: cuts are flat, their rim is a line, every net is closed.
@@ -36,9 +36,9 @@
  * `make bench-surface`: balls and rods keep their radius, .80 .802, 1.10 1.082, 1.50 1.496, 2.37
  * 2.374, 3.19 3.204, 5.09 5.096, 10 10.004; rods 1 1.004, 1.47 1.479, 2.49 2.496, 4 4.006; volume
  * over voxels at worst +2.6 % below radius 2, +1.0 % from 3, +.4 % from 5. Planes ripple by .080
- * voxels; 95 % of the normals of planes and sheets of 1, 2, 3 voxels are within 3.5 degrees, of a
- * ball of 10 within 3.1. Attributing flux to corners exactly was no better, and normals of 5 or 6
- * passes gave 3.3 or 3.1 degrees.
+ * voxels; 95 % of the normals of planes and sheets of 1, 2, 3 voxels are within 2.8 degrees, of a
+ * ball of 10 within 2.8; without step 5's last sentence 3.5 and 3.1. Attributing flux to corners
+ * exactly was no better.
  *
  * Promises
  *   N1 a vertex is a function of the voxels up to NET_MARGIN steps along x, y and z from the voxels

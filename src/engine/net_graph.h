@@ -54,7 +54,6 @@ enum net_store {
     NET_AT,
     NET_LANES_0,
     NET_LANES_1,
-    NET_LANES_2,
     NET_PUSH,
     NET_SUM,
     NET_BOTH_0,

@@ -1,8 +1,8 @@
 #include "engine/net_line.h"
 
 enum {
-    FAR = NET_LEVELS - 1,      /* vertices on either side */
-    TURN_MOST = 128 * 64 / 25, /* the square of a tangent, 128 for 1 */
+    FAR = NET_LEVELS - 1, /* vertices on either side */
+    TURN_MOST = 4 * 128,  /* the square of a tangent, 128 for 1 */
 };
 
 /* The places of vertices along the border less that of v, which is along[0]; how many on either
@@ -34,9 +34,9 @@ static int follow(const struct net_graph *g, int32_t v, net_lanes *along)
     return far;
 }
 
-/* How far the parabola through m vertices on either side is trusted, of 256: not where it runs on by
- * less than .35 voxels each, less and less where it turns by 39 to 58 degrees from its middle to an
- * end. Its slope is 3 slope / (m (m + 1) (2 m + 1)), and it bends by
+/* How far the parabola through m vertices on either side is trusted, of 256: not where it runs on
+ * by less than .35 voxels each, less and less where it turns by 55 to 63 degrees from its middle to
+ * an end. Its slope is 3 slope / (m (m + 1) (2 m + 1)), and it bends by
  * 15 bend / (m (m + 1) (2 m - 1) (2 m + 1) (2 m + 3)). */
 static int32_t trust_of(net_lanes slope, net_lanes bend, int64_t m)
 {
