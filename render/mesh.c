@@ -93,19 +93,15 @@ struct group_source {
     uint8_t group[256]; /* of each visible label */
     uint8_t wanted;
     bool is_all;   /* all that is shown is of the group, and nothing is cut away: then labels are */
-    uint8_t label; /* read where they count (net_source.h); elsewhere it is the one before, */
-    int32_t first[3], last[3]; /* which is between these voxels */
+    uint8_t label; /* read where they count (net_source.h); elsewhere it is the one before */
 };
 
-/* Up to 64 cells from one on, which lie at (x, y, z). */
-static void read_bits(struct group_source *s, uint32_t cell, const int32_t at[3], uint32_t count,
-                      uint16_t *voxel)
+/* Up to 64 cells from one on. */
+static void read_bits(struct group_source *s, uint32_t cell, uint32_t count, uint16_t *voxel)
 {
-    const bool is_near =
-        at[1] >= s->first[1] && at[1] <= s->last[1] && at[2] >= s->first[2] && at[2] <= s->last[2];
     const uint64_t none = UINT64_MAX << (count - 1) << 1;
     const uint64_t shown = border_bits_at(s->border->shown, cell) & ~none;
-    uint64_t seen = is_near ? border_bits_at(s->border->border, cell) & ~none : 0;
+    uint64_t seen = border_bits_at(s->border->border, cell) & ~none;
     if (shown == 0) {
         memset(voxel, 0, count * sizeof *voxel);
         return;
@@ -114,9 +110,7 @@ static void read_bits(struct group_source *s, uint32_t cell, const int32_t at[3]
         voxel[i] = (uint16_t)(-(shown >> i & 1) & s->label);
     for (; seen; seen &= seen - 1) {
         const uint32_t i = (uint32_t)__builtin_ctzll(seen);
-        const int32_t x = at[0] + (int32_t)i;
-        if (x >= s->first[0] && x <= s->last[0])
-            voxel[i] = s->label = labels_at(&s->border->labels, cell + i);
+        voxel[i] = s->label = labels_at(&s->border->labels, cell + i);
     }
 }
 
@@ -147,7 +141,7 @@ static void read_row(void *context, int32_t x, int32_t y, int32_t z, uint32_t co
         const uint32_t cell = grid_cell(grid, (uint32_t)at, (uint32_t)y, (uint32_t)z);
         const uint32_t some = to - at < 64 ? (uint32_t)(to - at) : 64;
         if (s->is_all)
-            read_bits(s, cell, (const int32_t[]){at, y, z}, some, voxel + (at - x));
+            read_bits(s, cell, some, voxel + (at - x));
         for (uint32_t i = 0; i < some && !s->is_all; i++)
             voxel[at - x + (int32_t)i] = read_one(s, cell + i);
     }
@@ -440,11 +434,8 @@ static bool make_nets(struct assembly *a, const struct mesh *mesh, const struct 
             continue;
         groups.wanted = (uint8_t)g;
         groups.label = e->label;
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; k++)
             size[k] = (uint32_t)(e->last[k] - e->first[k] + 1);
-            groups.first[k] = e->first[k] - NET_LABEL_MARGIN;
-            groups.last[k] = e->last[k] + NET_LABEL_MARGIN;
-        }
         if (!mem_grow(&a->part, &a->capacity, a->parts + 1, sizeof *a->part))
             return false;
         struct part *p = &a->part[a->parts];
@@ -509,17 +500,14 @@ static void mark(struct mesh *mesh, const uint32_t first[3], const uint32_t last
     mesh->is_stale = true;
 }
 
-/* A voxel that became one of the object, or ceased to be; or is of
- * another label. Where objects
- * have no walls, only labels beside the surface count then, and only to what is near. */
+/* A voxel that became one of the object, or ceased to be; or is of another label. Where objects
+ * have no walls, only labels beside the surface count then. */
 static void mark_cell(struct mesh *mesh, uint32_t cell, bool is_shown)
 {
     const struct place p = grid_place(&mesh->border->scene->grid, cell);
     const uint32_t at[3] = {p.x, p.y, p.z};
-    if (!is_shown || has_walls(mesh))
+    if (!is_shown || has_walls(mesh) || border_holds(mesh->border, cell))
         mark(mesh, at, at, NET_MARGIN);
-    else if (border_holds(mesh->border, cell))
-        mark(mesh, at, at, NET_LABEL_MARGIN);
 }
 
 static void mark_all(struct mesh *mesh)

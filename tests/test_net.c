@@ -17,8 +17,6 @@ static struct {
     int32_t side;
     uint16_t voxel[SIDE * SIDE * SIDE];
     int turn[3], flip[3];
-    const int32_t *first; /* of a box, if not NULL: labels too far from it to count are others */
-    const uint32_t *size;
 } scene;
 
 static uint16_t *scene_at(int32_t x, int32_t y, int32_t z)
@@ -52,12 +50,6 @@ static void scene_row(void *context, int32_t x, int32_t y, int32_t z, uint32_t c
     for (uint32_t k = 0; k < count; k++) {
         const int32_t at[3] = {x + (int32_t)k, y, z};
         voxel[k] = scene_voxel(at);
-        bool is_far = false;
-        for (int a = 0; scene.first && a < 3; a++)
-            is_far |= at[a] < scene.first[a] - NET_LABEL_MARGIN ||
-                      at[a] >= scene.first[a] + (int32_t)scene.size[a] + NET_LABEL_MARGIN;
-        if (is_far && voxel[k] > 0 && voxel[k] < NET_CLOSED)
-            voxel[k] = (uint16_t)(1 + ((at[0] + y + z) & 1));
     }
 }
 
@@ -228,9 +220,7 @@ static void check_parts(bool is_cubes, uint64_t seed)
             size[a] = 1 + (uint32_t)(r % 13);
             first[a] = (int32_t)((r >> 20) % (uint64_t)(scene.side + 2)) - 1;
         }
-        scene.first = first, scene.size = size;
         struct net part = net_of(first, size, is_cubes);
-        scene.first = NULL;
         bool same = true;
         for (uint32_t q = 0; q < whole.quads; q++) {
             const struct net_quad *is = &whole.quad[q];

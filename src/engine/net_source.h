@@ -12,7 +12,6 @@ enum {
     NET_ONE = 1 << NET_BITS,
     NET_NORMAL_BITS = 14, /* 1 of a normal's length, in the world */
     NET_MARGIN = 9,       /* voxels around a box that its net depends on */
-    NET_LABEL_MARGIN = 9, /* and on whose labels it does */
     NET_CLOSED = 256,     /* a voxel that is cut away, or outside the scene */
 };
 
@@ -20,8 +19,7 @@ struct net_scratch;
 
 /* Where the voxels are. `row` fills `count` voxels from (x, y, z) on, which may lie outside the
  * scene: 0 for air, the label 1..255 for a voxel of the object, or NET_CLOSED. Which label that is
- * counts for nothing where no face of the voxel has air or NET_CLOSED beside it, nor further than
- * NET_LABEL_MARGIN outside the box. */
+ * counts for nothing where no face of the voxel has air or NET_CLOSED beside it. */
 struct net_source {
     void (*row)(void *context, int32_t x, int32_t y, int32_t z, uint32_t count, uint16_t *voxel);
     void *context;
