@@ -346,14 +346,17 @@ class Terminal:
             time.sleep(0.05)
 
     def settled(self, quiet=0.3):
-        """A screenshot that has not changed for `quiet` seconds, when all in the room sleep."""
+        """A screenshot that has not changed for `quiet` seconds in which all in the room slept: who
+        is looked at first may be woken by who is looked at last."""
         last, patience, most = self.screenshot(), Patience(quiet), Patience()
-        while not patience.over() or (self.room.is_busy() and not most.over()):
+        while not patience.over():
             self.alive()
             time.sleep(0.05)
             now = self.screenshot()
             if ImageChops.difference(last, now).getbbox():
                 last, patience = now, Patience(quiet)
+            elif self.room.is_busy() and not most.over():
+                patience = Patience(quiet)
         return last
 
 
