@@ -7,8 +7,9 @@
 #include "base/clock.h"
 
 #define BARRIER       "\033[c"
-#define CSI_QUESTIONS "\033[>c\033[>q\033[16t\033[14t\033[?2;4;0S"
+#define CSI_QUESTIONS "\033[>c\033[>q\033[16t\033[14t"
 #define MODE_QUESTION "\033[?2026$p"
+#define SIDE_QUESTION "\033[?2;4;0S"
 #define CLEAR_UP      "\r\033[K"
 
 enum { LIMIT_MS = 2000, OWED_MS = 300 };
@@ -194,6 +195,8 @@ void probe_questions(unsigned round, const struct probe_replies *replies,
         buf_add_text(out, CSI_QUESTIONS);
     if (!first && may_ask_modes(replies, e))
         buf_add_text(out, MODE_QUESTION);
+    if (!first && replies->attributes >> 4 & 1)
+        buf_add_text(out, SIDE_QUESTION);
     for (size_t i = 0; !first && i < wish.questions; i++)
         if (wish.question[i].may_ask(replies, e)) {
             buf_add_text(out, wish.question[i].text);

@@ -1,18 +1,19 @@
 /*
  * What the terminal can do: asked once, at the start, with questions that no terminal prints.
  *
- *     ESC[>c ESC[>q ESC[16t ESC[14t ESC[?2;4;0S ESC[c          one write, then read until DA1
+ *     ESC[>c ESC[>q ESC[16t ESC[14t ESC[c                      one write, then read until DA1
  *
  *     ESC[?62;4;22c            DA1: parameter 4, as a whole number, means sixel
  *     ESC P >|kitty(0.26.5) ESC \    XTVERSION: the name
  *     ESC[6;18;9t              a cell is 18 px high and 9 wide
  *     ESC[4;450;720t           the text area in px
- *     ESC[?2;0;1000;1000S      the largest picture
  *
  * Every terminal answers DA1, and answers in order, so DA1 ends the replies. What some terminals
- * print is asked in a second write, and only of those that have named themselves:
+ * print, or note as an error, is asked in a second write, and only of those that have named
+ * themselves or, of sixel, have it:
  *
  *     ESC[?2026$p ESC[c        synchronized output; Apple's Terminal prints the p
+ *     ESC[?2;4;0S ESC[c        ESC[?2;0;1000;1000S: the largest picture of sixel; kitty complains
  *     ESC_Gi=31,..,a=q;.. ESC\ ESC[c CR ESC[K      kitty graphics, of its family alone; PuTTY,
  *                                                  urxvt and screen print it all
  *
