@@ -409,21 +409,23 @@ static void draw_border(struct task *task, struct rendition *r, const struct cam
     }
 }
 
-void project_border(struct rendition *r, const struct camera *camera, const struct mesh *mesh)
+static void draw_anew(struct task task, struct rendition *r, const struct camera *camera,
+                      const struct mesh *mesh)
 {
-    struct task task = task_begin(camera->scene->watch, "rendition", units_of(mesh));
     const struct window window = whole(r);
     clear(r);
     draw_border(&task, r, camera, mesh, &window);
 }
 
+void project_border(struct rendition *r, const struct camera *camera, const struct mesh *mesh)
+{
+    draw_anew(task_begin(camera->scene->watch, "rendition", units_of(mesh)), r, camera, mesh);
+}
+
 void project_border_quietly(struct rendition *r, const struct camera *camera,
                             const struct mesh *mesh)
 {
-    struct task task = task_begin_part(camera->scene->watch, NULL, 0, 1);
-    const struct window window = whole(r);
-    clear(r);
-    draw_border(&task, r, camera, mesh, &window);
+    draw_anew(task_begin_part(camera->scene->watch, NULL, 0, 1), r, camera, mesh);
 }
 
 void project_stale(struct rendition *r, const struct camera *camera, const struct mesh *mesh)
@@ -519,10 +521,8 @@ static void draw_share(void *context, unsigned thread)
         part.layers = &layers;
     }
     const struct camera camera = camera_rows(s->camera, top, height);
-    struct task task = task_begin_part(camera.scene->watch, "rendition", units_of(s->mesh), thread);
-    const struct window window = whole(&part);
-    clear(&part);
-    draw_border(&task, &part, &camera, s->mesh, &window);
+    draw_anew(task_begin_part(camera.scene->watch, "rendition", units_of(s->mesh), thread), &part,
+              &camera, s->mesh);
 }
 
 void project_border_shared(struct rendition *r, const struct camera *camera,

@@ -174,13 +174,19 @@ static size_t lonely_edges(const struct net *net)
 
 /* ---- N1 ---- */
 
+/* By place, then by a number. */
+static int by_both(const int32_t x[3], unsigned of_x, const int32_t y[3], unsigned of_y)
+{
+    for (int k = 2; k >= 0; k--)
+        if (x[k] != y[k])
+            return x[k] < y[k] ? -1 : 1;
+    return (of_x > of_y) - (of_x < of_y);
+}
+
 static int by_quad(const void *a, const void *b)
 {
     const struct net_quad *x = a, *y = b;
-    for (int k = 2; k >= 0; k--)
-        if (x->voxel[k] != y->voxel[k])
-            return x->voxel[k] < y->voxel[k] ? -1 : 1;
-    return (x->face > y->face) - (x->face < y->face);
+    return by_both(x->voxel, x->face, y->voxel, y->face);
 }
 
 static bool is_same_vertex(const struct net_vertex *a, const struct net_vertex *b)
@@ -287,10 +293,7 @@ STORY(every_edge_has_its_partner)
 static int by_place(const void *a, const void *b)
 {
     const struct net_vertex *x = a, *y = b;
-    for (int k = 2; k >= 0; k--)
-        if (x->cube[k] != y->cube[k])
-            return x->cube[k] < y->cube[k] ? -1 : 1;
-    return (x->air > y->air) - (x->air < y->air);
+    return by_both(x->cube, x->air, y->cube, y->air);
 }
 
 STORY(turned_and_mirrored_labels_have_the_turned_and_mirrored_net)

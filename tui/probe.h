@@ -69,7 +69,7 @@ struct probe_environment {
 
 struct probe_replies {
     bool da1, synchronizes;
-    uint64_t attributes; /* of DA1: bit N for parameter N, below 64 */
+    uint64_t attributes; /* of DA1: bit N for parameter N, below 64; 4 is sixel */
     char answers[64];    /* to questions of graphics protocols, APC: "_Gi=31;OK", one a line */
     uint32_t kind; /* the first number of the secondary DA, a letter's code where it is a name */
     char name[64]; /* of XTVERSION */

@@ -607,8 +607,7 @@ static const struct command command_table[] = {
      "ITK-SNAP, .ctab for FreeSurfer, .ctbl for 3D Slicer, .nii.txt or .lut for mricron.\n"
      "surface: what encloses each label, as .stl, .ply, .obj or .vtp, in millimetres of the world: "
      "point by point the surface that pictures show. It is closed, and holds as much as the "
-     "voxels. "
-     "A .stl knows no labels: it has all of them as one.\n"
+     "voxels. A .stl knows no labels: it has all of them as one.\n"
      "label: the surface of that one alone.\n"
      "smooth=0: the faces of voxels, as `shade cubes` shows them; with any other number nothing "
      "changes.\n"
@@ -731,8 +730,7 @@ static const struct command command_table[] = {
      "what differs: white for A and B, orange for A alone, blue for B alone, purple for another "
      "label.\n"
      "surface: a picture of A's surface, all objects as one, from where one looks now: red where "
-     "it "
-     "lies outside B, blue where inside, by the distance to B's." FINISHED_NOTE RESAMPLE_NOTE,
+     "it lies outside B, blue where inside, by the distance to B's." FINISHED_NOTE RESAMPLE_NOTE,
      "compare expert.nii.gz picture=difference.png"},
     {COMMAND("pilot", act_pilot, GROUP_QUESTIONS, S),
      {{0}},

@@ -44,11 +44,11 @@ void pictures_release_rendition(struct pictures *p)
 static void drop_live(struct pictures *p)
 {
     struct live_finish *live = &p->live;
+    p->drawings++;
     if (!live->label)
         return;
     shader_release(&p->shader); /* what is stored may be of this border */
     mesh_release(&p->mesh);
-    p->drawings++;
     mem_pages_free(live->label, live->cells);
     border_release(&live->border);
     *live = (struct live_finish){0};
@@ -71,7 +71,6 @@ static void leave_scene(struct pictures *p)
     drop_live(p);
     shader_release(&p->shader);
     mesh_release(&p->mesh);
-    p->drawings++;
 }
 
 static void count_memory(const struct pictures *p, struct session_memory *memory)
@@ -295,10 +294,10 @@ static void follow_rendition(struct pictures *p, enum rendered as, const struct 
 {
     const struct border *border = border_of(p, as);
     mesh_note(&p->mesh, border, changes);
+    p->drawings++;
     if (p->rendered != as)
         return;
     forget(p);
-    p->drawings++;
     if (!p->rendition.depth)
         return;
     enum err err = incremental_image(&p->rendition, &p->camera, &p->mesh, border, look_of(p),

@@ -50,7 +50,7 @@ struct pictures {
     struct mesh mesh;           /* of what was shown last */
     struct rendition reduced;   /* to the view's size, where look.samples is above 1 */
     unsigned rendered;          /* V1; enum rendered (draw.h) */
-    unsigned drawings;          /* how often pixels, or what they are of, became others */
+    unsigned drawings;          /* how often pixels, or labels, may have become others */
     struct {                    /* when the command at hand began: */
         unsigned rendered;      /* not rough labels */
         unsigned drawings;
