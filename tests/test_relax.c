@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
+#include "engine/doubt.h"
 #include "engine/finish_relax.h"
 #include "tests/finish_fails.h"
 
@@ -312,13 +313,123 @@ STORY(the_fields_of_an_object_and_of_all_else_are_complements)
                 for (uint32_t x = 0; x < scene->grid.size[0]; x++)
                     sums =
                         sums && relax_value(&field[0], x, y, z) + relax_value(&field[1], x, y, z) ==
-                                    RELAX_ONE;
-        CHECK(sums);
+                                    CHECK(sums);
         relax_field_release(&field[0]);
         relax_field_release(&field[1]);
         mem_pages_free(label, scene->grid.cells);
         scene_free(scene);
     }
+}
+
+/* ---- doubt ---- */
+
+/* Sums over slices across x, y and z, of a label or all, of labels as they are in `v`. */
+static void model_doubt(const struct volume *v, unsigned of, int sweeps, int64_t sum[3][LONG])
+{
+    static int64_t u[MOST];
+    static int far[MOST];
+    memset(sum, 0, 3 * LONG * sizeof sum[0][0]);
+    for (int label = 1; label < LABELS; label++) {
+        if (of != FINISH_ALL_LABELS && of != (unsigned)label)
+            continue;
+        model_field(v, label, sweeps, u, far);
+        for (int i = 0; i < v->count; i++) {
+            const int64_t doubt = 4 * u[i] * (RELAX_ONE - u[i]) / RELAX_ONE;
+            sum[0][i % v->size[0]] += doubt;
+            sum[1][i / v->size[0] % v->size[1]] += doubt;
+            sum[2][i / v->size[0] / v->size[1]] += doubt;
+        }
+    }
+}
+
+/* The worst slice, of a sum that is not 0 throughout. */
+static bool is_worst(const struct volume *v, int64_t sum[3][LONG], unsigned axis, uint32_t at)
+{
+    bool is_first = true;
+    for (unsigned a = 0; a < 3; a++)
+        for (uint32_t i = 0; i < (uint32_t)v->size[a]; i++)
+            is_first = is_first && (a < axis || (a == axis && i < at) ? sum[a][i] < sum[axis][at]
+                                                                      : sum[a][i] <= sum[axis][at]);
+    return is_first;
+}
+
+STORY(the_doubt_of_slices_is_that_of_a_plain_model)
+{
+    static struct volume v;
+    static int64_t sum[3][LONG];
+    int doubted = 0;
+    for (int round = 0; round < 400; round++) {
+        struct finish_list list = {0};
+        struct doubt doubt;
+        uint8_t *label;
+        state = (uint64_t)round + 9000;
+        fill_fitting(&v);
+        const unsigned of = below(2) ? FINISH_ALL_LABELS : 1 + below(LABELS - 1);
+        const uint32_t sweeps = round % 3 ? 1 + below(20) : 60;
+        struct scene *scene = scene_of(&v);
+        if (below(2))
+            list.step[list.count++] =
+                (struct finish_step){FINISH_MAJORITY, FINISH_ALL_LABELS, 1, 0};
+        CHECK(finish_make(&label, &list, scene, NULL, NULL) == OK); /* what comes before */
+        for (int i = 0; i < v.count; i++)
+            v.label[i] = label[cell_of(&v, &scene->grid, i)];
+        if (round % 3) {
+            list.step[list.count++] =
+                (struct finish_step){FINISH_RELAX, FINISH_ALL_LABELS, sweeps, 0};
+            list.step[list.count++] = (struct finish_step){FINISH_RELAX, 1, 1 + below(9), 0};
+        }
+        model_doubt(&v, of, (int)sweeps, sum);
+        if (CHECK(doubt_find(&doubt, &list, scene, team_for(round), of, NULL) == OK)) {
+            int64_t all = 0;
+            bool same = true;
+            for (int a = 0; a < 3; a++)
+                for (int i = 0; i < v.size[a]; i++) {
+                    same = same && (int64_t)doubt.slice[a][i] == sum[a][i];
+                    all += a ? 0 : sum[a][i];
+                }
+            CHECK(same && (int64_t)doubt.all == all);
+            unsigned axis;
+            uint32_t at;
+            const bool is_any = doubt_worst(&doubt, &axis, &at);
+            CHECK(is_any == (all > 0) && (!is_any || is_worst(&v, sum, axis, at)));
+            doubted += is_any;
+        }
+        doubt_release(&doubt);
+        mem_pages_free(label, scene->grid.cells);
+        scene_free(scene);
+    }
+    CHECK(doubted > 100);
+}
+
+STORY(doubt_that_cannot_be_found_is_an_error)
+{
+    static struct volume v;
+    const struct finish_list list = {1, {{FINISH_RELAX, FINISH_ALL_LABELS, 3, 0}}};
+    enum err err = ERR_MEMORY;
+    struct doubt doubt;
+    state = 3;
+    fill_fitting(&v);
+    struct scene *scene = scene_of(&v);
+    for (size_t n = 0; err == ERR_MEMORY && n < 1000; n++) {
+        allow_allocations(n);
+        err = doubt_find(&doubt, &list, scene, NULL, FINISH_ALL_LABELS, NULL);
+        mem_allows = NULL;
+        CHECK((err == OK) == (doubt.slice[0] != NULL));
+    }
+    CHECK(err == OK && doubt.all > 0);
+    doubt_release(&doubt);
+    err = ERR_CANCELLED;
+    for (int tries = 0; err == ERR_CANCELLED && tries < 100000; tries++) {
+        int looks = tries;
+        struct watch watch = {.context = &looks, .poll = stop_after_looks, .step = 1};
+        scene->watch = &watch;
+        err = doubt_find(&doubt, &list, scene, team_of[tries % 4], FINISH_ALL_LABELS, NULL);
+        CHECK((err == OK) == (doubt.slice[0] != NULL));
+    }
+    CHECK(err == OK);
+    doubt_release(&doubt);
+    scene->watch = NULL;
+    scene_free(scene);
 }
 
 /* A step, and what it makes of a volume. */
@@ -356,6 +467,8 @@ int main(void)
             abort();
     const int status = RUN_STORIES(TELL(relaxed_labels_are_what_a_plain_model_makes),
                                    TELL(the_fields_of_an_object_and_of_all_else_are_complements),
+                                   TELL(the_doubt_of_slices_is_that_of_a_plain_model),
+                                   TELL(doubt_that_cannot_be_found_is_an_error),
                                    TELL(a_stop_is_heard_wherever_it_comes),
                                    TELL(memory_that_runs_out_is_an_error));
     for (unsigned workers = 1; workers < TEAMS; workers++)
