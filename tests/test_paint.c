@@ -128,6 +128,71 @@ STORY(only_what_lies_straight_ahead_is_no_corner)
     polyline_release(&line);
 }
 
+/* Four times the square of how far a place is from the way from a to b, rounded down. */
+static int64_t far_from(const uint32_t place[3], const uint32_t a[3], const uint32_t b[3])
+{
+    int64_t way[3], from[3], along = 0, length = 0, square = 0;
+    for (int i = 0; i < 3; i++) {
+        way[i] = (int64_t)b[i] - a[i];
+        from[i] = (int64_t)place[i] - a[i];
+        along += way[i] * from[i];
+        length += way[i] * way[i];
+    }
+    along = along < 0 ? 0 : along > length ? length : along;
+    for (int i = 0; i < 3; i++) {
+        const int64_t off = from[i] * (length ? length : 1) - way[i] * along;
+        square += off * off;
+    }
+    return 4 * square / (length ? length * length : 1);
+}
+
+STORY(a_simplified_line_is_within_half_a_voxel_and_keeps_its_ends)
+{
+    size_t before = 0, after = 0;
+    for (int round = 0; round < 3000 && check_failures == 0; round++) {
+        struct polyline line = {0}, whole = {0};
+        uint32_t place[3];
+        int way[2] = {1 + (int)below(5), 1 + (int)below(5)};
+        random_place(place);
+        for (uint32_t i = 0; i < below(200); i++) { /* a hand that turns now and then */
+            const bool both = below((uint32_t)(way[0] + way[1])) < (uint32_t)way[0];
+            place[0] += both;
+            place[1]++;
+            if (below(30) == 0)
+                way[both] = 1 + (int)below(5);
+            CHECK(polyline_add(&line, place) && polyline_add(&whole, place));
+        }
+        polyline_simplify(&line);
+        CHECK((line.count == 0) == (whole.count == 0) && line.count <= whole.count);
+        size_t at = 0; /* corners that stay are in their order, the ends among them */
+        for (size_t i = 0; i < whole.count; i++) {
+            if (memcmp(whole.corner[i], line.corner[at], sizeof place) == 0)
+                at += at + 1 < line.count;
+            else
+                CHECK(at > 0 &&
+                      far_from(whole.corner[i], line.corner[at - 1], line.corner[at]) <= 1);
+        }
+        CHECK(line.count == 0 || at + 1 == line.count);
+        before += whole.count;
+        after += line.count;
+        polyline_release(&line);
+        polyline_release(&whole);
+    }
+    CHECK(after < before * 2 / 3);
+}
+
+STORY(a_way_of_small_steps_is_one_and_a_way_back_is_another)
+{
+    struct polyline line = {0};
+    for (uint32_t i = 0; i < 40; i++)
+        CHECK(polyline_add(&line, (uint32_t[]){i + 3, (i + 1) / 3, 7}));
+    CHECK(line.count > 20);
+    CHECK(polyline_add(&line, (uint32_t[]){3, 2, 7}));
+    polyline_simplify(&line);
+    CHECK(line.count == 3 && line.corner[1][0] == 42 && line.corner[2][0] == 3);
+    polyline_release(&line);
+}
+
 STORY(a_ball_in_the_world_is_no_ellipsoid)
 {
     static const uint32_t spacing_nm[3] = {500000, 500000, 2000000};
@@ -338,6 +403,8 @@ int main(void)
     return RUN_STORIES(TELL(a_stroke_is_balls_at_the_voxels_nearest_to_each_step),
                        TELL(places_on_a_straight_way_are_left_out_and_the_voxels_stay),
                        TELL(only_what_lies_straight_ahead_is_no_corner),
+                       TELL(a_simplified_line_is_within_half_a_voxel_and_keeps_its_ends),
+                       TELL(a_way_of_small_steps_is_one_and_a_way_back_is_another),
                        TELL(a_ball_in_the_world_is_no_ellipsoid),
                        TELL(a_shell_is_what_of_a_ball_has_a_neighbour_outside),
                        TELL(the_faces_of_a_box_are_what_a_smaller_box_leaves_of_it),

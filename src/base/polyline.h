@@ -23,4 +23,8 @@ void polyline_release(struct polyline *line);
 /* The line goes on to a place. False when out of memory; nothing has changed then. */
 bool polyline_add(struct polyline *line, const uint32_t place[3]);
 
+/* Leaves out corners as long as those that go lie within half a voxel of the line that stays, whose
+ * ends are kept: small steps, of a hand or of a border of voxels, become a few straight ways. */
+void polyline_simplify(struct polyline *line);
+
 #endif
