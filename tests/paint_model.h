@@ -1,13 +1,15 @@
 /*
  * What a hand paints, by models that look at every voxel: balls by their distance, strokes by the
- * voxel nearest to each step, polygons by the winding number around each centre. They know nothing
- * of how session/paint.c does it. Each sets covers[cell] where it paints.
+ * voxel nearest to each step, polygons by the winding number around each centre, rings by the
+ * distance from each voxel inside. They know nothing of how session/paint.c does it. Each sets
+ * covers[cell] where it paints.
  */
 #ifndef TESTS_PAINT_MODEL_H
 #define TESTS_PAINT_MODEL_H
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdlib.h>
 
 #include "engine/grid.h"
 
@@ -108,6 +110,32 @@ static inline void model_polygon(bool *covers, const struct grid *grid, corners_
 {
     EACH_VOXEL(grid, (const uint32_t[]){x, y, z}[axis] == corner[0][axis] &&
                          is_filled(corner, corners, axis, (const int64_t[]){x, y, z}));
+}
+
+/* In the slice of that polygon, along the first axis where all corners lie at the same place. */
+static inline void model_ring(bool *covers, const struct grid *grid, corners_of corner,
+                              size_t corners, int width)
+{
+    static const uint32_t ones[3] = {1, 1, 1};
+    bool *inside = calloc(grid->cells, sizeof *inside);
+    int axis = 0;
+    for (size_t i = 0; i < corners && axis < 3; i++)
+        if (corner[i][axis] != corner[0][axis]) {
+            axis++;
+            i = 0;
+        }
+    model_polygon(inside, grid, corner, corners, axis);
+    for (uint32_t cell = 0; cell < grid->cells; cell++) {
+        const struct place at = grid_place(grid, cell);
+        const int64_t middle[3] = {at.x, at.y, at.z};
+        if (inside[cell])
+            EACH_VOXEL(grid, (const uint32_t[]){x, y, z}[axis] == corner[0][axis] &&
+                                 distance_2((const int64_t[]){x, y, z}, middle, ones) <=
+                                     (int64_t)width * width);
+    }
+    for (uint32_t cell = 0; cell < grid->cells; cell++)
+        covers[cell] &= !inside[cell];
+    free(inside);
 }
 
 #endif

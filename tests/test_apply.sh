@@ -70,11 +70,12 @@ close_story
 
 begin "what lies on the expert's scene alone is not carried over, and each of it is named"
 expect 0 "$iftty" -c "open plain.nii; weight plain.nii; mask plain.nii regions=1-255; range 0 300
-    $seeds; box 0,0,0 63,55,1 0; run" --journal left.iftty
+    $seeds; box 0,0,0 63,55,1 0; outline 24,24,24 1 to=32,24,24 to=32,32,24 to=24,32,24; run" \
+    --journal left.iftty
 expect 0 "$iftty" apply left.iftty plain.nii --by world --as seeds --out left
-out_has "not carried over: its map of weights, its mask, its range, 1 gesture that is no ball"
+out_has "not carried over: its map of weights, its mask, its range, 2 gestures that are no ball"
 expect 0 "$iftty" log --procedure left.proc left.iftty
-same "$(grep ^left left.proc)" "left 1 1 1 1"
+same "$(grep ^left left.proc)" "left 1 1 1 2"
 expect 0 "$iftty" apply left.proc moved.nii --by world --out left
 out_has "not carried over: its map of weights, its mask, its range"
 close_story

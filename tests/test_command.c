@@ -1483,6 +1483,8 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"remove 7,2,9", NULL},
         {"box 1,1,1 3,4,1 5 range=-10..9999", NULL},
         {"fill 8,1,3 6 to=11,1,9 to=8,1,9", NULL},
+        {"outline 2,7,3 6 to=5,7,3 to=2,7,5 ring=1", NULL},
+        {"undo", NULL},
         {"mask @/regions.nii regions=0-2", NULL},
         {"goto main", NULL},
         {"render", NULL},
@@ -2096,6 +2098,7 @@ STORY(a_command_that_is_cancelled_is_undone)
                                        "seed 9,9,9 1 radius=9 to=60,60,60 to=9,60,9",
                                        "box 1,1,1 60,60,60 2",
                                        "fill 1,1,5 1 to=60,1,5 to=30,60,5",
+                                       "outline 9,1,9 1 to=9,60,5 to=9,30,60",
                                        "mosaic"};
     static const char *const picture[] = {"render mode=sp", "render mode=bp", "render mode=ray"};
     struct interpreter interp;

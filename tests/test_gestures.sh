@@ -117,6 +117,20 @@ EOS
 fi
 close_story
 
+begin "an outline is one gesture, in the middle of its corners"
+cat >outline.txt <<'EOS'
+open s.nii
+auto on
+outline 4,4,8 1 to=8,4,8 to=8,10,8 to=4,10,8
+outline 4,4,8 1 to=8,4,8 to=8,12,8 to=4,12,8 instead=1
+EOS
+expect 0 "$iftty" diff --gestures outline.txt outline.txt
+tr -s ' ' <out | grep -qxE 'outline 2 2 ?' || fail "no outlines: $(cat out)"
+printf 'open s.nii\nauto on\nseed 6,7,8 1\nseed 6,8,8 1\n' >middles.txt
+expect 0 "$iftty" diff --gestures outline.txt middles.txt --json
+out_has '"matched": [{"a": 3, "b": 3, "mm": 0}, {"a": 4, "b": 4, "mm": 0}]'
+close_story
+
 begin "what was undone before the scene was interpolated stays taken back"
 printf '%s\n' 'open s.nii' 'seed 2,3,4 0' undo 'interpolate 2 1 1' 'seed 9,3,4 1' run >new.txt
 expect 0 "$iftty" diff --gestures new.txt new.txt

@@ -405,7 +405,7 @@ static void write_any(char line[PATH_MAX])
 {
     const uint32_t a[3] = {check_below(&seed, 12), check_below(&seed, 11), check_below(&seed, 10)},
                    b[3] = {check_below(&seed, 12), check_below(&seed, 11), check_below(&seed, 10)};
-    const uint32_t label = check_below(&seed, 4), what = check_below(&seed, 14);
+    const uint32_t label = check_below(&seed, 4), what = check_below(&seed, 15);
     const char *const ways[] = {"undo", "undo 2", "redo", "redo 3", "goto main"};
     if (what < 4)
         sprintf(line, "seed %u,%u,%u %u radius=%u", a[0], a[1], a[2], label, what % 3);
@@ -415,6 +415,9 @@ static void write_any(char line[PATH_MAX])
         sprintf(line, "box %u,%u,%u %u,%u,%u %u", a[0], a[1], a[2], b[0], b[1], b[2], label);
     else if (what == 6)
         sprintf(line, "fill %u,%u,%u %u to=%u,%u,%u to=%u,%u,%u", a[0], a[1], a[2], label, a[0],
+                b[1], a[2], a[0], b[1], b[2]);
+    else if (what == 14)
+        sprintf(line, "outline %u,%u,%u %u to=%u,%u,%u to=%u,%u,%u", a[0], a[1], a[2], label, a[0],
                 b[1], a[2], a[0], b[1], b[2]);
     else if (what == 7)
         sprintf(line, "seed %u,%u,%u %u within=%u", a[0], a[1], a[2], label, 1 + label);

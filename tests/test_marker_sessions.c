@@ -1,6 +1,6 @@
 /*
- * Markers through whole sessions: balls, strokes and their parts, boxes, polygons; overlaps,
- * erasers, undo, redo, looking back, branches, restarts, replays.
+ * Markers through whole sessions: balls, strokes and their parts, boxes, polygons and outlines;
+ * overlaps, erasers, undo, redo, looking back, branches, restarts, replays.
  *
  * The model knows nothing of how the program does it. It has a list of all that was ever put up,
  * each with its voxels and label; a state is the numbers of those that stand, one for each record.
@@ -88,6 +88,18 @@ static bool sift(uint32_t low, uint32_t high)
     return any;
 }
 
+/* A marker goes, with all that is joined to it. */
+static void leave(struct standing *state, uint32_t first)
+{
+    uint32_t last = first;
+    while (put[first].joined)
+        first--;
+    while (last + 1 < put_count && put[last + 1].joined)
+        last++;
+    for (uint32_t i = first; i <= last; i++)
+        state->has[i] = false;
+}
+
 /* Which seed's tree holds a voxel, by the program; the rest by the model. */
 static void take_away(struct standing *state, uint32_t cell, bool tree)
 {
@@ -99,13 +111,7 @@ static void take_away(struct standing *state, uint32_t cell, bool tree)
         put_up(EDIT_ERASE, state);
         put[put_count - 1].covers[root] = true;
     } else {
-        uint32_t first = owner[root], last = first;
-        while (put[first].joined)
-            first--;
-        while (last + 1 < put_count && put[last + 1].joined)
-            last++;
-        for (uint32_t i = first; i <= last; i++)
-            state->has[i] = false;
+        leave(state, owner[root]);
     }
 }
 
@@ -114,13 +120,44 @@ static void take_away(struct standing *state, uint32_t cell, bool tree)
 static struct standing now;
 static bool has_just_planted; /* one marker, by the command before */
 
+/* What an outline has that a polygon has not: it takes the place of a marker, and has a ring, which
+ * other objects cut. */
+static void go_around(char *end, struct standing *state, corners_of corner, size_t corners)
+{
+    const struct scene *scene = interp.session->scene;
+    const int16_t label = put[put_count - 1].label;
+    const uint32_t former = below((uint32_t)put_count), width = below(5);
+    int16_t seed_label[CELLS];
+    uint32_t owner[CELLS];
+    bool any = false;
+    if (former + 1 < put_count && state->has[former] && put[former].label != EDIT_ERASE) {
+        end += sprintf(end, " instead=%u", former + 1);
+        leave(state, former);
+    }
+    if (label)
+        end += width == 3 ? 0 : sprintf(end, " ring=%u", width);
+    seeds_of(state, seed_label, owner);
+    put_up(0, state);
+    put[put_count - 1].joined = true;
+    bool *covers = put[put_count - 1].covers;
+    if (label)
+        model_ring(covers, &scene->grid, corner, corners, (int)width);
+    for (size_t c = 0; c < CELLS; c++) {
+        const int16_t holds = seed_label[c] == EDIT_ERASE ? scene->cell[c].label : seed_label[c];
+        covers[c] &= holds == 0 || holds == label;
+        any |= covers[c];
+    }
+    put_count -= !any;
+    state->has[put_count] &= any;
+}
+
 /* A way to plant, as a line and by the model. False where it would plant nothing. */
 static bool plant(char line[LINE], struct standing *state)
 {
     static const uint32_t ones[3] = {1, 1, 1}, spacing_nm[3] = {1000000, 1500000, 2000000};
     const struct grid *grid = &interp.session->scene->grid;
-    const unsigned way = below(6), label = below(4),
-                   corners = way == 5 ? 3 + below(5) : 1 + below(5);
+    const unsigned way = below(7), label = below(4),
+                   corners = way >= 5 ? 3 + below(5) : 1 + below(5);
     const int axis = (int)below(3);
     uint32_t at[8][3];
     char *end = line;
@@ -128,8 +165,8 @@ static bool plant(char line[LINE], struct standing *state)
     bool *covers = put[put_count - 1].covers;
     for (unsigned i = 0; i < corners; i++)
         for (int a = 0; a < 3; a++)
-            at[i][a] = way == 5 && a == axis && i > 0 ? at[0][a] : below(size[a]);
-    const char *name = way < 4 ? "seed" : way == 4 ? "box" : "fill";
+            at[i][a] = way >= 5 && a == axis && i > 0 ? at[0][a] : below(size[a]);
+    const char *name = way < 4 ? "seed" : way == 4 ? "box" : way == 5 ? "fill" : "outline";
     end += sprintf(end, "%s %u,%u,%u ", name, at[0][0], at[0][1], at[0][2]);
     if (way == 4) {
         model_box(covers, grid, at[0], at[corners - 1]);
@@ -137,7 +174,7 @@ static bool plant(char line[LINE], struct standing *state)
             sprintf(end, "%u,%u,%u ", at[corners - 1][0], at[corners - 1][1], at[corners - 1][2]);
     }
     end += sprintf(end, "%u", label);
-    if (way == 5) {
+    if (way >= 5) {
         model_polygon(covers, grid, (corners_of)at, corners, axis);
     } else if (way < 4) {
         const unsigned radius = below(3), um = 1 + below(3200);
@@ -159,17 +196,21 @@ static bool plant(char line[LINE], struct standing *state)
         put[put_count - 1].joined = true;
         end += sprintf(end, " joined=yes");
     }
-    if (below(3))
-        return true;
-    const uint32_t low = below(150), high = low + below(100);
-    sprintf(end, " range=%u.0..%u", low, high);
-    return sift(low, high);
+    bool any = true;
+    if (below(3) == 0) {
+        const uint32_t low = below(150), high = low + below(100);
+        end += sprintf(end, " range=%u.0..%u", low, high);
+        any = sift(low, high);
+    }
+    if (way == 6 && any)
+        go_around(end, state, (corners_of)at, corners);
+    return any;
 }
 
 /* Corners that go nowhere but ahead are no polygon. */
 static bool is_no_polygon(const char *line)
 {
-    return strncmp(line, "fill", 4) == 0 && strstr(fault.text, "three corners or more");
+    return (*line == 'f' || *line == 'o') && strstr(fault.text, "three corners or more");
 }
 
 /* What a pen may draw, none of which the next command finds. */
@@ -194,7 +235,7 @@ static void do_one(char line[LINE])
     if (what < 5) {
         if (!plant(line, &next)) {
             CHECK(execute(&interp, line) != OK);
-            put_count--;
+            put_count = before;
             return;
         }
         sketch();
@@ -222,7 +263,7 @@ static void do_one(char line[LINE])
         now = state_after[strtoul(word.value, NULL, 10)];
     else
         now = next;
-    has_just_planted = what < 5;
+    has_just_planted = what < 5 && put_count == before + 1;
     state_after[interp.history.records] = now;
 }
 

@@ -306,6 +306,30 @@ STORY(a_polygon_is_what_its_outline_winds_around_or_goes_through)
     CHECK(filled > 50000);
 }
 
+STORY(a_ring_is_what_of_the_slice_lies_around_a_polygon)
+{
+    size_t around = 0;
+    for (int round = 0; round < 600 && check_failures == 0; round++) {
+        const int axis = (int)below(3), width = (int)below(5);
+        const size_t corners = 1 + below(CORNERS_MOST);
+        uint32_t corner[CORNERS_MOST][3];
+        struct voxels inside = {0}, voxels = {0};
+        begin();
+        for (size_t i = 0; i < corners; i++) {
+            random_place(corner[i]);
+            corner[i][axis] = corner[0][axis];
+        }
+        model_ring(wanted, &grid, (corners_of)corner, corners, width);
+        CHECK(paint_polygon(&inside, &grid, (corners_of)corner, corners, NULL, NULL) == OK);
+        CHECK(paint_ring(&voxels, &grid, &inside, (corners_of)corner, corners, width, NULL, NULL) ==
+              OK);
+        around += voxels.count;
+        CHECK(are_wanted(&voxels));
+        voxels_release(&inside);
+    }
+    CHECK(around > 10000);
+}
+
 STORY(corners_in_several_slices_are_refused)
 {
     const uint32_t size[3] = {9, 9, 9};
@@ -332,6 +356,7 @@ static bool allows(size_t bytes)
 static unsigned paint_all(struct watch *watch, enum err expected)
 {
     static const uint32_t corner[4][3] = {{1, 2, 3}, {90, 80, 3}, {40, 99, 3}, {3, 3, 3}};
+    const struct voxels inside = {(uint32_t[]){grid_cell(&grid, 40, 60, 3)}, 1, 1};
     struct voxels voxels = {0};
     struct brush brush;
     unsigned failed = 0;
@@ -339,7 +364,7 @@ static unsigned paint_all(struct watch *watch, enum err expected)
     if (!err)
         err = paint_stroke(&voxels, &grid, &brush, corner, 4, watch, NULL);
     brush_release(&brush);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 4; i++) {
         CHECK(err == OK || err == expected);
         CHECK((err == OK) == (voxels.count > 0));
         failed += err != OK;
@@ -348,6 +373,8 @@ static unsigned paint_all(struct watch *watch, enum err expected)
             err = paint_box(&voxels, &grid, corner[0], (uint32_t[]){90, 80, 99}, watch, NULL);
         else if (i == 1)
             err = paint_polygon(&voxels, &grid, corner, 4, watch, NULL);
+        else if (i == 2)
+            err = paint_ring(&voxels, &grid, &inside, corner, 4, 99, watch, NULL);
     }
     return failed;
 }
@@ -410,6 +437,7 @@ int main(void)
                        TELL(the_faces_of_a_box_are_what_a_smaller_box_leaves_of_it),
                        TELL(a_box_is_all_between_two_corners),
                        TELL(a_polygon_is_what_its_outline_winds_around_or_goes_through),
+                       TELL(a_ring_is_what_of_the_slice_lies_around_a_polygon),
                        TELL(corners_in_several_slices_are_refused),
                        TELL(without_memory_or_time_nothing_is_painted),
                        TELL(a_million_corners_take_no_more_memory_than_the_scene));

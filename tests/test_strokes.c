@@ -248,6 +248,116 @@ STORY(a_polygon_is_of_one_slice)
     interpreter_release(&interp);
 }
 
+/* A label has so many seeds in a slice z, and so many in all slices. */
+static void has_seeds(int label, uint32_t z, int there, int all)
+{
+    const struct scene *scene = interp.session->scene;
+    int found[2] = {0};
+    for (uint32_t c = 0; c < scene->grid.cells; c++)
+        if (scene->cell[c].flags & CELL_SEED && scene->cell[c].label == label) {
+            found[0] += grid_place(&scene->grid, c).z == z;
+            found[1]++;
+        }
+    CHECK_INT(found[0], there);
+    CHECK_INT(found[1], all);
+}
+
+STORY(an_outline_says_what_lies_on_both_sides_of_a_border)
+{
+    static const char line[] = "outline 4,4,5 1 to=6,4,5 to=6,6,5 to=4,6,5";
+    begin_with_journal(&interp, "outline.iftty");
+    must(&interp, "auto on");
+    must(&interp, "seed 1,1,1 1");
+    must(&interp, line);
+    is_recorded_as(line);
+    CHECK_HAS(buf_text(&reply.words), "marker=2-3 ");
+    CHECK_INT(journal_count(interp.journal), 4);
+    has_seeds(1, 5, 9, 10);
+    has_seeds(0, 5, 52, 52); /* 81 less five at each corner, which are farther than 3, and these */
+    must(&interp, "undo");
+    CHECK_INT(seeds(), 1);
+    must(&interp, "redo");
+    must(&interp, "remove 5,5,5");
+    CHECK_HAS(buf_text(&reply.text), "marker 2 removed: 9 seeds of label 1");
+    CHECK_INT(seeds(), 1);
+    must(&interp, "undo");
+    must(&interp, "remove 2,4,5"); /* by its ring */
+    CHECK_INT(seeds(), 1);
+    must(&interp, "undo");
+    is_refused(&interp, "seed 8,8,8 0 joined=yes", "the command before has not planted");
+    resume("outline.iftty");
+    has_seeds(0, 5, 52, 52);
+    must(&interp, "undo 5");
+    must(&interp, "outline 0,4,5 1 to=0,6,5 to=0,6,7 range=0..40"); /* at the edge of the scene */
+    has_seeds(1, 6, 2, 6);
+    must(&interp, "outline 4,4,5 0 to=6,4,5 to=6,6,5 to=4,6,5");
+    CHECK_HAS(buf_text(&reply.words), "marker=6 "); /* no ring around the background, */
+    must(&interp, "undo");
+    must(&interp,
+         "outline 4,4,5 1 to=6,4,5 to=6,6,5 to=4,6,5 ring=0"); /* nor where none is wanted */
+    CHECK_HAS(buf_text(&reply.words), "marker=7 ");
+    is_refused(&interp, "outline 4,4,5 0 to=6,4,5 to=6,6,5 ring=1", "around an object");
+    is_refused(&interp, "outline 4,4,5 1 to=6,4,5", "a polygon has three corners or more");
+    is_refused(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 range=300..400", "no voxel of it has");
+    is_refused(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 ring=17", "ring: expected");
+    interpreter_release(&interp);
+}
+
+STORY(the_ring_of_an_outline_cuts_no_other_object)
+{
+    begin_with_journal(&interp, "others.iftty");
+    must(&interp, "box 7,4,5 8,6,5 2");
+    must(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 to=4,6,5"); /* while that waits */
+    CHECK_HAS(buf_text(&reply.text), "in another object: 6 voxels");
+    must(&interp, "run");
+    has_seeds(0, 5, 46, 46);
+    must(&interp, "box 1,3,5 3,7,5 3"); /* what is planted later holds, */
+    must(&interp, "run");
+    has_seeds(0, 5, 33, 33);
+    must(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 to=4,6,5 ring=1"); /* and in a ring too */
+    CHECK_HAS(buf_text(&reply.text), "in another object: 6 voxels");
+    must(&interp, "undo 3");
+    has_seeds(0, 5, 46, 46);
+    must(&interp, "seed 6,5,6 2"); /* voxels of its trees, where no seed is */
+    must(&interp, "run");
+    must(&interp, "outline 4,4,7 1 to=6,4,7 to=6,6,7 to=4,6,7");
+    const size_t before = forest_seeds(interp.session->forest);
+    must(&interp, "run");
+    CHECK(forest_seeds(interp.session->forest) > before + 9);
+    CHECK(forest_seeds(interp.session->forest) < before + 9 + 52);
+    const uint64_t digest = forest_digest(interp.session->forest);
+    resume("others.iftty");
+    CHECK(forest_digest(interp.session->forest) == digest);
+    interpreter_release(&interp);
+}
+
+STORY(an_outline_takes_the_place_of_a_marker)
+{
+    begin_with_journal(&interp, "instead.iftty");
+    must(&interp, "auto on");
+    must(&interp, "seed 1,1,1 1");
+    must(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 to=4,6,5 ring=1");
+    must(&interp, "outline 4,4,5 1 to=7,4,5 to=7,7,5 to=4,7,5 ring=1 instead=2");
+    is_recorded_as("outline 4,4,5 1 to=7,4,5 to=7,7,5 to=4,7,5 ring=1 instead=2");
+    CHECK_HAS(buf_text(&reply.words), "marker=4-5 ");
+    has_seeds(1, 5, 16, 17);
+    has_seeds(0, 5, 16, 16);
+    must(&interp, "undo");
+    has_seeds(1, 5, 9, 10);
+    has_seeds(0, 5, 12, 12);
+    must(&interp, "redo");
+    must(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 to=4,6,5 ring=1 instead=5"); /* by its ring */
+    has_seeds(1, 5, 9, 10);
+    is_refused(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 instead=4", "no marker 4 stands");
+    is_refused(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 instead=99", "no marker 99 stands");
+    is_refused(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,6 instead=6", "lie in one slice");
+    has_seeds(1, 5, 9, 10);
+    resume("instead.iftty");
+    has_seeds(1, 5, 9, 10);
+    has_seeds(0, 5, 12, 12);
+    interpreter_release(&interp);
+}
+
 /* ---- names and quotes ---- */
 
 STORY(a_label_may_be_called_by_several_words)
@@ -421,19 +531,21 @@ int main(void)
     if (!begin_folder())
         return 1;
     make_scene();
-    const int status =
-        RUN_STORIES(TELL(a_stroke_is_one_record_one_marker_and_one_undo),
-                    TELL(parts_of_a_stroke_are_undone_done_again_and_removed_as_one),
-                    TELL(a_stroke_that_is_cut_short_keeps_its_whole_parts_as_one),
-                    TELL(only_what_was_just_planted_is_gone_on_with),
-                    TELL(a_line_of_the_journal_holds_thousands_of_corners),
-                    TELL(millimetres_are_refused_where_nobody_knows_them),
-                    TELL(only_intensities_of_the_range_are_planted),
-                    TELL(a_polygon_is_of_one_slice), TELL(a_label_may_be_called_by_several_words),
-                    TELL(an_older_journal_has_single_quotes_as_letters),
-                    TELL(an_older_journal_counts_what_waits_as_it_did),
-                    TELL(a_sketch_is_as_if_it_had_never_been),
-                    TELL(a_sketch_without_memory_is_taken_back_in_the_end),
-                    TELL(what_waits_runs_with_the_next_edit_and_not_by_going_there));
+    const int status = RUN_STORIES(
+        TELL(a_stroke_is_one_record_one_marker_and_one_undo),
+        TELL(parts_of_a_stroke_are_undone_done_again_and_removed_as_one),
+        TELL(a_stroke_that_is_cut_short_keeps_its_whole_parts_as_one),
+        TELL(only_what_was_just_planted_is_gone_on_with),
+        TELL(a_line_of_the_journal_holds_thousands_of_corners),
+        TELL(millimetres_are_refused_where_nobody_knows_them),
+        TELL(only_intensities_of_the_range_are_planted), TELL(a_polygon_is_of_one_slice),
+        TELL(an_outline_says_what_lies_on_both_sides_of_a_border),
+        TELL(the_ring_of_an_outline_cuts_no_other_object),
+        TELL(an_outline_takes_the_place_of_a_marker), TELL(a_label_may_be_called_by_several_words),
+        TELL(an_older_journal_has_single_quotes_as_letters),
+        TELL(an_older_journal_counts_what_waits_as_it_did),
+        TELL(a_sketch_is_as_if_it_had_never_been),
+        TELL(a_sketch_without_memory_is_taken_back_in_the_end),
+        TELL(what_waits_runs_with_the_next_edit_and_not_by_going_there));
     return end_folder() | status;
 }

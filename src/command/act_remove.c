@@ -114,12 +114,14 @@ static enum err read_removed(const struct markers *markers, const struct record_
     return fits && at == end ? OK : fault_set(fault, ERR_CHECK, "removed: expected N,N-N");
 }
 
-/* Of a whole stroke. */
+/* Of a whole stroke, or of an outline without its ring. */
 static size_t seeds_of(const struct markers *markers, uint32_t number)
 {
+    const int16_t label = markers->marker[number - 1].label;
     size_t seeds = 0;
     for (; number; number = markers_next(markers, number))
-        seeds += markers->marker[number - 1].voxels;
+        seeds +=
+            markers->marker[number - 1].label == label ? markers->marker[number - 1].voxels : 0;
     return seeds;
 }
 

@@ -234,26 +234,29 @@ static enum err add_around(struct voxels *out, const struct act *act, const stru
     return err;
 }
 
-static enum err free_around_polygon(const struct act *act, const struct polyline *line)
+/* One marker of voxels in a slice, which are let go of; it frees what lies around them. */
+static enum err plant_in_slice(const struct act *act, struct planting *planting,
+                               struct voxels *voxels, int16_t label)
 {
-    const struct session *session = act->session;
     struct brush brush = {0};
-    struct voxels inside = {0}, voxels = {0};
-    if (!session_markers(session)->yields)
-        return OK;
-    enum err err =
-        paint_polygon(&inside, &session_scene(session)->grid, (const uint32_t(*)[3])line->corner,
-                      line->count, session_watch(session), act->fault);
-    if (!err)
+    struct voxels around = {0};
+    enum err err = OK;
+    if (session_markers(act->session)->yields)
         err = brush_init(&brush, ones, FREES_LEAST, BRUSH_REACH_MOST, act->fault);
-    for (size_t i = 0, next; !err && i < inside.count; i = next) {
-        for (next = i + 1; next < inside.count && inside.cell[next] == inside.cell[next - 1] + 1;)
+    for (size_t i = 0, next; !err && brush.rows && i < voxels->count; i = next) {
+        for (next = i + 1;
+             next < voxels->count && voxels->cell[next] == voxels->cell[next - 1] + 1;)
             next++;
-        err = add_around(&voxels, act, &brush, inside.cell[i], inside.cell[next - 1]);
+        err = add_around(&around, act, &brush, voxels->cell[i], voxels->cell[next - 1]);
     }
     brush_release(&brush);
-    voxels_release(&inside);
-    return free_voxels(act, &voxels, err);
+    if (!err)
+        err = act_plant(act, planting, voxels->cell, voxels->count, label);
+    if (!err && planting->planted && around.count)
+        err = session_free_voxels(act->session, around.cell, around.count, act->fault);
+    voxels_release(&around);
+    voxels_release(voxels);
+    return err;
 }
 
 /* ---- balls and strokes ---- */
@@ -481,7 +484,7 @@ enum err act_seed(const struct act *act)
     return err ? err : free_around_way(act);
 }
 
-/* ---- `box`, `fill` ---- */
+/* ---- `box` ---- */
 
 enum err act_box(const struct act *act)
 {
@@ -496,19 +499,111 @@ enum err act_box(const struct act *act)
     return err ? err : free_around_box(act);
 }
 
-enum err act_fill(const struct act *act)
+/* ---- `fill`, `outline` ---- */
+
+enum { OUTLINE_RING = 3 }; /* did as well as all outside the outline, in bench effort */
+
+static bool plants_another(const struct markers *markers, int16_t label)
 {
+    bool found = false;
+    for (size_t m = 0; !found && m < markers->count; m++)
+        found = markers->marker[m].label > 0 && markers->marker[m].label != label;
+    return found;
+}
+
+/* What belongs to another object, by its seed or as of the last run, is left out: that one's own
+ * seeds hold the label back, and a ring of the background would cut into it. */
+static enum err spare_others(const struct act *act, struct voxels *ring, int16_t label)
+{
+    struct session *session = act->session;
+    const struct markers *markers = session_markers(session);
+    size_t kept = 0;
+    if (!plants_another(markers, label))
+        return OK;
+    const enum err err = session_skims(session) ? session_catch_up(session, act->fault) : OK;
+    for (size_t i = 0; !err && i < ring->count; i++) {
+        const uint32_t cell = ring->cell[i];
+        const int16_t seed = markers_seed(markers, cell),
+                      holds = seed == EDIT_ERASE ? session_scene(session)->cell[cell].label : seed;
+        if (holds == 0 || holds == label)
+            ring->cell[kept++] = cell;
+    }
+    ring->count = kept;
+    return err;
+}
+
+/* The marker of the inside goes on with a ring of the background. */
+static enum err plant_ring(const struct act *act, struct voxels *ring, int16_t label,
+                           size_t *others)
+{
+    struct planting planting = act_begin_planting(act->session, NULL);
+    const size_t all = ring->count;
+    enum err err = spare_others(act, ring, label);
+    *others = all - ring->count;
+    if (!err)
+        err = plant_in_slice(act, &planting, ring, 0);
+    if (!err && planting.planted)
+        session_join(act->session);
+    return err;
+}
+
+static enum err plant_polygon(const struct act *act, int ring)
+{
+    const struct grid *grid = &session_scene(act->session)->grid;
     const struct polyline *line = act_value(act, "to")->line;
-    struct voxels voxels = {0};
+    const int16_t label = (int16_t)act_number(act, "LABEL");
+    struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
+    struct watch *watch = session_watch(act->session);
+    struct voxels inside = {0}, around = {0};
     if (!line || line->count < 3)
         return fault_set(act->fault, ERR_USAGE,
                          "a polygon has three corners or more, not all ahead on one line (`box` "
                          "fills a rectangle); nothing was planted");
-    enum err err = paint_polygon(&voxels, &session_scene(act->session)->grid,
-                                 (const uint32_t(*)[3])line->corner, line->count,
-                                 session_watch(act->session), act->fault);
-    err = err ? err : plant(act, &voxels);
-    return err ? err : free_around_polygon(act, line);
+    const uint32_t(*corner)[3] = (const uint32_t(*)[3])line->corner;
+    enum err err = paint_polygon(&inside, grid, corner, line->count, watch, act->fault);
+    if (!err && ring)
+        err = paint_ring(&around, grid, &inside, corner, line->count, ring, watch, act->fault);
+    if (!err)
+        err = plant_in_slice(act, &planting, &inside, label);
+    if (!err && planting.planted && ring)
+        err = plant_ring(act, &around, label, &planting.others);
+    voxels_release(&inside);
+    voxels_release(&around);
+    if (!err)
+        act_add_markers(act);
+    return err ? err : act_write_planting(act, &planting);
+}
+
+enum err act_fill(const struct act *act)
+{
+    return plant_polygon(act, 0);
+}
+
+/* Whatever part of it has the number. */
+static enum err take_former(const struct act *act)
+{
+    const struct markers *markers = session_markers(act->session);
+    const int64_t number = act_number(act, "instead");
+    const uint32_t first =
+        number <= (int64_t)markers->count ? markers_stroke(markers, (uint32_t)number) : 0;
+    const enum err err = session_take_away(act->session, &first, 1, act->fault);
+    return err != ERR_CHECK ? err
+                            : fault_set(act->fault, ERR_INPUT,
+                                        "instead: no marker %lld stands; expected the number of "
+                                        "one, as `marker=` of its record; nothing has changed",
+                                        (long long)number);
+}
+
+enum err act_outline(const struct act *act)
+{
+    const bool is_object = act_number(act, "LABEL") != 0;
+    const int64_t ring = act_number_or(act, "ring", is_object ? OUTLINE_RING : 0);
+    if (ring && !is_object)
+        return fault_set(act->fault, ERR_USAGE,
+                         "ring: it is of the background, and around an object; nothing was "
+                         "planted");
+    const enum err err = act_has(act, "instead") ? take_former(act) : OK;
+    return err ? err : plant_polygon(act, (int)ring);
 }
 
 /* ---- `object`: what is connected to a seed within a range ---- */

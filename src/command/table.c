@@ -113,6 +113,7 @@ enum {
     C = COMMAND_CARRIED,
     TURNS = 10 * VIEW_TURN, /* angles may be given beyond one turn; they are reduced */
     PANS = 1000 * VIEW_SIDE_MOST,
+    RING_MOST = 16, /* more would be a stroke of the background */
 };
 
 const char *const command_group_name[GROUPS] = {
@@ -289,6 +290,20 @@ static const struct command command_table[] = {
      "those whose centre it goes through. All corners lie in one slice, of any plane." WITHIN_NOTE
      "\nto: the other corners, two at least.",
      "fill 80,90,50 2 to=120,90,50 to=100,110,50"},
+    {COMMAND("outline", act_outline, GROUP_SEEDS, R | S | E | P),
+     {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255), WITHIN,
+      NEED("to", VALUE_LINE, .keyed = true), KEYED("ring", VALUE_NUMBER, .most = RING_MOST),
+      KEYED("instead", VALUE_NUMBER, .least = 1, .most = UINT32_MAX, .form = "N")},
+     "say what an object is in a slice",
+     "`fill`, and background in a ring around it, in the same slice: one marker, which says of "
+     "each side of the border what it is. What other objects hold now is left out of the "
+     "ring." WITHIN_NOTE " The ring is of all intensities.\n"
+     "to: the other corners, two at least. A line of the journal holds more than 3000.\n"
+     "ring: how many voxels it is wide, from centre to centre; 3 unless given, 0 for none, as a "
+     "polygon of the background has it.\n"
+     "instead: the number of a marker, as `marker=` of its record has it, that goes at the same "
+     "time, as one undo: an outline that was dragged.",
+     "outline 80,90,50 2 to=120,90,50 to=100,110,50"},
     {COMMAND("seed-file", act_seed_file, GROUP_SEEDS, R | S | E | P),
      {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("label", VALUE_LABEL, .most = 255), WITHIN,
       KEYED("regions", VALUE_LIST, .most = REGION_MOST), KEYED("as", VALUE_LIST, .most = 255),

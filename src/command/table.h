@@ -29,6 +29,7 @@ enum err act_label_file(const struct act *act);
 enum err act_seed(const struct act *act);
 enum err act_box(const struct act *act);
 enum err act_fill(const struct act *act);
+enum err act_outline(const struct act *act);
 enum err act_object(const struct act *act);
 /* act_remove.c */
 enum err act_remove(const struct act *act);

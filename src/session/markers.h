@@ -2,9 +2,11 @@
  * Markers: what commands have planted and erased, each as one thing.
  *
  * A *marker* is what one command plants under one label: a ball, a stroke, a region of a file. An
- * *eraser* is a marker that plants nothing: its voxels have no seed, whatever lies below. Markers
- * are numbered from 1 in the order of their commands. Where several cover a voxel, the latest that
- * stands decides; when it goes, what the one below says holds again:
+ * outline has two parts, its inside and a ring of the background, and a stroke as many as commands
+ * have made it: each has a number, and that of the first is the number of all. An *eraser* is a
+ * marker that plants nothing: its voxels have no seed, whatever lies below. Markers are numbered
+ * from 1 in the order of their commands. Where several cover a voxel, the latest that stands
+ * decides; when it goes, what the one below says holds again:
  *
  *     marker 1, label 1              1 1 1 1 1 . .
  *     marker 2, label 2              . . 2 2 2 2 .
@@ -36,7 +38,8 @@
  *      were taken away and put back;
  *   M2 a marker never changes, and its number is never given to another, unless it was dropped: so
  *      a number in a record names the same voxels for good;
- *   M3 the parts of a stroke follow each other, and a part stands only where those before it do;
+ *   M3 the parts of a stroke or an outline follow each other, and a part stands only where those
+ *      before it do;
  *   M4 whether a marker gives way to another, and where, follows from the two alone, and from no
  *      forest, run or third marker: so M1 and M2 hold of it too.
  */
@@ -63,7 +66,7 @@ struct marker {
     int16_t label;          /* 0..255, or EDIT_ERASE for an eraser */
     uint16_t reach;         /* of its seeds (forest_add_reach), or 0 */
     bool stands;
-    bool joined; /* to the marker before, as a part of one stroke (M3) */
+    bool joined; /* to the marker before, as a part of one thing (M3) */
     bool yields;
 };
 

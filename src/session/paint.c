@@ -116,6 +116,13 @@ static void stamp(struct sheet *sheet, const struct brush *brush, const int64_t 
     }
 }
 
+static void clear_bit(struct sheet *sheet, struct place p)
+{
+    const size_t x = p.x - sheet->first[0], y = p.y - sheet->first[1], z = p.z - sheet->first[2];
+    const size_t at = (z * sheet->size[1] + y) * sheet->size[0] + x;
+    sheet->bit[at >> 6] &= ~(UINT64_C(1) << (at & 63));
+}
+
 /* The cells whose bits are set. */
 static bool gather(struct voxels *out, const struct sheet *sheet, const struct grid *grid)
 {
@@ -400,4 +407,29 @@ enum err paint_polygon(struct voxels *out, const struct grid *grid, const uint32
     free(o.turn);
     free(o.on);
     return outcome(out, fits, watch, fault);
+}
+
+enum err paint_ring(struct voxels *out, const struct grid *grid, const struct voxels *inside,
+                    const uint32_t (*corner)[3], size_t corners, int width, struct watch *watch,
+                    struct fault *fault)
+{
+    struct task task = task_begin(watch, "a ring", 0);
+    struct brush brush = {0};
+    struct sheet sheet;
+    enum err err = brush_init(&brush, (uint32_t[]){1, 1, 1}, width, BRUSH_REACH_MOST, fault);
+    if (err)
+        return err;
+    brush.reach[common_axis(corner, corners)] = 0; /* the sheet is of the slice alone */
+    const bool fits = sheet_init(&sheet, grid, &brush, corner, corners);
+    for (size_t i = 0; fits && i < inside->count && task_advance(&task, brush.rows); i++) {
+        const struct place p = grid_place(grid, inside->cell[i]);
+        stamp(&sheet, &brush, (int64_t[]){p.x, p.y, p.z});
+    }
+    for (size_t i = 0; fits && i < inside->count; i++)
+        clear_bit(&sheet, grid_place(grid, inside->cell[i]));
+    err =
+        outcome(out, fits && (watch_fault(watch, NULL) || gather(out, &sheet, grid)), watch, fault);
+    free(sheet.bit);
+    brush_release(&brush);
+    return err;
 }

@@ -13,6 +13,8 @@
  *     polygon  in a slice, the voxels whose centre the outline through the centres of the corners,
  *              and from the last one back to the first, winds around (the nonzero rule), and those
  *              whose centre it goes through
+ *     ring     of a polygon: the voxels of its slice that lie outside, no farther from one inside
+ *              than its width, from centre to centre, in voxels
  *
  * What lies beyond the scene is left out.
  */
@@ -55,6 +57,11 @@ enum err paint_box(struct voxels *out, const struct grid *grid, const uint32_t c
 /* ERR_INPUT where the corners do not all have one index in common. */
 enum err paint_polygon(struct voxels *out, const struct grid *grid, const uint32_t (*corner)[3],
                        size_t corners, struct watch *watch, struct fault *fault);
+
+/* Around what paint_polygon gave of these corners; width 0..BRUSH_REACH_MOST. */
+enum err paint_ring(struct voxels *out, const struct grid *grid, const struct voxels *inside,
+                    const uint32_t (*corner)[3], size_t corners, int width, struct watch *watch,
+                    struct fault *fault);
 
 /* A stroke as semantics before MEANING_STROKES has it: a ball leaves out what the one before it
  * covers, and no more, so that some voxels are there twice. */

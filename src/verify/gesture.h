@@ -32,6 +32,7 @@ struct side_options;
     KIND(SHELL, "shell")                                                                           \
     KIND(BOX, "box")                                                                               \
     KIND(FILL, "fill")                                                                             \
+    KIND(OUTLINE, "outline")                                                                       \
     KIND(OBJECT, "object")                                                                         \
     KIND(SEED_FILE, "seed-file")                                                                   \
     KIND(MAP, "labels")                                                                            \
