@@ -15,11 +15,11 @@
 
 LC_ALL=C
 IFTTY_HISTORY= # what is typed here is none of the user's, and nothing of theirs counts
-IFTTY_CONFIG=
 export LC_ALL IFTTY_HISTORY IFTTY_CONFIG
 unset CI GITHUB_ACTIONS # under which verification is strict: what a story wants of it, it says
 cd "$(dirname "$0")/.." || exit 1
 top=$(pwd)
+IFTTY_CONFIG=$top/tests/bare.config # with IFTTY_CONFIG= a session begins as for a new user
 build=${IFTTY_BUILD:-build}
 case $build in /*) ;; *) build=$top/$build ;; esac
 iftty=$build/iftty

@@ -56,10 +56,10 @@ STORY(nothing_is_fine_too)
     take("");
     CHECK_TEXT(buf_text(&config.words), "");
     CHECK_TEXT(config.setup.theme->name, "dark");
-    CHECK(config.setup.brush.label == 1 && config.setup.brush.radius == 3 &&
+    CHECK(config.setup.brush.label == 1 && config.setup.brush.radius == 6 &&
           config.setup.windows == 4);
     take("brush 7\ntheme none");
-    CHECK(config.setup.brush.label == 7 && config.setup.brush.radius == 3);
+    CHECK(config.setup.brush.label == 7 && config.setup.brush.radius == 6);
     take("brush 7 0");
     CHECK(config.setup.brush.radius == 0);
     take("theme none");
@@ -75,9 +75,31 @@ STORY(a_brush_is_what_the_pilot_has)
     CHECK(brush->has_range && decimal_value(&brush->range[0]) == -40.5 &&
           decimal_value(&brush->range[1]) == 80);
     take("brush 4 range=1..2");
-    CHECK(brush->label == 4 && !brush->in_mm && brush->radius == 3 && brush->has_range);
+    CHECK(brush->label == 4 && !brush->in_mm && brush->radius == 6 && brush->has_range);
     take("brush 4 32mm");
     CHECK(brush->in_mm && brush->radius == 64 && !brush->has_range);
+}
+
+STORY(a_brush_that_nobody_chose_fits_the_scene)
+{
+    static const struct {
+        const char *line;
+        uint32_t side;
+        unsigned radius;
+    } row[] = {{"", 181, 6},         {"", 59, 5},
+               {"", 12, 1},          {"", 3, 1},
+               {"brush 2", 30, 3},   {"brush 2 range=1..9", 30, 3},
+               {"brush 2 9", 30, 9}, {"brush 2 9mm", 30, 18}};
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        struct pilot_state state;
+        take(row[i].line);
+        pilot_state_init(&state, &config.setup);
+        pilot_fit_brush(&state, row[i].side);
+        CHECK_INT(state.brush.radius, row[i].radius);
+        state.brush.radius = 20; /* chosen since */
+        pilot_fit_brush(&state, row[i].side);
+        CHECK_INT(state.brush.radius, 20);
+    }
 }
 
 STORY(a_bad_line_is_named_with_its_number_and_left_out)
@@ -112,7 +134,7 @@ STORY(a_bad_line_is_named_with_its_number_and_left_out)
         {"key undo a-z", "c:1: a-z: expected one key"},
         {"key undo U\nkey redo U", "c:2: U was given to undo; left out\n"},
         {"key undo U\nkey redo Ux", "c:2: Ux was given to undo; left out\n"},
-        {"start", "c:1: expected a command; left out\n"},
+        {"start", "c:1: expected a command, or none; left out\n"},
         {"start \x1b[2J", "c:1: byte 7, 1b, is no text; left out\n"},
         {"theme d\xff", "c:1: byte 8, ff, is no text; left out\n"},
         {"start \xe2\x80\xae", "c:1: byte 7, e2, is no text"}, /* it turns text around */
@@ -160,6 +182,7 @@ STORY(the_file_is_where_the_environment_says)
     config_init(&config);
     config_read(&config); /* none */
     CHECK_TEXT(buf_text(&config.words), "");
+    CHECK_TEXT(buf_text(&config.start), "finish relax\nfinished on\n");
     config_release(&config);
     buf_add_text(&path, "/config");
     CHECK(file_write(buf_text(&path), "brush 9\nx", 9, FILE_KEEP, NULL) == OK);
@@ -172,6 +195,13 @@ STORY(the_file_is_where_the_environment_says)
     config_init(&config);
     config_read(&config);
     CHECK_INT(config.setup.brush.label, 1);
+    CHECK_TEXT(buf_text(&config.start), "finish relax\nfinished on\n");
+    config_release(&config);
+    CHECK(file_write(buf_text(&path), "start none", 10, FILE_REPLACE, NULL) == OK);
+    setenv("IFTTY_CONFIG", buf_text(&path), 1);
+    config_init(&config);
+    config_read(&config); /* a start of one's own, or none, takes the place of the usual one */
+    CHECK_TEXT(buf_text(&config.start), "");
     config_release(&config);
     setenv("IFTTY_CONFIG", folder, 1); /* a folder is none */
     config_init(&config);
@@ -211,8 +241,8 @@ STORY(keys_of_ones_own_stand_before_those_of_the_table)
     CHECK_TEXT(type("u"), "");
     CHECK_HAS(buf_text(&message), "this key does nothing here");
     CHECK_TEXT(type("gg"), "turn 0 0 15\n");
-    CHECK_TEXT(type(",3"), "seed 1,2,3 3 radius=3\n");
-    CHECK_TEXT(type("7"), "seed 1,2,3 7 radius=3\n"); /* no part of a count any more */
+    CHECK_TEXT(type(",3"), "seed 1,2,3 3 radius=6\n");
+    CHECK_TEXT(type("7"), "seed 1,2,3 7 radius=6\n"); /* no part of a count any more */
     pilot_keys_page(&page, &config.setup, false, 60); /* one entry on a line */
     CHECK_HAS(buf_text(&page), "  s Ctrl-R .       undo, redo, again\n");
     CHECK_HAS(buf_text(&page), "  7 ,0-9           a seed of 0-9\n");
@@ -290,7 +320,9 @@ STORY(any_text_leaves_a_setup_that_can_be_used)
 int main(void)
 {
     return RUN_STORIES(
-        TELL(every_kind_of_line), TELL(nothing_is_fine_too), TELL(a_brush_is_what_the_pilot_has),
+        TELL(every_kind_of_line), TELL(nothing_is_fine_too), TELL(every_kind_of_line),
+        TELL(nothing_is_fine_too), TELL(a_brush_is_what_the_pilot_has),
+        TELL(a_brush_that_nobody_chose_fits_the_scene),
         TELL(a_bad_line_is_named_with_its_number_and_left_out),
         TELL(there_is_an_end_to_what_is_read), TELL(the_file_is_where_the_environment_says),
         TELL(keys_of_ones_own_stand_before_those_of_the_table), TELL(every_action_is_in_the_readme),

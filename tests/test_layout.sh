@@ -185,7 +185,7 @@ names=$(sed -n 's/^    {[CS][A-Z]*("\([a-z-]*\)",.*/\1/p' src/command/table.c sr
 pattern=$(printf '%s\n' "$names" | sed 's/.*/"&"/' | paste -sd '|' -)
 found=$(grep -E '^src/(command|session|show|report)/' "$work/code" |
     grep -vE '^[^:]*/(table|setting)\.c:' | grep -E ":.*($pattern)" |
-    grep -vE '(json_[a-z]+\(&?json|(act|call)_[a-z_]+\([a-z>-]+), "|task_begin\([^;]*,')
+    grep -vE '(json_[a-z]+\(&?json|(act|call)_[a-z_]+\(&?[a-z>-]+), "|task_begin\([^;]*,')
 [ -z "$found" ] || fail "$found"
 found=$(grep -v '^[^:]*/table\.c:' "$work/code" | grep -E "str(n|case)?cmp\([^;]*($pattern)")
 [ -z "$found" ] || fail "$found"

@@ -213,4 +213,58 @@ sane
 ! grep -q '^open' "big-$try.iftty" || fail "what was cancelled is in the journal"
 close_story
 
+begin "a new user's labels are finished, and what is saved and counted says so"
+enter_anew "IFTTY_CONFIG= $iftty s.nii --journal new.iftty"
+see '^finish    relax sweeps=60; pictures show it$'
+enter "seed 6,10,8 1 radius=2"
+enter "seed 20,10,8 0 radius=2"
+enter "save labels shown.nii"
+see '^wrote shown.nii'
+enter "save labels own.nii finished=no"
+see '^wrote own.nii'
+enter "save cost cost.nii"
+see '^wrote cost.nii'
+enter "save surface shown.stl"
+see '^wrote shown.stl'
+enter "stats report=shown.csv"
+see '^wrote shown.csv'
+enter "compare shown.nii"
+see '^1 +1\.0000 '
+enter "finished off"
+enter "save labels off.nii"
+see '^wrote off.nii'
+enter "quit"
+see '^journal: new'
+cat >wanted <<END
+open s.nii weight=morph
+auto on
+finish relax
+finished on
+seed 6,10,8 1 radius=2
+seed 20,10,8 0 radius=2
+save labels shown.nii finished=yes
+save labels own.nii finished=no
+save cost cost.nii
+save surface shown.stl finished=yes
+finished off
+save labels off.nii finished=no
+END
+"$iftty" log --script new.iftty | grep -v '^#' >got
+same "$(cat got)" "$(cat wanted)"
+expect 0 "$iftty" verify new.iftty
+sed '/^save/d; /^finished off/,$d' wanted >plain
+cat >>plain <<END
+save labels plain.nii
+save labels yes.nii finished=yes
+stats finished=yes report=yes.csv
+END
+expect 0 "$iftty" run plain --journal plain.iftty
+grep -qx 'save labels plain.nii' plain.iftty || fail "a script says what it says"
+same_files plain.nii own.nii
+same_files plain.nii off.nii
+same_files yes.nii shown.nii
+same_files yes.csv shown.csv
+! cmp -s own.nii shown.nii || fail "nothing was to be finished"
+close_story
+
 finish

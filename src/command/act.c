@@ -105,9 +105,24 @@ static enum err take(const struct act *act, bool finished, struct labels *labels
     return err;
 }
 
+/* The record says by itself what is handed on, whatever pictures show where it is replayed. */
+static void say_finished(const struct act *act, bool finished)
+{
+    struct call said = *act->call;
+    call_set(&said, "finished", !finished, finished ? "yes" : "no");
+    buf_clear(&act->reply->canonical);
+    command_write(&act->reply->canonical, &said);
+}
+
 enum err act_take_labels(const struct act *act, struct labels *labels)
 {
-    return take(act, act_is_yes(act, "finished"), labels);
+    const bool as_shown = act->interp->has_pilot && !act_has(act, "finished") &&
+                          session_kept(act->session)->finish.count > 0;
+    const bool finished =
+        as_shown ? session_shows_finished(act->session) : act_is_yes(act, "finished");
+    if (as_shown)
+        say_finished(act, finished);
+    return take(act, finished, labels);
 }
 
 enum err act_take_shown(const struct act *act, struct labels *labels)

@@ -87,9 +87,10 @@ enum err act_check_report(const struct act *act);
 /* Writes the text to the file that `report` names, unless replay writes none, and says so. */
 enum err act_write_report(const struct act *act, const struct buf *text);
 
-/* The labels that a command shows, saves or counts, once the edits that wait have been run: with
- * `finished=yes`, the finished ones, whose digest is added to the words of the record. In a session
- * that skims they are of no meaning. */
+/* The labels that a command saves or counts, once the edits that wait have been run: with
+ * `finished=yes`, the finished ones, whose digest is added to the words of the record. Where
+ * somebody sits at a prompt and does not give `finished=`, it is as pictures show them, and the
+ * record says which. In a session that skims they are of no meaning. */
 enum err act_take_labels(const struct act *act, struct labels *labels);
 
 /* The same for a picture: where `finished=` is not given, as `finished on|off` has it. */

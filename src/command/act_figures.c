@@ -163,19 +163,18 @@ enum err act_stats(const struct act *act)
 /* ---- `compare`: the labels beside those of a file ---- */
 
 /* The session's; where one is chosen, that one alone. */
-static enum err take_own(struct compared *compared, const struct act *act)
+static enum err take_own(struct compared *compared, const struct act *act, struct labels *labels)
 {
     const struct grid *grid = &session_scene(act->session)->grid;
     const struct value *only = act_value(act, "label");
     uint8_t *label = compared->label[0] = mem_array(grid->voxels, 1);
     struct task task = task_begin(session_watch(act->session), "present labels", grid->voxels);
-    struct labels labels;
-    enum err err = label ? act_take_labels(act, &labels) : fault_memory(act->fault, "the labels");
+    enum err err = label ? act_take_labels(act, labels) : fault_memory(act->fault, "the labels");
     if (err)
         return err;
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
-            labels_copy_row(&labels, grid_row(grid, y, z), label);
+            labels_copy_row(labels, grid_row(grid, y, z), label);
             for (const uint8_t *end = label + grid->size[0]; label < end; label++)
                 *label = only->given && *label != only->number ? 0 : *label;
         }
@@ -220,7 +219,7 @@ static enum err write_comparison(const struct act *act, const struct comparison_
 /* "picture": slices, through the place that is named, or the voxel where both are farthest apart,
  * or the cross-hair; or "surface". Nothing where it is not asked for. */
 static enum err write_picture(const struct act *act, const char *which,
-                              const struct compared *compared,
+                              const struct compared *compared, const struct labels *labels,
                               const struct comparison_report *report)
 {
     const uint32_t *cross = session_outlook(act->session)->slices.cross;
@@ -228,12 +227,9 @@ static enum err write_picture(const struct act *act, const char *which,
         act_has(act, "at") ? act_place(act, "at") : comparison_farthest(report->comparison, cross);
     struct picture picture = {0};
     struct buf path = {0};
-    struct labels labels;
     if (!act_has(act, which))
         return OK;
-    enum err err = session_labels(act->session, act_is_yes(act, "finished"), &labels, act->fault);
-    if (!err)
-        err = interpreter_output_path(act->interp, act_text(act, which), &path, act->fault);
+    enum err err = interpreter_output_path(act->interp, act_text(act, which), &path, act->fault);
     if (!err && path.length)
         err = strcmp(which, "picture") == 0
                   ? comparison_picture_draw(&picture, act->session, compared, report, place,
@@ -241,7 +237,7 @@ static enum err write_picture(const struct act *act, const char *which,
                   : distance_picture_draw(&picture, act->session, compared, report, false,
                                           act->fault);
     if (!err && path.length)
-        err = act_note_picture(act, &labels, &picture);
+        err = act_note_picture(act, labels, &picture);
     if (!err && path.length)
         err = act_write_picture(act, buf_text(&path), act_file_mode(act), &picture);
     picture_release(&picture);
@@ -250,20 +246,19 @@ static enum err write_picture(const struct act *act, const char *which,
 }
 
 static enum err answer_comparison(const struct act *act, const struct compared *compared,
-                                  const struct comparison *comparison)
+                                  const struct labels *labels, const struct comparison *comparison)
 {
     const struct session *session = act->session;
-    const char *name =
-        act_is_yes(act, "finished") ? "the labels here, finished" : "the labels here";
+    const char *name = labels->finished ? "the labels here, finished" : "the labels here";
     const struct comparison_report report = {comparison,
                                              {name, act_text(act, "FILE")},
                                              session_kept(session)->label_name,
                                              session_geometry(session)};
     enum err err = write_comparison(act, &report);
     if (!err)
-        err = write_picture(act, "picture", compared, &report);
+        err = write_picture(act, "picture", compared, labels, &report);
     if (!err)
-        err = write_picture(act, "surface", compared, &report);
+        err = write_picture(act, "surface", compared, labels, &report);
     if (!err)
         comparison_write_text(&act->reply->text, &report);
     if (!err)
@@ -275,6 +270,7 @@ enum err act_compare(const struct act *act)
 {
     struct session *session = act->session;
     struct compared compared = {0};
+    struct labels labels = {0};
     struct comparison *comparison = mem_new(sizeof *comparison);
     enum err err = comparison ? act_check_report(act) : fault_memory(act->fault, "a comparison");
     if (!err && act_has(act, "at") && !act_has(act, "picture"))
@@ -287,12 +283,12 @@ enum err act_compare(const struct act *act)
     if (!err)
         err = take_map(&compared, act);
     if (!err)
-        err = take_own(&compared, act);
+        err = take_own(&compared, act, &labels);
     if (!err)
         err = comparison_make(comparison, &compared, session_team(session), session_watch(session),
                               act->fault);
     if (!err)
-        err = answer_comparison(act, &compared, comparison);
+        err = answer_comparison(act, &compared, &labels, comparison);
     free(compared.label[0]);
     free(compared.label[1]);
     free(comparison);

@@ -292,7 +292,7 @@ static void write_canonical(const struct act *act, bool has_weight)
     struct call call = *act->call;
     buf_clear(canonical);
     if (session_series(session) && call_has(&call, "series"))
-        call_set_number(&call, "series", session_series(session));
+        call_set(&call, "series", session_series(session), NULL);
     command_write(canonical, &call);
     if (has_weight) {
         buf_add_text(canonical, " weight=");

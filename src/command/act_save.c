@@ -298,7 +298,8 @@ static void warn_of_background(struct buf *out, uint64_t voxels, const char *whi
 }
 
 /* What a user might not expect of what was written. */
-static void warn(const struct act *act, const char *path, const struct coverage *coverage)
+static void warn(const struct act *act, const char *path, const struct coverage *coverage,
+                 bool finished)
 {
     const struct session *session = act->session;
     const int64_t what = act_number(act, "MAP");
@@ -307,7 +308,7 @@ static void warn(const struct act *act, const char *path, const struct coverage 
     if (volume_ending(path) && !geometry_has_place(session_geometry(session)))
         buf_add_text(&act->reply->text,
                      "where it lies is as unknown in it as in the scene's file\n");
-    if ((what == MAP_LABELS || what == SAVE_SURFACE) && !act_has(act, "finished") &&
+    if ((what == MAP_LABELS || what == SAVE_SURFACE) && !act_has(act, "finished") && !finished &&
         session_shows_finished(session))
         buf_add_text(&act->reply->text, "it has the labels of the forest; `finished=yes` writes "
                                         "those that pictures show\n");
@@ -316,18 +317,18 @@ static void warn(const struct act *act, const char *path, const struct coverage 
 enum err act_save(const struct act *act)
 {
     const int64_t what = act_number(act, "MAP");
+    const bool has_labels = what == MAP_LABELS || what == SAVE_SURFACE;
     struct coverage coverage = {0};
     struct buf path = {0};
-    struct labels labels;
+    struct labels labels = {0};
     enum err err = check_parameters(act);
     if (!err)
         err = session_run(act->session, act->fault);
-    if (!err)
+    if (!err && has_labels)
         err = act_take_labels(act, &labels);
     if (!err)
         err = interpreter_output_path(act->interp, act_text(act, "FILE"), &path, act->fault);
     if (!err && path.length) {
-        const bool has_labels = what == MAP_LABELS || what == SAVE_SURFACE;
         if (has_labels)
             coverage = cover(act->session, &labels);
         if (what == MAP_LABELS)
@@ -337,7 +338,7 @@ enum err act_save(const struct act *act)
         if (!err)
             act_write_file_line("wrote ", buf_text(&path), act->reply);
         if (!err)
-            warn(act, buf_text(&path), &coverage);
+            warn(act, buf_text(&path), &coverage, labels.finished != NULL);
     }
     buf_release(&path);
     return err;

@@ -74,10 +74,10 @@ enum err command_parse_by(struct call *call, const char *line, const struct sess
                           const struct kept *kept, struct fault *fault);
 void call_release(struct call *call);
 
-/* The value of the parameter of this name, which the command has; and a number in place of what
- * was given for it. */
+/* The value of the parameter of this name, which the command has; and another in place of what was
+ * given for it: a number, or a choice with its word. */
 const struct value *call_value(const struct call *call, const char *name);
-void call_set_number(struct call *call, const char *name, int64_t number);
+void call_set(struct call *call, const char *name, int64_t number, const char *word);
 
 /* Whether one of these parameters, "a|b|c", which the command has, is given. */
 bool call_has(const struct call *call, const char *names);

@@ -91,8 +91,8 @@ struct interpreter {
     struct sketch sketch;
     size_t applied;      /* edits that the command at hand has applied before it answered */
     size_t acknowledged; /* the record of the command that stood last; 0 where it has none */
-    bool has_pilot;      /* `pilot` can be had here */
-    bool has_blocks;     /* charts are drawn with the blocks of UTF-8 */
+    bool has_pilot;  /* somebody sits here: `pilot` can be had, and what is shown is what counts */
+    bool has_blocks; /* charts are drawn with the blocks of UTF-8 */
     void (*add_keys)(struct buf *out); /* what `help keys` says here, or NULL */
     enum interpreter_wish wish;
     bool keeps;          /* the command at hand has found a file that it may not replace */

@@ -599,11 +599,10 @@ const struct value *call_value(const struct call *call, const char *name)
     return call->value + number_of(call->command, name, strlen(name));
 }
 
-void call_set_number(struct call *call, const char *name, int64_t number)
+void call_set(struct call *call, const char *name, int64_t number, const char *word)
 {
     struct value *value = call->value + number_of(call->command, name, strlen(name));
-    value->text = NULL;
-    value->number = number;
+    *value = (struct value){.given = true, .number = number, .text = word};
 }
 
 bool call_has(const struct call *call, const char *names)

@@ -210,7 +210,7 @@ static enum err take(struct recorded *recorded, const char *line, struct call *c
     if (err)
         return err;
     if (opens && session_series(session) && call_has(call, "series"))
-        call_set_number(call, "series", session_series(session));
+        call_set(call, "series", session_series(session), NULL);
     command_write(&reply->canonical, call);
     const bool is_met = leads_to(call, buf_text(&reply->canonical), recorded->record.command);
     if (recorded->mode == RECORDED_UNDECIDED && is_recorded) /* by the first that would be */

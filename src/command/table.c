@@ -90,8 +90,9 @@ enum { PLANE_OFFSET_MOST = 1000000 }; /* thousandths of a millimetre */
 
 /* Labels as the finish has them. */
 #define FINISHED      KEYED("finished", VALUE_CHOICE, .choices = "yes|no")
-#define FINISHED_NOTE "\nfinished=yes: labels as `finish` leaves them."
-#define SHOWN_NOTE    FINISHED_NOTE " Unless given, as `finished` has it."
+#define LEFT_NOTE     "\nfinished=yes: labels as `finish` leaves them."
+#define SHOWN_NOTE    LEFT_NOTE " Unless given, as `finished` has it."
+#define FINISHED_NOTE LEFT_NOTE " Unless given at a prompt, as `finished` has it."
 
 /* What all that read a map have in common. */
 #define RESAMPLE KEYED("resample", VALUE_CHOICE, .choices = "yes|no")

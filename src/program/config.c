@@ -67,11 +67,12 @@ static bool take_radius(const char **at, struct pilot_brush *brush)
 
 static enum err take_brush(struct config *config, const char *words, struct fault *fault)
 {
-    struct pilot_brush brush = {.radius = pilot_setup_default.brush.radius};
+    struct pilot_brush brush = pilot_setup_default.brush;
     int64_t label;
     bool fine = take_number(&words, 0, 0, LABEL_MOST, &label);
     scan_blanks(&words);
-    if (fine && *words >= '0' && *words <= '9')
+    brush.fits = !(*words >= '0' && *words <= '9');
+    if (fine && !brush.fits)
         fine = take_radius(&words, &brush);
     scan_blanks(&words);
     brush.has_range = fine && scan_text(&words, "range=");
@@ -148,8 +149,10 @@ static enum err take_pager(struct config *config, const char *words, struct faul
 static enum err take_start(struct config *config, const char *words, struct fault *fault)
 {
     if (!*words)
-        return fault_set(fault, ERR_USAGE, "expected a command");
-    buf_printf(&config->start, "%zu %s\n", config->line, words);
+        return fault_set(fault, ERR_USAGE, "expected a command, or none");
+    config->has_start = true;
+    if (strcmp(words, "none") != 0)
+        buf_printf(&config->start, "%zu %s\n", config->line, words);
     return OK;
 }
 
@@ -265,11 +268,12 @@ void config_read(struct config *config)
         buf_printf(path, "%s/iftty/config", folder);
     else if (home && *home == '/')
         buf_printf(path, "%s/.config/iftty/config", home);
-    if (!path->length || path->failed || !file_exists(buf_text(path)))
-        return;
-    if (file_read(&text, buf_text(path), CONFIG_BYTES_MOST, &fault))
+    const bool is_there = path->length && !path->failed && file_exists(buf_text(path));
+    if (is_there && file_read(&text, buf_text(path), CONFIG_BYTES_MOST, &fault))
         buf_printf(&config->words, "%s; left out\n", fault.text);
-    else
+    else if (is_there)
         config_take(config, buf_text(&text), text.length);
+    if (!config->has_start)
+        buf_add_text(&config->start, CONFIG_USUAL_START);
     buf_release(&text);
 }

@@ -53,9 +53,11 @@ static enum err execute(struct prompt *prompt, const char *line, struct buf *out
     return err;
 }
 
-/* The commands that a user begins with: as soon as there is a scene. One that fails is named. */
+/* The commands that a user begins with: as soon as there is a scene. One that fails is named. Those
+ * that nobody has written down have no number, and the answer of the last one says all. */
 static void start(struct prompt *prompt, struct buf *output)
 {
+    const size_t before = output->length;
     struct fault fault;
     if (prompt->has_started || !session_has_scene(prompt->interp.session))
         return;
@@ -66,10 +68,15 @@ static void start(struct prompt *prompt, struct buf *output)
         const size_t n = strcspn(at, "\n");
         buf_add(&line, at, n);
         const unsigned long number = strtoul(buf_text(&line), &command, 10);
-        if (execute(prompt, command, output, &fault)) {
+        if (!number)
+            output->length = before;
+        const bool fails = execute(prompt, command, output, &fault);
+        if (fails && number) {
             buf_add_safe_text(output, buf_text(&prompt->config.path));
-            buf_printf(output, ":%lu: %s\n", number, fault.text);
+            buf_printf(output, ":%lu: ", number);
         }
+        if (fails)
+            buf_printf(output, "%s\n", fault.text);
         buf_release(&line);
         at += n + (at[n] == '\n');
     }
@@ -184,6 +191,11 @@ static enum err prompt_screen(void *context, struct terminal_facts *facts,
                               struct line_editor *editor, bool *ended, struct fault *fault)
 {
     struct prompt *prompt = context;
+    if (session_has_scene(prompt->interp.session)) {
+        const uint32_t *n = session_scene(prompt->interp.session)->grid.size;
+        const uint32_t least = n[0] < n[1] ? n[0] : n[1];
+        pilot_fit_brush(&prompt->state, least < n[2] ? least : n[2]);
+    }
     const enum err err = pilot_run(&prompt->host, &prompt->state, facts, editor, ended, fault);
     prompt_wants_screen(prompt); /* `:pilot` in the pilot asks for what is there */
     return err;

@@ -156,7 +156,8 @@ const struct command setting_table[] = {
      "In slices, mosaics, renditions and the pilot, which follow each seed and eliminator. The "
      "pilot shows the labels of the forest at once where they change, and the finished ones as "
      "soon as they are made. Maps, surfaces and reports are finished where `finished=yes` asks for "
-     "it. off by default.",
+     "it; at a prompt they are as pictures are unless `finished=` is given, and the record says "
+     "which. off by default; a session at a terminal begins with it on.",
      "finished on"},
     {.name = NULL},
 };

@@ -150,6 +150,7 @@ class Room:
             os.chown(home, self.user, self.user)
         return dict({"PATH": os.environ["PATH"], "HOME": home, "LANG": "C.UTF-8",
                      "LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "llvmpipe",
+                     "IFTTY_CONFIG": os.path.abspath("tests/bare.config"),
                      "ENV": "", "PS1": "$ "}, **more)
 
     def is_busy(self):

@@ -219,7 +219,7 @@ const size_t pilot_rows = sizeof pilot_table / sizeof pilot_table[0];
 /* ---- what a user has made of it ---- */
 
 const struct pilot_setup pilot_setup_default = {.theme = &theme_dark,
-                                                .brush = {.label = 1, .radius = 3},
+                                                .brush = {.label = 1, .radius = 6, .fits = true},
                                                 .window = {{"bone", 500000, 2000000},
                                                            {"brain", 40000, 80000},
                                                            {"lung", -600000, 1500000},

@@ -12,6 +12,14 @@ void pilot_state_init(struct pilot_state *state, const struct pilot_setup *setup
     *state = (struct pilot_state){.setup = setup, .pane = PILOT_AXIAL, .brush = setup->brush};
 }
 
+void pilot_fit_brush(struct pilot_state *state, uint32_t side)
+{
+    const uint32_t most = side < 20 ? 1 : side / 10;
+    struct pilot_brush *brush = &state->brush;
+    brush->radius = brush->fits && brush->radius > most ? most : brush->radius;
+    brush->fits = false;
+}
+
 void pilot_state_enter(struct pilot_state *state)
 {
     state->mode = state->base = pilot_home(state);

@@ -41,6 +41,7 @@ struct pilot_brush {
     unsigned label;
     unsigned radius; /* voxels, or halves of a millimetre where it is in_mm; 0 for one voxel */
     bool in_mm;
+    bool fits;      /* nobody has chosen the radius: it is made to fit the scene */
     bool has_range; /* only voxels whose intensity is within: real values */
     struct decimal range[2];
 };
@@ -158,6 +159,10 @@ static inline enum pilot_mode pilot_home(const struct pilot_state *state)
 {
     return state->watches ? PILOT_WATCHING : PILOT_MOVING;
 }
+
+/* Of a scene whose least side has so many voxels: where nobody has chosen a radius, it is at most a
+ * tenth of that. */
+void pilot_fit_brush(struct pilot_state *state, uint32_t side);
 
 /* The pilot is entered once more: what was chosen is as it was, what was begun is not. */
 void pilot_state_enter(struct pilot_state *state);
