@@ -1,0 +1,33 @@
+/*
+ * Contours: the outline of what is there already in a slice, to begin with and to be corrected.
+ *
+ * Of the voxels of a slice that are meant, those that hang together by faces are a piece. The
+ * contour goes once around the largest one, from the centre of one of its outer voxels to that of
+ * the next, by faces and corners, and is then simplified (polyline_simplify): so the polygon
+ * through its corners (session/paint.h) has the voxels of the piece, holes filled, but for those
+ * that half a voxel decides about. Of a rectangle it has its four corners.
+ */
+#ifndef SESSION_CONTOUR_H
+#define SESSION_CONTOUR_H
+
+#include "base/err.h"
+#include "base/polyline.h"
+#include "engine/labels.h"
+#include "session/markers.h"
+
+/* Where pieces are equal, that which begins first counts, row by row. More corners than a hand
+ * would drag are thinned out. */
+enum { CONTOUR_CORNERS_MOST = 1000 };
+
+/* The corners of a label's contour in a slice, the one `at` along an axis, into an empty line; the
+ * last one leads back to the first. Fewer than three of what is no wider than a row of voxels, none
+ * where the label is not in the slice. ERR_MEMORY leaves it empty. */
+enum err contour_of_label(struct polyline *contour, const struct labels *labels, unsigned label,
+                          unsigned axis, uint32_t at, struct fault *fault);
+
+/* The same of the voxels of a marker, without those that are joined to it: of an outline, its
+ * inside. None where they do not lie in one slice. */
+enum err contour_of_marker(struct polyline *contour, const struct grid *grid,
+                           const struct markers *markers, uint32_t number, struct fault *fault);
+
+#endif
