@@ -249,7 +249,8 @@ static inline void take_snapshot(struct snapshot *s, struct interpreter *interp)
     roi_stands(session);
     fits_its_state(session);
     markers_stand(session);
-    CHECK(tally_check(&session->tally, session->scene));
+    const struct labels labels = labels_of_forest(session->scene);
+    CHECK(tally_check(&session->tally, &labels));
     measures_stand(session);
     s->forest = forest_digest(session->forest);
     s->labels = forest_label_digest(session->forest);

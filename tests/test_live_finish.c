@@ -240,13 +240,35 @@ static void write_line(char line[96])
     }
 }
 
+/* Volumes are of the labels that are shown, and before an edit of those that were shown then. */
+static void are_counted(struct session *session, const uint64_t *was)
+{
+    const uint64_t *before, *voxels = session_shown_voxels(session, &before);
+    const struct labels *labels = &session->pictures->live.border.labels;
+    struct label_sums sums;
+    CHECK(labels->finished == session->pictures->live.label && labels->finished != NULL);
+    if (!CHECK(voxels != NULL))
+        return;
+    CHECK(!session->pictures->live.tally.stale &&
+          tally_check(&session->pictures->live.tally, labels));
+    for (unsigned label = 1; label < 4; label++) {
+        CHECK(session_sum_shown(session, label, &sums, NULL) == OK);
+        CHECK_INT(sums.voxels, voxels[label]);
+    }
+    if (was)
+        CHECK(before && memcmp(before, was, 256 * sizeof *was) == 0);
+}
+
 /* An edit, or a look, and what is shown at once; then, mostly, what is exact. */
 static bool goes_on(struct interpreter *interp)
 {
-    const struct session *session = interp->session;
+    struct session *session = interp->session;
     uint8_t forest[CELLS], shown[CELLS];
+    const uint64_t *before;
+    uint64_t was[256];
     char line[96];
     draw_panel(interp);
+    memcpy(was, session_shown_voxels(session, &before), sizeof was);
     copy_forest(forest, session);
     memcpy(shown, session->pictures->live.label, CELLS);
     write_line(line);
@@ -255,12 +277,17 @@ static bool goes_on(struct interpreter *interp)
         return false;
     draw_panel(interp);
     const bool is_rough = session_is_rough(session);
+    const bool edited = session_has_edited(session) || session_has_regrown(session);
+    are_counted(session, edited ? was : NULL);
     CHECK(border_check(&session->pictures->live.border, NULL));
     if (!CHECK(!is_rough || are_rough(session, forest, shown)))
         printf("#   %s\n", line);
     if (below(3)) {
         refine(interp);
         is_exact(interp);
+        are_counted(session, edited ? was : NULL);
+        must(interp, "cross 3,3,3");
+        are_counted(session, edited ? was : NULL);
     }
     return is_rough;
 }

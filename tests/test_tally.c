@@ -87,7 +87,8 @@ static uint64_t seed = 1;
 static bool stands(struct session *session)
 {
     const bool fresh = !session->tally.stale;
-    CHECK(tally_check(&session->tally, session->scene));
+    const struct labels labels = labels_of_forest(session->scene);
+    CHECK(tally_check(&session->tally, &labels));
     CHECK(session_count_labels(session, NULL) == OK);
     uint64_t sum = 0;
     for (unsigned label = 0; label < 256; label++)

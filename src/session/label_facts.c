@@ -16,7 +16,8 @@
 
 enum err session_count_labels(struct session *session, struct fault *fault)
 {
-    return tally_refresh(&session->tally, session->scene, session->team)
+    const struct labels labels = labels_of_forest(session->scene);
+    return tally_refresh(&session->tally, &labels, session->team)
                ? OK
                : watch_fault(session->scene->watch, fault);
 }

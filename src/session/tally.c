@@ -35,7 +35,7 @@ void tally_forget(struct tally *tally)
 /* ---- counting ---- */
 
 struct counting {
-    const struct scene *scene;
+    const struct labels *labels;
     struct team *team;
     uint64_t voxels[TEAM_MOST][256];
 };
@@ -43,7 +43,8 @@ struct counting {
 static void count_part(void *context, unsigned worker)
 {
     struct counting *counting = context;
-    const struct scene *scene = counting->scene;
+    const struct labels *labels = counting->labels;
+    const struct scene *scene = labels->scene;
     const struct grid *grid = &scene->grid;
     const struct slab slab = grid_slab(grid, worker, team_size(counting->team));
     uint32_t count[4][256] = {{0}}; /* a scene has less than 2^32 cells */
@@ -56,7 +57,7 @@ static void count_part(void *context, unsigned worker)
             const struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++) {
                 scene_fetch_ahead(scene, c);
-                count[c & 3][scene->cell[c].label]++;
+                count[c & 3][labels_at(labels, c)]++;
             }
             if (!task_advance(&task, grid->size[0]))
                 return;
@@ -66,9 +67,9 @@ static void count_part(void *context, unsigned worker)
             counting->voxels[worker][label] += count[i][label];
 }
 
-static struct tally count_all(const struct scene *scene, struct team *team)
+static struct tally count_all(const struct labels *labels, struct team *team)
 {
-    struct counting counting = {.scene = scene, .team = team};
+    struct counting counting = {.labels = labels, .team = team};
     struct tally tally = {0};
     team_run(team, count_part, &counting);
     for (unsigned worker = 0; worker < team_size(team); worker++)
@@ -77,21 +78,21 @@ static struct tally count_all(const struct scene *scene, struct team *team)
     return tally;
 }
 
-bool tally_refresh(struct tally *tally, const struct scene *scene, struct team *team)
+bool tally_refresh(struct tally *tally, const struct labels *labels, struct team *team)
 {
     if (!tally->stale)
         return true;
-    const struct tally counted = count_all(scene, team);
-    if (watch_stops(scene->watch))
+    const struct tally counted = count_all(labels, team);
+    if (watch_stops(labels->scene->watch))
         return false;
     memcpy(tally->voxels, counted.voxels, sizeof tally->voxels);
     tally->stale = false;
     return true;
 }
 
-bool tally_check(const struct tally *tally, const struct scene *scene)
+bool tally_check(const struct tally *tally, const struct labels *labels)
 {
-    const struct tally counted = count_all(scene, NULL);
+    const struct tally counted = count_all(labels, NULL);
     return tally->stale || memcmp(counted.voxels, tally->voxels, sizeof counted.voxels) == 0;
 }
 

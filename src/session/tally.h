@@ -20,6 +20,7 @@
 #include "base/buf.h"
 #include "base/team.h"
 #include "engine/forest.h"
+#include "engine/labels.h"
 #include "image/geometry.h"
 
 struct tally {
@@ -39,9 +40,9 @@ void tally_follow(struct tally *tally, const struct changes *changes, struct wat
 void tally_forget(struct tally *tally);
 
 /* Counts where that is needed. False where the scene's watch has stopped it: still stale then. */
-bool tally_refresh(struct tally *tally, const struct scene *scene, struct team *team);
+bool tally_refresh(struct tally *tally, const struct labels *labels, struct team *team);
 
-bool tally_check(const struct tally *tally, const struct scene *scene);
+bool tally_check(const struct tally *tally, const struct labels *labels);
 
 /* Adds "1.24 l", "142 ml", "9.5 mm3" or "800 um3": what so many voxels take, to three digits,
  * halves rounded up; for more than 10 000 l, 10 000 l. */

@@ -51,6 +51,7 @@ static void drop_live(struct pictures *p)
     mesh_release(&p->mesh);
     mem_pages_free(live->label, live->cells);
     border_release(&live->border);
+    label_measures_release(&live->measures);
     *live = (struct live_finish){0};
     if (p->rendered == RENDERED_FINISHED)
         p->rendered = RENDERED_NOT;
@@ -76,7 +77,8 @@ static void leave_scene(struct pictures *p)
 static void count_memory(const struct pictures *p, struct session_memory *memory)
 {
     const struct rendition *frame = &p->context.frame;
-    memory->answers += p->live.cells + border_memory(&p->live.border);
+    memory->answers +=
+        p->live.cells + border_memory(&p->live.border) + label_measures_memory(&p->live.measures);
     memory->pictures += sizeof *p + rendition_bytes(&p->rendition) + rendition_bytes(&p->reduced) +
                         layers_bytes(&p->layers) + mip_bytes(&p->context.mip) +
                         (size_t)4 * frame->width * frame->height + 4 * p->decorated_pixels +
@@ -317,6 +319,11 @@ bool session_shows_finished(const struct session *session)
            session_has_scene(session) && !session_skims(session);
 }
 
+static bool has_edited(const struct session *session)
+{
+    return session_has_edited(session) || session_has_regrown(session);
+}
+
 uint8_t session_shown_label(const struct session *session, uint32_t cell)
 {
     const struct pictures *p = session_pictures(session);
@@ -343,6 +350,7 @@ static enum err make_live(struct pictures *p, struct fault *fault)
     labels_copy(&from, live->label, session_team(p->session));
     live->of = from.finished ? session_finish_source(p->session) : 0;
     live->border.labels.finished = live->label;
+    tally_forget(&live->tally);
     return OK;
 }
 
@@ -385,6 +393,8 @@ static void take_changes(struct pictures *p, struct change *change, size_t count
                                     .listed = everything ? 0 : count,
                                     .voxels = count};
     border_update(&p->live.border, &changes);
+    tally_follow(&p->live.tally, &changes, NULL);
+    label_measures_follow(&p->live.measures, &changes);
     follow_rendition(p, RENDERED_FINISHED, &changes);
     free(change);
     if (watch_stops(session_scene(p->session)->watch))
@@ -448,6 +458,29 @@ static enum err take_exact(struct pictures *p, const struct labels *exact, struc
     return watch_fault(session_scene(p->session)->watch, fault);
 }
 
+const uint64_t *session_shown_voxels(const struct session *session, const uint64_t **before)
+{
+    struct pictures *p = session_pictures(session);
+    if (!session_shows_finished(session) || !p || !p->live.label) {
+        *before = session_voxels_before_edit(session);
+        return session_tally(session)->stale ? NULL : session_tally(session)->voxels;
+    }
+    const struct tally *former = has_edited(session) ? &p->former.tally : &p->tally_before_edit;
+    const bool knows = tally_refresh(&p->live.tally, &p->live.border.labels, session_team(session));
+    *before = knows && !former->stale ? former->voxels : NULL;
+    return knows ? p->live.tally.voxels : NULL;
+}
+
+enum err session_sum_shown(struct session *session, unsigned label, struct label_sums *sums,
+                           struct fault *fault)
+{
+    struct pictures *p = session_pictures(session);
+    if (!session_shows_finished(session) || !p || !p->live.label)
+        return session_sum_label(session, label, sums, fault);
+    return label_measures_sum(&p->live.measures, &p->live.border.labels, label,
+                              session_team(session), sums, fault);
+}
+
 bool session_is_rough(const struct session *session)
 {
     const struct pictures *p = session_pictures(session);
@@ -488,6 +521,10 @@ static void mark(struct pictures *p)
     p->former.rendered = session_is_rough(p->session) ? RENDERED_NOT : p->rendered;
     p->former.drawings = p->drawings;
     p->former.camera = p->camera;
+    if (has_edited(p->session)) /* the command before this one */
+        p->tally_before_edit = p->former.tally;
+    p->former.tally = p->live.tally;
+    p->former.tally.stale |= !p->live.label;
 }
 
 /* Pixels that stayed are shown again, without memory for it; others are drawn anew. */
@@ -536,6 +573,7 @@ enum err pictures_begin(struct pictures **pictures, struct session *session, str
     if (!p)
         return fault_memory(fault, "a picture");
     p->session = session;
+    p->former.tally.stale = p->tally_before_edit.stale = true;
     const enum err err = session_aim(session, session_outlook(session), &p->camera, fault);
     if (err) {
         free(p);

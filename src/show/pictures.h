@@ -14,6 +14,7 @@
 #ifndef SHOW_PICTURES_H
 #define SHOW_PICTURES_H
 
+#include "engine/label_stats.h"
 #include "render/border.h"
 #include "render/layers.h"
 #include "render/mesh.h"
@@ -21,6 +22,7 @@
 #include "render/rendition.h"
 #include "render/shade.h"
 #include "session/session.h"
+#include "session/tally.h"
 
 /* Finished labels that panels show. {0} is none yet. */
 struct live_finish {
@@ -28,6 +30,8 @@ struct live_finish {
     size_t cells;
     uint64_t of; /* session_finish_source; 0 while they are rough */
     struct border border;
+    struct tally tally; /* of them, and what else is counted, once somebody has asked */
+    struct label_measures measures;
 };
 
 /* The scene behind and around the objects, where the outlook has it so (render/mip.h). */
@@ -55,7 +59,9 @@ struct pictures {
         unsigned rendered;      /* not rough labels */
         unsigned drawings;
         struct camera camera;
+        struct tally tally; /* of live labels; stale where nothing was counted */
     } former;
+    struct tally tally_before_edit; /* the same, of the last command before it that edited */
     struct shader shader;
     struct live_finish live;
     uint8_t *decorated; /* colours of the frame with what is drawn over them (decorating.h) */
