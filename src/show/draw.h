@@ -61,8 +61,8 @@ bool session_shows_finished(const struct session *session);
 /* The label of a cell as panels show it. */
 uint8_t session_shown_label(const struct session *session, uint32_t cell);
 
-/* How many voxels each label has as panels show it, and had `before` the last edit: NULL for what is
- * not known; and the sums of one, which session_sum_label has of the forest's. */
+/* How many voxels each label has as panels show it, and had `before` the last edit; NULL for what
+ * is not known. And the sums of one, which session_sum_label has of the forest's. */
 const uint64_t *session_shown_voxels(const struct session *session, const uint64_t **before);
 enum err session_sum_shown(struct session *session, unsigned label, struct label_sums *sums,
                            struct fault *fault);
