@@ -16,6 +16,8 @@
 #include "engine/way.h"
 #include "image/geometry.h"
 #include "image/levels.h"
+#include "report/voxel_facts.h"
+#include "session/doubtful.h"
 #include "session/paint.h"
 #include "session/session.h"
 #include "session/tally.h"
@@ -452,8 +454,42 @@ static enum err write_report(const struct act *act, const struct hint_list *hint
 
 /* ---- the commands ---- */
 
+/* "1  coronal y=108: 1.2 ml in doubt, at 90,108,72" */
+static enum err hint_slices(const struct act *act)
+{
+    struct session *session = act->session;
+    struct buf *out = &act->reply->text;
+    const unsigned label = (unsigned)act_number_or(act, "label", FINISH_ALL_LABELS);
+    struct doubtful_slice slice[DOUBTFUL_MOST];
+    struct labels labels;
+    size_t count = 0;
+    if (!label || act_has(act, "report"))
+        return fault_set(act->fault, ERR_USAGE,
+                         label ? "report: it is of places, and not of slices"
+                               : "label: expected an object; doubt is of its border");
+    enum err err = session_skims(session) ? session_catch_up(session, act->fault) : OK;
+    if (!err)
+        err = session_labels(session, session_shows_finished(session), &labels, act->fault);
+    if (!err)
+        err = doubtful_find(slice, &count, session, label, act->fault);
+    for (size_t i = 0; i < count; i++) {
+        uint32_t at[3] = {0};
+        buf_printf(out, "%zu  ", i + 1);
+        voxel_facts_write_doubt(out, session, &slice[i]);
+        if (doubtful_place(at, &labels, label, &slice[i]))
+            buf_printf(out, ", at %u,%u,%u", at[0], at[1], at[2]);
+        buf_add_char(out, '\n');
+    }
+    if (!err)
+        buf_add_text(out, count ? "`cross X,Y,Z` leads there, and `outline` says what lies where\n"
+                                : "no slice: there is no border, or the scene tells where it is\n");
+    return err;
+}
+
 enum err act_hints(const struct act *act)
 {
+    if (act_text(act, "COUNT"))
+        return hint_slices(act);
     const size_t most = (size_t)act_number_or(act, "COUNT", LISTED);
     const char *report = act_text(act, "report");
     const struct hint_list *hints;

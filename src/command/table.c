@@ -689,7 +689,7 @@ static const struct command command_table[] = {
      "that would come next, with what its path would cost.",
      "why 100,100,50"},
     {COMMAND("hints", act_hints, GROUP_QUESTIONS, S | A),
-     {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = HINTS_MOST),
+     {MAY("COUNT", VALUE_NUMBER, .choices = "slice", .least = 1, .most = HINTS_MOST),
       KEYED("label", VALUE_LABEL, .most = 255), KEYED("report", VALUE_FILE),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no")},
      "where the border between labels is least certain",
@@ -702,9 +702,14 @@ static const struct command command_table[] = {
      "the border that is least certain is weak; what hangs together of that in a block of 16 "
      "voxels a side is a place, and the places with most such voxels, and the weakest, come "
      "first. It takes about as long as a run, and no time where nothing has changed since.\n"
+     "slice: instead of places, the five slices of all three planes whose doubt is greatest: of "
+     "each voxel 4u(1 - u), where u is what `finish relax` makes of the label there, 1 inside and "
+     "0 "
+     "outside. To `outline` what comes first is the shortest way to an object. Slices of an "
+     "outline, and those beside it, are left out.\n"
      "In what `iftty apply` has made, places of the label whose volume is farthest from the "
      "procedure's come before others.\n"
-     "label: places at the border of that label alone.\n"
+     "label: places at the border of that label alone, or slices with doubt of it.\n"
      "report: all of them as FILE.json.",
      "hints 5"},
     {CALLED("info", "status|header|histogram", act_info, GROUP_QUESTIONS, 0),

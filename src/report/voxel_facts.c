@@ -1,12 +1,15 @@
 #include "report/voxel_facts.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 
 #include "base/mem.h"
 #include "engine/hints.h"
 #include "engine/margin.h"
 #include "engine/measure.h"
+#include "render/slice_plan.h"
 #include "report/label_report.h"
+#include "session/doubtful.h"
 #include "session/markers.h"
 #include "session/tally.h"
 #include "show/draw.h"
@@ -165,6 +168,24 @@ unsigned voxel_facts_hints(struct session *session)
 {
     const struct hint_list *found;
     return session_find_hints(session, &found, NULL, NULL) == OK ? (unsigned)found->count : 0;
+}
+
+void voxel_facts_write_doubt(struct buf *out, const struct session *session,
+                             const struct doubtful_slice *slice)
+{
+    const struct scene *scene = session_scene(session);
+    const uint64_t voxels = (slice->doubt + DOUBT_VOXEL / 2) / DOUBT_VOXEL;
+    int plane = SLICE_AXIAL;
+    while (slice_axis(scene, (enum slice_plane)plane) != (int)slice->axis)
+        plane++;
+    if (!scene->sides_unknown)
+        buf_printf(out, "%s ", slice_name(scene, (enum slice_plane)plane));
+    buf_printf(out, "%c=%u: ", "xyz"[slice->axis], slice -> at);
+    if (session_geometry(session)->spacing_unknown)
+        buf_printf(out, "%" PRIu64 " voxel%s", voxels, plural(voxels));
+    else
+        tally_write_volume(out, session_geometry(session), voxels);
+    buf_add_text(out, " in doubt");
 }
 
 /* ---- of a label ---- */

@@ -43,6 +43,11 @@ bool voxel_facts_find_held(struct held *held, const struct session *session,
 /* How many places `hint N` knows; 0 where it would say why there are none. */
 unsigned voxel_facts_hints(struct session *session);
 
+/* Adds what of the scene is in doubt in a slice: "coronal y=108: 1.2 ml in doubt". */
+struct doubtful_slice;
+void voxel_facts_write_doubt(struct buf *out, const struct session *session,
+                             const struct doubtful_slice *slice);
+
 /* ---- of a label ---- */
 
 /* Where its seeds are, those of a command once, in the order in which they were planted: the one

@@ -174,34 +174,52 @@ enum err contour_of_label(struct polyline *contour, const struct labels *labels,
     return trace(contour, &area, fault);
 }
 
-/* The only axis along which all its voxels lie at one place, or the first such one; 3 for none. */
-static unsigned flat_axis(const struct grid *grid, const struct cover *cover, size_t voxels)
+/* The box around the voxels of a marker; and the last axis along which they lie at one place, 3 for
+ * none. */
+static unsigned find_box(uint32_t first[3], uint32_t last[3], const struct grid *grid,
+                         const struct markers *markers, uint32_t number)
 {
-    bool differs[3] = {false};
-    uint32_t first[3], place[3];
+    const struct marker *marker = &markers->marker[number - 1];
+    const struct cover *cover = &markers->cover[marker->first];
+    unsigned axis = 3;
     grid_find(grid, cover[0].cell, first);
-    for (size_t i = 1; i < voxels; i++) {
+    memcpy(last, first, 3 * sizeof *last);
+    for (uint32_t i = 1, place[3]; i < marker->voxels; i++) {
         grid_find(grid, cover[i].cell, place);
-        for (int a = 0; a < 3; a++)
-            differs[a] |= place[a] != first[a];
+        for (int a = 0; a < 3; a++) {
+            first[a] = place[a] < first[a] ? place[a] : first[a];
+            last[a] = place[a] > last[a] ? place[a] : last[a];
+        }
     }
-    return !differs[2] ? 2 : !differs[1] ? 1 : !differs[0] ? 0 : 3;
+    for (unsigned a = 0; a < 3; a++)
+        axis = first[a] == last[a] ? a : axis;
+    return axis;
+}
+
+bool contour_is_area(unsigned *axis, uint32_t *at, const struct grid *grid,
+                     const struct markers *markers, uint32_t number)
+{
+    uint32_t first[3], last[3];
+    uint64_t around = 0;
+    *axis = find_box(first, last, grid, markers, number);
+    for (unsigned a = 0; a < 3; a++)
+        around += a == *axis ? 0 : last[a] - first[a] + 1;
+    *at = *axis < 3 ? first[*axis] : 0;
+    return *axis < 3 && markers->marker[number - 1].voxels > around;
 }
 
 enum err contour_of_marker(struct polyline *contour, const struct grid *grid,
                            const struct markers *markers, uint32_t number, struct fault *fault)
 {
     const struct marker *marker = &markers->marker[number - 1];
-    const struct cover *cover = &markers->cover[marker->first];
-    const unsigned axis = flat_axis(grid, cover, marker->voxels);
+    uint32_t first[3], place[3];
+    const unsigned axis = find_box(first, place, grid, markers, number);
     struct area area;
-    uint32_t place[3];
     if (axis == 3)
         return OK;
-    grid_find(grid, cover[0].cell, place);
-    const enum err err = area_init(&area, grid, axis, place[axis], fault);
+    const enum err err = area_init(&area, grid, axis, first[axis], fault);
     for (size_t i = 0; !err && i < marker->voxels; i++) {
-        grid_find(grid, cover[i].cell, place);
+        grid_find(grid, markers->cover[marker->first + i].cell, place);
         area.piece[place[area.across[1]] * area.width + place[area.across[0]]] = ASKED;
     }
     if (err) {

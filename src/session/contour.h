@@ -30,4 +30,9 @@ enum err contour_of_label(struct polyline *contour, const struct labels *labels,
 enum err contour_of_marker(struct polyline *contour, const struct grid *grid,
                            const struct markers *markers, uint32_t number, struct fault *fault);
 
+/* Whether a marker has an area in one slice, more voxels than a line through it: as an outline has,
+ * and a stroke has not. Then the slice: its axis, and the place along that. */
+bool contour_is_area(unsigned *axis, uint32_t *at, const struct grid *grid,
+                     const struct markers *markers, uint32_t number);
+
 #endif

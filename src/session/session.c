@@ -42,6 +42,7 @@ void session_close_scene(struct session *session)
     label_measures_release(&session->measures);
     finished_release(&session->finished);
     hinting_release(&session->hinting);
+    doubting_release(&session->doubting);
     weight_work_release(&session->weight_work);
     border_release(&session->border);
     forest_free(session->forest);

@@ -3,6 +3,7 @@
 #define SESSION_SESSION_INSIDE_H
 
 #include "base/team.h"
+#include "engine/doubt.h"
 #include "engine/forest.h"
 #include "engine/hints.h"
 #include "engine/label_stats.h"
@@ -51,6 +52,13 @@ struct hinting {
 };
 void hinting_release(struct hinting *hinting);
 
+/* Doubt that was found last, and a digest of what of. */
+struct doubting {
+    struct doubt doubt;
+    uint64_t of;
+};
+void doubting_release(struct doubting *doubting);
+
 struct session {
     unsigned semantics; /* of the journal at hand (session/semantics.h) */
     struct state now;
@@ -82,6 +90,7 @@ struct session {
     struct border border;
     struct finished finished; /* session_labels */
     struct hinting hinting;   /* session_find_hints */
+    struct doubting doubting; /* doubtful_find */
     struct tally tally;       /* voxels of each label, once session_count_labels has been called */
     struct label_measures measures; /* of the forest's labels, once somebody has asked for them */
 
