@@ -1,6 +1,7 @@
 /* Stories of the robots that count gestures (tests/bench): what they do on tiny objects, and what
  * is counted. Their figures are no test. */
 #include <limits.h>
+#include <math.h>
 #include <stdlib.h>
 
 #include "engine/overlap.h"
@@ -205,6 +206,136 @@ STORY(a_stroke_follows_the_main_axis_inside)
     effort_robot_release(&robot);
 }
 
+/* ---- outlines ---- */
+
+enum { ACROSS = 60 };
+static uint8_t flat[ACROSS * ACROSS];
+static const struct hand_slice slice = {{ACROSS, ACROSS}, flat};
+
+static void draw_disc(int64_t radius)
+{
+    for (int64_t i = 0; i < ACROSS * ACROSS; i++) {
+        const int64_t x = i % ACROSS - ACROSS / 2, y = i / ACROSS - ACROSS / 2;
+        flat[i] = x * x + y * y <= radius * radius;
+    }
+}
+
+STORY(an_exact_hand_draws_a_piece_as_it_is)
+{
+    struct hand_outline outline = {0};
+    uint64_t random = 1;
+    memset(flat, 0, sizeof flat);
+    for (uint32_t y = 10; y < 20; y++)
+        memset(flat + y * ACROSS + 5, 1, 30);
+    CHECK(hand_draw(&outline, &slice, 0, &random, NULL) == OK);
+    CHECK_INT(outline.line.count, 4);
+    CHECK_INT(outline.clicks, 4);
+    CHECK_INT(outline.path, 2 * (29 + 9));
+    for (uint32_t y = 11; y < 20; y++)
+        memset(flat + y * ACROSS + 5, 0, 30);
+    CHECK(hand_draw(&outline, &slice, 0, &random, NULL) == OK);
+    CHECK_INT(outline.line.count, 2); /* there and back */
+    memset(flat + 10 * ACROSS + 6, 0, 29);
+    CHECK(hand_draw(&outline, &slice, 0, &random, NULL) == OK);
+    CHECK_INT(outline.line.count, 1);
+    CHECK_INT(outline.line.corner[0][0], 5);
+    CHECK_INT(outline.line.corner[0][1], 10);
+    hand_outline_release(&outline);
+}
+
+STORY(a_hand_is_off_by_what_it_says_and_always_the_same)
+{
+    enum { RADIUS = 24, TURNS = 40 };
+    struct hand_outline outline = {0}, again = {0};
+    uint64_t random = 1, other = 1;
+    double squares = 0;
+    size_t count = 0;
+    draw_disc(RADIUS);
+    for (int turn = 0; turn < TURNS; turn++) {
+        CHECK(hand_draw(&outline, &slice, 20, &random, NULL) == OK);
+        CHECK(hand_draw(&again, &slice, 20, &other, NULL) == OK);
+        CHECK_INT(again.line.count, outline.line.count);
+        CHECK(memcmp(again.line.corner, outline.line.corner,
+                     again.line.count * sizeof *again.line.corner) == 0);
+        CHECK(outline.clicks < outline.line.count);
+        for (size_t i = 0; i < outline.count; i++, count++) {
+            const double x = outline.place[i].at[0] - ACROSS / 2.0,
+                         y = outline.place[i].at[1] - ACROSS / 2.0,
+                         off = sqrt(x * x + y * y) - RADIUS;
+            squares += off * off;
+        }
+    }
+    CHECK(squares / (double)count > 1.7 * 1.7 && squares / (double)count < 2.5 * 2.5);
+    hand_outline_release(&outline);
+    hand_outline_release(&again);
+}
+
+static void draw_next(struct effort_outliner *o, const struct doubt *doubt,
+                      struct effort_gesture *gesture, bool expected)
+{
+    bool found = !expected;
+    CHECK(effort_outline_next(o, label, doubt, gesture, &found, NULL) == OK);
+    CHECK_INT(found, expected);
+}
+
+STORY(the_slice_with_most_wrong_voxels_is_outlined)
+{
+    struct effort_robot robot;
+    struct effort_outliner o;
+    struct effort_gesture gesture;
+    unsigned dice;
+    begin(&robot, ROBOT_CAREFUL);
+    CHECK(effort_outliner_init(&o, &object, NEXT_WRONG, 0, NULL) == OK);
+    draw_next(&o, NULL, &gesture, false);
+    fill(label, low, (uint32_t[]){high[0], high[1], 13}, 0); /* 3 of 7 planes: 16 x 7 each */
+    draw_next(&o, NULL, &gesture, true);
+    CHECK_INT(gesture.shape, SHAPE_OUTLINE);
+    CHECK_INT(gesture.label, 1);
+    CHECK_INT(gesture.ring, 3);
+    CHECK_INT(gesture.corners, 4);
+    CHECK_INT(gesture.path, 2 * (15 + 6));
+    is_at(gesture.corner[0], low[0], low[1], 11);
+    draw_next(&o, NULL, &gesture, true);
+    is_at(gesture.corner[0], low[0], low[1], 12);
+    memcpy(label, truth, VOXELS);
+    fill(label, (uint32_t[]){1, 1, 1}, (uint32_t[]){6, 6, 1}, 1); /* far from the object */
+    draw_next(&o, NULL, &gesture, true);
+    is_at(gesture.corner[0], 1, 1, 1);
+    CHECK_INT(gesture.label, 0);
+    CHECK_INT(gesture.ring, 0);
+    CHECK(effort_outline_most(&dice, &object, 0, NULL) == OK);
+    CHECK_INT(dice, DICE_ONE);
+    CHECK(effort_outline_most(&dice, &object, 7, NULL) == OK);
+    CHECK(dice < DICE_ONE && dice > 8000);
+    effort_outliner_release(&o);
+    effort_robot_release(&robot);
+}
+
+STORY(doubt_leads_and_neighbours_of_what_is_drawn_wait)
+{
+    uint64_t slice_x[WIDE] = {0}, slice_y[HIGH] = {0}, slice_z[DEEP] = {0};
+    const struct doubt doubt = {.size = {WIDE, HIGH, DEEP}, .slice = {slice_x, slice_y, slice_z}};
+    struct effort_robot robot;
+    struct effort_outliner o;
+    struct effort_gesture gesture;
+    begin(&robot, ROBOT_CAREFUL);
+    memset(label, 0, VOXELS);
+    CHECK(effort_outliner_init(&o, &object, NEXT_DOUBT, 0, NULL) == OK);
+    slice_x[20] = 9, slice_x[21] = 8, slice_y[15] = 7, slice_z[0] = 10; /* that one has nothing */
+    draw_next(&o, &doubt, &gesture, true);
+    is_at(gesture.corner[0], 20, low[1], low[2]);
+    draw_next(&o, &doubt, &gesture, true);
+    is_at(gesture.corner[0], low[0], 15, low[2]);
+    draw_next(&o, &doubt, &gesture, false);
+    effort_outliner_release(&o);
+    CHECK(effort_outliner_init(&o, &object, NEXT_CHANCE, 0, NULL) == OK);
+    for (int slices = 0; slices < 16 + 7 + 7; slices++)
+        draw_next(&o, NULL, &gesture, true);
+    draw_next(&o, NULL, &gesture, false);
+    effort_outliner_release(&o);
+    effort_robot_release(&robot);
+}
+
 /* ---- counts ---- */
 
 STORY(what_is_counted_of_a_curve)
@@ -212,10 +343,13 @@ STORY(what_is_counted_of_a_curve)
     struct effort_run run = {.object = 0};
     struct effort_count count = {0};
     for (unsigned k = 0; k < CURVE; k++)
-        run.dice[k] = 5000 + 100 * k;
+        run.dice[k] = 5000 + 100 * k, run.path[k] = k, run.clicks[k] = 2 * k;
+    run.warnings = (struct effort_warnings){3, 2, 10, 1};
     effort_count(&count, &run);
     CHECK_INT(count.gestures[0], NOT_REACHED);
     CHECK_INT(count.after[0], 5500);
+    CHECK_INT(count.path, 20);
+    CHECK_INT(count.clicks, 40); /* all, since no goal is reached */
     run.dice[3] = 8000;
     run.dice[10] = 9500;
     run.dice[15] = 6000; /* 0.04 less, which is none */
@@ -227,6 +361,12 @@ STORY(what_is_counted_of_a_curve)
     CHECK_INT(count.reached[1], 1);
     CHECK_INT(count.after[1], 6000 + 9500);
     CHECK_INT(count.after[2], 2 * 7000);
+    CHECK_INT(count.path, 20 + 3);
+    CHECK_INT(count.clicks, 40 + 6);
+    CHECK_INT(count.warnings.leaks, 6);
+    CHECK_INT(count.warnings.found, 4);
+    CHECK_INT(count.warnings.right, 20);
+    CHECK_INT(count.warnings.called, 2);
     CHECK_INT(count.collapses, 2);
     CHECK_INT(count.largest, 9500 - 6100);
 }
@@ -240,11 +380,16 @@ STORY(reports_have_every_run_and_fit_a_line)
     struct effort_report report = {.method = method, .methods = 2, .run = run, .runs = 3};
     struct buf text = {0};
     char plots[PATH_MAX];
+    run[0].most = 8700;
+    run[1].warnings = (struct effort_warnings){4, 2, 30, 9};
     for (unsigned k = 0; k < CURVE; k++)
         run[0].dice[k] = run[1].dice[k] = run[2].dice[k] = 400 * k;
     effort_report_tables(&text, &report);
     CHECK_HAS(buf_text(&text), "careful robot, 2 objects: tuned");
     CHECK_HAS(buf_text(&text), "two <&> *"); /* one object less */
+    CHECK_HAS(buf_text(&text), "\nputamen            0.87   thalamus           0.00\n");
+    CHECK_HAS(buf_text(&text),
+              "\ntuned, careful                     4        2       30        9\n");
     for (const char *line = buf_text(&text); *line;) {
         const size_t n = strcspn(line, "\n");
         CHECK(n <= 100);
@@ -276,7 +421,8 @@ STORY(growcut_takes_the_strongest_way)
 STORY(a_gesture_is_a_command)
 {
     struct buf line = {0};
-    struct effort_gesture gesture = {SHAPE_BALL, {1, 2, 3}, {4, 5, 6}, 0, 1, 12};
+    struct effort_gesture gesture = {
+        .shape = SHAPE_BALL, .at = {1, 2, 3}, .to = {4, 5, 6}, .label = 1, .within = 12};
     effort_write_command(&line, &gesture, false);
     CHECK_TEXT(buf_text(&line), "seed 1,2,3 1");
     effort_write_command(&line, &gesture, true);
@@ -292,17 +438,31 @@ STORY(a_gesture_is_a_command)
     gesture.shape = SHAPE_BOX;
     effort_write_command(&line, &gesture, true);
     CHECK_TEXT(buf_text(&line), "box 1,2,3 4,5,6 0 shell=yes around=1");
+    const uint32_t corner[3][3] = {{1, 2, 3}, {9, 2, 3}, {9, 8, 3}};
+    gesture = (struct effort_gesture){
+        .shape = SHAPE_OUTLINE, .label = 1, .corner = corner, .corners = 3, .ring = 3};
+    effort_write_command(&line, &gesture, true);
+    CHECK_TEXT(buf_text(&line), "outline 1,2,3 1 to=9,2,3 to=9,8,3 ring=3");
+    gesture.corners = 2;
+    gesture.ring = 0;
+    effort_write_command(&line, &gesture, true);
+    CHECK_TEXT(buf_text(&line), "fill 1,2,3 1 to=9,2,3 to=1,2,3"); /* has no inside */
+    gesture.corners = 1;
+    effort_write_command(&line, &gesture, true);
+    CHECK_TEXT(buf_text(&line), "seed 1,2,3 1");
     buf_release(&line);
 }
 
 STORY(a_plain_object_is_found_at_once_and_runs_agree)
 {
     static const struct effort_method method[] = {
-        {"morph", BY_IFTTY, SHAPE_SPHERE, "morph", false, false, false, false},
-        {"relax", BY_IFTTY, SHAPE_SPHERE, "gauss 1", true, false, false, false},
-        {"box", BY_IFTTY, SHAPE_BOX, "morph", false, false, false, false},
-        {"GrowCut", BY_GROWCUT, SHAPE_BALL, "", false, false, false, false},
-        {"within", BY_IFTTY, SHAPE_BALL, "morph", false, false, false, true}};
+        {.name = "morph", .weight = "morph", .background = SHAPE_SPHERE},
+        {.name = "relax", .weight = "gauss 1", .background = SHAPE_SPHERE, .relaxes = true},
+        {.name = "box", .weight = "morph", .background = SHAPE_BOX},
+        {.name = "GrowCut", .by = BY_GROWCUT, .background = SHAPE_BALL},
+        {.name = "within", .weight = "morph", .background = SHAPE_BALL, .limits = true},
+        {.name = "outline", .weight = "morph", .background = SHAPE_SPHERE, .next = NEXT_WRONG},
+        {.name = "doubt", .weight = "morph", .background = SHAPE_SPHERE, .next = NEXT_DOUBT}};
     struct effort_robot robot;
     begin(&robot, ROBOT_CAREFUL);
     effort_robot_release(&robot);
@@ -347,7 +507,10 @@ int main(void)
         TELL(spheres_and_boxes_enclose_the_object),
         TELL(the_largest_error_is_corrected_at_its_deepest_voxel),
         TELL(a_sloppy_robot_is_half_right_and_always_the_same),
-        TELL(a_stroke_follows_the_main_axis_inside), TELL(what_is_counted_of_a_curve),
+        TELL(a_stroke_follows_the_main_axis_inside), TELL(an_exact_hand_draws_a_piece_as_it_is),
+        TELL(a_hand_is_off_by_what_it_says_and_always_the_same),
+        TELL(the_slice_with_most_wrong_voxels_is_outlined),
+        TELL(doubt_leads_and_neighbours_of_what_is_drawn_wait), TELL(what_is_counted_of_a_curve),
         TELL(reports_have_every_run_and_fit_a_line), TELL(growcut_takes_the_strongest_way),
         TELL(a_gesture_is_a_command), TELL(a_plain_object_is_found_at_once_and_runs_agree),
         TELL(phantoms_are_what_they_were));

@@ -9,44 +9,53 @@
 #include "program/console.h"
 #include "tests/bench/effort_report.h"
 
-#define OWN(name, weight, background, relaxes, charted)                                            \
+#define OWN(title, by_weight, by_shape, ...)                                                       \
     {                                                                                              \
-        name, BY_IFTTY, background, weight, relaxes, charted, false, false                         \
+        .name = (title), .by = BY_IFTTY, .weight = (by_weight), .background = (by_shape),          \
+        __VA_ARGS__                                                                                \
     }
-#define OWN_FIVE(name, weight)                                                                     \
-    OWN(name, weight, SHAPE_BALL, false, true),                                                    \
-        OWN(name ", sphere", weight, SHAPE_SPHERE, false, false),                                  \
-        OWN(name ", box", weight, SHAPE_BOX, false, false),                                        \
-        OWN(name ", relax", weight, SHAPE_BALL, true, false),                                      \
-        OWN(name ", sphere, relax", weight, SHAPE_SPHERE, true, true)
-#define WORKER(name, program, background, charted)                                                 \
+#define OWN_FIVE(title, weight)                                                                    \
+    OWN(title, weight, SHAPE_BALL, .charted = true),                                               \
+        OWN(title ", sphere", weight, SHAPE_SPHERE, .relaxes = false),                             \
+        OWN(title ", box", weight, SHAPE_BOX, .relaxes = false),                                   \
+        OWN(title ", relax", weight, SHAPE_BALL, .relaxes = true),                                 \
+        OWN(title ", sphere, relax", weight, SHAPE_SPHERE, .relaxes = true, .charted = true)
+#define OUTLINES(title, off, by_next, does_relax)                                                  \
+    OWN(title, "morph", SHAPE_SPHERE, .relaxes = (does_relax), .next = (by_next), .hand = (off),   \
+        .charted = (off) == 7)
+#define WORKER(title, program, by_shape, is_charted)                                               \
     {                                                                                              \
-        name, BY_WORKER, background, program, false, charted, true, false                          \
-    }
-#define WITHIN(name, background, relaxes)                                                          \
-    {                                                                                              \
-        name, BY_IFTTY, background, "morph", relaxes, false, false, true                           \
+        .name = (title), .by = BY_WORKER, .background = (by_shape), .weight = (program),           \
+        .charted = (is_charted), .once = true                                                      \
     }
 
 /* The first is what others are compared with. */
 static const struct effort_method method[] = {
     OWN_FIVE("morph", "morph"),
     OWN_FIVE("gauss 1", "gauss 1"),
-    WITHIN("morph, within", SHAPE_BALL, false),
-    WITHIN("morph, sphere, relax, within", SHAPE_SPHERE, true),
+    OWN("morph, within", "morph", SHAPE_BALL, .limits = true),
+    OWN("sphere, relax, within", "morph", SHAPE_SPHERE, .relaxes = true, .limits = true),
+    OWN("sphere, relax, brush 6", "morph", SHAPE_SPHERE, .relaxes = true, .brush = 6),
+    OUTLINES("outline, hand 0, relax", 0, NEXT_WRONG, true),
+    OUTLINES("outline, hand .7, relax", 7, NEXT_WRONG, true),
+    OUTLINES("outline, hand 1, relax", 10, NEXT_WRONG, true),
+    OUTLINES("outline, hand .7", 7, NEXT_WRONG, false),
+    OUTLINES("outline by doubt, .7, relax", 7, NEXT_DOUBT, true),
+    OUTLINES("outline by chance, .7, relax", 7, NEXT_CHANCE, true),
     WORKER("random walker", "walker", SHAPE_BALL, true),
     WORKER("random walker, sphere", "walker", SHAPE_SPHERE, false),
-    {"GrowCut", BY_GROWCUT, SHAPE_BALL, "", false, false, true, false},
+    {.name = "GrowCut", .by = BY_GROWCUT, .background = SHAPE_BALL, .once = true},
     WORKER("watershed, scikit-image", "skimage", SHAPE_BALL, false),
     WORKER("watershed, ITK", "itk", SHAPE_BALL, false),
 };
-enum { METHODS = sizeof method / sizeof *method };
+enum { METHODS = sizeof method / sizeof *method, HAND = 7 };
 
 struct efforts {
     const struct bench_options *options;
     struct interpreter interp; /* finds files */
     struct effort_report report;
     struct effort_object object;
+    unsigned most; /* of it: effort_outline_most of HAND */
     bool is_missing[METHODS];
     struct buf folder;
     size_t done, total;
@@ -78,6 +87,7 @@ static bool wants_run(const struct bench_options *o, size_t object, enum effort_
 {
     const bool is_short = robot == ROBOT_CAREFUL && effort_object_group(object) != GROUP_WHOLE;
     return wants_object(&o->common, object) && (is_short || !method[m].once) &&
+           (robot == ROBOT_CAREFUL || method[m].next == NEXT_NONE) &&
            (robot == ROBOT_CAREFUL || effort_object_group(object) != GROUP_WHOLE) &&
            (!o->robot || strcmp(o->robot, effort_robot_name[robot]) == 0) &&
            (!o->quick || method[m].by == BY_IFTTY) && wants_method(o, m);
@@ -107,7 +117,12 @@ static enum err run_one(struct efforts *e, size_t object, enum effort_robot_kind
         return fault_memory(fault, "a run");
     struct effort_run *run = &report->run[report->runs];
     *run = (struct effort_run){
-        .object = object, .method = m, .robot = robot, .radius_most = (uint32_t)e->options->brush};
+        .object = object,
+        .method = m,
+        .robot = robot,
+        .radius_most = (uint32_t)e->options->brush,
+        .most = e->most,
+    };
     const enum err err = effort_run(run, &method[m], &e->object, buf_text(&e->folder), fault);
     if (!err) {
         report->runs++;
@@ -125,6 +140,7 @@ static enum err run_object(struct efforts *e, size_t object, struct fault *fault
 {
     enum err err = effort_object_load(&e->object, object, &e->interp, fault);
     err = err ? err : effort_tool_prepare(&e->object, buf_text(&e->folder), fault);
+    err = err ? err : effort_outline_most(&e->most, &e->object, HAND, fault);
     for (int robot = 0; robot < ROBOT_KINDS; robot++)
         for (size_t m = 0; m < METHODS && !err; m++)
             if (wants_run(e->options, object, (enum effort_robot_kind)robot, m))

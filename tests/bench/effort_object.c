@@ -11,7 +11,7 @@
 
 enum { CROP_MOST = 80, REGIONS_MOST = 4000, MARGIN = 16 };
 
-const char *const effort_group_name[EFFORT_GROUPS] = {"tuned", "other", "whole"};
+const char *const effort_group_name[EFFORT_GROUPS] = {"tuned", "other", "whole", "pairs"};
 
 struct row {
     const char *name;
@@ -29,9 +29,11 @@ struct row {
 #define CH2      "ch2.nii.gz"
 #define MACAQUE  "inia19-t1-brain.nii.gz"
 #define NEURO    "inia19-NeuroMaps.nii.gz"
+#define JHU_ALL  "jhu189.nii.gz"
 #define TUNED(n) n, GROUP_TUNED
 #define OTHER(n) n, GROUP_OTHER
 #define WHOLE(n) n, GROUP_WHOLE
+#define PAIR(n)  n, GROUP_PAIRS
 
 static const struct row row[] = {
     {TUNED("putamen"), CH2, AAL, "73", 0, 0, 0, MARGIN},
@@ -74,6 +76,14 @@ static const struct row row[] = {
     {WHOLE("head-brain"), CH2, "ch2bet.nii.gz", "1-255", 0, 0, 0, 0},
     {WHOLE("head-cerebellum"), CH2, AAL, "91-116", 0, 0, 0, 0},
     {WHOLE("m-head-white-matter"), MACAQUE, NEURO, "2,55,97,193", 1000, 0, 0, 0},
+
+    {PAIR("ventricles"), CH2, JHU_ALL, "171-178", 0, 0, 0, MARGIN},
+    {PAIR("caudates"), CH2, AAL, "71,72", 0, 0, 0, MARGIN},
+    {PAIR("putamina"), CH2, AAL, "73,74", 0, 0, 0, MARGIN},
+    {PAIR("hippocampi"), CH2, AAL, "37,38", 0, 0, 0, MARGIN},
+    {PAIR("m-caudates"), MACAQUE, NEURO, "82", 1000, 0, 0, MARGIN},
+    {PAIR("m-putamina"), MACAQUE, NEURO, "98", 1000, 0, 0, MARGIN},
+    {PAIR("m-7s"), MACAQUE, NEURO, "7", 1000, 0, 0, MARGIN},
 };
 enum { ROWS = sizeof row / sizeof *row };
 
@@ -238,8 +248,17 @@ static enum err reduce(struct matter *m, struct fault *fault)
     return err;
 }
 
-/* What stays of the truth, and the box around that. */
-static enum err keep_largest(struct matter *m, uint32_t first[3], uint32_t last[3],
+static void grow_bounds(uint32_t first[3], uint32_t last[3], const struct place *p, uint32_t length)
+{
+    const uint32_t low[3] = {p->x, p->y, p->z}, high[3] = {p->x + length - 1, p->y, p->z};
+    for (int a = 0; a < 3; a++) {
+        first[a] = low[a] < first[a] ? low[a] : first[a];
+        last[a] = high[a] > last[a] ? high[a] : last[a];
+    }
+}
+
+/* What stays of the truth, so many components, and the box around them. */
+static enum err keep_largest(struct matter *m, int count, uint32_t first[3], uint32_t last[3],
                              struct fault *fault)
 {
     struct components pieces = {0};
@@ -254,25 +273,25 @@ static enum err keep_largest(struct matter *m, uint32_t first[3], uint32_t last[
                 grid_row(&grid, (uint32_t)(r % grid.size[1]), (uint32_t)(r / grid.size[1])).first,
             m->truth + r * grid.size[0], grid.size[0]);
     err = err ? err : components_find(&pieces, &grid, label, NULL, fault);
-    const struct component *best = NULL;
-    for (size_t i = 0; i < pieces.count; i++)
-        if (pieces.item[i].label && (!best || pieces.item[i].voxels > best->voxels))
-            best = &pieces.item[i];
-    if (!err && !best)
-        err = fault_set(fault, ERR_INPUT, "no voxel of the scene lies in these regions");
     if (!err)
         memset(m->truth, 0, grid.voxels);
     for (int a = 0; a < 3; a++)
         first[a] = UINT32_MAX, last[a] = 0;
-    for (uint32_t r = err ? RUN_NONE : best->run; r != RUN_NONE; r = pieces.run[r].next) {
-        const struct place p = grid_place(&grid, pieces.run[r].first);
-        const uint32_t length = pieces.run[r].end - pieces.run[r].first;
-        const uint32_t low[3] = {p.x, p.y, p.z}, high[3] = {p.x + length - 1, p.y, p.z};
-        memset(m->truth + grid_voxel(&grid, pieces.run[r].first), 1, length);
-        for (int a = 0; a < 3; a++) {
-            first[a] = low[a] < first[a] ? low[a] : first[a];
-            last[a] = high[a] > last[a] ? high[a] : last[a];
+    for (int kept = 0; kept < count && !err; kept++) {
+        struct component *best = NULL;
+        for (size_t i = 0; i < pieces.count; i++)
+            if (pieces.item[i].label && (!best || pieces.item[i].voxels > best->voxels))
+                best = &pieces.item[i];
+        if (!best)
+            err = fault_set(fault, ERR_INPUT, "too few voxels of the scene lie in these regions");
+        for (uint32_t r = best ? best->run : RUN_NONE; r != RUN_NONE; r = pieces.run[r].next) {
+            const struct place p = grid_place(&grid, pieces.run[r].first);
+            const uint32_t length = pieces.run[r].end - pieces.run[r].first;
+            memset(m->truth + grid_voxel(&grid, pieces.run[r].first), 1, length);
+            grow_bounds(first, last, &p, length);
         }
+        if (best)
+            best->label = 0; /* taken */
     }
     free(label);
     components_release(&pieces);
@@ -309,21 +328,22 @@ static bool add_margin(uint32_t first[3], uint32_t last[3], const struct row *r,
         last[a] = last[a] + r->margin < size[a] ? last[a] + r->margin : size[a] - 1;
         fits = fits && last[a] - first[a] < CROP_MOST;
     }
-    return fits || r->group == GROUP_TUNED;
+    return fits || r->group == GROUP_TUNED || r->group == GROUP_PAIRS;
 }
 
 static enum err cut_out(struct matter *m, const struct row *r, struct fault *fault)
 {
     uint32_t first[3], last[3];
+    const int kept = r->group == GROUP_PAIRS ? 2 : 1;
     enum err err = OK;
     for (int i = 0; i < r->reduced && !err; i++)
         err = reduce(m, fault);
-    err = err ? err : keep_largest(m, first, last, fault);
+    err = err ? err : keep_largest(m, kept, first, last, fault);
     if (r->margin == 0)
         return err;
     while (!err && !add_margin(first, last, r, m->size)) {
         err = reduce(m, fault);
-        err = err ? err : keep_largest(m, first, last, fault);
+        err = err ? err : keep_largest(m, kept, first, last, fault);
     }
     return err ? err : crop(m, first, last, fault);
 }

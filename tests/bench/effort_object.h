@@ -19,7 +19,7 @@
 
 #include "command/interpreter.h"
 
-enum effort_group { GROUP_TUNED, GROUP_OTHER, GROUP_WHOLE, EFFORT_GROUPS };
+enum effort_group { GROUP_TUNED, GROUP_OTHER, GROUP_WHOLE, GROUP_PAIRS, EFFORT_GROUPS };
 extern const char *const effort_group_name[EFFORT_GROUPS];
 
 struct effort_object {

@@ -427,6 +427,8 @@ enum err effort_gesture_voxels(struct voxels *out, const struct effort_gesture *
     struct brush brush;
     if (gesture->shape == SHAPE_BOX)
         return paint_faces(out, grid, gesture->at, gesture->to, NULL, fault);
+    if (gesture->shape == SHAPE_OUTLINE)
+        return paint_polygon(out, grid, gesture->corner, gesture->corners, NULL, fault);
     uint32_t way[2][3];
     memcpy(way[0], gesture->at, sizeof way[0]);
     memcpy(way[1], gesture->to, sizeof way[1]);

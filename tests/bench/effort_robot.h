@@ -38,14 +38,20 @@
 enum effort_robot_kind { ROBOT_CAREFUL, ROBOT_SLOPPY, ROBOT_STROKE, ROBOT_KINDS };
 extern const char *const effort_robot_name[ROBOT_KINDS];
 
-enum effort_shape { SHAPE_BALL, SHAPE_STROKE, SHAPE_SPHERE, SHAPE_BOX };
+enum effort_shape { SHAPE_BALL, SHAPE_STROKE, SHAPE_SPHERE, SHAPE_BOX, SHAPE_OUTLINE };
 
-/* A sphere around `at`; a box from `at` to `to`, as a stroke of balls. */
+/* A sphere around `at`; a box from `at` to `to`, as a stroke of balls. An outline is what
+ * effort_outline.h draws. */
 struct effort_gesture {
     enum effort_shape shape;
     uint32_t at[3], to[3], radius;
     uint8_t label;
     uint32_t within; /* how far it is to be heeded: of a refinement; 0 for no end */
+    const uint32_t (*corner)[3];
+    size_t corners;
+    uint32_t ring;   /* voxels of the background around it */
+    double path;     /* what the hand does: the length that it draws, in voxels, */
+    unsigned clicks; /* or how often it clicks instead */
 };
 
 struct effort_robot {

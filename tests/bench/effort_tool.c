@@ -92,10 +92,29 @@ enum err effort_tool_prepare(const struct effort_object *object, const char *fol
 
 /* ---- iftty ---- */
 
+/* A line has its first corner again, since a polygon has three; a voxel is a seed. */
+static void write_outline(struct buf *line, const struct effort_gesture *gesture)
+{
+    const size_t corners = gesture->corners == 2 ? 3 : gesture->corners;
+    buf_add_text(line, corners == 1 ? "seed" : gesture->ring ? "outline" : "fill");
+    for (size_t i = 0; i < corners; i++) {
+        const uint32_t *at = gesture->corner[i % gesture->corners];
+        buf_printf(line, "%s%u,%u,%u", i ? " to=" : " ", at[0], at[1], at[2]);
+        if (i == 0)
+            buf_printf(line, " %u", gesture->label);
+    }
+    if (gesture->ring && corners > 1)
+        buf_printf(line, " ring=%u", gesture->ring);
+}
+
 void effort_write_command(struct buf *line, const struct effort_gesture *gesture, bool limits)
 {
     const uint32_t *at = gesture->at, *to = gesture->to;
     buf_clear(line);
+    if (gesture->shape == SHAPE_OUTLINE) {
+        write_outline(line, gesture);
+        return;
+    }
     if (gesture->shape == SHAPE_BOX) {
         buf_printf(line, "box %u,%u,%u %u,%u,%u %u shell=yes around=1", at[0], at[1], at[2], to[0],
                    to[1], to[2], gesture->label);

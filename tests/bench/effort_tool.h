@@ -12,7 +12,7 @@
 #ifndef TESTS_BENCH_EFFORT_TOOL_H
 #define TESTS_BENCH_EFFORT_TOOL_H
 
-#include "tests/bench/effort_robot.h"
+#include "tests/bench/effort_outline.h"
 
 enum effort_by { BY_IFTTY, BY_GROWCUT, BY_WORKER };
 
@@ -24,8 +24,13 @@ struct effort_method {
     const char *weight; /* of iftty, as its command has it; of a worker, its program */
     bool relaxes;
     bool charted;
-    bool once;   /* is only run by the careful robot, and on no whole scene: it takes its time */
-    bool limits; /* refinements end within the gesture's distance */
+    bool once;      /* is only run by the careful robot, and on no whole scene: it takes its time */
+    bool limits;    /* refinements end within the gesture's distance */
+    uint32_t brush; /* radius of balls and strokes, at most a tenth of the scene; 0 for the
+                               robot's own */
+    enum outline_next next; /* refinements are outlines, by the careful robot alone; NEXT_NONE for
+                               none */
+    unsigned hand;          /* which is so many tenths of a voxel off */
 };
 
 /* Where an object lies for all tools (effort_tool_prepare): scene.nii, size, image.u8, gradient.u8.

@@ -246,7 +246,7 @@ static void write_outcomes(struct buf *out, const char *name, const struct outco
 
 static bool wants(const struct options *options, size_t object)
 {
-    bool wanted = options->words == 0 && effort_object_group(object) != GROUP_WHOLE;
+    bool wanted = options->words == 0 && effort_object_group(object) < GROUP_WHOLE;
     for (int i = 0; i < options->words; i++)
         wanted |= strcmp(options->word[i], effort_object_name(object)) == 0;
     return wanted;
