@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "engine/way.h"
+#include "image/volume.h"
 #include "tests/folder.h"
 #include "tests/interpreting.h"
 
@@ -88,6 +89,44 @@ STORY(so_do_boxes_eliminators_and_runs)
     interpreter_release(&interp);
 }
 
+/* Two bright cubes of one size, a dark one, and a bright one that is larger. */
+static const uint32_t wide[3] = {72, 48, 40};
+static void cubes_row(void *context, uint32_t y, uint32_t z, void *values)
+{
+    static const struct {
+        uint32_t x, y, side;
+        uint8_t value;
+    } cube[] = {{4, 4, 12, 200}, {24, 4, 12, 200}, {44, 4, 12, 20}, {24, 24, 18, 200}};
+    uint8_t *row = values;
+    (void)context;
+    memset(row, 100, wide[0]);
+    for (size_t i = 0; i < sizeof cube / sizeof *cube; i++)
+        if (y - cube[i].y < cube[i].side && z - 8 < cube[i].side)
+            memset(row + cube[i].x, cube[i].value, cube[i].side);
+}
+
+STORY(the_second_of_a_pair_is_none)
+{
+    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1000000, 1000000}};
+    geometry_place_plain(&geometry, (const double[]){1, 1, 1});
+    const struct volume_map map = {wide, &geometry, VOXEL_UINT8, "cubes", cubes_row, NULL, NULL};
+    CHECK(volume_write("cubes.nii", FILE_REPLACE, &map, NULL, NULL) == OK);
+    begin_interpreter(&interp);
+    must(&interp, "open cubes.nii");
+    must(&interp, "auto on");
+    must(&interp, "seed 2,2,2 0");
+    must(&interp, "seed 9,9,13 1");
+    CHECK(!is_surprised("seed 29,9,13 1"));
+    CHECK_HAS(buf_text(&reply.text), " ml (+1.");
+    must(&interp, "undo");
+    CHECK(is_surprised("seed 49,9,13 1")); /* as large, but not as bright */
+    must(&interp, "undo");
+    CHECK(is_surprised("seed 32,32,16 1")); /* as bright, but far larger */
+    must(&interp, "undo");
+    CHECK(!is_surprised("seed 49,9,13 2")); /* an object of its own */
+    interpreter_release(&interp);
+}
+
 STORY(a_replay_says_nothing)
 {
     begin();
@@ -103,10 +142,10 @@ int main(void)
 {
     if (!make_folder(folder, "surprise") || chdir(folder) != 0)
         return 1;
-    const int status =
-        RUN_STORIES(TELL(a_passage_is_the_strongest_edge_that_most_paths_share),
-                    TELL(a_seed_that_floods_an_object_says_so),
-                    TELL(so_do_boxes_eliminators_and_runs), TELL(a_replay_says_nothing));
+    const int status = RUN_STORIES(TELL(a_passage_is_the_strongest_edge_that_most_paths_share),
+                                   TELL(a_seed_that_floods_an_object_says_so),
+                                   TELL(so_do_boxes_eliminators_and_runs),
+                                   TELL(the_second_of_a_pair_is_none), TELL(a_replay_says_nothing));
     reply_release(&reply);
     return status + remove_folder(folder);
 }

@@ -176,7 +176,7 @@ void volumes_write(struct buf *out, const struct session *session, uint64_t took
         buf_printf(out, ", %.1f s\n", ms / 1000);
 }
 
-void surprise_write(struct buf *out, const struct session *session, const char *command)
+void surprise_write(struct buf *out, struct session *session, const char *command)
 {
     struct surprise surprise;
     if (!session_find_surprise(&surprise, session))

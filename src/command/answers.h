@@ -23,7 +23,7 @@ void volumes_write(struct buf *out, const struct session *session, uint64_t took
 
 /* After it, for a surprise (report/surprise.h): "this `seed` took 1.2 l of label 1 brain through
  * 93,40,61; undo takes it back". NULL: what waited has. */
-void surprise_write(struct buf *out, const struct session *session, const char *command);
+void surprise_write(struct buf *out, struct session *session, const char *command);
 
 /* A line about the seed that would take a voxel, but ends before it (`seed within=`). */
 void act_write_refusal(struct buf *out, const struct session *session, uint32_t cell);

@@ -388,9 +388,9 @@ static const struct command command_table[] = {
      "the finish; the view stays. The last COUNT of them, 1 unless given, as far back as `open`, "
      "in earlier sessions too. Exact, and recorded itself. `redo` is the way back, `history` "
      "lists the commands.\n"
-     "A command that takes a label more than 100 times what it plants, more than 1000 voxels, and "
-     "a quarter of it or as much as a quarter of the label that gets them, says so, with the edge "
-     "that they came through.",
+     "A command that takes more than 500 voxels from a label, and by each seed more than a "
+     "hundredth of what the label had that gets them, says so, with the edge that they came "
+     "through; unless a seed took no more than those before, of voxels as bright.",
      "undo"},
     {COMMAND("redo", act_redo, GROUP_SEEDS, R | S | E),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},
