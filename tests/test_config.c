@@ -243,13 +243,14 @@ STORY(keys_of_ones_own_stand_before_those_of_the_table)
     CHECK_TEXT(type("gg"), "turn 0 0 15\n");
     CHECK_TEXT(type(",3"), "seed 1,2,3 3 radius=6\n");
     CHECK_TEXT(type("7"), "seed 1,2,3 7 radius=6\n"); /* no part of a count any more */
-    pilot_keys_page(&page, &config.setup, false, 60); /* one entry on a line */
+    pilot_keys_page(&page, &(struct pilot_keys_wish){&config.setup, false, 60, false,
+                                                     NULL}); /* one entry on a line */
     CHECK_HAS(buf_text(&page), "  s Ctrl-R .       undo, redo, again\n");
     CHECK_HAS(buf_text(&page), "  7 ,0-9           a seed of 0-9\n");
     CHECK_HAS(buf_text(&page), "  G                first, last, 90G\n"); /* without gg */
     buf_clear(&page);
     take("key next-plane q");
-    pilot_keys_page(&page, &config.setup, false, 60);
+    pilot_keys_page(&page, &(struct pilot_keys_wish){&config.setup, false, 60, false, NULL});
     CHECK_HAS(buf_text(&page), "  -                back to the prompt\n");
     buf_release(&page);
 }
@@ -305,7 +306,7 @@ STORY(any_text_leaves_a_setup_that_can_be_used)
               config.setup.brush.radius <= 64);
         CHECK(config.setup.windows <= SETUP_WINDOWS_MOST);
         CHECK(is_printable(&config.words) && is_printable(&config.start));
-        pilot_keys_page(&page, &config.setup, false, 80);
+        pilot_keys_page(&page, &(struct pilot_keys_wish){&config.setup, false, 80, false, NULL});
         CHECK(!page.failed && !config.words.failed);
         pilot_state_init(&state, &config.setup);
         pilot_keys_hint(&state, &facts, &page);

@@ -75,6 +75,27 @@ STORY(keys_go_through_a_text)
     CHECK(!press("q") && !press("\003") && !press("\004") && !press("\033"));
 }
 
+/* The caller gives a text of what is wanted, as it is typed. */
+STORY(what_is_wanted_may_be_another_text)
+{
+    begin_numbers(9, 60, 10);
+    pager.filters = true;
+    draw();
+    SEE(9, "/ shows what has a word in it; any other key leaves");
+    CHECK(press("/ki"));
+    SEE(9, "/ki");
+    CHECK_TEXT(buf_text(&pager.wanted), "ki");
+    pager_turn_to(&pager, "Kidney\n", 7);
+    CHECK(press("d"));
+    SEE(0, "Kidney");
+    SEE(1, "");
+    CHECK(press("\r") && !pager.asks && !pager.failed);
+    CHECK_TEXT(buf_text(&pager.wanted), "kid");
+    CHECK(press("/x\033"));
+    CHECK_TEXT(buf_text(&pager.wanted), "");
+    CHECK(press("j") && !press("i"));
+}
+
 STORY(words_are_searched_on_and_back)
 {
     buf_clear(&text);
@@ -236,11 +257,11 @@ STORY(random_keys_texts_and_sizes_leave_a_screen_as_drawn_afresh)
 
 int main(void)
 {
-    const int status =
-        RUN_STORIES(TELL(keys_go_through_a_text), TELL(words_are_searched_on_and_back),
-                    TELL(another_size_keeps_the_line_at_the_top),
-                    TELL(colours_stay_with_their_rows), TELL(what_was_looked_at_is_left_as_lines),
-                    TELL(random_keys_texts_and_sizes_leave_a_screen_as_drawn_afresh));
+    const int status = RUN_STORIES(
+        TELL(keys_go_through_a_text), TELL(what_is_wanted_may_be_another_text),
+        TELL(words_are_searched_on_and_back), TELL(another_size_keeps_the_line_at_the_top),
+        TELL(colours_stay_with_their_rows), TELL(what_was_looked_at_is_left_as_lines),
+        TELL(random_keys_texts_and_sizes_leave_a_screen_as_drawn_afresh));
     pager_release(&pager);
     buf_release(&text);
     return status;

@@ -9,6 +9,7 @@
 #include "tui/pilot/chord.h"
 #include "tui/pilot/pilot_keys.h"
 #include "tui/pilot/finer.h"
+#include "tui/pilot/status.h"
 
 /* ---- a host that is a box of voxels ---- */
 
@@ -88,10 +89,11 @@ static bool is_hidden(void *context, unsigned of)
     return hidden[of];
 }
 
+static const char *label_name = "";
 static void label(void *context, unsigned number, struct buf *out)
 {
     (void)context;
-    buf_printf(out, "%u", number);
+    buf_printf(out, "%u%s%s", number, *label_name ? " " : "", label_name);
 }
 
 static bool shows = true;
@@ -232,8 +234,16 @@ STORY(counts_are_those_of_vim)
     CHECK_TEXT(type("h"), "cross 21,25,30\n"); /* a count holds once */
     CHECK_TEXT(type("12K"), "cross 20,25,42\n");
     CHECK_TEXT(type("99999h"), "cross 39,25,30\n"); /* as far as the scene goes */
+    CHECK_TEXT(buf_text(&message), "19 of 9999: the edge of the scene");
+    CHECK_TEXT(type("2H"), "cross 39,25,30\n");
+    CHECK_TEXT(buf_text(&message), "19 of 20: the edge of the scene");
+    CHECK_TEXT(type("40J"), "cross 20,25,0\n");
+    CHECK_TEXT(buf_text(&message), "30 of 40: the edge of the scene");
+    type("19h");
+    CHECK_TEXT(buf_text(&message), "");
     facts.place[0] = 39;
     CHECK_TEXT(type("h"), ""); /* nowhere to go is no command */
+    CHECK_TEXT(buf_text(&message), "the edge of the scene");
     CHECK_TEXT(type("5u"), "undo 5\n");
     CHECK(state.says_all);
     CHECK_TEXT(type("u"), "undo\n");
@@ -263,7 +273,18 @@ STORY(some_keys_wait_for_a_second)
 {
     begin();
     type("s");
-    CHECK_HAS(buf_text(&message), "s0-9 plant-label");
+    CHECK_TEXT(buf_text(&message), "s0-9 plant-label  Escape leaves");
+    press(KEY_ESCAPE, 0, 0);
+    for (const char *led = "gVm'D"; *led; led++) {
+        char key[3] = {*led, *led, '\0'};
+        key[1] = '\0';
+        type(key);
+        CHECK_INT(strncmp(buf_text(&message), key, 1), 0);
+        CHECK_HAS(buf_text(&message), "  Escape leaves");
+        CHECK(message.length <= 80);
+        press(KEY_ESCAPE, 0, 0);
+    }
+    type("s");
     CHECK_TEXT(type("3"), "seed 20,25,30 3\n");
     CHECK_TEXT(type("sl"), "");
     CHECK_HAS(buf_text(&message), "does nothing here");
@@ -436,6 +457,13 @@ STORY(messages_name_the_keys_that_the_user_has)
                "nothing to show yet: i plants a seed here, ,0 background; F keys  q back");
 }
 
+static const char *hint_now(void)
+{
+    buf_clear(&line);
+    pilot_keys_hint(&state, &facts, &line);
+    return buf_text(&line);
+}
+
 STORY(boxes_and_polygons_are_set_by_their_corners)
 {
     begin();
@@ -480,9 +508,18 @@ STORY(boxes_and_polygons_are_set_by_their_corners)
     CHECK_TEXT(type("A"), "fill 5,6,7 2 range=90..110 to=15,6,7 to=9,16,7\n");
     CHECK_INT(state.outline.count, 0);
     type("a");
+    CHECK_TEXT(hint_now(), "1 corner  a another  d box to here  O its faces  S a ball's shell  "
+                           "Escape drops it");
+    facts.place[0]++;
+    type("a");
+    facts.place[1]++;
+    type("a");
+    CHECK_TEXT(hint_now(), "3 corners  a another  A plants the polygon  Escape drops them");
     press(KEY_ESCAPE, 0, 0);
     CHECK_TEXT(buf_text(&message), "the corners are dropped");
     CHECK_INT(state.outline.count, 0);
+    type("I");
+    CHECK_TEXT(hint_now(), "one end of a stroke  i plants it to here  Escape drops it");
 }
 
 /* Letters, each of which takes the cross-hair where its line says. */
@@ -593,8 +630,11 @@ STORY(a_path_is_shown_and_its_strongest_edge_corrected)
         .label = 1, .next = 3, .root = {5, 6, 7}, .has_edge = true, .edge = {9, 10, 11}};
     CHECK_TEXT(type("P"), "");
     CHECK(state.mode == PILOT_EXPLAINING);
-    CHECK_TEXT(buf_text(&message),
-               "why 20; P goes there, i plants label 3 there, S a shell, I a stroke");
+    CHECK_TEXT(buf_text(&message), "why 20");
+    buf_clear(&message);
+    pilot_keys_hint(&state, &facts, &message);
+    CHECK_TEXT(buf_text(&message), "P to its strongest edge  i the next label there  S shell  "
+                                   "I stroke  Escape ends");
     CHECK_TEXT(type("P"), "cross 9,10,11\n");
     CHECK(state.mode == PILOT_MOVING);
     CHECK_TEXT(type("''"), ""); /* whence it jumped */
@@ -698,6 +738,11 @@ STORY(what_is_shown)
     CHECK_TEXT(type("e"), "hide 1\n");
     hidden[1] = hidden[7] = true;
     CHECK_TEXT(type("e"), "show 1\n");
+    has_seed = false; /* nor a voxel */
+    CHECK_TEXT(type("e"), "show 1\n");
+    CHECK_TEXT(type("5e"), "");
+    CHECK_TEXT(buf_text(&message), "there is no label 5 to hide: it has no voxel and no seed");
+    has_seed = true;
     CHECK_TEXT(type("E"), "show all\n");
     memset(hidden, 0, sizeof hidden);
     CHECK_TEXT(type("E"), "");
@@ -1067,7 +1112,7 @@ static void is_card_of(const char *path, const struct buf *page)
 STORY(the_page_of_keys_fits_and_is_the_card_in_the_readmes)
 {
     struct buf page = {0};
-    pilot_keys_page(&page, &pilot_setup_default, false, 80);
+    pilot_keys_page(&page, &(struct pilot_keys_wish){&pilot_setup_default, false, 80, false, NULL});
     for (const char *at = buf_text(&page); *at; at += strcspn(at, "\n") + 1)
         CHECK(strcspn(at, "\n") <= 78);
     is_card_of("README.md", &page);
@@ -1079,13 +1124,45 @@ STORY(the_page_of_keys_fits_any_window)
 {
     for (unsigned columns = 20; columns < 100; columns++) {
         struct buf page = {0}, wrapped = {0};
-        pilot_keys_page(&page, &pilot_setup_default, false, columns);
+        pilot_keys_page(
+            &page, &(struct pilot_keys_wish){&pilot_setup_default, false, columns, false, NULL});
         cells_wrap(&wrapped, &page, columns);
         for (const char *at = buf_text(&wrapped); *at; at += strcspn(at, "\n") + 1)
             CHECK(cells_width(at, strcspn(at, "\r\n")) <= columns);
         buf_release(&page);
         buf_release(&wrapped);
     }
+}
+
+static const char *page_with(struct buf *page, const char *wanted, bool has_colours)
+{
+    buf_clear(page);
+    pilot_keys_page(
+        page, &(struct pilot_keys_wish){&pilot_setup_default, false, 80, has_colours, wanted});
+    return buf_text(page);
+}
+
+STORY(the_page_of_keys_is_filtered)
+{
+    struct buf page = {0};
+    CHECK_TEXT(page_with(&page, "CONT", false),
+               "What is shown\n"
+               "  o                overlay               contour; finish; greys\n"
+               "  y                finished              contour; finish; greys\n"
+               "  w                window                contour; finish; greys\n");
+    CHECK_HAS(page_with(&page, "undo", false), "\n  u                undo  ");
+    CHECK(!strstr(buf_text(&page), "contour"));
+    CHECK_TEXT(page_with(&page, "xyzzy", false), "no key has to do with xyzzy\n");
+    buf_release(&page);
+}
+
+STORY(headings_and_keys_have_colours_where_there_are_any)
+{
+    struct buf page = {0};
+    CHECK_HAS(page_with(&page, "", true), "\033[1;36mWhat is planted\033[m\n");
+    CHECK_HAS(buf_text(&page), "  \033[33mi Enter\033[m          a seed of the label ");
+    CHECK(!strchr(page_with(&page, "", false), '\033'));
+    buf_release(&page);
 }
 
 STORY(what_is_dangerous_and_how_to_begin_are_said)
@@ -1106,6 +1183,77 @@ STORY(what_is_dangerous_and_how_to_begin_are_said)
 }
 
 /* Of two rows, in a mode that both are for; and a key that waits for a second one does nothing. */
+/* ---- the row below the picture ---- */
+
+static const char *status_in(unsigned columns)
+{
+    buf_clear(&line);
+    pilot_add_status(&line, &state, &host, &facts, columns);
+    return buf_text(&line);
+}
+
+STORY(a_narrow_row_leaves_out_whole_parts_by_rank)
+{
+    static const char *const known[PILOT_KNOWN] = {
+        "here 1",       " brain",           " 1.64 l", " (+1.2 ml)",
+        "intensity 93", "0.5,18.0,-2.0 mm", "",        "mean 93, SD 12, 78 x 102 x 94 mm"};
+    static const char *const part[] = {"axial",
+                                       " z=30",
+                                       " at 20,25,30",
+                                       "  brush 2",
+                                       " ventricle",
+                                       " r3",
+                                       "  here 1",
+                                       " brain",
+                                       " 1.64 l",
+                                       " (+1.2 ml)",
+                                       "  intensity 93",
+                                       "  0.5,18.0,-2.0 mm",
+                                       "  mean 93, SD 12, 78 x 102 x 94 mm",
+                                       "  3 wait for space"};
+    begin();
+    label_name = "ventricle";
+    facts.index[0] = 30;
+    facts.axis[0] = 2;
+    facts.plane[0] = "axial";
+    facts.times = PILOT_TIMES_ONE;
+    for (int i = 0; i < PILOT_KNOWN; i++)
+        snprintf(facts.known[i], PILOT_KNOWN_BYTES, "%s", known[i]);
+    state.brush = (struct pilot_brush){.label = 2, .radius = 3};
+    CHECK_TEXT(status_in(300),
+               "axial z=30 at 20,25,30  brush 2 ventricle r3  here 1 brain 1.64 l "
+               "(+1.2 ml)  intensity 93  0.5,18.0,-2.0 mm  mean 93, SD 12, 78 x 102 "
+               "x 94 mm");
+    CHECK_TEXT(status_in(80), "axial z=30 at 20,25,30  brush 2 ventricle r3  here 1 brain 1.64 l "
+                              "(+1.2 ml)");
+    CHECK_TEXT(status_in(40), "axial at 20,25,30  brush 2 r3  here 1");
+    CHECK_TEXT(status_in(20), "axial at 20,25,30");
+    state.pen.is_down = true;
+    CHECK_TEXT(status_in(20), "PEN DOWN  axial");
+    state.pen.is_down = false;
+    facts.waiting = 3; /* what keys do next comes before names */
+    CHECK_TEXT(status_in(64), "axial z=30 at 20,25,30  brush 2 r3  3 wait for space  here 1");
+    for (unsigned columns = 20; columns < 200; columns++) {
+        const char *at = status_in(columns);
+        CHECK(strlen(at) <= columns);
+        for (size_t i = 0; i < sizeof part / sizeof part[0]; i++) {
+            const char *found = strstr(at, part[i]);
+            while (found) {
+                memset(line.data + (found - line.data), '#', strlen(part[i]));
+                found = strstr(at, part[i]);
+            }
+        }
+        CHECK_INT(strspn(at, "#"), strlen(at)); /* of whole parts alone */
+    }
+    facts.times = 1500;
+    facts.waiting = 0;
+    state.pen.is_down = true;
+    CHECK_TEXT(status_in(58), "PEN DOWN  axial at 20,25,30  brush 2 ventricle r3  here 1");
+    facts.shows = PILOT_ROUGH;
+    CHECK_TEXT(status_in(63), "PEN DOWN  axial z=30 at 20,25,30  brush 2 r3  finishing  here 1");
+    label_name = "";
+}
+
 STORY(where_one_watches_keys_lead_from_step_to_step)
 {
     struct buf page = {0};
@@ -1137,11 +1285,11 @@ STORY(where_one_watches_keys_lead_from_step_to_step)
         CHECK_TEXT(buf_text(&line), "");
         CHECK_HAS(buf_text(&message), "this key does nothing here; ? shows the keys");
     }
-    pilot_keys_page(&page, &pilot_setup_default, true, 80);
+    pilot_keys_page(&page, &(struct pilot_keys_wish){&pilot_setup_default, true, 80, false, NULL});
     CHECK_HAS(buf_text(&page), "Space Backspace  a step on, back");
     CHECK(strstr(buf_text(&page), "undo, redo") == NULL);
     buf_clear(&page);
-    pilot_keys_page(&page, &pilot_setup_default, false, 80);
+    pilot_keys_page(&page, &(struct pilot_keys_wish){&pilot_setup_default, false, 80, false, NULL});
     CHECK(strstr(buf_text(&page), "a step on, back") == NULL);
     buf_release(&page);
 }
@@ -1371,7 +1519,10 @@ int main(void)
         TELL(a_path_is_shown_and_its_strongest_edge_corrected),
         TELL(hints_are_walked_round_and_round), TELL(a_change_is_repeated), TELL(what_is_shown),
         TELL(what_was_chosen_stays_from_one_time_to_the_next), TELL(no_key_has_two_meanings),
+        TELL(a_narrow_row_leaves_out_whole_parts_by_rank),
         TELL(where_one_watches_keys_lead_from_step_to_step), TELL(the_page_of_keys_fits_any_window),
+        TELL(the_page_of_keys_is_filtered),
+        TELL(headings_and_keys_have_colours_where_there_are_any),
         TELL(what_is_dangerous_and_how_to_begin_are_said), TELL(seeds_brushes_and_strokes),
         TELL(what_the_pen_draws_is_one_command_once_it_is_lifted), TELL(a_radius_in_millimetres),
         TELL(a_brush_within_intensities), TELL(messages_name_the_keys_that_the_user_has),

@@ -62,13 +62,13 @@ recorded "cross 11,13,8"
 type_letters "s2"
 recorded "seed 11,13,8 2"
 see 'voxels changed'
-see '^axial z=8 at 11,13,8  brush 2  label 2 7.68 ml  intensity [0-9]*  [-0-9.,]* mm'
+see '^axial z=8 at 11,13,8  brush 2  here 2 7.68 ml  intensity [0-9]*  [-0-9.,]* mm'
 press Tab
 see '^coronal y=13 '
 see '^i seed  b label  x remove  u undo  : command  \? keys  q back'
 type_letters "++s1"
 recorded "seed 11,13,8 1 radius=2"
-see '^coronal y=13 at 11,13,8  brush 1 r2  label 1 [0-9.]* m[lm][3 ]'
+see '^coronal y=13 at 11,13,8  brush 1 r2  here 1 [0-9.]* m[lm][3 ]'
 type_letters "u"
 recorded "undo"
 see '^undone: [0-9]+ seed 11,13,8 1 radius=2; after [0-9]+ seed 11,13,8 2'
@@ -128,7 +128,7 @@ press Escape
 see '^coronal y=13 at 11,13,9  brush 1 r1  finished  '
 type_letters "uy"
 recorded "finished off"
-see '^coronal y=13 at 11,13,9  brush 1 r1  label '
+see '^coronal y=13 at 11,13,9  brush 1 r1  here '
 type_letters "3b"
 press Escape
 see '^i seed '
@@ -144,7 +144,8 @@ comes_true is_cross
 type_letters "gh"
 see '^red, where the border is least certain'
 type_letters "P"
-see '^label [0-9].* at a cost of [0-9]+, [0-9]+ steps? from its seed'
+see '^label [0-9].*, cost [0-9]+, [0-9]+ steps?'
+see '^P to its strongest edge .* Escape ends$' # and what keys do there
 press Escape
 type_letters "gh:cross 11,13,9"
 press Enter
@@ -171,7 +172,7 @@ see 'a seed of the label'
 tmux_here paste-buffer -p -b paste -t prompt
 sleep 0.3
 see 'a seed of the label' # a page of text takes none
-press Space
+press Escape
 see '^coronal '
 same "$(last_record)" "$before"
 close_story
@@ -186,6 +187,19 @@ close_story
 begin "? tells the keys, and any key goes back"
 type_letters "?"
 see 'a seed of the label'
+type_letters "i"
+see '^coronal y=13 '
+recorded "remove 11,13,9"
+close_story
+
+begin "/ shows the keys that have a word in them"
+type_letters "?"
+see '^What is planted$'
+type_letters "/contour"
+see '^/contour$'
+see '^  o  *overlay  *contour; finish; greys$'
+press Enter
+see '^/ shows what has a word in it; any other key leaves$'
 type_letters "i"
 see '^coronal y=13 '
 recorded "remove 11,13,9"
@@ -344,7 +358,7 @@ see '^[(]any key[)]$'
 type_letters " "
 see '^coronal y=13 '
 enter ":cross 20,4,3"
-see '^coronal y=4 .*  label 0  label [0-9] [0-9.]* m[lm]3? \([+-][0-9.]* m[lm]3?\)  intensity '
+see '^coronal y=4 .*  here 0  changed [0-9] [0-9.]* m[lm]3? \([+-][0-9.]* m[lm]3?\)  intensity '
 type_letters "u"
 recorded "undo"
 enter ":cross 11,13,10"
@@ -357,7 +371,8 @@ close_story
 
 begin "the smallest window: the keys page by page, and the pen is loud"
 tmux_here resize-window -t prompt -x 20 -y 10
-see '^coronal y=13 '
+see '^coronal at 11,13,10$'
+see '^i seed  b label$' # nothing is cut within a word
 type_letters "?"
 see '^h j k l arrows$'
 see '^  move the$'
@@ -369,11 +384,11 @@ see '^h j k l arrows$'
 press Space
 see '^1-9$'
 type_letters "q"
-see '^coronal y=13 '
+see '^coronal at 11'
 type_letters "v"
-see '^PEN DOWN  coronal y='
+see '^PEN DOWN  coronal$'
 press Escape
-see '^coronal y=13 '
+see '^coronal at 11'
 tmux_here resize-window -t prompt -x 80 -y 24
 see '^coronal y=13 at'
 close_story
@@ -469,7 +484,7 @@ if "$iftty" run reference >/dev/null 2>&1; then
     keys=$(sed -n '/^<!-- organ/,/^<!-- end of organ/s/^    \([^ ]*\) .*/\1/p' "$top/README.md")
     same "$(printf '%s\n' "$keys" | wc -l)" 10
     for key in $keys; do type_letters "$key"; done
-    see '^axial z=10 at 20,108,10  brush 0 r6  label 0'
+    see '^axial z=10 at 20,108,10  brush 0 r6  here 0'
     see 'voxels changed, label 1: 1.63 l '
     type_letters "q"
     see '^ch2>$'

@@ -14,6 +14,7 @@ struct theme {
     const char *name;
     const char *hint, *hint_16; /* CSI .. m, in 256 colours and in 16: what may follow a line */
     const char *alarm;          /* what is not to be overlooked */
+    const char *heading, *key;  /* of a page of keys */
     bool has_colours;
 };
 

@@ -1,5 +1,6 @@
 #include "program/pilot_host.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "program/shown.h"
@@ -14,6 +15,9 @@ _Static_assert((int)PILOT_AXIAL == (int)PANE_AXIAL && (int)PILOT_CORONAL == (int
                    (int)PILOT_SAGITTAL == (int)PANE_SAGITTAL &&
                    (int)PILOT_RENDITION == (int)PANE_RENDITION,
                "the pilot's panes are those that are shown");
+_Static_assert((int)PILOT_KNOWN == (int)VOXEL_FACTS && (int)PILOT_SUMS == (int)FACT_SUMS &&
+                   (int)PILOT_INTENSITY == (int)FACT_INTENSITY,
+               "what is known of a voxel are its facts");
 
 static struct session *session_of(void *context)
 {
@@ -33,7 +37,7 @@ static bool facts(void *context, struct pilot_facts *out)
 {
     const struct pilot_interpreter *pilot = context;
     struct session *session = session_of(context);
-    struct buf where = {0};
+    struct buf fact[VOXEL_FACTS] = {{0}};
     if (!session_has_scene(session))
         return false;
     const struct outlook *outlook = session_outlook(session);
@@ -57,10 +61,11 @@ static bool facts(void *context, struct pilot_facts *out)
         out->counts_down[pane] = slice.counts_down;
         out->plane[pane] = slice.plane;
     }
-    voxel_facts_write(&where, session, s->cross, !pilot->onlooker);
-    memcpy(out->where, buf_text(&where),
-           where.length < sizeof out->where ? where.length + 1 : sizeof out->where - 1);
-    buf_release(&where);
+    voxel_facts_write(fact, session, s->cross, !pilot->onlooker);
+    for (enum voxel_fact i = FACT_HERE; i < VOXEL_FACTS; i++) {
+        snprintf(out->known[i], PILOT_KNOWN_BYTES, "%s", buf_text(fact + i));
+        buf_release(fact + i);
+    }
     return true;
 }
 

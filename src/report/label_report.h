@@ -42,8 +42,12 @@ void label_report_write_name(struct buf *out, const struct session *session, uns
 /* The volume of so many voxels: "1.24 l", or "3 voxels" where their distances are unknown. */
 void label_report_write_extent(struct buf *out, const struct session *session, uint64_t voxels);
 
-/* "142 ml (+1.2 ml)": all of a label, as the tally has it, and how much more than the voxels that
- * it had before, where it had any and has others now. */
+/* " (+1.2 ml)": how much more of a label the tally has than the voxels that it had before, where it
+ * had any and has others now. */
+void label_report_write_change(struct buf *out, const struct session *session, unsigned label,
+                               uint64_t former);
+
+/* "142 ml (+1.2 ml)": all of a label, as the tally has it, and that. */
 void label_report_write_volume(struct buf *out, const struct session *session, unsigned label,
                                uint64_t former);
 

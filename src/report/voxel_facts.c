@@ -2,6 +2,7 @@
 
 #include <inttypes.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/mem.h"
 #include "engine/hints.h"
@@ -21,18 +22,6 @@ static uint32_t cell_at(const struct session *session, const uint32_t p[3])
 
 /* ---- of a voxel ---- */
 
-/* "label 2 cerebellum 142 ml (+1.2 ml)": all of the label, and what the last edit changed of it. */
-static void write_label(struct buf *out, const struct session *session, unsigned label)
-{
-    const uint64_t *before = session_voxels_before_edit(session);
-    buf_add_text(out, "label ");
-    label_report_write_name(out, session, label);
-    if (label == 0 || session_tally(session)->stale)
-        return;
-    buf_add_char(out, ' ');
-    label_report_write_volume(out, session, label, before ? before[label] : 0);
-}
-
 /* Of the labels that the last edit changed, the one of which it changed most; 0 for none. */
 static unsigned changed_most(const struct session *session)
 {
@@ -48,8 +37,48 @@ static unsigned changed_most(const struct session *session)
     return found;
 }
 
-void voxel_facts_write(struct buf *out, struct session *session, const uint32_t place[3],
-                       bool knows_sums)
+/* All of a label, and what the last edit changed of it. */
+static void write_volume(struct buf fact[VOXEL_FACTS], const struct session *session,
+                         unsigned label)
+{
+    const uint64_t *before = session_voxels_before_edit(session);
+    if (label == 0 || session_tally(session)->stale)
+        return;
+    buf_add_char(&fact[FACT_VOLUME], ' ');
+    label_report_write_extent(&fact[FACT_VOLUME], session, session_tally(session)->voxels[label]);
+    label_report_write_change(&fact[FACT_CHANGE], session, label, before ? before[label] : 0);
+}
+
+static void write_labels(struct buf fact[VOXEL_FACTS], const struct session *session, uint32_t at)
+{
+    const struct cell *cell = session_scene(session)->cell + at;
+    const unsigned label = session_shown_label(session, at), changed = changed_most(session);
+    struct buf name = {0};
+    label_report_write_name(&name, session, label);
+    const size_t number = strcspn(buf_text(&name), " ");
+    if (cell->flags & CELL_OUTSIDE) {
+        buf_add_text(&fact[FACT_HERE], "outside the region of interest");
+    } else if (cell_is_reached(cell)) {
+        buf_printf(&fact[FACT_HERE], "here %.*s", (int)number, buf_text(&name));
+        buf_add_text(&fact[FACT_NAME], buf_text(&name) + number);
+    } else {
+        buf_add_text(&fact[FACT_HERE], "no label");
+    }
+    if (!label && changed) {
+        buf_add_text(&fact[FACT_VOLUME], "changed ");
+        label_report_write_name(&fact[FACT_VOLUME], session, changed);
+    }
+    write_volume(fact, session, label ? label : changed);
+    if (label != cell->label) {
+        buf_add_text(&fact[FACT_IN_FOREST], "in the forest ");
+        label_report_write_name(&fact[FACT_IN_FOREST], session, cell->label);
+    }
+    fact->failed |= name.failed;
+    buf_release(&name);
+}
+
+void voxel_facts_write(struct buf fact[VOXEL_FACTS], struct session *session,
+                       const uint32_t place[3], bool knows_sums)
 {
     const uint32_t at = cell_at(session, place);
     const struct cell *cell = session_scene(session)->cell + at;
@@ -57,35 +86,18 @@ void voxel_facts_write(struct buf *out, struct session *session, const uint32_t 
     struct label_sums sums;
     double mm[3];
     geometry_point(geometry, place, mm);
-    if (cell->flags & CELL_OUTSIDE) {
-        buf_add_text(out, "outside the region of interest");
-    } else if (cell_is_reached(cell)) {
-        write_label(out, session, cell->label);
-    } else {
-        buf_add_text(out, "no label");
-    }
-    if (!cell->label && changed_most(session)) {
-        buf_add_text(out, "  ");
-        write_label(out, session, changed_most(session));
-    }
-    buf_add_text(out, "  intensity ");
-    levels_write(out, geometry, session_levels(session), cell->intensity);
+    write_labels(fact, session, at);
+    buf_add_text(&fact[FACT_INTENSITY], "intensity ");
+    levels_write(&fact[FACT_INTENSITY], geometry, session_levels(session), cell->intensity);
     if (geometry_has_place(geometry))
-        buf_printf(out, "  %.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
+        buf_printf(&fact[FACT_PLACE], "%.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
     else if (geometry->orientation == ORIENTATION_UNKNOWN)
-        buf_add_text(out, "  orientation unknown");
+        buf_add_text(&fact[FACT_PLACE], "orientation unknown");
     else if (geometry->orientation == ORIENTATION_TOLD)
-        buf_add_text(out, "  sides as told by the user");
-    const unsigned shown = session_shown_label(session, at);
-    if (shown != cell->label) {
-        buf_add_text(out, "  finished label ");
-        label_report_write_name(out, session, shown);
-    }
+        buf_add_text(&fact[FACT_PLACE], "sides as told by the user");
     if (knows_sums && cell->label && session_sum_label(session, cell->label, &sums, NULL) == OK &&
-        sums.voxels) {
-        buf_add_text(out, "  ");
-        label_report_write_sums(out, &sums, geometry);
-    }
+        sums.voxels)
+        label_report_write_sums(&fact[FACT_SUMS], &sums, geometry);
 }
 
 double voxel_facts_intensity(const struct session *session, const uint32_t place[3])
@@ -125,14 +137,13 @@ bool voxel_why_find(struct voxel_why *why, const struct session *session, const 
     grid_find(&session_scene(session)->grid, key_root(at->key), why->root);
     buf_add_text(out, "label ");
     label_report_write_name(out, session, at->label);
-    buf_printf(out, " at a cost of %u, %zu step%s from its seed", key_cost(at->key), steps,
-               plural(steps));
+    buf_printf(out, ", cost %u, %zu step%s", key_cost(at->key), steps, plural(steps));
     if (why->has_edge) {
         grid_find(&session_scene(session)->grid, why->way.edge, why->edge);
-        buf_printf(out, ", strongest edge into %u,%u,%u", why->edge[0], why->edge[1], why->edge[2]);
+        buf_printf(out, ", strongest edge %u,%u,%u", why->edge[0], why->edge[1], why->edge[2]);
     }
     if (rival.exists) {
-        buf_add_text(out, "; next is label ");
+        buf_add_text(out, "; next ");
         label_report_write_name(out, session, rival.label);
         buf_printf(out, " at %u", rival.cost);
     }

@@ -9,11 +9,24 @@
 #include "engine/way.h"
 #include "session/session.h"
 
-/* "label 2 cerebellum 142 ml (+1.2 ml)  intensity 93  0.5,18.0,-2.0 mm  mean 93, ..."; in the
- * background "label 0  label 2 ... (-1.2 ml)  intensity 93": of what the last edit changed. The
- * label's sums, from the mean on, are not known while a command is carried out. */
-void voxel_facts_write(struct buf *out, struct session *session, const uint32_t place[3],
-                       bool knows_sums);
+/* What is known of a voxel, part by part; one that begins with a blank goes on with the one before.
+ * A label is the one that is shown, finished or the forest's. */
+enum voxel_fact {
+    FACT_HERE,   /* "here 2", "no label", "outside the region of interest" */
+    FACT_NAME,   /* " cerebellum" */
+    FACT_VOLUME, /* " 142 ml"; in the background "changed 2 cerebellum 142 ml", the label of which
+                       the last edit changed most */
+    FACT_CHANGE, /* " (+1.2 ml)", by the last edit */
+    FACT_INTENSITY, /* "intensity 93" */
+    FACT_PLACE,     /* "0.5,18.0,-2.0 mm", or why that is not known */
+    FACT_IN_FOREST, /* "in the forest 1 brain", where the finished label is another */
+    FACT_SUMS,      /* "mean 93, ..", of the label; not while a command is carried out */
+    VOXEL_FACTS
+};
+
+/* Adds each to its text; nothing where there is nothing to say. */
+void voxel_facts_write(struct buf fact[VOXEL_FACTS], struct session *session,
+                       const uint32_t place[3], bool knows_sums);
 
 /* Its intensity, as a real value. */
 double voxel_facts_intensity(const struct session *session, const uint32_t place[3]);
@@ -28,9 +41,9 @@ struct voxel_why {
 };
 void voxel_why_release(struct voxel_why *why);
 
-/* Finds it, and adds it in words: "label 1 brain at a cost of 12, 212 steps from its seed,
- * strongest edge into 93,40,61; next is label 0 at 15". False, with words, where there is nothing
- * to find. */
+/* Finds it, and adds it in words, which are to fit a row of 80 columns: "label 1 brain, cost 12,
+ * 212 steps, strongest edge 93,40,61; next 0 at 15". False, with words, where there is nothing to
+ * find. */
 bool voxel_why_find(struct voxel_why *why, const struct session *session, const uint32_t place[3],
                     struct buf *out);
 

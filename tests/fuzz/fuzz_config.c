@@ -39,7 +39,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
     for (size_t i = 0; i < setup->windows; i++)
         HOLDS(setup->window[i].width > 0 && memchr(setup->window[i].name, '\0', SETUP_NAME_BYTES));
     pilot_state_init(&state, setup);
-    pilot_keys_page(&page, setup, false, 80);
+    pilot_keys_page(&page, &(struct pilot_keys_wish){setup, false, 80, false, NULL});
     for (enum pilot_mode mode = PILOT_MOVING; mode <= PILOT_WINDOWING; mode++) {
         state.mode = mode;
         pilot_keys_hint(&state, &facts, &page);

@@ -22,6 +22,21 @@ enum pilot_pane { PILOT_AXIAL, PILOT_CORONAL, PILOT_SAGITTAL, PILOT_RENDITION, P
  * changed them since. */
 enum pilot_labels { PILOT_FOREST, PILOT_ROUGH, PILOT_FINISHED };
 
+/* What is known of a voxel, part by part; one that begins with a blank goes on with the one before.
+ */
+enum pilot_known {
+    PILOT_HERE,   /* the label's number, */
+    PILOT_NAME,   /* its name, */
+    PILOT_VOLUME, /* how large it is, */
+    PILOT_CHANGE, /* and how much of that is due to the last edit */
+    PILOT_INTENSITY,
+    PILOT_MM,
+    PILOT_IN_FOREST, /* the forest's label, where what is shown is another */
+    PILOT_SUMS,      /* mean, deviation and extent of the label */
+    PILOT_KNOWN
+};
+enum { PILOT_KNOWN_BYTES = 80 };
+
 /* What the host knows of the present state. */
 struct pilot_facts {
     uint32_t place[3];    /* of the cross-hair: a voxel */
@@ -30,11 +45,11 @@ struct pilot_facts {
     unsigned axis[3];     /* the axis that they are counted along, 0 for x, */
     bool counts_down[3];  /* and whether the next one that K leads to has a lower number */
     size_t waiting;       /* edits that wait for a run */
-    char where[256];      /* of the voxel there: label, intensity, place; and of its label */
-    double intensity;     /* there, in real values */
-    double window[2];     /* black and white, in real values */
-    uint32_t zoom;        /* at which the rendition is shown, thousandths */
-    uint32_t frame_width; /* of the rendition, in pixels */
+    char known[PILOT_KNOWN][PILOT_KNOWN_BYTES]; /* of the voxel there, in words; "" for nothing */
+    double intensity;                           /* there, in real values */
+    double window[2];                           /* black and white, in real values */
+    uint32_t zoom;                              /* at which the rendition is shown, thousandths */
+    uint32_t frame_width;                       /* of the rendition, in pixels */
     uint32_t frame_height;
     unsigned overlay; /* of labels in slices: 0 none, 1 tint, 2 contour */
     bool has_object;  /* a voxel has a label above 0, or a seed waits to give it one */

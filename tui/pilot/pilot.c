@@ -10,6 +10,7 @@
 #include "tui/picture/graphics.h"
 #include "tui/picture/painter.h"
 #include "tui/pilot/finer.h"
+#include "tui/pilot/status.h"
 #include "tui/prompt/pager.h"
 #include "tui/term.h"
 #include "tui/cells.h"
@@ -83,36 +84,6 @@ static void add_row(struct buf *out, unsigned row, unsigned columns, const char 
     buf_release(&cut);
 }
 
-/* "axial z=90 at 90,108,90  brush 2 pons r3 stroke  1 waits for space  label 1 head  ...", which
- * "PEN DOWN" comes before, and "CORRECT" where digits plant. */
-static void add_status(struct buf *row, const struct pilot_state *state,
-                       const struct pilot_host *host, const struct pilot_facts *facts)
-{
-    const uint32_t *at = facts->place;
-    const size_t corners = state->outline.count;
-    buf_add_text(row, state->pen.is_down ? "PEN DOWN  " : "");
-    buf_add_text(row, state->base == PILOT_PICKING ? "CORRECT  " : "");
-    const unsigned axis = facts->axis[state->pane];
-    if (facts->plane[state->pane][1])
-        buf_printf(row, "%s ", facts->plane[state->pane]);
-    buf_printf(row, "%c=%u", "xyz"[axis], facts -> index[state->pane]);
-    if (facts->times != PILOT_TIMES_ONE) {
-        buf_add_text(row, " x");
-        pilot_add_decimal(row, facts->times / 1000.0);
-    }
-    buf_printf(row, " at %u,%u,%u  brush ", at[0], at[1], at[2]);
-    host->label(host->context, state->brush.label, row);
-    pilot_add_brush(row, &state->brush);
-    buf_add_text(row, state->stroke.is_set ? " stroke" : "");
-    if (corners)
-        buf_printf(row, " %zu corner%s", corners, corners == 1 ? "" : "s");
-    if (facts->waiting)
-        buf_printf(row, "  %zu wait%s for space", facts->waiting, facts->waiting == 1 ? "s" : "");
-    if (facts->shows != PILOT_FOREST)
-        buf_add_text(row, facts->shows == PILOT_ROUGH ? "  finishing" : "  finished");
-    buf_printf(row, "  %s", facts->where);
-}
-
 static unsigned rows_of_text(const struct pilot *p)
 {
     return ROWS_OF_TEXT + (p->host->caption ? PILOT_CAPTIONS - 1 : 0);
@@ -136,10 +107,25 @@ static void add_captions(struct buf *out, const struct pilot *p, const struct te
     buf_release(&line);
 }
 
-/* Two rows at the foot of the screen. The upper one shows where the cross-hair is, what a key would
- * plant and what waits, then the voxel: a narrow screen cuts off what can be missed first. The
- * lower one has the last message, or what the keys do now. A message of more than a row takes both,
- * until the next key. */
+/* What the keys do, as far as it fits: nothing is cut within what is said of one. */
+static void add_hint(struct buf *out, const struct pilot *p, const struct pilot_facts *facts,
+                     unsigned columns)
+{
+    struct buf hint = {0};
+    size_t fits = 0;
+    pilot_keys_hint(p->state, facts, &hint);
+    const char *text = buf_text(&hint);
+    for (size_t i = 1; i <= hint.length; i++)
+        if ((strchr(";,", text[i]) || strncmp(text + i, "  ", 2) == 0) &&
+            cells_width(text, i) <= columns)
+            fits = i;
+    buf_add(out, text, fits ? fits : hint.length);
+    out->failed |= hint.failed;
+    buf_release(&hint);
+}
+
+/* Two rows at the foot of the screen: that of tui/pilot/status.h, and the last message, or what the
+ * keys do now. A message of more than a row takes both, until the next key. */
 static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_facts *facts,
                      const struct term_size *size)
 {
@@ -152,15 +138,21 @@ static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_
     else if (p->message.length)
         cells_wrap(&lower, &p->message, size->columns);
     else
-        pilot_keys_hint(p->state, facts, &lower);
+        add_hint(&lower, p, facts, size->columns);
     const char *second = strchr(buf_text(&lower), '\n');
     if (p->host->caption)
         add_captions(out, p, size);
-    if (second)
+    /* What a mode begins with stands above what its keys do. */
+    const bool begins = p->message.length && !second && pilot_is_passing(p->state);
+    if (begins) {
+        buf_add(&upper, buf_text(&lower), lower.length);
+        buf_clear(&lower);
+        add_hint(&lower, p, facts, size->columns);
+    } else if (second)
         buf_add(&upper, buf_text(&lower), (size_t)(second - buf_text(&lower)));
     else if (!p->host->caption)
-        add_status(&upper, p->state, p->host, facts);
-    if (second || !p->host->caption)
+        pilot_add_status(&upper, p->state, p->host, facts, size->columns);
+    if (second || begins || !p->host->caption)
         add_row(out, size->rows - 2, size->columns, buf_text(&upper),
                 p->state->pen.is_down ? alarm : "");
     add_row(out, size->rows - 1, size->columns, second ? second + 1 : buf_text(&lower), "");
@@ -486,19 +478,51 @@ static enum err page_through(struct pilot *p, const struct buf *text, bool *left
     return err;
 }
 
-/* What has more than a line has the screen for itself, page by page; NULL is the page of keys. */
+/* What has more than a line has the screen for itself, page by page. */
 static enum err show_pages(struct pilot *p, const struct buf *text, struct fault *fault)
 {
     bool left = false;
     enum err err = clear_picture(p, false, fault);
-    while (!err && !p->is_over && !left) {
-        struct buf keys = {0};
-        if (!text)
-            pilot_keys_page(&keys, p->state->setup, p->state->watches, term_size().columns);
-        err = keys.failed ? fault_memory(fault, "a page")
-                          : page_through(p, text ? text : &keys, &left, fault);
-        buf_release(&keys);
+    while (!err && !p->is_over && !left)
+        err = page_through(p, text, &left, fault);
+    return err;
+}
+
+/* The page of keys, or those of them that have what is typed after `/`. */
+static enum err show_keys(struct pilot *p, struct fault *fault)
+{
+    struct pager pager;
+    struct key_event event = {0};
+    struct buf keys = {0};
+    bool stays = true, is_other = true; /* than what the pager has */
+    enum err err = clear_picture(p, false, fault);
+    pager_init(&pager, "", 0);
+    pager.filters = true;
+    while (!err && !p->is_over && stays) {
+        const struct term_size size = term_size();
+        const struct pilot_keys_wish wish = {p->state->setup, p->state->watches, size.columns,
+                                             p->facts->colours != COLOURS_NONE,
+                                             buf_text(&pager.wanted)};
+        struct buf page = {0};
+        if (is_other) {
+            buf_clear(&keys);
+            pilot_keys_page(&keys, &wish);
+            pager_turn_to(&pager, buf_text(&keys), keys.length);
+        }
+        page.failed = keys.failed || !pager_fit(&pager, size.columns, size.rows);
+        buf_add_text(&page, blank_of(p));
+        pager_draw(&pager, &page);
+        err = term_write_text(&page, "a page", fault);
+        p->is_resized = false;
+        if (!err)
+            await_key(p, &event);
+        const bool asked = pager.asks;
+        stays = p->is_resized ||
+                (pager_key(&pager, &event) && (pager_is_needed(&pager) || asked || pager.asks));
+        is_other = p->is_resized || asked || pager.asks;
     }
+    pager_release(&pager);
+    buf_release(&keys);
     return err;
 }
 
@@ -569,7 +593,7 @@ static enum err do_deed(struct pilot *p, enum pilot_deed deed, struct fault *fau
     case PILOT_PROMPT:
         return ask_for_command(p, fault);
     case PILOT_SHOW_KEYS:
-        return show_pages(p, NULL, fault);
+        return show_keys(p, fault);
     case PILOT_REDRAW:
         return clear_picture(p, true, fault);
     case PILOT_SUSPEND:

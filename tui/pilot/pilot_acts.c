@@ -109,6 +109,19 @@ static void change_window(struct press *p, int right, int up, int far)
     add_window(p, window[0] - step * (right + up) * far, window[1] + step * (right - up) * far);
 }
 
+/* Where the scene ends before a count has, as in 70L, that is said. */
+static void say_edge(struct press *p, int64_t asked, const uint32_t place[3])
+{
+    const uint32_t *here = p->facts->place;
+    int64_t went = 0;
+    for (int a = 0; a < 3; a++)
+        went += place[a] > here[a] ? place[a] - here[a] : here[a] - place[a];
+    if (went < asked && went > 0)
+        buf_printf(p->message, "%lld of %lld: ", (long long)went, (long long)asked);
+    if (went < asked)
+        buf_add_text(p->message, "the edge of the scene");
+}
+
 void pilot_move(struct press *p)
 {
     const int right = right_of(p->by), up = up_of(p->by);
@@ -119,12 +132,14 @@ void pilot_move(struct press *p)
         move_pixel(p, right * (far ? PIXEL_JUMP : 1), up * (far ? PIXEL_JUMP : 1));
     else {
         const enum pilot_pane pane = p->state->pane;
+        const int64_t asked = pilot_times(p) * (far ? JUMP : 1);
         int64_t by[3] = {0, 0, 0};
         uint32_t place[3];
-        by[screen_of[pane].across] = -right * pilot_times(p) * (far ? JUMP : 1);
-        by[screen_of[pane].along] = up * pilot_times(p) * (far ? JUMP : 1);
+        by[screen_of[pane].across] = -right * asked;
+        by[screen_of[pane].along] = up * asked;
         p->host->move(p->host->context, by, place);
         pilot_go_to(p, place);
+        say_edge(p, asked, place);
     }
 }
 
@@ -137,8 +152,10 @@ static void move_through(struct press *p, int64_t slices, bool is_jump)
     p->host->move(p->host->context, by, place);
     if (is_jump)
         pilot_cross(p, place);
-    else
+    else {
         pilot_go_to(p, place);
+        say_edge(p, slices < 0 ? -slices : slices, place);
+    }
 }
 
 void pilot_change_slice(struct press *p)
@@ -258,14 +275,6 @@ void pilot_explain(struct press *p)
     if (!pilot_take_voxel(p, place) || !p->host->why(p->host->context, place, way, p->message))
         return;
     p->state->mode = PILOT_EXPLAINING;
-    if (!way->has_edge)
-        return;
-    buf_add_text(p->message, "; ");
-    pilot_say_key(p, "to-edge", " goes there, ");
-    pilot_say_key(p, "plant-there", " plants label ");
-    buf_printf(p->message, "%u there, ", way->next);
-    pilot_say_key(p, "enclose-there", " a shell, ");
-    pilot_say_key(p, "stroke-there", " a stroke");
 }
 
 bool pilot_has_edge(struct press *p)
@@ -323,6 +332,14 @@ void pilot_hide(struct press *p)
         return;
     }
     const bool is_hidden = p->host->is_hidden(p->host->context, label);
+    uint32_t place[3];
+    if (!is_hidden && !p->host->seed(p->host->context, label, 1, place) &&
+        !p->host->centre(p->host->context, label, place)) {
+        buf_add_text(p->message, "there is no label ");
+        p->host->label(p->host->context, label, p->message);
+        buf_add_text(p->message, " to hide: it has no voxel and no seed");
+        return;
+    }
     buf_printf(p->line, "%s %u\n", is_hidden ? "show" : "hide", label);
     buf_printf(p->message, "%s label ", is_hidden ? "shown:" : "hidden:");
     p->host->label(p->host->context, label, p->message);

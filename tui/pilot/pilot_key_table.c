@@ -21,9 +21,9 @@
 #define KEY(NAME, KEYS, ALSO, IN) NAME, KEYS, ALSO, .in = IN
 #define DO(FUNCTION, BY)          .act = FUNCTION, .by = BY
 #define PAGE(SHOWN, HELP)         .shown = SHOWN, .help = HELP
-#define PART                                                                                       \
+#define PART(HEADING)                                                                              \
     {                                                                                              \
-        .keys = ""                                                                                 \
+        .keys = "", .shown = HEADING                                                               \
     }
 
 enum {
@@ -36,6 +36,7 @@ enum {
 };
 
 const struct pilot_row pilot_table[] = {
+    PART("Where one is"),
     {KEY("step-on", "Space", "", WATCHING), DO(pilot_step, 1), .flags = COUNTS,
      PAGE("Space Backspace", "a step on, back"), .hint = "on"},
     {KEY("step-back", "Backspace", "", WATCHING), DO(pilot_step, -1), .flags = COUNTS, .help = "",
@@ -99,7 +100,7 @@ const struct pilot_row pilot_table[] = {
     {KEY("previous-hint", "(", "", BOTH), DO(pilot_go_to_hint, -1), .flags = COUNTS, .help = ""},
     {KEY("heat", "gh", "", MOVING), DO(pilot_show_heat, 0), .help = ""},
     {KEY("explain", "P", "", BOTH), DO(pilot_explain, 0), .help = ""},
-    PART,
+    PART("What is planted"),
     {KEY("plant", "i Enter", "", ALL), DO(pilot_plant, 0), .flags = CHANGES,
      .help = "a seed of the label", .hint = "seed"},
     {KEY("plant-picked", "0-9", "", PICKING), DO(pilot_plant_label, 0), .flags = CHANGES,
@@ -142,7 +143,7 @@ const struct pilot_row pilot_table[] = {
      .help = "undo, redo, again", .hint = "undo"},
     {KEY("redo", "Ctrl-R", "", BOTH), DO(pilot_undo, 1), .flags = COUNTS, .help = ""},
     {KEY("repeat", ".", "", BOTH), DO(pilot_repeat, 0), .help = ""},
-    PART,
+    PART("What is shown"),
     {KEY("turn-right", "r", "Shift-Right", ALL), DO(pilot_turn, PILOT_RIGHT), .flags = COUNTS,
      PAGE("r R Shift-arrows", "turn the view")},
     {KEY("turn-left", "R", "Shift-Left", ALL), DO(pilot_turn, PILOT_LEFT), .flags = COUNTS,
@@ -178,14 +179,16 @@ const struct pilot_row pilot_table[] = {
     {KEY("pan-up", "Alt-Up", "Alt-k", ALL), DO(pilot_pan, PILOT_UP), .flags = COUNTS, .help = ""},
     {KEY("pan-right", "Alt-Right", "Alt-l", ALL), DO(pilot_pan, PILOT_RIGHT), .flags = COUNTS,
      .help = ""},
-    {KEY("alone", "f", "", ALL), DO(pilot_show_alone, 0), .help = "one pane, all four"},
-    {KEY("overlay", "o", "", ALL), DO(pilot_change_overlay, 0), PAGE("o y", "contour; finished")},
+    {KEY("overlay", "o", "", ALL), DO(pilot_change_overlay, 0),
+     PAGE("o y w", "contour; finish; greys")},
     {KEY("finished", "y", "", ALL), DO(pilot_change_labels, 0), .help = ""},
-    {KEY("window", "w", "", ALL), .then = PILOT_WINDOWING, .help = "the window of greys"},
+    {KEY("window", "w", "", ALL), .then = PILOT_WINDOWING, .help = ""},
+    {KEY("alone", "f", "", ALL), DO(pilot_show_alone, 0), .help = "one pane, all four"},
     {KEY("command", ":", "", ALL), .deed = PILOT_PROMPT, .help = "a command", .hint = "command"},
     {KEY("keys", "?", "", ALL), .deed = PILOT_SHOW_KEYS, .help = "these keys", .hint = "keys"},
-    {KEY("redraw", "Ctrl-L", "", ALL), .deed = PILOT_REDRAW, .help = "draw anew"},
-    {KEY("suspend", "Ctrl-Z", "", ALL), .deed = PILOT_SUSPEND, .help = "stop, as a job"},
+    {KEY("redraw", "Ctrl-L", "", ALL), .deed = PILOT_REDRAW,
+     PAGE("Ctrl-L Ctrl-Z", "draw anew; stop")},
+    {KEY("suspend", "Ctrl-Z", "", ALL), .deed = PILOT_SUSPEND, .help = ""},
     {KEY("leave", "q", "Ctrl-D", ALL), .deed = PILOT_LEAVE, .help = "back to the prompt",
      .hint = "back"},
 
@@ -366,6 +369,22 @@ static void add_hints(struct buf *out, const struct pilot_state *state, const ch
     }
 }
 
+/* What can be made of the corners that are set. */
+static void add_corners_hint(struct buf *out, const struct pilot_state *state)
+{
+    const size_t corners = state->outline.count;
+    buf_printf(out, "%zu corner%s  ", corners, corners == 1 ? "" : "s");
+    setup_say_key(out, state->setup, "corner", " another  ");
+    if (corners == 1) {
+        setup_say_key(out, state->setup, "box", " box to here  ");
+        setup_say_key(out, state->setup, "enclose-in-box", " its faces  ");
+        setup_say_key(out, state->setup, "enclose", " a ball's shell  ");
+    } else if (corners > 2) {
+        setup_say_key(out, state->setup, "polygon", " plants the polygon  ");
+    }
+    setup_say_key(out, state->setup, "drop", corners == 1 ? " drops it" : " drops them");
+}
+
 void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *facts,
                      struct buf *out)
 {
@@ -373,6 +392,12 @@ void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *
     if (moves && state->pen.is_down) {
         buf_add_text(out, "moving draws; ");
         setup_say_key(out, state->setup, "pen", " ends the stroke, ");
+        setup_say_key(out, state->setup, "drop", " drops it");
+    } else if (moves && state->outline.count) {
+        add_corners_hint(out, state);
+    } else if (moves && state->stroke.is_set) {
+        buf_add_text(out, "one end of a stroke  ");
+        setup_say_key(out, state->setup, "plant", " plants it to here  ");
         setup_say_key(out, state->setup, "drop", " drops it");
     } else if (moves && !facts->has_object) {
         buf_add_text(out, "nothing to show yet: ");
@@ -426,42 +451,112 @@ static void add_keys(struct buf *out, const struct pilot_row *row, const struct 
         buf_add_char(out, '-');
 }
 
+/* ---- the page ---- */
+
 /* Whether the row stands on the page: what is for watching alone on that of its own. */
-static bool begins_entry(const struct pilot_row *row, bool watches)
+static bool is_on_page(const struct pilot_row *row, bool watches)
 {
-    return row->help && *row->help &&
-           (watches ? !row->name || row->in & WATCHING : row->in != WATCHING);
+    return watches ? !row->name || row->in & WATCHING : row->in != WATCHING;
 }
 
 enum { KEYS_WIDE = 16, HELP_WIDE = 24, NARROW = 2 + KEYS_WIDE + 1 + HELP_WIDE, WIDE = 78 };
+enum { NAME_WIDE = 20 };
 
-/* An empty line stands between parts. */
-void pilot_keys_page(struct buf *out, const struct pilot_setup *setup, bool watches,
-                     unsigned columns)
+static void add_heading(struct buf *out, const struct pilot_keys_wish *wish, const char *heading)
+{
+    const struct theme *theme = wish->setup->theme;
+    buf_printf(out, "%s%s%s\n", wish->has_colours ? theme->heading : "", heading,
+               wish->has_colours && *theme->heading ? "\033[m" : "");
+}
+
+/* The keys in a column so wide. */
+static void add_column(struct buf *out, const struct pilot_keys_wish *wish, const char *keys,
+                       size_t wide)
+{
+    const struct theme *theme = wish->setup->theme;
+    buf_printf(out, "%s%s%s", wish->has_colours ? theme->key : "", keys,
+               wish->has_colours && *theme->key ? "\033[m" : "");
+    for (size_t n = strlen(keys); n < wide; n++)
+        buf_add_char(out, ' ');
+}
+
+/* An entry, at the left of its line, or beside the one that is there. */
+static void add_entry(struct buf *out, const struct pilot_keys_wish *wish,
+                      const struct pilot_row *row, const struct pilot_row *left)
+{
+    struct buf keys = {0};
+    add_keys(&keys, row, wish->setup);
+    buf_printf(out, "%*s",
+               wish->columns < NARROW ? 0
+               : left                 ? HELP_WIDE - (int)strlen(left->help)
+                                      : 2,
+               "");
+    add_column(out, wish, buf_text(&keys),
+               wish->columns < NARROW ? 0
+               : left                 ? KEYS_WIDE - 1
+                                      : KEYS_WIDE);
+    buf_printf(out, "%s%s", wish->columns < NARROW ? "\n  " : " ", row->help);
+    out->failed |= keys.failed;
+    buf_release(&keys);
+}
+
+/* Entries side by side; a heading begins a line. */
+static void add_all(struct buf *out, const struct pilot_keys_wish *wish)
 {
     const struct pilot_row *left = NULL;
     for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
-        const bool ends_part = !row->name && !row->help;
-        if (ends_part)
-            buf_add_text(out, left ? "\n\n" : "\n");
-        else if (begins_entry(row, watches)) { /* at the left of its line, or beside `left` */
-            struct buf keys = {0};
-            add_keys(&keys, row, setup);
-            if (columns < NARROW)
-                buf_printf(out, "%s\n  %s", buf_text(&keys), row->help);
-            else if (left)
-                buf_printf(out, "%*s%-*s %s", HELP_WIDE - (int)strlen(left->help), "",
-                           KEYS_WIDE - 1, buf_text(&keys), row->help);
-            else
-                buf_printf(out, "  %-*s %s", KEYS_WIDE, buf_text(&keys), row->help);
-            out->failed |= keys.failed;
-            buf_release(&keys);
+        const bool is_heading = !row->name && !row->help;
+        if (is_heading) {
+            buf_add_text(out, left ? "\n" : "");
+            add_heading(out, wish, row->shown);
+            left = NULL;
+        } else if (row->help && *row->help && is_on_page(row, wish->watches)) {
+            add_entry(out, wish, row, left);
+            left = left || wish->columns < WIDE ? NULL : row;
+            buf_add_text(out, left ? "" : "\n");
         }
-        if (begins_entry(row, watches) && (left || columns < WIDE))
-            buf_add_char(out, '\n');
-        if (begins_entry(row, watches) || ends_part)
-            left = left || ends_part || columns < WIDE ? NULL : row;
     }
-    if (left)
-        buf_add_char(out, '\n');
+    buf_add_text(out, left ? "\n" : "");
+}
+
+static bool has_piece(const char *text, const char *piece)
+{
+    return text && strcasestr(text, piece);
+}
+
+/* Each action that has the piece, below the heading of its part; `help` is that of its entry. */
+static void add_wanted(struct buf *out, const struct pilot_keys_wish *wish)
+{
+    const char *heading = NULL, *help = NULL;
+    const size_t before = out->length;
+    for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
+        struct buf keys = {0};
+        const bool is_heading = !row->name && !row->help;
+        const char *name = row->name ? row->name : "";
+        heading = is_heading ? row->shown : heading;
+        help = row->help && *row->help ? row->help : row->help ? help : row->hint;
+        setup_add_keys(&keys, wish->setup, row, SIZE_MAX);
+        if (!is_heading && is_on_page(row, wish->watches) &&
+            (has_piece(buf_text(&keys), wish->wanted) || has_piece(name, wish->wanted) ||
+             has_piece(help, wish->wanted) || has_piece(row->hint, wish->wanted))) {
+            if (heading)
+                add_heading(out, wish, heading);
+            heading = NULL;
+            buf_add_text(out, "  ");
+            add_column(out, wish, buf_text(&keys), KEYS_WIDE);
+            buf_printf(out, " %-*s  %s\n", NAME_WIDE, name, help ? help : "");
+        }
+        out->failed |= keys.failed;
+        buf_release(&keys);
+    }
+    if (out->length == before)
+        buf_printf(out, "no key has to do with %s\n", wish->wanted);
+}
+
+void pilot_keys_page(struct buf *out, const struct pilot_keys_wish *wish)
+{
+    if (wish->wanted && *wish->wanted)
+        add_wanted(out, wish);
+    else
+        add_all(out, wish);
 }

@@ -210,6 +210,7 @@ static bool lead_on(struct press *p)
     if (state->leader || event->key != KEY_CHARACTER || event->modifiers ||
         find_among(state, event, true) || !add_led(state, event->point, p->message))
         return false;
+    buf_add_text(p->message, "  Escape leaves");
     state->leader = event->point;
     return true;
 }
@@ -258,8 +259,7 @@ enum pilot_deed pilot_press(struct press *p)
 {
     struct pilot_state *state = p->state;
     state->is_silent = state->says_all = state->sketches = state->drops = false;
-    const bool is_passing = state->mode != pilot_home(state) && state->mode != PILOT_PICKING;
-    if (is_passing && !find_row(state, p->event) && !may_lead(state, p->event))
+    if (pilot_is_passing(state) && !find_row(state, p->event) && !may_lead(state, p->event))
         state->mode = state->base; /* a key of another mode does what it does there */
     if (take_back(p) || count_on(p) || lead_on(p))
         return PILOT_NOTHING;

@@ -164,6 +164,12 @@ static inline enum pilot_mode pilot_home(const struct pilot_state *state)
  * tenth of that. */
 void pilot_fit_brush(struct pilot_state *state, uint32_t side);
 
+/* Whether the mode is one for some keys alone, which any other key ends. */
+static inline bool pilot_is_passing(const struct pilot_state *state)
+{
+    return state->mode != pilot_home(state) && state->mode != PILOT_PICKING;
+}
+
 /* The pilot is entered once more: what was chosen is as it was, what was begun is not. */
 void pilot_state_enter(struct pilot_state *state);
 
@@ -200,10 +206,19 @@ void pilot_add_brush(struct buf *out, const struct pilot_brush *brush);
 /* Adds a decimal as commands take it: three places at most, no zeros at its end. */
 void pilot_add_decimal(struct buf *line, double value);
 
-/* Adds the page of keys, where one watches of those for that, for a window of so many columns: two
- * entries on a line of at most 78, or one; or each in two lines, to be broken by cells_wrap. */
-void pilot_keys_page(struct buf *out, const struct pilot_setup *setup, bool watches,
-                     unsigned columns);
+/* How the page of keys is wanted. */
+struct pilot_keys_wish {
+    const struct pilot_setup *setup;
+    bool watches;       /* the keys for that */
+    unsigned columns;   /* of the window */
+    bool has_colours;   /* those of the setup's theme */
+    const char *wanted; /* a piece of a key, a name or of what it does; "" or NULL for all */
+};
+
+/* Adds it, part by part with headings: two entries on a line of at most 78, or one; or each in two
+ * lines, to be broken by cells_wrap. Where something is wanted each action that has it stands on a
+ * line of its own, with its name. */
+void pilot_keys_page(struct buf *out, const struct pilot_keys_wish *wish);
 
 /* ---- keys typed ahead ---- */
 
@@ -260,7 +275,7 @@ struct pilot_row {
     enum pilot_mode then; /* the mode afterwards; PILOT_MOVING stands for the state's `base` */
     unsigned flags;
     const char *help; /* on the page; "" joins the row before; NULL begins another part of the page
-                         where the row has no keys, else it is not there */
+                         where the row has no keys, headed by `shown`, else it is not there */
     const char
         *hint; /* after its key, below the picture as long as one of its modes lasts; or NULL */
 };

@@ -22,6 +22,13 @@ void pager_release(struct pager *p)
     *p = (struct pager){0};
 }
 
+void pager_turn_to(struct pager *p, const char *text, size_t length)
+{
+    p->text = text;
+    p->length = length;
+    p->rows = p->top = 0;
+}
+
 /* ---- rows ---- */
 
 static bool is_colour(const char *text)
@@ -166,7 +173,8 @@ static void search_key(struct pager *p, const struct key_event *event)
         char_erase(&p->wanted);
     } else if (event->key == KEY_ENTER) {
         p->asks = false;
-        search(p, false);
+        if (!p->filters)
+            search(p, false);
     } else if (event->key != KEY_OTHER) {
         p->asks = false;
         buf_clear(&p->wanted);
@@ -245,7 +253,7 @@ bool pager_key(struct pager *p, const struct key_event *event)
         search(p, letter_of(event) == 'N');
         break;
     default:
-        break;
+        return !p->filters;
     }
     return true;
 }
@@ -293,6 +301,8 @@ void pager_draw(const struct pager *p, struct buf *out)
         buf_printf(&words, "/%s", buf_text(&p->wanted));
     else if (p->failed)
         buf_printf(&words, "not found: %s", buf_text(&p->wanted));
+    else if (p->filters && !pager_is_needed(p))
+        buf_printf(&words, "/ shows what has a word in it; any other key leaves");
     else
         buf_printf(&words, "%zu-%zu of %zu  q: leave, Space, b, / n N, g G", p->top + 1, last,
                    p->rows);

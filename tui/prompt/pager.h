@@ -44,11 +44,16 @@ struct pager {
     bool asks;                /* what to search for is being typed */
     struct buf wanted;
     bool failed; /* the search */
+    bool
+        filters; /* `/` has the caller give another text, of what is wanted alone: as it is typed */
 };
 
 /* The text outlives the pager. */
 void pager_init(struct pager *p, const char *text, size_t length);
 void pager_release(struct pager *p);
+
+/* Another text in its place, from the top. */
+void pager_turn_to(struct pager *p, const char *text, size_t length);
 
 /* For a screen of this size. False without memory. */
 bool pager_fit(struct pager *p, unsigned columns, unsigned height);
@@ -56,7 +61,7 @@ bool pager_fit(struct pager *p, unsigned columns, unsigned height);
 /* Whether the text and a row below it need more than the screen. */
 bool pager_is_needed(const struct pager *p);
 
-/* False for a key that leaves. */
+/* False for a key that leaves: where it filters, also one that a pager has no use for. */
 bool pager_key(struct pager *p, const struct key_event *event);
 
 /* The whole screen, from anywhere on it; and the rows that show, as lines that end in CR LF. */

@@ -1,0 +1,141 @@
+#include "tui/pilot/status.h"
+
+#include <string.h>
+
+#include "tui/cells.h"
+
+/* The last goes first. */
+enum rank { FIRST, CHIEF, STATE, NAME, VOLUME, CHANGE, INTENSITY, PLACE, REST, RANKS };
+
+enum {
+    PARTS_MOST = 32,
+    NARROW = 60
+}; /* columns where the slice's number, said twice, is left out */
+
+/* A part that begins with a blank belongs to the group of the one before, and goes with its first.
+ */
+struct status {
+    struct buf text;
+    size_t count;
+    struct part {
+        size_t start, length, head; /* bytes in the text; the group's first part */
+        enum rank rank;
+        bool is_shown;
+    } part[PARTS_MOST];
+};
+
+/* What was added to the text since the last part is a part. */
+static void end_part(struct status *s, enum rank rank)
+{
+    const struct part *last = s->count ? &s->part[s->count - 1] : NULL;
+    const size_t start = last ? last->start + last->length : 0;
+    if (s->text.length == start || s->count == PARTS_MOST)
+        return;
+    const bool joins = last && s->text.data[start] == ' ';
+    s->part[s->count] =
+        (struct part){start, s->text.length - start, joins ? last->head : s->count, rank, false};
+    s->count++;
+}
+
+static void add_part(struct status *s, enum rank rank, const char *text)
+{
+    buf_add_text(&s->text, text);
+    end_part(s, rank);
+}
+
+static void add_place(struct status *s, const struct pilot_state *state,
+                      const struct pilot_facts *facts, unsigned columns)
+{
+    const uint32_t *at = facts->place;
+    const bool has_name = facts->plane[state->pane][1] != '\0';
+    add_part(s, FIRST, state->pen.is_down ? "PEN DOWN" : "");
+    add_part(s, FIRST, state->base == PILOT_PICKING ? "CORRECT" : "");
+    add_part(s, FIRST, has_name ? facts->plane[state->pane] : "");
+    if (columns >= NARROW || !has_name)
+        buf_printf(&s->text, "%s%c=%u", has_name ? " " : "", "xyz"[facts->axis[state->pane]],
+                   facts -> index[state->pane]);
+    end_part(s, FIRST);
+    if (facts->times != PILOT_TIMES_ONE) {
+        buf_add_text(&s->text, " x");
+        pilot_add_decimal(&s->text, facts->times / 1000.0);
+        end_part(s, REST);
+    }
+    buf_printf(&s->text, " at %u,%u,%u", at[0], at[1], at[2]);
+    end_part(s, FIRST);
+}
+
+static void add_brush(struct status *s, const struct pilot_state *state,
+                      const struct pilot_host *host)
+{
+    const size_t corners = state->outline.count;
+    struct buf label = {0};
+    host->label(host->context, state->brush.label, &label);
+    const size_t number = strcspn(buf_text(&label), " ");
+    buf_printf(&s->text, "brush %.*s", (int)number, buf_text(&label));
+    end_part(s, CHIEF);
+    add_part(s, NAME, buf_text(&label) + number);
+    pilot_add_brush(&s->text, &state->brush);
+    end_part(s, CHIEF);
+    add_part(s, STATE, state->stroke.is_set ? " stroke" : "");
+    if (corners)
+        buf_printf(&s->text, " %zu corner%s", corners, corners == 1 ? "" : "s");
+    end_part(s, STATE);
+    s->text.failed |= label.failed;
+    buf_release(&label);
+}
+
+static void add_known(struct status *s, const struct pilot_facts *facts)
+{
+    static const enum rank rank[PILOT_KNOWN] = {
+        [PILOT_HERE] = CHIEF,     [PILOT_NAME] = NAME, [PILOT_VOLUME] = VOLUME,
+        [PILOT_CHANGE] = CHANGE,  [PILOT_MM] = PLACE,  [PILOT_INTENSITY] = INTENSITY,
+        [PILOT_IN_FOREST] = REST, [PILOT_SUMS] = REST};
+    if (facts->waiting)
+        buf_printf(&s->text, "%zu wait%s for space", facts->waiting,
+                   facts->waiting == 1 ? "s" : "");
+    end_part(s, STATE);
+    if (facts->shows != PILOT_FOREST)
+        add_part(s, STATE, facts->shows == PILOT_ROUGH ? "finishing" : "finished");
+    for (enum pilot_known i = PILOT_HERE; i < PILOT_KNOWN; i++)
+        add_part(s, rank[i], facts->known[i]);
+}
+
+/* Two blanks between groups. */
+static size_t gap_before(const struct status *s, const struct part *part)
+{
+    return part > s->part && s->part + part->head == part ? 2 : 0;
+}
+
+/* By rank, what still fits. */
+static void choose(struct status *s, unsigned columns)
+{
+    size_t used = 0;
+    for (enum rank rank = FIRST; rank < RANKS; rank++)
+        for (struct part *p = s->part; p < s->part + s->count; p++) {
+            const size_t cells =
+                gap_before(s, p) + cells_width(buf_text(&s->text) + p->start, p->length);
+            const bool is_led = s->part + p->head == p || s->part[p->head].is_shown;
+            if (p->rank != rank || !is_led || (used > 0 && used + cells > columns))
+                continue;
+            p->is_shown = true;
+            used += cells;
+        }
+}
+
+void pilot_add_status(struct buf *out, const struct pilot_state *state,
+                      const struct pilot_host *host, const struct pilot_facts *facts,
+                      unsigned columns)
+{
+    struct status s = {.count = 0};
+    add_place(&s, state, facts, columns);
+    add_brush(&s, state, host);
+    add_known(&s, facts);
+    choose(&s, columns);
+    for (const struct part *p = s.part; p < s.part + s.count; p++)
+        if (p->is_shown) {
+            buf_printf(out, "%*s", (int)gap_before(&s, p), "");
+            buf_add(out, buf_text(&s.text) + p->start, p->length);
+        }
+    out->failed |= s.text.failed;
+    buf_release(&s.text);
+}
