@@ -339,7 +339,7 @@ STORY(an_outline_takes_the_place_of_a_marker)
     must(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 to=4,6,5 ring=1");
     must(&interp, "outline 4,4,5 1 to=7,4,5 to=7,7,5 to=4,7,5 ring=1 instead=2");
     is_recorded_as("outline 4,4,5 1 to=7,4,5 to=7,7,5 to=4,7,5 ring=1 instead=2");
-    CHECK_HAS(buf_text(&reply.words), "marker=4-5 ");
+    CHECK_HAS(buf_text(&reply.words), "removed=2 marker=4-5 ");
     has_seeds(1, 5, 16, 17);
     has_seeds(0, 5, 16, 16);
     must(&interp, "undo");
@@ -347,6 +347,7 @@ STORY(an_outline_takes_the_place_of_a_marker)
     has_seeds(0, 5, 12, 12);
     must(&interp, "redo");
     must(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 to=4,6,5 ring=1 instead=5"); /* by its ring */
+    CHECK_HAS(buf_text(&reply.words), "removed=4 marker=6-7 ");
     has_seeds(1, 5, 9, 10);
     is_refused(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 instead=4", "no marker 4 stands");
     is_refused(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 instead=99", "no marker 99 stands");

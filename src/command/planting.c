@@ -587,11 +587,13 @@ static enum err take_former(const struct act *act)
     const uint32_t first =
         number <= (int64_t)markers->count ? markers_stroke(markers, (uint32_t)number) : 0;
     const enum err err = session_take_away(act->session, &first, 1, act->fault);
-    return err != ERR_CHECK ? err
-                            : fault_set(act->fault, ERR_INPUT,
-                                        "instead: no marker %lld stands; expected the number of "
-                                        "one, as `marker=` of its record; nothing has changed",
-                                        (long long)number);
+    if (err == ERR_CHECK)
+        return fault_set(act->fault, ERR_INPUT,
+                         "instead: no marker %lld stands; expected the number of one, as `marker=` "
+                         "of its record; nothing has changed",
+                         (long long)number);
+    buf_printf(&act->reply->words, "removed=%u", first);
+    return err;
 }
 
 enum err act_outline(const struct act *act)
