@@ -260,8 +260,9 @@ uint32_t mosaic_cell_at(const struct scene *scene, uint32_t width, uint32_t heig
 
 /* ---- on a screen ---- */
 
-/* A way to lay four panes out. Columns and rows are as long as the patient along x, y or z, or as
- * the longest of these (m); an r has what is left, for the rendition, and a y at least. */
+/* A way to lay four panes out, which leaves no part of the screen free. Columns and rows are as
+ * long as the patient along x, y or z, or as the longest of these (m); an r has what is left, for
+ * the rendition, and a y at least. In the first one the lines of the cross-hair run on. */
 static const struct arrangement {
     const char *columns, *rows;
     struct stay {
@@ -269,12 +270,15 @@ static const struct arrangement {
     } stay[MOSAIC_PANES];                   /* axial, coronal, sagittal, rendition */
 } arrangement_table[] = {
     {"xy", "zy", {{0, 1, 1, 1}, {0, 0, 1, 1}, {1, 0, 1, 1}, {1, 1, 1, 1}}},
-    {"xyr", "zy", {{0, 1, 1, 1}, {0, 0, 1, 1}, {1, 0, 1, 1}, {2, 0, 1, 2}}},
-    {"xy", "zyr", {{0, 1, 1, 1}, {0, 0, 1, 1}, {1, 0, 1, 1}, {0, 2, 2, 1}}},
+    {"xyr", "zy", {{0, 1, 2, 1}, {0, 0, 1, 1}, {1, 0, 1, 1}, {2, 0, 1, 2}}},
+    {"xy", "zyr", {{0, 1, 2, 1}, {0, 0, 1, 1}, {1, 0, 1, 1}, {0, 2, 2, 1}}},
     {"xyxr", "m", {{2, 0, 1, 1}, {0, 0, 1, 1}, {1, 0, 1, 1}, {3, 0, 1, 1}}},
     {"m", "zzyr", {{0, 2, 1, 1}, {0, 0, 1, 1}, {0, 1, 1, 1}, {0, 3, 1, 1}}},
 };
 enum { ARRANGEMENTS = sizeof arrangement_table / sizeof *arrangement_table, TRACKS_MOST = 4 };
+
+/* Another arrangement than the first has more than this part more of the screen in use. */
+enum { WORTH = 5 };
 
 enum { LENGTH = 1024, LENGTH_LEAST = LENGTH / 4, SCALE_BITS = 20, CELLS_LEAST = 2 };
 
@@ -394,7 +398,7 @@ void mosaic_lay_out(struct mosaic_layout *layout, const struct scene *scene,
             strlen(a->rows) * CELLS_LEAST <= screen->height / screen->cell_height;
         const uint64_t used = has_room ? arrange(&next, a, screen, &lengths) : 0;
         if (used > most) {
-            most = used;
+            most = i == 0 ? used + used / WORTH : used;
             *layout = next;
         }
     }

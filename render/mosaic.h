@@ -75,12 +75,12 @@ uint32_t mosaic_cell_at(const struct scene *scene, uint32_t width, uint32_t heig
 
 /* ---- on a screen ---- */
 
-/* Where panes lie on a screen, so that little of it stays empty. Slices lie as in a file's mosaic,
- * with columns and rows as wide and high as what they show, and the rendition beside the axial
- * slice; or, where the screen is wider or higher than that takes, with the rendition beside or
- * below the three, or all four in one row or column: whatever has most of the screen in use. Panes
- * begin at whole cells of the screen, so that text can be put over their edges, and what changes in
- * one of them is no part of another's cells. */
+/* Where panes lie on a screen, all of which they take. Slices lie as in a file's mosaic, with
+ * columns and rows as wide and high as what they show, and the rendition beside the axial slice;
+ * or, where the screen is so much wider or higher that this has a fifth more of it in use, with the
+ * rendition beside or below the three, or all four in one row or column. Panes begin at whole cells
+ * of the screen, so that text can be put over their edges, and what changes in one of them is no
+ * part of another's cells. */
 enum { MOSAIC_COLUMNS_LEAST = 8, MOSAIC_ROWS_LEAST = 4 }; /* cells, for all panes */
 
 struct mosaic_screen {

@@ -282,7 +282,7 @@ begin "slices are magnified and moved by commands; what has the screen is no com
 type_letters "]]"
 recorded "magnify 1.5 at=11,13,9"
 see '^coronal y=13 x1.5 at 11,13,9 '
-press M-Right
+press M-Up # to the sides all is seen
 comes_true has_panned 11,13,9 || fail "$(last_record)"
 type_letters "gz"
 recorded "magnify 1.5 at=11,13,9"
@@ -411,7 +411,7 @@ begin "no side is named where nobody knows it"
 enter_anew "$iftty u.nii"
 see '^u>$'
 press C-o
-see '^ *5 mm'
+see '^ *10 mm'
 see '^z=8 at 12,10,8 .* orientation unknown'
 press Tab
 see '^y=10 at 12,10,8 '
@@ -486,6 +486,8 @@ if "$iftty" run reference >/dev/null 2>&1; then
     for key in $keys; do type_letters "$key"; done
     see '^axial z=10 at 20,108,10  brush 0 r6  here 0'
     see 'voxels changed, label 1: 1.63 l '
+    type_letters "1bgc" # the volume is that of what is shown, which has settled
+    see 'finished  here 1 1\.77 l'
     type_letters "q"
     see '^ch2>$'
     enter "quit"
