@@ -165,7 +165,9 @@ void volumes_write(struct buf *out, const struct session *session, uint64_t took
         buf_add_text(out, ", label ");
         label_report_write_name(out, session, label[i]);
         buf_add_text(out, ": ");
-        label_report_write_volume(out, session, label[i],
+        const uint64_t voxels = session_tally(session)->voxels[label[i]];
+        label_report_write_extent(out, session, voxels);
+        label_report_write_change(out, session, voxels,
                                   session_former_tally(session)->voxels[label[i]]);
     }
     if (count > LISTED_MOST)

@@ -26,22 +26,14 @@ void label_report_write_extent(struct buf *out, const struct session *session, u
         buf_add_text(out, "0 ml");
 }
 
-void label_report_write_change(struct buf *out, const struct session *session, unsigned label,
+void label_report_write_change(struct buf *out, const struct session *session, uint64_t voxels,
                                uint64_t former)
 {
-    const uint64_t voxels = session_tally(session)->voxels[label];
     if (former == 0 || former == voxels)
         return;
     buf_add_text(out, voxels > former ? " (+" : " (-");
     label_report_write_extent(out, session, voxels > former ? voxels - former : former - voxels);
     buf_add_char(out, ')');
-}
-
-void label_report_write_volume(struct buf *out, const struct session *session, unsigned label,
-                               uint64_t former)
-{
-    label_report_write_extent(out, session, session_tally(session)->voxels[label]);
-    label_report_write_change(out, session, label, former);
 }
 
 static void add_three(struct figures *figures, const char *const name[3], const double value[3])

@@ -42,13 +42,9 @@ void label_report_write_name(struct buf *out, const struct session *session, uns
 /* The volume of so many voxels: "1.24 l", or "3 voxels" where their distances are unknown. */
 void label_report_write_extent(struct buf *out, const struct session *session, uint64_t voxels);
 
-/* " (+1.2 ml)": how much more of a label the tally has than the voxels that it had before, where it
- * had any and has others now. */
-void label_report_write_change(struct buf *out, const struct session *session, unsigned label,
-                               uint64_t former);
-
-/* "142 ml (+1.2 ml)": all of a label, as the tally has it, and that. */
-void label_report_write_volume(struct buf *out, const struct session *session, unsigned label,
+/* " (+1.2 ml)": how much more that is than the voxels that there were before, where there were any
+ * and are others now. */
+void label_report_write_change(struct buf *out, const struct session *session, uint64_t voxels,
                                uint64_t former);
 
 /* An object with an object for each label that has voxels. */

@@ -25,28 +25,29 @@ static uint32_t cell_at(const struct session *session, const uint32_t p[3])
 /* Of the labels that the last edit changed, the one of which it changed most; 0 for none. */
 static unsigned changed_most(const struct session *session)
 {
-    const uint64_t *before = session_voxels_before_edit(session);
+    const uint64_t *before, *voxels = session_shown_voxels(session, &before);
     uint64_t most = 0;
     unsigned found = 0;
     for (unsigned label = 1; before && label < 256; label++) {
-        const uint64_t now = session_tally(session)->voxels[label];
-        const uint64_t change = now > before[label] ? now - before[label] : before[label] - now;
+        const uint64_t now = voxels[label], was = before[label];
+        const uint64_t change = now > was ? now - was : was - now;
         found = change > most ? label : found;
         most = change > most ? change : most;
     }
     return found;
 }
 
-/* All of a label, and what the last edit changed of it. */
+/* All of a label, as pictures show it, and what the last edit changed of it. */
 static void write_volume(struct buf fact[VOXEL_FACTS], const struct session *session,
                          unsigned label)
 {
-    const uint64_t *before = session_voxels_before_edit(session);
-    if (label == 0 || session_tally(session)->stale)
+    const uint64_t *before, *voxels = session_shown_voxels(session, &before);
+    if (label == 0 || !voxels)
         return;
     buf_add_char(&fact[FACT_VOLUME], ' ');
-    label_report_write_extent(&fact[FACT_VOLUME], session, session_tally(session)->voxels[label]);
-    label_report_write_change(&fact[FACT_CHANGE], session, label, before ? before[label] : 0);
+    label_report_write_extent(&fact[FACT_VOLUME], session, voxels[label]);
+    label_report_write_change(&fact[FACT_CHANGE], session, voxels[label],
+                              before ? before[label] : 0);
 }
 
 static void write_labels(struct buf fact[VOXEL_FACTS], const struct session *session, uint32_t at)
@@ -83,6 +84,7 @@ void voxel_facts_write(struct buf fact[VOXEL_FACTS], struct session *session,
     const uint32_t at = cell_at(session, place);
     const struct cell *cell = session_scene(session)->cell + at;
     const struct geometry *geometry = session_geometry(session);
+    const unsigned label = session_shown_label(session, at);
     struct label_sums sums;
     double mm[3];
     geometry_point(geometry, place, mm);
@@ -95,8 +97,7 @@ void voxel_facts_write(struct buf fact[VOXEL_FACTS], struct session *session,
         buf_add_text(&fact[FACT_PLACE], "orientation unknown");
     else if (geometry->orientation == ORIENTATION_TOLD)
         buf_add_text(&fact[FACT_PLACE], "sides as told by the user");
-    if (knows_sums && cell->label && session_sum_label(session, cell->label, &sums, NULL) == OK &&
-        sums.voxels)
+    if (knows_sums && label && session_sum_shown(session, label, &sums, NULL) == OK && sums.voxels)
         label_report_write_sums(&fact[FACT_SUMS], &sums, geometry);
 }
 
