@@ -12,6 +12,7 @@ enum {
     PLOTS,
     ROBOT,
     METHOD,
+    PROGRAM,
     BRUSH
 };
 
@@ -24,13 +25,14 @@ static const struct option option[] = {
     [CSV] = {"--csv", NULL, "print a row for each scene, step and experiment", FLAG(csv)},
     [QUICK_PAPER] = {"--quick", NULL, "only the first two steps", FLAG(quick)},
     [QUICK_GROWTH] = {"--quick", NULL, "only the first two scenes", FLAG(quick)},
-    [QUICK_KEYS] = {"--quick", NULL, "one start, few keys, and no slow line", FLAG(quick)},
+    [QUICK_KEYS] = {"--quick", NULL, "one start, few keys, and no line", FLAG(quick)},
     [ROUNDS] = {"--rounds", "N", "time each experiment N times (3), take the median",
                 option_read_number, offsetof(struct bench_options, rounds), 1, 99, NULL},
     [QUICK_EFFORT] = {"--quick", NULL, "iftty alone", FLAG(quick)},
     [ROBOT] = {"--robot", "NAME", "careful, sloppy or stroke alone", TEXT(robot)},
     [METHOD] = {"--method", "TEXT", "that method alone, or all with this in their names",
                 TEXT(method)},
+    [PROGRAM] = {"--program", "FILE", "time that iftty instead of this tree's", TEXT(program)},
     [BRUSH] = {"--brush", "N", "radius of balls and strokes at most N (3)", option_read_number,
                offsetof(struct bench_options, brush), 1, 128, NULL},
     [PLOTS] = {"--plots", "DIR", "charts as SVG, into this folder", TEXT(plots)},
@@ -78,12 +80,15 @@ static const struct program program[] = {
                "verifying beside the forests and renditions that are made on the way.",
      .run = run_journal},
     {.name = "keys",
-     .words = "",
-     .option = {QUICK_KEYS, JSON},
+     .words = "[TEXT]",
+     .most = 1,
+     .option = {QUICK_KEYS, PROGRAM, JSON},
      .summary = "from the start to the prompt, from a key to its picture",
      .detail =
          "iftty in a terminal that the benchmark plays, with kitty's graphics and with sixel, "
-         "at once and through a line of 2 Mbit/s and 120 ms.",
+         "at once and through lines of 20 Mbit/s and 30 ms and of 2 Mbit/s and 120 ms; with "
+         "TEXT, those alone that have it in their names: kitty_local, sixel_slow, tiles_fast. "
+         "Figures of the first run are stored in build/bench-keys.txt, and compared with.",
      .run = run_keys},
     {.name = "looks",
      .words = "[SIZE]",

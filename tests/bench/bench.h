@@ -14,6 +14,7 @@ struct bench_options {
     size_t rounds, brush;
     const char *plots;
     const char *robot, *method;
+    const char *program; /* another iftty than that of this tree, or NULL */
     bool csv, quick;
 };
 

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <sys/ioctl.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "base/clock.h"
@@ -47,6 +48,8 @@ struct far_end {
     size_t matched;             /* so many bytes have */
     uint64_t *came_ns;          /* its moment */
     bool is_ahead;              /* the picture that came last is not shown yet */
+    bool counts_ahead;          /* as something that comes */
+    uint64_t worked_ns;         /* the program, before the result at hand */
     struct far_result *result;
 };
 
@@ -177,7 +180,7 @@ static void take(struct far_end *e, char c, uint64_t now_ns)
         e->sequence[e->length] = '\0';
         answer(e, now_ns);
         e->result->frames += strcmp(e->sequence, "[c") == 0;
-        e->result->last_ns = shows(e) ? now_ns : e->result->last_ns;
+        e->result->last_ns = e->counts_ahead || shows(e) ? now_ns : e->result->last_ns;
     }
 }
 
@@ -211,10 +214,21 @@ static bool pass(struct far_end *e, uint64_t limit_ns)
     return deliver(e, clock_ns());
 }
 
+/* What the program has had of processors so far. */
+static uint64_t worked_ns(const struct far_end *e)
+{
+    clockid_t clock;
+    struct timespec t;
+    if (clock_getcpuclockid(e->child, &clock) != 0 || clock_gettime(clock, &t) != 0)
+        return 0;
+    return (uint64_t)t.tv_sec * 1000000000 + (uint64_t)t.tv_nsec;
+}
+
 static void begin(struct far_end *e, const char *keys, const char *const *awaited,
                   struct far_result *out)
 {
     const uint64_t begin_ns = clock_ns();
+    e->worked_ns = worked_ns(e);
     *out = (struct far_result){e->started_ns ? e->started_ns : begin_ns, .last_ns = begin_ns};
     e->started_ns = 0;
     e->result = out;
@@ -229,8 +243,10 @@ static enum err rest(struct far_end *e, struct fault *fault)
     const uint64_t still_ns = STILL_NS + 2 * e->one_way_ns;
     for (;;) {
         const uint64_t now_ns = clock_ns(), last_ns = e->result->last_ns;
-        if (!*e->awaited && (e->here.packets == 0 || e->is_ahead) && now_ns > last_ns + still_ns)
+        if (!*e->awaited && (e->here.packets == 0 || e->is_ahead) && now_ns > last_ns + still_ns) {
+            e->result->processor_ns = worked_ns(e) - e->worked_ns;
             return OK;
+        }
         if (now_ns > last_ns + PATIENCE_NS || !pass(e, now_ns + POLL_NS))
             return fault_set(fault, ERR_IO, "the program showed nothing for ten seconds");
     }
@@ -260,6 +276,20 @@ enum err far_end_hold(struct far_end *e, const char *key, unsigned times, double
     const enum err err = rest(e, fault);
     out->frames = frames;
     return err;
+}
+
+enum err far_end_wait(struct far_end *e, double ms, struct far_result *out, struct fault *fault)
+{
+    static const char *const nothing[] = {NULL};
+    begin(e, "", nothing, out);
+    e->counts_ahead = true;
+    const uint64_t end_ns = out->pressed_ns + (uint64_t)(ms * 1e6);
+    while (clock_ns() < end_ns)
+        if (!pass(e, end_ns))
+            return fault_set(fault, ERR_IO, "the program is gone");
+    e->counts_ahead = false;
+    out->processor_ns = worked_ns(e) - e->worked_ns;
+    return OK;
 }
 
 /* ---- beginning and end ---- */
@@ -301,11 +331,11 @@ static bool start(struct far_end *e, const char *program, char *const *argument,
     return e->child > 0;
 }
 
-enum err far_end_new(struct far_end **out, char *const *argument, const char *home,
-                     const struct graphics *graphics, const struct far_line *line,
+enum err far_end_new(struct far_end **out, const char *program, char *const *argument,
+                     const char *home, const struct graphics *graphics, const struct far_line *line,
                      struct fault *fault)
 {
-    struct buf program = {0};
+    struct buf own = {0};
     enum err err = OK;
     struct far_end *e = *out = mem_new(sizeof *e);
     if (!e)
@@ -315,11 +345,11 @@ enum err far_end_new(struct far_end **out, char *const *argument, const char *ho
     e->one_way_ns = (uint64_t)(line->one_way_ms * 1e6);
     if (line->bits_per_second > 0)
         e->ns_per_byte = 8e9 / line->bits_per_second;
-    if (!bench_find_in_tree(&program, "iftty"))
+    if (!program && !bench_find_in_tree(&own, "iftty"))
         err = fault_set(fault, ERR_IO, "iftty does not lie beside the benchmarks; build it first");
-    else if (!start(e, buf_text(&program), argument, home))
+    else if (!start(e, program ? program : buf_text(&own), argument, home))
         err = fault_set(fault, ERR_IO, "there is no pseudo-terminal");
-    buf_release(&program);
+    buf_release(&own);
     return err;
 }
 

@@ -30,11 +30,12 @@ struct far_line {
 
 struct far_end;
 
-/* Starts build/iftty of the tree that this program lies in, with `argument`, ended by NULL, with
- * `home` as its home and without a history of lines. `graphics` is kitty, tiles, sixel or NULL.
- * ERR_IO where iftty does not lie there, or there is no pseudo-terminal. */
-enum err far_end_new(struct far_end **out, char *const *argument, const char *home,
-                     const struct graphics *graphics, const struct far_line *line,
+/* Starts `program`, with `argument`, ended by NULL, with `home` as its home and without a history
+ * of lines; where it is NULL, build/iftty of the tree that this program lies in. `graphics` is
+ * kitty, tiles, sixel or NULL. ERR_IO where iftty does not lie there, or there is no
+ * pseudo-terminal. */
+enum err far_end_new(struct far_end **out, const char *program, char *const *argument,
+                     const char *home, const struct graphics *graphics, const struct far_line *line,
                      struct fault *fault);
 
 /* Ends the program, as nothing can prevent. */
@@ -44,6 +45,7 @@ void far_end_free(struct far_end *e);
 struct far_result {
     uint64_t pressed_ns, last_ns;       /* the keys; the last byte */
     uint64_t came_ns[FAR_AWAITED_MOST]; /* the texts that were awaited */
+    uint64_t processor_ns;              /* of the program, until what follows came to rest */
     size_t bytes;
     unsigned frames; /* while a key was held */
 };
@@ -57,5 +59,8 @@ enum err far_end_press(struct far_end *e, const char *keys, const char *const *a
  * and waits as above; pressed_ns is the last one. */
 enum err far_end_hold(struct far_end *e, const char *key, unsigned times, double every_ms,
                       struct far_result *out, struct fault *fault);
+
+/* Presses nothing for so long: last_ns is the last byte, also of what is sent ahead. */
+enum err far_end_wait(struct far_end *e, double ms, struct far_result *out, struct fault *fault);
 
 #endif
