@@ -711,6 +711,12 @@ static void take_region(struct mesh *mesh, struct region *r, const struct mesh_l
             }
 }
 
+bool mesh_is_current(const struct mesh *mesh, const struct border *border, enum mesh_kind kind)
+{
+    return mesh->border == border && mesh->version == border->version && !mesh->is_stale &&
+           !is_other(mesh, border, kind);
+}
+
 enum err mesh_update(struct mesh *mesh, const struct border *border, enum mesh_kind kind,
                      struct team *team, const struct mesh_listener *listener, struct fault *fault)
 {

@@ -100,6 +100,9 @@ struct mesh_listener {
 enum err mesh_update(struct mesh *mesh, const struct border *border, enum mesh_kind kind,
                      struct team *team, const struct mesh_listener *listener, struct fault *fault);
 
+/* Whether that would find nothing to do. */
+bool mesh_is_current(const struct mesh *mesh, const struct border *border, enum mesh_kind kind);
+
 /* Of a face of a voxel, in its brick: that of x comes before that of y, and z last. */
 static inline unsigned mesh_key(struct place voxel, unsigned face)
 {

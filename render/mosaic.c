@@ -83,6 +83,8 @@ static struct fitting fit(const struct rendition *r, const struct mosaic_choice 
     const struct mosaic_box whole = box_of(choice, width, height, MOSAIC_RENDITION);
     const struct mosaic_box *box = &whole;
     struct fitting f = {.width = r->width, .height = r->height};
+    if (!r->depth)
+        return f;
     if (!choice->layout && width == r->width && height == r->height) {
         f.width = 2 * box->width;
         f.height = 2 * box->height;
@@ -92,17 +94,19 @@ static struct fitting fit(const struct rendition *r, const struct mosaic_choice 
         f.shown_height = box->height;
         return f;
     }
-    const uint32_t across = box->width / r->width, down = box->height / r->height;
+    const uint32_t coarse = choice->coarse ? choice->coarse : 1;
+    const uint32_t whole_width = coarse * r->width, whole_height = coarse * r->height;
+    const uint32_t across = box->width / whole_width, down = box->height / whole_height;
     const uint32_t times = across < down ? across : down;
     if (times > 0) {
-        f.shown_width = times * r->width;
-        f.shown_height = times * r->height;
-    } else if ((uint64_t)box->width * r->height < (uint64_t)box->height * r->width) {
+        f.shown_width = times * whole_width;
+        f.shown_height = times * whole_height;
+    } else if ((uint64_t)box->width * whole_height < (uint64_t)box->height * whole_width) {
         f.shown_width = box->width;
-        f.shown_height = (uint32_t)((uint64_t)r->height * box->width / r->width);
+        f.shown_height = (uint32_t)((uint64_t)whole_height * box->width / whole_width);
     } else {
         f.shown_height = box->height;
-        f.shown_width = (uint32_t)((uint64_t)r->width * box->height / r->height);
+        f.shown_width = (uint32_t)((uint64_t)whole_width * box->height / whole_height);
     }
     f.shown_width += f.shown_width == 0;
     f.shown_height += f.shown_height == 0;

@@ -43,6 +43,7 @@ struct mosaic_choice {
     uint32_t middle[3];
     const struct mosaic_layout *layout; /* NULL: halves */
     uint32_t background;                /* of the rendition's pane (render/background.h) */
+    uint32_t coarse; /* a pixel of the rendition stands for so many a side; 0 as 1 */
 };
 
 /* Where a pane lies in a picture of halves, of MOSAIC_SIDE_LEAST pixels a side or more. */
@@ -52,7 +53,8 @@ struct mosaic_box mosaic_box(uint32_t width, uint32_t height, enum mosaic_pane p
 struct slice_choice mosaic_slice(const struct scene *scene, const struct mosaic_choice *choice,
                                  uint32_t width, uint32_t height, enum slice_plane plane);
 
-/* Fills a canvas, and canvas->cell where it has that. ERR_MEMORY. */
+/* Fills a canvas, and canvas->cell where it has that; a rendition without maps leaves its pane to
+ * the background. ERR_MEMORY. */
 enum err mosaic_draw(const struct canvas *canvas, const struct scene *scene,
                      const struct rendition *rendition, const struct mosaic_choice *choice,
                      const struct slice_style *style, struct fault *fault);

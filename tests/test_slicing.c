@@ -629,6 +629,67 @@ STORY(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom)
     interpreter_release(&interp);
 }
 
+/* Draws a panel, and says whether it did so in a hurry. */
+static bool is_hasty(struct interpreter *interp, bool hurries, struct slicing_panel *panel,
+                     struct canvas *canvas)
+{
+    *panel =
+        (struct slicing_panel){.screen = {640, 640, 8, 16, true, MOSAIC_AXIAL}, .hurries = hurries};
+    CHECK(slicing_draw_panel(canvas, interp->session, panel, &fault) == OK);
+    return panel->is_hasty;
+}
+
+/* How many pixels of the rendition's pane differ, or of the others. */
+static size_t differing(const struct canvas *a, const struct canvas *b,
+                        const struct slicing_panel *panel, bool of_rendition)
+{
+    const struct mosaic_box *box = &panel->layout.box[MOSAIC_RENDITION];
+    size_t count = 0;
+    for (uint32_t y = 0; y < a->height; y++)
+        for (uint32_t x = 0; x < a->width; x++) {
+            const bool is_in = x - box->left < box->width && y - box->top < box->height;
+            const size_t at = 4 * (y * a->stride + x);
+            count += is_in == of_rendition && memcmp(a->rgba + at, b->rgba + at, 4) != 0;
+        }
+    return count;
+}
+
+/* In a hurry slices do not wait for a surface that is to be made, and one that is there comes in
+ * coarse pixels where drawing it takes long; what follows is what it would have been. */
+STORY(in_a_hurry_slices_come_first_and_then_a_coarse_rendition)
+{
+    struct interpreter interp;
+    struct slicing_panel panel;
+    struct canvas hasty, fine, turned;
+    begin_values(&interp, 1, 0);
+    must(&interp, "seed 3,3,4 3");
+    must(&interp, "run");
+    CHECK(is_hasty(&interp, true, &panel, &hasty));
+    CHECK(!is_hasty(&interp, false, &panel, &fine));
+    CHECK_INT(differing(&hasty, &fine, &panel, false), 0);
+    CHECK(differing(&hasty, &fine, &panel, true) > 1000);
+    canvas_release(&hasty);
+    CHECK(!is_hasty(&interp, true, &panel, &hasty)); /* it is there */
+    CHECK_INT(differing(&hasty, &fine, &panel, true), 0);
+    canvas_release(&hasty);
+    must(&interp, "turn 20");
+    interp.session->pictures->coarse.took_ns = UINT64_MAX;
+    CHECK(is_hasty(&interp, true, &panel, &hasty));
+    CHECK(!session_rendered(interp.session)); /* nothing but a screen shows it */
+    CHECK(!is_hasty(&interp, false, &panel, &turned));
+    const size_t off = differing(&hasty, &turned, &panel, true);
+    CHECK(off > 0 && off < differing(&fine, &turned, &panel, true));
+    canvas_release(&hasty);
+    must(&interp, "turn -20");
+    interp.session->pictures->coarse.took_ns = 1;
+    CHECK(!is_hasty(&interp, true, &panel, &hasty)); /* drawn as soon as anything coarser */
+    CHECK_INT(differing(&hasty, &fine, &panel, true), 0);
+    canvas_release(&hasty);
+    canvas_release(&fine);
+    canvas_release(&turned);
+    interpreter_release(&interp);
+}
+
 /* Of a scene of 10 voxels a side: the whole is as large as there is room. */
 STORY(slices_of_a_small_scene_fill_their_panes)
 {
@@ -864,6 +925,7 @@ int main(void)
         TELL(what_waits_and_what_was_eliminated_is_marked), TELL(hidden_labels_are_not_overlaid),
         TELL(mosaics_have_the_size_of_the_view),
         TELL(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom),
+        TELL(in_a_hurry_slices_come_first_and_then_a_coarse_rendition),
         TELL(slices_of_a_small_scene_fill_their_panes), TELL(without_memory_nothing_is_shown),
         TELL(a_pixel_of_a_slice_tells_its_voxel),
         TELL(each_pixel_tells_the_voxel_that_it_was_drawn_of),

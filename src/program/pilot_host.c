@@ -133,6 +133,7 @@ static enum err draw(struct pilot_interpreter *pilot, const struct pilot_wish *w
                                .is_alone = wish->is_alone,
                                .words = wish->words,
                                .heat = wish->heat && !pilot->onlooker,
+                               .hurries = wish->hurries,
                                .held = wish->marks_held ? &pilot->held : NULL,
                                .way = wish->marks_way ? &pilot->why.way : NULL,
                                .former = pilot->former,
@@ -175,6 +176,7 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
                                 .slice = pilot->slice,
                                 .slices = PANES_SLICES,
                                 .smooth = pilot->smooth,
+                                .is_hasty = panes->panel.is_hasty,
                                 .hue = pilot->hue,
                                 .hues = shown_hues(pilot->hue, session_of(context))};
     if (wish->heat && view->hues < 256)

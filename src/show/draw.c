@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "base/mem.h"
 #include "base/watch.h"
 #include "render/bands.h"
@@ -21,6 +22,17 @@ static const struct look *look_of(const struct pictures *p)
 
 /* ---- what is stored ---- */
 
+/* What is drawn as soon as this is drawn at once. */
+#define AT_ONCE_NS UINT64_C(25000000)
+
+enum { COARSE = 2 }; /* a coarse pixel stands for so many a side */
+
+static void forget_coarse(struct coarse *coarse)
+{
+    rendition_release(&coarse->rendition);
+    layers_release(&coarse->layers);
+}
+
 static void forget_context(struct context *context)
 {
     free(context->frame.rgba);
@@ -32,6 +44,7 @@ void pictures_release_rendition(struct pictures *p)
     rendition_release(&p->rendition);
     rendition_release(&p->reduced);
     layers_release(&p->layers);
+    forget_coarse(&p->coarse);
     free(p->decorated);
     p->decorated = NULL;
     p->decorated_pixels = 0;
@@ -80,7 +93,8 @@ static void count_memory(const struct pictures *p, struct session_memory *memory
     memory->answers +=
         p->live.cells + border_memory(&p->live.border) + label_measures_memory(&p->live.measures);
     memory->pictures += sizeof *p + rendition_bytes(&p->rendition) + rendition_bytes(&p->reduced) +
-                        layers_bytes(&p->layers) + mip_bytes(&p->context.mip) +
+                        layers_bytes(&p->layers) + rendition_bytes(&p->coarse.rendition) +
+                        layers_bytes(&p->coarse.layers) + mip_bytes(&p->context.mip) +
                         (size_t)4 * frame->width * frame->height + 4 * p->decorated_pixels +
                         shader_bytes(&p->shader) + mesh_bytes(&p->mesh);
 }
@@ -241,6 +255,7 @@ static enum err draw_border(struct pictures *p, const struct border *border, enu
     enum err err = mesh_update(&p->mesh, border, shade_kind(look), team, NULL, fault);
     if (err)
         return err;
+    const uint64_t begin_ns = clock_ns();
     if (!p->take && p->rendition.depth) {
         err = layers_take(&p->layers, &p->rendition, border, fault);
         if (err)
@@ -267,7 +282,34 @@ static enum err draw_border(struct pictures *p, const struct border *border, enu
     }
     if (!err && !p->take)
         err = put_context(p, fault);
+    p->coarse.took_ns = clock_ns() - begin_ns;
     return err ? err : watch_fault(session_watch(p->session), fault);
+}
+
+/* Of the surface as it is, which is up to date. */
+static enum err draw_coarse(struct pictures *p, const struct border *border, struct fault *fault)
+{
+    struct coarse *coarse = &p->coarse;
+    struct outlook outlook = *session_outlook(p->session);
+    struct camera camera;
+    outlook.view.width = (outlook.view.width + COARSE - 1) / COARSE;
+    outlook.view.height = (outlook.view.height + COARSE - 1) / COARSE;
+    outlook.view.zoom = session_fitting_zoom(p->session) / COARSE;
+    outlook.look.samples = 1;
+    outlook.look.edges = 0;
+    enum err err = session_aim(p->session, &outlook, &camera, fault);
+    if (!suits(&coarse->rendition, outlook.view.width, outlook.view.height))
+        forget_coarse(coarse);
+    if (!err && !coarse->rendition.depth)
+        err = rendition_init(&coarse->rendition, outlook.view.width, outlook.view.height, fault);
+    if (!err)
+        err = layers_take(&coarse->layers, &coarse->rendition, border, fault);
+    if (err)
+        return err;
+    project_border_shared(&coarse->rendition, &camera, &p->mesh, session_team(p->session));
+    prepare_shader(p);
+    return shade(&coarse->rendition, &camera, &p->mesh, &session_kept(p->session)->palette,
+                 &outlook.look, &p->shader, fault);
 }
 
 static const struct border *border_of(const struct pictures *p, enum rendered as)
@@ -634,21 +676,45 @@ enum err session_draw(struct session *session, enum render_mode mode, struct fau
     return session_draw_labels(session, &labels, mode, fault);
 }
 
-enum err session_draw_fitting(struct session *session, struct labels *labels, struct fault *fault)
+/* What there is at once of what is not drawn yet. */
+static enum err draw_hastily(struct pictures *p, enum rendered as, struct glance *glance,
+                             struct fault *fault)
+{
+    const struct border *border = border_of(p, as);
+    glance->is_hasty = true;
+    if (!mesh_is_current(&p->mesh, border, shade_kind(look_of(p))))
+        return OK;
+    glance->rendition = &p->coarse.rendition;
+    glance->coarse = COARSE;
+    return draw_coarse(p, border, fault);
+}
+
+enum err session_draw_fitting(struct session *session, bool hurries, struct glance *glance,
+                              struct labels *labels, struct fault *fault)
 {
     const bool finished = session_shows_finished(session);
+    const enum rendered as = finished ? RENDERED_FINISHED : RENDERED_FOREST;
     struct pictures *p;
     *labels = labels_of_forest(session_scene(session));
+    *glance = (struct glance){session_frame(session), 1, false};
     if (session_skims(session))
         return OK;
     enum err err = pictures_begin(&p, session, fault);
     if (!err && finished)
         err = begin_live(p, fault);
+    if (!err)
+        err = take_zoom(p, session_fitting_zoom(session), fault);
     if (err)
         return err;
     labels->finished = finished ? p->live.label : NULL;
-    return draw_at(p, session_fitting_zoom(session), finished ? RENDERED_FINISHED : RENDERED_FOREST,
-                   RENDER_AS_KEPT, fault);
+    glance->rendition = session_frame(session);
+    const bool is_soon = p->coarse.took_ns && p->coarse.took_ns < AT_ONCE_NS &&
+                         mesh_is_current(&p->mesh, border_of(p, as), shade_kind(look_of(p)));
+    if (hurries && p->rendered != as && !is_soon && !session_outlook(session)->context)
+        return draw_hastily(p, as, glance, fault);
+    err = draw_at(p, session_fitting_zoom(session), as, RENDER_AS_KEPT, fault);
+    glance->rendition = session_frame(session);
+    return err;
 }
 
 uint32_t session_fitting_zoom(const struct session *session)

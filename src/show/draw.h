@@ -38,9 +38,18 @@ enum err session_draw(struct session *session, enum render_mode mode, struct fau
 enum err session_draw_labels(struct session *session, const struct labels *labels,
                              enum render_mode mode, struct fault *fault);
 
+/* A rendition to be looked at. In a hurry it may be what is drawn at once: a quarter of its pixels,
+ * or, where its surface is to be made first, what was drawn last, which may be nothing. */
+struct glance {
+    const struct rendition *rendition;
+    uint32_t coarse; /* a pixel of it stands for so many a side */
+    bool is_hasty;   /* it is not what it is without a hurry */
+};
+
 /* The same to be looked at alone, at the zoom below, until another of these is called, of labels
  * that are given back: the forest's, or finished ones, which may be rough. */
-enum err session_draw_fitting(struct session *session, struct labels *labels, struct fault *fault);
+enum err session_draw_fitting(struct session *session, bool hurries, struct glance *glance,
+                              struct labels *labels, struct fault *fault);
 
 /* That of the view, thousandths; while it is the one that a scene is opened with, which nobody has
  * chosen, the one at which the scene fits. */

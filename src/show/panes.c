@@ -252,7 +252,7 @@ static void draw_marks(struct panes *p, const struct session *session,
         if (p->panel.layout.box[plane].width > 0)
             mark_way(canvas, scene, &slice, &p->panel.layout.box[plane], wish->way);
     }
-    if (wish->pixel) {
+    if (wish->pixel && session_frame(session)->depth) {
         const struct mosaic_point at =
             mosaic_point_of(canvas->width, canvas->height, &p->panel.choice, session_frame(session),
                             wish->pixel[0], wish->pixel[1]);
@@ -269,7 +269,8 @@ enum err panes_draw(struct panes *p, struct session *session, const struct panes
     p->panel = (struct slicing_panel){.screen = {wish->width, wish->height, wish->cell_width,
                                                  wish->cell_height, !wish->is_alone,
                                                  (enum mosaic_pane)wish->pane},
-                                      .words = wish->words};
+                                      .words = wish->words,
+                                      .hurries = wish->hurries};
     enum err err = session_count_labels(session, fault); /* for the hues */
     if (!err)
         err = slicing_draw_panel(&p->canvas, session, &p->panel, fault);

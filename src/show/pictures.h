@@ -41,6 +41,14 @@ struct context {
                                without maps where nothing is */
 };
 
+/* A quarter of the pixels, in one sample each, of a surface that is there: to be looked at until
+ * there is time for the rendition. What shades it is the rendition's. */
+struct coarse {
+    struct rendition rendition;
+    struct layers layers;
+    uint64_t took_ns; /* the last rendition that was drawn from nothing; 0: none was */
+};
+
 /* Samples of so many pixels are stored, so that an edit is seen at once: 210 MB of them. */
 enum { SAMPLES_STORED_MOST = 1 << 23 };
 
@@ -54,6 +62,7 @@ struct pictures {
     struct mesh mesh;           /* of what was shown last */
     struct rendition reduced;   /* to the view's size, where look.samples is above 1 */
     unsigned rendered;          /* V1; enum rendered (draw.h) */
+    struct coarse coarse;       /* in its place, while keys arrive */
     unsigned drawings;          /* how often pixels, or labels, may have become others */
     struct {                    /* when the command at hand began: */
         unsigned rendered;      /* not rough labels */

@@ -181,9 +181,11 @@ static enum err prepare(struct session *session, enum slice_kind kind, const str
                   : session_draw(session, RENDER_AS_KEPT, fault);
 }
 
-/* Fills a canvas, which is released on error: a slice, or a mosaic, be it a panel's. */
+/* Fills a canvas, which is released on error: a slice, or a mosaic, be it a panel's, which has the
+ * rendition at a glance. */
 static enum err draw(struct canvas *canvas, struct session *session, enum slice_kind kind,
-                     const struct labels *labels, struct slicing_panel *panel, struct fault *fault)
+                     const struct labels *labels, struct slicing_panel *panel,
+                     const struct glance *glance, struct fault *fault)
 {
     struct sketch sketch;
     enum err err = sketch_init(&sketch, session, fault);
@@ -191,8 +193,11 @@ static enum err draw(struct canvas *canvas, struct session *session, enum slice_
     if (!err && kind == SLICE_KIND_MOSAIC) {
         struct mosaic_choice choice = mosaic_of(session, panel && !panel->words ? NULL : &sketch);
         choice.layout = panel ? &panel->layout : NULL;
-        err = mosaic_draw(canvas, session_scene(session), session_frame(session), &choice,
+        choice.coarse = glance ? glance->coarse : 1;
+        err = mosaic_draw(canvas, session_scene(session),
+                          glance ? glance->rendition : session_frame(session), &choice,
                           &sketch.style, fault);
+        choice.coarse = 1; /* whoever looks for a pixel means one of the rendition */
         for (int i = 0; i < 3; i++)
             choice.title[i] = NULL;
         if (panel)
@@ -215,7 +220,7 @@ enum err slicing_draw(struct canvas *canvas, struct session *session, enum slice
     enum err err = prepare(session, kind, labels, fault);
     if (!err)
         err = canvas_init(canvas, view->width, view->height, tells_cells, fault);
-    return err ? err : draw(canvas, session, kind, labels, NULL, fault);
+    return err ? err : draw(canvas, session, kind, labels, NULL, NULL, fault);
 }
 
 bool slicing_is_as_ever(const struct session *session, enum slice_kind kind,
@@ -243,20 +248,22 @@ enum err slicing_draw_panel(struct canvas *canvas, struct session *session,
 {
     const struct mosaic_screen *screen = &panel->screen;
     struct labels labels;
+    struct glance glance;
     *canvas = (struct canvas){0};
     if (!mosaic_fits(screen))
         return fault_set(
             fault, ERR_LIMIT, "the panes take %dx%d pixels, in %dx%d characters, or more",
             MOSAIC_SIDE_LEAST, MOSAIC_SIDE_LEAST, MOSAIC_COLUMNS_LEAST, MOSAIC_ROWS_LEAST);
     mosaic_lay_out(&panel->layout, session_scene(session), screen);
-    enum err err = session_draw_fitting(session, &labels, fault);
+    enum err err = session_draw_fitting(session, panel->hurries, &glance, &labels, fault);
+    panel->is_hasty = !err && glance.is_hasty;
     if (!err)
         err = canvas_init(canvas, screen->width, screen->height, true, fault);
     if (!err)
         err = canvas_remember(canvas, fault);
     if (err)
         canvas_release(canvas);
-    return err ? err : draw(canvas, session, SLICE_KIND_MOSAIC, &labels, panel, fault);
+    return err ? err : draw(canvas, session, SLICE_KIND_MOSAIC, &labels, panel, &glance, fault);
 }
 
 enum err slicing_draw_below(struct canvas *canvas, struct session *session,

@@ -51,14 +51,16 @@ enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kin
  * what it shows (session_fitting_zoom). */
 struct slicing_panel {
     struct mosaic_screen screen;
-    bool words; /* patient letters, titles and scale bars can be read in its pixels */
+    bool words;    /* patient letters, titles and scale bars can be read in its pixels */
+    bool hurries;  /* the rendition may be what is drawn at once, */
+    bool is_hasty; /* and is (session_draw_fitting) */
     struct mosaic_layout layout;
     struct mosaic_choice choice; /* borrows layout and the session's team; titles are gone */
 };
 
-/* Draws it, of the labels that session_draw_fitting shows, and fills in `layout` and `choice`. The
- * canvas has its cells, and remembers where words are and what lies below; the caller releases it.
- * ERR_LIMIT for a screen that has no room (mosaic_fits). */
+/* Draws it, of the labels that session_draw_fitting shows, and fills in what comes after `hurries`.
+ * The canvas has its cells, and remembers where words are and what lies below; the caller releases
+ * it. ERR_LIMIT for a screen that has no room (mosaic_fits). */
 enum err slicing_draw_panel(struct canvas *canvas, struct session *session,
                             struct slicing_panel *panel, struct fault *fault);
 

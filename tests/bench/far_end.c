@@ -21,7 +21,7 @@ enum {
 };
 
 #define PATIENCE_NS UINT64_C(10000000000) /* without a byte */
-#define STILL_NS    UINT64_C(80000000)    /* nothing came for so long, and the line's round trip */
+#define STILL_NS    UINT64_C(250000000)   /* nothing came for so long, and the line's round trip */
 #define POLL_NS     UINT64_C(5000000)
 
 /* One direction of the line: packets in the order in which they arrive. */
@@ -49,6 +49,7 @@ struct far_end {
     uint64_t *came_ns;          /* its moment */
     bool is_ahead;              /* the picture that came last is not shown yet */
     bool counts_ahead;          /* as something that comes */
+    bool has_rows;              /* of text, since the last barrier */
     uint64_t worked_ns;         /* the program, before the result at hand */
     struct far_result *result;
 };
@@ -179,7 +180,11 @@ static void take(struct far_end *e, char c, uint64_t now_ns)
         e->sequence[e->length++] = c;
         e->sequence[e->length] = '\0';
         answer(e, now_ns);
-        e->result->frames += strcmp(e->sequence, "[c") == 0;
+        e->has_rows |= strcmp(e->sequence, "[K") == 0;
+        if (strcmp(e->sequence, "[c") == 0) {
+            e->result->frames += e->has_rows; /* others are sent ahead */
+            e->has_rows = false;
+        }
         e->result->last_ns = e->counts_ahead || shows(e) ? now_ns : e->result->last_ns;
     }
 }

@@ -40,6 +40,7 @@ struct image_view {
     bool is_coarse; /* what has changed comes in blocks of pixels, in a hurry: bytes cost more than
                        time */
     bool is_slow;   /* the line is: bytes cost more than time */
+    bool is_hasty;  /* its maker was in a hurry: with more time there is a better one */
     bool smooth; /* all 24 bits of every colour go out where the terminal can, at several times the
                  bytes; otherwise shades are rounded to a palette (tui/picture/shades.h) */
 };

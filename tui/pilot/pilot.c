@@ -20,7 +20,11 @@ enum { COLUMNS_LEAST = 20, ROWS_LEAST = 10, ROWS_OF_TEXT = 2, PASTE_MOST = 4096 
 
 /* On a line that takes so long for so much, bytes cost more than the time to make them less. */
 enum { SLOW_BYTES = 10000, AHEAD_OVER = UINT16_MAX, AHEAD_NEAR = 6, AHEAD_DUE = 2 };
-#define SLOW_NS      UINT64_C(5000000)
+#define SLOW_NS UINT64_C(5000000)
+
+/* Keys rest when none has come for so long, which is longer than from one to the next of a key that
+ * is held. */
+#define REST_NS      UINT64_C(40000000)
 
 #define ENTER_SCREEN "\033[?1049h\033[?25l" TERM_PROMPT_BEGINS
 #define LEAVE_SCREEN TERM_PROMPT_ENDS "\033[?25h\033[?1049l"
@@ -39,8 +43,11 @@ struct pilot {
     struct line_editor *editor; /* whose input and keys are ours as well */
     struct pilot_state *state;
     struct painter painter;
-    struct buf message; /* of the last key or command, until the next */
-    bool is_stale;      /* the screen does not show the present state */
+    struct buf message;     /* of the last key or command, until the next */
+    bool is_stale;          /* the screen does not show the present state, */
+    bool is_hasty;          /* or shows what could be drawn of it at once */
+    uint64_t rests_ns;      /* when keys are taken to rest */
+    struct image_view view; /* the picture of the present state, once it was drawn */
     struct refine refine;
     struct flow flow;
     bool is_resized;
@@ -176,6 +183,7 @@ static struct pilot_wish wish_of(const struct pilot *p)
                               .marks_held = pilot_confirms(p->state->mode),
                               .marks_way = p->state->mode == PILOT_EXPLAINING,
                               .heat = p->state->heat,
+                              .hurries = !p->is_showing && p->is_stale,
                               .marks_pixel = p->state->mode == PILOT_PICKING,
                               .setup = p->state->setup,
                               .corner = (const uint32_t(*)[3])p->state->outline.corner,
@@ -199,17 +207,35 @@ static bool is_slow(struct pilot *p)
     return p->keeps;
 }
 
+/* Whether the picture is to be drawn as it is, which nobody was to wait for. */
+static bool is_due(const struct pilot *p, uint64_t now_ns)
+{
+    return p->is_hasty && now_ns >= p->rests_ns;
+}
+
+/* Of the present state it is drawn once, and once more where it was drawn in a hurry: frames that
+ * make it finer are of what is there. */
+static bool make_picture(struct pilot *p, const struct pilot_wish *wish)
+{
+    struct fault fault;
+    if (p->view.rgba && !p->is_stale && !is_due(p, clock_ns()))
+        return true;
+    if (p->host->picture(p->host->context, wish, &p->view, &fault)) {
+        say_error(p, &fault);
+        p->view = (struct image_view){0};
+        return p->is_hasty = false;
+    }
+    p->is_hasty = p->view.is_hasty;
+    return true;
+}
+
 static void add_picture(struct pilot *p, struct buf *out)
 {
     const struct pilot_wish wish = wish_of(p);
-    struct image_view view, shown;
-    struct fault fault;
-    if (p->facts->graphics->kind == GRAPHICS_NOTHING)
+    struct image_view shown;
+    if (p->facts->graphics->kind == GRAPHICS_NOTHING || !make_picture(p, &wish))
         return;
-    if (p->host->picture(p->host->context, &wish, &view, &fault)) {
-        say_error(p, &fault);
-        return;
-    }
+    struct image_view view = p->view;
     const size_t budget = flow_budget(&p->flow), before = out->length;
     view.is_slow = is_slow(p);
     if (p->keeps)
@@ -639,6 +665,7 @@ static enum err take_key(struct pilot *p, const struct key_event *event, struct 
         p->is_over = true;
         return OK;
     }
+    p->rests_ns = clock_ns() + REST_NS;
     if (event->key != KEY_MOUSE) {
         buf_clear(&p->message);
         pilot_press(&press);
@@ -727,9 +754,17 @@ static uint64_t goes_on_in_ns(const struct pilot *p)
     return due_ns > now_ns ? due_ns - now_ns : 0;
 }
 
+/* The same, or until keys rest and the picture is to be drawn as it is. */
+static uint64_t wakes_in_ns(const struct pilot *p)
+{
+    const uint64_t goes_on_ns = goes_on_in_ns(p), now_ns = clock_ns();
+    const uint64_t rests_in_ns = p->rests_ns > now_ns ? p->rests_ns - now_ns : 0;
+    return p->is_hasty && rests_in_ns > 0 && rests_in_ns < goes_on_ns ? rests_in_ns : goes_on_ns;
+}
+
 static bool has_more(const struct pilot *p)
 {
-    return p->is_stale || p->refine.is_coarse;
+    return p->is_stale || p->refine.is_coarse || is_due(p, clock_ns());
 }
 
 /* Whether what came is a key of its own unless more follows. No key is in a paste, however slowly
@@ -743,7 +778,8 @@ static bool awaits_rest(const struct pilot *p)
  * few at a time, so that a key hardly waits for them. */
 static bool is_ahead(const struct pilot *p)
 {
-    return p->keeps && p->flow.due <= (p->further < AHEAD_NEAR ? FLOW_FRAMES : AHEAD_DUE) &&
+    return p->keeps && !p->is_hasty &&
+           p->flow.due <= (p->further < AHEAD_NEAR ? FLOW_FRAMES : AHEAD_DUE) &&
            p->further < AHEAD_OVER && !p->flow.silent && p->facts->graphics->keeping != NULL;
 }
 
@@ -756,7 +792,7 @@ static bool wait_once(struct pilot *p, struct key_event *event)
     int patience_ms = awaits_rest(p) ? KEYS_TIMEOUT_MS
                       : has_frame    ? flow_wait_ms(&p->flow, clock_ns())
                                      : -1;
-    const uint64_t due_in_ms = p->is_paging ? UINT64_MAX : goes_on_in_ns(p) / 1000000;
+    const uint64_t due_in_ms = p->is_paging ? UINT64_MAX : wakes_in_ns(p) / 1000000;
     if (!awaits_rest(p) && due_in_ms < INT_MAX && (patience_ms < 0 || patience_ms > (int)due_in_ms))
         patience_ms = (int)due_in_ms + 1;
     const enum term_input input = term_read(&e->input, patience_ms, e->news_descriptor);
