@@ -248,7 +248,7 @@ STORY(a_hand_is_off_by_what_it_says_and_always_the_same)
     enum { RADIUS = 24, TURNS = 40 };
     struct hand_outline outline = {0}, again = {0};
     uint64_t random = 1, other = 1;
-    double squares = 0;
+    double squares = 0, sum = 0;
     size_t count = 0;
     draw_disc(RADIUS);
     for (int turn = 0; turn < TURNS; turn++) {
@@ -263,9 +263,11 @@ STORY(a_hand_is_off_by_what_it_says_and_always_the_same)
                          y = outline.place[i].at[1] - ACROSS / 2.0,
                          off = sqrt(x * x + y * y) - RADIUS;
             squares += off * off;
+            sum += x + y;
         }
     }
     CHECK(squares / (double)count > 1.7 * 1.7 && squares / (double)count < 2.5 * 2.5);
+    CHECK(fabs(sum / (double)count) < 0.4); /* to no side more than to another */
     hand_outline_release(&outline);
     hand_outline_release(&again);
 }
@@ -369,6 +371,33 @@ STORY(what_is_counted_of_a_curve)
     CHECK_INT(count.warnings.called, 2);
     CHECK_INT(count.collapses, 2);
     CHECK_INT(count.largest, 9500 - 6100);
+}
+
+STORY(the_truth_says_what_a_leak_is)
+{
+    static uint8_t former[VOXELS];
+    struct effort_warnings w = {0};
+    struct effort_robot robot;
+    begin(&robot, ROBOT_CAREFUL); /* 784 voxels: a leak is 79 that are worse */
+    memcpy(former, truth, VOXELS);
+    fill(label, (uint32_t[]){0, 0, 0}, (uint32_t[]){77, 0, 0}, 1);
+    effort_judge(&w, &object, former, label, true);
+    CHECK_INT(w.leaks + w.found + w.right + w.called, 0);
+    fill(label, (uint32_t[]){0, 0, 0}, (uint32_t[]){78, 0, 0}, 1);
+    effort_judge(&w, &object, former, label, false);
+    CHECK_INT(w.leaks, 1);
+    effort_judge(&w, &object, former, label, true);
+    CHECK_INT(w.leaks, 2);
+    CHECK_INT(w.found, 1);
+    memcpy(former, label, VOXELS);
+    memcpy(label, truth, VOXELS); /* taken back */
+    effort_judge(&w, &object, former, label, true);
+    effort_judge(&w, &object, former, label, false);
+    CHECK_INT(w.leaks, 2);
+    CHECK_INT(w.found, 1);
+    CHECK_INT(w.right, 2);
+    CHECK_INT(w.called, 1);
+    effort_robot_release(&robot);
 }
 
 STORY(reports_have_every_run_and_fit_a_line)
@@ -511,8 +540,8 @@ int main(void)
         TELL(a_hand_is_off_by_what_it_says_and_always_the_same),
         TELL(the_slice_with_most_wrong_voxels_is_outlined),
         TELL(doubt_leads_and_neighbours_of_what_is_drawn_wait), TELL(what_is_counted_of_a_curve),
-        TELL(reports_have_every_run_and_fit_a_line), TELL(growcut_takes_the_strongest_way),
-        TELL(a_gesture_is_a_command), TELL(a_plain_object_is_found_at_once_and_runs_agree),
-        TELL(phantoms_are_what_they_were));
+        TELL(the_truth_says_what_a_leak_is), TELL(reports_have_every_run_and_fit_a_line),
+        TELL(growcut_takes_the_strongest_way), TELL(a_gesture_is_a_command),
+        TELL(a_plain_object_is_found_at_once_and_runs_agree), TELL(phantoms_are_what_they_were));
     return status | remove_folder(folder);
 }

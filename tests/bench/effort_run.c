@@ -31,18 +31,17 @@ static enum err make(struct effort_run *run, struct effort_tool *tool, unsigned 
     return effort_tool_apply(tool, g, fault);
 }
 
-static void judge(struct effort_warnings *w, const struct effort_tool *tool, const uint8_t *former)
+void effort_judge(struct effort_warnings *w, const struct effort_object *object,
+                  const uint8_t *former, const uint8_t *label, bool is_called)
 {
-    const uint8_t *truth = tool->object->truth;
-    size_t taken = 0, wrong = 0, object = 0;
-    for (size_t i = 0; i < tool->object->voxels; i++) {
-        object += truth[i];
-        taken += tool->label[i] != former[i];
-        wrong += tool->label[i] != former[i] && tool->label[i] != truth[i];
+    size_t taken = 0, wrong = 0, voxels = 0;
+    for (size_t i = 0; i < object->voxels; i++) {
+        voxels += object->truth[i];
+        taken += label[i] != former[i];
+        wrong += label[i] != former[i] && label[i] != object->truth[i];
     }
     const bool is_right = 2 * wrong <= taken;
-    const bool is_leak = !is_right && (2 * wrong - taken) * LEAK_SHARE > object;
-    const bool is_called = strstr(buf_text(&tool->reply.text), "; undo takes it back") != NULL;
+    const bool is_leak = !is_right && (2 * wrong - taken) * LEAK_SHARE > voxels;
     w->leaks += is_leak, w->found += is_leak && is_called;
     w->right += is_right, w->called += is_right && is_called;
 }
@@ -99,7 +98,8 @@ static enum err go_on(struct effort_run *run, struct effort_robot *robot,
         memcpy(former, tool->label, tool->object->voxels);
         err = make(run, tool, at, &gesture, fault);
         if (!err && is_judged)
-            judge(&run->warnings, tool, former);
+            effort_judge(&run->warnings, tool->object, former, tool->label,
+                         strstr(buf_text(&tool->reply.text), "; undo takes it back") != NULL);
         run->dice[at] = err ? 0 : dice_of(tool);
         ms[times++] = tool->ms;
     }

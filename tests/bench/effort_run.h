@@ -23,6 +23,8 @@ struct effort_warnings {
         called; /* gestures that were right in half of their voxels or more, and of those
                                how many were called leaks */
 };
+void effort_judge(struct effort_warnings *w, const struct effort_object *object,
+                  const uint8_t *former, const uint8_t *label, bool is_called);
 
 enum { CURVE = 21, NOT_REACHED = CURVE + 2, EFFORT_GOALS = 2, EFFORT_LOOKS = 3, COLLAPSE = 500 };
 
