@@ -144,6 +144,34 @@ for command in "slice axial" "mosaic"; do
 done
 close_story
 
+begin "Ctrl-R lists older lines below the prompt, fewer as one types, and Enter takes one"
+enter "label 5 liver"
+enter "label 6 lung"
+enter "label 5 kidney"
+press C-l
+type_letters "half"
+press C-r
+see "^.search ''. half\$"
+see '^  label 5 kidney$'
+see '^  label 6 lung$'
+type_letters "label 5"
+see '^> label 5 kidney$'
+see '^  label 5 liver$'
+! shows '^  label 6 lung$' || fail "the list does not narrow:" "$(screen_text | grep .)"
+press Down
+see "^.search 'label 5'. label 5 liver\$"
+see '^> label 5 liver$'
+press Enter
+see '^s> label 5 liver$'
+see '^s>$'
+! shows 'kidney' || fail "the list stays:" "$(screen_text | grep .)"
+press C-r
+see '^  label 5 kidney$'
+press C-g
+see '^s>$'
+! shows 'kidney' || fail "the list stays:" "$(screen_text | grep .)"
+close_story
+
 begin "Ctrl-Z stops it, fg goes on with the line"
 type_letters "half a li"
 press C-z

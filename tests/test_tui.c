@@ -917,6 +917,46 @@ STORY(browsing_older_lines_keeps_the_one_begun)
     CHECK_TEXT(shown(), "open ch2|");
 }
 
+/* "run|seed 2": the list of a search, the one that is chosen after a mark. */
+static const char *list_of_search(void)
+{
+    static struct buf list;
+    buf_clear(&list);
+    for (size_t i = 0; i < line.founds; i++)
+        buf_printf(&list, "%s%s%s", i ? "|" : "", i == line.chosen ? "> " : "",
+                   line.history->line[line.found[i]]);
+    return buf_text(&list);
+}
+
+STORY(a_search_is_a_list_that_narrows)
+{
+    static const char *const entries[] = {"seed 1,1,1 a", "run",          "seed 2,2,2 b",
+                                          "run",          "seed 1,1,1 a", "save run"};
+    begin_line(entries, 6);
+    type("dra");
+    line_search_begin(&line); /* all of them, each once; what was typed stays until one is chosen */
+    CHECK_TEXT(list_of_search(), "save run|seed 1,1,1 a|run|seed 2,2,2 b");
+    CHECK_TEXT(shown(), "dra|");
+    line_search_older(&line);
+    CHECK_TEXT(list_of_search(), "> save run|seed 1,1,1 a|run|seed 2,2,2 b");
+    line_search_add(&line, "seed", 4);
+    CHECK_TEXT(list_of_search(), "> seed 1,1,1 a|seed 2,2,2 b");
+    line_search_newer(&line); /* there is none */
+    CHECK_TEXT(shown(), "|seed 1,1,1 a");
+    line_search_older(&line);
+    CHECK_TEXT(list_of_search(), "seed 1,1,1 a|> seed 2,2,2 b");
+    line_search_newer(&line);
+    CHECK_TEXT(shown(), "|seed 1,1,1 a");
+    line_search_add(&line, " 2", 2);
+    CHECK_TEXT(list_of_search(), "> seed 2,2,2 b");
+    line_search_add(&line, "x", 1);
+    CHECK_TEXT(list_of_search(), "");
+    CHECK(line.search_failed);
+    CHECK_TEXT(shown(), "|seed 2,2,2 b"); /* what was found last */
+    line_search_end(&line, true);
+    CHECK_TEXT(shown(), "|seed 2,2,2 b");
+}
+
 STORY(searching_goes_back_and_can_be_given_up)
 {
     static const char *const entries[] = {"seed 1,1,1 a", "view left", "seed 2,2,2 b", "run"};
@@ -926,9 +966,9 @@ STORY(searching_goes_back_and_can_be_given_up)
     line_search_add(&line, "s", 1);
     line_search_add(&line, "eed", 3);
     CHECK_TEXT(shown(), "|seed 2,2,2 b");
-    line_search_again(&line);
+    line_search_older(&line);
     CHECK_TEXT(shown(), "|seed 1,1,1 a");
-    line_search_again(&line);
+    line_search_older(&line);
     CHECK(line.search_failed);
     CHECK_TEXT(shown(), "|seed 1,1,1 a");
     line_search_erase(&line);
@@ -1318,11 +1358,12 @@ static const char *screen_text(const struct screen *s)
     return text;
 }
 
+static const char *below; /* the line that is drawn */
 static void draw(struct screen *s, struct line_drawing *d, const char *text, size_t cursor)
 {
     struct buf out = {0};
     struct line_content content = {
-        .prompt = "> ", .text = text, .length = strlen(text), .cursor = cursor};
+        .prompt = "> ", .text = text, .length = strlen(text), .cursor = cursor, .below = below};
     line_draw(d, &content, SCREEN_COLUMNS, SCREEN_ROWS, &out);
     screen_play(s, buf_text(&out));
     buf_release(&out);
@@ -1340,6 +1381,24 @@ STORY(a_line_is_drawn_with_its_cursor)
     CHECK_TEXT(screen_text(&s), "> a|bc");
     draw(&s, &d, "x", 0);
     CHECK_TEXT(screen_text(&s), "> |x");
+}
+
+STORY(what_stands_below_a_line_has_the_rows_that_are_left)
+{
+    struct screen s = {0};
+    struct line_drawing d = {0};
+    below = "one\ntwo\n";
+    draw(&s, &d, "abc", 1);
+    CHECK_TEXT(screen_text(&s), "> a|bc/one/two");
+    draw(&s, &d, "abcdefghij", 10); /* of two rows */
+    CHECK_TEXT(screen_text(&s), "> abcdefgh/ij|/one/two");
+    below = "1\n2\n3\n4\n5\n6\n7\n";
+    draw(&s, &d, "abcdefghij", 1);
+    CHECK_TEXT(screen_text(&s), "> a|bcdefgh/ij/1/2/3/4");
+    below = NULL;
+    draw(&s, &d, "abc", 3);
+    CHECK_TEXT(screen_text(&s), "> abc|");
+    CHECK_INT(s.scrolled, 0);
 }
 
 STORY(a_line_wraps_at_the_right_margin_and_back)
@@ -1495,7 +1554,7 @@ int main(void)
         TELL(the_cell_size_comes_from_whoever_tells_a_sensible_one),
         TELL(typing_moving_and_deleting), TELL(one_character_is_what_the_eye_sees_as_one),
         TELL(kills_gather_and_come_back), TELL(transposing_at_the_ends_and_within),
-        TELL(browsing_older_lines_keeps_the_one_begun),
+        TELL(browsing_older_lines_keeps_the_one_begun), TELL(a_search_is_a_list_that_narrows),
         TELL(searching_goes_back_and_can_be_given_up),
         TELL(older_lines_begin_with_what_stands_before_the_cursor),
         TELL(last_words_of_older_lines_are_cited),
@@ -1505,7 +1564,9 @@ int main(void)
         TELL(a_hundred_lines_that_are_no_more_known_are_not_all_tried),
         TELL(random_edits_are_undone_one_by_one), TELL(undo_holds_no_more_than_it_may),
         TELL(the_table_of_keys_names_them_all), TELL(the_page_of_keys_is_the_one_in_the_readme),
-        TELL(a_line_is_drawn_with_its_cursor), TELL(a_line_wraps_at_the_right_margin_and_back),
+        TELL(a_line_is_drawn_with_its_cursor),
+        TELL(what_stands_below_a_line_has_the_rows_that_are_left),
+        TELL(a_line_wraps_at_the_right_margin_and_back),
         TELL(wide_characters_and_marks_take_the_cells_they_take),
         TELL(a_line_taller_than_the_screen_shows_what_is_around_the_cursor),
         TELL(random_edits_always_draw_what_a_fresh_screen_would_show), TELL(widths_of_characters),

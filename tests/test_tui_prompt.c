@@ -138,7 +138,7 @@ static const char *draw(const char *text, size_t cursor, const char *hint, unsig
     static char drawn[512];
     struct buf out = {0};
     struct line_drawing drawing = {0};
-    const struct line_content content = {"> ", text, strlen(text), cursor, hint, GREY};
+    const struct line_content content = {"> ", text, strlen(text), cursor, hint, GREY, NULL};
     line_draw(&drawing, &content, columns, 24, &out);
     snprintf(drawn, sizeof drawn, "%s", buf_text(&out));
     buf_release(&out);

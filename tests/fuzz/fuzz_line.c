@@ -36,7 +36,9 @@ static void search(struct line *l, const struct key_event *event)
     else if (event->key == KEY_BACKSPACE)
         line_search_erase(l);
     else if (event->key == KEY_CHARACTER && event->point == 'r')
-        line_search_again(l);
+        line_search_older(l);
+    else if (event->key == KEY_UP)
+        line_search_newer(l);
     else
         line_search_end(l, event->key != KEY_ESCAPE);
 }

@@ -498,21 +498,30 @@ void line_act(struct line *l, enum line_action action)
 
 /* ---- search ---- */
 
-/* Looks for the wanted text from entry `place` on towards the oldest. */
-static void search_from(struct line *l, size_t place)
+static void find_all(struct line *l)
 {
-    const char *wanted = buf_text(&l->wanted);
-    for (size_t i = place + 1; i-- > 0;) {
-        const char *found = i < l->history->count ? strstr(l->history->line[i], wanted) : NULL;
-        if (found) {
-            show_entry(l, i, step_after(l, l->last));
-            l->cursor = (size_t)(found - l->history->line[i]);
-            l->last = LAST_RECALLED;
-            l->search_failed = false;
-            return;
-        }
+    l->founds = 0;
+    for (size_t i = l->history->count; i-- > 0 && l->founds < LINE_FOUND_MOST;) {
+        const char *entry = l->history->line[i];
+        bool is_found = strstr(entry, buf_text(&l->wanted)) != NULL;
+        for (size_t k = 0; is_found && k < l->founds; k++)
+            is_found = strcmp(l->history->line[l->found[k]], entry) != 0;
+        if (is_found)
+            l->found[l->founds++] = i;
     }
-    l->search_failed = true;
+    l->chosen = l->founds;
+}
+
+static void choose(struct line *l, size_t number)
+{
+    l->search_failed = number >= l->founds;
+    if (l->search_failed)
+        return;
+    const char *entry = l->history->line[l->found[number]];
+    l->chosen = number;
+    show_entry(l, l->found[number], step_after(l, l->last));
+    l->cursor = (size_t)(strstr(entry, buf_text(&l->wanted)) - entry);
+    l->last = LAST_RECALLED;
 }
 
 void line_search_begin(struct line *l)
@@ -521,31 +530,41 @@ void line_search_begin(struct line *l)
     l->searching = true;
     l->search_failed = false;
     buf_clear(&l->wanted);
+    find_all(l);
 }
 
+/* What is shown stays as long as it is in the list; else the next older one is. */
 void line_search_add(struct line *l, const char *bytes, size_t length)
 {
+    size_t number = 0;
     buf_add(&l->wanted, bytes, length);
-    search_from(l, l->place);
+    find_all(l);
+    while (number < l->founds && l->found[number] > l->place)
+        number++;
+    choose(l, number < l->founds ? number : 0);
 }
 
-/* A shorter text matches wherever the longer one did, or later; begin at the newest again. */
+/* A shorter text is in more lines; begin at the newest again. */
 void line_search_erase(struct line *l)
 {
     if (l->wanted.length == 0)
         return;
     char_erase(&l->wanted);
+    find_all(l);
     l->search_failed = false;
     if (l->wanted.length > 0)
-        search_from(l, l->history->count);
+        choose(l, 0);
 }
 
-void line_search_again(struct line *l)
+void line_search_older(struct line *l)
 {
-    if (l->wanted.length > 0 && l->place > 0)
-        search_from(l, l->place - 1);
-    else
-        l->search_failed = l->wanted.length > 0;
+    choose(l, l->chosen < l->founds ? l->chosen + 1 : 0);
+}
+
+void line_search_newer(struct line *l)
+{
+    if (l->chosen > 0 && l->chosen < l->founds)
+        choose(l, l->chosen - 1);
 }
 
 void line_search_end(struct line *l, bool keep)

@@ -46,6 +46,8 @@ struct line_undo {
 /* What was done last, which the same done again goes on with. */
 enum line_last { LAST_OTHER, LAST_TYPED, LAST_ERASED, LAST_KILLED, LAST_RECALLED, LAST_CITED };
 
+enum { LINE_FOUND_MOST = 200 };
+
 struct line {
     struct buf text;
     size_t cursor; /* in bytes */
@@ -60,7 +62,10 @@ struct line {
     size_t cited_at;   /* and where in the text */
     bool searching;
     bool search_failed;
-    struct buf wanted; /* what is searched for */
+    struct buf wanted;             /* what is searched for */
+    size_t found[LINE_FOUND_MOST]; /* the history entries that hold it, each text once, the newest
+                                      first, */
+    size_t founds, chosen;         /* and which of them is shown; founds for none */
 };
 
 /* In this order: moves, removals, kills, letters of a word, the rest. */
@@ -121,11 +126,13 @@ void line_act(struct line *l, enum line_action action);
  * been changed is the line of today.
  */
 
-/* Incremental search backwards through the history. The entry found is shown as the text. */
+/* Search through the history: a list of the lines that hold what is wanted, all at first, which
+ * narrows as that is typed. The one that is chosen is shown as the text. */
 void line_search_begin(struct line *l);
 void line_search_add(struct line *l, const char *bytes, size_t length);
 void line_search_erase(struct line *l);
-void line_search_again(struct line *l);          /* an older match */
+void line_search_older(struct line *l);          /* the next one of the list, */
+void line_search_newer(struct line *l);          /* or the one before */
 void line_search_end(struct line *l, bool keep); /* the entry stays, or the old line comes back */
 
 /* Whether a line of the history would do now what it did: a name that it needs may be gone. */

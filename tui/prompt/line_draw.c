@@ -83,6 +83,19 @@ static bool add_hint(const struct line_content *content, unsigned columns, unsig
     return true;
 }
 
+/* As many lines as there are rows for; how many. */
+static size_t add_below(const char *lines, size_t rows, struct buf *out)
+{
+    size_t count = 0;
+    for (const char *at = lines ? lines : ""; *at && count < rows; count++) {
+        const size_t length = strcspn(at, "\n");
+        buf_add_text(out, "\r\n");
+        buf_add(out, at, length);
+        at += length + (at[length] == '\n');
+    }
+    return count;
+}
+
 void line_draw(struct line_drawing *drawing, const struct line_content *content, unsigned columns,
                unsigned rows, struct buf *out)
 {
@@ -111,9 +124,10 @@ void line_draw(struct line_drawing *drawing, const struct line_content *content,
     walk_text(&w, content->text, content->length);
     walk_wrap(&w);
     const bool hints = add_hint(content, columns, w.column, out);
-    if (hints || w.row != cursor.row || w.column != cursor.column) {
-        if (last > cursor.row)
-            buf_printf(out, "\033[%zuA", last - cursor.row);
+    const size_t below = add_below(content->below, rows - (last - first + 1), out);
+    if (hints || below || w.row != cursor.row || w.column != cursor.column) {
+        if (last + below > cursor.row)
+            buf_printf(out, "\033[%zuA", last + below - cursor.row);
         buf_add_char(out, '\r');
         if (cursor.column > 0)
             buf_printf(out, "\033[%uC", cursor.column);

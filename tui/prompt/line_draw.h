@@ -8,7 +8,7 @@
  * character in the last column terminals wait with the wrap, so when the text ends there, CR LF
  * makes it happen. When there are more rows than the terminal has, those around the cursor show.
  * What is no printable UTF-8 is drawn as \xNN, and takes four columns. A hint goes no further than
- * the row of the cursor. Pure: bytes out.
+ * the row of the cursor; of what stands below, as much shows as there are rows. Pure: bytes out.
  */
 #ifndef TUI_PROMPT_LINE_DRAW_H
 #define TUI_PROMPT_LINE_DRAW_H
@@ -30,6 +30,8 @@ struct line_content {
     size_t length, cursor; /* in bytes of text */
     const char *hint;      /* after the text, where the cursor is; safe to print, or NULL */
     const char *grey;      /* CSI .. m that makes it so */
+    const char *below;     /* lines that stand below, safe to print and narrower than the screen,
+                              each ended by a line feed; NULL for none */
 };
 
 void line_draw(struct line_drawing *drawing, const struct line_content *content, unsigned columns,

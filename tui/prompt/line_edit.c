@@ -8,6 +8,8 @@
 #include <sys/wait.h>
 
 #include "base/file.h"
+#include "base/safe.h"
+#include "tui/cells.h"
 #include "tui/probe.h"
 #include "tui/term.h"
 
@@ -54,13 +56,36 @@ static void add_hint(const struct line_editor *e, struct buf *hint)
     buf_release(&whole);
 }
 
+enum { FOUND_ROWS_MOST = 10, ROWS_LEFT = 3, MARK_WIDE = 2 };
+
+/* The lines that a search has found, around the one that is chosen, which has a mark. */
+static void add_found(const struct line *l, const struct term_size *size, struct buf *out)
+{
+    const size_t room = size->rows > ROWS_LEFT + FOUND_ROWS_MOST ? FOUND_ROWS_MOST
+                        : size->rows > ROWS_LEFT                 ? size->rows - ROWS_LEFT
+                                                                 : 0;
+    const bool has_chosen = l->chosen < l->founds;
+    const size_t first = has_chosen && l->chosen >= room ? l->chosen + 1 - room : 0;
+    for (size_t i = first; i < l->founds && i < first + room; i++) {
+        struct buf safe = {0};
+        buf_add_safe_text(&safe, l->history->line[l->found[i]]);
+        buf_add_text(out, has_chosen && i == l->chosen ? "> " : "  ");
+        cells_crop(out, buf_text(&safe),
+                   size->columns > MARK_WIDE + 1 ? size->columns - MARK_WIDE - 1 : 1);
+        buf_add_char(out, '\n');
+        out->failed |= safe.failed;
+        buf_release(&safe);
+    }
+}
+
 static void draw_line(struct line_editor *e, const char *prompt, struct buf *out)
 {
     const struct line *l = &e->line;
     const struct term_size size = term_size();
-    struct buf search = {0}, hint = {0};
+    struct buf search = {0}, hint = {0}, found = {0};
     add_hint(e, &hint);
     if (l->searching) {
+        add_found(l, &size, &found);
         buf_printf(&search, "(%s '%s') ", l->search_failed ? "not found:" : "search",
                    buf_text(&l->wanted));
         prompt = buf_text(&search);
@@ -70,10 +95,12 @@ static void draw_line(struct line_editor *e, const char *prompt, struct buf *out
                                          .length = l->text.length,
                                          .cursor = l->cursor,
                                          .hint = buf_text(&hint),
-                                         .grey = e->grey};
+                                         .grey = e->grey,
+                                         .below = buf_text(&found)};
     line_draw(&e->drawing, &content, size.columns, size.rows, out);
     buf_release(&search);
     buf_release(&hint);
+    buf_release(&found);
 }
 
 static enum err redraw(struct line_editor *e, const char *prompt, struct fault *fault)
@@ -222,14 +249,17 @@ static enum outcome plain_key(struct line_editor *e, const struct key_event *eve
 static enum outcome search_key(struct line_editor *e, const struct key_event *event)
 {
     struct line *l = &e->line;
-    bool control = event->modifiers & KEY_CONTROL;
+    const bool control = event->key == KEY_CHARACTER && event->modifiers & KEY_CONTROL;
     if (event->key == KEY_CHARACTER && event->modifiers == 0) {
         line_search_add(l, event->text, event->length);
     } else if (event->key == KEY_BACKSPACE) {
         line_search_erase(l);
-    } else if (event->key == KEY_CHARACTER && control && event->point == 'r') {
-        line_search_again(l);
-    } else if (event->key == KEY_CHARACTER && control && event->point == 'g') {
+    } else if (event->key == KEY_DOWN ||
+               (control && (event->point == 'r' || event->point == 'n'))) {
+        line_search_older(l);
+    } else if (event->key == KEY_UP || (control && event->point == 'p')) {
+        line_search_newer(l);
+    } else if (control && event->point == 'g') {
         line_search_end(l, false);
     } else {
         line_search_end(l, true);

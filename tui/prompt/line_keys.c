@@ -20,7 +20,7 @@ static const struct {
     {"Ctrl-N, Down", LINE_NEWER, "newer ones, down to the line that was begun"},
     {"Alt-<, PageUp", LINE_OLDEST, "the oldest line"},
     {"Alt->, PageDown", LINE_NEWEST, "the line that was begun"},
-    {"Ctrl-R", DUTY_SEARCH, "searches older lines; Ctrl-G gives up"},
+    {"Ctrl-R", DUTY_SEARCH, "lists older lines that hold what is typed"},
     {"Alt-.", LINE_CITE, "the last word of the line before; again: older"},
     {NULL, DUTY_NONE, NULL},
     {"Backspace", LINE_ERASE, "removes the character before the cursor"},
