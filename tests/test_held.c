@@ -157,13 +157,32 @@ STORY(a_single_tree_is_held_by_itself)
     interpreter_release(&interp);
 }
 
+STORY(an_outline_holds_what_its_label_has_and_goes_by_its_ring_too)
+{
+    struct interpreter interp;
+    struct held held;
+    begin_with_scene(&interp);
+    const struct session *session = interp.session;
+    const struct grid *grid = &session->scene->grid;
+    must(&interp, "outline 4,4,5 2 to=6,4,5 to=6,6,5 to=4,6,5 ring=1");
+    must(&interp, "run");
+    CHECK(session_find_held(&held, session, grid_cell(grid, 3, 5, 5), false, &fault) == OK);
+    CHECK(held.marker == 1 && held.label == 2 && held.trees == 9 && !held.has_more);
+    uint64_t voxels = 0;
+    for (uint32_t cell = 0; cell < grid->cells; cell++)
+        voxels += session->scene->cell[cell].label == 2;
+    CHECK_INT(held.voxels, voxels);
+    interpreter_release(&interp);
+}
+
 int main(void)
 {
     if (!begin_folder())
         return 1;
     make_scene();
-    const int status = RUN_STORIES(TELL(a_tree_has_the_voxels_that_name_its_root),
-                                   TELL(what_is_held_is_what_is_removed_then),
-                                   TELL(a_single_tree_is_held_by_itself));
+    const int status = RUN_STORIES(
+        TELL(a_tree_has_the_voxels_that_name_its_root), TELL(what_is_held_is_what_is_removed_then),
+        TELL(a_single_tree_is_held_by_itself),
+        TELL(an_outline_holds_what_its_label_has_and_goes_by_its_ring_too));
     return status | end_folder();
 }

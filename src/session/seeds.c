@@ -301,6 +301,8 @@ static void count_marker(struct held *held, const struct session *session)
     held->label = (uint8_t)markers->marker[held->marker - 1].label;
     for (uint32_t n = held->marker; n; n = markers_next(markers, n)) {
         const struct marker *marker = markers->marker + n - 1;
+        if (marker->label != held->label) /* the ring of an outline */
+            continue;
         for (size_t i = 0; i < marker->voxels && !held->has_more; i++) {
             const uint32_t cell = markers->cover[marker->first + i].cell;
             if (markers_at(markers, cell) == n)

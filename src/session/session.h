@@ -280,7 +280,7 @@ struct held {
     uint8_t label;
     size_t trees;  /* of seeds that are planted */
     size_t waits;  /* seeds of it that wait to be */
-    size_t voxels; /* of the trees */
+    size_t voxels; /* of the trees; what an outline's ring has is not counted */
     bool has_more; /* than HELD_MOST: these three are the least that there are */
 };
 
