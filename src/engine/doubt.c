@@ -7,7 +7,7 @@
 
 /* Sums of each worker, one after another: of slices across x, across y and across z. */
 struct summing {
-    const struct relax_field *field; /* of the label at hand */
+    const struct relax_field *field; /* at hand */
     struct team *team;
     uint64_t *sum;
     size_t slices; /* across all axes */
@@ -24,49 +24,22 @@ static void sum_part(void *context, unsigned worker)
     const struct share planes = team_share(s->team, worker, f->size[2]);
     struct task task = task_begin_part(f->scene->watch, "doubt", 0, worker);
     for (uint32_t z = (uint32_t)planes.first; z < planes.end; z++)
-        for (uint32_t y = 0; y < f->size[1] && task_advance(&task, f->size[0]); y++) {
-            uint64_t row = 0;
-            for (uint32_t x = 0; x < f->size[0]; x++) {
-                const uint64_t u = (uint64_t)relax_value(f, x, y, z);
-                const uint64_t doubt = 4 * u * (RELAX_ONE - u) / RELAX_ONE;
-                across_x[x] += doubt;
-                row += doubt;
-            }
-            across_y[y] += row;
-            across_z[z] += row;
-        }
+        for (uint32_t y = 0; y < f->size[1] && task_advance(&task, f->size[0]); y++)
+            for (struct relax_part part = {0}; relax_field_next(f, y, z, &part);)
+                for (uint32_t i = 0; i < part.count; i++) {
+                    const uint64_t u = (uint64_t)part.value[i];
+                    const uint64_t doubt = 4 * u * (RELAX_ONE - u) / RELAX_ONE;
+                    across_x[part.x + i] += doubt;
+                    across_y[y] += doubt;
+                    across_z[z] += doubt;
+                }
 }
 
-static enum err add_label(struct summing *s, struct finish_work *work, uint8_t label,
-                          const struct finish_box *box, const struct relax_greys *greys,
-                          uint32_t sweeps, struct fault *fault)
+static void sum_field(void *context, const struct relax_field *field)
 {
-    struct relax_field field;
-    const enum err err = relax_field_init(&field, work, label, box, greys, fault);
-    if (err)
-        return err;
-    relax_field_sweep(&field, sweeps, work->team);
-    s->field = &field;
-    team_run(work->team, sum_part, s);
-    relax_field_release(&field);
-    return watch_fault(work->scene->watch, fault);
-}
-
-static enum err add_labels(struct summing *s, struct finish_work *work, unsigned label,
-                           uint32_t sweeps, struct fault *fault)
-{
-    struct finish_box box[256];
-    struct relax_greys *greys = mem_new(sizeof *greys);
-    if (!greys)
-        return fault_memory(fault, "doubt");
-    enum err err = finish_find_boxes(box, work, "doubt", fault);
-    if (!err)
-        relax_find_greys(greys, work->scene, work->team);
-    for (unsigned l = 1; !err && l < 256; l++)
-        if (!finish_box_is_empty(&box[l]) && (label == FINISH_ALL_LABELS || label == l))
-            err = add_label(s, work, (uint8_t)l, &box[l], greys, sweeps, fault);
-    free(greys);
-    return err ? err : watch_fault(work->scene->watch, fault);
+    struct summing *s = context;
+    s->field = field;
+    team_run(s->team, sum_part, s);
 }
 
 enum err doubt_find(struct doubt *doubt, const struct finish_list *list, const struct scene *scene,
@@ -87,7 +60,7 @@ enum err doubt_find(struct doubt *doubt, const struct finish_list *list, const s
     enum err err = s.sum ? finish_make(&work.label, &before, scene, team, fault)
                          : fault_memory(fault, "doubt");
     if (!err)
-        err = add_labels(&s, &work, label, sweeps, fault);
+        err = relax_each(&work, label, sweeps, sum_field, &s, fault);
     mem_pages_free(work.label, scene->grid.cells);
     if (err) {
         free(s.sum);

@@ -3,7 +3,8 @@
  *
  * Each label but 0 has a field; that of label 0 is what all others leave of RELAX_ONE, or nothing.
  * A voxel of some band takes the label of the greatest, of several its own if that is one of them,
- * or the smallest. So one field is made at a time, and of each voxel only the best so far is kept.
+ * or the smallest. So a few fields are made at a time, and of each voxel only the best so far is
+ * kept; and only where some field has moved, since else the label's own is RELAX_ONE, and stays.
  *
  * The field of a label lies in a box around it. Each voxel has a value u, RELAX_ONE in the label
  * and 0 elsewhere at first. Those of the *band* move: voxels from which at most RELAX_REACH steps
@@ -28,40 +29,17 @@
 #ifndef ENGINE_FINISH_RELAX_H
 #define ENGINE_FINISH_RELAX_H
 
-#include "engine/finish.h"
+#include "engine/relax_field.h"
 
-enum { RELAX_ONE = 1 << 20, RELAX_REACH = 16 };
-
-/* Intensities as 0..255: from where a thousandth of all voxels is darker to where one is brighter,
- * of every n-th row where the scene is large. */
-struct relax_greys {
-    uint8_t of[UINT16_MAX + 1];
-};
+/* Of intensities, for fields. */
 void relax_find_greys(struct relax_greys *greys, const struct scene *scene, struct team *team);
 
-struct relax_field {
-    const struct scene *scene;
-    struct finish_box box;
-    uint32_t size[3]; /* of the box */
-    uint8_t *far;     /* [z][y][x], rows padded: steps to the other side of the border, or many */
-    size_t length, cells; /* of a stored row, which holds every other voxel; of all rows */
-    int32_t *u[2];        /* by parity [cells]: rows (z, y) with a rim; see stored_at */
-    uint16_t *w[2][6];    /* -z -y -x +x +y +z; 0 for voxels that stay */
-    struct span *part[2]; /* [rows]: of a row as it is stored, what moves */
-    size_t *moving;       /* [size[2] + 1]: voxels that move in the planes before */
-};
+/* Sees a field that is made, by the thread that began, while the others rest. */
+typedef void relax_see(void *context, const struct relax_field *field);
 
-/* The field of a label as work->label has it; `around` is where that lies. ERR_MEMORY; of no use
- * where the scene's watch has stopped it. */
-enum err relax_field_init(struct relax_field *field, const struct finish_work *work, uint8_t which,
-                          const struct finish_box *around, const struct relax_greys *greys,
-                          struct fault *fault);
-void relax_field_release(struct relax_field *field);
-
-/* Does so many sweeps, each of which moves even voxels, then odd ones. */
-void relax_field_sweep(struct relax_field *field, uint32_t sweeps, struct team *team);
-
-/* Of a voxel of the box, counted from its first corner. */
-int32_t relax_value(const struct relax_field *field, uint32_t x, uint32_t y, uint32_t z);
+/* Makes the field of a label, or FINISH_ALL_LABELS, as work->label has them, and has each seen, in
+ * no order. ERR_MEMORY, ERR_CANCELLED by the scene's watch. */
+enum err relax_each(const struct finish_work *work, unsigned label, uint32_t sweeps, relax_see *see,
+                    void *context, struct fault *fault);
 
 #endif
