@@ -66,6 +66,19 @@ STORY(nothing_is_fine_too)
     CHECK(!config.setup.theme->has_colours);
 }
 
+STORY(slices_are_sent_ahead_unless_it_says_otherwise)
+{
+    take("");
+    CHECK(!config.setup.keeps_back);
+    take("ahead off");
+    CHECK(config.setup.keeps_back);
+    CHECK_TEXT(buf_text(&config.words), "");
+    take("ahead off\nahead on");
+    CHECK(!config.setup.keeps_back);
+    take("ahead never");
+    CHECK_TEXT(buf_text(&config.words), "c:1: expected on or off, not never; left out\n");
+}
+
 STORY(a_brush_is_what_the_pilot_has)
 {
     const struct pilot_brush *brush = &config.setup.brush;
@@ -107,7 +120,7 @@ STORY(a_bad_line_is_named_with_its_number_and_left_out)
     static const char *const bad[][2] = {
         {"theme blue", "c:1: expected dark|light|none, not blue; left out\n"},
         {"\nthem dark",
-         "c:2: expected theme, brush, window, key, pager or start, not them; did you mean "
+         "c:2: expected theme, brush, window, key, pager, ahead or start, not them; did you mean "
          "theme?; left out\n"},
         {"brush 256", "c:1: expected a label 0..255, then a radius 0..32 or so many mm, in halves"},
         {"brush 1 33", "c:1: expected a label"},
@@ -322,8 +335,8 @@ int main(void)
 {
     return RUN_STORIES(
         TELL(every_kind_of_line), TELL(nothing_is_fine_too), TELL(every_kind_of_line),
-        TELL(nothing_is_fine_too), TELL(a_brush_is_what_the_pilot_has),
-        TELL(a_brush_that_nobody_chose_fits_the_scene),
+        TELL(nothing_is_fine_too), TELL(slices_are_sent_ahead_unless_it_says_otherwise),
+        TELL(a_brush_is_what_the_pilot_has), TELL(a_brush_that_nobody_chose_fits_the_scene),
         TELL(a_bad_line_is_named_with_its_number_and_left_out),
         TELL(there_is_an_end_to_what_is_read), TELL(the_file_is_where_the_environment_says),
         TELL(keys_of_ones_own_stand_before_those_of_the_table), TELL(every_action_is_in_the_readme),

@@ -289,6 +289,16 @@ STORY(a_terminal_that_never_answers_gets_a_frame_now_and_then)
     CHECK_INT(flow_budget(&flow), FLOW_BYTES_START);
 }
 
+STORY(a_long_way_begins_with_few_bytes)
+{
+    struct flow near = {.round_trip_ns = 30 * MS}, far = {.round_trip_ns = 120 * MS};
+    CHECK_INT(flow_budget(&near), FLOW_BYTES_START);
+    CHECK_INT(flow_budget(&far), FLOW_BYTES_FAR);
+    flow_sent(&far, FLOW_BYTES_FAR, 1 * MS); /* and it was a fast one */
+    flow_answered(&far, 123 * MS);
+    CHECK(flow_budget(&far) >= FLOW_BYTES_START);
+}
+
 STORY(clocks_and_sizes_at_their_limits_do_no_harm)
 {
     struct flow flow = {0};
@@ -314,5 +324,6 @@ int main(void)
                        TELL(answers_that_come_late_are_not_taken_for_those_of_newer_frames),
                        TELL(a_failed_barrier_asks_for_recovery_once),
                        TELL(a_terminal_that_never_answers_gets_a_frame_now_and_then),
+                       TELL(a_long_way_begins_with_few_bytes),
                        TELL(clocks_and_sizes_at_their_limits_do_no_harm));
 }

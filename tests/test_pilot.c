@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "tests/check.h"
 #include "tui/cells.h"
+#include "tui/pilot/ahead.h"
 #include "tui/pilot/chord.h"
 #include "tui/pilot/pilot_keys.h"
 #include "tui/pilot/finer.h"
@@ -1183,6 +1184,72 @@ STORY(what_is_dangerous_and_how_to_begin_are_said)
 }
 
 /* Of two rows, in a mode that both are for; and a key that waits for a second one does nothing. */
+/* ---- slices that are sent ahead ---- */
+
+/* Numbers are named from 1000 on, or what the cross-hair has moved by later; 4 and 7 are not
+ * there. */
+static unsigned named_from, drawn_ahead;
+static uint64_t name_ahead(void *context, const struct pilot_wish *wish, unsigned number)
+{
+    (void)context, (void)wish;
+    return number == 4 || number == 7 ? 0 : named_from + number;
+}
+
+static bool draw_ahead(void *context, const struct pilot_wish *wish, unsigned number,
+                       struct image_view *view)
+{
+    (void)context, (void)wish, (void)number;
+    *view = (struct image_view){.width = 1};
+    drawn_ahead++;
+    return true;
+}
+
+/* Sends all that is to go, a view in two parts. */
+static unsigned send_all_ahead(struct ahead *ahead)
+{
+    const struct pilot_host from = {.name_ahead = name_ahead, .ahead = draw_ahead};
+    const struct pilot_wish wish = {.width = 1};
+    struct image_view *view;
+    drawn_ahead = 0;
+    while ((view = ahead_next(ahead, &from, &wish))) {
+        CHECK(ahead_next(ahead, &from, &wish) == view); /* until it has gone */
+        ahead_has_gone(ahead);
+    }
+    CHECK(ahead_is_over(ahead));
+    return drawn_ahead;
+}
+
+STORY(slices_go_ahead_once_and_then_there_is_rest)
+{
+    struct ahead ahead = {.number = 0};
+    named_from = 1000;
+    CHECK_INT(send_all_ahead(&ahead), AHEAD_NUMBERS - 2);
+    CHECK_INT(send_all_ahead(&ahead), 0);
+    ahead_begin(&ahead); /* a key that changes nothing of them */
+    CHECK_INT(send_all_ahead(&ahead), 0);
+    named_from = 1001; /* 1004 and 1007 were not there before, and what comes after the last */
+    ahead_begin(&ahead);
+    CHECK_INT(send_all_ahead(&ahead), 3);
+    named_from = 1000;
+    ahead_begin(&ahead);
+    CHECK_INT(send_all_ahead(&ahead), 0);
+    ahead_forget(&ahead); /* the terminal may have dropped some */
+    CHECK_INT(send_all_ahead(&ahead), AHEAD_NUMBERS - 2);
+    for (unsigned i = 0; i < 100; i++) { /* what went long ago may go again */
+        named_from = 5000 + i * 100;
+        ahead_begin(&ahead);
+        CHECK_INT(send_all_ahead(&ahead), AHEAD_NUMBERS - 2);
+    }
+}
+
+/* A slice of some 25 kB takes 100 ms at 2 Mbit/s, and 10 at 20. */
+STORY(nothing_goes_ahead_where_a_slice_is_there_in_no_time)
+{
+    CHECK(ahead_pays(&(struct flow){.per_byte_ns = 8e9 / 2e6}));
+    CHECK(!ahead_pays(&(struct flow){.per_byte_ns = 8e9 / 20e6}));
+    CHECK(!ahead_pays(&(struct flow){.per_byte_ns = 0}));
+}
+
 /* ---- the row below the picture ---- */
 
 static const char *status_in(unsigned columns)
@@ -1231,6 +1298,10 @@ STORY(a_narrow_row_leaves_out_whole_parts_by_rank)
     state.pen.is_down = true;
     CHECK_TEXT(status_in(20), "PEN DOWN  axial");
     state.pen.is_down = false;
+    state.sends_ahead = true;
+    CHECK_TEXT(status_in(80), "axial z=30 at 20,25,30  brush 2 ventricle r3  here 1 brain 1.64 l "
+                              "(+1.2 ml)  >");
+    state.sends_ahead = false;
     facts.waiting = 3; /* what keys do next comes before names */
     CHECK_TEXT(status_in(64), "axial z=30 at 20,25,30  brush 2 r3  3 wait for space  here 1");
     for (unsigned columns = 20; columns < 200; columns++) {
@@ -1519,6 +1590,8 @@ int main(void)
         TELL(a_path_is_shown_and_its_strongest_edge_corrected),
         TELL(hints_are_walked_round_and_round), TELL(a_change_is_repeated), TELL(what_is_shown),
         TELL(what_was_chosen_stays_from_one_time_to_the_next), TELL(no_key_has_two_meanings),
+        TELL(slices_go_ahead_once_and_then_there_is_rest),
+        TELL(nothing_goes_ahead_where_a_slice_is_there_in_no_time),
         TELL(a_narrow_row_leaves_out_whole_parts_by_rank),
         TELL(where_one_watches_keys_lead_from_step_to_step), TELL(the_page_of_keys_fits_any_window),
         TELL(the_page_of_keys_is_filtered),

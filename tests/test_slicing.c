@@ -9,10 +9,12 @@
 
 #include "command/golden_judge.h"
 #include "base/file.h"
+#include "base/hash.h"
 #include "image/exr.h"
 #include "image/exr_write.h"
 #include "image/volume.h"
 #include "render/notes.h"
+#include "show/panes.h"
 #include "show/pictures.h"
 #include "show/slicing.h"
 #include "tests/interpreting.h"
@@ -690,6 +692,46 @@ STORY(in_a_hurry_slices_come_first_and_then_a_coarse_rendition)
     interpreter_release(&interp);
 }
 
+/* Slices beside the cross-hair that go to a terminal before they are wanted: one name, one picture,
+ * whatever was chosen meanwhile; and the same one again is known. */
+STORY(a_name_of_a_slice_stands_for_its_pixels)
+{
+    static const char *const lines[] = {"cross 4,4,4",        "cross 5,4,4", "window 10 60",
+                                        "cross 4,4,4",        "magnify 2",   "cross 4,5,4",
+                                        "window auto",        "magnify 1",   "size 90 90",
+                                        "magnify 3 at=2,2,2", "cross 4,4,4", "magnify 1"};
+    enum { LINES = sizeof lines / sizeof lines[0], NUMBERS = 12 };
+    uint64_t name[LINES * NUMBERS], pixels[LINES * NUMBERS];
+    size_t count = 0, again = 0;
+    struct interpreter interp;
+    struct panes panes = {.notes = 0};
+    begin_values(&interp, 1, 0);
+    for (size_t l = 0; l < LINES; l++) {
+        const struct panes_wish wish = {
+            .width = 320, .height = 320, .cell_width = 8, .cell_height = 16};
+        must(&interp, lines[l]);
+        CHECK(panes_draw(&panes, interp.session, &wish, &fault) == OK);
+        for (unsigned i = 0; i < NUMBERS; i++) {
+            const uint64_t new = panes_name_beyond(&panes, interp.session, PANE_AXIAL, i);
+            uint64_t sum = 0;
+            CHECK_INT(panes_draw_beyond(&panes, interp.session, PANE_AXIAL, i), new != 0);
+            const struct canvas *c = &panes.beyond;
+            for (size_t k = 0; new &&k < (size_t)c->width * c->height; k++)
+                sum += hash_mix_at(k, c->below[k]);
+            for (size_t k = 0; new &&k < count; k++) {
+                CHECK(name[k] != new || pixels[k] == sum);
+                again += name[k] == new;
+            }
+            name[count] = new;
+            pixels[count] = sum;
+            count += new != 0;
+        }
+    }
+    CHECK(count > 100 && again > 20);
+    panes_release(&panes);
+    interpreter_release(&interp);
+}
+
 /* Of a scene of 10 voxels a side: the whole is as large as there is room. */
 STORY(slices_of_a_small_scene_fill_their_panes)
 {
@@ -926,6 +968,7 @@ int main(void)
         TELL(mosaics_have_the_size_of_the_view),
         TELL(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom),
         TELL(in_a_hurry_slices_come_first_and_then_a_coarse_rendition),
+        TELL(a_name_of_a_slice_stands_for_its_pixels),
         TELL(slices_of_a_small_scene_fill_their_panes), TELL(without_memory_nothing_is_shown),
         TELL(a_pixel_of_a_slice_tells_its_voxel),
         TELL(each_pixel_tells_the_voxel_that_it_was_drawn_of),

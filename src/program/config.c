@@ -136,14 +136,24 @@ static enum err take_keys(struct config *config, const char *words, struct fault
     return err;
 }
 
-static enum err take_pager(struct config *config, const char *words, struct fault *fault)
+static enum err take_state(bool *is_off, const char *words, struct fault *fault)
 {
     const int state = choice_find("on|off", words);
     if (state < 0)
         return fault_set(fault, ERR_USAGE, "expected on or off, not %s",
                          *words ? words : "nothing");
-    config->plain_answers = state == 1;
+    *is_off = state == 1;
     return OK;
+}
+
+static enum err take_pager(struct config *config, const char *words, struct fault *fault)
+{
+    return take_state(&config->plain_answers, words, fault);
+}
+
+static enum err take_ahead(struct config *config, const char *words, struct fault *fault)
+{
+    return take_state(&config->setup.keeps_back, words, fault);
 }
 
 static enum err take_start(struct config *config, const char *words, struct fault *fault)
@@ -160,7 +170,8 @@ static const struct {
     const char *name;
     enum err (*take)(struct config *config, const char *words, struct fault *fault);
 } kinds[] = {{"theme", take_theme}, {"brush", take_brush}, {"window", take_window},
-             {"key", take_keys},    {"pager", take_pager}, {"start", take_start}};
+             {"key", take_keys},    {"pager", take_pager}, {"ahead", take_ahead},
+             {"start", take_start}};
 enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
 /* ---- lines ---- */
@@ -177,7 +188,8 @@ static enum err take_line(struct config *config, const char *line, struct fault 
         err = kinds[kind].take(config, line, fault);
     } else {
         struct near near = near_to(buf_text(&word));
-        fault_set(fault, ERR_USAGE, "expected theme, brush, window, key, pager or start, not %s",
+        fault_set(fault, ERR_USAGE,
+                  "expected theme, brush, window, key, pager, ahead or start, not %s",
                   buf_text(&word));
         for (size_t i = 0; i < KINDS; i++)
             near_try(&near, kinds[i].name, strlen(kinds[i].name));

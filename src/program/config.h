@@ -12,6 +12,8 @@
  *     key undo U Ctrl-u
  *     # long answers at the prompt run over the screen as they are
  *     pager off
+ *     # on a slow line no slice is sent before it is wanted
+ *     ahead off
  *     # a command for each new session, once it has a scene; `start none` for nothing
  *     start overlay tint
  *

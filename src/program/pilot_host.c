@@ -184,13 +184,24 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
     return OK;
 }
 
+/* Those of the pane where one moves come first. */
+static enum pane first_of(const struct pilot_wish *wish)
+{
+    return wish->pane < PILOT_RENDITION ? (enum pane)wish->pane : PANE_AXIAL;
+}
+
+static uint64_t name_ahead(void *context, const struct pilot_wish *wish, unsigned number)
+{
+    const struct pilot_interpreter *pilot = context;
+    return panes_name_beyond(&pilot->panes, session_of(context), first_of(wish), number);
+}
+
 static bool ahead(void *context, const struct pilot_wish *wish, unsigned number,
                   struct image_view *view)
 {
     struct pilot_interpreter *pilot = context;
     const struct canvas *beyond = &pilot->panes.beyond;
-    const enum pane first = wish->pane < PILOT_RENDITION ? (enum pane)wish->pane : PANE_AXIAL;
-    if (!panes_draw_beyond(&pilot->panes, session_of(context), first, number))
+    if (!panes_draw_beyond(&pilot->panes, session_of(context), first_of(wish), number))
         return false;
     pilot->beyond = (struct raster_box){0, 0, beyond->width, beyond->height};
     *view = (struct image_view){.width = beyond->width,
@@ -198,7 +209,7 @@ static bool ahead(void *context, const struct pilot_wish *wish, unsigned number,
                                 .hue = pilot->hue,
                                 .below = beyond->below,
                                 .slice = &pilot->beyond,
-                                .slices = beyond->below != NULL};
+                                .slices = 1};
     return true;
 }
 
@@ -309,6 +320,7 @@ void pilot_host_fill(struct pilot_host *host)
     host->move = move;
     host->picture = picture;
     host->pan = pan;
+    host->name_ahead = name_ahead;
     host->ahead = ahead;
     host->voxel_at = voxel_at;
     host->voxel_of_frame = voxel_of_frame;

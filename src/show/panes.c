@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/hash.h"
 #include "base/least.h"
 #include "engine/way.h"
 #include "render/notes.h"
@@ -9,6 +10,7 @@
 #include "session/state.h"
 #include "session/tally.h"
 #include "show/draw.h"
+#include "show/window.h"
 
 _Static_assert((int)PANE_AXIAL == (int)SLICE_AXIAL && (int)PANE_CORONAL == (int)SLICE_CORONAL &&
                    (int)PANE_SAGITTAL == (int)SLICE_SAGITTAL &&
@@ -300,25 +302,60 @@ struct raster_box panes_box(const struct panes *p, enum pane pane)
     return (struct raster_box){box->left, box->top, box->width, box->height};
 }
 
+/* A slice beside what is shown. */
+struct beyond {
+    enum slice_plane plane;
+    uint32_t place[3];
+};
+
+/* False where there is none on that side, or the pane is not shown. */
+static bool find_beyond(struct beyond *b, const struct panes *p, const struct session *session,
+                        enum pane first, unsigned number)
+{
+    const int64_t far = (int64_t)number / 6 + 1;
+    int64_t by[PANES_SLICES] = {0};
+    if (!session_has_scene(session))
+        return false;
+    const struct scene *scene = session_scene(session);
+    b->plane = (enum slice_plane)((first + number % 6 / 2) % PANES_SLICES);
+    by[b->plane] = number % 2 ? far : -far;
+    panes_move(session, by, b->place);
+    const int64_t here = slice_index(scene, b->plane, session_outlook(session)->slices.cross);
+    return p->panel.layout.box[b->plane].width > 0 &&
+           slice_index(scene, b->plane, b->place) == here + by[b->plane];
+}
+
+/* Where slices are magnified, which part of one is shown hangs on the cross-hair. */
+uint64_t panes_name_beyond(const struct panes *p, struct session *session, enum pane first,
+                           unsigned number)
+{
+    struct beyond b;
+    if (!find_beyond(&b, p, session, first, number))
+        return 0;
+    const struct mosaic_choice *choice = &p->panel.choice;
+    const struct mosaic_box *box = &p->panel.layout.box[b.plane];
+    const bool hangs = choice->times != SLICE_TIMES_ONE || choice->has_middle;
+    int32_t window[2];
+    window_of(window, session);
+    const uint64_t parts[] = {b.plane, slice_index(session_scene(session), b.plane, b.place),
+                              (uint64_t)box->width << 32 | box->height,
+                              (uint64_t)(uint32_t)window[0] << 32 | (uint32_t)window[1],
+                              choice->times};
+    uint64_t name = 0;
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
+        name += hash_mix_at(i, parts[i]);
+    for (size_t a = 0; a < 3 && hangs; a++)
+        name +=
+            hash_mix_at(a + 8, (uint64_t)b.place[a] << 32 | choice->middle[a]) + choice->has_middle;
+    return name ? name : 1;
+}
+
 bool panes_draw_beyond(struct panes *p, struct session *session, enum pane first, unsigned number)
 {
-    const enum slice_plane plane = (enum slice_plane)((first + number % 6 / 2) % PANES_SLICES);
-    const int64_t far = (int64_t)number / 6 + 1;
-    const struct scene *scene = session_scene(session);
-    int64_t by[PANES_SLICES] = {0};
-    uint32_t place[3], most = 0;
-    for (enum slice_plane a = SLICE_AXIAL; session_has_scene(session) && a <= SLICE_SAGITTAL; a++)
-        most = slice_count(scene, a) > most ? slice_count(scene, a) : most;
-    if (far >= most)
-        return false;
+    struct beyond b;
     canvas_release(&p->beyond);
-    by[plane] = number % 2 ? far : -far;
-    panes_move(session, by, place);
-    const int64_t here = slice_index(scene, plane, session_outlook(session)->slices.cross);
-    if (p->panel.layout.box[plane].width == 0 ||
-        slice_index(scene, plane, place) != here + by[plane])
-        return true;
-    return slicing_draw_below(&p->beyond, session, &p->panel, plane, place, NULL) == OK;
+    return find_beyond(&b, p, session, first, number) &&
+           slicing_draw_below(&p->beyond, session, &p->panel, b.plane, b.place, NULL) == OK;
 }
 
 /* ---- under its pixels ---- */

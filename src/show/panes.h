@@ -62,9 +62,12 @@ enum err panes_draw(struct panes *panes, struct session *session, const struct p
 struct raster_box panes_box(const struct panes *panes, enum pane pane);
 
 /* Of slices that may be wanted next, `number` by `number` from 0 on: those on both sides of what is
- * shown, the nearer ones first, and of the pane `first` (a slice's) before the others. Draws its
- * greys into `beyond`, which has no pixels where there is none on that side. False where there is
- * no more, or no memory. */
+ * shown, the nearer ones first, and of the pane `first` (a slice's) before the others. Its name is
+ * that of its greys: of the slice, the window, and how it is shown; 0 where there is none. */
+uint64_t panes_name_beyond(const struct panes *panes, struct session *session, enum pane first,
+                           unsigned number);
+
+/* Draws its greys into `beyond`. False where there is none, or no memory. */
 bool panes_draw_beyond(struct panes *panes, struct session *session, enum pane first,
                        unsigned number);
 

@@ -77,7 +77,7 @@ static const struct words key_words[KINDS] = {
     [HELD_MOVE] = {"held_move", "l held: frames a second"},
     [HELD_SLICE] = {"held_slice", "K held: frames a second"},
     [HELD_TURN] = {"held_turn", "r held: frames a second"},
-    [IDLE] = {"idle", "no key for five seconds"},
+    [IDLE] = {"idle", "no key for ten seconds"},
     [STEP] = {"step", "watching: a step on"},
     [BACK] = {"step_back", "watching: a step back"}};
 
@@ -101,7 +101,7 @@ static const struct line_kind {
 enum { LINES = sizeof lines / sizeof lines[0], PILOTED = 3, QUICK_KEYS = 4 };
 static const struct graphics *const piloted[PILOTED] = {&graphics_kitty, &graphics_tiles,
                                                         &graphics_sixel};
-enum { HELD_MS = 33, HELD_FOR_MS = 1500, IDLE_MS = 5000 };
+enum { HELD_MS = 33, HELD_FOR_MS = 1500, IDLE_MS = 10000 };
 
 /* Medians over the keys. */
 struct key_figures {

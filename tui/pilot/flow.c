@@ -217,12 +217,18 @@ uint64_t flow_carries_ns(const struct flow *f, size_t bytes)
     return (uint64_t)(f->per_byte_ns * (double)bytes);
 }
 
+/* Before anything is known: a line with a long way is seldom a fast one. */
+static size_t budget_at_first(const struct flow *f)
+{
+    return f->round_trip_ns > 2 * FLOW_TARGET_NS ? FLOW_BYTES_FAR : FLOW_BYTES_START;
+}
+
 size_t flow_budget(const struct flow *f)
 {
     double most = FLOW_BYTES_START;
     const double at_least = f->soon ? 2 * (double)f->sent_bytes : FLOW_BYTES_LEAST;
     if (f->samples == 0)
-        return FLOW_BYTES_START;
+        return budget_at_first(f);
     for (unsigned i = 0; i < f->samples; i++)
         most = 4 * f->sample[i].bytes > most ? 4 * f->sample[i].bytes : most;
     double bytes = f->per_byte_ns * most <= (double)FLOW_TARGET_NS

@@ -57,7 +57,12 @@
 #define FLOW_LEAD_NS   UINT64_C(10000000)  /* what the line still has when a frame is added */
 #define FLOW_PAUSE_NS  UINT64_C(200000000) /* from frame to frame where nothing answers */
 
-enum { FLOW_BYTES_START = 24 << 10, FLOW_BYTES_LEAST = 512, FLOW_BYTES_MOST = 16 << 20 };
+enum {
+    FLOW_BYTES_START = 24 << 10,
+    FLOW_BYTES_FAR = 10 << 10,
+    FLOW_BYTES_LEAST = 512,
+    FLOW_BYTES_MOST = 16 << 20
+};
 enum { FLOW_FRAMES = 16, FLOW_SAMPLES = 12 };
 
 struct flow_frame {

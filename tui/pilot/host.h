@@ -121,9 +121,11 @@ struct pilot_host {
      * picture has gone on by so many eighths of it. False where it is shown to its end. */
     bool (*pan)(void *context, enum pilot_pane pane, int right, int down, uint32_t middle[3],
                 uint32_t place[3]);
-    /* Of what may be wanted next, `number` by `number` from 0 on: a slice's greys below, with no
-     * more than width, height, hue, slice and below filled in. May be NULL; false where there is no
-     * more. The pixels stay until the next call. */
+    /* Of slices that may be wanted next, `number` by `number` from 0 on, the nearest first: a name,
+     * which another slice, or the same shown otherwise, does not have; 0 where there is none. May
+     * be NULL. And its greys below, with no more than width, height, hue, slice and below filled
+     * in, which stay until the next call; false where there are none. */
+    uint64_t (*name_ahead)(void *context, const struct pilot_wish *wish, unsigned number);
     bool (*ahead)(void *context, const struct pilot_wish *wish, unsigned number,
                   struct image_view *view);
     /* The voxel that the last picture shows at a pixel, and in which pane that is; false for none,

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "tui/pilot/ahead.h"
 #include "tui/pilot/flow.h"
 #include "tui/keys.h"
 #include "tui/picture/graphics.h"
@@ -19,8 +20,9 @@
 enum { COLUMNS_LEAST = 20, ROWS_LEAST = 10, ROWS_OF_TEXT = 2, PASTE_MOST = 4096 };
 
 /* On a line that takes so long for so much, bytes cost more than the time to make them less. */
-enum { SLOW_BYTES = 10000, AHEAD_OVER = UINT16_MAX, AHEAD_NEAR = 6, AHEAD_DUE = 2 };
-#define SLOW_NS UINT64_C(5000000)
+enum { SLOW_BYTES = 10000, AHEAD_DUE = 2 };
+#define SLOW_NS       UINT64_C(8000000)
+#define STILL_SLOW_NS UINT64_C(5000000)
 
 /* Keys rest when none has come for so long, which is longer than from one to the next of a key that
  * is held. */
@@ -51,10 +53,10 @@ struct pilot {
     struct refine refine;
     struct flow flow;
     bool is_resized;
-    bool is_paging;   /* nothing is drawn until a key */
-    bool is_blank;    /* nor anything at all */
-    bool keeps;       /* the line is so slow that slices are to live in the terminal */
-    unsigned further; /* the next slice to be sent before it is wanted; AHEAD_OVER: none */
+    bool is_paging;    /* nothing is drawn until a key */
+    bool is_blank;     /* nor anything at all */
+    bool keeps;        /* the line is so slow that slices are to live in the terminal */
+    struct ahead sent; /* slices that are sent before they are wanted */
     bool is_pasting;
     struct buf pasted; /* since it began, or until it is taken */
     bool is_over, has_ended;
@@ -199,11 +201,11 @@ static struct pilot_wish wish_of(const struct pilot *p)
     return wish;
 }
 
-/* A line that is slow stays so until it is fast by far. */
+/* A line that is slow stays so until it is faster by far. */
 static bool is_slow(struct pilot *p)
 {
     const uint64_t takes_ns = flow_carries_ns(&p->flow, SLOW_BYTES);
-    p->keeps = takes_ns > (p->keeps ? SLOW_NS / 4 : SLOW_NS);
+    p->keeps = takes_ns > (p->keeps ? STILL_SLOW_NS : SLOW_NS);
     return p->keeps;
 }
 
@@ -248,7 +250,15 @@ static void add_picture(struct pilot *p, struct buf *out)
     painter_show(&p->painter, &shown, out);
     refine_sent(&p->refine, out->length - before - kept);
     if (p->is_stale)
-        p->further = 0;
+        ahead_begin(&p->sent);
+}
+
+/* Whether slices are to go ahead, sooner or later. */
+static bool goes_ahead(const struct pilot *p)
+{
+    return p->keeps && !p->state->setup->keeps_back && p->facts->graphics->keeping &&
+           p->host->name_ahead && !p->flow.silent && !ahead_is_over(&p->sent) &&
+           ahead_pays(&p->flow);
 }
 
 static enum err send_frame(struct pilot *p, struct buf *out, struct fault *fault)
@@ -274,6 +284,7 @@ static enum err draw(struct pilot *p, struct fault *fault)
     if (p->flow.failed) { /* nobody knows what has arrived */
         graphics_add_recovery(p->facts, &out);
         painter_drop(&p->painter, &out);
+        ahead_forget(&p->sent);
         p->is_blank = true;
     }
     if (p->facts->synchronizes)
@@ -284,6 +295,7 @@ static enum err draw(struct pilot *p, struct fault *fault)
         refine_forget(&p->refine);
     }
     add_picture(p, &out);
+    p->state->sends_ahead = p->state->sends_ahead && goes_ahead(p);
     add_rows(&out, p, &facts, &size);
     if (p->facts->synchronizes)
         buf_add_text(&out, FRAME_ENDS);
@@ -295,23 +307,30 @@ static enum err draw(struct pilot *p, struct fault *fault)
 }
 
 /* A frame of its own, which shows nothing: a part of a slice that may be wanted next, while the
- * line has nothing else to carry. */
+ * line has nothing else to carry. A mark in the row of text comes with the first and goes after the
+ * last. */
 static enum err send_ahead(struct pilot *p, struct fault *fault)
 {
     const struct pilot_wish wish = wish_of(p);
+    const struct term_size size = term_size();
+    const bool was_marked = p->state->sends_ahead;
+    struct image_view *view = NULL;
+    struct pilot_facts facts;
     struct buf out = {0};
-    struct image_view view;
-    if (!p->host->ahead || !p->host->ahead(p->host->context, &wish, p->further, &view) ||
-        !painter_has_room(&p->painter)) {
-        p->further = AHEAD_OVER;
-        return OK;
+    while (painter_has_room(&p->painter) && (view = ahead_next(&p->sent, p->host, &wish))) {
+        view->is_slow = true;
+        painter_keep(&p->painter, view, 1, &out);
+        if (out.length || out.failed)
+            break;
+        ahead_has_gone(&p->sent);
     }
-    view.is_slow = true;
-    painter_keep(&p->painter, &view, 1, &out);
-    if (out.length == 0) {
-        p->further++; /* all of it is there */
+    if (!view)
+        p->sent.number = AHEAD_NUMBERS;
+    p->state->sends_ahead = view != NULL;
+    if (p->state->sends_ahead != was_marked && p->host->facts(p->host->context, &facts))
+        add_rows(&out, p, &facts, &size);
+    if (out.length == 0)
         return OK;
-    }
     buf_add_text(&out, "\033[c");
     return send_frame(p, &out, fault);
 }
@@ -331,7 +350,7 @@ static enum err clear_picture(struct pilot *p, bool all_anew, struct fault *faul
     struct buf out = {0};
     painter_remove(&p->painter, &out);
     if (all_anew) /* what the terminal keeps as well */
-        painter_drop(&p->painter, &out);
+        painter_drop(&p->painter, &out), ahead_forget(&p->sent);
     buf_add_text(&out, blank_of(p));
     p->is_stale = p->is_blank = true;
     return term_write_text(&out, "a blank screen", fault);
@@ -708,8 +727,8 @@ static bool is_for_pilot(struct pilot *p, struct key_event *event)
     if (event->key == KEY_REPLY) {
         if (keys_body_is_answer(&p->editor->keys))
             flow_answered(&p->flow, clock_ns());
-        else
-            p->is_stale |= painter_take_reply(&p->painter, p->editor->keys.body);
+        else if (painter_take_reply(&p->painter, p->editor->keys.body))
+            ahead_forget(&p->sent), p->is_stale = true;
         if (!(event->modifiers & KEY_ALT))
             return false;
         *event = (struct key_event){.key = KEY_ESCAPE}; /* it came right before the answer */
@@ -778,9 +797,8 @@ static bool awaits_rest(const struct pilot *p)
  * few at a time, so that a key hardly waits for them. */
 static bool is_ahead(const struct pilot *p)
 {
-    return p->keeps && !p->is_hasty &&
-           p->flow.due <= (p->further < AHEAD_NEAR ? FLOW_FRAMES : AHEAD_DUE) &&
-           p->further < AHEAD_OVER && !p->flow.silent && p->facts->graphics->keeping != NULL;
+    return goes_ahead(p) && !p->is_hasty &&
+           p->flow.due <= (p->sent.number < AHEAD_NEAR ? FLOW_FRAMES : AHEAD_DUE);
 }
 
 /* Waits once: bytes, news, a signal, or nothing, until a sequence would be complete or a frame may
@@ -907,6 +925,7 @@ enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
         return fault_set(fault, ERR_USAGE, "the pilot takes a screen of %dx%d characters or more",
                          COLUMNS_LEAST, ROWS_LEAST);
     pilot_state_enter(state);
+    state->sends_ahead = false;
     facts->reports |= facts->mouse;
     enum err err =
         term_change_sequences(facts->mouse ? ENTER_SCREEN MOUSE_ON : ENTER_SCREEN,

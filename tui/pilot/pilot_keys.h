@@ -51,6 +51,7 @@ struct pilot_setup {
     struct pilot_brush brush; /* to begin with */
     struct setup_window window[SETUP_WINDOWS_MOST];
     size_t windows;
+    bool keeps_back;                              /* no slice is sent ahead (tui/pilot/ahead.h) */
     char keys[SETUP_ROWS_MOST][SETUP_KEYS_BYTES]; /* by row; "" where the user has said none */
 };
 
@@ -138,14 +139,15 @@ struct pilot_state {
     uint32_t leader;                             /* the key whose second is awaited, or 0 */
     uint32_t pixel[2];
     bool has_pixel;
-    bool is_alone;  /* one pane has the whole screen: that of the slices, or that one corrects in */
-    bool drags;     /* the mouse draws, */
-    bool encloses;  /* or pulls a ball open, whose middle is the one corner */
-    bool sketches;  /* the last lines are a sketch */
-    bool drops;     /* the sketch is to be dropped */
-    bool is_silent; /* what the last line does is seen below the picture anyway */
-    bool says_all;  /* all lines of what it says are of use, not the last alone, */
-    bool has_pages; /* and need the screen */
+    bool is_alone; /* one pane has the whole screen: that of the slices, or that one corrects in */
+    bool drags;    /* the mouse draws, */
+    bool encloses; /* or pulls a ball open, whose middle is the one corner */
+    bool sketches; /* the last lines are a sketch */
+    bool sends_ahead; /* slices are on their way that nobody has asked for */
+    bool drops;       /* the sketch is to be dropped */
+    bool is_silent;   /* what the last line does is seen below the picture anyway */
+    bool says_all;    /* all lines of what it says are of use, not the last alone, */
+    bool has_pages;   /* and need the screen */
     struct pilot_change change;
     struct pilot_shape shape;
 };

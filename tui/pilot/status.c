@@ -130,6 +130,8 @@ void pilot_add_status(struct buf *out, const struct pilot_state *state,
     add_place(&s, state, facts, columns);
     add_brush(&s, state, host);
     add_known(&s, facts);
+    if (state->sends_ahead)
+        add_part(&s, VOLUME, ">");
     choose(&s, columns);
     for (const struct part *p = s.part; p < s.part + s.count; p++)
         if (p->is_shown) {

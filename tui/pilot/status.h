@@ -7,7 +7,8 @@
  * It is made of parts, each of a rank. A screen that is too narrow for all of them shows those of
  * the highest ranks that fit, each whole, in the same order: the place, the brush and the label
  * first, then names, the volume and its change, the intensity, millimetres, the rest. So nothing
- * moves to the left or right for a part that comes or goes far down. Pure.
+ * moves to the left or right for a part that comes or goes far down. A `>` at the end says that
+ * slices are sent ahead. Pure.
  */
 #ifndef TUI_PILOT_STATUS_H
 #define TUI_PILOT_STATUS_H
