@@ -192,6 +192,27 @@ see '^coronal y=13 '
 recorded "remove 11,13,9"
 close_story
 
+begin "Tab finds commands and keys by a piece of a word, each with its key"
+type_letters ":cont"
+press Tab
+see '^context  '
+see '^overlay contour  o in the pilot: '
+see '^:cont$'
+press Escape
+see '^coronal y=13 '
+type_letters ":pen"
+press Tab
+see '^v  *in the pilot, pen: pen down: moving draws$'
+see '^:pen$'
+press Escape
+see '^coronal y=13 '
+type_letters ":und" # what begins so is completed as ever
+press Tab
+see '^:undo \[COUNT\]$'
+press Escape
+see '^coronal y=13 '
+close_story
+
 begin "/ shows the keys that have a word in them"
 type_letters "?"
 see '^What is planted$'

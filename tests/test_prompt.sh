@@ -144,6 +144,20 @@ for command in "slice axial" "mosaic"; do
 done
 close_story
 
+begin "Tab takes what alone has a piece of a word, and lists what several have"
+type_letters "contour"
+press Tab
+see '^s> overlay contour'
+press C-u
+type_letters "radius"
+press Tab
+see '^seed  *radius=: in voxels'
+see '^[+]  *in the pilot, larger: the radius; in mm$'
+see '^s> radius$'
+press C-u
+press C-l
+close_story
+
 begin "Ctrl-R lists older lines below the prompt, fewer as one types, and Enter takes one"
 enter "label 5 liver"
 enter "label 6 lung"

@@ -125,6 +125,13 @@ STORY(words_that_mean_something_have_a_row_each_where_there_are_rows)
                "seed       plant a seed\r\nseed-file  plant the se\r\nzoom\r\n");
     CHECK_TEXT(list(words, 18, 24), "seed\r\nseed-file\r\nzoom\r\n"); /* no room for it */
     CHECK_TEXT(list(words, 40, 5), "seed       seed-file  zoom\r\n");
+    static const char noted[] = "zoom\tnearer\n\tv\tin the pilot, pen\n\tEscape\tdrop\n";
+    CHECK_INT(candidates_of(noted).count, 1); /* notes are no words */
+    CHECK_INT(candidates_of(noted).notes, 2);
+    CHECK_INT(candidates_of(noted).common, 4);
+    CHECK_TEXT(list(noted, 80, 24), "zoom         nearer\r\nv            in the pilot, pen\r\n"
+                                    "Escape       drop\r\n");
+    CHECK_TEXT(list(noted, 80, 5), "zoom\r\n"); /* no rows for them */
     CHECK_TEXT(list("a\t\033[2J\346\234\254\346\234\254\nb\tx\n", 14, 24),
                "a  \\x1b[2J\346\234\254\r\nb  x\r\n");
 }

@@ -13,6 +13,7 @@
 #include "program/begin.h"
 #include "program/config.h"
 #include "program/console.h"
+#include "program/finding.h"
 #include "program/pilot_host.h"
 #include "program/programs.h"
 #include "program/shown.h"
@@ -146,6 +147,12 @@ static void prompt_complete(void *context, const char *line, size_t cursor, stru
     command_complete(candidates, word_start, line, cursor, &prompt->interp);
 }
 
+static void prompt_find(void *context, const char *piece, struct buf *candidates)
+{
+    const struct prompt *prompt = context;
+    finding_add(candidates, piece, &prompt->config.setup);
+}
+
 static void prompt_hint(void *context, const char *line, size_t length, struct buf *out)
 {
     (void)context;
@@ -218,6 +225,7 @@ static enum err run_repl(struct prompt *prompt, const struct options *o, struct 
                                    .prompt = prompt_text,
                                    .execute = prompt_execute,
                                    .complete = prompt_complete,
+                                   .find = prompt_find,
                                    .hint = prompt_hint,
                                    .knows = prompt_knows,
                                    .picture = prompt_picture,

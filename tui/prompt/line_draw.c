@@ -138,13 +138,13 @@ void line_draw(struct line_drawing *drawing, const struct line_content *content,
 
 /* ---- candidates ---- */
 
-enum { GAP = 2, ROWS_LEFT = 3, MEANING_LEAST = 8 };
+enum { GAP = 2, ROWS_LEFT = 3, MEANING_LEAST = 8, NOTE_WIDE = 11 };
 
 /* The next word, from *at on, which moves after it and its meaning; NULL at the end. */
 static const char *take(const char **at, size_t *length)
 {
-    while (**at == '\n')
-        ++*at;
+    while (**at == '\n' || **at == '\t')
+        *at += **at == '\n' ? 1 : strcspn(*at, "\n");
     const char *word = *at;
     *length = strcspn(word, "\t\n");
     *at += strcspn(word, "\n");
@@ -165,6 +165,8 @@ struct candidates candidates_of(const char *words)
             same++;
         c.common = same;
     }
+    for (const char *at = words; *at; at += strcspn(at, "\n"), at += *at == '\n')
+        c.notes += *at == '\t';
     while (c.count > 1 && c.common > 0 && (c.first[c.common] & 0xC0) == 0x80)
         c.common--;
     return c;
@@ -223,6 +225,21 @@ static void add_cropped(struct buf *out, const char *text, size_t length, size_t
     buf_add_safe(out, text, end);
 }
 
+static void list_notes(const char *words, size_t stride, unsigned columns, struct buf *out)
+{
+    for (const char *at = words; *at; at += strcspn(at, "\n"), at += *at == '\n') {
+        if (*at != '\t')
+            continue;
+        const char *about = at + 1, *said = about + strcspn(about, "\t\n");
+        const size_t length = (size_t)(said - about), width = cells_width(about, length);
+        said += *said == '\t';
+        buf_add_safe(out, about, length);
+        buf_printf(out, "%*s", (int)(stride > width ? stride - width : 1), "");
+        add_cropped(out, said, strcspn(said, "\n"), columns - stride - 1);
+        buf_add_text(out, "\r\n");
+    }
+}
+
 /* Each word in a row, with its meaning. */
 static void list_meanings(const struct candidates *c, size_t stride, unsigned columns,
                           struct buf *out)
@@ -237,15 +254,16 @@ static void list_meanings(const struct candidates *c, size_t stride, unsigned co
         add_cropped(out, meaning, strcspn(meaning, "\n"), columns - stride - 1);
         buf_add_text(out, "\r\n");
     }
+    list_notes(c->words, stride, columns, out);
 }
 
 void candidates_list(const struct candidates *c, unsigned columns, unsigned rows, struct buf *out)
 {
-    const size_t stride = widest(c) + GAP;
+    const size_t wide = widest(c), stride = (wide < NOTE_WIDE && c->notes ? NOTE_WIDE : wide) + GAP;
     const size_t across = columns / stride > 0 ? columns / stride : 1;
     const size_t most = rows > ROWS_LEFT + 1 ? rows - ROWS_LEFT : 1;
     size_t down = (c->count + across - 1) / across;
-    if (strchr(c->words, '\t') && c->count <= most && stride + MEANING_LEAST < columns) {
+    if (strchr(c->words, '\t') && c->count + c->notes <= most && stride + MEANING_LEAST < columns) {
         list_meanings(c, stride, columns, out);
         return;
     }

@@ -44,6 +44,7 @@ void line_draw(struct line_drawing *drawing, const struct line_content *content,
 struct candidates {
     const char *words;
     size_t count;
+    size_t notes;      /* lines that begin with a tab: they are shown, and are no words */
     const char *first; /* the first of them, */
     size_t common;     /* and how many bytes of it all begin with, whole characters */
 };
@@ -62,6 +63,8 @@ struct candidates candidates_of(const char *words);
  *
  *     seed       plant a seed, a ball of seeds, or a stroke
  *     seed-file  plant the seeds of a .csv list or a label map
+ *
+ * Notes stand below these, what they are about in the place of the word.
  *
  * For what does not fit the screen there is one line: "and 214 more". */
 void candidates_list(const struct candidates *c, unsigned columns, unsigned rows, struct buf *out);

@@ -151,6 +151,28 @@ static enum err show_above(struct line_editor *e, const char *prompt, const stru
 
 /* ---- completion ---- */
 
+enum { PIECE_LEAST = 2 };
+
+/* The first word, as far as the cursor, may be a piece of something. */
+static void find_by_piece(struct line_editor *e, size_t *start, struct buf *words)
+{
+    const struct line *l = &e->line;
+    const char *text = buf_text(&l->text), *first = text + strspn(text, " ");
+    const size_t end = (size_t)(first - text) + strcspn(first, " ");
+    const struct candidates c = candidates_of(buf_text(words));
+    struct buf piece = {0};
+    if (!e->find || (c.count && !e->is_one_line) || end != l->cursor)
+        return;
+    if (c.count == 1 && c.common == l->cursor - *start) /* it is whole */
+        return;
+    buf_add(&piece, first, l->cursor - (size_t)(first - text));
+    if (piece.length >= PIECE_LEAST && !piece.failed) {
+        *start = (size_t)(first - text);
+        e->find(e->context, buf_text(&piece), words);
+    }
+    buf_release(&piece);
+}
+
 static enum err complete_word(struct line_editor *e, const char *prompt, struct fault *fault)
 {
     struct buf words = {0}, out = {0};
@@ -159,11 +181,15 @@ static enum err complete_word(struct line_editor *e, const char *prompt, struct 
     size_t start = l->cursor;
     if (e->complete)
         e->complete(e->context, buf_text(&l->text), l->cursor, &words, &start);
+    find_by_piece(e, &start, &words);
     const struct candidates c = candidates_of(buf_text(&words));
+    const size_t typed = l->cursor - (start < l->cursor ? start : l->cursor);
+    const bool begins =
+        c.common >= typed && strncmp(c.first, buf_text(&l->text) + start, typed) == 0;
     enum err err = OK;
-    if (c.count == 0 || words.failed || start > l->cursor) {
+    if (c.count + c.notes == 0 || words.failed || start > l->cursor) {
         buf_add_char(&out, '\a');
-    } else if (c.count == 1 || c.common > l->cursor - start) {
+    } else if ((c.count == 1 && (begins || !c.notes)) || (begins && c.common > typed)) {
         const size_t end = l->cursor;
         const char last = c.first[c.common - 1];
         const bool is_whole = c.count == 1 && last != '/' && last != '=' && last != ' ';

@@ -28,6 +28,10 @@
 typedef void line_complete_function(void *context, const char *line, size_t cursor,
                                     struct buf *candidates, size_t *word_start);
 
+/* Adds to those words of a line's first word what has it as a piece; lines that begin with a tab
+ * are told, and no words: a tab, what it is about, a tab, what there is to say. */
+typedef void line_find_function(void *context, const char *piece, struct buf *candidates);
+
 /* Adds what may follow the line, safe to print. */
 typedef void line_hint_function(void *context, const char *line, size_t length, struct buf *out);
 
@@ -52,6 +56,8 @@ struct line_editor {
     void *asker;
     struct line_drawing drawing;
     line_complete_function *complete; /* may be NULL */
+    line_find_function *find;         /* may be NULL: asked where no word begins as the first one
+                                         does, and for one line amid a screen in any case */
     line_hint_function *hint;         /* may be NULL: asked wherever the cursor is at the end */
     line_knows_function *knows;       /* may be NULL: nothing is suggested */
     const char *grey;                 /* in which hints are drawn, CSI .. m */

@@ -305,6 +305,7 @@ static enum err run_interactive(const struct repl_host *host, const struct repl_
     if (p.facts.colours != COLOURS_NONE)
         p.editor.hint = host->hint;
     p.editor.knows = host->knows;
+    p.editor.find = host->find;
     p.editor.unanswered = !p.facts.answers;
     const struct theme *theme = options->theme ? options->theme : &theme_dark;
     p.editor.grey = p.facts.colours == COLOURS_16 ? theme->hint_16 : theme->hint;
@@ -341,6 +342,7 @@ enum err give_screen_once(const struct repl_host *host, struct graphics_wish wis
     editor.news_descriptor = -1;
     enum err err = open_terminal(STDIN_FILENO, wish, true, &facts, &editor.input, fault);
     editor.knows = host->knows;
+    editor.find = host->find;
     editor.unanswered = !facts.answers;
     editor.grey = theme_dark.hint;
     if (!err)

@@ -34,6 +34,7 @@ struct repl_host {
     /* As of the line editor; may be NULL. Hints, and suggestions with them, are shown at a terminal
      * with colours. */
     line_complete_function *complete;
+    line_find_function *find;
     line_hint_function *hint;
     line_knows_function *knows;
     /* True once after a command made a picture to show; its pixels stay until the next execute.
