@@ -10,6 +10,7 @@
 #include "session/state.h"
 #include "session/tally.h"
 #include "show/draw.h"
+#include "show/outline_mark.h"
 #include "show/window.h"
 
 _Static_assert((int)PANE_AXIAL == (int)SLICE_AXIAL && (int)PANE_CORONAL == (int)SLICE_CORONAL &&
@@ -240,6 +241,8 @@ static void draw_marks(struct panes *p, const struct session *session,
         const struct mosaic_box *box = &p->panel.layout.box[plane];
         const struct slice_choice slice = slice_of(p, session, plane);
         uint32_t pixel[2];
+        if (wish->outline && box->width > 0)
+            outline_mark_draw(canvas, scene, &slice, box, wish->outline);
         for (size_t i = 0; i < wish->corners && box->width > 0; i++)
             if (slice_pixel_of(scene, &slice, box->width, box->height, wish->corner[i], pixel))
                 mark_point(canvas, (int64_t)box->left + pixel[0], (int64_t)box->top + pixel[1], 1);

@@ -2,9 +2,9 @@
  * Panes: slices and rendition of a session as one picture for a screen; what is marked in it, what
  * lies under its pixels, and what lies beyond it.
  *
- *     marks    hatching for what an eliminator would take, crosses for corners and a pixel, a path
- *              back to a seed: white where it lies in a slice, yellow in front of it or behind,
- *              with a cross around its strongest edge
+ *     marks    hatching for what an eliminator would take, crosses for corners and a pixel, an
+ *              outline (outline_mark.h), a path back to a seed: white where it lies in a slice,
+ *              yellow in front of it or behind, with a cross around its strongest edge
  *     heat     colours slices where labels are uncertain: greys get it, and tints where they are
  *              drawn over; no words, contours or marks
  *     notes    what is written over slices where pixels are too few for letters: the patient's
@@ -23,6 +23,7 @@ enum pane { PANE_AXIAL, PANE_CORONAL, PANE_SAGITTAL, PANE_RENDITION };
 enum { PANES_SLICES = 3, PANES_LINES = 4, PANES_NOTES_MOST = 64 };
 
 struct held;
+struct outline_mark;
 struct way;
 
 /* How the picture is wanted. What is borrowed is of use while it is drawn. */
@@ -42,6 +43,7 @@ struct panes_wish {
     const uint32_t *pixel;   /* [2] of the rendition, by its own column and row, or NULL */
     const uint32_t (*corner)[3]; /* voxels that are marked in the slices */
     size_t corners;
+    const struct outline_mark *outline; /* that is drawn, or NULL */
 };
 
 /* {0} is none yet. */

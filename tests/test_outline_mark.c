@@ -1,0 +1,189 @@
+/*
+ * Outlines that are shown and that are there: pixels of panes against the voxels of a plain list,
+ * and what of a session is taken up to be corrected.
+ */
+#include "report/outline_facts.h"
+#include "session/paint.h"
+#include "show/outline_mark.h"
+#include "show/panes.h"
+#include "tests/interpreting.h"
+
+static struct interpreter interp;
+
+static void begin(void)
+{
+    begin_interpreter(&interp);
+    must(&interp, "open synth:geom:32x32x32");
+    must(&interp, "cross 12,14,9");
+}
+
+static void draw(struct panes *panes, const struct outline_mark *mark)
+{
+    const struct panes_wish wish = {.width = 320,
+                                    .height = 320,
+                                    .cell_width = 8,
+                                    .cell_height = 16,
+                                    .line = {"", "", "", ""},
+                                    .outline = mark};
+    CHECK(panes_draw(panes, interp.session, &wish, NULL) == OK);
+}
+
+static bool is_of(const struct voxels *voxels, uint32_t cell)
+{
+    bool found = false;
+    for (size_t i = 0; i < voxels->count; i++)
+        found |= voxels->cell[i] == cell;
+    return found;
+}
+
+static bool is_rgb(const struct canvas *canvas, uint32_t x, uint32_t y, const uint8_t rgb[3])
+{
+    return memcmp(canvas_pixel(canvas, x, y), rgb, 3) == 0;
+}
+
+/* Of the pixels: how many have the label's colour, and how many others differ from those without
+ * the outline. */
+static void compare(const struct panes *with, const struct panes *without, enum pane pane,
+                    const struct voxels *inside, const uint8_t rgb[3], unsigned *dots,
+                    unsigned *others)
+{
+    const struct raster_box box = panes_box(with, pane);
+    *dots = *others = 0;
+    for (uint32_t y = box.top; y < box.top + box.height; y++)
+        for (uint32_t x = box.left; x < box.left + box.width; x++) {
+            const uint32_t cell = with->canvas.cell[y * with->canvas.stride + x];
+            const bool differs = !is_rgb(&with->canvas, x, y, canvas_pixel(&without->canvas, x, y));
+            const bool is_dot = is_rgb(&with->canvas, x, y, rgb);
+            *dots += is_dot;
+            *others += differs && !is_dot;
+            CHECK(!is_dot || is_of(inside, cell));
+        }
+}
+
+STORY(what_an_outline_encloses_is_dotted_in_its_slice_alone)
+{
+    static const uint32_t corner[][3] = {{4, 5, 9}, {20, 6, 9}, {22, 18, 9}, {9, 24, 9}};
+    static const uint8_t colour[3] = {250, 10, 130};
+    struct outline_mark mark = {.corner = corner, .corners = 4, .rgb = {250, 10, 130}};
+    struct panes with = {0}, without = {0};
+    struct voxels inside = {0};
+    unsigned dots, others, all = 0;
+    begin();
+    const struct scene *scene = session_scene(interp.session);
+    CHECK(paint_polygon(&inside, &scene->grid, corner, 4, NULL, NULL) == OK);
+    draw(&without, NULL);
+    draw(&with, &mark);
+    compare(&with, &without, PANE_AXIAL, &inside, colour, &dots, &others);
+    const struct raster_box box = panes_box(&with, PANE_AXIAL);
+    for (uint32_t y = box.top; y < box.top + box.height; y++)
+        for (uint32_t x = box.left; x < box.left + box.width; x++)
+            all += is_of(&inside, with.canvas.cell[y * with.canvas.stride + x]);
+    CHECK(dots > all / 5 && dots < all / 3);
+    CHECK(others > 100); /* the line */
+    for (enum pane pane = PANE_CORONAL; pane <= PANE_RENDITION; pane++) {
+        compare(&with, &without, pane, &inside, colour, &dots, &others);
+        CHECK_INT(dots + others, 0);
+    }
+    panes_release(&with);
+    must(&interp, "cross 12,14,10"); /* in the next slice there is nothing of it */
+    draw(&without, NULL);
+    draw(&with, &mark);
+    compare(&with, &without, PANE_AXIAL, &inside, colour, &dots, &others);
+    CHECK_INT(dots + others, 0);
+    must(&interp, "cross 12,14,9");
+    must(&interp, "magnify 300 at=12,14,9"); /* its corners are far beside the pane */
+    draw(&with, &mark);
+    voxels_release(&inside);
+    panes_release(&with);
+    panes_release(&without);
+    interpreter_release(&interp);
+}
+
+/* What is taken up at a place: its marker, or -1 for nothing; and its corners. */
+static int find(unsigned label, unsigned axis, const uint32_t place[3], size_t *corners)
+{
+    struct polyline line = {0};
+    struct buf words = {0};
+    uint32_t marker = 99;
+    const bool found =
+        outline_facts_find(&line, &marker, interp.session, label, axis, place, &words);
+    *corners = line.count;
+    CHECK(words.length > 0);
+    polyline_release(&line);
+    buf_release(&words);
+    return found ? (int)marker : -1;
+}
+
+STORY(the_outline_of_a_marker_comes_before_the_border_of_its_label)
+{
+    static const uint32_t here[3] = {12, 14, 9}, beside[3] = {25, 14, 9}, below[3] = {12, 14, 8},
+                          far[3] = {31, 31, 9};
+    size_t corners;
+    begin();
+    CHECK_INT(find(1, 2, here, &corners), -1); /* nothing has the label */
+    must(&interp, "seed 12,14,9 1 radius=4");
+    must(&interp, "seed 2,2,2 0");
+    must(&interp, "run");
+    CHECK_INT(find(1, 2, here, &corners), 0);
+    CHECK(corners > 3);
+    must(&interp, "outline 6,8,9 1 to=18,8,9 to=18,20,9 to=6,20,9");
+    CHECK_INT(find(1, 2, here, &corners), 3);
+    CHECK_INT(corners, 4);
+    CHECK_INT(find(1, 2, beside, &corners), 3); /* near it */
+    CHECK(find(1, 2, far, &corners) <= 0);
+    CHECK(find(1, 2, below, &corners) <= 0); /* in another slice */
+    CHECK(find(1, 1, here, &corners) <= 0);
+    CHECK(find(2, 2, here, &corners) <= 0); /* of another label */
+    must(&interp, "outline 7,8,9 1 to=18,8,9 to=18,20,9");
+    CHECK_INT(find(1, 2, here, &corners), 5); /* the latest */
+    must(&interp, "undo");
+    CHECK_INT(find(1, 2, here, &corners), 3);
+    interpreter_release(&interp);
+}
+
+STORY(the_slice_to_outline_next_has_a_place_in_it_and_is_none_that_has_one)
+{
+    struct buf words = {0};
+    unsigned axis = 9;
+    uint32_t place[3];
+    begin();
+    must(&interp, "finish relax");
+    CHECK(!outline_facts_next(&axis, place, interp.session, 0, 1, &words));
+    CHECK(!outline_facts_next(&axis, place, interp.session, 1, 1, &words));
+    CHECK_HAS(buf_text(&words), "no slice has anything in doubt of label 1");
+    must(&interp, "seed 12,14,9 1 radius=4");
+    must(&interp, "seed 2,2,2 0 radius=2");
+    must(&interp, "run");
+    buf_clear(&words);
+    CHECK(outline_facts_next(&axis, place, interp.session, 1, 1, &words));
+    CHECK_HAS(buf_text(&words), " in doubt");
+    const unsigned first = axis;
+    const uint32_t at = place[axis];
+    struct buf line = {0}; /* an outline there */
+    const unsigned across = (axis + 1) % 3, along = (axis + 2) % 3;
+    for (int i = 0; i < 4; i++) {
+        uint32_t corner[3];
+        corner[axis] = at;
+        corner[across] = i == 1 || i == 2 ? 18 : 8;
+        corner[along] = i / 2 ? 18 : 8;
+        buf_printf(&line, "%s%u,%u,%u%s", i ? " to=" : "outline ", corner[0], corner[1], corner[2],
+                   i ? "" : " 1");
+    }
+    must(&interp, buf_text(&line));
+    must(&interp, "run");
+    for (size_t rank = 1; outline_facts_next(&axis, place, interp.session, 1, rank, &words); rank++)
+        CHECK(axis != first || place[axis] != at);
+    buf_release(&line);
+    buf_release(&words);
+    interpreter_release(&interp);
+}
+
+int main(void)
+{
+    const int status =
+        RUN_STORIES(TELL(what_an_outline_encloses_is_dotted_in_its_slice_alone),
+                    TELL(the_outline_of_a_marker_comes_before_the_border_of_its_label),
+                    TELL(the_slice_to_outline_next_has_a_place_in_it_and_is_none_that_has_one));
+    reply_release(&reply);
+    return status;
+}
