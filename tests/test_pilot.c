@@ -84,6 +84,33 @@ static bool centre(void *context, unsigned of, uint32_t place[3])
     return has_seed;
 }
 
+/* A square of `outline_side`, of a marker where it has a number, and the slices in doubt. */
+static uint32_t outline_side, outline_marker;
+static bool outline_there(void *context, unsigned of, enum pilot_pane pane, const uint32_t place[3],
+                          struct polyline *there, uint32_t *marker, struct buf *out)
+{
+    (void)context;
+    (void)pane;
+    const uint32_t n = outline_side, corner[4][2] = {{0, 0}, {n, 0}, {n, n}, {0, n}};
+    for (int i = 0; i < 4 && n > 0; i++)
+        CHECK(polyline_add(there, (uint32_t[]){4 + corner[i][0], 4 + corner[i][1], place[2]}));
+    *marker = outline_marker;
+    buf_printf(out, n ? "a square of label %u" : "label %u is not here", of);
+    return n > 0;
+}
+
+static unsigned doubts;
+static bool doubt(void *context, unsigned of, unsigned rank, enum pilot_pane *pane,
+                  uint32_t place[3], struct buf *out)
+{
+    (void)context;
+    buf_printf(out, rank > doubts ? "nothing of label %u is in doubt" : "label %u, rank %u", of,
+               rank);
+    *pane = PILOT_AXIAL;
+    memcpy(place, (uint32_t[]){9, 9, rank}, 3 * sizeof *place);
+    return rank <= doubts;
+}
+
 static bool is_hidden(void *context, unsigned of)
 {
     (void)context;
@@ -143,6 +170,8 @@ static const struct pilot_host host = {.move = move,
                                        .peek = peek,
                                        .seed = seed_of,
                                        .centre = centre,
+                                       .doubt = doubt,
+                                       .outline = outline_there,
                                        .is_hidden = is_hidden,
                                        .label = label,
                                        .voxel_at = voxel_at,
@@ -155,9 +184,11 @@ static enum pilot_deed deed;
 
 static void begin(void)
 {
-    facts = (struct pilot_facts){.place = {20, 25, 30},
+    facts = (struct pilot_facts){.size = {size[0], size[1], size[2]},
+                                 .place = {20, 25, 30},
                                  .index = {30, 25, 20},
                                  .plane = {"axial", "coronal", "sagittal"},
+                                 .axis = {2, 1, 0},
                                  .window = {0, 100},
                                  .zoom = 1000,
                                  .times = PILOT_TIMES_ONE,
@@ -441,7 +472,7 @@ STORY(messages_name_the_keys_that_the_user_has)
     CHECK(setup_keys(&own, setup_row("mark"), "Sa-z", NULL) == OK);
     CHECK(setup_keys(&own, setup_row("plant-label"), ",0-9", NULL) == OK);
     CHECK(setup_keys(&own, setup_row("eliminate-it"), "y", NULL) == OK);
-    type("U");
+    type("Q");
     CHECK_TEXT(buf_text(&message), "this key does nothing here; F shows the keys");
     type("0");
     CHECK_TEXT(buf_text(&message), "a count begins with 1-9; ,0 plants a seed of label 0");
@@ -494,7 +525,7 @@ STORY(boxes_and_polygons_are_set_by_their_corners)
     CHECK_TEXT(buf_text(&message), "2 corners");
     CHECK_TEXT(type("A"), "");
     CHECK_TEXT(buf_text(&message),
-               "a polygon takes 3 corners or more, and there are 2; a sets one");
+               "an outline takes 3 corners or more, and there are 2; a sets one");
     CHECK_TEXT(type("d"), "");
     CHECK_TEXT(buf_text(&message), "a box takes one corner, and there are 2; Escape drops them");
     memcpy(facts.place, (uint32_t[]){9, 16, 8}, sizeof facts.place);
@@ -503,10 +534,10 @@ STORY(boxes_and_polygons_are_set_by_their_corners)
                "this lies in another slice than the corners so far; Escape drops them");
     facts.place[2] = 7;
     type("a");
-    CHECK_TEXT(buf_text(&message), "3 corners; A plants the polygon");
+    CHECK_TEXT(buf_text(&message), "3 corners; A plants the outline");
     facts.intensity = 100;
     type("10t");
-    CHECK_TEXT(type("A"), "fill 5,6,7 2 range=90..110 to=15,6,7 to=9,16,7\n");
+    CHECK_TEXT(type("A"), "outline 5,6,7 2 range=90..110 to=15,6,7 to=9,16,7\n");
     CHECK_INT(state.outline.count, 0);
     type("a");
     CHECK_TEXT(hint_now(), "1 corner  a another  d box to here  O its faces  S a ball's shell  "
@@ -515,7 +546,7 @@ STORY(boxes_and_polygons_are_set_by_their_corners)
     type("a");
     facts.place[1]++;
     type("a");
-    CHECK_TEXT(hint_now(), "3 corners  a another  A plants the polygon  Escape drops them");
+    CHECK_TEXT(hint_now(), "3 corners  a another  A plants the outline  Escape drops them");
     press(KEY_ESCAPE, 0, 0);
     CHECK_TEXT(buf_text(&message), "the corners are dropped");
     CHECK_INT(state.outline.count, 0);
@@ -532,6 +563,168 @@ static const char *walk(const char *letters)
                &facts.place[2]);
     }
     return buf_text(&line);
+}
+
+STORY(an_outline_is_drawn_freehand_by_keys)
+{
+    begin();
+    CHECK_TEXT(walk("@"), "");
+    CHECK(state.mode == PILOT_OUTLINING && message.length == 0);
+    pilot_keys_hint(&state, &facts, &message);
+    CHECK_TEXT(buf_text(&message),
+               "moving, or the mouse, draws an outline  Enter plants it  Escape drops it");
+    CHECK_TEXT(walk("5h"), "cross 25,25,30\n"); /* with counts, and nothing is planted */
+    walk("4k");
+    CHECK_TEXT(walk("i"), ""); /* nor by keys of other modes */
+    CHECK_HAS(buf_text(&message), "does nothing here");
+    walk("5l");
+    CHECK_TEXT(walk("r"), "turn 15\n"); /* which one may look around meanwhile */
+    CHECK_TEXT(walk("w"), "");
+    press(KEY_ENTER, 0, 0);
+    CHECK(state.mode == PILOT_OUTLINING);
+    CHECK_INT(state.outline.count, 4);
+    press(KEY_ENTER, 0, 0);
+    CHECK_TEXT(buf_text(&line), "outline 20,25,30 1 to=25,25,30 to=25,29,30 to=20,29,30\n");
+    CHECK(state.mode == PILOT_MOVING && state.outline.count == 0);
+    CHECK_TEXT(walk("K"), "cross 20,29,31\n");
+    CHECK_TEXT(type("."), "outline 20,25,31 1 to=25,25,31 to=25,29,31 to=20,29,31\n");
+    walk("@ll");
+    CHECK_TEXT(walk("@"), "");
+    CHECK_HAS(buf_text(&message), "3 corners or more, and there are 2; Escape drops it");
+    press(KEY_ESCAPE, 0, 0);
+    CHECK_TEXT(buf_text(&message), "the outline is dropped");
+    CHECK(state.mode == PILOT_MOVING && state.outline.count == 0);
+    CHECK_TEXT(walk("@@"), ""); /* down, and up again */
+    CHECK_TEXT(buf_text(&message), "the pen is up");
+    walk("@lK");
+    CHECK_HAS(buf_text(&message), "another slice"); /* and goes there */
+    CHECK_INT(state.outline.count, 2);
+    walk("J");
+    walk("k0"); /* no label plants the rest, without a ring */
+    press(KEY_ESCAPE, 0, 0);
+    walk("v");
+    walk("l");
+    CHECK_HAS(walk("@"), " to="); /* the stroke of the other pen ends */
+    CHECK(!state.pen.is_down);
+}
+
+/* What the left button does at a voxel of the slice that is shown, z = 7. */
+static const char *mouse(enum mouse_action action, uint32_t x, uint32_t y)
+{
+    const struct key_event event = {.key = KEY_MOUSE,
+                                    .mouse = {.action = action, .button = MOUSE_LEFT}};
+    buf_clear(&line);
+    buf_clear(&message);
+    click_on(&event, x, y);
+    sscanf(buf_text(&line), "cross %u,%u,%u", &facts.place[0], &facts.place[1], &facts.place[2]);
+    return buf_text(&line);
+}
+
+STORY(the_mouse_draws_an_outline_and_letting_go_closes_it)
+{
+    begin();
+    shown_pane = PILOT_AXIAL;
+    walk("2b@");
+    CHECK_TEXT(mouse(MOUSE_PRESSED, 5, 5), "cross 5,5,7\n");
+    mouse(MOUSE_MOVED, 15, 5);
+    mouse(MOUSE_MOVED, 15, 10);
+    mouse(MOUSE_MOVED, 15, 15);
+    mouse(MOUSE_MOVED, 5, 15);
+    CHECK_TEXT(mouse(MOUSE_RELEASED, 5, 15), "outline 5,5,7 2 to=15,5,7 to=15,15,7 to=5,15,7\n");
+    CHECK(state.mode == PILOT_OUTLINING && state.outline.count == 0); /* on to the next */
+    CHECK_TEXT(type("u"), "undo\n");
+    for (uint32_t i = 0; i < 4; i++) { /* corners by clicks, the last by a hand that shakes */
+        CHECK_HAS(mouse(MOUSE_PRESSED, 8 + 8 * (i == 1 || i == 2), 8 + 8 * (i / 2)), "cross ");
+        CHECK_TEXT(mouse(MOUSE_RELEASED, 9, 9), "");
+    }
+    CHECK_INT(state.outline.count, 4);
+    shown_pane = PILOT_RENDITION; /* does not take the corners away */
+    mouse(MOUSE_PRESSED, 3, 3);
+    mouse(MOUSE_RELEASED, 3, 3);
+    CHECK(state.mode == PILOT_OUTLINING);
+    press(KEY_ENTER, 0, 0);
+    CHECK_TEXT(buf_text(&line), "outline 8,8,7 2 to=16,8,7 to=16,16,7 to=8,16,7\n");
+    facts.place[2] = 9;
+    facts.place[0] = 8;
+    facts.place[1] = 16;
+    CHECK_HAS(type("."), ",9 2 to=");
+}
+
+STORY(an_outline_that_is_there_is_dragged_and_planted)
+{
+    begin();
+    outline_side = 20;
+    outline_marker = 0;
+    facts.place[2] = 7;
+    CHECK_TEXT(type("U"), "");
+    CHECK_TEXT(buf_text(&message), "a square of label 1");
+    CHECK(state.mode == PILOT_SHAPING);
+    press(KEY_ENTER, 0, 0); /* as it is */
+    CHECK_TEXT(buf_text(&line), "outline 4,4,7 1 to=24,4,7 to=24,24,7 to=4,24,7\n");
+    outline_marker = 12;
+    type("U");
+    shown_pane = PILOT_AXIAL;
+    mouse(MOUSE_PRESSED, 14, 14); /* far from the line */
+    CHECK_TEXT(buf_text(&message), "the outline is more than 8 voxels from here");
+    mouse(MOUSE_MOVED, 14, 20);
+    CHECK(!state.is_bent);
+    mouse(MOUSE_RELEASED, 14, 20);
+    mouse(MOUSE_PRESSED, 14, 5);
+    mouse(MOUSE_MOVED, 14, 9);
+    mouse(MOUSE_MOVED, 14, 1);
+    mouse(MOUSE_RELEASED, 14, 1);
+    CHECK(state.is_bent && !state.hold.is_set && state.mode == PILOT_SHAPING);
+    uint32_t top = 99; /* of the line: a bulge of 4 at x = 14, nothing at the corners */
+    for (size_t i = 0; i < state.outline.count; i++)
+        top = state.outline.corner[i][1] < top ? state.outline.corner[i][1] : top;
+    CHECK_INT(top, 0);
+    CHECK(memcmp(state.outline.corner[7], (uint32_t[]){24, 24, 7}, 12) == 0);
+    CHECK_TEXT(type("U"), ""); /* which is not lost */
+    CHECK_TEXT(buf_text(&message), "Enter plants the outline first, Escape drops it");
+    press(KEY_ENTER, 0, 0);
+    CHECK_HAS(buf_text(&line), "outline 4,3,7 1 to=");
+    CHECK_HAS(buf_text(&line), " instead=12\n");
+    type("U");
+    memcpy(facts.place, (uint32_t[]){4, 14, 7}, sizeof facts.place);
+    type("v");
+    walk("2h");
+    const size_t bent = state.outline.count;
+    CHECK(state.hold.is_set && bent > 4);
+    press(KEY_ESCAPE, 0, 0); /* as it was, */
+    CHECK(state.mode == PILOT_SHAPING && state.outline.count == 4);
+    press(KEY_ESCAPE, 0, 0); /* and gone */
+    CHECK(state.mode == PILOT_MOVING && state.outline.count == 0 && state.instead == 0);
+    outline_side = 0;
+    type("U");
+    CHECK_TEXT(buf_text(&message), "label 1 is not here; @ draws an outline");
+    CHECK(state.mode == PILOT_MOVING);
+}
+
+STORY(the_slice_that_is_least_certain_comes_with_its_outline)
+{
+    begin();
+    outline_side = 20;
+    outline_marker = 0;
+    doubts = 2;
+    type("\t");
+    state.pane = PILOT_SAGITTAL;
+    CHECK_TEXT(type("}"), "cross 9,9,1\n");
+    CHECK(state.pane == PILOT_AXIAL && state.mode == PILOT_SHAPING);
+    CHECK_HAS(buf_text(&message), "label 1, rank 1; a square of label 1");
+    CHECK_TEXT(type("}"), "cross 9,9,2\n");
+    CHECK_TEXT(type("}"), "cross 9,9,1\n"); /* after the last one the first */
+    CHECK_TEXT(type("2}"), "cross 9,9,2\n");
+    CHECK_TEXT(type("{"), "cross 9,9,1\n");
+    press(KEY_ENTER, 0, 0);
+    CHECK_HAS(buf_text(&line), "outline 4,4,1 1 to=");
+    CHECK_INT(state.doubt, 0);
+    outline_side = 0; /* nothing of it lies there yet */
+    CHECK_TEXT(type("2}"), "cross 9,9,2\n");
+    CHECK(state.mode == PILOT_MOVING);
+    CHECK_HAS(buf_text(&message), "label 1 is not here; @ draws an outline");
+    doubts = 0;
+    CHECK_TEXT(type("}"), "");
+    CHECK_TEXT(buf_text(&message), "nothing of label 1 is in doubt");
 }
 
 STORY(what_the_pen_draws_is_one_command_once_it_is_lifted)
@@ -727,10 +920,10 @@ STORY(a_box_or_a_polygon_is_repeated_beside_the_cross_hair)
     type("a");
     facts.place[1]++;
     type("a");
-    CHECK_TEXT(type("A"), "fill 35,2,31 3 to=36,2,31 to=36,3,31\n");
+    CHECK_TEXT(type("A"), "outline 35,2,31 3 to=36,2,31 to=36,3,31\n");
     facts.place[2] += 4;
-    CHECK_TEXT(type("."), "fill 35,2,35 3 to=36,2,35 to=36,3,35\n");
-    CHECK_TEXT(type("."), "fill 35,2,35 3 to=36,2,35 to=36,3,35\n");
+    CHECK_TEXT(type("."), "outline 35,2,35 3 to=36,2,35 to=36,3,35\n");
+    CHECK_TEXT(type("."), "outline 35,2,35 3 to=36,2,35 to=36,3,35\n");
 }
 
 STORY(what_is_shown)
@@ -1597,6 +1790,10 @@ int main(void)
         TELL(the_page_of_keys_is_filtered),
         TELL(headings_and_keys_have_colours_where_there_are_any),
         TELL(what_is_dangerous_and_how_to_begin_are_said), TELL(seeds_brushes_and_strokes),
+        TELL(an_outline_is_drawn_freehand_by_keys),
+        TELL(the_mouse_draws_an_outline_and_letting_go_closes_it),
+        TELL(an_outline_that_is_there_is_dragged_and_planted),
+        TELL(the_slice_that_is_least_certain_comes_with_its_outline),
         TELL(what_the_pen_draws_is_one_command_once_it_is_lifted), TELL(a_radius_in_millimetres),
         TELL(a_brush_within_intensities), TELL(messages_name_the_keys_that_the_user_has),
         TELL(boxes_and_polygons_are_set_by_their_corners),

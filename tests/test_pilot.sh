@@ -31,6 +31,9 @@ sides_are() {
 sides_are_not() {
     ! sides_are "$@"
 }
+replaces_outline() {
+    case $(last_record) in "outline "*" 2 to="*" instead="[1-9]*) ;; *) return 1 ;; esac
+}
 no_words() {
     ! screen_text | head -n 22 | grep -q ' mm\|^[RLAPSI]'
 }
@@ -345,7 +348,7 @@ recorded "cross 11,13,11"
 type_letters "j"
 recorded "cross 11,13,10"
 type_letters "aA"
-recorded "fill 10,13,11 2 to=11,13,11 to=11,13,10"
+recorded "outline 10,13,11 2 to=11,13,11 to=11,13,10"
 type_letters "T-99999..99999"
 see '^intensities LOW..HIGH, or none: -99999..99999_  Enter takes it  Escape leaves$'
 press Enter
@@ -357,6 +360,34 @@ recorded "seed 11,13,10 2 radius=1mm range=-99999..99999"
 type_letters "M-T"
 press Enter
 see '^the brush: label 2, radius 0$'
+close_story
+
+begin "an outline is drawn, closed, taken up again, dragged, and takes the place of what it was"
+type_letters ":"
+enter "cross 12,13,8"
+see '^coronal y=13 at 12,13,8'
+type_letters "@"
+see '^OUTLINE  coronal y=13 at 12,13,8'
+see '^moving, or the mouse, draws an outline  Enter plants it  Escape drops it$'
+type_letters "4l4k4h"
+see '^OUTLINE  coronal y=13 at 12,13,12  brush 2 4 corners'
+press Enter
+recorded "outline 12,13,8 2 to=8,13,8 to=8,13,12 to=12,13,12"
+type_letters "U"
+see '^the outline of marker [0-9]+$'
+type_letters "v"
+see '^held: moving drags it  Enter plants it  v takes hold, lets go  Escape drops it$'
+type_letters "2h"
+press Enter
+comes_true replaces_outline || fail "$(last_record)"
+type_letters "}"
+see ' in doubt; the (border|outline) of '
+press Escape
+see '^the outline is dropped$'
+press Tab # it is an axial slice
+type_letters ":"
+enter "cross 11,13,10"
+see '^coronal y=13 at 11,13,10'
 close_story
 
 begin "stopped and continued, the screen comes back"

@@ -5,9 +5,11 @@
 
 #include "program/shown.h"
 #include "report/label_report.h"
+#include "report/outline_facts.h"
 #include "session/session.h"
 #include "session/state.h"
 #include "show/draw.h"
+#include "show/outline_mark.h"
 #include "show/window.h"
 #include "tui/pilot/pilot_keys.h"
 
@@ -55,6 +57,7 @@ static bool facts(void *context, struct pilot_facts *out)
     window_values(out->window, session);
     for (enum pane pane = PANE_AXIAL; pane < PANE_RENDITION; pane++) {
         const struct pane_slice slice = panes_slice(session, pane);
+        out->size[pane] = session_scene(session)->grid.size[pane];
         out->place[pane] = s->cross[pane];
         out->axis[pane] = slice.axis;
         out->index[pane] = slice.number;
@@ -111,6 +114,27 @@ static unsigned hints(void *context)
     return voxel_facts_hints(session_of(context));
 }
 
+static bool outline(void *context, unsigned number, enum pilot_pane pane, const uint32_t place[3],
+                    struct polyline *line, uint32_t *marker, struct buf *out)
+{
+    struct session *session = session_of(context);
+    return outline_facts_find(line, marker, session, number,
+                              panes_slice(session, (enum pane)pane).axis, place, out);
+}
+
+static bool doubt(void *context, unsigned number, unsigned rank, enum pilot_pane *pane,
+                  uint32_t place[3], struct buf *out)
+{
+    struct session *session = session_of(context);
+    unsigned axis;
+    if (!outline_facts_next(&axis, place, session, number, rank, out))
+        return false;
+    *pane = PILOT_AXIAL;
+    while (panes_slice(session, (enum pane) * pane).axis != axis)
+        ++*pane;
+    return true;
+}
+
 static bool held(void *context, const uint32_t place[3], bool tree, struct buf *out)
 {
     struct pilot_interpreter *pilot = context;
@@ -124,6 +148,7 @@ static enum err draw(struct pilot_interpreter *pilot, const struct pilot_wish *w
                      struct fault *fault)
 {
     const struct pilot_setup *setup = wish->setup ? wish->setup : &pilot_setup_default;
+    struct outline_mark outline = {.corner = wish->corner, .corners = wish->corners};
     struct buf line[PANES_LINES] = {{0}};
     struct panes_wish panes = {.width = wish->width,
                                .height = wish->height,
@@ -140,7 +165,10 @@ static enum err draw(struct pilot_interpreter *pilot, const struct pilot_wish *w
                                .own = pilot->own,
                                .pixel = wish->marks_pixel ? wish->pixel : NULL,
                                .corner = wish->corner,
-                               .corners = wish->corners};
+                               .corners = wish->marks_corners ? wish->corners : 0,
+                               .outline = wish->marks_outline ? &outline : NULL};
+    memcpy(outline.rgb, session_kept(session_of(pilot))->palette.rgb[wish->label],
+           sizeof outline.rgb);
     buf_add_text(line, "nothing to show yet"); /* what stands in an empty rendition */
     if (!pilot->watches) {
         setup_say_key(line + 1, setup, "plant", " plants a seed of the label");
@@ -181,6 +209,10 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
                                 .hues = shown_hues(pilot->hue, session_of(context))};
     if (wish->heat && view->hues < 256)
         pilot->hue[view->hues++] = PANES_HEAT_HUE;
+    if (wish->marks_outline && view->hues < 256) { /* no voxel may have the label yet */
+        const uint8_t *rgb = session_kept(session_of(context))->palette.rgb[wish->label];
+        pilot->hue[view->hues++] = (uint32_t)rgb[0] << 16 | (uint32_t)rgb[1] << 8 | rgb[2];
+    }
     return OK;
 }
 
@@ -332,6 +364,8 @@ void pilot_host_fill(struct pilot_host *host)
     host->look_on = look_on;
     host->finish = finish;
     host->peek = peek;
+    host->outline = outline;
+    host->doubt = doubt;
     host->seed = seed;
     host->centre = centre;
     host->is_hidden = is_hidden;

@@ -10,6 +10,7 @@
 
 #include "base/buf.h"
 #include "base/err.h"
+#include "base/polyline.h"
 #include "tui/picture/image_view.h"
 
 enum { PILOT_CAPTIONS = 3 };
@@ -39,6 +40,7 @@ enum { PILOT_KNOWN_BYTES = 80 };
 
 /* What the host knows of the present state. */
 struct pilot_facts {
+    uint32_t size[3];     /* of the scene, in voxels */
     uint32_t place[3];    /* of the cross-hair: a voxel */
     uint32_t index[3];    /* its slice, by plane: */
     const char *plane[3]; /* what slices of that are called, "axial" or "z", */
@@ -80,8 +82,11 @@ struct pilot_wish {
     bool marks_pixel; /* a pixel of the rendition, by column and row of its own, is marked */
     uint32_t pixel[2];
     const struct pilot_setup *setup; /* whose keys are named in the picture; NULL: the table's */
-    const uint32_t (*corner)[3];     /* voxels that are marked in the slices */
+    const uint32_t (*corner)[3];     /* of a box or an outline: marked in the slices, */
     size_t corners;
+    bool marks_corners;   /* each with a cross, */
+    bool marks_outline;   /* and the line through them, with what it encloses in the colour of */
+    unsigned label;       /* this label */
     enum pilot_pane pane; /* that is marked, */
     bool is_alone;        /* or has the whole screen */
 };
@@ -147,6 +152,16 @@ struct pilot_host {
     bool (*why)(void *context, const uint32_t place[3], struct pilot_way *way, struct buf *out);
     /* How many places `hint N` knows; 0 where it would say why there are none. */
     unsigned (*hints)(void *context);
+    /* The slice in which it is the `rank`th least certain, from 1 on, where the label ends: its
+     * pane, a place in it, and in words how much is in doubt. False, with words, where there is
+     * none of that rank. */
+    bool (*doubt)(void *context, unsigned label, unsigned rank, enum pilot_pane *pane,
+                  uint32_t place[3], struct buf *out);
+    /* The outline of the label that is there in the slice of a pane through a place, from its last
+     * corner back to its first, into an empty line; and in words what it is of: of a marker there,
+     * else, with 0, of the label as it is shown. False, with words, for neither. */
+    bool (*outline)(void *context, unsigned label, enum pilot_pane pane, const uint32_t place[3],
+                    struct polyline *line, uint32_t *marker, struct buf *out);
     /* Where the label's seeds are, those of a command once: the one that is `by` further than that
      * at the cross-hair, round and round. False where it has none. */
     bool (*seed)(void *context, unsigned label, int64_t by, uint32_t place[3]);

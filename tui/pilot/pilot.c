@@ -163,7 +163,7 @@ static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_
         pilot_add_status(&upper, p->state, p->host, facts, size->columns);
     if (second || begins || !p->host->caption)
         add_row(out, size->rows - 2, size->columns, buf_text(&upper),
-                p->state->pen.is_down ? alarm : "");
+                p->state->pen.is_down || p->state->base == PILOT_OUTLINING ? alarm : "");
     add_row(out, size->rows - 1, size->columns, second ? second + 1 : buf_text(&lower), "");
     out->failed |= upper.failed || lower.failed;
     buf_release(&upper);
@@ -190,6 +190,9 @@ static struct pilot_wish wish_of(const struct pilot *p)
                               .setup = p->state->setup,
                               .corner = (const uint32_t(*)[3])p->state->outline.corner,
                               .corners = p->state->outline.count,
+                              .marks_corners = !pilot_outlines(p->state->base),
+                              .marks_outline = p->state->outline.count > 1,
+                              .label = p->state->brush.label,
                               .pane = p->state->mode == PILOT_PICKING ? PILOT_RENDITION
                                                                       : p->state->pane};
     painter_size(&p->painter, &wish.width, &wish.height);

@@ -13,9 +13,13 @@
 #define EXPLAINING      PILOT_IN(PILOT_EXPLAINING)
 #define WINDOWING       PILOT_IN(PILOT_WINDOWING)
 #define RANGING         PILOT_IN(PILOT_RANGING)
+#define OUTLINING       PILOT_IN(PILOT_OUTLINING)
+#define SHAPING         PILOT_IN(PILOT_SHAPING)
+#define OUTLINES        (OUTLINING | SHAPING)
 #define WATCHING        PILOT_IN(PILOT_WATCHING)
 #define ALL             (BOTH | WATCHING)
-#define ARROWS          (ALL | WINDOWING)
+#define LOOKS           (ALL | OUTLINES)
+#define ARROWS          (LOOKS | WINDOWING)
 
 /* What every row of a thing to do begins with, on one line. */
 #define KEY(NAME, KEYS, ALSO, IN) NAME, KEYS, ALSO, .in = IN
@@ -72,9 +76,9 @@ const struct pilot_row pilot_table[] = {
      .help = ""},
     {KEY("far-right", "L", "Ctrl-Right", ARROWS), DO(pilot_move, PILOT_FAR + PILOT_RIGHT),
      .flags = STEPS, .help = ""},
-    {KEY("slice-back", "J", "Page-down", ALL), DO(pilot_change_slice, -1), .flags = COUNTS | MOVES,
-     PAGE("J K Page-keys", "the slice")},
-    {KEY("slice-on", "K", "Page-up", ALL), DO(pilot_change_slice, 1), .flags = COUNTS | MOVES,
+    {KEY("slice-back", "J", "Page-down", LOOKS), DO(pilot_change_slice, -1),
+     .flags = COUNTS | MOVES, PAGE("J K Page-keys", "the slice")},
+    {KEY("slice-on", "K", "Page-up", LOOKS), DO(pilot_change_slice, 1), .flags = COUNTS | MOVES,
      .help = ""},
     {KEY("first-slice", "gg", "", MOVING), DO(pilot_to_slice, -1), .flags = COUNTS | MOVES,
      .help = "first, last, 90G"},
@@ -107,22 +111,30 @@ const struct pilot_row pilot_table[] = {
      .hint = "a seed there"},
     {KEY("plant-label", "s0-9", "", ALL), DO(pilot_plant_label, 0), .flags = CHANGES,
      .help = "a seed of 0-9"},
-    {KEY("next-label", "b", "", ALL), DO(pilot_choose_label, 1), .flags = COUNTS,
+    {KEY("next-label", "b", "", LOOKS), DO(pilot_choose_label, 1), .flags = COUNTS,
      .help = "the label: 12b is 12", .hint = "label"},
-    {KEY("previous-label", "B", "", ALL), DO(pilot_choose_label, -1), .flags = COUNTS, .help = ""},
+    {KEY("previous-label", "B", "", LOOKS), DO(pilot_choose_label, -1), .flags = COUNTS,
+     .help = ""},
     {KEY("larger", "+", "=", ALL), DO(pilot_change_radius, 1), .flags = COUNTS,
      .help = "the radius; in mm"},
     {KEY("smaller", "-", "_", ALL), DO(pilot_change_radius, -1), .flags = COUNTS, .help = ""},
     {KEY("millimetres", "M", "", ALL), DO(pilot_change_unit, 0), .help = ""},
-    {KEY("pen", "v", "", MOVING), DO(pilot_lower_pen, 0), .help = "pen down: moving draws"},
+    {KEY("pen", "v", "", MOVING), DO(pilot_lower_pen, 0), PAGE("v I", "pen draws; stroke's end")},
+    {KEY("stroke", "I", "", MOVING), DO(pilot_begin_stroke, 0), .help = ""},
     {KEY("range", "t", "", MOVING), DO(pilot_take_range, 0), .flags = COUNTS,
      .help = "within intensities"},
     {KEY("type-range", "T", "", BOTH), DO(pilot_begin_range, 0), .then = PILOT_RANGING, .help = ""},
-    {KEY("stroke", "I", "", MOVING), DO(pilot_begin_stroke, 0), .help = "one end of a stroke"},
+    {KEY("outline", "@", "", MOVING | OUTLINES), DO(pilot_begin_outline, 0),
+     PAGE("@ U } {", "outline; next in doubt")},
+    {KEY("take-up", "U", "", MOVING | SHAPING), DO(pilot_take_up, 0), .help = ""},
+    {KEY("next-doubt", "}", "", MOVING | SHAPING), DO(pilot_go_to_doubt, 1), .flags = COUNTS,
+     .help = ""},
+    {KEY("previous-doubt", "{", "", MOVING | SHAPING), DO(pilot_go_to_doubt, -1), .flags = COUNTS,
+     .help = ""},
     {KEY("corner", "a", "", MOVING), DO(pilot_set_corner, 0), .help = "box, area, shell"},
     {KEY("box", "d", "", MOVING), DO(pilot_plant_box, 0), .flags = CHANGES | PILOT_OUTLINES,
      .help = ""},
-    {KEY("polygon", "A", "", MOVING), DO(pilot_plant_polygon, 0), .flags = CHANGES | PILOT_OUTLINES,
+    {KEY("polygon", "A", "", MOVING), DO(pilot_close_outline, 0), .flags = PILOT_OUTLINES,
      .help = ""},
     {KEY("enclose", "S", "", MOVING), DO(pilot_plant_shell, 0), .flags = CHANGES | PILOT_OUTLINES,
      .help = ""},
@@ -138,58 +150,58 @@ const struct pilot_row pilot_table[] = {
      .help = "hide, show; show all"},
     {KEY("show-all", "E", "", BOTH), DO(pilot_show_all, 0), .help = ""},
     {KEY("drop", "Escape", "", MOVING), DO(pilot_drop_stroke, 0), .help = "no pen, no corners"},
-    {KEY("run", "Space", "", BOTH), .command = "run\n", .help = "run what waits"},
-    {KEY("undo", "u", "", BOTH), DO(pilot_undo, -1), .flags = COUNTS | PILOT_SAYS_ALL,
+    {KEY("run", "Space", "", BOTH | OUTLINES), .command = "run\n", .help = "run what waits"},
+    {KEY("undo", "u", "", BOTH | OUTLINES), DO(pilot_undo, -1), .flags = COUNTS | PILOT_SAYS_ALL,
      .help = "undo, redo, again", .hint = "undo"},
-    {KEY("redo", "Ctrl-R", "", BOTH), DO(pilot_undo, 1), .flags = COUNTS, .help = ""},
+    {KEY("redo", "Ctrl-R", "", BOTH | OUTLINES), DO(pilot_undo, 1), .flags = COUNTS, .help = ""},
     {KEY("repeat", ".", "", BOTH), DO(pilot_repeat, 0), .help = ""},
     PART("What is shown"),
-    {KEY("turn-right", "r", "Shift-Right", ALL), DO(pilot_turn, PILOT_RIGHT), .flags = COUNTS,
+    {KEY("turn-right", "r", "Shift-Right", LOOKS), DO(pilot_turn, PILOT_RIGHT), .flags = COUNTS,
      PAGE("r R Shift-arrows", "turn the view")},
-    {KEY("turn-left", "R", "Shift-Left", ALL), DO(pilot_turn, PILOT_LEFT), .flags = COUNTS,
+    {KEY("turn-left", "R", "Shift-Left", LOOKS), DO(pilot_turn, PILOT_LEFT), .flags = COUNTS,
      .help = ""},
-    {KEY("turn-up", "Shift-Up", "", ALL), DO(pilot_turn, PILOT_UP), .flags = COUNTS, .help = ""},
-    {KEY("turn-down", "Shift-Down", "", ALL), DO(pilot_turn, PILOT_DOWN), .flags = COUNTS,
+    {KEY("turn-up", "Shift-Up", "", LOOKS), DO(pilot_turn, PILOT_UP), .flags = COUNTS, .help = ""},
+    {KEY("turn-down", "Shift-Down", "", LOOKS), DO(pilot_turn, PILOT_DOWN), .flags = COUNTS,
      .help = ""},
     {KEY("roll", ">", "", BOTH), DO(pilot_roll, 1), .flags = COUNTS, PAGE("< >", "roll it")},
     {KEY("roll-back", "<", "", BOTH), DO(pilot_roll, -1), .flags = COUNTS, .help = ""},
-    {KEY("front", "Va", "", ALL), .command = "view front\n",
+    {KEY("front", "Va", "", LOOKS), .command = "view front\n",
      PAGE("Va p l r s i", "view from a side")},
-    {KEY("back", "Vp", "", ALL), .command = "view back\n", .help = ""},
-    {KEY("left-side", "Vl", "", ALL), .command = "view left\n", .help = ""},
-    {KEY("right-side", "Vr", "", ALL), .command = "view right\n", .help = ""},
-    {KEY("top", "Vs", "", ALL), .command = "view top\n", .help = ""},
-    {KEY("bottom", "Vi", "", ALL), .command = "view bottom\n", .help = ""},
-    {KEY("nearer", "z", "", ALL), DO(pilot_change_zoom, 1), .help = "zoom in, out; fit"},
-    {KEY("farther", "Z", "", ALL), DO(pilot_change_zoom, -1), .help = ""},
-    {KEY("fit", "F", "", ALL), .command = "zoom fit\n", .help = ""},
+    {KEY("back", "Vp", "", LOOKS), .command = "view back\n", .help = ""},
+    {KEY("left-side", "Vl", "", LOOKS), .command = "view left\n", .help = ""},
+    {KEY("right-side", "Vr", "", LOOKS), .command = "view right\n", .help = ""},
+    {KEY("top", "Vs", "", LOOKS), .command = "view top\n", .help = ""},
+    {KEY("bottom", "Vi", "", LOOKS), .command = "view bottom\n", .help = ""},
+    {KEY("nearer", "z", "", LOOKS), DO(pilot_change_zoom, 1), .help = "zoom in, out; fit"},
+    {KEY("farther", "Z", "", LOOKS), DO(pilot_change_zoom, -1), .help = ""},
+    {KEY("fit", "F", "", LOOKS), .command = "zoom fit\n", .help = ""},
     {KEY("correct", "p", "", MOVING), DO(pilot_begin_picking, 0), .help = "correct the rendition"},
     {KEY("to-voxel", "p", "", PICKING), DO(pilot_end_picking, 1), .hint = "to its voxel"},
     {KEY("stop-correcting", "Escape", "", PICKING), DO(pilot_end_picking, 0), .hint = "ends"},
-    {KEY("magnify", "]", "", ALL), DO(pilot_magnify, 1), .flags = COUNTS,
+    {KEY("magnify", "]", "", LOOKS), DO(pilot_magnify, 1), .flags = COUNTS,
      PAGE("] [ W", "larger slices; all")},
-    {KEY("reduce", "[", "", ALL), DO(pilot_magnify, -1), .flags = COUNTS, .help = ""},
-    {KEY("whole-slices", "W", "", ALL), DO(pilot_magnify, 0), .help = ""},
-    {KEY("recentre", "gz", "", MOVING | WATCHING), DO(pilot_recentre, 0),
+    {KEY("reduce", "[", "", LOOKS), DO(pilot_magnify, -1), .flags = COUNTS, .help = ""},
+    {KEY("whole-slices", "W", "", LOOKS), DO(pilot_magnify, 0), .help = ""},
+    {KEY("recentre", "gz", "", MOVING | WATCHING | OUTLINES), DO(pilot_recentre, 0),
      .help = "around the cross-hair"},
-    {KEY("pan-left", "Alt-Left", "Alt-h", ALL), DO(pilot_pan, PILOT_LEFT), .flags = COUNTS,
+    {KEY("pan-left", "Alt-Left", "Alt-h", LOOKS), DO(pilot_pan, PILOT_LEFT), .flags = COUNTS,
      PAGE("Alt-arrows", "move them, the view")},
-    {KEY("pan-down", "Alt-Down", "Alt-j", ALL), DO(pilot_pan, PILOT_DOWN), .flags = COUNTS,
+    {KEY("pan-down", "Alt-Down", "Alt-j", LOOKS), DO(pilot_pan, PILOT_DOWN), .flags = COUNTS,
      .help = ""},
-    {KEY("pan-up", "Alt-Up", "Alt-k", ALL), DO(pilot_pan, PILOT_UP), .flags = COUNTS, .help = ""},
-    {KEY("pan-right", "Alt-Right", "Alt-l", ALL), DO(pilot_pan, PILOT_RIGHT), .flags = COUNTS,
+    {KEY("pan-up", "Alt-Up", "Alt-k", LOOKS), DO(pilot_pan, PILOT_UP), .flags = COUNTS, .help = ""},
+    {KEY("pan-right", "Alt-Right", "Alt-l", LOOKS), DO(pilot_pan, PILOT_RIGHT), .flags = COUNTS,
      .help = ""},
-    {KEY("overlay", "o", "", ALL), DO(pilot_change_overlay, 0),
+    {KEY("overlay", "o", "", LOOKS), DO(pilot_change_overlay, 0),
      PAGE("o y w", "contour; finish; greys")},
-    {KEY("finished", "y", "", ALL), DO(pilot_change_labels, 0), .help = ""},
-    {KEY("window", "w", "", ALL), .then = PILOT_WINDOWING, .help = ""},
-    {KEY("alone", "f", "", ALL), DO(pilot_show_alone, 0), .help = "one pane, all four"},
-    {KEY("command", ":", "", ALL), .deed = PILOT_PROMPT, .help = "a command", .hint = "command"},
-    {KEY("keys", "?", "", ALL), .deed = PILOT_SHOW_KEYS, .help = "these keys", .hint = "keys"},
-    {KEY("redraw", "Ctrl-L", "", ALL), .deed = PILOT_REDRAW,
+    {KEY("finished", "y", "", LOOKS), DO(pilot_change_labels, 0), .help = ""},
+    {KEY("window", "w", "", LOOKS), .then = PILOT_WINDOWING, .help = ""},
+    {KEY("alone", "f", "", LOOKS), DO(pilot_show_alone, 0), .help = "one pane, all four"},
+    {KEY("command", ":", "", LOOKS), .deed = PILOT_PROMPT, .help = "a command", .hint = "command"},
+    {KEY("keys", "?", "", LOOKS), .deed = PILOT_SHOW_KEYS, .help = "these keys", .hint = "keys"},
+    {KEY("redraw", "Ctrl-L", "", LOOKS), .deed = PILOT_REDRAW,
      PAGE("Ctrl-L Ctrl-Z", "draw anew; stop")},
-    {KEY("suspend", "Ctrl-Z", "", ALL), .deed = PILOT_SUSPEND, .help = ""},
-    {KEY("leave", "q", "Ctrl-D", ALL), .deed = PILOT_LEAVE, .help = "back to the prompt",
+    {KEY("suspend", "Ctrl-Z", "", LOOKS), .deed = PILOT_SUSPEND, .help = ""},
+    {KEY("leave", "q", "Ctrl-D", LOOKS), .deed = PILOT_LEAVE, .help = "back to the prompt",
      .hint = "back"},
 
     {KEY("eliminate-it", "x Enter", "", CONFIRMING), .command = "remove @\n", .flags = CHANGES,
@@ -206,6 +218,10 @@ const struct pilot_row pilot_table[] = {
     {KEY("enclose-there", "S", "", EXPLAINING), DO(pilot_enclose_at_edge, 0), .hint = "shell"},
     {KEY("stroke-there", "I", "", EXPLAINING), DO(pilot_stroke_at_edge, 0), .hint = "stroke"},
     {KEY("explained", "Escape", "", EXPLAINING), .hint = "ends"},
+
+    {KEY("close-outline", "Enter", "A", OUTLINES), DO(pilot_close_outline, 0), .hint = "plants it"},
+    {KEY("take-hold", "v", "", SHAPING), DO(pilot_take_hold, 0), .hint = "takes hold, lets go"},
+    {KEY("drop-outline", "Escape", "", OUTLINES), DO(pilot_drop_outline, 0), .hint = "drops it"},
 
     {KEY("preset", "1-9", "", WINDOWING), DO(pilot_preset, 0), .flags = SILENT},
     {KEY("window-auto", "a", "", WINDOWING), .command = "window auto\n", .flags = SILENT,
@@ -359,7 +375,9 @@ static bool is_plain_row(const struct pilot_setup *setup, const struct pilot_row
 static void add_hints(struct buf *out, const struct pilot_state *state, const char *gap)
 {
     for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
-        const unsigned in = !(row->in & MOVING) ? row->in : row->deed ? row->in & ~PICKING : MOVING;
+        const unsigned in = !(row->in & MOVING) ? row->in
+                            : row->deed         ? row->in & (MOVING | WATCHING)
+                                                : MOVING;
         if (!row->hint || !(in & PILOT_IN(state->mode)))
             continue;
         buf_add_text(out, gap);
@@ -380,7 +398,7 @@ static void add_corners_hint(struct buf *out, const struct pilot_state *state)
         setup_say_key(out, state->setup, "enclose-in-box", " its faces  ");
         setup_say_key(out, state->setup, "enclose", " a ball's shell  ");
     } else if (corners > 2) {
-        setup_say_key(out, state->setup, "polygon", " plants the polygon  ");
+        setup_say_key(out, state->setup, "polygon", " plants the outline  ");
     }
     setup_say_key(out, state->setup, "drop", corners == 1 ? " drops it" : " drops them");
 }
@@ -417,6 +435,11 @@ void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *
             buf_printf(out, "  %zu %s", i + 1, setup->window[i].name);
     } else if (state->mode == PILOT_RANGING) {
         buf_printf(out, "intensities LOW..HIGH, or none: %s_", state->typed);
+        add_hints(out, state, "  ");
+    } else if (pilot_outlines(state->mode)) {
+        buf_add_text(out, state->mode == PILOT_OUTLINING ? "moving, or the mouse, draws an outline"
+                          : state->hold.is_set           ? "held: moving drags it"
+                                                         : "an outline");
         add_hints(out, state, "  ");
     } else if (state->mode == PILOT_PICKING) {
         buf_printf(out, "CORRECT at pixel %u,%u", state->pixel[0], state->pixel[1]);

@@ -24,7 +24,9 @@ void pilot_state_enter(struct pilot_state *state)
 {
     state->mode = state->base = pilot_home(state);
     state->pen.is_down = state->stroke.is_set = state->drags = false;
-    state->pen.line.count = state->outline.count = 0;
+    state->pen.line.count = state->outline.count = state->hold.line.count = 0;
+    state->hold.is_set = state->is_bent = false;
+    state->instead = state->doubt = 0;
     state->count = state->leader = 0;
 }
 
@@ -32,6 +34,7 @@ void pilot_state_release(struct pilot_state *state)
 {
     polyline_release(&state->pen.line);
     polyline_release(&state->outline);
+    polyline_release(&state->hold.line);
     polyline_release(&state->shape.outline);
 }
 
@@ -79,7 +82,8 @@ static const struct pilot_row *find_row(const struct pilot_state *state,
 bool pilot_only_moves(const struct pilot_state *state, const struct key_event *event)
 {
     const struct pilot_row *row = find_row(state, event);
-    return !state->pen.is_down && (!row || row->flags & PILOT_ONLY_MOVES);
+    return !state->pen.is_down && !pilot_outlines(state->base) &&
+           (!row || row->flags & PILOT_ONLY_MOVES);
 }
 
 /* ---- a key that waits for a second one ---- */
@@ -179,7 +183,8 @@ static bool count_on(struct press *p)
     const struct key_event *event = p->event;
     const bool is_digit = event->key == KEY_CHARACTER && !event->modifiers && !state->leader &&
                           event->point >= '0' && event->point <= '9';
-    if (!is_digit || state->mode != pilot_home(state) || find_among(state, event, true))
+    const bool counts = state->mode == pilot_home(state) || pilot_outlines(state->mode);
+    if (!is_digit || !counts || find_among(state, event, true))
         return false;
     if (state->count == 0 && event->point == '0') {
         buf_add_text(p->message, "a count begins with 1-9; ");
@@ -259,7 +264,7 @@ enum pilot_deed pilot_press(struct press *p)
 {
     struct pilot_state *state = p->state;
     state->is_silent = state->says_all = state->sketches = state->drops = false;
-    if (pilot_is_passing(state) && !find_row(state, p->event) && !may_lead(state, p->event))
+    if (state->mode != state->base && !find_row(state, p->event) && !may_lead(state, p->event))
         state->mode = state->base; /* a key of another mode does what it does there */
     if (take_back(p) || count_on(p) || lead_on(p))
         return PILOT_NOTHING;
@@ -337,8 +342,10 @@ static void click(struct press *p, uint32_t column, uint32_t row)
     uint32_t place[3];
     enum pilot_pane pane;
     const bool shows = p->host->voxel_at(p->host->context, column, row, place, &pane);
-    const bool pulls = mouse->button == MOUSE_RIGHT && shows && pane != PILOT_RENDITION;
-    state->drags &= mouse->action == MOUSE_MOVED;
+    const bool outlines = pilot_outlines(state->base);
+    const bool pulls =
+        mouse->button == MOUSE_RIGHT && shows && pane != PILOT_RENDITION && !outlines;
+    state->drags &= mouse->action == MOUSE_MOVED || outlines;
     if (state->encloses && !pulls &&
         (mouse->button != MOUSE_RIGHT || mouse->action == MOUSE_RELEASED))
         drop_ball(state);
@@ -351,14 +358,17 @@ static void click(struct press *p, uint32_t column, uint32_t row)
     if (mouse->action == MOUSE_WHEEL_UP || mouse->action == MOUSE_WHEEL_DOWN) {
         p->by = mouse->action == MOUSE_WHEEL_UP ? 1 : -1;
         turn_wheel(p, pane);
+    } else if (outlines && (mouse->action == MOUSE_RELEASED ||
+                            (mouse->button == MOUSE_LEFT && shows && pane < PILOT_RENDITION))) {
+        pilot_outline_click(p, place, pane);
     } else if (mouse->button == MOUSE_LEFT && mouse->action == MOUSE_PRESSED) {
         if (!shows) {
             buf_clear(p->message);
             buf_add_text(p->message, "nothing is seen there");
             return;
         }
-        state->mode = state->base = pilot_home(state);
-        state->drags = !state->watches;
+        state->mode = state->base = outlines ? state->base : pilot_home(state);
+        state->drags = !state->watches && !outlines;
         if (pane != PILOT_RENDITION)
             state->pane = pane;
         pilot_cross(p, place);

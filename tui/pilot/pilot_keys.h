@@ -10,7 +10,8 @@
  * in PILOT_PICKING, where one corrects what the rendition shows.
  *
  * What finds the row for a key is in pilot_keys.c, what rows do in pilot_acts.c and, where it
- * plants or removes, in pilot_plant.c; the table, and what users made of it, in pilot_key_table.c.
+ * plants or removes, in pilot_plant.c and pilot_outline.c; the table, and what users made of it, in
+ * pilot_key_table.c.
  */
 #ifndef TUI_PILOT_PILOT_KEYS_H
 #define TUI_PILOT_PILOT_KEYS_H
@@ -73,8 +74,15 @@ enum pilot_mode {
     PILOT_EXPLAINING,      /* the path of the voxel is shown: keys correct its strongest edge */
     PILOT_WINDOWING,       /* arrows change the window */
     PILOT_RANGING,         /* LOW..HIGH is typed: the intensities in which the brush plants */
+    PILOT_OUTLINING,       /* a pen draws an outline: what moves the cross-hair adds to it */
+    PILOT_SHAPING,         /* an outline is there, to be dragged and planted */
     PILOT_WATCHING,        /* steps that are there are shown, and one looks */
 };
+
+static inline bool pilot_outlines(enum pilot_mode mode)
+{
+    return mode == PILOT_OUTLINING || mode == PILOT_SHAPING;
+}
 
 static inline bool pilot_confirms(enum pilot_mode mode)
 {
@@ -106,7 +114,7 @@ struct pilot_change {
     uint32_t count;
 };
 
-/* The last box or polygon, and where the cross-hair was: `.` plants it beside where that is now. */
+/* The last box or outline, and where the cross-hair was: `.` plants it beside where that is now. */
 struct pilot_shape {
     struct polyline outline;
     uint32_t place[3];
@@ -121,10 +129,20 @@ struct pilot_pen {
     struct pilot_brush brush; /* that it is drawn with */
 };
 
+/* An outline is taken hold of at a place, as it was then: there it follows the cross-hair. */
+struct pilot_hold {
+    bool is_set;
+    uint32_t place[3];
+    struct polyline line;
+};
+
+enum { PILOT_CORNERS_MOST = 1000 }; /* of an outline, in a line of a journal */
+
 struct pilot_state {
     const struct pilot_setup *setup;
     bool watches;               /* nothing but looking: its home is PILOT_WATCHING, not MOVING */
-    enum pilot_mode mode, base; /* where others lead back to: moving, picking or watching */
+    enum pilot_mode mode, base; /* where others lead back to: moving, picking, an
+                                   outline's or watching */
     enum pilot_pane pane;       /* of the three slices: arrows move in it */
     struct pilot_brush brush;
     struct pilot_pen pen;
@@ -132,7 +150,11 @@ struct pilot_state {
     struct pilot_way way;                        /* that is shown */
     unsigned hint;                               /* the one that was shown last; 0 for none */
     bool heat;                                   /* slices are coloured by uncertainty */
-    struct polyline outline;                     /* corners of a box or a polygon, so far */
+    struct polyline outline;                     /* corners of a box or an outline, so far */
+    struct pilot_hold hold;                      /* that of the outline, if any; */
+    bool is_bent;                                /* it was dragged, and is not planted yet */
+    uint32_t instead;                            /* of which marker it is, or 0 */
+    unsigned doubt;                              /* the slice that was shown last; 0 for none */
     char typed[PILOT_RANGE_BYTES];               /* LOW..HIGH, so far */
     struct pilot_mark mark[PILOT_MARKS], former; /* and the place before the last jump */
     uint32_t count;                              /* typed so far; 0 for none */
@@ -141,8 +163,9 @@ struct pilot_state {
     bool has_pixel;
     bool is_alone; /* one pane has the whole screen: that of the slices, or that one corrects in */
     bool drags;    /* the mouse draws, */
-    bool encloses; /* or pulls a ball open, whose middle is the one corner */
-    bool sketches; /* the last lines are a sketch */
+    unsigned dragged; /* so many places of an outline, */
+    bool encloses;    /* or pulls a ball open, whose middle is the one corner */
+    bool sketches;    /* the last lines are a sketch */
     bool sends_ahead; /* slices are on their way that nobody has asked for */
     bool drops;       /* the sketch is to be dropped */
     bool is_silent;   /* what the last line does is seen below the picture anyway */
@@ -322,6 +345,14 @@ bool pilot_magnify_by(struct press *p, int64_t steps);
 /* Sets the corners of the last box or polygon once more, beside the cross-hair. False, with a
  * message, where that cannot be. */
 bool pilot_move_shape(struct press *p);
+/* The corners are set no more, but remembered for that. */
+void pilot_keep_shape(struct press *p);
+/* One corner more. False, with a message, where it lies in another slice or is one too many. */
+bool pilot_add_corner(struct press *p, const uint32_t place[3]);
+/* Where the cross-hair goes to a place, so does an outline that is drawn or held. False where none
+ * is begun. */
+bool pilot_outline_to(struct press *p, const uint32_t place[3]);
+void pilot_outline_click(struct press *p, const uint32_t place[3], enum pilot_pane pane);
 /* Takes LOW..HIGH; false where `at` begins with something else. */
 bool pilot_scan_range(const char **at, struct decimal range[2]);
 /* Goes there, draws nothing, and can be taken back. */
@@ -339,6 +370,8 @@ struct decimal pilot_decimal(double value);
 double pilot_magnitude(double value);
 /* Whether the path that is shown has one; else false, with a message. */
 bool pilot_has_edge(struct press *p);
+/* " 2 range=80..120": the label of the brush, and where it plants. */
+void pilot_add_label(struct buf *line, const struct pilot_brush *brush);
 /* " 90,108,90" after some words. */
 void pilot_add_place(struct buf *line, const char *before, const uint32_t place[3]);
 /* The stroke that the pen has drawn, as the lines of its command. */
@@ -367,8 +400,13 @@ void pilot_erase_typed(struct press *p);
 void pilot_end_range(struct press *p);
 void pilot_set_corner(struct press *p);
 void pilot_plant_box(struct press *p);
-void pilot_plant_polygon(struct press *p);
 void pilot_plant_shell(struct press *p); /* 1: of a box; 0: of a ball */
+void pilot_begin_outline(struct press *p);
+void pilot_close_outline(struct press *p); /* plants it: one of corners, drawn or dragged */
+void pilot_drop_outline(struct press *p);
+void pilot_take_hold(struct press *p);   /* of its line, or lets go */
+void pilot_take_up(struct press *p);     /* the outline that is there, to be corrected */
+void pilot_go_to_doubt(struct press *p); /* next, previous, that of the count */
 void pilot_lower_pen(struct press *p);
 void pilot_begin_stroke(struct press *p);
 void pilot_drop_stroke(struct press *p);

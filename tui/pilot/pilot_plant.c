@@ -1,4 +1,4 @@
-/* What keys do that plant or remove: seeds, strokes, boxes, polygons and shells, with a brush. */
+/* What keys do that plant or remove: seeds, strokes, boxes and shells, with a brush. */
 #include "tui/pilot/pilot_keys.h"
 
 #include <string.h>
@@ -8,7 +8,6 @@
 enum {
     RADIUS_MOST = 32,
     LABELS = 256,
-    CORNERS_MOST = 1000,
     LINE_MOST = 60000 /* bytes; a journal takes 65535 */
 };
 
@@ -35,7 +34,7 @@ static void add_range(struct buf *out, const struct pilot_brush *brush)
 }
 
 /* " 2 range=80..120" */
-static void add_label(struct buf *line, const struct pilot_brush *brush)
+void pilot_add_label(struct buf *line, const struct pilot_brush *brush)
 {
     buf_printf(line, " %u", brush->label);
     if (!brush->has_range)
@@ -48,7 +47,7 @@ static void add_label(struct buf *line, const struct pilot_brush *brush)
 static void begin_seed(struct buf *line, const uint32_t place[3], const struct pilot_brush *brush)
 {
     pilot_add_place(line, "seed ", place);
-    add_label(line, brush);
+    pilot_add_label(line, brush);
     if (!brush->radius)
         return;
     buf_add_text(line, " radius=");
@@ -251,7 +250,7 @@ void pilot_show_held(struct press *p)
 void pilot_go_to(struct press *p, const uint32_t place[3])
 {
     struct pilot_pen *pen = &p->state->pen;
-    if (!pilot_cross(p, place) || !pen->is_down)
+    if (!pilot_cross(p, place) || pilot_outline_to(p, place) || !pen->is_down)
         return;
     pen->brush = p->state->brush;
     p->line->failed |= (pen->line.count == 0 && !polyline_add(&pen->line, p->facts->place)) ||
@@ -322,36 +321,19 @@ void pilot_drop_stroke(struct press *p)
     state->stroke.is_set = state->pen.is_down = false;
 }
 
-/* ---- boxes and polygons ---- */
-
-/* Whether a slice of some plane goes through all corners and the place. */
-static bool is_flat(const struct polyline *outline, const uint32_t place[3])
-{
-    bool same[3] = {true, true, true};
-    for (size_t i = 0; i < outline->count; i++)
-        for (int a = 0; a < 3; a++)
-            same[a] &= outline->corner[i][a] == place[a];
-    return same[0] || same[1] || same[2];
-}
+/* ---- corners, and boxes ---- */
 
 void pilot_set_corner(struct press *p)
 {
-    struct polyline *outline = &p->state->outline;
-    if (outline->count >= 2 && !is_flat(outline, p->facts->place)) {
-        buf_add_text(p->message, "this lies in another slice than the corners so far; ");
-        pilot_say_key(p, "drop", " drops them");
+    const struct polyline *outline = &p->state->outline;
+    if (!pilot_add_corner(p, p->facts->place))
         return;
-    }
-    if (outline->count >= CORNERS_MOST || !polyline_add(outline, p->facts->place)) {
-        buf_printf(p->message, "a polygon has %d corners at most", CORNERS_MOST);
-        return;
-    }
     buf_printf(p->message, "%zu corner%s", outline->count, outline->count == 1 ? "" : "s");
     if (outline->count == 2)
         return;
     buf_add_text(p->message, "; ");
     if (outline->count > 1) {
-        pilot_say_key(p, "polygon", " plants the polygon");
+        pilot_say_key(p, "polygon", " plants the outline");
         return;
     }
     pilot_say_key(p, "box", " plants the box to the cross-hair, ");
@@ -359,8 +341,7 @@ void pilot_set_corner(struct press *p)
     pilot_say_key(p, "enclose", " a ball's shell");
 }
 
-/* The corners are set no more, but remembered for `.`. */
-static void keep_shape(struct press *p)
+void pilot_keep_shape(struct press *p)
 {
     struct pilot_shape *shape = &p->state->shape;
     const struct polyline former = shape->outline;
@@ -390,9 +371,9 @@ void pilot_plant_box(struct press *p)
         return;
     pilot_add_place(p->line, "box ", outline->corner[0]);
     pilot_add_place(p->line, " ", p->facts->place);
-    add_label(p->line, &p->state->brush);
+    pilot_add_label(p->line, &p->state->brush);
     buf_add_char(p->line, '\n');
-    keep_shape(p);
+    pilot_keep_shape(p);
 }
 
 /* The background's, around the label of the brush: of the box between the corner and the
@@ -412,24 +393,7 @@ void pilot_plant_shell(struct press *p)
     if (!p->by)
         pilot_add_place(p->line, " through=", p->facts->place);
     buf_add_char(p->line, '\n');
-    keep_shape(p);
-}
-
-void pilot_plant_polygon(struct press *p)
-{
-    struct polyline *outline = &p->state->outline;
-    if (outline->count < 3) {
-        buf_printf(p->message, "a polygon takes 3 corners or more, and there %s %zu; ",
-                   outline->count == 1 ? "is" : "are", outline->count);
-        pilot_say_key(p, "corner", " sets one");
-        return;
-    }
-    pilot_add_place(p->line, "fill ", outline->corner[0]);
-    add_label(p->line, &p->state->brush);
-    for (size_t i = 1; i < outline->count; i++)
-        pilot_add_place(p->line, " to=", outline->corner[i]);
-    buf_add_char(p->line, '\n');
-    keep_shape(p);
+    pilot_keep_shape(p);
 }
 
 bool pilot_move_shape(struct press *p)

@@ -49,6 +49,7 @@ static void add_place(struct status *s, const struct pilot_state *state,
     const uint32_t *at = facts->place;
     const bool has_name = facts->plane[state->pane][1] != '\0';
     add_part(s, FIRST, state->pen.is_down ? "PEN DOWN" : "");
+    add_part(s, FIRST, pilot_outlines(state->base) ? "OUTLINE" : "");
     add_part(s, FIRST, state->base == PILOT_PICKING ? "CORRECT" : "");
     add_part(s, FIRST, has_name ? facts->plane[state->pane] : "");
     if (columns >= NARROW || !has_name)
