@@ -109,9 +109,11 @@ static const struct program program[] = {
      .most = 40,
      .option = {ROBOT, METHOD, BRUSH, QUICK_EFFORT, JSON, PLOTS},
      .summary = "how many gestures a segmentation takes, by robots",
-     .detail = "Three robots correct what is most wrong, on the objects of tuned, other and whole, "
-               "or on those named: weights, shells and relaxed labels, alone and together. Beside "
-               "them the random walker, GrowCut and watersheds, by the careful robot.",
+     .detail =
+         "Three robots correct what is most wrong, on the objects of tuned, other, whole and "
+         "pairs, or on those named: weights, shells and relaxed labels, alone and together, "
+         "and outlines. Beside them the random walker, GrowCut and watersheds, by the careful "
+         "robot. What is warned of is counted too.",
      .run = run_effort},
     {.name = "mend",
      .words = "[OBJECT...]",

@@ -40,8 +40,8 @@ static const struct effort_method method[] = {
     OUTLINES("outline, hand .7, relax", 7, NEXT_WRONG, true),
     OUTLINES("outline, hand 1, relax", 10, NEXT_WRONG, true),
     OUTLINES("outline, hand .7", 7, NEXT_WRONG, false),
-    OUTLINES("outline by doubt, .7, relax", 7, NEXT_DOUBT, true),
-    OUTLINES("outline by chance, .7, relax", 7, NEXT_CHANCE, true),
+    OUTLINES("outline by doubt, relax", 7, NEXT_DOUBT, true),
+    OUTLINES("outline by chance, relax", 7, NEXT_CHANCE, true),
     WORKER("random walker", "walker", SHAPE_BALL, true),
     WORKER("random walker, sphere", "walker", SHAPE_SPHERE, false),
     {.name = "GrowCut", .by = BY_GROWCUT, .background = SHAPE_BALL, .once = true},
@@ -169,8 +169,8 @@ static enum err check_words(const struct bench_options *o, struct fault *fault)
                      strcmp(o->common.word[i], effort_group_name[effort_object_group(object)]) == 0;
         if (!known)
             return fault_set(fault, ERR_USAGE,
-                             "expected tuned, other, whole, or an object of those, as putamen; "
-                             "not %s",
+                             "expected tuned, other, whole, pairs, or an object of those, as "
+                             "putamen; not %s",
                              o->common.word[i]);
     }
     return count_runs(o) ? OK

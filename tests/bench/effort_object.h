@@ -1,18 +1,19 @@
 /*
  * The objects that a robot segments (tests/bench/effort_robot.h): a crop of a scene, and its truth,
- * one component of an atlas's regions.
+ * one component of an atlas's regions, or the two largest of a pair.
  *
- * In three groups. What the protocol tunes on: regions of AAL in ch2, of NeuroMaps in the macaque's
+ * In four groups. What the protocol tunes on: regions of AAL in ch2, of NeuroMaps in the macaque's
  * head, and three phantoms (effort_phantom.c). What nobody has tuned on: other regions, other
- * atlases, other scans, two phantoms more. And whole scenes. An atlas is taken at the voxel of it
- * that is nearest to the scene's in the world.
+ * atlases, other scans, two phantoms more. Whole scenes. And pairs, as of ventricles: the second is
+ * no leak of the first. An atlas is taken at the voxel of it that is nearest to the scene's in the
+ * world.
  *
  * Steps from file to object, in this order: regions, closed by the six faces as often as the row
  * says; scene and truth are reduced, where the row says so, by means and by majorities of blocks of
- * 2x2x2; the largest component stays; the box around it and a margin are cut out; where that is
- * longer than 80 voxels along an axis and not to be a whole scene, once more from a reduced scene,
- * but for objects of the protocol, whose size it gives; intensities are stretched to 8 bits between
- * their 0.1 and 99.9 percentiles.
+ * 2x2x2; the largest component stays, or two; the box around it and a margin are cut out; where
+ * that is longer than 80 voxels along an axis and not to be a whole scene, once more from a reduced
+ * scene, but for pairs, and objects of the protocol, whose size it gives; intensities are stretched
+ * to 8 bits between their 0.1 and 99.9 percentiles.
  */
 #ifndef TESTS_BENCH_EFFORT_OBJECT_H
 #define TESTS_BENCH_EFFORT_OBJECT_H
