@@ -659,6 +659,8 @@ STORY(an_outline_that_is_there_is_dragged_and_planted)
     CHECK_TEXT(type("U"), "");
     CHECK_TEXT(buf_text(&message), "a square of label 1");
     CHECK(state.mode == PILOT_SHAPING);
+    CHECK_TEXT(hint_now(), "the mouse drags it  Enter plants it  v takes hold, lets go  "
+                           "Escape drops it");
     press(KEY_ENTER, 0, 0); /* as it is */
     CHECK_TEXT(buf_text(&line), "outline 4,4,7 1 to=24,4,7 to=24,24,7 to=4,24,7\n");
     outline_marker = 12;

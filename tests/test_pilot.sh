@@ -205,7 +205,7 @@ press Escape
 see '^coronal y=13 '
 type_letters ":pen"
 press Tab
-see '^v  *in the pilot, pen: pen down: moving draws$'
+see "^v  *in the pilot, pen: pen draws; stroke's end$"
 see '^:pen$'
 press Escape
 see '^coronal y=13 '

@@ -439,7 +439,7 @@ void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *
     } else if (pilot_outlines(state->mode)) {
         buf_add_text(out, state->mode == PILOT_OUTLINING ? "moving, or the mouse, draws an outline"
                           : state->hold.is_set           ? "held: moving drags it"
-                                                         : "an outline");
+                                                         : "the mouse drags it");
         add_hints(out, state, "  ");
     } else if (state->mode == PILOT_PICKING) {
         buf_printf(out, "CORRECT at pixel %u,%u", state->pixel[0], state->pixel[1]);
