@@ -309,6 +309,7 @@ STORY(the_ring_of_an_outline_cuts_no_other_object)
     must(&interp, "box 7,4,5 8,6,5 2");
     must(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 to=4,6,5"); /* while that waits */
     CHECK_HAS(buf_text(&reply.text), "in another object: 6 voxels");
+    CHECK_HAS(buf_text(&reply.words), "spared=21-22,27-28,33-34 marker=2-3");
     must(&interp, "run");
     has_seeds(0, 5, 46, 46);
     must(&interp, "box 1,3,5 3,7,5 3"); /* what is planted later holds, */

@@ -18,15 +18,6 @@ enum { TAKEN_MOST = 256 }; /* seeds that one record says were removed */
 
 /* ---- eliminators ---- */
 
-/* The word of a record that says what an eliminator removed, so that a session which continues the
- * journal needs no forest to know it. */
-static bool find_recorded(const struct act *act, const char *key, struct record_word *word)
-{
-    const char *recorded = act->interp->recorded_words;
-    return session_skims(act->session) && recorded &&
-           record_word_find(recorded, key, strlen(key), word);
-}
-
 /* Only a forest that is up to date knows which tree holds a voxel. */
 static enum err find_voxels(const struct act *act, struct voxels *v)
 {
@@ -79,7 +70,7 @@ static enum err remove_trees(const struct act *act)
     struct voxels v = {0};
     size_t count;
     enum err err;
-    if (find_recorded(act, "took", &word)) {
+    if (act_find_recorded(act, "took", &word)) {
         err = read_taken(&session_scene(session)->grid, &word, taken, &count, act->fault);
         err = err ? err : session_erase_seeds(session, taken, count, act->fault);
     } else {
@@ -146,7 +137,7 @@ static enum err remove_markers(const struct act *act)
     uint32_t *number = NULL;
     size_t count;
     enum err err;
-    if (find_recorded(act, "removed", &word)) {
+    if (act_find_recorded(act, "removed", &word)) {
         err = read_removed(session_markers(session), &word, &number, &count, act->fault);
     } else {
         err = find_voxels(act, &v);

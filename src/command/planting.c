@@ -7,11 +7,13 @@
 #include <string.h>
 
 #include "base/mem.h"
+#include "base/scan.h"
 #include "command/answers.h"
 #include "engine/components.h"
 #include "engine/weight_gradient.h"
 #include "engine/roi.h"
 #include "image/levels.h"
+#include "journal/record.h"
 #include "report/label_report.h"
 #include "session/markers.h"
 #include "session/paint.h"
@@ -113,6 +115,13 @@ void act_add_markers(const struct act *act)
     buf_printf(words, "marker=%zu", first);
     if (last > first)
         buf_printf(words, "-%zu", last);
+}
+
+bool act_find_recorded(const struct act *act, const char *key, struct record_word *word)
+{
+    const char *recorded = act->interp->recorded_words;
+    return session_skims(act->session) && recorded &&
+           record_word_find(recorded, key, strlen(key), word);
 }
 
 /* One marker of the voxels, which are let go of. */
@@ -511,24 +520,67 @@ static bool plants_another(const struct markers *markers, int16_t label)
     return found;
 }
 
+/* Leaves out what a record says: "spared=1-7,12", by the order of the ring, or "spared=0". */
+static enum err leave_out_recorded(struct voxels *ring, const struct record_word *word,
+                                   struct fault *fault)
+{
+    const char *at = word->value, *end = word->value + word->value_length;
+    const int64_t all = (int64_t)ring->count;
+    int64_t next = 0, first, last; /* `next` of them are looked at */
+    bool fits = true;
+    ring->count = 0;
+    do {
+        fits = scan_range(&at, 0, all, &first, &last) && (first > next || last == 0);
+        for (; fits && next + 1 < first; next++)
+            ring->cell[ring->count++] = ring->cell[next];
+        next = last;
+    } while (fits && scan_text(&at, ","));
+    for (; fits && next < all; next++)
+        ring->cell[ring->count++] = ring->cell[next];
+    return fits && at == end ? OK : fault_set(fault, ERR_CHECK, "spared: expected N,N-N");
+}
+
+/* A word of the record says what is left out, unless that is more than a line should hold. */
+enum { SPARED_MOST = 256 };
+
 /* What belongs to another object, by its seed or as of the last run, is left out: that one's own
  * seeds hold the label back, and a ring of the background would cut into it. */
 static enum err spare_others(const struct act *act, struct voxels *ring, int16_t label)
 {
     struct session *session = act->session;
     const struct markers *markers = session_markers(session);
-    size_t kept = 0;
+    const size_t all = ring->count;
+    struct record_word word;
+    struct buf spared = {0};
+    size_t kept = 0, runs = 0;
     if (!plants_another(markers, label))
         return OK;
-    const enum err err = session_skims(session) ? session_catch_up(session, act->fault) : OK;
-    for (size_t i = 0; !err && i < ring->count; i++) {
-        const uint32_t cell = ring->cell[i];
-        const int16_t seed = markers_seed(markers, cell),
-                      holds = seed == EDIT_ERASE ? session_scene(session)->cell[cell].label : seed;
-        if (holds == 0 || holds == label)
-            ring->cell[kept++] = cell;
+    if (act_find_recorded(act, "spared", &word)) {
+        buf_add_blank(&act->reply->words);
+        buf_printf(&act->reply->words, "spared=%.*s", (int)word.value_length, word.value);
+        return leave_out_recorded(ring, &word, act->fault);
+    }
+    enum err err = session_skims(session) ? session_catch_up(session, act->fault) : OK;
+    for (size_t i = 0, first = 0; !err && i <= all; i++) {
+        const int16_t seed = i < all ? markers_seed(markers, ring->cell[i]) : 0,
+                      holds = seed == EDIT_ERASE ? session_scene(session)->cell[ring->cell[i]].label
+                                                 : seed;
+        if (holds != 0 && holds != label)
+            continue;
+        if (first < i && runs++ < SPARED_MOST)
+            buf_printf(&spared, first + 1 < i ? "%s%zu-%zu" : "%s%zu", runs > 1 ? "," : "",
+                       first + 1, i);
+        first = i + 1;
+        if (i < all)
+            ring->cell[kept++] = ring->cell[i];
     }
     ring->count = kept;
+    if (!err && runs <= SPARED_MOST) {
+        buf_add_blank(&act->reply->words);
+        buf_printf(&act->reply->words, "spared=%s", runs ? buf_text(&spared) : "0");
+    }
+    err = !err && spared.failed ? fault_memory(act->fault, "a ring") : err;
+    buf_release(&spared);
     return err;
 }
 

@@ -38,6 +38,11 @@ void act_write_unsure(const struct act *act, size_t voxels);
 /* The voxels of a ball of `radius` at PLACE, or, where `to` is not NULL and given, of a stroke. */
 enum err act_find_voxels(const struct act *act, const struct value *to, struct voxels *voxels);
 
+/* The word of a record that says what a command found in the forest, so that a session which
+ * continues the journal needs none to know it. */
+struct record_word;
+bool act_find_recorded(const struct act *act, const char *key, struct record_word *word);
+
 /* Adds to the words of the record the numbers of the markers that the command has put up. */
 void act_add_markers(const struct act *act);
 
