@@ -215,7 +215,7 @@ static bool draw_seeds(const struct canvas *canvas, const struct decoration *d, 
         for (size_t i = 0; i < d->eliminators; i++)
             if (is_seen(d, d->eliminator[i]))
                 add_mark(&marks, d, d->eliminator[i], true);
-        marks_draw(canvas, &marks, unit, d->palette);
+        marks_draw(canvas, &marks, unit, marks_more(canvas), d->palette);
     }
     const bool fine = runs.run && !marks.failed;
     free(marks.mark);

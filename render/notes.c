@@ -79,22 +79,35 @@ uint16_t mark_run(const struct mark *mark)
     return (uint16_t)(mark->eliminates ? 0 : 1 + mark->label + (mark->waits ? 256 : 0));
 }
 
-static bool is_inner(const struct mark_runs *runs, size_t at)
+/* How many of the four neighbours are like it. */
+static unsigned alike(const struct mark_runs *runs, size_t at)
 {
     const size_t x = at % runs->columns, y = at / runs->columns, step = runs->step;
     const uint16_t *here = runs->run + at;
-    return *here && x >= step && x + step < runs->columns && y >= step && y + step < runs->rows &&
-           *(here - step) == *here && here[step] == *here &&
-           *(here - step * runs->columns) == *here && here[step * runs->columns] == *here;
+    return (unsigned)((x >= step && *(here - step) == *here) +
+                      (x + step < runs->columns && here[step] == *here) +
+                      (y >= step && *(here - step * runs->columns) == *here) +
+                      (y + step < runs->rows && here[step * runs->columns] == *here));
+}
+
+static void keep(struct marks *marks, const struct mark_runs *runs, unsigned most)
+{
+    size_t left = 0;
+    for (size_t i = 0; i < marks->count; i++)
+        if (marks->mark[i].eliminates || !runs->run[marks->mark[i].at] ||
+            alike(runs, marks->mark[i].at) <= most)
+            marks->mark[left++] = marks->mark[i];
+    marks->count = left;
 }
 
 void marks_keep_rims(struct marks *marks, const struct mark_runs *runs)
 {
-    size_t left = 0;
-    for (size_t i = 0; i < marks->count; i++)
-        if (marks->mark[i].eliminates || !is_inner(runs, marks->mark[i].at))
-            marks->mark[left++] = marks->mark[i];
-    marks->count = left;
+    keep(marks, runs, 3);
+}
+
+void marks_keep_single(struct marks *marks, const struct mark_runs *runs)
+{
+    keep(marks, runs, 0);
 }
 
 /* A disc, or two diagonals, and what is around it. */
@@ -109,17 +122,25 @@ static void stamp(const struct canvas *canvas, const struct mark *mark, int64_t 
                 canvas_dot(canvas, mark->column + dx, mark->row + dy, rgb);
 }
 
-void marks_draw(const struct canvas *canvas, const struct marks *marks, int64_t unit,
+int64_t marks_more(const struct canvas *canvas)
+{
+    return notes_side(canvas) >= NOTES_LARGE_FROM;
+}
+
+const uint8_t *marks_colour(const struct palette *palette, uint8_t label)
+{
+    const uint8_t *rgb = palette->rgb[label];
+    return rgb[0] || rgb[1] || rgb[2] ? rgb : seed_grey;
+}
+
+void marks_draw(const struct canvas *canvas, const struct marks *marks, int64_t unit, int64_t more,
                 const struct palette *palette)
 {
-    const int64_t more = notes_side(canvas) >= NOTES_LARGE_FROM;
     for (int pass = 0; pass < 4; pass++)
         for (size_t i = 0; i < marks->count; i++) {
             const struct mark *mark = &marks->mark[i];
-            const uint8_t *label = palette->rgb[mark->label];
-            const uint8_t *rgb = mark->eliminates                   ? eliminator_red
-                                 : label[0] || label[1] || label[2] ? label
-                                                                    : seed_grey;
+            const uint8_t *rgb =
+                mark->eliminates ? eliminator_red : marks_colour(palette, mark->label);
             const int64_t radius = (mark->eliminates ? 2 * unit : unit) + more;
             if (mark->eliminates != (pass >= 2))
                 continue;

@@ -76,9 +76,15 @@ struct marks {
 void marks_add(struct marks *marks, struct mark mark);
 
 /* All outlines first, so that a ball of seeds is one thing with one outline; x over dots. `unit` is
- * how many pixels a thin line is wide. */
-void marks_draw(const struct canvas *canvas, const struct marks *marks, int64_t unit,
+ * how many pixels a thin line is wide, and marks have `more` on every side than that takes. */
+void marks_draw(const struct canvas *canvas, const struct marks *marks, int64_t unit, int64_t more,
                 const struct palette *palette);
+
+/* More in a picture in which that does not hide what is marked. */
+int64_t marks_more(const struct canvas *canvas);
+
+/* The colour of a label's seeds. */
+const uint8_t *marks_colour(const struct palette *palette, uint8_t label);
 
 /* Which places, row by row, have seeds that are alike: what mark_run has for them, 0 for none. */
 struct mark_runs {
@@ -90,7 +96,9 @@ struct mark_runs {
 /* What is the same of the seeds of a run: their label, and whether they wait; 0 is no seed. */
 uint16_t mark_run(const struct mark *mark);
 
-/* Takes seeds away whose four neighbours are like them: of a run only the rim stays. */
+/* Takes seeds away whose four neighbours are like them: of a run only the rim stays; or all that
+ * have a neighbour like them: only those stay that are alone. */
 void marks_keep_rims(struct marks *marks, const struct mark_runs *runs);
+void marks_keep_single(struct marks *marks, const struct mark_runs *runs);
 
 #endif

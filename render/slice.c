@@ -285,6 +285,93 @@ static void add_mark(struct marks *marks, const struct slice_plan *plan, int64_t
                                    mark->label, mark->eliminates, mark->waits});
 }
 
+/* Which run a pixel shows. */
+struct runs_seen {
+    const struct work *work;
+    const struct mark_runs *runs;
+    const uint32_t *column; /* [work->columns], the voxel of each */
+};
+
+static size_t place_seen(const struct runs_seen *seen, int64_t x, int64_t row)
+{
+    return (size_t)row * seen->runs->columns + seen->column[x - seen->work->plan.side[0].first];
+}
+
+/* 0 for none, and beside the scene. */
+static uint16_t run_seen(const struct runs_seen *seen, int64_t x, int64_t y)
+{
+    const struct slice_side *column = &seen->work->plan.side[0], *row = &seen->work->plan.side[1];
+    if (x < column->first || y < row->first || x >= column->end || y >= row->end)
+        return 0;
+    return seen->runs->run[place_seen(seen, x, slice_side_voxel(row, y))];
+}
+
+/* One that is another, beside, above or below, within a reach; `own` where there is none. */
+static uint16_t other_near(const struct runs_seen *seen, int64_t x, int64_t y, uint16_t own,
+                           int64_t reach)
+{
+    for (int64_t d = 1; d <= reach; d++)
+        for (int i = 0; i < 4; i++) {
+            const int64_t by = i & 1 ? d : -d;
+            const uint16_t run = run_seen(seen, x + (i < 2 ? by : 0), y + (i < 2 ? 0 : by));
+            if (run != own)
+                return run;
+        }
+    return own;
+}
+
+/* A line of the label's colour within the rim, as thin as contours are, and a hairline outside. */
+static void draw_rim(const struct runs_seen *seen, int64_t x, int64_t y, uint32_t cell)
+{
+    const struct work *work = seen->work;
+    const struct mark_choice *filled = &work->style->filled;
+    const int64_t line = slice_unit(work->plan.size), hair = (line + 1) / 2;
+    const uint16_t own = run_seen(seen, x, y),
+                   other = other_near(seen, x, y, own, own ? line : hair);
+    uint8_t *pixel = canvas_pixel(work->canvas, (size_t)x, (size_t)y);
+    const uint8_t *rgb = marks_colour(work->style->palette, (uint8_t)(own - 1));
+    if (own && other != own)
+        memcpy(pixel, rgb, 3);
+    else if (own && filled->shows && filled->shows(filled->of, cell))
+        for (int k = 0; k < 3; k++)
+            pixel[k] = (uint8_t)((pixel[k] + rgb[k] + 1) / 2);
+    else if (!own && other > 256) /* it waits */
+        memset(pixel, 255, 3);
+    else if (!own && other)
+        for (int k = 0; k < 3; k++)
+            pixel[k] /= HAIRLINE_DIMS;
+}
+
+/* Rows of pixels that show no run, nor lie beside one, cost no more than a look at their voxels. */
+static bool draw_rims(const struct work *work, const struct mark_runs *runs)
+{
+    const struct slice_side *column = &work->plan.side[0], *row = &work->plan.side[1];
+    const int64_t reach = slice_unit(work->plan.size);
+    uint32_t *voxel = mem_array(work->columns, sizeof *voxel);
+    uint8_t *is_used = mem_new(runs->rows);
+    const struct runs_seen seen = {work, runs, voxel};
+    const bool fine = voxel && is_used;
+    for (size_t x = 0; x < work->columns && fine; x++)
+        voxel[x] = (uint32_t)slice_side_voxel(column, column->first + (int64_t)x);
+    for (size_t i = 0; i < runs->columns * runs->rows && fine; i++)
+        is_used[i / runs->columns] |= runs->run[i] > 0;
+    for (int64_t y = row->first; y < row->end && fine; y++) {
+        bool used = false;
+        const int64_t at = slice_side_voxel(row, y);
+        for (int64_t d = -reach; d <= reach; d++) {
+            const int64_t near = slice_side_voxel(row, y + d);
+            used |= near >= 0 && near < row->voxels && is_used[near];
+        }
+        for (int64_t x = column->first; x < column->end && used; x++)
+            draw_rim(&seen, x, y,
+                     (uint32_t)((int64_t)work->plan.corner + at * work->plan.step[1] +
+                                (int64_t)voxel[x - column->first] * work->plan.step[0]));
+    }
+    free(voxel);
+    free(is_used);
+    return fine;
+}
+
 /* False when out of memory. */
 static bool draw_marks(const struct work *work)
 {
@@ -319,11 +406,16 @@ static bool draw_marks(const struct work *work)
         marks.failed = marks.failed || !runs.run;
         for (size_t i = 0; i < marks.count && !marks.failed; i++)
             runs.run[marks.mark[i].at] = mark_run(&marks.mark[i]);
-        if (!marks.failed)
+        if (!marks.failed && work->style->thin) {
+            marks.failed = !draw_rims(work, &runs);
+            marks_keep_single(&marks, &runs);
+        } else if (!marks.failed) {
             marks_keep_rims(&marks, &runs);
+        }
         free(runs.run);
     }
-    marks_draw(work->canvas, &marks, slice_unit(work->plan.size), work->style->palette);
+    marks_draw(work->canvas, &marks, slice_unit(work->plan.size),
+               work->style->thin ? 0 : marks_more(work->canvas), work->style->palette);
     free(marks.mark);
     return !marks.failed;
 }

@@ -50,6 +50,8 @@ struct slice_style {
     const uint8_t *finished;       /* labels (engine/labels.h); NULL: those of the forest */
     bool crosses;                  /* the cross-hair */
     bool marks_seeds; /* seeds that are planted, but those that have four neighbours like them, */
+    bool thin;        /* runs of those by a line around them, one alone by a dot, */
+    struct mark_choice filled;     /* and a run of these, if any, by a tint; */
     struct mark_choice marked;     /* of those; and beside them: */
     const struct slice_mark *mark; /* [marks]; those of other slices are passed over */
     size_t marks;

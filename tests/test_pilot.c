@@ -1371,6 +1371,10 @@ STORY(what_is_dangerous_and_how_to_begin_are_said)
     buf_clear(&hint);
     pilot_keys_hint(&state, &facts, &hint);
     CHECK_HAS(buf_text(&hint), "i seed  b label");
+    facts.takes_all = true;
+    buf_clear(&hint);
+    pilot_keys_hint(&state, &facts, &hint);
+    CHECK_HAS(buf_text(&hint), "takes all: a here, then beyond its edge S encloses it; s0 back");
     type("v");
     buf_clear(&hint);
     pilot_keys_hint(&state, &facts, &hint);

@@ -68,7 +68,7 @@ see 'voxels changed'
 see '^axial z=8 at 11,13,8  brush 2  here 2 7.68 ml  intensity [0-9]*  [-0-9.,]* mm'
 press Tab
 see '^coronal y=13 '
-see '^i seed  b label  x remove  u undo  : command  \? keys  q back'
+see '^one label takes all: a here, then beyond its edge S encloses it; s0 background$'
 type_letters "++s1"
 recorded "seed 11,13,8 1 radius=2"
 see '^coronal y=13 at 11,13,8  brush 1 r2  here 1 [0-9.]* m[lm][3 ]'

@@ -793,13 +793,8 @@ STORY(seeds_are_dots_and_eliminators_crosses)
 }
 
 /* Two labels side by side, 9x9 each, and a smaller block that waits in one of them. */
-STORY(of_a_run_of_seeds_the_rim_is_marked)
+static size_t plant_blocks(struct scene *scene, struct slice_mark waiting[25])
 {
-    struct scene *scene = dark_scene();
-    struct slice_style style = style_of(0, 255, SLICE_PLAIN);
-    const struct slice_choice choice = {
-        .plane = SLICE_AXIAL, .place = {0, 0, 20}, .pixel_pm = MM / 10};
-    struct slice_mark waiting[25];
     size_t count = 0;
     for (uint32_t y = 10; y < 19; y++)
         for (uint32_t x = 10; x < 28; x++) {
@@ -809,9 +804,19 @@ STORY(of_a_run_of_seeds_the_rim_is_marked)
             if (x >= 12 && x < 17 && y >= 12 && y < 17)
                 waiting[count++] = (struct slice_mark){c, 1, false, true};
         }
+    return count;
+}
+
+STORY(of_a_run_of_seeds_the_rim_is_marked)
+{
+    struct scene *scene = dark_scene();
+    struct slice_style style = style_of(0, 255, SLICE_PLAIN);
+    const struct slice_choice choice = {
+        .plane = SLICE_AXIAL, .place = {0, 0, 20}, .pixel_pm = MM / 10};
+    struct slice_mark waiting[25];
     style.marks_seeds = true;
     style.mark = waiting;
-    style.marks = count;
+    style.marks = plant_blocks(scene, waiting);
     struct canvas s = take(scene, &choice, &style, 410, 410);
     for (uint32_t y = 10; y < 19; y++)
         for (uint32_t x = 10; x < 28; x++) {
@@ -822,6 +827,66 @@ STORY(of_a_run_of_seeds_the_rim_is_marked)
             const bool rim = in ? x == 12 || x == 16 || y == 12 || y == 16 : edge || touches;
             CHECK_INT(is_rgb(&s, 10 * x + 5, 10 * y + 5, 0, 0, 0), !rim);
         }
+    canvas_release(&s);
+    scene_free(scene);
+}
+
+/* Which of those blocks: 0 for none, 3 waits. */
+static int block_at(int64_t x, int64_t y)
+{
+    const bool waits = x >= 120 && x < 170 && y >= 120 && y < 170;
+    return y < 100 || y >= 190 || x < 100 || x >= 280 ? 0 : waits ? 3 : x < 190 ? 1 : 2;
+}
+
+static int block_near(int64_t x, int64_t y, int64_t reach)
+{
+    const int own = block_at(x, y);
+    for (int64_t d = 1; d <= reach; d++)
+        for (int i = 0; i < 4; i++) {
+            const int64_t by = i % 2 ? d : -d;
+            const int other = block_at(x + (i < 2 ? by : 0), y + (i < 2 ? 0 : by));
+            if (other != own)
+                return other;
+        }
+    return own;
+}
+
+static bool fills(const void *of, uint32_t cell)
+{
+    const struct scene *scene = of;
+    return scene->cell[cell].label == 2;
+}
+
+/* On a screen: a line within the rim, a hairline outside, a tint in what is under the cross-hair;
+ * a seed alone is a dot too. */
+STORY(thin_marks_leave_what_they_mark_to_be_seen)
+{
+    struct scene *scene = dark_scene();
+    struct slice_style style = style_of(0, 255, SLICE_PLAIN);
+    const struct slice_choice choice = {
+        .plane = SLICE_AXIAL, .place = {0, 0, 20}, .pixel_pm = MM / 10};
+    struct slice_mark waiting[25];
+    struct cell *alone = scene->cell + grid_cell(&scene->grid, 34, 5, 20);
+    for (size_t i = 0; i < scene->grid.cells; i++)
+        scene->cell[i].intensity = 100;
+    style.marks_seeds = style.thin = true;
+    style.filled = (struct mark_choice){fills, scene};
+    style.mark = waiting;
+    style.marks = plant_blocks(scene, waiting);
+    alone->flags = CELL_SEED;
+    alone->label = 1;
+    struct canvas s = take(scene, &choice, &style, 410, 410);
+    for (uint32_t y = 90; y < 200; y++)
+        for (uint32_t x = 90; x < 290; x++) {
+            const int own = block_at(x, y), other = block_near(x, y, own ? 2 : 1);
+            CHECK(other == own && own == 2 ? is_rgb(&s, x, y, 178, 50, 51)
+                  : other == own           ? grey_at(&s, x, y) == 100
+                  : own == 2               ? is_rgb(&s, x, y, 255, 0, 1)
+                  : own                    ? is_rgb(&s, x, y, 0x50, 0x60, 0x70)
+                                           : grey_at(&s, x, y) == 25);
+        }
+    CHECK(is_rgb(&s, 345, 55, 0x50, 0x60, 0x70) && is_rgb(&s, 345, 58, 0, 0, 0) &&
+          is_rgb(&s, 340, 55, 0x50, 0x60, 0x70) && grey_at(&s, 345, 61) == 100);
     canvas_release(&s);
     scene_free(scene);
 }
@@ -1020,8 +1085,8 @@ int main(void)
         TELL(contours_are_thicker_in_larger_pictures),
         TELL(contours_and_hairlines_are_those_of_a_plain_search),
         TELL(a_cross_leaves_its_voxel_free), TELL(seeds_are_dots_and_eliminators_crosses),
-        TELL(of_a_run_of_seeds_the_rim_is_marked), TELL(letters_say_where_the_patients_sides_are),
-        TELL(letters_are_told_as_they_are_drawn), TELL(lengths_of_bars_are_round),
-        TELL(bars_tell_lengths_and_greys), TELL(all_48_orientations_give_the_same_pictures),
-        TELL(without_memory_there_is_no_slice));
+        TELL(of_a_run_of_seeds_the_rim_is_marked), TELL(thin_marks_leave_what_they_mark_to_be_seen),
+        TELL(letters_say_where_the_patients_sides_are), TELL(letters_are_told_as_they_are_drawn),
+        TELL(lengths_of_bars_are_round), TELL(bars_tell_lengths_and_greys),
+        TELL(all_48_orientations_give_the_same_pictures), TELL(without_memory_there_is_no_slice));
 }

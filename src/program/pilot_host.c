@@ -52,6 +52,7 @@ static bool facts(void *context, struct pilot_facts *out)
                                 .frame_height = outlook->view.height,
                                 .overlay = s->overlay,
                                 .has_object = panes_have_object(session),
+                                .takes_all = panes_have_one_label(session),
                                 .shows = shown_labels(session),
                                 .has_finish = session_kept(session)->finish.count > 0};
     window_values(out->window, session);

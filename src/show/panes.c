@@ -6,6 +6,7 @@
 #include "base/least.h"
 #include "engine/way.h"
 #include "render/notes.h"
+#include "session/markers.h"
 #include "session/session.h"
 #include "session/state.h"
 #include "session/tally.h"
@@ -211,6 +212,19 @@ bool panes_have_object(const struct session *session)
     for (unsigned label = 1; label < 256; label++)
         has |= session_tally(session)->voxels[label] > 0;
     return has;
+}
+
+bool panes_have_one_label(const struct session *session)
+{
+    const struct markers *markers = session_markers(session);
+    int found = 0;
+    for (size_t i = 0; i < markers->count; i++) {
+        const int label = markers->marker[i].label;
+        if (markers->marker[i].stands && (label <= 0 || (found && label != found)))
+            return false;
+        found = markers->marker[i].stands ? label : found;
+    }
+    return found > 0;
 }
 
 /* Known without colours: every second pixel of what is held, and oblique lines over what has

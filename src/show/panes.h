@@ -111,6 +111,9 @@ struct pane_slice panes_slice(const struct session *session, enum pane pane);
 /* A seed of an object waits, or a voxel has its label; where nobody has counted yet, so it is. */
 bool panes_have_object(const struct session *session);
 
+/* All that is planted is of one label above 0. */
+bool panes_have_one_label(const struct session *session);
+
 /* A colour of its own in the picture: that of heat. */
 #define PANES_HEAT_HUE 0xff4010u
 

@@ -22,6 +22,10 @@
 struct sketch {
     struct slice_style style;
     struct slice_mark *mark;
+    struct under {
+        const struct markers *markers;
+        uint32_t marker;
+    } under; /* the marker under the cross-hair */
     char least[WINDOW_WORDS_BYTES], most[WINDOW_WORDS_BYTES];
     char title[3][64];
 };
@@ -92,6 +96,25 @@ static void write_title(char out[64], const struct session *session, enum slice_
         snprintf(out + n, 64 - (size_t)n, "%lld.%lld mm", llabs(tenths) / 10, llabs(tenths) % 10);
 }
 
+static bool is_under(const void *of, uint32_t cell)
+{
+    const struct under *under = of;
+    return markers_at(under->markers, cell) == under->marker;
+}
+
+/* On a screen one looks at what is marked: thin marks hide little of it, and what is marked by one
+ * command is seen where the cross-hair is in it. Files have had larger ones from the beginning. */
+static void mark_thin(struct sketch *sketch, const struct session *session)
+{
+    const uint32_t *cross = session_outlook(session)->slices.cross;
+    const uint32_t cell = grid_cell(&session_scene(session)->grid, cross[0], cross[1], cross[2]);
+    sketch->under.markers = session_markers(session);
+    sketch->under.marker = markers_at(sketch->under.markers, cell);
+    sketch->style.thin = true;
+    if (sketch->under.marker)
+        sketch->style.filled = (struct mark_choice){is_under, &sketch->under};
+}
+
 static enum err sketch_init(struct sketch *sketch, struct session *session, struct fault *fault)
 {
     const struct slice_settings *s = &session_outlook(session)->slices;
@@ -103,6 +126,8 @@ static enum err sketch_init(struct sketch *sketch, struct session *session, stru
     sketch->style.crosses = s->crosses;
     sketch->style.marks_seeds = s->marks;
     sketch->style.marked = (struct mark_choice){markers_show, session_markers(session)};
+    sketch->style.thin = false;
+    sketch->style.filled = (struct mark_choice){NULL, NULL};
     sketch->style.mark = NULL;
     sketch->style.marks = 0;
     if (s->marks && !list_marks(sketch, session))
@@ -190,6 +215,8 @@ static enum err draw(struct canvas *canvas, struct session *session, enum slice_
     struct sketch sketch;
     enum err err = sketch_init(&sketch, session, fault);
     sketch.style.finished = labels ? labels->finished : NULL;
+    if (panel)
+        mark_thin(&sketch, session);
     if (!err && kind == SLICE_KIND_MOSAIC) {
         struct mosaic_choice choice = mosaic_of(session, panel && !panel->words ? NULL : &sketch);
         choice.layout = panel ? &panel->layout : NULL;

@@ -55,6 +55,7 @@ struct pilot_facts {
     uint32_t frame_height;
     unsigned overlay; /* of labels in slices: 0 none, 1 tint, 2 contour */
     bool has_object;  /* a voxel has a label above 0, or a seed waits to give it one */
+    bool takes_all;   /* an object's are the only seeds so far */
     uint32_t times;   /* by which slices are magnified, thousandths */
     enum pilot_labels shows;
     bool has_finish; /* labels can be finished */

@@ -423,6 +423,11 @@ void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *
         setup_say_key_to(out, state->setup, "plant-label", '0', " background; ");
         setup_say_key(out, state->setup, "keys", " keys  ");
         setup_say_key(out, state->setup, "leave", " back");
+    } else if (moves && facts->takes_all) {
+        buf_add_text(out, "one label takes all: ");
+        setup_say_key(out, state->setup, "corner", " here, then beyond its edge ");
+        setup_say_key(out, state->setup, "enclose", " encloses it; ");
+        setup_say_key_to(out, state->setup, "plant-label", '0', " background");
     } else if (state->mode == PILOT_WINDOWING) {
         const struct pilot_setup *setup = state->setup;
         buf_add_text(out, "window ");
