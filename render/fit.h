@@ -34,4 +34,8 @@ void fit_place(const struct fit *fit, const struct view *view, uint32_t place[3]
 uint32_t fit_zoom(const struct fit *fit, const struct view *view, const uint32_t place[3],
                   uint32_t samples);
 
+/* The largest zoom at which all of it is seen from wherever one looks, in a view of that size, with
+ * the middle of the scene in the middle: for the scene, view_fitting_zoom. */
+uint32_t fit_all_round(const struct fit *fit, const struct view *view, uint32_t samples);
+
 #endif

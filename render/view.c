@@ -129,20 +129,30 @@ static uint32_t zoom_within(const struct scene *scene, uint32_t samples, uint64_
     return (uint32_t)(most < VIEW_ZOOM_LEAST ? VIEW_ZOOM_LEAST : most);
 }
 
-uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t height,
-                           uint32_t samples)
+uint64_t view_squares(const struct scene *scene, const uint32_t size[3])
 {
     uint64_t squares = 0;
     for (int a = 0; a < 3; a++) {
-        uint64_t side = (uint64_t)scene->grid.size[a] *
-                            (uint64_t)(side_in_pixels(scene, a, VIEW_ZOOM_ONE) >> 10) >>
-                        10;
+        uint64_t side =
+            (uint64_t)size[a] * (uint64_t)(side_in_pixels(scene, a, VIEW_ZOOM_ONE) >> 10) >> 10;
         side = side > UINT32_MAX / 2 ? UINT32_MAX / 2 : side;
         squares += side * side;
     }
+    return squares;
+}
+
+uint32_t view_zoom_across(const struct scene *scene, uint32_t width, uint32_t height,
+                          uint32_t samples, uint64_t squares)
+{
     uint64_t diagonal = square_root(squares) + UINT64_C(1);
     uint64_t zoom = UINT64_C(1000) * (width < height ? width : height) / diagonal;
     return zoom_within(scene, samples, zoom);
+}
+
+uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t height,
+                           uint32_t samples)
+{
+    return view_zoom_across(scene, width, height, samples, view_squares(scene, scene->grid.size));
 }
 
 struct view view_default(const struct scene *scene)

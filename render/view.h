@@ -56,6 +56,12 @@ struct view view_default(const struct scene *scene);
 uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t height,
                            uint32_t samples);
 
+/* The same of what is so far across, in pixels at a zoom of 1, by its square; and that of a box of
+ * so many voxels a side, from corner to corner. */
+uint32_t view_zoom_across(const struct scene *scene, uint32_t width, uint32_t height,
+                          uint32_t samples, uint64_t squares);
+uint64_t view_squares(const struct scene *scene, const uint32_t size[3]);
+
 /* The largest zoom up to `wanted` at which a view of that place has a camera, with samples x
  * samples pixels for each. */
 uint32_t view_possible_zoom(const struct scene *scene, const struct view *view,

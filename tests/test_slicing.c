@@ -631,6 +631,36 @@ STORY(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom)
     interpreter_release(&interp);
 }
 
+/* A panel that nobody has chosen a zoom for shows what is shown as large as it fits. */
+STORY(a_panel_follows_what_is_shown)
+{
+    struct interpreter interp;
+    begin_values(&interp, 1, 0);
+    const struct scene *scene = interp.session->scene;
+    const uint32_t fitting = view_fitting_zoom(scene, 100, 100, 1);
+    const uint32_t *n = scene->grid.size, middle[3] = {n[0] / 2, n[1] / 2, n[2] / 2};
+    char line[96];
+    must(&interp, "size 100 100");
+    must(&interp, "auto on");
+    must(&interp, "seed 0,0,0 0");
+    CHECK_INT(zoom_of_panel(&interp), fitting); /* nothing is shown */
+    snprintf(line, sizeof line, "seed %u,%u,%u 3 within=1", middle[0], middle[1], middle[2]);
+    must(&interp, line);
+    const uint32_t near = zoom_of_panel(&interp);
+    CHECK(near > fitting + fitting / 4);
+    must(&interp, "turn 30");
+    CHECK_INT(zoom_of_panel(&interp), near);
+    must(&interp, "seed 1,1,1 2");
+    const uint32_t far = zoom_of_panel(&interp);
+    CHECK(far < near);
+    must(&interp, "hide 2");
+    CHECK_INT(zoom_of_panel(&interp), near);
+    must(&interp, "show 2");
+    CHECK_INT(zoom_of_panel(&interp), far);
+    CHECK_INT(interp.session->now.outlook.view.zoom, VIEW_ZOOM_ONE);
+    interpreter_release(&interp);
+}
+
 /* Draws a panel, and says whether it did so in a hurry. */
 static bool is_hasty(struct interpreter *interp, bool hurries, struct slicing_panel *panel,
                      struct canvas *canvas)
@@ -967,6 +997,7 @@ int main(void)
         TELL(what_waits_and_what_was_eliminated_is_marked), TELL(hidden_labels_are_not_overlaid),
         TELL(mosaics_have_the_size_of_the_view),
         TELL(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom),
+        TELL(a_panel_follows_what_is_shown),
         TELL(in_a_hurry_slices_come_first_and_then_a_coarse_rendition),
         TELL(a_name_of_a_slice_stands_for_its_pixels),
         TELL(slices_of_a_small_scene_fill_their_panes), TELL(without_memory_nothing_is_shown),

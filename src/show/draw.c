@@ -7,6 +7,7 @@
 #include "base/mem.h"
 #include "base/watch.h"
 #include "render/bands.h"
+#include "render/fit.h"
 #include "render/incremental.h"
 #include "render/projection.h"
 #include "render/view.h"
@@ -82,6 +83,7 @@ static void release(struct pictures *p)
 
 static void leave_scene(struct pictures *p)
 {
+    p->own_zoom = 0;
     drop_live(p);
     shader_release(&p->shader);
     mesh_release(&p->mesh);
@@ -689,6 +691,21 @@ static enum err draw_hastily(struct pictures *p, enum rendered as, struct glance
     return draw_coarse(p, border, fault);
 }
 
+/* As large as it fits: anew where it no longer does, or could be a quarter larger. */
+static enum err fit_shown(struct pictures *p, const struct border *border, struct fault *fault)
+{
+    const struct outlook *outlook = session_outlook(p->session);
+    struct fit fit;
+    const enum err err = fit_init(&fit, border, fault);
+    if (err)
+        return err;
+    const uint32_t zoom = fit_all_round(&fit, &outlook->view, outlook->look.samples);
+    if (zoom < p->own_zoom || zoom > p->own_zoom + p->own_zoom / 4)
+        p->own_zoom = zoom;
+    fit_release(&fit);
+    return OK;
+}
+
 enum err session_draw_fitting(struct session *session, bool hurries, struct glance *glance,
                               struct labels *labels, struct fault *fault)
 {
@@ -702,6 +719,8 @@ enum err session_draw_fitting(struct session *session, bool hurries, struct glan
     enum err err = pictures_begin(&p, session, fault);
     if (!err && finished)
         err = begin_live(p, fault);
+    if (!err && (p->rendered != as || p->fitted != p->drawings))
+        err = fit_shown(p, border_of(p, as), fault);
     if (!err)
         err = take_zoom(p, session_fitting_zoom(session), fault);
     if (err)
@@ -713,6 +732,7 @@ enum err session_draw_fitting(struct session *session, bool hurries, struct glan
     if (hurries && p->rendered != as && !is_soon && !session_outlook(session)->context)
         return draw_hastily(p, as, glance, fault);
     err = draw_at(p, session_fitting_zoom(session), as, RENDER_AS_KEPT, fault);
+    p->fitted = p->drawings;
     glance->rendition = session_frame(session);
     return err;
 }
@@ -721,10 +741,12 @@ uint32_t session_fitting_zoom(const struct session *session)
 {
     const struct view *view = &session_outlook(session)->view;
     const struct scene *scene = session_scene(session);
-    const uint32_t first = view_default(scene).zoom;
-    const uint32_t fitting =
-        view_fitting_zoom(scene, view->width, view->height, session_outlook(session)->look.samples);
-    return view->zoom == first && view->zoom < fitting ? fitting : view->zoom;
+    const struct pictures *p = session_pictures(session);
+    const uint32_t fitting = p && p->own_zoom
+                                 ? p->own_zoom
+                                 : view_fitting_zoom(scene, view->width, view->height,
+                                                     session_outlook(session)->look.samples);
+    return view->zoom == view_default(scene).zoom && view->zoom < fitting ? fitting : view->zoom;
 }
 
 enum err session_render(struct session *session, enum render_mode mode, struct fault *fault)

@@ -52,7 +52,7 @@ enum err session_draw_fitting(struct session *session, bool hurries, struct glan
                               struct labels *labels, struct fault *fault);
 
 /* That of the view, thousandths; while it is the one that a scene is opened with, which nobody has
- * chosen, the one at which the scene fits. */
+ * chosen, the one at which what was shown last fits, however it is turned. */
 uint32_t session_fitting_zoom(const struct session *session);
 
 /* Whose labels the rendition shows, as they are now. */

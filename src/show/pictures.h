@@ -63,6 +63,8 @@ struct pictures {
     struct rendition reduced;   /* to the view's size, where look.samples is above 1 */
     unsigned rendered;          /* V1; enum rendered (draw.h) */
     struct coarse coarse;       /* in its place, while keys arrive */
+    uint32_t own_zoom;          /* at which what a panel shows fits in it, or 0: not known; */
+    unsigned fitted;            /* when it was found, by `drawings` */
     unsigned drawings;          /* how often pixels, or labels, may have become others */
     struct {                    /* when the command at hand began: */
         unsigned rendered;      /* not rough labels */
