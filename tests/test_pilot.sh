@@ -202,18 +202,18 @@ see '^context  '
 see '^overlay contour  o in the pilot: '
 see '^:cont$'
 press Escape
-see '^coronal y=13 '
+see '^i seed ' # the row above stays while a line is edited
 type_letters ":pen"
 press Tab
 see "^v  *in the pilot, pen: pen draws; stroke's end$"
 see '^:pen$'
 press Escape
-see '^coronal y=13 '
+see '^i seed ' # the row above stays while a line is edited
 type_letters ":und" # what begins so is completed as ever
 press Tab
 see '^:undo \[COUNT\]$'
 press Escape
-see '^coronal y=13 '
+see '^i seed ' # the row above stays while a line is edited
 close_story
 
 begin "/ shows the keys that have a word in them"
@@ -384,9 +384,14 @@ type_letters "}"
 see ' in doubt; the (border|outline) of '
 press Escape
 see '^the outline is dropped$'
-press Tab # it is an axial slice
 type_letters ":"
 enter "cross 11,13,10"
+see '^through 11,13,10'
+for plane in 1 2 3; do # it may be any of them
+    press Tab
+    comes_true shows ' at 11,13,10 '
+    shows '^coronal ' && break
+done
 see '^coronal y=13 at 11,13,10'
 close_story
 
