@@ -540,7 +540,7 @@ STORY(boxes_and_polygons_are_set_by_their_corners)
     CHECK_TEXT(type("A"), "outline 5,6,7 2 range=90..110 to=15,6,7 to=9,16,7\n");
     CHECK_INT(state.outline.count, 0);
     type("a");
-    CHECK_TEXT(hint_now(), "1 corner  a another  d box to here  O its faces  S a ball's shell  "
+    CHECK_TEXT(hint_now(), "1 corner  a another  d box to here  O faces  S ball's shell  "
                            "Escape drops it");
     facts.place[0]++;
     type("a");

@@ -429,7 +429,7 @@ close_story
 begin "the smallest window: the keys page by page, and the pen is loud"
 tmux_here resize-window -t prompt -x 20 -y 10
 see '^coronal at 11,13,10$'
-see '^i seed  b label$' # nothing is cut within a word
+see '^i seed  q back$' # nothing is cut within a word, and how to leave is there
 type_letters "?"
 see '^h j k l arrows$'
 see '^  move the$'

@@ -116,19 +116,32 @@ static void add_captions(struct buf *out, const struct pilot *p, const struct te
     buf_release(&line);
 }
 
-/* What the keys do, as far as it fits: nothing is cut within what is said of one. */
+/* Whether what is said of one key ends before this byte. */
+static bool ends_item(const char *text, size_t at)
+{
+    return strchr(";,", text[at]) || strncmp(text + at, "  ", 2) == 0;
+}
+
+/* What the keys do: as much from the beginning as fits, each whole, and in any case how to leave,
+ * which comes last. */
 static void add_hint(struct buf *out, const struct pilot *p, const struct pilot_facts *facts,
                      unsigned columns)
 {
     struct buf hint = {0};
-    size_t fits = 0;
     pilot_keys_hint(p->state, facts, &hint);
     const char *text = buf_text(&hint);
-    for (size_t i = 1; i <= hint.length; i++)
-        if ((strchr(";,", text[i]) || strncmp(text + i, "  ", 2) == 0) &&
-            cells_width(text, i) <= columns)
+    size_t last = hint.length, fits = 0;
+    while (last > 0 && !ends_item(text, last - 1))
+        last--;
+    last += strspn(text + last, " ");
+    const size_t room = 2 + cells_width(text + last, hint.length - last);
+    for (size_t i = 1; i < last; i++)
+        if (ends_item(text, i) && cells_width(text, i) + room <= columns)
             fits = i;
-    buf_add(out, text, fits ? fits : hint.length);
+    if (cells_width(text, hint.length) <= columns)
+        last = fits = 0;
+    buf_add(out, text, fits);
+    buf_printf(out, "%s%s", fits ? "  " : "", text + last);
     out->failed |= hint.failed;
     buf_release(&hint);
 }

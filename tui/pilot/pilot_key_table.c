@@ -395,8 +395,8 @@ static void add_corners_hint(struct buf *out, const struct pilot_state *state)
     setup_say_key(out, state->setup, "corner", " another  ");
     if (corners == 1) {
         setup_say_key(out, state->setup, "box", " box to here  ");
-        setup_say_key(out, state->setup, "enclose-in-box", " its faces  ");
-        setup_say_key(out, state->setup, "enclose", " a ball's shell  ");
+        setup_say_key(out, state->setup, "enclose-in-box", " faces  ");
+        setup_say_key(out, state->setup, "enclose", " ball's shell  ");
     } else if (corners > 2) {
         setup_say_key(out, state->setup, "polygon", " plants the outline  ");
     }
