@@ -66,6 +66,27 @@ for made in $(seq 1 "$records"); do
 done
 close_story
 
+begin "the ring of an outline, where the journal is gone on with, is the one recorded"
+mkdir ring
+cat >ring/script <<'END'
+open synth:geom:30x24x20
+seed 7,12,10 2 radius=2
+seed 14,12,10 1 radius=2
+seed 2,2,2 0
+run
+outline 5,9,10 2 to=10,9,10 to=10,15,10 to=5,15,10
+seed 24,12,10 1
+stats
+END
+expect_in ring 0 "$iftty" run script --journal whole.iftty
+grep -q ' spared=[1-9]' ring/whole.iftty || fail "nothing is left out: $(cat ring/whole.iftty)"
+for made in 6 7; do
+    awk -v last=$made '{ print } /^= / && $2 == last { exit }' ring/whole.iftty >ring/k.iftty
+    expect_in ring 0 "$iftty" -c "$(sed "1,${made}d" ring/script | paste -sd ";" -)" --journal k.iftty
+    same_files ring/k.iftty ring/whole.iftty
+done
+close_story
+
 begin "one that is another than the script is named, and nothing is added to it"
 beginning() {
     rm -rf again/k.*
