@@ -82,7 +82,8 @@ expect_in ring 0 "$iftty" run script --journal whole.iftty
 grep -q ' spared=[1-9]' ring/whole.iftty || fail "nothing is left out: $(cat ring/whole.iftty)"
 for made in 6 7; do
     awk -v last=$made '{ print } /^= / && $2 == last { exit }' ring/whole.iftty >ring/k.iftty
-    expect_in ring 0 "$iftty" -c "$(sed "1,${made}d" ring/script | paste -sd ";" -)" --journal k.iftty
+    rest=$(sed "1,${made}d" ring/script | paste -sd ';' -)
+    expect_in ring 0 "$iftty" -c "$rest" --journal k.iftty
     same_files ring/k.iftty ring/whole.iftty
 done
 close_story
