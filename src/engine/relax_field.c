@@ -334,14 +334,15 @@ static bool find_chunk(struct relax_field *f, unsigned parity, uint32_t y, uint3
 
 /* ---- sweeps ---- */
 
-/* What comes of two neighbours. Values and weights are such that no sum leaves 32 bits:
+/* Adds what comes of two neighbours. Values and weights are such that no sum leaves 32 bits:
  * 1536 * RELAX_ONE < 2^31; where there is no voxel, and weights are 0, it does not matter. */
-static inline sums pull(sums weights, const int32_t *low, const int32_t *high, sums own)
+static inline void pull(sums *by, const sums *weights, const int32_t *low, const int32_t *high,
+                        const sums *own)
 {
     sums of_low, of_high;
     memcpy(&of_low, low, sizeof of_low);
     memcpy(&of_high, high, sizeof of_high);
-    return (weights & 0xffff) * (of_low - own) + (weights >> 16) * (of_high - own);
+    *by += (*weights & 0xffff) * (of_low - *own) + (*weights >> 16) * (of_high - *own);
 }
 
 enum { ROWS_AT_ONCE = sizeof(uint64_t) };
@@ -370,11 +371,12 @@ WIDE static void move_chunks(const struct relax_field *f, unsigned parity, struc
         const struct relax_weights *const w = &weights[due->slot];
         const int32_t *const other = others + due->at * LANES, *const lower = other - !due->odd;
         int32_t *const u = values + due->at * LANES;
-        sums own;
+        sums own, all = {0};
         memcpy(&own, u, sizeof own);
-        const lanes by = (lanes)(pull(w->of[0], other - along, other + along, own) +
-                                 pull(w->of[1], other - across, other + across, own) +
-                                 pull(w->of[2], lower, lower + 1, own));
+        pull(&all, &w->of[0], other - along, other + along, &own);
+        pull(&all, &w->of[1], other - across, other + across, &own);
+        pull(&all, &w->of[2], lower, lower + 1, &own);
+        const lanes by = (lanes)all;
         lanes value = (lanes)own + ((by + 511 + (by >> 10 & 1)) >> 10);
         value &= value > 0;
         const lanes over = value > RELAX_ONE;
