@@ -63,7 +63,7 @@ bool outline_facts_find(struct polyline *line, uint32_t *marker, struct session 
     }
     const bool found =
         session_labels(session, session_shows_finished(session), &labels, NULL) == OK &&
-        contour_of_label(line, &labels, label, axis, place[axis], NULL) == OK &&
+        contour_of_label(line, &labels, label, axis, place, NULL) == OK &&
         line->count >= CORNERS_LEAST;
     buf_add_text(out, found ? "the border of label " : "in this slice there is nothing of label ");
     label_report_write_name(out, session, label);

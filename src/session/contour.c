@@ -9,11 +9,12 @@
 struct area {
     unsigned axis, across[2]; /* the axes of the scene that columns and rows run along */
     uint32_t at, width, height;
-    uint8_t *piece;  /* [height][width]: ABSENT, ASKED for, or in the largest piece so far */
+    uint8_t *piece;  /* [height][width]: ABSENT, ASKED for, SEEN, or of the piece MEANT */
     uint32_t *queue; /* of places row * width + column */
 };
 
-enum { ABSENT, ASKED, SEEN, LARGEST };
+enum { ABSENT, ASKED, SEEN, MEANT };
+enum { NOWHERE = -1 };
 
 static enum err area_init(struct area *area, const struct grid *grid, unsigned axis, uint32_t at,
                           struct fault *fault)
@@ -40,13 +41,18 @@ static void find_place(const struct area *area, uint32_t column, uint32_t row, u
     place[area->across[1]] = row;
 }
 
+static uint32_t place_of(const struct area *area, const uint32_t place[3])
+{
+    return place[area->across[1]] * area->width + place[area->across[0]];
+}
+
 static bool has(const struct area *area, int64_t column, int64_t row, uint8_t what)
 {
     return column >= 0 && row >= 0 && column < area->width && row < area->height &&
            area->piece[row * area->width + column] == what;
 }
 
-/* ---- the largest piece ---- */
+/* ---- the piece ---- */
 
 /* All that hangs together with a voxel by faces becomes another kind; how many they are. */
 static uint32_t flood(struct area *area, uint32_t from, uint8_t kind)
@@ -68,7 +74,7 @@ static uint32_t flood(struct area *area, uint32_t from, uint8_t kind)
     return count;
 }
 
-/* Makes it LARGEST and gives its first place; false where nothing is asked for. */
+/* Makes the largest piece MEANT and gives its first place; false where nothing is asked for. */
 static bool find_largest(struct area *area, uint32_t *first)
 {
     const uint32_t voxels = area->width * area->height;
@@ -81,7 +87,7 @@ static bool find_largest(struct area *area, uint32_t *first)
         }
     }
     if (most)
-        flood(area, *first, LARGEST);
+        flood(area, *first, MEANT);
     return most > 0;
 }
 
@@ -96,7 +102,7 @@ static unsigned look_around(const struct area *area, const int64_t at[2], unsign
 {
     for (unsigned k = 0; k < 8; k++) {
         const unsigned d = (from + k) % 8;
-        if (has(area, at[0] + step[d][0], at[1] + step[d][1], LARGEST))
+        if (has(area, at[0] + step[d][0], at[1] + step[d][1], MEANT))
             return d;
     }
     return 8;
@@ -136,11 +142,24 @@ static void thin_out(struct polyline *line)
     }
 }
 
-/* The area is let go of. */
-static enum err trace(struct polyline *contour, struct area *area, struct fault *fault)
+/* Makes the piece that has `from` MEANT and gives its first place; false where none has it. */
+static bool find_piece(struct area *area, int64_t from, uint32_t *first)
+{
+    if (from == NOWHERE || area->piece[from] != ASKED)
+        return false;
+    flood(area, (uint32_t)from, MEANT);
+    for (*first = 0; area->piece[*first] != MEANT;)
+        ++*first;
+    return true;
+}
+
+/* Around the piece that has `from`, if any has, else the largest. The area is let go of. */
+static enum err trace(struct polyline *contour, struct area *area, int64_t from,
+                      struct fault *fault)
 {
     uint32_t first;
-    const bool fits = !find_largest(area, &first) || go_around(contour, area, first);
+    const bool fits = (!find_piece(area, from, &first) && !find_largest(area, &first)) ||
+                      go_around(contour, area, first);
     area_release(area);
     if (!fits) {
         polyline_release(contour);
@@ -156,22 +175,22 @@ static enum err trace(struct polyline *contour, struct area *area, struct fault 
 /* ---- of what ---- */
 
 enum err contour_of_label(struct polyline *contour, const struct labels *labels, unsigned label,
-                          unsigned axis, uint32_t at, struct fault *fault)
+                          unsigned axis, const uint32_t place[3], struct fault *fault)
 {
     const struct grid *grid = &labels->scene->grid;
     struct area area;
-    const enum err err = area_init(&area, grid, axis, at, fault);
-    for (uint32_t row = 0, place[3]; !err && row < area.height; row++)
+    const enum err err = area_init(&area, grid, axis, place[axis], fault);
+    for (uint32_t row = 0, p[3]; !err && row < area.height; row++)
         for (uint32_t column = 0; column < area.width; column++) {
-            find_place(&area, column, row, place);
-            const uint32_t cell = grid_cell(grid, place[0], place[1], place[2]);
+            find_place(&area, column, row, p);
+            const uint32_t cell = grid_cell(grid, p[0], p[1], p[2]);
             area.piece[row * area.width + column] = labels_at(labels, cell) == label;
         }
     if (err) {
         area_release(&area);
         return err;
     }
-    return trace(contour, &area, fault);
+    return trace(contour, &area, place_of(&area, place), fault);
 }
 
 /* The box around the voxels of a marker; and the last axis along which they lie at one place, 3 for
@@ -220,11 +239,11 @@ enum err contour_of_marker(struct polyline *contour, const struct grid *grid,
     const enum err err = area_init(&area, grid, axis, first[axis], fault);
     for (size_t i = 0; !err && i < marker->voxels; i++) {
         grid_find(grid, markers->cover[marker->first + i].cell, place);
-        area.piece[place[area.across[1]] * area.width + place[area.across[0]]] = ASKED;
+        area.piece[place_of(&area, place)] = ASKED;
     }
     if (err) {
         area_release(&area);
         return err;
     }
-    return trace(contour, &area, fault);
+    return trace(contour, &area, NOWHERE, fault);
 }

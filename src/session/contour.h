@@ -2,10 +2,11 @@
  * Contours: the outline of what is there already in a slice, to begin with and to be corrected.
  *
  * Of the voxels of a slice that are meant, those that hang together by faces are a piece. The
- * contour goes once around the largest one, from the centre of one of its outer voxels to that of
- * the next, by faces and corners, and is then simplified (polyline_simplify): so the polygon
- * through its corners (session/paint.h) has the voxels of the piece, holes filled, but for those
- * that half a voxel decides about. Of a rectangle it has its four corners.
+ * contour goes once around one of them, the largest unless another is asked for, from the centre of
+ * one of its outer voxels to that of the next, by faces and corners, and is then simplified
+ * (polyline_simplify): so the polygon through its corners (session/paint.h) has the voxels of the
+ * piece, holes filled, but for those that half a voxel decides about. Of a rectangle it has its
+ * four corners.
  */
 #ifndef SESSION_CONTOUR_H
 #define SESSION_CONTOUR_H
@@ -19,11 +20,12 @@
  * would drag are thinned out. */
 enum { CONTOUR_CORNERS_MOST = 1000 };
 
-/* The corners of a label's contour in a slice, the one `at` along an axis, into an empty line; the
- * last one leads back to the first. Fewer than three of what is no wider than a row of voxels, none
- * where the label is not in the slice. ERR_MEMORY leaves it empty. */
+/* The corners of a label's contour in the slice through a place, across an axis, into an empty
+ * line: of the piece that has the place, else of the largest; the last one leads back to the first.
+ * Fewer than three of what is no wider than a row of voxels, none where the label is not in the
+ * slice. ERR_MEMORY leaves it empty. */
 enum err contour_of_label(struct polyline *contour, const struct labels *labels, unsigned label,
-                          unsigned axis, uint32_t at, struct fault *fault);
+                          unsigned axis, const uint32_t place[3], struct fault *fault);
 
 /* The same of the voxels of a marker, without those that are joined to it: of an outline, its
  * inside. None where they do not lie in one slice. */
