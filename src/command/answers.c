@@ -149,7 +149,8 @@ static unsigned changed_labels(const struct session *session, uint8_t label[255]
     return count;
 }
 
-void volumes_write(struct buf *out, const struct session *session, uint64_t took_ns)
+void volumes_write(struct buf *out, const struct session *session, bool is_finished,
+                   uint64_t took_ns)
 {
     uint8_t label[255];
     const unsigned count = changed_labels(session, label);
@@ -161,6 +162,8 @@ void volumes_write(struct buf *out, const struct session *session, uint64_t took
         buf_add_text(out, "no label has changed");
     else
         buf_printf(out, "%llu voxel%s changed", (unsigned long long)changed, plural(changed));
+    if (is_finished && changed != 0)
+        buf_add_text(out, " before finishing");
     for (unsigned i = 0; i < count && i < LISTED_MOST; i++) {
         buf_add_text(out, ", label ");
         label_report_write_name(out, session, label[i]);

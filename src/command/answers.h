@@ -18,8 +18,10 @@ void act_write_no_seeds(const struct act *act);
 /* Adds "1234 voxels changed, label 3 brain: 1.24 l (+12 ml), label 2: 142 ml, 12.3 ms": the voxels
  * that have another label; the volumes of the labels that became larger or smaller, the largest
  * first, at most six of them and never that of label 0; and the time. For a command that has edited
- * the forest, after session_count_before and session_count_labels. */
-void volumes_write(struct buf *out, const struct session *session, uint64_t took_ns);
+ * the forest, after session_count_before and session_count_labels. Where finished labels are shown,
+ * "1234 voxels changed before finishing": to finish takes longer than the edit. */
+void volumes_write(struct buf *out, const struct session *session, bool is_finished,
+                   uint64_t took_ns);
 
 /* After it, for a surprise (report/surprise.h): "this `seed` took 1.2 l of label 1 brain through
  * 93,40,61; undo takes it back". NULL: what waited has. */

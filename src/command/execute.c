@@ -10,6 +10,7 @@
 #include "sandbox/limits.h"
 #include "session/markers.h"
 #include "session/semantics.h"
+#include "show/draw.h"
 
 /* ---- carried out ---- */
 
@@ -84,7 +85,8 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
     if (!err && edited)
         err = session_count_labels(session, fault);
     if (!err && edited)
-        volumes_write(&reply->text, session, clock_ns() - begin);
+        volumes_write(&reply->text, session, interp->has_pilot && session_shows_finished(session),
+                      clock_ns() - begin);
     if (!err && edited && (command->flags & COMMAND_PLANTS || interp->applied))
         surprise_write(&reply->text, session, interp->applied ? NULL : command->name);
     if (!err && (reply->text.failed || reply->words.failed || reply->canonical.failed ||
