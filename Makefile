@@ -5,6 +5,7 @@ CXX      ?= c++
 VARIANT  ?= release
 OPTIMISE ?= -O2
 SANITISE ?=
+PREFIX   ?= /usr/local
 BUILD    := $(if $(filter release,$(VARIANT)),build,build/$(VARIANT))
 
 PACKAGES := g++ pkg-config libopenimageio-dev libopenexr-dev nettle-dev zlib1g-dev libdeflate-dev \
@@ -18,7 +19,8 @@ SCENES   := mricron-data
 TEST_PACKAGES := tmux screen procps python3 python3-nibabel python3-pydicom python3-h5py \
                  python3-jsonschema python3-matplotlib \
                  teem-apps dcmtk medcon plastimatch libinsighttoolkit5-dev openssh-client \
-                 bindfs fuse3 python3-pil python3-fonttools fonts-dejavu-extra
+                 bindfs fuse3 python3-pil python3-fonttools fonts-dejavu-extra \
+                 man-db groff-base mandoc zsh fish
 FORMATTER     := clang-format-14
 BARE_PACKAGES := debootstrap
 # Other versions of clang-tidy find other things.
@@ -144,11 +146,12 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
                      sway grim wtype xdotool tmux screen pterm rxvt-unicode chafa python3-pil
 
 .DEFAULT_GOAL := all
-.PHONY: all tests test test-long test-stress test-bare check-format format analyse variants \
-        test-matrix test-matrix-short test-terminals test-cohort fuzz fuzzers demo bench-peers \
-        bench-chafa bench-paper bench-growth bench-render bench-frames bench-journal bench-keys \
-        bench-looks bench-effort bench-mend bench-noise bench-register bench-series bench-files \
-        bench-beside bench-apply bench-surface remake-examples help clean packages
+.PHONY: all install uninstall tests test test-long test-stress test-bare check-format format \
+        analyse variants test-matrix test-matrix-short test-terminals test-cohort fuzz fuzzers \
+        demo bench-peers bench-chafa bench-paper bench-growth bench-render bench-frames \
+        bench-journal bench-keys bench-looks bench-effort bench-mend bench-noise bench-register \
+        bench-series bench-files bench-beside bench-apply bench-surface remake-examples help \
+        clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -227,8 +230,15 @@ compile_commands.json: Makefile | $(PACKAGES_STAMP)
 ##     make VARIANT=debug OPTIMISE="-Og -g3" && gdb --args build/debug/iftty
 
 ## tests: build the test programs, and those of bench-peers that need no other package
-tests: $(TESTS) $(BENCH) $(FUZZ_REPLAYS) $(BUILD)/tests/mutation/nudge $(PEERS_IN_C) $(STAGED) \
-       $(ITK_JUDGE) $(PROBES)
+tests: $(BUILD)/share $(TESTS) $(BENCH) $(FUZZ_REPLAYS) $(BUILD)/tests/mutation/nudge \
+       $(PEERS_IN_C) $(STAGED) $(ITK_JUDGE) $(PROBES)
+
+## install: what was built, its manual, completions and examples, below PREFIX=/usr/local, staged in
+##     DESTDIR; helpers that were not built are left out.  uninstall: takes all of it away
+install: $(BUILD)/iftty $(BUILD)/share
+	@.package/install $(BUILD) "$(DESTDIR)" "$(PREFIX)"
+uninstall:
+	@.package/install -u "$(DESTDIR)" "$(PREFIX)"
 
 ## demo: segment a brain by seeds, render it, replay and verify the journal
 demo: $(BUILD)/iftty $(BUILD)/iftty-image
@@ -339,6 +349,15 @@ $(BUILD)/tests/probe/iftty-image: PROBE_LIBS = $(OIIO_LIBS)
 $(BUILD)/tests/probe/iftty-volume: PROBE_LIBS = $(VOLUME_LIBS)
 $(BUILD)/tests/probe/iftty-register: PROBE_LIBS = $(REGISTER_LIBS)
 
+# Pages of the manual and completions, out of the tables, as they lie below PREFIX/share.
+MANUAL_PARTS  = $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/manual/*.c))
+$(BUILD)/iftty-manual: $(MANUAL_PARTS) $(LIBRARY)
+	$(say) "link      $@"
+	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $(MANUAL_PARTS) $(LIBRARY) $(LIBS)
+$(BUILD)/share: $(BUILD)/iftty-manual
+	@rm -rf $@
+	@$< $@
+
 $(LIBRARY): $(OBJECTS)
 	@rm -f $@
 	$(Q)$(AR) rcs $@ $^
@@ -433,4 +452,4 @@ $(BUILD)/racing/%.o: %.c | $(PACKAGES_STAMP)
 -include $(RACING:.o=.d) $(wildcard $(BUILD)/racing/tests/*.d)
 -include $(OBJECTS:.o=.d) $(BUILD)/src/main.d $(TESTS:=.d) $(PEERS:=.d) $(IMAGE_PARTS:.o=.d) \
          $(VOLUME_PARTS:.o=.d) $(REGISTER_PARTS:.o=.d) $(STAGED:=.d) $(BENCH).d $(BENCHES:.o=.d) \
-         $(wildcard $(BUILD)/tests/*/*.d)
+         $(MANUAL_PARTS:.o=.d) $(wildcard $(BUILD)/tests/*/*.d)

@@ -28,23 +28,34 @@ enum {
 
 /* ---- its life ---- */
 
-enum err coprocess_beside(struct buf *out, const char *name, struct fault *fault)
+/* PREFIX/bin/iftty has its helpers in PREFIX/libexec/iftty, wherever the PREFIX was moved to. */
+enum err coprocess_find(struct buf *out, const char *name, struct fault *fault)
 {
-    const enum err err = file_program_folder(out, fault);
-    if (err)
-        return err;
-    buf_printf(out, "/%s", name);
-    return out->failed ? fault_memory(fault, "a file name") : OK;
+    struct buf own = {0}, above = {0}, installed = {0};
+    const enum err err = file_program_folder(&own, fault);
+    if (!err) {
+        file_folder(&above, buf_text(&own));
+        buf_printf(&installed, "%s/libexec/iftty/%s", buf_text(&above), name);
+        buf_printf(&own, "/%s", name);
+        const bool is_installed =
+            access(buf_text(&own), X_OK) != 0 && access(buf_text(&installed), X_OK) == 0;
+        buf_add_text(out, buf_text(is_installed ? &installed : &own));
+    }
+    const bool failed = own.failed || above.failed || installed.failed || out->failed;
+    buf_release(&own);
+    buf_release(&above);
+    buf_release(&installed);
+    return !err && failed ? fault_memory(fault, "a file name") : err;
 }
 
 enum err coprocess_init(struct coprocess *c, const char *name, const char *program,
                         struct fault *fault)
 {
-    struct buf beside = {0};
-    const enum err err = program ? OK : coprocess_beside(&beside, name, fault);
+    struct buf found = {0};
+    const enum err err = program ? OK : coprocess_find(&found, name, fault);
     *c = (struct coprocess){.fd = -1};
-    c->program = err ? NULL : strdup(program ? program : buf_text(&beside));
-    buf_release(&beside);
+    c->program = err ? NULL : strdup(program ? program : buf_text(&found));
+    buf_release(&found);
     return err || c->program ? err : fault_memory(fault, name);
 }
 

@@ -45,7 +45,7 @@ struct coprocess {
     uint64_t pages;   /* of memory, the same; 0: not known */
 };
 
-/* `name` is the program beside the running one, unless `program` gives a path. */
+/* The program of this name is looked for by coprocess_find, unless `program` gives a path. */
 enum err coprocess_init(struct coprocess *c, const char *name, const char *program,
                         struct fault *fault);
 void coprocess_release(struct coprocess *c); /* ends it, and waits for it */
@@ -81,8 +81,9 @@ enum err coprocess_answer(struct coprocess *c, char line[COPROCESS_LINE], const 
 enum err coprocess_fault(struct coprocess *c, const char *doing, const char *path,
                          struct fault *fault);
 
-/* The path of the program `name` beside the running one. */
+/* The path of the program `name`: beside the running one, as in a checkout; else, where it is
+ * there, in ../libexec/iftty, as `make install` has it. */
 struct buf;
-enum err coprocess_beside(struct buf *out, const char *name, struct fault *fault);
+enum err coprocess_find(struct buf *out, const char *name, struct fault *fault);
 
 #endif

@@ -42,7 +42,7 @@
 #include "image/picture.h"
 #include "image/strips.h"
 
-#define IMAGE_HELPER "iftty-image" /* the program, beside the running one */
+#define IMAGE_HELPER "iftty-image" /* the program (coprocess_find) */
 
 struct image_helper;
 

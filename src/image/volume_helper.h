@@ -48,7 +48,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#define VOLUME_HELPER "iftty-volume" /* the program, beside the running one */
+#define VOLUME_HELPER "iftty-volume" /* the program (coprocess_find) */
 
 /* For tests: another program, NULL for iftty-volume beside the running one; and how long it may
  * stay silent, apart from a second for each 20 MB of voxels. */

@@ -139,9 +139,9 @@ enum err begin_confined(const struct options *o, const char *journal, const char
     struct limits limits;
     enum err err = limits_read(&limits, o->limit_memory, o->limit_time, o->limit_output, fault);
     if (!err)
-        err = coprocess_beside(&images, IMAGE_HELPER, fault);
+        err = coprocess_find(&images, IMAGE_HELPER, fault);
     if (!err)
-        err = coprocess_beside(&volumes, VOLUME_HELPER, fault);
+        err = coprocess_find(&volumes, VOLUME_HELPER, fault);
     if (!err)
         err = golden_folder(&goldens, journal, fault);
     if (!err && !o->scene)

@@ -155,8 +155,8 @@ void program_add_name(struct buf *out, const struct program_table *table,
         buf_printf(out, " %s", program->form);
 }
 
-static void add_usage(struct buf *out, const struct program_table *table,
-                      const struct program *program)
+void program_add_usage(struct buf *out, const struct program_table *table,
+                       const struct program *program)
 {
     program_add_name(out, table, program);
     const char *value = NULL;
@@ -228,7 +228,7 @@ bool program_add_help(struct buf *out, const struct program_table *table, const 
         if (!p->name || strcmp(p->name, name) != 0)
             continue;
         buf_add_text(out, known ? "\n" : "");
-        add_usage(out, table, p);
+        program_add_usage(out, table, p);
         buf_add_char(out, '\n');
         add_wrapped(out, p->summary, 0, INDENT);
         add_paragraphs(out, p->detail);
@@ -244,7 +244,7 @@ void program_add_overview(struct buf *out, const struct program_table *table)
     for (unsigned i = 0; i < table->rows; i++) {
         const size_t before = out->length;
         buf_printf(out, "%*s", INDENT, "");
-        add_usage(out, table, table->row + i);
+        program_add_usage(out, table, table->row + i);
         add_wrapped(out, table->row[i].summary, out->length - before, SUMMARY_COLUMN);
     }
     for (unsigned i = 0; i < table->rows; i++) {
@@ -252,7 +252,7 @@ void program_add_overview(struct buf *out, const struct program_table *table)
         if (p->name || p->form)
             continue;
         buf_add_text(out, "\nOptions of `");
-        add_usage(out, table, p);
+        program_add_usage(out, table, p);
         buf_add_text(out, "`\n");
         add_options(out, table, p);
     }
@@ -318,7 +318,7 @@ static enum err check_operands(const struct program_table *table, const struct o
     struct buf usage = {0};
     if (o->words >= p->least && o->words <= p->most)
         return OK;
-    add_usage(&usage, table, p);
+    program_add_usage(&usage, table, p);
     fault_set(fault, ERR_USAGE, "expected `%s`, and there %s %d operand%s", buf_text(&usage),
               o->words == 1 ? "is" : "are", o->words, plural((uint64_t)o->words));
     buf_release(&usage);

@@ -120,6 +120,10 @@ int program_main(const struct program_table *table, int count, char **word,
 void program_add_name(struct buf *out, const struct program_table *table,
                       const struct program *program);
 
+/* Adds the same with its operands: "iftty verify --bisect A B". */
+void program_add_usage(struct buf *out, const struct program_table *table,
+                       const struct program *program);
+
 /* Tries the programs' names as what a misspelt one was meant to be. */
 void program_try_names(const struct program_table *table, struct near *near);
 

@@ -40,7 +40,7 @@
 #include "base/watch.h"
 #include "image/coprocess.h"
 
-#define REGISTER_HELPER "iftty-register" /* the program, beside the running one */
+#define REGISTER_HELPER "iftty-register" /* the program (coprocess_find) */
 
 /* For tests: another program, NULL for iftty-register beside the running one; and how long it may
  * stay silent. */

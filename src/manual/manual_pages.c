@@ -1,0 +1,266 @@
+#include "manual/manual.h"
+
+#include <ctype.h>
+#include <string.h>
+
+#include "base/version.h"
+#include "command/command.h"
+#include "program/program.h"
+
+/* ---- text for groff and mandoc ---- */
+
+enum { LINE_MOST = 78 };
+
+/* Characters that would be set as others, as '-' is as a hyphen; a line may end after '|'. */
+static void add_escaped(struct buf *out, const char *text, size_t length)
+{
+    static const char plain[] = "\\-`'~^\"|";
+    static const char *const set[] = {"\\e",   "\\-",   "\\(ga", "\\(aq",
+                                      "\\(ti", "\\(ha", "\\(dq", "|\\:"};
+    for (size_t i = 0; i < length; i++) {
+        const char *special = text[i] ? strchr(plain, text[i]) : NULL;
+        if (special)
+            buf_add_text(out, set[special - plain]);
+        else
+            buf_add_char(out, text[i]);
+    }
+}
+
+/* Words in lines that are not too long; each line feed of `text` ends a paragraph, which `between`
+ * parts from the next. */
+static void add_text(struct buf *out, const char *text, const char *between)
+{
+    struct buf word = {0};
+    size_t column = 0;
+    while (*text) {
+        const size_t length = strcspn(text, " \n");
+        buf_clear(&word);
+        add_escaped(&word, text, length);
+        if (column && column + 1 + word.length > LINE_MOST) {
+            buf_add_char(out, '\n');
+            column = 0;
+        }
+        const char *before = column ? " " : *text == '.' ? "\\&" : "";
+        buf_printf(out, "%s%s", before, buf_text(&word));
+        column += strlen(before) + word.length;
+        text += length;
+        if (*text == '\n' && text[1]) {
+            buf_printf(out, "\n%s\n", between);
+            column = 0;
+        }
+        text += strspn(text, " \n");
+    }
+    buf_add_char(out, '\n');
+    out->failed |= word.failed;
+    buf_release(&word);
+}
+
+/* A line in bold, as what is typed. */
+static void add_typed(struct buf *out, const char *text)
+{
+    buf_add_text(out, "\\fB");
+    add_escaped(out, text, strlen(text));
+    buf_add_text(out, "\\fP\n");
+}
+
+/* "iftty-verify", in capitals for a title. */
+static void add_title(struct buf *out, const char *name, int section)
+{
+    buf_add_text(out, ".TH ");
+    for (const char *c = name; *c; c++)
+        buf_add_char(out, (char)toupper((unsigned char)*c));
+    buf_printf(out, " %d %s \"iftty %s\"\n.ad l\n.SH NAME\n", section, PROGRAM_DATE,
+               PROGRAM_VERSION);
+    add_escaped(out, name, strlen(name));
+    buf_add_text(out, " \\- ");
+}
+
+/* ---- programs ---- */
+
+static bool has_name(const struct program *program, const char *name)
+{
+    return name && program->name ? strcmp(program->name, name) == 0 : name == program->name;
+}
+
+bool manual_is_first(unsigned row)
+{
+    unsigned first = 0;
+    while (!has_name(program_table.row + first, program_table.row[row].name))
+        first++;
+    return first == row;
+}
+
+static void add_options(struct buf *out, const struct program *program)
+{
+    for (const uint8_t *o = program->option; *o; o++) {
+        const struct option *option = program_table.option.row + *o;
+        if (!*option->help)
+            continue;
+        struct buf value = {0};
+        if (option->add_choices)
+            option->add_choices(&value, "|", "|");
+        else if (option->value)
+            buf_add_text(&value, option->value);
+        buf_add_text(out, ".TP\n\\fB");
+        add_escaped(out, option->name, strlen(option->name));
+        buf_add_text(out, value.length ? "\\fP " : "\\fP");
+        add_escaped(out, buf_text(&value), value.length);
+        buf_add_char(out, '\n');
+        add_text(out, option->help, ".IP");
+        out->failed |= value.failed;
+        buf_release(&value);
+    }
+}
+
+static void add_usage(struct buf *out, const struct program *program)
+{
+    struct buf usage = {0};
+    program_add_usage(&usage, &program_table, program);
+    add_typed(out, buf_text(&usage));
+    out->failed |= usage.failed;
+    buf_release(&usage);
+}
+
+/* The usage of every form, one a line; `name` NULL for those of all programs. */
+static void add_synopsis(struct buf *out, const char *name)
+{
+    const char *between = ".SH SYNOPSIS\n.nf\n";
+    for (unsigned i = 0; i < program_table.rows; i++) {
+        if (name && !has_name(program_table.row + i, name))
+            continue;
+        buf_add_text(out, between);
+        add_usage(out, program_table.row + i);
+        between = "";
+    }
+    buf_add_text(out, ".fi\n");
+}
+
+/* Each form with all that is known of it. */
+static void add_forms(struct buf *out, const char *name)
+{
+    for (unsigned i = 0; i < program_table.rows; i++) {
+        const struct program *p = program_table.row + i;
+        if (!has_name(p, name))
+            continue;
+        buf_add_text(out, ".SS ");
+        add_usage(out, p);
+        buf_add_char(out, (char)toupper((unsigned char)*p->summary));
+        add_text(out, p->summary + 1, ".PP");
+        if (p->detail) {
+            buf_add_text(out, ".PP\n");
+            add_text(out, p->detail, ".PP");
+        }
+        add_options(out, p);
+    }
+}
+
+/* The other pages; `own` is "" for iftty(1), NULL for iftty-journal(5). */
+static void add_see_also(struct buf *out, const char *own)
+{
+    const char *after = ".SH SEE ALSO\n";
+    if (!own || *own) {
+        buf_printf(out, "%s.BR iftty (1)", after);
+        after = ",\n";
+    }
+    for (unsigned i = 0; i < program_table.rows; i++) {
+        const char *name = program_table.row[i].name;
+        if (!name || !manual_is_first(i) || (own && strcmp(own, name) == 0))
+            continue;
+        buf_printf(out, "%s.BR iftty\\-%s (1)", after, name);
+        after = ",\n";
+    }
+    buf_add_text(out, own ? ",\n.BR iftty\\-journal (5)\n" : "\n");
+}
+
+static const char *after_colon(const char *text)
+{
+    const char *colon = strstr(text, ": ");
+    return colon ? colon + 2 : text;
+}
+
+void manual_page(struct buf *out)
+{
+    add_title(out, program_table.called, 1);
+    add_text(out, after_colon(program_table.about), "");
+    add_synopsis(out, NULL);
+    buf_add_text(out, ".SH DESCRIPTION\nEach program has a page of its own, such as\n"
+                      ".BR iftty\\-verify (1).\nThe commands of prompt, script and journal are in\n"
+                      ".BR iftty\\-journal (5).\n");
+    for (unsigned i = 0; i < program_table.rows; i++) {
+        const struct program *p = program_table.row + i;
+        buf_add_text(out, ".TP\n");
+        add_usage(out, p);
+        add_text(out, p->summary, ".IP");
+    }
+    buf_add_text(out, ".SH OPTIONS\n");
+    add_forms(out, NULL);
+    buf_add_text(out, ".SH EXIT STATUS\n.nf\n");
+    for (const char *at = program_table.closing; *at; at += strspn(at, "\n")) {
+        const size_t length = strcspn(at, "\n");
+        add_escaped(out, at, length);
+        buf_add_char(out, '\n');
+        at += length;
+    }
+    buf_add_text(out, ".fi\n");
+    add_see_also(out, "");
+}
+
+void manual_program_page(struct buf *out, const char *name)
+{
+    struct buf title = {0};
+    buf_printf(&title, "%s-%s", program_table.called, name);
+    add_title(out, buf_text(&title), 1);
+    for (unsigned i = 0; i < program_table.rows; i++)
+        if (has_name(program_table.row + i, name) && manual_is_first(i))
+            add_text(out, program_table.row[i].summary, "");
+    add_synopsis(out, name);
+    buf_add_text(out, ".SH DESCRIPTION\n");
+    add_forms(out, name);
+    add_see_also(out, name);
+    out->failed |= title.failed;
+    buf_release(&title);
+}
+
+/* ---- commands ---- */
+
+static void add_command(struct buf *out, const struct command *command)
+{
+    struct buf usage = {0};
+    command_usage(&usage, command);
+    buf_add_text(out, ".TP\n");
+    add_typed(out, buf_text(&usage));
+    add_text(out, command->summary, ".IP");
+    if (command->detail) {
+        buf_add_text(out, ".IP\n");
+        add_text(out, command->detail, ".IP");
+    }
+    buf_add_text(out, ".IP\nExample:\n");
+    add_typed(out, command->example);
+    out->failed |= usage.failed;
+    buf_release(&usage);
+}
+
+void manual_journal_page(struct buf *out)
+{
+    add_title(out, "iftty-journal", 5);
+    add_text(out, "the commands of a session, in order, with what each gave", "");
+    buf_add_text(out, ".SH DESCRIPTION\n");
+    add_text(out,
+             "A journal is a text file. Its first line says which format it has, and which meaning "
+             "of commands. Each record is a command as it would be typed at the prompt, and a line "
+             "with the digests of what came of it and a chain of digests over all that stands "
+             "before. A script is a file of commands without that first line.\n"
+             "FORMAT.md, which is installed beside the examples, describes it byte for byte. These "
+             "are the commands.",
+             ".PP");
+    for (enum command_group group = 0; group < GROUPS; group++) {
+        buf_add_text(out, ".SH ");
+        for (const char *c = command_group_name[group]; *c; c++)
+            buf_add_char(out, (char)toupper((unsigned char)*c));
+        buf_add_char(out, '\n');
+        for (unsigned i = 0; i < command_count(); i++)
+            if (command_at(i)->group == group)
+                add_command(out, command_at(i));
+    }
+    add_see_also(out, NULL);
+}

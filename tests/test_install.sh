@@ -1,0 +1,155 @@
+#!/bin/sh
+# What `make install` puts where: a tree that works wherever it was moved to, pages that groff and
+# mandoc set without a word, completions that the shells themselves take, and nothing left of it.
+. "$(dirname "$0")/lib.sh"
+
+stage=$work/stage
+mkdir "$stage"
+expect 0 .package/install "$build" "$stage" /opt/iftty || fail "$(cat "$work/err")"
+mv "$stage" "$work/moved" # nothing in it may know where it was
+tree=$work/moved/opt/iftty
+doc=$tree/share/doc/iftty
+
+begin "the installed program finds its helpers, and verifies an example"
+for helper in image volume register; do
+    [ -x "$tree/libexec/iftty/iftty-$helper" ] || fail "there is no iftty-$helper"
+done
+[ -z "$(find "$tree/bin" -name 'iftty-*')" ] || fail "helpers lie beside the program"
+cp -R "$doc/examples" "$work/examples"
+expect_in "$work" 0 "$tree/bin/iftty" verify --strict examples/geom.iftty </dev/null
+make_scene "$work/scene.nii" 24 20 16
+expect_in "$work" 0 "$tree/bin/iftty" -c 'open scene.nii; seed 6,10,8 1; run; render'\
+' picture.png; save labels labels.nrrd' </dev/null
+[ -s "$work/picture.png" ] || fail "there is no picture"
+expect_in "$work" 0 "$tree/bin/iftty" info picture.png </dev/null
+out_has png
+mv "$tree/libexec" "$work/away"
+expect_in "$work" 3 "$tree/bin/iftty" info picture.png </dev/null
+err_has "image helper"
+mv "$work/away" "$tree/libexec"
+ln -s "$tree/bin/iftty" "$work/linked"
+expect_in "$work" 0 "$work/linked" info picture.png </dev/null
+close_story
+
+programs=$("$iftty" --help | sed -n 's/^    iftty \([a-z][a-z]*\)\( .*\)\{0,1\}$/\1/p' | sort -u)
+begin "every program has a page, and each page is set without a warning"
+[ "$(printf '%s\n' "$programs" | wc -l)" -gt 10 ] || fail "programs: $programs"
+for page in iftty.1 iftty-journal.5 $(printf 'iftty-%s.1\n' $programs); do
+    file=$tree/share/man/man${page##*.}/$page
+    [ -s "$file" ] || { fail "there is no $page"; continue; }
+    if needs mandoc; then
+        mandoc -T lint "$file" >"$work/out" 2>&1 || fail "mandoc:" "$(cat "$work/out")"
+        [ ! -s "$work/out" ] || fail "mandoc:" "$(cat "$work/out")"
+    fi
+    if needs man; then
+        MANWIDTH=80 man --warnings -E UTF-8 -l "$file" >"$work/page" 2>"$work/err"
+        [ -s "$work/page" ] && [ ! -s "$work/err" ] || fail "$page:" "$(cat "$work/err")"
+    fi
+done
+same "$(find "$tree/share/man" -type f | wc -l)" "$(($(printf '%s\n' "$programs" | wc -l) + 2))"
+close_story
+
+begin "pages have each option of the programs, and each command"
+for program in $programs; do
+    "$iftty" "$program" --help | sed -n 's/^    \(--*[a-z-]*\).*/\1/p' | sed 's/-/\\-/g' |
+        while read -r option; do
+            printf '%s\n' "$option" >"$work/option"
+            grep -qFf "$work/option" "$tree/share/man/man1/iftty-$program.1" ||
+                echo "$program $option"
+        done
+done >"$work/missing"
+"$iftty" help | sed -n 's/^\([a-z][a-z-]*\)\( .*\)\{0,1\}$/\1/p' | sed 's/-/\\\\-/g' |
+    while read -r command; do
+        grep -q "^.fB$command\\( \\|.fP\\)" "$tree/share/man/man5/iftty-journal.5" ||
+            echo "journal $command"
+    done >>"$work/missing"
+[ ! -s "$work/missing" ] || fail "$(cat "$work/missing")"
+close_story
+
+# complete WORD...: what bash offers for the last one
+complete_bash() {
+    bash --norc -c '
+        . "$1" || exit
+        complete -p iftty >/dev/null || exit
+        shift
+        COMP_WORDS=(iftty "$@") COMP_CWORD=$#
+        _iftty && printf "%s\n" "${COMPREPLY[@]}"' bash \
+        "$tree/share/bash-completion/completions/iftty" "$@" 2>"$work/err"
+}
+offers() { # SHELL WANTED, what it says on standard input
+    grep -qx -e "$2" || fail "$1 does not offer $2" "$(cat "$work/err")"
+}
+begin "bash completes programs, options, words and files"
+mkdir "$work/files"
+cd "$work/files" || exit 1
+touch 'a scene.nii'
+complete_bash ver | offers bash verify
+complete_bash verify --str | offers bash --strict
+complete_bash --out files verify --str | offers bash --strict
+complete_bash show --graphics si | offers bash sixel
+complete_bash bench te | offers bash terminal
+complete_bash help interp | offers bash interpolate
+complete_bash run a | offers bash 'a scene.nii'
+same "$(complete_bash run --str)" ""
+same "$(complete_bash 'a scene.nii' veri)" ""
+cd "$top" || exit 1
+close_story
+
+begin "zsh completes programs and options"
+if needs zsh; then
+    for typed in 'iftty verif|iftty verify ' 'iftty verify --stri|iftty verify --strict ' \
+        'iftty show --graphics six|iftty show --graphics sixel '; do
+        zsh -f -c '
+            zmodload zsh/zpty
+            zpty shell zsh -f -i
+            zpty -w shell "PS1=; PS2=; unsetopt beep; fpath=($1 \$fpath)"
+            zpty -w shell "autoload -U compinit; compinit -u -D"
+            zpty -w shell "zle -N take; take() { print -r -- \"<\$BUFFER>\" >>$3 }"
+            zpty -w shell "bindkey \"^T\" take; print ready >>$3"
+            for i in {1..400}; do
+                [[ -s $3 ]] && break
+                zpty -r -t shell text; sleep 0.025
+            done
+            zpty -w -n shell "$2$(print "\t")"
+            for i in {1..100}; do # with other keys waiting, a tab is one
+                zpty -w -n shell "$(print "\x14")"
+                sleep 0.1
+                grep -qF "<$4>" $3 && break
+                zpty -r -t shell text
+            done
+            zpty -d shell' zsh "$tree/share/zsh/site-functions" "${typed%|*}" "$work/zsh" \
+            "${typed#*|}" \
+            >/dev/null 2>"$work/err"
+        grep -qF "<${typed#*|}>" "$work/zsh" || fail "zsh: $(cat "$work/zsh" "$work/err")"
+        rm -f "$work/zsh"
+    done
+fi
+close_story
+
+begin "fish completes programs, options and words"
+if needs fish; then
+    complete_fish() { # LINE
+        HOME=$work fish --no-config -c 'source $argv[1]; complete -C $argv[2]' \
+            "$tree/share/fish/vendor_completions.d/iftty.fish" "$1" 2>"$work/err" |
+            sed 's/	.*//'
+    }
+    complete_fish 'iftty ver' | offers fish verify
+    complete_fish 'iftty verify --str' | offers fish --strict
+    complete_fish 'iftty show --graphics si' | offers fish sixel
+    same "$(complete_fish 'iftty run --str')" ""
+fi
+close_story
+
+begin "what is uninstalled is gone, and what others have put there stays"
+expect 0 .package/install -u "$work/moved" /opt/iftty
+same "$(find "$work/moved" -mindepth 1)" ""
+expect 0 .package/install "$build" "$work/moved" /opt/iftty
+expect 0 .package/install "$build" "$work/moved" /opt/iftty # over itself
+touch "$tree/bin/other"
+expect 0 .package/install -u "$work/moved" /opt/iftty
+same "$(find "$work/moved" -type f)" "$tree/bin/other"
+expect 1 .package/install -u "$work/moved" /opt/iftty
+err_has "nothing is installed"
+close_story
+
+finish
