@@ -23,6 +23,7 @@ TEST_PACKAGES := tmux screen procps python3 python3-nibabel python3-pydicom pyth
                  man-db groff-base mandoc zsh fish
 FORMATTER     := clang-format-14
 BARE_PACKAGES := debootstrap
+DEB_PACKAGES  := dpkg-dev debhelper lintian
 # Other versions of clang-tidy find other things.
 ANALYSERS     := cppcheck clang-tidy-14
 
@@ -146,7 +147,7 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
                      sway grim wtype xdotool tmux screen pterm rxvt-unicode chafa python3-pil
 
 .DEFAULT_GOAL := all
-.PHONY: all install uninstall tests test test-long test-stress test-bare check-format format \
+.PHONY: all install uninstall deb tests test test-long test-stress test-bare check-format format \
         analyse variants test-matrix test-matrix-short test-terminals test-cohort fuzz fuzzers \
         demo bench-peers bench-chafa bench-paper bench-growth bench-render bench-frames \
         bench-journal bench-keys bench-looks bench-effort bench-mend bench-noise bench-register \
@@ -239,6 +240,12 @@ install: $(BUILD)/iftty $(BUILD)/share
 	@.package/install $(BUILD) "$(DESTDIR)" "$(PREFIX)"
 uninstall:
 	@.package/install -u "$(DESTDIR)" "$(PREFIX)"
+
+## deb: Debian packages of what is committed, in build/deb: iftty, iftty-image, iftty-volume and
+##     iftty-doc; fails where lintian has an error or a warning
+deb: build/.packages-deb
+	@.package/deb build/deb
+	@lintian --allow-root --fail-on error,warning --tag-display-limit 0 build/deb/*.changes
 
 ## demo: segment a brain by seeds, render it, replay and verify the journal
 demo: $(BUILD)/iftty $(BUILD)/iftty-image
@@ -403,6 +410,10 @@ build/.packages-heads: Makefile | $(PACKAGES_STAMP)
 
 build/.packages-bench-files: Makefile | $(PACKAGES_STAMP)
 	@.ci/packages libdeflate-tools python3-numpy -- $(SCENES)
+	@touch $@
+
+build/.packages-deb: Makefile build/.packages-volume
+	@.ci/packages $(DEB_PACKAGES) --
 	@touch $@
 
 build/.packages-bare: Makefile | $(PACKAGES_STAMP)

@@ -228,7 +228,8 @@ too_long() { # FILE...
 begin "no line of a source or a script has more than 100 columns"
 # shellcheck disable=SC2046
 found=$(too_long Makefile $(find .ci .package src journal render tui tests examples -type f \
-    \( -path '.ci/*' -o -path '.package/*' -o -name '*.[ch]' -o -name '*.cc' -o -name '*.sh' -o -name '*.py' \)))
+    \( -path '.ci/*' -o -path '.package/*' -o -name '*.[ch]' \
+    -o -name '*.cc' -o -name '*.sh' -o -name '*.py' \)))
 [ -z "$found" ] || fail "$found"
 printf '%0100d\n%0101d\n%099d\303\244\n' 0 0 0 >"$work/wide"
 same "$(too_long "$work/wide")" "$work/wide:2 has 101 columns"
