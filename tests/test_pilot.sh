@@ -542,7 +542,7 @@ if "$iftty" run reference >/dev/null 2>&1; then
     same "$(printf '%s\n' "$keys" | wc -l)" 10
     for key in $keys; do type_letters "$key"; done
     see '^axial z=10 at 20,108,10  brush 0 r6  here 0'
-    see 'voxels changed, label 1: 1.63 l '
+    see 'voxels changed before finishing, label 1: 1.63 l '
     type_letters "1bgc" # the volume is that of what is shown, which has settled
     see 'finished  here 1 1\.77 l'
     type_letters "q"
