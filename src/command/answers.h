@@ -19,7 +19,7 @@ void act_write_no_seeds(const struct act *act);
  * that have another label; the volumes of the labels that became larger or smaller, the largest
  * first, at most six of them and never that of label 0; and the time. For a command that has edited
  * the forest, after session_count_before and session_count_labels. Where finished labels are shown,
- * "1234 voxels changed before finishing": to finish takes longer than the edit. */
+ * "1234 voxels changed before finishing" since the volumes are those of the forest. */
 void volumes_write(struct buf *out, const struct session *session, bool is_finished,
                    uint64_t took_ns);
 
