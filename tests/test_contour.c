@@ -110,14 +110,10 @@ static size_t grow(bool *marked, int64_t column, int64_t row)
 static size_t find_piece(void)
 {
     const uint32_t *size = scene.grid.size;
+    if (label[cell_of(from[across[0]], from[across[1]])] == LABEL)
+        return grow(piece, from[across[0]], from[across[1]]);
     bool *one = mem_new(scene.grid.cells), *done = mem_new(scene.grid.cells);
     size_t most = 0;
-    if (label[cell_of(from[across[0]], from[across[1]])] == LABEL) {
-        most = grow(piece, from[across[0]], from[across[1]]);
-        free(one);
-        free(done);
-        return most;
-    }
     for (int64_t r = 0; r < size[across[1]]; r++)
         for (int64_t c = 0; c < size[across[0]]; c++) {
             if (label[cell_of(c, r)] != LABEL || done[cell_of(c, r)])
