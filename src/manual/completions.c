@@ -10,38 +10,15 @@
 /* ---- what there is to complete ---- */
 
 enum { OPTIONS_MOST = 64 };
+enum kind { KIND_NONE, KIND_FREE, KIND_WORDS, KIND_FILE, KIND_FOLDER, KINDS };
 
-/* An option of a program in any of its forms. */
+/* An option of a program in any of its forms, and what its value can be. */
 struct offer {
+    const char *program; /* NULL: the nameless one */
     const struct option *option;
     const char *help;
+    enum kind kind;
 };
-
-static bool is_named(unsigned row, const char *name)
-{
-    const char *own = program_table.row[row].name;
-    return name && own ? strcmp(own, name) == 0 : name == own;
-}
-
-/* Those of the program of that name, NULL for the nameless one, each once. What says which form is
- * meant has the words of that form. */
-static size_t list_offers(struct offer offer[OPTIONS_MOST], const char *name)
-{
-    size_t n = 0;
-    for (unsigned i = 0; i < program_table.rows; i++)
-        for (const uint8_t *o = program_table.row[i].option; *o && is_named(i, name); o++) {
-            const struct option *option = program_table.option.row + *o;
-            size_t k = 0;
-            while (k < n && strcmp(offer[k].option->name, option->name) != 0)
-                k++;
-            if (k == n && n < OPTIONS_MOST)
-                offer[n++] = (struct offer){option, *option->help ? option->help
-                                                                  : program_table.row[i].summary};
-        }
-    return n;
-}
-
-enum kind { KIND_NONE, KIND_FREE, KIND_WORDS, KIND_FILE, KIND_FOLDER };
 
 static enum kind kind_of(const struct option *option)
 {
@@ -58,13 +35,43 @@ static enum kind kind_of(const struct option *option)
     return KIND_FREE;
 }
 
+/* The options of a program, each once. What says which form is meant has the words of that form. */
+static void add_offers(struct buf *out, const char *name,
+                       void add(struct buf *out, const struct offer *offer))
+{
+    struct offer offer[OPTIONS_MOST];
+    size_t n = 0;
+    for (unsigned i = 0; i < program_table.rows; i++) {
+        const struct program *p = program_table.row + i;
+        for (const uint8_t *o = p->option; *o && manual_has_name(i, name); o++) {
+            const struct option *option = program_table.option.row + *o;
+            const char *help = *option->help ? option->help : p->summary;
+            size_t k = 0;
+            while (k < n && strcmp(offer[k].option->name, option->name) != 0)
+                k++;
+            if (k == n && n < OPTIONS_MOST)
+                offer[n++] = (struct offer){name, option, help, kind_of(option)};
+        }
+    }
+    for (size_t i = 0; i < n; i++)
+        add(out, offer + i);
+}
+
+/* Each program that has a name, once. */
+static void add_programs(struct buf *out, void add(struct buf *out, const char *name))
+{
+    for (unsigned i = 0; i < program_table.rows; i++)
+        if (manual_new_name(i))
+            add(out, manual_new_name(i));
+}
+
 /* The names of all programs. */
 static void add_names(struct buf *out, const char *between)
 {
     const char *before = "";
     for (unsigned i = 0; i < program_table.rows; i++)
-        if (program_table.row[i].name && manual_is_first(i)) {
-            buf_printf(out, "%s%s", before, program_table.row[i].name);
+        if (manual_new_name(i)) {
+            buf_printf(out, "%s%s", before, manual_new_name(i));
             before = between;
         }
 }
@@ -75,9 +82,9 @@ static void add_operands(struct buf *out, const char *name)
 {
     for (unsigned i = 0; i < program_table.rows; i++) {
         const struct program *p = program_table.row + i;
-        if (is_named(i, name) && p->form && *p->form != '-')
+        if (manual_has_name(i, name) && p->form && *p->form != '-')
             buf_printf(out, "%s%s", out->length ? " " : "", p->form);
-        if (!is_named(i, name) || !strstr(p->words, "COMMAND|PROGRAM"))
+        if (!manual_has_name(i, name) || !strstr(p->words, "COMMAND|PROGRAM"))
             continue;
         add_names(out, " ");
         for (unsigned k = 0; k < command_count(); k++)
@@ -98,35 +105,34 @@ static void add_quoted(struct buf *out, const char *text, const char *special, b
 
 /* ---- bash ---- */
 
+static void add_bash_value(struct buf *out, const struct offer *offer)
+{
+    static const char *const takes[KINDS] = {NULL, "free", "words", "files", "folders"};
+    if (offer->kind == KIND_NONE)
+        return;
+    buf_printf(out, "    %s,%s) ", offer->program ? offer->program : "", offer->option->name);
+    if (offer->kind == KIND_WORDS) {
+        buf_add_text(out, "words='");
+        offer->option->add_choices(out, " ", " ");
+        buf_add_text(out, "' ");
+    }
+    buf_printf(out, "takes=%s ;;\n", takes[offer->kind]);
+}
+
 static void add_bash_values(struct buf *out, const char *name)
 {
-    struct offer offer[OPTIONS_MOST];
-    const size_t n = list_offers(offer, name);
-    for (size_t i = 0; i < n; i++) {
-        const enum kind kind = kind_of(offer[i].option);
-        if (kind == KIND_NONE)
-            continue;
-        buf_printf(out, "    %s,%s) ", name ? name : "", offer[i].option->name);
-        if (kind == KIND_WORDS) {
-            buf_add_text(out, "words='");
-            offer[i].option->add_choices(out, " ", " ");
-            buf_add_text(out, "' takes=words ;;\n");
-        } else {
-            buf_printf(out, "takes=%s ;;\n",
-                       kind == KIND_FILE     ? "files"
-                       : kind == KIND_FOLDER ? "folders"
-                                             : "free");
-        }
-    }
+    add_offers(out, name, add_bash_value);
+}
+
+static void add_bash_name(struct buf *out, const struct offer *offer)
+{
+    buf_printf(out, "%s ", offer->option->name);
 }
 
 static void add_bash_words(struct buf *out, const char *name)
 {
-    struct offer offer[OPTIONS_MOST];
-    const size_t n = list_offers(offer, name);
     buf_printf(out, "    %s) options='", name ? name : "''");
-    for (size_t i = 0; i < n; i++)
-        buf_printf(out, "%s ", offer[i].option->name);
+    add_offers(out, name, add_bash_name);
     buf_add_text(out, "--help' words='");
     if (name)
         add_operands(out, name);
@@ -164,16 +170,12 @@ void completion_bash(struct buf *out)
                       "    esac\n"
                       "    case $program in\n");
     add_bash_words(out, NULL);
-    for (unsigned i = 0; i < program_table.rows; i++)
-        if (program_table.row[i].name && manual_is_first(i))
-            add_bash_words(out, program_table.row[i].name);
+    add_programs(out, add_bash_words);
     buf_add_text(out, "    esac\n"
                       "    [ -z \"$any\" ] || [ -n \"$program\" ] || words=\n"
                       "    case $program,${COMP_WORDS[COMP_CWORD - 1]} in\n");
     add_bash_values(out, NULL);
-    for (unsigned i = 0; i < program_table.rows; i++)
-        if (program_table.row[i].name && manual_is_first(i))
-            add_bash_values(out, program_table.row[i].name);
+    add_programs(out, add_bash_values);
     buf_add_text(out,
                  "    esac\n"
                  "    COMPREPLY=()\n"
@@ -196,30 +198,42 @@ void completion_bash(struct buf *out)
 
 /* ---- zsh ---- */
 
-static void add_zsh_options(struct buf *out, const char *name)
+static void add_zsh_option(struct buf *out, const struct offer *offer)
 {
-    struct offer offer[OPTIONS_MOST];
-    const size_t n = list_offers(offer, name);
-    for (size_t i = 0; i < n; i++) {
-        const struct option *option = offer[i].option;
-        const enum kind kind = kind_of(option);
-        buf_printf(out, " \\\n            '%s[", option->name);
-        add_quoted(out, offer[i].help, "[]:\\", true);
-        buf_add_char(out, ']');
-        if (kind != KIND_NONE) {
-            buf_add_char(out, ':');
-            add_quoted(out, option->value, ":\\", true);
-            buf_add_text(out, kind == KIND_FILE     ? ":_files"
-                              : kind == KIND_FOLDER ? ":_files -/"
-                              : kind == KIND_WORDS  ? ":("
-                                                    : ": ");
-        }
-        if (kind == KIND_WORDS) {
-            option->add_choices(out, " ", " ");
-            buf_add_char(out, ')');
-        }
-        buf_add_char(out, '\'');
+    static const char *const action[KINDS] = {NULL, ": ", ":(", ":_files", ":_files -/"};
+    buf_printf(out, " \\\n            '%s[", offer->option->name);
+    add_quoted(out, offer->help, "[]:\\", true);
+    buf_add_char(out, ']');
+    if (offer->kind != KIND_NONE) {
+        buf_add_char(out, ':');
+        add_quoted(out, offer->option->value, ":\\", true);
+        buf_add_text(out, action[offer->kind]);
     }
+    if (offer->kind == KIND_WORDS) {
+        offer->option->add_choices(out, " ", " ");
+        buf_add_char(out, ')');
+    }
+    buf_add_char(out, '\'');
+}
+
+static void add_zsh_summary(struct buf *out, const char *name)
+{
+    buf_printf(out, "\n        '%s:", name);
+    add_quoted(out, manual_summary(name), ":\\", true);
+    buf_add_char(out, '\'');
+}
+
+static void add_zsh_program(struct buf *out, const char *name)
+{
+    struct buf operands = {0};
+    buf_printf(out, "        %s) _arguments", name);
+    add_offers(out, name, add_zsh_option);
+    add_operands(&operands, name);
+    if (operands.length)
+        buf_printf(out, " \\\n            '1: :(%s)'", buf_text(&operands));
+    buf_add_text(out, " \\\n            '*: :_files' ;;\n");
+    out->failed |= operands.failed;
+    buf_release(&operands);
 }
 
 void completion_zsh(struct buf *out)
@@ -230,34 +244,15 @@ void completion_zsh(struct buf *out)
                       "    local curcontext=$curcontext state line\n"
                       "    typeset -A opt_args\n"
                       "    local -a programs=(");
-    for (unsigned i = 0; i < program_table.rows; i++) {
-        if (!program_table.row[i].name || !manual_is_first(i))
-            continue;
-        buf_printf(out, "\n        '%s:", program_table.row[i].name);
-        add_quoted(out, program_table.row[i].summary, ":\\", true);
-        buf_add_char(out, '\'');
-    }
+    add_programs(out, add_zsh_summary);
     buf_add_text(out, ")\n    _arguments -C");
-    add_zsh_options(out, NULL);
+    add_offers(out, NULL, add_zsh_option);
     buf_add_text(out, " \\\n            '1: :->first' '*:: :->rest' && return\n"
                       "    case $state in\n"
                       "    first) _describe -t programs program programs; _files ;;\n"
                       "    rest)\n"
                       "        case $line[1] in\n");
-    for (unsigned i = 0; i < program_table.rows; i++) {
-        const char *name = program_table.row[i].name;
-        struct buf operands = {0};
-        if (!name || !manual_is_first(i))
-            continue;
-        buf_printf(out, "        %s) _arguments", name);
-        add_zsh_options(out, name);
-        add_operands(&operands, name);
-        if (operands.length)
-            buf_printf(out, " \\\n            '1: :(%s)'", buf_text(&operands));
-        buf_add_text(out, " \\\n            '*: :_files' ;;\n");
-        out->failed |= operands.failed;
-        buf_release(&operands);
-    }
+    add_programs(out, add_zsh_program);
     buf_add_text(out, "        esac ;;\n"
                       "    esac\n"
                       "}\n"
@@ -266,53 +261,47 @@ void completion_zsh(struct buf *out)
 
 /* ---- fish ---- */
 
-static void add_fish_options(struct buf *out, const char *name)
+static void add_fish_option(struct buf *out, const struct offer *offer)
 {
-    struct offer offer[OPTIONS_MOST];
-    const size_t n = list_offers(offer, name);
-    for (size_t i = 0; i < n; i++) {
-        const struct option *option = offer[i].option;
-        const enum kind kind = kind_of(option);
-        const bool is_long = option->name[1] == '-';
-        buf_printf(out, "complete -c iftty -n '%s__fish_seen_subcommand_from ", name ? "" : "not ");
-        if (name)
-            buf_add_text(out, name);
-        else
-            add_names(out, " ");
-        buf_printf(out, "' %s %s", is_long ? "-l" : "-s", option->name + (is_long ? 2 : 1));
-        if (kind == KIND_WORDS) {
-            buf_add_text(out, " -x -a '");
-            option->add_choices(out, " ", " ");
-            buf_add_char(out, '\'');
-        } else if (kind != KIND_NONE) {
-            buf_add_text(out, kind == KIND_FILE     ? " -r -F"
-                              : kind == KIND_FOLDER ? " -x -a '(__fish_complete_directories)'"
-                                                    : " -x");
-        }
-        buf_add_text(out, " -d '");
-        add_quoted(out, offer[i].help, "\\", false);
-        buf_add_text(out, "'\n");
+    static const char *const takes[KINDS] = {"", " -x", " -x -a '", " -r -F",
+                                             " -x -a '(__fish_complete_directories)'"};
+    const char *own = offer->option->name;
+    const bool is_long = own[1] == '-';
+    buf_printf(out, "complete -c iftty -n '%s__fish_seen_subcommand_from ",
+               offer->program ? "" : "not ");
+    if (offer->program)
+        buf_add_text(out, offer->program);
+    else
+        add_names(out, " ");
+    buf_printf(out, "' %s %s%s", is_long ? "-l" : "-s", own + (is_long ? 2 : 1),
+               takes[offer->kind]);
+    if (offer->kind == KIND_WORDS) {
+        offer->option->add_choices(out, " ", " ");
+        buf_add_char(out, '\'');
     }
+    buf_add_text(out, " -d '");
+    add_quoted(out, offer->help, "\\", false);
+    buf_add_text(out, "'\n");
+}
+
+static void add_fish_program(struct buf *out, const char *name)
+{
+    struct buf operands = {0};
+    buf_printf(out, "complete -c iftty -n __fish_use_subcommand -a %s -d '", name);
+    add_quoted(out, manual_summary(name), "\\", false);
+    buf_add_text(out, "'\n");
+    add_offers(out, name, add_fish_option);
+    add_operands(&operands, name);
+    if (operands.length)
+        buf_printf(out, "complete -c iftty -n '__fish_seen_subcommand_from %s' -a '%s'\n", name,
+                   buf_text(&operands));
+    out->failed |= operands.failed;
+    buf_release(&operands);
 }
 
 void completion_fish(struct buf *out)
 {
     buf_add_text(out, "# Completion of iftty for fish, made of its tables.\n");
-    add_fish_options(out, NULL);
-    for (unsigned i = 0; i < program_table.rows; i++) {
-        const char *name = program_table.row[i].name;
-        struct buf operands = {0};
-        if (!name || !manual_is_first(i))
-            continue;
-        buf_printf(out, "complete -c iftty -n __fish_use_subcommand -a %s -d '", name);
-        add_quoted(out, program_table.row[i].summary, "\\", false);
-        buf_add_text(out, "'\n");
-        add_fish_options(out, name);
-        add_operands(&operands, name);
-        if (operands.length)
-            buf_printf(out, "complete -c iftty -n '__fish_seen_subcommand_from %s' -a '%s'\n", name,
-                       buf_text(&operands));
-        out->failed |= operands.failed;
-        buf_release(&operands);
-    }
+    add_offers(out, NULL, add_fish_option);
+    add_programs(out, add_fish_program);
 }

@@ -1,6 +1,6 @@
 /*
  * The manual and the completions of shells, made of the tables of programs, options and commands:
- * what a table has, they have, and nothing of them is written by hand.
+ * what a table has, they have; by hand are the few sentences between.
  *
  * The pages are in the macros of man(7), which groff and mandoc both set. `iftty-manual FOLDER`
  * writes all of it when iftty is built (manual_files.c); it is not installed.
@@ -17,8 +17,14 @@ void manual_page(struct buf *out);
 void manual_journal_page(struct buf *out);
 void manual_program_page(struct buf *out, const char *name);
 
-/* Whether a row of the table of programs is the first one with its name. */
-bool manual_is_first(unsigned row);
+/* Whether a row of the table of programs is of that name, NULL for those without one. */
+bool manual_has_name(unsigned row, const char *name);
+
+/* The name of a row, so that each comes once: NULL where a former row has it, or there is none. */
+const char *manual_new_name(unsigned row);
+
+/* What the program of a name does, in the words of its first form. */
+const char *manual_summary(const char *name);
 
 /* What the shell is to read before it completes a line of iftty. */
 void completion_bash(struct buf *out);

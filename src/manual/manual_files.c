@@ -61,8 +61,8 @@ int main(int count, char **word)
         written = write_file(&path, &text);
     }
     for (unsigned i = 0; written && i < program_table.rows; i++) {
-        const char *name = program_table.row[i].name;
-        if (!name || !manual_is_first(i))
+        const char *name = manual_new_name(i);
+        if (!name)
             continue;
         buf_printf(&path, "%s/man/man1/iftty-%s.1", word[1], name);
         manual_program_page(&text, name);

@@ -63,12 +63,17 @@ static void add_typed(struct buf *out, const char *text)
     buf_add_text(out, "\\fP\n");
 }
 
-/* "iftty-verify", in capitals for a title. */
+static void add_capitals(struct buf *out, const char *text)
+{
+    for (; *text; text++)
+        buf_add_char(out, (char)toupper((unsigned char)*text));
+}
+
+/* Of the page of a name such as "iftty-verify". */
 static void add_title(struct buf *out, const char *name, int section)
 {
     buf_add_text(out, ".TH ");
-    for (const char *c = name; *c; c++)
-        buf_add_char(out, (char)toupper((unsigned char)*c));
+    add_capitals(out, name);
     buf_printf(out, " %d %s \"iftty %s\"\n.ad l\n.SH NAME\n", section, PROGRAM_DATE,
                PROGRAM_VERSION);
     add_escaped(out, name, strlen(name));
@@ -77,17 +82,29 @@ static void add_title(struct buf *out, const char *name, int section)
 
 /* ---- programs ---- */
 
-static bool has_name(const struct program *program, const char *name)
+bool manual_has_name(unsigned row, const char *name)
 {
-    return name && program->name ? strcmp(program->name, name) == 0 : name == program->name;
+    const char *own = program_table.row[row].name;
+    return name && own ? strcmp(own, name) == 0 : name == own;
 }
 
-bool manual_is_first(unsigned row)
+static unsigned first_row(const char *name)
 {
-    unsigned first = 0;
-    while (!has_name(program_table.row + first, program_table.row[row].name))
-        first++;
-    return first == row;
+    unsigned row = 0;
+    while (!manual_has_name(row, name))
+        row++;
+    return row;
+}
+
+const char *manual_new_name(unsigned row)
+{
+    const char *name = program_table.row[row].name;
+    return first_row(name) == row ? name : NULL;
+}
+
+const char *manual_summary(const char *name)
+{
+    return program_table.row[first_row(name)].summary;
 }
 
 static void add_options(struct buf *out, const struct program *program)
@@ -126,7 +143,7 @@ static void add_synopsis(struct buf *out, const char *name)
 {
     const char *between = ".SH SYNOPSIS\n.nf\n";
     for (unsigned i = 0; i < program_table.rows; i++) {
-        if (name && !has_name(program_table.row + i, name))
+        if (name && !manual_has_name(i, name))
             continue;
         buf_add_text(out, between);
         add_usage(out, program_table.row + i);
@@ -140,7 +157,7 @@ static void add_forms(struct buf *out, const char *name)
 {
     for (unsigned i = 0; i < program_table.rows; i++) {
         const struct program *p = program_table.row + i;
-        if (!has_name(p, name))
+        if (!manual_has_name(i, name))
             continue;
         buf_add_text(out, ".SS ");
         add_usage(out, p);
@@ -163,8 +180,8 @@ static void add_see_also(struct buf *out, const char *own)
         after = ",\n";
     }
     for (unsigned i = 0; i < program_table.rows; i++) {
-        const char *name = program_table.row[i].name;
-        if (!name || !manual_is_first(i) || (own && strcmp(own, name) == 0))
+        const char *name = manual_new_name(i);
+        if (!name || (own && strcmp(own, name) == 0))
             continue;
         buf_printf(out, "%s.BR iftty\\-%s (1)", after, name);
         after = ",\n";
@@ -210,9 +227,7 @@ void manual_program_page(struct buf *out, const char *name)
     struct buf title = {0};
     buf_printf(&title, "%s-%s", program_table.called, name);
     add_title(out, buf_text(&title), 1);
-    for (unsigned i = 0; i < program_table.rows; i++)
-        if (has_name(program_table.row + i, name) && manual_is_first(i))
-            add_text(out, program_table.row[i].summary, "");
+    add_text(out, manual_summary(name), "");
     add_synopsis(out, name);
     buf_add_text(out, ".SH DESCRIPTION\n");
     add_forms(out, name);
@@ -255,8 +270,7 @@ void manual_journal_page(struct buf *out)
              ".PP");
     for (enum command_group group = 0; group < GROUPS; group++) {
         buf_add_text(out, ".SH ");
-        for (const char *c = command_group_name[group]; *c; c++)
-            buf_add_char(out, (char)toupper((unsigned char)*c));
+        add_capitals(out, command_group_name[group]);
         buf_add_char(out, '\n');
         for (unsigned i = 0; i < command_count(); i++)
             if (command_at(i)->group == group)
