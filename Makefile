@@ -40,12 +40,15 @@ HARDENED   = $(if $(SANITISE)$(filter -O0,$(OPTIMISE)),,-U_FORTIFY_SOURCE -D_FOR
              $(if $(filter x86_64-%,$(MACHINE)),-fcf-protection)
 HARD_LINKS = -pie -Wl,-z,relro,-z,now,-z,noexecstack
 
+# The same bytes wherever the source lies (tests/test_reproducible.sh).
+ANYWHERE   = -ffile-prefix-map=$(CURDIR)=.
+
 # Vectors go between static functions alone, so no ABI is at stake where a machine has none.
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wvla -Werror -Wno-psabi
 STRICT_C := -Wstrict-prototypes -Wmissing-prototypes
 INCLUDES := -Isrc -I.
-COMMON    = $(OPTIMISE) $(HARDENED) $(SANITISE) -g -ffp-contract=off $(WARNINGS) $(INCLUDES) \
-            -MMD -MP
+COMMON    = $(OPTIMISE) $(HARDENED) $(SANITISE) -g $(ANYWHERE) -ffp-contract=off $(WARNINGS) \
+            $(INCLUDES) -MMD -MP
 ALL_CFLAGS   = -std=c17 -D_GNU_SOURCE $(COMMON) $(STRICT_C) $(EXR_CFLAGS) $(CFLAGS)
 ALL_CXXFLAGS = -std=c++17 $(COMMON) -idirafter $(OIIO_INCLUDE) $(CXXFLAGS)
 ALL_LDFLAGS  = $(HARD_LINKS) $(SANITISE) $(LDFLAGS)
@@ -147,7 +150,8 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
                      sway grim wtype xdotool tmux screen pterm rxvt-unicode chafa python3-pil
 
 .DEFAULT_GOAL := all
-.PHONY: all install uninstall deb tests test test-long test-stress test-bare check-format format \
+.PHONY: all install uninstall deb tests test test-long test-stress test-bare test-reproducible check-format \
+        format \
         analyse variants test-matrix test-matrix-short test-terminals test-cohort fuzz fuzzers \
         demo bench-peers bench-chafa bench-paper bench-growth bench-render bench-frames \
         bench-journal bench-keys bench-looks bench-effort bench-mend bench-noise bench-register \
@@ -206,6 +210,11 @@ test-stress: all tests build/.packages-test
 ##     root, and some GB in build/bare
 test-bare: build/.packages-bare
 	@tests/bare.sh
+
+## test-reproducible: what is committed, built in two folders, comes out as the same bytes: programs
+##     and packages; ten minutes
+test-reproducible: build/.packages-deb
+	@tests/reproducible.sh
 
 ## check-format: is every file as .clang-format has it?  format: make it so
 check-format: build/.packages-test

@@ -1,0 +1,34 @@
+#!/bin/sh
+# Builds what is committed in two folders, at two times, and compares every byte: the programs and
+# the packages. reproducible.sh: TAP; it takes some ten minutes.
+. "$(dirname "$0")/lib.sh"
+
+unset SOURCE_DATE_EPOCH
+CCACHE_DISABLE=yes
+export CCACHE_DISABLE
+for folder in one another/folder; do
+    git clone -q . "$work/$folder" || exit 1
+done
+# build TARGET...: in both; then the files of PATTERN are the same, and there are some
+build_both() {
+    for folder in one another/folder; do
+        expect_in "$work/$folder" 0 make "$@" </dev/null || return
+    done
+}
+compare() { # FOLDER PATTERN
+    (cd "$work/one" && find "$1" -maxdepth 1 -name "$2" -type f) >"$work/files"
+    [ -s "$work/files" ] || fail "there is no $1/$2"
+    while read -r file; do
+        same_files "$work/one/$file" "$work/another/folder/$file"
+    done <"$work/files"
+}
+
+begin "programs"
+build_both all build/iftty-manual && compare build 'iftty*'
+close_story
+
+begin "packages"
+build_both deb && compare build/deb '*.deb'
+close_story
+
+finish
