@@ -12,7 +12,9 @@ for folder in one another/folder; do
     CCACHE_DISABLE=yes MAKEFLAGS= expect_in "$work/$folder" 0 \
         make $(printf 'build/%s.o ' $parts) </dev/null
 done
-for part in $parts; do same_files "$work/one/build/$part.o" "$work/another/folder/build/$part.o"; done
+for part in $parts; do
+    same_files "$work/one/build/$part.o" "$work/another/folder/build/$part.o"
+done
 close_story
 
 begin "the date of what is built is that of the commit, of the version, or what is said"
@@ -24,8 +26,8 @@ date=$(sed -n 's/^#define PROGRAM_DATE *"\(.*\)".*/\1/p' src/base/version.h)
 same "$(date -u -d "@$("$work/plain/.package/date")" +%F)" "$date"
 same "$(SOURCE_DATE_EPOCH=12345 .package/date)" 12345
 if needs git && git -C "$work/plain" init -q; then
-    GIT_COMMITTER_DATE='@86400 +0000' git -C "$work/plain" -c user.name=a -c user.email=a@b.invalid \
-        commit -q --allow-empty -m a
+    GIT_COMMITTER_DATE='@86400 +0000' git -C "$work/plain" -c user.name=a \
+        -c user.email=a@b.invalid commit -q --allow-empty -m a
     same "$("$work/plain/.package/date")" 86400
 fi
 close_story
