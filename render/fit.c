@@ -145,18 +145,34 @@ static uint64_t needed(const struct fit *fit, const struct ruler *ruler, int dir
     return (uint64_t)((length >> COSINE_BITS) + 1) << ruler->shift;
 }
 
-uint32_t fit_all_round(const struct fit *fit, const struct view *view, uint32_t samples)
+void fit_middle(const struct fit *fit, uint32_t place[3])
+{
+    for (int a = 0; a < 3; a++) {
+        uint32_t least = UINT32_MAX, most = 0;
+        for (size_t i = 0; i < fit->ends; i++) {
+            least = fit->end[i][a] < least ? fit->end[i][a] : least;
+            most = fit->end[i][a] > most ? fit->end[i][a] : most;
+        }
+        place[a] = least + (most - least) / 2;
+    }
+}
+
+uint32_t fit_all_round(const struct fit *fit, const struct view *view, const uint32_t *place,
+                       uint32_t samples)
 {
     const uint32_t *size = fit->scene->grid.size;
     uint64_t most = 0;
     for (size_t i = 0; i < fit->ends; i++) {
-        uint32_t around[3]; /* the box about the middle that has this voxel at a corner */
-        for (int a = 0; a < 3; a++)
-            around[a] = (uint32_t)llabs(2 * (int64_t)fit->end[i][a] - size[a] + 1) + 1;
+        uint32_t around[3]; /* the box about that middle that has this voxel at a corner */
+        for (int a = 0; a < 3; a++) {
+            const int64_t twice = place ? 2 * (int64_t)place[a] : (int64_t)size[a] - 1;
+            around[a] = (uint32_t)llabs(2 * (int64_t)fit->end[i][a] - twice) + 1;
+        }
         const uint64_t squares = view_squares(fit->scene, around);
         most = squares > most ? squares : most;
     }
-    return view_zoom_across(fit->scene, view->width, view->height, samples, most);
+    const uint32_t zoom = view_zoom_across(fit->scene, view->width, view->height, samples, most);
+    return place ? view_possible_zoom(fit->scene, view, place, samples, zoom) : zoom;
 }
 
 uint32_t fit_zoom(const struct fit *fit, const struct view *view, const uint32_t place[3],

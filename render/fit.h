@@ -34,8 +34,13 @@ void fit_place(const struct fit *fit, const struct view *view, uint32_t place[3]
 uint32_t fit_zoom(const struct fit *fit, const struct view *view, const uint32_t place[3],
                   uint32_t samples);
 
+/* The voxel in the middle of the box of what is shown. */
+void fit_middle(const struct fit *fit, uint32_t place[3]);
+
 /* The largest zoom at which all of it is seen from wherever one looks, in a view of that size, with
- * the middle of the scene in the middle: for the scene, view_fitting_zoom. */
-uint32_t fit_all_round(const struct fit *fit, const struct view *view, uint32_t samples);
+ * that voxel in the middle, or with NULL the middle of the scene: for the scene, then,
+ * view_fitting_zoom. */
+uint32_t fit_all_round(const struct fit *fit, const struct view *view, const uint32_t *place,
+                       uint32_t samples);
 
 #endif

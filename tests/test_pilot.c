@@ -983,6 +983,11 @@ STORY(the_view_and_the_window)
     CHECK_TEXT(type("Z"), "zoom 0.8\n");
     facts.zoom = 64000;
     CHECK_TEXT(type("z"), "zoom 64\n");
+    facts.fits_itself = true; /* around what is shown: from there it goes on */
+    facts.middle[0] = 4, facts.middle[1] = 5, facts.middle[2] = 6;
+    CHECK_TEXT(type("Z"), "zoom 51.2 at=4,5,6\n");
+    CHECK_TEXT(arrow(KEY_DOWN, KEY_ALT), "focus 4,5,6\npan 0 16\n");
+    facts.fits_itself = false;
     type("w");
     CHECK_TEXT(arrow(KEY_RIGHT, 0), "window -2 102\n"); /* wider */
     CHECK_TEXT(arrow(KEY_UP, 0), "window -2 98\n");     /* brighter */
@@ -1464,7 +1469,6 @@ STORY(a_narrow_row_leaves_out_whole_parts_by_rank)
         "here 1",       " brain",           " 1.64 l", " (+1.2 ml)",
         "intensity 93", "0.5,18.0,-2.0 mm", "",        "mean 93, SD 12, 78 x 102 x 94 mm"};
     static const char *const part[] = {"axial",
-                                       " z=30",
                                        " at 20,25,30",
                                        "  brush 2",
                                        " ventricle",
@@ -1487,22 +1491,25 @@ STORY(a_narrow_row_leaves_out_whole_parts_by_rank)
         snprintf(facts.known[i], PILOT_KNOWN_BYTES, "%s", known[i]);
     state.brush = (struct pilot_brush){.label = 2, .radius = 3};
     CHECK_TEXT(status_in(300),
-               "axial z=30 at 20,25,30  brush 2 ventricle r3  here 1 brain 1.64 l "
+               "axial at 20,25,30  brush 2 ventricle r3  here 1 brain 1.64 l "
                "(+1.2 ml)  intensity 93  0.5,18.0,-2.0 mm  mean 93, SD 12, 78 x 102 "
                "x 94 mm");
-    CHECK_TEXT(status_in(80), "axial z=30 at 20,25,30  brush 2 ventricle r3  here 1 brain 1.64 l "
-                              "(+1.2 ml)");
+    CHECK_TEXT(status_in(103),
+               "axial at 20,25,30  brush 2 ventricle r3  here 1 brain 1.64 l (+1.2 ml)  "
+               "intensity 93  0.5,18.0,-2.0 mm");
+    CHECK_TEXT(status_in(80),
+               "axial at 20,25,30  brush 2 r3  here 1 brain  intensity 93  0.5,18.0,-2.0 mm");
     CHECK_TEXT(status_in(40), "axial at 20,25,30  brush 2 r3  here 1");
     CHECK_TEXT(status_in(20), "axial at 20,25,30");
     state.pen.is_down = true;
     CHECK_TEXT(status_in(20), "PEN DOWN  axial");
     state.pen.is_down = false;
     state.sends_ahead = true;
-    CHECK_TEXT(status_in(80), "axial z=30 at 20,25,30  brush 2 ventricle r3  here 1 brain 1.64 l "
-                              "(+1.2 ml)  >");
+    CHECK_TEXT(status_in(80),
+               "axial at 20,25,30  brush 2 r3  here 1 brain  intensity 93  0.5,18.0,-2.0 mm  >");
     state.sends_ahead = false;
     facts.waiting = 3; /* what keys do next comes before names */
-    CHECK_TEXT(status_in(64), "axial z=30 at 20,25,30  brush 2 r3  3 wait for space  here 1");
+    CHECK_TEXT(status_in(64), "axial at 20,25,30  brush 2 r3  3 wait for space  here 1 brain");
     for (unsigned columns = 20; columns < 200; columns++) {
         const char *at = status_in(columns);
         CHECK(strlen(at) <= columns);
@@ -1518,9 +1525,9 @@ STORY(a_narrow_row_leaves_out_whole_parts_by_rank)
     facts.times = 1500;
     facts.waiting = 0;
     state.pen.is_down = true;
-    CHECK_TEXT(status_in(58), "PEN DOWN  axial at 20,25,30  brush 2 ventricle r3  here 1");
+    CHECK_TEXT(status_in(58), "PEN DOWN  axial x1.5 at 20,25,30  brush 2 r3  here 1 brain");
     facts.shows = PILOT_ROUGH;
-    CHECK_TEXT(status_in(63), "PEN DOWN  axial z=30 at 20,25,30  brush 2 r3  finishing  here 1");
+    CHECK_TEXT(status_in(63), "PEN DOWN  axial x1.5 at 20,25,30  brush 2 r3  finishing  here 1");
     label_name = "";
 }
 

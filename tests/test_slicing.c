@@ -631,6 +631,14 @@ STORY(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom)
     interpreter_release(&interp);
 }
 
+/* The label in the middle of the panel's rendition. */
+static int shown_in_middle(const struct interpreter *interp)
+{
+    const struct rendition *frame = session_frame(interp->session);
+    const uint32_t cell = frame->cell[frame->height / 2 * frame->width + frame->width / 2];
+    return cell == CELL_NONE ? 0 : interp->session->scene->cell[cell].label;
+}
+
 /* A panel that nobody has chosen a zoom for shows what is shown as large as it fits. */
 STORY(a_panel_follows_what_is_shown)
 {
@@ -650,14 +658,24 @@ STORY(a_panel_follows_what_is_shown)
     CHECK(near > fitting + fitting / 4);
     must(&interp, "turn 30");
     CHECK_INT(zoom_of_panel(&interp), near);
-    must(&interp, "seed 1,1,1 2");
+    must(&interp, "seed 1,1,1 2 within=1");
     const uint32_t far = zoom_of_panel(&interp);
     CHECK(far < near);
     must(&interp, "hide 2");
     CHECK_INT(zoom_of_panel(&interp), near);
     must(&interp, "show 2");
     CHECK_INT(zoom_of_panel(&interp), far);
-    CHECK_INT(interp.session->now.outlook.view.zoom, VIEW_ZOOM_ONE);
+    must(&interp, "hide 3"); /* what lies in a corner comes to the middle, as large as elsewhere */
+    const uint32_t alone = zoom_of_panel(&interp);
+    CHECK(alone > far + far / 4);
+    CHECK_INT(shown_in_middle(&interp), 2);
+    const struct view *view = &interp.session->now.outlook.view;
+    CHECK_INT(view->zoom, VIEW_ZOOM_ONE);
+    CHECK_INT(view->focus[0] | view->focus[1] | view->focus[2], 0);
+    must(&interp, "focus 1,1,1"); /* chosen: it stays there, as large as it was */
+    must(&interp, "show 3");
+    zoom_of_panel(&interp);
+    CHECK_INT(shown_in_middle(&interp), 2);
     interpreter_release(&interp);
 }
 

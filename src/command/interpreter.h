@@ -67,6 +67,7 @@ struct interpreter {
     const char *new_journal;    /* created with the first command that is recorded, or NULL */
     enum file_sync sync;        /* when what is recorded is synced */
     bool is_read_only;          /* a journal is resumed without being written to: J7 of journal.h */
+    bool resumed_in_full;       /* what records say of seeds was not enough */
     size_t unrecorded;          /* commands that are in no journal, for the lack of one */
     const char *recorded_words; /* of the record that is resumed at hand, or NULL */
     const char *replayed_words; /* of the record that is replayed at hand, or NULL */

@@ -161,6 +161,7 @@ static enum err resume(struct interpreter *interp, const char *path, enum interp
         err = carry_out_again(interp, path, told, fault);
     if (err == ERR_CHECK && mode == MODE_SKIM) {
         interp->mode = MODE_RESUME; /* as if no command had been carried out */
+        interp->resumed_in_full = true;
         history_release(&interp->history);
         session_begin_again(interp->session);
         history_init(&interp->history);

@@ -46,7 +46,7 @@ static bool facts(void *context, struct pilot_facts *out)
     const struct slice_settings *s = &outlook->slices;
     *out = (struct pilot_facts){.waiting = session_pendings(session),
                                 .intensity = voxel_facts_intensity(session, s->cross),
-                                .zoom = session_fitting_zoom(session),
+                                .zoom = session_fitting_view(session).zoom,
                                 .times = s->times,
                                 .frame_width = outlook->view.width,
                                 .frame_height = outlook->view.height,
@@ -55,6 +55,7 @@ static bool facts(void *context, struct pilot_facts *out)
                                 .takes_all = panes_have_one_label(session),
                                 .shows = shown_labels(session),
                                 .has_finish = session_kept(session)->finish.count > 0};
+    out->fits_itself = session_fits_itself(session, out->middle);
     window_values(out->window, session);
     for (enum pane pane = PANE_AXIAL; pane < PANE_RENDITION; pane++) {
         const struct pane_slice slice = panes_slice(session, pane);

@@ -83,7 +83,7 @@ static void release(struct pictures *p)
 
 static void leave_scene(struct pictures *p)
 {
-    p->own_zoom = 0;
+    p->own = (struct own_view){0};
     drop_live(p);
     shader_release(&p->shader);
     mesh_release(&p->mesh);
@@ -124,14 +124,16 @@ static void take_camera(struct pictures *p, const struct camera *camera)
     forget(p);
 }
 
-/* Has the camera look at this zoom. */
-static enum err take_zoom(struct pictures *p, uint32_t zoom, struct fault *fault)
+/* Has the camera look at this place, at this zoom. */
+static enum err take_view(struct pictures *p, const struct view *view, struct fault *fault)
 {
     struct outlook outlook = *session_outlook(p->session);
+    const struct view *now = &p->camera.view;
     struct camera camera;
-    if (p->camera.view.zoom == zoom * outlook.look.samples)
+    if (now->zoom == view->zoom * outlook.look.samples &&
+        memcmp(now->focus, view->focus, sizeof now->focus) == 0)
         return OK;
-    outlook.view.zoom = zoom;
+    outlook.view = *view;
     const enum err err = session_aim(p->session, &outlook, &camera, fault);
     if (!err)
         take_camera(p, &camera);
@@ -294,9 +296,10 @@ static enum err draw_coarse(struct pictures *p, const struct border *border, str
     struct coarse *coarse = &p->coarse;
     struct outlook outlook = *session_outlook(p->session);
     struct camera camera;
+    outlook.view = session_fitting_view(p->session);
     outlook.view.width = (outlook.view.width + COARSE - 1) / COARSE;
     outlook.view.height = (outlook.view.height + COARSE - 1) / COARSE;
-    outlook.view.zoom = session_fitting_zoom(p->session) / COARSE;
+    outlook.view.zoom /= COARSE;
     outlook.look.samples = 1;
     outlook.look.edges = 0;
     enum err err = session_aim(p->session, &outlook, &camera, fault);
@@ -319,11 +322,11 @@ static const struct border *border_of(const struct pictures *p, enum rendered as
     return as == RENDERED_FINISHED ? &p->live.border : session_border(p->session);
 }
 
-/* At this zoom, where the session does not skim. */
-static enum err draw_at(struct pictures *p, uint32_t zoom, enum rendered as, enum render_mode mode,
-                        struct fault *fault)
+/* In this view, where the session does not skim. */
+static enum err draw_at(struct pictures *p, const struct view *view, enum rendered as,
+                        enum render_mode mode, struct fault *fault)
 {
-    enum err err = take_zoom(p, zoom, fault);
+    enum err err = take_view(p, view, fault);
     if (!err)
         err = make_room(p, mode, fault);
     const bool draws_anew = mode == RENDER_SCENE || mode == RENDER_BORDER || mode == RENDER_RAY;
@@ -653,7 +656,7 @@ static enum err draw_finished(struct pictures *p, const struct labels *labels,
 enum err session_draw_labels(struct session *session, const struct labels *labels,
                              enum render_mode mode, struct fault *fault)
 {
-    const uint32_t zoom = session_outlook(session)->view.zoom;
+    const struct view *view = &session_outlook(session)->view;
     struct pictures *p;
     if (session_skims(session))
         return OK;
@@ -661,12 +664,12 @@ enum err session_draw_labels(struct session *session, const struct labels *label
     if (err)
         return err;
     if (!labels->finished)
-        return draw_at(p, zoom, RENDERED_FOREST, mode, fault);
+        return draw_at(p, view, RENDERED_FOREST, mode, fault);
     if (session_shows_finished(session)) { /* they have a border that stays */
         err = take_exact(p, labels, fault);
-        return err ? err : draw_at(p, zoom, RENDERED_FINISHED, mode, fault);
+        return err ? err : draw_at(p, view, RENDERED_FINISHED, mode, fault);
     }
-    err = take_zoom(p, zoom, fault);
+    err = take_view(p, view, fault);
     if (!err)
         err = make_room(p, mode, fault);
     return err ? err : draw_finished(p, labels, mode, fault);
@@ -691,17 +694,26 @@ static enum err draw_hastily(struct pictures *p, enum rendered as, struct glance
     return draw_coarse(p, border, fault);
 }
 
-/* As large as it fits: anew where it no longer does, or could be a quarter larger. */
+/* As large as it fits, around its own middle where that makes it an eighth larger: anew where it no
+ * longer fits, or could be a quarter larger. */
 static enum err fit_shown(struct pictures *p, const struct border *border, struct fault *fault)
 {
     const struct outlook *outlook = session_outlook(p->session);
+    const struct view *view = &outlook->view;
+    const uint32_t samples = outlook->look.samples;
+    struct own_view *own = &p->own, next = {.has_place = true};
     struct fit fit;
     const enum err err = fit_init(&fit, border, fault);
     if (err)
         return err;
-    const uint32_t zoom = fit_all_round(&fit, &outlook->view, outlook->look.samples);
-    if (zoom < p->own_zoom || zoom > p->own_zoom + p->own_zoom / 4)
-        p->own_zoom = zoom;
+    fit_middle(&fit, next.place);
+    next.zoom = fit_all_round(&fit, view, next.place, samples);
+    const uint32_t plain = fit_all_round(&fit, view, NULL, samples);
+    if (next.zoom <= plain + plain / 8)
+        next = (struct own_view){.zoom = plain};
+    if (!own->zoom || next.zoom > own->zoom + own->zoom / 4 ||
+        fit_all_round(&fit, view, own->has_place ? own->place : NULL, samples) < own->zoom)
+        *own = next;
     fit_release(&fit);
     return OK;
 }
@@ -721,8 +733,9 @@ enum err session_draw_fitting(struct session *session, bool hurries, struct glan
         err = begin_live(p, fault);
     if (!err && (p->rendered != as || p->fitted != p->drawings))
         err = fit_shown(p, border_of(p, as), fault);
+    const struct view view = session_fitting_view(session);
     if (!err)
-        err = take_zoom(p, session_fitting_zoom(session), fault);
+        err = take_view(p, &view, fault);
     if (err)
         return err;
     labels->finished = finished ? p->live.label : NULL;
@@ -731,22 +744,40 @@ enum err session_draw_fitting(struct session *session, bool hurries, struct glan
                          mesh_is_current(&p->mesh, border_of(p, as), shade_kind(look_of(p)));
     if (hurries && p->rendered != as && !is_soon && !session_outlook(session)->context)
         return draw_hastily(p, as, glance, fault);
-    err = draw_at(p, session_fitting_zoom(session), as, RENDER_AS_KEPT, fault);
+    err = draw_at(p, &view, as, RENDER_AS_KEPT, fault);
     p->fitted = p->drawings;
     glance->rendition = session_frame(session);
     return err;
 }
 
-uint32_t session_fitting_zoom(const struct session *session)
+bool session_fits_itself(const struct session *session, uint32_t place[3])
 {
+    static const int64_t middle[3];
     const struct view *view = &session_outlook(session)->view;
+    const struct pictures *p = session_pictures(session);
+    const bool fits = p && p->own.has_place &&
+                      view->zoom == view_default(session_scene(session)).zoom &&
+                      view->zoom < p->own.zoom && memcmp(view->focus, middle, sizeof middle) == 0;
+    if (fits)
+        memcpy(place, p->own.place, sizeof p->own.place);
+    return fits;
+}
+
+struct view session_fitting_view(const struct session *session)
+{
+    struct view view = session_outlook(session)->view;
     const struct scene *scene = session_scene(session);
     const struct pictures *p = session_pictures(session);
-    const uint32_t fitting = p && p->own_zoom
-                                 ? p->own_zoom
-                                 : view_fitting_zoom(scene, view->width, view->height,
+    const uint32_t fitting = p && p->own.zoom
+                                 ? p->own.zoom
+                                 : view_fitting_zoom(scene, view.width, view.height,
                                                      session_outlook(session)->look.samples);
-    return view->zoom == view_default(scene).zoom && view->zoom < fitting ? fitting : view->zoom;
+    uint32_t place[3];
+    if (session_fits_itself(session, place))
+        view_focus_on(&view, scene, place);
+    if (view.zoom == view_default(scene).zoom && view.zoom < fitting)
+        view.zoom = fitting;
+    return view;
 }
 
 enum err session_render(struct session *session, enum render_mode mode, struct fault *fault)

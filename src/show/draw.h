@@ -46,14 +46,16 @@ struct glance {
     bool is_hasty;   /* it is not what it is without a hurry */
 };
 
-/* The same to be looked at alone, at the zoom below, until another of these is called, of labels
+/* The same to be looked at alone, in the view below, until another of these is called, of labels
  * that are given back: the forest's, or finished ones, which may be rough. */
 enum err session_draw_fitting(struct session *session, bool hurries, struct glance *glance,
                               struct labels *labels, struct fault *fault);
 
-/* That of the view, thousandths; while it is the one that a scene is opened with, which nobody has
- * chosen, the one at which what was shown last fits, however it is turned. */
-uint32_t session_fitting_zoom(const struct session *session);
+/* The view as panels have it: while zoom and focus are those that a scene is opened with, which
+ * nobody has chosen, those at which what was shown last fits, however it is turned; and whether
+ * that has another `place` in its middle than the view. */
+struct view session_fitting_view(const struct session *session);
+bool session_fits_itself(const struct session *session, uint32_t place[3]);
 
 /* Whose labels the rendition shows, as they are now. */
 enum rendered { RENDERED_NOT, RENDERED_FOREST, RENDERED_FINISHED };

@@ -52,6 +52,13 @@ struct coarse {
 /* Samples of so many pixels are stored, so that an edit is seen at once: 210 MB of them. */
 enum { SAMPLES_STORED_MOST = 1 << 23 };
 
+/* Where what a panel shows fits in it. */
+struct own_view {
+    uint32_t zoom; /* 0: not known */
+    uint32_t place[3];
+    bool has_place; /* or the scene's middle is there */
+};
+
 struct pictures {
     struct session *session;
     struct camera camera; /* of the view, `look.samples` times as large; see session_draw_fitting */
@@ -63,7 +70,7 @@ struct pictures {
     struct rendition reduced;   /* to the view's size, where look.samples is above 1 */
     unsigned rendered;          /* V1; enum rendered (draw.h) */
     struct coarse coarse;       /* in its place, while keys arrive */
-    uint32_t own_zoom;          /* at which what a panel shows fits in it, or 0: not known; */
+    struct own_view own;        /* of panels; */
     unsigned fitted;            /* when it was found, by `drawings` */
     unsigned drawings;          /* how often pixels, or labels, may have become others */
     struct {                    /* when the command at hand began: */

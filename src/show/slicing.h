@@ -48,7 +48,7 @@ enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kin
                          struct fault *fault);
 
 /* A mosaic as panes of a screen (render/mosaic.h): the rendition is fitted in, and so is
- * what it shows (session_fitting_zoom). */
+ * what it shows (session_fitting_view). */
 struct slicing_panel {
     struct mosaic_screen screen;
     bool words;    /* patient letters, titles and scale bars can be read in its pixels */

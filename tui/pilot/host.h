@@ -51,7 +51,9 @@ struct pilot_facts {
     double intensity;                           /* there, in real values */
     double window[2];                           /* black and white, in real values */
     uint32_t zoom;                              /* at which the rendition is shown, thousandths */
-    uint32_t frame_width;                       /* of the rendition, in pixels */
+    bool fits_itself;                           /* has this in its middle, which nobody chose: */
+    uint32_t middle[3];
+    uint32_t frame_width; /* of the rendition, in pixels */
     uint32_t frame_height;
     unsigned overlay; /* of labels in slices: 0 none, 1 tint, 2 contour */
     bool has_object;  /* a voxel has a label above 0, or a seed waits to give it one */

@@ -372,11 +372,13 @@ void pilot_roll(struct press *p)
 
 void pilot_change_zoom(struct press *p)
 {
-    const uint32_t now = p->facts->zoom;
+    const uint32_t now = p->facts->zoom, *middle = p->facts->middle;
     uint32_t next = p->by > 0 ? now + now / 4 + 1 : now - now / 5;
     next = next < ZOOM_LEAST ? ZOOM_LEAST : next > ZOOM_MOST ? ZOOM_MOST : next;
     buf_add_text(p->line, "zoom ");
     pilot_add_decimal(p->line, next / 1000.0);
+    if (p->facts->fits_itself)
+        buf_printf(p->line, " at=%u,%u,%u", middle[0], middle[1], middle[2]);
     buf_add_char(p->line, '\n');
 }
 
@@ -477,6 +479,9 @@ void pilot_pan(struct press *p)
     const int right = right_of(p->by) * by, down = -up_of(p->by) * by;
     uint32_t middle[3], place[3];
     if (p->facts->times <= PILOT_TIMES_ONE || p->state->mode == PILOT_PICKING) {
+        if (p->facts->fits_itself)
+            buf_printf(p->line, "focus %u,%u,%u\n", p->facts->middle[0], p->facts->middle[1],
+                       p->facts->middle[2]);
         buf_printf(p->line, "pan %d %d\n", right * PIXEL_JUMP, down * PIXEL_JUMP);
     } else if (p->host->pan(p->host->context, p->state->pane, right, down, middle, place)) {
         pilot_cross(p, place);

@@ -5,12 +5,22 @@
 #include "tui/cells.h"
 
 /* The last goes first. */
-enum rank { FIRST, CHIEF, STATE, NAME, VOLUME, CHANGE, INTENSITY, PLACE, REST, RANKS };
+enum rank {
+    FIRST,
+    CHIEF,
+    STATE,
+    INTENSITY,
+    PLACE,
+    NAME,
+    SHOWN,
+    VOLUME,
+    CHANGE,
+    BRUSH_NAME,
+    REST,
+    RANKS
+};
 
-enum {
-    PARTS_MOST = 32,
-    NARROW = 60
-}; /* columns where the slice's number, said twice, is left out */
+enum { PARTS_MOST = 32 };
 
 /* A part that begins with a blank belongs to the group of the one before, and goes with its first.
  */
@@ -44,22 +54,22 @@ static void add_part(struct status *s, enum rank rank, const char *text)
 }
 
 static void add_place(struct status *s, const struct pilot_state *state,
-                      const struct pilot_facts *facts, unsigned columns)
+                      const struct pilot_facts *facts)
 {
     const uint32_t *at = facts->place;
     const bool has_name = facts->plane[state->pane][1] != '\0';
     add_part(s, FIRST, state->pen.is_down ? "PEN DOWN" : "");
     add_part(s, FIRST, pilot_outlines(state->base) ? "OUTLINE" : "");
     add_part(s, FIRST, state->base == PILOT_PICKING ? "CORRECT" : "");
-    add_part(s, FIRST, has_name ? facts->plane[state->pane] : "");
-    if (columns >= NARROW || !has_name)
-        buf_printf(&s->text, "%s%c=%u", has_name ? " " : "", "xyz"[facts->axis[state->pane]],
-                   facts -> index[state->pane]);
+    if (has_name)
+        buf_add_text(&s->text, facts->plane[state->pane]);
+    else /* a pane of voxels, whose axes have no names */
+        buf_printf(&s->text, "%c=%u", "xyz"[facts->axis[state->pane]], facts -> index[state->pane]);
     end_part(s, FIRST);
     if (facts->times != PILOT_TIMES_ONE) {
         buf_add_text(&s->text, " x");
         pilot_add_decimal(&s->text, facts->times / 1000.0);
-        end_part(s, REST);
+        end_part(s, STATE);
     }
     buf_printf(&s->text, " at %u,%u,%u", at[0], at[1], at[2]);
     end_part(s, FIRST);
@@ -74,7 +84,7 @@ static void add_brush(struct status *s, const struct pilot_state *state,
     const size_t number = strcspn(buf_text(&label), " ");
     buf_printf(&s->text, "brush %.*s", (int)number, buf_text(&label));
     end_part(s, CHIEF);
-    add_part(s, NAME, buf_text(&label) + number);
+    add_part(s, BRUSH_NAME, buf_text(&label) + number);
     pilot_add_brush(&s->text, &state->brush);
     end_part(s, CHIEF);
     add_part(s, STATE, state->stroke.is_set ? " stroke" : "");
@@ -96,7 +106,8 @@ static void add_known(struct status *s, const struct pilot_facts *facts)
                    facts->waiting == 1 ? "s" : "");
     end_part(s, STATE);
     if (facts->shows != PILOT_FOREST)
-        add_part(s, STATE, facts->shows == PILOT_ROUGH ? "finishing" : "finished");
+        add_part(s, facts->shows == PILOT_ROUGH ? STATE : SHOWN,
+                 facts->shows == PILOT_ROUGH ? "finishing" : "finished");
     for (enum pilot_known i = PILOT_HERE; i < PILOT_KNOWN; i++)
         add_part(s, rank[i], facts->known[i]);
 }
@@ -128,7 +139,7 @@ void pilot_add_status(struct buf *out, const struct pilot_state *state,
                       unsigned columns)
 {
     struct status s = {.count = 0};
-    add_place(&s, state, facts, columns);
+    add_place(&s, state, facts);
     add_brush(&s, state, host);
     add_known(&s, facts);
     if (state->sends_ahead)

@@ -2,7 +2,7 @@
  * The row below the picture: where the cross-hair is, what a key would plant there, what waits, and
  * what is known of the voxel.
  *
- *     axial z=90 at 90,108,90  brush 2 ventricle r3  here 1 brain 1.64 l (+1.2 ml)  intensity 93
+ *     axial at 90,108,90  brush 2 ventricle r3  here 1 brain 1.64 l (+1.2 ml)  intensity 93
  *
  * It is made of parts, each of a rank. A screen that is too narrow for all of them shows those of
  * the highest ranks that fit, each whole, in the same order: the place, the brush and the label
