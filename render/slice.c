@@ -42,6 +42,7 @@ struct work {
     struct labels labels;
     uint8_t shown[256]; /* a label, or 0 where it is hidden */
     struct sample *sample;
+    uint32_t *voxel;  /* [columns], in which the centre of each lies */
     ptrdiff_t *reads; /* voxels to be read, as cells from the row's first */
     size_t columns, count;
     uint8_t *label; /* [rows][columns] of the picture */
@@ -58,6 +59,7 @@ struct work {
 static void work_release(struct work *work)
 {
     free(work->sample);
+    free(work->voxel);
     free(work->reads);
     free(work->label);
     free(work->intensity);
@@ -95,7 +97,8 @@ static void list_columns(struct work *work, bool smooth)
         last = high > last ? high : last;
         s->low = (uint32_t)(work->count - 1 - (size_t)(last - low));
         s->high = (uint32_t)(work->count - 1 - (size_t)(last - high));
-        s->near = slice_side_voxel(side, pixel) == low ? s->low : s->high;
+        work->voxel[x] = (uint32_t)slice_side_voxel(side, pixel);
+        s->near = work->voxel[x] == low ? s->low : s->high;
     }
 }
 
@@ -110,11 +113,13 @@ static bool work_init(struct work *work)
     for (unsigned label = 1; label < 256; label++)
         work->shown[label] = work->style->visible[label] ? (uint8_t)label : 0;
     work->sample = mem_array(columns, sizeof *work->sample);
+    work->voxel = mem_array(columns, sizeof *work->voxel);
     work->reads = mem_array(2 * columns, sizeof *work->reads);
     work->label = mem_array(columns * rows, 1);
     work->intensity = mem_array(2 * columns, sizeof *work->intensity);
     work->of_voxel = mem_array(2 * columns, 1);
-    bool fine = work->sample && work->reads && work->label && work->intensity && work->of_voxel;
+    bool fine = work->sample && work->voxel && work->reads && work->label && work->intensity &&
+                work->of_voxel;
     for (int i = 0; i < 2; i++) {
         work->row[i].voxel = -1;
         work->row[i].grey = mem_array(columns, sizeof *work->row[i].grey);
@@ -285,54 +290,49 @@ static void add_mark(struct marks *marks, const struct slice_plan *plan, int64_t
                                    mark->label, mark->eliminates, mark->waits});
 }
 
-/* Which run a pixel shows. */
-struct runs_seen {
+/* The runs that pixels show, with `margin` pixels around that show none. */
+struct run_map {
     const struct work *work;
-    const struct mark_runs *runs;
-    const uint32_t *column; /* [work->columns], the voxel of each */
+    uint16_t *run; /* [rows][columns], those of the margin too; 0 for none */
+    ptrdiff_t columns;
+    int64_t margin;
 };
 
-static size_t place_seen(const struct runs_seen *seen, int64_t x, int64_t row)
+static const uint16_t *run_at(const struct run_map *map, size_t x, int64_t y)
 {
-    return (size_t)row * seen->runs->columns + seen->column[x - seen->work->plan.side[0].first];
+    const int64_t row = y - map->work->plan.side[1].first + map->margin;
+    return map->run + row * map->columns + map->margin + (ptrdiff_t)x;
 }
 
-/* 0 for none, and beside the scene. */
-static uint16_t run_seen(const struct runs_seen *seen, int64_t x, int64_t y)
+/* Another run beside, above or below, within a reach; the same where there is none. */
+static uint16_t other_near(const uint16_t *run, ptrdiff_t columns, int64_t reach)
 {
-    const struct slice_side *column = &seen->work->plan.side[0], *row = &seen->work->plan.side[1];
-    if (x < column->first || y < row->first || x >= column->end || y >= row->end)
-        return 0;
-    return seen->runs->run[place_seen(seen, x, slice_side_voxel(row, y))];
-}
-
-/* One that is another, beside, above or below, within a reach; `own` where there is none. */
-static uint16_t other_near(const struct runs_seen *seen, int64_t x, int64_t y, uint16_t own,
-                           int64_t reach)
-{
-    for (int64_t d = 1; d <= reach; d++)
-        for (int i = 0; i < 4; i++) {
-            const int64_t by = i & 1 ? d : -d;
-            const uint16_t run = run_seen(seen, x + (i < 2 ? by : 0), y + (i < 2 ? 0 : by));
-            if (run != own)
-                return run;
-        }
-    return own;
+    for (ptrdiff_t d = 1; d <= reach; d++) {
+        const ptrdiff_t step[4] = {-d, d, -d * columns, d * columns};
+        for (int i = 0; i < 4; i++)
+            if (run[step[i]] != *run)
+                return run[step[i]];
+    }
+    return *run;
 }
 
 /* A line of the label's colour within the rim, as thin as contours are, and a hairline outside. */
-static void draw_rim(const struct runs_seen *seen, int64_t x, int64_t y, uint32_t cell)
+static void draw_rim(const struct run_map *map, size_t x, int64_t y)
 {
-    const struct work *work = seen->work;
+    const struct work *work = map->work;
+    const struct slice_plan *plan = &work->plan;
     const struct mark_choice *filled = &work->style->filled;
-    const int64_t line = slice_unit(work->plan.size), hair = (line + 1) / 2;
-    const uint16_t own = run_seen(seen, x, y),
-                   other = other_near(seen, x, y, own, own ? line : hair);
-    uint8_t *pixel = canvas_pixel(work->canvas, (size_t)x, (size_t)y);
+    const uint16_t *run = run_at(map, x, y), own = *run;
+    const uint16_t other = other_near(run, map->columns, own ? map->margin : (map->margin + 1) / 2);
+    if (other == own && !(own && filled->shows))
+        return;
+    uint8_t *pixel = canvas_pixel(work->canvas, (size_t)plan->side[0].first + x, (size_t)y);
     const uint8_t *rgb = marks_colour(work->style->palette, (uint8_t)(own - 1));
+    const int64_t cell = (int64_t)plan->corner + (int64_t)work->voxel[x] * plan->step[0] +
+                         slice_side_voxel(&plan->side[1], y) * plan->step[1];
     if (own && other != own)
         memcpy(pixel, rgb, 3);
-    else if (own && filled->shows && filled->shows(filled->of, cell))
+    else if (own && filled->shows(filled->of, (uint32_t)cell))
         for (int k = 0; k < 3; k++)
             pixel[k] = (uint8_t)((pixel[k] + rgb[k] + 1) / 2);
     else if (!own && other > 256) /* it waits */
@@ -345,29 +345,25 @@ static void draw_rim(const struct runs_seen *seen, int64_t x, int64_t y, uint32_
 /* Rows of pixels that show no run, nor lie beside one, cost no more than a look at their voxels. */
 static bool draw_rims(const struct work *work, const struct mark_runs *runs)
 {
-    const struct slice_side *column = &work->plan.side[0], *row = &work->plan.side[1];
-    const int64_t reach = slice_unit(work->plan.size);
-    uint32_t *voxel = mem_array(work->columns, sizeof *voxel);
-    uint8_t *is_used = mem_new(runs->rows);
-    const struct runs_seen seen = {work, runs, voxel};
-    const bool fine = voxel && is_used;
-    for (size_t x = 0; x < work->columns && fine; x++)
-        voxel[x] = (uint32_t)slice_side_voxel(column, column->first + (int64_t)x);
-    for (size_t i = 0; i < runs->columns * runs->rows && fine; i++)
-        is_used[i / runs->columns] |= runs->run[i] > 0;
+    const struct slice_side *row = &work->plan.side[1];
+    const int64_t margin = slice_unit(work->plan.size), rows = row->end - row->first + 2 * margin;
+    const size_t columns = work->columns + 2 * (size_t)margin;
+    struct run_map map = {work, NULL, (ptrdiff_t)columns, margin};
+    map.run = mem_new(columns * (size_t)rows * sizeof *map.run);
+    uint8_t *is_used = mem_new((size_t)rows); /* that have runs within reach */
+    const bool fine = map.run && is_used;
     for (int64_t y = row->first; y < row->end && fine; y++) {
-        bool used = false;
-        const int64_t at = slice_side_voxel(row, y);
-        for (int64_t d = -reach; d <= reach; d++) {
-            const int64_t near = slice_side_voxel(row, y + d);
-            used |= near >= 0 && near < row->voxels && is_used[near];
-        }
-        for (int64_t x = column->first; x < column->end && used; x++)
-            draw_rim(&seen, x, y,
-                     (uint32_t)((int64_t)work->plan.corner + at * work->plan.step[1] +
-                                (int64_t)voxel[x - column->first] * work->plan.step[0]));
+        const uint16_t *of = runs->run + (size_t)slice_side_voxel(row, y) * runs->columns;
+        uint16_t *run = (uint16_t *)run_at(&map, 0, y), any = 0;
+        for (size_t x = 0; x < work->columns; x++)
+            any |= run[x] = of[work->voxel[x]];
+        if (any)
+            memset(is_used + (y - row->first), 1, (size_t)(2 * margin + 1));
     }
-    free(voxel);
+    for (int64_t y = row->first; y < row->end && fine; y++)
+        for (size_t x = 0; x < work->columns && is_used[y - row->first + margin]; x++)
+            draw_rim(&map, x, y);
+    free(map.run);
     free(is_used);
     return fine;
 }
@@ -538,8 +534,9 @@ enum err slice_draw(const struct canvas *canvas, const struct scene *scene,
                     continue;
                 const int64_t first =
                     (int64_t)work.plan.corner + slice_side_voxel(row, y) * work.plan.step[1];
-                for (int64_t x = column->first; x < column->end; x++)
-                    cell[x] = (uint32_t)(first + slice_side_voxel(column, x) * work.plan.step[0]);
+                for (size_t x = 0; x < work.columns; x++)
+                    cell[(size_t)column->first + x] =
+                        (uint32_t)(first + (int64_t)work.voxel[x] * work.plan.step[0]);
             }
         }
         fine = draw_marks(&work);
