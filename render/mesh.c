@@ -502,11 +502,11 @@ static void mark(struct mesh *mesh, const uint32_t first[3], const uint32_t last
 
 /* A voxel that became one of the object, or ceased to be; or is of another label. Where objects
  * have no walls, only labels beside the surface count then. */
-static void mark_cell(struct mesh *mesh, uint32_t cell, bool is_shown)
+static void mark_cell(struct mesh *mesh, uint32_t cell, bool is_shown, bool walls)
 {
     const struct place p = grid_place(&mesh->border->scene->grid, cell);
     const uint32_t at[3] = {p.x, p.y, p.z};
-    if (!is_shown || has_walls(mesh) || border_holds(mesh->border, cell))
+    if (!is_shown || walls || border_holds(mesh->border, cell))
         mark(mesh, at, at, NET_MARGIN);
 }
 
@@ -525,11 +525,12 @@ void mesh_note(struct mesh *mesh, const struct border *border, const struct chan
         mesh->is_lost = true; /* mesh_update looks for itself */
         return;
     }
+    const bool walls = has_walls(mesh); /* looks at all labels: not for each voxel */
     for (size_t i = 0; i < changes->count; i++) {
         const struct change *c = changes->item + i;
         const bool was = border->visible[c->former_label], is = border->visible[c->label];
         if (was || is)
-            mark_cell(mesh, c->cell, was && is);
+            mark_cell(mesh, c->cell, was && is, walls);
     }
     mesh->version = border->version;
 }
@@ -558,6 +559,7 @@ static void mark_recounted(struct mesh *mesh)
 {
     const struct border *border = mesh->border;
     const struct grid *grid = &border->scene->grid;
+    const bool walls = has_walls(mesh);
     for (size_t w = 0; w + 1 < border->words; w++)
         for (size_t cell = w * 64, end = cell + 64;
              border->changed[w] > mesh->version && cell < end;)
@@ -572,7 +574,7 @@ static void mark_recounted(struct mesh *mesh)
             const struct place p = mesh_voxel(first, brick->quad[q].key);
             const uint32_t cell = grid_cell(grid, p.x, p.y, p.z);
             if (labels_at(&border->labels, cell) != brick->quad[q].label)
-                mark_cell(mesh, cell, true);
+                mark_cell(mesh, cell, true, walls);
         }
     }
 }
