@@ -417,7 +417,7 @@ see '^[(]any key[)]$'
 type_letters " "
 see '^coronal at [0-9]*,13,[0-9]* '
 enter ":cross 20,4,3"
-see '^coronal at [0-9]*,4, .*  here 0  changed [0-9] [0-9.]* m[lm]3? .*  intensity '
+see '^coronal at [0-9]*,4,.*  here 0  changed [0-9] [0-9.]* m[lm]3? .*  intensity '
 type_letters "u"
 recorded "undo"
 enter ":cross 11,13,10"
