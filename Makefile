@@ -24,6 +24,10 @@ TEST_PACKAGES := tmux screen procps python3 python3-nibabel python3-pydicom pyth
 FORMATTER     := clang-format-14
 BARE_PACKAGES := debootstrap
 DEB_PACKAGES  := dpkg-dev debhelper lintian
+# Of `make static`; for another machine, its compiler and what runs its programs.
+CROSS_amd64     := gcc-x86-64-linux-gnu
+CROSS_arm64     := gcc-aarch64-linux-gnu
+STATIC_PACKAGES  = dpkg-dev $(if $(filter-out $(NATIVE),$(ARCH)),$(CROSS_$(ARCH)) qemu-user-static)
 # Other versions of clang-tidy find other things.
 ANALYSERS     := cppcheck clang-tidy-14
 
@@ -59,6 +63,23 @@ OIIO_INCLUDE = $(shell pkg-config --variable=includedir OpenImageIO 2>/dev/null 
 OIIO_LIBS    = $(shell pkg-config --libs OpenImageIO 2>/dev/null)
 LIBS         = -lOpenEXRCore -lz -ldeflate $(if $(wildcard /usr/include/isa-l/igzip_lib.h),-lisal) \
                -lnettle -lm
+
+# `make static` for ARCH, of this machine or another: a compiler for it, and Debian's libraries for
+# it, below the build, where nothing of the machine is found (.package/libraries).
+NATIVE := $(shell dpkg --print-architecture 2>/dev/null)
+ARCH   ?= $(NATIVE)
+STATIC  = static$(if $(filter-out $(NATIVE),$(ARCH)),-$(ARCH))
+FROM    = build/$(STATIC)/from
+ifeq ($(VARIANT),$(STATIC))
+MACHINE     := $(shell dpkg-architecture -a$(ARCH) -qDEB_HOST_MULTIARCH)
+override CC := $(filter %ccache,$(CC)) $(MACHINE)-gcc --sysroot=$(CURDIR)/$(FROM)/root \
+               -B$(CURDIR)/$(FROM)/root/usr/lib/$(MACHINE)
+override AR := $(MACHINE)-ar
+EXR_CFLAGS   = -isystem =/usr/include/OpenEXR -isystem =/usr/include/Imath
+HARD_LINKS   = -static-pie -s -Wl,-z,relro,-z,now,-z,noexecstack,-Map=$@.map
+EXR_CORE     = $(FROM)/libOpenEXRCore.a
+LIBS         = $(EXR_CORE) -lz -ldeflate -lnettle -lm
+endif
 
 # ITK's names hold its version.
 ITK           = $(shell cd /usr/include 2>/dev/null && ls -d ITK-* | tail -n 1)
@@ -150,11 +171,11 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
                      sway grim wtype xdotool tmux screen pterm rxvt-unicode chafa python3-pil
 
 .DEFAULT_GOAL := all
-.PHONY: all install uninstall deb tests test test-long test-stress test-bare test-reproducible \
-        check-format format analyse variants test-matrix test-matrix-short test-terminals \
-        test-cohort fuzz fuzzers demo bench-peers bench-chafa bench-paper bench-growth \
-        bench-render bench-frames bench-journal bench-keys bench-looks bench-effort bench-mend \
-        bench-noise bench-register bench-series bench-files bench-beside bench-apply \
+.PHONY: all install uninstall deb static tests test test-long test-stress test-bare test-static \
+        test-reproducible check-format format analyse variants test-matrix test-matrix-short \
+        test-terminals test-cohort fuzz fuzzers demo bench-peers bench-chafa bench-paper \
+        bench-growth bench-render bench-frames bench-journal bench-keys bench-looks bench-effort \
+        bench-mend bench-noise bench-register bench-series bench-files bench-beside bench-apply \
         bench-surface remake-examples help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -210,9 +231,9 @@ test-stress: all tests build/.packages-test
 test-bare: build/.packages-bare
 	@tests/bare.sh
 
-## test-reproducible: what is committed, built in two folders, comes out as the same bytes: programs
-##     and packages; ten minutes
-test-reproducible: build/.packages-deb
+## test-reproducible: what is committed, built in two folders, comes out as the same bytes:
+##     programs, the static file, packages; ten minutes
+test-reproducible: build/.packages-deb build/.packages-static
 	@tests/reproducible.sh
 
 ## check-format: is every file as .clang-format has it?  format: make it so
@@ -254,6 +275,15 @@ uninstall:
 deb: build/.packages-deb
 	@.package/deb build/deb
 	@lintian --allow-root --fail-on error,warning --tag-display-limit 0 build/deb/*.changes
+
+## static: one file that runs on any Linux, build/static/iftty, with its licences, and what is in it
+##     as iftty.spdx.json; ARCH=arm64: build/static-arm64.  test-static: where nothing else is
+static: $(FROM)/packages
+	@$(MAKE) VARIANT=$(STATIC) ARCH=$(ARCH) build/$(STATIC)/iftty
+	@.package/sbom build/$(STATIC) $(ARCH)
+	@echo "made      build/$(STATIC)/iftty"
+test-static: all static build/.packages-test build/.packages-bare
+	@tests/static.sh $(BUILD) build/$(STATIC)
 
 ## demo: segment a brain by seeds, render it, replay and verify the journal
 demo: $(BUILD)/iftty $(BUILD)/iftty-image
@@ -319,6 +349,16 @@ $(PACKAGES_STAMP): Makefile
 $(BUILD)/iftty: $(BUILD)/src/main.o $(LIBRARY)
 	$(say) "link      $@"
 	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $< $(LIBRARY) $(LIBS)
+
+# Of the static file alone.
+$(BUILD)/iftty: $(EXR_CORE)
+EXR_PARTS = $(patsubst %.c,%.o,$(wildcard $(FROM)/openexr/OpenEXRCore/*.c))
+$(EXR_CORE): $(EXR_PARTS)
+	$(Q)$(AR) rcs $@ $^
+$(EXR_PARTS): %.o: %.c
+	$(Q)$(CC) $(OPTIMISE) $(HARDENED) $(ANYWHERE) -ffp-contract=off $(EXR_CFLAGS) -c -o $@ $<
+$(FROM)/packages: .package/libraries | build/.packages-static
+	@.package/libraries $(ARCH) $(FROM)
 
 $(IMAGE_PARTS): $(BUILD)/%.o: %.cc | $(PACKAGES_STAMP)
 	@mkdir -p $(@D)
@@ -422,6 +462,10 @@ build/.packages-bench-files: Makefile | $(PACKAGES_STAMP)
 
 build/.packages-deb: Makefile build/.packages-volume
 	@.ci/packages $(DEB_PACKAGES) --
+	@touch $@
+
+build/.packages-static: Makefile | $(PACKAGES_STAMP)
+	@.ci/packages $(STATIC_PACKAGES) --
 	@touch $@
 
 build/.packages-bare: Makefile | $(PACKAGES_STAMP)

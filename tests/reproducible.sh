@@ -1,6 +1,6 @@
 #!/bin/sh
-# Builds what is committed in two folders, at two times, and compares every byte: the programs and
-# the packages. reproducible.sh: TAP; it takes some ten minutes.
+# Builds what is committed in two folders, at two times, and compares every byte: the programs,
+# the static file and the packages. reproducible.sh: TAP; it takes some ten minutes.
 . "$(dirname "$0")/lib.sh"
 
 unset SOURCE_DATE_EPOCH
@@ -25,6 +25,11 @@ compare() { # FOLDER PATTERN
 
 begin "programs"
 build_both all build/iftty-manual && compare build 'iftty*'
+close_story
+
+begin "the static file, what it says of itself, and its licences"
+build_both static && compare build/static 'iftty' && compare build/static '*.json' &&
+    compare build/static/licences '*'
 close_story
 
 begin "packages"
