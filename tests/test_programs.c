@@ -2,6 +2,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
+#include "program/lesson.h"
 #include "program/program.h"
 #include "tests/check.h"
 
@@ -223,6 +225,20 @@ STORY(help_is_narrow_and_has_every_option)
     buf_release(&text);
 }
 
+STORY(the_keys_of_the_lesson_are_those_of_the_readme)
+{
+    static const char mark[] = "<!-- organ: the keys, and what they do -->\n\n";
+    static const char end[] = "\n<!-- end of organ -->\n";
+    struct buf readme = {0}, keys = {0};
+    CHECK(file_read(&readme, "README.md", 1 << 20, NULL) == OK);
+    lesson_add_keys(&keys);
+    buf_add_text(&keys, end);
+    const char *at = strstr(buf_text(&readme), mark);
+    CHECK(at && strncmp(at + strlen(mark), buf_text(&keys), keys.length) == 0);
+    buf_release(&readme);
+    buf_release(&keys);
+}
+
 int main(void)
 {
     return RUN_STORIES(
@@ -231,5 +247,6 @@ int main(void)
         TELL(the_program_is_found_wherever_its_name_stands),
         TELL(a_form_is_found_by_its_option_or_operand), TELL(two_hyphens_end_the_options),
         TELL(help_may_be_asked_for_anywhere), TELL(what_is_refused_says_what_to_type),
-        TELL(help_is_narrow_and_has_every_option));
+        TELL(help_is_narrow_and_has_every_option),
+        TELL(the_keys_of_the_lesson_are_those_of_the_readme));
 }

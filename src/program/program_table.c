@@ -396,6 +396,15 @@ static const struct program program[] = {
                "key: a accepts, r rejects, s skips, q skips all that follow. The reason is asked "
                "for, unless --accept WHY gives it. Refused where CI is set.",
      .run = run_review},
+    {.name = "tutorial",
+     AT_MOST_1("[JOURNAL]"),
+     .option = {GRAPHICS, SMOOTH},
+     .summary = "a first organ in ten minutes, step by step",
+     .detail = "A session at prompt and pilot on the head ch2 of Debian's mricron-data, which says "
+               "what to do next. A step has come when what it is about is there, however that was "
+               "done: seeds, and Dice's coefficient with mricron's own extraction of the brain. "
+               "JOURNAL is one that was left midway. Nothing but the journal stays behind.",
+     .run = run_tutorial},
     {.name = "watch",
      ONE("JOURNAL"),
      .option = {QUIZ, PAGES, FROM_STEP, UNTIL_STEP, SCENE, GRAPHICS, SMOOTH, LIMIT_OPTIONS},

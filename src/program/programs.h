@@ -10,6 +10,7 @@ enum err run_script(const struct options *options, struct fault *fault);
 enum err run_commands(const struct options *options, struct fault *fault);
 enum err run_serve(const struct options *options, struct fault *fault);
 enum err run_replay(const struct options *options, struct fault *fault);
+enum err run_tutorial(const struct options *options, struct fault *fault);
 enum err run_watch(const struct options *options, struct fault *fault);
 enum err run_verify(const struct options *options, struct fault *fault);
 enum err run_verify_builds(const struct options *options, struct fault *fault);

@@ -14,8 +14,10 @@
 #include "program/config.h"
 #include "program/console.h"
 #include "program/finding.h"
+#include "program/lesson.h"
 #include "program/pilot_host.h"
 #include "program/programs.h"
+#include "program/prompt.h"
 #include "program/shown.h"
 #include "tui/pilot/pilot.h"
 #include "tui/prompt/line_history.h"
@@ -33,6 +35,7 @@ struct prompt {
     char name[24];     /* before the "> " */
     const char *first; /* opened once the prompt is there, so that the prompt is there at once */
     bool resumes;
+    struct lesson *lesson; /* or NULL */
 };
 
 /* ---- the host of prompt and pilot ---- */
@@ -92,6 +95,46 @@ static enum err prompt_execute(void *context, const char *line, struct buf *outp
     return err;
 }
 
+static const char *journal_name(const struct prompt *prompt)
+{
+    const struct journal *journal = prompt->interp.journal;
+    return journal ? journal_path(journal) : prompt->interp.new_journal;
+}
+
+/* At the prompt, what is to be done next stands below each answer. */
+static void add_lesson(struct prompt *prompt, struct buf *output)
+{
+    if (!prompt->lesson || !session_has_scene(prompt->interp.session))
+        return;
+    lesson_look(prompt->lesson, prompt->interp.session, true);
+    console_erase_progress();
+    buf_add_char(output, '\n');
+    lesson_add_page(output, prompt->lesson, journal_name(prompt));
+}
+
+static enum err repl_execute(void *context, const char *line, struct buf *output,
+                             struct fault *fault)
+{
+    const struct prompt *prompt = context;
+    const enum err err = prompt_execute(context, line, output, fault);
+    if (!err && prompt->interp.wish == WISH_NONE)
+        add_lesson(context, output);
+    return err;
+}
+
+static void after_screen(void *context, struct buf *output)
+{
+    add_lesson(context, output);
+}
+
+static void pilot_caption(void *context, struct buf *lines)
+{
+    struct prompt *prompt = context;
+    if (!prompt->pilot.onlooker) /* else what there is is about to change */
+        lesson_look(prompt->lesson, prompt->interp.session, false);
+    lesson_add_captions(lines, prompt->lesson, journal_name(prompt));
+}
+
 static enum err prompt_sketch(void *context, const char *line, struct fault *fault)
 {
     struct prompt *prompt = context;
@@ -108,7 +151,7 @@ static enum err prompt_drop(void *context, struct fault *fault)
 }
 
 /* The scene or journal named on the command line, and what a new session begins with. */
-static enum err prompt_begin(void *context, struct buf *output, struct fault *fault)
+static enum err begin_session(void *context, struct buf *output, struct fault *fault)
 {
     struct prompt *prompt = context;
     struct buf line = {0};
@@ -137,6 +180,20 @@ static enum err prompt_begin(void *context, struct buf *output, struct fault *fa
     if (!err && prompt->interp.has_pilot)
         buf_add_text(output, "Ctrl-O: the pilot, to segment by keys; `help`: the commands\n");
     buf_release(&line);
+    return err;
+}
+
+static enum err prompt_begin(void *context, struct buf *output, struct fault *fault)
+{
+    struct prompt *prompt = context;
+    enum err err = begin_session(context, output, fault);
+    if (!err && prompt->lesson)
+        err = lesson_begin(prompt->lesson, &prompt->interp, fault);
+    if (!err && prompt->lesson) {
+        buf_clear(output);
+        lesson_add_beginning(output);
+        add_lesson(prompt, output);
+    }
     return err;
 }
 
@@ -221,9 +278,10 @@ static enum err run_repl(struct prompt *prompt, const struct options *o, struct 
                                    .wants_screen = prompt_wants_screen,
                                    .screen = prompt_screen,
                                    .screen_line = "pilot",
+                                   .after_screen = after_screen,
                                    .begin = prompt_begin,
                                    .prompt = prompt_text,
-                                   .execute = prompt_execute,
+                                   .execute = repl_execute,
                                    .complete = prompt_complete,
                                    .find = prompt_find,
                                    .hint = prompt_hint,
@@ -234,7 +292,7 @@ static enum err run_repl(struct prompt *prompt, const struct options *o, struct 
                                        writer ? picture_writer_descriptor(writer) : -1,
                                    .finished = prompt_finished};
     struct buf history = {0};
-    const bool has_history = line_history_path(&history);
+    const bool has_history = !prompt->lesson && line_history_path(&history);
     const struct repl_options how = {.graphics = o->graphics,
                                      .history_path = has_history ? buf_text(&history) : NULL,
                                      .pages = !prompt->config.plain_answers,
@@ -287,7 +345,18 @@ static void print_journal(const struct journal *journal)
     buf_release(&text);
 }
 
-enum err run_prompt(const struct options *o, struct fault *fault)
+/* What it begins with, whatever a user has written down. */
+static void take_lesson(struct prompt *prompt, struct lesson *lesson)
+{
+    prompt->lesson = lesson;
+    prompt->config.setup.brush = pilot_setup_default.brush;
+    buf_clear(&prompt->config.start);
+    buf_add_text(&prompt->config.start, CONFIG_USUAL_START);
+    prompt->host.caption = pilot_caption;
+    prompt->host.keeps_status = true;
+}
+
+enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault *fault)
 {
     static struct prompt prompt; /* large */
     struct buf journal = {0};
@@ -295,8 +364,13 @@ enum err run_prompt(const struct options *o, struct fault *fault)
     enum err err = begin_check(o, &prompt.first, &prompt.resumes, fault);
     if (err)
         return err;
+    if (lesson && prompt.first && !prompt.resumes)
+        return fault_set(fault, ERR_USAGE,
+                         "%s is no journal of a lesson; `iftty tutorial` begins one", prompt.first);
+    if (lesson && !prompt.resumes)
+        prompt.first = LESSON_SCENE;
     name_prompt(&prompt);
-    begin_journal_name(&journal, prompt.first);
+    begin_journal_name(&journal, lesson ? "tutorial" : prompt.first);
     if (isatty(STDIN_FILENO)) /* else nobody is there to go on */
         console_handle_interrupts();
     err = begin_interpreter(&prompt.interp, o, fault);
@@ -315,6 +389,8 @@ enum err run_prompt(const struct options *o, struct fault *fault)
     config_init(&prompt.config);
     if (is_terminal)
         config_read(&prompt.config);
+    if (lesson)
+        take_lesson(&prompt, lesson);
     if (!prompt.config.setup.theme->has_colours)
         setenv("NO_COLOR", "1", 1); /* which says just that, here and in the helpers */
     prompt.has_started = prompt.resumes;
@@ -338,4 +414,9 @@ enum err run_prompt(const struct options *o, struct fault *fault)
     interpreter_release(&prompt.interp);
     buf_release(&journal);
     return err;
+}
+
+enum err run_prompt(const struct options *o, struct fault *fault)
+{
+    return prompt_run(o, NULL, fault);
 }

@@ -116,6 +116,7 @@ struct pilot_host {
      * PILOT_CAPTIONS of them, in place of what is known of the voxel; and when, by clock_ns, the
      * line "step due" is to be carried out, 0 for never. */
     void (*caption)(void *context, struct buf *lines);
+    bool keeps_status; /* they stand above that */
     uint64_t (*due_ns)(void *context);
 
     /* False where there is no scene. */

@@ -93,9 +93,14 @@ static void add_row(struct buf *out, unsigned row, unsigned columns, const char 
     buf_release(&cut);
 }
 
+static bool has_status(const struct pilot *p)
+{
+    return !p->host->caption || p->host->keeps_status;
+}
+
 static unsigned rows_of_text(const struct pilot *p)
 {
-    return ROWS_OF_TEXT + (p->host->caption ? PILOT_CAPTIONS - 1 : 0);
+    return ROWS_OF_TEXT + (p->host->caption ? PILOT_CAPTIONS - !has_status(p) : 0);
 }
 
 /* What stands above the last row, where a host has steps to tell of. */
@@ -108,7 +113,7 @@ static void add_captions(struct buf *out, const struct pilot *p, const struct te
         const size_t n = strcspn(at, "\n");
         buf_clear(&line);
         buf_add(&line, at, n);
-        add_row(out, size->rows - 1 - PILOT_CAPTIONS + i, size->columns, buf_text(&line), "");
+        add_row(out, size->rows - rows_of_text(p) + i, size->columns, buf_text(&line), "");
         at += n + (at[n] == '\n');
     }
     out->failed |= lines.failed || line.failed;
@@ -172,9 +177,9 @@ static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_
         add_hint(&lower, p, facts, size->columns);
     } else if (second)
         buf_add(&upper, buf_text(&lower), (size_t)(second - buf_text(&lower)));
-    else if (!p->host->caption)
+    else if (has_status(p))
         pilot_add_status(&upper, p->state, p->host, facts, size->columns);
-    if (second || begins || !p->host->caption)
+    if (second || begins || has_status(p))
         add_row(out, size->rows - 2, size->columns, buf_text(&upper),
                 p->state->pen.is_down || p->state->base == PILOT_OUTLINING ? alarm : "");
     add_row(out, size->rows - 1, size->columns, second ? second + 1 : buf_text(&lower), "");

@@ -218,10 +218,11 @@ static enum err begin(struct prompt *p, struct fault *fault)
     return err ? err : shown;
 }
 
-/* An error of what takes the whole screen is printed, and the prompt goes on. */
+/* An error of what takes the whole screen is printed, or what is to be read after it, and the
+ * prompt goes on. */
 static enum err give_screen(struct prompt *p, bool *ended, struct fault *fault)
 {
-    struct buf words = {0};
+    struct buf words = {0}, out = {0};
     struct fault why;
     enum err err = p->host->screen(p->host->context, &p->facts, &p->editor, ended, &why);
     if (err == ERR_IO) { /* the terminal has gone */
@@ -231,7 +232,11 @@ static enum err give_screen(struct prompt *p, bool *ended, struct fault *fault)
     }
     if (err)
         add_error(&words, err, &why, p->facts.colours != COLOURS_NONE);
-    return term_write_text(&words, "the error", fault);
+    else if (!*ended && p->host->after_screen)
+        p->host->after_screen(p->host->context, &words);
+    cells_wrap(&out, &words, term_size().columns);
+    buf_release(&words);
+    return term_write_text(&out, "the output", fault);
 }
 
 /* A history that cannot be stored is no reason to stop: one warning. */

@@ -51,6 +51,8 @@ struct repl_host {
     enum err (*screen)(void *context, struct terminal_facts *facts, struct line_editor *editor,
                        bool *ended, struct fault *fault);
     const char *screen_line;
+    /* Adds what is to be read once it has given the prompt back. May be NULL. */
+    void (*after_screen)(void *context, struct buf *output);
     /* Whether the session is over; asked after every command. */
     bool (*finished)(void *context);
 };

@@ -1,0 +1,289 @@
+#include "program/lesson.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "command/files.h"
+#include "engine/forest.h"
+#include "session/map.h"
+#include "session/session.h"
+#include "session/state.h"
+#include "session/tally.h"
+#include "tui/cells.h"
+
+enum { COLUMNS = 80, KEYS_MOST = 4 };
+
+/* ---- what there is ---- */
+
+enum { BACKGROUND, OBJECT };
+
+static void add_dice(struct buf *out, unsigned dice)
+{
+    buf_printf(out, "%u.%03u", dice / DICE_ONE, dice % DICE_ONE / 10);
+}
+
+/* Seeds of a label, most of which lie where they are to. */
+static bool are_planted(const struct lesson *lesson, int label, struct buf *missing)
+{
+    const size_t in = lesson->seeds[label][1], out = lesson->seeds[label][0];
+    const size_t wrong = label == OBJECT ? out : in;
+    if (in + out == 0)
+        buf_printf(missing, "no seed of %s is there yet",
+                   label == OBJECT ? "label 1" : "the background");
+    else if (2 * wrong > in + out)
+        buf_printf(missing, "%zu of its %zu seeds lie %s the brain", wrong, in + out,
+                   label == OBJECT ? "outside" : "in");
+    return missing->length == 0;
+}
+
+/* Voxels of ch2 are of 1 mm3. */
+static bool agree(const struct lesson *lesson, unsigned least, struct buf *missing)
+{
+    const struct overlap_counts count = overlap_counts_of(&lesson->overlap, OBJECT);
+    const unsigned dice = overlap_dice(&lesson->overlap, OBJECT);
+    if (!lesson->is_settled) {
+        buf_add_text(missing, "labels are settling");
+    } else if (dice < least) {
+        const uint64_t more = count.a - count.both, less = count.b - count.both;
+        buf_add_text(missing, "Dice ");
+        add_dice(missing, dice);
+        buf_add_text(missing, " of ");
+        add_dice(missing, least);
+        buf_printf(missing, ", %.0f ml too %s, most in z=%u",
+                   (double)(more > less ? more : less) / 1000, more > less ? "much" : "little",
+                   lesson->worst);
+    }
+    return missing->length == 0;
+}
+
+/* ---- the steps ---- */
+
+static bool object_is_planted(const struct lesson *lesson, struct buf *missing)
+{
+    return are_planted(lesson, OBJECT, missing);
+}
+
+static bool is_held_on_a_side(const struct lesson *lesson, struct buf *missing)
+{
+    return are_planted(lesson, BACKGROUND, missing) && agree(lesson, 7500, missing);
+}
+
+static bool is_held_on_both(const struct lesson *lesson, struct buf *missing)
+{
+    return agree(lesson, 9400, missing);
+}
+
+static bool is_whole(const struct lesson *lesson, struct buf *missing)
+{
+    return agree(lesson, 9600, missing);
+}
+
+static bool is_named(const struct lesson *lesson, struct buf *missing)
+{
+    buf_add_text(missing, lesson->has_name ? "" : "label 1 has no name yet");
+    return lesson->has_name;
+}
+
+struct step {
+    const char *about;
+    struct {
+        const char *keys, *what;
+    } key[KEYS_MOST];
+    const char *command; /* the same at the prompt */
+    /* Else says in a few words what is missing. */
+    bool (*has_come)(const struct lesson *lesson, struct buf *missing);
+};
+
+static const struct step step[] = {
+    {"in the object",
+     {{"3L", "30 voxels to the screen's right, out of a ventricle into white matter"},
+      {"i", "a ball of label 1 in the object: all voxels are its own so far"}},
+     "seed 60,108,90 1 radius=6",
+     object_is_planted},
+    {"what touches it",
+     {{"4L", "40 voxels on, into the skull"},
+      {"s0", "a ball of the background in what touches the object"}},
+     "seed 20,108,90 0 radius=6",
+     is_held_on_a_side},
+    {"the other side",
+     {{"14H", "140 voxels to the other side"},
+      {"i", "the same there: now it is the brain, and the muscles of the neck"}},
+     "seed 160,108,90 0 radius=6",
+     is_held_on_both},
+    {"what has leaked",
+     {{"80J", "80 slices down, beside the neck"},
+      {"I", "one end of a stroke"},
+      {"14L", "140 voxels through what has leaked"},
+      {"i", "a stroke of the background: 1.77 litres of brain"}},
+     "seed 160,108,10 0 radius=6 to=20,108,10",
+     is_whole},
+    {"a name", {{NULL, NULL}}, "label 1 brain", is_named},
+};
+
+enum { STEPS = sizeof step / sizeof step[0] };
+
+/* The first that has not come, and what is missing; STEPS where all have. */
+static unsigned present(const struct lesson *lesson, struct buf *missing)
+{
+    unsigned n = 0;
+    while (n < STEPS && step[n].has_come(lesson, missing))
+        n++;
+    return n;
+}
+
+/* ---- in words ---- */
+
+static void add_title(struct buf *out, const struct lesson *lesson, unsigned n,
+                      const struct buf *missing)
+{
+    if (n < STEPS) {
+        buf_printf(out, "step %u of %d, %s: %s\n", n + 1, STEPS, step[n].about, buf_text(missing));
+        return;
+    }
+    buf_add_text(out,
+                 "all steps have come: a brain, whose Dice coefficient with " LESSON_TRUTH " is ");
+    add_dice(out, overlap_dice(&lesson->overlap, OBJECT));
+    buf_add_char(out, '\n');
+}
+
+static void add_end(struct buf *out, const char *journal)
+{
+    buf_add_text(out, "`quit` ends the lesson. `iftty ");
+    buf_add_safe_text(out, journal);
+    buf_add_text(out, "` goes on from here,\n`iftty verify ");
+    buf_add_safe_text(out, journal);
+    buf_add_text(out, "` proves it, and examples/ has more.\n");
+}
+
+void lesson_add_beginning(struct buf *out)
+{
+    buf_printf(out,
+               "A first organ: the brain of this head, in %d steps. Each says what to do, and\n"
+               "has come when what it is about is there, however that was done. `undo` takes\n"
+               "back what did not help. The keys are the pilot's, where u does that: Ctrl-O.\n",
+               STEPS);
+}
+
+void lesson_add_page(struct buf *out, const struct lesson *lesson, const char *journal)
+{
+    struct buf missing = {0};
+    const unsigned n = present(lesson, &missing);
+    add_title(out, lesson, n, &missing);
+    if (n == STEPS)
+        add_end(out, journal);
+    for (unsigned k = 0; n < STEPS && k < KEYS_MOST && step[n].key[k].keys; k++)
+        buf_printf(out, "    %-4s %s\n", step[n].key[k].keys, step[n].key[k].what);
+    if (n < STEPS)
+        buf_printf(out, "%s  %s\n", step[n].key[0].keys ? "or here:" : "here:   ", step[n].command);
+    buf_release(&missing);
+}
+
+void lesson_add_captions(struct buf *out, const struct lesson *lesson, const char *journal)
+{
+    struct buf missing = {0}, keys = {0};
+    const unsigned n = present(lesson, &missing);
+    add_title(out, lesson, n, &missing);
+    if (n == STEPS) {
+        buf_add_text(&keys, "q leads back. ");
+        add_end(&keys, journal);
+    } else if (!step[n].key[0].keys) {
+        buf_printf(&keys, ":%s and Enter", step[n].command);
+    }
+    for (unsigned k = 0; n < STEPS && k < KEYS_MOST && step[n].key[k].keys; k++)
+        buf_printf(&keys, "%s%s %s", k ? "; " : "", step[n].key[k].keys, step[n].key[k].what);
+    cells_wrap(out, &keys, COLUMNS);
+    buf_release(&missing);
+    buf_release(&keys);
+}
+
+void lesson_add_keys(struct buf *out)
+{
+    for (unsigned n = 0; n < STEPS; n++)
+        for (unsigned k = 0; k < KEYS_MOST && step[n].key[k].keys; k++)
+            buf_printf(out, "    %-9s %s\n", step[n].key[k].keys, step[n].key[k].what);
+}
+
+/* ---- looked at ---- */
+
+enum err lesson_find(const struct interpreter *interp, struct fault *fault)
+{
+    struct buf path = {0};
+    enum err err = interpreter_find_file(interp, LESSON_SCENE, &path, fault);
+    if (!err)
+        err = interpreter_find_file(interp, LESSON_TRUTH, &path, fault);
+    buf_release(&path);
+    return err ? fault_set(fault, err,
+                           "the lesson takes the head " LESSON_SCENE " and its brain " LESSON_TRUTH
+                           ", which are not here: they come with Debian's package mricron-data, or "
+                           "lie in a folder that IFTTY_SCENES names")
+               : OK;
+}
+
+enum err lesson_begin(struct lesson *lesson, const struct interpreter *interp, struct fault *fault)
+{
+    const struct map_place place = session_map_place(interp->session, false);
+    const struct map_labels choice = {NULL, OBJECT};
+    struct watch *watch = session_watch(interp->session);
+    struct volume map = {0};
+    struct buf path = {0};
+    enum err err = interpreter_find_file(interp, LESSON_TRUTH, &path, fault);
+    if (!err)
+        err = map_read(&map, buf_text(&path), &place, watch, fault);
+    if (!err)
+        err = map_to_labels(&lesson->truth, &map, &choice, watch, fault);
+    volume_release(&map);
+    buf_release(&path);
+    return err;
+}
+
+void lesson_release(struct lesson *lesson)
+{
+    free(lesson->truth);
+    *lesson = (struct lesson){0};
+}
+
+/* Whole slices, so that what differs is known of each. */
+static void count(struct lesson *lesson, const struct labels *labels)
+{
+    const struct scene *scene = labels->scene;
+    const uint8_t *truth = lesson->truth;
+    uint64_t most = 0;
+    lesson->overlap = (struct overlap){0};
+    memset(lesson->seeds, 0, sizeof lesson->seeds);
+    for (uint32_t z = 0; z < scene->grid.size[2]; z++) {
+        const uint64_t before = lesson->overlap.differing;
+        for (uint32_t y = 0; y < scene->grid.size[1]; y++) {
+            const struct span row = grid_row(&scene->grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++, truth++) {
+                const uint8_t own = labels_at(labels, c) == OBJECT;
+                const struct cell *cell = scene->cell + c;
+                overlap_add(&lesson->overlap, &own, truth, 1);
+                if (cell->flags & CELL_SEED && cell->label <= OBJECT)
+                    lesson->seeds[cell->label][*truth]++;
+            }
+        }
+        if (lesson->overlap.differing - before > most) {
+            most = lesson->overlap.differing - before;
+            lesson->worst = z;
+        }
+    }
+}
+
+void lesson_look(struct lesson *lesson, struct session *session, bool waits)
+{
+    const struct kept *kept = session_kept(session);
+    const bool settles = kept->finish.count && session_outlook(session)->shows_finished;
+    struct labels labels = labels_of_forest(session_scene(session));
+    struct fault fault;
+    lesson->has_name = *kept->label_name[OBJECT];
+    if (settles && waits && session_labels(session, true, &labels, &fault))
+        labels.finished = NULL; /* it was cancelled */
+    if (settles && !labels.finished)
+        labels.finished = session_finished(session);
+    const uint64_t of =
+        hash_mix_at(forest_digest(session_forest(session)), labels.finished != NULL);
+    lesson->is_settled = !settles || labels.finished;
+    if (lesson->of != of)
+        count(lesson, &labels);
+    lesson->of = of;
+}

@@ -1,0 +1,120 @@
+#!/bin/sh
+# The lesson of `iftty tutorial` in a real terminal (tmux, 80x24), at the prompt and in the pilot:
+# a step comes by what is there, what is missing is told, it can be left midway, and nothing but its
+# journal stays behind.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+. "$top/tests/tmux.sh"
+
+IFTTY_CONFIG= IFTTY_HISTORY=$work/history
+export IFTTY_HISTORY
+left_behind() {
+    ls | grep -vx -e tmux -e modes -e out -e err | tr '\n' ' '
+}
+begin_terminal
+
+begin "it takes a terminal, a journal of its own, and the head that it is about"
+expect 2 "$iftty" tutorial </dev/null && err_has "takes a terminal"
+enter_anew "IFTTY_SCENES=/nowhere $iftty tutorial; echo ends \$?"
+see '^iftty: the lesson takes the head ch2.nii.gz and its brain ch2bet.nii.gz'
+see '^ends 3$'
+enter_anew "$iftty tutorial ch2.nii.gz; echo ends \$?"
+see '^iftty: ch2.nii.gz is no journal of a lesson; `iftty tutorial` begins one$'
+see '^ends 2$'
+same "$(left_behind)" ""
+close_story
+
+"$iftty" -c 'open ch2.nii.gz' </dev/null >/dev/null 2>&1 || {
+    begin "the lesson"
+    skip "there is no ch2.nii.gz here"
+    close_story
+    finish
+}
+
+begin "at the prompt: what is missing is told, and any way to a step counts"
+enter_anew "$iftty tutorial"
+see '^A first organ: the brain of this head, in 5 steps\.'
+see '^step 1 of 5, in the object: no seed of label 1 is there yet$'
+see '^or here:  seed 60,108,90 1 radius=6$'
+enter "seed 20,108,90 1 radius=3"
+see '^step 1 of 5, in the object: 112 of its 123 seeds lie outside the brain$'
+enter "undo"
+see '^step 1 of 5, in the object: no seed of label 1 is there yet$'
+enter "seed 90,120,100 1 radius=4"
+see '^step 2 of 5, what touches it: no seed of the background is there yet$'
+enter "seed 60,108,90 0 radius=3"
+see '^step 2 of 5, what touches it: 123 of its 123 seeds lie in the brain$'
+enter "undo"
+enter "seed 160,108,90 0 radius=6"
+see '^step 3 of 5, the other side: Dice 0\.8[0-9]* of 0\.940, [0-9]* ml too much, most in z='
+enter "seed 20,108,90 0 radius=6"
+see '^step 4 of 5, what has leaked: Dice 0\.95[0-9] of 0\.960, [0-9]* ml too much, most in z='
+enter "seed 90,108,5 0 radius=6 to=60,108,8"
+see '^step 5 of 5, a name: label 1 has no name yet$'
+enter "label 1 brain"
+see '^all steps have come: a brain, whose Dice coefficient with ch2bet.nii.gz is 0\.96[0-9]$'
+enter "quit"
+see '^journal: tutorial-1\.iftty '
+sane
+same "$(left_behind)" "tutorial-1.iftty "
+expect 0 "$iftty" verify tutorial-1.iftty
+close_story
+
+begin "in the pilot: by the ten keys, left midway and gone on with; a step can be lost again"
+enter_anew "$iftty tutorial"
+see '^step 1 of 5, in the object: no seed'
+press C-o
+see '^3L 30 voxels to the screen.s right, out of a ventricle into white matter; i a$'
+see '^axial.* at 90,108,90  brush 1 r6  '
+type_letters "3Li"
+see '^step 2 of 5, what touches it: no seed of the background'
+type_letters "4Ls0"
+see '^step 3 of 5, the other side: Dice 0\.90[0-9] of 0\.940, '
+type_letters "u"
+see '^step 2 of 5, what touches it: no seed of the background'
+press C-r
+see '^step 3 of 5, the other side: Dice 0\.90[0-9] of 0\.940, '
+type_letters "q"
+see '^ch2>$'
+see '^    14H  140 voxels to the other side$'
+enter "quit"
+see '^journal: tutorial-2\.iftty '
+enter_anew "$iftty tutorial tutorial-2.iftty"
+see '^step 3 of 5, the other side: Dice 0\.90[0-9] of 0\.940, '
+press C-o
+see '^axial.* at 20,108,90  brush 1 r6  '
+type_letters "14Hs0"
+see '^step 4 of 5, what has leaked: Dice 0\.95[0-9] of 0\.960, '
+type_letters "80JI14Li"
+see '^step 5 of 5, a name: label 1 has no name yet$'
+see '^:label 1 brain and Enter$'
+type_letters ":label 1 brain"
+press Enter
+see '^all steps have come: a brain, whose Dice coefficient with ch2bet.nii.gz is 0\.965$'
+type_letters "q"
+see '^`iftty verify tutorial-2.iftty` proves it'
+enter "quit"
+see '^journal: tutorial-2\.iftty '
+sane
+same "$(left_behind)" "tutorial-1.iftty tutorial-2.iftty "
+expect 0 "$iftty" verify tutorial-2.iftty
+close_story
+
+begin "with what a user has written down: his keys, and not his brush and beginning"
+printf '%s\n' "key undo U" "brush 3 2" "start none" >config
+enter_anew "IFTTY_CONFIG=config $iftty tutorial"
+see '^step 1 of 5, in the object: no seed'
+press C-o
+see '^axial.* at 90,108,90  brush 1 r6  '
+type_letters "3Li"
+see '^step 2 of 5, what touches it: no seed of the background'
+type_letters "U"
+see '^step 1 of 5, in the object: no seed'
+type_letters "q"
+see '^ch2>$'
+enter "quit"
+see '^journal: tutorial-3\.iftty '
+"$iftty" log --script tutorial-3.iftty | grep -qx 'finish relax' || fail "labels do not settle"
+close_story
+
+finish
