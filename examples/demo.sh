@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # The whole way once: seeds to pictures on a real scene, recorded, replayed and verified.
 # demo.sh BUILD; leaves its pictures and its journal in BUILD/demo.
 set -eu

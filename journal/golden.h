@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Golden images: two decoded pictures compared bit for bit.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "journal/graph.h"
 
 #include "journal/tree.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The graph of a journal: the tree of the alternatives in it, drawn oldest first, as the journal
  * reads.

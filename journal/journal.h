@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The journal: a file of records that one session appends to, and that others resume and replay.
  *

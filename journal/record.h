@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A record: one command, what it gave, and a digest that chains it to all before it.
  *

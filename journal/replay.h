@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Replay: carries out every command of a journal again and compares what it gives with what the
  * journal says it gave.

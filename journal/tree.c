@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "journal/tree.h"
 
 #include <search.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "render/background.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Bands: a picture of many samples, a few rows at a time.
  *

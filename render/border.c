@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "render/border.h"
 
 #include <string.h>

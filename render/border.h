@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The border: which voxels can be seen at all.
  *

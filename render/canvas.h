@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A canvas: the pixels that slices, mosaics and words are drawn into, or a part of them.
  *

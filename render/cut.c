@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "render/cut.h"
 
 #include <stdlib.h>

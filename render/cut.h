@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The cut: what of the scene is cut away, so that the inside can be seen.
  *

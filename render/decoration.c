@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "render/decoration.h"
 
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Decorations: what may be drawn over a rendition, for people who look at it.
  *

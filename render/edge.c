@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "render/edge.h"
 
 #include "render/normal.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Edges: lines that show where one object hides another, where it hides a part of itself, and where
  * its surface is folded.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "render/face.h"
 
 #include <assert.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The face that words in pictures are set in: outlines of letters, as a table of integers
  * (render/face_table.h, whose head names the font and its licence).

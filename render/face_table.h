@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Bitstream-Vera */
 /*
  * The outlines of letters: made by tests/face_table.py out of the font DejaVu Sans Condensed,
  * Version 2.37, which is free under the licence below; but that I has serifs, since it stands for a

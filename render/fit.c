@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "render/fit.h"
 
 #include <stdlib.h>

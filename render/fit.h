@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Fitting: the zoom at which what is shown fills a picture, and the place that comes to its middle.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A glyph: one letter of the face at a size, as pixels.
  *

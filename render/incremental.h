@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The incremental image: which pixels are out of date after an edit, and what they show now.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "render/layers.h"
 
 #include <limits.h>

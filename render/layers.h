@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Layers: what each pixel shows where some of the objects are translucent.
  *

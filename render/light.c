@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "render/light.h"
 
 #include "base/wide.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Light: the colour of a lit surface, by Phong's model, and darker the further away it is.
  *

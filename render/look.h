@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The look: how people have chosen that surfaces are coloured.
  */

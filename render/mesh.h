@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The mesh: the surface of what a border shows (engine/net.h), in bricks of 8x8x8 voxels, kept up
  * to date like the border.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "render/mip.h"
 
 #include <stdlib.h>

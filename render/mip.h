@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The maximum intensity projection: of each pixel, the brightest voxel that its ray goes through.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "render/mosaic.h"
 
 #include <string.h>

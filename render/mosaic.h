@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A mosaic: the three slices through one voxel, at one scale, and the rendition.
  *

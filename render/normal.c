@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "render/normal.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Normals: which way the surface faces at the point that a pixel shows.
  *

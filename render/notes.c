@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "render/notes.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Notes: what slices and renditions have in common of what is drawn over them: words and bars, and
  * marks of seeds and eliminators. A seed is a dot of its label's colour, an eliminator an x,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Ambient occlusion: how much of the light that comes from all sides does not reach a surface,
  * because of what is shown around it. Sulci become darker, and what is convex stays as it is.

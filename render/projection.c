@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "render/projection.h"
 
 #include <string.h>

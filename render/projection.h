@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Projection: the ways to what each pixel shows (render/rendition.h). All give the same.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "render/rendition.h"
 
 #include <stdlib.h>

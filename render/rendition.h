@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The rendition: which voxel each pixel shows, at what depth, and in what colour.
  *

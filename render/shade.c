@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "render/shade.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The shader: what shading stores between one picture and the next, so that the next is made
  * faster. What that is, shading alone knows (render/shade.h).

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "render/slice.h"
 
 #include <stdlib.h>

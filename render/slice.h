@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A slice: one plane of the scene in grey, with what is known about it drawn over.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "render/slice_plan.h"
 
 #include <assert.h>

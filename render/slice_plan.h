@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Where the pixels of a slice lie among the voxels: which slice it is, how large, what is where.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Words in pictures, set in one face (render/face.h) at any size.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The view: from where a scene is seen, and the exact arithmetic of its rays.
  *

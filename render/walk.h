@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The walk of a pixel's ray through the scene, from cube to cube.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * iftty: segment 3-D scenes by seeds, in a terminal.
  *

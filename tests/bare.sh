@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # A newcomer's machine: a bare Debian 12 with git, make and gcc, a fresh clone, and what README says
 # to type, `make demo` and `make test`; once as root, who gets what is missing installed, and once
 # as an ordinary user without sudo, who finds it there.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* B1 of render/border.h: the border equals a recount by the words there, voxel by voxel. */
 #ifndef TESTS_BORDER_CHECK_H
 #define TESTS_BORDER_CHECK_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A small test driver: each test program is a list of named stories, run in order.
  *

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Holds JSON against a schema: check_schema.py SCHEMA [DEFINITION] < LINES
 
 Each line of standard input is a document, or all of it is one that has several lines. The first

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # `make test-cohort`: the scripts of examples/cohort, by real engines: Snakemake, and Slurm with two
 # nodes on this machine. Twelve subjects of 2 mm; tasks are killed, requeued and run out of disk.
 # What both engines have made in the end is the same, byte for byte. Not part of `make test`.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Subjects that are made of one scene: turned, stretched, bent, noisy, unevenly lit, mirrored, cut;
  * the way back to it is known.

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """Makes render/face_table.h, the outlines of letters, out of a font: run by hand when letters are
 added. tests/test_face.sh compares what it makes with what is there.
 
@@ -198,7 +199,8 @@ def wrap(lines):
 
 assert not any(len(r) > BASE ** 3 for r in (data,)) and len(order) < BASE * BASE // 2
 version = font["name"].getDebugName(5)
-print(f"""/*
+print(f"""/* SPDX-License-Identifier: Bitstream-Vera */
+/*
  * The outlines of letters: made by tests/face_table.py out of the font DejaVu Sans Condensed,
  * {version}, which is free under the licence below; but that I has serifs, since it stands for a
  * side of the patient alone. {len(points)} characters, {len(order)} outlines.

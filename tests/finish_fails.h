@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What stories about the steps of `finish` share: wherever it is stopped, and wherever memory runs
  * out, it is an error that gives nothing; the next time it is right.

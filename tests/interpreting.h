@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What stories at an interpreter share: lines go in as at the prompt, and the image helper is the
  * one that was built with the test programs.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What a terminal of kitty's family makes of our graphics: pictures by number, placed at cells, as
  * they are or scaled, in layers, changed in place and deleted. Stricter than any terminal: what the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # Helpers for the tests in shell: TAP, a folder that goes away, the program. Source it, with the
 # working folder at the top of the source: . tests/lib.sh
 #

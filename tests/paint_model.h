@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What a hand paints, by models that look at every voxel: balls by their distance, strokes by the
  * voxel nearest to each step, polygons by the winding number around each centre, rings by the

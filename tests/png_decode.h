@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A decoder of base64 and of PNG as we write it: one IDAT, filter 0 or 3, a palette of 1 to 8 bits,
  * of which the first colour may be clear, or 24 bit colours. All else is refused, and so is what is

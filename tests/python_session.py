@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Stories of examples/python/iftty.py; in TAP. python_session.py PLAIN: as without numpy."""
 import _thread
 import os

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What a ray goes through, found without a walk: each voxel of the scene is asked by itself. */
 #ifndef TESTS_RAY_SEARCH_H
 #define TESTS_RAY_SEARCH_H

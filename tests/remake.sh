@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # After a change of pictures: examples/, and the journal of the present semantics in tests/journals,
 # made anew with their golden images and locks. Each is carried out as a script into a new journal.
 # All take their places, or none: every command, comment and word of a record has to be what it was,

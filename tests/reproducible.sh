@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Builds what is committed in two folders, at two times, and compares every byte: the programs,
 # the static file and the packages. reproducible.sh: TAP; it takes some ten minutes.
 . "$(dirname "$0")/lib.sh"

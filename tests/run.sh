@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Runs test programs and scripts side by side and adds up their TAP: run.sh BUILD [NAME...]
 #
 #     JOBS=N      so many at once; one more than there are cores where it is not set, since some

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Memory that runs out: allow_allocations(n) lets the next `n` allocations of base/mem succeed and
  * all after them fail, until mem_allows is NULL again. Stories try n = 0, 1, 2, ... until what they

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A screen, as a plain terminal has it: what a program writes comes to stand in cells, so that a
  * story can look at what a person would see.

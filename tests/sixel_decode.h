@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A decoder of sixels as we write them. What is cut short, paints outside of the picture, or paints
  * with a colour that was not declared, is refused.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What stories about a small scene share: the scene, maps on its grid, and snapshots of a session
  * to compare. All files are below `folder`, which main makes and removes (begin_folder,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What stories of renditions share: a scene, its forest and border, and how they are looked at.
  *

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # The one file of `make static`, where nothing else is: static.sh BUILD STATIC, the folders of the
 # checkout's program and of the static one, which may be for another machine. TAP.
 IFTTY_BUILD=$1

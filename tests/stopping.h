@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Work that is stopped: a watch with `.context = &looks, .poll = stop_after_looks` goes on at the
  * next `looks` looks at it, and stops at the one after them. Stories try 0, 1, 2, ... until what

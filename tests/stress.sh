@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # The programs that depend on time, again and again on a busy machine: stress.sh BUILD [NAME...]
 #
 #     ROUNDS=20   so often

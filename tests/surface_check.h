@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What engine/surface.h promises of any surface. */
 #ifndef TESTS_SURFACE_CHECK_H
 #define TESTS_SURFACE_CHECK_H

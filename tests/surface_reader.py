@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Reads surfaces as other programs do: for test_surface.sh.
 
 python3 surface_reader.py MAP LABEL FILE...

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # What acts (src/command) ask for by name is what their commands have in the table: asking for
 # another name would end the program, on a path that few tests may take.
 . "$(dirname "$0")/lib.sh"

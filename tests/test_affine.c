@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Affine maps, and the one that fits pairs of places. */
 #include <math.h>
 #include <stdlib.h>

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # iftty agree: the consensus of several raters, beside a plain vote; figures as programs read them;
 # maps and journals alike; what is refused. Votes and figures by hand: tests/test_agreement.c.
 . "$(dirname "$0")/lib.sh"

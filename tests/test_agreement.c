@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The consensus of several raters, and how far each is from it: cases worked by hand, random ones
  * beside a plain slow vote, and what holds whoever comes first.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # A procedure carried to other scenes, as a user types it: landmarks, ways of carrying over, what is
 # planted and dropped, journals that are there already, files of strangers, and what is refused.
 . "$(dirname "$0")/lib.sh"

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Atlases whose regions are no labels, the tables of names beside them, and seeds that go out and
 # come in again.
 . "$(dirname "$0")/lib.sh"

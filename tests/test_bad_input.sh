@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Input that is wrong, hostile or too much: each ends with status 2 or 3, one line that says why,
 # nothing that a terminal would obey, and nothing new on the disk.
 . "$(dirname "$0")/lib.sh"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Pictures of samples: drawn in bands, by any number of threads, or repaired after an edit, they
  * are what the samples drawn at once come to.

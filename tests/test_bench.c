@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The benchmark's parts: seeds of the procedure, the comparison of experiments, reports, charts,
  * the line of progress. No time is looked at.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # The benchmarks as programs: what they print in each form, what they refuse. No time is looked at.
 . "$(dirname "$0")/lib.sh"
 bench=$build/tests/bench/bench

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The centre of a label, against two looks at the whole scene.
  */

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # The scripts of examples/cohort, without an engine: one subject, and what came of several. Engines,
 # and tasks that are killed for good, are `make test-cohort`.
 . "$(dirname "$0")/lib.sh"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The language: every command of the table by its example, by random lines, by lines that are
  * wrong; and the one door, which takes back what it cannot record.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Labels beside labels, by command and program: the measures are those of ITK, in words, JSON and
 # CSV; the picture shows where they differ; and what cannot be compared is refused. The measures
 # beside a slow computation, and distances: tests/test_comparison.c.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Distances and comparisons: small cases worked by hand, and random ones beside a plain slow
  * computation, which looks from each voxel at each other one.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* How the helpers are confined, from outside: what the kernel says of those that work, and what
  * becomes of one that never ends, whose client is killed, or that holds all the memory that it gets
  * (probe/). */

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # The helpers are confined in every use, whoever asks: each is replaced by a probe (probe/), which
 # is the helper itself with what a hostile file would try in place of its decoders.
 . "$(dirname "$0")/lib.sh"

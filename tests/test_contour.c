@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Contours of areas against plain models: the polygon through their corners is the piece at a
  * place, or else the largest, with its holes filled, but for voxels that the line comes within half

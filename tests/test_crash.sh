@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # The program is killed while it works, golden images, renditions, maps and surfaces among it: what
 # it acknowledged is in the journal, the journal verifies and resumes, and so does one cut at any
 # byte. No draft and no golden image without a record stays. A run that was killed goes on where it

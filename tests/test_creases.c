@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Creases: where two objects touch, each is shaded as if it were alone. */
 #include "interpreting.h"
 

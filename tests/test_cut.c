@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What is cut away: borders against a slow recount, four ways to one picture through cuts, edits
  * and hidden labels, and commands whose every step can be taken back.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Files of every format that were cut: at a quarter, a half, 99 of 100, and by one byte. Writers of
 # ITK, teem and others made them (volumes/cut.py). Each is refused, and the words name the file, the
 # bytes that it has and those that it should have; nothing is filled up.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Decorations: letters that are never wrong, a bar that is as long as it says, what is seen alone;
  * and only colours change, in every way of drawing.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # iftty diff: where two journals part, how far their labels differ, the picture of it, and that a
 # journal is trusted no more than by verify. The pure parts are in tests/test_diff.c.
 . "$(dirname "$0")/lib.sh"

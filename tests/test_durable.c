@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What a journal is protected from: files that are deleted, moved, replaced or changed under it,
  * syncs that fail, a second writer, flipped bits. And how it goes on elsewhere.

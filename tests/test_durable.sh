@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # What the program does when its journal is held, gone, full, damaged: it says so, nothing that was
 # acknowledged is lost, and the session goes on elsewhere.
 . "$(dirname "$0")/lib.sh"

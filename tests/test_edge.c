@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Edges: what has a line, on which side, and how strong it is at every number of samples. */
 #include "check.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Stories of the robots that count gestures (tests/bench): what they do on tiny objects, and what
  * is counted. Their figures are no test. */
 #include <limits.h>

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Volumes that name other files: those below their folder are read, everything else is refused by
 # name, on every kernel; nothing is made up for what is missing, and nothing waited for in vain.
 . "$(dirname "$0")/lib.sh"

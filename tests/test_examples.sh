@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Every example journal verifies, digest for digest and pixel for pixel; what the READMEs say of
 # commands is what the program says, and the commands of its sections work.
 . "$(dirname "$0")/lib.sh"

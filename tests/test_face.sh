@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # The outlines of letters are those of the font, and the table is what its script makes.
 . "$(dirname "$0")/lib.sh"
 

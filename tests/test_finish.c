@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The finish: each step against a plain model, which is written from the words of engine/finish.h
  * and shares nothing with what it tests: it holds voxels in three nested loops, floods, and asks

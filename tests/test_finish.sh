@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # The finish as users meet it: a setting that is recorded, undone and gone on with, whose outcome is
 # in the records, and checked when a journal is verified.
 . tests/lib.sh

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Fitting: what is shown fills the picture, at one view's angles or at those of a turntable. */
 #include <stdlib.h>
 #include <unistd.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Frames over a simulated line: bytes wait their turn, an answer comes back half a round trip after
  * the last of them has arrived. */
 #include "tests/check.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The focus of a view: what falls in the middle of the picture, and that nothing else changes. */
 #include "check.h"
 

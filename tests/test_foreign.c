@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Formats that nobody here reads (image/foreign.h): each row of their table says what it is there
  * for, unless a format that is read has taken what the row is known by. */
 #include "check.h"

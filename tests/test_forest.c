@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The forest: small scenes worked by hand, then random edits against runs from scratch. */
 #include "check.h"
 

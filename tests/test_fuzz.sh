@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # The fuzz targets over their corpora: each file whole, cut, and changed in a few bytes.
 # IFTTY_TEST_SCALE above 1, as in `make test-long`, has as many times the changes.
 . "$(dirname "$0")/lib.sh"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Where a scene lies, as far as its file says it: whatever the sform, the qform and pixdim are,
  * alone and together. */
 #include <math.h>

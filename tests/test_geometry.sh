@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # What a file leaves open of its place is unknown in every answer and picture, until it is told.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Gestures of an expert and of a trainee that belong together, and their order: cases worked by
  * hand, and random ones beside plain slow computations.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # iftty diff --gestures: what an expert and a trainee did, counted by hand; Dice after each step as
 # the saved maps of each beginning have it; the picture; and that a journal is trusted no more than
 # by verify. Which gestures are matched: tests/test_gesture_match.c.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The graph of a journal: what is drawn of journals made by hand, and of hostile ones.
  */

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # iftty log --graph: a drawing in a pipe and at a terminal. What is drawn of which journal is in
 # tests/test_graph.c.
 . "$(dirname "$0")/lib.sh"

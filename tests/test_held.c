@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What an eliminator would take, found without a look at the scene: the same as by looking at every
  * voxel, and the same as what `remove` takes then.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Hints: by hand, against a plain slow search of all pairs, and as commands.
  */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The history: whatever was done is undone exactly, and done again; alternatives keep apart; what
  * is resumed is what was left, whether its commands are carried out or only skimmed.

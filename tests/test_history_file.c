@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The history of lines and its file: what is kept, for whom, how much, and by how many at once. */
 #include <errno.h>
 #include <signal.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* OpenEXR: what is written comes back exactly, and what others wrote is taken or told off. */
 #include "check.h"
 #include "folder.h"

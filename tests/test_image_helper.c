@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The image helper: pictures through other formats, and a helper that misbehaves. */
 #include "check.h"
 #include "folder.h"

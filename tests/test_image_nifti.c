@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* NIfTI: every kind of file that is read, every kind that is refused, and what is written. */
 #include "check.h"
 #include "folder.h"

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # What `make install` puts where: a tree that works wherever it was moved to, pages that groff and
 # mandoc set without a word, completions that the shells themselves take, and nothing left of it.
 . "$(dirname "$0")/lib.sh"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Interpolation: by hand, against a plain recompute, and as something a session takes back.
  */

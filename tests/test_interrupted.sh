@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # A run that was interrupted is repeated: it goes on after the last record where script and journal
 # are of one run, and adds nothing where they are not. tests/test_crash.sh kills it.
 . "$(dirname "$0")/lib.sh"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Records and walks in memory: what FORMAT.md says, what a cut, a flip and hostile bytes do.
  */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The journal as a file: failing writes and syncs, short writes, power loss, kill -9, the lock.
  */

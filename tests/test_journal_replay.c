@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Replay with a host that is not a session at all, and golden images of a few pixels.
  */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The writer of JSON, against texts that were worked out by hand.
  */

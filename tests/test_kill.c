@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * kill -9 at random moments of the real program, under load: whatever it acknowledged is in the
  * journal, which goes on where it was.

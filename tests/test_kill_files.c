@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A session that is killed at each step of the commands that write files: golden images,
  * renditions, turntables, maps, surfaces and reports.

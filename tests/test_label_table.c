@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Tables of labels, worked by hand: each format, names that have to be made to fit, and what is
  * written. */
 #include "report/label_table.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Markers out of a segmentation: pieces, their erosion and contours beside a plain slow
  * computation; what grows from them, and gives way to corrections; and objects by a range of

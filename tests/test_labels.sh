@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # A segmentation to begin with, in a journal: the copy beside it makes the replay need nothing else,
 # goes with the journal, and is believed no more than the digest that the command records. What
 # markers are made is in tests/test_labels.c.

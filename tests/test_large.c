@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Scenes of any size: what is refused before memory is taken, the synthetic scene at every size,
  * the watch over what takes long, and the line that shows it. tests/test_large.sh asks the program.

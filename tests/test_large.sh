@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Large scenes, and long commands: what is announced and refused before anything is loaded, how far
 # things are, and Ctrl-C at any moment.
 . "$(dirname "$0")/lib.sh"

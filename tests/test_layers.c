@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Layers of translucent objects: which there are, what they come to, and what of them counts. */
 #include "check.h"
 

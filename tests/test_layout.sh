@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # The layout of the source: who may include whom, headers that stand alone, integers only between a
 # seed and a pixel, C++ in the helpers alone, no large libraries, one place for the names of
 # commands.
@@ -305,9 +306,9 @@ rooms=$(sed -nE 's/^([a-z]+(\/[a-z]+)?): base.*/\1/p' "$law")
 folder() { # ROOM
     case $1 in render | journal | tui*) echo "$1" ;; *) echo "src/$1" ;; esac
 }
-lines_of() { # FOLDER, without those below it
+lines_of() { # FOLDER, without those below it, and without what every file says of its licence
     find "$1" -maxdepth 1 -type f \( -name '*.[ch]' -o -name '*.cc' -o -name '*.hh' \) \
-        -exec cat {} + | wc -l
+        -exec cat {} + | grep -vc SPDX-License-Identifier
 }
 of_room() { # KIND ROOM [FILE]: the words of "KIND ROOM: WORDS"
     sed -n "s|^$1 $2: ||p" "${3:-$law}"
@@ -322,7 +323,21 @@ for room in $rooms; do
     [ $((lines + 100)) -ge "${ceiling:-0}" ] ||
         fail "$room has $lines lines: its ceiling of $ceiling comes down to that"
 done
-same "$all" "$(sources src journal render tui | xargs cat | wc -l)"
+same "$all" "$(sources src journal render tui | xargs cat | grep -vc SPDX-License-Identifier)"
+close_story
+
+# What README says of the licence, where machines look for it; first, or after the line of a script
+# that says what runs it.
+begin "every source and script names its licence"
+named='^(/\*|#) SPDX-License-Identifier: (MIT|Bitstream-Vera)( \*/)?$'
+{
+    sources src journal render tui tests
+    find Makefile .ci .package examples tests -type f \( -name Makefile -o -name '*.sh' -o \
+        -name '*.py' -o -path '.ci/*' -o -path '.package/*' ! -path '.package/*/*' \)
+} | while read -r file; do
+    sed 2q "$file" | grep -qE "$named" || echo "$file"
+done >"$work/without"
+[ ! -s "$work/without" ] || fail "$(cat "$work/without")"
 close_story
 
 # The commit before: HEAD, where the file was changed since, else what HEAD was made of.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # How the program leaves a real terminal that it has not the time to say farewell to: killed
 # outright, the line gone. And what it draws inside of multiplexers: blocks, and no garbage.
 . "$(dirname "$0")/lib.sh"

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Scenes of real and of wide whole numbers, as nibabel writes them: values as they are in the file,
 # few that are far from the others, ranges against numpy, records, and journals of before.
 . "$(dirname "$0")/lib.sh"

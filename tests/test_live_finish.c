@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Finished labels while one works: pictures under `finished on`, rough labels right after an edit,
  * exact ones after it, with border and rendition that follow; compared with what is made from

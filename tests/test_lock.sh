@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Which journals are meant: --expect a last chain, and a lock, which pins the journals of a folder.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Margins: by hand, and against the best path of each label in turn, by a plain slow search. */
 #include "check.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Markers through whole sessions: balls, strokes and their parts, boxes, polygons and outlines;
  * overlaps, erasers, undo, redo, looking back, branches, restarts, replays.

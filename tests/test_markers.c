@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Markers against a plain model: carry out, in order, the commands whose markers stand, each
  * writing its label over what was there; but one that yields does not write where a later one that

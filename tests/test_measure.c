@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Questions about distances, angles and intensities: measure, profile, the histogram of info. */
 #include "tests/small_scene.h"
 

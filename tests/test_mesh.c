@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The mesh: whatever it has gone through, it is the one that is made from nothing. */
 #include "check.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The maximum intensity projection: by a search of every voxel; and what it looks like. */
 #include "check.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Mosaics: four panes that share a scale, and the rendition at half its size. */
 #include "check.h"
 #include "scarce_memory.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The panes of a screen: nothing overlaps, nothing is cut, and most of the screen is in use. */
 #include "check.h"
 

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Would the golden suite notice? One thing at a time is changed in a copy of the examples, or of the
 # program; verifying the examples must then fail. Programs are built from a copy of the tree and of
 # what was built there, so that one constant costs the files that see it. IFTTY_TEST_SCALE above 1,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Surface nets: a function of the labels around, closed, as large as their voxels, symmetric. */
 #include <math.h>
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Normals and light, many at once: what comes out is what one by one would. */
 #include "check.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Ambient occlusion: bricks are what is counted, what is flat or convex stays as it is, a groove is
  * darker, and every way to a picture gives the same one. */
 #include "check.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Outlines that are shown and that are there: pixels of panes against the voxels of a plain list,
  * and what of a session is taken up to be corrected.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The pager of the prompt, without a terminal: keys go in, and what it draws comes to stand on a
  * screen of our own. */
 #include "tests/check.h"

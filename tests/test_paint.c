@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What a hand paints, against plain models that look at every voxel. Places are random, and grids
  * small enough for their edges to matter.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The painter against a small model of each terminal: what the screen shows after every picture is
  * the picture, however it came there. */
 #include <stdlib.h>

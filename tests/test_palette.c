@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Colours of labels: distinct, and well apart, off grey and off what is drawn over slices, also for
  * eyes that lack one kind of cone. Distances are as render/palette.h has them.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Parts of volumes: every box and every block against the whole, read and averaged plainly. */
 #include "check.h"
 #include "folder.h"

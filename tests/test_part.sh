@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Parts of files as scenes: what is recorded, resumed and saved of them, and maps of the whole file.
 # What a part holds is tested in test_part.c.
 . "$(dirname "$0")/lib.sh"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What is under a pixel: the voxel, its label and where it lies, and how far the border of its
  * object is, against a search of the whole scene.

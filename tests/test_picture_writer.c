@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The picture writer: jobs in their order, outcomes reported once, memory bounded. Runs under
  * ThreadSanitizer too.
  */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Pictures as commands make them: what they hold, and how they come to the disk. */
 #include <dirent.h>
 #include <limits.h>

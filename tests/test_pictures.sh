@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Pictures in every format, as other programs see them: exrheader, oiiotool and idiff must agree
 # with us about channels, sizes, notes and pixels. And `iftty info`, which reads them back.
 . "$(dirname "$0")/lib.sh"

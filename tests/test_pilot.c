@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The pilot: what keys mean, as lines of commands; pictures that get finer on a slow line.
  */

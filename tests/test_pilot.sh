@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # The pilot as a person meets it: keys into a real terminal (tmux, 80x24), what stands on its screen
 # then, and what the journal says of it.
 . "$(dirname "$0")/lib.sh"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Power loss: a model of a disk that keeps what was synced and, of all else, whatever it likes.
  *

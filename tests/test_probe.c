@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Every terminal that is known, asked as the program asks: what each answers is a table of facts
  * measured with the terminals themselves. Pure: nothing is opened. */
 #include "tests/check.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Work in processes of its own: what comes back, in which order, and what becomes of processes that
  * die, say too much, or do not end.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # The program as scripts and people call it: run, -c, replay, verify, log, their exit statuses, and
 # journals that were changed behind its back.
 . "$(dirname "$0")/lib.sh"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The table of programs: its rows are whole, and a command line is read as it says. */
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # The prompt as a person meets it: keys into a real terminal (tmux, 80x24), and what stands on its
 # screen then. Without tmux there is nothing to see.
 . "$(dirname "$0")/lib.sh"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The program's prompt, and its pilot, in a pseudo-terminal of our own, and what stands on its
  * screen: keys go in, cells are looked at. The terminal answers, late, in pieces, or with nonsense.
  */

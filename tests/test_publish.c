@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Publishing files, on file systems that have less than others: no renaming to a name that has to
  * be new, no hard links. And what is cleared away of those that were killed while they did so.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # The client in Python, and that all JSON is as its schema says. Debian's Python is the one that
 # sees Debian's modules.
 . "$(dirname "$0")/lib.sh"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Registration and STAPLE: what is found in scenes whose map is known, what is refused, the same
  * bytes again, and helpers that die, lie, or never end.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Relaxation against a plain model, which is written from the words of engine/finish_relax.h and
  * shares nothing with it: fields of 64 bits, one array each, all distances by flooding, one voxel

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The rendition: four ways of making it, pixel for pixel the same. */
 #include "check.h"
 #include <stdlib.h>

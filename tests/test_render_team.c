@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Renditions by a team: however many threads draw them, the same bits come out. Run under
  * ThreadSanitizer as well (test_render_team_racing). */
 #include "check.h"

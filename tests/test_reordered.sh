@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Maps whose axes are the scene's in another order, or run the other way, as nibabel reorders them:
 # the same place, so the same voxels, without a question. Scene and maps are oblique.
 . "$(dirname "$0")/lib.sh"

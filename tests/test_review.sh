@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # iftty verify --review in a real terminal: each picture that differs is shown, a person decides.
 . "$(dirname "$0")/lib.sh"
 . tests/tmux.sh

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Saved maps as other people's programs read them: NRRD by teem's unu, with the voxels and the place
 # that the same map has as NIfTI.
 . "$(dirname "$0")/lib.sh"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Seeds out of files, worked by hand: lists line by line, maps of a few voxels.
  */

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Meanings are versioned: tests/journals has a journal of every number that there has been, made by
 # a program of its time. Each is verified and gone on with under its own meaning. They stay.
 . "$(dirname "$0")/lib.sh"

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # What scanners write besides plain slices (volumes/series.py): mosaics of Siemens, as nibabel reads
 # them; folders of several series, and of files of which some are damaged.
 . "$(dirname "$0")/lib.sh"

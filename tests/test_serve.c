@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Requests of a program that drives a session: what is read of them, in which order, and what of a
  * line is refused. What a session answers is in test_serve.sh. */
 #include "base/json_read.h"

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # `iftty serve`: a session that another program drives. Its journal is that of the same commands at
 # the prompt; what is cancelled, refused or cut off leaves nothing behind.
 . "$(dirname "$0")/lib.sh"

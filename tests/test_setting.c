@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Settings: what commands do no more than set. */
 #include <stdlib.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Shading: what normals say of known shapes, and what a look changes. */
 #include "check.h"
 

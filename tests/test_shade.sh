@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Ambient occlusion and creases as users meet them: words of `shade` that are recorded, stand when
 # edits are undone, are kept with golden images, and printed by `info` and in pictures.
 . tests/lib.sh

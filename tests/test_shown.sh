@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # What is shown, as users meet it: hide, show, opacity and context are recorded and gone on with,
 # and all but context undone; pictures follow, and a journal that was made with them verifies.
 . "$(dirname "$0")/lib.sh"

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Signatures: `log --sign` and `verify --allowed-signers`, by ssh-keygen and what it says.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1

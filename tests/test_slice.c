@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Slices: the right way round under every orientation of the scene, worked by hand. */
 #include "check.h"
 #include "scarce_memory.h"

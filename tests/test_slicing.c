@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Slices and mosaics by command: real files in every orientation, real values, waiting edits, and
  * journals that show the same again.

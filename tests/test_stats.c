@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What is counted of labels: against a plain recount that walks over voxels and sorts, and surfaces
  * against balls and boxes whose area is known.

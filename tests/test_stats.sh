@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # `stats` as users meet it: what it prints, reports for programs, finished labels, and what the last
 # edit changed beside the counts before and after it. tests/test_stats.c has the counting itself.
 . tests/lib.sh

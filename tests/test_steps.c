@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Steps of a journal: which there are and what stands, a walk through them to and fro that ends
  * where it began, bit for bit, and a learner's own turn.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Volumes on sheared axes, straightened: every voxel against where it lies in the world, and the
  * voxels of the file around that. */
 #include "check.h"

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Green means proven: what leaves anything of a journal unproven fails a strict verification, which
 # is the default where CI is set; the line of a journal that passes says what was compared.
 . "$(dirname "$0")/lib.sh"

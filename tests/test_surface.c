@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Surfaces of labels: closed for any labels, the nets of pictures point by point, as large as their
  * voxels, outside out. */
 #include <errno.h>

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Surfaces in files, read back by a program that is not ours: closed, in the millimetres of the
 # world however the scene lies there, as large as the voxels, the same from a replay.
 . "$(dirname "$0")/lib.sh"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What is seen of known shapes: as large as they are, without holes, at the depth where they lie,
  * flat where they are cut.

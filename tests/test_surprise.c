@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Surprises: a command that took far more than it planted says so, and through which edge; those
  * that did what they say, and replays, say nothing.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The team: however many workers grow a forest, the same bits come out. Run under ThreadSanitizer
  * as well (test_team_racing). */
 #include "check.h"

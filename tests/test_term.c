@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The terminal after every end of the program: a small shell starts it as a job in a real
  * pseudo-terminal, and looks at what it leaves. */
 #include <dirent.h>

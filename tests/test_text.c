@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Words in pictures: every letter is there, is itself, covers what its outline does, and stays
  * within the canvas; whatever the bytes. */
 #include "check.h"

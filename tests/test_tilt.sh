@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Series of a scanner whose gantry leans, made by pydicom, and sheared sforms, by nibabel: a ball in
 # the world has its volume, its surface and its place, on slices as they are and straightened.
 . "$(dirname "$0")/lib.sh"

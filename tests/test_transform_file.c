@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Transform files: what ITK wrote (tests/transforms/, with where ITK itself takes some places),
  * what FLIRT means, which way they lead, and what is refused.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What others' journals are measured by: SHA-256 and the proof of a scene, names that stay below a
  * folder, and what the kernel keeps out. */
 #include <arpa/inet.h>

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # The journals of others: what they may read, write and take, what is shown of them, and what can be
 # told of them without carrying them out.
 . "$(dirname "$0")/lib.sh"

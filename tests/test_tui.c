@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The terminal side without a terminal: encoders against decoders of our own, keys, lines, replies,
  * drawing against a small model of a screen. */
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The prompt in a real pseudo-terminal: a fake terminal answers questions or does not, keys are
  * typed, and a small shell stops and continues the program as job control does. */
 #include <errno.h>

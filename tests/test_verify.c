@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The pure parts of a verification: what a difference means, results on their way through a pipe,
  * text in markup, and pictures as PNG.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # iftty verify: what it compares, what it says of a difference, and what reports it writes.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1

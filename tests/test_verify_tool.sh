@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # iftty verify as a test tool: parts of many journals, an early end, timings, orphans removed, and
 # what GitHub Actions is told.
 . "$(dirname "$0")/lib.sh"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The table of volume formats: each that is read has a fuzz target with a corpus that it reads, and
  * each that is written comes back as it was.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Volumes that a single NIfTI is not, in files that other people's programs wrote (volumes/make.py):
 # the same voxels in the same place as a NIfTI of nibabel's; what a file leaves open, lacks or holds
 # twice; nothing private comes out; helpers that misbehave.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A scene whose cells are made later: nobody can tell but by the time that it takes. */
 #include "tests/small_scene.h"
 #include "tests/stopping.h"

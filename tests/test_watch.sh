@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # A journal that somebody watches: keys into a real terminal (tmux, 80x24), pages for a browser, and
 # journals of strangers, which write nothing, read nothing else, and take no more than they may.
 . "$(dirname "$0")/lib.sh"

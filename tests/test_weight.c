@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Arc weights: tiny scenes worked by hand, then random ones against plain slow recomputes that
  * hold whole volumes and look at every neighbour.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Reaches of seeds: worked by hand; random edits against a run from scratch and against an oracle,
  * which shares no code with the engine; edits that do not go through; threads.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Corrections that end within a distance, as a user types them: planted, asked about, undone,
 # recorded, resumed, written to a list and read again; and what is refused.
 . "$(dirname "$0")/lib.sh"

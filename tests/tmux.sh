@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # A real terminal for stories: tmux, 80x24, with a shell in it. To be sourced after lib.sh, in the
 # folder $work; ends the script where there is no tmux.
 begin "at a terminal"

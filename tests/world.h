@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A scene and a forest in it, for tests of the engine. */
 #ifndef TESTS_WORLD_H
 #define TESTS_WORLD_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Text as a terminal shows it, in cells: how many it takes, and lines that fit.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tui/guardian.h"
 
 #include <errno.h>

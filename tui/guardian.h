@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A child that gives the terminal back when its parent cannot: after SIGKILL, or when the machine
  * ran out of memory and the parent was what it took.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * From bytes to keys, one byte at a time, so that it does not matter where reads fall apart.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tui/probe.h"
 
 #include <stdio.h>

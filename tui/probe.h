@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What the terminal can do: asked once, at the start, with questions that no terminal prints.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tui/progress.h"
 
 #include <stdio.h>

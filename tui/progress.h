@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The progress line: what is being done, and how far it is, on a terminal and nowhere else.
  *

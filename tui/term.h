@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The terminal of this process: its modes, its size, reading and writing.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Themes: the colours of text, for a terminal that is dark, light, or to have none.
  *

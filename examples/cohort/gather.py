@@ -1,4 +1,5 @@
 #!/usr/bin/python3 -B
+# SPDX-License-Identifier: MIT
 """What came of a cohort: a table, a page of those to look at first, and a contact sheet.
 
     gather.py BIDS OUT

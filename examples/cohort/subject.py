@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """One subject of a cohort: the procedure applied to it, verified, exported and judged.
 
     subject.py [--iftty FILE] [--by WAY] [--as labels|seeds] [--truth FOLDER] PROCEDURE SCENE OUT

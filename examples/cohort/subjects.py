@@ -1,4 +1,5 @@
 #!/usr/bin/python3 -B
+# SPDX-License-Identifier: MIT
 """Subjects whose truth is known: a scene, deformed anew for each of them.
 
     subjects.py [options] SCENE LABELS OUT

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Files that are there as a whole or not at all, and after a power cut too."""
 import os
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Segment 3-D scenes from Python: a session of `iftty serve`, its commands as methods.
 
     import iftty

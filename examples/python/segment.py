@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Segments the brain of ch2, a head of Debian's mricron-data, and draws it with matplotlib.
 
     python3 segment.py [PICTURE.png [JOURNAL.iftty]]

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "apply/apply.h"
 
 #include <inttypes.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * `iftty apply`: an expert's procedure carried to other scenes, a journal for each.
  */

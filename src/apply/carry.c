@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "apply/carry.h"
 
 #include <string.h>

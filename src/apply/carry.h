@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Carrying over: how a place of a subject's scene is found in the procedure's.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "apply/percentiles.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Between which intensities most voxels of each label lie: percentiles 10 and 90, as real values.
  * By those the grey of an object in one scene is matched with that in another.

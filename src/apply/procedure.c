@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "apply/procedure.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A procedure: what a journal holds of a segmentation that can be carried to another scene.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "apply/procedure_source.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Where a procedure comes from: the text of one, or a journal, which is carried out.
  *

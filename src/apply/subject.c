@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "apply/subject.h"
 
 #include <math.h>

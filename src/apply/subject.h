@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * One subject: the journal that a procedure comes to in its scene.
  *

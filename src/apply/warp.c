@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "apply/warp.h"
 
 #include <math.h>

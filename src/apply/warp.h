@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A procedure's labels brought to another scene, and what of them is planted there.
  *

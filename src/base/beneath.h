@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Beneath: what a name that a stranger gives is, below one folder and nowhere else.
  *

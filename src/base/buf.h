@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A growable buffer of bytes, always ended by a NUL that is not counted.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Choices: a few words in one text, "a|b|c", as a table or an error line has them. Each has
  * a number, from 0.

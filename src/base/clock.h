@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Monotonic time, for figures only: no result depends on it. */
 #ifndef BASE_CLOCK_H
 #define BASE_CLOCK_H

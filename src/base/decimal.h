@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Decimals: numbers as people write them, exact: 226, -0.5, 4000000000, 1.5e-3, 1e20.
  *

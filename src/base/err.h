@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Errors: one list of codes, and one line of words that a user can act on.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The file layer: the one place that writes and syncs. Files that grow are base/file_log.h.
  *

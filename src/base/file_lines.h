@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A file of lines that several processes append to at once, such as a history. A line is written,
  * not synced: no caller is promised that it is on the disk.

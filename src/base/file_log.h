@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A file that grows, has one writer, and is synced as its owner wants it.
  *

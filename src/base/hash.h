@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Hashing: a 64-bit mix for sums over voxels, and SHA-256 for chains, files and scenes.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A writer of JSON: it sets commas, quotes and brackets, and escapes what has to be.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A reader of JSON (RFC 8259) from somebody else: one object, whose members are texts, whole
  * numbers, true, false and null.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The lesser of two numbers. */
 #ifndef BASE_LEAST_H
 #define BASE_LEAST_H

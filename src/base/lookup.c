@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "base/lookup.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * From 64-bit keys to numbers: an open hash table that grows.
  */

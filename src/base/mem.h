@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Memory: sizes multiplied by one checked helper, and large arrays on huge pages.
  *

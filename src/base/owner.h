@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Which process has made a file, as a word for the file's name: so that another process can say
  * whether it still runs, and clear away what it left when it was killed.

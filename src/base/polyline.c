@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "base/polyline.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A line through voxels, corner by corner: what a pen draws, or the outline of a polygon.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "base/safe.h"
 
 #include <stdbool.h>

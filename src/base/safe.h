@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Safe printing: the one way by which bytes from outside (file names, headers, journals, labels)
  * reach a terminal.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Scanning: numbers and words out of text, strictly and without locale.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Sorting of millions of numbers under a watch: by counting, 16 bits at a time, so that each pass
  * is a loop that can be stopped, which qsort is not.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The team: a few threads that do one piece of work together.
  *

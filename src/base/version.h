@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Of the program, as `iftty --version`, pictures and records have it. */
 #ifndef BASE_VERSION_H
 #define BASE_VERSION_H

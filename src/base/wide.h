@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * WIDE: several versions of a function, of which the one for the machine at hand is called. For
  * loops of integers, which come out the same in each.

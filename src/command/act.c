@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "command/act.h"
 
 #include <ctype.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A command that is being carried out, and what all acts have in common. */
 #ifndef COMMAND_ACT_H
 #define COMMAND_ACT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Questions about places: nothing changes, and nothing is recorded but where `hint` leads. */
 #include "report/chart.h"
 #include "report/label_report.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What is known of each label, and how far labels agree with those of a file. */
 #include "command/act_figures.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Counts of labels (act_figures.c). */
 #ifndef COMMAND_ACT_FIGURES_H
 #define COMMAND_ACT_FIGURES_H

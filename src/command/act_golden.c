@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The command `golden`: stores a picture beside the journal, and compares it in a replay. */
 #include "command/act.h"
 

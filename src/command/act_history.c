@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Commands that go to other states of the segmentation: undo, redo, goto, branch, history; and
  * those about the journal: in which file it is, and when it is synced. */
 #include "command/act.h"

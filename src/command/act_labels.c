@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The command `labels`: markers out of a segmentation that is there already. */
 #include "report/label_report.h"
 #include "command/act.h"

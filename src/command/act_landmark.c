@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "command/act_landmark.h"
 
 #include <string.h>

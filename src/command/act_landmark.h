@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Where a journal comes from: landmarks, by which scenes are matched, and the procedure that it was
  * made by (act_landmark.c). */
 #ifndef COMMAND_ACT_LANDMARK_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Names, colours and own numbers of labels, by hand and out of tables; and what regions of atlases
  * become. */
 #include "command/act_names.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What regions of an atlas become, and what they are called (act_names.c). */
 #ifndef COMMAND_ACT_NAMES_H
 #define COMMAND_ACT_NAMES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Commands that open a scene, and say how it lies. */
 #include "image/levels.h"
 #include "image/volume_format.h"

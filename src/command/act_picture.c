@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Commands that show or write pictures: renditions, slices and mosaics; and how slices look. */
 #include "command/act_picture.h"
 

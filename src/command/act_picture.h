@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Pictures of the session, as commands show and store them (act_picture.c). */
 #ifndef COMMAND_ACT_PICTURE_H
 #define COMMAND_ACT_PICTURE_H

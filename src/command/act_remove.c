@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Commands that remove seeds, and run. */
 #include "report/label_report.h"
 #include "command/act.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What a session hands on in files: finished labels, maps, surfaces, seeds, names of labels. */
 #include "command/act.h"
 

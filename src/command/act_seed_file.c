@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Seeds out of a file. */
 #include "command/act.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The turntable: pictures all the way around, about one axis after the other, as files or as one
  * that is animated. */
 #include "command/act.h"

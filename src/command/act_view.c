@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Commands that change the view, what of the objects it shows, and what of the scene is cut away;
  * and all settings. */
 #include "command/act.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Commands that say what a forest grows by: arc weights, and the region of interest. */
 #include "command/act.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "command/answers.h"
 
 #include <stdio.h>

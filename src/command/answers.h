@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What is said of a session: the lines of `info`, and the words of them that other answers have
  * (answers.c). */
 #ifndef COMMAND_ANSWERS_H

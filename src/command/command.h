@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Commands: one table, from which parser, canonical form, help, completion, journal policy, the
  * README's section and the tests of every example are read.

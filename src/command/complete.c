@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A command that is being typed: which words may stand at the cursor, by the table, by what the
  * session knows, and by what is on the disk; and what may follow.

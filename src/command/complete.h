@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What may stand in a command that is being typed, and what may follow (complete.c). */
 #ifndef COMMAND_COMPLETE_H
 #define COMMAND_COMPLETE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "command/execute.h"
 
 #include "base/clock.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Files that commands name: where they are found, where they may be written, and that those that a
  * command has written stand or fall with it.

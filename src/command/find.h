@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Commands by a piece of what one remembers of them: of a name, as `file` is of seed-file, of a
  * choice, as `cont` of `overlay contour`, of a key, or of the words that say what they do.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "command/golden_judge.h"
 
 #include <dirent.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Golden images beside their journal: who judges them, what they must say, and which are nothing.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "command/interpreter.h"
 
 #include "image/image_helper.h"

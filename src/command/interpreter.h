@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The interpreter: a session with its journal. Commands come in by interpreter_execute
  * (command/execute.h), for keyboard, script and replay alike; the mode says what is written and

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Commands that plant seeds by hand: balls and strokes, shells, boxes, polygons, and objects by
  * their intensities. */
 #include "command/planting.h"

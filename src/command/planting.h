@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Planting, as all commands that plant do it (planting.c). */
 #ifndef COMMAND_PLANTING_H
 #define COMMAND_PLANTING_H

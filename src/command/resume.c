@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "command/resume.h"
 
 #include "base/choice.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Journals that are gone on with. */
 #ifndef COMMAND_RESUME_H
 #define COMMAND_RESUME_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "command/script.h"
 
 #include <string.h>

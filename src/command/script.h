@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Scripts: the lines of a file or pipe, carried out one after the other.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* THE table of commands. */
 #include "command/table.h"
 

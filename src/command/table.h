@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the commands of the table do: act_NAME carries NAME out (command/act.h). */
 #ifndef COMMAND_TABLE_H
 #define COMMAND_TABLE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Confinement: from now on this process and all that it starts can reach only the files that it
  * names, and no network; and a decoder may make a short list of the kernel's calls alone. Neither

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Arcs: the weight w of a step from a voxel s to its neighbour t.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "engine/brush.h"
 
 #include <stdbool.h>

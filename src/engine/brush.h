@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A brush: the ball that seeds are painted with, and that labels are opened and closed by.
  */

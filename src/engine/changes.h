@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What edits of the forest change: the list that an edit leaves, and what is kept beyond the edit.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "engine/components.h"
 
 #include <stdlib.h>

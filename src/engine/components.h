@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Components: the pieces that labels make.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "engine/distance.h"
 
 #include <stdlib.h>

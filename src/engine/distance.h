@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Distances: how far each voxel of a box is from the nearest one of some of its voxels; and the
  * contours of sets of voxels, from which surfaces are measured.

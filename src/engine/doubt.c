@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "engine/doubt.h"
 
 #include <stdlib.h>

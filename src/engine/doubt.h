@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Doubt: in which slice it is least certain where a label ends, by the fields of relaxation
  * (engine/finish_relax.h).

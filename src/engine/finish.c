@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The table of steps, the list and how it is written, and the steps that look at whole components:
  * largest, components and holes. */
 #include "engine/finish.h"

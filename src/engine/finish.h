@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Finish: what is handed on is smoothed; the forest is not touched.
  *

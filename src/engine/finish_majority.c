@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The majority filter. Most voxels lie in the middle of one label: where a cube holds one label
  * alone nothing is counted, and that is seen for eight voxels at once. Elsewhere a count of labels

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "engine/finish_relax.h"
 
 #include <stdlib.h>

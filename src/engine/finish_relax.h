@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Relaxation: the step that lets labels settle on the edges of the scene (engine/finish.h).
  *

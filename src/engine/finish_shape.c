@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Opening and closing by a ball. To close a label is to open what has not that label, so one piece
  * of work serves both: what of a set no ball in the set covers, which the step takes out of it.

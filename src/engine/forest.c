@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "engine/forest.h"
 
 #include <assert.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The forest: every voxel belongs to the tree of the seed that reaches it best.
  *

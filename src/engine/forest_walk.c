@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Walks through the whole forest: its invariants checked, and the voxels counted that every tree
  * around them is kept from. */
 #include "engine/forest.h"

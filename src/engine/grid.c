@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "engine/grid.h"
 
 enum err grid_init(struct grid *grid, const uint32_t size[3], struct fault *fault)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The grid: a box of voxels inside a rim of sentinel cells, one cell wide on every side.
  *

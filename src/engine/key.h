@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The key of a voxel: (cost, hops, root) from the highest bits down, compared as one integer.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "engine/label_pairs.h"
 
 #include <stdlib.h>

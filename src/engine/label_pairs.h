@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Pairs: how many pairs of voxels have the same label, for each way in which one may lie from the
  * other. The area of a surface is estimated from them (report/label_area.h): a pair of which one

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What is known of each label: voxels, where they lie, their intensities, the pairs that they make,
  * and how they hang together. Of labels of any kind (engine/labels.h). All are integers, and the

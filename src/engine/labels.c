@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "engine/labels.h"
 
 #include <string.h>

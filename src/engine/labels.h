@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Labels as they are handed out: those of the forest, or finished ones (engine/finish.h), which lie
  * in an array of their own. What shows, saves or counts labels reads them through this, and does

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "engine/margin.h"
 
 #include <stdlib.h>

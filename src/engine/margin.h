@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The margin of a voxel: by how much its label has won, and its rival, the label that comes next.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "engine/measure.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Measures of what the labels make: how far a voxel is from the border of its object, and where the
  * centre of a label is.

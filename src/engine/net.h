@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Surface nets that keep their volume: the one surface that renditions show, `save surface` writes
  * and statistics measure. Integers only; what is turned or mirrored has the turned or mirrored net,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The graph of a surface net (net.h): the vertices of a box and of what its net depends on around
  * it, with their links.

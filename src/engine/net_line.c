@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "engine/net_line.h"
 
 enum {

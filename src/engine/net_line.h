@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Where borders between labels run along a surface net (net.h).
  *

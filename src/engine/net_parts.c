@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "engine/net_parts.h"
 
 #include <pthread.h>

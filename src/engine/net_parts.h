@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Cubes of surface nets: which vertices a cube has, where they begin, and through what they are
  * linked with those of the cubes beside it (net.h).

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Where the vertices of a surface net settle, and their normals: the polynomials (net.h).
  */

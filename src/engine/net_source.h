@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What surface nets are made of: where voxels come from, and the units of the result (net.h).
  */

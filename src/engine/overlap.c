@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "engine/overlap.h"
 
 void overlap_count(struct overlap *overlap, const uint8_t *a, const uint8_t *b, size_t voxels)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The pass: levels (cost, hops) are served from the lowest up. A voxel that is served passes its
  * key, final by then, on to its neighbours. Keys of one level never offer within it, so the voxels

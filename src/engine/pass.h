@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The inside of a forest, and the pass that solves it level by level: for forest.c, which edits
  * seeds, and forest_walk.c, which looks at all of it. The words are those of engine/forest.h.

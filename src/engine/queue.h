@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The queue: cells waiting at levels (cost, hops), served in the order of levels.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The reach of a seed: a ball beyond which its tree does not grow.
  *

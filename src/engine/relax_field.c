@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "engine/relax_field.h"
 
 #include <string.h>

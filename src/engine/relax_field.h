@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The field of a label in relaxation, which engine/finish_relax.h explains.
  *

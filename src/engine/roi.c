@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "engine/roi.h"
 
 #include <assert.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The region of interest: the part of the scene in which the forest grows.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "engine/scene.h"
 
 #include <stdlib.h>

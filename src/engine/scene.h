@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The scene: one array of 16-byte cells that holds everything known about each voxel.
  *

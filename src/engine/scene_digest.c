@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* By what scenes are known apart: a digest and a proof, of a plain scene or of its cells. */
 #include "engine/scene.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Surfaces: what encloses the voxels of each label, as triangles: the nets that pictures show
  * (engine/net.h), sewn together from boxes. Integers only.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Fewer triangles: one point after another moves to a neighbour, and the two triangles between them
  * vanish.

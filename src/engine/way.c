@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "engine/way.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "engine/weight.h"
 
 #include <assert.h>

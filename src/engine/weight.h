@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Arc weights: the cost of a step into a voxel.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "engine/weight_gradient.h"
 
 #include <assert.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Gradients as arc weights: the length of the gradient of the intensities, in integers.
  *

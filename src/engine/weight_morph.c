@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The morphological gradient: dilation minus erosion over the voxel and its neighbours (6 or 26),
  * where what lies outside the scene is ignored. Of radius R: over what R steps reach inside the

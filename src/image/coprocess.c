@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "image/coprocess.h"
 
 #include <errno.h>

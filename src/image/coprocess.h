@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A coprocess: a program of our own that does the work of a large library in a process of its own,
  * and answers requests over a socket pair on its standard input and output.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "image/csa.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * CSA: the private header in which Siemens scanners say of a picture what DICOM has no place for.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "image/exr.h"
 
 #include <fcntl.h>

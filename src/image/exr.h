@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * OpenEXR: golden images and renditions, by OpenEXR's C library; image/exr_write.h writes them.
  *

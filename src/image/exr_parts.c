@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "image/exr_parts.h"
 
 #include <errno.h>

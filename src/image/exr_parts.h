@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What reading (image/exr.h) and writing (image/exr_write.h) OpenEXR have in common: the channels
  * of our files, blocks of their pixels, and bytes in and out for OpenEXR's C library.

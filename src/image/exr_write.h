@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Writing OpenEXR as image/exr.h describes it, from a picture that is there or while it is drawn.
  * A strip (image/strips.h) is what ZIP packs together of lines, or a row of tiles.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "image/foreign.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Formats that nobody here reads, known by their first bytes or their names, and what converts
  * them. */
 #ifndef IMAGE_FOREIGN_H

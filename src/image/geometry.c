@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "image/geometry.h"
 
 #include <math.h>

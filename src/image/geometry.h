@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Geometry: where a scene lies in the world, as far as that is known, and what its intensities
  * mean.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * iftty-image: reads and writes images by OpenImageIO for the program that started it.
  *

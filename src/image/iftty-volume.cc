@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * iftty-volume: reads volumes by ITK, GDCM and HDF5 for the program that started it.
  *

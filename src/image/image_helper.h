@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The image helper: every image format but OpenEXR, and PNG as it is written, by OpenImageIO in a
  * process of its own.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Writing a picture, or several of one file, reading one, and what its file is, by OpenImageIO. */
 #include "image/image_oiio.hh"
 

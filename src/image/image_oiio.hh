@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What iftty-image is asked, and the answers, which OpenImageIO makes (image_oiio.cc).
  */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Levels: what a scene still knows of its file's numbers where 16 bits do not tell them apart.
  *

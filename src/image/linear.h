@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Linear light: the 256 levels of a channel as half floats, and back.
  *

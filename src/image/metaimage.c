@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * MetaImage: maps out as .mha, header and voxels in one file, for all that read with ITK.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * MGH: the volumes of FreeSurfer, .mgh, or .mgz as gzip; scenes in, and maps out.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * NIfTI: scenes in, label and cost maps out; and ANALYZE 7.5, of which it is made.
  *

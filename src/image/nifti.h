@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Pairs of NIfTI and ANALYZE: a header in one file and its voxels in another beside it, A.hdr and
  * A.img. Either may be gzip, as A.hdr.gz and A.img.gz, and either names the pair.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "image/nifti_header.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The header of a NIfTI file: its fields as plain numbers, and the geometry that they give.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * NRRD: label and other maps out, for 3D Slicer and all that read with ITK or teem.
  *

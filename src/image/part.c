@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "image/part.h"
 
 #include <inttypes.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Parts: a box of a volume, or one voxel for each block of it, taken while the file is read.
  *

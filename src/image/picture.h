@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A picture: plain pixels and the words that go with them, as files hold it.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The picture writer: compresses and writes pictures while the session goes on.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * PNG (RFC 2083) in memory, without the image helper: for terminals, which want it small and at
  * once, and for pages that hold their own pictures. One IDAT; the same picture gives the same

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "image/png_file.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * PNG files of pictures: 8 bits a channel, RGB, or RGBA where the picture is clear, with notes.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "image/quantise.h"
 
 #include <inttypes.h>

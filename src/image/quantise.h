@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Quantisation: the numbers of a file as the 16 bits that a scene holds, and the way back.
  *

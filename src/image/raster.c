@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "image/raster.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Pixels ready to be written: places in a palette, 24-bit colours, or 24-bit colours and alpha.
  * They are borrowed, so a part of a picture is a raster too.

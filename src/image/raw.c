@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Raw: voxels without a header, x fastest, in a layout that the user says; plain or gzip.
  *

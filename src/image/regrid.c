@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "image/regrid.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Regrid: a map on the grid of a scene, when it lies in the same place, by another order of its
  * axes, or by resampling.

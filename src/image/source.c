@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "image/source.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A source: the bytes of a file, plain or gzip (decided by content, not by name), for the readers
  * of volumes.

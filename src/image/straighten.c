@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "image/straighten.h"
 
 #include <math.h>

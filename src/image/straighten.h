@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Straighten: a volume whose axes are sheared, as those of a scanner whose gantry leans, on a grid
  * of axes at right angles.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Strips: a PNG or OpenEXR file that is written while its picture is drawn.
  *

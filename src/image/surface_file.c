@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "image/surface_file.h"
 
 #include <errno.h>

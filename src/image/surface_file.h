@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Surfaces in files: STL, PLY, OBJ and VTP, by the ending of the name.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Files that swell as no honest one does: a megabyte that claims gigabytes.
  *

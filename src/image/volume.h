@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Volumes: scenes and maps in files, whatever their format.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What iftty-volume answers, and how its reading ends. */
 #include "image/volume_parts.hh"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Bytes counted: whether a file is as long as its header promises, before a library fills up with
  * zeros what is missing.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * DICOM: what the header of a file says of its slices, and the images of a mosaic; where the pixels
  * lie, whether all of them are there, and what they are.

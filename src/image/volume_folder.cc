@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Folders: which of their files are slices, and of what. */
 #include "image/volume_parts.hh"
 

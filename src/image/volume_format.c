@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "image/volume_format.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What a format of volumes is, and what those who read and write one share: the volume in memory,
  * what its header says, what of it is chosen, and voxels as plain numbers, one after another, which

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * HDF5: data sets of other programs, by the library itself; those of ITK and MINC by ITK.
  *

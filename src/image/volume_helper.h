@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The volume helper: every volume that NIfTI is not, by ITK, GDCM and HDF5 in a process of its own.
  *

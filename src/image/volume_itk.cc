@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The formats that ITK reads, and slices as TIFF or PNG in the order of their names, by its readers
  * directly, without its templates of images: this compiles in seconds. */
 #include "image/volume_parts.hh"

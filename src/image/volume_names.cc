@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Headers of text, NRRD and MetaImage: their fields, and which files they name for the voxels. */
 #include "image/volume_parts.hh"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What the parts of iftty-volume share: what is asked, what is answered, and how reading ends.
  *

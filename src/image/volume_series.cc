@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* DICOM: the slices of a series, in their places. ITK sorts too, but says nothing of gaps, doubled
  * slices and uneven distances. */
 #include "image/volume_parts.hh"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The helpers' side of a co-process (coprocess.h): requests come on standard input, answers go to
  * standard output, which are one socket; a library may read and print there without harm once

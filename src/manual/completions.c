@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What bash, zsh and fish complete: programs, their options, and what the value of one can be. A
  * word that is no name in a table is a file. */
 #include "manual/manual.h"

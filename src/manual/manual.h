@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The manual and the completions of shells, made of the tables of programs, options and commands:
  * what a table has, they have; by hand are the few sentences between.

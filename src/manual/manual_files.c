@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* iftty-manual FOLDER: writes the manual and the completions below a folder, laid out as below
  * PREFIX/share. It runs where iftty is built, and is no part of it. */
 #include <errno.h>

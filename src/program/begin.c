@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "program/begin.h"
 
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What programs begin and end with: an interpreter as the options want it, and the walls around a
  * journal that may be a stranger's. */
 #ifndef PROGRAM_BEGIN_H

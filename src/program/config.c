@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "program/config.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What a user has written down about prompt and pilot, in $XDG_CONFIG_HOME/iftty/config or
  * ~/.config/iftty/config; IFTTY_CONFIG=FILE names another one, IFTTY_CONFIG= none.

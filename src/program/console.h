@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The console: what a program prints, how far its work is, and Ctrl-C.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "program/finding.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What `Tab` finds by a piece of a word: commands and choices (command/find.h), each with the key
  * of the pilot that does it, and keys that are no command's.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "program/pilot_host.h"
 
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The pilot's host (tui/pilot/host.h): answers what the pilot asks from the interpreter's session.
  * What changes anything goes to the interpreter as a line.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Programs: what can be done from a command line, one row of a table each.
  *

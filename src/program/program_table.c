@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The table of programs, and that of their options. */
 #include "program/programs.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The functions of the programs, for the table (program_table.c). What each does is said there. */
 #ifndef PROGRAM_PROGRAMS_H
 #define PROGRAM_PROGRAMS_H

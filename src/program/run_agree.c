@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * `iftty agree`: the label maps of several raters, their consensus, and how far each is from it.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* `iftty apply`, and `iftty log --procedure`, which writes what it takes in a journal's place. */
 #include <stdio.h>
 #include <string.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * `iftty bench`: the whole way on the scene ch2 of Debian's mricron-data, or on synth:geom where
  * that is not there: run from scratch, single edits with their picture, full pictures, and memory.

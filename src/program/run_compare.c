@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * `iftty compare`: two label maps beside one another, without a session.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* `iftty help` and `iftty --version`: what commands and programs say of themselves. */
 #include <stdio.h>
 #include <string.h>

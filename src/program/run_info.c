@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * `iftty info`: what a picture, a scene, a journal or this program is.
  *

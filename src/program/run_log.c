@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* `iftty log`: a journal as text, in several forms, and its repair. */
 #include <ctype.h>
 #include <stdio.h>

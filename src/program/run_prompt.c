@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* `iftty` at a terminal, or in a pipe: the prompt and, from there, the pilot. */
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * `iftty verify --review`: the pictures that differ, one by one, at the terminal.
  *

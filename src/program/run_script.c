@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* `iftty run` and `iftty -c`: commands without a prompt. */
 #include <stdio.h>
 #include <string.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* `iftty serve`: a session that another program drives, by lines of JSON (src/serve/README.md). */
 #include <errno.h>
 #include <fcntl.h>

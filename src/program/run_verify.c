@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* `iftty replay`; `iftty verify` and its forms; `iftty log --reseal`, which is like accepting;
  * `iftty diff`. */
 #include <stdio.h>

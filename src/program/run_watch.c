@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* `iftty watch`: the steps of a journal, at the terminal or as pages. */
 #include <dirent.h>
 #include <limits.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "program/shown.h"
 
 #include "image/image_helper.h"

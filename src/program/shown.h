@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What is shown of a session: the picture of the last command, and the colours that it needs. */
 #ifndef PROGRAM_SHOWN_H
 #define PROGRAM_SHOWN_H

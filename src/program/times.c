@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "program/times.h"
 
 #include <stdlib.h>

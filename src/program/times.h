@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Times and what they come to, and the files that benchmarks measure on. */
 #ifndef PROGRAM_TIMES_H
 #define PROGRAM_TIMES_H

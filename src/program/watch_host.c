@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "program/watch_host.h"
 
 #include <string.h>

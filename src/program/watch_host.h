@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The pilot's host where one watches: a walk through a journal (steps/walkthrough.h), by lines that
  * keys of the pilot stand for.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "register/affine.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Affine maps between worlds, in millimetres, and the one that fits pairs of places best.
  *

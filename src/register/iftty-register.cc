@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * iftty-register: registers two scenes, and finds the consensus of label maps, by ITK for the
  * program that started it.

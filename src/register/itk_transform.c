@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "register/itk_transform.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Affine transforms as ITK writes them, in two forms.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "register/register_helper.h"
 
 #include <string.h>

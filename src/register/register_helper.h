@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The register helper: registration and STAPLE by ITK in a process of its own.
  *

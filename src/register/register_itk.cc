@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The registration itself: rigid, then affine, by Mattes' mutual information; D. Mattes et al.,
  * "PET-CT image registration in the chest using free-form deformations", IEEE Trans. Med. Imaging

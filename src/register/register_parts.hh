@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the parts of iftty-register share; the protocol is in register_helper.h. */
 #ifndef REGISTER_REGISTER_PARTS_HH
 #define REGISTER_REGISTER_PARTS_HH

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The consensus of label maps, by ITK's STAPLE of several labels. */
 #include "register/register_parts.hh"
 

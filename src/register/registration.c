@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "register/registration.h"
 
 #include <math.h>

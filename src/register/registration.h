@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Registration: the affine map from a subject's world to a procedure's, found in both scenes'
  * intensities by ITK in a process of its own (iftty-register), and refused where it is not to be

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "register/staple.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * STAPLE: the consensus of several raters' label maps, and how far each of them can be trusted, by
  * ITK in a process of its own (iftty-register).

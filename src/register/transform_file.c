@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "register/transform_file.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Transform files: what other programs found to be the way from one scene to another.
  *

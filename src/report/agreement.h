@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Agreement: the label maps of several raters on one grid, their consensus, and how far each of
  * them is from it.

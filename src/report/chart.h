@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Charts of text: columns that stand side by side, of blocks or in ASCII.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A comparison: how far two sets of labels of the same voxels agree, label by label.
  *

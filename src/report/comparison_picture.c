@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "report/comparison_picture.h"
 
 #include <inttypes.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The picture of a comparison: three slices of the scene through one voxel, in which the voxels
  * that differ are outlined, and beside them what the colours mean and how far each label agrees.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "report/distance_picture.h"
 
 #include <stdio.h>

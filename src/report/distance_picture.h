@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The picture of how far a surface lies from another: the surface of A, all objects as one,
  * coloured by the distance to the nearest voxel of B's contour, as a comparison measures it

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "report/export_map.h"
 
 #include <stdlib.h>

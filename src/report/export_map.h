@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Maps that leave a session, in the scene's geometry, and its seeds as a list. */
 #ifndef REPORT_EXPORT_MAP_H
 #define REPORT_EXPORT_MAP_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Figures of a label for programs: members of an object in JSON, and a row of a table in CSV, both
  * with 12 digits. One that is not known is NAN, which is null in JSON and an empty field in CSV.

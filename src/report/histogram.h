@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A histogram: how often intensities occur, between the black and the white of a window.
  */

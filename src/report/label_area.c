@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "report/label_area.h"
 
 #include <math.h>

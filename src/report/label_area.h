@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The area of the surface of a label, as it would be were it not made of voxels, from the pairs
  * that its voxels make (engine/label_pairs.h).

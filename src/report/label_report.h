@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What is known of each label in words: lines for people, JSON and CSV for programs.
  *

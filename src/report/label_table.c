@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "report/label_table.h"
 
 #include <ctype.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Label tables: numbers, names and colours in files of other programs.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "report/outline_facts.h"
 
 #include "report/label_report.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The outline that is there in a slice, to be corrected: that of a marker, or else the border of a
  * label as it is shown; and in which slice to outline next.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "report/surprise.h"
 
 #include "engine/label_stats.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A surprise: an edit that took far more than was planted, as a seed does that floods an object
  * through a weak edge.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "report/voxel_facts.h"
 
 #include <inttypes.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What a front end says of a voxel that one points at, in words that fit a line; how it came to its
  * label; and where the seeds and the centre of a label are. Nothing is changed here.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Limits of a replay: how much memory, time and output the journal of somebody else may take.
  *

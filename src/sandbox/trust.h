@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Trust: what the journal of somebody else may reach while it is replayed or verified.
  *

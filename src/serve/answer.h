@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Answers: what a session writes to the program that drives it, a line of JSON each. The key that
  * stands first, or after `id`, says which kind it is (src/serve/README.md):

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "serve/exchange.h"
 
 #include <stdlib.h>

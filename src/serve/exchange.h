@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The folder by which voxels and pictures go to the program that drives a session, and come from
  * it: arrays are files, since they are large.

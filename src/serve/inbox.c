@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "serve/inbox.h"
 
 #include <errno.h>

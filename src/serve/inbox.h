@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The inbox: requests as they come in by a pipe, in order, also while a command is carried out.
  *

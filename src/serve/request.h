@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Requests: what a program that drives a session writes, a line of JSON each (base/json_read.h).
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Contours: the outline of what is there already in a slice, to begin with and to be corrected.
  *

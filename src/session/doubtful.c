@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "session/doubtful.h"
 #include "session/session_inside.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Which slice to outline next: that with the most doubt (engine/doubt.h), of all three planes.
  *

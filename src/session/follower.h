@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Who follows a session: the pictures of it (src/show), which are there from the first one on that
  * somebody asks for until the scene is closed. A session that nobody looks at has none, and no

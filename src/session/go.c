@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The one way to change a session: going to a state, and making anew what does not fit it. */
 #include "session/session.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "session/history.h"
 
 #include <assert.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What labels come to have: counted, finished, measured and hinted when somebody asks, and stored
  * until the labels are others. An edit does nothing for them that takes time worth mentioning.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "session/map.h"
 
 #include <endian.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Maps: volumes on the scene's grid whose voxels hold whole numbers. Label maps, masks, weights.
  *

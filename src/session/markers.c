@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "session/markers.h"
 
 #include <stdlib.h>

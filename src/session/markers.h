@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Markers: what commands have planted and erased, each as one thing.
  *

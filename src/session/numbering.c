@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "session/numbering.h"
 
 #include <string.h>

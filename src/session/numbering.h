@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Own numbers of labels: what they are called in files.
  *

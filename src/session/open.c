@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* How a scene comes into a session: opened, or interpolated in the place of the one before. */
 #include "session/session.h"
 #include "session/session_inside.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "session/packed.h"
 
 #include <limits.h>

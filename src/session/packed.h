@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Packed bytes: an immutable value as large as a scene, deflated and shared by all its holders.
  * For what is large and rarely read again: the masks and the weights out of files of every state.

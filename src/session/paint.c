@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "session/paint.h"
 
 #include <stdlib.h>

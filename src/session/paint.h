@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What a hand paints: which voxels a ball, a stroke, a box or a polygon covers. Integers alone, so
  * that a command plants the same seeds wherever it is carried out.

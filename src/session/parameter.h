@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Commands as rows: what one is called, which parameters it takes, and what help says of it.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "session/piece_seeds.h"
 
 #include <stdlib.h>

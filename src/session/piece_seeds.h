@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Markers out of a segmentation: one for each piece of each label.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "session/seed_file.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Seeds out of files: a list of voxels, or a label map on the scene's grid.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Seeds of a session: planted, eliminated, run. */
 #include "session/session.h"
 #include "session/session_inside.h"

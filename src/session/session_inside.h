@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What a session is made of, for the files of this room alone, after session.h. All others ask. */
 #ifndef SESSION_SESSION_INSIDE_H
 #define SESSION_SESSION_INSIDE_H

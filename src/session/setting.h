@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Settings: commands that do no more than set members of the state, one row each.
  *

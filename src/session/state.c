@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "session/state.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A state: all of a session that a command can change, as a plain value.
  *

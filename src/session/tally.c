@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "session/tally.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The tally: how many voxels each label has, kept up to date from what edits change.
  *

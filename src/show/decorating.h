@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What is drawn over the rendition of a session (render/decoration.h): in files, golden images and
  * on the screen, but not in mosaics, whose slices have notes of their own.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "show/draw.h"
 
 #include <stdlib.h>

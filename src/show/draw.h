@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Pictures of a session: the rendition, which is stored and follows edits, with the scene behind it
  * where the outlook has it so.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "show/export_picture.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Pictures of a session that leave it: colours, depths, labels, voxels and normals of its
  * rendition, and what a picture says of itself.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "show/export_rows.h"
 
 #include <pthread.h>

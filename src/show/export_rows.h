@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Pictures that leave a session while they are drawn, and are not stored: the rendition, a few rows
  * at a time (render/bands.h), goes into a file of its own format (image/strips.h), or as colours

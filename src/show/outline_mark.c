@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "show/outline_mark.h"
 
 #include <stdlib.h>

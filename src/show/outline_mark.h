@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * An outline over a slice, as it is drawn or corrected: the line through its corners, dotted where
  * it is still to be closed, and what it would plant, faintly: of the pixels of those voxels that

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "show/panes.h"
 
 #include <string.h>

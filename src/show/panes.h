@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Panes: slices and rendition of a session as one picture for a screen; what is marked in it, what
  * lies under its pixels, and what lies beyond it.

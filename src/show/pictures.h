@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The pictures of a session, for the files of this room: what is stored of them, so that an edit or
  * another look takes no longer than it must. They are there from the first one on that somebody

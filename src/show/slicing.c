@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "show/slicing.h"
 
 #include <math.h>

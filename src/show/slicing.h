@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Slices and mosaics of a session: what is drawn, under which settings, at the size of the view.
  *

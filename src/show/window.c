@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "show/window.h"
 
 #include <math.h>

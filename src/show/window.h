@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The window: the intensities that slices, and faces that are cut open, show as black and white.
  * Real values become intensities here, above render/, so that pictures are drawn in integers alone.

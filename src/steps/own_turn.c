@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "steps/own_turn.h"
 
 #include <math.h>

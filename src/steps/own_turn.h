@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A learner's turn: before a gesture of the journal is shown, he makes his own, and both are
  * compared: how far apart they are, whether they are of one label, and what his would have changed.

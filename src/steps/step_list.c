@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "steps/step_list.h"
 
 #include <stdlib.h>

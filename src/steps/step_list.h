@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The steps of a journal: its gestures, in the journal's order, as its bytes have them.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "steps/step_pages.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The steps of a journal as pictures, and a page of HTML that shows them: for each step what was
  * there before, the gesture, and what it led to.

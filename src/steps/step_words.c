@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "steps/step_words.h"
 
 #include <string.h>

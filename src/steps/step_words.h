@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What is said of a step, in lines that are safe to print; and what the whole has come to. */
 #ifndef STEPS_STEP_WORDS_H
 #define STEPS_STEP_WORDS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "steps/walkthrough.h"
 
 #include <stdlib.h>

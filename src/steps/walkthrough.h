@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A walk through the steps of a journal (steps/step_list.h), to and fro.
  *

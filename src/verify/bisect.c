@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "verify/bisect.h"
 
 #include <fcntl.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The first record in which two journals, or two builds of the program, differ.
  *

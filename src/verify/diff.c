@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "verify/diff.h"
 
 #include <inttypes.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Two journals or scripts compared: the first command in which they differ, and how far the labels
  * differ that they end with.

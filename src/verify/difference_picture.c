@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "verify/difference_picture.h"
 
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The picture of two sets of labels of one scene: both as the first session shows its own, side by
  * side, and where they differ.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "verify/evidence.h"
 
 #include <inttypes.h>

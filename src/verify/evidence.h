@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Evidence for a person who looks into a failure: what was expected, what was drawn, and where the
  * two differ; in a folder, and as PNG in memory for a report. Evidence that cannot be had is left

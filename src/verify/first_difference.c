@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "verify/first_difference.h"
 
 #include <string.h>

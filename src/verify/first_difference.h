@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The first record in which two journals differ. Nothing is carried out.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Gestures: what somebody has done in a journal, one thing after the other, and what came of it.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "verify/gesture_match.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The gestures of an expert and of a trainee beside one another: which of both belong together, and
  * how far they come in the same order.

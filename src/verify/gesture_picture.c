@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "verify/gesture_picture.h"
 
 #include <stdio.h>

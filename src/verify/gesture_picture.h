@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Dice over the gestures of an expert and of a trainee, drawn as two curves in one frame: of all
  * labels, and below of each, up to nine of them. */
 #ifndef VERIFY_GESTURE_PICTURE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "verify/gesture_report.h"
 
 #include <inttypes.h>

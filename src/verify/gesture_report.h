@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the gestures of an expert and of a trainee have in common: for people, and for programs. */
 #ifndef VERIFY_GESTURE_REPORT_H
 #define VERIFY_GESTURE_REPORT_H

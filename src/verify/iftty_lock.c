@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "verify/iftty_lock.h"
 
 #include <dirent.h>

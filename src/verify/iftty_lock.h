@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A lock: a text that pins the journals of a folder, by custom named iftty.lock.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "verify/name_list.h"
 
 #include <stdlib.h>

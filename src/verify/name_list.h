@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A list of texts that is kept in the order of their bytes, each once: names of files, say, which
  * no file system lists in an order.

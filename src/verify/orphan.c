@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "verify/orphan.h"
 
 #include <dirent.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Orphan golden images: files in a journal's folder of golden images that it does not name, and
  * PNGs there beside which no golden image lies. Drafts, whose names begin with a dot, are none. */
 #ifndef VERIFY_ORPHAN_H

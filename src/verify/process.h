@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Work on what is not trusted, each piece in a process of its own, several at once.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "verify/replay_file.h"
 
 #include <inttypes.h>

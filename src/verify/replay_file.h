@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The replay of a journal by an interpreter, under the limits for journals that somebody else may
  * have written (sandbox/limits.h), what its report says in words, and which records took longest.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "verify/reseal.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Resealing a journal: the honest way to change one. It is carried out again, every record that
  * gives another result gets that of today and a comment that says why, with what it said before,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "verify/side.h"
 
 #include <stdlib.h>

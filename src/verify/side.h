@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What a journal or script comes to, as one side of a comparison, or as what a procedure is taken
  * from (src/apply): a process of its own carries it out, by the rules for the journals of others,

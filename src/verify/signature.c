@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "verify/signature.h"
 
 #include <fcntl.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Signatures of journals: who vouches for one. Made and checked by OpenSSH's ssh-keygen, with the
  * keys that people have for it (or an agent, or a token), in the namespace "iftty-journal":

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Strict verification: nothing that a journal leaves unproven passes.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The verification of journals: each is replayed in a process of its own, every result and golden
  * image compared, and the outcome printed as TAP, in the order of the files whatever ends first.

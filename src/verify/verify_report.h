@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What a verification found: for programs that read JUnit's XML or JSON, and as one HTML page, with
  * the pictures of each failure side by side, without a script, and with nothing to be fetched from

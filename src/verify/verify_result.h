@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What the verification of one journal found. It is made in a process of its own and comes back
  * through a pipe, in a form where everything is counted:

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # What cppcheck, the analyser of gcc and clang-tidy (.clang-tidy) find in the source, and
 # exceptions.txt does not explain.
 # run.sh FOLDER, for what they say

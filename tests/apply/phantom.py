@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """Scenes for test_apply.sh: two balls in the world, as grids of any kind have them.
 
     phantom.py make FILE WHERE [lesion] [silent]   writes the scene, .nii

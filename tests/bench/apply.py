@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What a procedure comes to that is carried to other heads: `make bench-apply`.
 
     apply.py [--seeds N] [--json] [--pictures DIR] [NAME...] BUILD

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The benchmarks as a program: its table, and its main. */
 #include "tests/bench/bench.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The benchmarks that are no part of iftty: a program of its own, build/tests/bench/bench, whose
  * table is in bench.c. Medians; no time is compared with a limit.

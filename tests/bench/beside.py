@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """iftty's pictures beside VTK's of the same labels: `make bench-beside`.
 
     beside.py [--only WORD] [--out FOLDER] [--places N] [--side VOXELS] BUILD

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """chafa, another program that shows pictures in terminals, on those of `iftty bench terminal`:
 chafa.py [--json] BUILD; `make bench-chafa` runs it.
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* How many gestures a segmentation takes: robots, objects and methods, all with all. */
 #include "tests/bench/bench.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A hand that draws around a piece of a slice, as a user does with pen or mouse.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "command/files.h"
 #include "tests/bench/effort_object.h"
 

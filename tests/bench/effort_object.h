@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The objects that a robot segments (tests/bench/effort_robot.h): a crop of a scene, and its truth,
  * one component of an atlas's regions, or the two largest of a pair.

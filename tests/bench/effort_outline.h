@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The robot's further gestures where it draws outlines: each is of one slice, across any axis.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Phantoms: what is hard for seeds, by formulas in integers.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tests/bench/effort_report.h"
 
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What robots and methods came to: a table a group and robot for people, JSON for programs, and
  * charts.

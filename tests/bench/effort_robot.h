@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A robot in the place of a user: it looks at what labels are wrong, and makes the gesture that
  * corrects most. So how many gestures a method needs can be counted, and counted again.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * One run: a robot segments an object by a method. Its curve, and what is counted of it.
  *

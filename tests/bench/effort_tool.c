@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "command/execute.h"
 #include "tests/bench/effort_tool.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Tools: what turns a robot's gestures into labels, one run at a time.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The figures of the report for programs, and as charts. */
 #include "tests/bench/report.h"
 

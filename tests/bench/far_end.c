@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tests/bench/far_end.h"
 
 #include <fcntl.h>

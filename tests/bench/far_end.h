@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * iftty in a terminal of the benchmark's own, at the far end of a line.
  *

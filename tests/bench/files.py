@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What reading and writing large files takes: `make bench-files`.
 
     files.py [--rounds N] BUILD

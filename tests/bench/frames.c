@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What a frame takes at the sizes at which people wait for it, by one thread and by all: elapsed,
  * and of processors, which other work on the machine changes less. Then a whole turntable, and VTK.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * GrowCut (Vezhnevets, Konouchine: "GrowCut", interactive multi-label N-D image segmentation by
  * cellular automata, Graphicon 2005), the plain method, for comparison.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The cost of one edit as the scene around it grows. */
 #include "tests/bench/bench.h"
 

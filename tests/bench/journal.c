@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What a journal costs: records alone, recording a session, verifying it. */
 #include "tests/bench/bench.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * From a key to the picture: iftty in a terminal of the benchmark's own (far_end.h).
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* How soon a stop is heard: the time between two looks at the watch, in each kind of command. */
 #include "tests/bench/bench.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* How many gestures mend a segmentation that is opened again: defects, and ways to open it. */
 #include "command/execute.h"
 #include "tests/bench/bench.h"

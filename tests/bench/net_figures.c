@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* How true surface nets are: balls, rods, planes and sheets at random places; VTK beside them. */
 #include "tests/bench/bench.h"
 

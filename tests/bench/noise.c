@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The worst label map: noise, whose every voxel is a seed. */
 #include "command/execute.h"
 #include "tests/bench/bench.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The paper's scenes, one after the other, and what is printed of them. */
 #include "tests/bench/bench.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Charts as SVG: grouped bars, or lines over steps, of a few series of numbers from 0 up.
  *

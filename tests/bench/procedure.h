@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The procedure of a benchmark: seeds as an automatic user inserts them, in eight steps.
  *

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Programs that benchmarks run: what they print, and how a benchmark ends where one fails."""
 
 import os

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What registration finds and what it refuses: subjects made of ch2 whose map is known, and scenes
  * that have none. The bounds of src/register/registration.h lie between the two.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What a picture takes: whole frames, parts of them, edits, and VTK beside it. */
 #include "show/pictures.h"
 #include "tests/bench/bench.h"

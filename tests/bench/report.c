@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tests/bench/report.h"
 
 const struct ratio_told ratio_told[RATIOS] = {

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What the paper's experiments gave, beside the paper's own figures: as text for people, as JSON
  * and CSV for programs, and as charts.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What going on with a long journal takes. */
 #include "journal/journal.h"
 #include "tests/bench/bench.h"

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """How long a DICOM series of 400 slices of 512x512 takes to open: `make bench-series`.
 
     series.py [--slices N] BUILD

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The paper's five experiments on one scene: what is timed, and that all give the same.
  *

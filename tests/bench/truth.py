@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """How true pictures are: shapes whose picture is known, as iftty and VTK draw their voxels. The
 second half of `make bench-beside`.
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A turntable of large pictures, by the program itself, in a process of its own. */
 #include "tests/bench/bench.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Fuzz targets: each file fuzz_NAME.c hands any bytes at all to one reader of what comes from
  * outside, and ends the program where a promise of that reader does not hold.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Lines as commands: what parses is written in a form that parses to the same, and is a command
  * that a journal takes. Completion and hints of any line. */
 #include "tests/fuzz/fuzz.h"

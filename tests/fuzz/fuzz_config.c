@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What a user has written down: whatever it is, the setup can be used, and what is printed and
  * carried out of it is text. */
 #include "tests/fuzz/fuzz.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The private header of a Siemens picture: its values are finite numbers, as many as asked for or
  * fewer, and nothing after its last byte is looked at. */
 #include "tests/fuzz/fuzz.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Bytes as a golden image: read, with what it says of itself, or refused in one line; what was read
  * and written comes back the same. */
 #include "tests/fuzz/fuzz.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the helpers answer, any bytes at all: their words and numbers are believed no more than the
  * files. The first byte says what is asked; a request that is refused is refused in one line.
  *

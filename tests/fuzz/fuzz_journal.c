@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Bytes as a journal and as a script: walk, check, script; what is sound encodes to itself. */
 #include "tests/fuzz/fuzz.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What a terminal sends, keys and answers, in reads of any size: what comes out as text is UTF-8,
  * every answer is recognised as one, and where the reads were cut changes nothing. The first byte
  * says how long they are. */

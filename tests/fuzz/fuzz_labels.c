@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Tables of labels: what is read gives labels names that a command can hold, and colours; what is
  * written can be read again. */
 #include "tests/fuzz/fuzz.h"

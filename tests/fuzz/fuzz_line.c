@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Keys at the prompt and in its pager, any bytes at all: the line keeps its promises (line.h), all
  * that was done is undone, and the screen shows what one drawn afresh would. The first two bytes
  * are the size of the screen. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Locks: what is read is written again as the same bytes, and names nothing outside its folder. */
 #include "tests/fuzz/fuzz.h"
 

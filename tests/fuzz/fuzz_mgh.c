@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Bytes as a scene of FreeSurfer: its header, what is said of it, and its voxels. */
 #include "tests/fuzz/fuzz.h"
 

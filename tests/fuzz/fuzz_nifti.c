@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Bytes as a scene, in one file or as a pair: the header alone, what is said of it, and its
  * voxels. */
 #include "tests/fuzz/fuzz.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Bytes as the PNG beside a golden image: pixels and texts, or refused in one line. What our own
  * writer makes of the pixels is read again, bit for bit. */
 #include "tests/fuzz/fuzz.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Procedures: what is read is written again as the same bytes, and says nothing that the engine or
  * a command could not bear. */
 #include "tests/fuzz/fuzz.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Bytes as voxels without a header: the first ones say the layout and what part is read. */
 #include "tests/fuzz/fuzz.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Lines of a program that drives a session, any bytes at all: each is a request, a cancel or an
  * error in words, in order, and memory is bounded (I1, I2 of serve/inbox.h). Bytes come in two
  * pieces, parted where the first one says. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Lists of seeds: what is read lies in the scene, each voxel once, with a label; the rest is
  * refused with the line that is wrong. */
 #include "tests/fuzz/fuzz.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Bytes as labels, and as how their surfaces are made: these are closed whatever the labels are,
  * also once they are reduced. The first bytes are the size, which kind of surface, the triangles
  * that may be left, and how many labels there are. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Transforms of ITK, as text and as MATLAB's: what is read has a name, and a refusal has words and
  * leaves the map alone. */
 #include "tests/fuzz/fuzz.h"

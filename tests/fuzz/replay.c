@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The plain driver: fuzz_NAME [CHANGES] FILE... hands each file to the target, every beginning of
  * it at up to 200 places, and CHANGES changed copies, the same each time and others for each file.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Scenes of real and of wide whole numbers, by nibabel; how many voxels are in a range.
 
     make.py FOLDER             makes them

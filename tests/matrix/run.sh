@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # The same bits everywhere: builds in many ways, and compares what comes out.
 #
 #     run.sh short BUILD    the works (works.h): one list of digests from every build and machine,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The works as a program: works FOLDER [THREADS]. See works.h. */
 #include "tests/matrix/works.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The works: a fixed list of things that engine, render and journal do, each told as one line
  * "name digest". The list is the same on every machine, under every compiler, at every optimisation

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Scenes, weights, forests and regions of interest. */
 #include "tests/matrix/works.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Records and their chain, walks over whole and broken journals, replay, golden images. */
 #include "tests/matrix/works.h"
 

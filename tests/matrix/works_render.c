@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Renditions in every mode, look, view and cut, fitted, translucent and with what is behind them;
  * slices and mosaics with their words. */
 #include "tests/matrix/works.h"

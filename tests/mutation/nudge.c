@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* nudge FILE.exr PLANE: changes one sample of one plane of a golden image by the least there is, in
  * the middle of what it shows, and writes it again. PLANE is colour, depth, label or voxel. */
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Which labellings are optimal: check_labels FOLDER MARKERS COSTS NAME=LABELS...
  *

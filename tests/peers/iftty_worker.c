@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * iftty's engine as a worker. The first run after a reset plants all markers as one edit of an
  * empty forest; each later run is the differential update from the former markers to the present

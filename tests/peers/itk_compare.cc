@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The measures of a comparison as ITK has them, for tests/test_compare.sh:
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * ITK's MorphologicalWatershedFromMarkersImageFilter as a worker: 6 neighbours, no watershed line,
  * one thread. Timed is Update() alone, of a filter new for each run.

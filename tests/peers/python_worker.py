@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """scipy.ndimage.watershed_ift, skimage.segmentation.watershed or its random_walker as a worker
 (tests/peers/worker.h tells the requests): python_worker.py scipy|skimage|walker FOLDER. Each gets
 its maps in the types that it works with, so that no conversion is timed that it does not insist on.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """iftty beside the programs that one would take instead: run.py [--rounds N] [--core N]
 [--json FILE] BUILD; `make bench-peers` runs it.
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * vigra's watershedsMultiArray as a worker: region growing over 6 neighbours, which for gradients
  * of 8 bits orders voxels by a queue of 256 buckets (its "turbo" algorithm). It works in place: the

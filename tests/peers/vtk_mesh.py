@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """VTK's surfaces of labels, for `make bench-surface`: reads boxes from its input, a side (int32)
 and side^3 bytes each; writes for each the numbers of points and triangles (uint32), points, their
 normals (float64) and triangles (uint32). The first byte written is +.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """VTK in software on a label map that iftty saved: what a surface takes after the labels have
 changed, what a turn takes, and the same labels as a picture.
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Writes the workload that all workers share: workload FOLDER SCENE ATLAS.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tests/probe/attempts.hh"
 
 #include <cerrno>

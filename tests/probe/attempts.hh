@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What a decoder that a hostile file took over would try. The probes are the helpers themselves
  * with this in place of their libraries (Makefile): what confines them is the product's.

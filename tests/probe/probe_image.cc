@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* iftty-image with what a hostile picture would try in place of OpenImageIO. */
 #include "image/image_oiio.hh"
 #include "image/wire.hh"

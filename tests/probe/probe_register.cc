@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* iftty-register with what a library that was taken over would try in place of its work. */
 #include "register/register_parts.hh"
 #include "tests/probe/attempts.hh"

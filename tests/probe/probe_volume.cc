@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* iftty-volume with what a hostile volume would try in place of its readers. */
 #include "image/volume_parts.hh"
 #include "tests/probe/attempts.hh"

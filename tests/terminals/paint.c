@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A picture that is known, painted by the program's own painter into the terminal that this runs
  * in: paint FOLDER SEED EDITS COLUMN ROW COLUMNS ROWS [GRAPHICS|slices]

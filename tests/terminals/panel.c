@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What the pilot ought to show: panel JOURNAL COLUMNS ROWS CELL_WIDTH CELL_HEIGHT PANE OUT
  *

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """What people see: the program in real terminals, by screenshot.
 
     tests/terminals/run.py BUILD [WORD...]    only stories with one of these words in their names

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Real terminals, started headless one at a time: a program in each, keys, and what is painted.
 
 An X server of our own (Xvfb) bears xterm, kitty, mlterm, pterm and urxvt; a sway of our own,

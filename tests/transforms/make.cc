@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Writes the transforms of this folder by ITK, and where ITK takes three places by each, in LPS:
  *

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Volumes that other people's programs wrote, sound and cut, for tests/test_cut_files.sh.
 
     cut.py FOLDER      makes sound ones there, and of each, in a folder of its own, copies that are

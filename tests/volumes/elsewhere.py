@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Makes volumes whose voxels lie in other files, sound ones and such as a stranger may make:
 elsewhere.py FOLDER; the secret is in FOLDER/../secret."""
 import os

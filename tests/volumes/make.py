@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Volumes in files that other people's programs write, for tests/test_volumes.sh.
 
     make.py FOLDER      makes them there, each with a twin, a NIfTI of nibabel's with the same

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # Files that others write, and whether a volume is opened as its twin is: for test_volumes.sh,
 # test_series.sh and test_elsewhere.sh, which source this after lib.sh.
 PYTHON=/usr/bin/python3

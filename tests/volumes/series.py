@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """DICOM as scanners write it, by pydicom, for tests/test_series.sh: mosaics of Siemens, folders of
 several series, and of files that are damaged.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Runs a command as on a kernel without Landlock: without_landlock.py COMMAND..."""
 import ctypes
 import os

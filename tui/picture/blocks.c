@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tui/picture/blocks.h"
 
 #include <limits.h>

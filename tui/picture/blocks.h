@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Pictures out of text, for terminals that know no graphics: block characters, whose foreground
  * (ink) has some parts of the cell and whose background (paper) the others.

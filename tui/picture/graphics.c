@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tui/picture/graphics.h"
 
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The ways to show a picture, as one table; which of them a terminal has; and a picture at the
  * prompt.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tui/picture/image_view.h"
 
 #include "base/mem.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A picture as the encoders see it: pixels in memory, borrowed from their maker.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * iTerm2's inline pictures: a PNG in base64, drawn over cells. WezTerm, mintty and others have it.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The kitty graphics protocol: pictures as PNG in base64, in chunks, and changed in place; and, in
  * the second part, as tiles for terminals that know only the common part of it.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tui/picture/painter.h"
 
 #include <nettle/sha2.h>

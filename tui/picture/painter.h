@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A picture that stays at one place of the screen, and of which only what has changed goes over the
  * wire.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A way to show pictures: a row of the table in tui/picture/graphics.c, and the only place that
  * knows it. How it is found is used in graphics.c, how it draws in painter.c.

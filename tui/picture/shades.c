@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tui/picture/shades.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The colours of a picture, known before it is made: what the labels' hues become when they are
  * shaded (render/shade.c) or laid over a slice (render/slice.c), and greys.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Sixel graphics (DEC STD 070): a picture as bands of six rows, one pass per colour and band.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tui/pilot/ahead.h"
 
 void ahead_begin(struct ahead *ahead)

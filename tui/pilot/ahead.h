@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Sending ahead: slices that may be wanted next go to a terminal that keeps them
  * (tui/picture/painter.h) while the line has nothing else to carry.

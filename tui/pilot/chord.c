@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tui/pilot/chord.h"
 
 #include <string.h>

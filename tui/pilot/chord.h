@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Keys as words, in the table of keys and in the configuration:
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Pictures that get finer: on a slow line what has changed is sent coarsely first, and finely when
  * nothing moves any more.

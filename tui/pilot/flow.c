@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tui/pilot/flow.h"
 
 #include "base/least.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * How much may be sent to the terminal, and when: so that the line is full and nothing waits in it.
  *

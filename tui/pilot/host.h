@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What the pilot asks of its host, who knows the scene: facts of the present state, a picture as it
  * is wished, and that a line is carried out.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The pilot: the whole screen, driven by keys. Three slices, the rendition, a cross-hair.
  *

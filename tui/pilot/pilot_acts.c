@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What keys do that lead somewhere, ask, or change what is shown: each function writes the line of
  * a command, or changes the pilot's own state. */
 #include "tui/pilot/pilot_keys.h"

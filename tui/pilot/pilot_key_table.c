@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* THE table of keys, and what can be read off it: the page of keys, the hints below the picture. */
 #include <stdio.h>
 #include <string.h>

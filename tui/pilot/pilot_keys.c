@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tui/pilot/pilot_keys.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What keys mean to the pilot: a state, a key and the facts in, the line of a command out. Pure.
  *

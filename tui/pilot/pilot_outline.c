@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Outlines: what keys and the mouse do that draw one freehand, take up one that is there, drag it,
  * and close it.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What keys do that plant or remove: seeds, strokes, boxes and shells, with a brush. */
 #include "tui/pilot/pilot_keys.h"
 

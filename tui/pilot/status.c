@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tui/pilot/status.h"
 
 #include <string.h>

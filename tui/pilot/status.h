@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The row below the picture: where the cross-hair is, what a key would plant there, what waits, and
  * what is known of the voxel.

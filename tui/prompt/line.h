@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The line being typed: text, cursor, what keys do to them, undo, and older lines that come into
  * it. Pure; drawing is line_draw.h, the terminal line_edit.h.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Drawing the line being edited: prompt, text and cursor over as many rows as they need; and what
  * stands below it: the candidates for a word, and a caret under what is wrong.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Reading a line at the terminal: keys in, line drawn, until Enter.
  *

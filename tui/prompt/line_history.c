@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tui/prompt/line_history.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The lines entered before, oldest first, and the file that stores them between sessions.
  *

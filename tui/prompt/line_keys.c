@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tui/prompt/line_keys.h"
 
 #include <stdio.h>

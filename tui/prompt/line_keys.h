@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * THE table of the keys of the prompt: dispatch, `help keys` and tui/README.md come from it.
  *

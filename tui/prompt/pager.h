@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A text on the screen, page by page: which rows show, what keys do, and how it is drawn.
  *

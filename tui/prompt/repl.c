@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tui/prompt/repl.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The prompt: reads lines, hands them to a host, prints what comes back. Knows no command.
  *

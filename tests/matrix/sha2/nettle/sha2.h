@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * SHA-256 by the names of <nettle/sha2.h>, for machines that nettle is not installed for. On the
  * machine that builds, nettle itself is used, so the list of works compares the two as well.
