@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # The lesson of `iftty tutorial` in a real terminal (tmux, 80x24), at the prompt and in the pilot:
 # a step comes by what is there, what is missing is told, it can be left midway, and nothing but its
 # journal stays behind.

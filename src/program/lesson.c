@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "program/lesson.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The lesson of `iftty tutorial`: a first organ, the brain of the head ch2, in steps.
  *

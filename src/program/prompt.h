@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The session at prompt and pilot that `iftty` and `iftty tutorial` have in common. */
 #ifndef PROGRAM_PROMPT_H
 #define PROGRAM_PROMPT_H

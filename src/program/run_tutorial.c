@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* `iftty tutorial`: a session at prompt and pilot, with a lesson beside it. */
 #include <unistd.h>
 
