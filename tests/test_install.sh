@@ -32,6 +32,21 @@ ln -s "$tree/bin/iftty" "$work/linked"
 expect_in "$work" 0 "$work/linked" info picture.png </dev/null
 close_story
 
+begin "with it come the changes, how to cite it, and what is promised of hostile files"
+version=$("$iftty" --version | sed 's/^iftty //')
+date=$(sed -n 's/^#define PROGRAM_DATE *"\(.*\)".*/\1/p' src/base/version.h)
+grep -qx "## $version" "$doc/CHANGELOG.md" || fail "no changes of $version"
+grep -qx "version: \"$version\"" "$doc/CITATION.cff" || fail "another version is cited"
+grep -qx "date-released: $date" "$doc/CITATION.cff" || fail "another date is cited"
+# What it says is tested, is there.
+for test in $(grep -o 'test_[a-z_]*\.sh' "$doc/SECURITY.md" | sort -u); do
+    [ -x "tests/$test" ] || fail "there is no $test"
+done
+for file in "$doc/SECURITY.md" "$doc/README.md" "$tree/share/man/man1/iftty.1"; do
+    tr '\n' ' ' <"$file" | grep -qE 'no(t a)? medical device' || fail "$file: no word of medicine"
+done
+close_story
+
 programs=$("$iftty" --help | sed -n 's/^    iftty \([a-z][a-z]*\)\( .*\)\{0,1\}$/\1/p' | sort -u)
 begin "every program has a page, and each page is set without a warning"
 [ "$(printf '%s\n' "$programs" | wc -l)" -gt 10 ] || fail "programs: $programs"

@@ -333,7 +333,7 @@ named='^(/\*|#) SPDX-License-Identifier: (MIT|Bitstream-Vera)( \*/)?$'
 {
     sources src journal render tui tests
     find Makefile .ci .package examples tests -type f \( -name Makefile -o -name '*.sh' -o \
-        -name '*.py' -o -path '.ci/*' -o -path '.package/*' ! -path '.package/*/*' \)
+        -name '*.py' -o -path '.ci/*' -o -path '.package/[a-z]*' ! -path '.package/*/*' \)
 } | while read -r file; do
     sed 2q "$file" | grep -qE "$named" || echo "$file"
 done >"$work/without"

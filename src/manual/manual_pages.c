@@ -219,7 +219,9 @@ void manual_page(struct buf *out)
         buf_add_char(out, '\n');
         at += length;
     }
-    buf_add_text(out, ".fi\n");
+    buf_add_text(
+        out, ".fi\n.SH NOTES\nThis is software for research, and no medical device: nothing that\n"
+             "it computes or shows is meant for diagnosis or treatment.\n");
     add_see_also(out, "");
 }
 
