@@ -162,14 +162,15 @@ uint32_t fit_all_round(const struct fit *fit, const struct view *view, const uin
                        uint32_t samples)
 {
     const uint32_t *size = fit->scene->grid.size;
-    uint64_t most = 0;
+    uint64_t most = 0, side[3];
+    view_sides(side, fit->scene);
     for (size_t i = 0; i < fit->ends; i++) {
         uint32_t around[3]; /* the box about that middle that has this voxel at a corner */
         for (int a = 0; a < 3; a++) {
             const int64_t twice = place ? 2 * (int64_t)place[a] : (int64_t)size[a] - 1;
             around[a] = (uint32_t)llabs(2 * (int64_t)fit->end[i][a] - twice) + 1;
         }
-        const uint64_t squares = view_squares(fit->scene, around);
+        const uint64_t squares = view_squares(side, around);
         most = squares > most ? squares : most;
     }
     const uint32_t zoom = view_zoom_across(fit->scene, view->width, view->height, samples, most);

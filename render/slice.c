@@ -521,9 +521,12 @@ enum err slice_draw(const struct canvas *canvas, const struct scene *scene,
         canvas_box(canvas, column->end, row->first, column->pixels - column->end,
                    row->end - row->first, black);
         paint_grey(&work);
-        for (uint32_t y = 0; y < canvas->height && canvas->below; y++)
-            for (uint32_t x = 0; x < canvas->width; x++)
-                canvas->below[y * canvas->stride + x] = *canvas_pixel(canvas, x, y);
+        for (uint32_t y = 0; y < canvas->height && canvas->below; y++) {
+            const uint8_t *pixel = canvas_pixel(canvas, 0, y);
+            uint8_t *below = canvas->below + y * canvas->stride;
+            for (size_t x = 0; x < canvas->width; x++)
+                below[x] = pixel[4 * x];
+        }
         if (style->overlay != SLICE_PLAIN)
             paint_labels(&work);
         if (canvas->cell) {

@@ -130,14 +130,19 @@ static uint32_t zoom_within(const struct scene *scene, uint32_t samples, uint64_
     return (uint32_t)(most < VIEW_ZOOM_LEAST ? VIEW_ZOOM_LEAST : most);
 }
 
-uint64_t view_squares(const struct scene *scene, const uint32_t size[3])
+void view_sides(uint64_t side[3], const struct scene *scene)
+{
+    for (int a = 0; a < 3; a++)
+        side[a] = (uint64_t)(side_in_pixels(scene, a, VIEW_ZOOM_ONE) >> 10);
+}
+
+uint64_t view_squares(const uint64_t side[3], const uint32_t size[3])
 {
     uint64_t squares = 0;
     for (int a = 0; a < 3; a++) {
-        uint64_t side =
-            (uint64_t)size[a] * (uint64_t)(side_in_pixels(scene, a, VIEW_ZOOM_ONE) >> 10) >> 10;
-        side = side > UINT32_MAX / 2 ? UINT32_MAX / 2 : side;
-        squares += side * side;
+        const uint64_t length = size[a] * side[a] >> 10;
+        squares += length > UINT32_MAX / 2 ? (uint64_t)(UINT32_MAX / 2) * (UINT32_MAX / 2)
+                                           : length * length;
     }
     return squares;
 }
@@ -153,7 +158,9 @@ uint32_t view_zoom_across(const struct scene *scene, uint32_t width, uint32_t he
 uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t height,
                            uint32_t samples)
 {
-    return view_zoom_across(scene, width, height, samples, view_squares(scene, scene->grid.size));
+    uint64_t side[3];
+    view_sides(side, scene);
+    return view_zoom_across(scene, width, height, samples, view_squares(side, scene->grid.size));
 }
 
 struct view view_default(const struct scene *scene)

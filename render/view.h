@@ -61,7 +61,8 @@ uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t h
  * so many voxels a side, from corner to corner. */
 uint32_t view_zoom_across(const struct scene *scene, uint32_t width, uint32_t height,
                           uint32_t samples, uint64_t squares);
-uint64_t view_squares(const struct scene *scene, const uint32_t size[3]);
+uint64_t view_squares(const uint64_t side[3], const uint32_t size[3]);
+void view_sides(uint64_t side[3], const struct scene *scene); /* of a voxel, for that */
 
 /* The largest zoom up to `wanted` at which a view of that place has a camera, with samples x
  * samples pixels for each. */

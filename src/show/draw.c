@@ -59,9 +59,9 @@ void pictures_release_rendition(struct pictures *p)
 static void drop_live(struct pictures *p)
 {
     struct live_finish *live = &p->live;
-    p->drawings++;
     if (!live->label)
         return;
+    p->drawings++;
     shader_release(&p->shader); /* what is stored may be of this border */
     mesh_release(&p->mesh);
     mem_pages_free(live->label, live->cells);
@@ -710,10 +710,10 @@ static enum err fit_shown(struct pictures *p, const struct border *border, struc
     fit_middle(&fit, next.place);
     next.zoom = fit_all_round(&fit, view, next.place, samples);
     const uint32_t plain = fit_all_round(&fit, view, NULL, samples);
+    const uint32_t fits = own->has_place ? fit_all_round(&fit, view, own->place, samples) : plain;
     if (next.zoom <= plain + plain / 8)
         next = (struct own_view){.zoom = plain};
-    if (!own->zoom || next.zoom > own->zoom + own->zoom / 4 ||
-        fit_all_round(&fit, view, own->has_place ? own->place : NULL, samples) < own->zoom)
+    if (!own->zoom || next.zoom > own->zoom + own->zoom / 4 || fits < own->zoom)
         *own = next;
     fit_release(&fit);
     return OK;
