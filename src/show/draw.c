@@ -24,8 +24,9 @@ static const struct look *look_of(const struct pictures *p)
 
 /* ---- what is stored ---- */
 
-/* What is drawn as soon as this is drawn at once. */
-#define AT_ONCE_NS UINT64_C(25000000)
+/* What is drawn as soon as this is drawn at once: what is coarse takes half as long, and comes on
+ * top of it. */
+#define AT_ONCE_NS UINT64_C(50000000)
 
 enum { COARSE = 2 }; /* a coarse pixel stands for so many a side */
 
@@ -62,6 +63,7 @@ static void drop_live(struct pictures *p)
     if (!live->label)
         return;
     p->drawings++;
+    p->own.border = NULL;
     shader_release(&p->shader); /* what is stored may be of this border */
     mesh_release(&p->mesh);
     mem_pages_free(live->label, live->cells);
@@ -704,6 +706,9 @@ static enum err fit_shown(struct pictures *p, const struct border *border, struc
     const uint32_t samples = outlook->look.samples;
     struct own_view *own = &p->own, next = {.has_place = true};
     struct fit fit;
+    if (own->border == border && own->version == border->version && own->width == view->width &&
+        own->height == view->height && own->samples == samples)
+        return OK;
     const enum err err = fit_init(&fit, border, fault);
     if (err)
         return err;
@@ -715,6 +720,8 @@ static enum err fit_shown(struct pictures *p, const struct border *border, struc
         next = (struct own_view){.zoom = plain};
     if (!own->zoom || next.zoom > own->zoom + own->zoom / 4 || fits < own->zoom)
         *own = next;
+    own->border = border, own->version = border->version;
+    own->width = view->width, own->height = view->height, own->samples = samples;
     fit_release(&fit);
     return OK;
 }
@@ -732,7 +739,7 @@ enum err session_draw_fitting(struct session *session, bool hurries, struct glan
     enum err err = pictures_begin(&p, session, fault);
     if (!err && finished)
         err = begin_live(p, fault);
-    if (!err && (p->rendered != as || p->fitted != p->drawings))
+    if (!err)
         err = fit_shown(p, border_of(p, as), fault);
     const struct view view = session_fitting_view(session);
     if (!err)
@@ -746,7 +753,6 @@ enum err session_draw_fitting(struct session *session, bool hurries, struct glan
     if (hurries && p->rendered != as && !is_soon && !session_outlook(session)->context)
         return draw_hastily(p, as, glance, fault);
     err = draw_at(p, &view, as, RENDER_AS_KEPT, fault);
-    p->fitted = p->drawings;
     glance->rendition = session_frame(session);
     return err;
 }

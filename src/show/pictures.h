@@ -53,11 +53,13 @@ struct coarse {
 /* Samples of so many pixels are stored, so that an edit is seen at once: 210 MB of them. */
 enum { SAMPLES_STORED_MOST = 1 << 23 };
 
-/* Where what a panel shows fits in it. */
+/* Where what a panel shows fits in it: what that border does, as it was then, in as many pixels. */
 struct own_view {
     uint32_t zoom; /* 0: not known */
     uint32_t place[3];
     bool has_place; /* or the scene's middle is there */
+    const struct border *border;
+    uint32_t version, width, height, samples;
 };
 
 struct pictures {
@@ -71,8 +73,7 @@ struct pictures {
     struct rendition reduced;   /* to the view's size, where look.samples is above 1 */
     unsigned rendered;          /* V1; enum rendered (draw.h) */
     struct coarse coarse;       /* in its place, while keys arrive */
-    struct own_view own;        /* of panels; */
-    unsigned fitted;            /* when it was found, by `drawings` */
+    struct own_view own;        /* of panels */
     unsigned drawings;          /* how often pixels, or labels, may have become others */
     struct {                    /* when the command at hand began: */
         unsigned rendered;      /* not rough labels */
