@@ -729,7 +729,9 @@ STORY(in_a_hurry_slices_come_first_and_then_a_coarse_rendition)
     CHECK(!session_rendered(interp.session)); /* nothing but a screen shows it */
     CHECK(!is_hasty(&interp, false, &panel, &turned));
     const size_t off = differing(&hasty, &turned, &panel, true);
-    CHECK(off > 0 && off < differing(&fine, &turned, &panel, true));
+    /* Edges alone are off: half of the pixels of so small a thing. At another zoom, or in another
+     * place, three fifths of them and more. */
+    CHECK(off > 0 && off < differing(&fine, &turned, &panel, true) * 11 / 20);
     canvas_release(&hasty);
     must(&interp, "turn -20");
     interp.session->pictures->coarse.took_ns = 1;
