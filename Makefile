@@ -16,6 +16,7 @@ INFLATER := libisal-dev
 # Of iftty-volume and iftty-register alone, which `make demo` does not wait for.
 VOLUME_PACKAGES := libinsighttoolkit5-dev libgdcm-dev libhdf5-dev
 SCENES   := mricron-data
+LESSONS  := invesalius-examples insighttoolkit5-examples
 # What tests use; what is after this in a list of packages, is left out where it cannot be had.
 TEST_PACKAGES := tmux screen procps python3 python3-nibabel python3-pydicom python3-h5py \
                  python3-jsonschema python3-matplotlib \
@@ -434,7 +435,7 @@ $(BUILD)/libfuzzer/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.o $(BUILD)/tests/fuzz/file
 	$(Q)$(CC) -fsanitize=fuzzer $(ALL_LDFLAGS) -o $@ $^ $(LIBS)
 
 build/.packages-test: Makefile | $(PACKAGES_STAMP)
-	@.ci/packages $(TEST_PACKAGES) -- $(FORMATTER)
+	@.ci/packages $(TEST_PACKAGES) -- $(FORMATTER) $(LESSONS)
 	@touch $@
 
 build/.packages-analyse: Makefile | $(PACKAGES_STAMP)
@@ -474,7 +475,7 @@ build/.packages-bare: Makefile | $(PACKAGES_STAMP)
 	@touch $@
 
 build/.packages-matrix: Makefile | $(PACKAGES_STAMP)
-	@.ci/packages $(MATRIX_PACKAGES) --
+	@.ci/packages $(MATRIX_PACKAGES) -- $(LESSONS)
 	@touch $@
 
 build/.packages-terminals: Makefile | $(PACKAGES_STAMP)

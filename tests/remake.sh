@@ -73,6 +73,9 @@ remake() { # JOURNAL
     case $may_differ in *" ${name%.iftty} "*) ;; *) return 1 ;; esac
 }
 
+examples/scenes.sh "$made/scenes" || exit 1
+IFTTY_SCENES=/usr/share/mricron/templates:$(cd "$made/scenes" && pwd)
+export IFTTY_SCENES
 cp tests/journals/*.nii.gz tests/journals/*.csv tests/journals/*.ctab "$made/tests/journals"
 journals="$(ls examples/*.iftty) tests/journals/semantics-$present.iftty" status=0
 for journal in $journals; do

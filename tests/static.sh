@@ -13,6 +13,7 @@ scenes=/usr/share/mricron/templates
 mkdir -p "$root/proc" "$root/tmp" "$root$scenes"
 cp -R examples "$root/examples"
 cp "$scenes"/ch2.nii.gz "$scenes"/ch2bet.nii.gz "$root$scenes"
+examples/scenes.sh "$root$scenes" || exit 1
 cp "$static/iftty" "$root"
 make_scene "$root/scene.nii" 24 20 16
 

@@ -8,6 +8,10 @@ can_open() { # SCENE
     "$iftty" -c "open $1" </dev/null >/dev/null 2>&1 || { skip "there is no $1 here"; return 1; }
 }
 
+examples/scenes.sh "$work/scenes" 2>"$work/err" || skip "$(cat "$work/err")"
+IFTTY_SCENES=/usr/share/mricron/templates:$work/scenes
+export IFTTY_SCENES
+
 for journal in examples/*.iftty; do
     begin "$journal verifies"
     if can_open "$(sed -n 's/^open //p' "$journal" | head -n 1)"; then
@@ -16,6 +20,15 @@ for journal in examples/*.iftty; do
     fi
     close_story
 done
+
+begin "what is carried to another subject is what its lesson corrects"
+if can_open subject.nii.gz; then
+    expect_in "$work/scenes" 0 "$iftty" apply "$top/examples/first-organ.iftty" subject.nii.gz \
+        --by landmarks --landmarks "$top/examples/subject-marks.txt" --fit similarity
+    carried=$(sed -n 's/^labels .* copy=\([0-9a-f]*\).*/\1/p' "$work/scenes/subject.iftty")
+    same "$carried" "$(sed -n 's/^labels .* copy=\([0-9a-f]*\).*/\1/p' examples/subject.iftty)"
+fi
+close_story
 
 begin "journal/README.md lists the commands as help does"
 "$iftty" help | sed 's/^./    &/' >"$work/help"

@@ -154,6 +154,9 @@ short)
     ;;
 all)
     journals=$(ls examples/*.iftty)
+    examples/scenes.sh "$out/scenes" || exit 1
+    IFTTY_SCENES=/usr/share/mricron/templates:$(cd "$out/scenes" && pwd)
+    export IFTTY_SCENES
     run_works
     run_programs
     # shellcheck disable=SC2086
