@@ -9,6 +9,7 @@
 #include "base/mem.h"
 #include "engine/doubt.h"
 #include "engine/finish_relax.h"
+#include "engine/relax_kept.h"
 #include "tests/finish_fails.h"
 
 enum { LONG = 60, SHORT = 8, MOST = LONG * SHORT * SHORT, LABELS = 5 };
@@ -285,6 +286,66 @@ STORY(relaxed_labels_are_what_a_plain_model_makes)
     CHECK(moved > 1500);
 }
 
+/* Makes the labels with what is kept, and without. */
+static bool agree_again(const struct finish_list *list, const struct scene *scene,
+                        struct relax_kept *kept, int round)
+{
+    uint8_t *label, *again;
+    const bool made =
+        CHECK(finish_make(&label, list, scene, team_for(round), NULL) == OK) &&
+        CHECK(finish_make_again(&again, list, scene, team_for(round + 1), kept, NULL) == OK);
+    const bool same = made && CHECK(memcmp(label, again, scene->grid.cells) == 0);
+    mem_pages_free(label, scene->grid.cells);
+    mem_pages_free(again, scene->grid.cells);
+    return same;
+}
+
+/* An edit: a few voxels side by side get a label, or seeds, or lose them, or are left out. */
+static void edit(const struct volume *v, struct scene *scene)
+{
+    const uint8_t label = (uint8_t)below(LABELS), how = (uint8_t)below(4);
+    const int first = (int)below((uint32_t)v->count), end = first + 1 + (int)below(6);
+    for (int i = first; i < end && i < v->count; i++) {
+        struct cell *cell = &scene->cell[cell_of(v, &scene->grid, i)];
+        if (how == 0)
+            cell->label = label;
+        else
+            cell->flags ^= how == 1 ? CELL_SEED : how == 2 ? CELL_OUTSIDE : 0;
+    }
+}
+
+/* What has not changed is as it was, whatever the edits; and some of it is never made again. */
+STORY(fields_that_are_kept_are_those_that_would_be_made)
+{
+    static struct volume v;
+    size_t kept_fields = 0;
+    for (int round = 0; round < 40 && check_failures == 0; round++) {
+        struct finish_list list = {.count = 1 + (uint32_t)below(2)};
+        struct relax_kept kept = {0};
+        state = (uint64_t)round + 9000;
+        fill_fitting(&v);
+        struct scene *scene = scene_of(&v);
+        list.step[0] = (struct finish_step){
+            .kind = FINISH_RELAX, .label = FINISH_ALL_LABELS, .argument = 1 + below(20)};
+        list.step[1] = (struct finish_step){.kind = round % 3 ? FINISH_MAJORITY : FINISH_RELAX,
+                                            .label = FINISH_ALL_LABELS,
+                                            .argument = 1};
+        for (int edits = 0; edits < 12 && agree_again(&list, scene, &kept, round); edits++) {
+            edit(&v, scene);
+            if (edits == 5)
+                list.step[0].argument++;
+            if (edits == 8)
+                kept.most = 2000; /* not all of them */
+            for (int label = 1; label < 256; label++)
+                kept_fields += kept.field[label] != NULL;
+        }
+        relax_kept_release(&kept);
+        CHECK_INT(relax_kept_memory(&kept), 0);
+        scene_free(scene);
+    }
+    CHECK(kept_fields > 200);
+}
+
 /* Halves are rounded to the even one: so what is not the label has exactly the rest. */
 STORY(the_fields_of_an_object_and_of_all_else_are_complements)
 {
@@ -304,7 +365,8 @@ STORY(the_fields_of_an_object_and_of_all_else_are_complements)
         for (int i = 0; i < v.count; i++)
             label[cell_of(&v, &scene->grid, i)] = (uint8_t)v.label[i];
         for (uint8_t k = 0; k < 2; k++) {
-            const struct finish_work work = {scene, team_for(round + k), label, NULL};
+            const struct finish_work work = {
+                .scene = scene, .team = team_for(round + k), .label = label};
             struct relax_field field = {0};
             CHECK(relax_field_begin(&field, &work, (uint8_t)(k + 1), &all, &greys, NULL) == OK);
             relax_field_make(&field, 25, 0);
@@ -471,6 +533,7 @@ int main(void)
         if (team_new(&team_of[workers], workers < 4 ? workers : 8, NULL) != OK)
             abort();
     const int status = RUN_STORIES(TELL(relaxed_labels_are_what_a_plain_model_makes),
+                                   TELL(fields_that_are_kept_are_those_that_would_be_made),
                                    TELL(the_fields_of_an_object_and_of_all_else_are_complements),
                                    TELL(the_doubt_of_slices_is_that_of_a_plain_model),
                                    TELL(doubt_that_cannot_be_found_is_an_error),

@@ -16,13 +16,20 @@ const struct finish_row finish_table[] = {FINISH_LIST(ROW, ROW)};
 enum err finish_make(uint8_t **label, const struct finish_list *list, const struct scene *scene,
                      struct team *team, struct fault *fault)
 {
+    return finish_make_again(label, list, scene, team, NULL, fault);
+}
+
+enum err finish_make_again(uint8_t **label, const struct finish_list *list,
+                           const struct scene *scene, struct team *team, struct relax_kept *kept,
+                           struct fault *fault)
+{
     const size_t cells = scene->grid.cells;
     const struct labels forest = labels_of_forest(scene);
     *label = NULL;
     enum err err = finish_check(list, scene, fault);
     if (err)
         return err;
-    struct finish_work work = {scene, team, mem_pages(cells), mem_pages(cells)};
+    struct finish_work work = {scene, team, mem_pages(cells), mem_pages(cells), kept};
     if (work.label && work.next) {
         labels_copy(&forest, work.label, team);
         err = watch_fault(scene->watch, fault);
@@ -133,7 +140,7 @@ struct boxing {
 static void clear_boxes(struct finish_box box[256])
 {
     for (unsigned label = 0; label < 256; label++)
-        box[label] = (struct finish_box){{UINT32_MAX, UINT32_MAX, UINT32_MAX}, {0, 0, 0}};
+        box[label] = finish_box_none();
 }
 
 static void find_part(void *context, unsigned worker)

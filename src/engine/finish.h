@@ -117,11 +117,13 @@ struct finish_list {
 };
 
 /* What a step works on. Labels are [grid.cells], 0 in the rim of both. */
+struct relax_kept;
 struct finish_work {
     const struct scene *scene;
     struct team *team;
     uint8_t *label; /* read, and in the end what the step has made of it (finish_take_next) */
     uint8_t *next;  /* to write into; of no meaning before and after a step, but for its rim */
+    struct relax_kept *kept; /* fields of the last time (engine/relax_kept.h), or NULL */
 };
 
 /* Their names, in their order. */
@@ -150,6 +152,11 @@ enum err finish_check(const struct finish_list *list, const struct scene *scene,
  * caller frees by mem_pages_free; NULL on error: ERR_LIMIT, ERR_MEMORY, ERR_CANCELLED. */
 enum err finish_make(uint8_t **label, const struct finish_list *list, const struct scene *scene,
                      struct team *team, struct fault *fault);
+
+/* The same, sooner where an edit has changed little since the last time; `kept` is of the scene. */
+enum err finish_make_again(uint8_t **label, const struct finish_list *list,
+                           const struct scene *scene, struct team *team, struct relax_kept *kept,
+                           struct fault *fault);
 
 /* Whether what comes of the list may be another where the labels and intensities are the same, but
  * not the seeds or the region of interest. */
@@ -184,6 +191,12 @@ struct finish_box {
 static inline bool finish_box_is_empty(const struct finish_box *box)
 {
     return box->first[0] > box->last[0];
+}
+
+/* No voxels: what others are included in. */
+static inline struct finish_box finish_box_none(void)
+{
+    return (struct finish_box){{UINT32_MAX, UINT32_MAX, UINT32_MAX}, {0, 0, 0}};
 }
 
 /* Makes a box hold another too. */

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
+#include "engine/relax_kept.h"
 
 /* 65536 * exp(-400 * (d / 255)^2), to the nearest; 1 from there on. */
 static const uint32_t through[] = {
@@ -111,11 +112,29 @@ static enum err make_fields(struct relaxing *r, size_t first, struct fault *faul
     return watch_fault(r->work->scene->watch, fault);
 }
 
+/* Sees the fields that are kept, which leave the list. */
+static void see_kept(struct relaxing *r, relax_see *see, void *context)
+{
+    const struct finish_work *work = r->work;
+    struct relax_field field = {0};
+    size_t left = 0;
+    for (size_t i = 0; i < r->count; i++) {
+        const struct item item = r->item[i];
+        if (relax_kept_find(work->kept, work, item.label, &field))
+            see(context, &field);
+        else
+            r->item[left++] = item;
+    }
+    r->count = left;
+}
+
 enum err relax_each(const struct finish_work *work, unsigned label, uint32_t sweeps, relax_see *see,
                     void *context, struct fault *fault)
 {
     struct watch *watch = work->scene->watch;
     struct relaxing *r = mem_new(sizeof *r);
+    /* What is of one label alone has changed with each edit. */
+    struct relax_kept *kept = label == FINISH_ALL_LABELS ? work->kept : NULL;
     if (!r)
         return fault_memory(fault, "relaxed labels");
     r->work = work;
@@ -123,10 +142,17 @@ enum err relax_each(const struct finish_work *work, unsigned label, uint32_t swe
     enum err err = list_labels(r, label, fault);
     if (!err && r->count)
         relax_find_greys(&r->greys, work->scene, work->team);
+    if (!err && kept)
+        relax_kept_follow(kept, work, &r->greys, sweeps);
+    if (!err && kept)
+        see_kept(r, see, context);
     for (size_t i = 0; !err && i < r->count; i += r->fields) {
         err = make_fields(r, i, fault);
-        for (unsigned n = 0; !err && n < r->fields; n++)
+        for (unsigned n = 0; !err && n < r->fields; n++) {
             see(context, &r->field[n]);
+            if (kept)
+                relax_kept_add(kept, &r->field[n]);
+        }
         err = err ? err : watch_fault(watch, fault);
         if (!err && watch_wants_show(watch) && !watch->ignores_stop)
             watch_show(watch);

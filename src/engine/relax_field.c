@@ -613,16 +613,15 @@ static size_t lay_out(struct relax_field *f)
     return at;
 }
 
-enum err relax_field_begin(struct relax_field *f, const struct finish_work *work, uint8_t which,
-                           const struct finish_box *around, const struct relax_greys *greys,
-                           struct fault *fault)
+/* What a field is of, and its shape; memory is as it was. */
+static void shape(struct relax_field *f, const struct finish_work *work, uint8_t which,
+                  struct finish_box box)
 {
     *f = (struct relax_field){.scene = work->scene,
                               .label = work->label,
                               .which = which,
-                              .greys = greys,
                               .team = work->team,
-                              .box = box_around(&work->scene->grid, around),
+                              .box = box,
                               .memory = f->memory,
                               .bytes = f->bytes};
     for (int a = 0; a < 3; a++)
@@ -630,6 +629,21 @@ enum err relax_field_begin(struct relax_field *f, const struct finish_work *work
     f->rows = ((size_t)f->size[1] + 2) * ((size_t)f->size[2] + 2);
     f->words = ((size_t)f->size[0] + 3 + 127) / 128 * 2; /* of which a pair is taken at a time */
     f->chunk_words = (f->words * WORD_CHUNKS + 63) / 64;
+}
+
+void relax_field_read(struct relax_field *f, const struct finish_work *work, uint8_t which,
+                      const struct relax_stored *stored)
+{
+    shape(f, work, which, stored->box);
+    f->stored = stored;
+}
+
+enum err relax_field_begin(struct relax_field *f, const struct finish_work *work, uint8_t which,
+                           const struct finish_box *around, const struct relax_greys *greys,
+                           struct fault *fault)
+{
+    shape(f, work, which, box_around(&work->scene->grid, around));
+    f->greys = greys;
     const size_t bytes = lay_out(f);
     if (bytes > f->bytes) {
         relax_field_release(f);
@@ -647,24 +661,91 @@ void relax_field_release(struct relax_field *f)
     f->bytes = 0;
 }
 
+/* ---- stored ---- */
+
+/* Chunks of a word that may have moved. */
+static uint64_t known_at(const struct relax_field *f, size_t word)
+{
+    return f->stored ? f->stored->known[word] : f->known[0][word] | f->known[1][word];
+}
+
+bool relax_field_rests(const struct relax_field *f, uint32_t x, uint32_t y, uint32_t z)
+{
+    const uint32_t at[3] = {x, y, z};
+    for (int a = 0; a < 3; a++)
+        if (at[a] < f->box.first[a] || at[a] > f->box.last[a])
+            return true;
+    const size_t chunk = (x - f->box.first[0] + 2) / RELAX_CHUNK;
+    const size_t row = row_of(f, y - f->box.first[1], z - f->box.first[2]);
+    return !(known_at(f, row * f->chunk_words + chunk / 64) >> chunk % 64 & 1);
+}
+
+size_t relax_field_stored_bytes(const struct relax_field *f)
+{
+    size_t chunks = 0;
+    for (size_t word = 0; word < f->rows * f->chunk_words; word++)
+        chunks += (size_t)__builtin_popcountll(known_at(f, word));
+    return sizeof(struct relax_stored) + f->rows * f->chunk_words * sizeof(uint64_t) +
+           f->rows * sizeof(uint32_t) + chunks * sizeof(int32_t[RELAX_CHUNK]);
+}
+
+void relax_field_store(const struct relax_field *f, struct relax_stored *stored, size_t bytes)
+{
+    const size_t chunks = f->words * WORD_CHUNKS, words = f->rows * f->chunk_words;
+    uint32_t count = 0;
+    stored->bytes = bytes;
+    stored->box = f->box;
+    stored->known = (uint64_t *)(stored + 1);
+    stored->before = (uint32_t *)(stored->known + words);
+    stored->value = (int32_t(*)[RELAX_CHUNK])(stored->before + f->rows);
+    for (size_t row = 0; row < f->rows; row++) {
+        stored->before[row] = count;
+        for (size_t w = 0; w < f->chunk_words; w++) {
+            uint64_t known = known_at(f, row * f->chunk_words + w);
+            stored->known[row * f->chunk_words + w] = known;
+            for (; known; known &= known - 1) {
+                const size_t chunk = 64 * w + (unsigned)__builtin_ctzll(known);
+                int32_t *value = stored->value[count++];
+                for (unsigned parity = 0; parity < 2; parity++)
+                    memcpy(value + parity * LANES, f->u[parity] + (row * chunks + chunk) * LANES,
+                           LANES * sizeof *value);
+            }
+        }
+    }
+}
+
 /* ---- read ---- */
+
+/* The values of a chunk that may have moved, of one parity. */
+static const int32_t *values_of(const struct relax_field *f, unsigned parity, size_t row,
+                                size_t chunk)
+{
+    if (!f->stored)
+        return f->u[parity] + (row * f->words * WORD_CHUNKS + chunk) * LANES;
+    const uint64_t *known = f->stored->known + row * f->chunk_words;
+    size_t at = f->stored->before[row];
+    for (size_t w = 0; w < chunk / 64; w++)
+        at += (size_t)__builtin_popcountll(known[w]);
+    at += (size_t)__builtin_popcountll(known[chunk / 64] & ((UINT64_C(1) << chunk % 64) - 1));
+    return f->stored->value[at] + parity * LANES;
+}
 
 bool relax_field_next(const struct relax_field *f, uint32_t y, uint32_t z, struct relax_part *part)
 {
     const size_t row = row_of(f, y, z), chunks = f->words * WORD_CHUNKS;
     for (size_t c = part->chunk; c < chunks; c++) {
-        const size_t word = row * f->chunk_words + c / 64;
-        if (!((f->known[0][word] | f->known[1][word]) >> c % 64 & 1))
+        if (!(known_at(f, row * f->chunk_words + c / 64) >> c % 64 & 1))
             continue;
-        const size_t at = (row * chunks + c) * LANES, skipped = c ? 0 : 2;
+        const size_t skipped = c ? 0 : 2;
         const size_t x = c * RELAX_CHUNK + skipped - 2, left = f->size[0] - x;
         part->chunk = c + 1;
         part->x = (uint32_t)x;
         part->count = (uint32_t)(left < RELAX_CHUNK - skipped ? left : RELAX_CHUNK - skipped);
         for (unsigned parity = 0; parity < 2; parity++) {
             const bool odd = is_odd(f, parity, y, z);
+            const int32_t *value = values_of(f, parity, row, c);
             for (size_t lane = skipped / 2; lane < LANES; lane++)
-                part->value[2 * lane + odd - skipped] = f->u[parity][at + lane];
+                part->value[2 * lane + odd - skipped] = value[lane];
         }
         return true;
     }

@@ -51,7 +51,18 @@ struct relax_field {
     uint32_t *slot[2];     /* [rows][chunks] in this slot */
     int32_t *u[2];         /* [rows][chunks][RELAX_CHUNK / 2]: values */
     struct relax_weights *weights;
-    uint32_t slots; /* that are taken */
+    uint32_t slots;                    /* that are taken */
+    const struct relax_stored *stored; /* what is read, of a field that was made before; or NULL */
+};
+
+/* A field as it is read, with what follows it: bits of chunks that may have moved, how many of them
+ * there are before each row, and their values, even voxels first. */
+struct relax_stored {
+    size_t bytes;
+    struct finish_box box;
+    uint64_t *known;  /* [rows][chunk_words] */
+    uint32_t *before; /* [rows] */
+    int32_t (*value)[RELAX_CHUNK];
 };
 
 /* Has memory for the field of a label that lies in `around`. ERR_MEMORY; then it holds none. */
@@ -76,5 +87,15 @@ struct relax_part {
  * of the scene are as they were at first: RELAX_ONE in the label, 0 elsewhere. */
 bool relax_field_next(const struct relax_field *field, uint32_t y, uint32_t z,
                       struct relax_part *part);
+
+/* Stores a field that was made in so many bytes; and has one read again, alone, which was. */
+size_t relax_field_stored_bytes(const struct relax_field *field);
+void relax_field_store(const struct relax_field *field, struct relax_stored *stored, size_t bytes);
+void relax_field_read(struct relax_field *field, const struct finish_work *work, uint8_t which,
+                      const struct relax_stored *stored);
+
+/* Whether a voxel of the scene has never been looked at: it is as it was at first, and would be
+ * were it a seed. */
+bool relax_field_rests(const struct relax_field *field, uint32_t x, uint32_t y, uint32_t z);
 
 #endif

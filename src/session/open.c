@@ -285,6 +285,7 @@ static enum err replace_scene(struct session *session, unsigned doubled, struct 
     if (session->pictures)
         session->follower->leave_scene(session->pictures);
     label_measures_release(&session->measures);
+    relax_kept_release(&session->relaxed);
     session->former_scene =
         (struct former_scene){.scene = session->scene,
                               .said = session->said,

@@ -42,6 +42,7 @@ void session_close_scene(struct session *session)
     session->pictures = NULL;
     label_measures_release(&session->measures);
     finished_release(&session->finished);
+    relax_kept_release(&session->relaxed);
     hinting_release(&session->hinting);
     doubting_release(&session->doubting);
     weight_work_release(&session->weight_work);
@@ -290,7 +291,8 @@ struct session_memory session_memory_parts(const struct session *session)
     const struct hinting *hinting = &session->hinting;
     parts.answers = (hinting->heat ? hinting->cells : 0) +
                     hinting->hints.capacity * sizeof *hinting->hints.item +
-                    session->finished.cells + label_measures_memory(&session->measures);
+                    session->finished.cells + relax_kept_memory(&session->relaxed) +
+                    label_measures_memory(&session->measures);
     if (session->pictures)
         session->follower->count_memory(session->pictures, &parts);
     return parts;
@@ -338,8 +340,10 @@ void session_settle(struct session *session)
         scene_free(former->scene);
     }
     *former = (struct former_scene){0};
-    if (!session->now.kept.finish.count)
+    if (!session->now.kept.finish.count) {
         finished_release(&session->finished);
+        relax_kept_release(&session->relaxed);
+    }
     if (session->pictures)
         session->follower->settle(session->pictures);
     if (!session->now.kept.mask) {
@@ -356,6 +360,7 @@ static void take_back_scene(struct session *session)
     if (session->pictures)
         session->follower->leave_scene(session->pictures);
     label_measures_release(&session->measures);
+    relax_kept_release(&session->relaxed);
     border_release(&session->border);
     forest_free(session->forest);
     scene_free(session->scene);

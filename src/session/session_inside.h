@@ -8,6 +8,7 @@
 #include "engine/forest.h"
 #include "engine/hints.h"
 #include "engine/label_stats.h"
+#include "engine/relax_kept.h"
 #include "engine/roi.h"
 #include "engine/scene.h"
 #include "image/volume.h"
@@ -89,10 +90,11 @@ struct session {
     struct roi roi;
     struct roi_tally roi_tally;
     struct border border;
-    struct finished finished; /* session_labels */
-    struct hinting hinting;   /* session_find_hints */
-    struct doubting doubting; /* doubtful_find */
-    struct tally tally;       /* voxels of each label, once session_count_labels has been called */
+    struct finished finished;  /* session_labels */
+    struct relax_kept relaxed; /* to make them again sooner */
+    struct hinting hinting;    /* session_find_hints */
+    struct doubting doubting;  /* doubtful_find */
+    struct tally tally;        /* voxels of each label, once session_count_labels has been called */
     struct label_measures measures; /* of the forest's labels, once somebody has asked for them */
 
     bool knows_window; /* session_find_window */
