@@ -113,6 +113,11 @@ type_letters "U"
 see '^step 1 of 5, in the object: no seed'
 type_letters "q"
 see '^ch2>$'
+enter "seed 20,108,90 1"
+see '^step 1 of 5, in the object: 1 of its 1 seed lies outside the brain$'
+enter "interpolate 1 1 2"
+see 'ch2> interpolate 1 1 2'
+see '^step 1 of 5, in the object: no seed of label 1 is there yet$'
 enter "quit"
 see '^journal: tutorial-3\.iftty '
 "$iftty" log --script tutorial-3.iftty | grep -qx 'finish relax' || fail "labels do not settle"

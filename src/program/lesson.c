@@ -32,8 +32,8 @@ static bool are_planted(const struct lesson *lesson, int label, struct buf *miss
         buf_printf(missing, "no seed of %s is there yet",
                    label == OBJECT ? "label 1" : "the background");
     else if (2 * wrong > in + out)
-        buf_printf(missing, "%zu of its %zu seeds lie %s the brain", wrong, in + out,
-                   label == OBJECT ? "outside" : "in");
+        buf_printf(missing, "%zu of its %zu seed%s lie%s %s the brain", wrong, in + out,
+                   plural(in + out), in + out == 1 ? "s" : "", label == OBJECT ? "outside" : "in");
     return missing->length == 0;
 }
 
@@ -232,6 +232,7 @@ enum err lesson_begin(struct lesson *lesson, const struct interpreter *interp, s
         err = map_read(&map, buf_text(&path), &place, watch, fault);
     if (!err)
         err = map_to_labels(&lesson->truth, &map, &choice, watch, fault);
+    memcpy(lesson->size, place.grid->size, sizeof lesson->size);
     volume_release(&map);
     buf_release(&path);
     return err;
@@ -243,7 +244,8 @@ void lesson_release(struct lesson *lesson)
     *lesson = (struct lesson){0};
 }
 
-/* Whole slices, so that what differs is known of each. */
+/* Slice by slice, so that what differs is known of each; nothing once `interpolate` has
+ * made another grid. */
 static void count(struct lesson *lesson, const struct labels *labels)
 {
     const struct scene *scene = labels->scene;
@@ -251,6 +253,8 @@ static void count(struct lesson *lesson, const struct labels *labels)
     uint64_t most = 0;
     lesson->overlap = (struct overlap){0};
     memset(lesson->seeds, 0, sizeof lesson->seeds);
+    if (memcmp(lesson->size, scene->grid.size, sizeof lesson->size) != 0)
+        return;
     for (uint32_t z = 0; z < scene->grid.size[2]; z++) {
         const uint64_t before = lesson->overlap.differing;
         for (uint32_t y = 0; y < scene->grid.size[1]; y++) {
@@ -281,8 +285,8 @@ void lesson_look(struct lesson *lesson, struct session *session, bool waits)
         labels.finished = NULL; /* it was cancelled */
     if (settles && !labels.finished)
         labels.finished = session_finished(session);
-    const uint64_t of =
-        hash_mix_at(forest_digest(session_forest(session)), labels.finished != NULL);
+    const uint64_t of = hash_mix_at(forest_digest(session_forest(session)),
+                                    session_scene_digest(session) + !!labels.finished);
     lesson->is_settled = !settles || labels.finished;
     if (lesson->of != of)
         count(lesson, &labels);

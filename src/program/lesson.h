@@ -17,7 +17,8 @@
 #define LESSON_TRUTH "ch2bet.nii.gz"
 
 struct lesson {
-    uint8_t *truth;  /* 1 in the brain, else 0: [z][y][x] */
+    uint8_t *truth; /* 1 in the brain, else 0: [z][y][x], */
+    uint32_t size[3];
     uint64_t of;     /* what was looked at last, */
     bool is_settled; /* whose labels had settled, */
     struct overlap overlap;

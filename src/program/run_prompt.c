@@ -192,6 +192,7 @@ static enum err prompt_begin(void *context, struct buf *output, struct fault *fa
         err = lesson_begin(prompt->lesson, &prompt->interp, fault);
     if (!err && prompt->lesson) {
         buf_clear(output);
+        buf_add_text(output, buf_text(&prompt->config.words));
         lesson_add_beginning(output);
         add_lesson(prompt, output);
     }
