@@ -71,6 +71,19 @@ same "$(ls "$root/tmp" | wc -l)" 6
 for file in "$work"/here/tmp/*; do same_files "$file" "$root/tmp/${file##*/}"; done
 close_story
 
+begin "a journal of either verifies in the other"
+script='open scene.nii weight=morph; seed 6,10,8 1; run; golden left; finish relax; golden top'
+mkdir "$root/theirs" "$work/here/ours"
+cp "$root/scene.nii" "$root/theirs"
+cp "$root/scene.nii" "$work/here/ours"
+alone 0 -c "$script" --journal theirs/a.iftty
+expect_in "$work/here" 0 "$iftty" -c "$script" --journal ours/a.iftty </dev/null
+same_files "$root/theirs/a.iftty" "$work/here/ours/a.iftty"
+cp -R "$work/here/ours" "$root/ours"
+alone 0 verify --strict ours/a.iftty
+expect_in "$root" 0 "$iftty" verify --strict theirs/a.iftty </dev/null
+close_story
+
 begin "scenes as NIfTI and MGH are read, compressed too"
 /usr/bin/python3 -c '
 import sys, nibabel
@@ -100,7 +113,7 @@ close_story
 
 # The oldest Debian that still is served; as root alone, since it is made by debootstrap.
 begin "in a bare Debian 11"
-bullseye=$static/debian-11
+bullseye=$build/debian-11 # which stays for the next time
 if [ "$(id -u)" != 0 ]; then
     skip "debootstrap asks for root"
 elif needs debootstrap && [ ! -x "$bullseye/bin/ls" ]; then
