@@ -173,7 +173,7 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
                      sway grim wtype xdotool tmux screen pterm rxvt-unicode chafa python3-pil
 
 .DEFAULT_GOAL := all
-.PHONY: all install uninstall deb static tests test test-long test-stress test-bare test-static \
+.PHONY: all install uninstall deb static tests test test-long test-stress soak test-bare test-static \
         test-reproducible check-format format analyse variants test-matrix test-matrix-short \
         test-terminals test-cohort fuzz fuzzers demo bench-peers bench-chafa bench-paper \
         bench-growth bench-render bench-frames bench-journal bench-keys bench-looks bench-effort \
@@ -227,6 +227,10 @@ fuzz: build/.packages-matrix
 ## test-stress: the programs that depend on time, 20 times under a load of 12 busy processes
 test-stress: all tests build/.packages-test
 	@tests/stress.sh $(BUILD)
+
+## soak: 100 000 random commands by prompt, pilot and serve, with kills; some hours, in build/soak
+soak: build/iftty
+	@rm -rf build/soak && python3 tests/soak.py build/iftty build/soak
 
 ## test-bare: `make demo` and `make test` in a bare Debian 12 with git, make and gcc alone; asks for
 ##     root, and some GB in build/bare
