@@ -28,6 +28,7 @@ import time
 IFTTY, FOLDER = os.path.abspath(sys.argv[1]), sys.argv[2]
 COMMANDS = int(os.environ.get("COMMANDS", "100000"))
 JOURNAL, SIDE, BATCH, WAIT = "soak.iftty", 100, 40, 300
+OPEN = "open synth:geom:%dx%dx%d" % (SIDE, SIDE, SIDE)
 rng = random.Random(int(os.environ.get("SEED", "1")))
 count = {"serve": 0, "prompt": 0, "pilot": 0}
 memory = []  # of each session: kind, commands, kB at a quarter, at the end, and most, records
@@ -273,12 +274,14 @@ def main():
     os.chdir(FOLDER)
     os.environ["IFTTY_CONFIG"] = os.environ["IFTTY_HISTORY"] = ""
     begun = time.monotonic()
-    told(["open synth:geom:%dx%dx%d" % (SIDE, SIDE, SIDE), "size 128 128", "auto on"], "--journal", JOURNAL)
+    told([OPEN, "size 128 128", "auto on"], "--journal", JOURNAL)
     kinds = [Serve, Prompt, Pilot]
     sessions = 0
     while sum(count.values()) < COMMANDS:
         left = COMMANDS - sum(count.values())
-        one_session(kinds[sessions % 3], min(left, 500 if kinds[sessions % 3] is Pilot else 2000), sessions % 3 == rng.randrange(3))
+        kind = kinds[sessions % 3]
+        most = 500 if kind is Pilot else 2000
+        one_session(kind, min(left, most), sessions % 3 == rng.randrange(3))
         sessions += 1
         kind, _, quarter, last, most, _ = memory[-1]
         print("# %6d commands, %5.0f s, %s: %d records, %d kB after a quarter, %d at the end, "
@@ -286,7 +289,7 @@ def main():
                            last, most), flush=True)
     last = labels_of(told(["run", "save seeds last.csv replace=yes", "stats"],
                           "--journal", JOURNAL))
-    scratch = labels_of(told(["open synth:geom:%dx%dx%d" % (SIDE, SIDE, SIDE), "seed-file last.csv", "run", "stats"]))
+    scratch = labels_of(told([OPEN, "seed-file last.csv", "run", "stats"]))
     print("%s - labels from the seeds alone are those of the journal: %s, %s" %
           ("ok" if last == scratch else "not ok", last, scratch))
     verified = subprocess.run([IFTTY, "verify", "--strict", JOURNAL], check=False).returncode
