@@ -175,10 +175,10 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
 .DEFAULT_GOAL := all
 .PHONY: all install uninstall deb static tests test test-long test-stress soak test-bare \
         test-static test-reproducible check-format format analyse variants test-matrix \
-        test-matrix-short test-terminals test-cohort fuzz fuzzers demo bench-peers bench-chafa bench-paper \
-        bench-growth bench-render bench-frames bench-journal bench-keys bench-looks bench-effort \
-        bench-mend bench-noise bench-register bench-series bench-files bench-beside bench-apply \
-        bench-surface remake-examples help clean packages
+        test-matrix-short test-terminals test-cohort fuzz fuzzers demo bench-peers bench-chafa \
+        bench-paper bench-growth bench-render bench-frames bench-journal bench-keys bench-looks \
+        bench-effort bench-mend bench-noise bench-register bench-series bench-files bench-beside \
+        bench-apply bench-surface remake-examples help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
