@@ -757,19 +757,6 @@ enum err session_draw_fitting(struct session *session, bool hurries, struct glan
     return err;
 }
 
-bool session_fits_itself(const struct session *session, uint32_t place[3])
-{
-    static const int64_t middle[3];
-    const struct view *view = &session_outlook(session)->view;
-    const struct pictures *p = session_pictures(session);
-    const bool fits = p && p->own.has_place &&
-                      view->zoom == view_default(session_scene(session)).zoom &&
-                      view->zoom < p->own.zoom && memcmp(view->focus, middle, sizeof middle) == 0;
-    if (fits)
-        memcpy(place, p->own.place, sizeof p->own.place);
-    return fits;
-}
-
 struct view session_fitting_view(const struct session *session)
 {
     struct view view = session_outlook(session)->view;
@@ -779,12 +766,21 @@ struct view session_fitting_view(const struct session *session)
                                  ? p->own.zoom
                                  : view_fitting_zoom(scene, view.width, view.height,
                                                      session_outlook(session)->look.samples);
-    uint32_t place[3];
-    if (session_fits_itself(session, place))
-        view_focus_on(&view, scene, place);
-    if (view.zoom == view_default(scene).zoom && view.zoom < fitting)
-        view.zoom = fitting;
+    if (view.zoom != view_default(scene).zoom || view.zoom >= fitting)
+        return view;
+    view.zoom = fitting;
+    if (p && p->own.has_place && !(view.focus[0] | view.focus[1] | view.focus[2]))
+        view_focus_on(&view, scene, p->own.place);
     return view;
+}
+
+bool session_fits_itself(const struct session *session, uint32_t place[3])
+{
+    const struct view *view = &session_outlook(session)->view, own = session_fitting_view(session);
+    const bool fits = memcmp(own.focus, view->focus, sizeof own.focus) != 0;
+    if (fits)
+        memcpy(place, session_pictures(session)->own.place, 3 * sizeof *place);
+    return fits;
 }
 
 enum err session_render(struct session *session, enum render_mode mode, struct fault *fault)
