@@ -96,7 +96,7 @@ class Session:
     """A process, of which `memory` is how many kB it takes."""
 
     def __init__(self):
-        self.begun = self.done = 0
+        self.done = 0
         self.sizes = []
 
     def note(self, commands):
@@ -149,9 +149,9 @@ class Prompt(Session):
             [IFTTY, JOURNAL], stdin=slave, stdout=slave, stderr=slave, start_new_session=True,
             env=dict(os.environ, TERM="xterm-256color", COLUMNS="80", LINES="24"))
         os.close(slave)
-        self.enter_pilot()
+        self.enter()
 
-    def enter_pilot(self):
+    def enter(self):
         self.mark("")
 
     def send(self, text):
@@ -185,12 +185,8 @@ class Prompt(Session):
                     return
         fail("%s does not come to `%s`" % (self.kind, line))
 
-    def type(self, lines):
-        for line in lines:
-            self.send(line + "\r")
-
     def batch(self, lines, dies=False):
-        self.type(lines)
+        self.send("".join(line + "\r" for line in lines))
         if not dies:
             self.mark("")
 
@@ -221,7 +217,7 @@ class Pilot(Prompt):
              "+", "-", "b", "e", "\x1b[1;2C", "\x1b[1;2A", "z", "Z", "F", "y", "m", "c", "xx", "n",
              "t"] + ["i", "I", "s1", "s2", "3l", "5j"] * 3)
 
-    def enter_pilot(self):
+    def enter(self):
         self.mark("")
         self.send("\x0f")
         time.sleep(0.5)

@@ -300,11 +300,13 @@ static bool agree_again(const struct finish_list *list, const struct scene *scen
     return same;
 }
 
-/* An edit: a few voxels side by side get a label, or seeds, or lose them, or are left out. */
+/* An edit: voxels side by side get a label, or are seeds or left out, or are so no longer; often
+ * those that an edit before was of. */
 static void edit(const struct volume *v, struct scene *scene)
 {
     const uint8_t label = (uint8_t)below(LABELS), how = (uint8_t)below(4);
-    const int first = (int)below((uint32_t)v->count), end = first + 1 + (int)below(6);
+    const uint32_t count = (uint32_t)v->count, at = below(2) ? below(count) : below(4) * count / 4;
+    const int first = (int)at, end = first + 1 + (int)(below(2) ? below(6) : 40);
     for (int i = first; i < end && i < v->count; i++) {
         struct cell *cell = &scene->cell[cell_of(v, &scene->grid, i)];
         if (how == 0)
@@ -312,6 +314,17 @@ static void edit(const struct volume *v, struct scene *scene)
         else
             cell->flags ^= how == 1 ? CELL_SEED : how == 2 ? CELL_OUTSIDE : 0;
     }
+}
+
+/* Stopped somewhere, which leaves what is kept as it should be. */
+static void stop(const struct finish_list *list, struct scene *scene, struct relax_kept *kept)
+{
+    int looks = (int)below(12);
+    struct watch watch = {.context = &looks, .poll = stop_after_looks, .step = 1};
+    uint8_t *label;
+    scene->watch = &watch;
+    CHECK(finish_make_again(&label, list, scene, NULL, kept, NULL) == ERR_CANCELLED);
+    scene->watch = NULL;
 }
 
 /* What has not changed is as it was, whatever the edits; and some of it is never made again. */
@@ -332,10 +345,13 @@ STORY(fields_that_are_kept_are_those_that_would_be_made)
                                             .argument = 1};
         for (int edits = 0; edits < 12 && agree_again(&list, scene, &kept, round); edits++) {
             edit(&v, scene);
+            if (edits % 3 == 2)
+                stop(&list, scene, &kept);
             if (edits == 5)
                 list.step[0].argument++;
             if (edits == 8)
-                kept.most = 2000; /* not all of them */
+                kept.most = kept.bytes; /* no more of them */
+            CHECK(kept.bytes <= kept.most);
             for (int label = 1; label < 256; label++)
                 kept_fields += kept.field[label] != NULL;
         }

@@ -116,8 +116,9 @@ struct finish_list {
     struct finish_step step[FINISH_STEPS_MOST];
 };
 
-/* What a step works on. Labels are [grid.cells], 0 in the rim of both. */
 struct relax_kept;
+
+/* What a step works on. Labels are [grid.cells], 0 in the rim of both. */
 struct finish_work {
     const struct scene *scene;
     struct team *team;

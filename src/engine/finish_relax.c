@@ -133,8 +133,6 @@ enum err relax_each(const struct finish_work *work, unsigned label, uint32_t swe
 {
     struct watch *watch = work->scene->watch;
     struct relaxing *r = mem_new(sizeof *r);
-    /* What is of one label alone has changed with each edit. */
-    struct relax_kept *kept = label == FINISH_ALL_LABELS ? work->kept : NULL;
     if (!r)
         return fault_memory(fault, "relaxed labels");
     r->work = work;
@@ -142,6 +140,8 @@ enum err relax_each(const struct finish_work *work, unsigned label, uint32_t swe
     enum err err = list_labels(r, label, fault);
     if (!err && r->count)
         relax_find_greys(&r->greys, work->scene, work->team);
+    /* A field that is alone has changed with each edit. */
+    struct relax_kept *kept = label == FINISH_ALL_LABELS && r->count > 1 ? work->kept : NULL;
     if (!err && kept)
         relax_kept_follow(kept, work, &r->greys, sweeps);
     if (!err && kept)

@@ -99,8 +99,10 @@ static void compare_part(void *context, unsigned worker)
     const struct comparing *c = context;
     const struct grid *grid = &c->work->scene->grid;
     const struct slab slab = grid_slab(grid, worker, team_size(c->work->team));
+    struct task task =
+        task_begin_part(c->work->scene->watch, "relaxed labels", slab_voxels(grid, slab), worker);
     for (uint32_t z = slab.first; z < slab.end; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++)
+        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++)
             compare_row(c, &c->by[worker], y, z);
 }
 
@@ -113,6 +115,7 @@ static bool reaches(const struct finish_box *field, const struct finish_box *box
     return meets;
 }
 
+/* Without memory false. Where the scene's watch stops it, what was not looked at is as it was. */
 static bool compare(struct relax_kept *kept, const struct finish_work *work)
 {
     const unsigned workers = team_size(work->team);
@@ -173,7 +176,7 @@ bool relax_kept_find(const struct relax_kept *kept, const struct finish_work *wo
 void relax_kept_add(struct relax_kept *kept, const struct relax_field *field)
 {
     const size_t bytes = relax_field_stored_bytes(field);
-    if (!kept->cells || kept->field[field->which] || bytes > kept->most - kept->bytes)
+    if (!kept->cells || kept->field[field->which] || kept->bytes + bytes > kept->most)
         return;
     struct relax_stored *stored = mem_pages(bytes);
     if (!stored)

@@ -26,7 +26,7 @@ struct relax_kept {
 };
 
 /* Forgets the fields that others, of these labels and this scene, may differ from. Without memory
- * it forgets all, and keeps none. */
+ * it forgets all, and keeps none; stopped by the scene's watch, it goes on the next time. */
 void relax_kept_follow(struct relax_kept *kept, const struct finish_work *work,
                        const struct relax_greys *greys, uint32_t sweeps);
 
