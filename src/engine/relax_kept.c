@@ -52,13 +52,13 @@ struct comparing {
 static bool rests_free(const struct comparing *c, unsigned label, uint32_t at, const uint32_t p[3])
 {
     const ptrdiff_t *step = c->work->scene->grid.step;
-    const uint8_t *of = c->work->label;
+    const uint8_t *of = c->work->label + at;
     bool rests = true;
     for (int way = 0; way < 6 && rests; way++) {
         const int a = way / 2, by = way % 2 ? 1 : -1;
         uint32_t q[3] = {p[0], p[1], p[2]};
         q[a] += (uint32_t)by;
-        rests = (of[at] == label) == (of[at + by * step[a]] == label) &&
+        rests = (of[0] == label) == (of[by * step[a]] == label) &&
                 relax_field_rests(&c->field[label], q[0], q[1], q[2]);
     }
     return rests;
