@@ -415,9 +415,9 @@ MANUAL_PARTS  = $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/manual/*.c))
 $(BUILD)/iftty-manual: $(MANUAL_PARTS) $(LIBRARY)
 	$(say) "link      $@"
 	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $(MANUAL_PARTS) $(LIBRARY) $(LIBS)
-$(BUILD)/share: $(BUILD)/iftty-manual
+$(BUILD)/share: $(BUILD)/iftty-manual journal/FORMAT.md
 	@rm -rf $@
-	@$< $@
+	@$< $@ journal/FORMAT.md
 
 $(LIBRARY): $(OBJECTS)
 	@rm -f $@

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* iftty-manual FOLDER: writes the manual and the completions below a folder, laid out as below
- * PREFIX/share. It runs where iftty is built, and is no part of it. */
+/* iftty-manual FOLDER FORMAT.md: writes the manual and the completions below a folder, laid out as
+ * below PREFIX/share. It runs where iftty is built, and is no part of it. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/file.h"
 #include "manual/manual.h"
 #include "program/program.h"
 
@@ -38,6 +39,21 @@ static bool write_file(struct buf *path, struct buf *text)
     return written;
 }
 
+/* False, after a line on standard error. */
+static bool add_journal_page(struct buf *out, const char *path)
+{
+    struct buf format = {0};
+    struct fault fault = {0};
+    unsigned wrong = 0;
+    if (file_read(&format, path, 1 << 20, &fault) != OK)
+        fprintf(stderr, "iftty-manual: %s\n", fault.text);
+    else if ((wrong = manual_journal_page(out, buf_text(&format))) != 0)
+        fprintf(stderr, "iftty-manual: %s:%u: written as no page can be (src/manual/markdown.h)\n",
+                path, wrong);
+    buf_release(&format);
+    return fault.code == OK && !wrong;
+}
+
 int main(int count, char **word)
 {
     static const struct {
@@ -45,17 +61,17 @@ int main(int count, char **word)
         void (*add)(struct buf *out);
     } single[] = {
         {"man/man1/iftty.1", manual_page},
-        {"man/man5/iftty-journal.5", manual_journal_page},
         {"bash-completion/completions/iftty", completion_bash},
         {"zsh/site-functions/_iftty", completion_zsh},
         {"fish/vendor_completions.d/iftty.fish", completion_fish},
     };
     struct buf path = {0}, text = {0};
-    if (count != 2) {
-        fputs("expected `iftty-manual FOLDER`\n", stderr);
+    if (count != 3) {
+        fputs("expected `iftty-manual FOLDER FORMAT.md`\n", stderr);
         return 2;
     }
-    bool written = true;
+    buf_printf(&path, "%s/man/man5/iftty-journal.5", word[1]);
+    bool written = add_journal_page(&text, word[2]) && write_file(&path, &text);
     for (size_t i = 0; written && i < sizeof single / sizeof single[0]; i++) {
         buf_printf(&path, "%s/%s", word[1], single[i].path);
         single[i].add(&text);

@@ -6,78 +6,26 @@
 
 #include "base/version.h"
 #include "command/command.h"
+#include "manual/markdown.h"
+#include "manual/roff.h"
 #include "program/program.h"
-
-/* ---- text for groff and mandoc ---- */
-
-enum { LINE_MOST = 78 };
-
-/* Characters that would be set as others, as '-' is as a hyphen; a line may end after '|'. */
-static void add_escaped(struct buf *out, const char *text, size_t length)
-{
-    static const char plain[] = "\\-`'~^\"|";
-    static const char *const set[] = {"\\e",   "\\-",   "\\(ga", "\\(aq",
-                                      "\\(ti", "\\(ha", "\\(dq", "|\\:"};
-    for (size_t i = 0; i < length; i++) {
-        const char *special = text[i] ? strchr(plain, text[i]) : NULL;
-        if (special)
-            buf_add_text(out, set[special - plain]);
-        else
-            buf_add_char(out, text[i]);
-    }
-}
-
-/* Words in lines that are not too long; each line feed of `text` ends a paragraph, which `between`
- * parts from the next. */
-static void add_text(struct buf *out, const char *text, const char *between)
-{
-    struct buf word = {0};
-    size_t column = 0;
-    while (*text) {
-        const size_t length = strcspn(text, " \n");
-        buf_clear(&word);
-        add_escaped(&word, text, length);
-        if (column && column + 1 + word.length > LINE_MOST) {
-            buf_add_char(out, '\n');
-            column = 0;
-        }
-        const char *before = column ? " " : *text == '.' ? "\\&" : "";
-        buf_printf(out, "%s%s", before, buf_text(&word));
-        column += strlen(before) + word.length;
-        text += length;
-        if (*text == '\n' && text[1]) {
-            buf_printf(out, "\n%s\n", between);
-            column = 0;
-        }
-        text += strspn(text, " \n");
-    }
-    buf_add_char(out, '\n');
-    out->failed |= word.failed;
-    buf_release(&word);
-}
 
 /* A line in bold, as what is typed. */
 static void add_typed(struct buf *out, const char *text)
 {
     buf_add_text(out, "\\fB");
-    add_escaped(out, text, strlen(text));
+    roff_add_escaped(out, text, strlen(text));
     buf_add_text(out, "\\fP\n");
-}
-
-static void add_capitals(struct buf *out, const char *text)
-{
-    for (; *text; text++)
-        buf_add_char(out, (char)toupper((unsigned char)*text));
 }
 
 /* Of the page of a name such as "iftty-verify". */
 static void add_title(struct buf *out, const char *name, int section)
 {
     buf_add_text(out, ".TH ");
-    add_capitals(out, name);
+    roff_add_capitals(out, name, strlen(name));
     buf_printf(out, " %d %s \"iftty %s\"\n.ad l\n.SH NAME\n", section, PROGRAM_DATE,
                PROGRAM_VERSION);
-    add_escaped(out, name, strlen(name));
+    roff_add_escaped(out, name, strlen(name));
     buf_add_text(out, " \\- ");
 }
 
@@ -120,11 +68,11 @@ static void add_options(struct buf *out, const struct program *program)
         else if (option->value)
             buf_add_text(&value, option->value);
         buf_add_text(out, ".TP\n\\fB");
-        add_escaped(out, option->name, strlen(option->name));
+        roff_add_escaped(out, option->name, strlen(option->name));
         buf_add_text(out, value.length ? "\\fP " : "\\fP");
-        add_escaped(out, buf_text(&value), value.length);
+        roff_add_escaped(out, buf_text(&value), value.length);
         buf_add_char(out, '\n');
-        add_text(out, option->help, ".IP");
+        roff_add_text(out, option->help, ".IP");
         out->failed |= value.failed;
         buf_release(&value);
     }
@@ -163,10 +111,10 @@ static void add_forms(struct buf *out, const char *name)
         buf_add_text(out, ".SS ");
         add_usage(out, p);
         buf_add_char(out, (char)toupper((unsigned char)*p->summary));
-        add_text(out, p->summary + 1, ".PP");
+        roff_add_text(out, p->summary + 1, ".PP");
         if (p->detail) {
             buf_add_text(out, ".PP\n");
-            add_text(out, p->detail, ".PP");
+            roff_add_text(out, p->detail, ".PP");
         }
         add_options(out, p);
     }
@@ -199,7 +147,7 @@ static const char *after_colon(const char *text)
 void manual_page(struct buf *out)
 {
     add_title(out, program_table.called, 1);
-    add_text(out, after_colon(program_table.about), "");
+    roff_add_text(out, after_colon(program_table.about), "");
     add_synopsis(out, NULL);
     buf_add_text(out, ".SH DESCRIPTION\nEach program has a page of its own, such as\n"
                       ".BR iftty\\-verify (1).\nThe commands of prompt, script and journal are in\n"
@@ -208,14 +156,14 @@ void manual_page(struct buf *out)
         const struct program *p = program_table.row + i;
         buf_add_text(out, ".TP\n");
         add_usage(out, p);
-        add_text(out, p->summary, ".IP");
+        roff_add_text(out, p->summary, ".IP");
     }
     buf_add_text(out, ".SH OPTIONS\n");
     add_forms(out, NULL);
     buf_add_text(out, ".SH EXIT STATUS\n.nf\n");
     for (const char *at = program_table.closing; *at; at += strspn(at, "\n")) {
         const size_t length = strcspn(at, "\n");
-        add_escaped(out, at, length);
+        roff_add_escaped(out, at, length);
         buf_add_char(out, '\n');
         at += length;
     }
@@ -230,7 +178,7 @@ void manual_program_page(struct buf *out, const char *name)
     struct buf title = {0};
     buf_printf(&title, "%s-%s", program_table.called, name);
     add_title(out, buf_text(&title), 1);
-    add_text(out, manual_summary(name), "");
+    roff_add_text(out, manual_summary(name), "");
     add_synopsis(out, name);
     buf_add_text(out, ".SH DESCRIPTION\n");
     add_forms(out, name);
@@ -247,10 +195,10 @@ static void add_command(struct buf *out, const struct command *command)
     command_usage(&usage, command);
     buf_add_text(out, ".TP\n");
     add_typed(out, buf_text(&usage));
-    add_text(out, command->summary, ".IP");
+    roff_add_text(out, command->summary, ".IP");
     if (command->detail) {
         buf_add_text(out, ".IP\n");
-        add_text(out, command->detail, ".IP");
+        roff_add_text(out, command->detail, ".IP");
     }
     buf_add_text(out, ".IP\nExample:\n");
     add_typed(out, command->example);
@@ -258,26 +206,28 @@ static void add_command(struct buf *out, const struct command *command)
     buf_release(&usage);
 }
 
-void manual_journal_page(struct buf *out)
+unsigned manual_journal_page(struct buf *out, const char *format)
 {
     add_title(out, "iftty-journal", 5);
-    add_text(out, "the commands of a session, in order, with what each gave", "");
+    roff_add_text(out, "the commands of a session, in order, with what each gave", "");
     buf_add_text(out, ".SH DESCRIPTION\n");
-    add_text(out,
-             "A journal is a text file. Its first line says which format it has, and which meaning "
-             "of commands. Each record is a command as it would be typed at the prompt, and a line "
-             "with the digests of what came of it and a chain of digests over all that stands "
-             "before. A script is a file of commands without that first line.\n"
-             "FORMAT.md, which is installed beside the examples, describes it byte for byte. These "
-             "are the commands.",
-             ".PP");
+    roff_add_text(
+        out,
+        "A journal is a text file. Its first line says which format it has, and which meaning "
+        "of commands. Each record is a command as it would be typed at the prompt, and a line "
+        "with the digests of what came of it and a chain of digests over all that stands "
+        "before. A script is a file of commands without that first line.\n"
+        "These are the commands; after them is what a journal is byte for byte.",
+        ".PP");
     for (enum command_group group = 0; group < GROUPS; group++) {
         buf_add_text(out, ".SH ");
-        add_capitals(out, command_group_name[group]);
+        roff_add_capitals(out, command_group_name[group], strlen(command_group_name[group]));
         buf_add_char(out, '\n');
         for (unsigned i = 0; i < command_count(); i++)
             if (command_at(i)->group == group)
                 add_command(out, command_at(i));
     }
+    const unsigned wrong = markdown_add(out, format);
     add_see_also(out, NULL);
+    return wrong;
 }
