@@ -438,6 +438,29 @@ STORY(a_cursor_move_costs_next_to_nothing)
     }
 }
 
+/* What a slow line begins with, before it is known to be slow. */
+STORY(a_whole_picture_of_blocks_takes_fewer_bytes_where_they_count)
+{
+    struct terminal_facts facts = facts_of(&graphics_kitty, 8, 16);
+    uint64_t seed = 12;
+    struct image_view view = picture(320, 320);
+    fill_all(&view, &seed);
+    for (size_t i = 0; i < 320 * 320; i++)
+        memcpy(pixels + 4 * i, pixels + 4 * (i / 320 / 8 * 8 * 320 + i % 320 / 8 * 8), 4);
+    size_t bytes[2];
+    for (unsigned is_coarse = 0; is_coarse < 2; is_coarse++) {
+        struct painter p = {0};
+        screen_begin(8, 16);
+        painter_place(&p, &facts, 0, 0, 40, 20);
+        view.is_coarse = is_coarse;
+        bytes[is_coarse] = show(&p, &view);
+        CHECK_INT(wrong_pixels(&p, &view), 0);
+        painter_release(&p);
+    }
+    if (!CHECK(bytes[1] < bytes[0] * 3 / 4))
+        printf("#   %zu bytes coarse, %zu otherwise\n", bytes[1], bytes[0]);
+}
+
 STORY(a_large_patch_for_kitty_goes_in_chunks)
 {
     struct terminal_facts facts = facts_of(&graphics_kitty, 8, 16);
@@ -1186,6 +1209,7 @@ int main(void)
         TELL(pictures_of_every_size_and_kind_follow_each_other),
         TELL(few_colours_come_exactly_and_more_may_join_them),
         TELL(a_cursor_move_costs_next_to_nothing), TELL(a_large_patch_for_kitty_goes_in_chunks),
+        TELL(a_whole_picture_of_blocks_takes_fewer_bytes_where_they_count),
         TELL(what_moves_or_was_overwritten_goes_whole_and_what_is_removed_is_gone),
         TELL(one_means_after_another_leaves_nothing),
         TELL(sixels_beyond_the_limit_of_the_terminal_come_in_pieces),

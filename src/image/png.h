@@ -19,7 +19,7 @@
 /* Whether time counts, or bytes do. On pictures rounded to a palette deflate's level 1 makes 45 kB
  * of a 512x512 rendition in 0.9 ms, 6 makes 42 kB in 1.7 ms; of 40x40 pixels 1 makes 821 bytes, 6
  * makes 844, and 10 makes 769 in 0.1 ms. So the levels are 1, 10, which is for small pictures, 6
- * for files, and 6 with both filters for slow lines. */
+ * for files and for whole pictures in blocks of pixels, and 6 with both filters for slow lines. */
 enum png_effort { PNG_FAST, PNG_SMALL, PNG_FILE, PNG_SLOW_LINE, PNG_EFFORTS };
 
 /* Compressors and memory, used again for the next picture. `struct png_writer w = {0}` is ready. */

@@ -490,7 +490,7 @@ static void show_whole(struct painter *p, const struct image_view *view, struct 
     const struct raster raster = raster_of(p, 1);
     const struct raster_box all = {0, 0, p->width, p->height};
     const struct graphics *g = p->facts.graphics;
-    p->effort = view->is_slow ? PNG_SLOW_LINE : PNG_FAST;
+    p->effort = view->is_slow ? PNG_SLOW_LINE : view->is_coarse ? PNG_FILE : PNG_FAST;
     p->is_worn = false;
     if (g->whole)
         g->whole(p, &raster, out);
