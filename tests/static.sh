@@ -97,9 +97,9 @@ close_story
 
 begin "what takes a helper says so"
 alone 3 -c 'open scene.nii; seed 6,10,8 1; run; render tmp/picture.jpg'
-err_has "image helper"
+err_has "; the package iftty-image has it"
 alone 3 -c 'open tmp/labels.nrrd'
-err_has "volume helper"
+err_has "; the package iftty-volume has it"
 close_story
 
 begin "it finds itself, as one of two builds that are compared"

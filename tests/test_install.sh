@@ -27,6 +27,9 @@ out_has png
 mv "$tree/libexec" "$work/away"
 expect_in "$work" 3 "$tree/bin/iftty" info picture.png </dev/null
 err_has "image helper"
+err_has "; the package iftty-image has it, or \`make install\` of a checkout where it was built"
+expect_in "$work" 3 "$tree/bin/iftty" -c 'open labels.nrrd' </dev/null
+err_has "; the package iftty-volume has it"
 mv "$work/away" "$tree/libexec"
 ln -s "$tree/bin/iftty" "$work/linked"
 expect_in "$work" 0 "$work/linked" info picture.png </dev/null

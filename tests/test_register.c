@@ -149,7 +149,7 @@ static const char *fault_of(const char *script)
 
 STORY(a_helper_that_is_missing_dies_or_lies_costs_one_line)
 {
-    CHECK_HAS(fault_of(NULL), "`make build/iftty-register` builds it");
+    CHECK_HAS(fault_of(NULL), "; the package iftty-volume has it");
     CHECK_HAS(fault_of("exit 7"), "ended with status 7");
     CHECK_HAS(fault_of("kill -SEGV $$"), "died (Segmentation fault)");
     CHECK_HAS(fault_of(HEARD "echo what; sleep 9"), "makes no sense");

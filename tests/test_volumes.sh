@@ -352,7 +352,10 @@ END
 begin "a helper that is missing, ends, dies, lies or floods ends the import and no more"
 odd_helper 'exit 0'
 rm "$work/odd/iftty-volume"
-told "\`make\` builds it"
+told "; the package iftty-volume has it"
+: >"$work/odd/libiftty.a" # as beside the program of a checkout
+told "\`make\` builds it (of ITK, which Debian has as libinsighttoolkit5-dev)"
+rm "$work/odd/libiftty.a"
 odd_helper 'exit 7'
 told "ended with status 7"
 odd_helper 'kill -SEGV $$'

@@ -49,6 +49,17 @@ enum err coprocess_find(struct buf *out, const char *name, struct fault *fault)
     return !err && failed ? fault_memory(fault, "a file name") : err;
 }
 
+/* Where a program is linked, the library of its checkout lies beside it. */
+static bool is_in_checkout(void)
+{
+    struct buf beside = {0};
+    bool found = file_program_folder(&beside, NULL) == OK;
+    buf_add_text(&beside, "/libiftty.a");
+    found = found && !beside.failed && access(buf_text(&beside), R_OK) == 0;
+    buf_release(&beside);
+    return found;
+}
+
 enum err coprocess_init(struct coprocess *c, const char *name, const char *program,
                         struct fault *fault)
 {
@@ -122,6 +133,20 @@ bool coprocess_limit(struct coprocess *c, uint64_t soft, uint64_t hard)
     return prlimit(c->process, RLIMIT_DATA, &limit, NULL) == 0;
 }
 
+/* With what can be done without it, and how to get one that is not there. */
+static enum err start_fault(const struct coprocess *c, int number, struct fault *fault)
+{
+    char source[160] = "";
+    if (number == ENOENT && is_in_checkout())
+        snprintf(source, sizeof source, "; `make` builds it (of %s)", c->made_of);
+    else if (number == ENOENT)
+        snprintf(source, sizeof source,
+                 "; the package %s has it, or `make install` of a checkout where it was built",
+                 c->package);
+    return fault_set(fault, ERR_IO, "cannot start %s %s: %s%s%s", c->kind, c->program,
+                     strerror(number), c->hint ? c->hint : "", source);
+}
+
 enum err coprocess_start(struct coprocess *c, struct fault *fault)
 {
     int pair[2];
@@ -139,8 +164,7 @@ enum err coprocess_start(struct coprocess *c, struct fault *fault)
     if (number) {
         c->process = 0;
         close(pair[0]);
-        return fault_set(fault, ERR_IO, "cannot start %s %s: %s%s", c->kind, c->program,
-                         strerror(number), c->hint);
+        return start_fault(c, number, fault);
     }
     c->fd = pair[0];
     if (c->memory && !coprocess_limit(c, c->memory, c->memory)) {

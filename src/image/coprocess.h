@@ -28,11 +28,15 @@
 #include "base/err.h"
 #include "base/watch.h"
 
+#define COPROCESS_OF_ITK "ITK, which Debian has as libinsighttoolkit5-dev"
+
 enum { COPROCESS_LINE = 96 }; /* bytes of the longest line, with its line feed */
 
 struct coprocess {
     const char *kind;    /* "the image helper", for words */
-    const char *hint;    /* what can be done without it, or how to get it: " (...)" */
+    const char *hint;    /* what can be done without it: " (...)"; or NULL */
+    const char *made_of; /* where it is not there: what a checkout builds it of, */
+    const char *package; /* and which package has it elsewhere */
     char *program;       /* its path; owned */
     pid_t process;       /* 0: none runs */
     int fd;              /* our end of the socket pair, -1: none */

@@ -38,6 +38,8 @@ enum err image_helper_new(struct image_helper **out, const char *program, struct
     const enum err err = coprocess_init(&helper->process, IMAGE_HELPER, program, fault);
     helper->process.kind = "the image helper";
     helper->process.hint = " (.exr works without it)";
+    helper->process.made_of = "OpenImageIO, which Debian has as libopenimageio-dev";
+    helper->process.package = "iftty-image";
     if (err)
         free(helper);
     else

@@ -174,8 +174,9 @@ static enum err begin(struct volume_source *source, struct fault *fault)
     struct coprocess *process = &helper->process;
     enum err err = coprocess_init(process, VOLUME_HELPER, volume_helper_program, fault);
     process->kind = "the volume helper";
-    process->hint = "; it reads what NIfTI is not: `make` builds it (of ITK, which Debian has as "
-                    "libinsighttoolkit5-dev)";
+    process->hint = " (NIfTI, MGH and raw voxels work without it)";
+    process->made_of = COPROCESS_OF_ITK;
+    process->package = "iftty-volume";
     process->patience_ms = volume_helper_patience_ms;
     process->watch = source->watch;
     process->doing = "reading";

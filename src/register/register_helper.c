@@ -15,8 +15,8 @@ enum err register_helper_start(struct coprocess *out, const char *task, uint64_t
     const uint64_t available = mem_available();
     const enum err err = coprocess_init(out, REGISTER_HELPER, register_helper_program, fault);
     out->kind = "the register helper";
-    out->hint = "; `make build/iftty-register` builds it (of ITK, which Debian has as "
-                "libinsighttoolkit5-dev)";
+    out->made_of = COPROCESS_OF_ITK;
+    out->package = "iftty-volume";
     out->work_ms = work_ms;
     out->patience_ms =
         register_helper_patience_ms > work_ms ? register_helper_patience_ms : work_ms;
