@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The words that 1.0 has promised (.package/PROMISES.md), against tests/promises.txt: names of
+ * commands, of their parameters and choices, lines in canonical form, exit statuses. What is there
+ * now has a line in it, and no line has lost what it names. What is new is added by a line; a line
+ * that is taken away or changed is a promise broken, which tests/test_promises.sh sees.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "command/command.h"
+#include "program/program.h"
+#include "session/parameter.h"
+#include "tests/interpreting.h"
+
+static struct buf frozen; /* tests/promises.txt */
+
+static bool has_line(const struct buf *text, const char *line)
+{
+    const size_t length = strlen(line);
+    for (const char *at = buf_text(text); (at = strstr(at, line)) != NULL; at++)
+        if ((at == text->data || at[-1] == '\n') && at[length] == '\n')
+            return true;
+    return false;
+}
+
+/* Lines of `now` whose first word is `kind` are those of the file. */
+static void check_kind(const struct buf *now, const char *kind)
+{
+    const struct buf *const side[2] = {now, &frozen};
+    const size_t length = strlen(kind);
+    struct buf line = {0};
+    unsigned count = 0;
+    for (int i = 0; i < 2; i++)
+        for (const char *at = buf_text(side[i]); *at; at += *at == '\n') {
+            buf_clear(&line);
+            buf_add(&line, at, strcspn(at, "\n"));
+            at += line.length;
+            if (strncmp(buf_text(&line), kind, length) != 0 || buf_text(&line)[length] != ' ')
+                continue;
+            count++;
+            if (!CHECK(has_line(side[!i], buf_text(&line))))
+                printf("#   %s: %s\n", i ? "promised, and gone" : "new, and no line in the file",
+                       buf_text(&line));
+        }
+    CHECK(count >= 10);
+    CHECK(!line.failed);
+    buf_release(&line);
+}
+
+/* A line of `before` with each of "a|b|c" after it. */
+static void add_choices(struct buf *out, const char *before, const char *choices)
+{
+    for (const char *at = choices; at && *at; at += *at == '|') {
+        const size_t length = strcspn(at, "|");
+        buf_printf(out, "%s%.*s\n", before, (int)length, at);
+        at += length;
+    }
+}
+
+static void add_command(struct buf *out, const struct command *c)
+{
+    struct buf of = {0};
+    int place = 0;
+    buf_printf(out, "command %s\n", c->name);
+    buf_printf(&of, "command %s =", c->name);
+    add_choices(out, buf_text(&of), c->also);
+    for (const struct parameter *p = c->parameter; p->type; p++) {
+        buf_clear(&of);
+        buf_printf(&of, "command %s ", c->name);
+        if (p->keyed)
+            buf_printf(&of, "%s=", p->name);
+        else
+            buf_printf(&of, "%d:%s", ++place, p->name);
+        buf_printf(out, "%s\n", buf_text(&of));
+        if (p->optional)
+            buf_printf(out, "%s optional\n", buf_text(&of));
+        buf_add_text(&of, " may be ");
+        add_choices(out, buf_text(&of), p->choices);
+        add_choices(out, buf_text(&of), p->former);
+    }
+    out->failed |= of.failed;
+    buf_release(&of);
+}
+
+STORY(commands_and_their_parameters_have_the_names_that_they_had)
+{
+    struct buf now = {0};
+    for (unsigned i = 0; i < command_count(); i++)
+        add_command(&now, command_at(i));
+    CHECK(!now.failed);
+    check_kind(&now, "command");
+    buf_release(&now);
+}
+
+/* "canonical LINE": as it was written once, it is written today. */
+STORY(lines_of_journals_are_the_canonical_ones_still)
+{
+    static const char kind[] = "canonical ";
+    struct interpreter interp;
+    struct buf line = {0}, again = {0};
+    bool *seen = calloc(command_count(), sizeof *seen);
+    begin_interpreter(&interp);
+    must(&interp, "open synth:geom");
+    if (!CHECK(seen))
+        return;
+    for (const char *at = buf_text(&frozen); *at; at += *at == '\n') {
+        struct call call;
+        buf_clear(&line);
+        buf_clear(&again);
+        buf_add(&line, at, strcspn(at, "\n"));
+        at += line.length;
+        if (strncmp(buf_text(&line), kind, strlen(kind)) != 0)
+            continue;
+        const char *words = buf_text(&line) + strlen(kind);
+        if (!CHECK(command_parse(&call, words, interp.session, &fault) == OK)) {
+            printf("#   %s: %s\n", words, fault.text);
+            continue;
+        }
+        command_write(&again, &call);
+        CHECK_TEXT(buf_text(&again), words);
+        for (unsigned i = 0; i < command_count(); i++)
+            seen[i] |= command_at(i) == call.command;
+        call_release(&call);
+    }
+    for (unsigned i = 0; i < command_count(); i++)
+        if (!CHECK(seen[i]))
+            printf("#   %s has no canonical line\n", command_at(i)->name);
+    free(seen);
+    buf_release(&line);
+    buf_release(&again);
+    interpreter_release(&interp);
+}
+
+/* With what a program is called, its forms, and the options that each takes. */
+STORY(programs_and_their_options_have_the_names_that_they_had)
+{
+    struct buf now = {0}, name = {0};
+    for (unsigned i = 0; i < program_table.rows; i++) {
+        const struct program *p = program_table.row + i;
+        buf_clear(&name);
+        program_add_name(&name, &program_table, p);
+        buf_printf(&now, "program %s\n", buf_text(&name));
+        for (const uint8_t *o = p->option; *o; o++)
+            buf_printf(&now, "program %s takes %s\n", buf_text(&name),
+                       program_table.option.row[*o].name);
+    }
+    CHECK(!now.failed && !name.failed);
+    check_kind(&now, "program");
+    buf_release(&now);
+    buf_release(&name);
+}
+
+STORY(an_error_ends_a_program_with_the_status_that_it_had)
+{
+    struct buf now = {0};
+#define ADD_STATUS(code, status, name) buf_printf(&now, "status %d %s\n", status, name);
+    ERR_LIST(ADD_STATUS)
+    check_kind(&now, "status");
+    buf_release(&now);
+}
+
+int main(void)
+{
+    if (file_read(&frozen, "tests/promises.txt", 1 << 20, &fault) != OK) {
+        puts(fault.text);
+        return 1;
+    }
+    const int status = RUN_STORIES(TELL(commands_and_their_parameters_have_the_names_that_they_had),
+                                   TELL(lines_of_journals_are_the_canonical_ones_still),
+                                   TELL(programs_and_their_options_have_the_names_that_they_had),
+                                   TELL(an_error_ends_a_program_with_the_status_that_it_had));
+    buf_release(&frozen);
+    reply_release(&reply);
+    return status;
+}
