@@ -35,19 +35,37 @@ ln -s "$tree/bin/iftty" "$work/linked"
 expect_in "$work" 0 "$work/linked" info picture.png </dev/null
 close_story
 
-begin "with it come the changes, how to cite it, and what is promised of hostile files"
+begin "with it come the changes, how to cite it, and what is promised"
 version=$("$iftty" --version | sed 's/^iftty //')
 date=$(sed -n 's/^#define PROGRAM_DATE *"\(.*\)".*/\1/p' src/base/version.h)
 grep -qx "## $version" "$doc/CHANGELOG.md" || fail "no changes of $version"
 grep -qx "version: \"$version\"" "$doc/CITATION.cff" || fail "another version is cited"
 grep -qx "date-released: $date" "$doc/CITATION.cff" || fail "another date is cited"
 # What it says is tested, is there.
-for test in $(grep -o 'test_[a-z_]*\.sh' "$doc/SECURITY.md" | sort -u); do
-    [ -x "tests/$test" ] || fail "there is no $test"
+for test in $(grep -ho '`test_[a-z_]*\(\.sh\)\{0,1\}`' "$doc/SECURITY.md" "$doc/PROMISES.md" |
+    tr -d '`' | sort -u); do
+    [ -x "tests/$test" ] || [ -f "tests/$test.c" ] || fail "there is no $test"
 done
+same "$(grep -c '^- \*\*.*\*\*' "$doc/PROMISES.md")" 9
+same "$(sed -n '/^## What is promised/,/^## /p' "$doc/PROMISES.md" | tr '\n' ' ' |
+    sed 's/ - \*\*/\n&/g' | grep '^ - ' | grep -c '`test_')" 9
 for file in "$doc/SECURITY.md" "$doc/README.md" "$tree/share/man/man1/iftty.1"; do
     tr '\n' ' ' <"$file" | grep -qE 'no(t a)? medical device' || fail "$file: no word of medicine"
 done
+close_story
+
+begin "a journal of a build before 1.0 gets the present meaning as PROMISES.md says"
+mkdir "$work/old"
+cp tests/journals/scene.nii.gz tests/journals/waiting.csv tests/journals/names.ctab "$work/old"
+cp tests/journals/semantics-9.iftty "$work/old/old.iftty"
+cp -R tests/journals/semantics-9.golden "$work/old/old.golden"
+sed -n 's/^    iftty /iftty /p' "$doc/PROMISES.md" >"$work/typed"
+same "$(wc -l <"$work/typed")" 3
+PATH=$tree/bin:$PATH expect_in "$work/old" 0 sh -e "$work/typed" </dev/null
+out_has "golden images of a former look not compared"
+out_has "9 golden images accepted"
+[ "$(grep -c '^# 1 verified, 0 failed' "$work/out")" = 2 ] || fail "$(cat "$work/out")"
+[ -f "$work/old/old.iftty.before-1" ] || fail "the former journal is gone"
 close_story
 
 programs=$("$iftty" --help | sed -n 's/^    iftty \([a-z][a-z]*\)\( .*\)\{0,1\}$/\1/p' | sort -u)
