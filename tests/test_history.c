@@ -166,6 +166,26 @@ STORY(an_edit_after_undo_begins_an_alternative)
     interpreter_release(&interp);
 }
 
+/* Each edit after an undo goes on from what was there, and has no list of it of its own. */
+STORY(an_edit_after_undo_costs_what_it_changes)
+{
+    enum { MARKERS = 1100, TIMES = 200, EACH = 1000 };
+    struct interpreter interp;
+    begin_with_scene(&interp);
+    must(&interp, "auto on");
+    for (int i = 0; i < MARKERS; i++)
+        must(&interp, "seed 5,5,5 3");
+    const size_t before = history_memory(&interp.history);
+    for (int i = 0; i < TIMES; i++) {
+        must(&interp, "undo");
+        must(&interp, "seed 5,5,5 3");
+    }
+    const size_t more = (history_memory(&interp.history) - before) / TIMES;
+    if (!CHECK(more < EACH))
+        printf("#   %zu bytes each\n", more);
+    interpreter_release(&interp);
+}
+
 STORY(looking_back_moves_no_branch)
 {
     struct interpreter interp;
@@ -893,7 +913,8 @@ int main(void)
     int status = RUN_STORIES(
         TELL(every_kind_of_command_is_undone_and_done_again),
         TELL(where_one_looks_from_is_not_undone), TELL(an_edit_after_undo_begins_an_alternative),
-        TELL(looking_back_moves_no_branch), TELL(branches_have_names_and_are_left_and_found_again),
+        TELL(an_edit_after_undo_costs_what_it_changes), TELL(looking_back_moves_no_branch),
+        TELL(branches_have_names_and_are_left_and_found_again),
         TELL(random_walks_come_back_to_the_very_same_states),
         TELL(without_memory_one_stays_where_one_is), TELL(without_memory_a_marker_stands_as_it_did),
         TELL(who_is_stopped_on_the_way_is_where_he_was),

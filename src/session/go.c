@@ -260,17 +260,31 @@ static enum err make_room(struct session *session, const struct kept *kept, unsi
     return OK;
 }
 
+/* Of a list of markers, without its first `from` items: those that put up one, or those that take
+ * one away, in any order, since each is put up once. */
+static void toggle(struct markers *markers, struct edits list, size_t from, bool stands)
+{
+    while (edits_count(&list) > from) {
+        size_t count;
+        const struct edit *item = edits_last(&list, &count);
+        const size_t before = edits_count(&list);
+        for (size_t i = from > before ? from - before : 0; i < count; i++)
+            if ((item[i].label != EDIT_ERASE) == stands)
+                markers->marker[item[i].cell - 1].stands = stands;
+    }
+}
+
 /* Those stand that the state says: what was added to the list since, or all of it anew where the
  * state is not one that follows the present one. */
 static void stand(struct session *session, const struct edits *to)
 {
     const struct edits *from = &session->now.lists.markers;
-    const bool goes_on = from->room == to->room && from->first == to->first && from->end <= to->end;
-    const struct edit *toggle = edits_first(to);
+    const bool goes_on = from->room == to->room && from->end <= to->end;
+    const size_t since = goes_on ? edits_count(from) : 0;
     for (size_t i = 0; !goes_on && i < session->markers.count; i++)
         session->markers.marker[i].stands = false;
-    for (size_t i = goes_on ? edits_count(from) : 0; i < edits_count(to); i++)
-        session->markers.marker[toggle[i].cell - 1].stands = toggle[i].label != EDIT_ERASE;
+    toggle(&session->markers, *to, since, true);
+    toggle(&session->markers, *to, since, false);
 }
 
 enum err session_go(struct session *session, const struct state *state, const struct edit *seed,

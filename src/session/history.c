@@ -168,8 +168,9 @@ static size_t point_memory(const struct point *point, const struct point *parent
                       before = parent ? kept_settings_get(parent->settings) : (struct kept){0};
     size_t bytes = 2 * point->seeds * sizeof(struct edit) + strlen(point->command) + 1;
     const struct kept_settings *settings = point->settings; /* without the maps: */
-    bytes += (sizeof *settings + settings->pieces * sizeof *settings->piece) / settings->holders;
-    bytes += sizeof *settings->ground / settings->ground->holders;
+    bytes += (sizeof *settings + settings->pieces * sizeof *settings->piece +
+              sizeof *settings->ground / settings->ground->holders) /
+             settings->holders;
     bytes += edit_lists_memory(&point->lists);
     if (kept.mask && before.mask != kept.mask)
         bytes += packed_memory(kept.mask);
@@ -281,27 +282,14 @@ const struct kept_settings *history_settings_after(const struct history *history
     return history->points ? history->point[point].settings : NULL;
 }
 
-static uint32_t depth(const struct history *history, uint32_t point)
-{
-    uint32_t steps = 0;
-    for (; history->point[point].parent != POINT_NONE; steps++)
-        point = history->point[point].parent;
-    return steps;
-}
-
-/* What two points both come from. */
+/* What two points both come from: a point has a greater number than the one that it comes from. */
 static uint32_t fork_of(const struct history *history, uint32_t a, uint32_t b)
 {
-    uint32_t deep_a = depth(history, a), deep_b = depth(history, b);
-    while (a != b) {
-        if (deep_a >= deep_b) {
+    while (a != b)
+        if (a > b)
             a = history->point[a].parent;
-            deep_a--;
-        } else {
+        else
             b = history->point[b].parent;
-            deep_b--;
-        }
-    }
     return a;
 }
 

@@ -41,7 +41,7 @@ enum err session_plant_within(struct session *session, const uint32_t *cell, siz
     if (err)
         return err;
     const size_t number = session->markers.count;
-    err = edits_add(&session->now.lists.markers, (struct edit){(uint32_t)number, 1, 0}, fault);
+    err = edits_go_on(&session->now.lists.markers, (struct edit){(uint32_t)number, 1, 0}, fault);
     session->markers.marker[number - 1].reach = reach;
     session->markers.marker[number - 1].stands = err == OK;
     for (size_t i = 0; !err && i < count && task_advance(&task, 1); i++)
@@ -85,7 +85,7 @@ static enum err take_away(struct session *session, uint32_t number, struct fault
     const struct markers *markers = &session->markers;
     struct marker *marker = markers->marker + number - 1;
     enum err err =
-        edits_add(&session->now.lists.markers, (struct edit){number, EDIT_ERASE, 0}, fault);
+        edits_go_on(&session->now.lists.markers, (struct edit){number, EDIT_ERASE, 0}, fault);
     if (err)
         return err;
     marker->stands = false;

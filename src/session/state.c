@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "session/state.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,7 +12,9 @@
 /* ---- lists of edits ---- */
 
 struct edit_room {
-    size_t holders;
+    size_t holders, rooms; /* lists and rooms that hold it; how many of them are rooms */
+    struct edit_room *before;
+    size_t base; /* so many items of the list lie there, and those from this one on here */
     struct edit *item;
     size_t count, capacity;
 };
@@ -25,9 +28,13 @@ void edits_hold(const struct edits *edits)
 void edits_release(struct edits *edits)
 {
     struct edit_room *room = edits->room;
-    if (room && --room->holders == 0) {
+    while (room && --room->holders == 0) {
+        struct edit_room *before = room->before;
+        if (before)
+            before->rooms--;
         free(room->item);
         free(room);
+        room = before;
     }
     *edits = (struct edits){0};
 }
@@ -53,21 +60,58 @@ static bool have_room(struct edits *edits)
     return true;
 }
 
-enum err edits_add(struct edits *edits, struct edit edit, struct fault *fault)
+static enum err add(struct edits *edits, struct edit edit, struct fault *fault)
 {
-    if (!have_room(edits))
-        return fault_memory(fault, "an edit");
     struct edit_room *room = edits->room;
     if (!mem_grow(&room->item, &room->capacity, room->count + 1, sizeof *room->item))
         return fault_memory(fault, "an edit");
     room->item[room->count++] = edit;
-    edits->end = room->count;
+    edits->end = room->base + room->count;
+    return OK;
+}
+
+enum err edits_add(struct edits *edits, struct edit edit, struct fault *fault)
+{
+    assert(!edits->room || !edits->room->before);
+    return have_room(edits) ? add(edits, edit, fault) : fault_memory(fault, "an edit");
+}
+
+enum err edits_go_on(struct edits *edits, struct edit edit, struct fault *fault)
+{
+    struct edit_room *before = edits->room;
+    assert(edits->first == 0);
+    if (before && before->base + before->count == edits->end)
+        return add(edits, edit, fault);
+    struct edit_room *room = mem_new(sizeof *room);
+    if (!room)
+        return fault_memory(fault, "an edit");
+    *room = (struct edit_room){.holders = 1, .before = before, .base = edits->end};
+    struct edits longer = {room, 0, edits->end};
+    const enum err err = add(&longer, edit, fault);
+    if (err) {
+        free(room);
+        return err;
+    }
+    if (before) /* the room holds it from now on, and the list no more */
+        before->rooms++;
+    *edits = longer;
     return OK;
 }
 
 const struct edit *edits_first(const struct edits *edits)
 {
+    assert(!edits->room || !edits->room->before);
     return edits_count(edits) ? edits->room->item + edits->first : NULL;
+}
+
+const struct edit *edits_last(struct edits *edits, size_t *count)
+{
+    const struct edit_room *room = edits->room;
+    const size_t end = edits->end;
+    assert(edits->first == 0 && end > room->base);
+    *count = end - room->base;
+    *edits = (struct edits){room->before, 0, room->base};
+    return room->item;
 }
 
 /* ---- the lists of a state ---- */
@@ -82,7 +126,9 @@ static bool is_copy(const struct edits *a, const struct edits *b)
 static size_t memory_of(const struct edits *edits)
 {
     const struct edit_room *room = edits->room;
-    return room ? (sizeof *room + room->capacity * sizeof *room->item) / room->holders : 0;
+    return room ? (sizeof *room + room->capacity * sizeof *room->item) /
+                      (room->holders - room->rooms)
+                : 0;
 }
 
 void edit_lists_hold(const struct edit_lists *lists)

@@ -62,6 +62,19 @@ enum err edits_add(struct edits *edits, struct edit edit, struct fault *fault);
 /* The first of edits_count items; NULL where there are none. */
 const struct edit *edits_first(const struct edits *edits);
 
+/*
+ * Lists that grow for as long as a session does are read from their end. Where others have added to
+ * what they share, edits_add copies all of a list; these go on from there in memory of its own, and
+ * copy nothing: else each edit after an undo would cost as much as all that were before.
+ */
+
+/* Adds to such a list, as edits_add; all its items come so, and edits_first is not for it. */
+enum err edits_go_on(struct edits *edits, struct edit edit, struct fault *fault);
+
+/* Its last items, *count of them, as they lie together; *edits, which has some and is borrowed,
+ * becomes the list of those before. */
+const struct edit *edits_last(struct edits *edits, size_t *count);
+
 static inline size_t edits_count(const struct edits *edits)
 {
     return edits->end - edits->first;
@@ -87,7 +100,7 @@ void edit_lists_release(struct edit_lists *lists);
 /* Whether each list is a copy of the other's; lists made apart differ unless both are empty. */
 bool edit_lists_are_copies(const struct edit_lists *a, const struct edit_lists *b);
 
-/* Bytes that they take, the memory of each divided among those that hold it. */
+/* Bytes that they take, the memory of each divided among the lists that hold it. */
 size_t edit_lists_memory(const struct edit_lists *lists);
 
 /* ---- states ---- */
