@@ -11,6 +11,7 @@
 #include "tui/pilot/chord.h"
 #include "tui/pilot/pilot_keys.h"
 #include "tui/pilot/finer.h"
+#include "tui/pilot/pace.h"
 #include "tui/pilot/status.h"
 
 /* ---- a host that is a box of voxels ---- */
@@ -1389,6 +1390,28 @@ STORY(what_is_dangerous_and_how_to_begin_are_said)
 }
 
 /* Of two rows, in a mode that both are for; and a key that waits for a second one does nothing. */
+/* ---- how keys come ---- */
+
+STORY(while_a_key_is_held_a_rendition_may_take_less_time)
+{
+    const uint64_t ms = 1000000, repeats = 33 * ms, begins = 300 * ms;
+    struct pace pace = {.key_ns = 0};
+    uint64_t now = 20 * ms;
+    pace_key(&pace, now); /* soon after the clock began */
+    CHECK(pace_within_ns(&pace) == PACE_SINGLE_NS);
+    pace_key(&pace, now += begins);
+    CHECK(pace_within_ns(&pace) == PACE_SINGLE_NS);
+    for (int i = 0; i < 10; i++) {
+        pace_key(&pace, now += repeats);
+        CHECK(pace_within_ns(&pace) == PACE_BETWEEN_NS);
+        CHECK(pace_rests_ns(&pace) > now + repeats);
+    }
+    pace_key(&pace, now += 2 * repeats); /* one was late */
+    CHECK(pace_within_ns(&pace) == PACE_BETWEEN_NS);
+    pace_key(&pace, now += begins);
+    CHECK(pace_within_ns(&pace) == PACE_SINGLE_NS);
+}
+
 /* ---- slices that are sent ahead ---- */
 
 /* Numbers are named from 1000 on, or what the cross-hair has moved by later; 4 and 7 are not
@@ -1797,6 +1820,7 @@ int main(void)
         TELL(a_path_is_shown_and_its_strongest_edge_corrected),
         TELL(hints_are_walked_round_and_round), TELL(a_change_is_repeated), TELL(what_is_shown),
         TELL(what_was_chosen_stays_from_one_time_to_the_next), TELL(no_key_has_two_meanings),
+        TELL(while_a_key_is_held_a_rendition_may_take_less_time),
         TELL(slices_go_ahead_once_and_then_there_is_rest),
         TELL(nothing_goes_ahead_where_a_slice_is_there_in_no_time),
         TELL(a_narrow_row_leaves_out_whole_parts_by_rank),

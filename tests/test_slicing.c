@@ -680,12 +680,14 @@ STORY(a_panel_follows_what_is_shown)
     interpreter_release(&interp);
 }
 
+enum { AT_ONCE_NS = 50000000 };
+
 /* Draws a panel, and says whether it did so in a hurry. */
-static bool is_hasty(struct interpreter *interp, bool hurries, struct slicing_panel *panel,
+static bool is_hasty(struct interpreter *interp, uint64_t within_ns, struct slicing_panel *panel,
                      struct canvas *canvas)
 {
-    *panel =
-        (struct slicing_panel){.screen = {640, 640, 8, 16, true, MOSAIC_AXIAL}, .hurries = hurries};
+    *panel = (struct slicing_panel){.screen = {640, 640, 8, 16, true, MOSAIC_AXIAL},
+                                    .within_ns = within_ns};
     CHECK(slicing_draw_panel(canvas, interp->session, panel, &fault) == OK);
     return panel->is_hasty;
 }
@@ -715,27 +717,29 @@ STORY(in_a_hurry_slices_come_first_and_then_a_coarse_rendition)
     begin_values(&interp, 1, 0);
     must(&interp, "seed 3,3,4 3");
     must(&interp, "run");
-    CHECK(is_hasty(&interp, true, &panel, &hasty));
-    CHECK(!is_hasty(&interp, false, &panel, &fine));
+    CHECK(is_hasty(&interp, AT_ONCE_NS, &panel, &hasty));
+    CHECK(!is_hasty(&interp, 0, &panel, &fine));
     CHECK_INT(differing(&hasty, &fine, &panel, false), 0);
     CHECK(differing(&hasty, &fine, &panel, true) > 1000);
     canvas_release(&hasty);
-    CHECK(!is_hasty(&interp, true, &panel, &hasty)); /* it is there */
+    CHECK(!is_hasty(&interp, AT_ONCE_NS, &panel, &hasty)); /* it is there */
     CHECK_INT(differing(&hasty, &fine, &panel, true), 0);
     canvas_release(&hasty);
     must(&interp, "turn 20");
     interp.session->pictures->coarse.took_ns = UINT64_MAX;
-    CHECK(is_hasty(&interp, true, &panel, &hasty));
+    CHECK(is_hasty(&interp, AT_ONCE_NS, &panel, &hasty));
     CHECK(!session_rendered(interp.session)); /* nothing but a screen shows it */
-    CHECK(!is_hasty(&interp, false, &panel, &turned));
+    CHECK(!is_hasty(&interp, 0, &panel, &turned));
     const size_t off = differing(&hasty, &turned, &panel, true);
     /* Edges alone are off: half of the pixels of so small a thing. At another zoom, or in another
      * place, three fifths of them and more. */
     CHECK(off > 0 && off < differing(&fine, &turned, &panel, true) * 11 / 20);
     canvas_release(&hasty);
     must(&interp, "turn -20");
-    interp.session->pictures->coarse.took_ns = 1;
-    CHECK(!is_hasty(&interp, true, &panel, &hasty)); /* drawn as soon as anything coarser */
+    interp.session->pictures->coarse.took_ns = AT_ONCE_NS / 2;
+    CHECK(is_hasty(&interp, AT_ONCE_NS / 2, &panel, &turned));
+    canvas_release(&turned);
+    CHECK(!is_hasty(&interp, AT_ONCE_NS, &panel, &hasty)); /* drawn as soon as anything coarser */
     CHECK_INT(differing(&hasty, &fine, &panel, true), 0);
     canvas_release(&hasty);
     canvas_release(&fine);

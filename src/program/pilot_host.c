@@ -161,7 +161,7 @@ static enum err draw(struct pilot_interpreter *pilot, const struct pilot_wish *w
                                .is_alone = wish->is_alone,
                                .words = wish->words,
                                .heat = wish->heat && !pilot->onlooker,
-                               .hurries = wish->hurries,
+                               .within_ns = wish->within_ns,
                                .held = wish->marks_held ? &pilot->held : NULL,
                                .way = wish->marks_way ? &pilot->why.way : NULL,
                                .former = pilot->former,

@@ -24,10 +24,6 @@ static const struct look *look_of(const struct pictures *p)
 
 /* ---- what is stored ---- */
 
-/* What is drawn as soon as this is drawn at once: what is coarse takes half as long, and comes on
- * top of it. */
-#define AT_ONCE_NS UINT64_C(50000000)
-
 enum { COARSE = 2 }; /* a coarse pixel stands for so many a side */
 
 static void forget_coarse(struct coarse *coarse)
@@ -726,7 +722,7 @@ static enum err fit_shown(struct pictures *p, const struct border *border, struc
     return OK;
 }
 
-enum err session_draw_fitting(struct session *session, bool hurries, struct glance *glance,
+enum err session_draw_fitting(struct session *session, uint64_t within_ns, struct glance *glance,
                               struct labels *labels, struct fault *fault)
 {
     const bool finished = session_shows_finished(session);
@@ -748,9 +744,9 @@ enum err session_draw_fitting(struct session *session, bool hurries, struct glan
         return err;
     labels->finished = finished ? p->live.label : NULL;
     glance->rendition = session_frame(session);
-    const bool is_soon = p->coarse.took_ns && p->coarse.took_ns < AT_ONCE_NS &&
+    const bool is_soon = p->coarse.took_ns && p->coarse.took_ns < within_ns &&
                          mesh_is_current(&p->mesh, border_of(p, as), shade_kind(look_of(p)));
-    if (hurries && p->rendered != as && !is_soon && !session_outlook(session)->context)
+    if (within_ns && p->rendered != as && !is_soon && !session_outlook(session)->context)
         return draw_hastily(p, as, glance, fault);
     err = draw_at(p, &view, as, RENDER_AS_KEPT, fault);
     glance->rendition = session_frame(session);

@@ -39,8 +39,9 @@ enum err session_draw(struct session *session, enum render_mode mode, struct fau
 enum err session_draw_labels(struct session *session, const struct labels *labels,
                              enum render_mode mode, struct fault *fault);
 
-/* A rendition to be looked at. In a hurry it may be what is drawn at once: a quarter of its pixels,
- * or, where its surface is to be made first, what was drawn last, which may be nothing. */
+/* A rendition to be looked at. In a hurry, where it is wanted within so many nanoseconds (0: in
+ * none) and the last one took longer, it may be what is drawn at once: a quarter of its pixels, or,
+ * where its surface is to be made first, what was drawn last, which may be nothing. */
 struct glance {
     const struct rendition *rendition;
     uint32_t coarse; /* a pixel of it stands for so many a side */
@@ -49,7 +50,7 @@ struct glance {
 
 /* The same to be looked at alone, in the view below, until another of these is called, of labels
  * that are given back: the forest's, or finished ones, which may be rough. */
-enum err session_draw_fitting(struct session *session, bool hurries, struct glance *glance,
+enum err session_draw_fitting(struct session *session, uint64_t within_ns, struct glance *glance,
                               struct labels *labels, struct fault *fault);
 
 /* The view as panels have it: while zoom and focus are those that a scene is opened with, which

@@ -290,7 +290,7 @@ enum err panes_draw(struct panes *p, struct session *session, const struct panes
                                                  wish->cell_height, !wish->is_alone,
                                                  (enum mosaic_pane)wish->pane},
                                       .words = wish->words,
-                                      .hurries = wish->hurries};
+                                      .within_ns = wish->within_ns};
     enum err err = session_count_labels(session, fault); /* for the hues */
     if (!err)
         err = slicing_draw_panel(&p->canvas, session, &p->panel, fault);

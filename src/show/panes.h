@@ -36,7 +36,7 @@ struct panes_wish {
     bool words;                       /* letters and titles can be read in the pixels */
     const char *line[PANES_LINES];    /* in an empty rendition, where words can be read */
     bool heat;
-    bool hurries;            /* the rendition may be what is drawn at once (slicing_panel) */
+    uint64_t within_ns;      /* the rendition may be what is drawn at once (slicing_panel) */
     const struct held *held; /* that is hatched, or NULL */
     const struct way *way;   /* that is marked, or NULL */
     const uint8_t *former;   /* [cells] labels: where they are others now it is hatched; or NULL */

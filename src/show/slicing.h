@@ -52,14 +52,14 @@ enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kin
  * what it shows (session_fitting_view). */
 struct slicing_panel {
     struct mosaic_screen screen;
-    bool words;    /* patient letters, titles and scale bars can be read in its pixels */
-    bool hurries;  /* the rendition may be what is drawn at once, */
-    bool is_hasty; /* and is (session_draw_fitting) */
+    bool words;         /* patient letters, titles and scale bars can be read in its pixels */
+    uint64_t within_ns; /* the rendition may be what is drawn at once, */
+    bool is_hasty;      /* and is (session_draw_fitting) */
     struct mosaic_layout layout;
     struct mosaic_choice choice; /* borrows layout and the session's team; titles are gone */
 };
 
-/* Draws it, of the labels that session_draw_fitting shows, and fills in what comes after `hurries`.
+/* Draws it, of the labels that session_draw_fitting shows, and fills in what follows `within_ns`.
  * The canvas has its cells, and remembers where words are and what lies below; the caller releases
  * it. ERR_LIMIT for a screen that has no room (mosaic_fits). */
 enum err slicing_draw_panel(struct canvas *canvas, struct session *session,

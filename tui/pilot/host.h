@@ -82,8 +82,9 @@ struct pilot_wish {
     bool marks_held;                  /* what `held` has found is marked */
     bool marks_way;                   /* the path that `why` has found is */
     bool heat;                        /* slices are coloured where labels are uncertain */
-    bool hurries;     /* the rendition may be less than it is, and then view->is_hasty says so */
-    bool marks_pixel; /* a pixel of the rendition, by column and row of its own, is marked */
+    uint64_t within_ns; /* not 0: a rendition that takes longer may be less than it is, and then
+                           view->is_hasty says so */
+    bool marks_pixel;   /* a pixel of the rendition, by column and row of its own, is marked */
     uint32_t pixel[2];
     const struct pilot_setup *setup; /* whose keys are named in the picture; NULL: the table's */
     const uint32_t (*corner)[3];     /* of a box or an outline: marked in the slices, */

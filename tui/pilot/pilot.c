@@ -12,6 +12,7 @@
 #include "tui/picture/graphics.h"
 #include "tui/picture/painter.h"
 #include "tui/pilot/finer.h"
+#include "tui/pilot/pace.h"
 #include "tui/pilot/status.h"
 #include "tui/prompt/pager.h"
 #include "tui/term.h"
@@ -25,14 +26,10 @@ enum { SLOW_BYTES = 10000, AHEAD_DUE = 2 };
 #define SLOW_NS       UINT64_C(8000000)
 #define STILL_SLOW_NS UINT64_C(5000000)
 
-/* Keys rest when none has come for so long, which is longer than from one to the next of a key that
- * is held. */
-#define REST_NS      UINT64_C(40000000)
-
-#define ENTER_SCREEN "\033[?1049h\033[?25l" TERM_PROMPT_BEGINS
-#define LEAVE_SCREEN TERM_PROMPT_ENDS "\033[?25h\033[?1049l"
-#define MOUSE_ON     "\033[?1002h\033[?1006h"
-#define MOUSE_OFF    "\033[?1006l\033[?1002l"
+#define ENTER_SCREEN  "\033[?1049h\033[?25l" TERM_PROMPT_BEGINS
+#define LEAVE_SCREEN  TERM_PROMPT_ENDS "\033[?25h\033[?1049l"
+#define MOUSE_ON      "\033[?1002h\033[?1006h"
+#define MOUSE_OFF     "\033[?1006l\033[?1002l"
 
 /* What is between appears at once. Where what kitty 0.26 .. 0.32 reads from the line ends within
  * the first sequence after FRAME_BEGINS, it takes that sequence for a part of itself and drops it,
@@ -49,7 +46,7 @@ struct pilot {
     struct buf message;     /* of the last key or command, until the next */
     bool is_stale;          /* the screen does not show the present state, */
     bool is_hasty;          /* or shows what could be drawn of it at once */
-    uint64_t rests_ns;      /* when keys are taken to rest */
+    struct pace pace;       /* of keys */
     struct image_view view; /* the picture of the present state, once it was drawn */
     struct refine refine;
     struct flow flow;
@@ -200,20 +197,20 @@ static const char *blank_of(const struct pilot *p)
 
 static struct pilot_wish wish_of(const struct pilot *p)
 {
-    struct pilot_wish wish = {.words = p->facts->graphics->kind == GRAPHICS_PIXELS,
-                              .marks_held = pilot_confirms(p->state->mode),
-                              .marks_way = p->state->mode == PILOT_EXPLAINING,
-                              .heat = p->state->heat,
-                              .hurries = !p->is_showing && p->is_stale,
-                              .marks_pixel = p->state->mode == PILOT_PICKING,
-                              .setup = p->state->setup,
-                              .corner = (const uint32_t(*)[3])p->state->outline.corner,
-                              .corners = p->state->outline.count,
-                              .marks_corners = !pilot_outlines(p->state->base),
-                              .marks_outline = p->state->outline.count > 1,
-                              .label = p->state->brush.label,
-                              .pane = p->state->mode == PILOT_PICKING ? PILOT_RENDITION
-                                                                      : p->state->pane};
+    struct pilot_wish wish = {
+        .words = p->facts->graphics->kind == GRAPHICS_PIXELS,
+        .marks_held = pilot_confirms(p->state->mode),
+        .marks_way = p->state->mode == PILOT_EXPLAINING,
+        .heat = p->state->heat,
+        .within_ns = p->is_showing || !p->is_stale ? 0 : pace_within_ns(&p->pace),
+        .marks_pixel = p->state->mode == PILOT_PICKING,
+        .setup = p->state->setup,
+        .corner = (const uint32_t(*)[3])p->state->outline.corner,
+        .corners = p->state->outline.count,
+        .marks_corners = !pilot_outlines(p->state->base),
+        .marks_outline = p->state->outline.count > 1,
+        .label = p->state->brush.label,
+        .pane = p->state->mode == PILOT_PICKING ? PILOT_RENDITION : p->state->pane};
     painter_size(&p->painter, &wish.width, &wish.height);
     wish.is_alone = p->state->is_alone;
     wish.cell_width = wish.width / p->painter.columns;
@@ -234,7 +231,7 @@ static bool is_slow(struct pilot *p)
 /* Whether the picture is to be drawn as it is, which nobody was to wait for. */
 static bool is_due(const struct pilot *p, uint64_t now_ns)
 {
-    return p->is_hasty && now_ns >= p->rests_ns;
+    return p->is_hasty && now_ns >= pace_rests_ns(&p->pace);
 }
 
 /* Of the present state it is drawn once, and once more where it was drawn in a hurry: frames that
@@ -706,7 +703,7 @@ static enum err take_key(struct pilot *p, const struct key_event *event, struct 
         p->is_over = true;
         return OK;
     }
-    p->rests_ns = clock_ns() + REST_NS;
+    pace_key(&p->pace, clock_ns());
     if (event->key != KEY_MOUSE) {
         buf_clear(&p->message);
         pilot_press(&press);
@@ -799,7 +796,8 @@ static uint64_t goes_on_in_ns(const struct pilot *p)
 static uint64_t wakes_in_ns(const struct pilot *p)
 {
     const uint64_t goes_on_ns = goes_on_in_ns(p), now_ns = clock_ns();
-    const uint64_t rests_in_ns = p->rests_ns > now_ns ? p->rests_ns - now_ns : 0;
+    const uint64_t rests_ns = pace_rests_ns(&p->pace);
+    const uint64_t rests_in_ns = rests_ns > now_ns ? rests_ns - now_ns : 0;
     return p->is_hasty && rests_in_ns > 0 && rests_in_ns < goes_on_ns ? rests_in_ns : goes_on_ns;
 }
 
