@@ -3,7 +3,7 @@
 #ifndef BASE_VERSION_H
 #define BASE_VERSION_H
 
-#define PROGRAM_VERSION "0.1"
-#define PROGRAM_DATE    "2026-11-24" /* of this version: pages of the manual and packages have it */
+#define PROGRAM_VERSION "1.0"
+#define PROGRAM_DATE    "2026-11-28" /* of this version: pages of the manual and packages have it */
 
 #endif
