@@ -302,8 +302,11 @@ static void print_result(const struct verification *v, size_t number)
     }
     buf_add_char(&text, '\n');
     buf_add_text(&text, buf_text(&r->lines));
-    for (const char *at = buf_text(&r->slowest); *at; at += strcspn(at, "\n"), at += *at == '\n')
-        buf_printf(&text, "#   %-9s%.*s\n", "took", (int)strcspn(at, "\n"), at);
+    for (const char *at = buf_text(&r->slowest); *at; at += strcspn(at, "\n"), at += *at == '\n') {
+        buf_add_text(&text, "#   took     ");
+        buf_add(&text, at, strcspn(at, "\n"));
+        buf_add_char(&text, '\n');
+    }
     v->printer->print(v->printer->context, buf_text(&text));
     buf_release(&text);
 }
