@@ -2,18 +2,31 @@
 # SPDX-License-Identifier: MIT
 """Random commands for hours, as somebody might give them who never tires: soak.py IFTTY FOLDER.
 
-One journal of a scene of a million voxels is gone on with in one session after another: by the
-prompt, by the pilot's keys, and by `serve`. Every third session is killed among its commands. Then
-the journal has to hold every command that was acknowledged, and is resumed. In the end
+One journal of a scene of a million voxels is gone on with in one session after another: by `serve`,
+whose client also sends what is none of a client's business, by the prompt, and by the pilot's keys.
+Every third session is killed among its commands. Then the journal has to hold every command that
+was acknowledged, after the bytes that stood before, and is resumed. All commands that `help` lists
+are given but those of LEFT_OUT; many of them are refused. While a session lasts
+
+    nobody else writes to its journal;
+    memory is looked at every 40 commands: the median of the last quarter is no more than an eighth
+    above that of the second quarter, and 16 bytes a voxel, for what answers and pictures take once
+    they are asked for, beside what `info` says that seeds, and what can be undone, have taken
+    meanwhile: undo leads as far back as `open`. The same holds of the last session of a kind beside
+    the second one. What can be undone takes less than 10 kB a record. And no file stays open.
+
+In the end
 
     the journal is verified, strictly, from its first record on;
-    a session that begins with the seeds alone, as they are in the end, has the same labels;
-    the last session of each kind has taken no more memory than the first, but for half of that and
-    a kB for each record between them, since undo leads as far back as `open`.
+    labels are the same after all has grown anew, and in a session that begins with the seeds alone;
+    no temporary file and no draft is left.
 
     COMMANDS=100000  so many in all
+    SECONDS=         no session begins after so many; the end takes half as long again
     SEED=1           of the random numbers, from which all commands follow, but for the kills
 """
+import fcntl
+import hashlib
 import json
 import os
 import pty
@@ -21,122 +34,312 @@ import random
 import re
 import select
 import signal
+import struct
 import subprocess
 import sys
+import termios
 import time
 
-IFTTY, FOLDER = os.path.abspath(sys.argv[1]), sys.argv[2]
+IFTTY, FOLDER = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
 COMMANDS = int(os.environ.get("COMMANDS", "100000"))
+SECONDS = float(os.environ.get("SECONDS") or "inf")
 JOURNAL, SIDE, BATCH, WAIT = "soak.iftty", 100, 40, 300
+LONGEST, LONGEST_PILOT = 5000, 1000  # commands of a session
+UNDO_MOST = 10  # kB of what can be undone for a record, half of which are balls and strokes
+ASKED_FOR = 16 * SIDE**3 // 1000  # kB of pictures and answers that may be there or not
 OPEN = "open synth:geom:%dx%dx%d" % (SIDE, SIDE, SIDE)
+LEFT_OUT = {"open", "interpolate", "pilot", "quit"}  # another scene; Ctrl-O; how sessions end
 rng = random.Random(int(os.environ.get("SEED", "1")))
 count = {"serve": 0, "prompt": 0, "pilot": 0}
-memory = []  # of each session: kind, commands, kB at a quarter, at the end, and most, records
-killed, goldens, marks = 0, 0, 0
+sessions = []  # those that have ended
+given = set()  # the first words of commands
+goldens, marks, markers = 0, 0, 0
+failures = []
 
+
+def fail(what):
+    """What is wrong, but lets all else go on."""
+    failures.append(what)
+    print("# " + what, flush=True)
+
+
+# ---- commands ----
 
 def place():
     return "%d,%d,%d" % tuple(rng.randrange(SIDE) for _ in range(3))
 
 
-def near(other):
-    at = [min(SIDE - 1, max(0, int(x) + rng.randint(-6, 6))) for x in other.split(",")]
+def near(other, far=6):
+    at = [min(SIDE - 1, max(0, int(x) + rng.randint(-far, far))) for x in other.split(",")]
     return "%d,%d,%d" % tuple(at)
 
 
-def command():
-    """One of those that are recorded, some of which are refused."""
-    global goldens
-    at, label, many = place(), rng.randrange(4), rng.random()
-    if many < 0.45:
+def polygon():
+    """Its first corner, and the others in the same slice."""
+    x, y, z = (rng.randrange(SIDE - 8) for _ in range(3))
+    corners = [(x + rng.randint(3, 7), y), (x + 6, y + 6), (x, y + rng.randint(3, 7))]
+    return "%d,%d,%d" % (x, y, z), " ".join("to=%d,%d,%d" % (p + (z,)) for p in corners)
+
+
+def planting():
+    at, label, what = place(), rng.randrange(4), rng.random()
+    if what < 0.70:
         return "seed %s %d radius=%d" % (at, label, rng.randrange(4))
-    if many < 0.50:
-        return "seed %s %d radius=1 to=%s" % (at, label, near(at))
-    if many < 0.53:
-        return "box %s %s %d" % (at, near(at), label)
-    if many < 0.56:
-        x, y, z = (int(i) for i in at.split(","))
-        x, y = min(x, SIDE - 8), min(y, SIDE - 8)
-        corners = [(x + 6, y), (x + 6, y + 6), (x, y + 6)]
-        return "outline %d,%d,%d %d %s" % (
-            x, y, z, label, " ".join("to=%d,%d,%d" % (p + (z,)) for p in corners))
-    if many < 0.66:
-        return "remove %s radius=%d" % (at, rng.randrange(8))
-    if many < 0.74:
-        return rng.choice(["undo", "undo", "undo 3", "redo"])
-    if many < 0.76:
-        return rng.choice(["auto on", "auto on", "auto off", "run"])
-    if many < 0.90:
-        return rng.choice(["turn 15", "turn 0 -10", "view front", "view 30 20", "zoom 1.5",
-                           "zoom fit", "cross " + at, "hide 2", "show all", "opacity 3 60",
-                           "shade cubes", "shade surface ao=0", "pan 5 -3", "focus scene",
-                           "clip axial 10-80", "clip none", "overlay tint", "label 3 third"])
-    if many < 0.93:
-        return rng.choice(["finish relax sweeps=8", "finish none", "finish majority",
-                           "finished on", "finished off"])
-    if many < 0.98:
-        return rng.choice(["render", "axial %d" % rng.randrange(SIDE), "stats", "why " + at])
-    if many < 0.985 and goldens < 60:
+    if what < 0.80:
+        to = near(at)
+        return "seed %s %d radius=1 to=%s to=%s" % (at, label, to, near(to)) + rng.choice(
+            ["", " joined=yes", " range=20..%d" % rng.randint(30, 200)])
+    if what < 0.84:
+        return "seed %s %d radius=%d within=%d" % (at, label, rng.randint(1, 3), rng.randint(4, 12))
+    if what < 0.87:
+        return "seed %s %d shell=yes " % (at, label) + rng.choice(
+            ["radius=4", "radius=2.5mm", "through=" + near(at), "radius=5 around=1"])
+    if what < 0.90:
+        return "box %s %s %d" % (at, near(at), label) + rng.choice(["", " shell=yes"])
+    first, others = polygon()
+    if what < 0.93:
+        return "fill %s %d %s" % (first, label, others)
+    if what < 0.985:
+        return "outline %s %d %s" % (first, label, others) + rng.choice(
+            ["", " ring=%d" % rng.randrange(6), " instead=%d" % rng.randint(1, markers + 9)])
+    if what < 0.995:
+        low = rng.randint(10, 200)
+        return "object %d threshold %d..%d from=%s" % (label, low, low + 2, at)
+    return "seed-file " + rng.choice(["seeds.csv", "map.nii regions=1-2 erode=2 each=9",
+                                      "map.nii label=3 each=5 generator=7", "none.csv"])
+
+
+def going():
+    """Back and forth in the history."""
+    last = count_records()
+    return rng.choice(["undo", "undo", "undo", "undo 3", "redo", "redo 2",
+                       "goto %d" % max(1, last - rng.randrange(200)),
+                       "goto side%d" % rng.randrange(1, 9), "branch side%d" % rng.randrange(1, 99)])
+
+
+def looking():
+    at = place()
+    return rng.choice([
+        "turn 15", "turn 0 -10", "view front", "view 30 20", "zoom 1.5", "zoom fit",
+        "zoom 2 at=" + at, "cross " + at, "hide 2", "show all", "show 2", "opacity 3 60",
+        "opacity all 100",
+        "shade cubes", "shade surface ao=0", "shade surface creases=yes", "pan 5 -3", "focus scene",
+        "focus " + at, "clip axial 10-80", "clip none", "clip sagittal 90-10", "plane " + at,
+        "plane %s normal=1,1,0.5 offset=-5" % at, "plane none", "cut %s %s" % (at, place()),
+        "cut none", "overlay tint", "overlay contour cross=off", "overlay none", "label 3 third",
+        "label %d \"object %d\" #%06x" % (rng.randint(1, 9), rng.randrange(99),
+                                          rng.randrange(1 << 24)),
+        "label-file names.txt", "light 20 40", "cue 50", "edges on", "edges off", "samples 2",
+        "samples 1", "background white", "background gradient", "decorate letters scale",
+        "decorate none", "context mip", "context none", "window 20 90.5", "window auto",
+        "magnify 2.5 at=" + at, "magnify fit", "size 128 128", "size 96 64",
+        "landmark AC " + at, "landmark AC none", "orient RAS", "orient file",
+        "origin 74120d6c3f0cc54e2237dc0bced98ab5 by=world as=labels"])
+
+
+def growing():
+    """What all grows anew by."""
+    return rng.choice(["weight sobel", "weight gauss 1.5", "weight difference", "weight polarity",
+                       "polarity 1 50", "polarity 2 0", "weight map.nii", "weight morph",
+                       "weight morph", "weight morph", "adjacency 26", "adjacency 6", "adjacency 6",
+                       "range 20 190.5", "range none", "mask map.nii regions=0-2", "mask none",
+                       "range none", "mask none"])
+
+
+def finishing():
+    return rng.choice(["finish relax sweeps=8", "finish majority radius=1", "finish largest",
+                       "finish components voxels=20", "finish holes label=1", "finish close",
+                       "finish open label=2", "finish", "finish none", "finish none", "finish none",
+                       "finished on", "finished off", "finished off"])
+
+
+def asking():
+    at = place()
+    return rng.choice([
+        "render", "render mode=ray", "slice axial %d" % rng.randrange(SIDE), "slice coronal zoom=2",
+        "mosaic", "stats", "stats", "why " + at, "why " + at, "why " + at,
+        "profile %s %s" % (at, place()), "measure %s %s %s" % (at, place(), place()), "pick 64 64",
+        "pick 20 30 of=mosaic", "info",
+        "history 5", "hints 3", "hints slice", "hint %d" % rng.randint(1, 12), "help seed",
+        "journal", "sync", "sync " + rng.choice(["always", "everysec", "off"]), "run for=stats",
+        "stats finished=yes report=stats.json replace=yes", "compare map.nii regions=1-3"])
+
+
+def saving():
+    global goldens
+    if goldens < 60 and rng.random() < 0.3:
         goldens += 1
-        return "golden g%d" % goldens
-    return "save labels labels.nii replace=yes"
+        return "golden g%d" % goldens + rng.choice(["", "", " of=axial", " of=mosaic"])
+    return rng.choice([
+        "save labels labels.nii replace=yes", "save labels labels.nii.gz replace=yes finished=yes",
+        "save cost cost.nii.gz replace=yes", "save border border.nii.gz replace=yes",
+        "save root root.nii.gz replace=yes", "save margin margin.nii.gz replace=yes",
+        "save distance distance.nii.gz replace=yes", "save seeds now.csv replace=yes",
+        "save names now.txt replace=yes", "save surface now.ply replace=yes triangles=900",
+        "save labels labels.nii", "render now.png replace=yes", "render now.exr replace=yes",
+        "slice axial 50 slice.png replace=yes", "mosaic mosaic.png replace=yes",
+        "spin 4 turn.gif replace=yes"])
 
 
-def records():
+def misspelling():
+    """A line with something wrong about it."""
+    line = rng.choice([planting, looking, asking])()
+    at = rng.randrange(len(line))
+    return rng.choice([
+        line[:at], line[:at] + rng.choice("§=,.\"0- ") + line[at:], line.replace(",", ",,"),
+        line + " " + line, line.replace("1", "99999999999999999999"), "# " + line, line.upper(),
+        "seed 1,1,1 1 radius=513", "label 256 x", "goto 99999999", "undo 0", "redo 1000000",
+        "mask none.nii", "open", "box 1,1,1 100,1,1 1", "outline 1,1,1 1 to=2,2,2 to=3,3,3"])
+
+
+KINDS = [(0.52, planting), (0.12, None), (0.10, going), (0.02, lambda: rng.choice(
+    ["auto on", "auto on", "auto off", "run"])), (0.12, looking), (0.02, finishing), (0.07, asking),
+    (0.01, saving), (0.005, growing), (0.015, misspelling)]
+
+
+def command():
+    make = rng.choices([k[1] for k in KINDS], [k[0] for k in KINDS])[0]
+    line = make() if make else "remove %s" % place() + rng.choice(
+        [" radius=%d" % rng.randrange(8), " radius=%d" % rng.randrange(8), " of=tree", ""])
+    if rng.random() < 0.0002:
+        line = "labels map.nii least=3000 rest=none erode=1"
+    given.add(line.split(" ")[0])
+    return line
+
+
+# ---- the journal ----
+
+counted, counted_to = 0, 0
+stood, stood_to = hashlib.sha256(), 0
+
+
+def count_records():
+    """How many there are, of which those before are not read again."""
+    global counted, counted_to, markers
     with open(JOURNAL, "rb") as file:
-        return len(re.findall(rb"^= [0-9]+", file.read(), re.M))
+        file.seek(counted_to)
+        data = file.read()
+    data = data[:data.rfind(b"\n") + 1]
+    counted += len(re.findall(rb"^= [0-9]+", data, re.M))
+    counted_to += len(data)
+    for number in re.findall(rb" marker=([0-9]+)", data):
+        markers = int(number)
+    return counted
 
 
-def fail(what):
-    print("not ok - " + what)
-    sys.exit(1)
+def begins_as_before():
+    """What was in the journal at the last call is its beginning still."""
+    global stood, stood_to
+    with open(JOURNAL, "rb") as file:
+        data = file.read()
+    if hashlib.sha256(data[:stood_to]).digest() != stood.digest():
+        fail("the journal does not begin as it did")
+    stood, stood_to = hashlib.sha256(data), len(data)
 
+
+def told(lines, *arguments):
+    """What commands say in a session of their own."""
+    return subprocess.run([IFTTY, *arguments, "-c", "; ".join(lines)], capture_output=True,
+                          text=True, check=False).stdout
+
+
+def accounted():
+    """kB of seeds, and of what can be undone, by the program's own account."""
+    said = told(["info"], "--journal", JOURNAL, "--read-only")
+    seeds, undone = re.search(r"seeds (\d+\.\d).* and (\d+\.\d) MB for what can", said).groups()
+    return int(1000 * float(seeds)), int(1000 * float(undone))
+
+
+# ---- sessions ----
 
 class Session:
-    """A process, of which `memory` is how many kB it takes."""
+    """A process, of which `sizes` are how many kB it takes, and `files` how many it has open."""
 
     def __init__(self):
-        self.done = 0
-        self.sizes = []
+        self.done, self.killed = 0, False
+        self.sizes, self.files = [], []
 
     def note(self, commands):
         self.done += commands
         with open("/proc/%d/status" % self.process.pid, encoding="ascii") as file:
             self.sizes.append(int(re.search(r"VmRSS:\s+(\d+)", file.read()).group(1)))
+        self.files.append(len(os.listdir("/proc/%d/fd" % self.process.pid)))
 
     def kill(self):
-        global killed
-        killed += 1
+        self.killed = True
         os.kill(self.process.pid, signal.SIGKILL)
         self.process.wait()
+
+    def ended(self):
+        if self.process.wait(WAIT) != 0:
+            fail("%s ended with %d" % (self.kind, self.process.returncode))
 
 
 class Serve(Session):
     kind = "serve"
+    hostile = ["nonsense", "{", '{"id": 1}', '{"do": 5}', '{"id": {}, "do": "run"}', "[1]", "null",
+               '{"id": 1, "do": "run", "do": "run"}', '{"id": 1, "do": "seed\\u0000"}', "\udcff",
+               '{"id": 1, "array": "nothing"}', '{"id": 1, "do": "run", "other": 2}', "\"" * 300,
+               '{"id": "%s", "do": "run"}' % ("i" * 99), '{"id": 1, "do": "%s"}' % ("x" * 1200000)]
 
     def __init__(self):
         super().__init__()
-        self.process = subprocess.Popen([IFTTY, "serve", JOURNAL], stdin=subprocess.PIPE,
-                                        stdout=subprocess.PIPE, text=True)
-        self.process.stdout.readline()
-        self.number = 0
+        self.process = subprocess.Popen(
+            [IFTTY, "serve", JOURNAL], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+            encoding="utf-8", errors="surrogateescape")
+        self.number, self.acknowledged = 0, 0
+        self.answer()
+
+    def answer(self):
+        answer = {}
+        while "ok" not in answer:  # what comes before tells how far it is
+            line = self.process.stdout.readline()
+            if not line:
+                fail("serve has ended in the middle")
+                sys.exit(1)
+            answer = json.loads(line)
+        self.acknowledged = answer.get("record") or self.acknowledged
+        return answer
+
+    def ask(self, **request):
+        self.number += 1
+        print(json.dumps(dict(request, id=self.number)), file=self.process.stdin, flush=True)
 
     def batch(self, lines, dies=False):
-        for i, line in enumerate(lines):
-            self.number += 1
-            print(json.dumps({"id": self.number, "do": line}), file=self.process.stdin, flush=True)
+        ahead = rng.random() < 0.2 or dies  # all are sent before the first is answered
+        for line in lines:
+            self.ask(do=line)
+            if not ahead:
+                self.expect(self.number)
+        for i in range(len(lines) if ahead else 0):
             if dies and i == len(lines) // 2:
                 return
-            answer = {}
-            while "ok" not in answer:  # what comes before tells how far it is
-                answer = json.loads(self.process.stdout.readline())
-            if answer["id"] != self.number:
-                fail("serve answers %s instead of %d" % (answer, self.number))
+            self.expect(self.number - len(lines) + i + 1)
+        self.be_a_nuisance()
+
+    def expect(self, number):
+        answer = self.answer()
+        if answer["id"] != number:
+            fail("serve answers %s instead of %d" % (answer, number))
+        return answer
+
+    def be_a_nuisance(self):
+        """Lines that are refused, voxels as a file, and a command that is stopped."""
+        line = rng.choice(self.hostile)
+        print(line, file=self.process.stdin, flush=True)
+        if self.answer()["ok"]:
+            fail("serve takes " + line[:60])
+        if rng.random() < 0.1:
+            self.ask(array=rng.choice(["labels", "cost", "root", "border", "intensity"]))
+            if not os.path.exists(self.expect(self.number).get("file", "")):
+                fail("serve gives no array")
+        self.ask(do="stats")
+        print(json.dumps({"cancel": self.number}), file=self.process.stdin, flush=True)
+        self.expect(self.number)
 
     def end(self):
         self.process.stdin.close()
-        if self.process.wait(WAIT) != 0:
-            fail("serve ended with %d" % self.process.returncode)
+        self.ended()
 
 
 class Prompt(Session):
@@ -154,9 +357,16 @@ class Prompt(Session):
     def enter(self):
         self.mark("")
 
+    def read(self, seconds):
+        try:
+            if select.select([self.master], [], [], seconds)[0]:
+                os.read(self.master, 65536)
+        except OSError:
+            pass
+
     def send(self, text):
-        data = text.encode()
-        while data:
+        data, until = text.encode(), time.monotonic() + WAIT
+        while data and time.monotonic() < until:
             ready, can_write, _ = select.select([self.master], [self.master], [], 1)
             if ready:
                 os.read(self.master, 65536)
@@ -171,19 +381,19 @@ class Prompt(Session):
         until, again = time.monotonic() + WAIT, 0
         while time.monotonic() < until:
             if time.monotonic() > again:  # keys that begin something may have taken it
-                again = time.monotonic() + 15
+                again = time.monotonic() + 5
                 for key in before:
                     self.send(key)
                     time.sleep(0.1)
                 self.send(line + "\r")
-            if select.select([self.master], [], [], 0.02)[0]:
-                os.read(self.master, 65536)
+            self.read(0.02)
             with open(JOURNAL, "rb") as file:
                 file.seek(0, 2)
                 file.seek(max(0, file.tell() - 4096))
                 if line.encode() + b"\n= " in file.read():
                     return
         fail("%s does not come to `%s`" % (self.kind, line))
+        sys.exit(1)
 
     def batch(self, lines, dies=False):
         self.send("".join(line + "\r" for line in lines))
@@ -191,19 +401,16 @@ class Prompt(Session):
             self.mark("")
 
     def leave(self):
-        self.send("quit\r")
+        self.send("\x15quit\r")
 
     def end(self):
-        self.leave()
-        until = time.monotonic() + WAIT
+        until, again = time.monotonic() + WAIT, 0
         while self.process.poll() is None and time.monotonic() < until:
-            try:
-                if select.select([self.master], [], [], 0.05)[0]:
-                    os.read(self.master, 65536)
-            except OSError:
-                break
-        if self.process.wait(WAIT) != 0:
-            fail("the %s ended with %d" % (self.kind, self.process.returncode))
+            if time.monotonic() > again:
+                again = time.monotonic() + 15
+                self.leave()
+            self.read(0.05)
+        self.ended()
         os.close(self.master)
 
     def kill(self):
@@ -213,27 +420,35 @@ class Prompt(Session):
 
 class Pilot(Prompt):
     kind = "pilot"
-    keys = (["h", "j", "k", "l", "H", "J", "K", "L", "\t", "u", "s0", "s1", "s2", "S", "a", "g",
-             "+", "-", "b", "e", "\x1b[1;2C", "\x1b[1;2A", "z", "Z", "F", "y", "m", "c", "xx", "n",
-             "t"] + ["i", "I", "s1", "s2", "3l", "5j"] * 3)
+    keys = (["h", "j", "k", "l", "H", "J", "K", "L", "\t", "u", "\x12", "s0", "s1", "s2", "S", "O",
+             "a", "A", "d", "gg", "gc", "gz", "gh", "+", "-", "---", "b", "B", "e", "E",
+             "\x1b[1;2C", "\x1b[1;2A", "z", "Z", "F", "y", "ma", "'a", "''", "Da", "c", "C", "xx",
+             "XX", "n", "N",
+             "t", "T20..90\r", "T9\x1b", "P", "PP", "Pi", ")", "(", "}", "{", "@lljj\r", "@5lv5j\r",
+             "U", "v3lv", "v5jl", "I", "w2", "wa\r", "]", "[", "W", "o", "f", "M", "<", ">", "Vr",
+             "Vs", ".", "p", " ", "?", "\x0c", "\x1b[<0;20;8M\x1b[<0;20;8m", "\x1b[<64;40;6M"] +
+            ["i", "s1", "s2", "3l", "5j", "4k", "6h"] * 6)
 
     def enter(self):
         self.mark("")
         self.send("\x0f")
         time.sleep(0.5)
-        self.mark("\x1b\x1b:")
+        self.mark("\x1b\x1b\x1b\x1b:")
 
     def batch(self, lines, dies=False):
+        if rng.random() < 0.1:
+            rows, columns = rng.randint(10, 50), rng.randint(30, 160)
+            fcntl.ioctl(self.master, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
+            self.process.send_signal(signal.SIGWINCH)
         self.send("".join(rng.choice(self.keys) for _ in lines))
         if not dies:
-            self.mark("\x1b\x1b:")
+            self.mark("\x1b\x1b\x1b\x1b:")
 
     def leave(self):
-        self.send("\x1b")
-        time.sleep(0.1)
-        self.send("q")
-        time.sleep(0.3)
-        self.send("\x15quit\r")
+        for key in "\x1b\x1bq":
+            self.send(key)
+            time.sleep(0.2)
+        super().leave()
 
 
 def one_session(kind, commands, dies):
@@ -241,66 +456,119 @@ def one_session(kind, commands, dies):
     while session.done < commands:
         session.batch([command() for _ in range(BATCH)])
         session.note(BATCH)
-    stood = records()
+        if session.done == 10 * BATCH:
+            told(["label 9 thief"], "--journal", JOURNAL)
+    session.records = count_records()
     if dies:
         session.batch([command() for _ in range(BATCH)], dies=True)
         time.sleep(rng.random() / 4)
         session.kill()
-        if records() < stood:
-            fail("%d records stood, and %d are left" % (stood, records()))
+        acknowledged = max(session.records, getattr(session, "acknowledged", 0))
+        if count_records() < acknowledged:
+            fail("%d records were acknowledged, and %d are left" % (acknowledged, count_records()))
     else:
         session.end()
-    sizes = session.sizes
-    memory.append((kind.kind, session.done, sizes[len(sizes) // 4], sizes[-1], max(sizes), stood))
-    count[kind.kind] += session.done
+    begins_as_before()
+    session.held = accounted()
+    count[session.kind] += session.done
+    sessions.append(session)
 
 
-def told(lines, *arguments):
-    """What commands say in a session of their own."""
-    return subprocess.run([IFTTY, *arguments, "-c", "; ".join(lines)], capture_output=True,
-                          text=True, check=False).stdout
+# ---- what is judged in the end ----
+
+def median(numbers, quarter):
+    part = sorted(numbers[(quarter - 1) * len(numbers) // 4:quarter * len(numbers) // 4])
+    return part[len(part) // 2] if part else 0
+
+
+def is_more(later, former, held):
+    return later > former + former // 8 + ASKED_FOR + held * 5 // 4
+
+
+def memory_grows():
+    grew, held = [], 0
+    for i, session in enumerate(sessions):
+        second, last = median(session.sizes, 2), median(session.sizes, 4)
+        if is_more(last, second, sum(session.held) - held):
+            grew.append("%d, %s: %d kB to %d" % (i + 1, session.kind, second, last))
+        if median(session.files, 4) > median(session.files, 2):
+            grew.append("%d, %s: open files" % (i + 1, session.kind))
+        if session.held[1] > UNDO_MOST * session.records:
+            grew.append("%d, %s: %d kB for what can be undone of %d records" % (
+                i + 1, session.kind, session.held[1], session.records))
+        held = sum(session.held)
+    for kind in count:
+        of_kind = [s for s in sessions if s.kind == kind][1:]
+        if of_kind and is_more(median(of_kind[-1].sizes, 4), median(of_kind[0].sizes, 4),
+                               sum(of_kind[-1].held) - sum(of_kind[0].held)):
+            grew.append("the last " + kind)
+    return grew
 
 
 def labels_of(answer):
-    return re.findall(r"labels ([0-9a-f]{16})", answer)[-1]
+    return (re.findall(r"labels ([0-9a-f]{16})", answer) or ["none"])[-1]
+
+
+def tell(holds, what, why=""):
+    print("%s - %s%s" % ("ok" if holds else "not ok", what, ": " + str(why) if why else ""),
+          flush=True)
+    return not holds
+
+
+def left_behind():
+    """Temporary files, and drafts of what was written."""
+    return os.listdir(os.environ["TMPDIR"]) + [
+        name for _, _, names in os.walk(".") for name in names if name.startswith(".")]
 
 
 def main():
-    os.makedirs(FOLDER, exist_ok=True)
+    os.makedirs(FOLDER + "/tmp", exist_ok=True)
     os.chdir(FOLDER)
-    os.environ["IFTTY_CONFIG"] = os.environ["IFTTY_HISTORY"] = ""
+    os.environ.update(IFTTY_CONFIG="", IFTTY_HISTORY="", TMPDIR=FOLDER + "/tmp")
     begun = time.monotonic()
+    told([OPEN, "seed 30,30,30 1 radius=5", "seed 70,70,30 2 radius=5", "seed 2,2,2 0", "run",
+          "label 1 one", "save labels map.nii", "save seeds seeds.csv", "save names names.txt"])
     told([OPEN, "size 128 128", "auto on"], "--journal", JOURNAL)
-    kinds = [Serve, Prompt, Pilot]
-    sessions = 0
-    while sum(count.values()) < COMMANDS:
+    while sum(count.values()) < COMMANDS and time.monotonic() < begun + SECONDS:
         left = COMMANDS - sum(count.values())
-        kind = kinds[sessions % 3]
-        most = 500 if kind is Pilot else 2000
-        one_session(kind, min(left, most), sessions % 3 == rng.randrange(3))
-        sessions += 1
-        kind, _, quarter, last, most, _ = memory[-1]
-        print("# %6d commands, %5.0f s, %s: %d records, %d kB after a quarter, %d at the end, "
-              "%d most" % (sum(count.values()), time.monotonic() - begun, kind, records(), quarter,
-                           last, most), flush=True)
-    last = labels_of(told(["run", "save seeds last.csv replace=yes", "stats"],
+        kind = [Serve, Prompt, Pilot][len(sessions) % 3]
+        one_session(kind, min(left, LONGEST_PILOT if kind is Pilot else LONGEST),
+                    rng.randrange(3) == 0)
+        last = sessions[-1]
+        print("# %6d commands, %5.0f s, %s%s: %d records, kB in quarters %s, "
+              "%d for seeds and history" % (
+                  sum(count.values()), time.monotonic() - begun, last.kind,
+                  ", killed" if last.killed else "", last.records,
+                  " ".join(str(median(last.sizes, q)) for q in (1, 2, 3, 4)), sum(last.held)),
+              flush=True)
+    plain = ["weight morph", "adjacency 6", "range none", "mask none", "finish none"]
+    last = labels_of(told(plain + ["run", "save seeds last.csv replace=yes", "stats"],
+                          "--journal", JOURNAL))
+    anew = labels_of(told(["adjacency 26", "run", "adjacency 6", "run", "stats"],
                           "--journal", JOURNAL))
     scratch = labels_of(told([OPEN, "seed-file last.csv", "run", "stats"]))
-    print("%s - labels from the seeds alone are those of the journal: %s, %s" %
-          ("ok" if last == scratch else "not ok", last, scratch))
-    verified = subprocess.run([IFTTY, "verify", "--strict", JOURNAL], check=False).returncode
-    print("%s - the journal verifies, strictly" % ("not ok" if verified else "ok"))
-    grew = []
-    for kind in count:
-        of_kind = [m for m in memory if m[0] == kind]
-        if of_kind and of_kind[-1][4] > of_kind[0][4] * 3 // 2 + of_kind[-1][5] - of_kind[0][5]:
-            grew.append(kind)
-    print("%s - memory does not grow %s" % ("not ok" if grew else "ok", " ".join(grew)))
-    failed = (last != scratch) + (verified != 0) + (grew != [])
-    print("# %s; %d sessions, %d killed, %d records, %.0f s" % (
-        ", ".join("%s %d" % item for item in count.items()), sessions, killed, records(),
-        time.monotonic() - begun))
-    print("%d passed, %d failed, 0 skipped" % (3 - failed, failed))
+    Serve().end()  # takes away the folder of one that was killed
+    grew, left = memory_grows(), left_behind()
+    names = set(re.findall(r"^([a-z][a-z-]*) ", subprocess.run(
+        [IFTTY, "help"], capture_output=True, text=True, check=True).stdout, re.M))
+    with open(JOURNAL, "rb") as file:
+        thieves = file.read().count(b"thief")
+    failed = tell(last == scratch == anew, "labels are the same from the seeds alone, and anew",
+                  "%s %s %s" % (last, scratch, anew))
+    failed += tell(not grew, "memory does not grow", "; ".join(grew))
+    failed += tell(not left, "nothing is left behind", " ".join(left))
+    failed += tell(thieves == 0, "nobody else has written to the journal")
+    failed += tell(names - given <= LEFT_OUT, "all commands are given", names - given - LEFT_OUT)
+    failed += tell(not failures, "every session is as it should be", "; ".join(failures))
+    print("# %s; %d sessions, %d killed, %d records, %d golden images, %.0f s" % (
+        ", ".join("%s %d" % item for item in count.items()), len(sessions),
+        sum(s.killed for s in sessions), count_records(), goldens, time.monotonic() - begun),
+          flush=True)
+    verified = subprocess.run([IFTTY, "verify", "--strict", "--limit-time", "9h", "--limit-output",
+                               "90G", JOURNAL], check=False).returncode
+    failed += tell(verified == 0, "the journal verifies, strictly")
+    print("# %.0f s" % (time.monotonic() - begun))
+    print("%d passed, %d failed, 0 skipped" % (7 - failed, failed))
     sys.exit(failed > 0)
 
 
