@@ -329,15 +329,17 @@ bool markers_can_plant(const struct markers *markers, uint32_t cell)
 uint32_t markers_at(const struct markers *markers, uint32_t cell)
 {
     const uint32_t latest = markers->buckets ? *bucket_of(markers, cell) : COVER_NONE;
-    uint32_t decides = 0;
+    uint32_t decides = 0, freed = 0; /* the one that was found to be freed last: it comes often */
     for (uint32_t at = latest; at != COVER_NONE; at = markers->cover[at].below) {
         const struct cover *cover = markers->cover + at;
         const uint32_t number = cover->is_beside ? cover->from : cover->marker;
-        const struct marker *marker = markers->marker + number - 1;
-        if (cover->cell != cell || (cover->from && !cover->is_beside) || number < decides ||
-            !marker->stands || !markers->marker[cover->marker - 1].stands)
+        if (cover->cell != cell || (cover->from && !cover->is_beside) || number <= decides ||
+            number == freed || !markers->marker[number - 1].stands ||
+            !markers->marker[cover->marker - 1].stands)
             continue;
-        if (!marker->yields || !is_freed(markers, latest, cell, number))
+        if (markers->marker[number - 1].yields && is_freed(markers, latest, cell, number))
+            freed = number;
+        else
             decides = number;
     }
     return decides;

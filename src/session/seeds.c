@@ -96,7 +96,8 @@ static enum err take_away(struct session *session, uint32_t number, struct fault
         if (markers_can_plant(markers, cell) && markers_at(markers, cell) < number)
             err = edits_add(&session->now.lists.pending, markers_edit(markers, cell), fault);
     }
-    for (size_t i = marker->first + covers; !err && markers->ends && i < markers->covers; i++) {
+    const bool ends = marker->yields && markers->ends;
+    for (size_t i = marker->first + covers; !err && ends && i < markers->covers; i++) {
         const struct cover *cover = markers->cover + i;
         if (cover->is_beside && cover->from == number)
             err = edits_add(&session->now.lists.pending, markers_edit(markers, cover->cell), fault);
