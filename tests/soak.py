@@ -43,6 +43,7 @@ import time
 IFTTY, FOLDER = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
 COMMANDS = int(os.environ.get("COMMANDS", "100000"))
 SECONDS = float(os.environ.get("SECONDS") or "inf")
+TEMPORARY = os.path.join(FOLDER, "tmp")
 JOURNAL, SIDE, BATCH, WAIT = "soak.iftty", 100, 40, 300
 LONGEST, LONGEST_PILOT = 5000, 1000  # commands of a session
 UNDO_MOST = 10  # kB of what can be undone for a record, half of which are balls and strokes
@@ -54,6 +55,7 @@ count = {"serve": 0, "prompt": 0, "pilot": 0}
 sessions = []  # those that have ended
 given = set()  # the first words of commands
 goldens, marks, markers = 0, 0, 0
+begun = time.monotonic()
 failures = []
 
 
@@ -197,11 +199,16 @@ KINDS = [(0.52, planting), (0.12, None), (0.10, going), (0.02, lambda: rng.choic
     (0.01, saving), (0.005, growing), (0.015, misspelling)]
 
 
+def is_late():
+    """Corrections of a segmentation out of a file take time and memory for each voxel around."""
+    return max(sum(count.values()) / COMMANDS, (time.monotonic() - begun) / SECONDS) > 0.9
+
+
 def command():
     make = rng.choices([k[1] for k in KINDS], [k[0] for k in KINDS])[0]
     line = make() if make else "remove %s" % place() + rng.choice(
         [" radius=%d" % rng.randrange(8), " radius=%d" % rng.randrange(8), " of=tree", ""])
-    if rng.random() < 0.0002:
+    if rng.random() < 0.0005 and is_late():
         line = "labels map.nii least=3000 rest=none erode=1"
     given.add(line.split(" ")[0])
     return line
@@ -522,10 +529,9 @@ def left_behind():
 
 
 def main():
-    os.makedirs(FOLDER + "/tmp", exist_ok=True)
+    os.makedirs(TEMPORARY, exist_ok=True)
     os.chdir(FOLDER)
-    os.environ.update(IFTTY_CONFIG="", IFTTY_HISTORY="", TMPDIR=FOLDER + "/tmp")
-    begun = time.monotonic()
+    os.environ.update(IFTTY_CONFIG="", IFTTY_HISTORY="", TMPDIR=TEMPORARY)
     told([OPEN, "seed 30,30,30 1 radius=5", "seed 70,70,30 2 radius=5", "seed 2,2,2 0", "run",
           "label 1 one", "save labels map.nii", "save seeds seeds.csv", "save names names.txt"])
     told([OPEN, "size 128 128", "auto on"], "--journal", JOURNAL)
