@@ -100,8 +100,8 @@ END
 {"cancel": 99}
 nonsense
 END
-    "$iftty" serve s.nii --journal served.iftty <lines >served 2>&1
-    words_of serve served >>words
+    expect 0 "$iftty" serve s.nii --journal served.iftty <lines
+    words_of serve "$work/out" >>words || fail "serve: $(sed 3q "$work/out")"
     LC_ALL=C sort -u words >now
     grep '^json ' "$promises" | LC_ALL=C sort >then
     LC_ALL=C comm -13 now then >gone
