@@ -174,11 +174,11 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
 
 .DEFAULT_GOAL := all
 .PHONY: all install uninstall deb static tests test test-long test-stress soak test-bare \
-        test-static test-reproducible check-format format analyse variants test-matrix \
-        test-matrix-short test-terminals test-cohort fuzz fuzzers demo bench-peers bench-chafa \
-        bench-paper bench-growth bench-render bench-frames bench-journal bench-keys bench-looks \
-        bench-effort bench-mend bench-noise bench-register bench-series bench-files bench-beside \
-        bench-apply bench-surface remake-examples help clean packages
+        test-static test-release test-deb test-reproducible check-format format analyse \
+        variants test-matrix test-matrix-short test-terminals test-cohort fuzz fuzzers demo \
+        bench-peers bench-chafa bench-paper bench-growth bench-render bench-frames bench-journal \
+        bench-keys bench-looks bench-effort bench-mend bench-noise bench-register bench-series \
+        bench-files bench-beside bench-apply bench-surface remake-examples help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -282,6 +282,10 @@ deb: build/.packages-deb
 	@.package/deb build/deb
 	@lintian --allow-root --fail-on error,warning --tag-display-limit 0 build/deb/*.changes
 
+## test-deb: these packages in a bare Debian 12, whose apt installs and removes them; asks for root
+test-deb: deb build/.packages-bare
+	@tests/packages.sh build/deb
+
 ## static: one file that runs on any Linux, build/static/iftty, with its licences, and what is in it
 ##     as iftty.spdx.json; ARCH=arm64: build/static-arm64.  test-static: where nothing else is
 static: $(FROM)/packages
@@ -290,6 +294,11 @@ static: $(FROM)/packages
 	@echo "made      build/$(STATIC)/iftty"
 test-static: all static build/.packages-test build/.packages-bare
 	@tests/static.sh $(BUILD) build/$(STATIC)
+
+## test-release: the checkout's program, the installed one and the static file make the same
+##     journals, verify and continue each other's, and answer alike
+test-release: all $(BUILD)/share static build/.packages-test
+	@tests/release.sh $(BUILD) build/$(STATIC)
 
 ## demo: segment a brain by seeds, render it, replay and verify the journal
 demo: $(BUILD)/iftty $(BUILD)/iftty-image

@@ -12,73 +12,13 @@
 # missing, fails, or is skipped for a reason that is not in may_skip.txt.
 set -u
 cd "$(dirname "$0")/.." || exit 1
-suite=bookworm
-[ "$(id -u)" = 0 ] || { echo "bare.sh: debootstrap and mounting ask for root" >&2; exit 2; }
-# All is mounted where nobody else sees it, and is gone with the last process, however that ends.
-[ -n "${IFTTY_BARE:-}" ] || IFTTY_BARE=yes exec unshare -m tests/bare.sh "$@"
+. tests/machine.sh
+own_mounts tests/bare.sh "$@"
 bare=${1:-build/bare}
 mkdir -p "$bare" && bare=$(cd "$bare" && pwd) || exit 1
-root=$bare/root log=$bare/log said=$bare/said
-clear_up() {
-    awk -v root="$root" '$2 == root || index($2, root "/") == 1 { print $2 }' /proc/mounts |
-        sort -r | while read -r place; do umount -l "$place"; done
-    # where something should still be mounted, nothing of it is removed
-    [ -n "${KEEP:-}" ] || rm -rf --one-file-system "$root"
-}
+log=$bare/log said=$bare/said
 trap clear_up EXIT
 trap 'exit 1' HUP INT TERM
-
-# ---- the machine ----
-
-# The mirrors of this machine's own sources, in either way of writing them.
-mirrors() {
-    {
-        sed -n 's/^deb \(\[[^]]*\] *\)\{0,1\}\([^ ]*\) .*/\2/p' \
-            /etc/apt/sources.list /etc/apt/sources.list.d/*.list
-        sed -n 's/^URIs: *//p' /etc/apt/sources.list.d/*.sources | tr ' ' '\n'
-    } 2>/dev/null | awk 'length && !seen[$0]++'
-}
-make_root() { # from the first mirror that has the suite
-    for mirror in $(mirrors); do
-        rm -rf --one-file-system "$root"
-        packages=git,make,gcc
-        case $mirror in https:*) packages=$packages,ca-certificates ;; esac
-        debootstrap --variant=minbase --include=$packages "$suite" "$root" "$mirror" \
-            >"$bare/debootstrap.log" 2>&1 && return
-    done
-    tail -n 3 "$bare/debootstrap.log" >&2
-    return 1
-}
-# The way out is that of this machine: proxies, and the names of hosts.
-share_network() {
-    apt-config dump | grep -i '^Acquire::[a-z]*::Proxy ' >"$root/etc/apt/apt.conf.d/10proxy"
-    for file in resolv.conf hosts; do cp -L "/etc/$file" "$root/etc/$file" || return; done
-}
-mount_places() {
-    mount --bind "$root" "$root" && mount -t sysfs -o ro sys "$root/sys" &&
-        mount -t tmpfs -o mode=755 dev "$root/dev" &&
-        mkdir "$root/dev/pts" "$root/dev/shm" || return
-    for device in null zero full random urandom tty; do
-        touch "$root/dev/$device" && mount --bind "/dev/$device" "$root/dev/$device" || return
-    done
-    ln -s /proc/self/fd "$root/dev/fd"
-    ln -s pts/ptmx "$root/dev/ptmx"
-    mount -t devpts -o newinstance,ptmxmode=666,mode=620,gid=5 devpts "$root/dev/pts" &&
-        mount -t tmpfs -o mode=1777 shm "$root/dev/shm"
-}
-# USER COMMAND: there, with nothing of this environment but the way out to the network. The root is
-# a real one, not that of chroot, in which the kernel makes no namespaces; and so are its processes,
-# which end with the command.
-inside() {
-    set -- "$1" "$2" "$(awk -F: -v user="$1" '$1 == user { print $6 }' "$root/etc/passwd")"
-    # shellcheck disable=SC2016
-    unshare --mount --pid --fork --kill-child sh -c '
-            mount -t proc proc "$1/proc" && cd "$1" && shift &&
-            pivot_root . mnt && umount -l /mnt && exec env -i "$@"' sh "$root" \
-        HOME="$3" PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin TERM=dumb \
-        ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} \
-        setpriv --reuid="$1" --regid="$1" --init-groups sh -c "cd && $2" </dev/null
-}
 
 # ---- the newcomer ----
 
@@ -97,9 +37,7 @@ visit() { # USER
 
 : >"$log"
 : >"$said"
-echo "# Debian $suite in $root"
-make_root && share_network && mount_places ||
-    { echo "bare.sh: the machine could not be made" >&2; exit 1; }
+make_machine "$bare" git,make,gcc
 git clone -q --bare . "$root/src" && inside root "useradd -m somebody" || exit 1
 visit root
 visit somebody

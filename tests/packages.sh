@@ -1,0 +1,76 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# The packages of `make deb` where they are meant to be: a bare Debian 12, whose apt installs them
+# with what they ask for. There their own test runs (debian/tests/demo), as root and as a user; then
+# they go, and nothing of them is left.
+#
+#     packages.sh DEBS [FOLDER]   the machine lies in FOLDER, or in build/bare-deb; it is made anew
+#     KEEP=yes                    and is left there afterwards
+#
+# Asks for root. TAP.
+debs=$1 folder=${2:-build/bare-deb}
+cd "$(dirname "$0")/.." || exit 1
+. tests/machine.sh
+own_mounts tests/packages.sh "$@"
+. tests/lib.sh
+cd "$top" || exit 1
+mkdir -p "$folder" && folder=$(cd "$folder" && pwd) || exit 1
+trap 'clear_up; rm -rf "$work"' EXIT
+# there USER COMMAND: it succeeds
+there() {
+    inside "$1" "$2" >"$work/out" 2>"$work/err" ||
+        fail "$1: $2" "$(tail -n 5 "$work/out" "$work/err")"
+}
+apt="DEBIAN_FRONTEND=noninteractive apt-get -q -y -o Dpkg::Use-Pty=0"
+files() { # below /usr and /etc, but for what others make anew whenever packages come or go
+    inside root 'find /usr /etc ! -name "*cache*" ! -type d' | LC_ALL=C sort
+}
+
+make_machine "$folder" man-db,ca-certificates # both are what others recommend, and would stay
+mkdir "$root/debs"
+cp -R "$debs"/*.deb .package/debian/tests "$root/debs"
+there root "useradd -m somebody && apt-get -q update"
+files >"$work/before"
+packages=$(cd "$debs" && ls *.deb | sed 's/_.*//' | grep -v dbgsym | LC_ALL=C sort)
+
+begin "apt installs them, with what they ask for"
+same "$(echo $packages)" "iftty iftty-doc iftty-image iftty-volume"
+there root "$apt install --no-install-recommends /debs/iftty_*.deb"
+there somebody "iftty --version"
+same "$(cat "$work/out")" "iftty $(sed -n 's/^#define PROGRAM_VERSION *"\(.*\)"/\1/p' \
+    src/base/version.h)"
+there somebody "cd /tmp && ! iftty info /debs/tests/control 2>missing; cat missing; rm missing"
+there root "$apt install $(printf '/debs/%s_*.deb ' $packages) mricron-data"
+close_story
+
+begin "their own test passes, for root and for a user"
+for user in root somebody; do
+    there $user "sh /debs/tests/demo"
+    out_has "# 2 verified, 0 failed"
+    out_has "# 1 verified, 0 failed"
+done
+close_story
+
+begin "the manual, completions and papers are where Debian has them"
+there somebody "man -w iftty iftty-verify iftty-journal"
+same "$(grep -c '^/usr/share/man/man[15]/iftty' "$work/out")" 3
+there somebody "man iftty-journal"
+out_has "BYTE FOR BYTE"
+there somebody "cd /usr/share && ls bash-completion/completions/iftty zsh/vendor-completions/_iftty
+    cd /usr/share/doc/iftty && ls README.md.gz FORMAT.md.gz PROMISES.md SECURITY.md changelog.gz"
+close_story
+
+begin "what is removed is gone"
+there root "$apt purge $(echo $packages) mricron-data"
+there root "$apt autoremove --purge"
+files >"$work/after"
+LC_ALL=C comm -13 "$work/before" "$work/after" >"$work/left"
+[ ! -s "$work/left" ] || fail "left:" "$(sed 9q "$work/left")"
+LC_ALL=C comm -23 "$work/before" "$work/after" >"$work/lost"
+[ ! -s "$work/lost" ] || fail "lost:" "$(sed 9q "$work/lost")"
+[ "$(wc -l <"$work/before")" -gt 1000 ] || fail "few files: $(wc -l <"$work/before")"
+there root 'find / -xdev -name "*iftty*" ! -path "/debs/*" ! -path "/proc/*" ! -path "/tmp/*"'
+same "$(cat "$work/out")" ""
+close_story
+
+finish
