@@ -26,6 +26,7 @@ TEST_PACKAGES := tmux screen procps python3 python3-nibabel python3-pydicom pyth
 FORMATTER     := clang-format-14
 BARE_PACKAGES := debootstrap
 DEB_PACKAGES  := dpkg-dev debhelper lintian
+OCI_PACKAGES  := umoci crun
 # Of `make static`; for another machine, its compiler and what runs its programs.
 CROSS_amd64     := gcc-x86-64-linux-gnu
 CROSS_arm64     := gcc-aarch64-linux-gnu
@@ -173,8 +174,8 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
                      sway grim wtype xdotool tmux screen pterm rxvt-unicode chafa python3-pil
 
 .DEFAULT_GOAL := all
-.PHONY: all install uninstall deb static tests test test-long test-stress soak test-bare \
-        test-static test-release test-deb test-reproducible check-format format analyse \
+.PHONY: all install uninstall deb static oci tests test test-long test-stress soak test-bare \
+        test-static test-release test-deb test-oci test-reproducible check-format format analyse \
         variants test-matrix test-matrix-short test-terminals test-cohort fuzz fuzzers demo \
         bench-peers bench-chafa bench-paper bench-growth bench-render bench-frames bench-journal \
         bench-keys bench-looks bench-effort bench-mend bench-noise bench-register bench-series \
@@ -299,6 +300,13 @@ test-static: all static build/.packages-test build/.packages-bare
 ##     journals, verify and continue each other's, and answer alike
 test-release: all $(BUILD)/share static build/.packages-test
 	@tests/release.sh $(BUILD) build/$(STATIC)
+
+## oci: the static file as a container image, build/oci/iftty-oci.tar, which podman and docker load.
+##     test-oci: it runs there, by crun; asks for root
+oci: static build/.packages-oci
+	@.package/oci build/$(STATIC) $(ARCH) build/oci
+test-oci: all oci build/.packages-test
+	@tests/oci.sh $(BUILD) build/oci/iftty-oci.tar
 
 ## demo: segment a brain by seeds, render it, replay and verify the journal
 demo: $(BUILD)/iftty $(BUILD)/iftty-image
@@ -481,6 +489,10 @@ build/.packages-deb: Makefile build/.packages-volume
 
 build/.packages-static: Makefile | $(PACKAGES_STAMP)
 	@.ci/packages $(STATIC_PACKAGES) --
+	@touch $@
+
+build/.packages-oci: Makefile | $(PACKAGES_STAMP)
+	@.ci/packages $(OCI_PACKAGES) --
 	@touch $@
 
 build/.packages-bare: Makefile | $(PACKAGES_STAMP)
