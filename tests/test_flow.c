@@ -270,11 +270,67 @@ STORY(a_failed_barrier_asks_for_recovery_once)
     CHECK_TEXT(buf_text(&out), "\033\\");
     buf_clear(&out);
     graphics_add_recovery(&kitty, &out);
-    CHECK_TEXT(buf_text(&out), "\033\\\033_Gm=0,q=2;\033\\");
+    CHECK_TEXT(buf_text(&out), "\033_Gm=0,q=2;\033\\\033_Gm=0,q=2;\033\\");
     buf_release(&out);
     CHECK(flow_budget(&flow) <= 5000); /* 100000 bytes in 2 s at the very best */
     flow_sent(&flow, 4000, 2000 * MS);
     CHECK(!flow.failed);
+}
+
+/* What kitty makes of strings: ESC \ alone ends one. */
+struct strings {
+    bool is_open, waits; /* for more chunks of a picture */
+    char body[200];
+    size_t length;
+    unsigned alone; /* ends of no string */
+    char before;
+};
+
+static void end_string(struct strings *s)
+{
+    s->alone += !s->is_open;
+    s->body[s->is_open ? s->length : 0] = '\0';
+    s->waits = s->is_open ? strstr(s->body, "m=1;") != NULL : s->waits;
+    s->is_open = false;
+}
+
+static void heed(struct strings *s, const char *bytes, size_t length)
+{
+    for (size_t i = 0; i < length; i++) {
+        const bool escaped = s->before == '\033';
+        s->before = bytes[i];
+        if (escaped && bytes[i] == '\\')
+            end_string(s);
+        else if (escaped && bytes[i] == '_' && !s->is_open)
+            *s = (struct strings){.is_open = true, .waits = s->waits, .alone = s->alone};
+        else if (s->is_open && s->length + 1 < sizeof s->body)
+            s->body[s->length++] = bytes[i];
+    }
+}
+
+/* A picture that is given up, wherever the line has cut it, leaves nothing open, and no end of a
+ * string that did not begin. */
+STORY(what_was_cut_is_ended_and_what_was_not_is_left_whole)
+{
+    static const char picture[] = "\033_Ga=T,f=100,q=2,m=1;iVBO\033\\\033_Gq=2,m=1;Rw0K\033\\"
+                                  "\033_Gq=2,m=0;Ggo=\033\\\033[c";
+    static const struct terminal_facts kitty = {.graphics = &graphics_kitty},
+                                       tiles = {.graphics = &graphics_tiles};
+    struct buf out = {0};
+    graphics_add_recovery(&kitty, &out);
+    buf_add_char(&out, '\n');
+    graphics_add_recovery(&tiles, &out);
+    const size_t each = out.length / 2;
+    for (size_t cut = 0; cut < sizeof picture; cut++)
+        for (int row = 0; row < 2; row++) {
+            struct strings s = {0};
+            heed(&s, picture, cut);
+            const bool begins = s.before == '\033' && !s.is_open; /* which it cannot make good */
+            heed(&s, buf_text(&out) + (size_t)row * (each + 1), each);
+            CHECK(!s.is_open && !s.waits);
+            CHECK(s.alone == 0 || begins);
+        }
+    buf_release(&out);
 }
 
 STORY(a_terminal_that_never_answers_gets_a_frame_now_and_then)
@@ -324,6 +380,7 @@ int main(void)
                        TELL(an_answer_that_is_lost_costs_two_seconds_once),
                        TELL(answers_that_come_late_are_not_taken_for_those_of_newer_frames),
                        TELL(a_failed_barrier_asks_for_recovery_once),
+                       TELL(what_was_cut_is_ended_and_what_was_not_is_left_whole),
                        TELL(a_terminal_that_never_answers_gets_a_frame_now_and_then),
                        TELL(a_long_way_begins_with_few_bytes),
                        TELL(clocks_and_sizes_at_their_limits_do_no_harm));

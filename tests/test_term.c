@@ -24,7 +24,7 @@
 #define END     "\033[?2026l\033[?1006l\033[?1000l\033[?2004l\033[?25h\033[?1049l"
 #define RECOVER "\033_Gm=0,q=2;\033\\"
 /* What brings back any terminal in any of our states. */
-#define ENDING "\033\\" RECOVER END "\033[m\033[?25h\r\n"
+#define ENDING RECOVER END "\033[m\033[?25h\r\n"
 
 /* ---- the job: parts to play ---- */
 
@@ -348,7 +348,7 @@ static void end(struct stage *s)
 /* The terminal may have made CR CR LF of the last line feed, since modes come first. */
 static bool has_ending(struct stage *s)
 {
-    return ends_with(s, ENDING) || ends_with(s, "\033\\" RECOVER END "\033[m\033[?25h\r\r\n");
+    return ends_with(s, ENDING) || ends_with(s, RECOVER END "\033[m\033[?25h\r\r\n");
 }
 
 static void check_restored(struct stage *s)
@@ -576,7 +576,7 @@ STORY(an_answer_that_is_due_at_sigterm_is_not_left_to_the_shell)
     struct stage s;
     start_ready(&s, waits_and_answers);
     kill(s.job, SIGTERM);
-    CHECK(see(&s, "\033\\\033[c\033\\" RECOVER END, 60000));
+    CHECK(see(&s, RECOVER "\033[c" END, 60000));
     usleep(50000);
     CHECK(write(s.master, "\033[?62;4c", 8) == 8);
     const int status = report_of(&s);

@@ -83,14 +83,12 @@ _Static_assert((int)ENDING <= (int)GUARDIAN_WORDS, "the guardian may have to say
  * prompt; `ask` adds a question, before the words that restore. */
 static size_t put_ending(char words[ENDING], bool for_good, bool ask)
 {
-    size_t length = 0;
+    static const struct text usual = {.bytes = "\033\\", .length = 2};
+    size_t length = put(words, term.recover.length > 0 ? &term.recover : &usual);
     if (ask) {
-        memcpy(words, "\033\\\033[c", 5);
-        length += 5;
+        memcpy(words + length, "\033[c", 3);
+        length += 3;
     }
-    memcpy(words + length, "\033\\", 2);
-    length += 2;
-    length += put(words + length, &term.recover);
     length += put(words + length, &term.end);
     if (for_good) {
         memcpy(words + length, "\033[m\033[?25h\r\n", 11);

@@ -10,7 +10,7 @@
  *      SIGABRT, SIGBUS, SIGILL, SIGFPE), after which the signal takes its usual course;
  *   T3 they come back while the process is stopped (SIGTSTP), and ours when it goes on (SIGCONT);
  *   T4 a signal that the program handles or ignores itself is left alone, crashes apart;
- *   T5 what a handler writes is one write that begins with ESC \, which ends a picture cut in two;
+ *   T5 what a handler writes is one write that begins with what ends a picture cut in two;
  *   T6 a child gives it back after SIGKILL (tui/guardian.h);
  *   T7 nothing that we do cuts what term_write writes in two: Ctrl-C does not make the terminal
  *      drop its output, and stopping waits until the write is done;
@@ -43,8 +43,8 @@ enum err term_open(int in, int out, struct fault *fault);
 void term_close(void);
 
 /* What is written when our modes begin and when they end (bracketed paste on and off, say). Less
- * than TERM_WORDS bytes each, or none is; needed before the first term_set_mode. `recover` goes
- * after the ESC \ of T5. */
+ * than TERM_WORDS bytes each, or none is; needed before the first term_set_mode. `recover` is
+ * that of T5; ESC \ where none is set. */
 enum { TERM_WORDS = 128 };
 void term_set_sequences(const char *begin, const char *end);
 void term_set_recovery(const char *recover);

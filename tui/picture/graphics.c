@@ -84,16 +84,20 @@ void graphics_decide(const struct probe_replies *replies, const struct probe_env
     facts->graphics = choose(replies, e, wish);
 }
 
+static const char *recovery_of(const struct terminal_facts *facts)
+{
+    return facts->graphics->recovery ? facts->graphics->recovery : "\033\\";
+}
+
 enum err graphics_probe(struct graphics_wish wish, struct terminal_facts *facts, struct buf *typed,
                         struct fault *fault)
 {
     const struct probe_environment e = probe_environment_now();
     struct probe_replies replies = {0};
-    char words[TERM_WORDS]; /* ESC \ has been written before; harmless where it was not needed */
+    char words[TERM_WORDS];
     const enum err err = probe_terminal(graphics_asks(wish, &e), &replies, facts, typed, fault);
     facts->graphics = choose(&replies, &e, wish);
-    snprintf(words, sizeof words, "%s%s",
-             facts->graphics->recovery ? facts->graphics->recovery : "",
+    snprintf(words, sizeof words, "%s%s", recovery_of(facts),
              facts->synchronizes ? "\033[?2026l" : "");
     term_set_recovery(words);
     term_set_answers(facts->answers);
@@ -102,8 +106,7 @@ enum err graphics_probe(struct graphics_wish wish, struct terminal_facts *facts,
 
 void graphics_add_recovery(const struct terminal_facts *facts, struct buf *out)
 {
-    buf_add_text(out, "\033\\");
-    buf_add_text(out, facts->graphics->recovery ? facts->graphics->recovery : "");
+    buf_add_text(out, recovery_of(facts));
 }
 
 /* ---- a picture at the prompt ---- */

@@ -39,7 +39,9 @@ enum { CHUNK = 4096, FEW_PIXELS = 1024 };
 /* Numbers of pictures from here on, which others hardly use; and those of strips. */
 enum { KITTY_FIRST = 26982, KITTY_STRIPS = 270000 };
 
-#define RECOVERY "\033_Gm=0,q=2;\033\\" /* ends a transmission between two chunks */
+/* Ends a transmission that was cut: the first of the two a sequence, the second what is between two
+ * chunks. Where none was cut both are whole: kitty notes an ESC \ that ends nothing as an error. */
+#define RECOVERY "\033_Gm=0,q=2;\033\\\033_Gm=0,q=2;\033\\"
 
 /* Strips lie below the picture; what keeps one from being dropped, a placement of this number, lies
  * below all of them. */

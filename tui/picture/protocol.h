@@ -35,7 +35,7 @@ struct graphics {
     /* -- finding it: NULL is nothing, or always -- */
     bool (*fits)(const struct probe_replies *, const struct probe_environment *);
     struct probe_question question; /* in the second round */
-    const char *recovery;           /* after ESC \, ends a transmission that was cut in two */
+    const char *recovery;           /* ends a transmission that was cut in two; NULL: ESC \ does */
     const char *made_by; /* the terminal that has all of the protocol; NULL: all that fit, */
     const struct graphics *instead; /* and what the others that fit are shown by */
 
