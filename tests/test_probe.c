@@ -4,23 +4,25 @@
 #include "tests/check.h"
 #include "tui/picture/graphics.h"
 
-enum { QUESTIONS = 8 };
+enum { QUESTIONS = 9 };
 static const char *const question[QUESTIONS] = {
     "\033[>c",      "\033[>q", "\033[16t",     "\033[14t",
-    "\033[?2;4;0S", "\033[c",  "\033[?2026$p", "\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\"};
-enum { DA2, VERSION, CELL, AREA, LIMIT, DA1, MODE, KITTY };
+    "\033[?2;4;0S", "\033[c",  "\033[?2026$p", "\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\",
+    "\033[?1016$p"};
+enum { DA2, VERSION, CELL, AREA, LIMIT, DA1, MODE, KITTY, POINTS };
 #define PRINTS(place) (1u << (place))
 
 struct known {
     const char *about;
     struct probe_environment environment;
     const char *answer[QUESTIONS]; /* NULL: none */
-    unsigned prints;               /* questions that come out as text */
+    unsigned prints;               /* questions that come out as text: POINTS as MODE */
     const struct graphics *graphics;
     enum colours colours;
     enum block_shape shape;
     bool synchronizes;
     uint32_t cell_width, cell_height;
+    enum mouse_unit unit;
 };
 
 #define TERM(name)                                                                                 \
@@ -31,6 +33,8 @@ struct known {
 #define KITTY_OK          "\033_Gi=31;OK\033\\"
 #define NOT_KNOWN         "\033[?2026;0$y"
 #define KNOWN             "\033[?2026;2$y"
+#define POINTS_NOT        "\033[?1016;0$y"
+#define POINTS_AT         "\033[?1016;2$y"
 #define COLOURED          COLOURS_24BIT
 #define XTERM_SAYS(attrs) "\033[>41;379;0c", VERSION_IS("XTerm(379)"), NULL, NULL, NULL, attrs
 
@@ -38,91 +42,99 @@ static const struct known terminals[] = {
     {"xterm -ti vt340",
      TERM("xterm-256color"),
      {"\033[>41;379;0c", VERSION_IS("XTerm(379)"), NULL, NULL, "\033[?2;0;1000;1000S",
-      "\033[?63;1;2;4;6;9;15;16;17;18;21;22;28c", NOT_KNOWN, NULL},
+      "\033[?63;1;2;4;6;9;15;16;17;18;21;22;28c", NOT_KNOWN, NULL, POINTS_AT},
      0,
      &graphics_sixel,
      COLOURED,
      BLOCK_QUADRANT,
      false,
      8,
-     16},
+     16,
+     MOUSE_CELLS},
     {"xterm",
      TERM("xterm-256color"),
      {"\033[>41;379;0c", VERSION_IS("XTerm(379)"), NULL, NULL, "\033[?2;3S",
-      "\033[?64;1;2;6;9;15;16;17;18;21;22;28c", NOT_KNOWN, NULL},
+      "\033[?64;1;2;6;9;15;16;17;18;21;22;28c", NOT_KNOWN, NULL, POINTS_AT},
      0,
      &graphics_blocks,
      COLOURED,
      BLOCK_QUADRANT,
      false,
      8,
-     16},
+     16,
+     MOUSE_CELLS},
     {"kitty",
      TERM("xterm-kitty"),
      {"\033[>1;4000;26c", VERSION_IS("kitty(0.26.5)"), "\033[6;20;9t", "\033[4;400;639t", NULL,
-      "\033[?62;c", KNOWN, KITTY_OK},
+      "\033[?62;c", KNOWN, KITTY_OK, POINTS_AT},
      PRINTS(LIMIT),
      &graphics_kitty,
      COLOURED,
      BLOCK_SEXTANT,
      true,
      9,
-     20},
+     20,
+     MOUSE_PIXELS_FROM_0},
     {"kitty over ssh, with a TERM that is known there",
      TERM("xterm-256color"),
      {"\033[>1;4000;26c", VERSION_IS("kitty(0.26.5)"), "\033[6;20;9t", "\033[4;400;639t", NULL,
-      "\033[?62;c", KNOWN, KITTY_OK},
+      "\033[?62;c", KNOWN, KITTY_OK, POINTS_AT},
      PRINTS(LIMIT),
      &graphics_kitty,
      COLOURED,
      BLOCK_SEXTANT,
      true,
      9,
-     20},
+     20,
+     MOUSE_PIXELS_FROM_0},
     {"ghostty",
      TERM("xterm-ghostty"),
      {"\033[>1;10;0c", VERSION_IS("ghostty 1.0.0"), "\033[6;34;16t", NULL, NULL, "\033[?62;22c",
-      KNOWN, KITTY_OK},
+      KNOWN, KITTY_OK, POINTS_AT},
      0,
      &graphics_tiles,
      COLOURED,
      BLOCK_SEXTANT,
      true,
      16,
-     34},
+     34,
+     MOUSE_PIXELS_FROM_0},
     {"WezTerm",
      TERM("xterm-256color"),
      {"\033[>1;277;0c", VERSION_IS("WezTerm 20240203-110809-5046fc22"), "\033[6;18;8t", NULL, NULL,
-      "\033[?65;4;6;18;22c", KNOWN, KITTY_OK},
+      "\033[?65;4;6;18;22c", KNOWN, KITTY_OK, POINTS_AT},
      0,
      &graphics_tiles,
      COLOURED,
      BLOCK_SEXTANT,
      true,
      8,
-     18},
+     18,
+     MOUSE_PIXELS},
     {"WezTerm without kitty graphics",
      TERM("xterm-256color"),
      {"\033[>1;277;0c", VERSION_IS("WezTerm 20220319"), "\033[6;18;8t", NULL, NULL,
-      "\033[?65;4;6;18;22c", KNOWN, "\033_Gi=31;ENOTSUPPORTED\033\\"},
+      "\033[?65;4;6;18;22c", KNOWN, "\033_Gi=31;ENOTSUPPORTED\033\\", NULL},
      0,
      &graphics_sixel,
      COLOURED,
      BLOCK_SEXTANT,
      true,
      8,
-     18},
+     18,
+     MOUSE_CELLS},
     {"Konsole",
      TERM("xterm-256color"),
      {"\033[>1;220380;0c", VERSION_IS("Konsole 22.12.3"), NULL, "\033[4;480;640t", NULL,
-      "\033[?62;1;4c", NOT_KNOWN, KITTY_OK},
+      "\033[?62;1;4c", NOT_KNOWN, KITTY_OK, POINTS_NOT},
      0,
      &graphics_tiles,
      COLOURED,
      BLOCK_QUADRANT,
      false,
      8,
-     20},
+     20,
+     MOUSE_CELLS},
     {"iTerm2",
      TERM("xterm-256color"),
      {"\033[>0;95;0c", VERSION_IS("iTerm2 3.5.0"), "\033[6;18;9t", NULL, NULL, "\033[?62;1;2;4;6c",
@@ -133,7 +145,8 @@ static const struct known terminals[] = {
      BLOCK_QUADRANT,
      true,
      9,
-     18},
+     18,
+     MOUSE_CELLS},
     {"an older iTerm2, through ssh that sends LC_*",
      {.term = "xterm-256color", .lc_terminal = "iTerm2"},
      {"\033[>0;95;0c", NULL, NULL, NULL, NULL, "\033[?62;4c", NULL, NULL},
@@ -143,7 +156,8 @@ static const struct known terminals[] = {
      BLOCK_HALF,
      false,
      8,
-     16},
+     16,
+     MOUSE_CELLS},
     {"an older iTerm2 at home",
      {.term = "xterm-256color", .term_program = "iTerm.app"},
      {"\033[>0;95;0c", NULL, NULL, NULL, NULL, "\033[?62;4c", NULL, NULL},
@@ -153,50 +167,55 @@ static const struct known terminals[] = {
      BLOCK_HALF,
      false,
      8,
-     16},
+     16,
+     MOUSE_CELLS},
     {"xterm started from a shell in iTerm2",
      {.term = "xterm-256color", .term_program = "iTerm.app", .lc_terminal = "iTerm2"},
-     {XTERM_SAYS("\033[?64;1;2;6c"), NOT_KNOWN, NULL},
+     {XTERM_SAYS("\033[?64;1;2;6c"), NOT_KNOWN, NULL, POINTS_AT},
      0,
      &graphics_blocks,
      COLOURED,
      BLOCK_QUADRANT,
      false,
      8,
-     16},
+     16,
+     MOUSE_CELLS},
     {"mlterm",
      TERM("mlterm"),
      {"\033[>24;279;0c", NULL, "\033[6;22;10t", "\033[4;528;800t", "\033[?1;3;0S",
-      "\033[?63;1;2;3;4;6;7;15;18;22;29c", NOT_KNOWN, NULL},
+      "\033[?63;1;2;3;4;6;7;15;18;22;29c", NOT_KNOWN, NULL, POINTS_NOT},
      0,
      &graphics_sixel,
      COLOURS_256,
      BLOCK_HALF,
      false,
      10,
-     22},
+     22,
+     MOUSE_CELLS},
     {"foot",
      TERM("foot"),
      {"\033[>1;11301;0c", VERSION_IS("foot(1.13.1)"), "\033[6;15;7t", "\033[4;360;560t",
-      "\033[?2;0;10000;10000S", "\033[?62;4;22c", KNOWN, NULL},
+      "\033[?2;0;10000;10000S", "\033[?62;4;22c", KNOWN, NULL, POINTS_AT},
      0,
      &graphics_sixel,
      COLOURED,
      BLOCK_SEXTANT,
      true,
      7,
-     15},
+     15,
+     MOUSE_PIXELS},
     {"VTE",
      TERM("xterm-256color"),
      {"\033[>65;7006;1c", VERSION_IS("VTE(7006)"), "\033[6;17;8t", "\033[4;408;640t", NULL,
-      "\033[?65;1;9c", NOT_KNOWN, NULL},
+      "\033[?65;1;9c", NOT_KNOWN, NULL, POINTS_NOT},
      0,
      &graphics_blocks,
      COLOURED,
      BLOCK_QUADRANT,
      false,
      8,
-     17},
+     17,
+     MOUSE_CELLS},
     {"an older VTE, without a name",
      TERM("xterm-256color"),
      {"\033[>65;6003;1c", NULL, NULL, NULL, NULL, "\033[?65;1;9c", NULL, NULL},
@@ -206,7 +225,8 @@ static const struct known terminals[] = {
      BLOCK_QUADRANT,
      false,
      8,
-     16},
+     16,
+     MOUSE_CELLS},
     {"alacritty",
      TERM("alacritty"),
      {"\033[>0;1203;1c", NULL, NULL, "\033[4;432;640t", NULL, "\033[?6c", KNOWN, NULL},
@@ -216,7 +236,8 @@ static const struct known terminals[] = {
      BLOCK_QUADRANT,
      true,
      8,
-     18},
+     18,
+     MOUSE_CELLS},
     {"st",
      TERM("st-256color"),
      {NULL, NULL, NULL, NULL, NULL, "\033[?6c", NULL, NULL},
@@ -226,17 +247,20 @@ static const struct known terminals[] = {
      BLOCK_HALF,
      false,
      8,
-     16},
+     16,
+     MOUSE_CELLS},
     {"urxvt",
      TERM("rxvt-unicode-256color"),
-     {"\033[>85;95;0c", NULL, NULL, "\033[4;316;496t", NULL, "\033[?1;2c", NOT_KNOWN, NULL},
+     {"\033[>85;95;0c", NULL, NULL, "\033[4;316;496t", NULL, "\033[?1;2c", NOT_KNOWN, NULL,
+      POINTS_NOT},
      PRINTS(KITTY),
      &graphics_blocks,
      COLOURS_256,
      BLOCK_HALF,
      false,
      6,
-     13},
+     13,
+     MOUSE_CELLS},
     {"PuTTY",
      TERM("xterm"),
      {"\033[>0;136;0c", NULL, NULL, "\033[4;314;496t", NULL, "\033[?6c", NULL, NULL},
@@ -246,7 +270,8 @@ static const struct known terminals[] = {
      BLOCK_HALF,
      false,
      6,
-     13},
+     13,
+     MOUSE_CELLS},
     {"Apple's Terminal, which prints the p of $p",
      TERM("xterm-256color"),
      {"\033[>1;95;0c", NULL, NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
@@ -256,7 +281,8 @@ static const struct known terminals[] = {
      BLOCK_HALF,
      false,
      8,
-     16},
+     16,
+     MOUSE_CELLS},
     {"tmux",
      TERM("screen-256color"),
      {"\033[>84;0;0c", VERSION_IS("tmux 3.3a"), NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
@@ -266,7 +292,8 @@ static const struct known terminals[] = {
      BLOCK_HALF,
      false,
      8,
-     16},
+     16,
+     MOUSE_CELLS},
     {"tmux with sixel",
      TERM("tmux-256color"),
      {"\033[>84;0;0c", VERSION_IS("tmux 3.4"), NULL, NULL, NULL, "\033[?1;2;4c", NULL, NULL},
@@ -276,7 +303,8 @@ static const struct known terminals[] = {
      BLOCK_HALF,
      false,
      8,
-     16},
+     16,
+     MOUSE_CELLS},
     {"tmux in kitty, whose TERM has come along",
      TERM("xterm-kitty"),
      {"\033[>84;0;0c", VERSION_IS("tmux 3.3a"), NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
@@ -286,7 +314,8 @@ static const struct known terminals[] = {
      BLOCK_HALF,
      false,
      8,
-     16},
+     16,
+     MOUSE_CELLS},
     {"tmux in iTerm2",
      {.term = "screen", .lc_terminal = "iTerm2", .term_program = "tmux"},
      {"\033[>84;0;0c", VERSION_IS("tmux 3.3a"), NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
@@ -296,7 +325,8 @@ static const struct known terminals[] = {
      BLOCK_HALF,
      false,
      8,
-     16},
+     16,
+     MOUSE_CELLS},
     {"screen",
      TERM("screen"),
      {"\033[>83;40900;0c", NULL, NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
@@ -306,7 +336,8 @@ static const struct known terminals[] = {
      BLOCK_HALF,
      false,
      8,
-     16},
+     16,
+     MOUSE_CELLS},
     {"screen that claims sixel",
      TERM("screen.xterm-256color"),
      {"\033[>83;50000;0c", NULL, NULL, NULL, NULL, "\033[?1;2;4c", NULL, NULL},
@@ -316,7 +347,8 @@ static const struct known terminals[] = {
      BLOCK_HALF,
      false,
      8,
-     16},
+     16,
+     MOUSE_CELLS},
     {"screen in kitty, whose TERM has come along",
      TERM("xterm-kitty"),
      {"\033[>83;40900;0c", NULL, NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
@@ -326,7 +358,8 @@ static const struct known terminals[] = {
      BLOCK_HALF,
      false,
      8,
-     16},
+     16,
+     MOUSE_CELLS},
     {"the Linux console",
      TERM("linux"),
      {NULL, NULL, NULL, NULL, NULL, "\033[?6c", NULL, NULL},
@@ -336,7 +369,8 @@ static const struct known terminals[] = {
      BLOCK_HALF,
      false,
      8,
-     16},
+     16,
+     MOUSE_CELLS},
     {"Emacs",
      TERM("eterm-color"),
      {NULL},
@@ -346,7 +380,8 @@ static const struct known terminals[] = {
      BLOCK_HALF,
      false,
      8,
-     16},
+     16,
+     MOUSE_CELLS},
     {"a dumb terminal",
      TERM("dumb"),
      {NULL},
@@ -356,7 +391,8 @@ static const struct known terminals[] = {
      BLOCK_HALF,
      false,
      8,
-     16},
+     16,
+     MOUSE_CELLS},
     {"no TERM at all",
      TERM(""),
      {NULL},
@@ -366,7 +402,8 @@ static const struct known terminals[] = {
      BLOCK_HALF,
      false,
      8,
-     16},
+     16,
+     MOUSE_CELLS},
     {"a line that answers nothing",
      TERM("xterm"),
      {NULL},
@@ -376,7 +413,8 @@ static const struct known terminals[] = {
      BLOCK_HALF,
      false,
      8,
-     16},
+     16,
+     MOUSE_CELLS},
 };
 enum { TERMINALS = sizeof terminals / sizeof terminals[0] };
 
@@ -393,7 +431,8 @@ static void answer(const struct known *t, const char *asked, int lost, struct bu
             CHECK_TEXT(asked, "\r\033[K"); /* nothing else, and that last */
             return;
         }
-        if (!check_report(!(t->prints >> which & 1), __FILE__, __LINE__, "it prints the question"))
+        if (!check_report(!(t->prints >> (which == POINTS ? MODE : which) & 1), __FILE__, __LINE__,
+                          "it prints the question"))
             printf("#   %s: question %d\n", t->about, which);
         if (t->answer[which] && which != lost)
             buf_add_text(replies, t->answer[which]);
@@ -446,6 +485,7 @@ static void check_facts(const struct known *t, const struct terminal_facts *f)
     CHECK_INT(f->synchronizes, t->synchronizes);
     CHECK_INT(f->cell_width, t->cell_width);
     CHECK_INT(f->cell_height, t->cell_height);
+    CHECK_INT(f->mouse_unit, t->unit);
     if (check_failures > before)
         printf("#   that is %s\n", t->about);
 }
@@ -461,8 +501,39 @@ STORY(each_terminal_gets_what_it_has_and_prints_nothing)
         CHECK_TEXT(buf_text(&p.typed), "");
         CHECK_INT(p.facts.answers, p.rounds > 0 && terminals[i].answer[DA1] != NULL);
         CHECK_INT(p.facts.mouse, p.facts.answers);
+        CHECK(p.rounds <= 2);
     }
     buf_release(&p.typed);
+}
+
+/* They are of use where the size of a cell is known: here the window says it. */
+STORY(the_mouse_counts_pixels_where_the_terminal_says_so)
+{
+    static const struct {
+        const char *name, *reply;
+        unsigned width;
+        enum mouse_unit unit;
+    } cases[] = {{"XTerm(379)", "[?1016;2$y", 640, MOUSE_PIXELS},
+                 {"XTerm(379)", "[?1016;1$y", 640, MOUSE_PIXELS},
+                 {"XTerm(379)", "[?1016;2$y", 0, MOUSE_CELLS},
+                 {"XTerm(300)", "[?1016;0$y", 640, MOUSE_CELLS},
+                 {"XTerm(379)", "[?1016;3$y", 640, MOUSE_CELLS},
+                 {"XTerm(379)", "[?1016;4$y", 640, MOUSE_CELLS},
+                 {"XTerm(379)", "[?1015;2$y", 640, MOUSE_CELLS},
+                 {"kitty(0.26.5)", "[?1016;2$y", 640, MOUSE_PIXELS_FROM_0},
+                 {"ghostty 1.0.0", "[?1016;2$y", 640, MOUSE_PIXELS_FROM_0},
+                 {"tmux 3.3a", "[?1016;2$y", 640, MOUSE_PIXELS},
+                 {"tmux 3.3a", "", 640, MOUSE_CELLS}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const struct term_size size = {80, 24, cases[i].width, cases[i].width * 3 / 5};
+        const struct probe_environment e = TERM("xterm-256color");
+        struct probe_replies r = {.da1 = true};
+        struct terminal_facts f;
+        snprintf(r.name, sizeof r.name, "%s", cases[i].name);
+        probe_reply(&r, cases[i].reply);
+        graphics_decide(&r, &e, &size, graphics_auto, &f);
+        CHECK_INT(f.mouse_unit, cases[i].unit);
+    }
 }
 
 STORY(it_does_not_matter_where_the_answers_are_cut)
@@ -633,6 +704,7 @@ STORY(colours_are_those_of_the_name)
 int main(void)
 {
     return RUN_STORIES(TELL(each_terminal_gets_what_it_has_and_prints_nothing),
+                       TELL(the_mouse_counts_pixels_where_the_terminal_says_so),
                        TELL(it_does_not_matter_where_the_answers_are_cut),
                        TELL(an_answer_that_is_missing_leaves_the_fallback),
                        TELL(answers_that_come_late_are_never_text),

@@ -985,6 +985,86 @@ STORY(no_frame_of_the_pilot_begins_with_a_sequence)
     forget_journals();
 }
 
+/* In a terminal that is kitty by its answers, with cells of 8x16 pixels. */
+static void enter_as_kitty(struct terminal *t, const char *pointing)
+{
+    start(t, &plain);
+    t->is_mute = true;
+    check_awaited(t, is_asked, "the first question", __LINE__);
+    type(t, "\033P>|kitty(0.26.5)\033\\\033[6;16;8t\033_Gi=31;OK\033\\");
+    type(t, pointing);
+    type(t, "\033[?62;c");
+    t->answered = 1;
+    t->is_mute = false;
+    SEE_LINE(t, "synth>");
+    type(t, "\017");
+    check_awaited(t, is_in_pilot, "the pilot", __LINE__);
+}
+
+static bool has_recorded(const struct terminal *t, const char *command)
+{
+    (void)t;
+    return strstr(journal(1), command);
+}
+
+static void leave_pilot(struct terminal *t)
+{
+    type(t, "q");
+    SEE_LINE(t, "synth>");
+}
+
+/* Compares what was recorded since the scene was opened. */
+static void check_recorded(struct terminal *t, const char *commands)
+{
+    static const char opened[] = "open synth:geom:40x40x30 weight=morph\nauto on\n";
+    struct buf all = {0};
+    quit(t);
+    commands_of(&all, journal(1));
+    CHECK(strncmp(buf_text(&all), opened, strlen(opened)) == 0);
+    CHECK_TEXT(buf_text(&all) + strlen(opened), commands);
+    buf_release(&all);
+    forget_journals();
+}
+
+#define PIXELS  "\033[?1016;2$y"
+#define NO_MORE "\033[?1016;0$y"
+
+/* An outline in two cells by two; a voxel has some five pixels. */
+STORY(a_pen_that_the_mouse_moves_by_pixels_draws_finer_than_cells)
+{
+    struct terminal t;
+    enter_as_kitty(&t, PIXELS);
+    CHECK(strstr(buf_text(&t.written), "\033[?1002h\033[?1006h\033[?1016h") != NULL);
+    type(&t, "@\033[<0;80;80M\033[<32;89;82M\033[<32;92;85M\033[<32;95;90M\033[<32;92;100M"
+             "\033[<32;84;100M\033[<32;80;90M\033[<0;80;90m");
+    check_awaited(&t, has_recorded, "\noutline ", __LINE__);
+    type(&t, "@"); /* nothing is drawn: that lifts the pen */
+    leave_pilot(&t);
+    CHECK(strstr(buf_text(&t.written), "\033[?1016l\033[?1006l\033[?1002l") != NULL);
+    check_recorded(&t, "cross 36,20,12\ncross 34,20,12\ncross 34,20,11\ncross 33,20,10\n"
+                       "cross 34,20,8\ncross 35,20,8\ncross 36,20,10\n"
+                       "outline 36,20,12 1 to=34,20,12 to=33,20,10 to=34,20,8 to=35,20,8 "
+                       "to=36,20,10\n");
+}
+
+STORY(pixels_lead_to_the_voxels_that_the_middles_of_their_cells_do)
+{
+    static const char crossed[] = "cross 35,20,11\ncross 20,20,1\ncross 34,13,15\n";
+    struct terminal t;
+    enter_as_kitty(&t, NO_MORE);
+    CHECK(!strstr(buf_text(&t.written), "1016h"));
+    type(&t, "\033[<0;11;6M\033[<0;11;6m\033[<0;60;9M\033[<0;60;9m\033[<0;12;18M\033[<0;12;18m"
+             "\033[<0;81;3M");
+    leave_pilot(&t);
+    check_recorded(&t, crossed);
+    enter_as_kitty(&t, PIXELS);
+    type(&t, "\033[<0;84;88M\033[<32;88;84M\033[<32;80;92M\033[<0;81;89m" /* a hand that shakes */
+             "\033[<0;476;136M\033[<0;476;136m\033[<0;92;280M\033[<0;92;280m\033[<0;640;40M"
+             "\033[<0;-1;40m");
+    leave_pilot(&t);
+    check_recorded(&t, crossed);
+}
+
 STORY(a_paste_is_no_key_of_the_pilot_however_it_is_cut)
 {
     static const char paste[] = "\033[200~i2s1vll\rq\nseed 1,1,1 2\tu\033[201~";
@@ -1231,6 +1311,8 @@ int main(void)
         TELL(a_dumb_terminal_gets_no_escape_at_all),
         TELL(an_answer_that_is_cut_after_its_escape_is_no_key_of_the_pilot),
         TELL(no_frame_of_the_pilot_begins_with_a_sequence),
+        TELL(a_pen_that_the_mouse_moves_by_pixels_draws_finer_than_cells),
+        TELL(pixels_lead_to_the_voxels_that_the_middles_of_their_cells_do),
         TELL(a_paste_is_no_key_of_the_pilot_however_it_is_cut),
         TELL(the_picture_stays_where_the_line_below_it_is_drawn_anew),
         TELL(any_bytes_leave_the_pilot_a_sane_screen_and_an_exact_journal));

@@ -457,9 +457,10 @@ static void write_event(struct buf *out, const struct keys *k, const struct key_
         buf_add_text(out, name[event->key]);
 }
 
+static enum mouse_unit unit; /* of the reports that are fed */
 static void feed_keys(struct buf *out, const char *bytes, size_t length)
 {
-    struct keys k = {0};
+    struct keys k = {.unit = unit};
     struct key_event event;
     buf_clear(out);
     for (size_t i = 0; i < length; i++)
@@ -560,6 +561,22 @@ STORY(mouse_reports_that_make_no_sense_are_swallowed)
                {"\033[<0;99999999999999999999;6Mx", "left:pressed@99998,5 x"},
                {"\033[<0;5\003", "C-c"}, {"\033[M !\rx", "enter x"}, {"\033[M   x", "other x"},
                {"\033[I\033[Ox", "other other x"}); /* the focus came and went */
+}
+
+STORY(the_mouse_may_be_reported_by_pixels_which_begin_at_0_or_1)
+{
+    unit = MOUSE_PIXELS;
+    CHECK_KEYS({"\033[<0;101;51M\033[<0;101;51m", "left:pressed@100,50 left:released@100,50"},
+               {"\033[<0;1;1M\033[<32;0;-17M\033[<0;-3;5m",
+                "left:pressed@0,0 left:moved@0,0 left:released@0,4"}, /* beside the window */
+               {"\033[<288;0;0Mx", "other x"},                        /* kitty: it has left it */
+               {"\033[<0;;6M\033[<0;5;-M\033[<0;5M\033[<0;5-;6M\033[<0;5;6;7Mx",
+                "other other other other other x"});
+    unit = MOUSE_PIXELS_FROM_0;
+    CHECK_KEYS({"\033[<0;100;50M\033[<32;0;0M\033[<0;-2;1m",
+                "left:pressed@100,50 left:moved@0,0 left:released@0,1"});
+    unit = MOUSE_CELLS;
+    CHECK_KEYS({"\033[<0;-3;5Mx", "other x"});
 }
 
 STORY(escape_is_a_key_when_nothing_follows)
@@ -1547,6 +1564,7 @@ int main(void)
         TELL(a_paste_is_marked_off), TELL(replies_are_swallowed_whole_whenever_they_come),
         TELL(the_mouse_is_reported_in_two_ways),
         TELL(mouse_reports_that_make_no_sense_are_swallowed),
+        TELL(the_mouse_may_be_reported_by_pixels_which_begin_at_0_or_1),
         TELL(escape_is_a_key_when_nothing_follows), TELL(any_bytes_at_all_lead_back_to_the_ground),
         TELL(replies_are_understood_however_they_are_split), TELL(parameter_4_is_a_whole_number),
         TELL(garbage_is_no_reply), TELL(each_terminal_gets_the_graphics_it_has),

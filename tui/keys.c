@@ -161,6 +161,19 @@ static unsigned parameter(const char **text)
     return n;
 }
 
+/* A place of the mouse, from 1, which moves past it; 0 for none. What lies before the window is at
+ * its edge. */
+static unsigned place(const struct keys *k, const char **text)
+{
+    const bool is_before = k->unit != MOUSE_CELLS && **text == '-';
+    *text += is_before;
+    const bool is_number = **text >= '0' && **text <= '9';
+    const unsigned n = parameter(text);
+    if (k->unit == MOUSE_CELLS || !is_number)
+        return n;
+    return is_before || n == 0 ? 1 : n + (k->unit == MOUSE_PIXELS_FROM_0);
+}
+
 /* The button byte: two bits of button, shift, alt and control, 32 moved, 64 the wheel. Buttons
  * further on, and a wheel that tilts, are of no use here. */
 static bool emit_mouse(struct keys *k, unsigned code, unsigned column, unsigned row, bool released,
@@ -198,7 +211,7 @@ static bool end_csi(struct keys *k, uint8_t final, struct key_event *event)
     const char *text = k->body + 1;
     if (*text == '<' && (final == 'M' || final == 'm')) { /* "<0;11;6" and the final byte */
         text++;
-        const unsigned code = parameter(&text), column = parameter(&text), row = parameter(&text);
+        const unsigned code = parameter(&text), column = place(k, &text), row = place(k, &text);
         if (text != k->body + k->length - 1)
             return emit(k, KEY_OTHER, 0, event);
         return emit_mouse(k, code, column, row, final == 'm', event);

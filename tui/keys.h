@@ -10,6 +10,7 @@
  *     ESC [ ? 62;4 c          KEY_REPLY "[?62;4c"          ESC P .. ESC \ KEY_REPLY "P.."
  *     ESC [ < 0;11;6 M        KEY_MOUSE, left pressed, column 10, row 5;   m: released
  *     ESC [ M 20 2B 26        the same as terminals without SGR reports say it
+ *     ESC [ < 0;95;110 M      under ESC[?1016h, of pixels, which keys.unit says
  *
  * A terminal's replies may come late, so they are recognised all session long and never reach the
  * line as text: CSI with a private mark or a final byte that only replies have; DCS, APC, OSC, PM
@@ -65,10 +66,14 @@ enum mouse_action {
 };
 enum mouse_button { MOUSE_LEFT, MOUSE_MIDDLE, MOUSE_RIGHT, MOUSE_NO_BUTTON };
 
+/* What SGR reports count: cells from 1; pixels under ESC[?1016h, from 1 as in xterm and foot, or
+ * from 0 as in kitty and ghostty. Beside the window pixels may be negative. */
+enum mouse_unit { MOUSE_CELLS, MOUSE_PIXELS, MOUSE_PIXELS_FROM_0 };
+
 struct mouse {
     enum mouse_action action;
     enum mouse_button button; /* MOUSE_NO_BUTTON where none or not said */
-    unsigned column, row;     /* cells, from 0 at the top left; below 100000 */
+    unsigned column, row;     /* cells or pixels, from 0 at the top left; below 100000 */
 };
 
 struct key_event {
@@ -81,6 +86,7 @@ struct key_event {
 };
 
 struct keys {
+    enum mouse_unit unit;
     enum {
         KEYS_GROUND,
         KEYS_UTF8,

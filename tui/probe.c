@@ -9,7 +9,7 @@
 
 #define BARRIER       "\033[c"
 #define CSI_QUESTIONS "\033[>c\033[>q\033[16t\033[14t"
-#define MODE_QUESTION "\033[?2026$p"
+#define MODE_QUESTION "\033[?2026$p\033[?1016$p"
 #define SIDE_QUESTION "\033[?2;4;0S"
 #define CLEAR_UP      "\r\033[K"
 
@@ -64,8 +64,9 @@ void probe_reply(struct probe_replies *replies, const char *body)
         } else if (equals(end, "S") && count == 4 && n[0] == 2 && n[1] == 0) {
             replies->image_width = n[2];
             replies->image_height = n[3];
-        } else if (equals(end, "$y") && count == 2 && n[0] == 2026) {
-            replies->synchronizes = n[1] == 1 || n[1] == 2;
+        } else if (equals(end, "$y") && count == 2 && (n[0] == 2026 || n[0] == 1016)) {
+            bool *has = n[0] == 2026 ? &replies->synchronizes : &replies->points;
+            *has = n[1] == 1 || n[1] == 2;
         }
     } else if (starts_with(body, "[>")) {
         read_numbers(body + 2, n, 32, &end);
@@ -260,6 +261,16 @@ static enum block_shape decide_shape(const struct probe_replies *replies,
                                                                              : BLOCK_HALF;
 }
 
+/* Pixels are of use where it is known how many a cell has. kitty and ghostty count them from 0. */
+static enum mouse_unit decide_unit(const struct probe_replies *replies,
+                                   const struct probe_environment *e, bool has_cell)
+{
+    static const char *const from_0[] = {"kitty", "ghostty", NULL};
+    if (!replies->points || !has_cell)
+        return MOUSE_CELLS;
+    return probe_is_named(replies, e, from_0) ? MOUSE_PIXELS_FROM_0 : MOUSE_PIXELS;
+}
+
 static bool use_cell(struct terminal_facts *facts, uint32_t width, uint32_t height)
 {
     if (width < CELL_LEAST || width > CELL_MOST || height < CELL_LEAST || height > CELL_MOST)
@@ -269,9 +280,9 @@ static bool use_cell(struct terminal_facts *facts, uint32_t width, uint32_t heig
     return true;
 }
 
-void probe_resize(struct terminal_facts *facts, const struct term_size *size)
+bool probe_resize(struct terminal_facts *facts, const struct term_size *size)
 {
-    use_cell(facts, size->width_px / size->columns, size->height_px / size->rows);
+    return use_cell(facts, size->width_px / size->columns, size->height_px / size->rows);
 }
 
 void probe_decide(const struct probe_replies *replies, const struct probe_environment *e,
@@ -285,9 +296,11 @@ void probe_decide(const struct probe_replies *replies, const struct probe_enviro
                                      .answers = replies->da1,
                                      .synchronizes = replies->synchronizes,
                                      .mouse = replies->da1};
-    if (!use_cell(facts, replies->cell_width, replies->cell_height))
+    bool has_cell =
+        use_cell(facts, replies->cell_width, replies->cell_height) ||
         use_cell(facts, replies->text_width / size->columns, replies->text_height / size->rows);
-    probe_resize(facts, size);
+    has_cell |= probe_resize(facts, size);
+    facts->mouse_unit = decide_unit(replies, e, has_cell);
     if (replies->image_width > 0 && replies->image_height > 0)
         facts->image_side_most = replies->image_width < replies->image_height
                                      ? replies->image_width

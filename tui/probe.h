@@ -14,6 +14,7 @@
  * themselves or, of sixel, have it:
  *
  *     ESC[?2026$p ESC[c        synchronized output; Apple's Terminal prints the p
+ *     ESC[?1016$p              reports of the mouse by pixels, in the same write
  *     ESC[?2;4;0S ESC[c        ESC[?2;0;1000;1000S: the largest picture of sixel; kitty complains
  *     ESC_Gi=31,..,a=q;.. ESC\ ESC[c CR ESC[K      kitty graphics, of its family alone; PuTTY,
  *                                                  urxvt and screen print it all
@@ -58,7 +59,8 @@ struct terminal_facts {
     bool synchronizes;                /* ESC[?2026h .. l: what is between appears at once */
     uint64_t round_trip_ns;           /* from a question to its answer; 0 where nothing answers */
     bool reports; /* something may still come or be drawn: mouse asked for, picture sent */
-    bool mouse;   /* may be asked for SGR mouse reports: ESC[?1000;1006h */
+    bool mouse;   /* may be asked for SGR mouse reports: ESC[?1000;1006h, */
+    enum mouse_unit mouse_unit; /* and by ESC[?1016h for pixels, unless these are MOUSE_CELLS */
 };
 
 /* ---- pure ---- */
@@ -69,11 +71,11 @@ struct probe_environment {
 };
 
 struct probe_replies {
-    bool da1, synchronizes;
-    uint64_t attributes; /* of DA1: bit N for parameter N, below 64; 4 is sixel */
-    char answers[64];    /* to questions of graphics protocols, APC: "_Gi=31;OK", one a line */
-    uint32_t kind; /* the first number of the secondary DA, a letter's code where it is a name */
-    char name[64]; /* of XTVERSION */
+    bool da1, synchronizes, points; /* at pixels, by ESC[?1016h */
+    uint64_t attributes;            /* of DA1: bit N for parameter N, below 64; 4 is sixel */
+    char answers[64]; /* to questions of graphics protocols, APC: "_Gi=31;OK", one a line */
+    uint32_t kind;    /* the first number of the secondary DA, a letter's code where it is a name */
+    char name[64];    /* of XTVERSION */
     uint32_t cell_width, cell_height, text_width, text_height, image_width, image_height; /* px */
 };
 
@@ -136,8 +138,8 @@ void probe_questions(unsigned round, const struct probe_replies *replies,
 void probe_decide(const struct probe_replies *replies, const struct probe_environment *environment,
                   const struct term_size *size, struct terminal_facts *facts);
 
-/* The cell size anew, after the window changed; what the window does not say stays. */
-void probe_resize(struct terminal_facts *facts, const struct term_size *size);
+/* The cell size anew, after the window changed; what the window does not say stays: false. */
+bool probe_resize(struct terminal_facts *facts, const struct term_size *size);
 
 /* ---- at the terminal, which must be open and raw ---- */
 

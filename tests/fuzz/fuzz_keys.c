@@ -34,7 +34,7 @@ static void check_event(const struct keys *k, const struct key_event *event)
  * byte, so that each beginning of a sequence is a key. */
 static void decode(const uint8_t *bytes, size_t length, struct buf *out)
 {
-    struct keys k = {0};
+    struct keys k = {.unit = length % (MOUSE_PIXELS_FROM_0 + 1)};
     struct key_event event;
     for (size_t i = 0; i < length; i++) {
         const bool complete = keys_feed(&k, bytes[i], &event);

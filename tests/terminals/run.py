@@ -12,7 +12,9 @@ pixels that went into it, and the rest of its screen, to the pixel, with what th
 under --graphics none, moved down where the picture has made room. So questions that a terminal
 prints, cut pictures, and lines in the wrong place all show.
 """
+import cmath
 import contextlib
+import math
 import os
 import re
 import shutil
@@ -369,9 +371,45 @@ def drive(stage, name):
                            stdout=subprocess.DEVNULL)
 
 
+def draw(stage, name):
+    """A ring of some five voxels' radius, by the mouse: cells are as large as two and more."""
+    story = name + ": an outline that the mouse draws by pixels has corners within cells"
+    if not stage.report.wants(story):
+        return
+    with stage.report.story(story):
+        cells = Cells(stage, name)
+        middle = cells.columns * cells.width // 4 + 31, (cells.rows - 2) * cells.height // 4 + 23
+        with Prompt(stage, name, "auto") as prompt:
+            prompt.open_scene()
+            prompt.terminal.type("pilot\nl")
+            if not wait_file(prompt.journal, b"\ncross "):
+                raise Failure("the pilot does not begin")
+            prompt.terminal.settled()  # by now the terminal knows that it is to tell of clicks
+            prompt.terminal.click(*middle)
+            prompt.terminal.type("2b@")
+            prompt.terminal.settled()
+            ring = [cmath.rect(40, 2 * math.pi * i / 48) for i in range(48)]
+            prompt.terminal.drag([(middle[0] + round(by.real), middle[1] + round(by.imag))
+                                  for by in ring])
+            if not wait_file(prompt.journal, b"\noutline "):
+                raise Failure("no outline is planted")
+            with open(prompt.journal) as lines:
+                commands = [line.split() for line in lines]
+            places = [place.split(",") for words in commands if words[:1] == ["outline"]
+                      for place in [words[1]] + [w[3:] for w in words if w.startswith("to=")]]
+            crosses = [words[1].split(",") for words in commands if words[:1] == ["cross"]]
+            here = crosses[1]
+            for axis in (0, 2):  # of the coronal slice, which is there
+                at = sorted({int(place[axis]) for place in places})
+                if len(at) < 6 or abs(at[0] + at[-1] - 2 * int(here[axis])) > 2:
+                    raise Failure("around %s there are corners at %s" % (here, at))
+
+
 def pilot_stories(stage):
     for name in GRAPHICAL:
         drive(stage, name)
+    for name in ("kitty", "xterm"):  # mlterm has no pixels, and for sway there is no mouse here
+        draw(stage, name)
 
 
 # ---- blocks, where there are no graphics ----

@@ -326,6 +326,23 @@ class Terminal:
             *held, last = key.split("+")
             self.wtype(*sum((["-M", name] for name in held), []), "-k", last)
 
+    def click(self, x, y):
+        """The mouse, at a pixel of the text. A click at once with its coming into the window is for
+        kitty where it has been before."""
+        self.tool("xdotool", "mousemove", *self.pixel(x, y - 1), "sleep", "0.2",
+                  "mousemove", *self.pixel(x, y), "click", "1")
+
+    def drag(self, places):
+        """With the left button, from pixel to pixel."""
+        self.tool("xdotool", "mousemove", *self.pixel(*places[0]), "mousedown", "1")
+        for place in places:
+            self.tool("xdotool", "mousemove", *self.pixel(*place))
+            time.sleep(0.02)
+        self.tool("xdotool", "mouseup", "1")
+
+    def pixel(self, x, y):
+        return "%d" % (self.kind.origin[0] + x), "%d" % (self.kind.origin[1] + y)
+
     def wtype(self, *keys):
         """Each wtype is a keyboard of its own, of which the first and last keys would be lost in
         its coming and going."""

@@ -30,6 +30,11 @@ enum { SLOW_BYTES = 10000, AHEAD_DUE = 2 };
 #define LEAVE_SCREEN  TERM_PROMPT_ENDS "\033[?25h\033[?1049l"
 #define MOUSE_ON      "\033[?1002h\033[?1006h"
 #define MOUSE_OFF     "\033[?1006l\033[?1002l"
+#define PIXELS_ON     "\033[?1016h"
+#define PIXELS_OFF    "\033[?1016l"
+
+/* Pixels that a hand shakes by: where they are told, a button that is held drags nothing before. */
+enum { SHAKES_MOST = 4 };
 
 /* What is between appears at once. Where what kitty 0.26 .. 0.32 reads from the line ends within
  * the first sequence after FRAME_BEGINS, it takes that sequence for a part of itself and drops it,
@@ -55,6 +60,8 @@ struct pilot {
     bool is_blank;     /* nor anything at all */
     bool keeps;        /* the line is so slow that slices are to live in the terminal */
     struct ahead sent; /* slices that are sent before they are wanted */
+    struct mouse held; /* where a button went down, */
+    bool is_still;     /* from where the mouse has not moved yet */
     bool is_pasting;
     struct buf pasted; /* since it began, or until it is taken */
     bool is_over, has_ended;
@@ -677,16 +684,45 @@ static enum err do_deed(struct pilot *p, enum pilot_deed deed, struct fault *fau
     return err;
 }
 
-/* The pixel of the picture under the middle of a cell. False beside the picture. */
-static bool pixel_of(const struct pilot *p, const struct mouse *mouse, uint32_t *column,
-                     uint32_t *row)
+static unsigned apart(unsigned a, unsigned b)
+{
+    return a > b ? a - b : b - a;
+}
+
+/* Where the mouse is, in its pixels, a hand that shakes apart. */
+static struct mouse steadied(struct pilot *p, const struct mouse *mouse)
+{
+    if (mouse->action == MOUSE_PRESSED)
+        p->held = *mouse;
+    p->is_still = mouse->action == MOUSE_PRESSED ||
+                  (p->is_still && apart(mouse->column, p->held.column) <= SHAKES_MOST &&
+                   apart(mouse->row, p->held.row) <= SHAKES_MOST);
+    return p->is_still ? p->held : *mouse;
+}
+
+/* The pixel of the picture under the mouse; of a cell, under its middle. False beside the picture.
+ */
+static bool pixel_of(struct pilot *p, const struct mouse *mouse, uint32_t *column, uint32_t *row)
 {
     uint32_t width, height;
     painter_size(&p->painter, &width, &height);
     const uint32_t across = width / p->painter.columns, down = height / p->painter.rows;
-    *column = mouse->column * across + across / 2;
-    *row = mouse->row * down + down / 2;
-    return mouse->row < p->painter.rows && *column < width && *row < height;
+    if (p->facts->mouse_unit == MOUSE_CELLS) {
+        *column = mouse->column * across + across / 2;
+        *row = mouse->row * down + down / 2;
+    } else { /* a picture of characters has few of its own in a cell */
+        const struct mouse at = steadied(p, mouse);
+        *column = at.column * across / p->facts->cell_width;
+        *row = at.row * down / p->facts->cell_height;
+    }
+    return *column < width && *row < height;
+}
+
+/* Whether the mouse has moved over what has not changed by it, as from pixel to pixel. */
+static bool is_idle(const struct pilot *p, const struct key_event *event, const struct buf *lines)
+{
+    return event->key == KEY_MOUSE && event->mouse.action == MOUSE_MOVED && lines->length == 0 &&
+           p->state->mode != PILOT_PICKING;
 }
 
 static enum err take_key(struct pilot *p, const struct key_event *event, struct fault *fault)
@@ -710,7 +746,7 @@ static enum err take_key(struct pilot *p, const struct key_event *event, struct 
     } else if (pixel_of(p, &event->mouse, &column, &row)) {
         pilot_click(&press, column, row);
     }
-    p->is_stale = true;
+    p->is_stale |= !is_idle(p, event, &lines);
     enum err err = p->state->drops ? p->host->drop(p->host->context, fault) : OK;
     if (!err)
         err = lines.failed ? fault_memory(fault, "a command")
@@ -947,9 +983,15 @@ enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
     pilot_state_enter(state);
     state->sends_ahead = false;
     facts->reports |= facts->mouse;
-    enum err err =
-        term_change_sequences(facts->mouse ? ENTER_SCREEN MOUSE_ON : ENTER_SCREEN,
-                              facts->mouse ? MOUSE_OFF LEAVE_SCREEN : LEAVE_SCREEN, fault);
+    editor->keys.unit = facts->mouse_unit;
+    const bool in_cells = facts->mouse_unit == MOUSE_CELLS;
+    enum err err = term_change_sequences(!facts->mouse ? ENTER_SCREEN
+                                         : in_cells    ? ENTER_SCREEN MOUSE_ON
+                                                       : ENTER_SCREEN MOUSE_ON PIXELS_ON,
+                                         !facts->mouse ? LEAVE_SCREEN
+                                         : in_cells    ? MOUSE_OFF LEAVE_SCREEN
+                                                       : PIXELS_OFF MOUSE_OFF LEAVE_SCREEN,
+                                         fault);
     lay_out(&p);
     if (!err)
         err = run(&p, fault);
