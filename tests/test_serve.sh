@@ -310,6 +310,49 @@ has "$(answer 3)" '"records": 5'
 same "$(grep -A1 '^seed' w.iftty | sed -n 2p | grep -c pending)$(grep -c '^run$' w.iftty)" 11
 close_story
 
+begin "an outline is a marker and its ring, in the labels at once, and takes the place of another"
+voxel() { # ANSWER X,Y,Z: of the labels, a byte each
+    set -- "$(field "$1" file)" $(($(field "$1" offset) + $(echo "$2" |
+        sed 's/\(.*\),\(.*\),\(.*\)/\1 + 24 * (\2 + 20 * \3)/')))
+    od -An -tu1 -j "$2" -N1 "$1" | tr -d ' '
+}
+square() { # RIGHT: one of label 2 in an axial slice, 8 voxels high
+    echo "outline 6,5,8 2 to=$1,5,8 to=$1,13,8 to=6,13,8"
+}
+start s.nii --journal outline.iftty
+ask "{\"id\": 1, \"do\": \"$(square 14)\"}"
+ask '{"id": 2, "array": "labels"}'
+answered 2
+has "$(answer 1)" "\"command\": \"$(square 14)\""
+has "$(answer 1)" '"words": {"marker": "1-2", "forest": "'
+same "$(for at in 10,9,8 14,13,8 16,9,8 10,2,8; do voxel "$(answer 2)" $at; done | xargs)" "2 2 0 0"
+ask "{\"id\": 3, \"do\": \"$(square 11) instead=1\"}"
+ask '{"id": 4, "array": "labels"}'
+answered 4
+has "$(answer 3)" '"words": {"removed": 1, "marker": "3-4", "forest": "'
+same "$(for at in 10,9,8 13,9,8 14,13,8; do voxel "$(answer 4)" $at; done | xargs)" "2 0 0"
+ask '{"id": 5, "do": "undo"}' # of both at once
+answered 5
+same "$(field "$(answer 5)" labels)" "$(field "$(answer 1)" labels)"
+ask '{"id": 6, "do": "outline 6,5,8 2 to=14,5,9 to=14,13,7"}'
+ask '{"id": 7, "do": "outline 6,5,8 2 to=14,5,8"}'
+ask "{\"id\": 8, \"do\": \"$(square 11) instead=77\"}"
+ask '{"id": 9, "do": "outline 6,5,8 2 to=14,5,8 to=14,99,8"}'
+ask '{"id": 10, "do": "hints slice label=2"}'
+answered 10
+has "$(answer 6)" '"kind": "bad input", "why": "the corners of a polygon lie in one slice'
+has "$(answer 7)" '"kind": "bad usage", "why": "a polygon has three corners or more'
+has "$(answer 8)" '"why": "instead: no marker 77 stands'
+has "$(answer 9)" '"why": "14,99,8 lies outside the scene'
+has "$(answer 9)" '"column": 27'
+has "$(answer 10)" 'mm3 in doubt, at '
+has "$(answer 10)" "\"chain\": \"$(field "$(answer 5)" chain)\"" # nothing since was recorded
+stop 0
+{ sed -n 's/^\(outline .*\|undo\)$/\1/p' outline.iftty; echo quit; } |
+    expect 0 "$iftty" s.nii --journal prompt.iftty
+same_files outline.iftty prompt.iftty
+close_story
+
 begin "a journal is looked at without being written to"
 cp a.iftty look.iftty
 chmod a-w look.iftty
