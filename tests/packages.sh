@@ -39,7 +39,7 @@ there root "$apt install --no-install-recommends /debs/iftty_*.deb"
 there somebody "iftty --version"
 same "$(cat "$work/out")" "iftty $(sed -n 's/^#define PROGRAM_VERSION *"\(.*\)"/\1/p' \
     src/base/version.h)"
-there somebody "cd /tmp && ! iftty info /debs/tests/control 2>missing; cat missing; rm missing"
+there somebody "iftty info /debs/tests/control 2>&1 | grep 'the package iftty-'"
 there root "$apt install $(printf '/debs/%s_*.deb ' $packages) mricron-data"
 close_story
 
@@ -69,7 +69,7 @@ LC_ALL=C comm -13 "$work/before" "$work/after" >"$work/left"
 LC_ALL=C comm -23 "$work/before" "$work/after" >"$work/lost"
 [ ! -s "$work/lost" ] || fail "lost:" "$(sed 9q "$work/lost")"
 [ "$(wc -l <"$work/before")" -gt 1000 ] || fail "few files: $(wc -l <"$work/before")"
-there root 'find / -xdev -name "*iftty*" ! -path "/debs/*" ! -path "/proc/*" ! -path "/tmp/*"'
+there root 'find / -xdev -name "*iftty*" ! -path "/debs/*" ! -path "/proc/*"'
 same "$(cat "$work/out")" ""
 close_story
 
