@@ -236,7 +236,10 @@ begin "a colon takes a command; what says more than a line has a page"
 type_letters ":"
 enter "label 3 node"
 recorded "label 3 node"
-see '3 node'
+tmux_here resize-window -t prompt -x 100 -y 24 # the brush's name is the first to fall out
+see '^coronal at 11,13,9  brush 3 node r1  here '
+tmux_here resize-window -t prompt -x 80 -y 24
+see '^coronal at 11,13,9  brush 3 r1  here '
 type_letters ":"
 enter "help seed"
 see 'plant a seed'

@@ -117,6 +117,14 @@ out_has "context mip"
 expect 0 "$iftty" verify c.iftty
 expect 0 "$iftty" info c.golden/around.png
 out_has "iftty:context: mip, intensities "
+# A slice has nothing behind objects, whatever was drawn before it.
+rm -rf c.iftty c.golden
+{ cat scene; printf '%s\n' 'context mip' 'render' 'window 20 90.5'; } >script
+expect 0 "$iftty" run script --journal c.iftty
+expect 0 "$iftty" -c 'golden axial of=axial; golden planes of=mosaic' --journal c.iftty
+expect 0 "$iftty" verify --strict c.iftty
+expect 0 "$iftty" info c.golden/axial.png
+! grep -q "iftty:context" "$work/out" || fail "a slice has a context:" "$(cat "$work/out")"
 close_story
 
 begin "what is none of them is named, and nothing is recorded"

@@ -220,10 +220,7 @@ static enum err add_label_note(struct picture *picture, const struct session *se
 enum err export_notes(struct picture *picture, const struct session *session,
                       const struct label_set *shown, struct fault *fault)
 {
-    const struct pictures *p = session_pictures(session);
-    const struct mip_source none = {0}, *mip = p ? &p->context.mip.of : &none;
-    char scene[32], context[64];
-    snprintf(context, sizeof context, "mip, intensities %d to %d", mip->window[0], mip->window[1]);
+    char scene[32];
     snprintf(scene, sizeof scene, "%016llx", (unsigned long long)session_scene_digest(session));
     const enum orientation orientation = session_geometry(session)->orientation;
     enum err err = picture_note(picture, "Software", "iftty " PROGRAM_VERSION, fault);
@@ -239,8 +236,6 @@ enum err export_notes(struct picture *picture, const struct session *session,
         err = add_view_notes(picture, session, fault);
     if (!err)
         err = add_label_note(picture, session, shown, fault);
-    if (!err && session_outlook(session)->context)
-        err = picture_note(picture, "iftty:context", context, fault);
     picture->is_associated = true;
     return err;
 }
@@ -248,9 +243,13 @@ enum err export_notes(struct picture *picture, const struct session *session,
 enum err export_rendition_notes(struct picture *picture, const struct session *session,
                                 const struct label_set *shown, struct fault *fault)
 {
-    char scale[32]; /* of a rendition; slices have one of their own */
+    char scale[32], context[64]; /* slices have a scale of their own, and nothing behind objects */
+    const int32_t *window = session_pictures(session)->context.mip.of.window;
     snprintf(scale, sizeof scale, "%.9g", seen_mm_per_pixel(session));
+    snprintf(context, sizeof context, "mip, intensities %d to %d", window[0], window[1]);
     enum err err = export_notes(picture, session, shown, fault);
+    if (!err && session_outlook(session)->context)
+        err = picture_note(picture, "iftty:context", context, fault);
     if (!err && !session_geometry(session)->spacing_unknown) {
         picture->pixel_mm = seen_mm_per_pixel(session);
         err = picture_note(picture, "iftty:mm-per-pixel", scale, fault);
