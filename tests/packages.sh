@@ -37,8 +37,7 @@ begin "apt installs them, with what they ask for"
 same "$(echo $packages)" "iftty iftty-doc iftty-image iftty-volume"
 there root "$apt install --no-install-recommends /debs/iftty_*.deb"
 there somebody "iftty --version"
-same "$(cat "$work/out")" "iftty $(sed -n 's/^#define PROGRAM_VERSION *"\(.*\)"/\1/p' \
-    src/base/version.h)"
+same "$(cat "$work/out")" "iftty $(.package/version)"
 there somebody "iftty info /debs/tests/control 2>&1 | grep 'the package iftty-'"
 there root "$apt install $(printf '/debs/%s_*.deb ' $packages) mricron-data"
 close_story

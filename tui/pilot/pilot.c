@@ -33,6 +33,13 @@ enum { SLOW_BYTES = 10000, AHEAD_DUE = 2 };
 #define PIXELS_ON     "\033[?1016h"
 #define PIXELS_OFF    "\033[?1016l"
 
+/* By what is told of the mouse: nothing, cells, pixels. */
+static const struct {
+    const char *enter, *leave;
+} screen_of[] = {{ENTER_SCREEN, LEAVE_SCREEN},
+                 {ENTER_SCREEN MOUSE_ON, MOUSE_OFF LEAVE_SCREEN},
+                 {ENTER_SCREEN MOUSE_ON PIXELS_ON, PIXELS_OFF MOUSE_OFF LEAVE_SCREEN}};
+
 /* Pixels that a hand shakes by: where they are told, a button that is held drags nothing before. */
 enum { SHAKES_MOST = 4 };
 
@@ -700,8 +707,7 @@ static struct mouse steadied(struct pilot *p, const struct mouse *mouse)
     return p->is_still ? p->held : *mouse;
 }
 
-/* The pixel of the picture under the mouse; of a cell, under its middle. False beside the picture.
- */
+/* The pixel of the picture under the mouse, or under its cell. False beside the picture. */
 static bool pixel_of(struct pilot *p, const struct mouse *mouse, uint32_t *column, uint32_t *row)
 {
     uint32_t width, height;
@@ -984,14 +990,8 @@ enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
     state->sends_ahead = false;
     facts->reports |= facts->mouse;
     editor->keys.unit = facts->mouse_unit;
-    const bool in_cells = facts->mouse_unit == MOUSE_CELLS;
-    enum err err = term_change_sequences(!facts->mouse ? ENTER_SCREEN
-                                         : in_cells    ? ENTER_SCREEN MOUSE_ON
-                                                       : ENTER_SCREEN MOUSE_ON PIXELS_ON,
-                                         !facts->mouse ? LEAVE_SCREEN
-                                         : in_cells    ? MOUSE_OFF LEAVE_SCREEN
-                                                       : PIXELS_OFF MOUSE_OFF LEAVE_SCREEN,
-                                         fault);
+    const unsigned told = facts->mouse ? 1 + (facts->mouse_unit != MOUSE_CELLS) : 0;
+    enum err err = term_change_sequences(screen_of[told].enter, screen_of[told].leave, fault);
     lay_out(&p);
     if (!err)
         err = run(&p, fault);
