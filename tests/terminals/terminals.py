@@ -147,11 +147,12 @@ class Room:
         """Nothing of the user's, but what tests may set."""
         home = os.path.join(self.folder, "home")
         os.makedirs(home, exist_ok=True)
+        config = shutil.copy("tests/bare.config", self.folder)  # the checkout may be root's alone
         if self.user is not None:
             os.chown(home, self.user, self.user)
         return dict({"PATH": os.environ["PATH"], "HOME": home, "LANG": "C.UTF-8",
                      "LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "llvmpipe",
-                     "IFTTY_CONFIG": os.path.abspath("tests/bare.config"),
+                     "IFTTY_CONFIG": os.path.abspath(config),
                      "ENV": "", "PS1": "$ "}, **more)
 
     def is_busy(self):
