@@ -141,7 +141,7 @@ static enum err survey(struct walk *walk, const struct buf *bytes,
 {
     struct record record;
     enum err err = walk_begin(walk, bytes->data, bytes->length, fault);
-    if (!err && !walk->is_journal && walk->length > 0)
+    if (!err && !walk->is_journal)
         err = fault_set(fault, ERR_INPUT,
                         "it has no header: this is a script, not a journal; run it instead");
     else if (!err && !resume->any_semantics && walk->semantics > resume->semantics)
@@ -188,7 +188,7 @@ static enum err cut_tail(struct journal *journal, const struct buf *bytes, const
 static enum err take_over(struct journal *journal, const struct buf *bytes,
                           const struct walk *sound, struct buf *notice, struct fault *fault)
 {
-    const bool has_tail = sound->over != WALK_END;
+    const bool has_tail = sound->over != WALK_END && bytes->length > 0;
     enum err err = OK;
     buf_add(&journal->kept, buf_text(bytes), sound->offset);
     if (journal->kept.failed)

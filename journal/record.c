@@ -391,8 +391,7 @@ static enum err read_header(struct walk *walk, struct fault *fault)
     const char *feed = length ? memchr(walk->bytes, '\n', length) : NULL;
     const size_t first = feed ? (size_t)(feed - walk->bytes) : length;
     unsigned format;
-    const bool is_begun =
-        !feed && (length ? is_begun_header(walk->bytes, length) : walk->length > 0);
+    const bool is_begun = !feed && (length == 0 || is_begun_header(walk->bytes, length));
     const size_t begin = sizeof header_begin - 1; /* begun so: meant as one */
     if (!is_begun && (first < begin || memcmp(walk->bytes, header_begin, begin) != 0)) {
         /* A file of another kind: in a long one, what it begins with shows that it is no text. */

@@ -211,7 +211,9 @@ goes_on z.iftty
 close_story
 
 begin "an empty journal begins anew"
-: >e.iftty
+: >e.iftty # as it is when its writer was killed before the header was in it
+expect 0 "$iftty" verify e.iftty
+expect 1 "$iftty" verify --strict e.iftty
 expect 0 "$iftty" run script --journal e.iftty
 same_files e.iftty whole.iftty
 close_story
