@@ -228,13 +228,15 @@ static enum err press_in_turn(struct far_end *e, const char *on, const char *bac
     return err;
 }
 
-/* Each seed at another place, and taken back. */
+/* Each seed at another place, and taken back, with a radius that every build is told alike. */
 static enum err plant(struct far_end *e, unsigned keys, struct key_figures *out,
                       struct fault *fault)
 {
     static const char *const ways[] = {"7l", "6k", "9h", "5K", "8j", "7J", "4h", "9k"};
     struct times times = {.keys = 0};
-    enum err err = OK;
+    enum err err = press(e, "99-", frame, fault);
+    if (!err)
+        err = press(e, "3+", frame, fault);
     for (unsigned i = 0; !err && i < keys; i++) {
         err = press(e, ways[i % 8], frame, fault);
         if (!err)
