@@ -221,7 +221,23 @@ STORY(the_file_is_where_the_environment_says)
     config_init(&config);
     config_read(&config);
     CHECK_HAS(buf_text(&config.words), "left out\n");
-    unsetenv("IFTTY_CONFIG");
+    config_release(&config);
+    buf_add_text(&path, "-of-mine"); /* what somebody names is to be there, */
+    setenv("IFTTY_CONFIG", buf_text(&path), 1);
+    config_init(&config);
+    config_read(&config);
+    CHECK_HAS(buf_text(&config.words), "-of-mine: No such file or directory; left out\n");
+    config_release(&config);
+    unsetenv("IFTTY_CONFIG"); /* and where one cannot be looked for, none may be wanted */
+    buf_clear(&path);
+    buf_printf(&path, "%s/round", folder);
+    CHECK(symlink("round", buf_text(&path)) == 0);
+    setenv("XDG_CONFIG_HOME", buf_text(&path), 1);
+    config_init(&config);
+    config_read(&config);
+    CHECK_HAS(buf_text(&config.words), "symbolic links; left out\n");
+    config_release(&config);
+    unsetenv("XDG_CONFIG_HOME");
     CHECK_INT(remove_folder(folder), 0);
     buf_release(&path);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "program/config.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -281,7 +282,10 @@ void config_read(struct config *config)
         buf_printf(path, "%s/iftty/config", folder);
     else if (home && *home == '/')
         buf_printf(path, "%s/.config/iftty/config", home);
-    const bool is_there = path->length && !path->failed && file_exists(buf_text(path));
+    /* The usual one need not be there; one that is named, or cannot be looked for, is missed. */
+    const bool is_there =
+        path->length && !path->failed &&
+        (own || file_exists(buf_text(path)) || (errno != ENOENT && errno != ENOTDIR));
     if (is_there && file_read(&text, buf_text(path), CONFIG_BYTES_MOST, &fault))
         buf_printf(&config->words, "%s; left out\n", fault.text);
     else if (is_there)
