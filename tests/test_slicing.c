@@ -593,13 +593,16 @@ STORY(mosaics_have_the_size_of_the_view)
     interpreter_release(&interp);
 }
 
+/* In pixels of the view, which a large pane has more of for the same. */
 static uint32_t zoom_of_panel(struct interpreter *interp)
 {
     struct slicing_panel panel = {.screen = {640, 640, 8, 16, true, MOSAIC_AXIAL}};
     struct canvas canvas;
     CHECK(slicing_draw_panel(&canvas, interp->session, &panel, &fault) == OK);
     canvas_release(&canvas);
-    return interp->session->pictures->camera.view.zoom;
+    const struct view *shown = &interp->session->pictures->camera.view;
+    const uint32_t width = interp->session->now.outlook.view.width;
+    return (shown->zoom * width + shown->width - 1) / shown->width;
 }
 
 /* What it shows at a zoom of its own changes nothing that is recorded. */
@@ -629,6 +632,31 @@ STORY(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom)
     CHECK_INT(zoom_of_panel(&interp), 2 * VIEW_ZOOM_ONE);
     must(&interp, "zoom 1");
     CHECK_INT(zoom_of_panel(&interp), fitting);
+    interpreter_release(&interp);
+}
+
+/* Where the pane has more pixels than the view, both ways, the rendition has them too. */
+STORY(a_large_pane_has_a_rendition_of_as_many_pixels)
+{
+    static const struct row {
+        uint32_t width, height, shown_width, shown_height;
+    } table[] = {{320, 320, 320, 320}, {100, 100, 320, 320}, {300, 150, 320, 160},
+                 {150, 300, 160, 320}, {512, 100, 512, 100}, {100, 400, 100, 400}};
+    struct slicing_panel panel = {.screen = {320, 320, 8, 16, false, MOSAIC_RENDITION}};
+    struct interpreter interp;
+    begin_values(&interp, 1, 0);
+    must(&interp, "seed 3,3,4 3");
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+        const struct row *row = &table[i];
+        char line[32];
+        struct canvas canvas;
+        snprintf(line, sizeof line, "size %u %u", row->width, row->height);
+        must(&interp, line);
+        CHECK(slicing_draw_panel(&canvas, interp.session, &panel, &fault) == OK);
+        canvas_release(&canvas);
+        CHECK_INT(session_frame(interp.session)->width, row->shown_width);
+        CHECK_INT(session_frame(interp.session)->height, row->shown_height);
+    }
     interpreter_release(&interp);
 }
 
@@ -1022,7 +1050,7 @@ int main(void)
         TELL(what_waits_and_what_was_eliminated_is_marked), TELL(hidden_labels_are_not_overlaid),
         TELL(mosaics_have_the_size_of_the_view),
         TELL(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom),
-        TELL(a_panel_follows_what_is_shown),
+        TELL(a_large_pane_has_a_rendition_of_as_many_pixels), TELL(a_panel_follows_what_is_shown),
         TELL(in_a_hurry_slices_come_first_and_then_a_coarse_rendition),
         TELL(a_name_of_a_slice_stands_for_its_pixels),
         TELL(slices_of_a_small_scene_fill_their_panes), TELL(without_memory_nothing_is_shown),

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/least.h"
 #include "base/mem.h"
 #include "base/watch.h"
 #include "render/bands.h"
@@ -289,13 +290,27 @@ static enum err draw_border(struct pictures *p, const struct border *border, enu
     return err ? err : watch_fault(session_watch(p->session), fault);
 }
 
+/* The fitting view with as many pixels as its room has: a pane enlarges by whole numbers alone. */
+static struct view view_in_room(const struct session *session)
+{
+    struct view view = session_fitting_view(session);
+    const struct own_view *own = &session_pictures(session)->own;
+    const uint32_t width = view.width, height = view.height;
+    if (own->room_width <= width || own->room_height <= height)
+        return view;
+    view.width = least(own->room_width, (uint32_t)((uint64_t)own->room_height * width / height));
+    view.height = (uint32_t)((uint64_t)view.width * height / width);
+    view.zoom = (uint32_t)((uint64_t)view.zoom * view.width / width);
+    return view.height && view.zoom <= VIEW_ZOOM_MOST ? view : session_fitting_view(session);
+}
+
 /* Of the surface as it is, which is up to date. */
 static enum err draw_coarse(struct pictures *p, const struct border *border, struct fault *fault)
 {
     struct coarse *coarse = &p->coarse;
     struct outlook outlook = *session_outlook(p->session);
     struct camera camera;
-    outlook.view = session_fitting_view(p->session);
+    outlook.view = view_in_room(p->session);
     outlook.view.width = (outlook.view.width + COARSE - 1) / COARSE;
     outlook.view.height = (outlook.view.height + COARSE - 1) / COARSE;
     outlook.view.zoom /= COARSE;
@@ -722,8 +737,8 @@ static enum err fit_shown(struct pictures *p, const struct border *border, struc
     return OK;
 }
 
-enum err session_draw_fitting(struct session *session, uint64_t within_ns, struct glance *glance,
-                              struct labels *labels, struct fault *fault)
+enum err session_draw_fitting(struct session *session, const uint32_t room[2], uint64_t within_ns,
+                              struct glance *glance, struct labels *labels, struct fault *fault)
 {
     const bool finished = session_shows_finished(session);
     const enum rendered as = finished ? RENDERED_FINISHED : RENDERED_FOREST;
@@ -737,9 +752,12 @@ enum err session_draw_fitting(struct session *session, uint64_t within_ns, struc
         err = begin_live(p, fault);
     if (!err)
         err = fit_shown(p, border_of(p, as), fault);
-    const struct view view = session_fitting_view(session);
-    if (!err)
-        err = take_view(p, &view, fault);
+    if (err)
+        return err;
+    p->own.room_width = room[0];
+    p->own.room_height = room[1];
+    const struct view view = view_in_room(session);
+    err = take_view(p, &view, fault);
     if (err)
         return err;
     labels->finished = finished ? p->live.label : NULL;

@@ -49,9 +49,10 @@ struct glance {
 };
 
 /* The same to be looked at alone, in the view below, until another of these is called, of labels
- * that are given back: the forest's, or finished ones, which may be rough. */
-enum err session_draw_fitting(struct session *session, uint64_t within_ns, struct glance *glance,
-                              struct labels *labels, struct fault *fault);
+ * that are given back: the forest's, or finished ones, which may be rough. In a room that is larger
+ * than the view, both ways, it has as many pixels as fit there, and shows the same. */
+enum err session_draw_fitting(struct session *session, const uint32_t room[2], uint64_t within_ns,
+                              struct glance *glance, struct labels *labels, struct fault *fault);
 
 /* The view as panels have it: while zoom and focus are those that a scene is opened with, which
  * nobody has chosen, those at which what was shown last fits, however it is turned; and whether

@@ -283,7 +283,9 @@ enum err slicing_draw_panel(struct canvas *canvas, struct session *session,
             fault, ERR_LIMIT, "the panes take %dx%d pixels, in %dx%d characters, or more",
             MOSAIC_SIDE_LEAST, MOSAIC_SIDE_LEAST, MOSAIC_COLUMNS_LEAST, MOSAIC_ROWS_LEAST);
     mosaic_lay_out(&panel->layout, session_scene(session), screen);
-    enum err err = session_draw_fitting(session, panel->within_ns, &glance, &labels, fault);
+    const struct mosaic_box *box = &panel->layout.box[MOSAIC_RENDITION];
+    const uint32_t room[] = {box->width, box->height};
+    enum err err = session_draw_fitting(session, room, panel->within_ns, &glance, &labels, fault);
     panel->is_hasty = !err && glance.is_hasty;
     if (!err)
         err = canvas_init(canvas, screen->width, screen->height, true, fault);
