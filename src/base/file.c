@@ -169,6 +169,11 @@ bool file_exists(const char *path)
     return lstat(path, &status) == 0;
 }
 
+bool file_is_missing(const char *path)
+{
+    return !file_exists(path) && (errno == ENOENT || errno == ENOTDIR);
+}
+
 bool file_is_folder(const char *path)
 {
     struct stat status;

@@ -56,6 +56,7 @@ enum err file_write_beside(struct buf *name, const char *path, const char *kind,
                            size_t length, struct fault *fault);
 
 bool file_exists(const char *path);
+bool file_is_missing(const char *path); /* nothing has that name, as far as one may look */
 bool file_begins_with(const char *path, const char *text); /* a regular file that can be read */
 bool file_is_folder(const char *path);
 

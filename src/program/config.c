@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "program/config.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -284,8 +283,7 @@ void config_read(struct config *config)
         buf_printf(path, "%s/.config/iftty/config", home);
     /* The usual one need not be there; one that is named, or cannot be looked for, is missed. */
     const bool is_there =
-        path->length && !path->failed &&
-        (own || file_exists(buf_text(path)) || (errno != ENOENT && errno != ENOTDIR));
+        path->length && !path->failed && (own || !file_is_missing(buf_text(path)));
     if (is_there && file_read(&text, buf_text(path), CONFIG_BYTES_MOST, &fault))
         buf_printf(&config->words, "%s; left out\n", fault.text);
     else if (is_there)
