@@ -11,6 +11,14 @@
 
 static const uint8_t black[3];
 
+static void empty(struct canvas *canvas)
+{
+    const size_t pixels = (size_t)canvas->width * canvas->height;
+    for (size_t i = 0; canvas->cell && i < pixels; i++)
+        canvas->cell[i] = CELL_NONE;
+    canvas_box(canvas, 0, 0, canvas->width, canvas->height, black);
+}
+
 enum err canvas_init(struct canvas *canvas, uint32_t width, uint32_t height, bool with_cells,
                      struct fault *fault)
 {
@@ -23,9 +31,7 @@ enum err canvas_init(struct canvas *canvas, uint32_t width, uint32_t height, boo
         canvas_release(canvas);
         return fault_memory(fault, "a picture");
     }
-    for (size_t i = 0; with_cells && i < pixels; i++)
-        canvas->cell[i] = CELL_NONE;
-    canvas_box(canvas, 0, 0, width, height, black);
+    empty(canvas);
     return OK;
 }
 
@@ -34,6 +40,24 @@ enum err canvas_remember(struct canvas *canvas, struct fault *fault)
     canvas->words = mem_new(canvas->stride * canvas->height);
     canvas->below = mem_new(canvas->stride * canvas->height);
     return canvas->words && canvas->below ? OK : fault_memory(fault, "a picture");
+}
+
+enum err canvas_renew(struct canvas *canvas, uint32_t width, uint32_t height, struct fault *fault)
+{
+    const size_t pixels = (size_t)width * height;
+    if (canvas->words && canvas->cell && canvas->width == width && canvas->height == height) {
+        memset(canvas->words, 0, pixels);
+        memset(canvas->below, 0, pixels);
+        empty(canvas);
+        return OK;
+    }
+    canvas_release(canvas);
+    enum err err = canvas_init(canvas, width, height, true, fault);
+    if (!err)
+        err = canvas_remember(canvas, fault);
+    if (err)
+        canvas_release(canvas);
+    return err;
 }
 
 void canvas_release(struct canvas *canvas)
@@ -64,11 +88,15 @@ void canvas_box(const struct canvas *canvas, int64_t left, int64_t top, int64_t 
     const int64_t right = left + width < canvas->width ? left + width : canvas->width;
     const int64_t end = canvas_end(canvas), bottom = top + height < end ? top + height : end;
     const uint8_t rgba[4] = {rgb[0], rgb[1], rgb[2], 255};
+    const uint8_t *first = NULL;
     left = left > 0 ? left : 0;
-    for (int64_t y = top > canvas->from ? top : canvas->from; y < bottom; y++) {
-        uint8_t *row = canvas_pixel(canvas, 0, (size_t)y);
-        for (int64_t x = left; x < right; x++)
+    for (int64_t y = top > canvas->from ? top : canvas->from; y < bottom && left < right; y++) {
+        uint8_t *row = canvas_pixel(canvas, (size_t)left, (size_t)y);
+        if (first)
+            memcpy(row, first, 4 * (size_t)(right - left));
+        for (int64_t x = 0; !first && x < right - left; x++)
             memcpy(row + 4 * x, rgba, 4);
+        first = row;
     }
 }
 

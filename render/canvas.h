@@ -36,6 +36,10 @@ enum err canvas_init(struct canvas *canvas, uint32_t width, uint32_t height, boo
 
 /* Has the canvas remember, from now on, where words are drawn and what lies below. ERR_MEMORY. */
 enum err canvas_remember(struct canvas *canvas, struct fault *fault);
+
+/* One with cells that remembers, black, in place of another, or of {0}: for pictures that follow
+ * each other. It has the memory of the former one where it is as large. ERR_MEMORY: it is {0}. */
+enum err canvas_renew(struct canvas *canvas, uint32_t width, uint32_t height, struct fault *fault);
 void canvas_release(struct canvas *canvas);
 
 /* The part from column `left` and row `top` on, which lies within the canvas. */

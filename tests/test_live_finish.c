@@ -137,7 +137,7 @@ STORY(what_is_picked_is_what_is_shown)
 static void draw_panel(struct interpreter *interp)
 {
     struct slicing_panel panel = {.screen = {320, 320, 8, 16, true, MOSAIC_AXIAL}};
-    struct canvas canvas;
+    struct canvas canvas = {0};
     if (CHECK(slicing_draw_panel(&canvas, interp->session, &panel, &fault) == OK))
         canvas_release(&canvas);
 }
@@ -323,7 +323,7 @@ STORY(memory_that_runs_out_leaves_what_is_shown)
     must(&interp, "finish relax sweeps=5");
     must(&interp, "finished on");
     for (size_t n = 0; err == ERR_MEMORY && n < 1000; n++, refused++) {
-        struct canvas canvas;
+        struct canvas canvas = {0};
         allow_allocations(n);
         err = slicing_draw_panel(&canvas, interp.session, &panel, &fault);
         if (!err)

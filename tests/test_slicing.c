@@ -505,7 +505,7 @@ static const int dot[3] = {1, 2, 253}, x_red[3] = {255, 72, 56}, rim[3] = {255, 
  * an x, the white rim of what waits. */
 static void marks_are(struct interpreter *interp, bool seed, bool eliminator, bool waiting)
 {
-    struct canvas canvas;
+    struct canvas canvas = {0};
     CHECK(slicing_draw(&canvas, interp->session, SLICE_KIND_AXIAL, NULL, false, &fault) == OK);
     CHECK(shows_colour(&canvas, dot[0], dot[1], dot[2]) == seed);
     CHECK(shows_colour(&canvas, x_red[0], x_red[1], x_red[2]) == eliminator);
@@ -597,7 +597,7 @@ STORY(mosaics_have_the_size_of_the_view)
 static uint32_t zoom_of_panel(struct interpreter *interp)
 {
     struct slicing_panel panel = {.screen = {640, 640, 8, 16, true, MOSAIC_AXIAL}};
-    struct canvas canvas;
+    struct canvas canvas = {0};
     CHECK(slicing_draw_panel(&canvas, interp->session, &panel, &fault) == OK);
     canvas_release(&canvas);
     const struct view *shown = &interp->session->pictures->camera.view;
@@ -649,7 +649,7 @@ STORY(a_large_pane_has_a_rendition_of_as_many_pixels)
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
         const struct row *row = &table[i];
         char line[32];
-        struct canvas canvas;
+        struct canvas canvas = {0};
         snprintf(line, sizeof line, "size %u %u", row->width, row->height);
         must(&interp, line);
         CHECK(slicing_draw_panel(&canvas, interp.session, &panel, &fault) == OK);
@@ -657,6 +657,44 @@ STORY(a_large_pane_has_a_rendition_of_as_many_pixels)
         CHECK_INT(session_frame(interp.session)->width, row->shown_width);
         CHECK_INT(session_frame(interp.session)->height, row->shown_height);
     }
+    interpreter_release(&interp);
+}
+
+static bool same_canvas(const struct canvas *a, const struct canvas *b)
+{
+    const size_t pixels = (size_t)a->width * a->height;
+    return a->width == b->width && a->height == b->height &&
+           memcmp(a->rgba, b->rgba, 4 * pixels) == 0 &&
+           memcmp(a->cell, b->cell, pixels * sizeof *a->cell) == 0 &&
+           memcmp(a->words, b->words, pixels) == 0 && memcmp(a->below, b->below, pixels) == 0;
+}
+
+/* Panels of another arrangement, the second of which has the memory of the first. */
+STORY(a_panel_has_nothing_of_the_one_before)
+{
+    struct slicing_panel before = {.screen = {320, 320, 8, 16, true, MOSAIC_AXIAL}, .words = true};
+    struct slicing_panel after = {.screen = {320, 320, 8, 16, false, MOSAIC_AXIAL}};
+    struct canvas again = {0}, anew = {0};
+    struct interpreter interp;
+    begin_values(&interp, 1, 0);
+    must(&interp, "seed 3,3,4 3");
+    CHECK(slicing_draw_panel(&again, interp.session, &before, &fault) == OK);
+    const uint8_t *memory = again.rgba;
+    CHECK(slicing_draw_panel(&again, interp.session, &after, &fault) == OK);
+    CHECK(again.rgba == memory);
+    CHECK(slicing_draw_panel(&anew, interp.session, &after, &fault) == OK);
+    CHECK(same_canvas(&again, &anew));
+    memset(again.rgba, 1, (size_t)4 * 320 * 320);
+    memset(again.words, 1, (size_t)320 * 320);
+    memset(again.below, 1, (size_t)320 * 320);
+    CHECK(canvas_renew(&again, 320, 320, &fault) == OK);
+    canvas_release(&anew);
+    CHECK(canvas_renew(&anew, 320, 320, &fault) == OK);
+    CHECK(again.rgba == memory && same_canvas(&again, &anew));
+    after.screen.width = 8;
+    CHECK(slicing_draw_panel(&again, interp.session, &after, &fault) == ERR_LIMIT);
+    CHECK(!again.rgba);
+    canvas_release(&anew);
     interpreter_release(&interp);
 }
 
@@ -741,7 +779,7 @@ STORY(in_a_hurry_slices_come_first_and_then_a_coarse_rendition)
 {
     struct interpreter interp;
     struct slicing_panel panel;
-    struct canvas hasty, fine, turned;
+    struct canvas hasty = {0}, fine = {0}, turned = {0};
     begin_values(&interp, 1, 0);
     must(&interp, "seed 3,3,4 3");
     must(&interp, "run");
@@ -821,7 +859,7 @@ STORY(slices_of_a_small_scene_fill_their_panes)
     struct interpreter interp;
     begin_values(&interp, 1, 0);
     struct slicing_panel panel = {.screen = {1600, 1000, 8, 16, true, MOSAIC_AXIAL}};
-    struct canvas canvas;
+    struct canvas canvas = {0};
     CHECK(slicing_draw_panel(&canvas, interp.session, &panel, &fault) == OK);
     for (int pane = MOSAIC_AXIAL; pane <= MOSAIC_SAGITTAL; pane++) {
         const struct mosaic_box *box = &panel.layout.box[pane];
@@ -915,7 +953,7 @@ STORY(each_pixel_tells_the_voxel_that_it_was_drawn_of)
     for (size_t i = 0; i < sizeof how / sizeof how[0]; i++) {
         must(&interp, how[i]);
         for (int kind = 0; kind <= SLICE_KIND_MOSAIC; kind++) {
-            struct canvas canvas;
+            struct canvas canvas = {0};
             uint32_t wrong = 0, cell = 0;
             CHECK(slicing_draw(&canvas, interp.session, (enum slice_kind)kind, NULL, true,
                                &fault) == OK);
@@ -1050,7 +1088,8 @@ int main(void)
         TELL(what_waits_and_what_was_eliminated_is_marked), TELL(hidden_labels_are_not_overlaid),
         TELL(mosaics_have_the_size_of_the_view),
         TELL(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom),
-        TELL(a_large_pane_has_a_rendition_of_as_many_pixels), TELL(a_panel_follows_what_is_shown),
+        TELL(a_large_pane_has_a_rendition_of_as_many_pixels),
+        TELL(a_panel_has_nothing_of_the_one_before), TELL(a_panel_follows_what_is_shown),
         TELL(in_a_hurry_slices_come_first_and_then_a_coarse_rendition),
         TELL(a_name_of_a_slice_stands_for_its_pixels),
         TELL(slices_of_a_small_scene_fill_their_panes), TELL(without_memory_nothing_is_shown),

@@ -284,7 +284,6 @@ enum err panes_draw(struct panes *p, struct session *session, const struct panes
                     struct fault *fault)
 {
     const struct mosaic_box *box = p->panel.layout.box;
-    canvas_release(&p->canvas);
     p->notes = 0;
     p->panel = (struct slicing_panel){.screen = {wish->width, wish->height, wish->cell_width,
                                                  wish->cell_height, !wish->is_alone,
@@ -292,7 +291,9 @@ enum err panes_draw(struct panes *p, struct session *session, const struct panes
                                       .words = wish->words,
                                       .within_ns = wish->within_ns};
     enum err err = session_count_labels(session, fault); /* for the hues */
-    if (!err)
+    if (err)
+        canvas_release(&p->canvas);
+    else
         err = slicing_draw_panel(&p->canvas, session, &p->panel, fault);
     if (!err && wish->heat)
         err = draw_heat(p, session, fault);

@@ -277,22 +277,21 @@ enum err slicing_draw_panel(struct canvas *canvas, struct session *session,
     const struct mosaic_screen *screen = &panel->screen;
     struct labels labels;
     struct glance glance;
-    *canvas = (struct canvas){0};
-    if (!mosaic_fits(screen))
+    if (!mosaic_fits(screen)) {
+        canvas_release(canvas);
         return fault_set(
             fault, ERR_LIMIT, "the panes take %dx%d pixels, in %dx%d characters, or more",
             MOSAIC_SIDE_LEAST, MOSAIC_SIDE_LEAST, MOSAIC_COLUMNS_LEAST, MOSAIC_ROWS_LEAST);
+    }
     mosaic_lay_out(&panel->layout, session_scene(session), screen);
     const struct mosaic_box *box = &panel->layout.box[MOSAIC_RENDITION];
     const uint32_t room[] = {box->width, box->height};
     enum err err = session_draw_fitting(session, room, panel->within_ns, &glance, &labels, fault);
     panel->is_hasty = !err && glance.is_hasty;
-    if (!err)
-        err = canvas_init(canvas, screen->width, screen->height, true, fault);
-    if (!err)
-        err = canvas_remember(canvas, fault);
     if (err)
         canvas_release(canvas);
+    else
+        err = canvas_renew(canvas, screen->width, screen->height, fault);
     return err ? err : draw(canvas, session, SLICE_KIND_MOSAIC, &labels, panel, &glance, fault);
 }
 

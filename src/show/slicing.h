@@ -60,8 +60,8 @@ struct slicing_panel {
 };
 
 /* Draws it, of the labels that session_draw_fitting shows, and fills in what follows `within_ns`.
- * The canvas has its cells, and remembers where words are and what lies below; the caller releases
- * it. ERR_LIMIT for a screen that has no room (mosaic_fits). */
+ * The canvas, {0} or one that was drawn before, has its cells, and remembers where words are and
+ * what lies below; the caller releases it. ERR_LIMIT for a screen without room (mosaic_fits). */
 enum err slicing_draw_panel(struct canvas *canvas, struct session *session,
                             struct slicing_panel *panel, struct fault *fault);
 
