@@ -1123,6 +1123,16 @@ STORY(tints_that_come_with_an_edit_get_their_colours)
     CHECK(p.shades.has_tints);
     CHECK_INT(wrong_pixels(&p, &view), 0);
     painter_release(&p);
+    static uint8_t part[4 * 320 * 320]; /* the first to come, of the same picture */
+    struct painter q = {0};
+    memcpy(part, pixels, sizeof part / 20);
+    screen_begin(8, 16);
+    painter_place(&q, &facts, 0, 0, 40, 20);
+    view.fine = view.rgba;
+    view.rgba = part;
+    show(&q, &view);
+    CHECK(!q.shades.is_exact && q.shades.has_tints);
+    painter_release(&q);
 }
 
 STORY(hundreds_of_hues_share_the_palette)

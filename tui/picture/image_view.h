@@ -24,6 +24,7 @@ struct image_strip {
 struct image_view {
     uint32_t width, height;
     const uint8_t *rgba;
+    const uint8_t *fine; /* what it will be when it is fine, and has a palette for; NULL: rgba */
     const uint32_t *hue; /* 0xRRGGBB of the labels that may show, in any order, twice or not; the
                             same from picture to picture, for another set is another palette, and
                             the picture goes whole. NULL where they are not known */

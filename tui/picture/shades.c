@@ -376,15 +376,16 @@ static bool take_hues(struct shades *s, const struct image_view *view)
     return true;
 }
 
-/* About 32 x 32 pixels, evenly over the picture. */
+/* About 32 x 32 pixels, evenly over the picture as it will be. */
 static void look_around(const struct image_view *view, const uint32_t *hue, unsigned hues,
                         bool *has_greys, bool *has_tints)
 {
     const uint32_t across = view->width / 32 + 1, down = view->height / 32 + 1;
+    const struct image_view looks = {.rgba = view->fine ? view->fine : view->rgba};
     unsigned seen = 0, greys = 0, tints = 0;
     for (uint32_t y = down / 2; y < view->height; y += down)
         for (uint32_t x = across / 2; x < view->width; x += across) {
-            const uint32_t colour = image_view_colour(view, (size_t)y * view->width + x);
+            const uint32_t colour = image_view_colour(&looks, (size_t)y * view->width + x);
             if (brightest(colour) < 16)
                 continue;
             seen++;

@@ -187,7 +187,7 @@ bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves,
     }
     r->is_coarse = level > 0 || most < stale || r->waits;
     *shown = *wanted;
-    shown->rgba = r->rgba;
+    shown->rgba = r->rgba, shown->fine = wanted->rgba;
     shown->is_coarse = level > 0;
     return true;
 }
