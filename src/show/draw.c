@@ -754,8 +754,8 @@ enum err session_draw_fitting(struct session *session, const uint32_t room[2], u
         err = fit_shown(p, border_of(p, as), fault);
     if (err)
         return err;
-    p->own.room_width = room[0];
-    p->own.room_height = room[1];
+    p->own.room_width = least(room[0], VIEW_SIDE_MOST);
+    p->own.room_height = least(room[1], VIEW_SIDE_MOST);
     const struct view view = view_in_room(session);
     err = take_view(p, &view, fault);
     if (err)
