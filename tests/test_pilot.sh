@@ -130,6 +130,7 @@ see '^coronal at 11,13,9  brush 3 r1  finished  '
 type_letters "s1"
 recorded "seed 11,13,9 1 radius=1"
 press Escape
+see '^i seed ' # with the u before that, it would be Alt
 see '^coronal at 11,13,9  brush 1 r1  finished  '
 tmux_here resize-window -t prompt -x 80 -y 24
 type_letters "uy"
@@ -306,6 +307,16 @@ see '^CORRECT at pixel [0-9]+,[0-9]+  0-9 a seed there  p to its voxel  Escape e
 see '^CORRECT  (axial|coronal|sagittal) '
 press Escape
 see '^i seed '
+type_letters ":"
+enter "size 16 16"
+recorded "size 16 16"
+type_letters "plllllllllllllljjjjjjjjjjjjjj" # to the last of the pane's pixels, which are more
+see '^CORRECT at pixel [2-9][0-9],[2-9][0-9]  '
+press Escape
+see '^i seed '
+type_letters ":"
+enter "size 512 512"
+recorded "size 512 512"
 close_story
 
 begin "slices are magnified and moved by commands; what has the screen is no command"

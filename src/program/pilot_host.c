@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "program/shown.h"
+#include "render/rendition.h"
 #include "report/label_report.h"
 #include "report/outline_facts.h"
 #include "session/session.h"
@@ -45,12 +46,13 @@ static bool facts(void *context, struct pilot_facts *out)
         return false;
     const struct outlook *outlook = session_outlook(session);
     const struct slice_settings *s = &outlook->slices;
+    const struct rendition *frame = session_frame(session); /* the panel's (session_draw_fitting) */
     *out = (struct pilot_facts){.waiting = session_pendings(session),
                                 .intensity = voxel_facts_intensity(session, s->cross),
                                 .zoom = session_fitting_view(session).zoom,
                                 .times = s->times,
-                                .frame_width = outlook->view.width,
-                                .frame_height = outlook->view.height,
+                                .frame_width = frame->depth ? frame->width : outlook->view.width,
+                                .frame_height = frame->depth ? frame->height : outlook->view.height,
                                 .overlay = s->overlay,
                                 .has_object = panes_have_object(session),
                                 .takes_all = panes_have_one_label(session),
