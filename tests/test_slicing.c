@@ -505,7 +505,7 @@ static const int dot[3] = {1, 2, 253}, x_red[3] = {255, 72, 56}, rim[3] = {255, 
  * an x, the white rim of what waits. */
 static void marks_are(struct interpreter *interp, bool seed, bool eliminator, bool waiting)
 {
-    struct canvas canvas = {0};
+    struct canvas canvas;
     CHECK(slicing_draw(&canvas, interp->session, SLICE_KIND_AXIAL, NULL, false, &fault) == OK);
     CHECK(shows_colour(&canvas, dot[0], dot[1], dot[2]) == seed);
     CHECK(shows_colour(&canvas, x_red[0], x_red[1], x_red[2]) == eliminator);
@@ -953,7 +953,7 @@ STORY(each_pixel_tells_the_voxel_that_it_was_drawn_of)
     for (size_t i = 0; i < sizeof how / sizeof how[0]; i++) {
         must(&interp, how[i]);
         for (int kind = 0; kind <= SLICE_KIND_MOSAIC; kind++) {
-            struct canvas canvas = {0};
+            struct canvas canvas;
             uint32_t wrong = 0, cell = 0;
             CHECK(slicing_draw(&canvas, interp.session, (enum slice_kind)kind, NULL, true,
                                &fault) == OK);

@@ -290,27 +290,28 @@ static enum err draw_border(struct pictures *p, const struct border *border, enu
     return err ? err : watch_fault(session_watch(p->session), fault);
 }
 
-/* The fitting view with as many pixels as its room has: a pane enlarges by whole numbers alone. */
-static struct view view_in_room(const struct session *session)
+/* The fitting view with as many pixels as a room has: a pane enlarges by whole numbers alone. */
+static struct view view_in_room(const struct session *session, const uint32_t room[2])
 {
-    struct view view = session_fitting_view(session);
-    const struct own_view *own = &session_pictures(session)->own;
-    const uint32_t width = view.width, height = view.height;
-    if (own->room_width <= width || own->room_height <= height)
-        return view;
-    view.width = least(own->room_width, (uint32_t)((uint64_t)own->room_height * width / height));
-    view.height = (uint32_t)((uint64_t)view.width * height / width);
-    view.zoom = (uint32_t)((uint64_t)view.zoom * view.width / width);
-    return view.height && view.zoom <= VIEW_ZOOM_MOST ? view : session_fitting_view(session);
+    const struct view plain = session_fitting_view(session);
+    const uint32_t width = least(room[0], VIEW_SIDE_MOST), height = least(room[1], VIEW_SIDE_MOST);
+    struct view view = plain;
+    if (width <= plain.width || height <= plain.height)
+        return plain;
+    view.width = least(width, (uint32_t)((uint64_t)height * plain.width / plain.height));
+    view.height = (uint32_t)((uint64_t)view.width * plain.height / plain.width);
+    view.zoom = (uint32_t)((uint64_t)plain.zoom * view.width / plain.width);
+    return view.height && view.zoom <= VIEW_ZOOM_MOST ? view : plain;
 }
 
 /* Of the surface as it is, which is up to date. */
-static enum err draw_coarse(struct pictures *p, const struct border *border, struct fault *fault)
+static enum err draw_coarse(struct pictures *p, const struct view *view,
+                            const struct border *border, struct fault *fault)
 {
     struct coarse *coarse = &p->coarse;
     struct outlook outlook = *session_outlook(p->session);
     struct camera camera;
-    outlook.view = view_in_room(p->session);
+    outlook.view = *view;
     outlook.view.width = (outlook.view.width + COARSE - 1) / COARSE;
     outlook.view.height = (outlook.view.height + COARSE - 1) / COARSE;
     outlook.view.zoom /= COARSE;
@@ -696,8 +697,8 @@ enum err session_draw(struct session *session, enum render_mode mode, struct fau
 }
 
 /* What there is at once of what is not drawn yet. */
-static enum err draw_hastily(struct pictures *p, enum rendered as, struct glance *glance,
-                             struct fault *fault)
+static enum err draw_hastily(struct pictures *p, const struct view *view, enum rendered as,
+                             struct glance *glance, struct fault *fault)
 {
     const struct border *border = border_of(p, as);
     glance->is_hasty = true;
@@ -705,7 +706,7 @@ static enum err draw_hastily(struct pictures *p, enum rendered as, struct glance
         return OK;
     glance->rendition = &p->coarse.rendition;
     glance->coarse = COARSE;
-    return draw_coarse(p, border, fault);
+    return draw_coarse(p, view, border, fault);
 }
 
 /* As large as it fits, around its own middle where that makes it an eighth larger: anew where it no
@@ -754,9 +755,7 @@ enum err session_draw_fitting(struct session *session, const uint32_t room[2], u
         err = fit_shown(p, border_of(p, as), fault);
     if (err)
         return err;
-    p->own.room_width = least(room[0], VIEW_SIDE_MOST);
-    p->own.room_height = least(room[1], VIEW_SIDE_MOST);
-    const struct view view = view_in_room(session);
+    const struct view view = view_in_room(session, room);
     err = take_view(p, &view, fault);
     if (err)
         return err;
@@ -765,7 +764,7 @@ enum err session_draw_fitting(struct session *session, const uint32_t room[2], u
     const bool is_soon = p->coarse.took_ns && p->coarse.took_ns < within_ns &&
                          mesh_is_current(&p->mesh, border_of(p, as), shade_kind(look_of(p)));
     if (within_ns && p->rendered != as && !is_soon && !session_outlook(session)->context)
-        return draw_hastily(p, as, glance, fault);
+        return draw_hastily(p, &view, as, glance, fault);
     err = draw_at(p, &view, as, RENDER_AS_KEPT, fault);
     glance->rendition = session_frame(session);
     return err;

@@ -60,7 +60,6 @@ struct own_view {
     bool has_place; /* or the scene's middle is there */
     const struct border *border;
     uint32_t version, width, height, samples;
-    uint32_t room_width, room_height; /* of the pane, in its pixels */
 };
 
 struct pictures {
