@@ -403,7 +403,8 @@ $(VOLUME_PARTS) $(REGISTER_PARTS): $(BUILD)/%.o: %.cc | build/.packages-volume
 	$(say) "compile   $<"
 	$(Q)$(CXX) $(ALL_CXXFLAGS) $(HELPER_FLAGS) -c -o $@ $<
 
-$(BUILD)/iftty-volume: $(VOLUME_PARTS) $(BUILD)/src/image/csa.o $(CONFINED)
+$(BUILD)/iftty-volume: $(VOLUME_PARTS) $(BUILD)/src/image/csa.o $(BUILD)/src/image/inflated.o \
+                       $(CONFINED)
 	$(say) "link      $@"
 	$(Q)$(CXX) -o $@ $^ $(ALL_LDFLAGS) $(VOLUME_LIBS)
 

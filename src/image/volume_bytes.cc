@@ -19,7 +19,10 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <zlib.h>
+
+extern "C" {
+#include "image/inflated.h"
+}
 
 namespace volume
 {
@@ -76,6 +79,10 @@ class Counted
     uint64_t bytes() const
     {
         return bytes_;
+    }
+    int descriptor() const
+    {
+        return fd_;
     }
 
     /* A whole number of so many bytes, 8 at most. */
@@ -495,44 +502,12 @@ uint64_t numbers_in(std::ifstream &file, uint64_t most)
     return count;
 }
 
-/* How many bytes come out; `ends`: up to the checksum, or so far after the last that is needed that
- * it does not matter. */
-uint64_t inflated_in(std::ifstream &file, const Run &run, bool &ends)
-{
-    const uint64_t beyond = 65536;
-    uint64_t bytes = 0, left = run.packed ? run.packed : UINT64_MAX;
-    std::vector<char> in(65536), out(262144);
-    z_stream stream = {};
-    if (inflateInit2(&stream, 47) != Z_OK)
-        throw std::bad_alloc();
-    ends = false;
-    while (!ends) {
-        if (stream.avail_in == 0) {
-            file.read(in.data(), static_cast<std::streamsize>(std::min<uint64_t>(left, in.size())));
-            stream.next_in = reinterpret_cast<Bytef *>(in.data());
-            stream.avail_in = static_cast<uInt>(file.gcount());
-            left -= stream.avail_in;
-        }
-        stream.next_out = reinterpret_cast<Bytef *>(out.data());
-        stream.avail_out = static_cast<uInt>(out.size());
-        const int code = stream.avail_in ? inflate(&stream, Z_NO_FLUSH) : Z_BUF_ERROR;
-        bytes += out.size() - stream.avail_out;
-        ends = code == Z_STREAM_END || bytes > sum_of(run.bytes, beyond);
-        if (code == Z_STREAM_END && bytes < run.bytes)
-            ends = inflateReset(&stream) != Z_OK; /* another may follow */
-        if (code != Z_OK && code != Z_STREAM_END)
-            break;
-    }
-    inflateEnd(&stream);
-    return bytes;
-}
-
 /* Packed voxels and text, which takes reading all of it. */
 void count_closely(const Run &run)
 {
-    std::ifstream file(run.path, std::ios::binary);
-    file.seekg(static_cast<std::streamoff>(run.at));
     if (run.packing == Packing::TEXT) {
+        std::ifstream file(run.path, std::ios::binary);
+        file.seekg(static_cast<std::streamoff>(run.at));
         const uint64_t numbers = numbers_in(file, run.values);
         if (numbers < run.values)
             refuse("%scut short: it has %llu numbers, and its header promises %llu; fetch it again",
@@ -540,12 +515,12 @@ void count_closely(const Run &run)
         return;
     }
     bool ends;
-    const uint64_t bytes = inflated_in(file, run, ends);
+    const Counted file(run.path, run.what);
+    const uint64_t bytes = inflated_bytes(file.descriptor(), run.at,
+                                          run.packed ? run.packed : UINT64_MAX, run.bytes, &ends);
     if (!ends || bytes < run.bytes)
-        refuse("%scut short or damaged: of its packed voxels %llu bytes can be had%s, and its "
-               "header promises %llu; fetch it again",
-               run.what.c_str(), wide(bytes), bytes < run.bytes ? "" : " without their checksum",
-               wide(run.bytes));
+        refuse(INFLATED_LACKS, run.what.c_str(), wide(bytes),
+               bytes < run.bytes ? "" : INFLATED_CHECKSUM, wide(run.bytes));
 }
 
 void count_voxels(Volume &volume, const std::string &kind, const Request &request)
