@@ -61,13 +61,14 @@ close_story
 begin "pictures, labels and surfaces are those of the checkout's program"
 work_of_it='open scene.nii weight=morph; seed 6,10,8 1; seed 20,4,3 0; run;'\
 ' render tmp/picture.png; render tmp/picture.exr; slice axial tmp/slice.png;'\
-' save labels tmp/labels.nii.gz; save labels tmp/labels.nrrd; save surface tmp/surface.stl'
+' save labels tmp/labels.nii.gz; save labels tmp/labels.nrrd; save labels tmp/l.seg.nrrd;'\
+' save surface tmp/surface.stl'
 alone 0 -c "$work_of_it"
 mkdir -p "$work/here/tmp"
 cp "$root/scene.nii" "$work/here"
 expect_in "$work/here" 0 "$iftty" -c "$work_of_it" </dev/null
 same "$(ls "$root/tmp")" "$(ls "$work/here/tmp")"
-same "$(ls "$root/tmp" | wc -l)" 6
+same "$(ls "$root/tmp" | wc -l)" 7
 for file in "$work"/here/tmp/*; do same_files "$file" "$root/tmp/${file##*/}"; done
 close_story
 
@@ -84,13 +85,13 @@ alone 0 verify --strict ours/a.iftty
 expect_in "$root" 0 "$iftty" verify --strict theirs/a.iftty </dev/null
 close_story
 
-begin "scenes as NIfTI and MGH are read, compressed too"
+begin "scenes as NIfTI, MGH and NRRD are read, compressed too"
 /usr/bin/python3 -c '
 import sys, nibabel
 scene = nibabel.load(sys.argv[1])
 nibabel.save(nibabel.MGHImage(scene.get_fdata().astype("uint8"), scene.affine), sys.argv[2])' \
     "$root/tmp/labels.nii.gz" "$root/tmp/labels.mgz" || fail "no .mgz"
-for file in scene.nii tmp/labels.nii.gz tmp/labels.mgz; do
+for file in scene.nii tmp/labels.nii.gz tmp/labels.mgz tmp/labels.nrrd tmp/l.seg.nrrd; do
     alone 0 -c "open $file; seed 6,10,8 1; run"
 done
 close_story
@@ -98,7 +99,8 @@ close_story
 begin "what takes a helper says so"
 alone 3 -c 'open scene.nii; seed 6,10,8 1; run; render tmp/picture.jpg'
 err_has "; the package iftty-image has it"
-alone 3 -c 'open tmp/labels.nrrd'
+alone 0 -c 'open scene.nii; seed 6,10,8 1; run; save labels tmp/labels.mha'
+alone 3 -c 'open tmp/labels.mha'
 err_has "; the package iftty-volume has it"
 close_story
 

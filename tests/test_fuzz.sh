@@ -9,7 +9,7 @@ for folder in tests/fuzz/corpus/*; do
     begin "bytes for the reader of: $name"
     changes=6000 # and fewer where a change takes longest
     case $name in
-    helper | mgh | raw | procedure) changes=3000 ;;
+    helper | mgh | nrrd | raw | procedure) changes=3000 ;;
     nifti | exr) changes=2000 ;;
     surface) changes=300 ;;
     esac

@@ -20,7 +20,7 @@ cp -R "$doc/examples" "$work/examples"
 expect_in "$work" 0 "$tree/bin/iftty" verify --strict examples/geom.iftty </dev/null
 make_scene "$work/scene.nii" 24 20 16
 expect_in "$work" 0 "$tree/bin/iftty" -c 'open scene.nii; seed 6,10,8 1; run; render'\
-' picture.png; save labels labels.nrrd' </dev/null
+' picture.png; save labels labels.mha; save labels labels.nrrd' </dev/null
 [ -s "$work/picture.png" ] || fail "there is no picture"
 expect_in "$work" 0 "$tree/bin/iftty" info picture.png </dev/null
 out_has png
@@ -28,8 +28,9 @@ mv "$tree/libexec" "$work/away"
 expect_in "$work" 3 "$tree/bin/iftty" info picture.png </dev/null
 err_has "image helper"
 err_has "; the package iftty-image has it, or \`make install\` of a checkout where it was built"
-expect_in "$work" 3 "$tree/bin/iftty" -c 'open labels.nrrd' </dev/null
+expect_in "$work" 3 "$tree/bin/iftty" -c 'open labels.mha' </dev/null
 err_has "; the package iftty-volume has it"
+expect_in "$work" 0 "$tree/bin/iftty" -c 'open labels.nrrd' </dev/null
 mv "$work/away" "$tree/libexec"
 ln -s "$tree/bin/iftty" "$work/linked"
 expect_in "$work" 0 "$work/linked" info picture.png </dev/null

@@ -23,7 +23,7 @@ static const struct proven {
     bool by_bytes; /* its files say what they are */
 } proven[] = {
     {"nifti_format", "nifti", "a.nii.gz", true}, {"pair_format", "nifti", NULL, false},
-    {"mgh_format", "mgh", "a.mgz", true},        {"nrrd_format", NULL, "a.nrrd", false},
+    {"mgh_format", "mgh", "a.mgz", true},        {"nrrd_format", "nrrd", "a.nrrd", true},
     {"metaimage_format", NULL, "a.mha", false},  {"raw_format", "raw", NULL, false},
     {"helped_format", "helper", NULL, false},
 };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * NRRD: label and other maps out, for 3D Slicer and all that read with ITK or teem.
+ * NRRD: scenes in, and label and other maps out, for 3D Slicer and all that read with ITK or teem.
  *
  *     NRRD0004
  *     content: iftty labels
@@ -29,15 +29,101 @@
  *     Segment0_Layer:=0
  *     Segment0_Extent:=50 131 22 89 9 60
  *
+ * Read are files of three spatial axes with their voxels in them, plain or as gzip, so that the one
+ * file that needs no helper has scenes and segmentations of 3D Slicer; nrrd_header.h says which.
+ * All others go on to iftty-volume (ITK), which reads all kinds. What comes out is the same by
+ * either way, to the last bit of the place and the last word of a refusal: so files that one build
+ * has opened verify in every other.
+ *
  * From: https://teem.sourceforge.net/nrrd/format.html, and "Segmentations" in the developer guide
  * of 3D Slicer.
  */
+#include <inttypes.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/mem.h"
+#include "engine/grid.h"
+#include "image/nrrd_voxels.h"
 #include "image/volume_format.h"
+#include "image/volume_helper.h"
 
-/* ---- header ---- */
+/* ---- header in ---- */
+
+/* The header, of *length bytes, to be freed; NULL where it is none, or too long, or there is no
+ * memory. */
+static char *first_bytes(struct volume_source *source, size_t *length)
+{
+    for (size_t most = 8 << 10;; most *= 8) {
+        most = most < NRRD_HEADER_MOST ? most : NRRD_HEADER_MOST;
+        char *bytes = mem_array(most, 1);
+        const size_t n = bytes ? source_peek(source, (uint8_t *)bytes, most) : 0;
+        *length = n ? nrrd_header_length(bytes, n) : 0;
+        if (*length)
+            return bytes;
+        free(bytes);
+        if (n < most || most == NRRD_HEADER_MOST)
+            return NULL;
+    }
+}
+
+static bool recognises(const uint8_t *begin, size_t length)
+{
+    return length >= sizeof NRRD_MAGIC - 1 && memcmp(begin, NRRD_MAGIC, sizeof NRRD_MAGIC - 1) == 0;
+}
+
+/* False where it is left to the helper. */
+static bool is_ours(struct nrrd_header *header, struct volume_source *source)
+{
+    size_t length;
+    char *bytes = source->packed ? NULL : first_bytes(source, &length);
+    const bool is = bytes && nrrd_header_read(header, bytes, length);
+    free(bytes);
+    return is;
+}
+
+static void describe(struct volume_header *out, const struct nrrd_header *header)
+{
+    memcpy(out->size, header->size, sizeof out->size);
+    out->type = header->type;
+    snprintf(out->format, sizeof out->format, "NRRD");
+    snprintf(out->type_name, sizeof out->type_name, "%s", voxel_type_name(header->type));
+    out->big_endian = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__; /* of the bytes that the source has */
+    out->bytes = UINT64_MAX; /* as by the helper: any swelling is taken */
+    out->geometry.slope = 1;
+    header_place(out, (const double(*)[4])header->to_mm, header->knows_spacing,
+                 header->knows_place);
+}
+
+static enum err begin_voxels(const struct volume_header *header, struct volume_source *source,
+                             struct fault *fault)
+{
+    return nrrd_voxels_are_of(source) ? nrrd_voxels_begin(source, header, fault)
+                                      : volume_helper_begin_voxels(header, source, fault);
+}
+
+static enum err read_header(struct volume_header *out, struct volume_source *source,
+                            struct fault *fault)
+{
+    struct nrrd_header header;
+    struct grid grid;
+    const enum err err = is_ours(&header, source) ? nrrd_voxels_enter(source, &header, fault) : OK;
+    if (err)
+        return err;
+    if (!source->decoder)
+        return volume_helper_read_header(out, source, fault);
+    const uint64_t end = header.offset + (header.is_packed ? 1 : nrrd_voxels_bytes(&header));
+    if (source->bytes < end)
+        return fault_set(fault, ERR_INPUT,
+                         "cut short: it has %" PRIu64 " bytes, and its header promises %" PRIu64
+                         "; fetch it again",
+                         source->bytes, end);
+    describe(out, &header);
+    return grid_init(&grid, header.size, fault);
+}
+
+/* ---- header out ---- */
 
 /* "(-1,0,0)": a column of the way to the world. */
 static void write_column(struct buf *out, const double to_mm[3][4], int column)
@@ -168,7 +254,7 @@ static enum err write_segments(struct buf *out, const struct volume_map *map, st
     return watch_fault(watch, fault);
 }
 
-/* ---- file ---- */
+/* ---- file out ---- */
 
 static enum err write(const char *path, enum file_mode mode, const struct volume_map *map,
                       struct watch *watch, struct fault *fault)
@@ -193,6 +279,9 @@ static enum err write(const char *path, enum file_mode mode, const struct volume
 extern const struct volume_format nrrd_format;
 const struct volume_format nrrd_format = {
     .name = "NRRD",
-    .endings = ".seg.nrrd|.nrrd",
+    .endings = ".nrrd|.seg.nrrd",
+    .recognises = recognises,
+    .read_header = read_header,
+    .begin_voxels = begin_voxels,
     .write = write,
 };

@@ -50,15 +50,15 @@ static void begin_stream(struct inflater *inflater)
     state->avail_in = avail_in;
 }
 
-/* Of a file that is open, and stays open and the caller's; where in it others read, is theirs. NULL
- * without memory. */
-static struct inflater *inflater_new(int fd)
+/* Of a file that is open, and stays open and the caller's, from that byte on; where in it others
+ * read, is theirs. NULL without memory. */
+static struct inflater *inflater_new(int fd, uint64_t from)
 {
     struct inflater *inflater = mem_array(1, sizeof *inflater);
     if (!inflater)
         return NULL;
     inflater->fd = fd;
-    inflater->at = 0;
+    inflater->at = from;
     inflater->has_ended = inflater->has_failed = false;
     inflater->state.next_in = inflater->chunk;
     inflater->state.avail_in = 0;
@@ -123,9 +123,9 @@ struct inflater {
     bool has_ended;
 };
 
-static struct inflater *inflater_new(int fd)
+static struct inflater *inflater_new(int fd, uint64_t from)
 {
-    (void)fd;
+    (void)fd, (void)from;
     return NULL;
 }
 
@@ -139,6 +139,25 @@ static size_t inflater_take(struct inflater *inflater, void *to, size_t most)
 
 /* ---- a file ---- */
 
+/* From where in it the file is read next, which is source->from. */
+static enum err begin(struct volume_source *source, int fd, struct fault *fault)
+{
+    source->gz = gzdopen(fd, "rb");
+    if (!source->gz) {
+        close(fd);
+        return fault_memory(fault, source->path);
+    }
+    source->fd = fd;
+    source->most = source->bytes - source->from;
+    gzbuffer(source->gz, CHUNK);
+    source->packed = !gzdirect(source->gz);
+    if (source->packed && __builtin_mul_overflow(source->most, DEFLATE_MOST, &source->most))
+        source->most = UINT64_MAX;
+    if (source->packed)
+        source->inflater = inflater_new(fd, source->from);
+    return OK;
+}
+
 enum err source_open(struct volume_source *source, const char *path, struct watch *watch,
                      struct fault *fault)
 {
@@ -148,22 +167,21 @@ enum err source_open(struct volume_source *source, const char *path, struct watc
     if (source->is_folder)
         return OK;
     const enum err err = file_open(&fd, &source->bytes, path, O_RDONLY, fault);
-    if (err)
-        return err;
-    source->gz = gzdopen(fd, "rb");
-    if (!source->gz) {
+    return err ? err : begin(source, fd, fault);
+}
+
+enum err source_enter(struct volume_source *source, const struct volume_source *of, uint64_t from,
+                      struct fault *fault)
+{
+    const int fd = fcntl(of->fd, F_DUPFD_CLOEXEC, 0);
+    *source = (struct volume_source){
+        .path = of->path, .watch = of->watch, .from = from, .bytes = of->bytes};
+    if (fd >= 0 && lseek(fd, (off_t)from, SEEK_SET) >= 0)
+        return begin(source, fd, fault);
+    const enum err err = fault_errno(fault, "read", of->path);
+    if (fd >= 0)
         close(fd);
-        return fault_memory(fault, path);
-    }
-    source->fd = fd;
-    source->most = source->bytes;
-    gzbuffer(source->gz, CHUNK);
-    source->packed = !gzdirect(source->gz);
-    if (source->packed && __builtin_mul_overflow(source->bytes, DEFLATE_MOST, &source->most))
-        source->most = UINT64_MAX;
-    if (source->packed)
-        source->inflater = inflater_new(fd);
-    return OK;
+    return err;
 }
 
 void source_close(struct volume_source *source)
@@ -273,7 +291,7 @@ enum err source_read(struct volume_source *source, void *to, size_t length, cons
 enum err source_go_to(struct volume_source *source, uint64_t offset, const char *part,
                       struct fault *fault)
 {
-    uint8_t passed[4096];
+    _Alignas(uint64_t) uint8_t passed[4096]; /* for decoders, which may turn numbers round */
     enum err err = OK;
     while (source->decoder && source->at < offset && !err) {
         const uint64_t left = offset - source->at;
@@ -284,7 +302,7 @@ enum err source_go_to(struct volume_source *source, uint64_t offset, const char 
         return err;
     if (source->inflater && offset < source->at) {
         free(source->inflater);
-        source->inflater = inflater_new(source->fd);
+        source->inflater = inflater_new(source->fd, source->from);
         source->at = 0;
     }
     if (source->inflater) { /* as far as it gets, and the watch lets it */

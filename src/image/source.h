@@ -38,6 +38,7 @@ struct volume_source {
     struct inflater *inflater;      /* of a gzip, until it fails; owned */
     struct gzFile_s *gz;            /* zlib's, which passes plain bytes on as they are */
     int fd;                         /* owned by gz */
+    uint64_t from;                  /* the byte of the file that is the first one here */
     uint64_t bytes;                 /* of the file on disk */
     uint64_t most; /* bytes that it can hold when inflated; deflate's best is 1032-fold */
     bool packed;   /* gzip */
@@ -51,6 +52,11 @@ void source_close(struct volume_source *source);
 /* Goes on with another file, from its first byte; `path` stays. Refuses what is no regular file;
  * then it is as before. */
 enum err source_switch(struct volume_source *source, const char *path, struct fault *fault);
+
+/* What is in the same file from that byte on, as if it were all of it: a gzip there is inflated.
+ * Where in the file they read is one place for both, so `of` is only to be closed after this. */
+enum err source_enter(struct volume_source *source, const struct volume_source *of, uint64_t from,
+                      struct fault *fault);
 
 /* The first bytes, at most `most`, without going on; returns how many there are. */
 size_t source_peek(struct volume_source *source, uint8_t *bytes, size_t most);

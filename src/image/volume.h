@@ -20,10 +20,10 @@
 #include "image/volume_format.h"
 
 #define HELPED_NOTE                                                                                \
-    "DICOM (a folder, with its subfolders; mosaics of Siemens), NRRD, MetaImage, MINC, HDF5, "     \
-    "MRC, TIFF stacks, folders of TIFF or PNG slices, VTK and GIPL are read by iftty-volume, a "   \
-    "program beside iftty; so are LSM, GE, Siemens Vision, Bruker and Stimulate, untested for "    \
-    "want of files. "                                                                              \
+    "DICOM (a folder, with its subfolders; mosaics of Siemens), other NRRD, MetaImage, MINC, "     \
+    "HDF5, MRC, TIFF stacks, folders of TIFF or PNG slices, VTK and GIPL are read by "             \
+    "iftty-volume, a program beside iftty; so are LSM, GE, Siemens Vision, Bruker and Stimulate, " \
+    "untested for want of files. "                                                                 \
     "What a file does not say of orientation and spacing stays unknown. "
 
 /* The formats, and a sentence about each for the help. */
@@ -32,7 +32,8 @@
     ROW(pair_format,                                                                               \
         "ANALYZE and NIfTI in two files, .hdr and .img or .gz, are named by either. ")             \
     ROW(mgh_format, "FreeSurfer's .mgh and .mgz are read and written, too. ")                      \
-    ROW(nrrd_format, "")                                                                           \
+    ROW(nrrd_format,                                                                               \
+        "NRRD is read and written with its voxels after its header, plain or as gzip. ")           \
     ROW(metaimage_format, "")                                                                      \
     ROW(raw_format, "")                                                                            \
     ROW(helped_format, HELPED_NOTE)

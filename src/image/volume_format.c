@@ -108,6 +108,27 @@ enum err voxels_check(const struct volume_header *header, const struct volume_so
     return OK;
 }
 
+void header_place(struct volume_header *header, const double to_mm[3][4], bool knows_spacing,
+                  bool knows_place)
+{
+    struct geometry *geometry = &header->geometry;
+    memcpy(geometry->to_mm, to_mm, sizeof geometry->to_mm);
+    for (int a = 0; a < 3; a++) {
+        const double mm = geometry_step_mm(geometry, a);
+        const bool is_length = geometry_spacing(&geometry->spacing_nm[a], mm);
+        if (knows_spacing && !is_length)
+            volume_note(header->notes,
+                        "its voxels are said to be %g mm apart; expected 1 nm to 4 m", mm);
+        knows_spacing = knows_spacing && is_length;
+    }
+    for (int a = 0; a < 3 && !knows_spacing; a++)
+        geometry->spacing_nm[a] = 1000000;
+    geometry->spacing_unknown = !knows_spacing;
+    if (!knows_place ||
+        !geometry_place(geometry, (const double(*)[4])geometry->to_mm, ORIENTATION_FILE))
+        geometry_place_spaced(geometry);
+}
+
 void voxels_note_rest(struct volume_header *header, const struct volume_source *source,
                       const char *advice)
 {

@@ -167,6 +167,11 @@ struct volume_format {
 enum err voxels_check(const struct volume_header *header, const struct volume_source *source,
                       struct fault *fault);
 
+/* The way to the world that a header has, as far as it says it: where it does not, or where that
+ * cannot be, distances or the orientation are unknown. */
+void header_place(struct volume_header *header, const double to_mm[3][4], bool knows_spacing,
+                  bool knows_place);
+
 /* Of a file that is not packed, notes how many bytes come after the last voxel, which is odd, with
  * that advice. */
 void voxels_note_rest(struct volume_header *header, const struct volume_source *source,

@@ -12,7 +12,6 @@
 #include "base/scan.h"
 #include "engine/grid.h"
 #include "image/coprocess.h"
-#include "image/volume_format.h"
 
 enum {
     PATH_MOST = 4096,
@@ -174,7 +173,7 @@ static enum err begin(struct volume_source *source, struct fault *fault)
     struct coprocess *process = &helper->process;
     enum err err = coprocess_init(process, VOLUME_HELPER, volume_helper_program, fault);
     process->kind = "the volume helper";
-    process->hint = " (NIfTI, MGH and raw voxels work without it)";
+    process->hint = " (NIfTI, MGH, NRRD in one file and raw voxels work without it)";
     process->made_of = COPROCESS_OF_ITK;
     process->package = "iftty-volume";
     process->patience_ms = volume_helper_patience_ms;
@@ -294,28 +293,6 @@ static enum err receive_answer(struct volume_header *out, struct coprocess *proc
 
 /* ---- what it says ---- */
 
-/* Spacing along the columns of the matrix; unknown where it is none. */
-static void take_geometry(struct volume_header *out, const double number[NUMBERS],
-                          bool knows_spacing, bool knows_place)
-{
-    struct geometry *geometry = &out->geometry;
-    memcpy(geometry->to_mm, number, sizeof geometry->to_mm);
-    for (int a = 0; a < 3; a++) {
-        const double mm = geometry_step_mm(geometry, a);
-        const bool is_length = geometry_spacing(&geometry->spacing_nm[a], mm);
-        if (knows_spacing && !is_length)
-            volume_note(out->notes, "its voxels are said to be %g mm apart; expected 1 nm to 4 m",
-                        mm);
-        knows_spacing = knows_spacing && is_length;
-    }
-    for (int a = 0; a < 3 && !knows_spacing; a++)
-        geometry->spacing_nm[a] = 1000000;
-    geometry->spacing_unknown = !knows_spacing;
-    if (!knows_place ||
-        !geometry_place(geometry, (const double(*)[4])geometry->to_mm, ORIENTATION_FILE))
-        geometry_place_spaced(geometry);
-}
-
 /* What the line and what follows it say; false where that makes no sense. */
 static bool receive_header(struct volume_header *out, struct coprocess *process, const char *line,
                            double number[NUMBERS])
@@ -324,6 +301,7 @@ static bool receive_header(struct volume_header *out, struct coprocess *process,
     static const int64_t most[VALUES] = {UINT16_MAX, UINT16_MAX,  UINT16_MAX, VOLUMES_MOST,
                                          3,          FORMAT_MOST, TYPE_MOST,  NOTES_MOST};
     int64_t value[VALUES];
+    double to_mm[3][4];
     if (!scan_text(&line, "volume ") || !coprocess_numbers(line, VALUES, most, value) ||
         value[0] < 1 || value[1] < 1 || value[2] < 1 || value[VOLUMES] < 1)
         return coprocess_odd(process);
@@ -339,7 +317,8 @@ static bool receive_header(struct volume_header *out, struct coprocess *process,
         out->size[a] = (uint32_t)value[a];
     out->volumes = (uint32_t)value[VOLUMES];
     out->big_endian = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
-    take_geometry(out, number, value[KNOWN] & SPACING, value[KNOWN] & PLACE);
+    memcpy(to_mm, number, sizeof to_mm);
+    header_place(out, (const double(*)[4])to_mm, value[KNOWN] & SPACING, value[KNOWN] & PLACE);
     return true;
 }
 
@@ -373,8 +352,8 @@ static enum err take_header(struct volume_header *out, struct coprocess *process
     return err;
 }
 
-static enum err read_header(struct volume_header *out, struct volume_source *source,
-                            struct fault *fault)
+enum err volume_helper_read_header(struct volume_header *out, struct volume_source *source,
+                                   struct fault *fault)
 {
     char line[COPROCESS_LINE];
     const char *kind = kind_of(source);
@@ -402,8 +381,8 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
 }
 
 /* Lets it hold the volume, and a second one on its way, and gives it the time for it. */
-static enum err begin_voxels(const struct volume_header *header, struct volume_source *source,
-                             struct fault *fault)
+enum err volume_helper_begin_voxels(const struct volume_header *header,
+                                    struct volume_source *source, struct fault *fault)
 {
     struct coprocess *process = &((struct volume_helper *)source->decoder)->process;
     const uint32_t *whole = header->whole;
@@ -419,11 +398,11 @@ static enum err begin_voxels(const struct volume_header *header, struct volume_s
 
 extern const struct volume_format helped_format;
 const struct volume_format helped_format = {
-    .name = "DICOM, NRRD, MetaImage, MINC, HDF5, MRC, LSM, TIFF, VTK, GIPL, GE, Siemens and Bruker",
+    .name = "DICOM, MetaImage, MINC, HDF5, MRC, LSM, TIFF, VTK, GIPL, GE, Siemens and Bruker",
     .endings = ".nrrd|.nhdr|.mha|.mhd|.mnc|.mnc2|.h5|.hdf5|.hdf|.ims|.mrc|.map|.rec|.st|.dcm|.ima|"
                ".dicom|.lsm|.vtk|.gipl|.sdt|.spr",
     .takes = TAKES_FOLDERS,
     .recognises = recognises,
-    .read_header = read_header,
-    .begin_voxels = begin_voxels,
+    .read_header = volume_helper_read_header,
+    .begin_voxels = volume_helper_begin_voxels,
 };

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The volume helper: every volume that NIfTI is not, by ITK, GDCM and HDF5 in a process of its own.
+ * The volume helper: every volume that no reader of our own takes, by ITK, GDCM and HDF5 in a
+ * process of its own.
  *
  * The program iftty-volume is started for one file or folder, takes from itself all but reading
  * that one and what its header names below its folder (Landlock, seccomp, limits), and ends with
@@ -49,7 +50,15 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "image/volume_format.h"
+
 #define VOLUME_HELPER "iftty-volume" /* the program (coprocess_find) */
+
+/* For formats of our own, which hand on what they do not read: of volume_format, these two. */
+enum err volume_helper_read_header(struct volume_header *out, struct volume_source *source,
+                                   struct fault *fault);
+enum err volume_helper_begin_voxels(const struct volume_header *header,
+                                    struct volume_source *source, struct fault *fault);
 
 /* For tests: another program, NULL for iftty-volume beside the running one; and how long it may
  * stay silent, apart from a second for each 20 MB of voxels. */
