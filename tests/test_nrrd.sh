@@ -14,11 +14,15 @@ alone=$work/alone/iftty
 # told PROGRAM FILE: all that it says of it, with the digest of the scene and the place of a map,
 # into $work/told
 told() {
-    rm -f "$work/map.nrrd" "$work/j.iftty"
-    { "$1" info "$2"; "$1" -c "open $2; info; save labels $work/map.nrrd empty=yes" --journal \
-        "$work/j.iftty"; } >"$work/out" 2>"$work/err" </dev/null
+    rm -f "$work"/map.* "$work/j.iftty"
+    {
+        "$1" info "$2"
+        "$1" -c "open $2; info; save labels $work/map.nrrd empty=yes; save labels $work/map.nii \
+            empty=yes" --journal "$work/j.iftty"
+    } >"$work/out" 2>"$work/err" </dev/null
     status=$?
     [ ! -s "$work/map.nrrd" ] || sed '/^$/q' "$work/map.nrrd" >>"$work/out"
+    [ ! -s "$work/map.nii" ] || od -An -v -tx1 -N348 "$work/map.nii" >>"$work/out"
     [ $status != 0 ] || last_word sha256 "$work/j.iftty" >>"$work/out"
     sed "s|${2%.*}.[a-z]*|FILE|g" "$work/out" "$work/err" | grep -v '^ok\|^    memory' >"$work/told"
 }
