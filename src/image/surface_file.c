@@ -116,7 +116,7 @@ static enum err find_places(struct output *out, const struct geometry *geometry,
                             struct fault *fault)
 {
     const struct surface *s = out->surface;
-    struct lookup taken = {NULL};
+    struct lookup taken = {0};
     double finest_mm = 1e300;
     for (int a = 0; a < 3; a++)
         finest_mm = fmin(finest_mm, geometry->spacing_nm[a] / 1e6);
