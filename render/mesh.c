@@ -44,7 +44,11 @@ void mesh_release(struct mesh *mesh)
 
 size_t mesh_bytes(const struct mesh *mesh)
 {
-    return mesh->bytes + mesh->bricks * sizeof *mesh->brick + mesh->regions * sizeof *mesh->stale;
+    size_t bytes =
+        mesh->bytes + mesh->bricks * sizeof *mesh->brick + mesh->regions * sizeof *mesh->stale;
+    for (int i = 0; i < TEAM_MOST; i++)
+        bytes += net_scratch_bytes(mesh->scratch[i]);
+    return bytes;
 }
 
 static uint32_t number_of(const struct mesh *mesh, const uint32_t brick[3])
@@ -698,6 +702,16 @@ static void make_share(void *context, unsigned thread)
     }
 }
 
+/* What a scene of noise has taken would be several times all else that is known of it. */
+static void give_back(struct mesh *mesh)
+{
+    for (int i = 0; i < TEAM_MOST; i++)
+        if (net_scratch_bytes(mesh->scratch[i]) > MESH_SCRATCH_MOST) {
+            net_scratch_free(mesh->scratch[i]);
+            mesh->scratch[i] = NULL;
+        }
+}
+
 static void take_region(struct mesh *mesh, struct region *r, const struct mesh_listener *listener)
 {
     for (uint32_t z = r->first[2]; z < r->end[2]; z++)
@@ -751,6 +765,7 @@ enum err mesh_update(struct mesh *mesh, const struct border *border, enum mesh_k
         for (size_t b = 0; b < sizeof u.region[i].brick / sizeof *u.region[i].brick; b++)
             free_brick(u.region[i].brick[b]);
     }
+    give_back(mesh);
     memcpy(former.scratch, mesh->scratch, sizeof former.scratch);
     if (err)
         *mesh = former;

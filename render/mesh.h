@@ -82,6 +82,9 @@ struct mesh {
 
 /* A new one is zeroed. */
 void mesh_release(struct mesh *mesh);
+
+/* With what each thread keeps from one update to the next, which is no more than so many bytes. */
+enum { MESH_SCRATCH_MOST = 16 << 20 };
 size_t mesh_bytes(const struct mesh *mesh);
 
 /* After border_update with these changes: each change of its labels is to be told. */

@@ -10,10 +10,11 @@ are given but those of LEFT_OUT; many of them are refused. While a session lasts
 
     nobody else writes to its journal;
     memory is looked at every 40 commands: the median of the last quarter is no more than an eighth
-    above that of the second quarter, and 16 bytes a voxel, for what answers and pictures take once
-    they are asked for, beside what `info` says that seeds, and what can be undone, have taken
-    meanwhile: undo leads as far back as `open`. The same holds of the last session of a kind beside
-    the second one. What can be undone takes less than 10 kB a record. And no file stays open.
+    above that of the second quarter, and 16 bytes a voxel and 32 MB, for what answers, pictures and
+    surfaces take once they are asked for, beside what `info` says that seeds, and what can be
+    undone, have taken meanwhile: undo leads as far back as `open`. The same holds of the last
+    session of a kind beside the second one. What can be undone takes less than 10 kB a record. And
+    no file stays open, nor a helper beyond those of pictures.
 
 In the end
 
@@ -47,7 +48,8 @@ TEMPORARY = os.path.join(FOLDER, "tmp")
 JOURNAL, SIDE, BATCH, WAIT = "soak.iftty", 100, 40, 300
 LONGEST, LONGEST_PILOT = 5000, 1000  # commands of a session
 UNDO_MOST = 10  # kB of what can be undone for a record, half of which are balls and strokes
-ASKED_FOR = 16 * SIDE**3 // 1000  # kB of pictures and answers that may be there or not
+HELPERS_MOST = 2  # one reads and writes pictures, one writes those that are not waited for
+ASKED_FOR = 16 * SIDE**3 // 1000 + 32768  # kB of pictures, answers and surfaces, or none of them
 OPEN = "open synth:geom:%dx%dx%d" % (SIDE, SIDE, SIDE)
 LEFT_OUT = {"open", "interpolate", "pilot", "quit"}  # another scene; Ctrl-O; how sessions end
 rng = random.Random(int(os.environ.get("SEED", "1")))
@@ -210,7 +212,7 @@ def command():
     make = rng.choices([k[1] for k in KINDS], [k[0] for k in KINDS])[0]
     line = make() if make else "remove %s" % place() + rng.choice(
         [" radius=%d" % rng.randrange(8), " radius=%d" % rng.randrange(8), " of=tree", ""])
-    if rng.random() < 0.0005 and is_late():
+    if is_late() and ("labels" not in given or rng.random() < 0.0005):
         line = "labels map.nii least=3000 rest=none erode=1"
     given.add(line.split(" ")[0])
     return line
@@ -262,17 +264,28 @@ def accounted():
 # ---- sessions ----
 
 class Session:
-    """A process, of which `sizes` are how many kB it takes, and `files` how many it has open."""
+    """A process, of which `sizes` are how many kB it takes, `helpers` how many it has, and `files`
+    how many it has open, but pictures that are written while the next commands are answered."""
 
     def __init__(self):
         self.done, self.killed = 0, False
-        self.sizes, self.files = [], []
+        self.sizes, self.files, self.helpers = [], [], []
 
     def note(self, commands):
         self.done += commands
         with open("/proc/%d/status" % self.process.pid, encoding="ascii") as file:
             self.sizes.append(int(re.search(r"VmRSS:\s+(\d+)", file.read()).group(1)))
-        self.files.append(len(os.listdir("/proc/%d/fd" % self.process.pid)))
+        opened = list(self.opened())
+        self.helpers.append(sum(name.startswith("socket:") for name in opened))
+        self.files.append(sum("/.iftty-" not in name for name in opened) - self.helpers[-1])
+
+    def opened(self):
+        folder = "/proc/%d/fd/" % self.process.pid
+        for number in os.listdir(folder):
+            try:
+                yield os.readlink(folder + number)
+            except FileNotFoundError:
+                pass  # closed meanwhile
 
     def kill(self):
         self.killed = True
@@ -502,6 +515,8 @@ def memory_grows():
             grew.append("%d, %s: %d kB to %d" % (i + 1, session.kind, second, last))
         if median(session.files, 4) > median(session.files, 2):
             grew.append("%d, %s: open files" % (i + 1, session.kind))
+        if max(session.helpers) > HELPERS_MOST:
+            grew.append("%d, %s: %d helpers" % (i + 1, session.kind, max(session.helpers)))
         if session.held[1] > UNDO_MOST * session.records:
             grew.append("%d, %s: %d kB for what can be undone of %d records" % (
                 i + 1, session.kind, session.held[1], session.records))

@@ -320,6 +320,28 @@ STORY(any_number_of_threads_makes_the_same_mesh)
     }
 }
 
+/* Noise has as many faces as a scene can have. */
+STORY(a_mesh_keeps_little_of_what_making_it_takes)
+{
+    enum { SIDE = 70, TABLES = 1 << 20 };
+    struct stage s;
+    uint64_t random = 5;
+    size_t bricks = 0;
+    CHECK(stage_init(&s, (uint32_t[]){SIDE, SIDE, SIDE}, 6, NULL) == OK);
+    for (uint32_t v = 0; v < s.scene->grid.voxels; v++)
+        s.scene->cell[grid_cell(&s.scene->grid, v % SIDE, v / SIDE % SIDE, v / SIDE / SIDE)].label =
+            (uint8_t)check_below(&random, 3);
+    border_recount(&s.border);
+    CHECK(mesh_update(&s.mesh, &s.border, MESH_SMOOTH, NULL, NULL, NULL) == OK);
+    for (uint32_t i = 0; i < s.mesh.bricks; i++)
+        if (s.mesh.brick[i])
+            bricks += s.mesh.brick[i]->vertices * sizeof *s.mesh.brick[i]->vertex +
+                      s.mesh.brick[i]->quads * sizeof *s.mesh.brick[i]->quad;
+    CHECK(bricks > MESH_SCRATCH_MOST);
+    CHECK(mesh_bytes(&s.mesh) <= bricks + MESH_SCRATCH_MOST + TABLES);
+    stage_release(&s);
+}
+
 /* ---- updates that fail ---- */
 
 /* A mesh with the same quads, to see later that they are as they were. */
@@ -452,6 +474,7 @@ int main(void)
                        TELL(a_voxel_that_is_repainted_changes_what_is_around_it),
                        TELL(what_was_cut_away_and_is_hidden_now_leaves_an_open_face),
                        TELL(any_number_of_threads_makes_the_same_mesh),
+                       TELL(a_mesh_keeps_little_of_what_making_it_takes),
                        TELL(an_update_without_memory_changes_nothing_and_the_next_is_right),
                        TELL(an_update_that_is_stopped_changes_nothing_and_the_next_is_right),
                        TELL(who_listens_hears_of_every_brick_that_becomes_another));

@@ -1,16 +1,22 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/mem.h"
 
+#include <malloc.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "base/clock.h"
+
 enum {
     HUGE_FROM = 8 << 20,    /* below, clearing a huge page costs more than it saves */
     LARGE_FROM = 256 << 20, /* below, it is not checked whether the machine has the memory */
 };
+
+static const uint64_t GIVEN_BACK_NS = UINT64_C(10000000000); /* from one time to the next */
 
 bool (*mem_allows)(size_t bytes);
 
@@ -100,6 +106,25 @@ void mem_pages_allow(void *pages, size_t bytes, bool allowed)
 void mem_pages_forget(void *pages, size_t bytes)
 {
     madvise(pages, bytes, MADV_DONTNEED);
+}
+
+void mem_begin(void)
+{
+#ifdef __GLIBC__
+    mallopt(M_ARENA_MAX, 1);
+#endif
+}
+
+void mem_give_back(void)
+{
+#ifdef __GLIBC__
+    static _Atomic uint64_t due;
+    const uint64_t now = clock_ns();
+    if (now < atomic_load(&due))
+        return;
+    atomic_store(&due, now + GIVEN_BACK_NS);
+    malloc_trim(0);
+#endif
 }
 
 static size_t limit = SIZE_MAX;

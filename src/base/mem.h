@@ -42,6 +42,14 @@ void mem_pages_allow(void *pages, size_t bytes, bool allowed);
 /* Gives the memory of the first `bytes` back; they are zero when touched again. */
 void mem_pages_forget(void *pages, size_t bytes);
 
+/* Before there are threads: all of them shall take memory from one heap, the only one whose end
+ * glibc gives back. */
+void mem_begin(void);
+
+/* Gives back what has been freed and lies between what is used, where the C library keeps it: at
+ * most once in 10 seconds, which takes some milliseconds. */
+void mem_give_back(void);
+
 /* Bytes of physical memory of this machine that can be had without swapping, as the kernel
  * estimates it; SIZE_MAX where it does not say. No more than a limit leaves. */
 size_t mem_available(void);

@@ -2,6 +2,7 @@
 #include "command/execute.h"
 
 #include "base/clock.h"
+#include "base/mem.h"
 #include "command/act.h"
 #include "command/answers.h"
 #include "command/files.h"
@@ -220,6 +221,7 @@ enum err interpreter_execute(struct interpreter *interp, const char *line, struc
         interp->acknowledged = recorded ? interp->history.records : 0;
     interp->unrecorded += !err && recorded && !interp->journal;
     call_release(&call);
+    mem_give_back();
     return err;
 }
 

@@ -210,3 +210,11 @@ void net_scratch_free(struct net_scratch *scratch)
         free(scratch->store[k].items);
     free(scratch);
 }
+
+size_t net_scratch_bytes(const struct net_scratch *scratch)
+{
+    size_t bytes = 0;
+    for (int k = 0; k < NET_STORES && scratch; k++)
+        bytes += scratch->store[k].bytes;
+    return bytes;
+}

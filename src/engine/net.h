@@ -92,5 +92,6 @@ unsigned net_diagonal(int32_t corner[4][3], unsigned face);
 /* Memory that is kept from one net_make to the next; NULL: no memory. */
 struct net_scratch *net_scratch_new(void);
 void net_scratch_free(struct net_scratch *scratch);
+size_t net_scratch_bytes(const struct net_scratch *scratch); /* of NULL, 0 */
 
 #endif

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/mem.h"
 #include "base/scan.h"
 #include "program/console.h"
 
@@ -388,6 +389,7 @@ int program_main(const struct program_table *table, int count, char **word, stru
 {
     struct fault fault = {0};
     struct buf help = {0};
+    mem_begin();
     console_init(table->called);
     enum err err = program_read(table, count - 1, word + 1, options, &fault);
     const struct program *program = options->program;
