@@ -24,7 +24,7 @@ TEST_PACKAGES := tmux screen procps python3 python3-nibabel python3-pydicom pyth
                  bindfs fuse3 python3-pil python3-fonttools fonts-dejavu-extra \
                  man-db groff-base mandoc zsh fish
 FORMATTER     := clang-format-14
-BARE_PACKAGES := debootstrap
+BARE_PACKAGES := autopkgtest debootstrap
 DEB_PACKAGES  := dpkg-dev debhelper lintian
 OCI_PACKAGES  := umoci crun
 # Of `make static`; for another machine, its compiler and what runs its programs.

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # The packages of `make deb` where they are meant to be: a bare Debian 12, whose apt installs them
 # with what they ask for. There their own test runs (debian/tests/demo), as root and as a user; then
-# they go, and nothing of them is left.
+# they go, and nothing of them is left; and autopkgtest does the first two in its own way.
 #
 #     packages.sh DEBS [FOLDER]   the machine lies in FOLDER, or in build/bare-deb; it is made anew
 #     KEEP=yes                    and is left there afterwards
@@ -70,6 +70,17 @@ LC_ALL=C comm -23 "$work/before" "$work/after" >"$work/lost"
 [ "$(wc -l <"$work/before")" -gt 1000 ] || fail "few files: $(wc -l <"$work/before")"
 there root 'find / -xdev -name "*iftty*" ! -path "/debs/*" ! -path "/proc/*"'
 same "$(cat "$work/out")" ""
+close_story
+
+begin "autopkgtest installs them anew, and runs their test"
+mkdir "$work/tree" && cp -R .package/debian "$work/tree/debian"
+printf 'iftty (%s) unstable; urgency=medium\n\n  * .\n\n -- %s  %s\n' "$(.package/version)" \
+    "$(sed -n 's/^Maintainer: //p' .package/debian/control)" "$(date -u -R)" \
+    >"$work/tree/debian/changelog"
+mount -t proc proc "$root/proc"
+# shellcheck disable=SC2046
+expect 0 autopkgtest -B $(printf "$debs/%s_*.deb " $packages) "$work/tree/" -- chroot "$root"
+out_has "demo                 PASS"
 close_story
 
 finish
