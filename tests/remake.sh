@@ -76,7 +76,8 @@ remake() { # JOURNAL
 examples/scenes.sh "$made/scenes" || exit 1
 IFTTY_SCENES=/usr/share/mricron/templates:$(cd "$made/scenes" && pwd)
 export IFTTY_SCENES
-cp tests/journals/*.nii.gz tests/journals/*.csv tests/journals/*.ctab "$made/tests/journals"
+cp tests/journals/*.nii.gz tests/journals/*.nrrd tests/journals/*.csv tests/journals/*.ctab \
+    "$made/tests/journals"
 journals="$(ls examples/*.iftty) tests/journals/semantics-$present.iftty" status=0
 for journal in $journals; do
     remake "$journal" || status=1

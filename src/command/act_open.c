@@ -179,6 +179,7 @@ static void write_orientation(const struct act *act)
 {
     const struct session *session = act->session;
     struct reply *reply = act->reply;
+    session_tell_sides(&reply->text, "", session);
     if (!semantics_has(session_semantics(session), MEANING_ORIENTATION))
         return;
     const struct choice who = choice_at(ORIENTATIONS, session_geometry(session)->orientation);

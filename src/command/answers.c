@@ -435,6 +435,7 @@ static void write_scene(struct buf *out, const struct session *session)
     buf_add_text(out, ", ");
     act_write_axes(out, geometry);
     buf_printf(out, ", digest %016llx\n", (unsigned long long)session_scene_digest(session));
+    session_tell_sides(out, "          ", session);
     write_part(out, session_part(session));
     buf_printf(out, "values    %g * intensity %+.*g\n", geometry->slope, geometry_digits(geometry),
                geometry->intercept);

@@ -177,6 +177,7 @@ static enum err resume(struct interpreter *interp, const char *path, enum interp
         clear_away(interp, path, told);
     if (!err && told) {
         semantics_tell_lost(told, session_semantics(interp->session));
+        session_tell_sides(told, "", interp->session);
         interpreter_tell_lock(interp, told);
     }
     if (!err && told && interp->is_read_only) {

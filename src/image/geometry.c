@@ -165,6 +165,7 @@ bool geometry_orient(struct geometry *geometry, const char *how)
             spacing_mm[a] = column_length((const double(*)[4])geometry->to_mm, a);
         place_along(geometry, axis, sign, spacing_mm);
         geometry->orientation = ORIENTATION_TOLD;
+        geometry->sides_are_wrong = false;
         return true;
     }
     if ((by_s ? geometry->sform : geometry->qform).code <= 0)

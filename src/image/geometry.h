@@ -54,6 +54,7 @@ struct geometry {
     bool spacing_unknown;    /* the file does not say it along every axis: it is 1 mm then */
     double presumed_mm[3];   /* what geometry_presume takes for it; 0 for the same */
     bool as_boxes;           /* volumes are those of boxes, as before MEANING_SHEAR */
+    bool sides_are_wrong;    /* left for right and front for back, as before MEANING_SIDES */
     enum orientation orientation;
     int8_t world_axis[3]; /* the world axis (0, 1, 2) nearest to each voxel axis; a permutation */
     int8_t world_sign[3]; /* +1 or -1: with or against it */

@@ -34,7 +34,8 @@ struct reading {
     struct nrrd_header *out;
     uint64_t seen; /* a bit for each row of the table */
     double direction[3][3], origin[3], spacing[3];
-    bool is_ras, has_centers;
+    double sign[3]; /* of steps along its space: to the right, the front and the head */
+    bool sides_as_before, has_centers;
 };
 
 static bool has(const struct reading *r, enum name name)
@@ -195,16 +196,31 @@ static bool read_byte_skip(struct reading *r, char *value)
     return true;
 }
 
-/* Of three dimensions all, and two that are the patient's. */
+/* Of three dimensions all, and three that are the patient's. */
 static bool read_space(struct reading *r, char *value)
 {
+    static const struct {
+        const char *names;
+        bool is_of_patient;
+        double sign[3];
+    } row[] = {
+        {"ras|right-anterior-superior", true, {1, 1, 1}},
+        {"lps|left-posterior-superior", true, {-1, -1, 1}},
+        {"las|left-anterior-superior", true, {-1, 1, 1}},
+        {"scanner-xyz|3d-right-handed|3d-left-handed", false, {1, 1, 1}},
+    };
     make_small(value);
-    const int which = choice_find("ras|right-anterior-superior|lps|left-posterior-superior|"
-                                  "scanner-xyz|3d-right-handed|3d-left-handed",
-                                  value);
-    r->is_ras = which == 0 || which == 1;
-    r->out->knows_place = which >= 0 && which <= 3;
-    return which >= 0 && !has(r, SPACE_DIMENSION);
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        if (choice_find(row[i].names, value) < 0)
+            continue;
+        r->out->knows_place = row[i].is_of_patient;
+        memcpy(r->sign, row[i].sign, sizeof r->sign);
+        r->out->sides_are_wrong = r->sides_as_before && r->sign[0] != r->sign[1];
+        for (int w = 0; w < 2 && r->out->sides_are_wrong; w++)
+            r->sign[w] = -r->sign[w];
+        return !has(r, SPACE_DIMENSION);
+    }
+    return false;
 }
 
 static bool has_space(const struct reading *r)
@@ -381,15 +397,13 @@ static bool place_directions(struct reading *r)
         const double length = sqrt(sum), inverse = 1.0 / length;
         if (!(length > 1e-9 && length < 1e9))
             return false;
-        for (int w = 0; w < 3; w++) {
-            const double sign = w < 2 && !r->is_ras ? -1 : 1;
-            out->to_mm[w][a] = out->knows_place ? sign * (inverse * along[w]) * length
+        for (int w = 0; w < 3; w++)
+            out->to_mm[w][a] = out->knows_place ? r->sign[w] * (inverse * along[w]) * length
                                : a == w         ? length
                                                 : 0;
-        }
     }
     for (int w = 0; w < 3; w++) {
-        const double sign = w < 2 && (!r->is_ras || !has(r, ORIGIN)) ? -1 : 1;
+        const double sign = has(r, ORIGIN) ? r->sign[w] : w < 2 ? -1 : 1;
         out->to_mm[w][3] = out->knows_place ? sign * r->origin[w] : 0;
     }
     return true;
@@ -402,7 +416,7 @@ static bool place(struct reading *r)
         out->knows_spacing = true;
         return !has(r, SPACINGS) && !has(r, UNITS) && place_directions(r);
     }
-    out->knows_place = false;
+    out->knows_place = out->sides_are_wrong = false;
     out->knows_spacing = has(r, SPACINGS);
     for (int a = 0; a < 3; a++)
         out->to_mm[a][a] = has(r, SPACINGS) ? r->spacing[a] : 1;
@@ -423,9 +437,9 @@ size_t nrrd_header_length(const char *bytes, size_t length)
     return 0;
 }
 
-bool nrrd_header_read(struct nrrd_header *out, char *bytes, size_t length)
+bool nrrd_header_read(struct nrrd_header *out, char *bytes, size_t length, bool sides_as_before)
 {
-    struct reading r = {.out = out};
+    struct reading r = {.out = out, .sides_as_before = sides_as_before};
     char *at = bytes, *line;
     *out = (struct nrrd_header){.offset = length};
     if (length < 2 || memchr(bytes, '\0', length))

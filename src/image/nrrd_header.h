@@ -9,9 +9,10 @@
  * where voxels lie in other files, are text, are no three spatial axes of numbers; where a field is
  * unknown, comes twice or too early, contradicts another, or has a value that is not plain.
  *
- * Two things are left to it besides. Of left-anterior-superior ITK 5.2 turns the wrong axis. And
- * names of the space that have blanks in them are none of the patient for iftty-volume, which
- * matters nowhere but there.
+ * Of left-anterior-superior ITK 5.2 turns the wrong axis, x to the right where y goes to the back:
+ * iftty-volume puts that right, and this is what it says then. Names of the space that have blanks
+ * in them are none of the patient for iftty-volume, which matters nowhere but there: they are left
+ * to it.
  *
  * From: https://teem.sourceforge.net/nrrd/format.html, and NrrdIO in ITK 5.2.
  */
@@ -37,6 +38,7 @@ struct nrrd_header {
     uint64_t offset;            /* of their first byte in the file */
     double to_mm[3][4];         /* to the world, as far as the header says it: */
     bool knows_spacing, knows_place;
+    bool sides_are_wrong; /* by sides_as_before */
 };
 
 /* How long the header is at the beginning of these bytes, with the empty line that ends it; 0 where
@@ -44,6 +46,6 @@ struct nrrd_header {
 size_t nrrd_header_length(const char *bytes, size_t length);
 
 /* Takes it, of so many bytes, which are changed; false where it is left to ITK. */
-bool nrrd_header_read(struct nrrd_header *out, char *bytes, size_t length);
+bool nrrd_header_read(struct nrrd_header *out, char *bytes, size_t length, bool sides_as_before);
 
 #endif

@@ -34,12 +34,13 @@
  * KIND is a word of the table in volume_helper.c. FLAGS: 1 links in a folder are followed, 2 blank
  * slices take the place of those that are missing, 4 before an error there may be a list of series,
  * in which their files have words, 8 mosaics are one slice, and damaged files of a folder are left
- * out, 16 a file whose voxels lie in others, or may, is refused, and so is one of many data sets.
+ * out, 16 a file whose voxels lie in others, or may, is refused, and so is one of many data sets,
+ * 32 of NRRD in left-anterior-superior x is turned, and y is not.
  * SERIES counts from 1, 0 is for the only one, or for the one of whose description the word is a
  * piece; an answer says its NUMBER. The skip are names of files that are left out, with commas
  * between them. VOLUME counts from 0; the data are the name of a
  * data set, the room a folder that the helper may write into, if any, which the client removes.
- * KNOWN: 1 the spacing, 2 the place.
+ * KNOWN: 1 the spacing, 2 the place, 4 by that flag its sides are wrong.
  * The numbers are doubles of this machine: the three rows of the matrix to the world (right,
  * anterior, superior; millimetres), slope and intercept. Voxels are of the type, in the order of
  * this machine, x fastest.

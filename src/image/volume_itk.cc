@@ -223,6 +223,74 @@ unsigned known_by_nrrd(const std::string &path)
     return known;
 }
 
+/* The numbers of "(1,0,0) none (0,1,0)", without what is none; {} where there are other words. */
+std::vector<double> numbers_of(const std::string &text)
+{
+    std::vector<double> numbers;
+    for (const char *at = text.c_str(); *at;) {
+        char *end;
+        const double number = std::strtod(at, &end);
+        if (std::strchr("(), \t", *at))
+            end = const_cast<char *>(at) + 1;
+        else if (std::strncmp(at, "none", 4) == 0)
+            end = const_cast<char *>(at) + 4;
+        else if (end == at)
+            return {};
+        else
+            numbers.push_back(number);
+        at = end;
+    }
+    return numbers;
+}
+
+/* A column of left-anterior-superior as it is in our world, from where ITK has it: ITK 5.2 turns x
+ * to the right where y is to be turned to the back, and who has put that right turns y. Both are
+ * taken, and the signs are those of the header. False where ITK says anything else, which stays. */
+bool turn_column(Volume &volume, int column, const double *is, bool sides_as_before)
+{
+    const double said[3] = {-is[0], is[1], is[2]};
+    bool is_right = true, is_turned = true;
+    for (int w = 0; w < 3; w++) {
+        const double has = volume.to_mm[w][column], near = 1e-9 * std::fabs(said[w]);
+        is_right = is_right && std::fabs(has - said[w]) <= near;
+        is_turned = is_turned && std::fabs(has - (w < 2 ? -said[w] : said[w])) <= near;
+    }
+    if (!is_right && !is_turned)
+        return false;
+    for (int w = 0; w < 2; w++) {
+        const double sign = sides_as_before ? -said[w] : said[w];
+        volume.to_mm[w][column] = std::copysign(volume.to_mm[w][column], sign);
+    }
+    return true;
+}
+
+/* Of a NRRD in left-anterior-superior that is placed as ITK has it: where it lies. Where ITK has
+ * read other numbers than stand in the header that is not known, and said. */
+void place_las(Volume &volume, itk::ImageIOBase &io, const Request &request)
+{
+    const Header header = header_of("nrrd", request.path);
+    const std::string space = in_small_letters(header.value("space"));
+    if (!(volume.known & ORIENTATION) || (space != "las" && space != "left-anterior-superior"))
+        return;
+    const bool is_old = request.sides_as_before, has_origin = header.field.count("space origin");
+    const std::vector<double> axes = numbers_of(header.value("space directions"));
+    std::vector<double> origin = numbers_of(header.value("space origin"));
+    bool is_sure = axes.size() == 9 && (!has_origin || origin.size() == 3);
+    if (!has_origin) /* as of every space: 0, of which ITK turns none and iftty two */
+        origin = {is_old ? -0.0 : 0.0, is_old ? 0.0 : -0.0, 0};
+    for (int a = 0; a < 3 && is_sure; a++)
+        is_sure = turn_column(volume, a, &axes[3 * static_cast<size_t>(a)], is_old);
+    is_sure = is_sure && turn_column(volume, 3, origin.data(), is_old);
+    if (is_old) {
+        volume.known |= WRONG_SIDES;
+    } else if (!is_sure) {
+        volume.known &= ~ORIENTATION;
+        place(volume, io, World::NONE);
+        note(volume, "its space is left-anterior-superior, and where its voxels lie in it is not "
+                     "certain: sides of the patient are unknown");
+    }
+}
+
 unsigned known_by_meta(const std::string &path)
 {
     const Header header = header_of("meta", path);
@@ -301,6 +369,8 @@ void open_by_itk(Volume &volume, const Request &request, const std::string &name
                    : name == "meta" ? known_by_meta(request.path)
                                     : kind->known;
     describe(volume, io, request, volume.known & ORIENTATION ? kind->world : World::NONE);
+    if (name == "nrrd")
+        place_las(volume, *io, request);
     count_voxels(volume, kind->name, request);
     if (name == "tiff" || name == "png")
         note_resolution(volume, *io);

@@ -34,6 +34,7 @@ struct Request {
     bool is_alone = false;          /* voxels in other files, and data sets, are not read */
     bool lists = false;             /* what files say of their series may be said, to choose by */
     bool is_old = false;            /* mosaics are one slice, and damaged files are left out */
+    bool sides_as_before = false;   /* of NRRD in left-anterior-superior x is turned, and no y */
     uint64_t series = 0;            /* counted from 1; 0: not said */
     std::string wanted;             /* or a piece of its description; "": not said */
     std::string skip;               /* files of a folder that are left out: NAME,NAME; "": none */
@@ -41,7 +42,7 @@ struct Request {
     std::vector<std::string> named; /* the paths of the files that its header names */
 };
 
-enum Known : unsigned { NOTHING = 0, SPACING = 1, ORIENTATION = 2 };
+enum Known : unsigned { NOTHING = 0, SPACING = 1, ORIENTATION = 2, WRONG_SIDES = 4 };
 
 /* A volume before its voxels. `send` sends size[0] * size[1] * size[2] values of the type. */
 struct Volume {

@@ -151,8 +151,9 @@ static enum err naming(const char *path, enum err err, struct fault *fault)
 enum err map_read(struct volume *map, const char *path, const struct map_place *place,
                   struct watch *watch, struct fault *fault)
 {
+    const struct volume_choice first = {.sides_as_before = place->sides_as_before};
     struct volume_reader reader;
-    enum err err = volume_begin(&reader, path, NULL, watch, fault);
+    enum err err = volume_begin(&reader, path, &first, watch, fault);
     if (!err)
         err = choose(&reader, place, fault);
     if (!err)
@@ -161,6 +162,9 @@ enum err map_read(struct volume *map, const char *path, const struct map_place *
     if (!err)
         err = volume_take(map, &reader, fault);
     volume_close(&reader);
+    if (!err && map->geometry.sides_are_wrong)
+        volume_note(map->notes, "left was taken for right, and front for back, in the map: its "
+                                "space is left-anterior-superior");
     return err ? err : naming(path, bring(map, place, watch, fault), fault);
 }
 

@@ -52,6 +52,7 @@ struct map_place {
     const struct map_part *part; /* or NULL: it is the whole */
     bool resample;  /* one that lies elsewhere is taken by its nearest voxels (image/regrid.h) */
     bool as_before; /* semantics below MEANING_PLACES: sizes and axes are all that is compared */
+    bool sides_as_before; /* those below MEANING_SIDES (image/volume_format.h) */
 };
 
 /* volume_read, on the scene's grid: what lies elsewhere is resampled, or refused. Size and place

@@ -141,6 +141,7 @@ static enum err open_file(struct session *session, const char *path,
     struct volume_choice chosen = choice ? *choice : (struct volume_choice){0};
     chosen.by_extremes = !semantics_has(session->semantics, MEANING_LEVELS);
     chosen.folders_as_before = !semantics_has(session->semantics, MEANING_FOLDERS);
+    chosen.sides_as_before = !semantics_has(session->semantics, MEANING_SIDES);
     enum err err = volume_open(&reader, path, &chosen, session->watch, fault);
     if (!semantics_has(session->semantics, MEANING_ORIENTATION))
         reader.header.choice.huge = true; /* which was not asked */

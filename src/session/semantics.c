@@ -64,6 +64,10 @@ static const struct meaning_row {
     [MEANING_SURFACE] = {10, "pictures had other surfaces, letters and colours of labels",
                          "pictures show the surface that is measured and saved",
                          "picture|spin|names"},
+    [MEANING_SIDES] = {11,
+                       "of NRRD in left-anterior-superior left was taken for right, and front for "
+                       "back",
+                       "sides are those that the file names", NULL},
 };
 
 bool semantics_has(unsigned semantics, enum meaning meaning)

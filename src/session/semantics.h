@@ -22,7 +22,7 @@
 #include "engine/forest.h"
 
 /* The number of new journals, and the highest that can be gone on with. */
-enum { SEMANTICS = 10 };
+enum { SEMANTICS = 11 };
 
 /* One row each. */
 enum meaning {
@@ -42,6 +42,7 @@ enum meaning {
     MEANING_SLICE_NUMBERS,
     MEANING_FOLDERS,
     MEANING_SURFACE,
+    MEANING_SIDES,
     MEANINGS
 };
 

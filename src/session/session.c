@@ -193,6 +193,18 @@ const char *session_open_notes(const struct session *session)
     return session->open_notes;
 }
 
+void session_tell_sides(struct buf *out, const char *before, const struct session *session)
+{
+    const struct geometry *geometry = &session->geometry;
+    if (session->has_scene && geometry->sides_are_wrong &&
+        geometry->orientation != ORIENTATION_UNKNOWN)
+        buf_printf(out,
+                   "%ssides are wrong: semantics %u takes left for right and front for back of a "
+                   "NRRD in left-anterior-superior (`iftty log --reseal --accept WHY FILE` puts "
+                   "that right)\n",
+                   before, session->semantics);
+}
+
 uint64_t session_scene_digest(const struct session *session)
 {
     return session->scene_digest;
@@ -310,7 +322,8 @@ struct map_place session_map_place(const struct session *session, bool resample)
                               .geometry = &session->geometry,
                               .part = &session->part,
                               .resample = resample,
-                              .as_before = !semantics_has(session->semantics, MEANING_PLACES)};
+                              .as_before = !semantics_has(session->semantics, MEANING_PLACES),
+                              .sides_as_before = !semantics_has(session->semantics, MEANING_SIDES)};
 }
 
 /* ---- all or nothing ---- */

@@ -98,6 +98,8 @@ session_levels(const struct session *session); /* NULL: intensities are exact */
 const struct map_part *session_part(const struct session *session); /* of its file, or {0} */
 uint32_t session_series(const struct session *session);        /* of a folder, from 1; 0: of none */
 const char *session_open_notes(const struct session *session); /* what the file left open */
+/* A line after `before` where its semantics has the sides of its file wrong. */
+void session_tell_sides(struct buf *out, const char *before, const struct session *session);
 uint64_t session_scene_digest(const struct session *session);
 uint64_t session_weight_digest(const struct session *session);
 const char *session_proof(const struct session *session); /* as it was opened (scene_proof) */

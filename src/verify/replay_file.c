@@ -281,6 +281,7 @@ enum err replay_aloud(struct interpreter *interp, const char *path, const struct
     struct buf text = {0};
     enum err err = replay_file(interp, path, 0, 0, printer, NULL, &report, fault);
     replay_describe(&text, &report, fault);
+    session_tell_sides(&text, "# ", interp->session);
     if (text.length)
         printer->warn(printer->context, buf_text(&text));
     if (!err)

@@ -218,6 +218,7 @@ static void replay_one(const struct verify_options *options, struct verify_resul
                           options->timings ? &timing : NULL, &report, &fault);
     replay_describe(&result->lines, &report, &fault);
     const bool is_told = err && result->lines.length;
+    session_tell_sides(&result->lines, "# ", interp.session);
     if (!err)
         err = judge_whole(options, &interp, &report, &collector, result, &fault);
     if (report.outcome == REPLAY_DIVERGED) {

@@ -2,8 +2,10 @@
 """NRRD files for tests/test_nrrd.sh, by hand: each header twice, with its voxels after it, which
 iftty may read itself, and with them in another file, which ITK reads.
 
-    nrrd.py FOLDER     makes FOLDER/ours/N.nrrd with N.nhdr, which iftty reads itself, and
-                       FOLDER/left/N.nrrd with N.nhdr, which it leaves to ITK
+    nrrd.py FOLDER     makes FOLDER/ours/N.nrrd with N.nhdr, which iftty reads itself,
+                       FOLDER/left/N.nrrd with N.nhdr, which it leaves to ITK, and files in
+                       left-anterior-superior, FOLDER/las/NAME.nrrd with NAME.nhdr, where NAME
+                       says how
 """
 import gzip
 import itertools
@@ -50,17 +52,19 @@ class Maker:
         os.makedirs(folder)
 
     def make(self, *fields, letter="h", name=None, big=False, encoding="raw", endian=True,
-             sizes="5 4 3", end="\n", magic="NRRD0004", first=None, before=b""):
+             sizes="5 4 3", end="\n", magic="NRRD0004", first=None, before=b"",
+             raw=None, called=None):
         """The same fields for both, in their order."""
         self.number += 1
-        path = os.path.join(self.folder, "%d" % self.number)
+        number = called or "%d" % self.number
+        path = os.path.join(self.folder, number)
         head = first if first is not None else [
             "type: " + (name or TYPES[letter][0]), "dimension: 3", "sizes: " + sizes]
         head = [magic] + head + ["encoding: " + encoding]
         if endian:
             head.append("endian: " + ("big" if big else "little"))
         head += fields
-        raw = before + voxels(letter, big)
+        raw = raw or before + voxels(letter, big)
         if encoding.lower() in ("gz", "gzip"):
             raw = gzip.compress(raw, mtime=0)
         elif encoding == "hex":
@@ -69,7 +73,7 @@ class Maker:
             file.write(end.join(head + ["", ""]).encode() + raw)
         with open(path + ".voxels", "wb") as file:
             file.write(raw)
-        head.append("data file: %d.voxels" % self.number)
+        head.append("data file: %s.voxels" % number)
         with open(path + ".nhdr", "wb") as file:
             file.write(end.join(head + ["", ""]).encode())
 
@@ -84,15 +88,16 @@ def make_ours(make):
     for letter in "bB":
         make(letter=letter, endian=False)
     for space, place in itertools.product(
-            ("LPS", "left-posterior-superior", "RAS", "Right-Anterior-Superior", "scanner-xyz",
-             "3D-right-handed", "3D-left-handed", None), (STRAIGHT, TILTED, TURNED, None)):
+            ("LPS", "left-posterior-superior", "RAS", "Right-Anterior-Superior", "LAS",
+             "Left-Anterior-Superior", "scanner-xyz", "3D-right-handed", "3D-left-handed", None),
+            (STRAIGHT, TILTED, TURNED, None)):
         origin = None if place == STRAIGHT else "(-12.5,0,3.0000000000000004)"
         fields = ["space: " + space] if space else ["space dimension: 3"]
         fields += ["space directions: " + place] if place else []
         fields += ["space origin: " + origin] if origin else []
         make(*fields)
     for origin in ("(0,0,0)", "(-0,-0,-0)", "( 1e2 ,\t-2 , 3)", "(1e-300,1e300,7)"):
-        for space in ("RAS", "LPS"):
+        for space in ("RAS", "LPS", "LAS"):
             make("space: " + space, "space directions: " + TILTED, "space origin: " + origin)
     make("space: lps", "space directions: (1e-2,0,0) (0,1E-2,0) (0,0,0.13e+0)")
     make("space: lps", "space directions: (1e-7,0,0) (0,5000,0) (0,0,1)")  # no distances
@@ -114,7 +119,7 @@ def make_ours(make):
 def make_left(make):
     """What ITK reads, what it refuses, and what it takes otherwise than it should."""
     lps = ["space: LPS", "space directions: " + STRAIGHT]
-    for space in ("LAS", "left-anterior-superior", "left posterior superior", "LPST", "ras ", "x"):
+    for space in ("left anterior superior", "left posterior superior", "LPST", "ras ", "x"):
         make("space: " + space, "space directions: " + TILTED)
     for place in ("none none none", "(nan,nan,nan) (0,1,0) (0,0,1)", "(0,0,0) (0,1,0) (0,0,1)",
                   "(1.,0,0) (0,.5,0) (0,0,1)", "(1,0,0) (0,1,0)", "(1x,0,0) (0,1,0) (0,0,1)",
@@ -153,9 +158,36 @@ def make_left(make):
     make("x:=" + "y" * (1 << 20))
 
 
+def make_las(make):
+    """One voxel of 7, the fourth along x, second along y and third along z, and 0 else; and where
+    all lie in left-anterior-superior, said in many ways. `ras` is the same place in another space,
+    and `turned` has its axes the other way, x towards the right."""
+    one = bytes(7 * (i == 3 + 5 * (1 + 4 * 2)) for i in range(COUNT))
+    las, origin = "space: LAS", "space origin: (-12.5,20,3)"
+    straight = "space directions: " + STRAIGHT
+
+    def add(called, *fields, **how):
+        make(*fields, letter="B", raw=one, called=called, **how)
+
+    add("plain", las, straight, origin)
+    add("gzip", "space: left-anterior-superior", straight, origin, encoding="gzip")
+    add("hex", las, straight, origin, encoding="hex")
+    add("dots", las, "space directions: (.9,0.,0) (0,1.1,0)  (0,0,2.5)", origin)
+    add("series", las, straight + " none", origin, "kinds: domain domain domain list",
+        first=["type: uchar", "dimension: 4", "sizes: 5 4 3 1"])
+    add("ras", "space: RAS", "space directions: (-0.9,0,0) (0,1.1,0) (0,0,2.5)",
+        "space origin: (12.5,20,3)")
+    add("turned", "space: RAS", "space directions: (0.9,0,0) (0,1.1,0) (0,0,2.5)",
+        "space origin: (8.9,20,3)")  # 12.5 - 4 * 0.9
+    add("none", las, straight, "space origin: none")
+    add("nan", las, straight, "space origin: (nan,nan,nan)")
+    add("words", las, "space directions: (0.9,0,0) (0,1.1,0) (0,0,2.5x)", origin)
+
+
 def main():
     make_ours(Maker(os.path.join(sys.argv[1], "ours")).make)
     make_left(Maker(os.path.join(sys.argv[1], "left")).make)
+    make_las(Maker(os.path.join(sys.argv[1], "las")).make)
 
 
 if __name__ == "__main__":
