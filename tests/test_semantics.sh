@@ -289,7 +289,7 @@ err_has "1 golden image had a former look: iftty log --reseal --accept WHY FILE 
 same_files j.iftty former
 listing j.golden | cmp -s - listed || fail "golden images were changed"
 expect 1 "$iftty" verify --accept 'one surface' j.iftty
-err_has "iftty log --reseal --accept WHY FILE draws all of its pictures anew"
+err_has "iftty log --reseal --accept WHY FILE brings it to that, with all of its pictures"
 expect 2 env CI=true "$iftty" log --reseal --accept 'one surface' j.iftty
 err_has "refused where CI is set"
 expect 2 "$iftty" log --reseal --accept '' j.iftty

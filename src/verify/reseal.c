@@ -326,7 +326,7 @@ static enum err reseal_bytes(struct resealing *r, const struct buf *bytes, struc
     else if (r->changes_header && !r->takes_results)
         err = fault_set(fault, ERR_CHECK,
                         "it was written with semantics %u, here is %u: iftty log --reseal --accept "
-                        "WHY FILE draws all of its pictures anew; %s",
+                        "WHY FILE brings it to that, with all of its pictures; %s",
                         walk.semantics, (unsigned)SEMANTICS, unchanged);
     record_header(&r->header, SEMANTICS);
     buf_add(&r->out, buf_text(&r->header), r->header.length);
