@@ -47,7 +47,7 @@ void mem_pages_forget(void *pages, size_t bytes);
 void mem_begin(void);
 
 /* Gives back what has been freed and lies between what is used, where the C library keeps it: at
- * most once in 2 seconds, which takes a millisecond or two. */
+ * most once in 10 seconds, which takes some milliseconds. */
 void mem_give_back(void);
 
 /* Bytes of physical memory of this machine that can be had without swapping, as the kernel
