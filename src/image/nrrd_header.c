@@ -27,7 +27,9 @@ enum name {
     FRAME,
     SPACE_UNITS,
     SPACINGS,
-    UNITS
+    UNITS,
+    CENTERS,
+    CENTERINGS
 };
 
 struct reading {
@@ -35,7 +37,7 @@ struct reading {
     uint64_t seen; /* a bit for each row of the table */
     double direction[3][3], origin[3], spacing[3];
     double sign[3]; /* of steps along its space: to the right, the front and the head */
-    bool sides_as_before, has_centers;
+    bool sides_as_before;
 };
 
 static bool has(const struct reading *r, enum name name)
@@ -77,9 +79,9 @@ static bool take_vector(const char **cursor, double out[3])
     return scan_text(cursor, ")");
 }
 
-static bool take_vectors(const char *value, double out[3][3])
+static bool take_vectors(const char *value, int count, double out[][3])
 {
-    for (int a = 0; a < 3; a++)
+    for (int a = 0; a < count; a++)
         if (!take_vector(&value, out[a]))
             return false;
     scan_blanks(&value);
@@ -235,23 +237,19 @@ static bool read_space_dimension(struct reading *r, char *value)
 
 static bool read_directions(struct reading *r, char *value)
 {
-    return has(r, DIMENSION) && has_space(r) && take_vectors(value, r->direction);
+    return has(r, DIMENSION) && has_space(r) && take_vectors(value, 3, r->direction);
 }
 
 static bool read_origin(struct reading *r, char *value)
 {
-    const char *at = value;
-    if (!has_space(r) || !take_vector(&at, r->origin))
-        return false;
-    scan_blanks(&at);
-    return *at == '\0';
+    return has_space(r) && take_vectors(value, 1, &r->origin);
 }
 
 /* Of vectors in voxels, which are none here. */
 static bool read_frame(struct reading *r, char *value)
 {
     double frame[3][3];
-    return has_space(r) && take_vectors(value, frame);
+    return has_space(r) && take_vectors(value, 3, frame);
 }
 
 static bool read_spacings(struct reading *r, char *value)
@@ -273,8 +271,7 @@ static bool read_kinds(struct reading *r, char *value)
 
 static bool read_centers(struct reading *r, char *value)
 {
-    const bool is_second = r->has_centers; /* by its other name */
-    r->has_centers = true;
+    const bool is_second = has(r, CENTERS) || has(r, CENTERINGS); /* its other name */
     return !is_second && has(r, DIMENSION) && are_words(value, "cell|node|none");
 }
 
@@ -306,9 +303,9 @@ static const struct field {
     [SPACE_UNITS] = {"space units", read_space_units},
     [SPACINGS] = {"spacings", read_spacings},
     [UNITS] = {"units", read_quoted},
+    [CENTERS] = {"centers", read_centers},
+    [CENTERINGS] = {"centerings", read_centers},
     {"kinds", read_kinds},
-    {"centers", read_centers},
-    {"centerings", read_centers},
     {"labels", read_quoted},
     {"content", read_any},
     {"number", read_any},
