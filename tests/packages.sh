@@ -74,9 +74,8 @@ close_story
 
 begin "autopkgtest installs them anew, and runs their test"
 mkdir "$work/tree" && cp -R .package/debian "$work/tree/debian"
-printf 'iftty (%s) unstable; urgency=medium\n\n  * .\n\n -- %s  %s\n' "$(.package/version)" \
-    "$(sed -n 's/^Maintainer: //p' .package/debian/control)" "$(date -u -R)" \
-    >"$work/tree/debian/changelog"
+dpkg-deb --fsys-tarfile "$debs"/iftty_*.deb |
+    tar -xO ./usr/share/doc/iftty/changelog.Debian.gz | gunzip >"$work/tree/debian/changelog"
 mount -t proc proc "$root/proc"
 # shellcheck disable=SC2046
 expect 0 autopkgtest -B $(printf "$debs/%s_*.deb " $packages) "$work/tree/" -- chroot "$root"
