@@ -85,6 +85,32 @@ expect 0 "$iftty" compare mixed.nii con.nii
 out_has "0 of 7680 voxels differ"
 close_story
 
+begin "a journal whose scene has its axes the other way is put in the order of the first"
+/usr/bin/python3 -W ignore - <<'END' || fail "nibabel"
+import nibabel, numpy
+a = numpy.asanyarray(nibabel.load("a.nii").dataobj)
+def placed(data, flipped, shift, name):
+    m = numpy.eye(4)
+    if flipped:
+        data, m[0, 0], m[0, 3] = data[::-1], -1, data.shape[0] - 1
+    m[0, 3] += shift
+    nibabel.save(nibabel.Nifti1Image(data, m), name)
+placed(a, False, 0, "here.nii")
+placed(a, True, 0, "turned.nii")
+placed(a, True, 0.3, "off.nii")
+END
+for which in turned off; do
+    printf 'open %s.nii\nlabels %s.nii\nrun\n' $which $which >$which.iftty
+    expect 0 "$iftty" agree here.nii $which.iftty --csv
+    cut -d, -f4- out >journals
+    expect 0 "$iftty" agree here.nii here.nii --csv
+    cut -d, -f4- out >maps
+    same_files journals maps
+done
+expect 0 "$iftty" agree here.nii off.iftty
+err_has "off.iftty: the map is 0.3 mm off the scene's grid"
+close_story
+
 begin "the consensus as a segmentation of 3D Slicer has the names of its labels"
 expect 0 "$iftty" agree a.iftty c.iftty b.nii --save con.seg.nrrd
 for line in 'Segment0_Name:=liver' 'Segment0_LabelValue:=1'; do

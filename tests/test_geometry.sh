@@ -151,6 +151,32 @@ expect 2 "$iftty" -c "open here.nii; weight sobel resample=yes"
 err_has "resample: \`weight sobel\` has none"
 close_story
 
+begin "a map less than half a voxel off is used, and the shift is said in mm"
+expect 0 "$iftty" -c "open here.nii; seed 3,3,3 1; seed 20,16,12 2; run; save labels map.nii
+    save labels same.nii"
+cp map.nii shifted.nii
+put shifted.nii 292 '\315\314\314\076'
+for command in "mask shifted.nii" "seed-file shifted.nii" "weight shifted.nii" \
+    "labels shifted.nii" "mask shifted.nii resample=yes" "seed 3,3,3 1; run; compare shifted.nii"; do
+    expect 0 "$iftty" -c "open here.nii; $command"
+    out_has "the map is 0.4 mm off the scene's grid, less than half a voxel: used voxel for voxel"
+    expect 0 "$iftty" -c "open here.nii; $(echo "$command" | sed 's/shifted/same/')"
+    ! grep -q "off the scene's grid" "$work/out" || fail "$(cat "$work/out")"
+done
+expect 0 "$iftty" -c "open here.nii; labels shifted.nii; save labels saved.nii" \
+    --journal off.iftty
+same_files saved.nii same.nii # at the scene's place, not the map's
+expect 0 "$iftty" verify off.iftty
+expect 0 "$iftty" compare same.nii shifted.nii
+err_has "the map is 0.4 mm off the scene's grid"
+expect 0 "$iftty" agree same.nii shifted.nii
+err_has "the map is 0.4 mm off the scene's grid"
+expect 0 "$iftty" -c "open here.nii crop=2-20,1-18,0-9 reduce=3; labels shifted.nii"
+out_has "the map is 0.4 mm off the scene's grid"
+expect 0 "$iftty" -c "open here.nii crop=2-20,1-18,0-9 reduce=3; labels same.nii"
+! grep -q "off the scene's grid" "$work/out" || fail "$(cat "$work/out")"
+close_story
+
 begin "journals of semantics 4 take a map wherever it lies"
 cat >old.iftty <<'EOF'
 # iftty journal 1 semantics 4

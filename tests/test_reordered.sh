@@ -112,6 +112,7 @@ close_story
 begin "half a voxel away is the same place, more is not, and what is asked for is done"
 expect 0 "$iftty" -c "open cube-scene.nii; seed-file near.nii erode=0"
 out_has "its axes run towards"
+out_has "the map is 0.4 mm off the scene's grid, less than half a voxel"
 expect 3 "$iftty" -c "open cube-scene.nii; seed-file far.nii erode=0"
 err_has "away from the scene, where it is furthest from it; resample=yes takes its nearest voxels"
 expect 0 "$iftty" -c "open cube-scene.nii; seed-file cube-map30.nii erode=0 resample=yes; run

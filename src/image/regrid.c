@@ -69,7 +69,7 @@ bool regrid_find_order(struct regrid_order *order, const uint32_t map_size[3],
         if (!(apart <= least) || (found && apart == least))
             continue;
         *order = tried;
-        least = apart;
+        order->apart_mm = least = apart;
         found = true;
     }
     return found;
@@ -206,6 +206,16 @@ static void take(struct volume *map, uint16_t *intensity, const uint32_t size[3]
     map->geometry.intercept = intercept;
 }
 
+/* Headers round places to a few digits: less than a thousandth of a voxel is no shift. */
+static void note_shift(struct volume *map, double apart_mm, const struct geometry *scene)
+{
+    if (apart_mm > geometry_half_voxel(scene) / 500)
+        volume_note(map->notes,
+                    "the map is %.3g mm off the scene's grid, less than half a voxel: used voxel "
+                    "for voxel; saved maps have the scene's place",
+                    apart_mm);
+}
+
 static enum err resample_map(struct volume *map, uint16_t *out, const uint32_t size[3],
                              const struct geometry *scene, struct watch *watch, struct fault *fault)
 {
@@ -240,6 +250,8 @@ enum err regrid(struct volume *map, const uint32_t size[3], const struct geometr
     if (err)
         return err;
     if (is_the_grid(map->size, &map->geometry, size, scene)) {
+        if (have_places(&map->geometry, scene))
+            note_shift(map, geometry_apart(&map->geometry, scene, size), scene);
         take(map, NULL, size, scene);
         return OK;
     }
@@ -257,6 +269,7 @@ enum err regrid(struct volume *map, const uint32_t size[3], const struct geometr
                     "its axes run towards %s and the scene's towards %s: taken voxel by voxel, in "
                     "the scene's order",
                     is, becomes);
+        note_shift(map, order.apart_mm, scene);
         err = watch_fault(watch, fault);
     } else {
         err = resample_map(map, out, size, scene, watch, fault);

@@ -5,7 +5,8 @@
  *
  * Two grids are the same where they have the same size and no corner voxel lies further apart, in
  * the world, than half of the scene's shortest step. Where one of both does not know its place, a
- * map of the same size and spacing is taken voxel by voxel: there is nothing to compare.
+ * map of the same size and spacing is taken voxel by voxel: there is nothing to compare. A shift of
+ * more than a thousandth of a voxel is noted.
  *
  * Where both know it, a map whose axes are the scene's in another order, or run the other way, is
  * the same grid too: its voxels are put in the scene's order, none is changed. Of several orders
@@ -27,6 +28,7 @@
 struct regrid_order {
     int axis[3];
     bool is_reversed[3];
+    double apart_mm; /* of the grids, in the corner where it is most */
 };
 
 /* In which order the voxels of the map are those of the scene, one by one, where both know their

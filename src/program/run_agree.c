@@ -44,19 +44,58 @@ static bool is_journal(const char *path)
     return interpreter_is_journal(path) || (ending && strcmp(ending, ".iftty") == 0);
 }
 
-/* By the choice of labels, as map_to_labels has it. */
-static void take_labels(struct raters *raters, uint8_t *to, const struct side *side)
+/* What was done to bring a map to the grid of the first. */
+static void warn(const char *path, const char *notes)
 {
-    for (size_t i = 0; i < side->facts->voxels; i++) {
-        const uint16_t as = raters->as[side->labels[i]];
-        to[i] = side->labels[i] && as <= UINT8_MAX ? (uint8_t)as : 0;
+    struct buf text = {0};
+    for (const char *end; *notes; notes = end) {
+        end = notes + strcspn(notes, "\n");
+        end += *end == '\n';
+        buf_add_safe_text(&text, path);
+        buf_add_text(&text, ": ");
+        buf_add(&text, notes, (size_t)(end - notes));
     }
+    console_warn(NULL, buf_text(&text));
+    buf_release(&text);
+}
+
+/* Names of labels: the first journal that names one decides. */
+static void take_names(struct raters *raters, const struct side *side)
+{
     for (unsigned l = 1; l < 256; l++) {
         const uint16_t as = raters->as[l];
         const char *name = side->facts->label_name[l];
         if (as <= UINT8_MAX && !*raters->name_room[as] && *safe_end(name) == '\0')
             memcpy(raters->name_room[as], name, LABEL_NAME_BYTES);
     }
+}
+
+/* The grid is that of the first; the labels of others are brought to it, as a map is. */
+static enum err take_labels(struct raters *raters, unsigned which, struct volume *map,
+                            struct fault *fault)
+{
+    const struct map_labels choice = {raters->as, LABEL_OWN};
+    enum err err = OK;
+    if (which == 0) {
+        raters->geometry = map->geometry;
+        err = grid_init(&raters->grid, map->size, fault);
+    }
+    if (!err)
+        err = map_to_labels(&raters->label[which], map, &choice, console_watch(), fault);
+    return err ? fault_prefix(fault, err, "%s", raters->options->word[which]) : OK;
+}
+
+/* The labels that a journal ends with, as a map on its scene's grid. */
+static enum err make_map(struct volume *map, const struct side *side, struct fault *fault)
+{
+    memcpy(map->size, side->facts->size, sizeof map->size);
+    const enum err err = side_geometry(&map->geometry, side, fault);
+    map->geometry.slope = 1;
+    map->geometry.intercept = 0;
+    map->intensity = err ? NULL : mem_array(side->facts->voxels, sizeof *map->intensity);
+    for (size_t i = 0; map->intensity && i < side->facts->voxels; i++)
+        map->intensity[i] = side->labels[i];
+    return err || map->intensity ? err : fault_memory(fault, "labels");
 }
 
 /* `label`'s room is the caller's to free, as below. */
@@ -67,32 +106,28 @@ static enum err read_journal(struct raters *raters, unsigned which, struct fault
         .begin = begin_one, .context = (void *)(uintptr_t)o, .watch = console_watch()};
     const char *path = o->word[which];
     struct side side = {.facts = NULL};
-    struct geometry geometry;
+    struct volume map = {0};
     struct buf warnings = {0};
     enum err err = side_carry_out(&side, path, &how, NULL, fault);
     if (err)
         goto end;
     side_write_warnings(&warnings, &side, path);
     console_warn(NULL, buf_text(&warnings));
-    err = side_geometry(&geometry, &side, fault);
-    if (!err && which == 0) {
-        raters->geometry = geometry;
-        err = grid_init(&raters->grid, side.facts->size, fault);
-    } else if (!err) {
-        err = regrid_check(side.facts->size, &geometry, raters->grid.size, &raters->geometry, false,
-                           fault);
-    }
-    if (err) {
+    err = make_map(&map, &side, fault);
+    if (!err && which)
+        err =
+            regrid(&map, raters->grid.size, &raters->geometry, o->resample, console_watch(), fault);
+    if (err)
         fault_prefix(fault, err, "%s", path);
-        goto end;
-    }
-    raters->label[which] = mem_new(side.facts->voxels);
-    if (raters->label[which])
-        take_labels(raters, raters->label[which], &side);
     else
-        err = fault_memory(fault, "labels");
+        warn(path, map.notes);
+    if (!err)
+        err = take_labels(raters, which, &map, fault);
+    if (!err)
+        take_names(raters, &side);
 end:
     buf_release(&warnings);
+    volume_release(&map);
     side_release(&side);
     return err;
 }
@@ -103,20 +138,15 @@ static enum err read_map(struct raters *raters, unsigned which, struct fault *fa
     const struct map_place place = {.grid = &raters->grid,
                                     .geometry = &raters->geometry,
                                     .resample = raters->options->resample};
-    const struct map_labels choice = {raters->as, LABEL_OWN};
     struct volume map = {0};
     enum err err = which ? map_read(&map, path, &place, console_watch(), fault)
                          : volume_read(&map, path, NULL, console_watch(), fault);
-    if (!err && !which) {
-        raters->geometry = map.geometry;
-        err = grid_init(&raters->grid, map.size, fault);
-    }
-    if (!err && *map.notes && which)
-        console_warn(NULL, map.notes);
-    if (!err)
-        err = map_to_labels(&raters->label[which], &map, &choice, console_watch(), fault);
     if (err)
         fault_prefix(fault, err, "%s", path);
+    else if (which)
+        warn(path, map.notes);
+    if (!err)
+        err = take_labels(raters, which, &map, fault);
     volume_release(&map);
     return err;
 }
