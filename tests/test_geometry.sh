@@ -157,7 +157,8 @@ expect 0 "$iftty" -c "open here.nii; seed 3,3,3 1; seed 20,16,12 2; run; save la
 cp map.nii shifted.nii
 put shifted.nii 292 '\315\314\314\076'
 for command in "mask shifted.nii" "seed-file shifted.nii" "weight shifted.nii" \
-    "labels shifted.nii" "mask shifted.nii resample=yes" "seed 3,3,3 1; run; compare shifted.nii"; do
+    "labels shifted.nii" "mask shifted.nii resample=yes" \
+    "seed 3,3,3 1; run; compare shifted.nii"; do
     expect 0 "$iftty" -c "open here.nii; $command"
     out_has "the map is 0.4 mm off the scene's grid, less than half a voxel: used voxel for voxel"
     expect 0 "$iftty" -c "open here.nii; $(echo "$command" | sed 's/shifted/same/')"

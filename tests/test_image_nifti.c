@@ -673,7 +673,7 @@ STORY(dimensions_are_checked)
     put(&m, DIM + 8, 2, 2);
     put(&m, DIM + 10, 3, 2);
     m.length += 5 * VOXELS;
-    CHECK_HAS(refusal(&m), "a series of 6 volumes; choose one, as in `open FILE volume=0`, of 0 "
+    CHECK_HAS(refusal(&m), "a series of 6 volumes; choose one, as in --volume 0, of 0 "
                            "to 5");
 }
 

@@ -10,6 +10,7 @@
 #include "base/choice.h"
 #include "base/file.h"
 #include "base/json.h"
+#include "base/scan.h"
 #include "command/table.h"
 #include "verify/replay_file.h"
 
@@ -228,6 +229,7 @@ static enum err apply_all(struct applying *a, struct fault *fault)
     for (size_t i = 0; i < o->scenes && worst != ERR_CANCELLED; i++) {
         struct fault words = {.text = ""};
         a->choice.scene = o->scene[i];
+        a->choice.volume = o->volume ? scan_list_number(o->volume, i) : -1;
         const enum err err = apply_one(a, &words);
         if (err_exit_status(err) > err_exit_status(worst)) {
             worst = err;

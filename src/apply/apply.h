@@ -16,6 +16,7 @@ struct apply_options {
     const char *fit; /* rigid, similarity or affine, of landmarks; NULL: the most that they say */
     const char *out; /* a folder, or NULL for the one that one is in */
     const char *orient;    /* what the scenes' files do not say, or NULL */
+    const char *volume;    /* of each scene, a list, or NULL */
     const char *landmarks; /* of the one subject: a file of lines, or a journal; or NULL */
     bool json;
 };

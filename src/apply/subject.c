@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "apply/subject.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -81,6 +82,9 @@ static enum err open_scene(struct making *m)
     struct buf line = {0};
     buf_add_text(&line, "open ");
     command_write_word(&line, m->choice->scene);
+    if (m->choice->volume >= 0)
+        buf_printf(&line, " volume=%" PRId64, m->choice->volume);
+    m->interp.has_options = true;
     enum err err = execute_buf(m, &line);
     if (!err && m->choice->orient) {
         buf_add_text(&line, "orient ");

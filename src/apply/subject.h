@@ -26,6 +26,7 @@ struct subject_choice {
     const char *scene;  /* the file */
     const char *folder; /* where the journal goes */
     const char *orient; /* what `orient` is to say of it, or NULL */
+    int64_t volume;     /* of the file; -1: none is chosen */
     int plants;
     double depth_mm, gate;
     struct carry_choice carry;

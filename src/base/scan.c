@@ -84,6 +84,18 @@ bool scan_is_list(const char *text, int64_t least, int64_t most)
     return at != text && *at == '\0';
 }
 
+int64_t scan_list_number(const char *list, size_t which)
+{
+    int64_t first, last = 0;
+    for (size_t before = 0; scan_list_range(&list, INT64_MIN, INT64_MAX, &first, &last);) {
+        const uint64_t numbers = (uint64_t)last - (uint64_t)first + 1;
+        if (which - before < numbers)
+            return first + (int64_t)(which - before);
+        before += numbers;
+    }
+    return last;
+}
+
 bool scan_is_hex(const char *text, size_t digits)
 {
     return strspn(text, "0123456789abcdef") == digits && !text[digits];

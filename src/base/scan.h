@@ -37,6 +37,9 @@ bool scan_list_range(const char **cursor, int64_t least, int64_t most, int64_t *
 /* Whether all of a text is such a list. */
 bool scan_is_list(const char *text, int64_t least, int64_t most);
 
+/* Number `which` of such a list, from 0, or where it has fewer, its last. */
+int64_t scan_list_number(const char *list, size_t which);
+
 /* Exactly `digits` lower-case hexadecimal digits. */
 bool scan_hex(const char **cursor, unsigned digits, uint64_t *out);
 bool scan_is_hex(const char *text, size_t digits); /* the text is these and no more */

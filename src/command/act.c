@@ -80,10 +80,20 @@ enum err act_write_report(const struct act *act, const struct buf *text)
     return err;
 }
 
+struct map_place act_map_place(const struct act *act)
+{
+    struct map_place place = session_map_place(act->session, act_is_yes(act, "resample"));
+    place.choice = (struct volume_choice){.has_volume = act_has(act, "volume"),
+                                          .volume = (uint32_t)act_number(act, "volume"),
+                                          .command = act->call->command->name,
+                                          .data = act_text(act, "data")};
+    return place;
+}
+
 enum err act_read_map(const struct act *act, struct volume *map)
 {
     const struct session *session = act->session;
-    const struct map_place place = session_map_place(session, act_is_yes(act, "resample"));
+    const struct map_place place = act_map_place(act);
     struct buf path = {0};
     enum err err = interpreter_find_file(act->interp, act_text(act, "FILE"), &path, act->fault);
     if (!err)

@@ -103,6 +103,9 @@ void act_add_digest(const struct act *act, const char *key, uint64_t digest);
 void act_add_digest_anyway(const struct act *act, const char *key, uint64_t digest);
 void act_add_weights(const struct act *act);
 
+/* Where a map has to be, by `resample`, and which volume of its file is meant. */
+struct map_place act_map_place(const struct act *act);
+
 /* Reads the map FILE, in the place of the scene or, with `resample=yes`, wherever it lies. The
  * caller releases it, also on error. */
 enum err act_read_map(const struct act *act, struct volume *map);

@@ -88,6 +88,7 @@ static enum err choose(struct volume_choice *choice, const char **name, const st
     *name = act_text(act, "FILE");
     *choice = (struct volume_choice){
         .has_volume = act_has(act, "volume"),
+        .command = act->interp->has_options ? NULL : act->call->command->name,
         .volume = (uint32_t)act_number(act, "volume"),
         .reduce = (uint32_t)act_number(act, "reduce"),
         .data = act_text(act, "data"),

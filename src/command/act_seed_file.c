@@ -26,11 +26,11 @@ static enum err read_list(struct seeds *seeds, const struct act *act, const char
     const struct session *session = act->session;
     struct fault *fault = act->fault;
     struct buf text = {0};
-    if (act_has(act, "regions|as|erode|each|generator|resample"))
+    if (act_has(act, "regions|as|erode|each|generator|resample|volume|data"))
         return fault_set(
             fault, ERR_USAGE,
-            "regions, as, erode, each, generator and resample are for label maps, and %s is "
-            "a list; nothing was planted",
+            "regions, as, erode, each, generator, resample, volume and data are for label maps, "
+            "and %s is a list; nothing was planted",
             act_text(act, "FILE"));
     enum err err = file_read(&text, path, LIST_BYTES_MOST, fault);
     if (!err)
@@ -71,7 +71,7 @@ static enum err read_map(struct seeds *seeds, const struct act *act,
     struct buf *out = &act->reply->text;
     struct volume map = {0};
     struct region_tally tally;
-    const struct map_place place = session_map_place(session, act_is_yes(act, "resample"));
+    const struct map_place place = act_map_place(act);
     enum err err = map_read(&map, path, &place, session_watch(session), fault);
     if (!err)
         err = act_naming(act_text(act, "FILE"),

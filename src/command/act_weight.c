@@ -27,7 +27,7 @@ static enum err weigh_by_file(const struct act *act, const char *name)
 {
     struct session *session = act->session;
     struct fault *fault = act->fault;
-    const struct map_place place = session_map_place(session, act_is_yes(act, "resample"));
+    const struct map_place place = act_map_place(act);
     struct volume map = {0};
     struct buf path = {0};
     enum err err = interpreter_find_file(act->interp, name, &path, fault);
@@ -60,8 +60,11 @@ static enum err take_argument(struct weight_choice *choice, const struct act *ac
     for (unsigned i = 0; i < WEIGHT_ARGUMENT_COUNT; i++)
         if (act_has(act, name[i]) && row->takes != i)
             return fault_set(act->fault, ERR_USAGE, "%s: `weight %s` has none", name[i], row->name);
-    if (act_has(act, "resample") && choice->kind != WEIGHT_FILE)
-        return fault_set(act->fault, ERR_USAGE, "resample: `weight %s` has none", row->name);
+    static const char *const of_map[] = {"resample", "volume", "data"};
+    for (unsigned i = 0; i < sizeof of_map / sizeof *of_map; i++)
+        if (act_has(act, of_map[i]) && choice->kind != WEIGHT_FILE)
+            return fault_set(act->fault, ERR_USAGE, "%s: `weight %s` has none", of_map[i],
+                             row->name);
     if (row->takes == WEIGHT_TAKES_NOTHING)
         return OK;
     if (!act_has(act, name[row->takes]) && !row->usual)
@@ -159,9 +162,12 @@ static enum err mask_by_file(const struct act *act)
 enum err act_mask(const struct act *act)
 {
     const bool is_file = act_number(act, "FILE") < 0;
-    if (!is_file && act_has(act, "regions"))
-        return fault_set(act->fault, ERR_USAGE,
-                         "regions: `mask none` has no regions; nothing has changed");
+    static const char *const of_map[] = {"regions", "resample", "volume", "data"};
+    for (unsigned i = 0; i < sizeof of_map / sizeof *of_map; i++)
+        if (!is_file && act_has(act, of_map[i]))
+            return fault_set(act->fault, ERR_USAGE,
+                             "%s: `mask none` has no %s; nothing has changed", of_map[i],
+                             i ? "map" : "regions");
     return add_roi(act, is_file ? mask_by_file(act)
                                 : session_set_mask(act->session, NULL, NULL, NULL, act->fault));
 }

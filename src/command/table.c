@@ -26,7 +26,7 @@
 #define WEIGHT_DETAIL                                                                              \
     "Each gradient gives an edge of height h the weight h. Lengths are in voxels, whatever the "   \
     "spacing.\n" WEIGHT_NOTES "FILE: a map on the scene's grid with the weight of each voxel, "    \
-    "whole numbers 0..65535." RESAMPLE_NOTE
+    "whole numbers 0..65535." MAP_NOTE
 #define OPENING_NOTE                                                                               \
     "series: which one of those that a folder of DICOM holds: its number, from 1, or a piece of "  \
     "its description, as in series=t1_mprage; without it they are listed. The record has the "     \
@@ -56,6 +56,7 @@
     "refused where that is not free."
 
 enum { PLANE_OFFSET_MOST = 1000000 }; /* thousandths of a millimetre */
+enum { VOLUMES_MOST = 65535 };
 
 /* What every row begins with, on one line. */
 #define COMMAND(NAME, ACT, GROUP, FLAGS)        NAME, NULL, NULL, ACT, GROUP, FLAGS
@@ -96,10 +97,14 @@ enum { PLANE_OFFSET_MOST = 1000000 }; /* thousandths of a millimetre */
 #define FINISHED_NOTE LEFT_NOTE " Unless given at a prompt, as `finished` has it."
 
 /* What all that read a map have in common. */
-#define RESAMPLE KEYED("resample", VALUE_CHOICE, .choices = "yes|no")
-#define RESAMPLE_NOTE                                                                              \
+#define OF_MAP                                                                                     \
+    KEYED("resample", VALUE_CHOICE, .choices = "yes|no"),                                          \
+        KEYED("volume", VALUE_NUMBER, .most = VOLUMES_MOST),                                       \
+        KEYED("data", VALUE_WORD, .form = "NAME")
+#define MAP_NOTE                                                                                   \
     "\nresample: yes takes a map that lies elsewhere, or has another size, by its nearest "        \
-    "voxels; without it, one that is off by half a voxel is refused."
+    "voxels; without it, one that is off by more than half a voxel is refused.\n"                  \
+    "volume, data: which one of several, as `open` has them."
 
 /* What those of weights are made of. */
 #define MAY_WEIGH(name, type, low, high)   MAY(name, VALUE_##type, .least = low, .most = high)
@@ -134,7 +139,7 @@ const char *const command_group_name[GROUPS] = {
 static const struct command command_table[] = {
     {CALLED("open", "load|read|import", act_open, GROUP_SCENE, R),
      {NEED("FILE", VALUE_FILE, .is_read = true, .is_scene = true),
-      KEYED("volume", VALUE_NUMBER, .most = 65535),
+      KEYED("volume", VALUE_NUMBER, .most = VOLUMES_MOST),
       KEYED("crop", VALUE_LIST, .most = 65533, .form = "A-B,C-D,E-F"),
       KEYED("reduce", VALUE_NUMBER, .least = 2, .most = REDUCE_MOST),
       KEYED("series", VALUE_WORD, .form = "N|TEXT"), KEYED("data", VALUE_WORD, .form = "NAME"),
@@ -208,7 +213,7 @@ static const struct command command_table[] = {
      "origin 74120d6c3f0cc54e2237dc0bced98ab5 by=world as=labels"},
     {COMMAND("weight", act_weight, GROUP_WEIGHT, R | S | E | C),
      {NEED("FILE", VALUE_FILE, .is_read = true, .choices = WEIGHT_KINDS),
-      WEIGHT_ARGUMENTS(MAY_WEIGH, KEYED_WEIGH), RESAMPLE},
+      WEIGHT_ARGUMENTS(MAY_WEIGH, KEYED_WEIGH), OF_MAP},
      "arc weights: the cost of a step",
      WEIGHT_DETAIL,
      "weight gauss 1.5"},
@@ -222,11 +227,11 @@ static const struct command command_table[] = {
      "polarity 1 50"},
     {CALLED("mask", "roi", act_mask, GROUP_WEIGHT, R | S | E),
      {NEED("FILE", VALUE_FILE, .is_read = true, .choices = "none"),
-      KEYED("regions", VALUE_RANGE, .most = REGION_MOST), RESAMPLE},
+      KEYED("regions", VALUE_RANGE, .most = REGION_MOST), OF_MAP},
      "restrict trees to the voxels of a map",
      "FILE is a volume on the scene's grid. No tree grows where its value is not in `regions`, 1 "
      "and above unless given. With a `range`, both hold. Weights do not depend on "
-     "it." RESAMPLE_NOTE,
+     "it." MAP_NOTE,
      "mask brain.nii.gz regions=1-90"},
     {COMMAND("range", act_range, GROUP_WEIGHT, R | S | E),
      {NEED("LOW", VALUE_REAL, .choices = "none"), PAIRED("HIGH", VALUE_REAL)},
@@ -311,7 +316,7 @@ static const struct command command_table[] = {
       KEYED("regions", VALUE_LIST, .most = REGION_MOST), KEYED("as", VALUE_LIST, .most = 255),
       KEYED("erode", VALUE_NUMBER, .most = 9),
       KEYED("each", VALUE_NUMBER, .least = 1, .most = 100000),
-      KEYED("generator", VALUE_NUMBER, .most = 99999), RESAMPLE},
+      KEYED("generator", VALUE_NUMBER, .most = 99999), OF_MAP},
      "plant the seeds of a .csv list or a label map",
      "A list has lines x,y,z,label: voxel indices, a label's number or name. A label map is a "
      "volume on the scene's grid, whose regions (voxels of one value) become seeds of the label of "
@@ -321,13 +326,13 @@ static const struct command command_table[] = {
      "for atlases whose values are no labels.\n"
      "erode: rounds; each removes the voxels that have a face neighbour outside their region.\n"
      "each: how many seeds are drawn at random from what is left of a region; all unless given.\n"
-     "generator: the number that the drawing starts from; 1 unless given." RESAMPLE_NOTE,
+     "generator: the number that the drawing starts from; 1 unless given." MAP_NOTE,
      "seed-file aal.nii.gz label=1 regions=1-90 erode=2 each=3"},
     {CALLED("labels", "atlas|segmentation", act_labels, GROUP_SEEDS, R | S | E | P),
      {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
       KEYED("as", VALUE_LIST, .most = 255), KEYED("label", VALUE_LABEL, .least = 1, .most = 255),
       KEYED("erode", VALUE_NUMBER, .most = PIECE_ERODE_MOST, .added = true),
-      KEYED("copy", VALUE_WORD, .form = "DIGEST", .added = true), RESAMPLE,
+      KEYED("copy", VALUE_WORD, .form = "DIGEST", .added = true), OF_MAP,
       KEYED("numbers", VALUE_LIST, .least = 1, .most = REGION_MOST, .added = true),
       KEYED("least", VALUE_NUMBER, .least = 1, .most = 1000000),
       KEYED("rest", VALUE_CHOICE, .choices = "background|none")},
@@ -350,7 +355,7 @@ static const struct command command_table[] = {
      "numbers: added likewise: the regions that became labels in rising order.\n"
      "least: pieces of fewer voxels are left out, and go to the trees around them.\n"
      "rest: none plants nothing in what is not chosen, which goes to the trees around "
-     "it." RESAMPLE_NOTE,
+     "it." MAP_NOTE,
      "labels model.nii.gz erode=3"},
     {CALLED("object", "threshold|grow|flood", act_object, GROUP_SEEDS, R | S | E | P),
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("HOW", VALUE_CHOICE, .choices = "threshold"),
@@ -734,7 +739,7 @@ static const struct command command_table[] = {
       KEYED("as", VALUE_LIST, .least = 1, .most = 255),
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255), KEYED("at", VALUE_POSITION),
       KEYED("report", VALUE_FILE), KEYED("picture", VALUE_FILE), KEYED("surface", VALUE_FILE),
-      KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED, RESAMPLE},
+      KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED, OF_MAP},
      "how far the labels agree with a label map",
      "A is the labels here, B the map, on the scene's grid. For each label, and all together:\n"
      "Dice: twice the voxels of both, by those of A and those of B; 1 where they are the same.\n"
@@ -752,7 +757,7 @@ static const struct command command_table[] = {
      "what differs: white for A and B, orange for A alone, blue for B alone, purple for another "
      "label.\n"
      "surface: a picture of A's surface, all objects as one, from where one looks now: red where "
-     "it lies outside B, blue where inside, by the distance to B's." FINISHED_NOTE RESAMPLE_NOTE,
+     "it lies outside B, blue where inside, by the distance to B's." FINISHED_NOTE MAP_NOTE,
      "compare expert.nii.gz picture=difference.png"},
     {COMMAND("pilot", act_pilot, GROUP_QUESTIONS, S),
      {{0}},

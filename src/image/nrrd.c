@@ -45,6 +45,7 @@
 
 #include "base/mem.h"
 #include "engine/grid.h"
+#include "image/nrrd_segments.h"
 #include "image/nrrd_voxels.h"
 #include "image/volume_format.h"
 #include "image/volume_helper.h"
@@ -83,6 +84,19 @@ static bool is_ours(struct nrrd_header *header, struct volume_source *source, bo
     return is;
 }
 
+/* By the helper; of several volumes, with the segments of each. */
+static enum err read_by_helper(struct volume_header *out, struct volume_source *source,
+                               struct fault *fault)
+{
+    size_t length = 0;
+    char *bytes = source->packed ? NULL : first_bytes(source, &length);
+    const enum err err = volume_helper_read_header(out, source, fault);
+    if (!err && bytes && out->volumes > 1)
+        nrrd_segments_tell(out, bytes, length);
+    free(bytes);
+    return err;
+}
+
 static void describe(struct volume_header *out, const struct nrrd_header *header)
 {
     memcpy(out->size, header->size, sizeof out->size);
@@ -115,7 +129,7 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
     if (err)
         return err;
     if (!source->decoder)
-        return volume_helper_read_header(out, source, fault);
+        return read_by_helper(out, source, fault);
     const uint64_t end = header.offset + (header.is_packed ? 1 : nrrd_voxels_bytes(&header));
     if (source->bytes < end)
         return fault_set(fault, ERR_INPUT,

@@ -47,7 +47,7 @@ void voxels_reorder(void *value, size_t count, enum voxel_type type, bool big_en
 
 /* Lines for the user, on what a file leaves open, or holds and is not as it should be; each ends
  * with a line feed. What does not fit any more is left out. */
-enum { VOLUME_NOTES_BYTES = 1536, VOLUME_WORD_BYTES = 33 };
+enum { VOLUME_NOTES_BYTES = 1536, VOLUME_WORD_BYTES = 33, VOLUME_CONTENTS_BYTES = 256 };
 void volume_note(char notes[VOLUME_NOTES_BYTES], const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
@@ -63,7 +63,9 @@ struct buf;
 struct volume_choice {
     bool has_volume; /* of a series, this one, counted from 0: */
     uint32_t volume;
-    bool has_crop; /* of a volume, this part (image/part.h): */
+    const char *command; /* the command by which the user chooses it, for the words of a refusal;
+                            NULL: a program, by its option --volume. Not owned */
+    bool has_crop;       /* of a volume, this part (image/part.h): */
     uint32_t first[3], last[3];
     uint32_t reduce;  /* 0 and 1: voxels as they are */
     bool nearest;     /* reduce: take the middle of each block, for labels */
@@ -111,9 +113,11 @@ struct volume_header {
     char format[VOLUME_WORD_BYTES]; /* "nifti-1" */
     char type_name[VOLUME_WORD_BYTES]; /* of voxels, "int16" */
     bool big_endian;
-    uint32_t volumes;  /* of a series; 1 for a scene */
-    uint32_t series;   /* of DICOM that it is, counted from 1; 0: the format has none */
-    char refusal[160]; /* why its voxels cannot be read; "" where they can: */
+    uint32_t volumes; /* of a series; 1 for a scene */
+    uint32_t series;  /* of DICOM that it is, counted from 1; 0: the format has none */
+    char contents[VOLUME_CONTENTS_BYTES]; /* "the segments liver (1)" of the volume that is chosen;
+                          where none is, a list of all volumes; "" where the file does not say */
+    char refusal[160];                    /* why its voxels cannot be read; "" where they can: */
     enum voxel_type type;
     uint64_t offset; /* bytes before the voxels, of all volumes */
     uint64_t bytes;  /* of the file on disk; 2^64 - 1 where its voxels lie in others */

@@ -5,6 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/scan.h"
 #include "command/command.h"
 #include "command/files.h"
 #include "command/resume.h"
@@ -83,6 +84,14 @@ enum err begin_check(const struct options *o, const char **first, bool *resumes,
         return fault_set(fault, ERR_USAGE, "%s is a journal itself and goes on in its own file",
                          name);
     return OK;
+}
+
+struct volume_choice begin_volume(const struct options *o, size_t which)
+{
+    struct volume_choice choice = {.has_volume = o->volume != NULL};
+    if (o->volume)
+        choice.volume = (uint32_t)scan_list_number(o->volume, which);
+    return choice;
 }
 
 void begin_journal_name(struct buf *journal, const char *first)

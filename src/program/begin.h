@@ -5,6 +5,7 @@
 #define PROGRAM_BEGIN_H
 
 #include "command/interpreter.h"
+#include "image/volume_format.h"
 #include "program/program.h"
 
 /* With the scene, folder and journal of the options. Lines about a journal that is resumed go to
@@ -20,6 +21,9 @@ void begin_to_wait(struct interpreter *interp);
  * is resumed then. ERR_USAGE, ERR_INPUT and ERR_IO for options that do not go with it. */
 enum err begin_check(const struct options *o, const char **first, bool *resumes,
                      struct fault *fault);
+
+/* The volume of a file of the command line, by its number there from 0, as --volume has it. */
+struct volume_choice begin_volume(const struct options *o, size_t which);
 
 /* NAME-N.iftty for the first N that is free here: where a session records that begins with `first`,
  * or with NULL, and was given no journal. */

@@ -72,7 +72,7 @@ struct options {
     const char *commands, *journal, *scene, *out;
     const char *junit, *html, *accept, *with, *export, *picture, *surface;
     const char *expect, *lock, *sign, *allowed_signers, *revoked, *signed_at, *shard;
-    const char *regions, *as, *by, *save, *pages, *fit, *landmarks, *orient, *procedure;
+    const char *volume, *regions, *as, *by, *save, *pages, *fit, *landmarks, *orient, *procedure;
     const char *limit_memory, *limit_time, *limit_output;
     size_t processes, from, until; /* 0: not given */
     struct graphics_wish graphics; /* {0}: the terminal decides */

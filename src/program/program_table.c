@@ -54,6 +54,7 @@ enum {
     BY_WHAT,
     SAVE,
     HISTOGRAM,
+    VOLUME,
     PICTURE,
     CURVES,
     SLICES,
@@ -211,6 +212,10 @@ static const struct option option[] = {
               "a report as a page with the pictures of each failure, written anew", TEXT(html)},
     [JSON] = {"--json", NULL, "print JSON", FLAG(json)},
     [HISTOGRAM] = {"--histogram", NULL, "of a scene, whose voxels are read too", FLAG(histogram)},
+    [VOLUME] = {"--volume", "N[,N]",
+                "of files that hold several volumes take this one, counted from 0; of several "
+                "files one number each, the last for all that follow",
+                LIST(volume, 0, 65535)},
     [PICTURE] = {"--picture", "FILE.png",
                  "draw both renditions, and where they differ, side by side", TEXT(picture)},
     [CURVES] = {"--picture", "FILE.png", "draw Dice over the gestures of both", TEXT(picture)},
@@ -436,7 +441,7 @@ static const struct program program[] = {
      .words = "PROCEDURE SCENE...",
      .least = 2,
      .most = FILES_MOST,
-     .option = {BY, PLANT_AS, APPLY_OUT, LANDMARKS_OF, FIT, ORIENT, PROCEDURE_SCENE, JSON,
+     .option = {BY, PLANT_AS, VOLUME, APPLY_OUT, LANDMARKS_OF, FIT, ORIENT, PROCEDURE_SCENE, JSON,
                 LIMIT_OPTIONS},
      .summary = "carry a procedure to other scenes",
      .detail =
@@ -448,7 +453,7 @@ static const struct program program[] = {
      .run = run_apply},
     {.name = "compare",
      TWO("A B"),
-     .option = {REGIONS, AS, BINARY, RESAMPLE, JSON, CSV, SLICES, SLICES_SCENE, SURFACE},
+     .option = {VOLUME, REGIONS, AS, BINARY, RESAMPLE, JSON, CSV, SLICES, SLICES_SCENE, SURFACE},
      .summary = "how far two label maps agree",
      .detail = "For each label, and all together: overlap (Dice, Jaccard), volumes, and distances "
                "between the two objects and their surfaces, as the command `compare` prints them. "
@@ -458,7 +463,8 @@ static const struct program program[] = {
      .words = "A B...",
      .least = 2,
      .most = RATERS_MOST,
-     .option = {BY_WHAT, SAVE, REGIONS_OF_RATERS, AS, RESAMPLE_RATERS, JSON, CSV, LIMIT_OPTIONS},
+     .option = {BY_WHAT, SAVE, VOLUME, REGIONS_OF_RATERS, AS, RESAMPLE_RATERS, JSON, CSV,
+                LIMIT_OPTIONS},
      .summary = "how far several raters agree",
      .detail = "The consensus of label maps, or of journals by the labels that they end with; and "
                "for each label how far each rater is from it: Dice, sensitivity, specificity, "
@@ -544,7 +550,7 @@ static const struct program program[] = {
      .run = run_show},
     {.name = "info",
      AT_MOST_1("[FILE]"),
-     .option = {JSON, HISTOGRAM},
+     .option = {JSON, HISTOGRAM, VOLUME},
      .summary = "what a picture, scene, journal or iftty is",
      .detail = "Without FILE: the version, and how the kernel confines `replay` and `verify`.",
      .run = run_info},

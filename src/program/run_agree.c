@@ -137,10 +137,11 @@ static enum err read_map(struct raters *raters, unsigned which, struct fault *fa
     const char *path = raters->options->word[which];
     const struct map_place place = {.grid = &raters->grid,
                                     .geometry = &raters->geometry,
+                                    .choice = begin_volume(raters->options, which),
                                     .resample = raters->options->resample};
     struct volume map = {0};
     enum err err = which ? map_read(&map, path, &place, console_watch(), fault)
-                         : volume_read(&map, path, NULL, console_watch(), fault);
+                         : volume_read(&map, path, &place.choice, console_watch(), fault);
     if (err)
         fault_prefix(fault, err, "%s", path);
     else if (which)

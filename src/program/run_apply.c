@@ -30,6 +30,7 @@ enum err run_apply(const struct options *o, struct fault *fault)
                                       .fit = o->fit,
                                       .out = o->out,
                                       .orient = o->orient,
+                                      .volume = o->volume,
                                       .landmarks = o->landmarks,
                                       .json = o->json};
     console_handle_interrupts();

@@ -9,6 +9,7 @@
 
 #include "base/mem.h"
 #include "image/image_helper.h"
+#include "program/begin.h"
 #include "program/console.h"
 #include "program/programs.h"
 #include "render/decoration.h"
@@ -46,6 +47,7 @@ static enum err read_map(struct pair *pair, int side, struct fault *fault)
 {
     const struct map_place place = {.grid = &pair->grid,
                                     .geometry = &pair->geometry,
+                                    .choice = begin_volume(pair->options, (size_t)side),
                                     .resample = side > 0 && pair->options->resample};
     struct volume map = {0};
     enum err err = map_read(&map, pair->options->word[side], &place, console_watch(), fault);
@@ -60,8 +62,9 @@ static enum err read_map(struct pair *pair, int side, struct fault *fault)
 /* A, which says what the grid is. */
 static enum err read_first(struct pair *pair, struct fault *fault)
 {
+    const struct volume_choice choice = begin_volume(pair->options, 0);
     struct volume map = {0};
-    enum err err = volume_read(&map, pair->options->word[0], NULL, console_watch(), fault);
+    enum err err = volume_read(&map, pair->options->word[0], &choice, console_watch(), fault);
     if (!err)
         err = grid_init(&pair->grid, map.size, fault);
     pair->geometry = map.geometry;
@@ -79,7 +82,8 @@ static enum err open_scene(struct pair *pair, struct fault *fault)
     if (err)
         return err;
     session_set_watch(pair->session, console_watch());
-    err = session_open(pair->session, o->scene ? o->scene : o->word[0], NULL, fault);
+    const struct volume_choice choice = begin_volume(o, o->scene ? 2 : 0);
+    err = session_open(pair->session, o->scene ? o->scene : o->word[0], &choice, fault);
     if (err)
         return err;
     struct state next = *session_state(pair->session);

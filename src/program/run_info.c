@@ -21,6 +21,7 @@
 #include "image/image_helper.h"
 #include "image/volume.h"
 #include "journal/journal.h"
+#include "program/begin.h"
 #include "program/console.h"
 #include "program/programs.h"
 #include "show/export_picture.h"
@@ -36,6 +37,7 @@ struct facts {
     struct json json;
     bool is_json;
     unsigned lines;
+    struct volume_choice volume; /* of several, the one that is read */
     bool wants_histogram, has_histogram;
     struct histogram histogram; /* for lines; it comes after them */
 };
@@ -281,7 +283,8 @@ static enum err add_scene(struct facts *f, const char *path, struct fault *fault
     struct volume_reader reader;
     struct volume volume = {0};
     struct buf series = {0}; /* of a folder with several: which there are */
-    const struct volume_choice choice = {.list = f->is_json ? NULL : &series};
+    struct volume_choice choice = f->volume;
+    choice.list = f->is_json ? NULL : &series;
     char towards[4];
     enum err err = volume_begin(&reader, path, &choice, NULL, fault);
     const struct volume_header facts = reader.header;
@@ -289,7 +292,7 @@ static enum err add_scene(struct facts *f, const char *path, struct fault *fault
     fputs(buf_text(&series), stdout);
     buf_release(&series);
     if (!err && f->wants_histogram) {
-        err = volume_read(&volume, path, NULL, console_watch(), fault);
+        err = volume_read(&volume, path, &f->volume, console_watch(), fault);
         console_erase_progress();
     }
     if (err)
@@ -384,8 +387,11 @@ static void add_program(struct facts *f)
 enum err run_info(const struct options *o, struct fault *fault)
 {
     struct buf text = {0};
-    struct facts facts = {
-        .out = &text, .json = {.out = &text}, .is_json = o->json, .wants_histogram = o->histogram};
+    struct facts facts = {.out = &text,
+                          .json = {.out = &text},
+                          .is_json = o->json,
+                          .wants_histogram = o->histogram,
+                          .volume = begin_volume(o, 0)};
     enum err err = OK;
     if (o->json)
         json_object(&facts.json, NULL);

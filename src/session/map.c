@@ -2,6 +2,7 @@
 #include "session/map.h"
 
 #include <endian.h>
+#include <inttypes.h>
 #include <math.h>
 #include <nettle/sha2.h>
 #include <stdlib.h>
@@ -98,7 +99,8 @@ static enum err choose(struct volume_reader *reader, const struct map_place *pla
     const uint32_t *size = place->grid->size;
     const bool is_shifted = place->resample && geometry_has_place(&header->geometry) &&
                             geometry_has_place(place->geometry); /* then all of it is needed */
-    struct volume_choice choice = {.nearest = true, .by_extremes = true, .whole_are_exact = true};
+    struct volume_choice choice = place->choice;
+    choice.nearest = choice.by_extremes = choice.whole_are_exact = true;
     struct regrid_order order;
     enum err err = OK;
     if (part && !is_shifted && same_size(size, part->size) &&
@@ -151,8 +153,9 @@ static enum err naming(const char *path, enum err err, struct fault *fault)
 enum err map_read(struct volume *map, const char *path, const struct map_place *place,
                   struct watch *watch, struct fault *fault)
 {
-    const struct volume_choice first = {.sides_as_before = place->sides_as_before};
+    struct volume_choice first = place->choice;
     struct volume_reader reader;
+    first.sides_as_before = place->sides_as_before;
     enum err err = volume_begin(&reader, path, &first, watch, fault);
     if (!err)
         err = choose(&reader, place, fault);
@@ -162,6 +165,9 @@ enum err map_read(struct volume *map, const char *path, const struct map_place *
     if (!err)
         err = volume_take(map, &reader, fault);
     volume_close(&reader);
+    if (!err && *reader.header.contents)
+        volume_note(map->notes, "volume %" PRIu32 " of %" PRIu32 ": %s", place->choice.volume,
+                    reader.header.volumes, reader.header.contents);
     if (!err && map->geometry.sides_are_wrong)
         volume_note(map->notes, "left was taken for right, and front for back, in the map: its "
                                 "space is left-anterior-superior");
