@@ -144,14 +144,8 @@ static enum err survey(struct walk *walk, const struct buf *bytes,
     if (!err && !walk->is_journal)
         err = fault_set(fault, ERR_INPUT,
                         "it has no header: this is a script, not a journal; run it instead");
-    else if (!err && !resume->any_semantics && walk->semantics > resume->semantics)
-        err = fault_set(fault, ERR_INPUT,
-                        "its commands have the meaning of version %u, and this program knows "
-                        "those up to version %u; continue it in a newer one, or run it as a "
-                        "script into a new journal",
-                        walk->semantics, resume->semantics);
     if (!err && walk->semantics && resume->on_semantics)
-        resume->on_semantics(resume->context, walk->semantics);
+        err = resume->on_semantics(resume->context, walk->semantics, fault);
     while (!err && walk_next_sound(walk, &record) == WALK_RECORD)
         if (resume->on_sight)
             resume->on_sight(resume->context, &record);
@@ -257,8 +251,7 @@ enum err journal_repair(const char *path, unsigned semantics, struct buf *notice
                         struct fault *fault)
 {
     struct journal *journal;
-    const struct journal_resume how = {
-        .semantics = semantics, .any_semantics = true, .cuts_damage = true};
+    const struct journal_resume how = {.semantics = semantics, .cuts_damage = true};
     enum err err = journal_open(&journal, path, &how, notice, fault);
     if (err)
         return err;

@@ -40,12 +40,10 @@ enum err journal_create(struct journal **journal, const char *path, unsigned sem
                         struct fault *fault);
 
 struct journal_resume {
-    unsigned semantics; /* the highest that is known: a journal of a higher one is refused. One of
-                           a lower one keeps its own; a file without a header gets this one */
-    bool any_semantics; /* none is refused: for repair, where nothing is carried out */
-    /* Called with the number of the header before any record; not for a file without one. NULL
-     * calls nobody. */
-    void (*on_semantics)(void *context, unsigned semantics);
+    unsigned semantics; /* of a file without a header */
+    /* Called with the number of the header before any record; not for a file without one. An error
+     * ends the opening with that error. NULL calls nobody, and any number is taken. */
+    enum err (*on_semantics)(void *context, unsigned semantics, struct fault *fault);
     /* Called for every sound record in order while the file is looked through, before anything is
      * carried out or changed. NULL calls nobody. */
     void (*on_sight)(void *context, const struct record *record);

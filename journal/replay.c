@@ -49,19 +49,15 @@ static enum err diverge(const struct record *record, const char *words,
                      SHOWN_MAX, buf_text(&report->expected), SHOWN_MAX, record->command);
 }
 
-static enum err compare(const struct record *record, const struct replay_host *host,
-                        const char *words, struct replay_report *report, struct fault *fault)
+static enum err compare(const struct record *record, const char *words,
+                        struct replay_report *report, struct fault *fault)
 {
     const char *at = record->result, *end = at + strlen(at);
     struct record_word expected, actual;
     while (record_word_next(&at, end, &expected)) {
-        const bool is_same = record_word_is_among(words, &expected, &actual);
-        const bool is_lost = !actual.value && host->is_lost &&
-                             host->is_lost(host->context, expected.key, expected.key_length);
-        if (!is_same && !is_lost)
+        if (!record_word_is_among(words, &expected, &actual))
             return diverge(record, words, &expected, &actual, report, fault);
-        report->lost_words += is_lost;
-        report->digests += is_same && record_word_is_digest(&expected);
+        report->digests += record_word_is_digest(&expected);
     }
     if (record_lacks_digest(record->result, words) && !report->bare++) {
         report->bare_number = record->number;
@@ -90,7 +86,7 @@ enum err replay_record(const struct record *record, const struct replay_host *ho
         if (fault)
             *fault = why;
     } else if (record->has_result) {
-        err = compare(record, host, buf_text(&words), report, fault);
+        err = compare(record, buf_text(&words), report, fault);
         report->compared += err == OK;
     }
     report->executed += err == OK;
@@ -99,12 +95,8 @@ enum err replay_record(const struct record *record, const struct replay_host *ho
 }
 
 /* Adds to the words of a failure what may explain it. */
-static enum err explain(enum err err, const struct replay_report *report,
-                        const struct replay_options *options, struct fault *fault)
+static enum err explain(enum err err, const struct replay_report *report, struct fault *fault)
 {
-    if (err && options->semantics && report->semantics > options->semantics)
-        fault_prefix(fault, err, "written with semantics %u, which this program does not know",
-                     report->semantics);
     if (report->is_intact)
         return err;
     if (err)
@@ -133,8 +125,12 @@ enum err replay_begin(struct replay *r, const char *bytes, size_t length,
     report->is_journal = r->walk.is_journal;
     report->semantics = r->walk.semantics;
     if (host->begin && r->walk.semantics)
-        host->begin(host->context, r->walk.semantics);
-    return OK;
+        err = host->begin(host->context, r->walk.semantics, fault);
+    if (err) {
+        report->outcome = REPLAY_UNREADABLE;
+        walk_release(&r->walk);
+    }
+    return err;
 }
 
 /* Whether it is as it was written; the first that is not is noted. */
@@ -184,7 +180,7 @@ enum err replay_end(struct replay *r, enum err err, struct fault *fault)
             stop_at(report, REPLAY_UNREADABLE, &r->walk.place);
         err = walk_judge(&r->walk, fault);
     }
-    err = explain(err, report, r->options, fault);
+    err = explain(err, report, fault);
     walk_release(&r->walk);
     return err;
 }

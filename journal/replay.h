@@ -26,25 +26,21 @@ struct replay_host {
     enum err (*execute)(void *context, const char *command, struct buf *words, struct fault *fault);
     /* Called before each record is carried out; NULL calls nobody. */
     void (*on_record)(void *context, const struct record *record);
-    /* Called by replay_run before the first command, with the number of a journal's header. NULL
+    /* Called by replay_begin with the number of a journal's header. An error ends the replay. NULL
      * calls nobody. */
-    void (*begin)(void *context, unsigned semantics);
-    /* Whether the word of this key has a meaning that cannot be had any more: where a command does
-     * not give it, it is counted as not compared. NULL: none has. */
-    bool (*is_lost)(void *context, const char *key, size_t length);
+    enum err (*begin)(void *context, unsigned semantics, struct fault *fault);
 };
 
 struct replay_options {
-    unsigned semantics; /* the highest that is known; a failure names a higher one. 0: no matter */
-    size_t first;       /* records before it are carried out, and neither compared nor judged */
-    size_t last;        /* stop after this record; 0: go to the end */
+    size_t first; /* records before it are carried out, and neither compared nor judged */
+    size_t last;  /* stop after this record; 0: go to the end */
 };
 
 enum replay_outcome {
     REPLAY_SAME,     /* every recorded word was reproduced */
     REPLAY_DIVERGED, /* a word differs or is missing: number, line, command, word, both values */
     REPLAY_FAILED,   /* a command that worked then fails now: number, line, command, actual = why */
-    REPLAY_UNREADABLE /* the bytes are damaged: number, line */
+    REPLAY_UNREADABLE /* the bytes are damaged: number, line; or the semantics are not known */
 };
 
 struct replay_report {
@@ -54,7 +50,6 @@ struct replay_report {
     size_t executed;    /* commands carried out, and given what is recorded */
     size_t compared;    /* those among them with a result to compare with */
     size_t digests;     /* of their words, the digests that are the same */
-    size_t lost_words;  /* of their words, those that could not be compared */
     size_t bare;        /* of those carried out, the ones that record no digest though the command
                            gives one: nothing says that it is the same */
     size_t bare_number; /* the first of them, and its line */
@@ -98,7 +93,8 @@ struct replay {
     struct replay_report *report;
 };
 
-/* `report` begins as {0}. ERR_INPUT, ERR_MEMORY: then there is nothing to end. */
+/* `report` begins as {0}. ERR_INPUT, ERR_MEMORY, those of the host's begin: then there is nothing
+ * to end. */
 enum err replay_begin(struct replay *replay, const char *bytes, size_t length,
                       const struct replay_host *host, const struct replay_options *options,
                       struct replay_report *report, struct fault *fault);

@@ -155,7 +155,7 @@ begin "what does not lie on the grid of the first is refused, or resampled"
 expect 3 "$iftty" agree a.nii wide.nii
 err_has "wide.nii"
 printf 'open synth:geom:30x20x16\nseed 1,1,1 1\nrun\n' >wide.txt
-{ echo '# iftty journal 1 semantics 9'; } >none.iftty
+echo '# iftty journal 1 semantics 12' >none.iftty
 cp wide.txt wide.iftty
 expect 3 "$iftty" agree a.nii wide.iftty
 err_has "wide.iftty: "

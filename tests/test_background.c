@@ -116,18 +116,6 @@ STORY(each_word_is_a_background_and_info_prints_it)
     interpreter_release(&interp);
 }
 
-/* Journals of every semantics have the present look. */
-STORY(journals_made_before_have_the_background_of_all)
-{
-    struct interpreter interp;
-    begin_interpreter(&interp);
-    session_take_semantics(interp.session, 5);
-    must(&interp, "open synth:geom:40x40x20");
-    CHECK_INT(interp.session->now.outlook.background, BACKGROUND_GRADIENT);
-    has_background(&interp, "background black", BACKGROUND_PLAIN);
-    interpreter_release(&interp);
-}
-
 static struct picture read_back(struct interpreter *interp, const char *name)
 {
     struct picture p = {0};
@@ -243,7 +231,6 @@ int main(void)
         TELL(what_is_covered_whole_or_not_at_all_is_exact), TELL(light_adds_up_and_not_its_code),
         TELL(a_gradient_runs_from_the_top_to_a_darker_bottom), TELL(what_is_clear_stays_as_it_is),
         TELL(each_word_is_a_background_and_info_prints_it),
-        TELL(journals_made_before_have_the_background_of_all),
         TELL(files_and_the_screen_show_the_same), TELL(a_clear_picture_has_its_alpha),
         TELL(an_exr_holds_the_objects_alone_whatever_is_behind),
         TELL(the_pane_of_a_mosaic_has_it_too));

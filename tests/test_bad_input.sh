@@ -387,7 +387,7 @@ printf '# iftty journal 2 semantics 1\n' >f.iftty
 refused 3 "f.iftty" "$iftty" run - --journal f.iftty </dev/null
 refused 3 "format" "$iftty" replay f.iftty
 printf '# iftty journal 1 semantics 999\n' >f.iftty
-refused 3 "version 999" "$iftty" run - --journal f.iftty </dev/null
+refused 3 "it has semantics 999, and this program knows" "$iftty" run - --journal f.iftty </dev/null
 printf '# iftty journal one\n' >f.iftty
 refused 3 "f.iftty" "$iftty" run - --journal f.iftty </dev/null
 printf 'open good.nii\n' >f.iftty

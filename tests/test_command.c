@@ -1223,12 +1223,6 @@ STORY(a_seed_that_is_erased_before_a_run_waits_no_more)
     is_refused(&interp, "remove 5,5,5", "seeds wait for `run`");
     must(&interp, "remove 4,4,4 of=tree");
     interpreter_release(&interp);
-    begin_with_scene(&interp);
-    interp.session->semantics = 3; /* a journal of its time may have this */
-    must(&interp, "seed 4,4,4 1");
-    must(&interp, "remove 4,4,4");
-    must(&interp, "remove 4,4,4");
-    interpreter_release(&interp);
 }
 
 STORY(seeds_come_out_of_files)
@@ -1430,7 +1424,7 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"opacity 2 0", NULL},
         {"clip none", NULL},
         {"label 1 heart #ff0000", NULL},
-        {"shade depth", only_looks},
+        {"shade cubes", only_looks},
         {"render", NULL},
         {"light 20 40.5", only_looks},
         {"cue 60", only_looks},
@@ -1440,7 +1434,7 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"background #405060", only_looks},
         {"context mip", only_looks},
         {"render", NULL},
-        {"shade scene", only_looks},
+        {"shade surface", only_looks},
         {"render mode=sp", NULL},
         {"render @/p.exr", "p.exr"},
         {"render @/p.png", "p.png"},
@@ -2263,7 +2257,7 @@ STORY(pictures_without_memory_leave_everything_as_it_was)
         {"samples 2", NULL},
         {"background white", NULL},
         {"decorate all", NULL},
-        {"shade scene", NULL},
+        {"shade surface", NULL},
         {"mosaic @/small.png", NULL},
         {"render", NULL},
     };

@@ -398,14 +398,6 @@ STORY(slabs_are_counted_as_slices_are)
     CHECK_HAS(buf_text(&reply.text), "all but sagittal slices 0-1");
     CHECK(execute(&interp, "clip sagittal 0-40") == ERR_INPUT);
     CHECK_HAS(fault.text, "there are sagittal slices 0-39, right to left, not 40");
-    interp.session->semantics = 8;
-    CHECK(execute(&interp, "clip sagittal 0-40") == ERR_INPUT);
-    CHECK_HAS(fault.text, "there are sagittal slices 0-39, left to right, not 40");
-    must(&interp, "clip sagittal 0-1");
-    CHECK(is_shown(&interp, 39, 5, 5) && is_shown(&interp, 38, 5, 5) &&
-          !is_shown(&interp, 37, 5, 5));
-    must(&interp, "info");
-    CHECK_HAS(buf_text(&reply.text), "all but sagittal slices 0-1");
     must(&interp, "clip none");
     must(&interp, "info");
     CHECK(!strstr(buf_text(&reply.text), "cut away"));

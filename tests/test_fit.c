@@ -203,24 +203,6 @@ STORY(fit_is_recorded_as_what_it_comes_to)
     interpreter_release(&interp);
 }
 
-STORY(in_journals_made_before_it_is_the_whole_scene)
-{
-    struct interpreter interp;
-    begin_interpreter(&interp);
-    session_take_semantics(interp.session, 5);
-    must(&interp, "open synth:geom:60x50x40");
-    must(&interp, "seed 12,12,10 1 radius=4");
-    must(&interp, "run");
-    must(&interp, "pan 5 5");
-    must(&interp, "zoom fit");
-    const struct view *view = &interp.session->now.outlook.view;
-    CHECK_TEXT(buf_text(&reply.canonical), "zoom fit");
-    CHECK_INT(view->zoom, view_fitting_zoom(interp.session->scene, view->width, view->height, 1));
-    for (int a = 0; a < 3; a++)
-        CHECK_INT(view->focus[a], 0);
-    interpreter_release(&interp);
-}
-
 /* ---- turntables ---- */
 
 static bool same_picture(const char *a, const char *b)
@@ -314,7 +296,6 @@ int main(void)
     int status = RUN_STORIES(
         TELL(what_is_shown_fills_the_picture_from_everywhere),
         TELL(where_nothing_is_shown_the_scene_fits), TELL(fit_is_recorded_as_what_it_comes_to),
-        TELL(in_journals_made_before_it_is_the_whole_scene),
         TELL(a_turntable_turns_about_one_axis_after_the_other), TELL(axes_are_each_named_once),
         TELL(a_turntable_that_fits_fits_all_its_pictures));
     reply_release(&reply);

@@ -178,14 +178,4 @@ expect 0 "$iftty" -c "open here.nii crop=2-20,1-18,0-9 reduce=3; labels same.nii
 ! grep -q "off the scene's grid" "$work/out" || fail "$(cat "$work/out")"
 close_story
 
-begin "journals of semantics 4 take a map wherever it lies"
-cat >old.iftty <<'EOF'
-# iftty journal 1 semantics 4
-EOF
-expect 0 "$iftty" -c "open here.nii; mask far.nii" --journal old.iftty
-expect 0 "$iftty" verify old.iftty
-sed '1s/4/5/' old.iftty >new.iftty
-expect 3 "$iftty" replay new.iftty
-close_story
-
 finish

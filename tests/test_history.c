@@ -212,10 +212,6 @@ STORY(looking_back_moves_no_branch)
     CHECK_INT(forest_seeds(interp.session->forest), 2);
     CHECK(interp.session->scene->cell[grid_cell(&interp.session->scene->grid, 3, 3, 3)].flags &
           CELL_SEED);
-    interp.session->semantics = 3; /* whose meaning was another */
-    must(&interp, "goto 5");
-    must(&interp, "goto main");
-    CHECK_INT(forest_seeds(interp.session->forest), 1);
     interpreter_release(&interp);
 }
 

@@ -579,9 +579,8 @@ STORY(odd_distances_of_voxels)
     CHECK(v.geometry.spacing_unknown);
     CHECK_HAS(v.notes, "pixdim[1] is -1.5, which is no distance of voxels\n");
     CHECK_HAS(v.notes, "pixdim[2] is 0, which");
-    geometry_presume(&v.geometry);
-    CHECK_INT(v.geometry.spacing_nm[0], 1500000);
-    CHECK_INT(v.geometry.spacing_nm[1], 1000000);
+    for (int a = 0; a < 3; a++)
+        CHECK_INT(v.geometry.spacing_nm[a], 1000000);
     volume_release(&v);
     static const float bad[] = {NAN, INFINITY, 1e30f, 4001.0f, 1e-7f};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {

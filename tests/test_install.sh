@@ -55,20 +55,6 @@ for file in "$doc/SECURITY.md" "$doc/README.md" "$tree/share/man/man1/iftty.1"; 
 done
 close_story
 
-begin "a journal of a build before 1.0 gets the present meaning as PROMISES.md says"
-mkdir "$work/old"
-cp tests/journals/scene.nii.gz tests/journals/waiting.csv tests/journals/names.ctab "$work/old"
-cp tests/journals/semantics-9.iftty "$work/old/old.iftty"
-cp -R tests/journals/semantics-9.golden "$work/old/old.golden"
-sed -n 's/^    iftty /iftty /p' "$doc/PROMISES.md" >"$work/typed"
-same "$(wc -l <"$work/typed")" 3
-PATH=$tree/bin:$PATH expect_in "$work/old" 0 sh -e "$work/typed" </dev/null
-out_has "golden images of a former look not compared"
-out_has "9 golden images accepted"
-[ "$(grep -c '^# 1 verified, 0 failed' "$work/out")" = 2 ] || fail "$(cat "$work/out")"
-[ -f "$work/old/old.iftty.before-1" ] || fail "the former journal is gone"
-close_story
-
 programs=$("$iftty" --help | sed -n 's/^    iftty \([a-z][a-z]*\)\( .*\)\{0,1\}$/\1/p' | sort -u)
 begin "every program has a page, and each page is set without a warning"
 [ "$(printf '%s\n' "$programs" | wc -l)" -gt 10 ] || fail "programs: $programs"

@@ -294,18 +294,24 @@ static enum err refuse_second(void *context, const struct record *record, struct
     return record->number == 2 ? fault_set(fault, ERR_CHECK, "it diverges") : OK;
 }
 
+static enum err refuse_two(void *context, unsigned semantics, struct fault *fault)
+{
+    (void)context;
+    return semantics == 2 ? fault_set(fault, ERR_INPUT, "semantics 2") : OK;
+}
+
 STORY(what_is_no_journal_of_ours_is_refused_untouched)
 {
     struct journal *journal;
     struct fault fault;
     const char *path = place("other.iftty");
-    const struct journal_resume resume = {.semantics = 1};
+    const struct journal_resume resume = {.semantics = 1, .on_semantics = refuse_two};
     static const struct {
         const char *text, *words;
     } c[] = {
         {"seed 1,2,3 1\n", "this is a script"},
         {"# iftty journal 9 semantics 1\n", "format 9"},
-        {"# iftty journal 1 semantics 2\n", "version 2"},
+        {"# iftty journal 1 semantics 2\n", "semantics 2"},
         {"# iftty journal one\n", "malformed"},
     };
     for (size_t i = 0; i < sizeof c / sizeof c[0]; i++) {

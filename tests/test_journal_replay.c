@@ -69,7 +69,7 @@ static enum err replay(const struct buf *bytes, struct adder adder, struct repla
                        struct fault *fault)
 {
     const struct replay_host host = {.context = &adder, .execute = add};
-    const struct replay_options options = {.semantics = 3};
+    const struct replay_options options = {0};
     *report = (struct replay_report){.outcome = REPLAY_SAME};
     *fault = (struct fault){.text = ""};
     return replay_run(bytes->data, bytes->length, &host, &options, report, fault);
@@ -255,7 +255,13 @@ STORY(a_script_is_carried_out_and_compared_with_nothing)
     buf_release(&script);
 }
 
-STORY(a_replay_may_stop_early_and_tells_other_semantics)
+static enum err refuse_three(void *context, unsigned semantics, struct fault *fault)
+{
+    (void)context;
+    return semantics == 3 ? fault_set(fault, ERR_INPUT, "semantics 3") : OK;
+}
+
+STORY(a_replay_may_stop_early_and_a_host_may_refuse_semantics)
 {
     struct buf bytes = {0};
     struct adder adder = {.is_wrong_from_third = true};
@@ -263,16 +269,19 @@ STORY(a_replay_may_stop_early_and_tells_other_semantics)
     struct replay_report report = {.outcome = REPLAY_SAME};
     struct fault fault;
     make_journal(&bytes);
-    const struct replay_options two = {.semantics = 3, .last = 2};
+    const struct replay_options two = {.last = 2};
     CHECK(replay_run(bytes.data, bytes.length, &host, &two, &report, NULL) == OK);
     CHECK_INT(report.executed, 2);
     CHECK_INT(adder.count, 2);
     replay_report_release(&report);
     report = (struct replay_report){.outcome = REPLAY_SAME};
     adder = (struct adder){.is_wrong_from_third = true};
-    const struct replay_options older = {.semantics = 2};
-    CHECK(replay_run(bytes.data, bytes.length, &host, &older, &report, &fault) == ERR_CHECK);
-    CHECK_HAS(fault.text, "written with semantics 3, which this program does not know: record 3 ");
+    const struct replay_host strict = {.context = &adder, .execute = add, .begin = refuse_three};
+    const struct replay_options all = {0};
+    CHECK(replay_run(bytes.data, bytes.length, &strict, &all, &report, &fault) == ERR_INPUT);
+    CHECK_TEXT(fault.text, "semantics 3");
+    CHECK_INT(report.outcome, REPLAY_UNREADABLE);
+    CHECK_INT(adder.count, 0);
     replay_report_release(&report);
     buf_release(&bytes);
 }
@@ -489,7 +498,7 @@ int main(void)
         TELL(a_command_added_by_hand_is_an_edit),
         TELL(torn_and_unreadable_journals_are_replayed_as_far_as_they_go),
         TELL(a_script_is_carried_out_and_compared_with_nothing),
-        TELL(a_replay_may_stop_early_and_tells_other_semantics),
+        TELL(a_replay_may_stop_early_and_a_host_may_refuse_semantics),
         TELL(hostile_commands_are_harmless_in_messages), TELL(equal_pictures_are_the_same),
         TELL(every_plane_of_every_pixel_is_compared), TELL(the_first_difference_is_told_in_words),
         TELL(depths_are_compared_as_bits), TELL(another_size_or_a_missing_plane_is_told),

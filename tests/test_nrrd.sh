@@ -12,11 +12,10 @@ mkdir "$work/alone"
 cp "$iftty" "$work/alone/iftty" # which has no helpers
 alone=$work/alone/iftty
 
-# told PROGRAM FILE [SEMANTICS]: all that it says of it, with the digest of the scene and the place
-# of a map, into $work/told; by a journal of that number
+# told PROGRAM FILE: all that it says of it, with the digest of the scene and the place of a map,
+# into $work/told
 told() {
     rm -f "$work"/map.* "$work/j.iftty"
-    [ $# -lt 3 ] || echo "# iftty journal 1 semantics $3" >"$work/j.iftty"
     {
         "$1" info "$2"
         "$1" -c "open $2; info; save labels $work/map.nrrd empty=yes; save labels $work/map.nii \
@@ -91,45 +90,6 @@ for file in las/plain.nrrd las/hex.nhdr; do
     out_has "centre 1.0,1.0,2.0 at 9.8,21.1,8.0 mm"
     expect 0 "$iftty" -c "open $file; labels las/turned.nrrd; run; stats"
     out_has "centre 1.0,1.0,2.0 at 11.6,21.1,8.0 mm"
-done
-close_story
-
-begin "in journals of semantics 10 it lies as then, with and without ITK, and they say so"
-for file in ours/*.nrrd; do
-    grep -qia '^space: l.*a.*s' "$file" || continue
-    told "$iftty" "${file%.nrrd}.nhdr" 10
-    mv "$work/told" "$work/itk"
-    told "$alone" "$file" 10
-    cmp -s "$work/itk" "$work/told" || fail "$file: $(diff "$work/itk" "$work/told")"
-done
-for file in las/plain.nrrd las/plain.nhdr las/none.nhdr; do
-    rm -f "$work/map.nrrd"
-    echo "# iftty journal 1 semantics 10" >"$work/j.iftty"
-    expect 0 "$iftty" -c "open $file; info; save labels $work/map.nrrd empty=yes" \
-        --journal "$work/j.iftty"
-    out_has "axes towards RPS,"
-    same "$(grep -c "sides are wrong: semantics 10 takes left for right" "$work/out")" 2
-    grep -aqF "space directions: (-0.9,0,0) (0,1.1,0) (0,0,2.5)" "$work/map.nrrd" ||
-        fail "$(grep -a '^space' "$work/map.nrrd")"
-    ! grep -q "sides" "$work/j.iftty" || fail "it is recorded"
-    expect 0 "$iftty" -c info --journal "$work/j.iftty"
-    err_has "sides are wrong"
-    expect 0 "$iftty" verify "$work/j.iftty"
-    out_has "# sides are wrong"
-    rm -rf "$work/saved"
-    expect 0 "$iftty" replay "$work/j.iftty" --out "$work/saved"
-    err_has "# sides are wrong"
-    expect 0 "$iftty" log --reseal --accept 'sides' "$work/j.iftty"
-    expect 0 "$iftty" verify "$work/j.iftty"
-    ! grep -q "sides are wrong" "$work/out" || fail "$(cat "$work/out")"
-done
-for map in las/plain.nrrd las/hex.nhdr; do # maps, too
-    echo "# iftty journal 1 semantics 10" >"$work/j.iftty"
-    expect 3 "$iftty" -c "open las/ras.nrrd; weight $map" --journal "$work/j.iftty"
-    echo "# iftty journal 1 semantics 10" >"$work/j.iftty"
-    expect 0 "$iftty" -c "open las/ras.nrrd; weight $map resample=yes" --journal "$work/j.iftty"
-    out_has "left was taken for right, and front for back, in the map"
-    expect 0 "$iftty" verify "$work/j.iftty"
 done
 close_story
 

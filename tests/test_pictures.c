@@ -146,28 +146,6 @@ STORY(a_picture_says_which_labels_it_shows)
     interpreter_release(&interp);
 }
 
-/* And so has a journal of former semantics, whose look is gone. */
-STORY(pictures_of_journals_made_before_say_what_others_do)
-{
-    struct interpreter interp;
-    struct picture p;
-    begin_interpreter(&interp);
-    session_take_semantics(interp.session, 5);
-    must(&interp, "open synth:geom:40x40x20");
-    must(&interp, "seed 20,20,10 1 radius=3");
-    must(&interp, "size 90 70");
-    must(&interp, "view 30 20 10");
-    must(&interp, "render before.exr");
-    CHECK_INT(exr_read(&p, "before.exr", NULL), OK);
-    CHECK(p.is_associated && p.depth_mm);
-    CHECK_TEXT(picture_find(&p, "iftty:look"),
-               "shade surface, light -25 30, cue 30, edges off, samples 1, background gradient, "
-               "decorate none, context none");
-    CHECK(picture_find(&p, "iftty:labels") && picture_find(&p, "iftty:view"));
-    picture_release(&p);
-    interpreter_release(&interp);
-}
-
 /* ---- where it was seen from ---- */
 
 static void by_matrix(double out[3], const double point[3], const float matrix[4][4])
@@ -419,7 +397,7 @@ STORY(files_of_a_turntable_are_those_that_turning_writes)
                {"opacity 1 40", "png"},       {"samples 4", "exr"},
                {"decorate letters", "exr"},   {"edges off", "exr"},
                {"context mip", "exr"},        {"context none", "exr"},
-               {"samples 1", "exr"},          {"shade depth", "png"},
+               {"samples 1", "exr"},          {"shade cubes", "png"},
                {"cut 0,0,0 20,20,10", "exr"}, {"shade cubes", "png"},
                {"opacity 1 100", "png"}};
     struct interpreter interp;
@@ -691,9 +669,7 @@ int main(void)
     int status = RUN_STORIES(
         TELL(an_exr_in_tiles_holds_what_one_in_lines_holds),
         TELL(normals_are_unit_vectors_that_face_the_viewer), TELL(a_picture_says_what_it_is_of),
-        TELL(a_picture_says_which_labels_it_shows),
-        TELL(pictures_of_journals_made_before_say_what_others_do),
-        TELL(matrices_lead_from_the_world_to_the_pixel),
+        TELL(a_picture_says_which_labels_it_shows), TELL(matrices_lead_from_the_world_to_the_pixel),
         TELL(an_exr_has_a_camera_that_is_a_rotation),
         TELL(a_png_says_how_large_it_is_and_what_its_colours_are),
         TELL(normals_of_an_oblique_scene_are_turned_with_it),

@@ -78,7 +78,6 @@ static void add_command(struct buf *out, const struct command *c)
             buf_printf(out, "%s optional\n", buf_text(&of));
         buf_add_text(&of, " may be ");
         add_choices(out, buf_text(&of), p->choices);
-        add_choices(out, buf_text(&of), p->former);
     }
     out->failed |= of.failed;
     buf_release(&of);

@@ -177,15 +177,6 @@ done
 [ $((3 * bad)) -gt "$count" ] || fail "$bad of $count were refused"
 close_story
 
-begin "a journal of before has mosaics and damaged files as they were"
-for words in "mosaic missing=blank 78,66,1" "damaged series=2 missing=blank 26,22,14"; do
-    echo "# iftty journal 1 semantics 8" >j.iftty
-    expect 0 "$iftty" -c "open ${words% *}; seed 3,3,0 1; run" --journal j.iftty
-    grep -q "size=${words##* } " j.iftty || fail "$(cat j.iftty)"
-    expect 0 "$iftty" verify j.iftty
-done
-close_story
-
 cd "$work" || exit 1
 . "$top/tests/tmux.sh"
 begin_terminal

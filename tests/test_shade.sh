@@ -31,11 +31,11 @@ shade surface ao=60 creases=yes
 info
 golden both
 shade surface ao=60
-shade scene
+shade surface
 opacity all 50
-shade scene ao=60
+shade surface ao=60
 golden through
-shade scene
+shade surface
 golden clear
 END
 
@@ -73,7 +73,7 @@ begin "a journal with them verifies, for any number of threads, and resumes"
 for threads in 1 2 5; do
     IFTTY_THREADS=$threads expect 0 "$iftty" verify a.iftty
 done
-printf 'info\nshade scene ao=7\ninfo\n' >more # a word of former journals
+printf 'info\nshade surface ao=7\ninfo\n' >more
 expect 0 "$iftty" run more --journal a.iftty
 out_has "look      shade surface, light"
 out_has "look      shade surface ao=7, light"

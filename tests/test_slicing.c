@@ -197,14 +197,6 @@ STORY(slices_have_the_numbers_of_their_voxels)
             CHECK_INT(cross[axis], 2 + p);
             snprintf(words, sizeof words, "%s %d", plane[p], 2 + p);
             CHECK_HAS(buf_text(&reply.text), words);
-            interp.session->semantics = 8; /* from the feet, the back and the patient's left */
-            const uint32_t last = slice_count(interp.session->scene, (enum slice_plane)p) - 1;
-            must(&interp, line);
-            CHECK_INT(cross[axis], interp.session->scene->world_sign[axis] < 0
-                                       ? last - 2 - (uint32_t)p
-                                       : 2 + (uint32_t)p);
-            CHECK_HAS(buf_text(&reply.text), words);
-            interp.session->semantics = SEMANTICS;
         }
         interpreter_release(&interp);
     }

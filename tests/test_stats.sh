@@ -169,15 +169,4 @@ for asks in 'pick 32 32' 'hint 1' 'zoom fit'; do
 done
 close_story
 
-begin "slices of a journal of semantics 8 leave edits waiting, as they did"
-printf '# iftty journal 1 semantics 8\n' >old.iftty
-expect 0 "$iftty" -c 'open scene.nii; seed 7,12,10 1; slice axial 10; mosaic
-    info' \
-    --journal old.iftty
-out_has "0 seeds, 1 edit waiting"
-expect 0 "$iftty" -c stats --journal old.iftty # a question is asked now
-out_has "the edit that waited is applied"
-expect 0 "$iftty" verify old.iftty
-close_story
-
 finish

@@ -397,34 +397,6 @@ STORY(a_label_may_be_called_by_several_words)
     interpreter_release(&interp);
 }
 
-STORY(an_older_journal_has_single_quotes_as_letters)
-{
-    begin_with_journal(&interp, "older.iftty");
-    interp.session->semantics = 3;
-    is_refused(&interp, "label 1 'left hemi'",
-               "COLOUR: expected #rrggbb, six hexadecimal digits, not hemi'");
-    must(&interp, "save labels 'old.nii replace=yes");
-    is_recorded_as("save labels \"'old.nii\" replace=yes"); /* which means the same in all */
-    interpreter_release(&interp);
-}
-
-STORY(an_older_journal_counts_what_waits_as_it_did)
-{
-    begin_with_journal(&interp, "counts.iftty");
-    must(&interp, "seed 1,1,1 1 radius=3 to=11,7,5");
-    const size_t once = session_pendings(interp.session);
-    must(&interp, "run");
-    const size_t planted = seeds();
-    CHECK_INT(planted, once);
-    must(&interp, "undo 2");
-    interp.session->semantics = 3;
-    must(&interp, "seed 1,1,1 1 radius=3 to=11,7,5");
-    CHECK(session_pendings(interp.session) > once);
-    must(&interp, "run");
-    CHECK_INT(seeds(), planted);
-    interpreter_release(&interp);
-}
-
 /* ---- sketches ---- */
 
 static size_t allowed;
@@ -546,8 +518,6 @@ int main(void)
         TELL(an_outline_says_what_lies_on_both_sides_of_a_border),
         TELL(the_ring_of_an_outline_cuts_no_other_object),
         TELL(an_outline_takes_the_place_of_a_marker), TELL(a_label_may_be_called_by_several_words),
-        TELL(an_older_journal_has_single_quotes_as_letters),
-        TELL(an_older_journal_counts_what_waits_as_it_did),
         TELL(a_sketch_is_as_if_it_had_never_been),
         TELL(a_sketch_without_memory_is_taken_back_in_the_end),
         TELL(what_waits_runs_with_the_next_edit_and_not_by_going_there));

@@ -114,22 +114,6 @@ expect 0 "$iftty" compare --json all.nii all.nii
 grep -q '"shear_degrees": 15' "$work/out" || fail "$(cat "$work/out")"
 close_story
 
-begin "a journal of a time when volumes were products of spacings has them still"
-cat >script <<'END'
-open leans
-box 0,0,0 51,59,33 1 range=0..9999
-box 0,0,0 51,59,33 0 range=-9999..-1
-run
-stats
-END
-printf '# iftty journal 1 semantics 8\n' >old.iftty
-expect 0 "$iftty" run script --journal old.iftty
-out_has "14757 voxels, 21.3 ml"
-expect 0 "$iftty" verify old.iftty
-expect 0 "$iftty" run script
-out_has "14757 voxels, 20.5 ml"
-close_story
-
 begin "straightened, the ball lies where it did, with its volume; the journal verifies"
 for scene in leans steep leans.nii steep.nii; do
     level=0

@@ -7,7 +7,6 @@
 #include "base/safe.h"
 #include "command/files.h"
 #include "session/map.h"
-#include "session/semantics.h"
 #include "show/draw.h"
 
 enum err act_naming(const char *file, enum err err, struct fault *fault)
@@ -147,12 +146,6 @@ enum err act_take_shown(const struct act *act, struct labels *labels)
 /* ---- digests ---- */
 
 void act_add_digest(const struct act *act, const char *key, uint64_t digest)
-{
-    if (!semantics_lost(session_semantics(act->session), key, strlen(key)))
-        act_add_digest_anyway(act, key, digest);
-}
-
-void act_add_digest_anyway(const struct act *act, const char *key, uint64_t digest)
 {
     buf_add_blank(&act->reply->words);
     buf_printf(&act->reply->words, "%s=%016llx", key, (unsigned long long)digest);

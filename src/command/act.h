@@ -97,10 +97,8 @@ enum err act_take_labels(const struct act *act, struct labels *labels);
 /* The same for a picture: where `finished=` is not given, as `finished on|off` has it. */
 enum err act_take_shown(const struct act *act, struct labels *labels);
 
-/* Adds "KEY=DIGEST" to the words of the record, unless that word is lost under the semantics of the
- * session (session/semantics.h), or although it is; and that of the weights. */
+/* Adds "KEY=DIGEST" to the words of the record; and that of the weights. */
 void act_add_digest(const struct act *act, const char *key, uint64_t digest);
-void act_add_digest_anyway(const struct act *act, const char *key, uint64_t digest);
 void act_add_weights(const struct act *act);
 
 /* Where a map has to be, by `resample`, and which volume of its file is meant. */

@@ -17,7 +17,6 @@
 #include "report/label_report.h"
 #include "session/map.h"
 #include "session/numbering.h"
-#include "session/semantics.h"
 #include "session/session.h"
 #include "session/tally.h"
 
@@ -102,8 +101,7 @@ static void write_forest(const struct act *act)
     buf_printf(out, "%zu border voxel%s; forest %016llx, labels %016llx\n",
                border_count(session_border(session)), plural(border_count(session_border(session))),
                (unsigned long long)forest_digest(session_forest(session)),
-               (unsigned long long)semantics_label_digest(session_semantics(session),
-                                                          session_forest(session)));
+               (unsigned long long)forest_label_digest(session_forest(session)));
 }
 
 static enum err answer(const struct act *act, const struct label_stats *stats,

@@ -12,7 +12,6 @@
 #include "journal/journal.h"
 #include "journal/record.h"
 #include "show/export_picture.h"
-#include "session/semantics.h"
 #include "show/draw.h"
 
 /* ---- comparing ---- */
@@ -48,7 +47,7 @@ static enum err compare_pictures(const struct picture *expected, const struct pi
     if (!err && !difference->is_same) {
         golden_describe(&words, difference);
         err = fault_set(fault, ERR_CHECK, "golden image %s: %s", name, buf_text(&words));
-    } else if (!err && semantics_has(session_semantics(interp->session), MEANING_SURFACE)) {
+    } else if (!err) {
         err = golden_compare_notes(expected, actual, !interp->scene_path, fault);
         if (err)
             fault_prefix(fault, err, "golden image %s", name);
@@ -58,7 +57,7 @@ static enum err compare_pictures(const struct picture *expected, const struct pi
 }
 
 static enum err compare_golden(struct interpreter *interp, const char *name, const char *path,
-                               struct picture *actual, bool is_former, struct fault *fault)
+                               struct picture *actual, struct fault *fault)
 {
     const struct golden_judge *judge = interp->judge;
     struct picture expected = {0};
@@ -67,16 +66,12 @@ static enum err compare_golden(struct interpreter *interp, const char *name, con
     const char *source = has_source ? judge->source(judge->context, path) : path;
     enum err err = read_golden(interp, &expected, name, source, fault);
     const bool is_read = !err;
-    if (is_read && !is_former)
+    if (is_read)
         err = compare_pictures(&expected, actual, name, interp, &difference, fault);
     if (is_read && err == ERR_CHECK) /* for people, who look at both */
         export_background(&expected, interp->session, NULL);
-    const struct golden_finding finding = {name,
-                                           path,
-                                           actual,
-                                           is_read ? &expected : NULL,
-                                           is_read && !is_former ? &difference : NULL,
-                                           is_former};
+    const struct golden_finding finding = {name, path, actual, is_read ? &expected : NULL,
+                                           is_read ? &difference : NULL};
     if (err == ERR_CHECK && judge && judge->differs)
         err = judge->differs(judge->context, interp, &finding, fault);
     else if (!err && judge && judge->is_same)
@@ -94,7 +89,7 @@ static enum err write_both(struct interpreter *interp, const char *name, const c
                            const char *png, struct picture *picture, struct fault *fault)
 {
     const bool is_there = file_exists(path), has_png = file_exists(png);
-    enum err err = is_there ? compare_golden(interp, name, path, picture, false, fault) : OK;
+    enum err err = is_there ? compare_golden(interp, name, path, picture, fault) : OK;
     if (err)
         return fault_prefix(fault, err, "it exists already and was left alone");
     if (!is_there)
@@ -143,14 +138,13 @@ static enum err take_golden(const struct act *act, struct picture *picture)
 }
 
 /* Compares it in a replay, or writes it. */
-static enum err settle_golden(const struct act *act, const char *name, struct picture *picture,
-                              bool is_former)
+static enum err settle_golden(const struct act *act, const char *name, struct picture *picture)
 {
     struct interpreter *interp = act->interp;
     struct buf path = {0};
     enum err err = golden_path(&path, buf_text(&interp->home), name, act->fault);
     if (!err && interp->mode != MODE_LIVE)
-        err = compare_golden(interp, name, buf_text(&path), picture, is_former, act->fault);
+        err = compare_golden(interp, name, buf_text(&path), picture, act->fault);
     else if (!err)
         err = write_golden(interp, name, buf_text(&path), picture, act->fault);
     if (!err && interp->mode == MODE_LIVE)
@@ -168,14 +162,6 @@ static enum err note_name(struct interpreter *interp, const char *name, struct f
         return OK;
     interp->goldens.failed = false;
     return fault_memory(fault, "a name");
-}
-
-/* Of a look that is gone no record says what it was. */
-static bool is_of_former_look(const struct act *act)
-{
-    struct record_word word;
-    return !semantics_has(session_semantics(act->session), MEANING_SURFACE) &&
-           !record_word_find(buf_text(&act->reply->words), "picture", strlen("picture"), &word);
 }
 
 enum err act_golden(const struct act *act)
@@ -197,18 +183,12 @@ enum err act_golden(const struct act *act)
         err = take_golden(act, &picture);
     if (err)
         return err;
-    const bool is_former = is_of_former_look(act);
-    if (is_former && interp->mode == MODE_LIVE)
-        err = fault_set(act->fault, ERR_USAGE,
-                        "the journal has semantics %u, whose pictures this program no longer "
-                        "draws; `iftty log --reseal --accept WHY FILE` brings it to semantics %d",
-                        session_semantics(act->session), SEMANTICS);
-    else if (!interp->home.length && interp->mode == MODE_LIVE)
+    if (!interp->home.length && interp->mode == MODE_LIVE)
         buf_add_text(&act->reply->text,
                      "not stored: there is no journal that it could belong to; `--journal FILE` "
                      "records one from the beginning\n");
     else if (interp->mode == MODE_LIVE || interp->judge)
-        err = settle_golden(act, name, &picture, is_former);
+        err = settle_golden(act, name, &picture);
     picture_release(&picture);
     return err;
 }

@@ -8,7 +8,6 @@
 #include "base/file.h"
 #include "journal/golden.h"
 #include "journal/journal.h"
-#include "session/semantics.h"
 
 enum { LISTED = 20 };
 
@@ -26,9 +25,7 @@ static enum err go(const struct act *act, uint32_t to, uint32_t branch, bool mov
     struct history *history = &act->interp->history;
     const struct branch *on = history->branch + branch;
     struct reply *reply = act->reply;
-    const bool has_tips = semantics_has(session_semantics(act->session), MEANING_BRANCH_TIPS);
-    const enum err err =
-        history_go(history, act->session, to, branch, moves_tip || !has_tips, act->fault);
+    const enum err err = history_go(history, act->session, to, branch, moves_tip, act->fault);
     if (err)
         return err;
     buf_printf(&reply->words, "at=%zu on=%s", history->point[to].record, on->name);

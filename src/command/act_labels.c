@@ -20,18 +20,11 @@
 #include "session/numbering.h"
 #include "session/paint.h"
 #include "session/piece_seeds.h"
-#include "session/semantics.h"
 
-/* Rounds of erosion that a record (one with copy=) without them means. */
-enum { ERODE_BEFORE = 2, LISTED_MOST = 10 };
+enum { LISTED_MOST = 10 };
 
 /* From how many pieces on a map may be noise; and what a seed takes with all that comes of it. */
 enum { NOISE_PIECES = 1000, SEED_BYTES = 94 };
-
-static bool is_whole(const struct act *act)
-{
-    return semantics_has(session_semantics(act->session), MEANING_WHOLE_LABELS);
-}
 
 /* ---- the copy beside the journal ---- */
 
@@ -121,9 +114,8 @@ static enum err number_regions(struct buf *numbers, uint16_t *as, const struct a
 /* Those that stand for no region are told, where all regions are meant. */
 static enum err find_regions(struct volume *map, const struct act *act)
 {
-    const uint64_t beyond = is_whole(act) && !act_has(act, "regions")
-                                ? map_count_beyond(map, session_watch(act->session))
-                                : 0;
+    const uint64_t beyond =
+        act_has(act, "regions") ? 0 : map_count_beyond(map, session_watch(act->session));
     if (beyond)
         return fault_set(act->fault, ERR_INPUT,
                          "%llu of its voxels hold%s numbers below 0 or above %d, which are no "
@@ -147,7 +139,7 @@ static enum err read_original(struct volume *map, const struct act *act, struct 
     choice.as = as;
     if (!err)
         err = act_naming(name, find_regions(map, act), act->fault);
-    if (!err && is_whole(act) && !act_has(act, "as|label"))
+    if (!err && !act_has(act, "as|label"))
         err = number_regions(numbers, as, act, map);
     if (!err)
         err = act_naming(name, map_label(map, &choice, session_watch(session), act->fault),
@@ -164,7 +156,7 @@ static enum err read_copy(struct volume *map, const struct act *act, const char 
     const struct session *session = act->session;
     const struct map_place place = {.grid = &session_scene(session)->grid,
                                     .geometry = session_geometry(session),
-                                    .as_before = true};
+                                    .is_copy = true};
     enum err err = interpreter_may_read(act->interp, path, act->fault);
     if (!err)
         err = map_read(map, path, &place, session_watch(session), act->fault);
@@ -318,7 +310,7 @@ static enum err find_voxels(struct voxels *out, const struct act *act,
         return fault_memory(act->fault, "seeds of pieces");
     for (size_t k = begin; k < piece->end; k++)
         out->cell[out->count++] = seeds->cell[k];
-    if (!is_whole(act) || !session_former_markers(act->session))
+    if (!session_former_markers(act->session))
         return OK;
     for (size_t r = first; !err && r < piece->run_end && task_advance(&task, 1); r++)
         err = take_over(out, act, piece, seeds->run[r], own);
@@ -337,7 +329,7 @@ static enum err plant(const struct act *act, const struct piece_seeds *seeds,
     struct voxels voxels = {0};
     uint64_t digest = 0;
     enum err err = OK;
-    planting.yields = is_whole(act);
+    planting.yields = true;
     for (size_t i = 0; i < seeds->pieces && !err; i++) {
         const struct piece *piece = &seeds->piece[i];
         const size_t run = i ? piece[-1].run_end : 0;
@@ -396,11 +388,10 @@ enum err act_labels(const struct act *act)
 {
     const struct session *session = act->session;
     const struct value *erode = act_value(act, "erode");
-    const bool is_new = is_whole(act) && !act_has(act, "copy");
-    const unsigned rounds = erode->given ? (unsigned)erode->number : is_new ? 0 : ERODE_BEFORE;
+    const unsigned rounds = erode->given ? (unsigned)erode->number : 0;
     const bool rests = act_has(act, "rest") && act_number(act, "rest") == 1;
     const struct piece_choice choice = {rounds, (uint32_t)act_number(act, "least"),
-                                        is_whole(act) && !rests ? 0 : REGION_NONE};
+                                        !rests ? 0 : REGION_NONE};
     struct volume map = {0};
     struct piece_seeds seeds = {0};
     if (!erode->given)

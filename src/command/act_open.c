@@ -12,7 +12,6 @@
 #include "command/answers.h"
 #include "command/files.h"
 #include "journal/record.h"
-#include "session/semantics.h"
 
 /* ---- what `open` is told ---- */
 
@@ -180,9 +179,6 @@ static void write_orientation(const struct act *act)
 {
     const struct session *session = act->session;
     struct reply *reply = act->reply;
-    session_tell_sides(&reply->text, "", session);
-    if (!semantics_has(session_semantics(session), MEANING_ORIENTATION))
-        return;
     const struct choice who = choice_at(ORIENTATIONS, session_geometry(session)->orientation);
     buf_printf(&reply->words, " orientation=%.*s", (int)who.length, who.word);
     buf_add_text(&reply->text, session_open_notes(session));
@@ -230,7 +226,7 @@ static enum err check_words(const struct act *act, const char *name)
 }
 
 /* A new record ends in weight=NAME, so that it means the same under another default; one without it
- * means `morph`, as all did before. */
+ * means `morph`. */
 static enum err take_first_weight(const struct act *act, bool *recorded)
 {
     struct session *session = act->session;
@@ -244,8 +240,7 @@ static enum err take_first_weight(const struct act *act, bool *recorded)
     if (given)
         err = read_weight(weight, given, act->fault);
     else
-        *recorded = act->interp->mode == MODE_LIVE &&
-                    semantics_has(session_semantics(session), MEANING_OPEN_WEIGHT);
+        *recorded = act->interp->mode == MODE_LIVE;
     if (!given && !*recorded)
         *weight = (struct weight_choice){WEIGHT_MORPH, 1};
     return err ? err : session_go(session, &next, NULL, 0, act->fault);

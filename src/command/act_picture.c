@@ -10,7 +10,6 @@
 #include "image/picture_writer.h"
 #include "journal/golden.h"
 #include "journal/journal.h"
-#include "session/semantics.h"
 #include "session/session.h"
 #include "show/decorating.h"
 #include "show/export_picture.h"
@@ -288,11 +287,9 @@ enum err act_window(const struct act *act)
 static enum err draw(const struct act *act, enum slice_kind kind, const struct labels *labels,
                      bool with_cells, struct canvas *canvas)
 {
-    const bool is_former = !semantics_has(session_semantics(act->session), MEANING_SURFACE);
-    enum err err =
-        slicing_draw(canvas, act->session, kind, labels, with_cells || is_former, act->fault);
-    if (!err && (!is_former || slicing_is_as_ever(act->session, kind, labels, canvas)))
-        act_add_digest_anyway(act, "picture", canvas_digest(canvas));
+    const enum err err = slicing_draw(canvas, act->session, kind, labels, with_cells, act->fault);
+    if (!err)
+        act_add_digest(act, "picture", canvas_digest(canvas));
     return err;
 }
 

@@ -13,7 +13,6 @@
 #include "journal/record.h"
 #include "session/markers.h"
 #include "session/paint.h"
-#include "session/semantics.h"
 
 enum { TAKEN_MOST = 256 }; /* seeds that one record says were removed */
 
@@ -170,12 +169,10 @@ static enum err remove_markers(const struct act *act)
 /* In a ball, voxels that no tree holds are ignored, unless that is all of them. */
 enum err act_remove(const struct act *act)
 {
-    enum { MARKER, TREE };
+    enum { MARKER };
     struct session *session = act->session;
-    const int64_t usual =
-        semantics_has(session_semantics(session), MEANING_MARKERS) ? MARKER : TREE;
     const enum err err =
-        act_number_or(act, "of", usual) == MARKER ? remove_markers(act) : remove_trees(act);
+        act_number_or(act, "of", MARKER) == MARKER ? remove_markers(act) : remove_trees(act);
     if (err)
         return err;
     const uint32_t *p = act_place(act, "PLACE");

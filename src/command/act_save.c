@@ -10,7 +10,6 @@
 #include "report/label_report.h"
 #include "report/label_table.h"
 #include "session/numbering.h"
-#include "session/semantics.h"
 #include "session/session.h"
 #include "session/tally.h"
 #include "show/draw.h"
@@ -282,8 +281,7 @@ static struct coverage cover(const struct session *session, const struct labels 
 /* A map without a label would be taken for an answer by who reads it. */
 static enum err check_labels(const struct act *act, const struct coverage *coverage)
 {
-    if (coverage->labelled || act_is_yes(act, "empty") ||
-        !semantics_has(session_semantics(act->session), MEANING_WHOLE_LABELS))
+    if (coverage->labelled || act_is_yes(act, "empty"))
         return watch_fault(session_watch(act->session), act->fault);
     return fault_set(
         act->fault, ERR_INPUT,

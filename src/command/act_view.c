@@ -13,7 +13,6 @@
 #include "engine/weight_gradient.h"
 #include "image/geometry.h"
 #include "render/fit.h"
-#include "session/semantics.h"
 #include "show/slicing.h"
 
 static int32_t whole_turn(int64_t angle)
@@ -79,12 +78,8 @@ enum err act_zoom(const struct act *act)
         return fault_set(act->fault, ERR_USAGE, "fit finds the place in the centre: without at=");
     if (!zoom->text) {
         view->zoom = (uint32_t)zoom->number;
-    } else if (semantics_has(session_semantics(act->session), MEANING_FIT)) {
-        err = fit_shown(act);
     } else {
-        view->zoom = view_fitting_zoom(session_scene(act->session), view->width, view->height,
-                                       act->next->outlook.look.samples);
-        memset(view->focus, 0, sizeof view->focus);
+        err = fit_shown(act);
     }
     if (at->given)
         view_focus_on(view, session_scene(act->session), at->place);

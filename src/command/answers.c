@@ -12,7 +12,6 @@
 #include "report/label_report.h"
 #include "report/surprise.h"
 #include "session/map.h"
-#include "session/semantics.h"
 #include "session/tally.h"
 #include "show/export_picture.h"
 #include "show/slicing.h"
@@ -435,7 +434,6 @@ static void write_scene(struct buf *out, const struct session *session)
     buf_add_text(out, ", ");
     act_write_axes(out, geometry);
     buf_printf(out, ", digest %016llx\n", (unsigned long long)session_scene_digest(session));
-    session_tell_sides(out, "          ", session);
     write_part(out, session_part(session));
     buf_printf(out, "values    %g * intensity %+.*g\n", geometry->slope, geometry_digits(geometry),
                geometry->intercept);
@@ -477,12 +475,9 @@ enum err act_info(const struct act *act)
     struct histogram histogram;
     if (act->interp->journal) {
         const struct journal *journal = act->interp->journal;
-        const unsigned semantics = session_semantics(act->session);
         buf_add_text(out, "journal   ");
         buf_add_safe_text(out, journal_path(journal));
         buf_printf(out, ", %zu record%s", journal_count(journal), plural(journal_count(journal)));
-        if (semantics != SEMANTICS)
-            buf_printf(out, ", semantics %u", semantics);
         buf_add_char(out, '\n');
     }
     if (!session_has_scene(session)) {

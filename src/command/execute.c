@@ -11,7 +11,6 @@
 #include "journal/journal.h"
 #include "sandbox/limits.h"
 #include "session/markers.h"
-#include "session/semantics.h"
 #include "show/draw.h"
 
 /* ---- carried out ---- */
@@ -21,8 +20,7 @@ void execute_add_digests(struct reply *reply, const struct session *session)
     buf_add_blank(&reply->words);
     buf_printf(&reply->words, "forest=%016llx labels=%016llx seeds=%zu",
                (unsigned long long)forest_digest(session_forest(session)),
-               (unsigned long long)semantics_label_digest(session_semantics(session),
-                                                          session_forest(session)),
+               (unsigned long long)forest_label_digest(session_forest(session)),
                forest_seeds(session_forest(session)));
     if (session_pendings(session))
         buf_printf(&reply->words, " pending=%zu", session_pendings(session));
@@ -34,9 +32,7 @@ void execute_add_digests(struct reply *reply, const struct session *session)
 static size_t edits_to_apply(const struct interpreter *interp, const struct command *command)
 {
     const struct session *session = interp->session;
-    const bool applies = command->flags & COMMAND_RECORDED
-                             ? semantics_has(session_semantics(session), MEANING_APPLIED)
-                             : interp->mode == MODE_LIVE;
+    const bool applies = command->flags & COMMAND_RECORDED || interp->mode == MODE_LIVE;
     return command->flags & COMMAND_ANSWERS && applies ? session_pendings(session) : 0;
 }
 

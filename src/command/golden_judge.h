@@ -25,15 +25,14 @@ struct golden_finding {
     struct picture *actual;         /* to which notes may be added */
     const struct picture *expected; /* NULL where none can be read */
     const struct golden_difference *difference; /* NULL likewise */
-    bool is_former; /* it can be read, and its look is gone: nothing was compared */
 };
 
 struct golden_judge {
     void *context;
     /* The file that is compared instead of the one at `path`; NULL: that one. */
     const char *(*source)(void *context, const char *path);
-    /* Called where every plane of every pixel is the same, or none can be compared (is_former), for
-     * what else there is to ask. NULL: OK. */
+    /* Called where every plane of every pixel is the same, for what else there is to ask. NULL:
+     * OK. */
     enum err (*is_same)(void *context, struct interpreter *interp,
                         const struct golden_finding *finding, struct fault *fault);
     /* Called with what is wrong in `fault`. OK, with an empty fault, where the picture is taken
@@ -45,10 +44,10 @@ struct golden_judge {
 /* ---- notes ---- */
 
 /*
- * The words that a golden image carries beside its pixels (show/export_picture.h): from semantics
- * 10 on they are those that the picture drawn now would carry, and none is missing. Which journal
- * it was of, at which record, and which version drew it, is of the time at which it was made: of
- * those only the form is looked at.
+ * The words that a golden image carries beside its pixels (show/export_picture.h) are those that
+ * the picture drawn now would carry, and none is missing. Which journal it was of, at which record,
+ * and which version drew it, is of the time at which it was made: of those only the form is looked
+ * at.
  */
 
 /* Whether it is one of those, and of their form. */

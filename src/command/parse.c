@@ -13,7 +13,6 @@
 #include "command/near.h"
 #include "image/geometry.h"
 #include "journal/record.h"
-#include "session/semantics.h"
 #include "session/session.h"
 
 const struct command *command_find(const char *name)
@@ -334,9 +333,7 @@ static enum err read_part(struct value *value, const struct parameter *p, const 
 static enum err read_value(struct value *value, const struct parameter *p, const char *word,
                            const struct known *known, struct fault *fault)
 {
-    int choice = p->choices ? choice_find(p->choices, word) : -1;
-    if (p->former && choice_find(p->former, word) >= 0)
-        choice = 0;
+    const int choice = p->choices ? choice_find(p->choices, word) : -1;
     if (p->type == VALUE_PARTS)
         return read_part(value, p, word, choice, fault);
     value->given = true;
@@ -524,9 +521,7 @@ enum err command_parse_by(struct call *call, const char *line, const struct sess
     const struct known known = {session, kept};
     unsigned count, wrong;
     const char *at = line;
-    *call = (struct call){.quotes = semantics_has(session_semantics(session), MEANING_QUOTES)
-                                        ? COMMAND_QUOTES
-                                        : "\""};
+    *call = (struct call){.quotes = COMMAND_QUOTES};
     scan_blanks(&at);
     if (*at == '#')
         return OK;

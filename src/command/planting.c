@@ -18,7 +18,6 @@
 #include "report/label_report.h"
 #include "session/markers.h"
 #include "session/paint.h"
-#include "session/semantics.h"
 
 /* ---- what may be planted ---- */
 
@@ -110,7 +109,7 @@ void act_add_markers(const struct act *act)
     struct buf *words = &act->reply->words;
     const size_t first = session_former_markers(session) + 1,
                  last = session_markers(session)->count;
-    if (!semantics_has(session_semantics(session), MEANING_MARKERS) || last < first)
+    if (last < first)
         return;
     buf_add_blank(words);
     buf_printf(words, "marker=%zu", first);
@@ -302,13 +301,9 @@ enum err act_find_voxels(const struct act *act, const struct value *to, struct v
     const uint32_t(*corner)[3] =
         (const uint32_t(*)[3])(goes_on ? to->line->corner[0] : act_place(act, "PLACE"));
     const size_t corners = goes_on ? to->line->count : 1;
-    const bool was_before = !semantics_has(session_semantics(session), MEANING_STROKES) &&
-                            corners <= 2 && !radius->in_mm;
     struct brush brush = {0};
     enum err err = make_brush(&brush, act, radius, BRUSH_REACH_MOST);
-    if (!err && was_before)
-        err = paint_stroke_as_before(voxels, grid, &brush, corner, corners, act->fault);
-    else if (!err)
+    if (!err)
         err =
             paint_stroke(voxels, grid, &brush, corner, corners, session_watch(session), act->fault);
     brush_release(&brush);

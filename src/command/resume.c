@@ -36,10 +36,10 @@ static bool has_forest_words(const char *words, struct buf *out)
     return has;
 }
 
-static void take_semantics(void *context, unsigned semantics)
+static enum err take_semantics(void *context, unsigned semantics, struct fault *fault)
 {
-    struct resume *resume = context;
-    session_take_semantics(resume->interp->session, semantics);
+    const struct resume *resume = context;
+    return session_take_semantics(resume->interp->session, semantics, fault);
 }
 
 static void look_for_last(void *context, const struct record *record)
@@ -68,17 +68,10 @@ static enum err execute_again(void *context, const char *command, struct buf *wo
     return err;
 }
 
-static bool is_lost(void *context, const char *key, size_t length)
-{
-    const struct resume *resume = context;
-    return semantics_lost(session_semantics(resume->interp->session), key, length);
-}
-
 static enum err compare_record(struct resume *resume, const struct record *record,
                                struct fault *fault)
 {
-    const struct replay_host host = {
-        .context = resume, .execute = execute_again, .is_lost = is_lost};
+    const struct replay_host host = {.context = resume, .execute = execute_again};
     return replay_record(record, &host, &resume->report, fault);
 }
 
@@ -175,11 +168,8 @@ static enum err resume(struct interpreter *interp, const char *path, enum interp
         buf_add_char(told, '\n');
     if (!err && !interp->is_read_only)
         clear_away(interp, path, told);
-    if (!err && told) {
-        semantics_tell_lost(told, session_semantics(interp->session));
-        session_tell_sides(told, "", interp->session);
+    if (!err && told)
         interpreter_tell_lock(interp, told);
-    }
     if (!err && told && interp->is_read_only) {
         buf_add_safe_text(told, path);
         buf_add_text(told, " is open read-only: what is done here is not written to it\n");

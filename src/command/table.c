@@ -375,7 +375,7 @@ static const struct command command_table[] = {
      "seeds are removed, and its voxels go to the trees around it; where it lay over an older "
      "marker, the seeds of that one are there again. Trees are those of the last run.\n"
      "of=tree: the seed of the single tree that holds the voxel is removed, and no older one comes "
-     "back. This is what `remove` does in journals of semantics 3 and less.\n"
+     "back.\n"
      "With a radius: all markers, or trees, that have a voxel in the ball.",
      "remove 100,100,50"},
     {COMMAND("run", act_run, GROUP_SEEDS, R | S | E | P),

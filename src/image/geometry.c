@@ -165,7 +165,6 @@ bool geometry_orient(struct geometry *geometry, const char *how)
             spacing_mm[a] = column_length((const double(*)[4])geometry->to_mm, a);
         place_along(geometry, axis, sign, spacing_mm);
         geometry->orientation = ORIENTATION_TOLD;
-        geometry->sides_are_wrong = false;
         return true;
     }
     if ((by_s ? geometry->sform : geometry->qform).code <= 0)
@@ -245,7 +244,7 @@ double geometry_shear(const struct geometry *geometry)
 double geometry_fill(const struct geometry *geometry)
 {
     double axis[3][3];
-    if (geometry->as_boxes || !unit_axes(axis, (const double(*)[4])geometry->to_mm))
+    if (!unit_axes(axis, (const double(*)[4])geometry->to_mm))
         return 1;
     const double part = floor(fabs(volume(axis)) * 1e9 + 0.5) / 1e9;
     return part < 1 - 1e-6 ? part : 1;
@@ -281,22 +280,6 @@ double geometry_tilt(const struct geometry *geometry)
     for (int a = 0; a < 3; a++)
         least = fmin(least, fabs(axis[a][geometry->world_axis[a]]));
     return acos(least) * 180 / acos(-1);
-}
-
-void geometry_presume(struct geometry *geometry)
-{
-    geometry->spacing_unknown = false;
-    for (int a = 0; a < 3 && geometry->presumed_mm[a] > 0; a++)
-        geometry->spacing_nm[a] = (uint32_t)floor(geometry->presumed_mm[a] * 1e6 + 0.5);
-    if (geometry->orientation != ORIENTATION_UNKNOWN)
-        return;
-    if (geometry->presumed_mm[0] > 0)
-        geometry_place_plain(geometry, geometry->presumed_mm);
-    if (geometry->sform.code > 0 || geometry->qform.code > 0)
-        geometry_take_form(geometry,
-                           geometry->sform.code > 0 ? ORIENTATION_SFORM : ORIENTATION_QFORM);
-    else
-        geometry->orientation = ORIENTATION_FILE;
 }
 
 static void derive_matrix(double to_mm[3][4], const double first[3], const double step[3])

@@ -52,9 +52,6 @@ struct geometry {
     double slope, intercept; /* real value = slope * intensity + intercept, intensity 0..65535 */
     uint32_t spacing_nm[3];  /* distance of voxel centres along i, j, k, nanometres, 1.. */
     bool spacing_unknown;    /* the file does not say it along every axis: it is 1 mm then */
-    double presumed_mm[3];   /* what geometry_presume takes for it; 0 for the same */
-    bool as_boxes;           /* volumes are those of boxes, as before MEANING_SHEAR */
-    bool sides_are_wrong;    /* left for right and front for back, as before MEANING_SIDES */
     enum orientation orientation;
     int8_t world_axis[3]; /* the world axis (0, 1, 2) nearest to each voxel axis; a permutation */
     int8_t world_sign[3]; /* +1 or -1: with or against it */
@@ -144,10 +141,6 @@ void geometry_along(const struct geometry *geometry, const int64_t direction[3],
 /* The largest angle, in degrees, of an axis and the side of the patient that names it; 0 where no
  * side does. Words and letters for sides are off by as much. */
 double geometry_tilt(const struct geometry *geometry);
-
-/* How a session of semantics below MEANING_ORIENTATION takes what a file does not say: the sform if
- * it can be used, else the qform, else the plain axes; all of it as known. */
-void geometry_presume(struct geometry *geometry);
 
 /* The geometry of a grid whose voxel i, j, k lies where voxel first + step * (i, j, k) of this one
  * does: cropped, reduced or interpolated. False, and nothing changes, where its voxels would be no

@@ -82,13 +82,11 @@ Request receive_request()
         leave(2);
     request.kind = line.substr(5, kind - 5);
     size_t at = kind + 1;
-    const uint64_t flags = take_number(line, at, 63);
+    const uint64_t flags = take_number(line, at, 15);
     request.follows_links = flags & 1;
     request.fills_gaps = flags & 2;
     request.lists = flags & 4;
-    request.is_old = flags & 8;
-    request.is_alone = flags & 16;
-    request.sides_as_before = flags & 32;
+    request.is_alone = flags & 8;
     request.series = take_number(line, at, number_most);
     request.volume = take_number(line, at, UINT32_MAX);
     const uint64_t wanted = take_number(line, at, path_most);

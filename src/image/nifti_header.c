@@ -281,7 +281,7 @@ static void matrix_of_qform(double to_mm[3][4], const struct nifti_header *heade
 }
 
 /* Spacing in whole nanometres and in millimetres. What is no distance is noted, and counts as its
- * size or as 1 mm in what is presumed. */
+ * size or as 1 mm. */
 static void read_spacing(struct geometry *geometry, double spacing_mm[3], char *notes,
                          const struct nifti_header *header)
 {
@@ -294,10 +294,8 @@ static void read_spacing(struct geometry *geometry, double spacing_mm[3], char *
         geometry->spacing_unknown = true;
         volume_note(notes, "pixdim[%d] is %g, which is no distance of voxels", a + 1, given);
     }
-    for (int a = 0; a < 3 && geometry->spacing_unknown; a++) {
-        geometry->presumed_mm[a] = spacing_mm[a];
+    for (int a = 0; a < 3 && geometry->spacing_unknown; a++)
         geometry->spacing_nm[a] = 1000000;
-    }
 }
 
 static int16_t usable_code(int64_t code)

@@ -75,11 +75,11 @@ static bool recognises(const uint8_t *begin, size_t length)
 }
 
 /* False where it is left to the helper. */
-static bool is_ours(struct nrrd_header *header, struct volume_source *source, bool sides_as_before)
+static bool is_ours(struct nrrd_header *header, struct volume_source *source)
 {
     size_t length;
     char *bytes = source->packed ? NULL : first_bytes(source, &length);
-    const bool is = bytes && nrrd_header_read(header, bytes, length, sides_as_before);
+    const bool is = bytes && nrrd_header_read(header, bytes, length);
     free(bytes);
     return is;
 }
@@ -108,7 +108,6 @@ static void describe(struct volume_header *out, const struct nrrd_header *header
     out->geometry.slope = 1;
     header_place(out, (const double(*)[4])header->to_mm, header->knows_spacing,
                  header->knows_place);
-    out->geometry.sides_are_wrong = header->sides_are_wrong;
 }
 
 static enum err begin_voxels(const struct volume_header *header, struct volume_source *source,
@@ -123,9 +122,7 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
 {
     struct nrrd_header header;
     struct grid grid;
-    const enum err err = is_ours(&header, source, out->choice.sides_as_before)
-                             ? nrrd_voxels_enter(source, &header, fault)
-                             : OK;
+    const enum err err = is_ours(&header, source) ? nrrd_voxels_enter(source, &header, fault) : OK;
     if (err)
         return err;
     if (!source->decoder)

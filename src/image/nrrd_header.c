@@ -37,7 +37,6 @@ struct reading {
     uint64_t seen; /* a bit for each row of the table */
     double direction[3][3], origin[3], spacing[3];
     double sign[3]; /* of steps along its space: to the right, the front and the head */
-    bool sides_as_before;
 };
 
 static bool has(const struct reading *r, enum name name)
@@ -217,9 +216,6 @@ static bool read_space(struct reading *r, char *value)
             continue;
         r->out->knows_place = row[i].is_of_patient;
         memcpy(r->sign, row[i].sign, sizeof r->sign);
-        r->out->sides_are_wrong = r->sides_as_before && r->sign[0] != r->sign[1];
-        for (int w = 0; w < 2 && r->out->sides_are_wrong; w++)
-            r->sign[w] = -r->sign[w];
         return !has(r, SPACE_DIMENSION);
     }
     return false;
@@ -413,7 +409,7 @@ static bool place(struct reading *r)
         out->knows_spacing = true;
         return !has(r, SPACINGS) && !has(r, UNITS) && place_directions(r);
     }
-    out->knows_place = out->sides_are_wrong = false;
+    out->knows_place = false;
     out->knows_spacing = has(r, SPACINGS);
     for (int a = 0; a < 3; a++)
         out->to_mm[a][a] = has(r, SPACINGS) ? r->spacing[a] : 1;
@@ -434,9 +430,9 @@ size_t nrrd_header_length(const char *bytes, size_t length)
     return 0;
 }
 
-bool nrrd_header_read(struct nrrd_header *out, char *bytes, size_t length, bool sides_as_before)
+bool nrrd_header_read(struct nrrd_header *out, char *bytes, size_t length)
 {
-    struct reading r = {.out = out, .sides_as_before = sides_as_before};
+    struct reading r = {.out = out};
     char *at = bytes, *line;
     *out = (struct nrrd_header){.offset = length};
     if (length < 2 || memchr(bytes, '\0', length))

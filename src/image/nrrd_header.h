@@ -38,7 +38,6 @@ struct nrrd_header {
     uint64_t offset;            /* of their first byte in the file */
     double to_mm[3][4];         /* to the world, as far as the header says it: */
     bool knows_spacing, knows_place;
-    bool sides_are_wrong; /* by sides_as_before */
 };
 
 /* How long the header is at the beginning of these bytes, with the empty line that ends it; 0 where
@@ -46,6 +45,6 @@ struct nrrd_header {
 size_t nrrd_header_length(const char *bytes, size_t length);
 
 /* Takes it, of so many bytes, which are changed; false where it is left to ITK. */
-bool nrrd_header_read(struct nrrd_header *out, char *bytes, size_t length, bool sides_as_before);
+bool nrrd_header_read(struct nrrd_header *out, char *bytes, size_t length);
 
 #endif

@@ -612,8 +612,6 @@ static enum err find_line(struct line *line, const struct extent *extent, struct
     uint64_t core[2];
     bool is_clamped;
     *line = (struct line){extent->low, extent->high, 0, LEVELS - 1};
-    if (f->volume->choice.by_extremes && !f->volume->choice.whole_are_exact)
-        return OK;
     if (is_exact(f, extent)) {
         line->low = extent->low >= 0 && extent->high <= UINT16_MAX ? 0 : extent->low;
         line->high = line->low + UINT16_MAX;

@@ -22,8 +22,7 @@
  *                       that makes the core fit; then the scale reaches as far as levels are left
  *     0, 65535          what is below, and what is above; no number is 0 as well, below all
  *
- * With choice.by_extremes no scale is cut, and no real number taken for a whole one, unless
- * choice.whole_are_exact.
+ * With choice.by_extremes no scale is cut.
  */
 #ifndef IMAGE_QUANTISE_H
 #define IMAGE_QUANTISE_H

@@ -573,7 +573,7 @@ void find_pixels(Slice &slice, std::istream &in, const gdcm::TransferSyntax &syn
 
 /* ---- files ---- */
 
-bool scan(std::vector<Slice> &slices, const std::string &path, bool splits_mosaics)
+bool scan(std::vector<Slice> &slices, const std::string &path)
 {
     static const gdcm::Tag pixels(0x7fe0, 0x0010);
     const auto in = open_bytes(path);
@@ -600,7 +600,7 @@ bool scan(std::vector<Slice> &slices, const std::string &path, bool splits_mosai
     take_place(slice, set);
     take_place(slice, item_of(set, detector_tag, 0));
     find_pixels(slice, *in, reader.GetFile().GetHeader().GetDataSetTransferSyntax());
-    if (splits_mosaics && slice.frames == 1 && add_mosaic(slices, slice, set))
+    if (slice.frames == 1 && add_mosaic(slices, slice, set))
         return true;
     if (slice.frames > 1 || set.FindDataElement(each_tag))
         add_frames(slices, slice, set);

@@ -122,13 +122,13 @@ bool scan_named(std::vector<Slice> &slices, const Request &request, const std::s
     bool is_dicom = false;
     expect_end(words);
     try {
-        is_dicom = scan(slices, path, !request.is_old);
+        is_dicom = scan(slices, path);
     } catch (const std::exception &) { /* of any kind: no header takes much memory */
         throw Refusal{words};
     }
-    if (!is_dicom && !request.is_old && has_dicom_mark(path))
+    if (!is_dicom && has_dicom_mark(path))
         throw Refusal{words};
-    if (is_dicom && !request.is_old && slices.size() == before && is_of_images(path))
+    if (is_dicom && slices.size() == before && is_of_images(path))
         throw Refusal{about_file(name, "is an image without pixels: fetch it again")};
     for (size_t i = before; i < slices.size(); i++)
         slices[i].name = name;
@@ -182,7 +182,7 @@ void open_folder(Volume &volume, const Request &request, const Files &all)
         others += png.size() + tiff.size();
     if (skipped)
         note(volume, "skip: " + plural_of(skipped, "file") + " left out");
-    if (without && !request.is_old)
+    if (without)
         note(volume, plural_of(without, "file") + " of DICOM without pixels left out");
     if (others + files.links)
         note(volume, plural_of(others + files.links, "file") + " of other kinds left out");

@@ -83,12 +83,8 @@ struct volume_choice {
     struct buf *list;  /* where what a folder holds is said in lines, with words of its files, when
                           one of several series is to be chosen: for the screen, and kept nowhere;
                           NULL: no such word comes out. Not owned */
-    bool folders_as_before; /* mosaics of DICOM are one slice, and damaged files are left out */
-    bool sides_as_before;   /* of NRRD in left-anterior-superior x is turned, and y is not */
-    bool by_extremes;       /* scales of reals and of wide whole numbers reach from the least to the
-                          greatest, as before MEANING_LEVELS (session/semantics.h) */
-    bool whole_are_exact;   /* and yet real numbers that are whole, and fit 16 bits, are exact */
-    bool as_recorded; /* series, fills_gaps and data are left out, and this is noted, where the
+    bool by_extremes;  /* of maps: scales of reals and of wide whole numbers are never cut */
+    bool as_recorded;  /* series, fills_gaps and data are left out, and this is noted, where the
                          format has no such thing; else refused */
 };
 

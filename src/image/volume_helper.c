@@ -24,13 +24,10 @@ enum {
     NUMBERS = 14,
     SPACING = 1, /* in KNOWN */
     PLACE = 2,
-    WRONG_SIDES = 4,
     FOLLOW_LINKS = 1, /* in FLAGS */
     FILL_GAPS = 2,
     SHOW_LIST = 4,
-    AS_BEFORE = 8,
-    ALONE = 16,
-    SIDES_AS_BEFORE = 32,
+    ALONE = 8,
     LIST_MOST = 200100,
     SERIES_MOST = 100000,
     BYTES_PER_MS = 20000,
@@ -217,9 +214,7 @@ static bool ask(struct volume_helper *helper, const char *kind, const char *path
     const unsigned flags = (volume_helper_is_wary ? 0u : (unsigned)FOLLOW_LINKS) |
                            (choice->fills_gaps ? (unsigned)FILL_GAPS : 0u) |
                            (choice->list ? (unsigned)SHOW_LIST : 0u) |
-                           (choice->folders_as_before ? (unsigned)AS_BEFORE : 0u) |
-                           (choice->proof ? (unsigned)ALONE : 0u) |
-                           (choice->sides_as_before ? (unsigned)SIDES_AS_BEFORE : 0u);
+                           (choice->proof ? (unsigned)ALONE : 0u);
     int length = snprintf(line, sizeof line, "open %s %u %" PRIu32 " %" PRIu32, kind, flags,
                           choice->series, choice->volume);
     for (int i = 0; i < TEXTS; i++)
@@ -302,7 +297,7 @@ static bool receive_header(struct volume_header *out, struct coprocess *process,
 {
     enum { VOLUMES = 3, KNOWN, FORMAT_LENGTH, TYPE_LENGTH, NOTES_LENGTH, VALUES };
     static const int64_t most[VALUES] = {UINT16_MAX, UINT16_MAX,  UINT16_MAX, VOLUMES_MOST,
-                                         7,          FORMAT_MOST, TYPE_MOST,  NOTES_MOST};
+                                         3,          FORMAT_MOST, TYPE_MOST,  NOTES_MOST};
     int64_t value[VALUES];
     double to_mm[3][4];
     if (!scan_text(&line, "volume ") || !coprocess_numbers(line, VALUES, most, value) ||
@@ -322,7 +317,6 @@ static bool receive_header(struct volume_header *out, struct coprocess *process,
     out->big_endian = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
     memcpy(to_mm, number, sizeof to_mm);
     header_place(out, (const double(*)[4])to_mm, value[KNOWN] & SPACING, value[KNOWN] & PLACE);
-    out->geometry.sides_are_wrong = value[KNOWN] & WRONG_SIDES;
     return true;
 }
 

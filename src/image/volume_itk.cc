@@ -246,7 +246,7 @@ std::vector<double> numbers_of(const std::string &text)
 /* A column of left-anterior-superior as it is in our world, from where ITK has it: ITK 5.2 turns x
  * to the right where y is to be turned to the back, and who has put that right turns y. Both are
  * taken, and the signs are those of the header. False where ITK says anything else, which stays. */
-bool turn_column(Volume &volume, int column, const double *is, bool sides_as_before)
+bool turn_column(Volume &volume, int column, const double *is)
 {
     const double said[3] = {-is[0], is[1], is[2]};
     bool is_right = true, is_turned = true;
@@ -257,10 +257,8 @@ bool turn_column(Volume &volume, int column, const double *is, bool sides_as_bef
     }
     if (!is_right && !is_turned)
         return false;
-    for (int w = 0; w < 2; w++) {
-        const double sign = sides_as_before ? -said[w] : said[w];
-        volume.to_mm[w][column] = std::copysign(volume.to_mm[w][column], sign);
-    }
+    for (int w = 0; w < 2; w++)
+        volume.to_mm[w][column] = std::copysign(volume.to_mm[w][column], said[w]);
     return true;
 }
 
@@ -272,18 +270,16 @@ void place_las(Volume &volume, itk::ImageIOBase &io, const Request &request)
     const std::string space = in_small_letters(header.value("space"));
     if (!(volume.known & ORIENTATION) || (space != "las" && space != "left-anterior-superior"))
         return;
-    const bool is_old = request.sides_as_before, has_origin = header.field.count("space origin");
+    const bool has_origin = header.field.count("space origin");
     const std::vector<double> axes = numbers_of(header.value("space directions"));
     std::vector<double> origin = numbers_of(header.value("space origin"));
     bool is_sure = axes.size() == 9 && (!has_origin || origin.size() == 3);
     if (!has_origin) /* as of every space: 0, of which ITK turns none and iftty two */
-        origin = {is_old ? -0.0 : 0.0, is_old ? 0.0 : -0.0, 0};
+        origin = {0.0, -0.0, 0};
     for (int a = 0; a < 3 && is_sure; a++)
-        is_sure = turn_column(volume, a, &axes[3 * static_cast<size_t>(a)], is_old);
-    is_sure = is_sure && turn_column(volume, 3, origin.data(), is_old);
-    if (is_old) {
-        volume.known |= WRONG_SIDES;
-    } else if (!is_sure) {
+        is_sure = turn_column(volume, a, &axes[3 * static_cast<size_t>(a)]);
+    is_sure = is_sure && turn_column(volume, 3, origin.data());
+    if (!is_sure) {
         volume.known &= ~ORIENTATION;
         place(volume, io, World::NONE);
         note(volume, "its space is left-anterior-superior, and where its voxels lie in it is not "

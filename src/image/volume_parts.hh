@@ -33,8 +33,6 @@ struct Request {
     bool follows_links = false, fills_gaps = false;
     bool is_alone = false;          /* voxels in other files, and data sets, are not read */
     bool lists = false;             /* what files say of their series may be said, to choose by */
-    bool is_old = false;            /* mosaics are one slice, and damaged files are left out */
-    bool sides_as_before = false;   /* of NRRD in left-anterior-superior x is turned, and no y */
     uint64_t series = 0;            /* counted from 1; 0: not said */
     std::string wanted;             /* or a piece of its description; "": not said */
     std::string skip;               /* files of a folder that are left out: NAME,NAME; "": none */
@@ -42,7 +40,7 @@ struct Request {
     std::vector<std::string> named; /* the paths of the files that its header names */
 };
 
-enum Known : unsigned { NOTHING = 0, SPACING = 1, ORIENTATION = 2, WRONG_SIDES = 4 };
+enum Known : unsigned { NOTHING = 0, SPACING = 1, ORIENTATION = 2 };
 
 /* A volume before its voxels. `send` sends size[0] * size[1] * size[2] values of the type. */
 struct Volume {
@@ -137,8 +135,8 @@ struct Slice {
 };
 
 /* The slices of a file; false where it is no DICOM. One without pixels adds none. Mosaics hold
- * several, unless they are to be one. */
-bool scan(std::vector<Slice> &slices, const std::string &path, bool splits_mosaics);
+ * several. */
+bool scan(std::vector<Slice> &slices, const std::string &path);
 
 /* Whether a file of DICOM says that it is an image, as one does that was cut before its pixels. */
 bool is_of_images(const std::string &path);

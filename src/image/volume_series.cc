@@ -579,7 +579,7 @@ void open_dicom(Volume &volume, const Request &request)
     std::vector<Slice> slices;
     if (!request.skip.empty())
         refuse("skip=NAME leaves out files of a folder, and this is one file");
-    if (!scan(slices, request.path, !request.is_old))
+    if (!scan(slices, request.path))
         refuse("its first bytes are of a DICOM file, and the rest of its header is damaged");
     if (slices.empty())
         refuse("a DICOM file without pixels (a DICOMDIR, a report or a plan); open the folder with "

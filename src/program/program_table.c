@@ -172,7 +172,7 @@ static const struct option option[] = {
                     NUMBER(until, 1, RECORDS_MOST)},
     [STRICT] = {"--strict", NULL,
                 "what leaves anything unproven fails: a torn tail, a record without its digest, "
-                "no golden image, unknown semantics; the default where CI is set",
+                "no golden image; the default where CI is set",
                 FLAG(strict)},
     [NO_STRICT] = {"--no-strict", NULL, "such journals pass, also where CI is set",
                    FLAG(no_strict)},
@@ -527,7 +527,7 @@ static const struct program program[] = {
      ONE("JOURNAL"),
      .option = {RESEAL, ACCEPT, SCENE},
      .summary = "give an edited journal its results anew",
-     .detail = "Also one of former semantics, whose meaning is the present one then. With --accept "
+     .detail = "With --accept "
                "WHY golden images are made anew in the same step, as by `verify --accept`; without "
                "it they are left alone, and such a journal is refused where they are others. The "
                "former journal is kept beside the new one.",

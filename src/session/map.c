@@ -60,7 +60,7 @@ static bool find_order(struct regrid_order *order, const struct map_place *place
         step[a] = 1.0 / blocks;
         first[a] = -(part->choice.first[a] + (blocks - 1) / 2.0) * step[a];
     }
-    if (!place->as_before && geometry_derive(&whole, first, step) &&
+    if (geometry_derive(&whole, first, step) &&
         regrid_find_order(order, header->size, &header->geometry, part->whole, &whole))
         return true;
     *order = (struct regrid_order){.axis = {0, 1, 2}};
@@ -100,7 +100,7 @@ static enum err choose(struct volume_reader *reader, const struct map_place *pla
     const bool is_shifted = place->resample && geometry_has_place(&header->geometry) &&
                             geometry_has_place(place->geometry); /* then all of it is needed */
     struct volume_choice choice = place->choice;
-    choice.nearest = choice.by_extremes = choice.whole_are_exact = true;
+    choice.nearest = choice.by_extremes = true;
     struct regrid_order order;
     enum err err = OK;
     if (part && !is_shifted && same_size(size, part->size) &&
@@ -131,16 +131,16 @@ static enum err check(const struct map_place *place, const struct volume_header 
     const bool names_file = !place->resample && place->part && place->part->whole[0] &&
                             !same_size(size, place->grid->size);
     struct fault *own = names_file ? NULL : fault;
-    const enum err err = place->as_before ? map_check_size(size, place->grid, own)
-                                          : regrid_check(size, &header->geometry, place->grid->size,
-                                                         place->geometry, place->resample, own);
+    const enum err err = place->is_copy ? map_check_size(size, place->grid, own)
+                                        : regrid_check(size, &header->geometry, place->grid->size,
+                                                       place->geometry, place->resample, own);
     return err && names_file ? refuse_size(place, size, fault) : err;
 }
 
 static enum err bring(struct volume *map, const struct map_place *place, struct watch *watch,
                       struct fault *fault)
 {
-    return place->as_before
+    return place->is_copy
                ? map_check_axes(map, place->geometry, fault)
                : regrid(map, place->grid->size, place->geometry, place->resample, watch, fault);
 }
@@ -153,10 +153,8 @@ static enum err naming(const char *path, enum err err, struct fault *fault)
 enum err map_read(struct volume *map, const char *path, const struct map_place *place,
                   struct watch *watch, struct fault *fault)
 {
-    struct volume_choice first = place->choice;
     struct volume_reader reader;
-    first.sides_as_before = place->sides_as_before;
-    enum err err = volume_begin(&reader, path, &first, watch, fault);
+    enum err err = volume_begin(&reader, path, &place->choice, watch, fault);
     if (!err)
         err = choose(&reader, place, fault);
     if (!err)
@@ -168,9 +166,6 @@ enum err map_read(struct volume *map, const char *path, const struct map_place *
     if (!err && *reader.header.contents)
         volume_note(map->notes, "volume %" PRIu32 " of %" PRIu32 ": %s", place->choice.volume,
                     reader.header.volumes, reader.header.contents);
-    if (!err && map->geometry.sides_are_wrong)
-        volume_note(map->notes, "left was taken for right, and front for back, in the map: its "
-                                "space is left-anterior-superior");
     return err ? err : naming(path, bring(map, place, watch, fault), fault);
 }
 

@@ -52,9 +52,8 @@ struct map_place {
     const struct map_part *part; /* or NULL: it is the whole */
     /* Of the file, where it holds several: has_volume, volume, data, and the command for words. */
     struct volume_choice choice;
-    bool resample;  /* one that lies elsewhere is taken by its nearest voxels (image/regrid.h) */
-    bool as_before; /* semantics below MEANING_PLACES: sizes and axes are all that is compared */
-    bool sides_as_before; /* those below MEANING_SIDES (image/volume_format.h) */
+    bool resample; /* one that lies elsewhere is taken by its nearest voxels (image/regrid.h) */
+    bool is_copy;  /* the map was written on this grid: compare sizes and axes only */
 };
 
 /* volume_read, on the scene's grid: what lies elsewhere is resampled, or refused. Size and place

@@ -125,7 +125,6 @@ void session_place(struct session *session, const struct kept *kept)
     *geometry = session->said;
     if (*kept->orient)
         geometry_orient(geometry, kept->orient);
-    geometry->as_boxes = !semantics_has(session->semantics, MEANING_SHEAR);
     memcpy(scene->spacing_nm, geometry->spacing_nm, sizeof scene->spacing_nm);
     memcpy(scene->world_axis, geometry->world_axis, sizeof scene->world_axis);
     memcpy(scene->world_sign, geometry->world_sign, sizeof scene->world_sign);
@@ -138,13 +137,7 @@ static enum err open_file(struct session *session, const char *path,
 {
     struct volume volume = {0};
     struct volume_reader reader;
-    struct volume_choice chosen = choice ? *choice : (struct volume_choice){0};
-    chosen.by_extremes = !semantics_has(session->semantics, MEANING_LEVELS);
-    chosen.folders_as_before = !semantics_has(session->semantics, MEANING_FOLDERS);
-    chosen.sides_as_before = !semantics_has(session->semantics, MEANING_SIDES);
-    enum err err = volume_open(&reader, path, &chosen, session->watch, fault);
-    if (!semantics_has(session->semantics, MEANING_ORIENTATION))
-        reader.header.choice.huge = true; /* which was not asked */
+    enum err err = volume_open(&reader, path, choice, session->watch, fault);
     if (!err)
         err = check_swelling(&reader.header, path, fault);
     if (!err)
@@ -173,10 +166,7 @@ static enum err open_file(struct session *session, const char *path,
         session->levels = volume.levels;
         volume.levels = NULL;
         session->series = volume.series;
-        if (semantics_has(session->semantics, MEANING_ORIENTATION))
-            memcpy(session->open_notes, volume.notes, sizeof session->open_notes);
-        else
-            geometry_presume(&session->said);
+        memcpy(session->open_notes, volume.notes, sizeof session->open_notes);
     }
     volume_release(&volume);
     return err;

@@ -54,11 +54,6 @@ void paint_step(int64_t at[3], const uint32_t from[3], const uint32_t to[3], int
 
 /* ---- strokes ---- */
 
-static int64_t square(int64_t x)
-{
-    return x * x;
-}
-
 /* A sheet of bits over the part of the grid that a stroke can cover. */
 struct sheet {
     uint32_t first[3], size[3];
@@ -178,42 +173,6 @@ enum err paint_stroke(struct voxels *out, const struct grid *grid, const struct 
                       (!draw(&sheet, brush, corner, corners, watch) || gather(out, &sheet, grid));
     free(sheet.bit);
     return outcome(out, fits, watch, fault);
-}
-
-/* Without what lies within as much of `but`, which may be NULL. */
-static bool add_ball(struct voxels *out, const struct grid *grid, const struct brush *brush,
-                     const int64_t middle[3], const int64_t *but)
-{
-    const int64_t far = square(brush->reach[0]);
-    for (size_t i = 0; i < brush->rows; i++)
-        for (int x = -brush->row[i].half; x <= brush->row[i].half; x++) {
-            const int64_t at[3] = {middle[0] + x, middle[1] + brush->row[i].y,
-                                   middle[2] + brush->row[i].z};
-            if (!grid_contains(grid, at[0], at[1], at[2]) ||
-                (but &&
-                 square(at[0] - but[0]) + square(at[1] - but[1]) + square(at[2] - but[2]) <= far))
-                continue;
-            if (!add_row(out, grid, (uint32_t[]){(uint32_t)at[0], (uint32_t)at[1], (uint32_t)at[2]},
-                         1))
-                return false;
-        }
-    return true;
-}
-
-enum err paint_stroke_as_before(struct voxels *out, const struct grid *grid,
-                                const struct brush *brush, const uint32_t (*corner)[3],
-                                size_t corners, struct fault *fault)
-{
-    const uint32_t *from = corner[0], *to = corner[corners - 1];
-    const int64_t steps = paint_steps(from, to);
-    int64_t at[3], before[3];
-    bool fits = true;
-    for (int64_t i = 0; fits && i <= steps; i++) {
-        paint_step(at, from, to, i, steps);
-        fits = add_ball(out, grid, brush, at, i ? before : NULL);
-        memcpy(before, at, sizeof at);
-    }
-    return outcome(out, fits, NULL, fault);
 }
 
 /* ---- shells ---- */

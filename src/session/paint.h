@@ -64,10 +64,4 @@ enum err paint_ring(struct voxels *out, const struct grid *grid, const struct vo
                     const uint32_t (*corner)[3], size_t corners, int width, struct watch *watch,
                     struct fault *fault);
 
-/* A stroke as semantics before MEANING_STROKES has it: a ball leaves out what the one before it
- * covers, and no more, so that some voxels are there twice. */
-enum err paint_stroke_as_before(struct voxels *out, const struct grid *grid,
-                                const struct brush *brush, const uint32_t (*corner)[3],
-                                size_t corners, struct fault *fault);
-
 #endif

@@ -82,7 +82,6 @@ struct parameter {
     bool added;    /* keyed; the record has it where the line had not */
     int64_t least, most;
     const char *choices; /* words that it may be instead, "a|b|c", or NULL */
-    const char *former;  /* words of former journals, which mean the first of those; or NULL */
     const char *form;    /* what stands for it in usage; NULL for what its type has */
     struct setting_member sets;
 };

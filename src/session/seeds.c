@@ -130,7 +130,7 @@ enum err session_take_away(struct session *session, const uint32_t *number, size
 
 /* The cells where seeds wait to be planted, in order, so that a ball of eliminators among a ball of
  * seeds takes no time worth mentioning: in the upper halves of numbers. A seed that was erased
- * before any run waits no more; in journals of semantics 3 and less it still does. */
+ * before any run waits no more. */
 struct waiting_cells {
     uint64_t *at;
     size_t count;
@@ -139,7 +139,6 @@ struct waiting_cells {
 static enum err find_waiting(struct waiting_cells *waiting, const struct session *session,
                              struct fault *fault)
 {
-    const bool knows_markers = semantics_has(session->semantics, MEANING_MARKERS);
     const struct edit *pending = edits_first(&session->now.lists.pending);
     const size_t pendings = edits_count(&session->now.lists.pending);
     *waiting = (struct waiting_cells){mem_array(pendings, sizeof *waiting->at), 0};
@@ -147,7 +146,7 @@ static enum err find_waiting(struct waiting_cells *waiting, const struct session
         return fault_memory(fault, "eliminators");
     for (size_t i = 0; i < pendings; i++)
         if (pending[i].label != EDIT_ERASE &&
-            (!knows_markers || markers_seed(&session->markers, pending[i].cell) != EDIT_ERASE))
+            markers_seed(&session->markers, pending[i].cell) != EDIT_ERASE)
             waiting->at[waiting->count++] = (uint64_t)pending[i].cell << 32;
     return sort_by_upper_half(waiting->at, waiting->count, session->watch, fault);
 }
@@ -349,9 +348,7 @@ enum err session_find_held(struct held *held, const struct session *session, uin
                            bool tree, struct fault *fault)
 {
     *held = (struct held){.seed = CELL_NONE};
-    return tree || !semantics_has(session->semantics, MEANING_MARKERS)
-               ? find_tree(held, session, cell, fault)
-               : find_marker(held, session, cell, fault);
+    return tree ? find_tree(held, session, cell, fault) : find_marker(held, session, cell, fault);
 }
 
 bool session_is_held(const struct session *session, const struct held *held, uint32_t cell)

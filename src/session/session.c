@@ -10,10 +10,11 @@
 #include "session/session_inside.h"
 #include "session/setting.h"
 
-static void begin(struct session *session, unsigned semantics)
+static void begin(struct session *session)
 {
     session->roi = roi_none();
-    session_take_semantics(session, semantics);
+    session->semantics = SEMANTICS;
+    session->now = state_default();
     session_mark(session);
 }
 
@@ -23,14 +24,16 @@ enum err session_new(struct session **session, struct fault *fault)
     if (!made)
         return fault_memory(fault, "a session");
     made->waits_from = UINT64_MAX;
-    begin(made, SEMANTICS);
+    begin(made);
     return OK;
 }
 
-void session_take_semantics(struct session *session, unsigned semantics)
+enum err session_take_semantics(struct session *session, unsigned semantics, struct fault *fault)
 {
-    session->semantics = semantics;
-    session->now = state_default();
+    const enum err err = semantics_check(semantics, fault);
+    if (!err)
+        session->semantics = semantics;
+    return err;
 }
 
 /* What is made of a scene, or looks at one, goes before it. */
@@ -76,7 +79,7 @@ void session_begin_again(struct session *session)
     const uint64_t waits_from = session->waits_from;
     end(session);
     *session = (struct session){.watch = watch, .waits_from = waits_from};
-    begin(session, SEMANTICS);
+    begin(session);
 }
 
 void session_free(struct session *session)
@@ -191,18 +194,6 @@ uint32_t session_series(const struct session *session)
 const char *session_open_notes(const struct session *session)
 {
     return session->open_notes;
-}
-
-void session_tell_sides(struct buf *out, const char *before, const struct session *session)
-{
-    const struct geometry *geometry = &session->geometry;
-    if (session->has_scene && geometry->sides_are_wrong &&
-        geometry->orientation != ORIENTATION_UNKNOWN)
-        buf_printf(out,
-                   "%ssides are wrong: semantics %u takes left for right and front for back of a "
-                   "NRRD in left-anterior-superior (`iftty log --reseal --accept WHY FILE` puts "
-                   "that right)\n",
-                   before, session->semantics);
 }
 
 uint64_t session_scene_digest(const struct session *session)
@@ -321,9 +312,7 @@ struct map_place session_map_place(const struct session *session, bool resample)
     return (struct map_place){.grid = &session->scene->grid,
                               .geometry = &session->geometry,
                               .part = &session->part,
-                              .resample = resample,
-                              .as_before = !semantics_has(session->semantics, MEANING_PLACES),
-                              .sides_as_before = !semantics_has(session->semantics, MEANING_SIDES)};
+                              .resample = resample};
 }
 
 /* ---- all or nothing ---- */

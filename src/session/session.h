@@ -75,8 +75,8 @@ void session_free(struct session *session);
 /* As it was when it was new, but for its watch and session_let_wait. */
 void session_begin_again(struct session *session);
 
-/* For a session that has done nothing yet: it goes by these from now on. */
-void session_take_semantics(struct session *session, unsigned semantics);
+/* Sets the semantics of a session that has done nothing yet; ERR_INPUT for unknown ones. */
+enum err session_take_semantics(struct session *session, unsigned semantics, struct fault *fault);
 
 /* ---- what it knows: borrowed, and of use until the next command ---- */
 
@@ -98,8 +98,6 @@ session_levels(const struct session *session); /* NULL: intensities are exact */
 const struct map_part *session_part(const struct session *session); /* of its file, or {0} */
 uint32_t session_series(const struct session *session);        /* of a folder, from 1; 0: of none */
 const char *session_open_notes(const struct session *session); /* what the file left open */
-/* A line after `before` where its semantics has the sides of its file wrong. */
-void session_tell_sides(struct buf *out, const char *before, const struct session *session);
 uint64_t session_scene_digest(const struct session *session);
 uint64_t session_weight_digest(const struct session *session);
 const char *session_proof(const struct session *session); /* as it was opened (scene_proof) */

@@ -51,7 +51,7 @@ const struct command setting_table[] = {
 
      "size 512 512"},
     {SETTING("shade", GROUP_LOOK, R | S),
-     {{"FORM", VALUE_CHOICE, .choices = SHADE_MODES, .former = "scene|depth",
+     {{"FORM", VALUE_CHOICE, .choices = SHADE_MODES,
        SETS(outlook.look.mode, SHADE_SURFACE, .made = MADE_CAMERA)},
       {"ao", VALUE_NUMBER, KEYED, .most = 100, .form = "PERCENT",
        SETS(outlook.look.ao_percent, 0, .made = MADE_CAMERA)},
@@ -60,7 +60,6 @@ const struct command setting_table[] = {
      "smooth surfaces, or the faces of voxels",
      "surface, the default: the shown objects, smoothed.\n"
      "cubes: the faces of their voxels, and normals as of the surface.\n"
-     "scene and depth, in journals of former semantics, mean surface.\n"
      "ao: ambient occlusion; 0, the default, is none. Sulci and other hollows, which little light "
      "comes into, are darker by up to so much. Not while an object is translucent, nor on faces "
      "that are cut open.\n"

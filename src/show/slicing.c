@@ -11,7 +11,6 @@
 #include "render/mosaic.h"
 #include "image/geometry.h"
 #include "session/markers.h"
-#include "session/semantics.h"
 #include "session/state.h"
 #include "show/draw.h"
 #include "show/export_picture.h"
@@ -53,18 +52,13 @@ static bool list_marks(struct sketch *sketch, const struct session *session)
 uint32_t slicing_number(const struct session *session, enum slice_plane plane,
                         const uint32_t place[3])
 {
-    return semantics_has(session_semantics(session), MEANING_SLICE_NUMBERS)
-               ? place[slice_axis(session_scene(session), plane)]
-               : slice_index(session_scene(session), plane, place);
+    return place[slice_axis(session_scene(session), plane)];
 }
 
 void slicing_move(const struct session *session, enum slice_plane plane, uint32_t number,
                   uint32_t place[3])
 {
-    if (semantics_has(session_semantics(session), MEANING_SLICE_NUMBERS))
-        place[slice_axis(session_scene(session), plane)] = number;
-    else
-        slice_move(session_scene(session), plane, number, place);
+    place[slice_axis(session_scene(session), plane)] = number;
 }
 
 /* "axial 90", and where that is in the world: "S 18.0 mm". A file may put the scene anywhere: what
@@ -249,26 +243,6 @@ enum err slicing_draw(struct canvas *canvas, struct session *session, enum slice
     if (!err)
         err = canvas_init(canvas, view->width, view->height, tells_cells, fault);
     return err ? err : draw(canvas, session, kind, labels, NULL, NULL, fault);
-}
-
-bool slicing_is_as_ever(const struct session *session, enum slice_kind kind,
-                        const struct labels *labels, const struct canvas *canvas)
-{
-    const struct slice_settings *s = &session_outlook(session)->slices;
-    const struct kept *kept = session_kept(session);
-    const size_t pixels = (size_t)canvas->width * canvas->height;
-    struct palette usual;
-    if (kind == SLICE_KIND_MOSAIC || s->words || s->marks || s->overlay == SLICE_CONTOUR)
-        return false;
-    palette_default(&usual);
-    for (size_t i = 0; i < pixels && s->overlay == SLICE_TINT; i++) {
-        const uint32_t cell = canvas->cell[i];
-        const uint8_t label = cell == CELL_NONE ? 0 : labels_at(labels, cell);
-        if (label && kept->visible[label] &&
-            memcmp(kept->palette.rgb[label], usual.rgb[label], sizeof usual.rgb[label]) == 0)
-            return false;
-    }
-    return true;
 }
 
 enum err slicing_draw_panel(struct canvas *canvas, struct session *session,

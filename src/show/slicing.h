@@ -19,8 +19,7 @@
 enum slice_kind { SLICE_KIND_AXIAL, SLICE_KIND_CORONAL, SLICE_KIND_SAGITTAL, SLICE_KIND_MOSAIC };
 
 /* The number of the slice that goes through a voxel: the voxel's index along the axis that slices
- * of the plane are counted along. In journals of semantics 8 and less they are counted towards the
- * patient's head, front and right (slice_index). And the voxel at the same place of slice `number`,
+ * of the plane are counted along. And the voxel at the same place of slice `number`,
  * which is below slice_count. */
 uint32_t slicing_number(const struct session *session, enum slice_plane plane,
                         const uint32_t place[3]);
@@ -32,12 +31,6 @@ void slicing_move(const struct session *session, enum slice_plane plane, uint32_
  * ERR_LIMIT for a mosaic of a view that is too small. */
 enum err slicing_draw(struct canvas *canvas, struct session *session, enum slice_kind kind,
                       const struct labels *labels, bool tells_cells, struct fault *fault);
-
-/* Whether a slice that was drawn, with its cells, is drawn now as under every semantics: it has no
- * letters, marks or contours, and tints only of labels whose colours are not by default. A mosaic,
- * which has a rendition in it, is not. */
-bool slicing_is_as_ever(const struct session *session, enum slice_kind kind,
-                        const struct labels *labels, const struct canvas *canvas);
 
 /* ERR_LIMIT for a view that is too small for a mosaic. */
 enum err slicing_check_size(const struct view *view, struct fault *fault);

@@ -88,8 +88,6 @@ void step_words_verdict(struct buf *out, const struct walkthrough *w)
     }
     buf_printf(out, "verified: %zu command%s carried out again, %zu result%s the same", r->executed,
                plural(r->executed), r->compared, plural(r->compared));
-    if (r->lost_words)
-        buf_printf(out, ", %zu not compared", r->lost_words);
     if (r->is_torn)
         buf_add_text(out, "; an unfinished record at the end was left alone");
 }

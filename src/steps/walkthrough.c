@@ -10,7 +10,6 @@
 #include "engine/forest.h"
 #include "engine/labels.h"
 #include "sandbox/limits.h"
-#include "session/semantics.h"
 #include "session/tally.h"
 
 enum { SEEDS_DRAWN_MOST = 1 << 18 };
@@ -405,8 +404,7 @@ enum err walkthrough_finish(struct walkthrough *w, struct fault *fault)
 enum err walkthrough_begin(struct walkthrough *w, struct interpreter *interp, const char *path,
                            struct fault *fault)
 {
-    *w = (struct walkthrough){
-        .interp = interp, .replaying = {.interp = interp}, .options = {.semantics = SEMANTICS}};
+    *w = (struct walkthrough){.interp = interp, .replaying = {.interp = interp}};
     w->host = replay_file_host(&w->replaying);
     enum err err = replay_file_begin(interp, path, &w->bytes, fault);
     if (!err)

@@ -35,7 +35,6 @@ struct evidence_collector {
     const char *folder;        /* for JOURNAL.NAME.actual.exr and .difference.png; NULL: none */
     struct evidence *evidence; /* for a report; or NULL */
     uint64_t goldens, pixels;  /* golden images that are the same, and their pixels */
-    uint64_t former;           /* those of a look that is gone: they are there, and no more */
 };
 
 /* The judge that refuses every golden image that differs, collects evidence of it, and counts those

@@ -11,7 +11,6 @@
 #include "command/execute.h"
 #include "journal/journal.h"
 #include "sandbox/limits.h"
-#include "session/semantics.h"
 
 /* ---- which records take longest ---- */
 
@@ -75,21 +74,15 @@ static void note_record(void *context, const struct record *record)
     replaying->interp->replayed_words = record->result;
 }
 
-static void begin(void *context, unsigned semantics)
-{
-    struct replaying *replaying = context;
-    session_take_semantics(replaying->interp->session, semantics);
-}
-
-static bool is_lost(void *context, const char *key, size_t length)
+static enum err begin(void *context, unsigned semantics, struct fault *fault)
 {
     const struct replaying *replaying = context;
-    return semantics_lost(session_semantics(replaying->interp->session), key, length);
+    return session_take_semantics(replaying->interp->session, semantics, fault);
 }
 
 struct replay_host replay_file_host(struct replaying *replaying)
 {
-    return (struct replay_host){replaying, execute, note_record, begin, is_lost};
+    return (struct replay_host){replaying, execute, note_record, begin};
 }
 
 /* A link that leads out of its folder leads to a journal, or to nothing: what else is there is not
@@ -129,7 +122,7 @@ enum err replay_file(struct interpreter *interp, const char *path, size_t first,
                                   .judge = interp->judge,
                                   .first = first};
     const struct replay_host host = replay_file_host(&replaying);
-    const struct replay_options options = {SEMANTICS, first, last};
+    const struct replay_options options = {first, last};
     enum err err = replay_file_begin(interp, path, &bytes, fault);
     if (!err)
         err = replay_run(buf_text(&bytes), bytes.length, &host, &options, report, fault);
@@ -249,11 +242,6 @@ void replay_describe(struct buf *text, const struct replay_report *report,
     if (report->is_torn)
         buf_printf(text, "# an unfinished record at byte %llu was left alone\n",
                    (unsigned long long)report->torn_offset);
-    if (report->lost_words) {
-        buf_printf(text, "# %zu result%s not compared: ", report->lost_words,
-                   report->lost_words > 1 ? "s were" : " was");
-        semantics_tell_lost(text, report->semantics);
-    }
     if (report->outcome == REPLAY_SAME)
         return;
     buf_add_text(text, "# ");
@@ -280,8 +268,8 @@ enum err replay_aloud(struct interpreter *interp, const char *path, const struct
     struct replay_report report = {0};
     struct buf text = {0};
     enum err err = replay_file(interp, path, 0, 0, printer, NULL, &report, fault);
-    replay_describe(&text, &report, fault);
-    session_tell_sides(&text, "# ", interp->session);
+    if (report.outcome != REPLAY_UNREADABLE || report.number) /* else the error says all */
+        replay_describe(&text, &report, fault);
     if (text.length)
         printer->warn(printer->context, buf_text(&text));
     if (!err)

@@ -13,7 +13,6 @@
 #include "journal/golden.h"
 #include "journal/journal.h"
 #include "journal/record.h"
-#include "session/semantics.h"
 #include "show/export_picture.h"
 #include "verify/orphan.h"
 #include "verify/strict.h"
@@ -176,7 +175,6 @@ struct resealing {
     struct record_chain chain;
     size_t count, marked; /* records; those that have changed */
     size_t stale;         /* golden images that are left alone, and are others now */
-    bool changes_header;
 };
 
 static enum err count_stale(void *context, struct interpreter *interp,
@@ -319,27 +317,19 @@ static enum err reseal_bytes(struct resealing *r, const struct buf *bytes, struc
     enum err err = walk_begin(&walk, buf_text(bytes), bytes->length, fault);
     if (err)
         return err;
-    r->changes_header = walk.semantics != SEMANTICS;
     if (!walk.is_journal)
         err = fault_set(fault, ERR_CHECK,
                         "this is a script, not a journal: run it into a new one; %s", unchanged);
-    else if (r->changes_header && !r->takes_results)
-        err = fault_set(fault, ERR_CHECK,
-                        "it was written with semantics %u, here is %u: iftty log --reseal --accept "
-                        "WHY FILE brings it to that, with all of its pictures; %s",
-                        walk.semantics, (unsigned)SEMANTICS, unchanged);
-    record_header(&r->header, SEMANTICS);
+    else
+        err = session_take_semantics(r->interp->session, walk.semantics, fault);
+    if (!err)
+        record_header(&r->header, walk.semantics);
     buf_add(&r->out, buf_text(&r->header), r->header.length);
     while (!err && walk_next(&walk, &record) == WALK_RECORD)
         err = reseal_record(r, walk.bytes, &record, fault);
     if (!err && walk.over != WALK_END)
         err = fault_set(fault, ERR_CHECK, "%s; going on with the journal repairs it; %s",
                         walk.fault.text, unchanged);
-    if (!err && r->stale && r->changes_header)
-        err = fault_set(fault, ERR_CHECK,
-                        "%zu golden image%s had a former look: iftty log --reseal --accept WHY "
-                        "FILE draws %s anew; %s",
-                        r->stale, plural(r->stale), r->stale > 1 ? "them" : "it", unchanged);
     if (!err && (r->out.failed || r->header.failed))
         err = fault_memory(fault, "a journal");
     walk_release(&walk);
@@ -432,7 +422,7 @@ static enum err reseal(struct resealing *r, const char *path, const struct print
         if (lines.length)
             printer->warn(printer->context, buf_text(&lines));
     }
-    if (!err && (r->marked || r->changes_header))
+    if (!err && r->marked)
         err = publish(r, path, &bytes, &former, fault);
     if (!err)
         report(r, path, &former, printer);

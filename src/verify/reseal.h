@@ -66,8 +66,8 @@ enum err reseal_check_reason(const char *why, struct fault *fault);
 
 /* `iftty log --reseal`: a journal that was edited by hand, or that another version wrote, gets the
  * results that its commands give here. With a reason, `--accept WHY`, its pictures are accepted in
- * the same step. Without one golden images are left alone, and counted where they are others now;
- * of a journal of former semantics that has such, nothing is changed: ERR_CHECK. */
+ * the same step. Without one golden images are left alone, and counted where they are others
+ * now. */
 enum err reseal_edited(struct interpreter *interp, const char *path, const char *why,
                        const struct printer *printer, struct fault *fault);
 

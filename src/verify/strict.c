@@ -22,11 +22,6 @@ enum err strict_refuse_torn(uint64_t offset, const char *who, struct fault *faul
 enum err strict_judge(const struct strictness *s, struct fault *fault)
 {
     const struct replay_report *report = s->report;
-    if (report->semantics > s->semantics)
-        return fault_set(fault, ERR_CHECK,
-                         "strict: it was written with semantics %u, and this program knows 1 to "
-                         "%u: a later version verifies it",
-                         report->semantics, s->semantics);
     if (report->is_torn)
         return strict_refuse_torn(report->torn_offset, "strict", fault);
     if (!report->executed)

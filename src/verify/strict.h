@@ -7,17 +7,14 @@
  * anew, since the chain holds no secret. So these are failures here, each with what to do:
  *
  *     torn tail          an unfinished record at the end was left alone
- *     other semantics    the journal says that it was made under a number that this build does not
- *                        know
  *     no records         a header and no more
  *     bare record        one without a digest, of a command that gives one
  *     no golden image    no pixel was compared; asked of whole journals alone
  *
  * What cannot be seen in a journal itself is that its last records are gone, with the digests of
  * all others in place: for that there are --expect and --lock. A recorded word that this build does
- * not give is a failure of any replay (journal/replay.h), unless it is of a look that is gone
- * (session/semantics.h). Such pictures are no missing evidence: they pass, and are counted in the
- * line of the journal; a golden image among them is to be there, and to be one, in any replay.
+ * not give is a failure of any replay (journal/replay.h), and so is a number of semantics that it
+ * does not know (session/semantics.h).
  */
 #ifndef VERIFY_STRICT_H
 #define VERIFY_STRICT_H
@@ -31,8 +28,7 @@ bool ci_is_set(void);
 
 struct strictness {
     const struct replay_report *report; /* of a replay that went well */
-    uint64_t goldens;                   /* golden images compared, or of a look that is gone */
-    unsigned semantics;                 /* the highest that is known here */
+    uint64_t goldens;                   /* golden images compared */
     bool is_part;                       /* not all records were to be compared */
 };
 

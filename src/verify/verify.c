@@ -9,7 +9,6 @@
 #include "command/act.h"
 #include "command/act_figures.h"
 #include "journal/journal.h"
-#include "session/semantics.h"
 #include "show/draw.h"
 #include "show/export_picture.h"
 #include "verify/iftty_lock.h"
@@ -85,8 +84,7 @@ static enum err judge_whole(const struct verify_options *options, const struct i
                             struct verify_result *result, struct fault *fault)
 {
     const struct strictness strictness = {.report = report,
-                                          .goldens = collector->goldens + collector->former,
-                                          .semantics = SEMANTICS,
+                                          .goldens = collector->goldens,
                                           .is_part = options->first || options->last};
     if (!report->is_journal)
         return fault_set(fault, ERR_CHECK, "this is a script, not a journal: nothing to compare");
@@ -218,7 +216,6 @@ static void replay_one(const struct verify_options *options, struct verify_resul
                           options->timings ? &timing : NULL, &report, &fault);
     replay_describe(&result->lines, &report, &fault);
     const bool is_told = err && result->lines.length;
-    session_tell_sides(&result->lines, "# ", interp.session);
     if (!err)
         err = judge_whole(options, &interp, &report, &collector, result, &fault);
     if (report.outcome == REPLAY_DIVERGED) {
@@ -232,8 +229,6 @@ static void replay_one(const struct verify_options *options, struct verify_resul
     result->digests = report.digests;
     result->goldens = collector.goldens;
     result->pixels = collector.pixels;
-    result->former = report.lost_words;
-    result->former_goldens = collector.former;
     if (report.executed)
         buf_add_text(&result->chain, report.chain.hex);
     result->took_ms = (clock_ns() - begin) / 1000000;
@@ -297,8 +292,6 @@ static void print_result(const struct verification *v, size_t number)
     } else if (!r->err) {
         buf_add_text(&text, " (");
         verify_result_describe(&text, r);
-        buf_add_text(&text, r->former || r->former_goldens ? ", " : "");
-        verify_result_describe_former(&text, r);
         buf_add_char(&text, ')');
     }
     buf_add_char(&text, '\n');

@@ -50,22 +50,16 @@ static void add_case(struct buf *out, const struct verify_result *r)
     markup_add(out, r->path);
     buf_add_char(out, '"');
     add_seconds(out, r->took_ms);
-    if (!r->err && !r->former && !r->former_goldens) {
+    if (!r->err) {
         buf_add_text(out, r->is_skipped ? "><skipped/></testcase>\n" : "/>\n");
         return;
     }
     buf_add_text(out, ">\n");
-    if (r->err) {
-        buf_printf(out, "      <%s type=\"%s\" message=\"", element, err_name(r->err));
-        markup_add(out, buf_text(&r->why));
-        buf_add_text(out, "\">");
-        markup_add(out, buf_text(&r->lines));
-        buf_printf(out, "</%s>\n", element);
-    } else {
-        buf_add_text(out, "      <system-out>");
-        verify_result_describe_former(out, r);
-        buf_add_text(out, "</system-out>\n");
-    }
+    buf_printf(out, "      <%s type=\"%s\" message=\"", element, err_name(r->err));
+    markup_add(out, buf_text(&r->why));
+    buf_add_text(out, "\">");
+    markup_add(out, buf_text(&r->lines));
+    buf_printf(out, "</%s>\n", element);
     buf_add_text(out, "    </testcase>\n");
 }
 
@@ -124,10 +118,6 @@ static void add_row(struct buf *out, size_t number, const struct verify_result *
         buf_printf(out, "<a href=\"#j%zu\">", number);
     markup_add(out, r->path);
     buf_add_text(out, r->err ? "</a>" : "");
-    if (r->former || r->former_goldens) {
-        buf_add_text(out, "<br>");
-        verify_result_describe_former(out, r);
-    }
     buf_add_text(out, "</td>");
     const uint64_t count[] = {r->executed, r->compared, r->digests,
                               r->goldens,  r->pixels,   r->took_ms};
@@ -221,10 +211,6 @@ static void add_object(struct json *json, const struct verify_result *r)
     json_count(json, "digests", r->digests);
     json_count(json, "golden_images", r->goldens);
     json_count(json, "pixels", r->pixels);
-    if (r->former || r->former_goldens) {
-        json_count(json, "digests_of_a_former_look", r->former);
-        json_count(json, "golden_images_of_a_former_look", r->former_goldens);
-    }
     if (r->signer.length)
         json_bytes(json, "signed_by", buf_text(&r->signer), r->signer.length);
     if (r->chain.length)

@@ -20,10 +20,9 @@ struct verify_result {
     bool is_known;    /* its verification is over; not sent either */
     bool is_skipped;  /* nor this: another failed before, and that was to be the end */
     enum err err;     /* OK, ERR_CHECK where something differs, else why it could not be verified */
-    uint64_t executed, compared;     /* commands; those of them whose recorded result is the same */
-    uint64_t digests;                /* of those results, the words that are digests */
-    uint64_t goldens, pixels;        /* golden images that are the same, and their pixels */
-    uint64_t former, former_goldens; /* digests and golden images of a look that is gone */
+    uint64_t executed, compared; /* commands; those of them whose recorded result is the same */
+    uint64_t digests;            /* of those results, the words that are digests */
+    uint64_t goldens, pixels;    /* golden images that are the same, and their pixels */
     uint64_t took_ms;
     uint64_t line;      /* of the record that differs; 0: it is about none */
     struct buf why;     /* of a failure: one line, without line feed, safe to print */
@@ -43,10 +42,8 @@ void verify_result_fail(struct verify_result *result, enum err err, bool is_told
                         const struct fault *fault);
 
 /* Adds what was compared: "10 commands, 10 results with 14 digests, 1 golden image of 1200
- * pixels", and what was not, for its look is gone: "3 digests and 1 golden image of a former look
- * not compared"; nothing where there is no such thing. */
+ * pixels". */
 void verify_result_describe(struct buf *out, const struct verify_result *result);
-void verify_result_describe_former(struct buf *out, const struct verify_result *result);
 
 void verify_result_write(struct buf *out, const struct verify_result *result);
 

@@ -134,8 +134,8 @@ static enum err verify_records(struct interpreter *interp, const struct buf *byt
     enum err err = walk_begin(&walk, bytes->data, bytes->length, fault);
     if (err)
         return err;
-    if (walk.semantics) /* an older journal keeps its meaning */
-        session_take_semantics(interp->session, walk.semantics);
+    if (walk.semantics)
+        err = session_take_semantics(interp->session, walk.semantics, fault);
     while (!err && walk_next_sound(&walk, &record) == WALK_RECORD)
         err = verify_record(interp, &record, f, fault);
     if (!err && (walk.over != WALK_END || walk.records == 0))

@@ -28,14 +28,11 @@ enum { DEFECTS = 10, GESTURES = 12, NEAR = 6, MENDED_SHARE = 4 };
 /* How the map is opened and corrected. */
 static const struct way {
     const char *name, *words;
-    unsigned semantics;
     bool limits;
 } way[] = {
-    {"erode=2, as before", "erode=2", 8, false},
-    {"erode=0, nothing gives way", "erode=0", 8, false},
-    {"erode=0, gives way", "erode=0", SEMANTICS, false},
-    {"erode=0, gives way, within", "erode=0", SEMANTICS, true},
-    {"erode=2, gives way", "erode=2", SEMANTICS, false},
+    {"erode=0", "erode=0", false},
+    {"erode=0, within", "erode=0", true},
+    {"erode=2", "erode=2", false},
 };
 enum { WAYS = sizeof way / sizeof *way };
 
@@ -130,8 +127,6 @@ static enum err say_file(struct mend *m, const char *name, const char *file, con
 static enum err open_map(struct mend *m, const struct way *w, struct fault *fault)
 {
     enum err err = interpreter_init(&m->interp, fault);
-    if (!err)
-        session_take_semantics(m->interp.session, w->semantics);
     err = err ? err : say_file(m, "open", "scene.nii", "", fault);
     err = err ? err : say(m, "auto on", fault);
     return err ? err : say_file(m, "labels", "map.nii", w->words, fault);
