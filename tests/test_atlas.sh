@@ -176,6 +176,8 @@ sys.stdout.buffer.write(bytes(int(v) for v in sys.stdin))'
 } >c.lut
 expect 0 "$iftty" -c 'open s.nii; label 4 "left part" #102030; label 5 spleen #405060
 save names a.txt; save names a.ctbl; save names a.ctab; save names a.nii.txt; save names a.lut'
+same "$(grep -c 'changed to fit; the first is of label 4, in the file left_part' out)" 3
+out_has '2 names not written: a .lut holds colours alone'
 same "$(cat a.ctbl)" "# Color table file
 0 Background 0 0 0 0
 4 left_part 16 32 48 255
@@ -189,6 +191,26 @@ for table in a.txt a.ctbl a.ctab a.nii.txt; do
     [ $table = a.txt ] && same_files a.txt b.txt
     grep -q '"spleen"' b.txt || fail "no spleen by $table"
 done
+cat >odd.txt <<'END'
+    4   255    0    0        1  1  1    "3rd vent, \"left\""
+    5     0  255    0      0.5  1  1    "4th 'b' <x> & y"
+    6     0  255    0        1  1  1    ""
+END
+expect 0 "$iftty" -c 'open s.nii; label-file odd.txt; seed 1,1,1 "3rd vent, \"left\""
+    seed 8,8,4 "4th '"'b'"' <x> & y"; run; save seeds odd.csv; stats report=odd-stats.csv; stats
+    save labels odd.seg.nrrd; save names odd-2.txt; label-file odd-2.txt' --journal odd.iftty
+out_has '2 names and 3 colours of labels'
+out_has 'label 4, in the file 3rd vent, '"'left'"
+[ "$(grep -c 'had to be changed' out)" = 1 ] || fail "$(cat out)"
+grep -qF '"3rd vent, ""left"""' odd-stats.csv || fail "$(cat odd-stats.csv)"
+grep -aqxF 'Segment0_Name:=3rd vent, "left"' odd.seg.nrrd || fail "$(strings odd.seg.nrrd)"
+expect 0 "$iftty" -c 'seed-file odd.csv' --journal odd.iftty
+expect 0 "$iftty" verify --no-strict odd.iftty
+"$iftty" log --script odd.iftty >odd.script
+rm odd.seg.nrrd odd-2.txt odd-stats.csv
+mv odd.csv odd-1.csv
+sed -i 's/save seeds odd.csv/save seeds x.csv/; s/seed-file odd/seed-file odd-1/' odd.script
+expect 0 "$iftty" run odd.script
 expect 0 "$iftty" -c 'open s.nii; label-file c.lut; save names d.lut'
 tail -c +2 c.lut | head -c 255 >c.red
 tail -c +2 d.lut | head -c 255 >d.red

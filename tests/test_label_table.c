@@ -90,17 +90,18 @@ STORY(a_lut_gives_every_label_a_colour)
 STORY(names_are_made_to_fit)
 {
     static const char *const row[][2] = {
-        {"1 3rd-Ventricle", "label-3rd-Ventricle"},
+        {"1 17 2 3 4 0", "label-17"},
         {"1 a=b\\c", "a_b_c"},
-        {"1 1 2 3 0 0 0 \"  \"", "label-"},
+        {"1 \"1 2\" 2 3 4 0", "label-1 2"},
+        {"1 #3", "label-#3"},
         {"1 Superior_fronto-occipital_fasciculus_(could_be)_R", "Superior_fronto-o~_(could_be)_R"},
-        {"1 \xff\x1b[31m", "label-__[31m"},
+        {"1 \xff\x1b[31m", "__[31m"},
         {"1 \xc3\xa4pfel", "\xc3\xa4pfel"},
     };
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
         CHECK_INT(take(row[i][0], NULL, NULL), OK);
         CHECK_TEXT(state.kept.label_name[1], row[i][1]);
-        CHECK(tally.changed == (i != 5) && tally.first_changed == (i != 5));
+        CHECK(tally.changed == (i != 6) && tally.first_changed == (i != 6));
     }
     CHECK_INT(take("1 Unknown\n2 Unknown\n3 An_unknown_part_of_the_left_hem\n"
                    "4 An_unknown_part_of_the_left_hem\n",
@@ -110,6 +111,56 @@ STORY(names_are_made_to_fit)
     CHECK_TEXT(state.kept.label_name[2], "Unknown (2)");
     CHECK_TEXT(state.kept.label_name[4], "An_unknown_part_of_the_left (4)");
     CHECK_INT(tally.changed, 2);
+}
+
+STORY(names_are_kept_as_they_are_written)
+{
+    static const char *const row[][2] = {
+        {"1 3rd-Ventricle 255 0 16 0", "3rd-Ventricle ff0010"},
+        {"1\t3rd-Ventricle\t255 0 16 0", "3rd-Ventricle ff0010"},
+        {"1 4th ventricle 2 255 0 16 0", "4th ventricle 2 ff0010"},
+        {"1 \"left hemi\" 255 0 16 0", "left hemi ff0010"},
+        {"1 the \"left\" one 255 0 16 0", "the \"left\" one ff0010"},
+        {"1 255 0 16 1 1 1 \"3rd vent, \\\"left\\\"\"", "3rd vent, \"left\" ff0010"},
+        {"1 255 0 16 1 1 1 \"3rd vent, \"left\"\"", "3rd vent, \"left\" ff0010"},
+        {"1 255 0 16 1 1 1 \"'a' (b) <c> & d\"", "'a' (b) <c> & d ff0010"},
+        {"1 255 0 16 1 1 1 \"\xc3\xbcn\xc3\xaf\"", "\xc3\xbcn\xc3\xaf ff0010"},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        CHECK_INT(take(row[i][0], NULL, NULL), OK);
+        CHECK_TEXT(told(1), row[i][1]);
+        CHECK(tally.names == 1 && tally.colours == 1 && tally.changed == 0);
+    }
+    CHECK_INT(take("1 255 0 16 1 1 1 \" \"\n2 1 2 3 1 1 1 \"\"\n", NULL, NULL), OK);
+    CHECK_TEXT(told(1), " ff0010");
+    CHECK(tally.names == 0 && tally.colours == 2 && tally.changed == 0);
+}
+
+STORY(names_that_a_format_cannot_hold_are_counted)
+{
+    static const bool used[256] = {false};
+    static const struct {
+        enum label_table_format format;
+        unsigned changed, first;
+        const char *written;
+    } row[] = {
+        {TABLE_ITKSNAP, 1, 2, "3rd vent, 'left'"}, /* which ends a name there */
+        {TABLE_SLICER, 2, 1, "left_hemi"},         {TABLE_FREESURFER, 2, 1, "left_hemi"},
+        {TABLE_MRICRON, 2, 1, "left_hemi"},        {TABLE_LUT, 3, 1, ""},
+    };
+    struct buf text = {0};
+    CHECK_INT(
+        take("1 left hemi 1 2 3 0\n2 3rd vent, \"left\" 1 2 3 0\n3 4th 1 2 3 0\n", NULL, NULL), OK);
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        struct label_writing writing = {0};
+        buf_clear(&text);
+        label_table_write(&text, &writing, row[i].format, &state.kept, used);
+        CHECK_INT(writing.changed, row[i].changed);
+        CHECK_INT(writing.first_changed, row[i].first);
+        CHECK_TEXT(writing.first_written, row[i].written);
+        CHECK(strstr(buf_text(&text), row[i].written));
+    }
+    buf_release(&text);
 }
 
 STORY(regions_choose_entries_and_their_labels)
@@ -166,6 +217,7 @@ STORY(a_bad_line_is_named_and_nothing_is_taken)
         {"1", "line 1: expected NUMBER NAME"},
         {"1 ", "line 1: expected NUMBER NAME"},
         {"1 a 256 0 0", "not 1 a 256 0 0"},
+        {"1 255 0 0 1 1 1 \"x\" y", "line 1: expected NUMBER NAME"},
         {"99999999999 a", "line 1: expected NUMBER NAME"},
         {"# nothing\n", "there is no label in it"},
         {"", "there is no label in it"},
@@ -196,11 +248,12 @@ STORY(a_table_has_no_more_labels_than_a_map_has_regions)
 STORY(what_is_written_is_read_again)
 {
     static const bool used[256] = {[3] = true};
+    struct label_writing writing = {0};
     struct buf text = {0};
     enum label_table_format format;
     CHECK_INT(take("1 1 2 3 1 1 1 \"left hemi\"\n2 4 5 6 1 1 1 \"spleen\"\n", NULL, NULL), OK);
     CHECK(label_table_ending("a/b.txt", &format) && format == TABLE_ITKSNAP);
-    label_table_write(&text, format, &state.kept, used);
+    label_table_write(&text, &writing, format, &state.kept, used);
     CHECK_HAS(buf_text(&text), "\n    1      1    2    3        1  1  1    \"left hemi\"\n");
     CHECK_HAS(buf_text(&text), "\"Label 3\"\n");
     CHECK_INT(take(buf_text(&text), NULL, NULL), OK);
@@ -208,19 +261,19 @@ STORY(what_is_written_is_read_again)
     CHECK_INT(tally.names, 3);
     buf_clear(&text);
     CHECK(label_table_ending("b.CTBL", &format) && format == TABLE_SLICER);
-    label_table_write(&text, format, &state.kept, used);
+    label_table_write(&text, &writing, format, &state.kept, used);
     CHECK_HAS(buf_text(&text), "\n1 left_hemi 1 2 3 255\n2 spleen 4 5 6 255\n"); /* opaque */
     buf_clear(&text);
     CHECK(label_table_ending("b.ctab", &format) && format == TABLE_FREESURFER);
-    label_table_write(&text, format, &state.kept, used);
+    label_table_write(&text, &writing, format, &state.kept, used);
     CHECK_HAS(buf_text(&text), "\n1 left_hemi 1 2 3 0\n2 spleen 4 5 6 0\n"); /* as opaque */
     buf_clear(&text);
     CHECK(label_table_ending("b.nii.txt", &format) && format == TABLE_MRICRON);
-    label_table_write(&text, format, &state.kept, used);
+    label_table_write(&text, &writing, format, &state.kept, used);
     CHECK_TEXT(buf_text(&text), "1 left_hemi\n2 spleen\n3 Label_3\n");
     buf_clear(&text);
     CHECK(label_table_ending("b.lut", &format) && format == TABLE_LUT);
-    label_table_write(&text, format, &state.kept, used);
+    label_table_write(&text, &writing, format, &state.kept, used);
     CHECK(text.length == 768 && text.data[256 + 2] == 5);
     CHECK(!label_table_ending("b.nii", &format));
     buf_release(&text);
@@ -243,6 +296,8 @@ int main(void)
 {
     return RUN_STORIES(TELL(each_format_gives_its_names_and_colours),
                        TELL(a_lut_gives_every_label_a_colour), TELL(names_are_made_to_fit),
+                       TELL(names_are_kept_as_they_are_written),
+                       TELL(names_that_a_format_cannot_hold_are_counted),
                        TELL(regions_choose_entries_and_their_labels),
                        TELL(lists_of_regions_and_labels_are_of_one_length),
                        TELL(a_line_of_numbers_alone_ends_where_it_ends),

@@ -19,18 +19,17 @@ enum err act_go(const struct act *act)
     return session_go(act->session, act->next, NULL, 0, act->fault);
 }
 
-enum err act_check_name(const char *name, size_t room, bool blanks, struct fault *fault)
+enum err act_check_name(const char *name, size_t room, struct fault *fault)
 {
     const unsigned char first = (unsigned char)*name;
     const size_t length = strlen(name);
     const bool is_fit = length < room && (first >= 0x80 || isalpha(first)) &&
-                        *safe_end(name) == '\0' && !strpbrk(name, blanks ? "=\"\\" : " =\"\\") &&
-                        name[length - 1] != ' '; /* which nobody would see */
+                        *safe_end(name) == '\0' && !strpbrk(name, " =\"\\");
     return is_fit ? OK
                   : fault_set(fault, ERR_USAGE,
-                              "NAME: expected %s of at most %zu bytes that begins "
-                              "with a letter, not %s",
-                              blanks ? "a name" : "a word", room - 1, name);
+                              "NAME: expected a word of at most %zu bytes that begins with a "
+                              "letter, not %s",
+                              room - 1, name);
 }
 
 /* ---- files ---- */

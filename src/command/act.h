@@ -70,9 +70,9 @@ enum err act_go(const struct act *act);
 /* `err`, with the name of a file before its words. */
 enum err act_naming(const char *file, enum err err, struct fault *fault);
 
-/* A name is a word of less than `room` bytes that no number, colour or option can be mistaken for,
- * or several where `blanks` are allowed; ERR_USAGE for another. */
-enum err act_check_name(const char *name, size_t room, bool blanks, struct fault *fault);
+/* A name is a word of less than `room` bytes that no number, colour or option can be mistaken for;
+ * ERR_USAGE for another. */
+enum err act_check_name(const char *name, size_t room, struct fault *fault);
 
 /* What `replace=yes|no` says. */
 enum file_mode act_file_mode(const struct act *act);

@@ -97,7 +97,7 @@ enum err act_goto(const struct act *act)
 enum err act_branch(const struct act *act)
 {
     const char *name = act_text(act, "NAME");
-    enum err err = act_check_name(name, BRANCH_NAME_BYTES, false, act->fault);
+    enum err err = act_check_name(name, BRANCH_NAME_BYTES, act->fault);
     if (!err)
         err = history_branch(&act->interp->history, name, act->fault);
     if (!err)

@@ -15,7 +15,7 @@ enum err act_landmark(const struct act *act)
     struct landmark *mark = act->next->kept.landmark;
     const char *name = act_text(act, "NAME");
     const bool goes = act_has(act, "PLACE") && act_text(act, "PLACE");
-    const enum err err = act_check_name(name, LANDMARK_NAME_BYTES, false, act->fault);
+    const enum err err = act_check_name(name, LANDMARK_NAME_BYTES, act->fault);
     size_t at = 0;
     if (err)
         return err;

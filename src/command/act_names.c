@@ -35,9 +35,11 @@ enum err act_label(const struct act *act)
     struct kept *kept = &act->next->kept;
     const size_t label = (size_t)act_number(act, "LABEL");
     const char *name = act_text(act, "NAME");
-    const enum err err = act_check_name(name, LABEL_NAME_BYTES, true, act->fault);
-    if (err)
-        return err;
+    if (!label_name_fits(name))
+        return fault_set(act->fault, ERR_USAGE,
+                         "NAME: expected a name of at most %d bytes, with no = or \\ in it, no # "
+                         "at its beginning and no blank at its ends, and no number, not %s",
+                         LABEL_NAME_BYTES - 1, *name ? name : "nothing");
     for (size_t other = 0; other < 256; other++)
         if (other != label && strcmp(kept->label_name[other], name) == 0)
             return fault_set(act->fault, ERR_USAGE, "label %zu is already called %s", other, name);

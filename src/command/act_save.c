@@ -190,10 +190,25 @@ static enum err save_seeds(const struct act *act, const char *path, enum file_mo
     return err;
 }
 
+static void tell_changed_names(const struct act *act, const struct label_writing *writing)
+{
+    struct buf *out = &act->reply->text;
+    buf_printf(out, "%u name%s ", writing->changed, plural(writing->changed));
+    if (!*writing->first_written) {
+        buf_add_text(out, "not written: a .lut holds colours alone\n");
+        return;
+    }
+    buf_printf(out, "had to be changed to fit; the first is of label %u, in the file ",
+               writing->first_changed);
+    buf_add_safe_text(out, writing->first_written);
+    buf_add_char(out, '\n');
+}
+
 static enum err save_names(const struct act *act, const char *path, enum file_mode how)
 {
     enum label_table_format format;
     bool used[256];
+    struct label_writing writing;
     struct buf text = {0};
     if (!label_table_ending(path, &format))
         return fault_set(act->fault, ERR_USAGE,
@@ -211,11 +226,13 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
         used[l] = session_tally(act->session)->voxels[l] > 0 || *kept->label_name[l];
     if (!err)
         err = numbering_check(kept, used, act->fault);
-    label_table_write(&text, format, session_kept(act->session), used);
+    label_table_write(&text, &writing, format, session_kept(act->session), used);
     if (!err && text.failed)
         err = fault_memory(act->fault, "the names of labels");
     if (!err)
         err = file_write(path, text.data, text.length, how, act->fault);
+    if (!err && writing.changed)
+        tell_changed_names(act, &writing);
     buf_release(&text);
     return err;
 }

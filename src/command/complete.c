@@ -190,6 +190,15 @@ static void offer_commands(const struct offers *o)
                     note_of(command_at(i)->summary));
 }
 
+static bool needs_quotes(const char *word)
+{
+    struct buf out = {0};
+    command_write_word(&out, word);
+    const bool needs = out.length > 0 && out.data[0] == '"';
+    buf_release(&out);
+    return needs;
+}
+
 /* Names of several words stand between quotes, as do all beside them; a key's value has none. */
 static void offer_labels(const struct offers *o, const struct parameter *p)
 {
@@ -197,13 +206,13 @@ static void offer_labels(const struct offers *o, const struct parameter *p)
     for (int label = (int)p->least; label < 256; label++) {
         const char *name = session_kept(o->interp->session)->label_name[label];
         offers.quoted |=
-            !p->keyed && *name && starts_so(o, name, strlen(name)) && strchr(name, ' ');
+            !p->keyed && *name && starts_so(o, name, strlen(name)) && needs_quotes(name);
     }
     for (int label = (int)p->least; label < 256; label++) {
         const char *name = session_kept(o->interp->session)->label_name[label];
         char note[32];
         snprintf(note, sizeof note, "label %d", label);
-        if (!p->keyed || !strchr(name, ' '))
+        if (!p->keyed || !needs_quotes(name))
             offer_noted(&offers, name, strlen(name), note_of(note));
     }
 }
@@ -275,15 +284,6 @@ static void listing_release(struct listing *listing)
 }
 
 /* ---- files ---- */
-
-static bool needs_quotes(const char *word)
-{
-    struct buf out = {0};
-    command_write_word(&out, word);
-    const bool needs = out.length > 0 && out.data[0] == '"';
-    buf_release(&out);
-    return needs;
-}
 
 static const char *join(struct buf *path, const char *folder, size_t length, const char *name)
 {

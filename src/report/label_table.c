@@ -43,20 +43,40 @@ static struct part trimmed(struct part part)
     return part;
 }
 
-/* With the signs that no name holds as _, and a letter first. */
-static void write_fit(struct buf *out, struct part name)
+/* "17", and what a line of a table has where it lacks a name, as "1 2". */
+static bool is_number(const char *name)
 {
-    const size_t first =
-        name.at < name.end ? safe_character(name.at, (size_t)(name.end - name.at)) : 0;
-    if (first < 2 && (first == 0 || !isalpha((unsigned char)*name.at)))
+    return name[strspn(name, "0123456789+-. ")] == '\0';
+}
+
+bool label_name_fits(const char *name)
+{
+    const size_t length = strlen(name);
+    return length > 0 && length <= NAME_MOST && !is_number(name) && !strchr(" #", *name) &&
+           name[length - 1] != ' ' && *safe_end(name) == '\0' && !strpbrk(name, "=\\");
+}
+
+/* With the signs that no name holds as _. */
+static void write_fit(struct buf *out, const char *name, size_t length)
+{
+    if (*name == '#' || is_number(name))
         buf_add_text(out, "label-");
-    while (name.at < name.end) {
-        const size_t n = safe_character(name.at, (size_t)(name.end - name.at));
-        if (n == 0 || strchr("=\"\\\t", *name.at))
+    for (const char *end = name + length; name < end;) {
+        const size_t n = safe_character(name, (size_t)(end - name));
+        if (n == 0 || strchr("=\\\t", *name))
             buf_add_char(out, '_');
         else
-            buf_add(out, name.at, n);
-        name.at += n ? n : 1;
+            buf_add(out, name, n);
+        name += n ? n : 1;
+    }
+}
+
+/* Without the backslash before a quote. */
+static void write_unquoted(struct buf *out, struct part name)
+{
+    for (; name.at < name.end; name.at++) {
+        name.at += name.at[0] == '\\' && name.at + 1 < name.end && name.at[1] == '"';
+        buf_add_char(out, *name.at);
     }
 }
 
@@ -70,12 +90,16 @@ static size_t character_at(const char *text, size_t at, int step)
 
 static enum err take_name(struct label_entry *entry, struct part name, struct fault *fault)
 {
-    struct buf fit = {0};
+    struct buf plain = {0}, fit = {0};
     name = trimmed(name);
-    write_fit(&fit, name);
-    if (fit.failed)
-        return fault_memory(fault, "the names of labels");
-    if (fit.length > NAME_MOST) {
+    if (name.end - name.at > 1 && name.at[0] == '"' && name.end[-1] == '"')
+        write_unquoted(&plain, trimmed((struct part){name.at + 1, name.end - 1}));
+    else
+        buf_add(&plain, name.at, (size_t)(name.end - name.at));
+    if (plain.length && !plain.failed)
+        write_fit(&fit, buf_text(&plain), plain.length);
+    const bool failed = plain.failed || fit.failed;
+    if (fit.length > NAME_MOST && !failed) {
         /* Both ends of a name that is too long. */
         enum { TAIL = 13 };
         const size_t head = character_at(fit.data, NAME_MOST - 1 - TAIL, -1);
@@ -83,14 +107,14 @@ static enum err take_name(struct label_entry *entry, struct part name, struct fa
         memcpy(entry->name, fit.data, head);
         entry->name[head] = '~';
         memcpy(entry->name + head + 1, fit.data + tail, fit.length - tail);
-    } else {
+    } else if (!failed) {
         memcpy(entry->name, buf_text(&fit), fit.length);
     }
     const size_t length = strlen(entry->name);
-    entry->changed =
-        length != (size_t)(name.end - name.at) || memcmp(entry->name, name.at, length) != 0;
+    entry->changed = length != plain.length || memcmp(entry->name, buf_text(&plain), length) != 0;
+    buf_release(&plain);
     buf_release(&fit);
-    return OK;
+    return failed ? fault_memory(fault, "the names of labels") : OK;
 }
 
 /* ---- reading ---- */
@@ -125,10 +149,9 @@ static bool scan_itksnap(struct part line, struct label_entry *entry, struct par
     if (!scan_colour(&at, entry->rgb) || at >= line.end)
         return false;
     const char *open = memchr(at, '"', (size_t)(line.end - at));
-    const char *close = open ? memchr(open + 1, '"', (size_t)(line.end - open - 1)) : NULL;
-    if (!close || trimmed((struct part){close + 1, line.end}).at != line.end)
+    if (!open || line.end - open < 2 || line.end[-1] != '"')
         return false;
-    *name = (struct part){open + 1, close};
+    *name = (struct part){open, line.end};
     entry->has_colour = true;
     return true;
 }
@@ -150,8 +173,11 @@ static bool take_last_number(struct part *line, int64_t *number)
  * belong to the name. False for a colour that is none. */
 static bool scan_named(struct part line, struct label_entry *entry, struct part *name)
 {
+    const char *at = line.at;
     int64_t number[4];
     int count = 0;
+    if (scan_colour(&at, entry->rgb) && at < line.end && memchr(at, '"', (size_t)(line.end - at)))
+        return false; /* as ITK-SNAP, with something after the name */
     while (count < 4 && take_last_number(&line, &number[count]))
         count++;
     *name = line;
@@ -333,35 +359,60 @@ const char *label_table_ending(const char *path, enum label_table_format *format
     return ending;
 }
 
-/* The name, or one made of the number; `blank` stands for blanks. */
-static void write_name(struct buf *out, const struct kept *kept, unsigned label, char blank)
+/* A name as a format can hold it. */
+static void write_name(struct buf *out, struct label_writing *writing,
+                       enum label_table_format format, const struct kept *kept, unsigned label)
 {
+    const bool has_blanks = format == TABLE_ITKSNAP;
     const char *name = kept->label_name[label];
+    const size_t begin = out->length;
     if (!*name)
-        buf_printf(out, "Label%c%u", blank, numbering_of(kept, label));
+        buf_printf(out, "Label%c%u", has_blanks ? ' ' : '_', numbering_of(kept, label));
     for (; *name; name++)
-        buf_add_char(out, *name == ' ' ? blank : *name);
+        buf_add_char(out, *name == ' ' && !has_blanks  ? '_'
+                          : *name == '"' && has_blanks ? '\''
+                                                       : *name);
+    name = kept->label_name[label];
+    if (out->failed)
+        return;
+    const char *written = buf_text(out) + begin;
+    if (*name && strcmp(written, name) != 0 && writing->changed++ == 0) {
+        writing->first_changed = label;
+        snprintf(writing->first_written, sizeof writing->first_written, "%s", written);
+    }
 }
 
-static void write_line(struct buf *out, enum label_table_format format, const struct kept *kept,
-                       unsigned label)
+static void write_line(struct buf *out, struct label_writing *writing,
+                       enum label_table_format format, const struct kept *kept, unsigned label)
 {
     const uint8_t *rgb = kept->palette.rgb[label];
     const unsigned number = numbering_of(kept, label);
     if (format == TABLE_ITKSNAP) {
         buf_printf(out, "%5u  %5u %4u %4u        1  1  1    \"", number, rgb[0], rgb[1], rgb[2]);
-        write_name(out, kept, label, ' ');
+        write_name(out, writing, format, kept, label);
         buf_add_text(out, "\"\n");
         return;
     }
     buf_printf(out, "%u ", number);
-    write_name(out, kept, label, '_');
+    write_name(out, writing, format, kept, label);
     if (format == TABLE_SLICER || format == TABLE_FREESURFER) /* opacity; transparency */
         buf_printf(out, " %u %u %u %d", rgb[0], rgb[1], rgb[2], format == TABLE_SLICER ? 255 : 0);
     buf_add_char(out, '\n');
 }
 
-void label_table_write(struct buf *out, enum label_table_format format, const struct kept *kept,
+/* 256 of red, of green and of blue; what names there are is not in it. */
+static void write_lut(struct buf *out, struct label_writing *writing, const struct kept *kept)
+{
+    for (int k = 0; k < 3; k++)
+        for (unsigned l = 0; l < LABELS; l++)
+            buf_add_char(out, l ? (char)kept->palette.rgb[l][k] : '\0');
+    for (unsigned l = 1; l < LABELS; l++)
+        if (*kept->label_name[l] && writing->changed++ == 0)
+            writing->first_changed = l;
+}
+
+void label_table_write(struct buf *out, struct label_writing *writing,
+                       enum label_table_format format, const struct kept *kept,
                        const bool used[256])
 {
     static const char *const head[] = {
@@ -371,14 +422,13 @@ void label_table_write(struct buf *out, enum label_table_format format, const st
         [TABLE_SLICER] = "# Color table file\n0 Background 0 0 0 0\n",
         [TABLE_FREESURFER] = "# No. Label_Name R G B A\n0 Unknown 0 0 0 0\n",
         [TABLE_MRICRON] = ""};
+    *writing = (struct label_writing){0};
     if (format == TABLE_LUT) {
-        for (int k = 0; k < 3; k++)
-            for (unsigned l = 0; l < LABELS; l++)
-                buf_add_char(out, l ? (char)kept->palette.rgb[l][k] : '\0');
+        write_lut(out, writing, kept);
         return;
     }
     buf_add_text(out, head[format]);
     for (unsigned l = 1; l < LABELS; l++)
         if (numbering_of(kept, l) && (used[l] || *kept->label_name[l]))
-            write_line(out, format, kept, l);
+            write_line(out, writing, format, kept, l);
 }

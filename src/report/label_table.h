@@ -10,9 +10,10 @@
  * One reader takes all of them, line by line; empty lines and those that begin with # are passed
  * over. In .lut, number 0 has no meaning.
  *
- * A name becomes one that a label can have (`label`): signs that it cannot hold become _, one that
- * begins with no letter gets "label-" before it, and one that is too long loses its middle, for
- * sides stand at the end: "Superior_fronto-occ~al_capsule)_R".
+ * A name stays as it is written where a label can have it (label_name_fits). Between double quotes,
+ * \" is a quote. Else a sign that a name cannot hold becomes _, a number gets "label-" before it, and
+ * a name that is too long loses its middle, since sides are at the end:
+ * "Superior_fronto-occ~al_capsule)_R". Names that were changed are counted.
  *
  * Memory in, table out, and the reverse: who finds the file and reads it is the caller.
  */
@@ -21,6 +22,10 @@
 
 #include "base/buf.h"
 #include "session/state.h"
+
+/* Whether a label can have this name: printable UTF-8 of 1 to LABEL_NAME_BYTES - 1 bytes, without
+ * = and \, with no blank at its ends and no # at its beginning; no number. */
+bool label_name_fits(const char *name);
 
 struct label_entry {
     uint32_t number;
@@ -76,9 +81,18 @@ enum label_table_format {
  * .ctbl 3D Slicer, .ctab FreeSurfer, .lut that. NULL for other names. */
 const char *label_table_ending(const char *path, enum label_table_format *format);
 
-/* Writes labels 1..255 that have a name or are `used`; a .lut has all of them. Where a format has
- * no blanks in names, they become _. */
-void label_table_write(struct buf *out, enum label_table_format format, const struct kept *kept,
+/* Names that a format cannot hold as they are. */
+struct label_writing {
+    unsigned changed; /* of the first of them: */
+    unsigned first_changed;
+    char first_written[LABEL_NAME_BYTES]; /* "" in a .lut, which has no names */
+};
+
+/* Writes labels 1..255 that have a name or are `used`; a .lut has all of them. Blanks become _
+ * where a format has none in names, and a double quote becomes ' for ITK-SNAP, where it ends a
+ * name. */
+void label_table_write(struct buf *out, struct label_writing *writing,
+                       enum label_table_format format, const struct kept *kept,
                        const bool used[256]);
 
 #endif
