@@ -11,8 +11,8 @@
  * over. In .lut, number 0 has no meaning.
  *
  * A name stays as it is written where a label can have it (label_name_fits). Between double quotes,
- * \" is a quote. Else a sign that a name cannot hold becomes _, a number gets "label-" before it, and
- * a name that is too long loses its middle, since sides are at the end:
+ * \" is a quote. Else a sign that a name cannot hold becomes _, a number gets "label-" before it,
+ * and a name that is too long loses its middle, since sides are at the end:
  * "Superior_fronto-occ~al_capsule)_R". Names that were changed are counted.
  *
  * Memory in, table out, and the reverse: who finds the file and reads it is the caller.
