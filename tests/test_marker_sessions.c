@@ -338,12 +338,110 @@ STORY(seeds_are_what_the_commands_that_stand_give)
     }
 }
 
+/* ---- label maps, regions of interest and corrections, in any order ---- */
+
+/* A command that may be refused, since the region of interest leaves no voxel or would leave a seed
+ * outside. Four in ten change the region, or plant what a map holds. */
+static void draw_command(char line[LINE])
+{
+    const uint32_t x = below(size[0]), y = below(size[1]), z = below(size[2]), low = below(160);
+    const uint32_t label = below(3), other[3] = {below(size[0]), below(size[1]), below(size[2])};
+    switch (below(20)) {
+    case 0:
+    case 1:
+        snprintf(line, LINE, "labels regions.nii%s%s", below(2) ? " regions=1-2" : "",
+                 below(2) ? " erode=0" : "");
+        break;
+    case 2:
+    case 3:
+    case 4:
+        snprintf(line, LINE, "range %u %u", low, low + 30 + below(150));
+        break;
+    case 5:
+        snprintf(line, LINE, "range none");
+        break;
+    case 6:
+    case 7:
+        snprintf(line, LINE, "mask mask.nii%s", below(2) ? " regions=1" : "");
+        break;
+    case 8:
+        snprintf(line, LINE, "mask none");
+        break;
+    case 9:
+        snprintf(line, LINE, "box %u,%u,%u %u,%u,%u %u", x, y, z, other[0], other[1], other[2],
+                 label);
+        break;
+    case 10:
+        snprintf(line, LINE, "outline %u,%u,%u %u to=%u,%u,%u to=%u,%u,%u", x, y, z, label,
+                 other[0], y, z, x, other[1], z);
+        break;
+    case 11:
+        snprintf(line, LINE, "remove %u,%u,%u%s", x, y, z, below(3) ? "" : " of=tree");
+        break;
+    case 12:
+        snprintf(line, LINE, "undo %u", 1 + below(4));
+        break;
+    case 13:
+        snprintf(line, LINE, "redo %u", 1 + below(3));
+        break;
+    case 14:
+        snprintf(line, LINE, below(2) ? "run" : "auto %s", below(3) ? "on" : "off");
+        break;
+    case 15:
+        snprintf(line, LINE, "goto %u", below((uint32_t)interp.history.records + 1));
+        break;
+    default:
+        snprintf(line, LINE, "seed %u,%u,%u %u radius=%u%s", x, y, z, label, below(4),
+                 below(4) ? "" : " within=4");
+    }
+}
+
+STORY(maps_regions_and_corrections_come_in_any_order)
+{
+    const int rounds = (int)check_scaled(40);
+    char line[LINE];
+    unsigned refused = 0, carried_out = 0;
+    make_regions("regions.nii", size[0], 0);
+    make_weights("mask.nii", 0); /* 0 in one voxel of forty: holes in every piece */
+    CHECK(chdir(folder) == 0);
+    for (int i = 0; i < rounds && check_failures < 5; i++) {
+        struct snapshot before, after;
+        begin_with_journal(&interp, "order.iftty");
+        must(&interp, "auto on");
+        for (int n = 0; n < 40 && check_failures < 5; n++) {
+            draw_command(line);
+            take_snapshot(&before, &interp);
+            if (execute(&interp, line) == OK) {
+                take_snapshot(&after, &interp);
+                carried_out++;
+            } else {
+                CHECK(is_plain(fault.text));
+                is_as_before(&before, &interp, line);
+                refused++;
+            }
+            if (check_failures)
+                printf("#   round %d, after %s\n", i, line);
+        }
+        take_snapshot(&before, &interp);
+        interpreter_release(&interp);
+        begin_interpreter(&interp);
+        CHECK(interpreter_resume_journal(&interp, place("order.iftty"), NULL, &fault) == OK);
+        take_snapshot(&after, &interp);
+        is_same_segmentation(&before, &after);
+        interpreter_release(&interp);
+        verifies(place("order.iftty"));
+    }
+    CHECK(refused * 10 > carried_out);
+    CHECK(carried_out > refused);
+}
+
 int main(void)
 {
     if (!make_folder(folder, "markers"))
         return 1;
     make_scene();
-    const int status = RUN_STORIES(TELL(seeds_are_what_the_commands_that_stand_give));
+    const int status = RUN_STORIES(TELL(seeds_are_what_the_commands_that_stand_give),
+                                   TELL(maps_regions_and_corrections_come_in_any_order));
     reply_release(&reply);
     return remove_folder(folder) | status;
 }

@@ -3,7 +3,7 @@
  * Markers against a plain model: carry out, in order, the commands whose markers stand, each
  * writing its label over what was there; but one that yields does not write where a later one that
  * stands, of another label and with a voxel in its piece, wants the voxel free, and writes where
- * its piece goes on beside that.
+ * its piece goes on next to that, inside the region of interest of that moment.
  */
 #include <stdlib.h>
 
@@ -15,9 +15,11 @@ enum { VOXELS = 40, MARKERS_MOST = 40 };
 
 /* What the model knows of a marker: all it covers. */
 struct plain {
-    bool covers[VOXELS], piece[VOXELS], wants[VOXELS], stands, yields;
+    bool covers[VOXELS], piece[VOXELS], wants[VOXELS], outside[VOXELS], stands, yields;
     int16_t label;
 };
+
+static struct cell cells[1000 + VOXELS * 7];
 
 static uint32_t cell_of(uint32_t voxel)
 {
@@ -37,7 +39,7 @@ static bool goes_on(const struct plain *one, const struct plain *later, size_t v
 {
     const bool before = v > 0 && one->piece[v - 1] && later->wants[v - 1],
                after = v + 1 < VOXELS && one->piece[v + 1] && later->wants[v + 1];
-    return one->piece[v] && !later->wants[v] && (before || after);
+    return one->piece[v] && !later->wants[v] && !later->outside[v] && (before || after);
 }
 
 static bool writes(const struct plain *plain, size_t count, size_t i, size_t v)
@@ -107,9 +109,11 @@ static void want_free(struct markers *markers, struct plain *plain, uint64_t *ra
         plain->wants[v] = check_below(random, 2);
         if (plain->wants[v])
             cell[count++] = cell_of(v);
+        plain->outside[v] = check_below(random, 4) == 0;
+        cells[cell_of(v)].flags = plain->outside[v] ? CELL_OUTSIDE : 0;
     }
     const struct adjacency around = {.count = 2, .offset = {-7, 7}};
-    CHECK(markers_free(markers, &around, cell, count, NULL, NULL) == OK);
+    CHECK(markers_free(markers, cells, &around, cell, count, NULL, NULL) == OK);
 }
 
 STORY(any_set_of_markers_is_what_carrying_them_out_in_order_gives)

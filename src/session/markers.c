@@ -194,6 +194,7 @@ struct freed {
     uint32_t first, last;
     uint64_t origin; /* what is added to a cell for its bit */
     uint64_t *within, *covered;
+    const struct cell *cells; /* of the scene: no seed is planted outside its region of interest */
 };
 
 static uint64_t bit_of(const struct freed *freed, uint32_t cell)
@@ -241,6 +242,8 @@ static enum err cover_once(struct markers *markers, uint32_t number, struct free
 {
     const uint64_t bit = bit_of(freed, cell);
     const bool is_beside = !has_bit(freed->within, bit);
+    if (is_beside && freed->cells[cell].flags & CELL_OUTSIDE)
+        return OK;
     if (has_bit(freed->covered, bit) || !has_cell(markers, markers->marker + number - 1, cell))
         return OK;
     const enum err err = make_room(markers, 1, task, fault);
@@ -278,12 +281,14 @@ static bool comes_near(const struct markers *markers, const struct marker *marke
            stretch(markers, marker, count - 1).end > freed->first;
 }
 
-enum err markers_free(struct markers *markers, const struct adjacency *around, const uint32_t *cell,
-                      size_t count, struct watch *watch, struct fault *fault)
+enum err markers_free(struct markers *markers, const struct cell *cells,
+                      const struct adjacency *around, const uint32_t *cell, size_t count,
+                      struct watch *watch, struct fault *fault)
 {
     struct task task = task_begin(watch, "markers", count);
     struct freed freed = {0};
     enum err err = count ? freed_init(&freed, around, cell, count, fault) : OK;
+    freed.cells = cells;
     for (uint32_t number = 1; !err && count && number < markers->count; number++) {
         const struct marker *marker = markers->marker + number - 1;
         const size_t before = markers->covers;

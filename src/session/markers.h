@@ -113,8 +113,9 @@ enum err markers_yield(struct markers *markers, const struct marker_run *run, si
 /* The last one, which covers its voxels in order, frees those of `cell` in which a marker
  * gives way to it; `around` is what is beside a voxel. On errors, those of markers_add, it frees a
  * part of them, and is to be dropped. */
-enum err markers_free(struct markers *markers, const struct adjacency *around, const uint32_t *cell,
-                      size_t count, struct watch *watch, struct fault *fault);
+enum err markers_free(struct markers *markers, const struct cell *cells,
+                      const struct adjacency *around, const uint32_t *cell, size_t count,
+                      struct watch *watch, struct fault *fault);
 
 /* Those above number `count` were never added. Watched, and not to be stopped. */
 void markers_drop(struct markers *markers, size_t count, struct watch *watch);

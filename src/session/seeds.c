@@ -16,6 +16,20 @@ size_t session_pendings(const struct session *session)
     return edits_count(&session->now.lists.pending);
 }
 
+/* Adds an edit to those that wait. ERR_INPUT for a seed outside the region of interest: the forest
+ * has no seed there, and the edit of a voxel that another marker gives back can name one. */
+static enum err add_pending(struct session *session, struct edit edit, struct fault *fault)
+{
+    const struct grid *grid = &session->scene->grid;
+    if (edit.label == EDIT_ERASE || !(session->scene->cell[edit.cell].flags & CELL_OUTSIDE))
+        return edits_add(&session->now.lists.pending, edit, fault);
+    const struct place p = grid_place(grid, edit.cell);
+    return fault_set(fault, ERR_INPUT,
+                     "voxel %u,%u,%u would get a seed of label %d, and it is outside the region of "
+                     "interest; widen the region with `mask` or `range` first; nothing has changed",
+                     p.x, p.y, p.z, edit.label);
+}
+
 enum err session_add_reach(struct session *session, const struct reach *reach, uint16_t *number,
                            struct fault *fault)
 {
@@ -45,7 +59,7 @@ enum err session_plant_within(struct session *session, const uint32_t *cell, siz
     session->markers.marker[number - 1].reach = reach;
     session->markers.marker[number - 1].stands = err == OK;
     for (size_t i = 0; !err && i < count && task_advance(&task, 1); i++)
-        err = edits_add(&session->now.lists.pending, (struct edit){cell[i], label, reach}, fault);
+        err = add_pending(session, (struct edit){cell[i], label, reach}, fault);
     return err ? err : watch_fault(session->watch, fault);
 }
 
@@ -64,12 +78,13 @@ enum err session_free_voxels(struct session *session, const uint32_t *cell, size
     size_t i = markers->covers;
     struct adjacency around;
     adjacency_init(&around, 26, &session->scene->grid);
-    enum err err = markers_free(&session->markers, &around, cell, count, session->watch, fault);
+    enum err err = markers_free(&session->markers, session->scene->cell, &around, cell, count,
+                                session->watch, fault);
     struct task task = task_begin(session->watch, "edits", markers->covers - i);
     for (; !err && i < markers->covers && task_advance(&task, 1); i++) {
         const uint32_t changed = markers->cover[i].cell;
         if (markers_can_plant(markers, changed))
-            err = edits_add(&session->now.lists.pending, markers_edit(markers, changed), fault);
+            err = add_pending(session, markers_edit(markers, changed), fault);
     }
     return err ? err : watch_fault(session->watch, fault);
 }
@@ -94,13 +109,13 @@ static enum err take_away(struct session *session, uint32_t number, struct fault
     for (size_t i = 0; !err && i < covers && task_advance(&task, 1); i++) {
         const uint32_t cell = markers->cover[marker->first + i].cell;
         if (markers_can_plant(markers, cell) && markers_at(markers, cell) < number)
-            err = edits_add(&session->now.lists.pending, markers_edit(markers, cell), fault);
+            err = add_pending(session, markers_edit(markers, cell), fault);
     }
     const bool ends = marker->yields && markers->ends;
     for (size_t i = marker->first + covers; !err && ends && i < markers->covers; i++) {
         const struct cover *cover = markers->cover + i;
         if (cover->is_beside && cover->from == number)
-            err = edits_add(&session->now.lists.pending, markers_edit(markers, cover->cell), fault);
+            err = add_pending(session, markers_edit(markers, cover->cell), fault);
     }
     return err ? err : watch_fault(session->watch, fault);
 }
