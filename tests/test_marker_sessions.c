@@ -435,13 +435,45 @@ STORY(maps_regions_and_corrections_come_in_any_order)
     CHECK(carried_out > refused);
 }
 
+/* 1 everywhere but in the voxel 3,5,3. */
+static void hole_row(void *context, uint32_t y, uint32_t z, void *values)
+{
+    uint8_t *at = values;
+    (void)context;
+    for (uint32_t x = 0; x < size[0]; x++)
+        *at++ = !(x == 3 && y == 5 && z == 3);
+}
+
+STORY(no_removal_brings_a_seed_back_outside_the_region)
+{
+    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
+    CHECK(geometry_place(&geometry, to_mm, ORIENTATION_SFORM));
+    CHECK(volume_write(
+              place("hole.nii"), FILE_REPLACE,
+              &(struct volume_map){size, &geometry, VOXEL_UINT8, "test", hole_row, NULL, NULL},
+              NULL, NULL) == OK);
+    make_regions("regions.nii", size[0], 0);
+    CHECK(chdir(folder) == 0);
+    begin_with_scene(&interp);
+    must(&interp, "auto on");
+    must(&interp, "labels regions.nii erode=0");
+    must(&interp, "seed 3,5,5 2 radius=1"); /* 3,5,3 was a seed of label 1, and is free */
+    must(&interp, "mask hole.nii");
+    is_refused(&interp, "remove 3,5,5",
+               "voxel 3,5,3 would get a seed of label 1, and it is outside");
+    must(&interp, "mask none");
+    must(&interp, "remove 3,5,5");
+    interpreter_release(&interp);
+}
+
 int main(void)
 {
     if (!make_folder(folder, "markers"))
         return 1;
     make_scene();
     const int status = RUN_STORIES(TELL(seeds_are_what_the_commands_that_stand_give),
-                                   TELL(maps_regions_and_corrections_come_in_any_order));
+                                   TELL(maps_regions_and_corrections_come_in_any_order),
+                                   TELL(no_removal_brings_a_seed_back_outside_the_region));
     reply_release(&reply);
     return remove_folder(folder) | status;
 }
