@@ -64,7 +64,7 @@ done
 journal j 'open pipe.nii'
 refused "pipe.nii is not a regular file" j
 journal j 'open below' # a scene may be a folder of slices; links in it are left alone
-refused "the folder holds no slices of DICOM, TIFF or PNG" j
+refused "the folder holds no slices of DICOM, TIFF, PNG or BMP" j
 for command in mask weight seed-file; do
     for name in "$work/secret/hidden.nii" ../secret/hidden.nii \
         out.nii folder/hidden.nii zero.nii; do

@@ -220,7 +220,8 @@ static enum err check_words(struct volume_header *header, struct fault *fault)
          "series of DICOM in a folder"},
         {choice->fills_gaps, "missing=blank", "DICOM", "a series of DICOM"},
         {choice->data != NULL, "data=NAME", "HDF5", "data sets of HDF5"},
-        {choice->skip != NULL, "skip=NAME", "DICOM|TIFF slices|PNG slices", "a folder of slices"},
+        {choice->skip != NULL, "skip=NAME", "DICOM|TIFF slices|PNG slices|BMP slices",
+         "a folder of slices"},
     };
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
         if (!row[i].given || choice_find(row[i].formats, header->format) >= 0)

@@ -21,7 +21,7 @@
 
 #define HELPED_NOTE                                                                                \
     "DICOM (a folder, with its subfolders; mosaics of Siemens), other NRRD, MetaImage, MINC, "     \
-    "HDF5, MRC, TIFF stacks, folders of TIFF or PNG slices, VTK and GIPL are read by "             \
+    "HDF5, MRC, TIFF stacks, folders of TIFF, PNG or BMP slices, VTK and GIPL are read by "        \
     "iftty-volume, a program beside iftty; so are LSM, GE, Siemens Vision, Bruker and Stimulate, " \
     "untested for want of files. "                                                                 \
     "What a file does not say of orientation and spacing stays unknown. "

@@ -61,7 +61,7 @@ void walk(Files &files, const std::string &folder, bool follows_links, size_t de
     }
 }
 
-/* "png", "tiff" or nothing, by the first bytes. */
+/* "png", "tiff", "bmp" or nothing, by the first bytes. */
 std::string picture_kind(const std::string &path)
 {
     char bytes[4] = {0};
@@ -71,7 +71,7 @@ std::string picture_kind(const std::string &path)
         return "png";
     if (std::memcmp(bytes, "II*\0", 4) == 0 || std::memcmp(bytes, "MM\0*", 4) == 0)
         return "tiff";
-    return "";
+    return is_bmp(path) ? "bmp" : "";
 }
 
 /* Leaves out the files that are to be, by their names below the folder; how many. */
@@ -135,11 +135,21 @@ bool scan_named(std::vector<Slice> &slices, const Request &request, const std::s
     return is_dicom;
 }
 
+/* The kind that has most pictures; of equals the last by its name. */
+std::string most_of(const std::map<std::string, std::vector<std::string>> &pictures)
+{
+    const auto has_fewer = [](const auto &a, const auto &b) {
+        return a.second.size() <= b.second.size();
+    };
+    const auto most = std::max_element(pictures.begin(), pictures.end(), has_fewer);
+    return most == pictures.end() ? "" : most->first;
+}
+
 void open_folder(Volume &volume, const Request &request, const Files &all)
 {
     Files files = all;
     std::vector<Slice> slices;
-    std::vector<std::string> png, tiff;
+    std::map<std::string, std::vector<std::string>> pictures; /* by their kind */
     const size_t skipped = skip_files(files, request);
     size_t others = 0, without = 0;
     for (size_t i = 0; i < files.path.size(); i++) {
@@ -152,34 +162,32 @@ void open_folder(Volume &volume, const Request &request, const Files &all)
             continue;
         }
         const std::string kind = picture_kind(path);
-        if (kind == "png")
-            png.push_back(path);
-        else if (kind == "tiff")
-            tiff.push_back(path);
+        if (!kind.empty())
+            pictures[kind].push_back(path);
         else
             others++;
     }
     expect_end("it is damaged: its reader gave up");
-    if (slices.empty() && png.empty() && tiff.empty())
-        refuse("the folder holds no slices of DICOM, TIFF or PNG (%s of other kinds, %s of DICOM "
-               "without pixels, %s not followed)%s",
-               plural_of(others, "file").c_str(), plural_of(without, "file").c_str(),
-               plural_of(files.links, "link").c_str(),
-               !files.links ? ""
-               : request.follows_links
-                   ? "; a link to a file that is not there, as of git-annex, is "
-                     "not followed: `git annex get` brings it"
-                   : "; in a replay no link of a folder is followed: `cp -rL` "
-                     "makes a folder without links, for --scene");
+    if (slices.empty() && pictures.empty())
+        refuse(
+            "the folder holds no slices of DICOM, TIFF, PNG or BMP (%s of other kinds, %s of DICOM "
+            "without pixels, %s not followed)%s",
+            plural_of(others, "file").c_str(), plural_of(without, "file").c_str(),
+            plural_of(files.links, "link").c_str(),
+            !files.links            ? ""
+            : request.follows_links ? "; a link to a file that is not there, as of git-annex, is "
+                                      "not followed: `git annex get` brings it"
+                                    : "; in a replay no link of a folder is followed: `cp -rL` "
+                                      "makes a folder without links, for --scene");
+    const std::string kind = slices.empty() ? most_of(pictures) : "";
     if (!slices.empty())
         stack_slices(volume, slices, request);
+    else if (kind == "bmp")
+        stack_bmps(volume, pictures[kind]);
     else
-        stack_pictures(volume, tiff.size() >= png.size() ? tiff : png,
-                       tiff.size() >= png.size() ? "tiff" : "png");
-    if (slices.empty())
-        others += std::min(png.size(), tiff.size());
-    else
-        others += png.size() + tiff.size();
+        stack_pictures(volume, pictures[kind], kind);
+    for (const auto &[other, path] : pictures)
+        others += other == kind ? 0 : path.size();
     if (skipped)
         note(volume, "skip: " + plural_of(skipped, "file") + " left out");
     if (without)

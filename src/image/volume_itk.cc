@@ -191,14 +191,18 @@ void describe(Volume &volume, const itk::ImageIOBase::Pointer &io, const Request
 /* What the resolution of a picture says of its pixels: many programs write one without knowing, and
  * none says how far apart slices are. So it is noted, and not taken. ITK has 1 where there is none.
  */
-void note_resolution(Volume &volume, itk::ImageIOBase &io)
+void note_pixels(Volume &volume, double x, double y)
 {
-    const double x = io.GetSpacing(0), y = io.GetSpacing(1);
     if (std::isfinite(x) && std::isfinite(y) && x > 0 && y > 0 && !(x == 1 && y == 1))
         note(volume, words_of("its resolution says pixels of %.6gx%.6g mm, and nothing how far "
                               "apart slices are: where you know that, open it with "
                               "spacing=%.6g,%.6g,Z",
                               x, y, x, y));
+}
+
+void note_resolution(Volume &volume, itk::ImageIOBase &io)
+{
+    note_pixels(volume, io.GetSpacing(0), io.GetSpacing(1));
 }
 
 /* ---- what headers of text leave open ---- */

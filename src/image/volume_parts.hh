@@ -211,6 +211,16 @@ void check_stimulate(const Request &request);
 /* Slices as pictures, "png" or "tiff", in the order of their names. */
 void stack_pictures(Volume &volume, std::vector<std::string> path, const std::string &kind);
 
+/* The same of BMP. */
+bool is_bmp(const std::string &path); /* by its first bytes */
+void stack_bmps(Volume &volume, std::vector<std::string> path);
+
+/* What slices as pictures have in common: the order of names as people count, what their numbers
+ * leave out, and the size of pixels in mm by the resolution, which is noted and not taken. */
+bool is_before(const std::string &a, const std::string &b);
+void note_gaps(Volume &volume, const std::vector<std::string> &path);
+void note_pixels(Volume &volume, double x, double y);
+
 void open_by_itk(Volume &volume, const Request &request, const std::string &name);
 void open_hdf5(Volume &volume, const Request &request);
 void open_dicom(Volume &volume, const Request &request);
