@@ -14,13 +14,14 @@ PACKAGES := g++ pkg-config libopenimageio-dev libopenexr-dev nettle-dev zlib1g-d
 # Without it, which is for amd64, arm64 and a few more, gzip files are read at a third of the speed.
 INFLATER := libisal-dev
 # Of iftty-volume and iftty-register alone, which `make demo` does not wait for.
-VOLUME_PACKAGES := libinsighttoolkit5-dev libgdcm-dev libhdf5-dev
+VOLUME_PACKAGES := libinsighttoolkit5-dev libgdcm-dev libhdf5-dev libtiff-dev libexpat1-dev
 SCENES   := mricron-data
 LESSONS  := invesalius-examples insighttoolkit5-examples
 # What tests use; what is after this in a list of packages, is left out where it cannot be had.
 TEST_PACKAGES := tmux screen procps python3 python3-nibabel python3-pydicom python3-h5py \
                  python3-jsonschema python3-matplotlib \
-                 teem-apps dcmtk medcon plastimatch libinsighttoolkit5-dev openssh-client \
+                 teem-apps dcmtk medcon plastimatch libinsighttoolkit5-dev python3-tifffile \
+                 libtiff-tools openssh-client \
                  bindfs fuse3 python3-pil python3-fonttools fonts-dejavu-extra \
                  man-db groff-base mandoc zsh fish
 FORMATTER     := clang-format-14
@@ -86,7 +87,7 @@ endif
 
 # ITK's names hold its version.
 ITK           = $(shell cd /usr/include 2>/dev/null && ls -d ITK-* | tail -n 1)
-ITK_IO        = NRRD Meta MINC MRC LSM TIFF PNG VTK GIPL GE IPL Siemens Bruker Stimulate HDF5 \
+ITK_IO        = NRRD Meta MINC MRC PNG VTK GIPL GE IPL Siemens Bruker Stimulate HDF5 \
                 ImageBase
 # A sanitiser looks whether an object can be read by a pipe, which the helper may not make, and then
 # calls its type wrong.
@@ -96,7 +97,7 @@ VOLUME_FLAGS  = -isystem /usr/include/$(ITK) -isystem $(wildcard /usr/include/gd
 VOLUME_LIBS   = $(addsuffix $(ITK:ITK%=%),$(ITK_IO:%=-lITKIO%) -lITKMetaIO -lITKCommon -litksys \
                   -litkvnl) \
                 -lgdcmMSFF -lgdcmDSED -lgdcmDICT -lgdcmCommon \
-                $(shell pkg-config --libs hdf5 2>/dev/null) -lz
+                $(shell pkg-config --libs hdf5 2>/dev/null) -ltiff -lexpat -lz
 
 REGISTER_FLAGS = -isystem /usr/include/$(ITK) -fno-sanitize=vptr
 REGISTER_LIBS = $(addsuffix $(ITK:ITK%=%),-lITKOptimizersv4 -lITKSmoothing -lITKTransform \

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * iftty-volume: reads volumes by ITK, GDCM and HDF5 for the program that started it.
+ * iftty-volume: reads volumes by ITK, GDCM, HDF5 and libtiff for the program that started it.
  *
  * One request comes on standard input, of one file or folder; what is in it goes to standard
  * output; volume_helper.h has the protocol byte for byte. Before the first byte of a file is read,
@@ -10,6 +10,7 @@
  *     volume_answer.cc   the answers, and how reading ends
  *     volume_names.cc    headers of text, and the files that they name
  *     volume_itk.cc      the formats of ITK, and slices as pictures
+ *     volume_tiff.cc      TIFF, and folders of it; volume_tiff_stack.cc, slices and volumes of it
  *     volume_bytes.cc    whether a file has the bytes that its header promises
  *     volume_hdf5.cc     data sets of HDF5, and the files that they name
  *     volume_dicom.cc    what a file of DICOM says of slices and mosaics, and its pixels
@@ -124,6 +125,8 @@ void serve()
             open_dicom(volume, request);
         else if (request.kind == "hdf5")
             open_hdf5(volume, request);
+        else if (request.kind == "tiff")
+            open_tiff(volume, request);
         else
             open_by_itk(volume, request, request.kind);
         answer(volume);

@@ -34,16 +34,33 @@ static bool is_dicom(const uint8_t *begin, size_t length)
            memcmp(begin + DICOM_MARK_AT, "DICM", DICOM_MARK_BYTES) == 0;
 }
 
+/* Read the first bytes of a regular file; their number, 0 where it cannot be read. */
+static size_t read_begin(uint8_t *begin, size_t length, const char *path)
+{
+    uint64_t bytes;
+    int fd;
+    if (file_open(&fd, &bytes, path, O_RDONLY, NULL))
+        return 0;
+    const ssize_t n = file_read_at(fd, begin, length, 0);
+    close(fd);
+    return n > 0 ? (size_t)n : 0;
+}
+
 bool volume_may_name_a_patient(const char *path)
 {
     uint8_t begin[DICOM_MARK_AT + DICOM_MARK_BYTES];
-    uint64_t length;
-    int fd;
-    if (file_open(&fd, &length, path, O_RDONLY, NULL))
-        return false;
-    const ssize_t n = file_read_at(fd, begin, sizeof begin, 0);
-    close(fd);
-    return n > 0 && is_dicom(begin, (size_t)n);
+    return is_dicom(begin, read_begin(begin, sizeof begin, path));
+}
+
+bool volume_is_tiff(const char *path)
+{
+    static const char mark[][5] = {"II*", "II+", "MM\0*", "MM\0+"};
+    uint8_t begin[4];
+    const bool is_long = read_begin(begin, sizeof begin, path) == sizeof begin;
+    for (size_t i = 0; is_long && i < sizeof mark / sizeof *mark; i++)
+        if (memcmp(begin, mark[i], sizeof begin) == 0)
+            return true;
+    return false;
 }
 
 /* Some formats are written and not read, and others the reverse. */

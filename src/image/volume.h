@@ -45,6 +45,9 @@ const char *volume_ending(const char *path);
  * them, and none of volumes does. */
 bool volume_may_name_a_patient(const char *path);
 
+/* True for a TIFF, which may be a volume, a slice or a picture. */
+bool volume_is_tiff(const char *path);
+
 /* Whether its first bytes are those of a volume and of no slice, or of a format that is refused
  * with what converts it: then volume_begin has more to say of it than a reader of pictures. */
 bool volume_is_known(const char *path);

@@ -136,9 +136,49 @@ struct Numbers {
     unsigned width = 0;
 };
 
-/* Where the strips or tiles of a page lie, and how long they are. */
-void count_page(Counted &file, const Numbers &place, const Numbers &length, uint64_t &counted)
+/* Fields of a page that say how many bytes it has. */
+struct PageFields {
+    Numbers width, height, bits, samples, packing, colours, place, length;
+
+    Numbers *of_tag(uint64_t tag)
+    {
+        switch (tag) {
+        case 256:
+            return &width;
+        case 257:
+            return &height;
+        case 258:
+            return &bits;
+        case 259:
+            return &packing;
+        case 262:
+            return &colours;
+        case 273:
+        case 324:
+            return &place;
+        case 277:
+            return &samples;
+        case 279:
+        case 325:
+            return &length;
+        default:
+            return nullptr;
+        }
+    }
+};
+
+uint64_t first_of(Counted &file, const Numbers &numbers, uint64_t usual)
 {
+    return numbers.count ? file.number(numbers.at, numbers.width) : usual;
+}
+
+/* Where the strips or tiles of a page lie, and how long they are. Of a page without packing libtiff
+ * reads on where its strips are too short for its pixels; it does so, too, where their lengths are
+ * 0, which old writers mean. */
+void count_page(Counted &file, const PageFields &field, uint64_t &counted)
+{
+    constexpr uint64_t none = 1, subsampled = 6;
+    const Numbers &place = field.place, &length = field.length;
     const uint64_t count = std::min(place.count, length.count);
     counted = sum_of(counted, count);
     if (counted > file.bytes())
@@ -146,8 +186,21 @@ void count_page(Counted &file, const Numbers &place, const Numbers &length, uint
     std::vector<uint64_t> begin(count);
     for (uint64_t i = 0; i < count; i++)
         begin[i] = file.number(place.at + i * place.width, place.width);
-    for (uint64_t i = 0; i < count; i++)
-        file.need(sum_of(begin[i], file.number(length.at + i * length.width, length.width)));
+    uint64_t has = 0;
+    bool is_said = count > 0;
+    for (uint64_t i = 0; i < count; i++) {
+        const uint64_t bytes = file.number(length.at + i * length.width, length.width);
+        file.need(sum_of(begin[i], bytes));
+        has = sum_of(has, bytes);
+        is_said = is_said && bytes > 0;
+    }
+    uint64_t bits = product_of(first_of(file, field.bits, 1), first_of(file, field.samples, 1));
+    bits = product_of(bits, first_of(file, field.width, 0));
+    bits = product_of(bits, first_of(file, field.height, 0));
+    if (is_said && has < bits / 8 && first_of(file, field.packing, none) == none &&
+        first_of(file, field.colours, none) != subsampled)
+        refuse("cut short or false: a page has %llu bytes of pixels, and its size promises %llu",
+               wide(has), wide(bits / 8));
 }
 
 void count_tiff(Counted &file)
@@ -163,7 +216,7 @@ void count_tiff(Counted &file)
             refuse("its pages lead back to one another");
         const uint64_t entries = file.number(page, head);
         const uint64_t end = sum_of(sum_of(page, head), product_of(entries, entry));
-        Numbers place, length;
+        PageFields field;
         counted = sum_of(counted, entries);
         file.need(sum_of(end, wide_bytes));
         for (uint64_t at = page + head; at < end; at += entry) {
@@ -178,12 +231,10 @@ void count_tiff(Counted &file)
             if (!is_here)
                 numbers.at = file.number(numbers.at, wide_bytes);
             file.need(sum_of(numbers.at, product_of(numbers.count, numbers.width)));
-            if (tag == 273 || tag == 324)
-                place = numbers;
-            if (tag == 279 || tag == 325)
-                length = numbers;
+            if (Numbers *known = field.of_tag(tag))
+                *known = numbers;
         }
-        count_page(file, place, length, counted);
+        count_page(file, field, counted);
         page = file.number(end, wide_bytes);
     }
 }
@@ -315,8 +366,7 @@ bool names_files(const Header &header)
 
 void count_parts(const std::string &kind, const std::string &path, const std::string &what)
 {
-    static const std::set<std::string> counted = {"tiff", "lsm",  "png", "hdf5",
-                                                  "minc", "nrrd", "meta"};
+    static const std::set<std::string> counted = {"tiff", "png", "hdf5", "minc", "nrrd", "meta"};
     if (!counted.count(kind))
         return;
     Counted file(path, what);
@@ -329,7 +379,7 @@ void count_parts(const std::string &kind, const std::string &path, const std::st
     }
     if (kind == "png")
         count_png(file);
-    else if (kind == "tiff" || kind == "lsm")
+    else if (kind == "tiff")
         count_tiff(file);
     else if (file.has(0, "CDF", 3))
         NetCdf(file).count();

@@ -113,7 +113,6 @@ static const struct kind kinds[] = {
     {"minc", ".mnc|.mnc2", 0, 3, "CDF"},
     {"hdf5", ".h5|.hdf5|.hdf|.mnc|.mnc2|.ims", 0, 4, "\x89HDF"},
     {"mrc", ".mrc|.map|.rec|.st", 208, 4, "MAP "},
-    {"lsm", ".lsm", 0, 4, "II*"},
     {"tiff", "", 0, 4, "II*"},
     {"tiff", "", 0, 4, "MM\0*"},
     {"tiff", "", 0, 4, "II+"},
@@ -141,7 +140,6 @@ static bool recognises(const uint8_t *begin, size_t length)
     return false;
 }
 
-/* A TIFF is an LSM by its name alone. */
 static const char *kind_of(struct volume_source *source)
 {
     uint8_t begin[512];
@@ -149,8 +147,7 @@ static const char *kind_of(struct volume_source *source)
     if (source->is_folder)
         return "folder";
     for (int i = 0; i < KINDS; i++)
-        if (has_bytes(&kinds[i], begin, length) &&
-            (strcmp(kinds[i].name, "lsm") != 0 || file_is_named(source->path, ".lsm")))
+        if (has_bytes(&kinds[i], begin, length))
             return kinds[i].name;
     for (int i = 0; i < KINDS; i++)
         if (*kinds[i].endings && file_is_named(source->path, kinds[i].endings))
@@ -396,7 +393,7 @@ enum err volume_helper_begin_voxels(const struct volume_header *header,
 
 extern const struct volume_format helped_format;
 const struct volume_format helped_format = {
-    .name = "DICOM, MetaImage, MINC, HDF5, MRC, LSM, TIFF, VTK, GIPL, GE, Siemens and Bruker",
+    .name = "DICOM, MetaImage, MINC, HDF5, MRC, TIFF, VTK, GIPL, GE, Siemens and Bruker",
     .endings = ".nrrd|.nhdr|.mha|.mhd|.mnc|.mnc2|.h5|.hdf5|.hdf|.ims|.mrc|.map|.rec|.st|.dcm|.ima|"
                ".dicom|.lsm|.vtk|.gipl|.sdt|.spr",
     .takes = TAKES_FOLDERS,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The formats that ITK reads, and slices as TIFF or PNG in the order of their names, by its readers
+/* The formats that ITK reads, and slices as PNG in the order of their names, by its readers
  * directly, without its templates of images: this compiles in seconds. */
 #include "image/volume_parts.hh"
 
@@ -18,7 +18,6 @@
 #include <itkGiplImageIO.h>
 #include <itkHDF5ImageIO.h>
 #include <itkImageIOBase.h>
-#include <itkLSMImageIO.h>
 #include <itkMINCImageIO.h>
 #include <itkMRCImageIO.h>
 #include <itkMetaImageIO.h>
@@ -26,7 +25,6 @@
 #include <itkPNGImageIO.h>
 #include <itkSiemensVisionImageIO.h>
 #include <itkStimulateImageIO.h>
-#include <itkTIFFImageIO.h>
 #include <itkVTKImageIO.h>
 #include <metaImage.h>
 
@@ -315,8 +313,6 @@ const Kind kinds[] = {
     {"meta", "MetaImage", make<itk::MetaImageIO>, World::LPS, NOTHING},
     {"minc", "MINC", make<itk::MINCImageIO>, World::RAS, SPACING | ORIENTATION},
     {"mrc", "MRC", make<itk::MRCImageIO>, World::NONE, SPACING},
-    {"lsm", "LSM", make<itk::LSMImageIO>, World::NONE, SPACING},
-    {"tiff", "TIFF", make<itk::TIFFImageIO>, World::NONE, NOTHING},
     {"png", "PNG", make<itk::PNGImageIO>, World::NONE, NOTHING},
     {"vtk", "VTK", make<itk::VTKImageIO>, World::NONE, SPACING},
     {"gipl", "GIPL", make<itk::GiplImageIO>, World::NONE, SPACING},
@@ -372,16 +368,12 @@ void open_by_itk(Volume &volume, const Request &request, const std::string &name
     if (name == "nrrd")
         place_las(volume, *io, request);
     count_voxels(volume, kind->name, request);
-    if (name == "tiff" || name == "png")
+    if (name == "png")
         note_resolution(volume, *io);
     if (name == "mrc")
         for (auto &row : volume.to_mm)
             for (double &number : row)
                 number *= 1e-7; /* Angstrom */
-    if (name == "lsm")
-        for (auto &row : volume.to_mm)
-            for (double &number : row)
-                number *= 1e3; /* metres */
 }
 
 /* ---- slices as pictures ---- */
@@ -485,11 +477,16 @@ void stack_pictures(Volume &volume, std::vector<std::string> path, const std::st
         count_parts(
             kind, path[z],
             words_of("slice %zu of %zu, %s, is ", z + 1, path.size(), last_name(path[z]).c_str()));
+    if (kind == "tiff") {
+        stack_tiffs(volume, path);
+        note_gaps(volume, path);
+        return;
+    }
     const itk::ImageIOBase::Pointer io = open_picture(kind, path[0], 1, path.size());
     if (io->GetNumberOfComponents() != 1)
         refuse("slice 1 of %zu has %u values a pixel (colour); expected one", path.size(),
                io->GetNumberOfComponents());
-    volume.format = kind == "png" ? "PNG slices" : "TIFF slices";
+    volume.format = "PNG slices";
     volume.type = type_of(*io);
     volume.size[0] = io->GetDimensions(0);
     volume.size[1] = io->GetDimensions(1);

@@ -221,6 +221,10 @@ bool is_before(const std::string &a, const std::string &b);
 void note_gaps(Volume &volume, const std::vector<std::string> &path);
 void note_pixels(Volume &volume, double x, double y);
 
+/* The same of TIFF, whose files are in their order. */
+void stack_tiffs(Volume &volume, const std::vector<std::string> &path);
+
+void open_tiff(Volume &volume, const Request &request);
 void open_by_itk(Volume &volume, const Request &request, const std::string &name);
 void open_hdf5(Volume &volume, const Request &request);
 void open_dicom(Volume &volume, const Request &request);

@@ -3,7 +3,8 @@
  * `iftty info`: what a picture, a scene, a journal or this program is.
  *
  * OpenEXR is read by our own reader, and by the image helper where another program wrote what ours
- * does not take; all other pictures by the helper. Pictures are decoded: one that is damaged or cut
+ * does not take; all other pictures by the helper. A TIFF is a scene where `open` reads it, and a
+ * picture where it has colours. Pictures are decoded: one that is damaged or cut
  * short is an error. Of a scene the header alone is read, unless its histogram is wanted. A journal
  * that is torn, edited or damaged is described like any, and ERR_CHECK. Nothing a file says reaches
  * the terminal as it is.
@@ -199,7 +200,9 @@ static enum err add_own_exr(struct facts *f, const char *path, struct fault *fau
     return OK;
 }
 
-static enum err add_image(struct facts *f, const char *path, struct fault *fault)
+/* needs_colours: fail without a word where its pixels have fewer than three values. */
+static enum err add_image(struct facts *f, const char *path, bool needs_colours,
+                          struct fault *fault)
 {
     struct image_helper *helper;
     struct image_facts facts;
@@ -210,6 +213,11 @@ static enum err add_image(struct facts *f, const char *path, struct fault *fault
     image_helper_free(helper);
     if (err)
         return err;
+    const char *comma = strchr(facts.channels, ',');
+    if (needs_colours && !(comma && strchr(comma + 1, ','))) {
+        image_facts_release(&facts);
+        return ERR_INPUT;
+    }
     for (const char *at = facts.channels; *at; at++)
         buf_add_char(&channels, *at == ',' ? ' ' : *at);
     buf_printf(&channels, " %s", facts.type);
@@ -351,11 +359,15 @@ static enum err add_file(struct facts *f, const char *path, struct fault *fault)
         /* What another program wrote may be beyond our reader and not the helper's; if it is beyond
          * both, ours says why. */
         const enum err err = add_own_exr(f, path, fault);
-        return err && add_image(f, path, NULL) == OK ? OK : err;
+        return err && add_image(f, path, false, NULL) == OK ? OK : err;
     }
     if (volume_ending(path) && !file_begins_with(path, "#?RADIANCE"))
         return add_scene(f, path, fault);
-    const enum err err = add_image(f, path, fault);
+    if (volume_is_tiff(path)) {
+        const enum err err = add_scene(f, path, fault);
+        return err && add_image(f, path, true, NULL) == OK ? OK : err;
+    }
+    const enum err err = add_image(f, path, false, fault);
     return err && volume_is_known(path) ? add_scene(f, path, fault) : err;
 }
 
