@@ -92,6 +92,12 @@ class Counted
         take(bytes, at, width);
         return number_in(bytes, width, is_big_endian);
     }
+    std::string text(uint64_t at, unsigned length)
+    {
+        std::string bytes(length, '\0');
+        take(&bytes[0], at, length);
+        return bytes;
+    }
     bool has(uint64_t at, const char *text, unsigned length)
     {
         char bytes[8];
@@ -252,6 +258,38 @@ void count_png(Counted &file)
     }
 }
 
+/* Its chunk pHYs: pixels along x, and along y, in a metre where the last byte is 1. */
+bool png_resolution(const std::string &path, double mm[2])
+{
+    Counted file(path, "");
+    file.is_big_endian = true;
+    for (uint64_t at = 8; !file.has(at + 4, "IDAT", 4) && !file.has(at + 4, "IEND", 4);
+         at = sum_of(at, 12 + file.number(at, 4)))
+        if (file.has(at + 4, "pHYs", 4) && file.number(at, 4) == 9 &&
+            file.number(at + 16, 1) == 1) {
+            for (unsigned a = 0; a < 2; a++)
+                mm[a] = 1e3 / static_cast<double>(file.number(at + 8 + 4 * a, 4));
+            return true;
+        }
+    return false;
+}
+
+/* ---- GIPL ---- */
+
+/* Types that ITK 5.2 does not read. */
+void check_gipl(Counted &file)
+{
+    static const std::map<uint64_t, const char *> kinds = {
+        {1, "1 bit"},     {31, "uint32"},   {32, "int32"},   {144, "complex"},
+        {160, "complex"}, {192, "complex"}, {193, "complex"}};
+    file.is_big_endian = true;
+    const auto kind = kinds.find(file.number(8, 2));
+    if (kind != kinds.end())
+        refuse("its voxels are of type %llu (%s), which is not read; expected 8 or 16 bits, or "
+               "real numbers",
+               wide(kind->first), kind->second);
+}
+
 /* ---- HDF5 ---- */
 
 /* Its superblock says where the file ends. */
@@ -266,6 +304,17 @@ void count_hdf5(Counted &file)
 }
 
 /* ---- netCDF, which MINC 1 is ---- */
+
+void check_minc_unit(const std::string &unit)
+{
+    static const std::set<std::string> fine = {
+        "", "mm", "millimeter", "millimeters", "millimetre", "millimetres"};
+    const size_t end = unit.find_last_not_of(std::string(" \0", 2));
+    if (!fine.count(end == std::string::npos ? "" : unit.substr(0, end + 1)))
+        refuse("the unit of its axes is not mm, in which MINC is read: bring steps and starts to "
+               "mm, and type `minc_modify_header -sinsert xspace:units=mm FILE`, and so for yspace "
+               "and zspace");
+}
 
 /* A list of its header is passed: a word, a count, and what each holds. */
 class NetCdf
@@ -282,10 +331,10 @@ class NetCdf
     {
         records_ = next(count_);
         for (uint64_t n = items(); n > 0; n--) {
-            pass_name();
+            take_text(next(count_));
             side_.push_back(next(count_));
         }
-        pass_attributes();
+        pass_attributes("");
         for (uint64_t n = items(); n > 0; n--)
             pass_variable();
         if (records_ > 0 && records_ != (count_ == 8 ? UINT64_MAX : UINT32_MAX))
@@ -309,9 +358,12 @@ class NetCdf
         pass(4);
         return next(count_);
     }
-    void pass_name()
+    /* Up to 16 letters of it; all is passed. */
+    std::string take_text(uint64_t length)
     {
-        pass(next(count_));
+        const std::string text = file_.text(at_, length < 16 ? static_cast<unsigned>(length) : 16);
+        pass(length);
+        return text;
     }
     uint64_t type_bytes()
     {
@@ -319,12 +371,15 @@ class NetCdf
         const uint64_t type = next(4);
         return type < sizeof bytes / sizeof *bytes ? bytes[type] : 0;
     }
-    void pass_attributes()
+    /* Of a variable; "" for the file. */
+    void pass_attributes(const std::string &of)
     {
         for (uint64_t n = items(); n > 0; n--) {
-            pass_name();
+            const std::string name = take_text(next(count_));
             const uint64_t width = type_bytes();
-            pass(product_of(width, next(count_)));
+            const std::string value = take_text(product_of(width, next(count_)));
+            if (name == "units" && (of == "xspace" || of == "yspace" || of == "zspace"))
+                check_minc_unit(value);
         }
     }
     /* The first of its sides is 0 where it goes on from record to record. */
@@ -332,7 +387,7 @@ class NetCdf
     {
         uint64_t values = 1;
         bool has_records = false;
-        pass_name();
+        const std::string name = take_text(next(count_));
         const uint64_t sides = next(count_);
         for (uint64_t i = 0; i < sides; i++) {
             const uint64_t number = next(count_);
@@ -340,7 +395,7 @@ class NetCdf
             has_records |= i == 0 && side == 0;
             values = has_records && i == 0 ? 1 : product_of(values, side);
         }
-        pass_attributes();
+        pass_attributes(name);
         const uint64_t bytes = product_of(values, type_bytes());
         next(count_); /* its length, which 32 bits may not hold */
         const uint64_t end = sum_of(next(offset_), bytes);
@@ -366,7 +421,8 @@ bool names_files(const Header &header)
 
 void count_parts(const std::string &kind, const std::string &path, const std::string &what)
 {
-    static const std::set<std::string> counted = {"tiff", "png", "hdf5", "minc", "nrrd", "meta"};
+    static const std::set<std::string> counted = {"tiff", "png",  "gipl", "hdf5",
+                                                  "minc", "nrrd", "meta"};
     if (!counted.count(kind))
         return;
     Counted file(path, what);
@@ -379,6 +435,8 @@ void count_parts(const std::string &kind, const std::string &path, const std::st
     }
     if (kind == "png")
         count_png(file);
+    else if (kind == "gipl")
+        check_gipl(file);
     else if (kind == "tiff")
         count_tiff(file);
     else if (file.has(0, "CDF", 3))

@@ -428,6 +428,43 @@ void count_stored(Volume &volume, hid_t file, const std::string &name)
                               wide(pieces - stored), wide(pieces)));
 }
 
+/* The text of an attribute; "" where there is none. */
+std::string text_of(hid_t file, const std::string &object, const char *name)
+{
+    if (H5Lexists(file, object.c_str(), H5P_DEFAULT) <= 0 ||
+        H5Aexists_by_name(file, object.c_str(), name, H5P_DEFAULT) <= 0)
+        return "";
+    Handle attribute(H5Aopen_by_name(file, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT),
+                     H5Aclose);
+    Handle type(H5Aget_type(attribute), H5Tclose), space(H5Aget_space(attribute), H5Sclose);
+    if (H5Tget_class(type) != H5T_STRING || H5Sget_simple_extent_npoints(space) != 1)
+        return "";
+    if (H5Tis_variable_str(type) > 0) {
+        char *text = nullptr;
+        if (H5Aread(attribute, type, &text) < 0 || !text)
+            return "";
+        const std::string copy = text;
+        H5free_memory(text);
+        return copy;
+    }
+    std::string text(H5Tget_size(type), '\0');
+    return H5Aread(attribute, type, &text[0]) < 0 ? "" : text.c_str();
+}
+
+/* What ITK's readers of MINC and of its own HDF5 pass over, or take for damage. */
+void check_for_itk(hid_t file, bool is_minc)
+{
+    const std::string dimensions = "/minc-2.0/dimensions/";
+    for (const char *axis : {"xspace", "yspace", "zspace"})
+        if (is_minc)
+            check_minc_unit(text_of(file, dimensions + axis, "units"));
+    Handle set(is_minc ? -1 : H5Dopen2(file, "/ITKImage/0/VoxelData", H5P_DEFAULT), H5Dclose);
+    Handle type(set < 0 ? -1 : H5Dget_type(set), H5Tclose);
+    if (type >= 0 && H5Tget_size(type) > 1 && H5Tget_order(type) == H5T_ORDER_BE)
+        refuse("its voxels are big-endian, which is not read of HDF5 of ITK: write it anew on a "
+               "machine that is little-endian, or as a NRRD");
+}
+
 void open_hdf5(Volume &volume, const Request &request)
 {
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
@@ -441,6 +478,7 @@ void open_hdf5(Volume &volume, const Request &request)
             refuse_for(wrong_with_any(*file, request.path));
             count_stored(volume, *file,
                          group[1] == 'I' ? "/ITKImage/0/VoxelData" : "/minc-2.0/image/0/image");
+            check_for_itk(*file, group[1] == 'm');
             open_by_itk(volume, request, group[1] == 'I' ? "itk-hdf5" : "minc");
             return;
         }

@@ -198,9 +198,11 @@ void note_pixels(Volume &volume, double x, double y)
                               x, y, x, y));
 }
 
-void note_resolution(Volume &volume, itk::ImageIOBase &io)
+void note_png(Volume &volume, const std::string &path)
 {
-    note_pixels(volume, io.GetSpacing(0), io.GetSpacing(1));
+    double mm[2];
+    if (png_resolution(path, mm)) /* which ITK 5.2 does not read */
+        note_pixels(volume, mm[0], mm[1]);
 }
 
 /* ---- what headers of text leave open ---- */
@@ -369,7 +371,7 @@ void open_by_itk(Volume &volume, const Request &request, const std::string &name
         place_las(volume, *io, request);
     count_voxels(volume, kind->name, request);
     if (name == "png")
-        note_resolution(volume, *io);
+        note_png(volume, request.path);
     if (name == "mrc")
         for (auto &row : volume.to_mm)
             for (double &number : row)
@@ -484,15 +486,18 @@ void stack_pictures(Volume &volume, std::vector<std::string> path, const std::st
     }
     const itk::ImageIOBase::Pointer io = open_picture(kind, path[0], 1, path.size());
     if (io->GetNumberOfComponents() != 1)
-        refuse("slice 1 of %zu has %u values a pixel (colour); expected one", path.size(),
-               io->GetNumberOfComponents());
+        refuse("slice 1 of %zu has %u values a pixel (%s); expected grey: `mogrify -format png "
+               "-type Grayscale -alpha off *.png` (imagemagick) makes grey of all",
+               path.size(), io->GetNumberOfComponents(),
+               io->GetNumberOfComponents() == 2 ? "grey with alpha"
+                                                : "colours, perhaps of a palette");
     volume.format = "PNG slices";
     volume.type = type_of(*io);
     volume.size[0] = io->GetDimensions(0);
     volume.size[1] = io->GetDimensions(1);
     volume.size[2] = path.size();
     note_gaps(volume, path);
-    note_resolution(volume, *io);
+    note_png(volume, path[0]);
     volume.send = [&volume, path, kind]() { send_pictures(volume, path, kind); };
 }
 

@@ -174,6 +174,12 @@ void walk(Files &files, const std::string &folder, bool follows_links, size_t de
  * begins the words of a refusal: "slice 3 of 9 is ", or "" for the file that was asked for. */
 void count_parts(const std::string &kind, const std::string &path, const std::string &what);
 
+/* The size of the pixels of a PNG, where it says it. */
+bool png_resolution(const std::string &path, double mm[2]);
+
+/* Refuses the unit of an axis of MINC, unless it is millimetres, or not said. */
+void check_minc_unit(const std::string &unit);
+
 /* Of the others, once its header is known: of voxels that are packed, or written as text, when they
  * are to be sent. */
 void count_voxels(Volume &volume, const std::string &kind, const Request &request);

@@ -1,0 +1,131 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Each type, byte order and packing of a format, by files made by hand: the same voxels, or a
+# refusal that names what is not read. The table of src/image/README.md leads here.
+. "$(dirname "$0")/lib.sh"
+. "$top/tests/volumes/opened.sh"
+
+begin "files of each format are made by hand"
+made_by formats.py
+
+# The same voxels as right.nii, those of the second volume where there are two.
+same_voxels() { # FILE...
+    for name; do
+        case $name in times* | um.* | mm.* | cm.*) echo "labels $name volume=1" ;;
+        *) echo "labels $name" ;;
+        esac
+        echo 'compare right.nii'
+        echo 'undo'
+    done >"$work/commands"
+    { echo 'open right.nii'; cat "$work/commands"; } | expect 0 "$iftty" run -
+    same "$(grep -c '^    0 of 60 voxels differ' "$work/out") of $#" "$# of $#"
+    ! grep -q 'its axes run' "$work/out" || fail "$(grep 'its axes run' "$work/out")"
+}
+typed() { # FILE TYPE
+    expect 0 "$iftty" info "$1"
+    grep -q "^type *$2\$" "$work/out" || fail "$1 is no $2: $(cat "$work/out")"
+}
+refused() { # WORDS FILE
+    expect 3 "$iftty" -c "open $2"
+    err_has "$1"
+    same "$(wc -l <"$work/err" | tr -d ' ')" 1
+}
+
+begin "MetaImage: ten types in both byte orders; a fourth axis and channels are volumes"
+same_voxels *-little.mha *-big.mha times*.mha
+typed UINT-big.mha uint32
+typed LONG_LONG-little.mha int64
+refused "a series of 2 volumes; choose one" times.mha
+refused "a series of 2 volumes; choose one" times-channels.mha
+close_story
+
+begin "VTK: nine types, binary and as text"
+same_voxels *.vtk
+typed unsigned_int.vtk uint32
+typed double-text.vtk float64
+close_story
+
+begin "HDF5: ten types in both byte orders, three packings, and a series"
+same_voxels *-little.h5 *-big.h5 gzip.h5 shuffle.h5 sum.h5 times.h5
+typed u8-big.h5 uint64
+refused "a series of 2 volumes; choose one" times.h5
+close_story
+
+begin "HDF5 of ITK: its voxels at its place; big-endian ones are named"
+same_voxels itk-little.hdf5
+refused "its voxels are big-endian, which is not read of HDF5 of ITK" itk-big.hdf5
+expect 0 "$iftty" info itk-little.hdf5
+out_has "axes      RAS"
+out_has "1x1x1 mm"
+close_story
+
+begin "MRC: words and floats in both byte orders"
+same_voxels *.mrc
+typed u2-big.mrc uint16
+expect 0 "$iftty" info f4-big.mrc
+out_has "1x1x1 mm"
+close_story
+
+begin "GIPL: bytes, words and floats, and a series; wide whole numbers are named"
+same_voxels i1.gipl u1.gipl i2.gipl u2.gipl f4.gipl f8.gipl times.gipl
+refused "a series of 2 volumes; choose one" times.gipl
+refused "its voxels are of type 31 (uint32), which is not read" u4.gipl
+refused "its voxels are of type 32 (int32), which is not read" i4.gipl
+close_story
+
+begin "MINC 1 and 2: axes in other units than mm are refused"
+for name in um old-um; do
+    refused "the unit of its axes is not mm, in which MINC is read" $name.mnc
+done
+for name in long none old; do expect 0 "$iftty" -c "open $name.mnc"; done
+close_story
+
+begin "NRRD in both byte orders, plain, as gzip, as hex and as text"
+same_voxels big-*.nrrd little-*.nrrd text.nrrd
+close_story
+
+begin "Stimulate: words beside a header of text, big-endian, at unknown sides"
+same_voxels a.spr
+expect 0 "$iftty" info a.spr
+out_has "type      int16"
+out_has "1x1x1 mm"
+out_has "axes      unknown"
+close_story
+
+begin "ANALYZE: a series, and units of length"
+same_voxels times.img mm.img
+refused "a series of 2 volumes; choose one" times.img
+for unit in um:0.001 mm:1 cm:10; do
+    expect 0 "$iftty" info "${unit%:*}.hdr"
+    out_has "${unit#*:}x${unit#*:}x${unit#*:} mm"
+done
+close_story
+
+begin "PNG: 8 and 16 bits as they are, fewer spread over 8; a resolution is noted"
+same_voxels png-8 png-16 png-fine
+for bits in 1:255 2:85 4:17; do # voxel 0,0,0 is 1
+    expect 0 "$iftty" -c "open png-${bits%:*}; why 0,0,0"
+    out_has "intensity ${bits#*:},"
+done
+expect 0 "$iftty" -c "open png-fine"
+out_has "its resolution says pixels of 0.05x0.1 mm"
+out_has "distances of voxels unknown"
+close_story
+
+begin "PNG: palettes, colours and alpha are refused, as are slices that differ"
+refused "slice 1 of 3 has 3 values a pixel (colours, perhaps of a palette); expected grey" \
+    png-palette
+refused "slice 1 of 3 has 3 values a pixel (colours, perhaps of a palette)" png-colours
+refused "slice 1 of 3 has 2 values a pixel (grey with alpha); expected grey: \`mogrify" png-alpha
+refused "slice 3 of 3 is 5x4 with 1 values of uint16 a pixel, and the first 5x4 with 1 of uint8" \
+    png-deeper
+refused "slice 3 of 3 is 5x3" png-shorter
+close_story
+
+begin "gzip around a format that has no such packing is named, with what unpacks it"
+for name in *.mha.gz *.vtk.gz *.h5.gz *.mrc.gz *.gipl.gz *.nrrd.gz; do
+    refused "packed by gzip; \`gunzip\` it first" "$name"
+done
+close_story
+
+finish
