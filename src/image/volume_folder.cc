@@ -69,8 +69,9 @@ std::string picture_kind(const std::string &path)
     file.read(bytes, sizeof bytes);
     if (std::memcmp(bytes, "\x89PNG", 4) == 0)
         return "png";
-    if (std::memcmp(bytes, "II*\0", 4) == 0 || std::memcmp(bytes, "MM\0*", 4) == 0)
-        return "tiff";
+    for (const char *mark : {"II*\0", "MM\0*", "II+\0", "MM\0+"})
+        if (std::memcmp(bytes, mark, 4) == 0)
+            return "tiff";
     return is_bmp(path) ? "bmp" : "";
 }
 

@@ -24,6 +24,7 @@ enum {
     NUMBERS = 14,
     SPACING = 1, /* in KNOWN */
     PLACE = 2,
+    CLOSE = 4,
     FOLLOW_LINKS = 1, /* in FLAGS */
     FILL_GAPS = 2,
     SHOW_LIST = 4,
@@ -290,11 +291,11 @@ static enum err receive_answer(struct volume_header *out, struct coprocess *proc
 
 /* What the line and what follows it say; false where that makes no sense. */
 static bool receive_header(struct volume_header *out, struct coprocess *process, const char *line,
-                           double number[NUMBERS])
+                           double number[NUMBERS], bool *is_close)
 {
     enum { VOLUMES = 3, KNOWN, FORMAT_LENGTH, TYPE_LENGTH, NOTES_LENGTH, VALUES };
     static const int64_t most[VALUES] = {UINT16_MAX, UINT16_MAX,  UINT16_MAX, VOLUMES_MOST,
-                                         3,          FORMAT_MOST, TYPE_MOST,  NOTES_MOST};
+                                         7,          FORMAT_MOST, TYPE_MOST,  NOTES_MOST};
     int64_t value[VALUES];
     double to_mm[3][4];
     if (!scan_text(&line, "volume ") || !coprocess_numbers(line, VALUES, most, value) ||
@@ -314,6 +315,7 @@ static bool receive_header(struct volume_header *out, struct coprocess *process,
     out->big_endian = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
     memcpy(to_mm, number, sizeof to_mm);
     header_place(out, (const double(*)[4])to_mm, value[KNOWN] & SPACING, value[KNOWN] & PLACE);
+    *is_close = value[KNOWN] & CLOSE;
     return true;
 }
 
@@ -323,7 +325,8 @@ static enum err take_header(struct volume_header *out, struct coprocess *process
 {
     double number[NUMBERS];
     struct grid grid;
-    if (!receive_header(out, process, line, number))
+    bool is_close = false;
+    if (!receive_header(out, process, line, number, &is_close))
         return coprocess_fault(process, NULL, NULL, fault);
     if (!voxel_type_named(&out->type, out->type_name))
         snprintf(out->refusal, sizeof out->refusal, "its voxels are %s, which are not read",
@@ -339,7 +342,7 @@ static enum err take_header(struct volume_header *out, struct coprocess *process
     for (int a = 0; a < 3 && !err; a++)
         if (!size_multiply(bytes, out->size[a], &bytes))
             return fault_set(fault, ERR_LIMIT, "its voxels do not fit the memory of any machine");
-    if (!err && bytes > CLAIMED_FREELY && bytes / PACKED_BEST > out->bytes)
+    if (!err && !is_close && bytes > CLAIMED_FREELY && bytes / PACKED_BEST > out->bytes)
         return fault_set(fault, ERR_INPUT,
                          "cut short or false: its header claims %zu bytes of voxels, and it has "
                          "%" PRIu64 " bytes",

@@ -40,7 +40,7 @@
  * piece; an answer says its NUMBER. The skip are names of files that are left out, with commas
  * between them. VOLUME counts from 0; the data are the name of a
  * data set, the room a folder that the helper may write into, if any, which the client removes.
- * KNOWN: 1 the spacing, 2 the place, 4 by that flag its sides are wrong.
+ * KNOWN: 1 the spacing, 2 the place, 4 its voxels may be packed more closely than gzip packs.
  * The numbers are doubles of this machine: the three rows of the matrix to the world (right,
  * anterior, superior; millimetres), slope and intercept. Voxels are of the type, in the order of
  * this machine, x fastest.

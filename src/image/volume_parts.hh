@@ -40,7 +40,7 @@ struct Request {
     std::vector<std::string> named; /* the paths of the files that its header names */
 };
 
-enum Known : unsigned { NOTHING = 0, SPACING = 1, ORIENTATION = 2 };
+enum Known : unsigned { NOTHING = 0, SPACING = 1, ORIENTATION = 2, CLOSELY_PACKED = 4 };
 
 /* A volume before its voxels. `send` sends size[0] * size[1] * size[2] values of the type. */
 struct Volume {

@@ -528,7 +528,7 @@ void place_stack(Volume &volume, const TiffStack &stack, bool in_columns)
     const std::string set = "spacing=" + typed[0] + "," + typed[1] + "," + typed[2];
     const char *by = stack.by.c_str();
     if (known == 3 && mm > 0) {
-        volume.known = SPACING;
+        volume.known |= SPACING;
     } else if (known == 0 || (mm <= 0 && step[0] == 1 && step[1] == 1 && known == 2)) {
         return; /* nothing, or what programs write that know nothing */
     } else if (mm <= 0) {
@@ -671,6 +671,9 @@ void open_tiff(Volume &volume, const Request &request)
     volume.size[2] = opened->stack.slices;
     volume.volumes = opened->stack.volumes;
     place_stack(volume, opened->stack, is_turned(page));
+    if (page.compression != COMPRESSION_NONE && page.compression != COMPRESSION_ADOBE_DEFLATE &&
+        page.compression != COMPRESSION_DEFLATE)
+        volume.known |= CLOSELY_PACKED;
     note_axes(volume, opened->stack);
     note_pages(volume, *opened);
     volume.send = [&volume, opened, number = request.volume]() {

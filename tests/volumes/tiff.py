@@ -528,7 +528,7 @@ def make_lsm():
 
 def make_folders():
     data = voxels()
-    for name in ("pages", "differs", "channels", "thumbs", "white"):
+    for name in ("pages", "differs", "channels", "thumbs", "white", "bigtiffs"):
         os.mkdir(name)
         for z in range(5):
             path = "%s/s%d.tif" % (name, z)
@@ -538,11 +538,27 @@ def make_folders():
                 grey(path, data[z].astype("u1") if z == 3 else data[z])
             elif name == "channels":
                 grey(path, numpy.stack([data[z]] * 2, -1), extrasamples=["unspecified"])
+            elif name == "bigtiffs":
+                grey(path, data[z], bigtiff=True, byteorder="<>"[z % 2])
             elif name == "white":
                 grey(path, data[z], photometric="miniswhite")
             else:
                 write(path, [page(data[z, ::4, ::4], _254=(4, 1)), page(data[z])])
     tell("folders", "thumbs", "uint16.twin.nii")
+    tell("folders", "bigtiffs", "uint16.twin.nii")
+
+
+def make_close():
+    """Masks that are packed more closely than gzip can."""
+    mask = numpy.zeros((180, 640, 640), "u1")
+    mask[50:60, 300:310, 200:300] = 1
+    grey("close.tif", mask > 0)
+    run("tiffcp", "-c", "g4", "close.tif", "close-g4.tif")
+    grey("close.tif", mask, compression="lzma")
+    run("tiffcp", "-c", "zstd", "close.tif", "close-zstd.tif")
+    of = twin("close", mask)
+    for name in ("close-g4.tif", "close-zstd.tif"):
+        tell("close", name, of, "crop=190-310,290-320,45-65")
 
 
 def make_many():
@@ -559,7 +575,7 @@ def make_many():
 def main():
     os.chdir(sys.argv[1])
     for make in (make_types, make_few_bits, make_packed, make_samples, make_pages, make_refused,
-                 make_imagej, make_ome, make_lsm, make_folders, make_many):
+                 make_imagej, make_ome, make_lsm, make_folders, make_close, make_many):
         make()
 
 
