@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The same 60 voxels in each type, byte order and packing of a format, for tests/test_formats.sh.
+"""The same 60 voxels in each type, byte order and packing of a format, for tests/test_voxels.sh.
 
-    formats.py FOLDER   makes them there, and right.nii with the same voxels. What is called times..
+    voxels.py FOLDER   makes them there, and right.nii with the same voxels. What is called times..
                         has them as its second volume.
 """
 import gzip

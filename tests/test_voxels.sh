@@ -6,7 +6,7 @@
 . "$top/tests/volumes/opened.sh"
 
 begin "files of each format are made by hand"
-made_by formats.py
+made_by voxels.py
 
 # The same voxels as right.nii, those of the second volume where there are two.
 same_voxels() { # FILE...
