@@ -238,7 +238,7 @@ STORY(words_of_a_record_are_numbers_where_they_are_counts)
     buf_add(&reply.files, "a\0b", 4);
     answer_command(&text, "1", &interp, &reply, NULL);
     CHECK_TEXT(buf_text(&text),
-               "{\"id\": 1, \"ok\": true, \"record\": 3, \"command\": \"run\", \"text\": \"\", "
+               "{\"id\": 1, \"ok\": true, \"record\": null, \"command\": \"run\", \"text\": \"\", "
                "\"words\": {\"seeds\": 123456789012345, \"forest\": \"1123456789012345\", "
                "\"marker\": \"3-4\", "
                "\"at\": 0, \"old\": \"007\"}, \"files\": [\"a\", \"b\"], \"journal\": null}\n");

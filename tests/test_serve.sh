@@ -302,6 +302,48 @@ stop 0
 expect 0 "$iftty" verify --no-strict given.iftty
 close_story
 
+begin "no record and no journal goes with the folder, by whatever name or link it is reached"
+cp s.nii outside.nii
+start s.nii --journal stays.iftty
+folder=$(field "$(sed 1q out)" folder)
+mkdir "$folder/deep"
+cp s.nii "$folder/deep/scene.nii"
+ln -s "$folder" inside
+ln -s "$folder/deep/scene.nii" scene.nii
+ln -s "$folder/later.iftty" later.iftty
+ln -s "$folder/images" gone.golden
+n=0
+refused() { # COMMAND: nothing of it is left
+    n=$((n + 1))
+    ask "{\"id\": $n, \"do\": \"$1\"}"
+    answered $n
+    has "$(answer $n)" '"ok": false'
+    has "$(answer $n)" 'with this session'
+}
+for path in "$folder/j.iftty" inside/j.iftty passing/../inside/deep/j.iftty gone.iftty; do
+    refused "journal $path"
+done
+refused 'journal later.iftty'
+refused 'open scene.nii'
+refused 'open inside/deep'
+refused "open raw:$folder/deep/scene.nii size=24,20,16 type=uint8"
+refused "save labels $folder/deep/l.nii"
+refused 'save labels inside/l.nii'
+ln -s "$folder/images" stays.golden
+refused 'golden a-1'
+refused 'labels outside.nii'
+ask '{"id": 50, "do": "seed 5,10,8 1"}'
+ask "{\"id\": 51, \"do\": \"stats report=$folder/report.json\"}"
+ask '{"id": 52, "do": "journal kept.iftty"}'
+answered 52
+has "$(answer 50)" '"record": 3'
+has "$(answer 51)" '"ok": true'
+has "$(answer 52)" "\"journal\": \"$work/kept.iftty\""
+stop 0
+same "$(grep -c '^[a-z]' stays.iftty)" "$(grep -c '^[a-z]' kept.iftty)"
+same "$(ls passing)" ''
+close_story
+
 begin "edits that wait are in an array, by a run that is recorded"
 printf '%s\n' 'auto off' 'seed 5,10,8 1' | requests >waiting
 echo '{"id": 3, "array": "labels"}' >>waiting
@@ -359,6 +401,7 @@ chmod a-w look.iftty
 printf '%s\n' 'seed 1,1,1 3' info | requests |
     expect 0 with_permissions "$iftty" serve look.iftty --read-only
 has "$(sed 1q out)" '"read_only": true'
+has "$(answer 1)" '"ok": true, "record": null, "command": "seed 1,1,1 3"'
 has "$(answer 1)" '"ok": true'
 same_files a.iftty look.iftty
 close_story

@@ -210,6 +210,41 @@ void file_real(struct buf *out, const char *path)
     free(real);
 }
 
+enum { LINKS_MOST = 40 };
+
+static void settle(struct buf *out, const char *path, unsigned links)
+{
+    char target[PATH_MAX];
+    char *real = realpath(path, NULL);
+    const ssize_t n = real || !links ? -1 : readlink(path, target, sizeof target - 1);
+    struct buf next = {0};
+    if (real) {
+        buf_add_text(out, real);
+    } else if (n > 0) { /* a link to a file that is not there */
+        target[n] = '\0';
+        if (*target != '/') {
+            file_folder(&next, path);
+            buf_add_char(&next, '/');
+        }
+        buf_add_text(&next, target);
+        settle(out, buf_text(&next), links - 1);
+    } else {
+        file_folder(&next, path);
+        if (strcmp(buf_text(&next), path) != 0)
+            settle(out, buf_text(&next), links);
+        buf_printf(out, "/%s", file_name(path));
+    }
+    out->failed |= next.failed;
+    buf_release(&next);
+    free(real);
+}
+
+void file_settle(struct buf *out, const char *path)
+{
+    buf_clear(out);
+    settle(out, path, LINKS_MOST);
+}
+
 enum err file_program_folder(struct buf *out, struct fault *fault)
 {
     char self[PATH_MAX];

@@ -80,6 +80,9 @@ bool file_is_same(const char *a, const char *b);
 /* out = `path`, or what it leads to, where it is a link. */
 void file_real(struct buf *out, const char *path);
 
+/* out = the whole path without links that `path` leads to, whether there is a file or not. */
+void file_settle(struct buf *out, const char *path);
+
 /* The folder of the running program. */
 enum err file_program_folder(struct buf *out, struct fault *fault);
 

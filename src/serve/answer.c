@@ -168,7 +168,8 @@ void answer_command(struct buf *out, const char *id, const struct interpreter *i
                     const struct reply *reply, const char *picture)
 {
     struct json json = begin(out, id);
-    const bool is_recorded = reply->canonical.length && interp->acknowledged;
+    const bool is_recorded = reply->canonical.length && interp->acknowledged && interp->journal &&
+                             !journal_only_looks(interp->journal);
     json_boolean(&json, "ok", true);
     if (is_recorded)
         json_count(&json, "record", interp->acknowledged);

@@ -8,12 +8,15 @@
 
 #include "base/choice.h"
 #include "base/file.h"
+#include "base/scan.h"
 #include "command/command.h"
 #include "command/execute.h"
+#include "command/files.h"
 #include "command/near.h"
 #include "engine/labels.h"
 #include "engine/scene.h"
 #include "image/png.h"
+#include "journal/golden.h"
 #include "report/export_map.h"
 #include "session/session.h"
 
@@ -76,17 +79,21 @@ static enum err place_file(struct buf *path, const struct exchange *exchange, co
                                          buf_text(&exchange->path));
 }
 
-/* ---- what comes from it ---- */
+/* ---- what depends on it ---- */
 
-/* Whether a file lies in the folder, by whatever name. */
+/* Judges where a path leads once all links are resolved: to the folder or to anything below it. */
 static bool holds(const struct exchange *exchange, const char *name)
 {
-    struct buf path = {0}, folder = {0};
+    const size_t length = exchange->path.length;
+    struct buf path = {0}, settled = {0};
     file_from_home(&path, name);
-    file_folder(&folder, buf_text(&path));
-    const bool is_in = file_is_same(buf_text(&folder), buf_text(&exchange->path));
+    file_settle(&settled, buf_text(&path));
+    const char *end = buf_text(&settled) + (settled.length < length ? settled.length : length);
+    const bool is_in = path.failed || settled.failed ||
+                       (strncmp(buf_text(&settled), buf_text(&exchange->path), length) == 0 &&
+                        (*end == '/' || *end == '\0'));
     buf_release(&path);
-    buf_release(&folder);
+    buf_release(&settled);
     return is_in;
 }
 
@@ -99,6 +106,32 @@ static bool keeps_copy(const struct command *command)
     return false;
 }
 
+/* Whether the file that a command names, or the one that is found by this name, is in it. */
+static bool holds_file(const struct exchange *exchange, const struct interpreter *interp,
+                       const struct parameter *p, const char *name)
+{
+    struct buf found = {0};
+    if (p->is_scene)
+        scan_text(&name, "raw:");
+    bool is_in = holds(exchange, name);
+    if (!is_in && !p->is_read && interp->out_folder)
+        is_in = holds(exchange, interp->out_folder);
+    if (!is_in && p->is_read && interpreter_find_file(interp, name, &found, NULL) == OK)
+        is_in = holds(exchange, buf_text(&found));
+    buf_release(&found);
+    return is_in;
+}
+
+/* Whether the golden images and copies of labels of a journal would go into it. */
+static bool holds_goldens(const struct exchange *exchange, const char *journal)
+{
+    struct buf folder = {0};
+    const bool is_in = journal && (golden_folder(&folder, journal, NULL) != OK ||
+                                   holds(exchange, buf_text(&folder)));
+    buf_release(&folder);
+    return is_in;
+}
+
 enum err exchange_allows(const struct exchange *exchange, const struct interpreter *interp,
                          const char *line, struct fault *fault)
 {
@@ -106,18 +139,29 @@ enum err exchange_allows(const struct exchange *exchange, const struct interpret
     enum err err = OK;
     if (command_parse(&call, line, interp->session, NULL) || !call.command)
         return OK;
-    const struct parameter *p = call.command->parameter;
-    for (int i = 0; p[i].type && !err; i++)
-        if (p[i].is_read && call.value[i].given && call.value[i].text &&
-            call.command->flags & COMMAND_RECORDED && !keeps_copy(call.command) &&
-            holds(exchange, call.value[i].text)) {
-            fault_set(fault, ERR_INPUT,
-                      "%s goes with this session, and the record of %s would need it; expected a "
-                      "file that stays; nothing has changed",
-                      call.value[i].text, call.command->name);
-            command_point_at(&call, line, fault);
-            err = ERR_INPUT;
-        }
+    const struct command *command = call.command;
+    const struct parameter *p = command->parameter;
+    const char *journal = interp->home.length ? buf_text(&interp->home) : interp->new_journal;
+    const bool stays = command->flags & COMMAND_RECORDED,
+               moves = !stays && command->group == GROUP_KEPT; /* the journal itself */
+    for (int i = 0; p[i].type && !err && (stays || moves); i++) {
+        const char *name = call.value[i].given ? call.value[i].text : NULL;
+        if (p[i].type == VALUE_FILE && name && call.value[i].number < 0 &&
+            !(p[i].is_read && keeps_copy(command)) &&
+            (holds_file(exchange, interp, &p[i], name) || (moves && holds_goldens(exchange, name))))
+            err = fault_set(fault, ERR_INPUT,
+                            "%s goes with this session, and %s %s would need it; expected a file "
+                            "that stays; nothing has changed",
+                            name, moves ? "the" : "the record of", command->name);
+        else if ((p[i].type == VALUE_GOLDEN || (p[i].is_read && keeps_copy(command))) && name &&
+                 holds_goldens(exchange, journal))
+            err = fault_set(fault, ERR_INPUT,
+                            "the golden images of %s would go with this session: their folder is a "
+                            "link to its own; make them a folder that stays; nothing has changed",
+                            journal);
+    }
+    if (err)
+        command_point_at(&call, line, fault);
     call_release(&call);
     return err;
 }

@@ -11,8 +11,10 @@
  *      stands under its name, a link too, is replaced and never followed;
  *   E3 it goes when the session ends, and where that is killed, when the next one begins
  *      (folder_held of base/file.h);
- *   E4 no record depends on it: a command that reads a file in it is refused unless the journal
- *      keeps a copy of what was read (`labels FILE`).
+ *   E4 no record depends on it: a command that is recorded and whose file, golden image or copy of
+ *      labels would be in it, once all links are resolved, is refused, and so is `journal FILE`.
+ *      Only a file of which the journal keeps a copy may be read from it (`labels FILE`), and a
+ *      question may write its report there.
  */
 #ifndef SERVE_EXCHANGE_H
 #define SERVE_EXCHANGE_H
@@ -32,7 +34,7 @@ struct exchange {
 enum err exchange_begin(struct exchange *exchange, struct fault *fault);
 void exchange_end(struct exchange *exchange);
 
-/* E4, before a line is carried out. ERR_INPUT; what does not parse is fine here. */
+/* E4, before a line is carried out. ERR_INPUT, ERR_MEMORY; what does not parse is fine here. */
 enum err exchange_allows(const struct exchange *exchange, const struct interpreter *interp,
                          const char *line, struct fault *fault);
 
