@@ -287,7 +287,8 @@ static const struct option option[] = {
                     "have libraries read the journal's files though this kernel has no Landlock, "
                     "which would keep them to those files",
                     FLAG(unconfined)},
-    [NO_NAMES] = {"--anonymise", NULL, "without comments and the names of files", FLAG(anonymise)},
+    [NO_NAMES] = {"--anonymise", NULL, "without comments, names of files and free text",
+                  FLAG(anonymise)},
 
     [COMMANDS] = {"-c", "'COMMAND; COMMAND'", "", TEXT(commands)},
     [VERSION] = {"--version", FORM},
@@ -484,7 +485,7 @@ static const struct program program[] = {
      .form = "--anonymise",
      ONE("JOURNAL"),
      .option = {ANONYMISE, SCRIPT},
-     .summary = "the same without comments and file names",
+     .summary = "the same without comments, names of files and free text",
      .run = run_log_anonymise},
     {.name = "log",
      .form = "--check",

@@ -10,6 +10,7 @@
 #include "base/json.h"
 #include "base/version.h"
 #include "command/act.h"
+#include "command/anonymise.h"
 #include "image/volume.h"
 #include "journal/graph.h"
 #include "journal/journal.h"
@@ -22,120 +23,7 @@
 #include "tui/term.h"
 #include "verify/signature.h"
 
-/* ---- commands without what names people: comments, and the names of files ---- */
-
-/*
- * A file becomes "scene" (what `open` opens) or "file-N", with its extension and, in a turntable,
- * its %03d; the same file keeps the same name. Every other word with a slash in it is taken for a
- * file too. Labels and golden images are named by the user's own words, and stay.
- */
-struct anonymiser {
-    struct buf names; /* of files met so far, in order, each ended by NUL */
-};
-
-/* One of "a|b|c", or a keyed parameter with its value. */
-static bool is_word_of(const struct parameter *p, const char *word)
-{
-    const size_t name = strlen(p->name);
-    if (p->keyed && strncmp(word, p->name, name) == 0 && word[name] == '=')
-        return true;
-    return p->choices && choice_find(p->choices, word) >= 0;
-}
-
-static bool is_file(const struct command *command, const char *word)
-{
-    if (strchr(word, '/'))
-        return true;
-    bool takes_file = false;
-    for (unsigned i = 0; command && i < PARAMETERS_MOST; i++)
-        takes_file |= command->parameter[i].type == VALUE_FILE;
-    if (!takes_file || strncmp(word, "synth:", 6) == 0)
-        return false;
-    const bool is_number = word[strspn(word, "0123456789.-")] == '\0';
-    const struct parameter *p = command->parameter;
-    if (is_number && (p->type != VALUE_FILE || p->choices))
-        return false;
-    for (; p->type; p++)
-        if (is_word_of(p, word))
-            return false;
-    return true;
-}
-
-/* From 1, in the order in which they were met. */
-static unsigned number_of(struct anonymiser *anonymiser, const char *name)
-{
-    unsigned number = 1;
-    const char *at = buf_text(&anonymiser->names), *end = at + anonymiser->names.length;
-    for (; at < end; at += strlen(at) + 1, number++)
-        if (strcmp(at, name) == 0)
-            return number;
-    buf_add(&anonymiser->names, name, strlen(name) + 1);
-    return number;
-}
-
-/* ".nii.gz", ".png", "%03d.png"; "" where the ending might be a word. */
-static const char *ending_of(const char *name)
-{
-    const char *dot = strrchr(name, '.'), *percent = strchr(name, '%');
-    enum label_table_format format;
-    size_t n = 0;
-    if (label_table_ending(name, &format))
-        return label_table_ending(name, &format);
-    while (dot && isalnum((unsigned char)dot[1 + n]))
-        n++;
-    if (!dot || n > 4 || dot[1 + n] != '\0')
-        return "";
-    if (volume_ending(name))
-        return volume_ending(name);
-    if (percent && strspn(percent + 1, "0123456789") + 2 == (size_t)(dot - percent) &&
-        dot[-1] == 'd')
-        return percent;
-    return dot;
-}
-
-static void add_name(struct anonymiser *anonymiser, struct buf *out, const char *name,
-                     bool is_scene)
-{
-    struct buf word = {0};
-    const char *ending = ending_of(file_name(name));
-    if (is_scene)
-        buf_add_text(&word, "scene");
-    else
-        buf_printf(&word, "file-%u%s", number_of(anonymiser, name), *ending == '%' ? "-" : "");
-    buf_add_text(&word, ending);
-    command_write_word(out, buf_text(&word));
-    out->failed |= word.failed;
-    buf_release(&word);
-}
-
-static void anonymise_command(struct anonymiser *anonymiser, struct buf *out, const char *command)
-{
-    struct buf word = {0};
-    const struct command *known = NULL;
-    bool is_open = false;
-    for (unsigned n = 0; *command; n++) {
-        const char *rest = command;
-        buf_clear(&word);
-        if (!command_take_word(&rest, &word, COMMAND_QUOTES)) {
-            buf_add_text(out, "..."); /* a quote that does not end: nothing is sure */
-            break;
-        }
-        const char *text = buf_text(&word);
-        if (n == 0) {
-            known = command_find(text);
-            is_open = known && known->act == act_open;
-        }
-        if (n > 0 && is_file(known, text))
-            add_name(anonymiser, out, text, is_open);
-        else
-            buf_add(out, command, (size_t)(rest - command));
-        command = rest;
-        for (; *command == ' ' || *command == '\t'; command++)
-            buf_add_char(out, ' ');
-    }
-    out->failed |= word.failed | anonymiser->names.failed;
-    buf_release(&word);
-}
+/* ---- commands without what names people ---- */
 
 /* The commands of a journal or script, one a line: journal_script without comments and names. */
 static enum err anonymise_script(struct buf *out, const char *bytes, size_t length,
@@ -154,7 +42,7 @@ static enum err anonymise_script(struct buf *out, const char *bytes, size_t leng
     if (out->failed)
         err = fault_memory(fault, "the commands of a journal");
     walk_release(&walk);
-    buf_release(&anonymiser.names);
+    anonymiser_release(&anonymiser);
     return err;
 }
 
@@ -361,7 +249,7 @@ static enum err provenance_write(struct buf *out, const char *name, const char *
         err = add_member(&p, name, bytes, length, fault);
     if (!err)
         json_end(json);
-    buf_release(&p.anonymiser.names);
+    anonymiser_release(&p.anonymiser);
     return !err && out->failed ? fault_memory(fault, "the provenance of a journal") : err;
 }
 

@@ -78,6 +78,8 @@ struct parameter {
     bool optional, keyed;
     bool is_read;  /* FILE: one that is there, and that the command reads */
     bool is_scene; /* the scene */
+    bool is_kept;  /* WORD: numbers, a digest or a name that other commands use, which `log
+                      --anonymise` keeps; any other word may be a person's */
     bool paired;   /* given where the one before it is none of its choices, and only there */
     bool added;    /* keyed; the record has it where the line had not */
     int64_t least, most;

@@ -1,0 +1,139 @@
+/* SPDX-License-Identifier: MIT */
+#include "command/anonymise.h"
+
+#include <ctype.h>
+#include <string.h>
+
+#include "base/choice.h"
+#include "base/file.h"
+#include "base/scan.h"
+#include "command/command.h"
+#include "image/volume.h"
+#include "report/label_table.h"
+
+void anonymiser_release(struct anonymiser *anonymiser)
+{
+    buf_release(&anonymiser->names);
+}
+
+/* ---- names of files ---- */
+
+/* From 1, in the order in which they were met. */
+static unsigned number_of(struct anonymiser *anonymiser, const char *name)
+{
+    unsigned number = 1;
+    const char *at = buf_text(&anonymiser->names), *end = at + anonymiser->names.length;
+    for (; at < end; at += strlen(at) + 1, number++)
+        if (strcmp(at, name) == 0)
+            return number;
+    buf_add(&anonymiser->names, name, strlen(name) + 1);
+    return number;
+}
+
+/* ".nii.gz", ".png", "%03d.png"; "" where the ending might be a word. */
+static const char *ending_of(const char *name)
+{
+    const char *dot = strrchr(name, '.'), *percent = strchr(name, '%');
+    enum label_table_format format;
+    size_t n = 0;
+    if (label_table_ending(name, &format))
+        return label_table_ending(name, &format);
+    while (dot && isalnum((unsigned char)dot[1 + n]))
+        n++;
+    if (!dot || n > 4 || dot[1 + n] != '\0')
+        return "";
+    if (volume_ending(name))
+        return volume_ending(name);
+    if (percent && strspn(percent + 1, "0123456789") + 2 == (size_t)(dot - percent) &&
+        dot[-1] == 'd')
+        return percent;
+    return dot;
+}
+
+static void add_name(struct anonymiser *anonymiser, struct buf *out, const char *name,
+                     bool is_scene)
+{
+    struct buf word = {0};
+    const char *ending = ending_of(file_name(name));
+    if (is_scene)
+        buf_add_text(&word, "scene");
+    else
+        buf_printf(&word, "file-%u%s", number_of(anonymiser, name), *ending == '%' ? "-" : "");
+    buf_add_text(&word, ending);
+    command_write_word(out, buf_text(&word));
+    out->failed |= word.failed;
+    buf_release(&word);
+}
+
+/* ---- words ---- */
+
+enum fate { WORD_STAYS, WORD_IS_FILE, WORD_GOES };
+
+static bool is_number(const char *word)
+{
+    return word[strspn(word, "0123456789.-")] == '\0';
+}
+
+/* Judges a value by its parameter, or NULL where no parameter takes it. */
+static enum fate judge(const struct parameter *p, const char *value)
+{
+    const bool is_numbers = value[strspn(value, "0123456789abcdefABCDEF.,:/+-")] == '\0';
+    if (!p)
+        return is_number(value) ? WORD_STAYS : WORD_IS_FILE;
+    if (p->choices && choice_find(p->choices, value) >= 0)
+        return WORD_STAYS;
+    if (p->type == VALUE_FILE)
+        return p->is_scene && strncmp(value, "synth:", 6) == 0 ? WORD_STAYS : WORD_IS_FILE;
+    if (p->type == VALUE_WORD && !p->is_kept)
+        return WORD_GOES;
+    /* A path is none of the other types, but a slash may stand between numbers. */
+    return strchr(value, '/') && !(p->is_kept && is_numbers) ? WORD_IS_FILE : WORD_STAYS;
+}
+
+/* Adds a word after the name of the command, and notes that its parameter is filled. */
+static void add_word(struct anonymiser *anonymiser, struct buf *out, const struct command *command,
+                     struct value *value, const char *word, const char *as_written, size_t length)
+{
+    const char *text = word;
+    const int i = command ? command_parameter_for(command, value, &text) : -1;
+    const struct parameter *p = i < 0 ? NULL : &command->parameter[i];
+    const enum fate fate = judge(p, text);
+    if (p)
+        value[i].given = p->type != VALUE_LINE;
+    if (fate == WORD_GOES)
+        return;
+    buf_add_char(out, ' ');
+    if (fate == WORD_STAYS) {
+        buf_add(out, as_written, length);
+        return;
+    }
+    buf_add(out, word, (size_t)(text - word)); /* its key */
+    if (p && p->is_scene && scan_text(&text, "raw:"))
+        buf_add_text(out, "raw:");
+    add_name(anonymiser, out, text, p && p->is_scene);
+}
+
+void anonymise_command(struct anonymiser *anonymiser, struct buf *out, const char *command)
+{
+    struct value value[PARAMETERS_MOST] = {{.given = false}};
+    struct buf word = {0};
+    const struct command *known = NULL;
+    for (unsigned n = 0; *command; n++) {
+        const char *rest = command;
+        buf_clear(&word);
+        if (!command_take_word(&rest, &word, COMMAND_QUOTES)) {
+            buf_add_text(out, " ..."); /* a quote that does not end: no word is sure */
+            break;
+        }
+        if (n == 0) {
+            known = command_find(buf_text(&word));
+            buf_add(out, command, (size_t)(rest - command));
+        } else {
+            add_word(anonymiser, out, known, value, buf_text(&word), command,
+                     (size_t)(rest - command));
+        }
+        command = rest + strspn(rest, " \t");
+    }
+    out->failed |= word.failed | anonymiser->names.failed;
+    buf_release(&word);
+}
