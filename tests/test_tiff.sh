@@ -211,6 +211,25 @@ begin "70000 pages of 35 volumes"
 like_twins many 2
 close_story
 
+begin "wrong numbers in directories: each file is opened or refused in one line"
+"$PYTHON" -B "$top/tests/volumes/tiff.py" break . $((8 * ${IFTTY_TEST_SCALE:-1}))
+count=0 bad=0
+for name in bad/*; do
+    timeout 60 "$iftty" -c "open $name volume=0" >"$work/out" 2>"$work/err"
+    got=$?
+    count=$((count + 1))
+    lines=$(grep -vc '^iftty: .* voxels: needs' "$work/err")
+    case $got in
+    0) ;;
+    3) [ "$lines" = 1 ] || fail "$name: $(cat "$work/err")" ;;
+    *) fail "$name: status $got: $(cat "$work/err")" ;;
+    esac
+    ! grep -q 'gave up\|died' "$work/err" || fail "$name: $(cat "$work/err")"
+    [ $got = 0 ] || bad=$((bad + 1))
+done
+[ "$count" -ge 120 ] && [ $((4 * bad)) -gt "$count" ] || fail "$bad of $count were refused"
+close_story
+
 begin "a label map of 32 bits is read by labels; info tells scenes from pictures"
 "$PYTHON" -c "import numpy, tifffile
 labels = numpy.zeros((5, 22, 26), 'u4')

@@ -181,7 +181,7 @@ void check_page(const TiffPage &page, bool is_lsm)
         refuse("a TIFF that does not say how large its pages are");
     if (page.format == SAMPLEFORMAT_COMPLEXINT || page.format == SAMPLEFORMAT_COMPLEXIEEEFP)
         refuse("a TIFF of complex numbers; save their magnitude");
-    if (!is_grey(page) && !is_lsm)
+    if (!is_grey(page) && !(is_lsm && page.photometric == PHOTOMETRIC_RGB))
         refuse("a TIFF with colours (%u values a pixel); expected one value: convert it to grey, "
                "or save one channel",
                page.samples);
@@ -407,7 +407,9 @@ void read_stored(std::vector<uint8_t> &to, Tiff &file, const TiffPage &page, uns
     }
     const auto row_bytes = is_tiled ? TIFFTileRowSize(file) : TIFFScanlineSize(file);
     const auto most = is_tiled ? TIFFTileSize(file) : TIFFStripSize(file);
-    if (columns == 0 || rows == 0 || row_bytes <= 0 || most <= 0)
+    const uint64_t bits = uint64_t{columns} * (is_apart ? 1 : page.samples) * page.bits;
+    if (columns == 0 || rows == 0 || row_bytes <= 0 || most <= 0 ||
+        static_cast<uint64_t>(row_bytes) < (bits + 7) / 8)
         file.damaged();
     std::vector<uint8_t> from(static_cast<size_t>(most));
     Piece piece = {0,

@@ -4,8 +4,11 @@ tests/test_tiff.sh.
 
     tiff.py FOLDER      makes them there, with twins, NIfTI files of nibabel's that have the same
                         voxels, and prints lines "STORY FILE TWIN [OPTION...]"
+    tiff.py break FOLDER ROUNDS
+                        makes copies of some with wrong numbers in their directories, in FOLDER/bad
 """
 import os
+import random
 import struct
 import subprocess
 import sys
@@ -572,7 +575,44 @@ def make_many():
              "volume=%d" % c)
 
 
+# ---- wrong numbers ----
+
+TAGS = (254, 256, 257, 258, 259, 262, 266, 270, 273, 274, 277, 278, 279, 284, 317, 320, 322, 323,
+        324, 325, 338, 339, 32997, 34412)
+VALUES = (0, 1, 2, 3, 4, 5, 7, 8, 16, 32, 64, 255, 1000, 32773, 34887, 34925, 50000, 65535, 0x10000,
+          0x7fffffff, 0xffffffff)
+
+
+def break_one(data):
+    order = "<" if data[:2] == b"II" else ">"
+    at = struct.unpack_from(order + "I", data, 4)[0]
+    for _ in range(random.choice([1, 1, 2, 4])):
+        count = struct.unpack_from(order + "H", data, at)[0]
+        entry = at + 2 + 12 * random.randrange(count)
+        where, kind = random.choice([(0, "H"), (2, "H"), (4, "I"), (8, "I"), (8, "I"), (8, "I")])
+        value = random.choice(TAGS if where == 0 else VALUES)
+        struct.pack_into(order + kind, data, entry + where, value & (65535 if kind == "H" else ~0))
+    return data
+
+
+def make_broken(rounds):
+    os.mkdir("bad")
+    for name in ("uint16.tif uint32-big.tif float16-zip3.tif uint16-tiles-zstd2.tif bits-g4.tif "
+                 "jpeg.tif contig-tiles.tif separate.tif palette4.tif of12.tif turned6.tif "
+                 "uint16ij-run-big.tif thumb-first.tif samples.ome.tif wrong.lsm").split():
+        with open(name, "rb") as file:
+            whole = file.read()
+        for number in range(rounds):
+            random.seed("%s %d" % (name, number))
+            with open("bad/%d-%s" % (number, name), "wb") as file:
+                file.write(break_one(bytearray(whole)))
+
+
 def main():
+    if sys.argv[1] == "break":
+        os.chdir(sys.argv[2])
+        make_broken(int(sys.argv[3]))
+        return
     os.chdir(sys.argv[1])
     for make in (make_types, make_few_bits, make_packed, make_samples, make_pages, make_refused,
                  make_imagej, make_ome, make_lsm, make_folders, make_close, make_many):
