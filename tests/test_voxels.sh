@@ -39,8 +39,9 @@ refused "a series of 2 volumes; choose one" times.mha
 refused "a series of 2 volumes; choose one" times-channels.mha
 close_story
 
-begin "VTK: nine types, binary and as text"
+begin "VTK: nine types, binary and as text; two numbers a voxel are volumes"
 same_voxels *.vtk
+refused "a series of 2 volumes; choose one" times.vtk
 typed unsigned_int.vtk uint32
 typed double-text.vtk float64
 close_story
@@ -52,7 +53,8 @@ refused "a series of 2 volumes; choose one" times.h5
 close_story
 
 begin "HDF5 of ITK: its voxels at its place; big-endian ones are named"
-same_voxels itk-little.hdf5
+same_voxels itk-little.hdf5 times.hdf5
+refused "a series of 2 volumes; choose one" times.hdf5
 refused "its voxels are big-endian, which is not read of HDF5 of ITK" itk-big.hdf5
 expect 0 "$iftty" info itk-little.hdf5
 out_has "axes      RAS"
@@ -73,6 +75,26 @@ refused "its voxels are of type 31 (uint32), which is not read" u4.gipl
 refused "its voxels are of type 32 (int32), which is not read" i4.gipl
 close_story
 
+begin "raw: ten types in both byte orders, after other bytes, plain and as gzip"
+for kind in int8 uint8 int16 uint16 int32 uint32 int64 uint64 float32 float64; do
+    for order in little big; do
+        for name in $kind-$order.raw $kind-$order.raw.gz; do
+            echo "open raw:$name size=5,4,3 type=$kind endian=$order offset=4" >"$work/commands"
+            printf '%s\n' 'why 0,0,0' 'why 4,3,2' 'why 1,2,1' >>"$work/commands"
+            expect 0 "$iftty" run "$work/commands"
+            sed -n 's/.*: intensity \([0-9]*\),.*/\1/p' "$work/out" | paste -sd ' ' - >"$work/is"
+            same "$name $(cat "$work/is")" "$name 1 10 16"
+            out_has "orientation unknown"
+            out_has "5x4x3 voxels of unknown size"
+        done
+    done
+done
+expect 0 "$iftty" -c "open raw:int8-big.raw size=5,4,3 type=int8 offset=4 spacing=0.5,1,2"
+out_has "5x4x3 voxels of 0.5x1x2 mm"
+expect 2 "$iftty" -c "open raw:int8-big.raw size=5,4,3 type=int24"
+err_has "type: expected"
+close_story
+
 begin "MINC 1 and 2: axes in other units than mm are refused"
 for name in um old-um; do
     refused "the unit of its axes is not mm, in which MINC is read" $name.mnc
@@ -84,11 +106,22 @@ begin "NRRD in both byte orders, plain, as gzip, as hex and as text"
 same_voxels big-*.nrrd little-*.nrrd text.nrrd
 close_story
 
-begin "Stimulate: words beside a header of text, big-endian, at unknown sides"
-same_voxels a.spr
+begin "Stimulate: words beside a header of text, big-endian, at unknown sides, and a series"
+same_voxels a.spr times.spr
+refused "a series of 2 volumes; choose one" times.spr
 expect 0 "$iftty" info a.spr
 out_has "type      int16"
 out_has "1x1x1 mm"
+out_has "axes      unknown"
+close_story
+
+begin "a scanner's format of which no file is to be had: no distance and no side is taken"
+expect 0 "$iftty" -c "open vision/a.ima; why 1,2,0"
+out_has "no file of Siemens Vision was to be had to prove its reader"
+out_has "orientation unknown"
+out_has "distances of voxels unknown"
+out_has "intensity 17,"
+expect 0 "$iftty" info vision/a.ima
 out_has "axes      unknown"
 close_story
 

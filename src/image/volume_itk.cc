@@ -308,6 +308,10 @@ template <typename Reader> itk::ImageIOBase::Pointer make()
     return Reader::New().GetPointer();
 }
 
+/* Formats of scanners of which no file is to be had: what their readers say of distances and sides
+ * is not taken. */
+constexpr unsigned UNPROVEN = 8;
+
 /* ITK 5.2 gives the world of a MINC as it is, to the right and to the front. A format that does not
  * know the patient has no world. */
 const Kind kinds[] = {
@@ -318,12 +322,11 @@ const Kind kinds[] = {
     {"png", "PNG", make<itk::PNGImageIO>, World::NONE, NOTHING},
     {"vtk", "VTK", make<itk::VTKImageIO>, World::NONE, SPACING},
     {"gipl", "GIPL", make<itk::GiplImageIO>, World::NONE, SPACING},
-    {"ge5", "GE 5", make<itk::GE5ImageIO>, World::LPS, SPACING | ORIENTATION},
-    {"ge4", "GE 4", make<itk::GE4ImageIO>, World::LPS, SPACING | ORIENTATION},
-    {"geadw", "GE ADW", make<itk::GEAdwImageIO>, World::LPS, SPACING | ORIENTATION},
-    {"siemens", "Siemens Vision", make<itk::SiemensVisionImageIO>, World::LPS,
-     SPACING | ORIENTATION},
-    {"bruker", "Bruker", make<itk::Bruker2dseqImageIO>, World::LPS, SPACING | ORIENTATION},
+    {"ge5", "GE 5", make<itk::GE5ImageIO>, World::NONE, UNPROVEN},
+    {"ge4", "GE 4", make<itk::GE4ImageIO>, World::NONE, UNPROVEN},
+    {"geadw", "GE ADW", make<itk::GEAdwImageIO>, World::NONE, UNPROVEN},
+    {"siemens", "Siemens Vision", make<itk::SiemensVisionImageIO>, World::NONE, UNPROVEN},
+    {"bruker", "Bruker", make<itk::Bruker2dseqImageIO>, World::NONE, UNPROVEN},
     {"stimulate", "Stimulate", make<itk::StimulateImageIO>, World::NONE, SPACING},
     {"itk-hdf5", "HDF5 of ITK", make<itk::HDF5ImageIO>, World::LPS, SPACING | ORIENTATION},
 };
@@ -369,6 +372,12 @@ void open_by_itk(Volume &volume, const Request &request, const std::string &name
     describe(volume, io, request, volume.known & ORIENTATION ? kind->world : World::NONE);
     if (name == "nrrd")
         place_las(volume, *io, request);
+    if (kind->known == UNPROVEN) {
+        volume.known = NOTHING;
+        note(volume, words_of("no file of %s was to be had to prove its reader: compare its voxels "
+                              "with another program; distances and sides are taken as unknown",
+                              kind->format));
+    }
     count_voxels(volume, kind->name, request);
     if (name == "png")
         note_png(volume, request.path);

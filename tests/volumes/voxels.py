@@ -56,6 +56,19 @@ def make_vtk():
         write(kind + "-text.vtk", head % ("ASCII", kind), " ".join(map(str, DATA.ravel())), "\n")
 
 
+    write("times.vtk", (head % ("BINARY", "short")).replace("short 1", "short 2"),
+          numpy.stack(TIMES, -1).astype(">i2").tobytes())
+
+
+def make_raw():
+    for kind in ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64",
+                 "float32", "float64"):
+        for order, name in (("<", "little"), (">", "big")):
+            bytes_ = DATA.astype(numpy.dtype(kind).newbyteorder(order)).tobytes()
+            write("%s-%s.raw" % (kind, name), b"head", bytes_)
+            write("%s-%s.raw.gz" % (kind, name), gzip.compress(b"head" + bytes_))
+
+
 def make_hdf5():
     for code in ("i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8", "f4", "f8"):
         for order, name in (("<", "little"), (">", "big")):
@@ -83,6 +96,14 @@ def make_itk_hdf5():
             group.create_group("MetaData")
             file["ITKVersion"] = "5.2.1"
             file["HDFVersion"] = "1.10.8"
+    with h5py.File("times.hdf5", "w") as file:
+        group = file.create_group("ITKImage/0")
+        group["Dimension"] = numpy.array([5, 4, 3, 2], "u8")
+        group["Directions"] = numpy.diag([-1.0, -1.0, 1.0, 1.0])
+        group["Origin"], group["Spacing"] = numpy.zeros(4), numpy.ones(4)
+        group["VoxelType"], group["VoxelData"] = "SHORT", TIMES
+        group.create_group("MetaData")
+        file["ITKVersion"], file["HDFVersion"] = "5.2.1", "1.10.8"
 
 
 def make_mrc():
@@ -134,6 +155,13 @@ def make_others():
     write("a.spr", "numDim: 3\ndim: 5 4 3\norigin: 0 0 0\ninterval: 1 1 1\ndataType: WORD\n"
           "sdtOrient: ax\n")
     write("a.sdt", DATA.astype(">i2").tobytes())
+    write("times.spr", "numDim: 4\ndim: 5 4 3 2\norigin: 0 0 0 0\ninterval: 1 1 1 1\n"
+          "dataType: WORD\nsdtOrient: ax\n")
+    write("times.sdt", TIMES.astype(">i2").tobytes())
+    os.mkdir("vision")  # Siemens Vision, as far as ITK looks at it: a square, and numbers as text
+    write("vision/a.ima", bytes(2864), struct.pack(">i", 8), bytes(5000 - 2868),
+          struct.pack(">2d", 1, 1), bytes(5504 - 5016), b"1" * 640,
+          numpy.arange(64).astype(">i2").tobytes())
     for name in ("SHORT-big.mha", "short.vtk", "i2-little.h5", "i2-little.mrc", "i2.gipl",
                  "big-raw.nrrd"):
         with open(name, "rb") as file:
@@ -200,6 +228,7 @@ def make_minc():
 
 make_meta()
 make_vtk()
+make_raw()
 make_hdf5()
 make_itk_hdf5()
 make_mrc()
