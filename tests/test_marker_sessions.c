@@ -11,6 +11,7 @@
 #include "command/resume.h"
 #include "tests/paint_model.h"
 #include "tests/small_scene.h"
+#include "tests/stopping.h"
 
 enum { CELLS = 14 * 13 * 12, PUT_MOST = 400, RECORDS_MOST = 600, COMMANDS = 10, LINE = 400 };
 
@@ -466,14 +467,49 @@ STORY(no_removal_brings_a_seed_back_outside_the_region)
     interpreter_release(&interp);
 }
 
+/* Labels of a file that were undone cover voxels of the grid before. */
+STORY(no_seed_frees_pieces_of_the_scene_before_it_was_interpolated)
+{
+    static const char *const corrections[] = {"seed 3,5,5 2 radius=2", "box 0,0,0 12,4,9 2",
+                                              "remove 3,5,5"};
+    int looks, stopped = 0;
+    struct watch watch = {.context = &looks, .poll = stop_after_looks, .step = 1};
+    struct snapshot plain, after;
+    make_regions("regions.nii", size[0], 0);
+    CHECK(chdir(folder) == 0);
+    for (int has_pieces = 0; has_pieces < 2; has_pieces++) {
+        begin_with_journal(&interp, "finer.iftty");
+        must(&interp, "auto on");
+        if (has_pieces) {
+            must(&interp, "labels regions.nii");
+            must(&interp, "undo");
+        }
+        interp.session->watch = &watch;
+        for (looks = stopped; execute(&interp, "interpolate 2 1 1") != OK; looks = ++stopped)
+            CHECK(interp.session->markers.former == 0); /* they are those of the scene still */
+        interp.session->watch = interp.session->scene->watch = NULL;
+        CHECK(stopped > 20);
+        for (size_t i = 0; i < sizeof corrections / sizeof *corrections; i++)
+            must(&interp, corrections[i]);
+        take_snapshot(has_pieces ? &after : &plain, &interp);
+        interpreter_release(&interp);
+        verifies(place("finer.iftty"));
+        stopped = 0;
+    }
+    CHECK(after.forest == plain.forest && after.labels == plain.labels);
+    CHECK(after.seeds == plain.seeds && after.pendings == plain.pendings);
+}
+
 int main(void)
 {
     if (!make_folder(folder, "markers"))
         return 1;
     make_scene();
-    const int status = RUN_STORIES(TELL(seeds_are_what_the_commands_that_stand_give),
-                                   TELL(maps_regions_and_corrections_come_in_any_order),
-                                   TELL(no_removal_brings_a_seed_back_outside_the_region));
+    const int status =
+        RUN_STORIES(TELL(seeds_are_what_the_commands_that_stand_give),
+                    TELL(maps_regions_and_corrections_come_in_any_order),
+                    TELL(no_removal_brings_a_seed_back_outside_the_region),
+                    TELL(no_seed_frees_pieces_of_the_scene_before_it_was_interpolated));
     reply_release(&reply);
     return remove_folder(folder) | status;
 }

@@ -289,7 +289,8 @@ enum err markers_free(struct markers *markers, const struct cell *cells,
     struct freed freed = {0};
     enum err err = count ? freed_init(&freed, around, cell, count, fault) : OK;
     freed.cells = cells;
-    for (uint32_t number = 1; !err && count && number < markers->count; number++) {
+    for (uint32_t number = (uint32_t)markers->former + 1; !err && count && number < markers->count;
+         number++) {
         const struct marker *marker = markers->marker + number - 1;
         const size_t before = markers->covers;
         if (!comes_near(markers, marker, &freed) || !gives_way(markers, marker))

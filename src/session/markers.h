@@ -84,6 +84,7 @@ struct cover {
 struct markers {
     struct marker *marker; /* marker[n - 1] has number n */
     size_t count, capacity;
+    size_t former; /* numbers up to this one name voxels of the scene before it was interpolated */
     struct cover *cover; /* those of a marker together, in the order in which it was given them */
     size_t covers, cover_capacity;
     struct marker_run *run; /* those of a marker together and in order */

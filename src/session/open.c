@@ -286,12 +286,14 @@ static enum err replace_scene(struct session *session, unsigned doubled, struct 
                               .forest = session->forest,
                               .border = session->border,
                               .roi_tally = session->roi_tally,
+                              .former_markers = session->markers.former,
                               .stale = session->stale};
     if (session->levels)
         session->levels->is_blended = true;
     session->scene = next.scene;
     session->forest = next.forest;
     session->border = next.border;
+    session->markers.former = session->markers.count;
     session->tally = tally_of_none(next.scene);
     session->tally_before_edit.stale = true;
     session->knows_window = false;

@@ -376,6 +376,7 @@ static void take_back_scene(struct session *session)
     session->forest = former.forest;
     session->border = former.border;
     session->roi_tally = former.roi_tally;
+    session->markers.former = former.former_markers;
     session->stale = former.stale | MADE_CAMERA;
     session->edited = session->knows_window = false;
     session->former_scene = (struct former_scene){0};

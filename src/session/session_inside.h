@@ -32,6 +32,7 @@ struct former_scene {
     struct forest *forest;
     struct border border;
     struct roi_tally roi_tally;
+    size_t former_markers;
     unsigned stale;
 };
 
