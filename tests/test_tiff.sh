@@ -66,7 +66,7 @@ like_twins packed 37
 close_story
 
 begin "palettes are indices, alpha is left out, samples are volumes, an Orientation is obeyed"
-like_twins samples 26
+like_twins samples 29
 says palette.tif "its colours are of a palette: voxels are the indices, which it stores"
 says alpha.tif "its pixels are grey with alpha: the grey is taken, alpha is left out"
 says contig.tif "its volumes are 3 channels"
@@ -143,7 +143,7 @@ refused "it takes more memory than it may" wide-tile.tif
 close_story
 
 begin "ImageJ: channels and frames are volumes, also without directories; tifffile's shapes"
-like_twins imagej 43
+like_twins imagej 48
 says ij.tif "its volumes are 2 channels of each of 3 frames, in this order"
 says ij-flat.tif "its ImageJ description says pixels of 0.5x0.25 mm, and nothing how far apart \
 slices are: where you know that, open it with spacing=0.5,0.25,Z"
@@ -152,6 +152,13 @@ open it with spacing=X,Y,Z"
 says ij-without.tif "says voxels of 0.5x0.25x3, and no unit: where you know their size"
 silent words.tif
 silent shaped-one.tif
+expect 0 "$iftty" info rest.tif
+out_has "bytes come after the pixels of its only page: \`open raw:FILE size=78,66,N type=uint16 \
+offset=8 endian=little\` reads them as slices"
+facts_of rest-all.twin.nii
+mv "$work/facts" "$work/slices"
+facts_of raw:rest.tif size=78,66,5 type=uint16 offset=8 endian=little
+same_files "$work/facts" "$work/slices"
 refused "cut short: it has $(file_bytes ij-cut.tif) bytes, and its header promises" ij-cut.tif
 refused "its ImageJ description says images=6" ij-few.tif
 refused "its ImageJ description says images=5" ij-wrong.tif
@@ -188,6 +195,7 @@ like_twins lsm 6
 says a.lsm "10 pages of reduced resolution left out"
 refused "its CZ_LSMINFO says 9 slices, 3 channels and 2 frames, and it has 10 pages" wrong.lsm
 refused "cut short: its CZ_LSMINFO has 40 bytes" short.lsm
+refused "a TIFF with colours (3 values a pixel)" ycbcr.lsm
 truncate -s 5G a.lsm
 refused "an LSM of more than 4 GB" a.lsm
 rm a.lsm

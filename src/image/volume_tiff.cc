@@ -618,6 +618,28 @@ void check_run(const Opened &opened, const std::string &path)
                wide(static_cast<uint64_t>(status.st_size)), wide(end));
 }
 
+/* Says that more follows the only page than belongs to it, as where a writer gave the other slices
+ * of a stack no directories and no description. */
+void note_rest(Volume &volume, const Opened &opened)
+{
+    constexpr uint64_t least = 4096; /* descriptions may be as long */
+    struct stat status;
+    const uint64_t at = begin_of_run(opened.file);
+    const uint64_t bytes = bytes_in(volume, 1);
+    if (opened.page.size() != 1 || opened.stack.is_run || at == 0 || opened.page[0].samples != 1 ||
+        opened.page[0].bits != 8 * bytes_of(volume.type) ||
+        fstat(TIFFFileno(opened.file), &status) != 0)
+        return;
+    const uint64_t all = static_cast<uint64_t>(status.st_size);
+    if (all > at && all - at > bytes && all - at - bytes >= std::max(bytes, least))
+        note(volume,
+             words_of("%llu bytes come after the pixels of its only page: `open raw:FILE "
+                      "size=%llu,%llu,N type=%s offset=%llu endian=%s` reads them as slices",
+                      wide(all - at - bytes), wide(volume.size[0]), wide(volume.size[1]),
+                      volume.type.c_str(), wide(at),
+                      TIFFIsBigEndian(opened.file) ? "big" : "little"));
+}
+
 /* Opens a file and arranges its pages. */
 std::shared_ptr<Opened> open_pages(const std::string &path)
 {
@@ -678,6 +700,7 @@ void open_tiff(Volume &volume, const Request &request)
         volume.known |= CLOSELY_PACKED;
     note_axes(volume, opened->stack);
     note_pages(volume, *opened);
+    note_rest(volume, *opened);
     volume.send = [&volume, opened, number = request.volume]() {
         std::vector<uint8_t> bytes(bytes_in(volume, 1) / volume.size[2]);
         if (number >= volume.volumes)

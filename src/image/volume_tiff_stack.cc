@@ -19,7 +19,8 @@ namespace volume
 
 constexpr uint64_t planes_most = 1000000;
 constexpr size_t none = SIZE_MAX;
-constexpr char shape_name[] = "\"shape\": [";
+/* Before the sides of a shape: of tifffile, and of it before 2017, (2, 5, 7, 11). */
+constexpr char shape_name[] = "\"shape\": [", old_shape_name[] = "shape=(";
 
 /* ---- units ---- */
 
@@ -191,12 +192,15 @@ void arrange_shaped(TiffStack &stack, const std::vector<TiffPage> &page, const s
     static const char names[] = "\"axes\": \"";
     std::vector<uint64_t> side;
     const size_t samples = page[0].samples > 1;
-    const char *at = text.c_str() + text.find(shape_name) + std::strlen(shape_name);
+    const bool is_old = text[0] != '{';
+    const char *const name = is_old ? old_shape_name : shape_name;
+    const char close = is_old ? ')' : ']';
+    const char *at = text.c_str() + text.find(name) + std::strlen(name);
     for (char *end; side.size() < 32; at = end + (*end == ',')) {
         side.push_back(std::strtoull(at, &end, 10));
-        if (end == at || (*end != ',' && *end != ']'))
+        if (end == at || (*end != ',' && *end != close))
             return;
-        if (*end == ']')
+        if (*end == close)
             break;
     }
     if (side.size() < 2 + samples)
@@ -507,7 +511,8 @@ TiffStack stack_of(const std::vector<TiffPage> &page, unsigned samples, const st
         arrange_imagej(stack, page, description);
     else if (is_ome && description.find("</") != std::string::npos)
         arrange_ome(stack, page, samples, path, description, type);
-    else if (description[0] == '{' && description.find(shape_name) != std::string::npos)
+    else if (description.compare(0, std::strlen(old_shape_name), old_shape_name) == 0 ||
+             (description[0] == '{' && description.find(shape_name) != std::string::npos))
         arrange_shaped(stack, page, description);
     if (stack.page.empty())
         arrange(stack, {{'Z', pages}}, images_of(page));

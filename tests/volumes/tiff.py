@@ -240,7 +240,8 @@ def make_samples():
                  planarconfig="separate")
             run("tiffcp", "-c", "lzw:2", "-t", "-w", "16", "-l", "16", "contig.tif",
                 "contig-tiles.tif")
-        for name in ("contig.tif", "separate.tif", "contig-tiles.tif"):
+            run("tiffcp", "-c", "zip:2", "-r", "6", "separate.tif", "separate-zip.tif")
+        for name in ("contig.tif", "separate.tif", "contig-tiles.tif", "separate-zip.tif"):
             tell("samples", name, of, "volume=%d" % n)
     mask = voxels() > 80  # white where 1, as PIL shows it
     grey("white.tif", ~mask, photometric="miniswhite")
@@ -413,6 +414,13 @@ def make_imagej():
                 tell("imagej", name, "many%d%d.twin.nii" % (t, c), "volume=%d" % (2 * t + c))
             tell("imagej", "shaped-axes.tif", "many%d%d.twin.nii" % (t, c),
                  "volume=%d" % (2 * t + c))
+    write("shaped-old.tif", [page(z, _270=(2, b"shape=(3, 2, 5, 22, 26)\0"))
+                             for z in many.reshape(-1, *SIZE[1::-1])])
+    tell("imagej", "shaped-old.tif", "many21.twin.nii", "volume=5")
+    wide = numpy.tile(many[0, 0], (1, 3, 3))
+    write("rest.tif", [page(wide[0], packed=wide.tobytes(), _279=(4, wide[0].nbytes))])
+    tell("imagej", "rest.tif", twin("rest", wide[:1]))
+    twin("rest-all", wide)
     grey("shaped-one.tif", many[0, 0], truncate=True)
     tell("imagej", "shaped-one.tif", "many00.twin.nii")
 
@@ -527,6 +535,9 @@ def make_lsm():
     write("wrong.lsm", pages)
     pages[0][0][34412] = (1, bytes(info[:40]))
     write("short.lsm", pages)
+    write("ycbcr.lsm", [page(many[0, 0, 0].astype("u1"), packed=bytes(2000), _277=(3, 3),
+                             _258=(3, [8] * 3), _339=(3, [1] * 3), _262=(3, 6),
+                             _34412=(1, bytes(info)))])
 
 
 def make_folders():
