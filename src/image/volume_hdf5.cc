@@ -5,6 +5,10 @@
  * The values of a data set may be stored outside the file or, where it is virtual, be those of
  * other data sets; links may lead to other files. What such names lead to is looked at before.
  */
+/* Functions and structs as HDF5 1.10 has them; later versions have others by the same names. */
+#define H5_USE_110_API
+#include <hdf5.h>
+
 #include "image/volume_parts.hh"
 
 #include <algorithm>
@@ -13,7 +17,6 @@
 #include <set>
 #include <vector>
 
-#include <hdf5.h>
 #include <sys/stat.h>
 
 namespace volume
