@@ -19,6 +19,7 @@
 #include "register/register_helper.h"
 #include "register/registration.h"
 #include "register/staple.h"
+#include "register/transform_file.h"
 
 static char folder[FOLDER_LENGTH];
 static const char *build;
@@ -117,7 +118,7 @@ STORY(the_volume_helper_is_confined_before_it_says_what_is_in_a_file)
     volume_helper_program = NULL;
 }
 
-/* It is given voxels, and no file. */
+/* It gets voxels or the bytes of a transform, and no file. */
 STORY(the_register_helper_reaches_nothing)
 {
     static const uint8_t map[8];
@@ -143,6 +144,13 @@ STORY(the_register_helper_reaches_nothing)
     CHECK_HAS(fault.text, "attempts, all refused");
     CHECK_INT(staple_find(consensus, rater, 2, maps, (const uint32_t[]){2, 2, 2}, NULL, &fault),
               ERR_INPUT);
+    CHECK_HAS(fault.text, "attempts, all refused");
+    const struct placed_grid grid = {{8, 8, 8}, &geometry};
+    struct affine way;
+    CHECK_INT(transform_read(&way, NULL, file_with("a.tfm", "#Insight Transform File V1.0\n"),
+                             TRANSFORM_SUBJECT_FIXED, &grid, &grid, &fault),
+              ERR_INPUT);
+    CHECK_HAS(fault.text, "a.tfm: reading: ");
     CHECK_HAS(fault.text, "attempts, all refused");
     register_helper_program = NULL;
     scene_free(scene);

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 
 #include "base/file.h"
+#include "register/register_helper.h"
 #include "register/transform_file.h"
 #include "tests/folder.h"
 
@@ -254,6 +255,38 @@ STORY(a_scene_without_a_place_or_a_file_that_is_not_there_is_refused)
     CHECK_HAS(fault.text, "nowhere.mat");
 }
 
+/* ---- helpers that misbehave ---- */
+
+static const char *fault_of(const char *script)
+{
+    static struct fault fault;
+    struct affine out = {{{42}}};
+    const char *const usual = register_helper_program;
+    register_helper_program = script ? make_script(folder, "odd", script) : "/nowhere/odd";
+    CHECK(read_as(&out, NULL, "tests/transforms/affine.tfm", TRANSFORM_SUBJECT_FIXED, &fault));
+    CHECK(out.m[0][0] == 42);
+    CHECK_HAS(fault.text, "tests/transforms/affine.tfm: ");
+    register_helper_program = usual;
+    return fault.text;
+}
+
+#define HEARD "exec 3<&0; cat <&3 >/dev/null & "
+
+STORY(a_helper_that_is_missing_dies_or_lies_costs_one_line)
+{
+    CHECK_HAS(fault_of(NULL), "; the package iftty-volume has it");
+    CHECK_HAS(fault_of("kill -SEGV $$"), "died (Segmentation fault)");
+    CHECK_HAS(fault_of(HEARD "echo what; sleep 9"), "makes no sense");
+    CHECK_HAS(fault_of(HEARD "echo transform 9999; sleep 9"), "makes no sense");
+    CHECK_HAS(fault_of(HEARD "echo transform 2; printf '\\033['; head -c 96 /dev/zero; sleep 9"),
+              "makes no sense");
+    CHECK_HAS(fault_of(HEARD "echo transform 1; printf a; head -c 96 /dev/zero; sleep 9"),
+              "it has no inverse");
+    CHECK_HAS(fault_of(HEARD "echo transform 1; printf a; yes | tr -d '\\n' | tr y '\\377' | "
+                             "head -c 96; sleep 9"),
+              "it has no inverse");
+}
+
 int main(void)
 {
     static const struct story stories[] = {
@@ -263,9 +296,14 @@ int main(void)
         TELL(a_matrix_of_flirt_leads_from_in_to_ref),
         TELL(sixteen_numbers_are_nobodys_unless_they_are_named),
         TELL(a_scene_without_a_place_or_a_file_that_is_not_there_is_refused),
+        TELL(a_helper_that_is_missing_dies_or_lies_costs_one_line),
     };
     if (!make_folder(folder, "transforms"))
         return 1;
+    const char *build = getenv("IFTTY_BUILD");
+    char helper[FILE_LENGTH];
+    snprintf(helper, sizeof helper, "%s/iftty-register", build ? build : "build");
+    register_helper_program = helper;
     make_scenes();
     const int failed = check_run(stories, sizeof stories / sizeof stories[0]);
     return failed | remove_folder(folder);

@@ -9,6 +9,7 @@
  *
  *     register_itk.cc      registration
  *     register_staple.cc   the consensus
+ *     register_transform.cc   transform files
  */
 #include <new>
 
@@ -28,6 +29,7 @@ constexpr rlim_t working_s = 3600;
 constexpr uint64_t voxels_most = 1 << 24; /* of a scene */
 constexpr uint64_t side_most = 65534;
 constexpr uint64_t map_voxels_most = UINT64_C(1) << 32;
+constexpr uint64_t transform_most = 1 << 20;
 constexpr uint64_t raters_most = 64, labels_most = 256;
 
 /* With more threads than one, sums depend on which of them is first. */
@@ -82,6 +84,13 @@ void answer_consensus(const std::string &line, size_t at)
     transmit(consensus.rates.data(), consensus.rates.size() * sizeof consensus.rates[0]);
 }
 
+void answer_transform(const std::string &line, size_t at)
+{
+    const TransformFile found = read_transform(receive_text(take_number(line, at, transform_most)));
+    transmit("transform " + std::to_string(found.kind.size()) + "\n" + found.kind);
+    transmit(found.map, sizeof found.map);
+}
+
 } // namespace
 
 void registering::progress(unsigned done, unsigned total)
@@ -104,6 +113,8 @@ int main()
             answer_registration(line, 9);
         else if (line.compare(0, 7, "staple ") == 0)
             answer_consensus(line, 7);
+        else if (line.compare(0, 10, "transform ") == 0)
+            answer_transform(line, 10);
         else
             leave(2);
         leave(0);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The register helper: registration and STAPLE by ITK in a process of its own.
+ * The register helper: registration and STAPLE by ITK, and transform files, in a process of its own.
  *
  * The program iftty-register is started for one request, takes all files and nearly all calls of
  * the kernel from itself before the first voxel comes (Landlock, seccomp, limits), and ends with
- * its answer. It reads no file: what it is given are voxels, decoded and bounded. What it says is
- * checked: lengths, numbers, labels.
+ * its answer. It opens no file: it gets voxels, decoded and bounded, or the bytes of a transform. Its
+ * answers are checked: lengths, numbers, labels.
  *
  * The protocol, as in coprocess.h:
  *
@@ -23,6 +23,11 @@
  *                 maps                            a byte a voxel, one map after another
  *     answer    any number of progress, and then
  *                 consensus\n  map  2 RATERS LABELS numbers
+ *               or an error
+ *
+ *     request   transform BYTES\n                of a file of ITK's transforms
+ *                 bytes
+ *     answer    transform LENGTH\n  kind  12 numbers
  *               or an error
  *
  * Numbers are doubles of this machine. Those of a request are the three rows of the matrix from

@@ -41,6 +41,13 @@ struct Consensus {
 };
 Consensus agree(const std::vector<std::vector<uint8_t>> &maps, unsigned labels);
 
+/* A transform file of ITK: the rows of its map, in LPS+, and the name of its kind. */
+struct TransformFile {
+    double map[12];
+    std::string kind;
+};
+TransformFile read_transform(const std::string &bytes);
+
 /* How far it is. */
 void progress(unsigned done, unsigned total);
 

@@ -2,14 +2,15 @@
 #include "register/transform_file.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/decimal.h"
 #include "base/file.h"
 #include "base/scan.h"
-#include "register/itk_transform.h"
+#include "register/register_helper.h"
 
-enum { BYTES_MOST = 1 << 20, SIXTEEN = 16 };
+enum { BYTES_MOST = 1 << 20, SIXTEEN = 16, KIND_MOST = 96, HELD_MOST = 256 << 20 };
 
 static const char FSL[] = "fsl:";
 
@@ -73,6 +74,37 @@ static enum err world_of_flirt(struct affine *out, const struct affine *flirt,
 
 /* ---- ITK ---- */
 
+/* By the helper, which is confined, of a format that it knows. */
+static enum err read_by_helper(struct affine *out, struct buf *kind, const struct buf *bytes,
+                               struct fault *fault)
+{
+    struct coprocess process;
+    char line[COPROCESS_LINE], name[KIND_MOST];
+    const char *at = line;
+    static const int64_t most = KIND_MOST - 1;
+    int64_t length = 0;
+    enum err err = register_helper_start(&process, "a transform", HELD_MOST, 0, NULL, fault);
+    snprintf(line, sizeof line, "transform %zu\n", bytes->length);
+    if (!err && !(coprocess_transmit(&process, line, strlen(line)) &&
+                  coprocess_transmit(&process, buf_text(bytes), bytes->length)))
+        err = coprocess_fault(&process, NULL, NULL, fault);
+    err = err ? err : coprocess_answer(&process, line, NULL, NULL, fault);
+    if (!err) {
+        bool makes_sense = (scan_text(&at, "transform ") &&
+                            coprocess_numbers(at, 1, &most, &length) && length > 0) ||
+                           coprocess_odd(&process);
+        makes_sense = makes_sense && coprocess_receive(&process, name, (size_t)length) &&
+                      coprocess_receive(&process, out->m, sizeof out->m);
+        for (int64_t i = 0; makes_sense && i < length; i++)
+            makes_sense = (name[i] > ' ' && name[i] <= '~') || coprocess_odd(&process);
+        err = makes_sense ? OK : coprocess_fault(&process, NULL, NULL, fault);
+    }
+    buf_add_text(kind, "ITK's ");
+    buf_add(kind, name, err ? 0 : (size_t)length);
+    coprocess_release(&process);
+    return err;
+}
+
 /* Out of LPS+: x and y run the other way, on both sides. */
 static void turn_to_ras(struct affine *a)
 {
@@ -104,21 +136,11 @@ static enum err take_file(struct affine *out, struct buf *kind, const struct buf
             err = fault_set(fault, ERR_INPUT, "its matrix has no inverse");
         return err;
     }
-    if (is_text && itk_transform_is_text(text, bytes->length)) {
-        buf_add_text(kind, "ITK's ");
-        err = itk_transform_scan(out, kind, text, fault);
-    } else if (itk_transform_is_matlab(text, bytes->length)) {
-        buf_add_text(kind, "ITK's ");
-        err = itk_transform_decode(out, kind, text, bytes->length, fault);
-    } else if (is_text && scan_square(&flirt, text)) {
+    if (is_text && scan_square(&flirt, text))
         return fault_set(fault, ERR_INPUT,
                          "it is sixteen numbers, and does not say whose; where FLIRT wrote them, "
                          "name it as \"fsl:FILE\"");
-    } else {
-        return fault_set(fault, ERR_INPUT,
-                         "it is no affine transform that is known here: ITK's as text or .mat, or "
-                         "\"fsl:FILE\" for a matrix of FLIRT");
-    }
+    err = read_by_helper(out, kind, bytes, fault);
     turn_to_ras(out);
     return err;
 }

@@ -16,4 +16,9 @@ Consensus agree(const std::vector<std::vector<uint8_t>> &, unsigned)
     throw Refusal{"agreeing: " + attempts("./probed", false, false)};
 }
 
+TransformFile read_transform(const std::string &)
+{
+    throw Refusal{"reading: " + attempts("./probed", false, false)};
+}
+
 } // namespace registering
