@@ -139,6 +139,23 @@ STORY(a_form_is_found_by_its_option_or_operand)
     CHECK_INT(o.words, 1);
 }
 
+STORY(a_value_may_follow_an_equals_sign)
+{
+    CHECK_TEXT(name_of("run s --journal=a.iftty --keep-going"), "iftty run");
+    CHECK_TEXT(o.journal, "a.iftty");
+    CHECK(o.keep_going);
+    CHECK(take("verify a --until=3 -j 2") == OK);
+    CHECK(o.until == 3 && o.processes == 2);
+    CHECK(take("run s --journal=") == OK);
+    CHECK_TEXT(o.journal, "");
+    CHECK(take("run s --journal=a=b") == OK);
+    CHECK_TEXT(o.journal, "a=b");
+    CHECK_TEXT(name_of("verify --accept=why a"), "iftty verify --accept");
+    CHECK(take("run --journal -- -- --x=y") == OK);
+    CHECK_TEXT(o.word[0], "--x=y");
+    CHECK_TEXT(name_of("-V"), "iftty --version");
+}
+
 STORY(two_hyphens_end_the_options)
 {
     CHECK(take("run -- --json") == OK);
@@ -192,6 +209,11 @@ STORY(what_is_refused_says_what_to_type)
     is_refused("log --chekc a",
                "`iftty log` has no option --chekc; see `iftty log --help`; did you mean --check?");
     is_refused("verify a -j", "-j needs a value, N");
+    is_refused("verify a --json=yes", "--json has no value, and yes was given");
+    is_refused("verify a --jsn=yes", "`iftty verify` has no option --jsn; see `iftty verify "
+                                     "--help`; did you mean --json?");
+    is_refused("run s --journal a --journal b", "--journal is given twice; expected one");
+    is_refused("run s --json --journal=a --json", "--json is given twice; expected one");
     is_refused("verify a -j 0", "-j: expected a number 1..64, not 0");
     is_refused("verify a -j 3x", "-j: expected a number 1..64, not 3x");
     is_refused("run s --graphics loud", "--graphics: expected auto, kitty, tiles, iterm, sixel, "
@@ -247,7 +269,7 @@ int main(void)
         TELL(every_option_that_a_program_takes_is_there), TELL(every_option_is_taken_and_explained),
         TELL(the_program_is_found_wherever_its_name_stands),
         TELL(a_form_is_found_by_its_option_or_operand), TELL(two_hyphens_end_the_options),
-        TELL(help_may_be_asked_for_anywhere), TELL(what_is_refused_says_what_to_type),
-        TELL(help_is_narrow_and_has_every_option),
+        TELL(a_value_may_follow_an_equals_sign), TELL(help_may_be_asked_for_anywhere),
+        TELL(what_is_refused_says_what_to_type), TELL(help_is_narrow_and_has_every_option),
         TELL(the_keys_of_the_lesson_are_those_of_the_readme));
 }

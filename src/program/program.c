@@ -64,11 +64,22 @@ struct option_words {
     int count;
     int at;    /* the next one */
     bool over; /* "--" was met */
-    /* what option_next has found: an option or an operand, */
+    /* what option_next has found: an operand, or an option with its name */
     char *text;
     bool is_option;
+    char name[64];
     const char *value; /* and its value; NULL where it has none, or none is left */
 };
+
+/* Splits "--name=value". A name that is too long is cut, and that of no option. */
+static void split_option(struct option_words *w)
+{
+    const size_t length = strncmp(w->text, "--", 2) == 0 ? strcspn(w->text, "=") : strlen(w->text);
+    const bool is_short = strcmp(w->text, "-V") == 0;
+    snprintf(w->name, sizeof w->name, "%.*s", is_short ? 9 : (int)length,
+             is_short ? "--version" : w->text);
+    w->value = !is_short && w->text[length] == '=' ? w->text + length + 1 : NULL;
+}
 
 /* The next operand or option; false at the end. */
 static bool option_next(struct option_words *w)
@@ -82,10 +93,11 @@ static bool option_next(struct option_words *w)
         w->over = strcmp(w->text, "--") == 0;
         if (w->over)
             continue;
+        split_option(w);
         unsigned row = w->table->rows - 1;
-        while (row && strcmp(w->table->row[row].name, w->text) != 0)
+        while (row && strcmp(w->table->row[row].name, w->name) != 0)
             row--;
-        if (row && w->table->row[row].value && w->at < w->count)
+        if (row && w->table->row[row].value && !w->value && w->at < w->count)
             w->value = w->word[w->at++];
         return true;
     }
@@ -111,7 +123,7 @@ static bool gives_form(const struct hints *hints, const char *form)
     if (*form != '-')
         return hints->operand[1] && strcmp(hints->operand[1], form) == 0;
     for (struct option_words w = hints->words; option_next(&w);)
-        if (w.is_option && strcmp(w.text, form) == 0)
+        if (w.is_option && strcmp(w.name, form) == 0)
             return true;
     return false;
 }
@@ -119,7 +131,7 @@ static bool gives_form(const struct hints *hints, const char *form)
 static bool takes_all(const struct program *program, const struct hints *hints)
 {
     for (struct option_words w = hints->words; option_next(&w);)
-        if (w.is_option && !option_find(w.table, program->option, w.text))
+        if (w.is_option && !option_find(w.table, program->option, w.name))
             return false;
     return true;
 }
@@ -338,21 +350,28 @@ static enum err read_words(const struct program_table *table, struct option_word
                            struct options *o, struct fault *fault)
 {
     enum err err = OK;
+    bool is_given[UINT8_MAX + 1] = {false};
     o->word = w.word;
     o->words = 0;
     while (!err && option_next(&w)) {
-        const struct option *row =
-            table->option.row + option_find(&table->option, o->program->option, w.text);
+        const uint8_t number =
+            w.is_option ? option_find(&table->option, o->program->option, w.name) : 0;
+        const struct option *row = table->option.row + number;
         if (!w.is_option && skip > 0)
             skip--;
         else if (!w.is_option)
             o->word[o->words++] = w.text;
         else if (!row->name)
-            err = refuse_option(table, o->program, w.text, fault);
+            err = refuse_option(table, o->program, w.name, fault);
         else if (row->value && !w.value)
-            err = fault_set(fault, ERR_USAGE, "%s needs a value, %s", w.text, row->value);
+            err = fault_set(fault, ERR_USAGE, "%s needs a value, %s", w.name, row->value);
+        else if (!row->value && w.value)
+            err = fault_set(fault, ERR_USAGE, "%s has no value, and %s was given", w.name, w.value);
+        else if (is_given[number])
+            err = fault_set(fault, ERR_USAGE, "%s is given twice; expected one", w.name);
         else
             err = row->read(row, w.value, o, fault);
+        is_given[number] = true;
     }
     return err;
 }

@@ -30,7 +30,8 @@
  * A table says what each is called, what its value is and how that is read into a struct. Help,
  * messages and the programs' own lists of options come from its rows.
  *
- * Options may stand anywhere among the operands; "--" ends them. Two rows may share a name where it
+ * Options may stand anywhere among the operands; "--" ends them. Each is given once at most, and
+ * `--name=value` is the same as `--name value`; -V is --version. Two rows may share a name where it
  * means two things to two programs. Both have a value then, or neither: a command line is taken
  * apart before it is known which program reads it.
  */

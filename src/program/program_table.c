@@ -583,7 +583,8 @@ static const struct program program[] = {
 const struct program_table program_table = {
     .called = "iftty",
     .about = "iftty: segment 3-D scenes by seeds, in a terminal",
-    .closing = "`iftty PROGRAM --help` has the options of a program.\n"
+    .closing = "`iftty PROGRAM --help` has the options of a program. `--option=VALUE` is\n"
+               "`--option VALUE`; -V is --version, -h is --help.\n"
                "Ctrl-C cancels the command at hand; run, -c and replay end with it.\n"
                "Exit status: 0 fine, 1 a check failed, 2 bad usage, 3 bad input or I/O,\n"
                "130 Ctrl-C.\n",
