@@ -95,18 +95,19 @@ static void reorder(uint16_t *out, const struct volume *map, const uint32_t size
 }
 
 enum err regrid_check(const uint32_t map_size[3], const struct geometry *map,
-                      const uint32_t size[3], const struct geometry *scene, bool resample,
+                      const uint32_t size[3], const struct geometry *scene, enum regrid_how how,
                       struct fault *fault)
 {
     const uint32_t *is = map_size;
     const bool have = have_places(map, scene);
     struct regrid_order order;
-    if (is_the_grid(map_size, map, size, scene) || (resample && have) ||
+    if (is_the_grid(map_size, map, size, scene) || (how == REGRID_RESAMPLE && have) ||
         regrid_find_order(&order, map_size, map, size, scene))
         return OK;
-    const char *remedy = have ? "resample=yes takes its nearest voxels"
-                              : "it cannot be resampled, since one of both does not say where it "
-                                "lies in the world";
+    const char *remedy = have && how == REGRID_AS_IT_IS ? "resample=yes takes its nearest voxels"
+                         : have                         ? "--resample takes its nearest voxels"
+                                : "it cannot be resampled, since one of both does not say where it "
+                                  "lies in the world";
     if (!same_size(map_size, size))
         return fault_set(fault, ERR_INPUT,
                          "the map has %ux%ux%u voxels and the scene %ux%ux%u; %s; nothing has "
@@ -243,10 +244,10 @@ static enum err resample_map(struct volume *map, uint16_t *out, const uint32_t s
 }
 
 enum err regrid(struct volume *map, const uint32_t size[3], const struct geometry *scene,
-                bool resample, struct watch *watch, struct fault *fault)
+                enum regrid_how how, struct watch *watch, struct fault *fault)
 {
     struct regrid_order order;
-    enum err err = regrid_check(map->size, &map->geometry, size, scene, resample, fault);
+    enum err err = regrid_check(map->size, &map->geometry, size, scene, how, fault);
     if (err)
         return err;
     if (is_the_grid(map->size, &map->geometry, size, scene)) {
@@ -256,7 +257,7 @@ enum err regrid(struct volume *map, const uint32_t size[3], const struct geometr
         return OK;
     }
     const bool is_ordered =
-        !resample && regrid_find_order(&order, map->size, &map->geometry, size, scene);
+        how != REGRID_RESAMPLE && regrid_find_order(&order, map->size, &map->geometry, size, scene);
     uint16_t *out = mem_array((size_t)size[0] * size[1] * size[2], sizeof *out);
     if (!out)
         return fault_memory(fault, "a map");

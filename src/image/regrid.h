@@ -23,6 +23,10 @@
 
 #include "image/volume.h"
 
+/* Whether a map that lies elsewhere is resampled; if not, the words by which the user asks for it:
+ * of a command, or of a program. */
+enum regrid_how { REGRID_AS_IT_IS, REGRID_RESAMPLE, REGRID_AS_IT_IS_FOR_PROGRAM };
+
 /* How the voxels of a map are gone through along each axis of a scene: along which of its own, and
  * whether from the end. */
 struct regrid_order {
@@ -37,17 +41,17 @@ bool regrid_find_order(struct regrid_order *order, const uint32_t map_size[3],
                        const struct geometry *map, const uint32_t size[3],
                        const struct geometry *scene);
 
-/* Whether a map of this size and place can be taken for the scene's grid, as it is or (`resample`)
- * with its nearest voxels. ERR_INPUT says how far off it is, and what to type. Asked of a header
+/* Whether a map of this size and place can be taken for the scene's grid, as it is or with its
+ * nearest voxels. ERR_INPUT says how far off it is, and what to type. Asked of a header
  * before voxels are read. */
 enum err regrid_check(const uint32_t map_size[3], const struct geometry *map,
-                      const uint32_t size[3], const struct geometry *scene, bool resample,
+                      const uint32_t size[3], const struct geometry *scene, enum regrid_how how,
                       struct fault *fault);
 
 /* Brings the map there: after that its size and place are the scene's, its values what they stood
  * for; notes say what was done. ERR_INPUT as above, ERR_MEMORY, ERR_CANCELLED by the watch (or
  * NULL); the map is as it was, or to be released, then. */
 enum err regrid(struct volume *map, const uint32_t size[3], const struct geometry *scene,
-                bool resample, struct watch *watch, struct fault *fault);
+                enum regrid_how how, struct watch *watch, struct fault *fault);
 
 #endif

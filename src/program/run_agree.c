@@ -98,6 +98,11 @@ static enum err make_map(struct volume *map, const struct side *side, struct fau
     return err || map->intensity ? err : fault_memory(fault, "labels");
 }
 
+static enum regrid_how how_of(const struct options *o)
+{
+    return o->resample ? REGRID_RESAMPLE : REGRID_AS_IT_IS_FOR_PROGRAM;
+}
+
 /* `label`'s room is the caller's to free, as below. */
 static enum err read_journal(struct raters *raters, unsigned which, struct fault *fault)
 {
@@ -115,8 +120,7 @@ static enum err read_journal(struct raters *raters, unsigned which, struct fault
     console_warn(NULL, buf_text(&warnings));
     err = make_map(&map, &side, fault);
     if (!err && which)
-        err =
-            regrid(&map, raters->grid.size, &raters->geometry, o->resample, console_watch(), fault);
+        err = regrid(&map, raters->grid.size, &raters->geometry, how_of(o), console_watch(), fault);
     if (err)
         fault_prefix(fault, err, "%s", path);
     else
@@ -138,7 +142,7 @@ static enum err read_map(struct raters *raters, unsigned which, struct fault *fa
     const struct map_place place = {.grid = &raters->grid,
                                     .geometry = &raters->geometry,
                                     .choice = begin_volume(raters->options, which),
-                                    .resample = raters->options->resample};
+                                    .resample = how_of(raters->options)};
     struct volume map = {0};
     enum err err = which ? map_read(&map, path, &place, console_watch(), fault)
                          : volume_read(&map, path, &place.choice, console_watch(), fault);

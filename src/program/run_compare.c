@@ -45,10 +45,11 @@ static enum err take_labels(struct pair *pair, int side, struct volume *map, str
 
 static enum err read_map(struct pair *pair, int side, struct fault *fault)
 {
-    const struct map_place place = {.grid = &pair->grid,
-                                    .geometry = &pair->geometry,
-                                    .choice = begin_volume(pair->options, (size_t)side),
-                                    .resample = side > 0 && pair->options->resample};
+    const struct map_place place = {
+        .grid = &pair->grid,
+        .geometry = &pair->geometry,
+        .choice = begin_volume(pair->options, (size_t)side),
+        .resample = pair->options->resample ? REGRID_RESAMPLE : REGRID_AS_IT_IS_FOR_PROGRAM};
     struct volume map = {0};
     enum err err = map_read(&map, pair->options->word[side], &place, console_watch(), fault);
     if (!err && *map.notes)

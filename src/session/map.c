@@ -97,7 +97,8 @@ static enum err choose(struct volume_reader *reader, const struct map_place *pla
     const struct volume_header *header = &reader->header;
     const struct map_part *part = place->part;
     const uint32_t *size = place->grid->size;
-    const bool is_shifted = place->resample && geometry_has_place(&header->geometry) &&
+    const bool is_shifted = place->resample == REGRID_RESAMPLE &&
+                            geometry_has_place(&header->geometry) &&
                             geometry_has_place(place->geometry); /* then all of it is needed */
     struct volume_choice choice = place->choice;
     choice.nearest = choice.by_extremes = true;
@@ -128,8 +129,8 @@ static enum err check(const struct map_place *place, const struct volume_header 
                       struct fault *fault)
 {
     const uint32_t *size = header->size;
-    const bool names_file = !place->resample && place->part && place->part->whole[0] &&
-                            !same_size(size, place->grid->size);
+    const bool names_file = place->resample != REGRID_RESAMPLE && place->part &&
+                            place->part->whole[0] && !same_size(size, place->grid->size);
     struct fault *own = names_file ? NULL : fault;
     const enum err err = place->is_copy ? map_check_size(size, place->grid, own)
                                         : regrid_check(size, &header->geometry, place->grid->size,

@@ -21,7 +21,7 @@
 #include "base/buf.h"
 #include "base/err.h"
 #include "engine/grid.h"
-#include "image/volume.h"
+#include "image/regrid.h"
 
 enum { REGION_MOST = 65533, REGION_NONE = 65535 };
 
@@ -52,8 +52,9 @@ struct map_place {
     const struct map_part *part; /* or NULL: it is the whole */
     /* Of the file, where it holds several: has_volume, volume, data, and the command for words. */
     struct volume_choice choice;
-    bool resample; /* one that lies elsewhere is taken by its nearest voxels (image/regrid.h) */
-    bool is_copy;  /* the map was written on this grid: compare sizes and axes only */
+    enum regrid_how
+        resample; /* one that lies elsewhere is taken by its nearest voxels (image/regrid.h) */
+    bool is_copy; /* the map was written on this grid: compare sizes and axes only */
 };
 
 /* volume_read, on the scene's grid: what lies elsewhere is resampled, or refused. Size and place

@@ -312,7 +312,7 @@ struct map_place session_map_place(const struct session *session, bool resample)
     return (struct map_place){.grid = &session->scene->grid,
                               .geometry = &session->geometry,
                               .part = &session->part,
-                              .resample = resample};
+                              .resample = resample ? REGRID_RESAMPLE : REGRID_AS_IT_IS};
 }
 
 /* ---- all or nothing ---- */
