@@ -134,6 +134,7 @@ grep -q ' rms=2\.' o/other.iftty || fail "$(grep ^origin o/other.iftty)"
 expect 0 "$iftty" verify o/other.iftty
 head -2 marks.txt >few.txt
 expect 3 "$iftty" apply p.iftty other.nii --by landmarks --landmarks few.txt --out o2
+[ ! -e o2 ] || fail "a folder is left"
 err_has "2 landmarks of the subject are in the procedure too (2 and 4), and 3 are needed"
 sed 's/A /A x/' marks.txt >bad.txt
 expect 3 "$iftty" apply p.iftty other.nii --by landmarks --landmarks bad.txt --out o2

@@ -214,6 +214,43 @@ STORY(errors_of_another_program_are_taken_up_to_a_length)
     buf_release(&log.text);
 }
 
+static bool note_progress(void *context, const char *what, uint64_t done, uint64_t total)
+{
+    struct buf *text = context;
+    char line[64];
+    snprintf(line, sizeof line, "%s %llu of %llu\n", what ? what : "", (unsigned long long)done,
+             (unsigned long long)total);
+    if (!strstr(buf_text(text), line))
+        buf_add_text(text, line);
+    return false;
+}
+
+STORY(a_watch_is_shown_what_is_done_and_how_far_it_is)
+{
+    struct log log = {.count = 0};
+    struct buf seen = {0}, out = {0};
+    struct watch watch = {.context = &seen, .poll = note_progress};
+    size_t bytes = 10;
+    struct processes how = {.count = 2,
+                            .at_once = 1,
+                            .most = 100,
+                            .context = &log,
+                            .work = say_number,
+                            .done = note,
+                            .watch = &watch,
+                            .what = "counting"};
+    CHECK(processes_run(&how, NULL) == OK);
+    CHECK_HAS(buf_text(&seen), "counting 0 of 2\ncounting 1 of 2\n");
+    buf_clear(&seen);
+    how.context = &bytes;
+    how.work = say_much;
+    CHECK(process_run(&out, &how, NULL) == OK);
+    CHECK_TEXT(buf_text(&seen), "counting 0 of 0\n"); /* nothing says how far one is */
+    buf_release(&log.text);
+    buf_release(&seen);
+    buf_release(&out);
+}
+
 int main(void)
 {
     alarm(60); /* a pool that waits without end fails */
@@ -222,5 +259,6 @@ int main(void)
                        TELL(a_process_that_does_not_end_is_ended_by_the_watch),
                        TELL(the_end_of_a_process_counts_though_another_holds_its_pipe),
                        TELL(each_piece_of_work_is_done_once),
-                       TELL(errors_of_another_program_are_taken_up_to_a_length));
+                       TELL(errors_of_another_program_are_taken_up_to_a_length),
+                       TELL(a_watch_is_shown_what_is_done_and_how_far_it_is));
 }

@@ -117,6 +117,35 @@ expect 3 "$iftty" verify nothing
 out_has "# there is no journal nothing"
 close_story
 
+begin "an input without a command leaves no journal"
+mkdir nothing
+expect_in nothing 0 "$iftty" </dev/null
+same "$(ls -A nothing)" ""
+echo 'open synth:geom:9x9x9' >one
+expect_in nothing 0 "$iftty" <one
+same "$(grep -v '^[=#]' nothing/session-1.iftty | tr '\n' ';')" \
+    "auto on;open synth:geom:9x9x9 weight=morph;"
+close_story
+
+begin "a pipe without a reader ends a program in silence, and a full disk does not"
+mkfifo pipe
+for program in "--help" "log q.iftty" "verify --no-strict q.iftty"; do
+    [ -e q.iftty ] || "$iftty" -c 'open s.nii' --journal q.iftty >/dev/null
+    { (exec 3<pipe); : >closed; } &
+    exec 4>pipe
+    comes_true [ -e closed ]
+    # shellcheck disable=SC2086
+    "$iftty" $program >&4 2>err
+    same "$?" 141
+    same "$(cat err)" ""
+    exec 4>&-
+    rm closed
+done
+"$iftty" --help >/dev/full 2>err
+same "$?" 3
+same "$(cat err)" "iftty: cannot write to standard output"
+close_story
+
 begin "a script that fails says what its journal has, and how to go on"
 printf '# one\nlabel 1 a\nlabel 2 b\nlabell 3 c\nlabel 4 d\n' >"it's half.txt"
 expect 2 "$iftty" run "it's half.txt" --journal half.iftty

@@ -130,4 +130,22 @@ see "^status 3"
 sane
 close_story
 
+begin "what takes long says so at a terminal"
+"$iftty" -c 'open s.nii; seed 2,3,4 1; run; save labels s.mha' >/dev/null
+"$iftty" -c 'open s.mha; seed 2,3,4 1; run' --journal slow.iftty >/dev/null
+mkdir slow
+cp "$iftty" slow
+cp "$(command -v sort)" slow/iftty-volume # takes a request, and answers nothing
+for words in "verifying: verify slow.iftty" "replaying: diff slow.iftty slow.iftty" \
+    "replaying: log --procedure - slow.iftty" \
+    "replaying: apply slow.iftty s.nii --by world --out none"; do
+    enter_anew "slow/iftty ${words#*: }; echo sta\"\"tus \$?"
+    see "^${words%%:*} +[0-9]+ s"
+    press C-c
+    see "^status 130"
+done
+[ ! -e none ] || fail "apply has left a folder"
+sane
+close_story
+
 finish

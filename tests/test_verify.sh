@@ -289,6 +289,18 @@ refused() {
     rm -f d
 }
 
+begin "a link that leads to no journal is called that, whether or not anything is there"
+mkdir -p elsewhere/deep
+cp s.nii elsewhere
+ln -s ../s.nii elsewhere/deep/there
+ln -s ../none elsewhere/deep/nowhere
+for link in there nowhere; do
+    expect 3 "$iftty" verify elsewhere/deep/$link
+    out_has "# elsewhere/deep/$link is a link, and leads to no journal"
+done
+rm -r elsewhere
+close_story
+
 begin "accepting is refused in CI, and for what is no picture"
 cp j4.golden/second.exr k.golden/first.exr
 refused k.iftty "refused where CI is set" 2 env CI=true

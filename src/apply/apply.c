@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "apply/subject.h"
 #include "base/choice.h"
@@ -262,6 +263,7 @@ enum err apply_procedure(const struct apply_options *options, const struct print
     a->options = options;
     a->printer = printer;
     a->json.out = &a->text;
+    const bool makes_folder = options->out && !file_exists(options->out);
     enum err err = take_options(a, fault);
     if (!err)
         err = check_names(a, fault);
@@ -275,6 +277,8 @@ enum err apply_procedure(const struct apply_options *options, const struct print
     a->choice.carry.intensity = (const uint16_t *)(const void *)a->image.data;
     if (!err)
         err = apply_all(a, fault);
+    if (err && makes_folder)
+        rmdir(options->out); /* stays where it holds anything */
     procedure_release(&a->procedure);
     buf_release(&a->image);
     buf_release(&a->text);

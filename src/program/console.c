@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "program/console.h"
 
+#include <poll.h>
 #include <signal.h>
 #include <stdio.h>
 #include <unistd.h>
@@ -123,9 +124,15 @@ const struct printer console_printer = {.print = console_print, .warn = console_
 int console_finish(enum err err, const struct fault *fault)
 {
     progress_erase(&progress);
+    const bool is_written = fflush(stdout) == 0 && !ferror(stdout);
+    struct pollfd out = {.fd = STDOUT_FILENO};
+    if (!is_written && poll(&out, 1, 0) == 1 && (out.revents & POLLERR)) {
+        signal(SIGPIPE, SIG_DFL); /* a pipe without a reader ends it as it ends other programs */
+        raise(SIGPIPE);
+    }
     if (err && fault->text[0])
         fprintf(stderr, "%s: %s\n", name, fault->text);
-    if ((fflush(stdout) != 0 || ferror(stdout)) && !err) {
+    if (!is_written && !err) {
         fprintf(stderr, "%s: cannot write to standard output\n", name);
         return err_exit_status(ERR_IO);
     }

@@ -31,6 +31,7 @@ struct prompt {
     struct pilot_state state; /* of the pilot, from one time to the next */
     struct config config;
     bool has_started; /* its commands have been carried out, or are not to be */
+    bool is_empty;    /* nothing is open yet, and no command was given: `auto on` comes before it */
     struct interpreter interp;
     struct reply reply;
     char name[24];     /* before the "> " */
@@ -90,9 +91,18 @@ static void start(struct prompt *prompt, struct buf *output)
 static enum err prompt_execute(void *context, const char *line, struct buf *output,
                                struct fault *fault)
 {
-    const enum err err = execute(context, line, output, fault);
+    struct prompt *prompt = context;
+    enum err err = OK;
+    if (prompt->is_empty) { /* so that a session without a command leaves no journal */
+        const size_t before = output->length;
+        err = execute(prompt, "auto on", output, fault);
+        output->length = before;
+    }
+    prompt->is_empty = false;
     if (!err)
-        start(context, output);
+        err = execute(prompt, line, output, fault);
+    if (!err)
+        start(prompt, output);
     return err;
 }
 
@@ -174,7 +184,8 @@ static enum err begin_session(void *context, struct buf *output, struct fault *f
         command_write_word(&line, prompt->first);
         err = execute(prompt, buf_text(&line), output, fault);
     }
-    if (!err)
+    prompt->is_empty = !prompt->first;
+    if (!err && prompt->first)
         err = execute(prompt, "auto on", output, fault);
     if (!err)
         start(prompt, output);

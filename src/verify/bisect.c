@@ -173,7 +173,8 @@ static enum err run_both(struct builds *b, struct fault *fault)
                                    .work = become,
                                    .end = b->end,
                                    .tick = count,
-                                   .watch = b->how->watch};
+                                   .watch = b->how->watch,
+                                   .what = "replaying"};
     const char *const program[] = {buf_text(&b->side[0].program), buf_text(&b->side[1].program),
                                    NULL};
     enum err err = b->how->begin(b->how->context, buf_text(&b->folder), program, fault);

@@ -165,7 +165,8 @@ enum err processes_run(const struct processes *how, struct fault *fault)
             held += pool.process[i].id ? mem_held_by(pool.process[i].id) : 0;
         if (how->tick)
             how->tick(how->context, held);
-        if (!err && watch_stops(how->watch))
+        if (!err && watch_poll(how->watch, how->what, how->count > 1 ? pool.ended : 0,
+                               how->count > 1 ? how->count : 0))
             err = fault_set(fault, ERR_CANCELLED, "cancelled");
     }
     for (unsigned i = 0; i < PROCESSES_MOST; i++) { /* P3 */

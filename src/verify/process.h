@@ -44,7 +44,9 @@ struct processes {
     void (*done)(void *context, size_t number, const struct process_end *end);
     /* Some fifty times a second, with the memory that the processes hold; or NULL. */
     void (*tick)(void *context, uint64_t held_bytes);
-    struct watch *watch; /* when it stops, all are killed; or NULL */
+    struct watch
+        *watch;       /* shows `what` and the work that has ended; when it stops, all are killed; */
+    const char *what; /* or NULL, both */
 };
 
 /* OK when all have ended, however they did; ERR_IO: one could not be started; ERR_CANCELLED. */
@@ -55,7 +57,7 @@ enum err processes_run(const struct processes *how, struct fault *fault);
 enum err process_judge(const struct process_end *end, struct fault *fault);
 
 /* One piece of work, judged: what it hands back is in `out`, a part of it where that fails. Only
- * `work`, `context`, `most` and `watch` of `how` count. */
+ * `work`, `context`, `most`, `watch` and `what` of `how` count. */
 enum err process_run(struct buf *out, const struct processes *how, struct fault *fault);
 
 #endif

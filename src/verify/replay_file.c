@@ -3,6 +3,7 @@
 
 #include <inttypes.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "base/beneath.h"
 #include "base/clock.h"
@@ -96,9 +97,13 @@ static enum err read_journal(struct buf *bytes, const char *path, struct fault *
         folder.failed || beneath_look(buf_text(&folder), file_name(path)) == BENEATH_OUTSIDE;
     const bool is_shown = !is_elsewhere || (!err && strncmp(buf_text(bytes), RECORD_HEADER,
                                                             strlen(RECORD_HEADER)) == 0);
+    struct stat status;
     buf_release(&folder);
-    return is_shown && file_exists(path) ? err
-                                         : fault_set(fault, ERR_IO, "there is no journal %s", path);
+    if (is_shown && file_exists(path))
+        return err;
+    return lstat(path, &status) == 0 && S_ISLNK(status.st_mode)
+               ? fault_set(fault, ERR_IO, "%s is a link, and leads to no journal", path)
+               : fault_set(fault, ERR_IO, "there is no journal %s", path);
 }
 
 enum err replay_file_begin(struct interpreter *interp, const char *path, struct buf *bytes,

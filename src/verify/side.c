@@ -164,7 +164,8 @@ enum err side_carry_out(struct side *side, const char *path, const struct side_o
                                   .context = &task,
                                   .most = sizeof(struct side_facts) + UINT32_MAX + ALIGNMENT +
                                           task.work->most,
-                                  .watch = options->watch};
+                                  .watch = options->watch,
+                                  .what = "replaying"};
     enum err err = process_run(&side->bytes, &how, fault);
     if (!err)
         err = judge(side, options->is_strict, fault);

@@ -371,7 +371,8 @@ static enum err run_all(struct verification *v, struct fault *fault)
                                   .context = v,
                                   .work = work,
                                   .done = take_result,
-                                  .watch = &v->watch};
+                                  .watch = &v->watch,
+                                  .what = "verifying"};
     v->watch = (struct watch){.context = v, .poll = stops};
     const enum err err = processes_run(&how, fault);
     if (v->is_given_up && (!err || err == ERR_CANCELLED)) {
