@@ -51,7 +51,7 @@ HARD_LINKS = -pie -Wl,-z,relro,-z,now,-z,noexecstack
 # The same bytes wherever the source lies (tests/test_reproducible.sh).
 ANYWHERE   = '-ffile-prefix-map=$(CURDIR)=.'
 
-# Warnings are errors where code is tested (.ci/run, `make tests`), since the next compiler has others.
+# Warnings are errors where code is tested (.ci/run, `make tests`): other compilers have others.
 # Vectors go between static functions alone, so no ABI is at stake where a machine has none.
 WERROR   ?= $(if $(filter tests,$(MAKECMDGOALS)),-Werror)
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wvla -Wno-psabi \
@@ -89,7 +89,8 @@ LIBS         = $(EXR_CORE) -lz -ldeflate -lnettle -lm
 endif
 
 # Debian has HDF5 without MPI beside others, by a name of its own.
-HDF5          = $(shell pkg-config --exists hdf5-serial 2>/dev/null && echo hdf5-serial || echo hdf5)
+HDF5          = $(shell pkg-config --exists hdf5-serial 2>/dev/null && echo hdf5-serial || \
+                    echo hdf5)
 # ITK's names hold its version.
 ITK           = $(shell cd /usr/include 2>/dev/null && ls -d ITK-* | tail -n 1)
 ITK_IO        = NRRD Meta MINC MRC PNG VTK GIPL GE IPL Siemens Bruker Stimulate HDF5 \

@@ -135,7 +135,7 @@ begin "what takes long says so at a terminal"
 "$iftty" -c 'open s.mha; seed 2,3,4 1; run' --journal slow.iftty >/dev/null
 mkdir slow
 cp "$iftty" slow
-cp "$(command -v sort)" slow/iftty-volume # takes a request, and answers nothing
+cp /usr/bin/sort slow/iftty-volume # takes a request, and answers nothing
 for words in "verifying: verify slow.iftty" "replaying: diff slow.iftty slow.iftty" \
     "replaying: log --procedure - slow.iftty" \
     "replaying: apply slow.iftty s.nii --by world --out none"; do

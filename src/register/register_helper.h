@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The register helper: registration and STAPLE by ITK, and transform files, in a process of its own.
+ * The register helper: registration and STAPLE by ITK, and transform files, in a process of its
+ * own.
  *
  * The program iftty-register is started for one request, takes all files and nearly all calls of
  * the kernel from itself before the first voxel comes (Landlock, seccomp, limits), and ends with
- * its answer. It opens no file: it gets voxels, decoded and bounded, or the bytes of a transform. Its
- * answers are checked: lengths, numbers, labels.
+ * its answer. It opens no file: it gets voxels, decoded and bounded, or the bytes of a transform.
+ * Its answers are checked: lengths, numbers, labels.
  *
  * The protocol, as in coprocess.h:
  *
