@@ -1122,6 +1122,48 @@ STORY(the_place_in_the_world_is_kept)
 }
 
 /* 0.957031 is 0.9570312 again, whatever the fields hold. */
+/* Readers of others refuse a quaternion that is longer than 1. */
+static void shorten_quaternion(struct made *m)
+{
+    float q[3];
+    memcpy(q, m->bytes + QUATERN, sizeof q);
+    const double square = (double)q[0] * q[0] + (double)q[1] * q[1] + (double)q[2] * q[2];
+    for (unsigned i = 0; i < 3 && isfinite(square) && square > 1 + 2e-7; i++)
+        put_float(m, QUATERN + 4 * i, (float)(q[i] / sqrt(square)));
+}
+
+STORY(a_quaternion_longer_than_1_is_normalised_on_saving)
+{
+    static const uint32_t size[3] = {NX, NY, NZ};
+    static const float given[][3] = {{1.2f, 0, 0},
+                                     {0.8f, 0.8f, 0},
+                                     {0, 3, 4},
+                                     {0.6f, 0.8f, 1e-4f},
+                                     {0.70710678f, 0.70710678f, 0}};
+    for (unsigned i = 0; i < 5; i++) {
+        struct made m = make(2, false);
+        put(&m, QFORM, 1, 2);
+        for (unsigned k = 0; k < 3; k++)
+            put_float(&m, QUATERN + 4 * k, given[i][k]);
+        struct volume v = read_made(&m);
+        struct buf file = {0};
+        float q[3];
+        CHECK_INT(strstr(v.notes, "its quaternion is longer than 1") != NULL, i < 3);
+        CHECK_INT(write_sample(plain, size, &v.geometry, VOXEL_UINT8, FILE_REPLACE, NULL), OK);
+        CHECK_INT(file_read(&file, plain, 4096, NULL), OK);
+        memcpy(q, file.data + QUATERN, sizeof q);
+        const double square = (double)q[0] * q[0] + (double)q[1] * q[1] + (double)q[2] * q[2];
+        CHECK(square < 1 + 3e-7);
+        CHECK(i < 4 || memcmp(q, given[i], sizeof q) == 0); /* what is rounded stays as it is */
+        struct volume again;
+        CHECK_INT(volume_read(&again, plain, NULL, NULL, NULL), OK);
+        CHECK(geometry_apart(&v.geometry, &again.geometry, size) < 1e-5);
+        volume_release(&again);
+        buf_release(&file);
+        volume_release(&v);
+    }
+}
+
 STORY(what_a_file_says_of_its_place_is_written_bit_for_bit)
 {
     static const uint32_t size[3] = {NX, NY, NZ};
@@ -1143,6 +1185,7 @@ STORY(what_a_file_says_of_its_place_is_written_bit_for_bit)
         struct buf file = {0};
         CHECK_INT(write_sample(plain, size, &v.geometry, VOXEL_UINT8, FILE_REPLACE, NULL), OK);
         CHECK_INT(file_read(&file, plain, 4096, NULL), OK);
+        shorten_quaternion(&m);
         CHECK(memcmp(file.data + PIXDIM, m.bytes + PIXDIM, 16) == 0);
         CHECK(file.data[UNITS] == (char)m.bytes[UNITS]);
         CHECK(memcmp(file.data + QFORM, m.bytes + QFORM, SROW + 48 - QFORM) == 0);
@@ -1304,6 +1347,7 @@ int main(void)
         TELL(a_map_of_32_bits_is_little_endian_after_its_header),
         TELL(the_place_in_the_world_is_kept),
         TELL(what_a_file_says_of_its_place_is_written_bit_for_bit),
+        TELL(a_quaternion_longer_than_1_is_normalised_on_saving),
         TELL(doubles_of_a_nifti_2_are_written_as_one),
         TELL(a_sheared_matrix_is_kept_by_the_sform_alone),
         TELL(a_side_too_long_for_nifti_1_makes_nifti_2), TELL(the_same_map_gives_the_same_gzip),

@@ -280,6 +280,21 @@ static void matrix_of_qform(double to_mm[3][4], const struct nifti_header *heade
     }
 }
 
+/* Readers of others refuse a quaternion longer than 1 by more than single precision rounds; it is
+ * read as one of length 1, and so it is written. */
+static void shorten_quaternion(double quatern[3], bool is_used, char *notes)
+{
+    const double square =
+        quatern[0] * quatern[0] + quatern[1] * quatern[1] + quatern[2] * quatern[2];
+    if (!isfinite(square) || square <= 1 + 2e-7)
+        return;
+    for (int i = 0; i < 3; i++)
+        quatern[i] = (double)(float)(quatern[i] / sqrt(square));
+    if (is_used)
+        volume_note(notes, "its quaternion is longer than 1 (%.6g): taken and saved as of length 1",
+                    sqrt(square));
+}
+
 /* Spacing in whole nanometres and in millimetres. What is no distance is noted, and counts as its
  * size or as 1 mm. */
 static void read_spacing(struct geometry *geometry, double spacing_mm[3], char *notes,
@@ -380,6 +395,7 @@ void nifti_header_geometry(struct geometry *geometry, char notes[VOLUME_NOTES_BY
     struct geometry_fields *fields = &geometry->fields;
     memcpy(fields->pixdim, header->pixdim, sizeof fields->pixdim);
     memcpy(fields->quatern, header->quatern, sizeof fields->quatern);
+    shorten_quaternion(fields->quatern, header->qform_code > 0, notes);
     memcpy(fields->qoffset, header->qoffset, sizeof fields->qoffset);
     memcpy(fields->srow, header->srow, sizeof fields->srow);
     const unsigned unit_code = (unsigned)header->xyzt_units & 7;
