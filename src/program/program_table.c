@@ -485,7 +485,7 @@ static const struct program program[] = {
      .form = "--anonymise",
      ONE("JOURNAL"),
      .option = {ANONYMISE, SCRIPT},
-     .summary = "the same without comments, names of files and free text",
+     .summary = "the same without names of files and free text",
      .run = run_log_anonymise},
     {.name = "log",
      .form = "--check",
