@@ -341,13 +341,55 @@ STORY(seeds_are_what_the_commands_that_stand_give)
 
 /* ---- label maps, regions of interest and corrections, in any order ---- */
 
+/* Draw a planting command that the model above does not have, or a change of weights or adjacency. */
+static void draw_more(char line[LINE])
+{
+    const uint32_t x = below(size[0]), y = below(size[1]), z = below(size[2]), low = below(160);
+    const uint32_t label = below(3), other[3] = {below(size[0]), below(size[1]), below(size[2])};
+    switch (below(9)) {
+    case 0:
+        snprintf(line, LINE, "fill %u,%u,%u %u to=%u,%u,%u to=%u,%u,%u", x, y, z, label, x,
+                 other[1], z, x, y, other[2]);
+        break;
+    case 1:
+        snprintf(line, LINE, "seed %u,%u,%u %u radius=%u to=%u,%u,%u%s", x, y, z, label, below(3),
+                 other[0], other[1], other[2], below(2) ? " joined=yes" : "");
+        break;
+    case 2:
+        snprintf(line, LINE, "seed %u,%u,%u %u radius=1 joined=yes", x, y, z, label);
+        break;
+    case 3:
+        snprintf(line, LINE, "seed %u,%u,%u %u shell=yes radius=%u%s", x, y, z, label, 1 + below(5),
+                 below(2) ? " around=1" : "");
+        break;
+    case 4:
+        snprintf(line, LINE, "box %u,%u,%u %u,%u,%u %u shell=yes", x, y, z, other[0], other[1],
+                 other[2], label);
+        break;
+    case 5:
+        snprintf(line, LINE, "object %u threshold %u..%u%s", label, low, low + below(80),
+                 below(2) ? "" : " from=3,5,3");
+        break;
+    case 6:
+        snprintf(line, LINE, "seed-file regions.nii each=%u generator=%u%s", 1 + below(9), below(9),
+                 below(2) ? " erode=1" : " label=2");
+        break;
+    case 7:
+        snprintf(line, LINE, "adjacency %s", below(2) ? "6" : "26");
+        break;
+    default:
+        snprintf(line, LINE, "%s",
+                 (const char *[]){"weight polarity", "weight morph", "polarity 1 50"}[below(3)]);
+    }
+}
+
 /* A command that may be refused, since the region of interest leaves no voxel or would leave a seed
- * outside. Four in ten change the region, or plant what a map holds. */
+ * outside. A third of them change the region, or plant what a map holds. */
 static void draw_command(char line[LINE])
 {
     const uint32_t x = below(size[0]), y = below(size[1]), z = below(size[2]), low = below(160);
     const uint32_t label = below(3), other[3] = {below(size[0]), below(size[1]), below(size[2])};
-    switch (below(20)) {
+    switch (below(24)) {
     case 0:
     case 1:
         snprintf(line, LINE, "labels regions.nii%s%s", below(2) ? " regions=1-2" : "",
@@ -391,6 +433,13 @@ static void draw_command(char line[LINE])
     case 15:
         snprintf(line, LINE, "goto %u", below((uint32_t)interp.history.records + 1));
         break;
+    case 16:
+    case 17:
+    case 18:
+    case 19:
+    case 20:
+        draw_more(line);
+        break;
     default:
         snprintf(line, LINE, "seed %u,%u,%u %u radius=%u%s", x, y, z, label, below(4),
                  below(4) ? "" : " within=4");
@@ -423,6 +472,7 @@ STORY(maps_regions_and_corrections_come_in_any_order)
             if (check_failures)
                 printf("#   round %d, after %s\n", i, line);
         }
+        CHECK(forest_check(interp.session->forest, NULL));
         take_snapshot(&before, &interp);
         interpreter_release(&interp);
         begin_interpreter(&interp);
