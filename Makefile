@@ -24,6 +24,9 @@ TEST_PACKAGES := tmux screen procps python3 python3-nibabel python3-pydicom pyth
                  libtiff-tools openssh-client \
                  bindfs fuse3 python3-pil python3-fonttools fonts-dejavu-extra \
                  man-db groff-base mandoc zsh fish
+# Debian 13 has what writes HEIC in a package of its own.
+HEIC           = $(shell apt-cache show libheif-plugin-x265 >/dev/null 2>&1 && \
+                     echo libheif-plugin-x265)
 FORMATTER     := clang-format-14
 BARE_PACKAGES := autopkgtest debootstrap
 DEB_PACKAGES  := dpkg-dev debhelper lintian
@@ -182,7 +185,8 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
 
 .DEFAULT_GOAL := all
 .PHONY: all install uninstall deb static oci tests test test-long test-stress soak test-bare \
-        test-static test-release test-deb test-oci test-reproducible check-format format analyse \
+        test-static test-alike test-release lint-deb test-deb test-oci test-reproducible \
+        check-format format analyse \
         variants test-matrix test-matrix-short test-terminals test-cohort fuzz fuzzers demo \
         bench-peers bench-chafa bench-paper bench-growth bench-render bench-frames bench-journal \
         bench-keys bench-looks bench-effort bench-mend bench-noise bench-register bench-series \
@@ -241,10 +245,11 @@ test-stress: all tests build/.packages-test
 soak: build/iftty
 	@rm -rf build/soak && python3 tests/soak.py build/iftty build/soak
 
-## test-bare: `make demo` and `make test` in a bare Debian 12 with git, make and gcc alone; asks for
-##     root, and some GB in build/bare
+## test-bare: `make demo` and `make test` in a bare Debian 12 and in a bare Debian 13 with git, make
+##     and gcc alone; asks for root, and some GB in build/bare; SUITES=trixie: in that one
+SUITES ?= bookworm trixie
 test-bare: build/.packages-bare
-	@tests/bare.sh
+	@for suite in $(SUITES); do SUITE=$$suite tests/bare.sh build/bare-$$suite || exit 1; done
 
 ## test-reproducible: what is committed, built in two folders, comes out as the same bytes:
 ##     programs, the static file, packages; ten minutes
@@ -307,10 +312,16 @@ static: $(FROM)/packages
 test-static: all static build/.packages-test build/.packages-bare
 	@tests/static.sh $(BUILD) build/$(STATIC)
 
-## test-release: the checkout's program, the installed one and the static file make the same
+## test-alike: the checkout's program, the installed one and the static file make the same
 ##     journals, verify and continue each other's, and answer alike
-test-release: all $(BUILD)/share static build/.packages-test
+test-alike: all $(BUILD)/share static build/.packages-test
 	@tests/release.sh $(BUILD) build/$(STATIC)
+
+## test-release: what a release needs besides `.ci/run`, one after the other: test-deb, test-static,
+##     test-alike, test-bare; some hours
+test-release:
+	@for target in test-deb test-static test-alike test-bare; do $(MAKE) $$target || exit 1; done
+	@echo "test-release passed: packages, static file, bare Debian ($(SUITES))"
 
 ## oci: the static file as a container image, build/oci/iftty-oci.tar, which podman and docker load.
 ##     test-oci: it runs there, by crun; asks for root
@@ -468,7 +479,7 @@ $(BUILD)/libfuzzer/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.o $(BUILD)/tests/fuzz/file
 	$(Q)$(CC) -fsanitize=fuzzer $(ALL_LDFLAGS) -o $@ $^ $(LIBS)
 
 build/.packages-test: Makefile | $(PACKAGES_STAMP)
-	@.ci/packages $(TEST_PACKAGES) -- $(FORMATTER) $(LESSONS)
+	@.ci/packages $(TEST_PACKAGES) -- $(FORMATTER) $(LESSONS) $(HEIC)
 	@touch $@
 
 build/.packages-analyse: Makefile | $(PACKAGES_STAMP)

@@ -1,11 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# A newcomer's machine: a bare Debian 12 with git, make and gcc, a fresh clone, and what README says
+# A newcomer's machine: a bare Debian with git, make and gcc, a fresh clone, and what README says
 # to type, `make demo` and `make test`; once as root, who gets what is missing installed, and once
 # as an ordinary user without sudo, who finds it there.
 #
 #     bare.sh [FOLDER]   the machine lies in FOLDER, or in build/bare; it is made anew
 #     KEEP=yes           and is left there afterwards
+#     SUITE=trixie       a Debian 13; without it, 12
 #
 # What is cloned is HEAD: commit first. Packages come from where this machine has its own. Asks for
 # root. Closes with "N passed, N failed, N skipped" of both runs; status 1 where something is

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-# A bare Debian 12 to be tried out, for the tests that ask for one (bare.sh, packages.sh). Source it
+# A bare Debian 12, or another one by SUITE=trixie, to be tried out, for the tests that ask for one
+# (bare.sh, packages.sh). Source it
 # as root in a mount namespace of one's own (own_mounts): all is mounted where nobody else sees it,
 # and is gone with the last process, however that ends.
 #
@@ -8,7 +9,7 @@
 #     clear_up                               takes it away, unless KEEP is set
 #
 # Packages come from where this machine has its own.
-suite=bookworm
+suite=${SUITE:-bookworm}
 
 # own_mounts SCRIPT ARGUMENT...: starts the script over where mounting concerns nobody else.
 own_mounts() {

@@ -52,7 +52,7 @@ same "$(cd "$work/bundle/rootfs" && find . -type f ! -path './usr/share/doc/iftt
 same "$(cd "$work/bundle/rootfs" && find . -type f -perm /6000)" ""
 [ -s "$work/bundle/rootfs/usr/share/doc/iftty/licences/iftty.txt" ] || fail "no licence"
 [ -s "$work/bundle/rootfs/usr/share/doc/iftty/iftty.spdx.json" ] || fail "no bill of materials"
-grep -q '"org.opencontainers.image.version": *"'"$("$iftty" --version | cut -c 7-)"'"' \
+grep -q '"org.opencontainers.image.version": *"'"$("$iftty" --version | sed -n 's/^iftty //p')"'"' \
     "$work/config.json" || fail "no label of the version: $(cat "$work/config.json")"
 close_story
 

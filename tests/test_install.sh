@@ -36,8 +36,22 @@ ln -s "$tree/bin/iftty" "$work/linked"
 expect_in "$work" 0 "$work/linked" info picture.png </dev/null
 close_story
 
+begin "programs are stripped, and what was not built is named with what is missing without it"
+for program in "$tree/bin/iftty" "$tree"/libexec/iftty/iftty-*; do
+    ! readelf -SW "$program" | grep -q '\.debug_info\|\.symtab' || fail "$program is not stripped"
+done
+mkdir "$work/half"
+cp -R "$build/share" "$build/iftty" "$build/iftty-image" "$work/half"
+expect 0 .package/install "$work/half" "$work/part" /usr
+same "$(wc -l <"$work/err")" 2
+err_has "left out: $work/half/iftty-volume was not built, so DICOM, "
+err_has "left out: $work/half/iftty-register was not built, so scenes are not registered"
+[ -x "$work/part/usr/libexec/iftty/iftty-image" ] || fail "the image helper is not there"
+rm -rf "$work/part"
+close_story
+
 begin "with it come the changes, how to cite it, and what is promised"
-version=$("$iftty" --version | sed 's/^iftty //')
+version=$("$iftty" --version | sed -n 's/^iftty //p')
 date=$(sed -n 's/^#define PROGRAM_DATE *"\(.*\)".*/\1/p' src/base/version.h)
 grep -qx "## $version" "$doc/CHANGELOG.md" || fail "no changes of $version"
 grep -qx "version: \"$version\"" "$doc/CITATION.cff" || fail "another version is cited"

@@ -65,7 +65,7 @@ same "$(attribute lines.exr iftty:scene)" "$scene"
 same "$(attribute lines.exr iftty:scene-name)" s.nii
 same "$(attribute lines.exr iftty:journal)" session.iftty
 same "$(attribute tiled.exr iftty:journal)" session.iftty
-same "$(attribute lines.exr Software)" "$("$iftty" --version)"
+same "$(attribute lines.exr Software)" "$("$iftty" --version | sed 1q)"
 [ -n "$(attribute lines.exr iftty:chain)" ] || fail "no chain"
 close_story
 

@@ -94,7 +94,11 @@ close_story
 begin "exit statuses"
 expect 0 "$iftty" --help
 out_has "iftty run FILE|-"
-expect 0 "$iftty" --version
+expect 0 "$iftty" -V
+same "$(sed -n 2p out)" "semantics $("$iftty" info | sed -n 's/^semantics //p') of journals"
+for library in OpenEXR zlib libdeflate nettle; do
+    grep -qE "(^|, )$library [0-9]+[.][0-9]+" out || fail "no $library: $(cat out)"
+done
 expect 0 "$iftty" help
 expect 0 "$iftty" help seed
 for wrong in "help nothing" "--nothing" "run" "run a b" "run --journal" "replay" "verify" "log" \

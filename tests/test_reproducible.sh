@@ -6,7 +6,7 @@
 
 begin "two folders give the same bytes"
 parts="src/main src/base/hash journal/journal src/image/iftty-image"
-for folder in one another/folder; do
+for folder in one "another folder/with blanks"; do
     mkdir -p "$work/$folder"
     cp -R Makefile .ci src journal render tui "$work/$folder"
     # shellcheck disable=SC2086
@@ -14,7 +14,7 @@ for folder in one another/folder; do
         make $(printf 'build/%s.o ' $parts) </dev/null
 done
 for part in $parts; do
-    same_files "$work/one/build/$part.o" "$work/another/folder/build/$part.o"
+    same_files "$work/one/build/$part.o" "$work/another folder/with blanks/build/$part.o"
 done
 close_story
 

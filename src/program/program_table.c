@@ -576,7 +576,7 @@ static const struct program program[] = {
     {.form = "--version",
      .words = "",
      .option = {VERSION},
-     .summary = "print the version",
+     .summary = "print the versions: program, semantics, libraries",
      .run = run_version},
 };
 

@@ -1,11 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* `iftty help` and `iftty --version`: what commands and programs say of themselves. */
+#include <libdeflate.h>
+#include <nettle/version.h>
+#include <openexr_base.h>
 #include <stdio.h>
 #include <string.h>
+#include <zlib.h>
 
 #include "command/command.h"
 #include "base/version.h"
 #include "program/programs.h"
+#include "session/semantics.h"
 #include "tui/prompt/line_keys.h"
 
 enum err run_help(const struct options *o, struct fault *fault)
@@ -34,8 +39,15 @@ enum err run_help(const struct options *o, struct fault *fault)
 
 enum err run_version(const struct options *o, struct fault *fault)
 {
+    int exr[3];
+    const char *extra;
     (void)o;
     (void)fault;
-    puts("iftty " PROGRAM_VERSION);
+    exr_get_library_version(&exr[0], &exr[1], &exr[2], &extra);
+    printf("iftty " PROGRAM_VERSION "\n"
+           "semantics %d of journals\n"
+           "OpenEXR %d.%d.%d, zlib %s, libdeflate " LIBDEFLATE_VERSION_STRING ", nettle %d.%d\n",
+           SEMANTICS, exr[0], exr[1], exr[2], zlibVersion(), nettle_version_major(),
+           nettle_version_minor());
     return OK;
 }
