@@ -194,6 +194,76 @@ grep -v '^= 11' o/moved.iftty | head -c 1500 >o/cut && mv o/cut o/moved.iftty
 expect 3 "$iftty" apply p.iftty moved.nii --by world --out o
 close_story
 
+begin "done before is what its records say, and not its origin alone"
+for by in world affine; do
+    $phantom make again.nii plain
+    apply again.nii --by $by
+    expect 0 "$iftty" apply p.iftty again.nii --by $by --out o
+    out_has "again.nii: done before: o/again.iftty"
+    # Another map of seeds, other seeds after it, another name: each with the origin of the other.
+    origin=$(grep '^origin ' o/again.iftty)
+    cp o/again.iftty real.iftty
+    for change in "seed 5,5,5 1 radius=2" "label 1 another" "orient file"; do
+        sed -n '/^open /,$p' real.iftty | grep -v '^=' >forged.txt
+        sed "/^origin /i $change" forged.txt >forged2.txt
+        rm o/again.iftty
+        expect 0 "$iftty" run forged2.txt --journal o/again.iftty
+        grep -qF "$origin" o/again.iftty || fail "no such origin: $origin"
+        cp o/again.iftty forged.iftty
+        expect 3 "$iftty" apply p.iftty again.nii --by $by --out o
+        err_has "is there, and is not what would be made now: its records are others"
+        same_files o/again.iftty forged.iftty
+    done
+done
+close_story
+
+begin "no file that apply did not write is replaced, and none is left that it did write for nothing"
+rm -rf o && mkdir o
+echo mine >o/moved.seeds.nii.gz
+expect 3 "$iftty" apply p.iftty moved.nii --by world --out o
+err_has "o/moved.seeds.nii.gz is there, and is not the map of seeds that would be written"
+same "$(cat o/moved.seeds.nii.gz) $(ls o)" "mine moved.seeds.nii.gz"
+echo mine >elsewhere && ln -sf ../elsewhere o/moved.seeds.nii.gz
+expect 3 "$iftty" apply p.iftty moved.nii --by world --out o
+same "$(cat elsewhere) $(ls o)" "mine moved.seeds.nii.gz"
+rm o/moved.seeds.nii.gz
+expect 0 "$iftty" apply p.iftty moved.nii --by world --out o
+rm o/moved.iftty # as after a kill before the end
+expect 0 "$iftty" apply p.iftty moved.nii --by world --out o
+expect 0 "$iftty" verify o/moved.iftty
+cp -r o edited
+sed -i 's/^label 1 large/label 1 small/' edited/moved.iftty
+cp edited/moved.iftty torn.iftty
+rm -r edited/moved.golden edited/moved.seeds.nii.gz
+expect 3 "$iftty" apply p.iftty moved.nii --by world --out edited
+same "$(ls edited)" moved.iftty
+same_files edited/moved.iftty torn.iftty
+close_story
+
+begin "what is read is not written: a scene or the procedure, by whatever link, before all others"
+rm -rf o && mkdir o
+nothing() { # SCENE...: status 2, and o is as it was
+    ls -l o >before
+    expect 2 "$iftty" apply "$@" --by world --out o
+    ls -l o >after
+    same_files before after
+}
+nothing p.iftty moved.nii o/moved.seeds.nii.gz
+err_has "moved.nii would come to o/moved.seeds.nii.gz, which is the file o/moved.seeds.nii.gz"
+mkdir there && ln -s ../o there/linked
+nothing p.iftty moved.nii there/linked/moved.seeds.nii.gz
+ln -s o/moved.seeds.nii.gz not-yet.nii.gz
+nothing p.iftty moved.nii not-yet.nii.gz
+cp moved.nii real.seeds.nii.gz && ln real.seeds.nii.gz o/plain.seeds.nii.gz
+nothing p.iftty moved.nii plain.nii real.seeds.nii.gz
+cp p.iftty o/moved.iftty
+nothing o/moved.iftty moved.nii --scene plain.nii
+err_has "which is the file o/moved.iftty that is read"
+rm -r o/* && cp moved.nii o/slice.nii
+nothing p.iftty o
+err_has "which is in the folder o that is read"
+close_story
+
 begin "a task that is killed leaves no journal, and is done by the same words"
 rm -rf o
 for tenths in 0 1 2 4; do

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "apply/subject.h"
@@ -84,6 +85,91 @@ static enum err check_names(struct applying *a, struct fault *fault)
             buf_release(&name[0]);
             buf_release(&name[1]);
         }
+    return err;
+}
+
+/* A file as it is reached by any link; the system says whether two are one. */
+struct file_place {
+    const char *name;
+    struct buf settled;
+    bool is_there;
+    struct stat status;
+};
+
+static void take_file_place(struct file_place *place, const char *name)
+{
+    *place = (struct file_place){.name = name};
+    file_settle(&place->settled, name);
+    place->is_there = stat(name, &place->status) == 0;
+}
+
+static bool is_one(const struct file_place *a, const struct file_place *b)
+{
+    return strcmp(buf_text(&a->settled), buf_text(&b->settled)) == 0 ||
+           (a->is_there && b->is_there && a->status.st_dev == b->status.st_dev &&
+            a->status.st_ino == b->status.st_ino);
+}
+
+/* ERR_USAGE where a file that a scene would come to is one of those that are read, or lies in a
+ * folder that is. */
+static enum err check_output(const struct applying *a, const char *path,
+                             const struct file_place *input, size_t inputs, struct fault *fault)
+{
+    struct file_place output, below;
+    struct buf folder = {0};
+    enum err err = OK;
+    file_folder(&folder, path);
+    take_file_place(&output, path);
+    take_file_place(&below, buf_text(&folder));
+    if (folder.failed || output.settled.failed || below.settled.failed)
+        err = fault_memory(fault, "a path");
+    for (size_t i = 0; !err && i < inputs; i++) {
+        const bool is_in = S_ISDIR(input[i].status.st_mode) && is_one(&below, &input[i]);
+        if (input[i].settled.failed)
+            err = fault_memory(fault, "a path");
+        else if (is_in || is_one(&output, &input[i]))
+            err = fault_set(fault, ERR_USAGE,
+                            "%s would come to %s, which is %s%s that is read; nothing was written; "
+                            "--out DIR makes it elsewhere",
+                            a->choice.scene, path, is_in ? "in the folder " : "the file ",
+                            input[i].name);
+    }
+    buf_release(&folder);
+    buf_release(&output.settled);
+    buf_release(&below.settled);
+    return err;
+}
+
+/* No scene comes to a file that is read: the procedure, its scene, landmarks, a transform, a scene
+ * that is yet to come. */
+static enum err check_inputs(struct applying *a, struct fault *fault)
+{
+    static void (*const output[])(struct buf *, const struct subject_choice *) = {
+        subject_journal, subject_seeds, subject_goldens};
+    const struct apply_options *o = a->options;
+    const char *const other[] = {o->procedure.path, o->procedure.journal.scene_path, o->landmarks,
+                                 a->choice.carry.way == CARRY_FILE ? o->by : NULL};
+    enum { OTHERS = sizeof other / sizeof *other };
+    struct file_place *input = calloc(o->scenes + OTHERS, sizeof *input);
+    size_t inputs = 0;
+    enum err err = input ? OK : fault_memory(fault, "paths");
+    for (size_t i = 0; !err && i < o->scenes + OTHERS; i++) {
+        const char *name = i < o->scenes ? o->scene[i] : other[i - o->scenes];
+        if (name)
+            take_file_place(&input[inputs++], name);
+    }
+    for (size_t i = 0; !err && i < o->scenes; i++)
+        for (size_t k = 0; !err && k < sizeof output / sizeof *output; k++) {
+            struct buf path = {0};
+            a->choice.scene = o->scene[i];
+            output[k](&path, &a->choice);
+            err = path.failed ? fault_memory(fault, "a path")
+                              : check_output(a, buf_text(&path), input, inputs, fault);
+            buf_release(&path);
+        }
+    while (inputs > 0)
+        buf_release(&input[--inputs].settled);
+    free(input);
     return err;
 }
 
@@ -267,6 +353,8 @@ enum err apply_procedure(const struct apply_options *options, const struct print
     enum err err = take_options(a, fault);
     if (!err)
         err = check_names(a, fault);
+    if (!err)
+        err = check_inputs(a, fault);
     if (!err && options->out)
         err = file_make_folder(options->out, fault);
     if (!err)

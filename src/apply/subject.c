@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "apply/warp.h"
 #include "base/choice.h"
@@ -30,7 +31,8 @@ struct making {
     const struct subject_choice *choice;
     struct subject *subject;
     struct warped warped;
-    struct buf origin, seeds; /* a command; commands, a line each, or the path of a map */
+    struct buf origin, seeds; /* a command; commands, a line each */
+    struct buf made;          /* paths of files that were written, each ended by NUL */
     struct fault *fault;
 };
 
@@ -59,12 +61,25 @@ void subject_journal(struct buf *out, const struct subject_choice *choice)
     buf_add_text(out, ".iftty");
 }
 
+void subject_seeds(struct buf *out, const struct subject_choice *choice)
+{
+    add_name(out, choice);
+    buf_add_text(out, ".seeds.nii.gz");
+}
+
+void subject_goldens(struct buf *out, const struct subject_choice *choice)
+{
+    add_name(out, choice);
+    buf_add_text(out, ".golden");
+}
+
 /* ---- commands ---- */
 
 static enum err execute(struct making *m, const char *line)
 {
     struct reply reply = {0};
     const enum err err = interpreter_execute(&m->interp, line, &reply, m->fault);
+    buf_add(&m->made, buf_text(&reply.files), err ? 0 : reply.files.length);
     reply_release(&reply);
     return err;
 }
@@ -179,6 +194,30 @@ static void note_label(struct making *m, unsigned label, uint64_t seeds, uint64_
     m->subject->label[label].dropped += dropped;
 }
 
+/* Writes the map, unless a file with its bytes is there. */
+static enum err write_seeds(struct making *m, const struct volume_map *map, const char *path)
+{
+    struct watch *watch = session_watch(m->interp.session);
+    struct buf draft = {0};
+    if (!file_exists(path)) {
+        const enum err err = volume_write(path, FILE_KEEP, map, watch, m->fault);
+        buf_add(&m->made, path, err ? 0 : strlen(path) + 1);
+        return err;
+    }
+    enum err err = file_draft(&draft, path, FILE_REPLACE, m->fault);
+    if (err)
+        return err;
+    err = volume_write(buf_text(&draft), FILE_REPLACE, map, watch, m->fault);
+    if (!err && !file_holds_same(buf_text(&draft), path))
+        err = fault_set(m->fault, ERR_IO,
+                        "%s is there, and is not the map of seeds that would be written; it was "
+                        "left alone; rename it, or --out DIR makes all of it elsewhere",
+                        path);
+    file_discard(buf_text(&draft));
+    buf_release(&draft);
+    return err;
+}
+
 /* The map, and the command that plants it. */
 static enum err prepare_labels(struct making *m)
 {
@@ -191,8 +230,7 @@ static enum err prepare_labels(struct making *m)
                                    .description = "iftty seeds",
                                    .row = write_row,
                                    .context = m};
-    add_name(&path, m->choice);
-    buf_add_text(&path, ".seeds.nii.gz");
+    subject_seeds(&path, m->choice);
     for (unsigned l = 1; l <= 256; l++) {
         const unsigned label = l % 256;
         const uint64_t left = m->warped.eroded[label] - m->warped.dropped[label];
@@ -208,7 +246,7 @@ static enum err prepare_labels(struct making *m)
     if (!err && path.failed)
         err = fault_memory(m->fault, "a path");
     if (!err)
-        err = volume_write(buf_text(&path), FILE_REPLACE, &map, session_watch(session), m->fault);
+        err = write_seeds(m, &map, buf_text(&path));
     buf_add_text(&m->seeds, "labels ");
     command_write_word(&m->seeds, file_name(buf_text(&path)));
     buf_printf(&m->seeds, " regions=%s as=%s erode=0 rest=none\n", buf_text(&regions),
@@ -353,9 +391,7 @@ static void add_choice(struct buf *out, const char *key, const char *choices, un
     buf_printf(out, " %s=%.*s", key, (int)word.length, word.word);
 }
 
-/* Up to what is asked of a journal that is there, and with the pull, which is not where it would
- * have to be found again. */
-static void write_origin(struct making *m, bool with_pull)
+static void write_origin(struct making *m)
 {
     const struct subject_choice *choice = m->choice;
     const struct procedure *p = m->procedure;
@@ -364,7 +400,7 @@ static void write_origin(struct making *m, bool with_pull)
     buf_printf(out, "origin %s digest=%s", p->chain.hex, p->digest);
     add_choice(out, "by", ORIGIN_WAYS, choice->carry.way);
     add_choice(out, "as", ORIGIN_PLANTS, (unsigned)choice->plants);
-    for (unsigned i = 0; with_pull && i < 12; i++) {
+    for (unsigned i = 0; i < 12; i++) {
         const struct decimal number = decimal_near(m->subject->pull.m[i / 4][i % 4], 17);
         buf_add_text(out, i ? "," : " pull=");
         decimal_write(out, &number);
@@ -397,49 +433,78 @@ static void add_figures(struct making *m)
 
 /* ---- a journal that is there ---- */
 
-/* Whether each word of `asked` is one of `line`. */
-static bool has_words(const char *line, const char *asked)
+static enum err refuse_journal(const struct making *m)
 {
-    for (size_t n; *asked; asked += n + (asked[n] == ' ')) {
-        n = strcspn(asked, " ");
-        const char *at = line;
-        while (*at && (strncmp(at, asked, n) != 0 || (at[n] && at[n] != ' '))) {
-            at += strcspn(at, " ");
-            at += *at == ' ';
-        }
-        if (!*at)
-            return false;
-    }
-    return true;
+    return fault_set(m->fault, ERR_IO,
+                     "%s is there, and is not what would be made now: its records are others, of "
+                     "another procedure or scene, by other options, or unfinished; --out DIR makes "
+                     "it elsewhere",
+                     buf_text(&m->subject->journal));
 }
 
-/* Whether it is sound, begins as this one would, and was run. */
-static enum err look_at(bool *is_done, struct making *m, const char *path)
+/* The walk needs the bytes; both are to be released. */
+static enum err walk_file(struct walk *walk, struct buf *bytes, const char *path,
+                          struct fault *fault)
+{
+    *walk = (struct walk){0};
+    const enum err err = file_read(bytes, path, JOURNAL_BYTES_MAX, fault);
+    return err ? err : walk_begin(walk, buf_text(bytes), bytes->length, fault);
+}
+
+/* Reads twelve numbers as an origin has them. */
+static bool read_pull(struct affine *pull, const char *command)
+{
+    const char *at = strncmp(command, "origin ", 7) == 0 ? strstr(command, " pull=") : NULL;
+    struct decimal number;
+    unsigned count = 0;
+    if (!at)
+        return false;
+    at += strlen(" pull=");
+    while (count < 12 && decimal_scan(&at, &number)) {
+        pull->m[count / 4][count % 4] = decimal_value(&number);
+        count++;
+        at += *at == ',';
+    }
+    return count == 12 && affine_is_finite(pull);
+}
+
+/* The transform that the origin of the journal says. */
+static enum err find_pull(struct affine *pull, const struct making *m)
 {
     struct buf bytes = {0};
     struct walk walk;
     struct record record;
-    struct record_word word;
-    bool has_origin = false;
-    *is_done = false;
-    enum err err = file_read(&bytes, path, JOURNAL_BYTES_MAX, m->fault);
-    if (!err)
-        err = walk_begin(&walk, buf_text(&bytes), bytes.length, m->fault);
-    if (err) {
-        buf_release(&bytes);
-        return err;
-    }
-    while (!*is_done && walk_next_sound(&walk, &record) == WALK_RECORD) {
-        has_origin |= has_words(record.command, buf_text(&m->origin));
-        *is_done = has_origin && record_word_find(record.result, "forest", 6, &word) &&
-                   !record_word_find(record.result, "pending", 7, &word);
-    }
-    while (*is_done && walk_next_sound(&walk, &record) == WALK_RECORD)
-        ;
-    *is_done = *is_done && walk.over == WALK_END;
+    bool found = false;
+    enum err err = walk_file(&walk, &bytes, buf_text(&m->subject->journal), m->fault);
+    while (!err && !found && walk_next_sound(&walk, &record) == WALK_RECORD)
+        found = read_pull(pull, record.command);
     walk_release(&walk);
     buf_release(&bytes);
-    return OK;
+    return err ? err : found ? OK : refuse_journal(m);
+}
+
+/* Compares the journal with the draft, record by record. */
+static enum err compare_records(const struct making *m, const char *draft)
+{
+    struct buf bytes[2] = {{0}, {0}};
+    struct walk walk[2] = {{0}, {0}};
+    struct record record[2];
+    enum err err = walk_file(&walk[0], &bytes[0], draft, m->fault);
+    if (!err)
+        err = walk_file(&walk[1], &bytes[1], buf_text(&m->subject->journal), m->fault);
+    bool same = !err;
+    while (same && walk_next_sound(&walk[0], &record[0]) == WALK_RECORD)
+        same = walk_next_sound(&walk[1], &record[1]) == WALK_RECORD &&
+               strcmp(record[0].command, record[1].command) == 0 &&
+               strcmp(record[0].result, record[1].result) == 0;
+    while (same && walk_next_sound(&walk[1], &record[1]) == WALK_RECORD)
+        ;
+    same = same && walk[0].over == WALK_END && walk[1].over == WALK_END;
+    for (int i = 0; i < 2; i++) {
+        walk_release(&walk[i]);
+        buf_release(&bytes[i]);
+    }
+    return err || same ? err : refuse_journal(m);
 }
 
 /* ---- what came of it ---- */
@@ -528,7 +593,7 @@ static enum err prepare(struct making *m)
         return err;
     warp_find_gates(&m->warped, p, m->choice->gate);
     err = m->choice->plants == PLANT_LABELS ? prepare_labels(m) : prepare_gestures(m);
-    write_origin(m, true);
+    write_origin(m);
     add_figures(m);
     return err ? err : m->origin.failed || m->seeds.failed ? fault_memory(m->fault, "seeds") : OK;
 }
@@ -550,41 +615,28 @@ static void say_left(struct making *m)
                    plural(left[LEFT_GESTURES]), left[LEFT_GESTURES] == 1 ? "is" : "are");
 }
 
-static enum err carry_over(struct making *m)
+static enum err carry_over(struct making *m, bool is_there)
 {
-    const char *path = buf_text(&m->subject->journal);
     struct carry carry = {.pairs = 0};
-    const bool is_costly = m->choice->carry.way == CARRY_AFFINE;
-    const bool is_there = file_exists(path);
-    enum err err = OK;
-    if (!(is_there && is_costly)) {
-        err = carry_find(&carry, &m->choice->carry, m->procedure, m->interp.session, m->fault);
-        m->subject->pull = carry.pull;
-        m->subject->rms_mm = carry.rms_mm;
-        buf_add_text(&m->subject->words, buf_text(&carry.words));
-        say_left(m);
-    }
+    const enum err err =
+        is_there && m->choice->carry.way == CARRY_AFFINE
+            ? find_pull(&carry.pull, m)
+            : carry_find(&carry, &m->choice->carry, m->procedure, m->interp.session, m->fault);
+    m->subject->pull = carry.pull;
+    m->subject->rms_mm = carry.rms_mm;
+    buf_add_text(&m->subject->words, buf_text(&carry.words));
+    say_left(m);
     buf_release(&carry.words);
-    if (err || !is_there)
-        return err;
-    write_origin(m, !is_costly);
-    err = look_at(&m->subject->was_there, m, path);
-    if (!err && !m->subject->was_there)
-        err = fault_set(m->fault, ERR_IO,
-                        "%s is there, and is not what would be made now: of another procedure or "
-                        "scene, by other options, or unfinished; --out DIR makes it elsewhere",
-                        path);
     return err;
 }
 
-static enum err make(struct making *m)
+static enum err make(struct making *m, bool is_there)
 {
     enum err err = open_scene(m);
     if (!err)
-        err = carry_over(m);
-    if (err || m->subject->was_there)
-        return err;
-    err = execute_settings(m);
+        err = carry_over(m, is_there);
+    if (!err)
+        err = execute_settings(m);
     if (!err)
         err = name_labels(m);
     if (!err)
@@ -598,17 +650,28 @@ static enum err make(struct making *m)
     return err ? err : journal_sync(m->interp.journal, m->fault);
 }
 
+/* Removes the files that were written. */
+static void discard_made(struct making *m, const char *goldens, bool had_goldens)
+{
+    for (size_t at = 0; at < m->made.length; at += strlen(m->made.data + at) + 1)
+        file_discard(m->made.data + at);
+    if (!had_goldens)
+        rmdir(goldens);
+}
+
 enum err subject_make(struct subject *subject, const struct procedure *procedure,
                       const struct subject_choice *choice, struct fault *fault)
 {
     struct making m = {
         .procedure = procedure, .choice = choice, .subject = subject, .fault = fault};
-    struct buf draft = {0};
+    struct buf draft = {0}, goldens = {0};
     subject_journal(&subject->journal, choice);
+    subject_goldens(&goldens, choice);
     const char *path = buf_text(&subject->journal);
+    const bool is_there = file_exists(path), had_goldens = file_exists(buf_text(&goldens));
     enum err err = interpreter_init(&m.interp, fault);
     session_set_watch(m.interp.session, choice->watch);
-    if (!err && subject->journal.failed)
+    if (!err && (subject->journal.failed || goldens.failed))
         err = fault_memory(fault, "a path");
     if (!err)
         err = file_draft(&draft, path, FILE_REPLACE, fault);
@@ -618,15 +681,23 @@ enum err subject_make(struct subject *subject, const struct procedure *procedure
     if (!err) /* what lies beside it is named as it will be called */
         err = interpreter_set_home(&m.interp, path, fault);
     if (!err)
-        err = make(&m);
+        err = make(&m, is_there);
     interpreter_release(&m.interp);
-    if (!err && !subject->was_there)
+    if (!err && is_there)
+        err = compare_records(&m, buf_text(&draft));
+    subject->was_there = !err && is_there;
+    const bool is_made = !err && !is_there;
+    if (is_made)
         err = file_publish(buf_text(&draft), path, FILE_KEEP, fault);
     else if (is_begun)
         file_discard(buf_text(&draft));
+    if (err || is_there)
+        discard_made(&m, buf_text(&goldens), had_goldens);
     warped_release(&m.warped);
     buf_release(&m.origin);
     buf_release(&m.seeds);
+    buf_release(&m.made);
     buf_release(&draft);
+    buf_release(&goldens);
     return err;
 }

@@ -7,9 +7,14 @@
  *     labels NAME.seeds.nii.gz    or a `seed` for each gesture
  *     run
  *
- * It is written into a draft, and gets its name when it is whole (base/file.h). A journal of that
- * name which is there already is left alone: it counts as done where it is sound, and says of its
- * origin and scene what this one would; a registration is not made again to ask that.
+ * It is written into a draft, and gets its name when it is complete (base/file.h). A file that this
+ * run did not write is never replaced:
+ *
+ * - A journal of that name counts as done before if its first records, commands and results, are
+ *   those of the draft, and all of it is sound; records after them are corrections. A registration
+ *   is not made again for that: the transform in the origin of that journal is used.
+ * - A map of seeds of that name, as a task leaves that was killed, is used if it has the bytes that
+ *   would be written; else the subject fails.
  */
 #ifndef APPLY_SUBJECT_H
 #define APPLY_SUBJECT_H
@@ -46,7 +51,7 @@ struct subject_label {
 struct subject {
     struct buf journal; /* its path */
     struct buf words;   /* how it was carried over; "" for nothing to say */
-    bool was_there;     /* done before: of its labels nothing is known */
+    bool was_there;     /* done before */
     unsigned worst;     /* the label whose volume is farthest from the procedure's; 0: none */
     struct affine pull;
     double rms_mm;
@@ -54,8 +59,11 @@ struct subject {
 };
 void subject_release(struct subject *subject);
 
-/* The path of its journal. */
+/* The paths that it may write: its journal, the map of its seeds, the folder with copies of labels.
+ */
 void subject_journal(struct buf *out, const struct subject_choice *choice);
+void subject_seeds(struct buf *out, const struct subject_choice *choice);
+void subject_goldens(struct buf *out, const struct subject_choice *choice);
 
 /* `subject` begins as {0}, and is to be released whatever is returned. ERR_CHECK where it is not to
  * be carried over so, ERR_INPUT, ERR_IO; there is no journal then that was not there before. */

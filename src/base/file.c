@@ -201,6 +201,25 @@ bool file_is_same(const char *a, const char *b)
            one.st_ino == other.st_ino;
 }
 
+bool file_holds_same(const char *a, const char *b)
+{
+    enum { PIECE = 1 << 16 };
+    char piece[2][PIECE];
+    int fd[2] = {-1, -1};
+    uint64_t bytes[2] = {0, 1}, at = 0;
+    bool same = file_open(&fd[0], &bytes[0], a, O_RDONLY, NULL) == OK &&
+                file_open(&fd[1], &bytes[1], b, O_RDONLY, NULL) == OK && bytes[0] == bytes[1];
+    for (ssize_t n = PIECE; same && n == PIECE; at += PIECE) {
+        n = file_read_at(fd[0], piece[0], PIECE, at);
+        same = n >= 0 && file_read_at(fd[1], piece[1], PIECE, at) == n &&
+               memcmp(piece[0], piece[1], (size_t)n) == 0;
+    }
+    for (int i = 0; i < 2; i++)
+        if (fd[i] >= 0)
+            close(fd[i]);
+    return same;
+}
+
 void file_real(struct buf *out, const char *path)
 {
     struct stat status;

@@ -77,6 +77,9 @@ bool file_is_from_home(const char *name);
 /* Whether both paths lead to one file or folder that is there. */
 bool file_is_same(const char *a, const char *b);
 
+/* Whether both are regular files of the same bytes. */
+bool file_holds_same(const char *a, const char *b);
+
 /* out = `path`, or what it leads to, where it is a link. */
 void file_real(struct buf *out, const char *path);
 

@@ -153,33 +153,13 @@ static bool see_from(struct buf *out, const char *path, const char *folder)
     return common > 1 && !out->failed;
 }
 
-/* Whether both are regular files of the same bytes. */
-static bool holds_same(const char *a, const char *b)
-{
-    enum { PIECE = 1 << 16 };
-    char piece[2][PIECE];
-    int fd[2] = {-1, -1};
-    uint64_t bytes[2] = {0, 1}, at = 0;
-    bool same = file_open(&fd[0], &bytes[0], a, O_RDONLY, NULL) == OK &&
-                file_open(&fd[1], &bytes[1], b, O_RDONLY, NULL) == OK && bytes[0] == bytes[1];
-    for (ssize_t n = PIECE; same && n == PIECE; at += PIECE) {
-        n = file_read_at(fd[0], piece[0], PIECE, at);
-        same = n >= 0 && file_read_at(fd[1], piece[1], PIECE, at) == n &&
-               memcmp(piece[0], piece[1], (size_t)n) == 0;
-    }
-    for (int i = 0; i < 2; i++)
-        if (fd[i] >= 0)
-            close(fd[i]);
-    return same;
-}
-
 /* What a user means by the name of a file that is to be read lies here, or beside the journal:
  * which of them is not guessed. */
 static enum err check_one(const char *here, const char *beside, const char *name,
                           struct fault *fault)
 {
     if (!file_exists(here) || !file_exists(beside) || file_is_same(here, beside) ||
-        holds_same(here, beside))
+        file_holds_same(here, beside))
         return OK;
     return fault_set(fault, ERR_INPUT,
                      "there is %s here, and another one beside the journal; expected the "
