@@ -150,6 +150,11 @@ slices are: where you know that, open it with spacing=0.5,0.25,Z"
 says ij-pixel.tif "says voxels of 0.5x0.25x3, and their unit is pixel: where you know their size, \
 open it with spacing=X,Y,Z"
 says ij-without.tif "says voxels of 0.5x0.25x3, and no unit: where you know their size"
+says ij-frames.tif "its ImageJ description says 1 slice for each: where they are slices of one"
+cp ij-frames.tif copy.tif
+expect 0 tiffset -u 270 copy.tif
+expect 0 "$iftty" -c "open copy.tif"
+out_has "26x22x3 voxels"
 silent words.tif
 silent shaped-one.tif
 expect 0 "$iftty" info rest.tif

@@ -568,6 +568,10 @@ void note_axes(Volume &volume, const TiffStack &stack)
                                                               : "step");
     if (axes)
         note(volume, "its volumes are " + list + (axes > 1 ? ", in this order" : ""));
+    if (stack.slices == 1 && stack.page.size() > 1 && !stack.is_run)
+        note(volume, stack.by +
+                         " says 1 slice for each: where they are slices of one volume, `tiffset "
+                         "-u 270 COPY` removes it from a copy; then each page is a slice");
 }
 
 /* What is left out of the file, and how its numbers are taken. */
