@@ -117,6 +117,38 @@ press Escape
 see '^i seed '
 close_story
 
+begin "an Alt-KEY that does nothing is Escape, then KEY, as tmux joins them; one that pans still does"
+press M-:
+type_letters "finish largest"
+press Enter
+recorded "finish largest"
+press M-:
+type_letters "finish none"
+press Enter
+recorded "finish none"
+type_letters "3"
+press M-:
+type_letters "zoom 2"
+press Enter
+recorded "zoom 2"
+type_letters ":zoom 1"
+press Enter
+recorded "zoom 1"
+type_letters "?" # a page of keys: Escape leaves it
+see 'keys'
+press M-:
+type_letters "zoom 3"
+press Enter
+recorded "zoom 3"
+type_letters ":zoom 1"
+press Enter
+recorded "zoom 1"
+press M-h
+recorded "pan -16 0"
+press M-l
+recorded "pan 16 0"
+close_story
+
 begin "finished labels are shown as one works, and the forest's again, by one key"
 type_letters "y"
 see '`:finish relax` has them settle on the edges'

@@ -818,10 +818,25 @@ static bool read_key(struct pilot *p, struct key_event *event)
     return false;
 }
 
+/* Takes an Alt-KEY that does nothing as Escape, then KEY: a terminal sends the same bytes for both,
+ * and tmux or a slow line joins them. Else `Esc :` as in vim would lose its colon, and the letters of
+ * the line after it would be keys. */
+static bool part_alt(struct pilot *p, struct key_event *event)
+{
+    struct key_event rest = *event;
+    if (!(event->modifiers & KEY_ALT) || event->key == KEY_MOUSE || event->key == KEY_OTHER ||
+        (!p->is_paging && pilot_has_key(p->state, event)))
+        return true;
+    rest.modifiers &= ~(unsigned)KEY_ALT;
+    typed_ahead_put_back(&p->ahead, &rest);
+    *event = (struct key_event){.key = KEY_ESCAPE};
+    return true;
+}
+
 /* The next key of what has been read. False when there is no more of it. */
 static bool next_key(struct pilot *p, struct key_event *event)
 {
-    return typed_ahead_take(&p->ahead, event) || read_key(p, event);
+    return (typed_ahead_take(&p->ahead, event) || read_key(p, event)) && part_alt(p, event);
 }
 
 /* Nanoseconds until the host is to go on by itself; none before what is there has been drawn. */
@@ -889,7 +904,7 @@ static bool wait_once(struct pilot *p, struct key_event *event)
         if (!awaits_rest(p) || !keys_time_out(&e->keys, event))
             return false;
         e->lone_escape = event->key == KEY_ESCAPE;
-        return is_for_pilot(p, event);
+        return is_for_pilot(p, event) && part_alt(p, event);
     }
     if (term_was_resized() || term_was_continued()) {
         p->is_resized = true;

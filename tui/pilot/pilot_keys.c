@@ -80,11 +80,16 @@ static const struct pilot_row *find_row(const struct pilot_state *state,
     return row ? row : find_among(state, event, false);
 }
 
+bool pilot_has_key(const struct pilot_state *state, const struct key_event *event)
+{
+    return find_row(state, event) != NULL;
+}
+
 bool pilot_only_moves(const struct pilot_state *state, const struct key_event *event)
 {
     const struct pilot_row *row = find_row(state, event);
     return !state->pen.is_down && !pilot_outlines(state->base) &&
-           (!row || row->flags & PILOT_ONLY_MOVES);
+           (row ? row->flags & PILOT_ONLY_MOVES : !(event->modifiers & KEY_ALT));
 }
 
 /* ---- a key that waits for a second one ---- */
@@ -409,6 +414,14 @@ bool typed_ahead_take(struct typed_ahead *ahead, struct key_event *event)
     if (ahead->taken == ahead->count)
         ahead->taken = ahead->count = 0;
     return true;
+}
+
+void typed_ahead_put_back(struct typed_ahead *ahead, const struct key_event *event)
+{
+    if (ahead->taken > 0)
+        ahead->event[--ahead->taken] = *event;
+    else
+        typed_ahead_add(ahead, event);
 }
 
 /* "cross X,Y,Z" and no more, or nothing at all. */

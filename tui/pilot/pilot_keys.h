@@ -246,6 +246,9 @@ struct pilot_keys_wish {
  * line of its own, with its name. */
 void pilot_keys_page(struct buf *out, const struct pilot_keys_wish *wish);
 
+/* Whether the key does something in the present mode. */
+bool pilot_has_key(const struct pilot_state *state, const struct key_event *event);
+
 /* ---- keys typed ahead ---- */
 
 /*
@@ -266,6 +269,9 @@ void typed_ahead_add(struct typed_ahead *ahead, const struct key_event *event);
 
 /* The first of them, which goes; false where there is none. */
 bool typed_ahead_take(struct typed_ahead *ahead, struct key_event *event);
+
+/* Becomes the first of them; after an event was taken there is room. */
+void typed_ahead_put_back(struct typed_ahead *ahead, const struct key_event *event);
 
 /* Has the host show the cross-hair where those keys will lead, and `state` what they will make of
  * it, up to the first that does anything else. */
