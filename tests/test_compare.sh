@@ -250,4 +250,20 @@ expect 3 "$iftty" -c 'compare b.nii report=r.csv' --journal a.iftty
 expect 0 "$iftty" -c 'compare b.nii report=r.csv replace=yes' --journal a.iftty
 close_story
 
+begin "labels that are asked for or named have a row, though neither map has them"
+expect 0 "$iftty" compare --csv --regions 1,77 a.nii b.nii
+same "$(cut -d, -f 1 out | tr '\n' ' ')" 'label 1 77 all '
+grep -q '^77,"",0,0,0,0,0,0,,*$' out || fail "$(cat out)"
+expect 0 "$iftty" compare --csv --regions 5,6 --as 1,77 a.nii b.nii
+same "$(cut -d, -f 1 out | tr '\n' ' ')" 'label 1 77 all '
+expect 0 "$iftty" compare --json --regions 77 a.nii b.nii
+grep -q '"label": 77, .*"dice": null' out || fail "$(cat out)"
+expect 0 "$iftty" compare --regions 1,77 a.nii b.nii
+grep -q '^77  *-  *-  *0' out || fail "$(cat out)"
+expect 0 "$iftty" -c 'label 9 spleen; compare b.nii report=zero.csv' --journal a.iftty
+grep -q '^9,"spleen",0,0,0,' zero.csv || fail "$(cat zero.csv)"
+expect 0 "$iftty" -c 'compare b.nii regions=1,78 report=asked.csv' --journal a.iftty
+grep -q '^78,"",0,0,0,' asked.csv || fail "$(cat asked.csv)"
+close_story
+
 finish

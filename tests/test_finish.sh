@@ -188,6 +188,46 @@ expect 2 "$iftty" -c "finished on"
 err_has "finished needs a scene"
 close_story
 
+begin "labels that the finish deletes, halves or breaks are named, with voxels and pieces"
+cat >walls <<'END'
+open scene.nii
+label 3 wall
+label 7 never
+box 0,0,0 29,23,19 0
+box 2,2,2 8,8,8 1
+box 5,5,14 24,18,14 3
+box 12,2,2 14,4,4 2
+box 15,3,3 20,3,3 2
+box 21,2,2 23,4,4 2
+box 2,14,2 8,20,8 4
+box 9,17,5 9,17,5 4
+run
+finish majority
+END
+{ cat walls; echo "save labels lost.nii finished=yes"; } >script2
+expect 0 "$iftty" run script2 --journal lost.iftty
+out_has "the finish reduces label 2: 60 voxels in 1 piece before, 14 voxels in 2 pieces after"
+out_has "the finish deletes label 3 wall: 280 voxels in 1 piece before, 0 voxels after"
+same "$(grep -c 'the finish [dr]e' out)" 2
+out_has "\`finish none\` removes them"
+{ cat walls; echo "stats finished=yes"; echo "stats finished=yes report=lost.csv"
+    echo "stats report=lost.json"; } >script3
+expect 0 "$iftty" run script3
+out_has "the finish deletes label 3 wall: 280 voxels in 1 piece before, 0 voxels after"
+out_has "label 3 wall: 280 seeds, 0 voxels"
+out_has "label 7 never: 0 seeds, 0 voxels"
+same "$(sed -n 's/^\([37],"[a-z]*"\),\([0-9]*\),[0-9]*,0,0,0,,.*/\1 \2/p' lost.csv)" '3,"wall" 0
+7,"never" 0'
+grep -q '"number": 7, "name": "never", "voxels": 0, .*"mean": null' lost.json ||
+    fail "$(cat lost.json)"
+expect 0 "$iftty" run walls
+! grep -q 'the finish [dr]e' out || fail "said where the outcome is not known yet: $(cat out)"
+sed 's/^finish majority/finish holes/' script2 >kept
+sed -i 's/lost.nii/kept.nii/' kept
+expect 0 "$iftty" run kept
+! grep -q 'the finish [dr]e' out || fail "nothing is lost: $(cat out)"
+close_story
+
 begin "what a step does not take is refused, and so is what reaches too far"
 refused() { # COMMAND WORDS
     expect 2 "$iftty" -c "open scene.nii; $1"

@@ -117,7 +117,7 @@ press Escape
 see '^i seed '
 close_story
 
-begin "an Alt-KEY that does nothing is Escape, then KEY, as tmux joins them; one that pans still does"
+begin "an Alt-KEY that does nothing is Escape, then KEY; one that pans still does"
 press M-:
 type_letters "finish largest"
 press Enter

@@ -108,7 +108,7 @@ for asks in 'stats' 'stats report=REPORT.csv' hints 'why 7,12,12' 'profile 2,2,2
     'save labels REPORT.nii' 'save seeds REPORT.csv'; do
     rm -rf j.golden r.golden
     for way in run wait; do
-        [ $way = run ] && first=run || first='label 9 none'
+        [ $way = run ] && first=run || first='landmark A 1,1,1'
         rm -f j.iftty REPORT.*
         expect 0 "$iftty" -c "open scene.nii; seed 7,12,10 1; seed 2,2,2 2; $first; $asks" \
             --journal j.iftty

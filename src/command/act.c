@@ -6,6 +6,7 @@
 
 #include "base/safe.h"
 #include "command/files.h"
+#include "report/label_loss.h"
 #include "session/map.h"
 #include "show/draw.h"
 
@@ -123,6 +124,17 @@ static void say_finished(const struct act *act, bool finished)
     command_write(&act->reply->canonical, &said);
 }
 
+/* Names the labels that the finish deletes, halves or breaks. */
+static enum err say_loss(const struct act *act, const struct labels *labels)
+{
+    struct label_loss loss;
+    const enum err err = label_loss_find(&loss, labels, session_team(act->session),
+                                         session_watch(act->session), act->fault);
+    if (!err)
+        label_loss_write(&act->reply->text, act->session, &loss);
+    return err;
+}
+
 enum err act_take_labels(const struct act *act, struct labels *labels)
 {
     const bool as_shown = act->interp->has_pilot && !act_has(act, "finished") &&
@@ -131,7 +143,8 @@ enum err act_take_labels(const struct act *act, struct labels *labels)
         as_shown ? session_shows_finished(act->session) : act_is_yes(act, "finished");
     if (as_shown)
         say_finished(act, finished);
-    return take(act, finished, labels);
+    const enum err err = take(act, finished, labels);
+    return !err && labels->finished && act->interp->mode == MODE_LIVE ? say_loss(act, labels) : err;
 }
 
 enum err act_take_shown(const struct act *act, struct labels *labels)

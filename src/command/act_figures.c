@@ -109,6 +109,7 @@ static enum err answer(const struct act *act, const struct label_stats *stats,
 {
     const struct session *session = act->session;
     struct counts counts;
+    bool listed[256] = {false};
     const struct tally *tally = session_tally(session);
     const bool knows_moves = tally->knows_moves && !labels->finished;
     struct area_weights area;
@@ -123,17 +124,20 @@ static enum err answer(const struct act *act, const struct label_stats *stats,
         .label_number =
             numbering_is_used(session_kept(session)) ? session_kept(session)->label_number : NULL,
         .geometry = session_geometry(session),
-        .levels = session_levels(session)};
+        .levels = session_levels(session),
+        .listed = listed};
     enum err err = count(&counts, act);
+    for (unsigned label = 1; label < 256; label++)
+        listed[label] = counts.voxels[label] || counts.seeds[label] || *report.label_name[label];
     if (!err)
         err = write_report(act, &report);
     for (unsigned label = 0; !err && label < 256; label++) {
         if (labels->finished)
             counts.voxels[label] = (size_t)stats[label].sums.voxels;
-        if (!counts.voxels[label])
+        if (!counts.voxels[label] && !listed[label])
             continue;
         write_counts(act, &counts, label);
-        if (label)
+        if (label && stats[label].sums.voxels)
             label_report_write_text(&act->reply->text, &report, label, 4);
     }
     if (err)
@@ -181,12 +185,16 @@ static enum err take_own(struct compared *compared, const struct act *act, struc
 }
 
 /* The map's. */
-static enum err take_map(struct compared *compared, const struct act *act)
+static enum err take_map(struct compared *compared, bool listed[256], const struct act *act)
 {
     struct watch *watch = session_watch(act->session);
     struct volume map = {0};
     uint16_t *as = NULL;
     enum err err = act_choose_regions(&as, act, act_value(act, "label"));
+    if (!err && act_has(act, "label"))
+        listed[act_number(act, "label")] = true;
+    else if (!err && act_has(act, "regions"))
+        regions_list(listed, as);
     if (!err)
         err = act_read_map(act, &map);
     if (!err) {
@@ -245,14 +253,16 @@ static enum err write_picture(const struct act *act, const char *which,
 }
 
 static enum err answer_comparison(const struct act *act, const struct compared *compared,
-                                  const struct labels *labels, const struct comparison *comparison)
+                                  const struct labels *labels, const struct comparison *comparison,
+                                  const bool *listed)
 {
     const struct session *session = act->session;
     const char *name = labels->finished ? "the labels here, finished" : "the labels here";
     const struct comparison_report report = {comparison,
                                              {name, act_text(act, "FILE")},
                                              session_kept(session)->label_name,
-                                             session_geometry(session)};
+                                             session_geometry(session),
+                                             listed};
     enum err err = write_comparison(act, &report);
     if (!err)
         err = write_picture(act, "picture", compared, labels, &report);
@@ -270,24 +280,27 @@ enum err act_compare(const struct act *act)
     struct session *session = act->session;
     struct compared compared = {0};
     struct labels labels = {0};
+    bool listed[256] = {false}; /* labels with a name or asked for */
     struct comparison *comparison = mem_new(sizeof *comparison);
     enum err err = comparison ? act_check_report(act) : fault_memory(act->fault, "a comparison");
     if (!err && act_has(act, "at") && !act_has(act, "picture"))
         err = fault_set(act->fault, ERR_USAGE,
                         "at: it says where slices of the picture lie; expected picture=FILE too");
+    for (unsigned label = 1; label < 256 && !act_has(act, "label"); label++)
+        listed[label] = *session_kept(session)->label_name[label];
     for (int a = 0; a < 3; a++) {
         compared.size[a] = session_scene(session)->grid.size[a];
         compared.spacing_nm[a] = session_scene(session)->spacing_nm[a];
     }
     if (!err)
-        err = take_map(&compared, act);
+        err = take_map(&compared, listed, act);
     if (!err)
         err = take_own(&compared, act, &labels);
     if (!err)
         err = comparison_make(comparison, &compared, session_team(session), session_watch(session),
                               act->fault);
     if (!err)
-        err = answer_comparison(act, &compared, &labels, comparison);
+        err = answer_comparison(act, &compared, &labels, comparison, listed);
     free(compared.label[0]);
     free(compared.label[1]);
     free(comparison);

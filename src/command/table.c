@@ -599,7 +599,9 @@ static const struct command command_table[] = {
      "smooth and clean the labels that are handed on",
      "Adds a step to the list, which `finished=yes` carries out in its order; without "
      "STEP, prints the list. The segmentation itself does not change, and more seeds can be "
-     "planted at any time.\n" FINISH_NOTES "none: removes all steps.\n"
+     "planted at any time. `save` and `stats` with finished=yes name the labels that the finish "
+     "deletes, reduces to less than half or breaks into more pieces.\n" FINISH_NOTES
+     "none: removes all steps.\n"
      "radius: voxels, 1 unless given, or millimetres as in 2.5mm, which heed the spacing.\n"
      "sweeps: of `relax`, 60 unless given.\n"
      "label: for one label, instead of all.",
@@ -733,6 +735,7 @@ static const struct command command_table[] = {
      "unless the object is small or thin; the centre and the box around it; and the intensities of "
      "its voxels, as `why` prints them; and what the last edit gave the label and took. The "
      "deviation is that of a sample.\n"
+     "A label that has a name, or that the finish deletes, is listed with 0 voxels.\n"
      "report: the same as FILE.json or FILE.csv." FINISHED_NOTE,
      "stats"},
     {CALLED("compare", "dice|overlap", act_compare, GROUP_QUESTIONS, S | A),
@@ -750,7 +753,8 @@ static const struct command command_table[] = {
      "have a neighbour outside the object, by a face, an edge or a corner, but not the edge of the "
      "scene.\n"
      "Overlaps and Hausdorff are those of ITK's filters, as are the directed means in a report.\n"
-     "regions: the values of the map that count, 1 and above unless given.\n"
+     "regions: the values of the map that count, 1 and above unless given. They, and labels with a "
+     "name, have a row though neither map has them.\n"
      "as: the labels that they are, one for each of `regions`.\n"
      "label: compares this label alone; all `regions` are taken for it.\n"
      "report: FILE.json or FILE.csv.\n"

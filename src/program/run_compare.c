@@ -125,8 +125,11 @@ static enum err compare(struct pair *pair, struct team *team, struct fault *faul
     static const char no_name[256][LABEL_NAME_BYTES];
     const struct options *o = pair->options;
     struct buf text = {0};
+    bool listed[256] = {false};
     const struct comparison_report report = {
-        &pair->comparison, {o->word[0], o->word[1]}, no_name, &pair->geometry};
+        &pair->comparison, {o->word[0], o->word[1]}, no_name, &pair->geometry, listed};
+    if (o->regions && !o->binary) /* those that are asked for have a row */
+        regions_list(listed, pair->as);
     enum err err = o->picture || o->surface ? open_scene(pair, fault) : read_first(pair, fault);
     if (!err)
         err = read_map(pair, 1, fault);

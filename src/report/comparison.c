@@ -303,6 +303,11 @@ enum err comparison_classify(uint8_t *class, const struct grid *grid,
 
 /* ---- the measures of a label, for programs ---- */
 
+static bool has_row(const struct comparison_report *report, unsigned label)
+{
+    return comparison_has(report->comparison, label) || (report->listed && report->listed[label]);
+}
+
 static double jaccard(const struct overlap_counts *n)
 {
     return figures_ratio((double)n->both, (double)n->a + (double)n->b - (double)n->both);
@@ -368,7 +373,7 @@ void comparison_write_json(struct buf *out, const struct comparison_report *repo
     json_end(&json);
     json_array(&json, "labels");
     for (unsigned label = 1; label < 256; label++) {
-        if (!comparison_has(c, label))
+        if (!has_row(report, label))
             continue;
         json_object(&json, NULL);
         json_count(&json, "label", label);
@@ -397,7 +402,7 @@ void comparison_write_csv(struct buf *out, const struct comparison_report *repor
     const struct figures f = figures_of(report, 0);
     figures_write_csv_names(out, &f);
     for (unsigned label = 1; label < 256; label++)
-        if (comparison_has(report->comparison, label))
+        if (has_row(report, label))
             write_csv_row(out, report, label);
     write_csv_row(out, report, 0);
 }
@@ -436,7 +441,7 @@ void comparison_write_text(struct buf *out, const struct comparison_report *repo
     buf_add_text(out,
                  "label              Dice Jaccard  volume A     A - B Hausdorff   95 %   mean\n");
     for (unsigned label = 1; label < 256; label++)
-        if (comparison_has(c, label))
+        if (has_row(report, label))
             write_row(out, report, label);
     if (c->labels != 1)
         write_row(out, report, 0);

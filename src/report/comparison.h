@@ -80,6 +80,7 @@ struct comparison_report {
     const char *name[2];                        /* of A and B, as files are called: any bytes */
     const char (*label_name)[LABEL_NAME_BYTES]; /* [256] */
     const struct geometry *geometry;            /* its spacing unknown: taken for 1 mm */
+    const bool *listed; /* [256], labels with a row though neither has them; or NULL */
 };
 
 /* Lines; a row for each label, and one for all where there are several. */

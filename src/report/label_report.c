@@ -54,7 +54,7 @@ static double surface_mm2(const struct label_report *report, unsigned label)
 
 static double mean(const struct label_sums *s)
 {
-    return (double)s->intensity / (double)s->voxels;
+    return s->voxels == 0 ? NAN : (double)s->intensity / (double)s->voxels;
 }
 
 /* Of intensities, as of a sample: by one less than the number of voxels. The squares are taken
@@ -62,6 +62,8 @@ static double mean(const struct label_sums *s)
  * below. */
 static double deviation(const struct label_sums *s)
 {
+    if (s->voxels == 0)
+        return NAN;
     const uint64_t about = s->intensity / s->voxels, rest = s->intensity - s->voxels * about;
     const uint64_t squares =
         s->intensity_squares - 2 * about * s->intensity + s->voxels * about * about;
@@ -72,7 +74,7 @@ static double deviation(const struct label_sums *s)
 static void find_centre(double centre[3], const struct label_sums *s)
 {
     for (int a = 0; a < 3; a++)
-        centre[a] = (double)s->sum[a] / (double)s->voxels;
+        centre[a] = s->voxels ? (double)s->sum[a] / (double)s->voxels : NAN;
 }
 
 /* Of a place between voxels. */
@@ -91,6 +93,9 @@ static void find_range(double range[2], const struct label_report *report, unsig
 {
     const struct label_sums *s = &report->stats[label].sums;
     const bool falls = report->geometry->slope < 0;
+    range[0] = range[1] = NAN;
+    if (s->voxels == 0)
+        return;
     range[0] = levels_value(report->geometry, report->levels, falls ? s->most : s->least);
     range[1] = levels_value(report->geometry, report->levels, falls ? s->least : s->most);
 }
@@ -98,6 +103,8 @@ static void find_range(double range[2], const struct label_report *report, unsig
 static double median(const struct label_report *report, unsigned label)
 {
     const uint16_t *middle = report->stats[label].sums.middle;
+    if (report->stats[label].sums.voxels == 0)
+        return NAN;
     if (middle[0] == middle[1])
         return levels_value(report->geometry, report->levels, middle[0]);
     return geometry_value(report->geometry, ((double)middle[0] + middle[1]) / 2);
@@ -113,6 +120,11 @@ static double change(const struct label_report *report, unsigned label)
 }
 
 /* ---- for programs ---- */
+
+static bool has_row(const struct label_report *report, unsigned label)
+{
+    return report->stats[label].sums.voxels || (report->listed && report->listed[label]);
+}
 
 static struct figures figures_of(const struct label_report *report, unsigned label)
 {
@@ -140,8 +152,11 @@ static struct figures figures_of(const struct label_report *report, unsigned lab
     figures_add(&f, "maximum", range[1]);
     add_three(&f, centre_name, centre);
     add_three(&f, place_name, place);
-    add_three(&f, first_name, (double[]){s->first[0], s->first[1], s->first[2]});
-    add_three(&f, last_name, (double[]){s->last[0], s->last[1], s->last[2]});
+    const bool has = s->voxels > 0;
+    for (int a = 0; a < 3; a++)
+        figures_add(&f, first_name[a], has ? (double)s->first[a] : NAN);
+    for (int a = 0; a < 3; a++)
+        figures_add(&f, last_name[a], has ? (double)s->last[a] : NAN);
     figures_add(&f, "gained", report->gained ? (double)report->gained[label] : NAN);
     figures_add(&f, "lost", report->lost ? (double)report->lost[label] : NAN);
     figures_add(&f, "change", change(report, label));
@@ -159,7 +174,7 @@ void label_report_write_json(struct buf *out, const struct label_report *report)
         json_real(&json, "shear_degrees", geometry_shear(report->geometry), 4);
     json_array(&json, "by_label");
     for (unsigned label = 1; label < 256; label++) {
-        if (!report->stats[label].sums.voxels)
+        if (!has_row(report, label))
             continue;
         const struct figures f = figures_of(report, label);
         json_object(&json, NULL);
@@ -201,7 +216,7 @@ void label_report_write_csv(struct buf *out, const struct label_report *report)
     const struct figures names = csv_figures_of(&any, 0);
     figures_write_csv_names(out, &names);
     for (unsigned label = 1; label < 256; label++) {
-        if (!report->stats[label].sums.voxels)
+        if (!has_row(report, label))
             continue;
         const struct figures f = csv_figures_of(report, label);
         buf_printf(out, "%u", label);

@@ -26,6 +26,7 @@ struct label_report {
     const uint16_t *label_number;               /* [256], own numbers, 0 for none; or NULL */
     const struct geometry *geometry;
     const struct levels *levels; /* the session's */
+    const bool *listed;          /* [256], labels with a row though they have no voxel; or NULL */
 };
 
 /* Lines about one label that has voxels, each after so many blanks. */
@@ -48,10 +49,10 @@ void label_report_write_extent(struct buf *out, const struct session *session, u
 void label_report_write_change(struct buf *out, const struct session *session, uint64_t voxels,
                                uint64_t former);
 
-/* An object with an object for each label that has voxels. */
+/* An object with an object for each label that has voxels or is listed. */
 void label_report_write_json(struct buf *out, const struct label_report *report);
 
-/* A line of names, then one for each label that has voxels. */
+/* A line of names, then one for each label that has voxels or is listed. */
 void label_report_write_csv(struct buf *out, const struct label_report *report);
 
 #endif

@@ -354,6 +354,13 @@ enum err regions_new(uint16_t **as, const char *regions, const char *labels, str
     return err;
 }
 
+void regions_list(bool listed[256], const uint16_t *as)
+{
+    for (size_t value = 0; value <= REGION_MOST; value++)
+        if (as[value] > 0 && as[value] < 256)
+            listed[as[value]] = true;
+}
+
 /* ---- copies ---- */
 
 enum { PIECE = 4096 };

@@ -31,6 +31,9 @@ enum { REGION_MOST = 65533, REGION_NONE = 65535 };
  * not of one length, or choose a region twice. */
 enum err regions_new(uint16_t **as, const char *regions, const char *labels, struct fault *fault);
 
+/* The labels that the chosen regions become: listed[1..255]. */
+void regions_list(bool listed[256], const uint16_t *as);
+
 /* ERR_INPUT where a map of this size does not lie on the scene's grid. */
 enum err map_check_size(const uint32_t is[3], const struct grid *grid, struct fault *fault);
 

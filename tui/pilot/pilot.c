@@ -819,8 +819,8 @@ static bool read_key(struct pilot *p, struct key_event *event)
 }
 
 /* Takes an Alt-KEY that does nothing as Escape, then KEY: a terminal sends the same bytes for both,
- * and tmux or a slow line joins them. Else `Esc :` as in vim would lose its colon, and the letters of
- * the line after it would be keys. */
+ * and tmux or a slow line joins them. Else `Esc :` as in vim would lose its colon, and the letters
+ * of the line after it would be keys. */
 static bool part_alt(struct pilot *p, struct key_event *event)
 {
     struct key_event rest = *event;
