@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "image/units.h"
+
 /* The two versions of the header, and where each has its magic. */
 static const struct version {
     uint16_t bytes, magic, magic_bytes;
@@ -201,17 +203,10 @@ enum { UNIT_AT = 56, UNIT_BYTES = 4, ORIENT_AT = 252 };
 /* Millimetres in its unit; 0 where that is not known. */
 static double analyze_unit_mm(const uint8_t *bytes)
 {
-    static const struct {
-        const char *name;
-        double mm;
-    } unit[] = {{"mm", 1}, {"cm", 10}, {"um", 0.001}, {"m", 1000}};
     char name[UNIT_BYTES + 1] = "";
     memcpy(name, bytes + UNIT_AT, UNIT_BYTES);
     name[strcspn(name, " ")] = '\0';
-    for (size_t i = 0; i < sizeof unit / sizeof unit[0]; i++)
-        if (strcmp(name, unit[i].name) == 0)
-            return unit[i].mm;
-    return *name ? 0 : 1;
+    return *name ? length_mm(name) : 1;
 }
 
 void nifti_header_take_analyze(struct nifti_header *header, const uint8_t *bytes,
@@ -223,7 +218,7 @@ void nifti_header_take_analyze(struct nifti_header *header, const uint8_t *bytes
                        : header->datatype == 136 ? 768 /* and uint32 */
                                                  : header->datatype;
     if (mm == 0)
-        volume_note(notes, "its unit of length is none that is known (mm, cm, um, m)");
+        volume_note(notes, "its unit of length is none that is known (" LENGTH_UNITS ")");
     header->xyzt_units = 2; /* millimetres */
     header->pixdim[0] = 1;
     for (int a = 1; a <= 3; a++) /* in single precision, as a map that is saved has it */

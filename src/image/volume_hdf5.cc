@@ -5,13 +5,10 @@
  * The values of a data set may be stored outside the file or, where it is virtual, be those of
  * other data sets; links may lead to other files. What such names lead to is looked at before.
  */
-/* Functions and structs as HDF5 1.10 has them; later versions have others by the same names. */
-#define H5_USE_110_API
-#include <hdf5.h>
-
-#include "image/volume_parts.hh"
+#include "image/volume_hdf5.hh"
 
 #include <algorithm>
+#include <cstring>
 #include <map>
 #include <memory>
 #include <set>
@@ -19,36 +16,14 @@
 
 #include <sys/stat.h>
 
+#include "image/volume_parts.hh"
+
 namespace volume
 {
 
 constexpr size_t name_most = 4096;
 constexpr size_t depth_most = 8;
 constexpr size_t files_most = 200; /* the library holds each open, and has zeros for the others */
-
-/* Closes what it holds. */
-class Handle
-{
-  public:
-    Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close)
-    {
-    }
-    ~Handle()
-    {
-        if (id_ >= 0)
-            close_(id_);
-    }
-    Handle(const Handle &) = delete;
-    Handle &operator=(const Handle &) = delete;
-    operator hid_t() const
-    {
-        return id_;
-    }
-
-  private:
-    hid_t id_;
-    herr_t (*close_)(hid_t);
-};
 
 /* ---- values that lie elsewhere ---- */
 
@@ -279,19 +254,40 @@ struct DataSet {
 
 struct Sets {
     std::vector<DataSet> list;
+    std::string other; /* the values of one of three dimensions that has no numbers */
     const std::string &path;
 };
 
+/* Of an enum, as of a mask that numpy calls bool, the type of its numbers. */
 std::string hdf_type(hid_t set)
 {
     Handle type(H5Dget_type(set), H5Tclose);
-    const size_t bits = 8 * H5Tget_size(type);
+    Handle base(H5Tget_class(type) == H5T_ENUM ? H5Tget_super(type) : H5Tcopy(type), H5Tclose);
+    const size_t bits = 8 * H5Tget_size(base);
     const bool is_power = bits == 8 || bits == 16 || bits == 32 || bits == 64;
-    if (H5Tget_class(type) == H5T_INTEGER && is_power)
-        return (H5Tget_sign(type) == H5T_SGN_NONE ? "uint" : "int") + std::to_string(bits);
-    if (H5Tget_class(type) == H5T_FLOAT && bits >= 16)
+    if (H5Tget_class(base) == H5T_INTEGER && is_power)
+        return (H5Tget_sign(base) == H5T_SGN_NONE ? "uint" : "int") + std::to_string(bits);
+    if (H5Tget_class(base) == H5T_FLOAT && bits >= 16)
         return bits <= 32 ? "float32" : "float64";
     return "";
+}
+
+/* What values of other types are. */
+std::string other_type(hid_t set)
+{
+    Handle type(H5Dget_type(set), H5Tclose);
+    switch (H5Tget_class(type)) {
+    case H5T_COMPOUND:
+        return "records, such as complex numbers or colours";
+    case H5T_OPAQUE:
+        return "opaque bytes";
+    case H5T_BITFIELD:
+        return "fields of bits";
+    case H5T_STRING:
+        return "texts";
+    default:
+        return "of a type that is not read";
+    }
 }
 
 hid_t hdf_memory_type(const std::string &type)
@@ -305,14 +301,14 @@ hid_t hdf_memory_type(const std::string &type)
 }
 
 /* Where values lie elsewhere, the library may look there for the sides already. */
-bool describe_set(DataSet &set, hid_t file, const char *name, const std::string &path)
+bool describe_set(DataSet &set, hid_t file, const char *name, Sets &sets)
 {
     Handle id(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
     if (id < 0)
         return false;
     set.name = name;
     std::set<std::string> files;
-    set.wrong = wrong_inside(id, path, 0, files);
+    set.wrong = wrong_inside(id, sets.path, 0, files);
     if (!set.wrong.empty())
         return true;
     Handle space(H5Dget_space(id), H5Sclose);
@@ -322,6 +318,8 @@ bool describe_set(DataSet &set, hid_t file, const char *name, const std::string 
     set.type = hdf_type(id);
     set.side.resize(static_cast<size_t>(rank));
     H5Sget_simple_extent_dims(space, set.side.data(), nullptr);
+    if (set.type.empty())
+        sets.other = other_type(id);
     return !set.type.empty();
 }
 
@@ -329,7 +327,7 @@ herr_t visit(hid_t file, const char *name, const H5O_info_t *info, void *list)
 {
     auto &sets = *static_cast<Sets *>(list);
     DataSet set;
-    if (info->type == H5O_TYPE_DATASET && describe_set(set, file, name, sets.path))
+    if (info->type == H5O_TYPE_DATASET && describe_set(set, file, name, sets))
         sets.list.push_back(set);
     return sets.list.size() < 1000 ? 0 : 1;
 }
@@ -352,47 +350,52 @@ std::string listed(const std::vector<DataSet> &sets)
     return list;
 }
 
-/* What ilastik and others note: micrometres along the axes, the slowest first. */
-void place_set(Volume &volume, hid_t set)
+/* Slices of z, which the data set may hold in any order. */
+void send_set(const Volume &volume, hid_t set, const Axes &axes, std::vector<hsize_t> from)
 {
-    double um[3] = {0, 0, 0};
-    if (H5Aexists(set, "element_size_um") <= 0)
-        return;
-    Handle attribute(H5Aopen(set, "element_size_um", H5P_DEFAULT), H5Aclose);
-    Handle space(H5Aget_space(attribute), H5Sclose);
-    if (H5Sget_simple_extent_npoints(space) != 3 || H5Aread(attribute, H5T_NATIVE_DOUBLE, um) < 0)
-        return;
-    for (int a = 0; a < 3; a++)
-        volume.to_mm[a][a] = um[2 - a] / 1e3;
-    if (um[0] > 0 && um[1] > 0 && um[2] > 0)
-        volume.known = SPACING;
-}
-
-/* Slices of the last three dimensions, each of the others at one place. */
-void send_set(const Volume &volume, hid_t set, size_t rank, std::vector<hsize_t> from)
-{
+    const size_t width = bytes_of(volume.type), rank = from.size();
     const size_t slice = bytes_in(volume, 1) / volume.size[2];
     const uint64_t most = std::max<uint64_t>(1, (size_t{64} << 20) / slice);
-    std::vector<char> bytes(slice * std::min(most, volume.size[2]));
+    std::vector<char> bytes(slice * std::min(most, volume.size[2])), ordered;
     for (uint64_t z = 0, n; z < volume.size[2]; z += n) {
         n = std::min(most, volume.size[2] - z);
         std::vector<hsize_t> count(rank, 1);
-        from[rank - 3] = z;
-        count[rank - 3] = n;
-        count[rank - 2] = volume.size[1];
-        count[rank - 1] = volume.size[0];
+        for (size_t a = 0; a < 3; a++)
+            if (axes.dimension[a] != Axes::none)
+                count[axes.dimension[a]] = a == 2 ? n : volume.size[a];
+        if (axes.dimension[2] != Axes::none)
+            from[axes.dimension[2]] = z;
         Handle space(H5Dget_space(set), H5Sclose);
         H5Sselect_hyperslab(space, H5S_SELECT_SET, from.data(), nullptr, count.data(), nullptr);
         Handle memory(H5Screate_simple(static_cast<int>(rank), count.data(), nullptr), H5Sclose);
         if (H5Dread(set, hdf_memory_type(volume.type), memory, space, H5P_DEFAULT, bytes.data()) <
             0)
-            refuse("the data set is damaged, or packed in a way that is not known here");
-        send_piece(bytes.data(), n * slice);
+            refuse("the data set is damaged: its values cannot be read");
+        if (axes.is_in_order()) {
+            send_piece(bytes.data(), n * slice);
+            continue;
+        }
+        size_t along[3] = {0, 0, 0}, step = width; /* bytes to the next x, y, z */
+        for (size_t d = rank; d-- > 0; step *= count[d])
+            for (size_t a = 0; a < 3; a++)
+                if (axes.dimension[a] == d)
+                    along[a] = step;
+        ordered.resize(n * slice);
+        char *to = ordered.data();
+        for (uint64_t k = 0; k < n; k++)
+            for (uint64_t y = 0; y < volume.size[1]; y++)
+                for (uint64_t x = 0; x < volume.size[0]; x++, to += width)
+                    std::memcpy(to, &bytes[k * along[2] + y * along[1] + x * along[0]], width);
+        send_piece(ordered.data(), ordered.size());
     }
 }
 
-const DataSet &choose_set(const std::vector<DataSet> &sets, const std::string &wanted)
+const DataSet &choose_set(const std::vector<DataSet> &sets, const std::string &other,
+                          const std::string &wanted)
 {
+    if (sets.empty() && !other.empty())
+        refuse("the values of its data set of three dimensions are %s; expected integers or floats",
+               other.c_str());
     if (sets.empty())
         refuse("it holds no data set of three dimensions of integers or floats");
     if (wanted.empty() && sets.size() == 1)
@@ -422,7 +425,7 @@ void count_stored(Volume &volume, hid_t file, const std::string &name)
     const int rank = H5Sget_simple_extent_dims(space, side, nullptr);
     if (rank < 1 || H5Pget_chunk(plan, rank, piece) != rank ||
         H5Dget_num_chunks(set, space, &stored) < 0)
-        refuse("the data set is damaged, or packed in a way that is not known here");
+        refuse("the data set is damaged: it does not say which pieces it has");
     for (int a = 0; a < rank; a++)
         pieces *= (side[a] + piece[a] - 1) / piece[a];
     if (stored < pieces)
@@ -431,27 +434,32 @@ void count_stored(Volume &volume, hid_t file, const std::string &name)
                               wide(pieces - stored), wide(pieces)));
 }
 
-/* The text of an attribute; "" where there is none. */
-std::string text_of(hid_t file, const std::string &object, const char *name)
+/* Of filters that the library has not, the name, and what unpacks it. */
+void check_filters(hid_t set)
 {
-    if (H5Lexists(file, object.c_str(), H5P_DEFAULT) <= 0 ||
-        H5Aexists_by_name(file, object.c_str(), name, H5P_DEFAULT) <= 0)
-        return "";
-    Handle attribute(H5Aopen_by_name(file, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT),
-                     H5Aclose);
-    Handle type(H5Aget_type(attribute), H5Tclose), space(H5Aget_space(attribute), H5Sclose);
-    if (H5Tget_class(type) != H5T_STRING || H5Sget_simple_extent_npoints(space) != 1)
-        return "";
-    if (H5Tis_variable_str(type) > 0) {
-        char *text = nullptr;
-        if (H5Aread(attribute, type, &text) < 0 || !text)
-            return "";
-        const std::string copy = text;
-        H5free_memory(text);
-        return copy;
+    static const std::map<H5Z_filter_t, const char *> names = {{H5Z_FILTER_SZIP, "szip"},
+                                                               {307, "bzip2"},
+                                                               {32000, "lzf"},
+                                                               {32001, "blosc"},
+                                                               {32004, "lz4"},
+                                                               {32008, "bitshuffle"},
+                                                               {32013, "zfp"},
+                                                               {32015, "zstd"},
+                                                               {32017, "sz"},
+                                                               {32026, "blosc2"}};
+    Handle made(H5Dget_create_plist(set), H5Pclose);
+    for (int i = 0; i < H5Pget_nfilters(made); i++) {
+        unsigned flags, info;
+        size_t values = 0;
+        const H5Z_filter_t filter = H5Pget_filter2(made, static_cast<unsigned>(i), &flags, &values,
+                                                   nullptr, 0, nullptr, &info);
+        if (filter < 0 || H5Zfilter_avail(filter) > 0)
+            continue;
+        const auto name = names.find(filter);
+        refuse("its voxels are packed by %s, which is not read; `h5repack -f GZIP=4 FILE OUT`, "
+               "where HDF5 has the plugin of that filter, packs them by gzip",
+               name == names.end() ? words_of("filter %d", filter).c_str() : name->second);
     }
-    std::string text(H5Tget_size(type), '\0');
-    return H5Aread(attribute, type, &text[0]) < 0 ? "" : text.c_str();
 }
 
 /* What ITK's readers of MINC and of its own HDF5 pass over, or take for damage. */
@@ -459,13 +467,35 @@ void check_for_itk(hid_t file, bool is_minc)
 {
     const std::string dimensions = "/minc-2.0/dimensions/";
     for (const char *axis : {"xspace", "yspace", "zspace"})
-        if (is_minc)
-            check_minc_unit(text_of(file, dimensions + axis, "units"));
+        if (is_minc && H5Lexists(file, (dimensions + axis).c_str(), H5P_DEFAULT) > 0) {
+            Handle of(H5Oopen(file, (dimensions + axis).c_str(), H5P_DEFAULT), H5Oclose);
+            check_minc_unit(text_of(of, "units"));
+        }
     Handle set(is_minc ? -1 : H5Dopen2(file, "/ITKImage/0/VoxelData", H5P_DEFAULT), H5Dclose);
     Handle type(set < 0 ? -1 : H5Dget_type(set), H5Tclose);
     if (type >= 0 && H5Tget_size(type) > 1 && H5Tget_order(type) == H5T_ORDER_BE)
         refuse("its voxels are big-endian, which is not read of HDF5 of ITK: write it anew on a "
                "machine that is little-endian, or as a NRRD");
+}
+
+/* The images of Imaris in full resolution, by time and channel; none where they differ, or where
+ * there are no such. */
+std::vector<DataSet> images_of_imaris(const std::vector<DataSet> &sets)
+{
+    std::map<std::pair<unsigned, unsigned>, DataSet> images;
+    for (const DataSet &set : sets) {
+        ImarisPlace place;
+        if (!read_imaris(place, set.name) || place.level > 0)
+            continue;
+        images[{place.time, place.channel}] = set;
+        const DataSet &first = images.begin()->second;
+        if (!set.wrong.empty() || set.side != first.side || set.type != first.type)
+            return {};
+    }
+    std::vector<DataSet> list;
+    for (const auto &image : images)
+        list.push_back(image.second);
+    return list;
 }
 
 void open_hdf5(Volume &volume, const Request &request)
@@ -485,36 +515,54 @@ void open_hdf5(Volume &volume, const Request &request)
             open_by_itk(volume, request, group[1] == 'I' ? "itk-hdf5" : "minc");
             return;
         }
-    Sets sets = {{}, request.path};
+    Sets sets = {{}, "", request.path};
     H5Ovisit(*file, H5_INDEX_NAME, H5_ITER_INC, visit, &sets);
     if (sets.list.empty()) /* it may all be elsewhere */
         refuse_for(wrong_with_any(*file, request.path));
-    const DataSet chosen = choose_set(sets.list, request.data);
+    const std::vector<DataSet> images =
+        request.data.empty() ? images_of_imaris(sets.list) : std::vector<DataSet>();
+    const DataSet chosen = images.empty()
+                               ? choose_set(sets.list, sets.other, request.data)
+                               : images[std::min<size_t>(request.volume, images.size() - 1)];
     refuse_for(chosen.wrong);
-    const size_t rank = chosen.side.size();
-    for (size_t a = 0; a < 3; a++)
-        volume.size[a] = chosen.side[rank - 1 - a];
-    for (size_t a = 0; a + 3 < rank; a++)
-        volume.volumes *= chosen.side[a];
-    if (volume.volumes < 1 || volume.volumes > number_most)
-        refuse("the data set holds no volume, or more than a million");
-    count_stored(volume, *file, chosen.name);
-    volume.format = "HDF5";
-    volume.type = chosen.type;
-    std::vector<hsize_t> from(rank, 0);
-    uint64_t rest = request.volume;
-    for (size_t a = rank - 3; a-- > 0; rest /= chosen.side[a])
-        from[a] = rest % chosen.side[a];
     Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
     H5Pset_efile_prefix(access, "${ORIGIN}"); /* what it names is looked up in the folder of its */
     H5Pset_virtual_prefix(access, "${ORIGIN}"); /* file, and nowhere before */
     const std::shared_ptr<Handle> set =
         std::make_shared<Handle>(H5Dopen2(*file, chosen.name.c_str(), access), H5Dclose);
-    place_set(volume, *set);
+    const size_t rank = chosen.side.size();
+    const Axes axes = axes_of(volume, *set, chosen.side);
+    std::vector<hsize_t> from(rank, 0);
+    uint64_t rest = images.empty() ? request.volume : 0;
+    for (size_t a = 0; a < 3; a++)
+        volume.size[a] = axes.dimension[a] == Axes::none ? 1 : chosen.side[axes.dimension[a]];
+    for (size_t d = rank; d-- > 0;) {
+        if (axes.holds(d) || chosen.side[d] < 1)
+            continue;
+        from[d] = rest % chosen.side[d];
+        rest /= chosen.side[d];
+    }
+    for (size_t d = 0; d < rank; d++)
+        if (!axes.holds(d) &&
+            __builtin_mul_overflow(volume.volumes, chosen.side[d], &volume.volumes))
+            volume.volumes = number_most + 1;
+    if (!images.empty())
+        volume.volumes = images.size();
+    if (volume.volumes < 1 || volume.volumes > number_most)
+        refuse("the data set holds no volume, or more than a million");
+    check_filters(*set);
+    count_stored(volume, *file, chosen.name);
+    volume.format = "HDF5";
+    volume.type = chosen.type;
+    ImarisPlace place;
+    if (read_imaris(place, chosen.name))
+        crop_imaris(volume, *file, chosen.name);
+    else
+        place_set(volume, *set, axes, rank);
     const std::string from_none = note_of_sources(*set);
     if (!from_none.empty())
         note(volume, from_none);
-    volume.send = [&volume, file, set, rank, from]() { send_set(volume, *set, rank, from); };
+    volume.send = [&volume, file, set, axes, from]() { send_set(volume, *set, axes, from); };
 }
 
 } // namespace volume

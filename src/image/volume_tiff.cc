@@ -24,6 +24,10 @@
 
 #include "image/volume_parts.hh"
 
+extern "C" {
+#include "image/units.h"
+}
+
 namespace volume
 {
 
@@ -514,7 +518,7 @@ TiffStack resolution_of(TIFF *file)
 void place_stack(Volume &volume, const TiffStack &stack, bool in_columns)
 {
     static const char *const letter[] = {"X", "Y", "Z"};
-    const double mm = mm_of(stack.unit);
+    const double mm = length_mm(stack.unit.c_str());
     std::string said[3], typed[3];
     unsigned known = 0;
     double step[3];

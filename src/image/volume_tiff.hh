@@ -55,9 +55,6 @@ TiffStack stack_of(const std::vector<TiffPage> &page, unsigned samples, const st
                    const std::string &description, const std::string &lsm,
                    const TiffStack &resolution, const std::string &type);
 
-/* Millimetres of a unit of length; 0 for one that is not known. */
-double mm_of(const std::string &unit);
-
 } // namespace volume
 
 #endif

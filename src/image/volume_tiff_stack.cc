@@ -14,6 +14,10 @@
 
 #include "image/volume_parts.hh"
 
+extern "C" {
+#include "image/units.h"
+}
+
 namespace volume
 {
 
@@ -21,43 +25,6 @@ constexpr uint64_t planes_most = 1000000;
 constexpr size_t none = SIZE_MAX;
 /* Before the sides of a shape: of tifffile, and of it before 2017, (2, 5, 7, 11). */
 constexpr char shape_name[] = "\"shape\": [", old_shape_name[] = "shape=(";
-
-/* ---- units ---- */
-
-double mm_of(const std::string &unit)
-{
-    static const std::map<std::string, double> known = {{"pm", 1e-9},
-                                                        {"nm", 1e-6},
-                                                        {"nanometer", 1e-6},
-                                                        {"nanometre", 1e-6},
-                                                        {"um", 1e-3},
-                                                        {"micron", 1e-3},
-                                                        {"microns", 1e-3},
-                                                        {"micrometer", 1e-3},
-                                                        {"micrometre", 1e-3},
-                                                        {"\xb5m", 1e-3},
-                                                        {"\xc2\xb5m", 1e-3},
-                                                        {"\xce\xbcm", 1e-3},
-                                                        {"\\u00b5m", 1e-3},
-                                                        {"mm", 1},
-                                                        {"millimeter", 1},
-                                                        {"millimetre", 1},
-                                                        {"cm", 10},
-                                                        {"centimeter", 10},
-                                                        {"centimetre", 10},
-                                                        {"dm", 100},
-                                                        {"m", 1e3},
-                                                        {"meter", 1e3},
-                                                        {"metre", 1e3},
-                                                        {"in", 25.4},
-                                                        {"inch", 25.4},
-                                                        {"inches", 25.4},
-                                                        {"angstrom", 1e-7},
-                                                        {"\xc3\x85", 1e-7},
-                                                        {"\xe2\x84\xab", 1e-7}};
-    const auto found = known.find(in_small_letters(unit));
-    return found == known.end() ? 0 : found->second;
-}
 
 /* ---- axes ---- */
 
@@ -363,7 +330,7 @@ void step_ome(TiffStack &stack, Ome &ome)
         const std::string said = ome.pixels[std::string(name[a]) + "Unit"];
         const std::string unit = said.empty() ? "um" : said;
         const double size = std::strtod(ome.pixels[name[a]].c_str(), nullptr);
-        const double mm = mm_of(unit);
+        const double mm = length_mm(unit.c_str());
         stack.step[a] = mm > 0 ? size * mm : 0;
         if (size > 0 && mm <= 0)
             stack.note.push_back(words_of("its OME description has %s %g, and its unit is %s: "

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: MIT */
+/* HDF5 by its library: handles that close themselves, and what attributes say of a data set. */
+#ifndef IMAGE_VOLUME_HDF5_HH
+#define IMAGE_VOLUME_HDF5_HH
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+/* Functions and structs as HDF5 1.10 has them; later versions have others by the same names. */
+#define H5_USE_110_API
+#include <hdf5.h>
+
+namespace volume
+{
+
+struct Volume;
+
+/* Closes what it holds. */
+class Handle
+{
+  public:
+    Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close)
+    {
+    }
+    ~Handle()
+    {
+        if (id_ >= 0)
+            close_(id_);
+    }
+    Handle(const Handle &) = delete;
+    Handle &operator=(const Handle &) = delete;
+    operator hid_t() const
+    {
+        return id_;
+    }
+
+  private:
+    hid_t id_;
+    herr_t (*close_)(hid_t);
+};
+
+/* The text of an attribute; "" where there is none. */
+std::string text_of(hid_t object, const std::string &name);
+
+/* Which dimensions of a data set, the slowest first, are x, y and z; the others are of a series. */
+struct Axes {
+    static constexpr size_t none = SIZE_MAX;
+    size_t dimension[3] = {none, none, none}; /* z may be none */
+
+    bool holds(size_t d) const;
+    bool is_in_order() const; /* z, y, x */
+};
+
+/* Refuses names that leave it open. */
+Axes axes_of(Volume &volume, hid_t set, const std::vector<hsize_t> &side);
+
+/* Spacing by the attributes of the data set. */
+void place_set(Volume &volume, hid_t set, const Axes &axes, size_t rank);
+
+struct ImarisPlace {
+    unsigned level = 0, time = 0, channel = 0;
+};
+
+/* Whether the name is that of an image of Imaris. */
+bool read_imaris(ImarisPlace &place, const std::string &name);
+
+/* Size and spacing of such an image. */
+void crop_imaris(Volume &volume, hid_t file, const std::string &name);
+
+} // namespace volume
+
+#endif
