@@ -96,7 +96,7 @@ HDF5          = $(shell pkg-config --exists hdf5-serial 2>/dev/null && echo hdf5
                     echo hdf5)
 # ITK's names hold its version.
 ITK           = $(shell cd /usr/include 2>/dev/null && ls -d ITK-* | tail -n 1)
-ITK_IO        = NRRD Meta MINC MRC PNG VTK GIPL GE IPL Siemens Bruker Stimulate HDF5 \
+ITK_IO        = NRRD Meta MINC PNG VTK GIPL GE IPL Siemens Bruker Stimulate HDF5 \
                 ImageBase
 # A sanitiser looks whether an object can be read by a pipe, which the helper may not make, and then
 # calls its type wrong.
@@ -426,7 +426,7 @@ $(VOLUME_PARTS) $(REGISTER_PARTS): $(BUILD)/%.o: %.cc | build/.packages-volume
 	$(Q)$(CXX) $(ALL_CXXFLAGS) $(HELPER_FLAGS) -c -o $@ $<
 
 $(BUILD)/iftty-volume: $(VOLUME_PARTS) $(BUILD)/src/image/csa.o $(BUILD)/src/image/inflated.o \
-                       $(CONFINED)
+                       $(BUILD)/src/image/units.o $(BUILD)/src/base/choice.o $(CONFINED)
 	$(say) "link      $@"
 	$(Q)$(CXX) -o $@ $^ $(ALL_LDFLAGS) $(VOLUME_LIBS)
 

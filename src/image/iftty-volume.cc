@@ -11,6 +11,8 @@
  *     volume_names.cc    headers of text, and the files that they name
  *     volume_itk.cc      the formats of ITK, and slices as pictures
  *     volume_tiff.cc      TIFF, and folders of it; volume_tiff_stack.cc, slices and volumes of it
+ *     volume_units.cc    units and scales in headers of text
+ *     volume_mrc.cc      MRC
  *     volume_bytes.cc    whether a file has the bytes that its header promises
  *     volume_hdf5.cc     data sets of HDF5, and the files that they name
  *     volume_dicom.cc    what a file of DICOM says of slices and mosaics, and its pixels
@@ -125,6 +127,8 @@ void serve()
             open_dicom(volume, request);
         else if (request.kind == "hdf5")
             open_hdf5(volume, request);
+        else if (request.kind == "mrc")
+            open_mrc(volume, request);
         else if (request.kind == "tiff")
             open_tiff(volume, request);
         else

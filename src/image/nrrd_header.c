@@ -2,12 +2,14 @@
 #include "image/nrrd_header.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/choice.h"
 #include "base/decimal.h"
 #include "base/scan.h"
 #include "engine/grid.h"
+#include "image/units.h"
 
 /* In the first lines iftty-volume looks for what ITK does not say; rarely are there more. */
 enum { FIELDS_MOST = 1000, SKIP_MOST = 1000000000 };
@@ -37,6 +39,7 @@ struct reading {
     uint64_t seen; /* a bit for each row of the table */
     double direction[3][3], origin[3], spacing[3];
     double sign[3]; /* of steps along its space: to the right, the front and the head */
+    double space_mm[3], axis_mm[3]; /* units: of the axes of its space, and of voxels */
 };
 
 static bool has(const struct reading *r, enum name name)
@@ -103,15 +106,39 @@ static bool are_words(const char *value, const char *choices)
     return *value == '\0';
 }
 
-/* "mm" "mm" "mm" */
+/* The text between the next two quotes, cut to the size of `out`; false where there are none. */
+static bool take_quoted(const char **cursor, char *out, size_t size)
+{
+    scan_blanks(cursor);
+    if (!scan_text(cursor, "\""))
+        return false;
+    const size_t length = strcspn(*cursor, "\"\\");
+    snprintf(out, size, "%.*s", (int)(length < size ? length : size), *cursor);
+    *cursor += length;
+    return scan_text(cursor, "\"");
+}
+
+/* "" "a" "b" */
 static bool are_quoted(const char *value)
 {
-    for (int a = 0; a < 3; a++) {
-        scan_blanks(&value);
-        if (!scan_text(&value, "\""))
+    char text[2];
+    for (int a = 0; a < 3; a++)
+        if (!take_quoted(&value, text, sizeof text))
             return false;
-        value += strcspn(value, "\"\\");
-        if (!scan_text(&value, "\""))
+    scan_blanks(&value);
+    return *value == '\0';
+}
+
+/* "um" "um" "mm" as millimetres. An empty one is 1, as if there were no field: lengths are in
+ * millimetres then. False where one is not known. */
+static bool take_units(const char *value, double mm[3])
+{
+    char unit[32];
+    for (int a = 0; a < 3; a++) {
+        if (!take_quoted(&value, unit, sizeof unit))
+            return false;
+        mm[a] = *unit ? length_mm(unit) : 1;
+        if (mm[a] == 0)
             return false;
     }
     scan_blanks(&value);
@@ -278,7 +305,12 @@ static bool read_quoted(struct reading *r, char *value)
 
 static bool read_space_units(struct reading *r, char *value)
 {
-    return has_space(r) && are_quoted(value);
+    return has_space(r) && take_units(value, r->space_mm);
+}
+
+static bool read_units(struct reading *r, char *value)
+{
+    return has(r, DIMENSION) && take_units(value, r->axis_mm);
 }
 
 static const struct field {
@@ -298,7 +330,7 @@ static const struct field {
     [FRAME] = {"measurement frame", read_frame},
     [SPACE_UNITS] = {"space units", read_space_units},
     [SPACINGS] = {"spacings", read_spacings},
-    [UNITS] = {"units", read_quoted},
+    [UNITS] = {"units", read_units},
     [CENTERS] = {"centers", read_centers},
     [CENTERINGS] = {"centerings", read_centers},
     {"kinds", read_kinds},
@@ -398,8 +430,11 @@ static bool place_directions(struct reading *r)
     for (int w = 0; w < 3; w++) {
         const double sign = has(r, ORIGIN) ? r->sign[w] : w < 2 ? -1 : 1;
         out->to_mm[w][3] = out->knows_place ? sign * r->origin[w] : 0;
+        for (int i = 0; i < 4; i++)
+            out->to_mm[w][i] *= r->space_mm[w];
     }
-    return true;
+    const double *mm = r->space_mm; /* without a place a row is of no axis of the space */
+    return out->knows_place || (mm[0] == mm[1] && mm[1] == mm[2]);
 }
 
 static bool place(struct reading *r)
@@ -412,7 +447,7 @@ static bool place(struct reading *r)
     out->knows_place = false;
     out->knows_spacing = has(r, SPACINGS);
     for (int a = 0; a < 3; a++)
-        out->to_mm[a][a] = has(r, SPACINGS) ? r->spacing[a] : 1;
+        out->to_mm[a][a] = has(r, SPACINGS) ? r->spacing[a] * r->axis_mm[a] : 1;
     return !has(r, SPACINGS) || !has_space(r);
 }
 
@@ -432,7 +467,7 @@ size_t nrrd_header_length(const char *bytes, size_t length)
 
 bool nrrd_header_read(struct nrrd_header *out, char *bytes, size_t length)
 {
-    struct reading r = {.out = out};
+    struct reading r = {.out = out, .space_mm = {1, 1, 1}, .axis_mm = {1, 1, 1}};
     char *at = bytes, *line;
     *out = (struct nrrd_header){.offset = length};
     if (length < 2 || memchr(bytes, '\0', length))

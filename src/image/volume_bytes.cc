@@ -10,6 +10,9 @@
 #include "image/volume_parts.hh"
 
 #include <algorithm>
+#include <cerrno>
+#include <cfloat>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -133,6 +136,13 @@ class Counted
     uint64_t bytes_ = 0, held_at_ = 0, held_ = 0;
     char piece_[4096];
 };
+
+uint64_t check_bytes(const std::string &path, uint64_t bytes)
+{
+    const Counted file(path, "");
+    file.need(bytes);
+    return file.bytes() - bytes;
+}
 
 /* ---- TIFF ---- */
 
@@ -456,6 +466,7 @@ struct Run {
     bool from_end = false; /* or as many as are needed, up to the end */
     uint64_t bytes = 0;    /* of voxels, when they are unpacked */
     uint64_t values = 0;   /* the same in numbers */
+    std::string type;      /* of them */
     uint64_t packed = 0;   /* bytes of them in the file, where that is said */
 };
 
@@ -573,18 +584,13 @@ std::vector<Run> runs_of(const Volume &volume, const std::string &kind, const Re
     run.path = request.path;
     run.bytes = bytes_in(volume, volume.volumes);
     run.values = run.bytes / bytes_of(volume.type);
+    run.type = volume.type;
     if (kind == "meta")
         return runs_of_meta(run, request.named);
     if (kind == "nrrd")
         return runs_of_nrrd(run, request.named);
     if (kind == "vtk")
         return {run_of_vtk(run)};
-    if (kind == "mrc") {
-        Counted file(run.path, "");
-        file.is_big_endian = file.number(212, 1) == 0x11;
-        run.at = sum_of(1024, file.number(92, 4));
-        return {run};
-    }
     if (scanners.count(kind))
         return {run_of_scanner(run, kind, volume)};
     if (kind != "gipl")
@@ -595,31 +601,62 @@ std::vector<Run> runs_of(const Volume &volume, const std::string &kind, const Re
 
 /* ---- counting them ---- */
 
-/* As far as they go, and one more than are needed. */
-uint64_t numbers_in(std::ifstream &file, uint64_t most)
+/* Whether it is a number of the type, which is whole unless the type is not. */
+bool is_number_of(const std::string &word, const std::string &type)
 {
+    char *end = nullptr;
+    errno = 0;
+    if (type[0] == 'f') {
+        const double value = std::strtod(word.c_str(), &end);
+        const bool is_in = std::isnan(value) || std::isinf(value) || type == "float64" ||
+                           std::fabs(value) <= static_cast<double>(FLT_MAX);
+        return *end == '\0' && is_in && !(errno == ERANGE && std::isinf(value));
+    }
+    const auto bits = static_cast<unsigned>(8 * bytes_of(type));
+    if (type[0] == 'u') {
+        const unsigned long long value = std::strtoull(word.c_str(), &end, 10);
+        return *end == '\0' && errno == 0 && word[0] != '-' && value <= UINT64_MAX >> (64 - bits);
+    }
+    const long long value = std::strtoll(word.c_str(), &end, 10);
+    const long long most = INT64_MAX >> (64 - bits);
+    return *end == '\0' && errno == 0 && value <= most && value >= -most - 1;
+}
+
+/* Looks at the numbers that are needed. */
+void check_text(const Run &run)
+{
+    constexpr size_t digits_most = 400; /* a double in full has 309 before its point */
+    std::ifstream file(run.path, std::ios::binary);
+    file.seekg(static_cast<std::streamoff>(run.at));
     uint64_t count = 0;
-    bool in_number = false;
-    char piece[65536];
-    while (count <= most && (file.read(piece, sizeof piece), file.gcount() > 0))
-        for (std::streamsize i = 0; i < file.gcount(); i++) {
-            const bool is_number = std::strchr(" \t\r\n,", piece[i]) == nullptr;
-            count += is_number && !in_number;
-            in_number = is_number;
+    std::string word;
+    for (bool goes_on = true; goes_on && count < run.values && word.size() <= digits_most;) {
+        char c = ' ';
+        goes_on = static_cast<bool>(file.get(c));
+        if (!std::strchr(" \t\r\n\v\f,", c)) {
+            word += c;
+        } else if (!word.empty()) {
+            if (!is_number_of(word, run.type))
+                break;
+            count++;
+            word.clear();
         }
-    return count;
+    }
+    const bool is_cut = file.eof() && count + 1 < run.values; /* within a number */
+    if (!word.empty() && count < run.values && !is_cut)
+        refuse("%snumber %llu of its voxels is not of their type, %s: a real number, a word, or a "
+               "number beyond that type",
+               run.what.c_str(), wide(count + 1), run.type.c_str());
+    if (count < run.values)
+        refuse("%scut short: it has %llu numbers, and its header promises %llu; fetch it again",
+               run.what.c_str(), wide(count), wide(run.values));
 }
 
 /* Packed voxels and text, which takes reading all of it. */
 void count_closely(const Run &run)
 {
     if (run.packing == Packing::TEXT) {
-        std::ifstream file(run.path, std::ios::binary);
-        file.seekg(static_cast<std::streamoff>(run.at));
-        const uint64_t numbers = numbers_in(file, run.values);
-        if (numbers < run.values)
-            refuse("%scut short: it has %llu numbers, and its header promises %llu; fetch it again",
-                   run.what.c_str(), wide(numbers), wide(run.values));
+        check_text(run);
         return;
     }
     bool ends;

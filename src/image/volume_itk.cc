@@ -19,7 +19,6 @@
 #include <itkHDF5ImageIO.h>
 #include <itkImageIOBase.h>
 #include <itkMINCImageIO.h>
-#include <itkMRCImageIO.h>
 #include <itkMetaImageIO.h>
 #include <itkNrrdImageIO.h>
 #include <itkPNGImageIO.h>
@@ -27,6 +26,10 @@
 #include <itkStimulateImageIO.h>
 #include <itkVTKImageIO.h>
 #include <metaImage.h>
+
+extern "C" {
+#include "image/units.h"
+}
 
 namespace volume
 {
@@ -90,8 +93,11 @@ void place(Volume &volume, itk::ImageIOBase &io, World world)
         const double sign = world == World::LPS && a < 2 ? -1 : 1;
         volume.to_mm[a][3] = world == World::NONE ? 0 : sign * io.GetOrigin(a);
     }
-    if (dimensions < 3)
-        volume.known &= ~SPACING;
+    if (dimensions < 3) { /* of a plane, which lies in no patient */
+        volume.known &= ~ORIENTATION;
+        if (volume.known & SPACING)
+            note(volume, "it is one slice, and says no thickness: 1 mm is taken for it");
+    }
 }
 
 /* Voxels of several values: colours are refused, others are a series of volumes. */
@@ -217,11 +223,8 @@ unsigned known_by_nrrd(const std::string &path)
                                                      "las",
                                                      "lps"};
     const Header header = header_of("nrrd", path);
-    const std::string spacings = in_small_letters(header.value("spacings"));
     const bool has_directions = header.field.count("space directions");
-    const bool has_spacings =
-        header.field.count("spacings") && spacings.find("nan") == std::string::npos;
-    unsigned known = has_directions || has_spacings ? SPACING : NOTHING;
+    unsigned known = has_directions || nrrd_has_spacings(header) ? SPACING : NOTHING;
     if (has_directions && anatomical.count(in_small_letters(header.value("space"))))
         known |= ORIENTATION;
     return known;
@@ -291,6 +294,32 @@ void place_las(Volume &volume, itk::ImageIOBase &io, const Request &request)
     }
 }
 
+/* The lengths of a header to millimetres. Where one is in a unit that is not known, no place is
+ * known either: axes may be stretched. */
+void measure(Volume &volume, itk::ImageIOBase &io, const Units &units, const char *field)
+{
+    const bool has_place = volume.known & ORIENTATION;
+    const unsigned dimensions = std::min(io.GetNumberOfDimensions(), 3U);
+    for (unsigned a = 0; a < dimensions; a++) {
+        double square = 0; /* of the length along axis a, in a space that is not the patient's */
+        for (unsigned w = 0; w < std::min<size_t>(3, io.GetDirection(a).size()); w++)
+            square += std::pow(io.GetDirection(a)[w] * io.GetSpacing(a) * units.mm[w], 2);
+        if (units.are_of_space && !has_place && !units.are_alike())
+            volume.to_mm[a][a] = std::sqrt(square);
+        else
+            for (unsigned w = 0; w < 3; w++)
+                volume.to_mm[w][a] *= units.mm[units.are_of_space ? w : a];
+        volume.to_mm[a][3] *= units.mm[a];
+    }
+    if (units.are_known || !(volume.known & SPACING))
+        return;
+    volume.known = NOTHING;
+    place(volume, io, World::NONE);
+    note(volume, words_of("its field \"%s\" has a unit that is not known (" LENGTH_UNITS "): "
+                          "distances of voxels are unknown; spacing=X,Y,Z says them in mm",
+                          field));
+}
+
 unsigned known_by_meta(const std::string &path)
 {
     const Header header = header_of("meta", path);
@@ -318,7 +347,6 @@ const Kind kinds[] = {
     {"nrrd", "NRRD", make<itk::NrrdImageIO>, World::LPS, NOTHING},
     {"meta", "MetaImage", make<itk::MetaImageIO>, World::LPS, NOTHING},
     {"minc", "MINC", make<itk::MINCImageIO>, World::RAS, SPACING | ORIENTATION},
-    {"mrc", "MRC", make<itk::MRCImageIO>, World::NONE, SPACING},
     {"png", "PNG", make<itk::PNGImageIO>, World::NONE, NOTHING},
     {"vtk", "VTK", make<itk::VTKImageIO>, World::NONE, SPACING},
     {"gipl", "GIPL", make<itk::GiplImageIO>, World::NONE, SPACING},
@@ -351,12 +379,19 @@ void open_by_itk(Volume &volume, const Request &request, const std::string &name
     itk::ImageIOBase::Pointer io = kind->make();
     io->SetFileName(request.path);
     count_parts(kind->name, request.path, "");
+    const bool is_nrrd = name == "nrrd", is_meta = name == "meta";
+    const Header header = is_nrrd || is_meta ? header_of(name, request.path) : Header();
+    if (is_nrrd)
+        check_nrrd(header);
+    if (is_meta)
+        check_meta_numbers(header);
+    const Units units = is_nrrd ? units_of_nrrd(header) : is_meta ? units_of_meta(header) : Units();
     if (!io->CanReadFile(request.path.c_str()))
         refuse("its first bytes are of a %s file, and the rest of its header is not", kind->format);
     if (name == "any")
         check_stimulate(request);
     io->ReadImageInformation();
-    if (name == "meta") {
+    if (is_meta) {
         std::vector<long> sides;
         for (unsigned a = 0; a < io->GetNumberOfDimensions(); a++)
             sides.push_back(static_cast<long>(io->GetDimensions(a)));
@@ -366,11 +401,11 @@ void open_by_itk(Volume &volume, const Request &request, const std::string &name
             sides);
     }
     volume.format = kind->format;
-    volume.known = name == "nrrd"   ? known_by_nrrd(request.path)
-                   : name == "meta" ? known_by_meta(request.path)
-                                    : kind->known;
+    volume.known = is_nrrd   ? known_by_nrrd(request.path)
+                   : is_meta ? known_by_meta(request.path)
+                             : kind->known;
     describe(volume, io, request, volume.known & ORIENTATION ? kind->world : World::NONE);
-    if (name == "nrrd")
+    if (is_nrrd)
         place_las(volume, *io, request);
     if (kind->known == UNPROVEN) {
         volume.known = NOTHING;
@@ -378,13 +413,16 @@ void open_by_itk(Volume &volume, const Request &request, const std::string &name
                               "with another program; distances and sides are taken as unknown",
                               kind->format));
     }
+    if (is_nrrd || is_meta)
+        measure(volume, *io, units,
+                is_meta              ? "DistanceUnits"
+                : units.are_of_space ? "space units"
+                                     : "units");
+    if (is_meta)
+        scale_meta(volume, header);
     count_voxels(volume, kind->name, request);
     if (name == "png")
         note_png(volume, request.path);
-    if (name == "mrc")
-        for (auto &row : volume.to_mm)
-            for (double &number : row)
-                number *= 1e-7; /* Angstrom */
 }
 
 /* ---- slices as pictures ---- */

@@ -44,7 +44,9 @@ Header header_of(const std::string &kind, const std::string &path)
         at += line.size() + (file.eof() ? 0 : 1);
         const size_t between = line.find(is_meta ? '=' : ':');
         const std::string name = in_small_letters(trimmed(line.substr(0, between)));
-        if (between != std::string::npos && line[0] != '#' && header.field.size() < fields_most)
+        const bool is_key = !is_meta && between + 1 < line.size() && line[between + 1] == '=';
+        if (between != std::string::npos && line[0] != '#' && !is_key &&
+            header.field.size() < fields_most)
             header.field[name] = trimmed(line.substr(between + 1));
         if (is_meta ? name == "elementdatafile" : trimmed(line).empty())
             header.end = at;

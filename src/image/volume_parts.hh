@@ -180,6 +180,9 @@ bool png_resolution(const std::string &path, double mm[2]);
 /* Refuses the unit of an axis of MINC, unless it is millimetres, or not said. */
 void check_minc_unit(const std::string &unit);
 
+/* Refuses a file that has fewer bytes; returns how many more it has. */
+uint64_t check_bytes(const std::string &path, uint64_t bytes);
+
 /* Of the others, once its header is known: of voxels that are packed, or written as text, when they
  * are to be sent. */
 void count_voxels(Volume &volume, const std::string &kind, const Request &request);
@@ -196,6 +199,30 @@ struct Header {
 };
 
 Header header_of(const std::string &kind, const std::string &path);
+
+/* ---- units in headers of text (volume_units.cc) ---- */
+
+/* Millimetres in the units of a header: of the axes of its space, which are the rows of
+ * Volume.to_mm, or of the axes of voxels, which are its columns. */
+struct Units {
+    double mm[3] = {1, 1, 1};
+    bool are_known = true; /* false where a word is none that is known; it counts as 1 */
+    bool are_of_space = false;
+
+    bool are_alike() const;
+};
+
+/* Refuses axes of time or of lists among those of space, and numbers that are none. */
+Units units_of_nrrd(const Header &header);
+bool nrrd_has_spacings(const Header &header); /* of each axis of space */
+Units units_of_meta(const Header &header);
+
+/* Refuses kinds of files that ITK does not read, by name; and fields of numbers that are none. */
+void check_nrrd(const Header &header);
+void check_meta_numbers(const Header &header);
+
+/* Slope and intercept by ElementToIntensityFunction. */
+void scale_meta(Volume &volume, const Header &header);
 
 /* "./" where the path has none; else with its slash. */
 std::string folder_of(const std::string &path);
@@ -231,6 +258,7 @@ void note_pixels(Volume &volume, double x, double y);
 void stack_tiffs(Volume &volume, const std::vector<std::string> &path);
 
 void open_tiff(Volume &volume, const Request &request);
+void open_mrc(Volume &volume, const Request &request);
 void open_by_itk(Volume &volume, const Request &request, const std::string &name);
 void open_hdf5(Volume &volume, const Request &request);
 void open_dicom(Volume &volume, const Request &request);

@@ -50,6 +50,11 @@ void open_hdf5(Volume &, const Request &request)
     probe(request);
 }
 
+void open_mrc(Volume &, const Request &request)
+{
+    probe(request);
+}
+
 void open_tiff(Volume &, const Request &request)
 {
     probe(request);
