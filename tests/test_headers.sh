@@ -79,4 +79,11 @@ opened_as four.ims four.ims.twin.nii \
 as_said imaris
 close_story
 
+begin "VTK: any order of fields; cells, bits, fields and other grids are refused by name"
+for each in plain turned aspect two; do
+    opened_as $each.vtk $each.vtk.twin.nii
+done
+as_said vtk
+close_story
+
 finish

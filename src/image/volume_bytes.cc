@@ -17,6 +17,7 @@
 #include <cstring>
 #include <fstream>
 #include <set>
+#include <sstream>
 #include <vector>
 
 #include <fcntl.h>
@@ -566,6 +567,66 @@ Run run_of_vtk(Run run)
     return run;
 }
 
+/* The words of a line, in small letters. */
+std::vector<std::string> vtk_words(const std::string &line)
+{
+    std::istringstream stream(in_small_letters(line));
+    std::vector<std::string> words;
+    for (std::string word; words.size() < 8 && stream >> word;)
+        words.push_back(word);
+    return words;
+}
+
+void check_vtk(const std::string &path)
+{
+    static const std::set<std::string> grids = {"structured_grid", "unstructured_grid", "polydata",
+                                                "rectilinear_grid", "field"};
+    static const std::set<std::string> attributes = {"scalars", "vectors", "tensors",
+                                                     "color_scalars"};
+    static const std::set<std::string> others = {"field", "normals", "texture_coordinates"};
+    static const std::set<std::string> types = {
+        "unsigned_char", "char", "unsigned_short", "short",  "unsigned_int", "int",
+        "unsigned_long", "long", "float",          "double", "vtktypeint64", "vtktypeuint64"};
+    std::ifstream file(path, std::ios::binary);
+    std::string line;
+    uint64_t points = 1;
+    bool has_sides = false;
+    for (int i = 0; std::getline(file, line) && i < 100000; i++) {
+        const std::vector<std::string> word = vtk_words(line.substr(0, 1000));
+        if (i < 3 || word.empty())
+            continue;
+        if (word[0] == "dataset" && word.size() > 1 && grids.count(word[1]))
+            refuse("it is a %s of VTK, whose points are on no grid of equal steps; the filter "
+                   "Resample To Image of ParaView makes STRUCTURED_POINTS of it",
+                   word[1].c_str());
+        if (word[0] == "cell_data")
+            refuse("its values are of cells (CELL_DATA), and only those of points are read; the "
+                   "filter Cell Data to Point Data of ParaView makes means of them");
+        if (others.count(word[0]))
+            refuse("its first values are in %s, which is not read; expected SCALARS: save the one "
+                   "array as legacy VTK",
+                   word[0].c_str());
+        const bool is_step = word[0] == "spacing" || word[0] == "aspect_ratio";
+        has_sides = has_sides || word[0] == "dimensions";
+        if (!has_sides && (is_step || word[0] == "origin"))
+            refuse("its DIMENSIONS come after its spacing or origin, which is not read; move that "
+                   "line to the one after DATASET");
+        for (size_t a = 1; word[0] == "dimensions" && a < std::min<size_t>(4, word.size()); a++)
+            points = product_of(points, std::strtoull(word[a].c_str(), nullptr, 10));
+        if (word[0] == "point_data" && word.size() > 1 &&
+            std::strtoull(word[1].c_str(), nullptr, 10) != points)
+            refuse("its DIMENSIONS are of %llu points, and its POINT_DATA of another number",
+                   wide(points));
+        if (!attributes.count(word[0]))
+            continue;
+        if (word[0] != "color_scalars" && word.size() > 2 && !types.count(word[2]))
+            refuse("its voxels are of %s, which is not read; expected char to double: the filter "
+                   "Calculator of ParaView makes numbers of them",
+                   word[2] == "bit" ? "type bit, eight in a byte" : "another type");
+        return;
+    }
+}
+
 /* Of scanners each file is a slice; the voxels of Stimulate are beside the header. */
 Run run_of_scanner(Run run, const std::string &kind, const Volume &volume)
 {
@@ -673,6 +734,11 @@ void count_voxels(Volume &volume, const std::string &kind, const Request &reques
     std::vector<Run> closely;
     for (const Run &run : runs_of(volume, kind, request)) {
         const Counted file(run.path, run.what);
+        const uint64_t end = sum_of(run.at, run.bytes);
+        if (kind == "vtk" && run.packing == Packing::NONE && file.bytes() > sum_of(end, 2))
+            note(volume, words_of("%llu of its bytes come after the first array, which alone is "
+                                  "read",
+                                  wide(file.bytes() - end)));
         const uint64_t plain =
             run.packing == Packing::NONE ? run.bytes : std::max(run.packed, uint64_t{1});
         file.need(sum_of(run.from_end ? 0 : run.at, plain));

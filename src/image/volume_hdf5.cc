@@ -410,9 +410,8 @@ const DataSet &choose_set(const std::vector<DataSet> &sets, const std::string &o
 }
 
 /* Pieces that were never written are the fill value of the data set, which is 0 mostly. */
-void count_stored(Volume &volume, hid_t file, const std::string &name)
+void count_stored(Volume &volume, hid_t set)
 {
-    Handle set(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
     if (set < 0)
         return;
     Handle plan(H5Dget_create_plist(set), H5Pclose), space(H5Dget_space(set), H5Sclose);
@@ -509,8 +508,9 @@ void open_hdf5(Volume &volume, const Request &request)
     for (const char *group : {"/ITKImage", "/minc-2.0"})
         if (H5Lexists(*file, group, H5P_DEFAULT) > 0) {
             refuse_for(wrong_with_any(*file, request.path));
-            count_stored(volume, *file,
-                         group[1] == 'I' ? "/ITKImage/0/VoxelData" : "/minc-2.0/image/0/image");
+            const char *name =
+                group[1] == 'I' ? "/ITKImage/0/VoxelData" : "/minc-2.0/image/0/image";
+            count_stored(volume, Handle(H5Dopen2(*file, name, H5P_DEFAULT), H5Dclose));
             check_for_itk(*file, group[1] == 'm');
             open_by_itk(volume, request, group[1] == 'I' ? "itk-hdf5" : "minc");
             return;
@@ -551,7 +551,7 @@ void open_hdf5(Volume &volume, const Request &request)
     if (volume.volumes < 1 || volume.volumes > number_most)
         refuse("the data set holds no volume, or more than a million");
     check_filters(*set);
-    count_stored(volume, *file, chosen.name);
+    count_stored(volume, *set);
     volume.format = "HDF5";
     volume.type = chosen.type;
     ImarisPlace place;

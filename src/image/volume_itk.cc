@@ -385,6 +385,8 @@ void open_by_itk(Volume &volume, const Request &request, const std::string &name
         check_nrrd(header);
     if (is_meta)
         check_meta_numbers(header);
+    if (name == "vtk")
+        check_vtk(request.path);
     const Units units = is_nrrd ? units_of_nrrd(header) : is_meta ? units_of_meta(header) : Units();
     if (!io->CanReadFile(request.path.c_str()))
         refuse("its first bytes are of a %s file, and the rest of its header is not", kind->format);

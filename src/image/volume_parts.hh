@@ -183,6 +183,9 @@ void check_minc_unit(const std::string &unit);
 /* Refuses a file that has fewer bytes; returns how many more it has. */
 uint64_t check_bytes(const std::string &path, uint64_t bytes);
 
+/* Refuses a VTK of values that ITK does not read as voxels, by name. */
+void check_vtk(const std::string &path);
+
 /* Of the others, once its header is known: of voxels that are packed, or written as text, when they
  * are to be sent. */
 void count_voxels(Volume &volume, const std::string &kind, const Request &request);

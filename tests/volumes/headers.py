@@ -466,8 +466,50 @@ def make_imaris():
     lines.refused("four.ims volume=4", "there is no volume 4")
 
 
+# ---- VTK ----
+
+
+def vtk(name, *lines, body=b"", dataset="STRUCTURED_POINTS", text="BINARY"):
+    write(name, "# vtk DataFile Version 3.0\nx\n%s\nDATASET %s\n" % (text, dataset),
+          "\n".join(lines) + "\n", body)
+
+
+def make_vtk():
+    lines = Lines("vtk")
+    data = voxels()
+    body = data.T.astype(">i2").tobytes()
+    grid = ["DIMENSIONS 5 4 3", "SPACING 0.5 1.25 2", "ORIGIN 1 2 3"]
+    values = ["POINT_DATA 60", "SCALARS s short", "LOOKUP_TABLE default"]
+    vtk("plain.vtk", *grid, *values, body=body)
+    vtk("turned.vtk", grid[0], grid[2], grid[1], *values, body=body)
+    vtk("late.vtk", *grid[::-1], *values, body=body)
+    lines.refused("late.vtk", "its DIMENSIONS come after its spacing or origin, which is not read")
+    vtk("aspect.vtk", grid[0], "ASPECT_RATIO 0.5 1.25 2", *values, body=body)
+    vtk("two.vtk", *grid, *values, body=body + b"\nSCALARS t short\nLOOKUP_TABLE default\n" + body)
+    for name in ("plain.vtk", "turned.vtk", "aspect.vtk", "two.vtk"):
+        save_plain_twin(name, data, (0.5, 1.25, 2))
+    lines.says("two.vtk", "of its bytes come after the first array, which alone is read")
+    vtk("cells.vtk", "DIMENSIONS 6 5 4", grid[1], "CELL_DATA 60", *values[1:], body=body)
+    lines.refused("cells.vtk", "its values are of cells (CELL_DATA), and only those of points")
+    vtk("bit.vtk", *grid, values[0], "SCALARS s bit", values[2], body=bytes(8))
+    lines.refused("bit.vtk", "its voxels are of type bit, eight in a byte, which is not read")
+    vtk("id.vtk", *grid, values[0], "SCALARS s vtkIdType", values[2], body=bytes(480))
+    lines.refused("id.vtk", "its voxels are of another type, which is not read")
+    vtk("field.vtk", *grid, values[0], "FIELD FieldData 1", "s 1 60 short", body=body)
+    lines.refused("field.vtk", "its first values are in field, which is not read")
+    vtk("points.vtk", *grid, "POINT_DATA 59", *values[1:], body=body)
+    lines.refused("points.vtk", "its DIMENSIONS are of 60 points, and its POINT_DATA of another")
+    for kind in ("RECTILINEAR_GRID", "STRUCTURED_GRID", "UNSTRUCTURED_GRID", "POLYDATA"):
+        vtk(kind + ".vtk", *grid, *values, body=body, dataset=kind)
+        lines.refused(kind + ".vtk", "it is a %s of VTK" % kind.lower())
+    vtk("text.vtk", *grid, values[0], "SCALARS s unsigned_char", values[2], text="ASCII",
+        body=b"1 " * 59 + b"-1\n")
+    lines.refused("text.vtk", "number 60 of its voxels is not of their type")
+
+
 make_nrrd()
 make_meta()
 make_mrc()
 make_hdf5()
 make_imaris()
+make_vtk()
