@@ -301,6 +301,96 @@ for path in $(sed -n '/^## Where to add/,/^## /s/`\([a-z_/]*\.[ch]\)`/\n\1\n/gp'
 done
 close_story
 
+# src/image/README.md says for each format what of a file is obeyed, refused or not applicable. Each
+# cell names tests (N1) or, where nothing applies, a reason (a), which a list below the table has.
+unproven() { # README TOP: what is wrong with the table, a line each
+    awk -v top="$2" '
+    function of_test(file, name,    path, line, wanted, found) {
+        path = top "/tests/" file (file ~ /\.sh$/ ? "" : ".c")
+        wanted = file ~ /\.sh$/ ? "begin \"" name "\"" : "STORY(" name ")"
+        found = 0
+        while ((getline line < path) > 0) {
+            gsub(/\\/, "", line)
+            if (line == wanted || (file ~ /\.sh$/ && index(line, wanted) == 1)) found = 1
+        }
+        close(path)
+        return found
+    }
+    /^## / { on = /^## Obeyed or refused, property by property/ }
+    !on { next }
+    /^    [A-Z][0-9]+ / {
+        key = $1; file = $2; sub(/:$/, "", file)
+        story = $0; sub(/^ *[^ ]* [^ ]* /, "", story)
+        if (key in test) print key " is there twice"
+        test[key] = 1
+        if (!of_test(file, story)) print key ": there is no story \"" story "\" in tests/" file
+        next
+    }
+    /^    [a-z]: ./ { key = substr($1, 1, 1); reason[key] = 1; next }
+    /^\|/ && !head { head = 1; columns = split($0, title, "|"); next }
+    /^\|[-|]*\|$/ { next }
+    /^\|/ {
+        rows++
+        if (split($0, cell, "|") != columns) print "a row has too few or too many cells: " $0
+        for (i = 3; i < columns; i++) {
+            text = cell[i]; gsub(/^ +| +$/, "", text)
+            where = cell[2] title[i] ": "
+            kind = text ~ /^(obeyed|refused)/ ? "test" : text ~ /^not applicable/ ? "reason" : ""
+            if (kind == "") print where "neither obeyed, refused nor not applicable: " text
+            named = 0
+            rest = text
+            while (match(rest, /\[[A-Za-z][0-9]*\]/)) {
+                key = substr(rest, RSTART + 1, RLENGTH - 2); rest = substr(rest, RSTART + RLENGTH)
+                used[key] = where; if (key ~ (kind == "test" ? "^[A-Z]" : "^[a-z]$")) named++
+            }
+            if (kind != "" && !named) print where "no " kind " is named"
+        }
+        next
+    }
+    END {
+        if (!rows) print "there is no table"
+        for (key in used) if (!(key in test) && !(key in reason)) print used[key] "no [" key "]"
+        for (key in test) if (!(key in used)) print key " is named by no cell"
+        for (key in reason) if (!(key in used)) print key ": a reason of no cell"
+    }' "$1"
+}
+begin "each cell of the formats' table names a story that is there, or why it needs none"
+found=$(unproven src/image/README.md "$top")
+[ -z "$found" ] || fail "$found"
+# No format is left out: those of the table of readers, and those that iftty-volume is asked for.
+{
+    sed -n 's/.*ROW(\([a-z]*\)_format.*/\1/p' src/image/volume.h | grep -v 'helped'
+    sed -n '/^static const struct kind kinds/,/^};/s/^    {"\([a-z0-9]*\)",.*/\1/p' \
+        src/image/volume_helper.c
+    sed -n '/^const Kind kinds/,/^};/s/^    {"\([a-z0-9-]*\)",.*/\1/p' src/image/volume_itk.cc
+} | sort -u >"$work/kinds"
+[ "$(wc -l <"$work/kinds")" -gt 15 ] || fail "formats: $(cat "$work/kinds")"
+while read -r kind; do
+    sed -n '/^## Obeyed or refused, property by property/,/^## [^O]/p' src/image/README.md |
+        grep -q "^| [^|]*\`$kind\`" || fail "no row has the format \`$kind\`"
+done <"$work/kinds"
+mkdir -p "$work/formats/tests"
+printf 'begin "a is \\`b\\`"\n' >"$work/formats/tests/test_a.sh"
+printf 'STORY(b_is_a)\n' >"$work/formats/tests/test_b.c"
+table() { # CELL CELL LIST
+    printf '## Obeyed or refused, property by property\n\n| format | type | unit |\n|---|---|---|\n'
+    printf '| A `a` | %s | %s |\n\n    A1 test_a.sh: a is `b`\n    a: it has none\n' "$1" "$2"
+    printf '%s\n' "$3"
+}
+while IFS='@' read -r one two list wrong; do
+    table "$one" "$two" "$list" >"$work/formats/README"
+    same "$(unproven "$work/formats/README" "$work/formats" | head -n 1)" "$wrong"
+done <<'END'
+obeyed [A1]@not applicable [a]@@
+obeyed [A1]; big refused [B1]@not applicable [a]@    B1 test_b: b_is_a@
+obeyed [A1]@not applicable@@ A `a`  unit : no reason is named
+obeyed@not applicable [a] [A1]@@ A `a`  type : no test is named
+maybe [A1]@not applicable [a]@@ A `a`  type : neither obeyed, refused nor not applicable: maybe [A1]
+obeyed [A1] [B2]@not applicable [a]@@ A `a`  type : no [B2]
+obeyed [A1]@not applicable [a]@    B1 test_b: b_is_b@B1: there is no story "b_is_b" in tests/test_b
+END
+close_story
+
 # Rooms are those that may include something by tests/layout.txt.
 rooms=$(sed -nE 's/^([a-z]+(\/[a-z]+)?): base.*/\1/p' "$law")
 folder() { # ROOM
