@@ -218,6 +218,17 @@ enum err golden_folder(struct buf *out, const char *journal_path, struct fault *
     return lacks ? fault_memory(fault, "a file name") : OK;
 }
 
+enum err golden_folder_next_to_link(struct buf *out, const char *journal_path, struct fault *fault)
+{
+    struct buf used = {0};
+    const enum err err = golden_folder(&used, journal_path, fault);
+    write_folder(out, journal_path);
+    if (!file_is_folder(buf_text(out)) || file_is_same(buf_text(out), buf_text(&used)))
+        buf_clear(out);
+    buf_release(&used);
+    return err;
+}
+
 enum err golden_path(struct buf *out, const char *journal_path, const char *name,
                      struct fault *fault)
 {

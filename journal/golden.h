@@ -65,6 +65,9 @@ void golden_journal_name(struct buf *out, const char *journal_path);
  * journal itself, unless there is only one beside the link. ERR_INPUT for a name that is not
  * valid. */
 enum err golden_folder(struct buf *out, const char *journal_path, struct fault *fault);
+
+/* out = the folder next to a link to a journal, where golden_folder has another; else "". */
+enum err golden_folder_next_to_link(struct buf *out, const char *journal_path, struct fault *fault);
 enum err golden_path(struct buf *out, const char *journal_path, const char *name,
                      struct fault *fault);
 

@@ -95,7 +95,8 @@ static void verifies(void)
     interp.judge = &judge;
     fault.text[0] = '\0';
     if (!CHECK(replay_file(&interp, "j.iftty", 0, 0, NULL, NULL, &report, &fault) == OK) ||
-        !CHECK(orphan_check(&interp, "j.iftty", &told, &fault) == OK))
+        !CHECK(orphan_check(&(struct orphan_search){&interp, "j.iftty", false, &told}, &fault) ==
+               OK))
         printf("#   %s\n", fault.text);
     CHECK_TEXT(buf_text(&told), "");
     replay_report_release(&report);

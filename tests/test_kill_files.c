@@ -18,6 +18,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "command/golden_files.h"
 #include "command/resume.h"
 #include "image/exr.h"
 #include "tests/check.h"
@@ -25,6 +26,7 @@
 #include "tests/interpreting.h"
 #include "tests/orphans.h"
 #include "verify/evidence.h"
+#include "journal/journal.h"
 #include "verify/orphan.h"
 
 /* Below the test's own folder, which is the working folder: where the victim works, and what it
@@ -205,34 +207,39 @@ static void verifies(struct buf *told)
     const char *path = HERE "j.iftty";
     fault.text[0] = '\0';
     if (!CHECK(replay_file(&interp, path, 0, 0, NULL, NULL, &report, &fault) == OK) ||
-        !CHECK(orphan_check(&interp, path, told, &fault) == OK))
+        !CHECK(orphan_check(&(struct orphan_search){&interp, path, false, told}, &fault) == OK))
         printf("#   %s\n", fault.text);
     replay_report_release(&report);
     interpreter_release(&interp);
 }
 
 /* A golden image for each name, and nothing else. */
-static void has_goldens(const struct interpreter *interp)
+static void has_goldens(void)
 {
+    struct golden_files files;
+    struct buf bytes = {0};
     unsigned images = 0, names = 0;
     char path[PATH_LENGTH];
-    const char *at = buf_text(&interp->goldens), *end = at + interp->goldens.length;
+    CHECK(file_read(&bytes, HERE "j.iftty", JOURNAL_BYTES_MAX, NULL) == OK &&
+          golden_files_open(&files, HERE "j.iftty", NULL) == OK &&
+          golden_files_read(&files, buf_text(&bytes), bytes.length, NULL) == OK);
+    const char *at = buf_text(&files.named), *end = at + files.named.length;
     DIR *listing = opendir(HERE "j.golden");
     for (const struct dirent *entry; listing && (entry = readdir(listing));)
         images += *entry->d_name != '.';
     if (listing)
         closedir(listing);
     for (const char *name = at; name < end; name += strlen(name) + 1) {
-        for (unsigned kind = 0; kind < 2; kind++) {
-            snprintf(path, sizeof path, "j.golden/%s.%s", name, kind ? "png" : "exr");
-            CHECK(file_exists(in(HERE, path)));
-        }
+        snprintf(path, sizeof path, "j.golden/%s", name);
+        CHECK(file_exists(in(HERE, path)));
         const char *again = at;
         while (strcmp(again, name) != 0)
             again += strlen(again) + 1;
         names += again == name;
     }
-    CHECK_INT(images, 2 * names);
+    CHECK_INT(images, names);
+    golden_files_close(&files);
+    buf_release(&bytes);
 }
 
 /* What was not acknowledged is carried out now. A file that is there already, whole, without its
@@ -263,12 +270,12 @@ static void continue_after(unsigned acknowledged, bool goes_on)
         CHECK(records == before || records == before + 1);
         CHECK(chdir("..") == 0);
         CHECK_INT(look_through("") + look_through("j.golden/"), 0);
-        has_goldens(&interp);
+        has_goldens();
         CHECK(chdir(HERE) == 0);
         if (goes_on)
             go_on(&interp, acknowledged + (unsigned)(records - before));
         CHECK(chdir("..") == 0);
-        has_goldens(&interp);
+        has_goldens();
     } else {
         CHECK(chdir("..") == 0);
         printf("#   %s\n", fault.text);

@@ -334,6 +334,7 @@ expect 0 "$iftty" verify k.iftty --accept 'now'
 expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; golden one; turn 20; golden two' \
     --journal t.iftty
 sed 's/^golden two$/golden one/' t.iftty >twins.iftty
+mkdir twins.golden && cp t.golden/one.* twins.golden
 expect 0 "$iftty" log --reseal twins.iftty
 refused twins.iftty "golden image one is given twice, and the pictures are not the same" 1 env
 close_story
@@ -362,6 +363,11 @@ begin "an edited journal is sealed anew, and says so"
 record e.iftty
 sed 's/^seed 20,10,8 3$/seed 20,10,7 3/' e.iftty >edited.iftty
 cp edited.iftty edited.kept
+expect 1 "$iftty" log --reseal edited.iftty # there would be nothing to compare
+err_has "golden image first is missing: there is no edited.golden/first.exr; iftty log --reseal \
+--accept WHY FILE draws it again; nothing has changed"
+same_files edited.iftty edited.kept
+cp -r e.golden edited.golden
 expect 1 "$iftty" log --check edited.iftty
 expect 0 "$iftty" log --reseal edited.iftty
 out_has "# 3 of 10 records of edited.iftty marked; \
@@ -370,6 +376,7 @@ same_files edited.iftty.before-1 edited.kept
 expect 0 "$iftty" log --check edited.iftty
 expect 0 "$iftty" replay edited.iftty
 same "$(grep -c '^# resealed: ' edited.iftty)" 3
+rm -r edited.golden
 expect 1 "$iftty" verify edited.iftty # its golden images are another matter
 expect 0 "$iftty" verify edited.iftty --accept 'the seed lies deeper'
 expect 0 "$iftty" verify edited.iftty

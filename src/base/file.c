@@ -519,6 +519,26 @@ enum err file_publish(const char *draft, const char *path, enum file_mode mode, 
     return OK;
 }
 
+enum err file_publish_in(int folder, const char *draft, const char *path, struct fault *fault)
+{
+    const char *name = file_name(draft);
+    const int fd = file_step_fails(FILE_STEP_OPEN, draft)
+                       ? -1
+                       : openat(folder, name, O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NOCTTY);
+    const bool synced = fd >= 0 && file_step_sync(fd, draft);
+    if (fd >= 0)
+        close(fd);
+    if (!synced || file_step_fails(FILE_STEP_RENAME, path) ||
+        renameat(folder, name, folder, file_name(path)) != 0) {
+        const enum err err = fault_errno(fault, "write", path);
+        unlinkat(folder, name, 0);
+        return err;
+    }
+    return !file_step_fails(FILE_STEP_SYNC_FOLDER, path) && (fsync(folder) == 0 || errno == EINVAL)
+               ? OK
+               : fault_errno(fault, "sync the folder of", path);
+}
+
 /* ---- backups ---- */
 
 static enum err copy(const char *path, const char *backup, struct fault *fault)
@@ -637,7 +657,7 @@ enum err folder_make_private(const char *path, struct fault *fault)
     return err;
 }
 
-/* A regular file; all else is passed over. */
+/* A regular file, or a link to one; all else is passed over. */
 static enum err copy_one(const char *from, const char *to, const char *name, struct fault *fault)
 {
     struct buf source = {0}, target = {0}, bytes = {0};
@@ -647,7 +667,7 @@ static enum err copy_one(const char *from, const char *to, const char *name, str
     buf_printf(&target, "%s/%s", to, name);
     if (source.failed || target.failed)
         err = fault_memory(fault, "a path");
-    else if (lstat(buf_text(&source), &status) == 0 && S_ISREG(status.st_mode))
+    else if (stat(buf_text(&source), &status) == 0 && S_ISREG(status.st_mode))
         err = file_read(&bytes, buf_text(&source), COPY_BYTES_MOST, fault);
     if (!err && bytes.data)
         err = file_write(buf_text(&target), bytes.data, bytes.length, FILE_KEEP, fault);

@@ -104,6 +104,10 @@ enum err file_publish(const char *draft, const char *path, enum file_mode mode,
                       struct fault *fault);
 void file_discard(const char *draft);
 
+/* The same as FILE_REPLACE for names in a folder that the caller has open: a link that took the
+ * place of that folder meanwhile is not followed. */
+enum err file_publish_in(int folder, const char *draft, const char *path, struct fault *fault);
+
 /* Gives a file, which is synced, another name in its folder, which has to be free. On failure it
  * has the name that it had. */
 enum err file_rename_new(const char *path, const char *name, struct fault *fault);
@@ -125,8 +129,8 @@ enum err file_make_folder(const char *path, struct fault *fault);
  * exists. */
 enum err folder_make_private(const char *path, struct fault *fault);
 
-/* Makes the folder `to`, which must not exist, with a copy of every regular file in `from`, each
- * synced; folders within are left out. On failure there is no `to`. */
+/* Makes the folder `to`, which must not exist, with a copy of every regular file in `from`, or that
+ * a link there leads to, each synced; folders within are left out. On failure there is no `to`. */
 enum err folder_copy(const char *from, const char *to, struct fault *fault);
 
 /* Removes a file, or a folder with all that is below it on the same file system; what a link leads

@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "command/act_picture.h"
 #include "command/files.h"
+#include "command/golden_files.h"
 #include "command/golden_judge.h"
 #include "image/exr.h"
 #include "journal/journal.h"
@@ -21,24 +22,35 @@ static struct golden_planes planes_of(const struct picture *p)
     return (struct golden_planes){p->width, p->height, {p->rgba, p->depth_mm, p->label, p->voxel}};
 }
 
-static enum err read_golden(struct interpreter *interp, struct picture *expected, const char *name,
-                            const char *path, struct fault *fault)
+/* The image is gone: which file is to be restored, where its PNG shows that it was there. */
+static enum err refuse_missing(const char *name, const char *path, struct fault *fault)
 {
-    if (!file_exists(path))
-        return fault_set(fault, ERR_CHECK, "golden image %s is missing: there is no %s", name,
-                         path);
-    enum err err = interpreter_may_read(interp, path, fault);
-    if (!err)
-        err = exr_read(expected, path, fault);
-    if (!err)
-        return OK;
-    fault_prefix(fault, err, "golden image %s", name);
-    return fault ? fault_set(fault, ERR_CHECK, "%s", fault->text) : ERR_CHECK;
+    struct buf png = {0};
+    buf_add(&png, path, strlen(path) - strlen("exr"));
+    buf_add_text(&png, "png");
+    const bool has_png = !png.failed && file_exists(buf_text(&png));
+    buf_release(&png);
+    return has_png
+               ? fault_set(fault, ERR_CHECK,
+                           "golden image %s is missing: its PNG is there, but %s, which is what is "
+                           "compared, is not; restore that file from a copy",
+                           name, path)
+               : fault_set(fault, ERR_CHECK, "golden image %s is missing: there is no %s", name,
+                           path);
+}
+
+static enum err read_golden(struct interpreter *interp, struct picture *expected,
+                            const struct picture *actual, const char *path, bool *leads_out,
+                            struct fault *fault)
+{
+    const enum err err = interpreter_may_read(interp, path, leads_out, fault);
+    return err ? err
+               : exr_read_golden(expected, path, actual, session_watch(interp->session), fault);
 }
 
 /* And what they say of themselves, where that has a meaning. */
 static enum err compare_pictures(const struct picture *expected, const struct picture *actual,
-                                 const char *name, const struct interpreter *interp,
+                                 const struct interpreter *interp,
                                  struct golden_difference *difference, struct fault *fault)
 {
     struct buf words = {0};
@@ -46,11 +58,9 @@ static enum err compare_pictures(const struct picture *expected, const struct pi
     enum err err = golden_compare(&e, &a, difference, fault);
     if (!err && !difference->is_same) {
         golden_describe(&words, difference);
-        err = fault_set(fault, ERR_CHECK, "golden image %s: %s", name, buf_text(&words));
+        err = fault_set(fault, ERR_CHECK, "%s", buf_text(&words));
     } else if (!err) {
         err = golden_compare_notes(expected, actual, !interp->scene_path, fault);
-        if (err)
-            fault_prefix(fault, err, "golden image %s", name);
     }
     buf_release(&words);
     return err;
@@ -64,15 +74,30 @@ static enum err compare_golden(struct interpreter *interp, const char *name, con
     struct golden_difference difference = {0};
     const bool has_source = judge && judge->source;
     const char *source = has_source ? judge->source(judge->context, path) : path;
-    enum err err = read_golden(interp, &expected, name, source, fault);
-    const bool is_read = !err;
+    bool leads_out = false;
+    enum err err = file_exists(source)
+                       ? read_golden(interp, &expected, actual, source, &leads_out, fault)
+                       : refuse_missing(name, source, fault);
+    bool is_read = !err;
     if (is_read)
-        err = compare_pictures(&expected, actual, name, interp, &difference, fault);
-    if (is_read && err == ERR_CHECK) /* for people, who look at both */
+        err = compare_pictures(&expected, actual, interp, &difference, fault);
+    if (err == ERR_MEMORY || err == ERR_CANCELLED) {
+        picture_release(&expected);
+        return err;
+    }
+    if (err) { /* any of these is a failure of the image */
+        is_read = is_read && !leads_out;
+        if (leads_out)
+            golden_refuse_link(source, fault);
+        if (file_exists(source))
+            fault_prefix(fault, err, "golden image %s", name);
+        err = fault ? fault_set(fault, ERR_CHECK, "%s", fault->text) : ERR_CHECK;
+    }
+    if (is_read && err) /* for people, who look at both */
         export_background(&expected, interp->session, NULL);
     const struct golden_finding finding = {name, path, actual, is_read ? &expected : NULL,
                                            is_read ? &difference : NULL};
-    if (err == ERR_CHECK && judge && judge->differs)
+    if (err && judge && judge->differs)
         err = judge->differs(judge->context, interp, &finding, fault);
     else if (!err && judge && judge->is_same)
         err = judge->is_same(judge->context, interp, &finding, fault);
@@ -104,17 +129,16 @@ static enum err write_both(struct interpreter *interp, const char *name, const c
 static enum err write_golden(struct interpreter *interp, const char *name, const char *path,
                              struct picture *picture, struct fault *fault)
 {
-    struct buf png = {0};
+    struct golden_files files = {.folder = -1};
     enum err err = interp->journal ? journal_sync(interp->journal, fault) : OK;
     if (!err)
-        err = golden_folder(&png, buf_text(&interp->home), fault);
+        err = golden_files_make(&files, buf_text(&interp->home), fault);
+    buf_printf(&files.path, "/%s.png", name);
     if (!err)
-        err = file_make_folder(buf_text(&png), fault);
-    buf_printf(&png, "/%s.png", name);
-    if (!err)
-        err = png.failed ? fault_memory(fault, "a path")
-                         : write_both(interp, name, path, buf_text(&png), picture, fault);
-    buf_release(&png);
+        err = files.path.failed
+                  ? fault_memory(fault, "a path")
+                  : write_both(interp, name, path, buf_text(&files.path), picture, fault);
+    golden_files_close(&files);
     return err;
 }
 
@@ -153,17 +177,6 @@ static enum err settle_golden(const struct act *act, const char *name, struct pi
     return err;
 }
 
-/* The names so far say which golden images in the journal's folder are orphans. A name that there
- * was no memory for leaves room for the next. */
-static enum err note_name(struct interpreter *interp, const char *name, struct fault *fault)
-{
-    buf_add(&interp->goldens, name, strlen(name) + 1);
-    if (!interp->goldens.failed)
-        return OK;
-    interp->goldens.failed = false;
-    return fault_memory(fault, "a name");
-}
-
 enum err act_golden(const struct act *act)
 {
     const struct interpreter *interp = act->interp;
@@ -178,9 +191,7 @@ enum err act_golden(const struct act *act)
             act->fault, ERR_USAGE,
             "the journal was opened read-only, and so were its golden images; `journal "
             "FILE` continues in a file of your own");
-    enum err err = note_name(act->interp, name, act->fault);
-    if (!err)
-        err = take_golden(act, &picture);
+    enum err err = take_golden(act, &picture);
     if (err)
         return err;
     if (!interp->home.length && interp->mode == MODE_LIVE)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Commands that go to other states of the segmentation: undo, redo, goto, branch, history; and
  * those about the journal: in which file it is, and when it is synced. */
+#include "command/golden_files.h"
 #include "command/act.h"
 
 #include <string.h>
@@ -132,17 +133,17 @@ enum err act_history(const struct act *act)
 static enum err take_goldens_along(struct buf *made, const char *from, const char *to,
                                    struct fault *fault)
 {
-    struct buf source = {0};
-    enum err err = golden_folder(&source, from, fault);
+    struct golden_files source;
+    enum err err = golden_files_open(&source, from, fault);
     if (!err)
         err = golden_folder(made, to, fault);
-    if (!err && file_is_folder(buf_text(&source)))
-        err = folder_copy(buf_text(&source), buf_text(made), fault);
+    if (!err && source.folder >= 0)
+        err = folder_copy(buf_text(&source.path), buf_text(made), fault);
     else
         buf_clear(made);
     if (err)
         buf_clear(made);
-    buf_release(&source);
+    golden_files_close(&source);
     return err;
 }
 

@@ -13,6 +13,7 @@
 #include "command/act_names.h"
 #include "command/answers.h"
 #include "command/files.h"
+#include "command/golden_files.h"
 #include "command/planting.h"
 #include "journal/golden.h"
 #include "journal/journal.h"
@@ -45,13 +46,13 @@ static enum err find_copy(struct buf *path, const struct act *act, const char *d
 static enum err keep_copy(const struct act *act, const struct volume *map, const char *digest)
 {
     struct interpreter *interp = act->interp;
-    struct buf path = {0}, folder = {0};
+    struct buf path = {0};
+    struct golden_files files;
     const bool only_looks = interp->journal && journal_only_looks(interp->journal);
     enum err err = find_copy(&path, act, digest);
     if (!err && path.length && !only_looks && !file_exists(buf_text(&path))) {
-        file_folder(&folder, buf_text(&path));
-        err = folder.failed ? fault_memory(act->fault, "a path")
-                            : file_make_folder(buf_text(&folder), act->fault);
+        err = golden_files_make(&files, buf_text(&interp->home), act->fault);
+        golden_files_close(&files);
         if (!err)
             err = interpreter_will_write(interp, buf_text(&path), FILE_KEEP, act->fault);
         if (!err)
@@ -60,7 +61,6 @@ static enum err keep_copy(const struct act *act, const struct volume *map, const
         if (!err)
             act_write_file_line("copied to ", buf_text(&path), act->reply);
     }
-    buf_release(&folder);
     buf_release(&path);
     return err;
 }
@@ -157,10 +157,15 @@ static enum err read_copy(struct volume *map, const struct act *act, const char 
     const struct map_place place = {.grid = &session_scene(session)->grid,
                                     .geometry = session_geometry(session),
                                     .is_copy = true};
-    enum err err = interpreter_may_read(act->interp, path, act->fault);
+    bool leads_out;
+    enum err err = interpreter_may_read(act->interp, path, &leads_out, act->fault);
     if (!err)
         err = map_read(map, path, &place, session_watch(session), act->fault);
-    return err ? err : map_to_regions(map, 0, 255, session_watch(session), act->fault);
+    if (!err)
+        err = map_to_regions(map, 0, 255, session_watch(session), act->fault);
+    return err && err != ERR_MEMORY && err != ERR_CANCELLED && leads_out
+               ? golden_refuse_link(path, act->fault)
+               : err;
 }
 
 /* Out of the copy that was recorded, or where it is gone, out of the file, if that is the same. */

@@ -23,6 +23,7 @@
 #include "base/safe.h"
 #include "base/scan.h"
 #include "command/command.h"
+#include "command/golden_files.h"
 #include "command/interpreter.h"
 #include "journal/golden.h"
 #include "session/parameter.h"
@@ -322,15 +323,16 @@ static void offer_files(const struct offers *o)
 static void offer_goldens(const struct offers *o)
 {
     static const char ending[] = ".exr";
-    struct buf folder = {0};
+    struct golden_files files = {.folder = -1};
     struct listing listing = {0};
-    if (o->interp->home.length && golden_folder(&folder, buf_text(&o->interp->home), NULL) == OK)
-        listing_read(&listing, buf_text(&folder), o->typed);
+    if (o->interp->home.length &&
+        golden_files_open(&files, buf_text(&o->interp->home), NULL) == OK && files.folder >= 0)
+        listing_read(&listing, buf_text(&files.path), o->typed);
     for (size_t i = 0; i < listing.count; i++)
         if (file_is_named(listing.name[i], ending))
             offer(o, listing.name[i], strlen(listing.name[i]) - strlen(ending));
     listing_release(&listing);
-    buf_release(&folder);
+    golden_files_close(&files);
 }
 
 /* ---- places in the history ---- */

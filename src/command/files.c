@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "command/files.h"
 
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "base/beneath.h"
 #include "base/safe.h"
@@ -242,11 +240,18 @@ enum err interpreter_settle_name(const struct interpreter *interp, struct call *
 
 /* ---- golden images ---- */
 
-enum err interpreter_may_read(const struct interpreter *interp, const char *path,
+enum err golden_refuse_link(const char *path, struct fault *fault)
+{
+    return fault_set(fault, ERR_CHECK,
+                     "%s, which leads out of its folder, is not what was recorded", path);
+}
+
+enum err interpreter_may_read(const struct interpreter *interp, const char *path, bool *leads_out,
                               struct fault *fault)
 {
+    *leads_out = false;
     const enum beneath answer =
-        interpreter_is_wary(interp) ? trust_look_at_golden(path) : BENEATH_FINE;
+        interpreter_is_wary(interp) ? trust_look_at_golden(path, leads_out) : BENEATH_FINE;
     if (answer == BENEATH_FINE || answer == BENEATH_MISSING)
         return OK; /* the reader says that it is missing */
     return fault_set(fault, ERR_INPUT, "the journal may not read %s, which %s", path,

@@ -40,10 +40,14 @@ enum err interpreter_settle_name(const struct interpreter *interp, struct call *
 enum err interpreter_find_file(const struct interpreter *interp, const char *name, struct buf *path,
                                struct fault *fault);
 
-/* Whether a file in the folder of golden images, by its path, may be read: a wary
- * interpreter follows no link that leads out of the folder that holds it. ERR_INPUT. */
-enum err interpreter_may_read(const struct interpreter *interp, const char *path,
+/* Whether a file in the folder of golden images, by its path, may be read (sandbox/trust.h); with
+ * *leads_out only golden_refuse_link says what is wrong with it. ERR_INPUT. */
+enum err interpreter_may_read(const struct interpreter *interp, const char *path, bool *leads_out,
                               struct fault *fault);
+
+/* ERR_CHECK with the words for every file that a link leads to and that is not what was recorded:
+ * nothing is said of it. */
+enum err golden_refuse_link(const char *path, struct fault *fault);
 
 /* Where a file that a command names is to be written; an empty path where it is not. Below
  * interpreter->out_folder it has the last part of its name, and names that end alike are told apart

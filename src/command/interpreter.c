@@ -28,7 +28,6 @@ void interpreter_release(struct interpreter *interp)
     session_free(interp->session);
     buf_release(&interp->home);
     buf_release(&interp->written);
-    buf_release(&interp->goldens);
     buf_release(&interp->made);
     buf_release(&interp->placed);
     canvas_release(&interp->shown);

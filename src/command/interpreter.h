@@ -79,10 +79,10 @@ struct interpreter {
     const char *scene_path; /* a scene to open whatever name `open` gives, or NULL */
     const char *out_folder; /* files go there, by their last names; NULL: where they say */
 
-    /* Lists of names, each ended by NUL: of golden images so far; of files that this replay has
-     * written, and so may replace; of files that the command at hand has written, each followed by
-     * its backup ("" where it is new). */
-    struct buf goldens, made, written;
+    /* Lists of names, each ended by NUL: of files that this replay has written, and so may replace;
+     * of files that the command at hand has written, each followed by its backup ("" where it is
+     * new). */
+    struct buf made, written;
     struct buf placed; /* pairs of a name and its path below out_folder, each ended by NUL */
 
     struct image_helper *helper;   /* started on first use */

@@ -4,7 +4,7 @@
 #include "base/choice.h"
 #include "base/file.h"
 #include "command/execute.h"
-#include "command/golden_judge.h"
+#include "command/golden_files.h"
 #include "journal/journal.h"
 #include "journal/replay.h"
 #include "session/semantics.h"
@@ -139,7 +139,7 @@ static void clear_away(struct interpreter *interp, const char *path, struct buf 
     file_folder(&folder, path);
     if (!folder.failed)
         file_sweep(buf_text(&folder));
-    golden_remove_leftovers(path, &interp->goldens, buf_text(bytes), bytes->length, &words);
+    golden_files_clear(path, buf_text(bytes), bytes->length, &words);
     if (told)
         buf_add_text(told, buf_text(&words));
     buf_release(&words);
@@ -159,7 +159,6 @@ static enum err resume(struct interpreter *interp, const char *path, enum interp
         history_release(&interp->history);
         session_begin_again(interp->session);
         history_init(&interp->history);
-        buf_clear(&interp->goldens);
         err = carry_out_again(interp, path, told, fault);
     }
     if (!err)

@@ -7,11 +7,14 @@
 #include <string.h>
 #include <unistd.h>
 
+#include <libdeflate.h>
 #include <openexr.h>
 
 #include "base/file.h"
 #include "base/least.h"
 #include "base/mem.h"
+#include "base/watch.h"
+#include "image/exr_header.h"
 #include "image/exr_parts.h"
 #include "image/linear.h"
 #include "image/swelling.h"
@@ -21,6 +24,8 @@ enum {
     TILE_MOST = 4096,    /* the side of a tile that is read */
     ZIP_MOST = 1032,     /* what deflate can make of a byte */
     NOTE_MOST = 1 << 20, /* bytes of one attribute that is read */
+    FILE_MORE = 4 << 20, /* bytes of a golden image beside its pixels, at most */
+    PIXEL_BYTES = 28,    /* of all planes of a picture, at most */
 };
 
 bool exr_is_named(const char *path)
@@ -137,6 +142,8 @@ static enum err make_planes(struct picture *out, const exr_attr_box2i_t *window,
     uint32_t width = (uint32_t)(window->max.x - window->min.x + 1);
     uint32_t height = (uint32_t)(window->max.y - window->min.y + 1);
     size_t pixels = (size_t)width * height;
+    if (pixels > mem_available() / PIXEL_BYTES)
+        return fault_memory(fault, "a picture");
     enum err err = picture_init(out, width, height, false, fault);
     bool fine = true;
     for (int i = 0; i < EXR_CHANNELS && !err; i++) {
@@ -187,11 +194,17 @@ static enum err get_attributes(struct picture *out, exr_context_t context, struc
 struct reader {
     exr_context_t context;
     struct picture *out;
+    struct watch *watch;
+    const struct picture *like; /* the picture that the file is to be, or NULL */
+    uint64_t next;              /* with `like`: the byte at which the next block begins */
+    bool has_more;              /* with `like`: the file has bytes or samples that it need not */
     struct form form;
     exr_attr_box2i_t window;
     exr_decode_pipeline_t pipeline;
     bool begun;
-    struct exr_room room;           /* of the largest block */
+    struct exr_room room, again; /* of the largest block; with `like`: made of its pixels */
+    uint8_t *inflated;
+    struct libdeflate_decompressor *inflater;
     uint8_t level[2][HALF_ONE + 1]; /* of colours, of alpha */
 };
 
@@ -210,12 +223,42 @@ static void take_halves(struct reader *r, const struct exr_block *block)
     }
 }
 
+/* Whether the packed bytes of a block are one stream of zlib with nothing after it. */
+static bool is_one_stream(struct reader *r, const exr_chunk_info_t *chunk)
+{
+    size_t used = 0, made = 0;
+    return chunk->packed_size == chunk->unpacked_size ||
+           (libdeflate_zlib_decompress_ex(
+                r->inflater, r->pipeline.packed_buffer, (size_t)chunk->packed_size, r->inflated,
+                (size_t)chunk->unpacked_size, &used, &made) == LIBDEFLATE_SUCCESS &&
+            used == chunk->packed_size);
+}
+
+/* With `like`: the block follows the one before it, and its colours and Z are those that the
+ * decoded picture gives. */
+static void check_block(struct reader *r, const struct exr_block *block,
+                        const exr_chunk_info_t *chunk)
+{
+    enum { LINE_LEADER = 8, TILE_LEADER = 20 }; /* bytes before the packed ones */
+    const size_t pixels = (size_t)block->width * block->height;
+    exr_fill_room(&r->again, r->out, block);
+    r->has_more = r->has_more ||
+                  chunk->data_offset != r->next + (r->form.tiled ? TILE_LEADER : LINE_LEADER) ||
+                  !is_one_stream(r, chunk) ||
+                  memcmp(r->room.halves, r->again.halves, pixels * 8) != 0 ||
+                  (r->out->depth_mm && r->out->is_associated &&
+                   memcmp(r->room.eye, r->again.eye, pixels * 4) != 0);
+    r->next = chunk->data_offset + chunk->packed_size;
+}
+
 static exr_result_t get_block(void *context, const struct exr_block *block)
 {
     struct reader *r = context;
     exr_decode_pipeline_t *pipeline = &r->pipeline;
     exr_chunk_info_t chunk;
     const uint32_t *step = r->form.step;
+    if (watch_poll(r->watch, NULL, 0, 0))
+        return EXR_ERR_READ_IO; /* the caller asks the watch */
     const int32_t top = r->window.min.y + (int32_t)block->y;
     exr_result_t result = r->form.tiled
                               ? exr_read_tile_chunk_info(r->context, 0, (int)(block->x / step[0]),
@@ -233,7 +276,7 @@ static exr_result_t get_block(void *context, const struct exr_block *block)
     for (int i = 0; i < pipeline->channel_count; i++) {
         const struct exr_channel *channel =
             exr_channel_named(pipeline->channels[i].channel_name, r->out->is_associated);
-        if (channel && channel->plane != PLANE_EYE)
+        if (channel && (channel->plane != PLANE_EYE || r->like))
             exr_point_at(&pipeline->channels[i], channel, r->out, block, &r->room);
     }
     if (!r->begun)
@@ -243,7 +286,35 @@ static exr_result_t get_block(void *context, const struct exr_block *block)
         result = exr_decoding_run(r->context, 0, pipeline);
     if (!result)
         take_halves(r, block);
+    if (!result && r->like)
+        check_block(r, block, &chunk);
     return result;
+}
+
+static bool make_rooms(struct reader *r)
+{
+    const uint32_t *step = r->form.step;
+    const size_t pixels = (size_t)least(r->out->width, step[0]) * least(r->out->height, step[1]);
+    r->room.halves = calloc(pixels, 4 * sizeof *r->room.halves);
+    if (!r->room.halves || !r->like)
+        return r->room.halves;
+    r->room.eye = calloc(pixels, sizeof *r->room.eye);
+    r->again.halves = calloc(pixels, 4 * sizeof *r->again.halves);
+    r->again.eye = calloc(pixels, sizeof *r->again.eye);
+    r->inflated = calloc(pixels, EXR_CHANNELS * 4);
+    r->inflater = libdeflate_alloc_decompressor();
+    return r->room.eye && r->again.halves && r->again.eye && r->inflated && r->inflater;
+}
+
+static void release_rooms(struct reader *r)
+{
+    free(r->room.halves);
+    free(r->room.eye);
+    free(r->again.halves);
+    free(r->again.eye);
+    free(r->inflated);
+    if (r->inflater)
+        libdeflate_free_decompressor(r->inflater);
 }
 
 static enum err get_pixels(struct reader *r, const struct exr_stream *stream, struct fault *fault)
@@ -257,9 +328,7 @@ static enum err get_pixels(struct reader *r, const struct exr_stream *stream, st
         step[0] = r->out->width;
         step[1] = (uint32_t)lines;
     }
-    r->room.halves = calloc((size_t)least(r->out->width, step[0]) * least(r->out->height, step[1]),
-                            4 * sizeof *r->room.halves);
-    if (!r->room.halves)
+    if (!make_rooms(r))
         return fault_memory(fault, stream->path);
     linear_alpha(alpha);
     linear_invert(r->level[0], linear_half);
@@ -267,12 +336,21 @@ static enum err get_pixels(struct reader *r, const struct exr_stream *stream, st
     r->pipeline = (exr_decode_pipeline_t)EXR_DECODE_PIPELINE_INITIALIZER;
     const exr_result_t result = exr_each_block(r->out, r->form.step, get_block, r);
     exr_decoding_destroy(r->context, &r->pipeline);
-    free(r->room.halves);
+    if (!result && (r->has_more || (r->like && r->next != stream->bytes)))
+        return fault_set(fault, ERR_CHECK,
+                         "%s has bytes or samples that iftty does not write there", stream->path);
     return result ? exr_fault("read", stream, result, fault) : OK;
 }
 
+/* How a file is read: all that exr_read_golden is given. */
+struct rules {
+    const struct picture *like;
+    struct watch *watch;
+};
+
 static enum err read_context(struct picture *out, exr_context_t context,
-                             const struct exr_stream *stream, struct fault *fault)
+                             const struct exr_stream *stream, const struct rules *rules,
+                             uint64_t header_bytes, struct fault *fault)
 {
     struct reader *r = calloc(1, sizeof *r); /* tables of 30 kB */
     bool has[EXR_CHANNELS];
@@ -281,6 +359,8 @@ static enum err read_context(struct picture *out, exr_context_t context,
         return fault_memory(fault, stream->path);
     r->context = context;
     r->out = out;
+    r->like = rules->like;
+    r->watch = rules->watch;
     enum err err = check_form(&r->form, context, fault);
     const bool associated = is_associated(context);
     if (!err)
@@ -293,21 +373,52 @@ static enum err read_context(struct picture *out, exr_context_t context,
         err = get_attributes(out, context, fault);
     out->tiled = r->form.tiled;
     out->is_associated = associated;
+    int32_t chunks = 0;
+    if (!err && r->like) { /* the table of the blocks follows the header */
+        exr_get_chunk_count(context, 0, &chunks);
+        r->next = header_bytes + (uint64_t)chunks * 8;
+        out->space.eye_mm = r->like->space.eye_mm;
+    }
     if (err)
         fault_prefix(fault, err, "%s", stream->path);
     else
         err = get_pixels(r, stream, fault);
+    release_rooms(r);
     free(r);
+    if (err && watch_stops(rules->watch))
+        err = watch_fault(rules->watch, fault);
     return err;
 }
 
-enum err exr_read(struct picture *out, const char *path, struct fault *fault)
+/* What can be known of a golden image before OpenEXR sees it. */
+static enum err check_golden(uint64_t *header_bytes, const struct exr_stream *stream,
+                             const struct picture *like, struct fault *fault)
+{
+    /* A file of more bytes than pixels and notes can take is another one. */
+    const uint64_t most = (uint64_t)like->width * like->height * EXR_CHANNELS * 4 + FILE_MORE;
+    struct buf header = {0};
+    enum err err = exr_header_read(&header, stream->fd, fault);
+    if (!err)
+        err = exr_header_check(&header, like, fault);
+    if (!err && stream->bytes > most)
+        err = fault_set(fault, ERR_CHECK, "it has %" PRIu64 " bytes, too many for its pixels",
+                        stream->bytes);
+    *header_bytes = header.length;
+    buf_release(&header);
+    return err ? fault_prefix(fault, err, "%s", stream->path) : OK;
+}
+
+static enum err read_by(struct picture *out, const char *path, const struct rules *rules,
+                        struct fault *fault)
 {
     struct exr_stream stream = {.path = path};
+    uint64_t header_bytes = 0;
     exr_context_initializer_t setup = exr_stream_setup(&stream);
     exr_context_t context;
     *out = (struct picture){0};
     enum err err = file_open(&stream.fd, &stream.bytes, path, O_RDONLY, fault);
+    if (!err && rules->like && (err = check_golden(&header_bytes, &stream, rules->like, fault)))
+        close(stream.fd);
     if (err)
         return err;
     setup.max_image_width = setup.max_image_height = PICTURE_SIDE_MOST;
@@ -317,11 +428,22 @@ enum err exr_read(struct picture *out, const char *path, struct fault *fault)
     if (result) {
         err = exr_fault("read", &stream, result, fault);
     } else {
-        err = read_context(out, context, &stream, fault);
+        err = read_context(out, context, &stream, rules, header_bytes, fault);
         exr_finish(&context);
     }
     close(stream.fd);
     if (err)
         picture_release(out);
     return err;
+}
+
+enum err exr_read(struct picture *out, const char *path, struct fault *fault)
+{
+    return read_by(out, path, &(struct rules){0}, fault);
+}
+
+enum err exr_read_golden(struct picture *out, const char *path, const struct picture *like,
+                         struct watch *watch, struct fault *fault)
+{
+    return read_by(out, path, &(struct rules){like, watch}, fault);
 }

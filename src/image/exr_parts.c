@@ -2,11 +2,16 @@
 #include "image/exr_parts.h"
 
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/file.h"
 #include "base/least.h"
+#include "base/mem.h"
+#include "image/linear.h"
+
+enum { LARGE_FROM = 1 << 20 };
 
 /* ---- the channels, one table for both ways ---- */
 
@@ -73,6 +78,27 @@ void exr_point_at(exr_coding_channel_info_t *info, const struct exr_channel *cha
     info->user_data_type = (uint16_t)channel->type;
 }
 
+void exr_fill_room(const struct exr_room *room, const struct picture *picture,
+                   const struct exr_block *block)
+{
+    uint16_t alpha[256], *halves = room->halves;
+    float *eye = room->eye;
+    linear_alpha(alpha);
+    for (uint32_t y = block->y; y < block->y + block->height; y++) {
+        const size_t first = (size_t)y * picture->width + block->x;
+        const uint8_t *rgba = picture->rgba + 4 * first;
+        for (uint32_t x = 0; x < block->width; x++, rgba += 4, halves += 4) {
+            const uint8_t covered = picture->is_associated ? rgba[3] : 255;
+            for (size_t c = 0; c < 3; c++)
+                halves[c] =
+                    covered == 255 ? linear_half[rgba[c]] : linear_associated(rgba[c], covered);
+            halves[3] = alpha[rgba[3]];
+            if (picture->depth_mm)
+                *eye++ = (float)((double)picture->depth_mm[first + x] + picture->space.eye_mm);
+        }
+    }
+}
+
 exr_result_t exr_each_block(const struct picture *picture, const uint32_t step[2],
                             exr_result_t (*each)(void *context, const struct exr_block *block),
                             void *context)
@@ -127,6 +153,11 @@ static int64_t stream_write(exr_const_context_t context, void *user, const void 
     struct exr_stream *stream = user;
     (void)context;
     (void)report;
+    if (stream->sink) { /* in order: a header */
+        if (offset == stream->sink->length)
+            buf_add(stream->sink, from, (size_t)length);
+        return (int64_t)length;
+    }
     const bool written =
         stream->fd < 0 || (lseek(stream->fd, (off_t)offset, SEEK_SET) >= 0 &&
                            file_step_write(stream->fd, stream->path, from, (size_t)length));
@@ -148,10 +179,18 @@ static void stay_silent(exr_const_context_t context, exr_result_t code, const ch
     (void)words;
 }
 
+/* No more than is free, of which a limit is a part (mem_available). */
+static void *allocate(size_t bytes)
+{
+    return bytes >= LARGE_FROM && bytes > mem_available() ? NULL : malloc(bytes);
+}
+
 exr_context_initializer_t exr_stream_setup(struct exr_stream *stream)
 {
     exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
     setup.error_handler_fn = stay_silent;
+    setup.alloc_fn = allocate;
+    setup.free_fn = free;
     setup.user_data = stream;
     setup.read_fn = stream_read;
     setup.write_fn = stream_write;

@@ -11,6 +11,7 @@
 
 #include <openexr.h>
 
+#include "base/buf.h"
 #include "base/err.h"
 #include "image/picture.h"
 
@@ -54,7 +55,7 @@ struct exr_block {
 /* What goes by way of memory for a block: RGBA, 4 halves a pixel, and the depth from the camera. */
 struct exr_room {
     uint16_t *halves;
-    float *eye; /* written only */
+    float *eye;
 };
 
 /* Points the library at a channel's pixels of a block. */
@@ -68,6 +69,10 @@ exr_result_t exr_each_block(const struct picture *picture, const uint32_t step[2
                             exr_result_t (*each)(void *context, const struct exr_block *block),
                             void *context);
 
+/* Fills the room with the pixels of a block of the picture, as a file has them. */
+void exr_fill_room(const struct exr_room *room, const struct picture *picture,
+                   const struct exr_block *block);
+
 /* Names that an OpenEXR header uses itself, where a string would be refused or misread. */
 bool exr_is_reserved(const char *name);
 
@@ -75,7 +80,8 @@ bool exr_is_reserved(const char *name);
 
 /* The library's own file layer neither returns errno nor checks what it opens. */
 struct exr_stream {
-    int fd; /* -1: what is written goes nowhere */
+    int fd;           /* -1: what is written goes to `sink`, or, without one, nowhere */
+    struct buf *sink; /* or NULL */
     uint64_t bytes;
     int number; /* errno of the first failure, or 0 */
     const char *path;

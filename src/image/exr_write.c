@@ -11,7 +11,6 @@
 #include "base/least.h"
 #include "base/mem.h"
 #include "image/exr_parts.h"
-#include "image/linear.h"
 
 enum {
     BLOCK_LINES = 16, /* scan lines that ZIP packs together */
@@ -102,6 +101,23 @@ static exr_result_t put_header(exr_context_t context, const struct picture *like
     return result;
 }
 
+enum err exr_write_header_of(struct buf *out, const struct picture *like, struct fault *fault)
+{
+    struct exr_stream stream = {.fd = -1, .sink = out, .path = "a header"};
+    const exr_context_initializer_t setup = exr_stream_setup(&stream);
+    struct picture plain = *like;
+    exr_context_t context;
+    plain.attributes = 0;
+    exr_result_t result = exr_start_write(&context, stream.path, EXR_WRITE_FILE_DIRECTLY, &setup);
+    if (!result) {
+        result = put_header(context, &plain, picture_planes(like));
+        exr_finish(&context);
+    }
+    return result        ? exr_fault("write", &stream, result, fault)
+           : out->failed ? fault_memory(fault, stream.path)
+                         : OK;
+}
+
 static enum err check_names(const char *path, const struct picture *picture, struct fault *fault)
 {
     for (size_t i = 0; i < picture->attributes; i++) {
@@ -163,27 +179,6 @@ static enum err begin(void **out, const char *path, const struct picture *like, 
     return OK;
 }
 
-static void fill_room(const struct exr_room *room, const struct picture *picture,
-                      const struct exr_block *block)
-{
-    uint16_t alpha[256], *halves = room->halves;
-    float *eye = room->eye;
-    linear_alpha(alpha);
-    for (uint32_t y = block->y; y < block->y + block->height; y++) {
-        const size_t first = (size_t)y * picture->width + block->x;
-        const uint8_t *rgba = picture->rgba + 4 * first;
-        for (uint32_t x = 0; x < block->width; x++, rgba += 4, halves += 4) {
-            const uint8_t covered = picture->is_associated ? rgba[3] : 255;
-            for (size_t c = 0; c < 3; c++)
-                halves[c] =
-                    covered == 255 ? linear_half[rgba[c]] : linear_associated(rgba[c], covered);
-            halves[3] = alpha[rgba[3]];
-            if (picture->depth_mm)
-                *eye++ = (float)((double)picture->depth_mm[first + x] + picture->space.eye_mm);
-        }
-    }
-}
-
 struct packing {
     struct exr_coder *coder;
     const struct picture *rows;
@@ -242,7 +237,7 @@ static exr_result_t pack_block(void *context, const struct exr_block *block)
     exr_result_t result = begin_block(packing, block, &pipeline);
     if (result)
         return result;
-    fill_room(&packing->room, packing->rows, block);
+    exr_fill_room(&packing->room, packing->rows, block);
     for (int i = 0; i < pipeline.channel_count; i++) {
         const char *name = pipeline.channels[i].channel_name;
         exr_point_at(&pipeline.channels[i], exr_channel_named(name, packing->rows->is_associated),

@@ -18,4 +18,7 @@ extern const struct strips_format exr_strips;
 enum err exr_write(const char *path, enum file_mode mode, const struct picture *picture,
                    struct fault *fault);
 
+/* out = the header of `like`, without its notes; other bytes may follow it. */
+enum err exr_write_header_of(struct buf *out, const struct picture *like, struct fault *fault);
+
 #endif

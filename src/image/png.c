@@ -282,13 +282,14 @@ static enum err next_chunk(struct reading *r)
     return OK;
 }
 
+/* A width of 0 is that of any picture. */
 static enum err take_header(struct reading *r, uint32_t width, uint32_t height)
 {
     const uint8_t *d = r->data;
     if (strcmp(r->type, "IHDR") != 0 || r->length != HEADER || d[8] != 8 ||
         (d[9] != PNG_COLOURED && d[9] != PNG_WITH_ALPHA) || d[10] || d[11] || d[12])
         return refuse(r, "it is no PNG of 8 bits a channel, in colours, as iftty writes them");
-    if (number_at(d) != width || number_at(d + 4) != height)
+    if (width && (number_at(d) != width || number_at(d + 4) != height))
         return fault_set(r->fault, ERR_CHECK, "it has another size");
     r->channels = d[9] == PNG_COLOURED ? 3 : 4;
     return OK;
@@ -408,11 +409,14 @@ static enum err take_pixels(struct reading *r)
     const size_t bytes = r->out->width * r->channels, all = (bytes + 1) * r->out->height;
     struct libdeflate_decompressor *inflater = libdeflate_alloc_decompressor();
     uint8_t *raw = mem_array(all, 1), *zeros = mem_new(bytes);
+    size_t used = 0, made = 0;
     enum err err = raw && zeros && inflater ? OK : fault_memory(r->fault, "a picture");
-    if (!err && (libdeflate_zlib_decompress(inflater, buf_text(&r->packed), r->packed.length, raw,
-                                            all, NULL) != LIBDEFLATE_SUCCESS ||
-                 !take_rows(r, raw, zeros)))
+    if (!err && (libdeflate_zlib_decompress_ex(inflater, buf_text(&r->packed), r->packed.length,
+                                               raw, all, &used, &made) != LIBDEFLATE_SUCCESS ||
+                 made != all || !take_rows(r, raw, zeros)))
         err = refuse(r, "its pixels are damaged");
+    if (!err && used != r->packed.length)
+        err = refuse(r, "bytes follow its packed pixels");
     libdeflate_free_decompressor(inflater);
     free(raw);
     free(zeros);
@@ -437,5 +441,24 @@ enum err png_read(struct picture *out, const void *bytes, size_t length, uint32_
     if (err)
         picture_release(out);
     buf_release(&r.packed);
+    return err;
+}
+
+enum err png_read_notes(struct picture *out, const void *bytes, size_t length, struct fault *fault)
+{
+    const uint8_t *from = bytes;
+    struct reading r = {.out = out, .at = from, .end = from + length, .fault = fault};
+    *out = (struct picture){0};
+    if (length < sizeof signature || memcmp(from, signature, sizeof signature) != 0)
+        return refuse(&r, "it is no PNG");
+    r.at += sizeof signature;
+    enum err err = next_chunk(&r);
+    if (!err)
+        err = take_header(&r, 0, 0);
+    while (!err && r.end - r.at >= AROUND && memcmp(r.at + 4, "IDAT", 4) != 0 &&
+           !(err = next_chunk(&r)))
+        err = take_other(&r);
+    if (err)
+        picture_release(out);
     return err;
 }

@@ -77,4 +77,8 @@ struct picture;
 enum err png_read(struct picture *out, const void *bytes, size_t length, uint32_t width,
                   uint32_t height, struct fault *fault);
 
+/* Reads the notes alone of such a file of any size, of which the beginning is enough. `out` has no
+ * pixels; it is to be released after OK. */
+enum err png_read_notes(struct picture *out, const void *bytes, size_t length, struct fault *fault);
+
 #endif

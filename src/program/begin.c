@@ -2,12 +2,14 @@
 #include "program/begin.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/scan.h"
 #include "command/command.h"
 #include "command/files.h"
+#include "command/golden_files.h"
 #include "command/resume.h"
 #include "image/coprocess.h"
 #include "image/image_helper.h"
@@ -142,10 +144,56 @@ static enum err find_outside(struct buf *path, const char *journal, struct fault
     return failed ? fault_memory(fault, "a path") : OK;
 }
 
+enum { LINKED_MOST = 1024 };
+
+/* What links in the journal's folder of golden images lead to, for the confinement. */
+struct linked {
+    char *path[LINKED_MOST + 1]; /* ended by NULL */
+    size_t count;
+};
+
+static void add_linked(struct linked *linked, const struct buf *folder, const char *name)
+{
+    struct buf path = {0};
+    bool leads_out;
+    buf_printf(&path, "%s/%s", buf_text(folder), name);
+    char *real = !path.failed && linked->count < LINKED_MOST &&
+                         trust_look_at_golden(buf_text(&path), &leads_out) == BENEATH_FINE &&
+                         leads_out
+                     ? realpath(buf_text(&path), NULL)
+                     : NULL;
+    if (real)
+        linked->path[linked->count++] = real;
+    buf_release(&path);
+}
+
+/* Only files that the journal's records name. One that cannot be read is left to the replay. */
+static void find_linked(struct linked *linked, const char *journal)
+{
+    struct golden_files files;
+    struct buf bytes = {0};
+    if (golden_files_open(&files, journal, NULL) == OK && files.folder >= 0 &&
+        file_read(&bytes, journal, JOURNAL_BYTES_MAX, NULL) == OK &&
+        golden_files_read(&files, buf_text(&bytes), bytes.length, NULL) == OK) {
+        const char *name = buf_text(&files.named), *end = name + files.named.length;
+        for (; name < end; name += strlen(name) + 1)
+            add_linked(linked, &files.path, name);
+    }
+    golden_files_close(&files);
+    buf_release(&bytes);
+}
+
+static void release_linked(struct linked *linked)
+{
+    while (linked->count)
+        free(linked->path[--linked->count]);
+}
+
 enum err begin_confined(const struct options *o, const char *journal, const char *written,
                         const char *const *run, struct fault *fault)
 {
     struct buf images = {0}, volumes = {0}, goldens = {0}, outside = {0};
+    struct linked linked = {.count = 0};
     struct limits limits;
     enum err err = limits_read(&limits, o->limit_memory, o->limit_time, o->limit_output, fault);
     if (!err)
@@ -156,11 +204,14 @@ enum err begin_confined(const struct options *o, const char *journal, const char
         err = golden_folder(&goldens, journal, fault);
     if (!err && !o->scene)
         err = find_outside(&outside, journal, fault);
+    if (!err)
+        find_linked(&linked, journal);
     char *path = (char *)(uintptr_t)journal;
     const char *const folders[] = {written, NULL};
     const struct trust_places places = {.journal = &path,
                                         .journals = 1,
                                         .goldens = buf_text(&goldens),
+                                        .linked = (const char *const *)linked.path,
                                         .scene = o->scene,
                                         .scenes = interpreter_scenes(),
                                         .outside = outside.length ? buf_text(&outside) : NULL,
@@ -175,6 +226,7 @@ enum err begin_confined(const struct options *o, const char *journal, const char
     buf_release(&images);
     buf_release(&volumes);
     buf_release(&goldens);
+    release_linked(&linked);
     buf_release(&outside);
     return err;
 }

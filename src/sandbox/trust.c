@@ -160,14 +160,25 @@ bool trust_find_outside(struct buf *path, const char *home, const char *scenes, 
 
 /* ---- beside a journal ---- */
 
-enum beneath trust_look_at_golden(const char *path)
+/* The last step of the path alone is a link, to a regular file. */
+static bool is_link_to_file(const char *path, const char *folder, const char *goldens)
+{
+    struct stat status;
+    return beneath_look(folder, goldens) == BENEATH_FOLDER && lstat(path, &status) == 0 &&
+           S_ISLNK(status.st_mode) && is_regular(path);
+}
+
+enum beneath trust_look_at_golden(const char *path, bool *leads_out)
 {
     struct buf goldens = {0}, folder = {0};
     file_folder(&goldens, path);
     file_folder(&folder, buf_text(&goldens));
     const char *name = path + (file_name(buf_text(&goldens)) - buf_text(&goldens));
-    const enum beneath answer =
-        goldens.failed || folder.failed ? BENEATH_OUTSIDE : beneath_look(buf_text(&folder), name);
+    const bool failed = goldens.failed || folder.failed;
+    enum beneath answer = failed ? BENEATH_OUTSIDE : beneath_look(buf_text(&folder), name);
+    *leads_out = answer == BENEATH_OUTSIDE && !failed &&
+                 is_link_to_file(path, buf_text(&folder), file_name(buf_text(&goldens)));
+    answer = *leads_out ? BENEATH_FINE : answer;
     buf_release(&goldens);
     buf_release(&folder);
     return answer;
@@ -175,7 +186,7 @@ enum beneath trust_look_at_golden(const char *path)
 
 /* ---- confinement ---- */
 
-enum { PLACES_MOST = 256 };
+enum { PLACES_MOST = 2048 };
 
 /* Places as they are gathered, each once; their paths are its own. */
 struct gathering {
@@ -266,6 +277,8 @@ bool trust_confine(const struct trust_places *places)
             gather(&g, places->journal[i], CONFINE_READ);
     }
     gather(&g, places->goldens, CONFINE_READ);
+    for (const char *const *at = places->linked; at && *at; at++)
+        gather(&g, *at, CONFINE_READ);
     const bool is_confined = !g.is_full && confine_to(g.place, g.places);
     while (g.places > 0)
         free(g.path[--g.places]);

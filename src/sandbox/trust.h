@@ -21,7 +21,9 @@
  *          nothing drawn and nothing written. So no one learns of a file what he does not know. A
  *          part of it (crop, reduce, a data set of HDF5) could be guessed voxel by voxel, voxels
  *          without a header (raw:) byte by byte, and a header without voxels by one's own voxels
- *          beside a link: these are not read so, nor are masks, maps and lists;
+ *          beside a link: these are not read so, nor are masks, maps and lists.
+ *              A golden image, its PNG or a copy of labels may be a link to a regular file. It is
+ *          read and compared, and where it is not what was recorded, that alone is said;
  *     (T2) for writing, the folder of --out, or a fresh temporary one, by the last part of a name;
  *          nothing there is overwritten but what the same replay has written;
  *     (T3) so much memory, time and output (limits.h).
@@ -63,8 +65,11 @@ bool trust_find_outside(struct buf *path, const char *home, const char *scenes, 
 /* Whether the name of a file can only be of one that is not below any of those folders. */
 bool trust_leads_out(const char *name);
 
-/* What lies at `path`, in the folder of golden images of a journal: it is below that one's own. */
-enum beneath trust_look_at_golden(const char *path);
+/* Looks at `path`, in the folder of golden images of a journal, which has to be below the journal's
+ * own. *leads_out: the file is a link to a regular file elsewhere, as git-annex and workflow
+ * engines make them. The caller may read that, and says nothing of it but that it is the picture,
+ * or the labels, that were recorded. */
+enum beneath trust_look_at_golden(const char *path, bool *leads_out);
 
 /* What a replay needs: NULL for what there is not. */
 struct trust_places {
@@ -73,6 +78,7 @@ struct trust_places {
     const char *goldens;        /* the folder of golden images, where it may lie elsewhere */
     const char *scene, *scenes; /* --scene; folders, separated by colons */
     const char *outside;        /* a scene elsewhere, of which a record has a proof */
+    const char *const *linked;  /* files, ended by NULL, that links among golden images lead to */
     const char *helper[2];      /* the programs of the helpers for images and for volumes */
     const char *const *written; /* folders, ended by NULL, that the user wants written */
     const char *const *run;     /* programs, ended by NULL, that the user wants run: they may read

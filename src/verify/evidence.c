@@ -113,18 +113,26 @@ static enum err compare_pixels(const struct picture *file, const struct picture 
                   : OK;
 }
 
-static enum err compare_texts(const struct picture *file, const struct picture *golden,
-                              struct fault *fault)
+/* A PNG that was drawn again names the journal as it is called now. */
+static bool names_journal(const struct attribute *text, const struct interpreter *interp)
 {
-    /* OpenImageIO adds one by itself: a name. */
-    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+    struct buf name = {0};
+    golden_journal_name(&name, buf_text(&interp->home));
+    const bool is_name =
+        strcmp(text->name, "iftty:journal") == 0 && strcmp(text->value, buf_text(&name)) == 0;
+    buf_release(&name);
+    return is_name;
+}
+
+static enum err compare_texts(const struct picture *file, const struct picture *golden,
+                              const struct interpreter *interp, struct fault *fault)
+{
     for (size_t i = 0; i < file->attributes; i++) {
         const struct attribute *text = &file->attribute[i];
         const char *note = picture_find(golden, text->name);
-        const bool is_writers_own = strcmp(text->name, "oiio:ColorSpace") == 0 &&
-                                    strlen(text->value) <= 32 &&
-                                    !text->value[strspn(text->value, letters)];
-        if (is_writers_own || golden_note_is_of_its_time(text) ||
+        const bool is_of_its_time =
+            golden_note_is_of_its_time(text) && strcmp(text->name, "iftty:journal") != 0;
+        if (is_of_its_time || names_journal(text, interp) ||
             (note && strcmp(note, text->value) == 0))
             continue;
         struct buf words = {0};
@@ -140,41 +148,65 @@ static enum err compare_texts(const struct picture *file, const struct picture *
     return OK;
 }
 
+/* As PNG says it: pixels per metre. */
+static int64_t pixels_a_metre(const struct picture *picture)
+{
+    return picture->pixel_mm > 0 ? (int64_t)(1000 / picture->pixel_mm + 0.5) : 0;
+}
+
+static enum err check_png(struct interpreter *interp, const char *path,
+                          const struct picture *golden, const struct picture *notes,
+                          struct fault *fault)
+{
+    /* A file of more bytes than pixels and notes can take is another one. */
+    const size_t most = (size_t)8 * golden->width * golden->height + (4 << 20);
+    struct buf bytes = {0};
+    struct picture file = {0};
+    bool leads_out = false;
+    enum err err = interpreter_may_read(interp, path, &leads_out, fault);
+    if (!err)
+        err = file_read(&bytes, path, most, fault);
+    if (!err)
+        err = png_read(&file, buf_text(&bytes), bytes.length, golden->width, golden->height, fault);
+    if (!err)
+        err = compare_pixels(&file, golden, fault);
+    if (!err)
+        err = compare_texts(&file, notes, interp, fault);
+    if (!err && file.pixel_mm > 0 && golden->pixel_mm > 0 &&
+        pixels_a_metre(&file) != pixels_a_metre(golden))
+        err = fault_set(fault, ERR_CHECK, "it says another size of a pixel than is drawn");
+    picture_release(&file);
+    buf_release(&bytes);
+    return err && err != ERR_MEMORY && leads_out ? golden_refuse_link(path, fault) : err;
+}
+
+enum err evidence_check_png(struct interpreter *interp, const char *image,
+                            const struct picture *golden, const struct picture *notes,
+                            struct fault *fault)
+{
+    struct buf path = {0};
+    buf_add(&path, image, strlen(image) - strlen("exr"));
+    buf_add_text(&path, "png");
+    enum err err = path.failed ? fault_memory(fault, "a path") : OK;
+    if (!err && file_exists(buf_text(&path)))
+        err = check_png(interp, buf_text(&path), golden, notes, fault);
+    if (err && err != ERR_MEMORY) {
+        fault_prefix(fault, err, "%s", buf_text(&path));
+        err =
+            fault_set(fault, ERR_CHECK, "%s; delete it, and `golden` draws it again", fault->text);
+    }
+    buf_release(&path);
+    return err;
+}
+
 static enum err count(void *context, struct interpreter *interp,
                       const struct golden_finding *finding, struct fault *fault)
 {
     struct evidence_collector *collector = context;
     const struct picture *actual = finding->actual;
-    struct buf path = {0}, bytes = {0};
-    struct picture file = {0};
     collector->goldens++;
     collector->pixels += (uint64_t)actual->width * actual->height;
-    buf_add(&path, finding->path, strlen(finding->path) - strlen("exr"));
-    buf_add_text(&path, "png");
-    enum err err = path.failed ? fault_memory(fault, "a path") : OK;
-    if (!err && file_exists(buf_text(&path))) {
-        /* A file of more bytes than pixels and notes can take is another one. */
-        const size_t most = (size_t)8 * actual->width * actual->height + (4 << 20);
-        err = interpreter_may_read(interp, buf_text(&path), fault);
-        if (!err)
-            err = file_read(&bytes, buf_text(&path), most, fault);
-        if (!err)
-            err = png_read(&file, buf_text(&bytes), bytes.length, actual->width, actual->height,
-                           fault);
-        if (!err)
-            err = compare_pixels(&file, actual, fault);
-        if (!err)
-            err = compare_texts(&file, finding->expected, fault);
-        if (err && err != ERR_MEMORY) {
-            fault_prefix(fault, err, "%s", buf_text(&path));
-            err = fault_set(fault, ERR_CHECK, "%s; delete it, and `golden` draws it again",
-                            fault->text);
-        }
-    }
-    picture_release(&file);
-    buf_release(&bytes);
-    buf_release(&path);
-    return err;
+    return evidence_check_png(interp, finding->path, actual, finding->expected, fault);
 }
 
 struct golden_judge evidence_judge(struct evidence_collector *collector)

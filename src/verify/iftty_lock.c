@@ -2,10 +2,14 @@
 #include "verify/iftty_lock.h"
 
 #include <dirent.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
+
+#include <nettle/sha2.h>
 
 #include "base/file.h"
 #include "base/hash.h"
@@ -21,6 +25,7 @@ enum {
     LOCK_BYTES_MAX = 64 << 20,
     LOCK_NAME_MAX = 4000,
     GOLDEN_BYTES_MAX = 1 << 30,
+    PIECE = 1 << 16,
     JOURNALS_MOST = 100000,
     DEPTH_MOST = 32 /* of folders */
 };
@@ -289,28 +294,45 @@ bool lock_differs(struct buf *lines, unsigned version, const char *pinned, const
 
 /* ---- what it says of a journal ---- */
 
-/* "golden NAME SHA-256", or of its PNG "png NAME SHA-256", where the journal has such a file. */
-static bool add_file(struct name_list *lines, const char *path, const char *name, bool is_png)
+static bool digest_file(char hex[SHA256_HEX], const char *path)
 {
-    struct buf file = {0}, bytes = {0}, line = {0};
+    uint8_t piece[PIECE];
+    struct sha256_ctx sha;
+    uint64_t bytes, at = 0;
+    ssize_t n = PIECE;
+    int fd;
+    if (file_open(&fd, &bytes, path, O_RDONLY, NULL) || bytes > GOLDEN_BYTES_MAX)
+        return false;
+    sha256_init(&sha);
+    for (; n == PIECE && (n = file_read_at(fd, piece, PIECE, at)) > 0; at += (uint64_t)n)
+        sha256_update(&sha, (size_t)n, piece);
+    close(fd);
+    sha256_hex(hex, &sha, SHA256_DIGEST_SIZE);
+    return n >= 0;
+}
+
+/* "golden NAME SHA-256", or of its PNG "png NAME SHA-256", where the journal has such a file. */
+static bool add_file(struct name_list *lines, const char *path, const char *name, bool is_png,
+                     bool is_proven)
+{
+    struct buf file = {0}, line = {0};
     char hex[SHA256_HEX];
-    bool fine = true;
+    bool fine = true, leads_out;
     const bool is_named = !golden_path(&file, path, name, NULL);
     if (is_named && is_png)
         memcpy(file.data + file.length - 3, "png", 3);
-    if (is_named && trust_look_at_golden(buf_text(&file)) == BENEATH_FINE &&
-        !file_read(&bytes, buf_text(&file), GOLDEN_BYTES_MAX, NULL)) {
-        sha256_bytes_hex(hex, buf_text(&bytes), bytes.length);
+    if (is_named && trust_look_at_golden(buf_text(&file), &leads_out) == BENEATH_FINE &&
+        (is_proven || !leads_out) && digest_file(hex, buf_text(&file))) {
         buf_printf(&line, "%s %s %s", is_png ? "png" : "golden", name, hex);
         fine = !line.failed && name_list_add(lines, buf_text(&line));
     }
     buf_release(&file);
-    buf_release(&bytes);
     buf_release(&line);
     return fine;
 }
 
-static enum err add_facts(struct buf *out, struct walk *walk, const char *path, struct fault *fault)
+static enum err add_facts(struct buf *out, struct walk *walk, const char *path, bool is_proven,
+                          struct fault *fault)
 {
     struct name_list scenes = {0}, goldens = {0}, lines = {0};
     struct record record;
@@ -334,7 +356,8 @@ static enum err add_facts(struct buf *out, struct walk *walk, const char *path, 
     name_list_sort(&scenes);
     name_list_sort(&goldens);
     for (size_t i = 0; fine && i < 2 * goldens.count; i++)
-        fine = add_file(&lines, path, goldens.name[i % goldens.count], i >= goldens.count);
+        fine =
+            add_file(&lines, path, goldens.name[i % goldens.count], i >= goldens.count, is_proven);
     buf_printf(out, "chain %s\nrecords %zu\n", walk->chain.hex, walk->records);
     for (size_t i = 0; i < scenes.count; i++)
         buf_printf(out, "%s\n", scenes.name[i]);
@@ -348,7 +371,8 @@ static enum err add_facts(struct buf *out, struct walk *walk, const char *path, 
     return err;
 }
 
-enum err lock_facts(struct buf *out, uint64_t *torn, const char *path, struct fault *fault)
+enum err lock_facts(struct buf *out, uint64_t *torn, const char *path, bool is_proven,
+                    struct fault *fault)
 {
     struct buf bytes = {0};
     struct walk walk;
@@ -356,7 +380,7 @@ enum err lock_facts(struct buf *out, uint64_t *torn, const char *path, struct fa
     if (!err) {
         err = walk_begin(&walk, buf_text(&bytes), bytes.length, fault);
         if (!err)
-            err = add_facts(out, &walk, path, fault);
+            err = add_facts(out, &walk, path, is_proven, fault);
         *torn = !err && walk.over == WALK_TORN ? walk.offset : 0;
         walk_release(&walk);
     }

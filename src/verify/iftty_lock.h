@@ -58,8 +58,10 @@ bool lock_differs(struct buf *lines, unsigned version, const char *pinned, const
  * images; no command is carried out. Of the goldens, the SHA-256 of each file that the journal
  * names, and of the PNG beside it; one that cannot be read has no line. *torn is the byte from
  * which on the journal is an unfinished record, 0 for none. ERR_INPUT for a journal that is
- * damaged, ERR_IO, ERR_MEMORY. */
-enum err lock_facts(struct buf *out, uint64_t *torn, const char *path, struct fault *fault);
+ * damaged, ERR_IO, ERR_MEMORY. A golden image or PNG that is a link out of its folder is there only
+ * where a replay has compared it (is_proven): of another file not even the digest is said. */
+enum err lock_facts(struct buf *out, uint64_t *torn, const char *path, bool is_proven,
+                    struct fault *fault);
 
 /* The chain among these lines: 32 digits, not ended; NULL where there is none. */
 const char *lock_facts_chain(const char *facts);

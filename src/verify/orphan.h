@@ -1,28 +1,37 @@
 /* SPDX-License-Identifier: MIT */
-/* Orphan golden images: files in a journal's folder of golden images that it does not name, and
- * PNGs there beside which no golden image lies. Drafts, whose names begin with a dot, are none. */
+/*
+ * Orphan golden images: pictures in a journal's folder of golden images that none of its records
+ * names (command/golden_files.h). Hidden files, drafts among them, are passed over, and so is the
+ * image of a `golden` that was killed after the last record, where its PNG shows the same.
+ */
 #ifndef VERIFY_ORPHAN_H
 #define VERIFY_ORPHAN_H
 
 #include "command/interpreter.h"
 #include "verify/name_list.h"
 
-/* The names of all, as "third.exr", after a replay, by which the interpreter knows those that the
- * journal gives; none where there is no such folder. What a `golden` that was killed has left
- * (command/golden_judge.h) is passed over with a line of comment in `lines`, or, where that is
- * NULL, is one of them. ERR_IO, ERR_MEMORY. To be released, whatever is returned. */
-enum err orphan_find(struct name_list *orphans, const struct interpreter *interp,
-                     const char *journal_path, struct buf *lines, struct fault *fault);
+struct orphan_search {
+    struct interpreter *interp; /* after a replay of the journal */
+    const char *journal;
+    bool is_strict;    /* every file that no record names is one, not pictures alone */
+    struct buf *lines; /* comments on what is passed over, or NULL: then nothing is */
+};
+
+/* The names of all, as "third.exr"; none where there is no folder. A journal whose folder is a link
+ * has none, and a comment says so: ERR_CHECK where that is strict. A journal that is a link fails
+ * with ERR_CHECK where golden images are next to the link as well and are not the same. ERR_LIMIT,
+ * ERR_IO, ERR_MEMORY. To be released, whatever is returned. */
+enum err orphan_find(struct name_list *orphans, const struct orphan_search *search,
+                     struct fault *fault);
 
 /* ERR_CHECK with the first of them, where there are any. */
-enum err orphan_judge(const struct name_list *orphans, const char *journal_path,
-                      struct fault *fault);
+enum err orphan_judge(const struct name_list *orphans, const char *journal, struct fault *fault);
 
 /* Both. */
-enum err orphan_check(const struct interpreter *interp, const char *journal_path, struct buf *lines,
-                      struct fault *fault);
+enum err orphan_check(const struct orphan_search *search, struct fault *fault);
 
-/* Removes one that orphan_find has named, and the PNG beside it. */
-enum err orphan_remove(const char *journal_path, const char *orphan, struct fault *fault);
+/* Removes one that orphan_find has named, and of an image its PNG. ERR_CHECK for one that this
+ * journal cannot have made, and for a journal that is a link: it is left alone. */
+enum err orphan_remove(const char *journal, const char *orphan, struct fault *fault);
 
 #endif

@@ -8,6 +8,7 @@
 #include "base/version.h"
 #include "command/execute.h"
 #include "command/files.h"
+#include "command/golden_files.h"
 #include "command/golden_judge.h"
 #include "image/image_helper.h"
 #include "journal/golden.h"
@@ -34,6 +35,7 @@ static const char unchanged[] = "nothing has changed";
  */
 struct golden_accept {
     struct buf drafts;         /* pairs of a draft and its place, each ended by NUL */
+    struct buf same;           /* places of golden images that are the same, each ended by NUL */
     struct buf folder;         /* of the golden images, where it was made for them; or "" */
     struct buf note;           /* what was wrong with that of the command at hand, "" for nothing */
     struct record_chain chain; /* of the record before it, for the notes in the picture */
@@ -90,14 +92,14 @@ static enum err write_draft(struct golden_accept *accept, struct interpreter *in
 static enum err write_drafts(struct golden_accept *accept, struct interpreter *interp,
                              const struct golden_finding *finding, struct fault *fault)
 {
-    struct buf folder = {0};
-    enum err err = golden_folder(&folder, buf_text(&interp->home), fault);
-    if (!err && !file_is_folder(buf_text(&folder))) {
+    struct golden_files files;
+    enum err err = golden_files_open(&files, buf_text(&interp->home), fault);
+    if (!err && files.folder < 0) {
         buf_clear(&accept->folder);
-        buf_add_text(&accept->folder, buf_text(&folder));
+        buf_add_text(&accept->folder, buf_text(&files.path));
+        golden_files_close(&files);
+        err = golden_files_make(&files, buf_text(&interp->home), fault);
     }
-    if (!err)
-        err = file_make_folder(buf_text(&folder), fault);
     if (!err && !session_is_private(interp->session))
         err = picture_note(finding->actual, "iftty:journal", file_name(buf_text(&interp->home)),
                            fault);
@@ -105,12 +107,12 @@ static enum err write_drafts(struct golden_accept *accept, struct interpreter *i
         err = picture_note(finding->actual, "iftty:chain", accept->chain.hex, fault);
     if (!err)
         err = write_draft(accept, interp, finding->path, finding->actual, fault);
-    buf_printf(&folder, "/%s.png", finding->name);
+    buf_printf(&files.path, "/%s.png", finding->name);
     if (!err)
-        err = folder.failed
+        err = files.path.failed
                   ? fault_memory(fault, "a path")
-                  : write_draft(accept, interp, buf_text(&folder), finding->actual, fault);
-    buf_release(&folder);
+                  : write_draft(accept, interp, buf_text(&files.path), finding->actual, fault);
+    golden_files_close(&files);
     return err;
 }
 
@@ -130,11 +132,28 @@ static enum err golden_accept_ask(struct golden_accept *accept,
     return err;
 }
 
+static enum err is_same(void *context, struct interpreter *interp,
+                        const struct golden_finding *finding, struct fault *fault)
+{
+    struct golden_accept *accept = context;
+    (void)interp;
+    buf_add(&accept->same, finding->path, strlen(finding->path) + 1);
+    return accept->same.failed ? fault_memory(fault, "the names of files") : OK;
+}
+
+static bool was_same(const struct golden_accept *accept, const char *path)
+{
+    const char *at = buf_text(&accept->same), *end = at + accept->same.length;
+    while (at < end && strcmp(at, path) != 0)
+        at += strlen(at) + 1;
+    return at < end;
+}
+
 static enum err differs(void *context, struct interpreter *interp,
                         const struct golden_finding *finding, struct fault *fault)
 {
     struct golden_accept *accept = context;
-    if (source(accept, finding->path) != finding->path)
+    if (source(accept, finding->path) != finding->path || was_same(accept, finding->path))
         return fault_set(fault, ERR_CHECK,
                          "golden image %s is given twice, and the pictures are not the same",
                          finding->name);
@@ -160,6 +179,7 @@ static void golden_accept_release(struct golden_accept *accept)
     if (accept->folder.length)
         rmdir(buf_text(&accept->folder)); /* stays where it holds anything */
     buf_release(&accept->folder);
+    buf_release(&accept->same);
     buf_release(&accept->drafts);
     buf_release(&accept->note);
     buf_release(&accept->why);
@@ -175,14 +195,19 @@ struct resealing {
     struct record_chain chain;
     size_t count, marked; /* records; those that have changed */
     size_t stale;         /* golden images that are left alone, and are others now */
+    size_t missing;       /* golden images that are not there, and in which words */
+    struct fault missing_words;
 };
 
 static enum err count_stale(void *context, struct interpreter *interp,
                             const struct golden_finding *finding, struct fault *fault)
 {
     struct resealing *r = context;
-    (void)interp, (void)finding;
-    r->stale++;
+    (void)interp;
+    if (file_exists(finding->path))
+        r->stale++;
+    else if (!r->missing++)
+        r->missing_words = *fault;
     fault->text[0] = '\0';
     return OK;
 }
@@ -330,6 +355,10 @@ static enum err reseal_bytes(struct resealing *r, const struct buf *bytes, struc
     if (!err && walk.over != WALK_END)
         err = fault_set(fault, ERR_CHECK, "%s; going on with the journal repairs it; %s",
                         walk.fault.text, unchanged);
+    if (!err && r->missing)
+        err = fault_set(fault, ERR_CHECK,
+                        "%s; iftty log --reseal --accept WHY FILE draws it again; %s",
+                        r->missing_words.text, unchanged);
     if (!err && (r->out.failed || r->header.failed))
         err = fault_memory(fault, "a journal");
     walk_release(&walk);
@@ -352,11 +381,15 @@ static enum err publish(struct resealing *r, const char *path, const struct buf 
     if (err)
         return err;
     r->interp->mode = MODE_LIVE; /* it is over: the user asked for what is replaced now */
+    struct golden_files files = {.folder = -1};
+    if (r->accept && r->accept->drafts.length)
+        err = golden_files_open(&files, path, fault);
     while (!err && r->accept && next_draft(r->accept, &at, &draft, &place)) {
         err = interpreter_will_write(r->interp, place, FILE_REPLACE, fault);
         if (!err)
-            err = file_publish(draft, place, FILE_REPLACE, fault);
+            err = file_publish_in(files.folder, draft, place, fault);
     }
+    golden_files_close(&files);
     if (!err)
         err = file_write(path, buf_text(&r->out), r->out.length, FILE_REPLACE, fault);
     interpreter_settle_files(r->interp, err == OK);
@@ -392,6 +425,21 @@ static void report(const struct resealing *r, const char *path, const struct buf
     buf_release(&text);
 }
 
+/* What is replaced is the journal and its golden images, not a link, nor what it leads to. */
+static enum err refuse_link(const char *path, struct fault *fault)
+{
+    struct buf real = {0};
+    file_real(&real, path);
+    const enum err err =
+        real.failed ? fault_memory(fault, "a path")
+        : strcmp(buf_text(&real), path) != 0
+            ? fault_set(fault, ERR_INPUT, "%s is a link; name the journal itself, %s; %s", path,
+                        buf_text(&real), unchanged)
+            : OK;
+    buf_release(&real);
+    return err;
+}
+
 static enum err reseal(struct resealing *r, const char *path, const struct printer *printer,
                        struct fault *fault)
 {
@@ -399,13 +447,17 @@ static enum err reseal(struct resealing *r, const char *path, const struct print
     struct buf bytes = {0}, former = {0}, lines = {0};
     struct interpreter *interp = r->interp;
     const struct golden_judge judge =
-        r->accept
-            ? (struct golden_judge){.context = r->accept, .source = source, .differs = differs}
-            : (struct golden_judge){.context = r, .differs = count_stale};
+        r->accept ? (struct golden_judge){.context = r->accept,
+                                          .source = source,
+                                          .is_same = is_same,
+                                          .differs = differs}
+                  : (struct golden_judge){.context = r, .differs = count_stale};
     r->chain = record_chain_zero;
     interp->mode = MODE_REPLAY;
     interp->judge = &judge;
-    enum err err = file_log_open(&lock, path, false, fault); /* R4 */
+    enum err err = refuse_link(path, fault);
+    if (!err)
+        err = file_log_open(&lock, path, false, fault); /* R4 */
     if (!err)
         err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
     if (!err)
@@ -416,9 +468,9 @@ static enum err reseal(struct resealing *r, const char *path, const struct print
             fault_prefix(fault, err, "%s", path);
     }
     if (!err) { /* chains will be others, by which nobody can say then what is nothing */
-        golden_remove_leftovers(path, &interp->goldens, buf_text(&bytes), bytes.length, &lines);
+        golden_files_clear(path, buf_text(&bytes), bytes.length, &lines);
         if (r->accept && !r->accept->reviewer)
-            err = orphan_check(interp, path, &lines, fault);
+            err = orphan_check(&(struct orphan_search){interp, path, false, &lines}, fault);
         if (lines.length)
             printer->warn(printer->context, buf_text(&lines));
     }

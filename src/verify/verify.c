@@ -60,13 +60,16 @@ static void write_voxels(struct interpreter *interp, struct buf *lines)
 }
 
 /* Those that are to be removed are no failure. */
-static enum err judge_orphans(const struct verify_options *options,
-                              const struct interpreter *interp, struct verify_result *result,
-                              struct fault *fault)
+static enum err judge_orphans(const struct verify_options *options, struct interpreter *interp,
+                              struct verify_result *result, struct fault *fault)
 {
     struct name_list orphans;
-    struct buf *lines = options->removes_orphans ? NULL : &result->lines;
-    enum err err = orphan_find(&orphans, interp, result->path, lines, fault);
+    const struct orphan_search search = {.interp = interp,
+                                         .journal = result->path,
+                                         .is_strict =
+                                             options->strict || options->expect || options->plan,
+                                         .lines = options->removes_orphans ? NULL : &result->lines};
+    enum err err = orphan_find(&orphans, &search, fault);
     for (size_t i = 0; !err && i < orphans.count; i++) {
         buf_add(&result->orphans, orphans.name[i], strlen(orphans.name[i]) + 1);
         replay_add_detail(&result->lines, "orphan", orphans.name[i], strlen(orphans.name[i]));
@@ -78,7 +81,7 @@ static enum err judge_orphans(const struct verify_options *options,
 }
 
 /* What a replay that went well leaves to be asked. */
-static enum err judge_whole(const struct verify_options *options, const struct interpreter *interp,
+static enum err judge_whole(const struct verify_options *options, struct interpreter *interp,
                             const struct replay_report *report,
                             const struct evidence_collector *collector,
                             struct verify_result *result, struct fault *fault)
@@ -141,7 +144,8 @@ static enum err judge_facts(const struct verify_options *options, size_t number,
     if (!options->expect && !options->plan)
         return OK;
     uint64_t torn = 0;
-    enum err err = lock_facts(&result->facts, &torn, path, fault);
+    const bool is_proven = !result->err && !options->first && !options->last;
+    enum err err = lock_facts(&result->facts, &torn, path, is_proven, fault);
     const char *chain = lock_facts_chain(buf_text(&result->facts));
     if (err || !chain)
         return err;
@@ -310,11 +314,11 @@ static void remove_orphans(struct verify_result *result)
 {
     struct fault fault;
     const char *at = buf_text(&result->orphans), *end = at + result->orphans.length;
-    for (; at < end && !result->err; at += strlen(at) + 1) {
+    for (at = result->err ? end : at; at < end; at += strlen(at) + 1) {
         const enum err err = orphan_remove(result->path, at, &fault);
-        if (err)
+        if (err && !result->err)
             verify_result_fail(result, err, false, &fault);
-        else
+        if (!err)
             replay_add_detail(&result->lines, "removed", at, strlen(at));
     }
 }

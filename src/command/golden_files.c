@@ -1,0 +1,307 @@
+/* SPDX-License-Identifier: MIT */
+#include "command/golden_files.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/scan.h"
+#include "image/exr_header.h"
+#include "image/png.h"
+#include "journal/golden.h"
+#include "session/map.h"
+
+static const char image_ending[] = ".exr", png_ending[] = ".png";
+
+enum { ENDING = sizeof image_ending - 1, CHAIN_BYTES = RECORD_CHAIN_DIGITS + 1 };
+
+/* ---- the folder ---- */
+
+static enum err open_folder(struct golden_files *files, bool makes, struct fault *fault)
+{
+    const char *path = buf_text(&files->path);
+    if (makes && mkdir(path, 0777) == 0 && !file_step_sync_folder(path))
+        return fault_errno(fault, "sync the folder of", path);
+    files->folder = open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    if (files->folder >= 0 || (errno == ENOENT && !makes))
+        return OK;
+    if (errno == ENOTDIR || errno == ELOOP)
+        return fault_set(fault, ERR_INPUT,
+                         "%s is a link, or no folder: no file there belongs to the journal, and "
+                         "nothing there was listed, written or removed; put a folder in its place",
+                         path);
+    return fault_errno(fault, makes ? "make the folder" : "read the folder", path);
+}
+
+static enum err open_files(struct golden_files *files, const char *journal, bool makes,
+                           struct fault *fault)
+{
+    *files = (struct golden_files){.folder = -1};
+    enum err err = golden_folder(&files->path, journal, fault);
+    golden_journal_name(&files->name, journal);
+    if (!err && (files->path.failed || files->name.failed))
+        err = fault_memory(fault, "a path");
+    return err ? err : open_folder(files, makes, fault);
+}
+
+enum err golden_files_open(struct golden_files *files, const char *journal, struct fault *fault)
+{
+    return open_files(files, journal, false, fault);
+}
+
+enum err golden_files_make(struct golden_files *files, const char *journal, struct fault *fault)
+{
+    return open_files(files, journal, true, fault);
+}
+
+void golden_files_close(struct golden_files *files)
+{
+    if (files->folder >= 0)
+        close(files->folder);
+    files->folder = -1;
+    buf_release(&files->path);
+    buf_release(&files->name);
+    buf_release(&files->named);
+    buf_release(&files->chains);
+}
+
+/* ---- what the journal's records say ---- */
+
+static void add_name(struct buf *named, const char *name, size_t length, const char *ending)
+{
+    buf_add(named, name, length);
+    buf_add(named, ending, strlen(ending) + 1);
+}
+
+static void add_record(struct golden_files *files, const struct record *record, const char *chain)
+{
+    static const char word[] = "golden ", copy[] = " copy=";
+    const char *at = record->command;
+    buf_add(&files->chains, chain, CHAIN_BYTES);
+    if (strncmp(at, word, sizeof word - 1) == 0) {
+        at += strspn(at + sizeof word - 1, " ") + sizeof word - 1;
+        add_name(&files->named, at, strcspn(at, " "), image_ending);
+        add_name(&files->named, at, strcspn(at, " "), png_ending);
+    } else if ((at = strstr(at, copy))) {
+        char digest[LABEL_COPY_DIGEST] = "";
+        at += sizeof copy - 1;
+        const size_t length = strcspn(at, " ");
+        if (length != sizeof digest - 1)
+            return;
+        memcpy(digest, at, length);
+        label_copy_name(&files->named, digest);
+        buf_add_char(&files->named, '\0');
+    }
+}
+
+static int compare_chains(const void *a, const void *b)
+{
+    return memcmp(a, b, CHAIN_BYTES);
+}
+
+enum err golden_files_read(struct golden_files *files, const char *bytes, size_t length,
+                           struct fault *fault)
+{
+    struct walk walk;
+    struct record record;
+    enum err err = walk_begin(&walk, bytes, length, fault);
+    if (err)
+        return err;
+    while (walk_next(&walk, &record) == WALK_RECORD)
+        add_record(files, &record, walk.chain.hex);
+    files->last = walk.chain;
+    walk_release(&walk);
+    if (files->named.failed || files->chains.failed)
+        return fault_memory(fault, "names of files");
+    if (files->chains.length)
+        qsort(files->chains.data, files->chains.length / CHAIN_BYTES, CHAIN_BYTES, compare_chains);
+    return OK;
+}
+
+static bool is_named(const struct golden_files *files, const char *name)
+{
+    const char *at = buf_text(&files->named), *end = at + files->named.length;
+    while (at < end && strcmp(at, name) != 0)
+        at += strlen(at) + 1;
+    return at < end;
+}
+
+/* ---- what an image says ---- */
+
+/* Who made an image, by its notes. */
+struct maker {
+    char chain[CHAIN_BYTES];
+    struct buf journal;
+    bool has_journal; /* pictures of a private scene do not */
+};
+
+static void take_note(struct maker *maker, const char *name, const char *value, size_t length)
+{
+    if (strcmp(name, "iftty:chain") == 0 && length == RECORD_CHAIN_DIGITS)
+        memcpy(maker->chain, value, length);
+    if (strcmp(name, "iftty:journal") == 0) {
+        maker->has_journal = true;
+        buf_clear(&maker->journal);
+        buf_add(&maker->journal, value, length);
+    }
+}
+
+static void read_exr_notes(struct maker *maker, int fd)
+{
+    struct buf header = {0};
+    struct exr_attribute_bytes attribute;
+    size_t at = 0;
+    if (exr_header_read(&header, fd, NULL) == OK)
+        while (exr_header_next(&header, &at, &attribute))
+            if (strcmp(attribute.type, "string") == 0)
+                take_note(maker, attribute.name, attribute.value, attribute.length);
+    buf_release(&header);
+}
+
+static void read_png_notes(struct maker *maker, int fd)
+{
+    struct buf bytes = {0};
+    struct picture notes;
+    char *to = buf_reserve(&bytes, EXR_HEADER_MOST);
+    const ssize_t n = to ? file_read_at(fd, to, EXR_HEADER_MOST, 0) : 0;
+    if (n > 0 && png_read_notes(&notes, to, (size_t)n, NULL) == OK) {
+        for (size_t i = 0; i < notes.attributes; i++)
+            take_note(maker, notes.attribute[i].name, notes.attribute[i].value,
+                      strlen(notes.attribute[i].value));
+        picture_release(&notes);
+    }
+    buf_release(&bytes);
+}
+
+/* By its notes: made after the last record, at another, or by another journal. */
+static enum file_of judge_maker(const struct golden_files *files, const struct maker *maker)
+{
+    const bool is_of_name =
+        maker->has_journal && strcmp(buf_text(&maker->journal), buf_text(&files->name)) == 0;
+    const bool has_chain = *maker->chain && files->chains.length &&
+                           bsearch(maker->chain, files->chains.data,
+                                   files->chains.length / CHAIN_BYTES, CHAIN_BYTES, compare_chains);
+    if ((is_of_name || !maker->has_journal) && has_chain &&
+        strcmp(maker->chain, files->last.hex) == 0)
+        return FILE_LEFTOVER;
+    return is_of_name || has_chain ? FILE_STRAY : FILE_FOREIGN;
+}
+
+/* ---- deciding ---- */
+
+static bool has_image_name(const char *name)
+{
+    char stem[80];
+    const size_t length = strlen(name);
+    if (length <= ENDING || length >= sizeof stem ||
+        (strcmp(name + length - ENDING, image_ending) != 0 &&
+         strcmp(name + length - ENDING, png_ending) != 0))
+        return false;
+    memcpy(stem, name, length - ENDING);
+    stem[length - ENDING] = '\0';
+    return golden_name_is_valid(stem);
+}
+
+enum file_of golden_files_judge(const struct golden_files *files, const char *name)
+{
+    struct maker maker = {0};
+    struct stat status;
+    enum file_of of = FILE_FOREIGN;
+    if (is_named(files, name))
+        return FILE_NAMED;
+    if (*name == '.')
+        return FILE_HIDDEN;
+    if (!has_image_name(name))
+        return FILE_FOREIGN;
+    const int fd =
+        openat(files->folder, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    if (fd < 0)
+        return FILE_FOREIGN;
+    if (fstat(fd, &status) == 0 && S_ISREG(status.st_mode)) {
+        if (strcmp(name + strlen(name) - ENDING, image_ending) == 0)
+            read_exr_notes(&maker, fd);
+        else
+            read_png_notes(&maker, fd);
+        of = judge_maker(files, &maker);
+    }
+    close(fd);
+    buf_release(&maker.journal);
+    return of;
+}
+
+/* ---- removing ---- */
+
+/* The PNG first: the image, by which it is found, is removed only where no PNG stays. An empty one
+ * is what a kill leaves on some file systems (base/file.h). */
+static bool remove_png(const struct golden_files *files, const char *image)
+{
+    struct buf png = {0};
+    struct stat status;
+    buf_add(&png, image, strlen(image) - ENDING);
+    buf_add_text(&png, png_ending);
+    bool is_gone = !png.failed &&
+                   fstatat(files->folder, buf_text(&png), &status, AT_SYMLINK_NOFOLLOW) != 0 &&
+                   errno == ENOENT;
+    if (!is_gone && !png.failed) {
+        const enum file_of of = golden_files_judge(files, buf_text(&png));
+        is_gone = (of == FILE_LEFTOVER || of == FILE_STRAY ||
+                   (S_ISREG(status.st_mode) && status.st_size == 0)) &&
+                  unlinkat(files->folder, buf_text(&png), 0) == 0;
+    }
+    buf_release(&png);
+    return is_gone;
+}
+
+enum err golden_files_remove(const struct golden_files *files, const char *name,
+                             struct fault *fault)
+{
+    struct stat status;
+    if (files->folder >= 0 && fstatat(files->folder, name, &status, AT_SYMLINK_NOFOLLOW) != 0 &&
+        errno == ENOENT)
+        return OK; /* with its image, say */
+    const enum file_of of = files->folder < 0 ? FILE_FOREIGN : golden_files_judge(files, name);
+    if (of != FILE_LEFTOVER && of != FILE_STRAY)
+        return fault_set(fault, ERR_CHECK,
+                         "%s was left alone: no record of this journal can have made it; if it is "
+                         "not needed, delete it",
+                         name);
+    if (strcmp(name + strlen(name) - ENDING, image_ending) == 0 && !remove_png(files, name))
+        return fault_set(fault, ERR_CHECK,
+                         "%s was left alone: no record of this journal can have made its PNG; if "
+                         "they are not needed, delete them",
+                         name);
+    return unlinkat(files->folder, name, 0) == 0 || errno == ENOENT
+               ? OK
+               : fault_errno(fault, "delete", name);
+}
+
+void golden_files_clear(const char *journal, const char *bytes, size_t length, struct buf *told)
+{
+    struct golden_files files;
+    DIR *listing = NULL;
+    if (golden_files_open(&files, journal, NULL) == OK && files.folder >= 0 &&
+        golden_files_read(&files, bytes, length, NULL) == OK) {
+        file_sweep(buf_text(&files.path));
+        const int again = openat(files.folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+        listing = again >= 0 ? fdopendir(again) : NULL;
+    }
+    for (const struct dirent *entry; listing && (entry = readdir(listing));) {
+        const char *name = entry->d_name;
+        if (!file_is_named(name, image_ending) ||
+            golden_files_judge(&files, name) != FILE_LEFTOVER ||
+            golden_files_remove(&files, name, NULL) != OK)
+            continue;
+        buf_add_safe_text(told, buf_text(&files.path));
+        buf_add_char(told, '/');
+        buf_add_safe_text(told, name);
+        buf_add_text(told, " was removed: its command was ended before it was recorded\n");
+    }
+    if (listing)
+        closedir(listing);
+    golden_files_close(&files);
+}
