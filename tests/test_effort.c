@@ -487,7 +487,7 @@ STORY(a_plain_object_is_found_at_once_and_runs_agree)
 {
     static const struct effort_method method[] = {
         {.name = "morph", .weight = "morph", .background = SHAPE_SPHERE},
-        {.name = "relax", .weight = "gauss 1", .background = SHAPE_SPHERE, .relaxes = true},
+        {.name = "relax", .weight = "gauss 1", .background = SHAPE_SPHERE, .reach = 16},
         {.name = "box", .weight = "morph", .background = SHAPE_BOX},
         {.name = "GrowCut", .by = BY_GROWCUT, .background = SHAPE_BALL},
         {.name = "within", .weight = "morph", .background = SHAPE_BALL, .limits = true},
@@ -520,7 +520,7 @@ STORY(phantoms_are_what_they_were)
     for (int p = 0; p < PHANTOMS; p++) {
         unsigned count = 0;
         uint64_t sum = 0;
-        phantom_fill((enum phantom)p, grey, inside);
+        phantom_fill((enum phantom)p, 1, grey, inside);
         for (size_t i = 0; i < ALL; i++)
             count += inside[i], sum += grey[i] * (i % 97);
         CHECK_INT(count, voxels[p]);

@@ -361,7 +361,7 @@ static struct finish_list all_steps(void)
 {
     struct finish_list list = {.count = FINISH_KIND_COUNT - FIRST_KIND};
     for (uint32_t kind = FIRST_KIND; kind < FINISH_KIND_COUNT; kind++)
-        list.step[kind - FIRST_KIND] = (struct finish_step){kind, FINISH_ALL_LABELS, 1, 0};
+        list.step[kind - FIRST_KIND] = (struct finish_step){kind, FINISH_ALL_LABELS, 1, 0, 0};
     return list;
 }
 

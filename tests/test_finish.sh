@@ -67,11 +67,11 @@ save labels first.nii finished=yes
 seed 8,15,10 1
 run
 save labels second.nii finished=yes
-finish relax label=2
+finish relax label=2 reach=5
 save labels third.nii finished=yes
 END
 expect 0 "$iftty" run settle --journal settle.iftty
-out_has "finish    relax sweeps=9, relax sweeps=60 label=2"
+out_has "finish    relax sweeps=9 reach=2, relax sweeps=60 reach=5 label=2"
 for threads in 1 2 3; do
     IFTTY_THREADS=$threads expect 0 "$iftty" verify settle.iftty
 done
@@ -79,6 +79,10 @@ expect 2 "$iftty" -c 'open scene.nii; finish relax radius=2'
 err_has "radius: \`finish relax\` has none"
 expect 2 "$iftty" -c 'open scene.nii; finish relax sweeps=0'
 err_has "sweeps: expected a number 1..1000, not 0"
+expect 2 "$iftty" -c 'open scene.nii; finish relax reach=17'
+err_has "reach: expected a number 1..16, not 17"
+expect 2 "$iftty" -c 'open scene.nii; finish largest reach=2'
+err_has "reach: \`finish largest\` has none"
 close_story
 
 begin "another outcome than the recorded one is found, with its record"
@@ -166,7 +170,7 @@ finished off
 render
 END
 expect 0 "$iftty" run live --journal l.iftty
-out_has "finish    relax sweeps=20; pictures show it"
+out_has "finish    relax sweeps=20 reach=2; pictures show it"
 picture() { # RECORD
     sed -n "s/^= $1 .*picture=\([0-9a-f]*\).*/\1/p" l.iftty
 }

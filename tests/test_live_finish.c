@@ -92,10 +92,10 @@ STORY(finished_says_what_pictures_show)
     CHECK_HAS(buf_text(&reply.text), "the finish has no step yet; `finish relax` adds one");
     const uint64_t plain = picture_of(&interp, "render");
     must(&interp, "finish relax");
-    CHECK_TEXT(buf_text(&reply.text), "finish    relax sweeps=60; pictures show it\n");
+    CHECK_TEXT(buf_text(&reply.text), "finish    relax sweeps=60 reach=2; pictures show it\n");
     CHECK(picture_of(&interp, "render") != plain);
     must(&interp, "info");
-    CHECK_HAS(buf_text(&reply.text), "finish    relax sweeps=60; pictures show it\n");
+    CHECK_HAS(buf_text(&reply.text), "finish    relax sweeps=60 reach=2; pictures show it\n");
     must(&interp, "save labels x.nii");
     CHECK_HAS(buf_text(&reply.text), "`finished=yes` writes those that pictures show\n");
     must(&interp, "save labels x.nii finished=yes replace=yes");

@@ -258,7 +258,7 @@ close_story
 
 begin "a new user's labels are finished, and what is saved and counted says so"
 enter_anew "IFTTY_CONFIG= $iftty s.nii --journal new.iftty"
-see '^finish    relax sweeps=60; pictures show it$'
+see '^finish    relax sweeps=60 reach=2; pictures show it$'
 enter "seed 6,10,8 1 radius=2"
 see '^[0-9]+ voxels changed before finishing, label 1: '
 enter "seed 20,10,8 0 radius=2"

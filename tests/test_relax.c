@@ -60,7 +60,7 @@ static void model_far(const struct volume *v, int label, int far[MOST])
 {
     for (int i = 0; i < v->count; i++)
         far[i] = 9999;
-    for (int round = 1; round <= RELAX_REACH + 1; round++)
+    for (int round = 1; round <= FINISH_BAND_MOST + 1; round++)
         for (int i = 0; i < v->count; i++)
             for (int way = 0; way < 6; way++) {
                 const int n = beside(v, i, way);
@@ -107,7 +107,7 @@ static void model_move(const struct volume *v, int64_t u[MOST], int at)
     u[at] = u[at] < 0 ? 0 : u[at] > RELAX_ONE ? RELAX_ONE : u[at];
 }
 
-static void model_field(const struct volume *v, int label, int sweeps, int64_t u[MOST],
+static void model_field(const struct volume *v, int label, int sweeps, int reach, int64_t u[MOST],
                         int far[MOST])
 {
     model_far(v, label, far);
@@ -115,27 +115,27 @@ static void model_field(const struct volume *v, int label, int sweeps, int64_t u
         u[i] = v->label[i] == label ? RELAX_ONE : 0;
     for (int half = 0; half < 2 * sweeps; half++)
         for (int i = 0; i < v->count; i++)
-            if (is_even(v, i) == (half % 2 == 0) && far[i] <= RELAX_REACH && !v->stays[i] &&
+            if (is_even(v, i) == (half % 2 == 0) && far[i] <= reach && !v->stays[i] &&
                 !v->is_outside[i])
                 model_move(v, u, i);
 }
 
 /* The label that a voxel takes; fields of labels whose band it is not in are not looked at. */
 static int model_winner(const struct volume *v, int64_t u[LABELS][MOST], int far[LABELS][MOST],
-                        int at)
+                        int reach, int at)
 {
     int64_t rest = RELAX_ONE;
     int best = 0;
     bool any = false;
     for (int label = 1; label < LABELS; label++)
-        if (far[label][at] <= RELAX_REACH) {
+        if (far[label][at] <= reach) {
             rest -= u[label][at];
             any = true;
         }
     u[0][at] = rest < 0 ? 0 : rest;
     far[0][at] = 0;
     for (int label = 1; label < LABELS; label++)
-        if (far[label][at] <= RELAX_REACH &&
+        if (far[label][at] <= reach &&
             (u[label][at] > u[best][at] || (u[label][at] == u[best][at] && label == v->label[at])))
             best = label;
     if (v->label[at] == 0 && u[0][at] == u[best][at])
@@ -148,9 +148,9 @@ static void model(const struct volume *v, const struct finish_step *step, int ma
     static int64_t u[LABELS][MOST];
     static int far[LABELS][MOST];
     for (int label = 1; label < LABELS; label++)
-        model_field(v, label, (int)step->argument, u[label], far[label]);
+        model_field(v, label, (int)step->argument, (int)step->reach, u[label], far[label]);
     for (int i = 0; i < v->count; i++) {
-        const int winner = model_winner(v, u, far, i);
+        const int winner = model_winner(v, u, far, (int)step->reach, i);
         const bool may = step->label == FINISH_ALL_LABELS || winner == (int)step->label ||
                          v->label[i] == (int)step->label;
         made[i] = may ? winner : v->label[i];
@@ -271,6 +271,7 @@ STORY(relaxed_labels_are_what_a_plain_model_makes)
             .kind = FINISH_RELAX,
             .label = below(3) ? FINISH_ALL_LABELS : 1 + below(LABELS - 1),
             .argument = 1 + below(20),
+            .reach = round % 3 ? 1 + below(FINISH_BAND_MOST) : FINISH_BAND_MOST,
         };
         struct scene *scene = scene_of(v);
         model(v, &list.step[0], expected.made);
@@ -338,17 +339,22 @@ STORY(fields_that_are_kept_are_those_that_would_be_made)
         state = (uint64_t)round + 9000;
         fill_fitting(&v);
         struct scene *scene = scene_of(&v);
-        list.step[0] = (struct finish_step){
-            .kind = FINISH_RELAX, .label = FINISH_ALL_LABELS, .argument = 1 + below(20)};
+        list.step[0] = (struct finish_step){.kind = FINISH_RELAX,
+                                            .label = FINISH_ALL_LABELS,
+                                            .argument = 1 + below(20),
+                                            .reach = 1 + below(FINISH_BAND_MOST)};
         list.step[1] = (struct finish_step){.kind = round % 3 ? FINISH_MAJORITY : FINISH_RELAX,
                                             .label = FINISH_ALL_LABELS,
-                                            .argument = 1};
+                                            .argument = 1,
+                                            .reach = round % 3 ? 0 : 1 + below(4)};
         for (int edits = 0; edits < 12 && agree_again(&list, scene, &kept, round); edits++) {
             edit(&v, scene);
             if (edits % 3 == 2)
                 stop(&list, scene, &kept);
             if (edits == 5)
                 list.step[0].argument++;
+            if (edits == 7)
+                list.step[0].reach = 1 + below(FINISH_BAND_MOST);
             if (edits == 8)
                 kept.most = kept.bytes; /* no more of them */
             CHECK(kept.bytes <= kept.most);
@@ -384,7 +390,8 @@ STORY(the_fields_of_an_object_and_of_all_else_are_complements)
             const struct finish_work work = {
                 .scene = scene, .team = team_for(round + k), .label = label};
             struct relax_field field = {0};
-            CHECK(relax_field_begin(&field, &work, (uint8_t)(k + 1), &all, &greys, NULL) == OK);
+            CHECK(relax_field_begin(&field, &work, (uint8_t)(k + 1), &all, FINISH_BAND_MOST, &greys,
+                                    NULL) == OK);
             relax_field_make(&field, 25, 0);
             for (int i = 0; i < v.count; i++)
                 u[k][i] = v.label[i] == k + 1 ? RELAX_ONE : 0;
@@ -415,7 +422,7 @@ static void model_doubt(const struct volume *v, unsigned of, int sweeps, int64_t
     for (int label = 1; label < LABELS; label++) {
         if (of != FINISH_ALL_LABELS && of != (unsigned)label)
             continue;
-        model_field(v, label, sweeps, u, far);
+        model_field(v, label, sweeps, FINISH_BAND_MOST, u, far);
         for (int i = 0; i < v->count; i++) {
             const int64_t doubt = 4 * u[i] * (RELAX_ONE - u[i]) / RELAX_ONE;
             sum[0][i % v->size[0]] += doubt;
@@ -452,14 +459,14 @@ STORY(the_doubt_of_slices_is_that_of_a_plain_model)
         struct scene *scene = scene_of(&v);
         if (below(2))
             list.step[list.count++] =
-                (struct finish_step){FINISH_MAJORITY, FINISH_ALL_LABELS, 1, 0};
+                (struct finish_step){FINISH_MAJORITY, FINISH_ALL_LABELS, 1, 0, 0};
         CHECK(finish_make(&label, &list, scene, NULL, NULL) == OK); /* what comes before */
         for (int i = 0; i < v.count; i++)
             v.label[i] = label[cell_of(&v, &scene->grid, i)];
         if (round % 3) {
             list.step[list.count++] =
-                (struct finish_step){FINISH_RELAX, FINISH_ALL_LABELS, sweeps, 0};
-            list.step[list.count++] = (struct finish_step){FINISH_RELAX, 1, 1 + below(9), 0};
+                (struct finish_step){FINISH_RELAX, FINISH_ALL_LABELS, sweeps, 0, 2};
+            list.step[list.count++] = (struct finish_step){FINISH_RELAX, 1, 1 + below(9), 0, 1};
         }
         model_doubt(&v, of, (int)sweeps, sum);
         if (CHECK(doubt_find(&doubt, &list, scene, team_for(round), of, NULL) == OK)) {
@@ -487,7 +494,7 @@ STORY(the_doubt_of_slices_is_that_of_a_plain_model)
 STORY(doubt_that_cannot_be_found_is_an_error)
 {
     static struct volume v;
-    const struct finish_list list = {1, {{FINISH_RELAX, FINISH_ALL_LABELS, 3, 0}}};
+    const struct finish_list list = {1, {{FINISH_RELAX, FINISH_ALL_LABELS, 3, 0, 5}}};
     enum err err = ERR_MEMORY;
     struct doubt doubt;
     state = 3;
@@ -518,7 +525,7 @@ STORY(doubt_that_cannot_be_found_is_an_error)
 /* A step, and what it makes of a volume. */
 static struct finish_list relax_some(struct relaxed *expected, uint64_t seed)
 {
-    const struct finish_list list = {1, {{FINISH_RELAX, FINISH_ALL_LABELS, 3, 0}}};
+    const struct finish_list list = {1, {{FINISH_RELAX, FINISH_ALL_LABELS, 3, 0, 5}}};
     state = seed;
     fill_fitting(&expected->v);
     model(&expected->v, &list.step[0], expected->made);

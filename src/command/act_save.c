@@ -26,7 +26,12 @@ static enum err take_argument(struct finish_step *step, const struct act *act)
                     {"voxels", FINISH_TAKES_VOXELS},
                     {"sweeps", FINISH_TAKES_SWEEPS}};
     const struct finish_row *row = &finish_table[step->kind];
+    const struct value *reach = act_value(act, "reach");
     step->argument = row->usual;
+    if (reach->given && row->takes != FINISH_TAKES_SWEEPS)
+        return fault_set(act->fault, ERR_USAGE, "reach: `finish %s` has none", row->name);
+    if (row->takes == FINISH_TAKES_SWEEPS)
+        step->reach = reach->given ? (uint32_t)reach->number : FINISH_BAND;
     for (size_t i = 0; i < sizeof argument / sizeof *argument; i++) {
         const struct value *value = act_value(act, argument[i].name);
         if (value->given && row->takes != argument[i].takes)
@@ -66,7 +71,7 @@ enum err act_finish(const struct act *act)
     const struct value *step = act_value(act, "STEP");
     struct finish_list *list = &act->next->kept.finish;
     const bool clears = step->given && step->number == FINISH_KIND_COUNT;
-    if ((clears || !step->given) && act_has(act, "radius|voxels|sweeps|label"))
+    if ((clears || !step->given) && act_has(act, "radius|voxels|sweeps|reach|label"))
         return fault_set(act->fault, ERR_USAGE, "expected a step: " FINISH_KINDS);
     if (clears)
         *list = (struct finish_list){0};

@@ -595,6 +595,7 @@ static const struct command command_table[] = {
       KEYED("radius", VALUE_RADIUS, .most = FINISH_RADIUS_MOST),
       KEYED("voxels", VALUE_NUMBER, .least = 1, .most = 1000000000),
       KEYED("sweeps", VALUE_NUMBER, .least = 1, .most = FINISH_SWEEPS_MOST),
+      KEYED("reach", VALUE_NUMBER, .least = 1, .most = FINISH_BAND_MOST),
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255)},
      "smooth and clean the labels that are handed on",
      "Adds a step to the list, which `finished=yes` carries out in its order; without "
@@ -604,6 +605,8 @@ static const struct command command_table[] = {
      "none: removes all steps.\n"
      "radius: voxels, 1 unless given, or millimetres as in 2.5mm, which heed the spacing.\n"
      "sweeps: of `relax`, 60 unless given.\n"
+     "reach: of `relax`, voxels from a border within which labels move, 2 unless given. Up to 16 "
+     "corrects coarser errors, and can smooth away an object of low contrast.\n"
      "label: for one label, instead of all.",
      "finish majority radius=1"},
     {CALLED("save", "export|write", act_save, GROUP_KEPT, R | S | E | A),

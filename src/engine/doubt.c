@@ -61,7 +61,7 @@ enum err doubt_find(struct doubt *doubt, const struct finish_list *list, const s
     enum err err = s.sum ? finish_make(&work.label, &before, scene, team, fault)
                          : fault_memory(fault, "doubt");
     if (!err)
-        err = relax_each(&work, label, sweeps, sum_field, &s, fault);
+        err = relax_each(&work, label, sweeps, FINISH_BAND_MOST, sum_field, &s, fault);
     mem_pages_free(work.label, scene->grid.cells);
     if (err) {
         free(s.sum);

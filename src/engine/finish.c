@@ -89,7 +89,7 @@ void finish_write(struct buf *out, const struct finish_list *list)
         else if (row->takes == FINISH_TAKES_VOXELS)
             buf_printf(out, " voxels=%u", step->argument);
         else if (row->takes == FINISH_TAKES_SWEEPS)
-            buf_printf(out, " sweeps=%u", step->argument);
+            buf_printf(out, " sweeps=%u reach=%u", step->argument, step->reach);
         if (step->label != FINISH_ALL_LABELS)
             buf_printf(out, " label=%u", step->label);
     }

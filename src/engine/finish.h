@@ -33,8 +33,8 @@
  *               of whose voxels have its label. The others are given away, component by component
  *               of what is to be given away. For one label: of that one.
  *   relax       Labels settle on the edges of the scene: each has a field that is 1 in it and 0
- *               elsewhere, and every voxel near a border moves `sweeps` times towards the mean of
- *               its neighbours, those across an edge counting little; then the greatest field wins
+ *               elsewhere, and every voxel at most `reach` steps from a border moves `sweeps` times towards
+ *               the mean of its neighbours, those across an edge counting little; then the greatest field wins
  *               (engine/finish_relax.h). Seeds and voxels outside the region
  *               of interest keep their labels. For one label: where a voxel would lose or get that
  *               label.
@@ -61,7 +61,9 @@ enum {
     FINISH_STEPS_MOST = 16,
     FINISH_RADIUS_MOST = 16,
     FINISH_ALL_LABELS = 256,
-    FINISH_SWEEPS_MOST = 1000
+    FINISH_SWEEPS_MOST = 1000,
+    FINISH_BAND = 2, /* usual steps of `relax` from a border */
+    FINISH_BAND_MOST = 16
 };
 
 /* What a step may take beside its label. */
@@ -108,6 +110,7 @@ struct finish_step {
     uint32_t label;    /* 1..255, or FINISH_ALL_LABELS */
     uint32_t argument; /* radius: voxels, or nanometres; voxels; sweeps; 0 for nothing */
     uint32_t in_nm;    /* 0 or 1, of a radius */
+    uint32_t reach;    /* of `relax`: steps from a border, 1..FINISH_BAND_MOST; else 0 */
 };
 
 /* Plain data, compared whole: zeros after the last step. */

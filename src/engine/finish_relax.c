@@ -40,7 +40,7 @@ struct item {
 
 struct relaxing {
     const struct finish_work *work;
-    uint32_t sweeps;
+    uint32_t sweeps, reach;
     struct finish_box box[256];
     struct relax_greys greys;
     struct item item[255]; /* the largest first */
@@ -100,7 +100,8 @@ static enum err make_fields(struct relaxing *r, size_t first, struct fault *faul
     work.team = r->fields == 1 ? r->work->team : NULL;
     for (unsigned i = 0; i < r->fields && !err; i++) {
         const uint8_t label = r->item[first + i].label;
-        err = relax_field_begin(&r->field[i], &work, label, &r->box[label], &r->greys, fault);
+        err = relax_field_begin(&r->field[i], &work, label, &r->box[label], r->reach, &r->greys,
+                                fault);
         r->field[i].shows = r->fields == 1;
     }
     if (err)
@@ -128,8 +129,8 @@ static void see_kept(struct relaxing *r, relax_see *see, void *context)
     r->count = left;
 }
 
-enum err relax_each(const struct finish_work *work, unsigned label, uint32_t sweeps, relax_see *see,
-                    void *context, struct fault *fault)
+enum err relax_each(const struct finish_work *work, unsigned label, uint32_t sweeps, uint32_t reach,
+                    relax_see *see, void *context, struct fault *fault)
 {
     struct watch *watch = work->scene->watch;
     struct relaxing *r = mem_new(sizeof *r);
@@ -137,13 +138,14 @@ enum err relax_each(const struct finish_work *work, unsigned label, uint32_t swe
         return fault_memory(fault, "relaxed labels");
     r->work = work;
     r->sweeps = sweeps;
+    r->reach = reach;
     enum err err = list_labels(r, label, fault);
     if (!err && r->count)
         relax_find_greys(&r->greys, work->scene, work->team);
     /* A field that is alone has changed with each edit. */
     struct relax_kept *kept = label == FINISH_ALL_LABELS && r->count > 1 ? work->kept : NULL;
     if (!err && kept)
-        relax_kept_follow(kept, work, &r->greys, sweeps);
+        relax_kept_follow(kept, work, &r->greys, sweeps, reach);
     if (!err && kept)
         see_kept(r, see, context);
     for (size_t i = 0; !err && i < r->count; i += r->fields) {
@@ -266,7 +268,8 @@ enum err finish_relax(struct finish_work *work, const struct finish_step *step, 
     r.part = mem_pages(rows * sizeof *r.part);
     enum err err = r.best && r.sum && r.part ? OK : fault_memory(fault, "relaxed labels");
     if (!err)
-        err = relax_each(work, FINISH_ALL_LABELS, step->argument, rank_field, &r, fault);
+        err =
+            relax_each(work, FINISH_ALL_LABELS, step->argument, step->reach, rank_field, &r, fault);
     if (!err) {
         team_run(work->team, choose_part, &r);
         err = watch_fault(work->scene->watch, fault);

@@ -8,7 +8,7 @@
  * kept; and only where some field has moved, since else the label's own is RELAX_ONE, and stays.
  *
  * The field of a label lies in a box around it. Each voxel has a value u, RELAX_ONE in the label
- * and 0 elsewhere at first. Those of the *band* move: voxels from which at most RELAX_REACH steps
+ * and 0 elsewhere at first. Those of the *band* move: voxels from which at most `reach` steps
  * along the axes lead to one on the other side of the label's border. All others keep their value,
  * as do seeds and voxels outside the region of interest.
  *
@@ -40,7 +40,7 @@ typedef void relax_see(void *context, const struct relax_field *field);
 
 /* Makes the field of a label, or FINISH_ALL_LABELS, as work->label has them, and has each seen, in
  * no order. ERR_MEMORY, ERR_CANCELLED by the scene's watch. */
-enum err relax_each(const struct finish_work *work, unsigned label, uint32_t sweeps, relax_see *see,
-                    void *context, struct fault *fault);
+enum err relax_each(const struct finish_work *work, unsigned label, uint32_t sweeps, uint32_t reach,
+                    relax_see *see, void *context, struct fault *fault);
 
 #endif

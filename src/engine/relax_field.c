@@ -221,15 +221,22 @@ struct making {
     unsigned worker;
 };
 
+/* The set that the edge is in after some spreads: `near` has the last one. */
+static uint64_t *spread_set(const struct relax_field *f, uint32_t spreads)
+{
+    return (f->reach + spreads) % 2 ? f->band : f->near;
+}
+
 static void begin_plane(const struct relax_field *f, uint32_t z)
 {
-    find_edge(f, f->near, z);
+    const uint64_t *edge = spread_set(f, 0);
+    find_edge(f, spread_set(f, 0), z);
     f->busy[z] = 0;
     for (uint32_t y = 0; y < f->size[1]; y++)
         for (unsigned parity = 0; parity < 2; parity++) {
             const size_t row = row_of(f, y, z), at = row * f->chunk_words;
             memset(f->spills[parity] + at, 0, f->chunk_words * sizeof(uint64_t));
-            find_chunks(f, f->moved[parity], f->near, is_odd(f, parity, y, z) ? ODD : EVEN, row);
+            find_chunks(f, f->moved[parity], edge, is_odd(f, parity, y, z) ? ODD : EVEN, row);
             memset(f->known[parity] + at, 0, f->chunk_words * sizeof(uint64_t));
             f->stirs[parity][row] = 0;
             for (size_t w = 0; w < f->chunk_words; w++)
@@ -259,12 +266,12 @@ static void make_part(void *context, unsigned worker)
         goes_on = task_advance(&task, 2 * cost);
     }
     /* The border's own voxels are a step from the other side; the last step is beyond the band. */
-    for (int step = 1; step <= RELAX_REACH; step++) {
-        uint64_t *const from = step % 2 ? f->near : f->band, *to = step % 2 ? f->band : f->near;
+    for (uint32_t step = 1; step <= f->reach; step++) {
+        uint64_t *const from = spread_set(f, step - 1), *const to = spread_set(f, step);
         team_wait(f->team);
         for (size_t z = planes.first; z < planes.end && goes_on; z++) {
             spread(f, to, from, (uint32_t)z);
-            for (uint32_t y = 0; y < f->size[1] && step < RELAX_REACH; y++)
+            for (uint32_t y = 0; y < f->size[1] && step < f->reach; y++)
                 trim(f, to + row_of(f, y, (uint32_t)z) * f->words);
             goes_on = task_advance(&task, cost);
         }
@@ -568,14 +575,15 @@ void relax_field_make(struct relax_field *f, uint32_t sweeps, unsigned worker)
 
 /* ---- begun and released ---- */
 
-/* Where the field of a label lies that lies there: RELAX_REACH further, within the scene. */
-static struct finish_box box_around(const struct grid *grid, const struct finish_box *label)
+/* The box of a label's field: `reach` voxels larger on each side, within the scene. */
+static struct finish_box box_around(const struct grid *grid, const struct finish_box *label,
+                                    uint32_t reach)
 {
     struct finish_box box;
     for (int a = 0; a < 3; a++) {
         const uint32_t first = label->first[a], last = label->last[a], end = grid->size[a] - 1;
-        box.first[a] = first > RELAX_REACH ? first - RELAX_REACH : 0;
-        box.last[a] = end - last > RELAX_REACH ? last + RELAX_REACH : end;
+        box.first[a] = first > reach ? first - reach : 0;
+        box.last[a] = end - last > reach ? last + reach : end;
     }
     return box;
 }
@@ -639,10 +647,11 @@ void relax_field_read(struct relax_field *f, const struct finish_work *work, uin
 }
 
 enum err relax_field_begin(struct relax_field *f, const struct finish_work *work, uint8_t which,
-                           const struct finish_box *around, const struct relax_greys *greys,
-                           struct fault *fault)
+                           const struct finish_box *around, uint32_t reach,
+                           const struct relax_greys *greys, struct fault *fault)
 {
-    shape(f, work, which, box_around(&work->scene->grid, around));
+    shape(f, work, which, box_around(&work->scene->grid, around, reach));
+    f->reach = reach;
     f->greys = greys;
     const size_t bytes = lay_out(f);
     if (bytes > f->bytes) {

@@ -16,7 +16,7 @@
 
 #include "engine/finish.h"
 
-enum { RELAX_ONE = 1 << 20, RELAX_REACH = 16, RELAX_CHUNK = 16 };
+enum { RELAX_ONE = 1 << 20, RELAX_CHUNK = 16 };
 
 /* Intensities as 0..255: from where a thousandth of all voxels is darker to where one is brighter,
  * of every n-th row where the scene is large. */
@@ -33,6 +33,7 @@ struct relax_field {
     const struct relax_greys *greys;
     struct team *team; /* NULL where several fields are made side by side */
     bool shows;        /* between sweeps, what the watch wants shown */
+    uint32_t reach;    /* steps from the border to the last voxels that move, 1..FINISH_BAND_MOST */
     struct finish_box box;
     uint32_t size[3];   /* of the box */
     size_t rows;        /* stored: those of the box, and a rim */
@@ -67,8 +68,8 @@ struct relax_stored {
 
 /* Has memory for the field of a label that lies in `around`. ERR_MEMORY; then it holds none. */
 enum err relax_field_begin(struct relax_field *field, const struct finish_work *work, uint8_t which,
-                           const struct finish_box *around, const struct relax_greys *greys,
-                           struct fault *fault);
+                           const struct finish_box *around, uint32_t reach,
+                           const struct relax_greys *greys, struct fault *fault);
 void relax_field_release(struct relax_field *field);
 
 /* Makes the field, and does so many sweeps, each of which moves even voxels, then odd ones; by the

@@ -150,16 +150,17 @@ static bool begin(struct relax_kept *kept, size_t cells)
 }
 
 void relax_kept_follow(struct relax_kept *kept, const struct finish_work *work,
-                       const struct relax_greys *greys, uint32_t sweeps)
+                       const struct relax_greys *greys, uint32_t sweeps, uint32_t reach)
 {
     const size_t cells = work->scene->grid.cells;
-    const bool is_new = kept->cells != cells || kept->sweeps != sweeps ||
+    const bool is_new = kept->cells != cells || kept->sweeps != sweeps || kept->reach != reach ||
                         memcmp(kept->greys, greys, sizeof *greys) != 0;
     if ((is_new && !begin(kept, cells)) || !compare(kept, work)) {
         relax_kept_release(kept);
         return;
     }
     kept->sweeps = sweeps;
+    kept->reach = reach;
     *kept->greys = *greys;
 }
 

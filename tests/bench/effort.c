@@ -17,13 +17,13 @@
     }
 #define OWN_FIVE(title, weight)                                                                    \
     OWN(title, weight, SHAPE_BALL, .charted = true),                                               \
-        OWN(title ", sphere", weight, SHAPE_SPHERE, .relaxes = false),                             \
-        OWN(title ", box", weight, SHAPE_BOX, .relaxes = false),                                   \
-        OWN(title ", relax", weight, SHAPE_BALL, .relaxes = true),                                 \
-        OWN(title ", sphere, relax", weight, SHAPE_SPHERE, .relaxes = true, .charted = true)
+        OWN(title ", sphere", weight, SHAPE_SPHERE, .reach = 0),                                   \
+        OWN(title ", box", weight, SHAPE_BOX, .reach = 0),                                         \
+        OWN(title ", relax", weight, SHAPE_BALL, .reach = FINISH_BAND),                            \
+        OWN(title ", sphere, relax", weight, SHAPE_SPHERE, .reach = FINISH_BAND, .charted = true)
 #define OUTLINES(title, off, by_next, does_relax)                                                  \
-    OWN(title, "morph", SHAPE_SPHERE, .relaxes = (does_relax), .next = (by_next), .hand = (off),   \
-        .charted = (off) == 7)
+    OWN(title, "morph", SHAPE_SPHERE, .reach = (does_relax) ? FINISH_BAND : 0, .next = (by_next),  \
+        .hand = (off), .charted = (off) == 7)
 #define WORKER(title, program, by_shape, is_charted)                                               \
     {                                                                                              \
         .name = (title), .by = BY_WORKER, .background = (by_shape), .weight = (program),           \
@@ -35,8 +35,9 @@ static const struct effort_method method[] = {
     OWN_FIVE("morph", "morph"),
     OWN_FIVE("gauss 1", "gauss 1"),
     OWN("morph, within", "morph", SHAPE_BALL, .limits = true),
-    OWN("sphere, relax, within", "morph", SHAPE_SPHERE, .relaxes = true, .limits = true),
-    OWN("sphere, relax, brush 6", "morph", SHAPE_SPHERE, .relaxes = true, .brush = 6),
+    OWN("sphere, relax, within", "morph", SHAPE_SPHERE, .reach = FINISH_BAND, .limits = true),
+    OWN("sphere, relax, reach 16", "morph", SHAPE_SPHERE, .reach = FINISH_BAND_MOST),
+    OWN("sphere, relax, brush 6", "morph", SHAPE_SPHERE, .reach = FINISH_BAND, .brush = 6),
     OUTLINES("outline, hand 0, relax", 0, NEXT_WRONG, true),
     OUTLINES("outline, hand .7, relax", 7, NEXT_WRONG, true),
     OUTLINES("outline, hand 1, relax", 10, NEXT_WRONG, true),
@@ -170,7 +171,7 @@ static enum err check_words(const struct bench_options *o, struct fault *fault)
                      strcmp(o->common.word[i], effort_group_name[effort_object_group(object)]) == 0;
         if (!known)
             return fault_set(fault, ERR_USAGE,
-                             "expected tuned, other, whole, pairs, or an object of those, as "
+                             "expected tuned, other, whole, pairs, ct, or an object of those, as "
                              "putamen; not %s",
                              o->common.word[i]);
     }

@@ -12,7 +12,7 @@
 
 enum { CROP_MOST = 80, REGIONS_MOST = 4000, MARGIN = 16 };
 
-const char *const effort_group_name[EFFORT_GROUPS] = {"tuned", "other", "whole", "pairs"};
+const char *const effort_group_name[EFFORT_GROUPS] = {"tuned", "other", "whole", "pairs", "ct"};
 
 struct row {
     const char *name;
@@ -35,6 +35,7 @@ struct row {
 #define OTHER(n) n, GROUP_OTHER
 #define WHOLE(n) n, GROUP_WHOLE
 #define PAIR(n)  n, GROUP_PAIRS
+#define CT(n)    n, GROUP_CT
 
 static const struct row row[] = {
     {TUNED("putamen"), CH2, AAL, "73", 0, 0, 0, MARGIN},
@@ -85,6 +86,13 @@ static const struct row row[] = {
     {PAIR("m-caudates"), MACAQUE, NEURO, "82", 1000, 0, 0, MARGIN},
     {PAIR("m-putamina"), MACAQUE, NEURO, "98", 1000, 0, 0, MARGIN},
     {PAIR("m-7s"), MACAQUE, NEURO, "7", 1000, 0, 0, MARGIN},
+
+    {CT("ct-liver"), NULL, NULL, "51", 0, 0, 0, 0},
+    {CT("ct-kidney"), NULL, NULL, "52", 0, 0, 0, 0},
+    {CT("ct-spleen"), NULL, NULL, "53", 0, 0, 0, 0},
+    {CT("ct-aorta"), NULL, NULL, "54", 0, 0, 0, 0},
+    {CT("ct-lesion"), NULL, NULL, "55", 0, 0, 0, 0},
+    {CT("ct-vessel"), NULL, NULL, "56", 0, 0, 0, 0},
 };
 enum { ROWS = sizeof row / sizeof *row };
 
@@ -384,7 +392,8 @@ static enum err matter_make(struct matter *m, const struct row *r, const struct 
     }
     enum err err = matter_new(m, side, fault);
     if (!err)
-        phantom_fill((enum phantom)(r->regions[0] - '0'), m->image, m->truth);
+        phantom_fill((enum phantom)(r->regions[0] - '0'),
+                     r->group == GROUP_CT ? r->regions[1] - '0' : 0, m->image, m->truth);
     return err;
 }
 
@@ -406,6 +415,10 @@ enum err effort_object_load(struct effort_object *object, size_t number,
         stretch(object->image, m.image, object->voxels, count);
         object->truth = m.truth;
         m.truth = NULL;
+        if (row[number].group == GROUP_CT) {
+            object->hounsfield = m.image;
+            m.image = NULL;
+        }
     } else {
         fault_prefix(fault, err, "%s", row[number].name);
         effort_object_release(object);
@@ -419,14 +432,18 @@ void effort_object_release(struct effort_object *object)
 {
     free(object->image);
     free(object->truth);
+    free(object->hounsfield);
     *object = (struct effort_object){0};
 }
 
 static void image_row(void *context, uint32_t y, uint32_t z, void *values)
 {
     const struct effort_object *object = context;
-    memcpy(values, object->image + ((size_t)z * object->size[1] + y) * object->size[0],
-           object->size[0]);
+    const size_t first = ((size_t)z * object->size[1] + y) * object->size[0];
+    if (object->hounsfield)
+        memcpy(values, object->hounsfield + first, object->size[0] * sizeof *object->hounsfield);
+    else
+        memcpy(values, object->image + first, object->size[0]);
 }
 
 enum err effort_object_save(const struct effort_object *object, const char *path,
@@ -437,7 +454,7 @@ enum err effort_object_save(const struct effort_object *object, const char *path
     geometry_place_plain(&geometry, spacing_mm);
     const struct volume_map map = {.size = object->size,
                                    .geometry = &geometry,
-                                   .type = VOXEL_UINT8,
+                                   .type = object->hounsfield ? VOXEL_UINT16 : VOXEL_UINT8,
                                    .description = "an object",
                                    .row = image_row,
                                    .context = (void *)(uintptr_t)object};

@@ -21,7 +21,7 @@
 
 #include "command/interpreter.h"
 
-enum effort_group { GROUP_TUNED, GROUP_OTHER, GROUP_WHOLE, GROUP_PAIRS, EFFORT_GROUPS };
+enum effort_group { GROUP_TUNED, GROUP_OTHER, GROUP_WHOLE, GROUP_PAIRS, GROUP_CT, EFFORT_GROUPS };
 extern const char *const effort_group_name[EFFORT_GROUPS];
 
 struct effort_object {
@@ -30,6 +30,7 @@ struct effort_object {
     uint32_t size[3];
     size_t voxels;
     uint8_t *image, *truth; /* [z][y][x]: grey; 1 in the object, and 0 */
+    uint16_t *hounsfield;   /* [z][y][x]: of CT: HU + HOUNSFIELD_ZERO, opened by iftty; or NULL */
 };
 
 /* The rows of the table, by their number; NULL after the last. */
@@ -54,10 +55,12 @@ enum phantom {
     PHANTOM_SHELLS,
     PHANTOM_NECK,
     PHANTOM_FADING,
+    PHANTOM_CT, /* of several objects: liver, kidney, spleen, aorta, lesion, vessel */
     PHANTOMS
 };
 
-/* Both are [PHANTOM_SIDE]^3. */
-void phantom_fill(enum phantom phantom, uint16_t *image, uint8_t *truth);
+/* Both are [PHANTOM_SIDE]^3. `object` is one of those in PHANTOM_CT, else 0. */
+enum { HOUNSFIELD_ZERO = 1024 };
+void phantom_fill(enum phantom phantom, int object, uint16_t *image, uint8_t *truth);
 
 #endif

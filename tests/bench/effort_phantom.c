@@ -12,6 +12,9 @@
  *                no border where it ends
  *     fading     an ellipsoid that fades into the ground over 8 voxels, in noise: its border is
  *                where it has half its brightness
+ *     ct         an abdomen in Hounsfield units, so that greys of the whole scene are coarse: air,
+ *                fat and muscle of the body, a spine and a rib, a screw of metal; and six objects
+ *                40 to 120 HU brighter or darker than what they touch, in noise of 12 HU
  */
 #include <string.h>
 
@@ -110,14 +113,70 @@ static int value_of(enum phantom phantom, const int p[3], bool *is_object)
     return (shell == 4 ? 110 : shell % 2 ? 90 : 140) + noise(place, 6);
 }
 
-void phantom_fill(enum phantom phantom, uint16_t *image, uint8_t *truth)
+/* The parts of the abdomen, from the outside in: a later one replaces an earlier one. Radii along
+ * the axes are those of an ellipsoid; a part with no radius along z is a cylinder. */
+static const struct part {
+    int middle[3], radius[3], value, object;
+} abdomen[] = {
+    {{36, 36, 36}, {35, 30, 0}, -100, 0}, /* fat */
+    {{36, 36, 36}, {32, 27, 0}, 50, 0},   /* muscle */
+    {{36, 34, 36}, {28, 22, 0}, -90, 0},  /* fat inside */
+    {{22, 30, 38}, {15, 15, 26}, 105, 1}, /* liver */
+    {{18, 28, 40}, {5, 5, 5}, 60, 5},     /* a lesion in it */
+    {{46, 44, 34}, {8, 7, 12}, 160, 2},   /* kidney, which touches muscle and spleen */
+    {{55, 30, 40}, {9, 11, 14}, 115, 3},  /* spleen */
+    {{36, 30, 30}, {9, 7, 20}, 45, 0},    /* bowel */
+    {{36, 49, 36}, {8, 7, 0}, 700, 0},    /* spine */
+    {{36, 49, 36}, {4, 4, 0}, 250, 0},    /* its marrow */
+    {{38, 38, 36}, {4, 4, 0}, 170, 4},    /* aorta, before the spine */
+    {{27, 37, 40}, {2, 2, 30}, 170, 6},   /* a vessel between liver and bowel */
+    {{32, 53, 20}, {2, 5, 2}, 2900, 0},   /* a screw */
+    {{61, 52, 50}, {4, 4, 5}, 1100, 0},   /* a rib */
+};
+
+static bool is_in_part(const struct part *part, const int p[3])
+{
+    int64_t sum = 0;
+    for (int a = 0; a < 3; a++)
+        sum +=
+            part->radius[a] ? 1000 * square(p[a] - part->middle[a]) / square(part->radius[a]) : 0;
+    return sum <= 1000;
+}
+
+/* At twice the resolution, so that borders have mixed values. */
+static int abdomen_at(int object, const int p[3], bool *is_object)
+{
+    int sum = 0, inside = 0;
+    for (int i = 0; i < 8; i++) {
+        int value = -1000, here = 0;
+        for (size_t k = 0; k < sizeof abdomen / sizeof *abdomen; k++) {
+            struct part twice = abdomen[k];
+            for (int a = 0; a < 3; a++)
+                twice.middle[a] *= 2, twice.radius[a] *= 2;
+            if (!is_in_part(&twice, (const int[]){2 * p[0] + (i & 1), 2 * p[1] + (i >> 1 & 1),
+                                                  2 * p[2] + (i >> 2)}))
+                continue;
+            value = abdomen[k].value;
+            here = abdomen[k].object;
+        }
+        sum += value;
+        inside += here == object || (object == 1 && here == 5); /* a liver has its lesion */
+    }
+    *is_object = inside >= 4;
+    return sum / 8 + noise((uint64_t)((p[2] * SIDE + p[1]) * SIDE + p[0]), 12);
+}
+
+void phantom_fill(enum phantom phantom, int object, uint16_t *image, uint8_t *truth)
 {
     size_t voxel = 0;
     for (int z = 0; z < SIDE; z++)
         for (int y = 0; y < SIDE; y++)
             for (int x = 0; x < SIDE; x++, voxel++) {
+                const int p[3] = {x, y, z};
                 bool is_object;
-                const int value = value_of(phantom, (const int[]){x, y, z}, &is_object);
+                const int value = phantom == PHANTOM_CT
+                                      ? abdomen_at(object, p, &is_object) + HOUNSFIELD_ZERO
+                                      : value_of(phantom, p, &is_object);
                 image[voxel] = (uint16_t)(value < 0 ? 0 : value);
                 truth[voxel] = is_object;
             }

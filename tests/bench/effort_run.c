@@ -82,7 +82,7 @@ static enum err go_on(struct effort_run *run, struct effort_robot *robot,
                       struct effort_outliner *outliner, struct effort_tool *tool, unsigned at,
                       struct fault *fault)
 {
-    const bool is_judged = tool->method->by == BY_IFTTY && !tool->method->relaxes;
+    const bool is_judged = tool->method->by == BY_IFTTY && !tool->method->reach;
     uint8_t *former = mem_new(tool->object->voxels);
     struct effort_gesture gesture;
     double ms[CURVE];

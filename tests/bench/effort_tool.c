@@ -149,8 +149,9 @@ static enum err begin_iftty(struct effort_tool *tool, struct fault *fault)
     err = err ? err : command(tool, "auto on", fault);
     snprintf(line, sizeof line, "weight %s", tool->method->weight);
     err = err ? err : command(tool, line, fault);
-    if (!err && tool->method->relaxes)
-        err = command(tool, "finish relax sweeps=60", fault);
+    snprintf(line, sizeof line, "finish relax reach=%u", tool->method->reach);
+    if (!err && tool->method->reach)
+        err = command(tool, line, fault);
     return err;
 }
 
@@ -163,7 +164,7 @@ static enum err apply_iftty(struct effort_tool *tool, const struct effort_gestur
     effort_write_command(&line, gesture, tool->method->limits);
     const double begin = worker_clock_ms();
     enum err err = command(tool, buf_text(&line), fault);
-    err = err ? err : session_labels(session, tool->method->relaxes, &labels, fault);
+    err = err ? err : session_labels(session, tool->method->reach > 0, &labels, fault);
     tool->ms = worker_clock_ms() - begin;
     uint8_t *out = tool->label;
     for (uint32_t z = 0; !err && z < tool->grid.size[2]; z++)

@@ -23,7 +23,7 @@ struct effort_method {
     enum effort_by by;
     enum effort_shape background;
     const char *weight; /* of iftty, as its command has it; of a worker, its program */
-    bool relaxes;
+    unsigned reach;     /* of `finish relax`; 0: it is not relaxed */
     bool charted;
     bool once;      /* is only run by the careful robot, and on no whole scene: it takes its time */
     bool limits;    /* refinements end within the gesture's distance */
