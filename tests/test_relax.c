@@ -34,7 +34,7 @@ static uint32_t below(uint32_t end)
 
 struct volume {
     int size[3], count;
-    int label[MOST], grey[MOST]; /* greys are 0..255, and so are intensities */
+    int label[MOST], grey[MOST]; /* intensities */
     bool stays[MOST], is_outside[MOST];
 };
 
@@ -82,7 +82,7 @@ static int64_t model_through(int d)
     for (int i = 0; i < 6; i++)
         exponential *= exponential;
     const int64_t through = (int64_t)(65536 * exponential + 0.5);
-    return d > 60 || through < 1 ? 1 : through;
+    return d > 41 || through < 1 ? 1 : through;
 }
 
 static int64_t round_half_even(int64_t a, int64_t by)
@@ -91,12 +91,33 @@ static int64_t round_half_even(int64_t a, int64_t by)
     return sign * (whole + (2 * rest > by || (2 * rest == by && whole % 2)));
 }
 
-static void model_move(const struct volume *v, int64_t u[MOST], int at)
+static int compare_ints(const void *a, const void *b)
+{
+    return *(const int *)a - *(const int *)b;
+}
+
+/* 2^16 greys for a difference of one intensity: by the intensities of the band, sorted. */
+static int64_t model_scale(const struct volume *v, const int far[MOST], int reach)
+{
+    static int sorted[MOST];
+    int count = 0, range = 1;
+    for (int i = 0; i < v->count; i++)
+        if (far[i] <= reach)
+            sorted[count++] = v->grey[i];
+    qsort(sorted, (size_t)count, sizeof *sorted, compare_ints);
+    if (count > 0) /* at most 2 % of them are below the one, and at least 98 % up to the other */
+        range = sorted[(98 * count + 99) / 100 - 1] - sorted[2 * count / 100];
+    return (255 << 16) / (range > 0 ? range : 1);
+}
+
+static void model_move(const struct volume *v, int64_t scale, int64_t u[MOST], int at)
 {
     int64_t c[6], sum = 0, moved = 0;
     for (int way = 0; way < 6; way++) {
         const int n = beside(v, at, way);
-        c[way] = n < 0 || v->is_outside[n] ? 0 : model_through(abs(v->grey[n] - v->grey[at]));
+        c[way] = n < 0 || v->is_outside[n]
+                     ? 0
+                     : model_through((int)((abs(v->grey[n] - v->grey[at]) * scale + 32768) >> 16));
         sum += c[way];
     }
     for (int way = 0; way < 6 && sum > 0; way++)
@@ -113,11 +134,12 @@ static void model_field(const struct volume *v, int label, int sweeps, int reach
     model_far(v, label, far);
     for (int i = 0; i < v->count; i++)
         u[i] = v->label[i] == label ? RELAX_ONE : 0;
+    const int64_t scale = model_scale(v, far, reach);
     for (int half = 0; half < 2 * sweeps; half++)
         for (int i = 0; i < v->count; i++)
             if (is_even(v, i) == (half % 2 == 0) && far[i] <= reach && !v->stays[i] &&
                 !v->is_outside[i])
-                model_move(v, u, i);
+                model_move(v, scale, u, i);
 }
 
 /* The label that a voxel takes; fields of labels whose band it is not in are not looked at. */
@@ -159,7 +181,7 @@ static void model(const struct volume *v, const struct finish_step *step, int ma
 
 /* ---- random scenes ---- */
 
-/* Boxes of labels over each other; greys in other boxes, with noise; all greys occur. */
+/* Boxes of labels over each other; intensities in other boxes, with noise. */
 static void fill(struct volume *v)
 {
     const int long_axis = (int)below(3), noise = (int)below(40);
@@ -195,19 +217,9 @@ static void fill(struct volume *v)
     }
     for (int i = 0; i < v->count; i++)
         v->grey[i] += (int)below((uint32_t)noise + 1);
-    v->grey[below((uint32_t)v->count)] = 0;
-    v->grey[below((uint32_t)v->count)] = 255;
-}
-
-/* Greys are intensities as they are, where the darkest is 0 and the brightest 255. */
-static bool has_all_greys(const struct volume *v)
-{
-    int least = 255, most = 0;
-    for (int i = 0; i < v->count; i++) {
-        least = v->grey[i] < least ? v->grey[i] : least;
-        most = v->grey[i] > most ? v->grey[i] : most;
-    }
-    return least == 0 && most == 255 && v->count < 1000; /* so one voxel is a thousandth */
+    const int times = 1 + (int)below(200); /* up to 16 bits */
+    for (int i = 0; i < v->count; i++)
+        v->grey[i] *= times;
 }
 
 static uint32_t cell_of(const struct volume *v, const struct grid *grid, int i)
@@ -248,13 +260,6 @@ static bool agree(const void *expected, const struct scene *scene, const uint8_t
     return same;
 }
 
-static void fill_fitting(struct volume *v)
-{
-    do
-        fill(v);
-    while (!has_all_greys(v));
-}
-
 /* ---- stories ---- */
 
 STORY(relaxed_labels_are_what_a_plain_model_makes)
@@ -266,7 +271,7 @@ STORY(relaxed_labels_are_what_a_plain_model_makes)
         struct finish_list list = {.count = 1};
         uint8_t *label;
         state = (uint64_t)round;
-        fill_fitting(&expected.v);
+        fill(&expected.v);
         list.step[0] = (struct finish_step){
             .kind = FINISH_RELAX,
             .label = below(3) ? FINISH_ALL_LABELS : 1 + below(LABELS - 1),
@@ -337,7 +342,7 @@ STORY(fields_that_are_kept_are_those_that_would_be_made)
         struct finish_list list = {.count = 1 + (uint32_t)below(2)};
         struct relax_kept kept = {0};
         state = (uint64_t)round + 9000;
-        fill_fitting(&v);
+        fill(&v);
         struct scene *scene = scene_of(&v);
         list.step[0] = (struct finish_step){.kind = FINISH_RELAX,
                                             .label = FINISH_ALL_LABELS,
@@ -372,10 +377,9 @@ STORY(fields_that_are_kept_are_those_that_would_be_made)
 STORY(the_fields_of_an_object_and_of_all_else_are_complements)
 {
     static struct volume v;
-    static struct relax_greys greys;
     for (int round = 0; round < 300; round++) {
         state = (uint64_t)round + 5000;
-        fill_fitting(&v);
+        fill(&v);
         for (int i = 0; i < v.count; i++)
             v.label[i] = 1 + (v.label[i] & 1);
         struct scene *scene = scene_of(&v);
@@ -383,14 +387,13 @@ STORY(the_fields_of_an_object_and_of_all_else_are_complements)
             {0, 0, 0}, {scene->grid.size[0] - 1, scene->grid.size[1] - 1, scene->grid.size[2] - 1}};
         uint8_t *label = mem_pages(scene->grid.cells);
         static int32_t u[2][MOST];
-        relax_find_greys(&greys, scene, NULL);
         for (int i = 0; i < v.count; i++)
             label[cell_of(&v, &scene->grid, i)] = (uint8_t)v.label[i];
         for (uint8_t k = 0; k < 2; k++) {
             const struct finish_work work = {
                 .scene = scene, .team = team_for(round + k), .label = label};
             struct relax_field field = {0};
-            CHECK(relax_field_begin(&field, &work, (uint8_t)(k + 1), &all, FINISH_BAND_MOST, &greys,
+            CHECK(relax_field_begin(&field, &work, (uint8_t)(k + 1), &all, FINISH_BAND_MOST,
                                     NULL) == OK);
             relax_field_make(&field, 25, 0);
             for (int i = 0; i < v.count; i++)
@@ -453,7 +456,7 @@ STORY(the_doubt_of_slices_is_that_of_a_plain_model)
         struct doubt doubt;
         uint8_t *label;
         state = (uint64_t)round + 9000;
-        fill_fitting(&v);
+        fill(&v);
         const unsigned of = below(2) ? FINISH_ALL_LABELS : 1 + below(LABELS - 1);
         const uint32_t sweeps = round % 3 ? 1 + below(20) : 60;
         struct scene *scene = scene_of(&v);
@@ -498,7 +501,7 @@ STORY(doubt_that_cannot_be_found_is_an_error)
     enum err err = ERR_MEMORY;
     struct doubt doubt;
     state = 3;
-    fill_fitting(&v);
+    fill(&v);
     struct scene *scene = scene_of(&v);
     for (size_t n = 0; err == ERR_MEMORY && n < 1000; n++) {
         allow_allocations(n);
@@ -527,7 +530,7 @@ static struct finish_list relax_some(struct relaxed *expected, uint64_t seed)
 {
     const struct finish_list list = {1, {{FINISH_RELAX, FINISH_ALL_LABELS, 3, 0, 5}}};
     state = seed;
-    fill_fitting(&expected->v);
+    fill(&expected->v);
     model(&expected->v, &list.step[0], expected->made);
     return list;
 }

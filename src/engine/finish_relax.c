@@ -6,30 +6,6 @@
 #include "base/mem.h"
 #include "engine/relax_kept.h"
 
-/* 65536 * exp(-400 * (d / 255)^2), to the nearest; 1 from there on. */
-static const uint32_t through[] = {
-    65536, 65134, 63943, 62006, 59393, 56194, 52517, 48481, 44208, 39818, 35426,
-    31133, 27026, 23173, 19627, 16420, 13569, 11076, 8931,  7113,  5596,  4348,
-    3338,  2531,  1895,  1402,  1024,  739,   527,   371,   258,   177,   120,
-    81,    53,    35,    23,    14,    9,     6,     3,     2,
-};
-enum { THROUGH = sizeof through / sizeof through[0] };
-
-void relax_find_greys(struct relax_greys *greys, const struct scene *scene, struct team *team)
-{
-    static uint32_t count[UINT16_MAX + 1];
-    int32_t range[2];
-    intensities_count(count, scene, team);
-    intensities_range(range, count, 1, 999);
-    const int64_t low = range[0], high = range[1] > low ? range[1] : low + 1;
-    for (int64_t i = 0; i <= UINT16_MAX; i++) {
-        const int64_t grey = (2 * (i - low) * 255 + high - low) / (2 * (high - low));
-        greys->of[i] = (uint8_t)(i <= low ? 0 : grey < 255 ? grey : 255);
-    }
-    for (int d = 0; d < 256; d++)
-        greys->through[255 - d] = greys->through[255 + d] = d < THROUGH ? through[d] : 1;
-}
-
 /* ---- one field after another, or some side by side ---- */
 
 /* A label, and the voxels of the box it lies in. */
@@ -42,7 +18,6 @@ struct relaxing {
     const struct finish_work *work;
     uint32_t sweeps, reach;
     struct finish_box box[256];
-    struct relax_greys greys;
     struct item item[255]; /* the largest first */
     size_t count;
     struct relax_field field[TEAM_MOST];
@@ -100,8 +75,7 @@ static enum err make_fields(struct relaxing *r, size_t first, struct fault *faul
     work.team = r->fields == 1 ? r->work->team : NULL;
     for (unsigned i = 0; i < r->fields && !err; i++) {
         const uint8_t label = r->item[first + i].label;
-        err = relax_field_begin(&r->field[i], &work, label, &r->box[label], r->reach, &r->greys,
-                                fault);
+        err = relax_field_begin(&r->field[i], &work, label, &r->box[label], r->reach, fault);
         r->field[i].shows = r->fields == 1;
     }
     if (err)
@@ -140,12 +114,10 @@ enum err relax_each(const struct finish_work *work, unsigned label, uint32_t swe
     r->sweeps = sweeps;
     r->reach = reach;
     enum err err = list_labels(r, label, fault);
-    if (!err && r->count)
-        relax_find_greys(&r->greys, work->scene, work->team);
     /* A field that is alone has changed with each edit. */
     struct relax_kept *kept = label == FINISH_ALL_LABELS && r->count > 1 ? work->kept : NULL;
     if (!err && kept)
-        relax_kept_follow(kept, work, &r->greys, sweeps, reach);
+        relax_kept_follow(kept, work, sweeps, reach);
     if (!err && kept)
         see_kept(r, see, context);
     for (size_t i = 0; !err && i < r->count; i += r->fields) {

@@ -19,9 +19,10 @@
  *     w(n) = floor(c(n) * floor(1536 * 2^32 / (sum of c)) / 2^32)
  *
  * where halves round to the even one, so that the field of what is not the label would be exactly
- * RELAX_ONE - u; 1536/1024 is over-relaxation by 24/16. c(n) is what a difference of intensities
- * lets through, 65536 for none down to 1 (finish_relax.c); beyond the scene and outside the region
- * of interest it is 0.
+ * RELAX_ONE - u; 1536/1024 is over-relaxation by 24/16. c(n) is the conductance of a difference of
+ * intensities, 65536 for none down to 1, by the number of greys in it: 255 greys are the range from
+ * the 2nd to the 98th percentile of the intensities in the band, so an edge is one of this label,
+ * whatever else is in the scene. Beyond the scene and outside the region of interest it is 0.
  *
  * Voxels of one parity have neighbours of the other alone: so within a half-sweep nothing depends
  * on order, and any number of threads, and any width of vectors, gives the same bits. Nor does it
@@ -31,9 +32,6 @@
 #define ENGINE_FINISH_RELAX_H
 
 #include "engine/relax_field.h"
-
-/* Of intensities, for fields. */
-void relax_find_greys(struct relax_greys *greys, const struct scene *scene, struct team *team);
 
 /* Sees a field that is made, by the thread that began, while the others rest. */
 typedef void relax_see(void *context, const struct relax_field *field);

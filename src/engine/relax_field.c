@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "engine/relax_field.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/mem.h"
@@ -285,27 +286,56 @@ static void make_part(void *context, unsigned worker)
 
 /* ---- weights ---- */
 
+/* 65536 * exp(-400 * (d / 255)^2), to the nearest; 1 from there on. */
+static const uint32_t conductances[] = {
+    65536, 65134, 63943, 62006, 59393, 56194, 52517, 48481, 44208, 39818, 35426,
+    31133, 27026, 23173, 19627, 16420, 13569, 11076, 8931,  7113,  5596,  4348,
+    3338,  2531,  1895,  1402,  1024,  739,   527,   371,   258,   177,   120,
+    81,    53,    35,    23,    14,    9,     6,     3,     2,
+};
+enum { CONDUCTANCES = sizeof conductances / sizeof conductances[0] };
+
+/* 255 greys are the intensities of the band, without the 2 % at both ends. */
+static void find_scale(struct relax_field *f)
+{
+    int32_t range[2];
+    memset(f->count, 0, (UINT16_MAX + 1) * sizeof *f->count);
+    for (uint32_t z = 0; z < f->size[2]; z++)
+        for (uint32_t y = 0; y < f->size[1]; y++) {
+            const uint64_t *band = f->band + row_of(f, y, z) * f->words;
+            const struct cell *row = f->scene->cell + first_cell(f, y, z) - 2;
+            for (size_t w = 0; w < f->words; w++)
+                for (uint64_t bits = band[w]; bits; bits &= bits - 1)
+                    f->count[row[64 * w + (unsigned)__builtin_ctzll(bits)].intensity]++;
+        }
+    intensities_range(range, f->count, 20, 980);
+    f->scale = (255U << 16) / (range[1] > range[0] ? (uint32_t)(range[1] - range[0]) : 1);
+}
+
+static uint32_t conductance(const struct relax_field *f, const struct cell *a, const struct cell *b)
+{
+    const uint32_t difference = (uint32_t)abs(a->intensity - b->intensity);
+    const uint64_t grey = ((uint64_t)difference * f->scale + (1 << 15)) >> 16;
+    return grey < CONDUCTANCES ? conductances[grey] : 1;
+}
+
 /* Those of a voxel, as relax_weights have them. False for one that stays. */
 static bool find_weights(uint32_t w[3], const struct relax_field *f, const struct cell *cell)
 {
     const ptrdiff_t *step = f->scene->grid.step;
-    uint32_t through_face[6], sum = 0;
+    uint32_t by_face[6], sum = 0;
     if (cell->flags & (CELL_SEED | CELL_OUTSIDE))
         return false;
     for (int i = 0; i < 6; i++) {
         const struct cell *other = cell + (i % 2 ? step[2 - i / 2] : -step[2 - i / 2]);
-        through_face[i] = other->flags & (CELL_RIM | CELL_OUTSIDE)
-                              ? 0
-                              : f->greys->through[255 + f->greys->of[cell->intensity] -
-                                                  f->greys->of[other->intensity]];
-        sum += through_face[i];
+        by_face[i] = other->flags & (CELL_RIM | CELL_OUTSIDE) ? 0 : conductance(f, cell, other);
+        sum += by_face[i];
     }
     if (sum == 0)
         return false;
     const uint64_t each = (UINT64_C(1536) << 32) / sum;
     for (int i = 0; i < 3; i++)
-        w[i] = (uint32_t)(through_face[2 * i] * each >> 32 |
-                          through_face[2 * i + 1] * each >> 32 << 16);
+        w[i] = (uint32_t)(by_face[2 * i] * each >> 32 | by_face[2 * i + 1] * each >> 32 << 16);
     return true;
 }
 
@@ -563,6 +593,7 @@ void relax_field_make(struct relax_field *f, uint32_t sweeps, unsigned worker)
     team_run(f->team, make_part, &making);
     if (watch && watch->stopped) /* there may be no field */
         return;
+    find_scale(f);
     for (; sweeping.first < sweeping.halves; sweeping.first = sweeping.end) {
         const uint32_t left = sweeping.halves - sweeping.first;
         sweeping.end = sweeping.first + (left < halves ? left : halves);
@@ -604,6 +635,7 @@ static size_t lay_out(struct relax_field *f)
     const size_t chunks = f->rows * f->chunk_words * sizeof(uint64_t);
     const size_t all = f->rows * f->words * WORD_CHUNKS;
     size_t at = 0;
+    f->count = take(f, &at, (UINT16_MAX + 1) * sizeof *f->count);
     f->inside = take(f, &at, voxels);
     f->band = take(f, &at, voxels);
     f->near = take(f, &at, voxels);
@@ -647,12 +679,10 @@ void relax_field_read(struct relax_field *f, const struct finish_work *work, uin
 }
 
 enum err relax_field_begin(struct relax_field *f, const struct finish_work *work, uint8_t which,
-                           const struct finish_box *around, uint32_t reach,
-                           const struct relax_greys *greys, struct fault *fault)
+                           const struct finish_box *around, uint32_t reach, struct fault *fault)
 {
     shape(f, work, which, box_around(&work->scene->grid, around, reach));
     f->reach = reach;
-    f->greys = greys;
     const size_t bytes = lay_out(f);
     if (bytes > f->bytes) {
         relax_field_release(f);

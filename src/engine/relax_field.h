@@ -18,22 +18,15 @@
 
 enum { RELAX_ONE = 1 << 20, RELAX_CHUNK = 16 };
 
-/* Intensities as 0..255: from where a thousandth of all voxels is darker to where one is brighter,
- * of every n-th row where the scene is large. */
-struct relax_greys {
-    uint8_t of[UINT16_MAX + 1];
-    uint32_t through[511]; /* by 255 + a difference of greys: what it lets through */
-};
-
 /* {0} has no memory yet; what it has then serves fields one after another. */
 struct relax_field {
     const struct scene *scene;
     const uint8_t *label; /* of the scene, as finish_work has them, */
     uint8_t which;        /* and the label whose field this is */
-    const struct relax_greys *greys;
-    struct team *team; /* NULL where several fields are made side by side */
-    bool shows;        /* between sweeps, what the watch wants shown */
-    uint32_t reach;    /* steps from the border to the last voxels that move, 1..FINISH_BAND_MOST */
+    struct team *team;    /* NULL where several fields are made side by side */
+    bool shows;           /* between sweeps, what the watch wants shown */
+    uint32_t scale;       /* 2^16 greys for a difference of one intensity */
+    uint32_t reach; /* steps from the border to the last voxels that move, 1..FINISH_BAND_MOST */
     struct finish_box box;
     uint32_t size[3];   /* of the box */
     size_t rows;        /* stored: those of the box, and a rim */
@@ -41,6 +34,7 @@ struct relax_field {
     size_t chunk_words; /* of a row of chunks */
     void *memory;       /* of all that follows */
     size_t bytes;
+    uint32_t *count;       /* [65536]: voxels of the band by their intensity */
     uint64_t *inside;      /* [rows][words]: voxels of the label, */
     uint64_t *band, *near; /* of the band, and of that and a step further */
     uint64_t *busy;        /* [size[2]]: rows of a plane that were looked at of late */
@@ -68,8 +62,7 @@ struct relax_stored {
 
 /* Has memory for the field of a label that lies in `around`. ERR_MEMORY; then it holds none. */
 enum err relax_field_begin(struct relax_field *field, const struct finish_work *work, uint8_t which,
-                           const struct finish_box *around, uint32_t reach,
-                           const struct relax_greys *greys, struct fault *fault);
+                           const struct finish_box *around, uint32_t reach, struct fault *fault);
 void relax_field_release(struct relax_field *field);
 
 /* Makes the field, and does so many sweeps, each of which moves even voxels, then odd ones; by the

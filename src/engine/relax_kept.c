@@ -10,7 +10,7 @@ enum { MATTERS = CELL_SEED | CELL_OUTSIDE };
 
 size_t relax_kept_memory(const struct relax_kept *kept)
 {
-    return kept->bytes + 2 * kept->cells + (kept->greys ? sizeof *kept->greys : 0);
+    return kept->bytes + 2 * kept->cells;
 }
 
 static void forget(struct relax_kept *kept, unsigned label)
@@ -28,7 +28,6 @@ void relax_kept_release(struct relax_kept *kept)
         forget(kept, label);
     mem_pages_free(kept->label, kept->cells);
     mem_pages_free(kept->stays, kept->cells);
-    free(kept->greys);
     *kept = (struct relax_kept){0};
 }
 
@@ -145,23 +144,20 @@ static bool begin(struct relax_kept *kept, size_t cells)
     kept->most = cells * sizeof(struct cell);
     kept->label = mem_pages(cells);
     kept->stays = mem_pages(cells);
-    kept->greys = mem_new(sizeof *kept->greys);
-    return kept->label && kept->stays && kept->greys;
+    return kept->label && kept->stays;
 }
 
-void relax_kept_follow(struct relax_kept *kept, const struct finish_work *work,
-                       const struct relax_greys *greys, uint32_t sweeps, uint32_t reach)
+void relax_kept_follow(struct relax_kept *kept, const struct finish_work *work, uint32_t sweeps,
+                       uint32_t reach)
 {
     const size_t cells = work->scene->grid.cells;
-    const bool is_new = kept->cells != cells || kept->sweeps != sweeps || kept->reach != reach ||
-                        memcmp(kept->greys, greys, sizeof *greys) != 0;
+    const bool is_new = kept->cells != cells || kept->sweeps != sweeps || kept->reach != reach;
     if ((is_new && !begin(kept, cells)) || !compare(kept, work)) {
         relax_kept_release(kept);
         return;
     }
     kept->sweeps = sweeps;
     kept->reach = reach;
-    *kept->greys = *greys;
 }
 
 /* ---- fields ---- */

@@ -4,7 +4,7 @@
  * have changed.
  *
  * A field follows from where its label lies, from the seeds and the region of interest in its box
- * and right beside it, from what the scene's greys let through, and from the numbers of sweeps and steps.
+ * and right beside it, from the intensities there, and from the numbers of sweeps and steps.
  * All of these are kept as they were, and compared: so nobody has to tell what an edit has changed,
  * and a field that is kept is the one that would be made.
  *
@@ -21,14 +21,13 @@ struct relax_kept {
     size_t cells, bytes, most; /* taken for fields, and how many may be */
     uint8_t *label, *stays;    /* [cells]: what fields are of; flags of cells that matter */
     uint32_t sweeps, reach;
-    struct relax_greys *greys;
     struct relax_stored *field[256]; /* NULL: not kept */
 };
 
 /* Forgets the fields that others, of these labels and this scene, may differ from. Without memory
  * it forgets all, and keeps none; stopped by the scene's watch, it goes on the next time. */
-void relax_kept_follow(struct relax_kept *kept, const struct finish_work *work,
-                       const struct relax_greys *greys, uint32_t sweeps, uint32_t reach);
+void relax_kept_follow(struct relax_kept *kept, const struct finish_work *work, uint32_t sweeps,
+                       uint32_t reach);
 
 /* Has the field of a label, to be read alone, if it is kept; and keeps it if there is room. */
 bool relax_kept_find(const struct relax_kept *kept, const struct finish_work *work, uint8_t which,
