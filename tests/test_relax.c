@@ -549,7 +549,7 @@ STORY(memory_that_runs_out_is_an_error)
     static struct relaxed expected;
     const struct finish_list list = relax_some(&expected, 4);
     struct scene *scene = scene_of(&expected.v);
-    CHECK(starve_finish_everywhere(scene, &list, agree, &expected) > 8);
+    CHECK(starve_finish_everywhere(scene, &list, agree, &expected) > 7);
     scene_free(scene);
 }
 
