@@ -184,7 +184,7 @@ expect 0 "$iftty" -c "open one/whole-jpeg-ls.dcm"
 refused "one/bomb.dcm: a deflated DICOM file of more than 256 MB when it is inflated; \`dcmconv" \
     "open one/bomb.dcm"
 refused "its pixels have colours" "open one/SC_rgb_rle.dcm"
-refused "its pixels have 1 bits; expected 8, 16 or 32" "open one/liver_1frame.dcm"
+refused "its pixels have 1 bits; expected 8, 16 or 32" "open one/bits.dcm"
 refused "holds no pixels of whole numbers" "open one/float.dcm"
 close_story
 

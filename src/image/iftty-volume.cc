@@ -17,6 +17,7 @@
  *     volume_hdf5.cc     data sets of HDF5, and the files that they name
  *     volume_dicom.cc    what a file of DICOM says of slices and mosaics, and its pixels
  *     volume_series.cc   which series of a folder, and its slices in their places
+ *     volume_tags.cc     which images of one place make a volume
  *     volume_folder.cc   folders of slices
  */
 #include <cstdlib>
@@ -85,11 +86,12 @@ Request receive_request()
         leave(2);
     request.kind = line.substr(5, kind - 5);
     size_t at = kind + 1;
-    const uint64_t flags = take_number(line, at, 15);
+    const uint64_t flags = take_number(line, at, 31);
     request.follows_links = flags & 1;
     request.fills_gaps = flags & 2;
     request.lists = flags & 4;
     request.is_alone = flags & 8;
+    request.chooses = flags & 16;
     request.series = take_number(line, at, number_most);
     request.volume = take_number(line, at, UINT32_MAX);
     const uint64_t wanted = take_number(line, at, path_most);

@@ -185,6 +185,8 @@ void answer(const Volume &volume)
     number[13] = volume.intercept;
     if (volume.series)
         transmit("series " + std::to_string(volume.series) + "\n");
+    if (!volume.contents.empty())
+        transmit("contents " + std::to_string(volume.contents.size()) + "\n" + volume.contents);
     std::string line = "volume";
     for (const uint64_t side : volume.size)
         line += " " + std::to_string(side);

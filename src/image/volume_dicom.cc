@@ -18,6 +18,8 @@
 #include <sstream>
 
 #include <gdcmDataSet.h>
+#include <gdcmDicts.h>
+#include <gdcmGlobal.h>
 #include <gdcmPixmapReader.h>
 #include <gdcmReader.h>
 #include <gdcmSequenceOfItems.h>
@@ -39,8 +41,7 @@ constexpr size_t private_least = 3;     /* letters of a name that are looked for
 static const gdcm::Tag frames_tag(0x0028, 0x0008), shared_tag(0x5200, 0x9229),
     each_tag(0x5200, 0x9230), detector_tag(0x0054, 0x0022), offsets_tag(0x3004, 0x000c),
     description_tag(0x0008, 0x103e), name_tag(0x0010, 0x0010), id_tag(0x0010, 0x0020),
-    birth_tag(0x0010, 0x0030), type_tag(0x0008, 0x0008), echo_tag(0x0018, 0x0081),
-    weighting_tag(0x0018, 0x9087);
+    birth_tag(0x0010, 0x0030), type_tag(0x0008, 0x0008);
 
 /* ---- the bytes of a file ---- */
 
@@ -124,44 +125,63 @@ bool take_bytes(void *out, size_t length, const gdcm::DataSet &set, const gdcm::
     return true;
 }
 
-/* The text of an element without the blanks at its end; "" where there is none. */
-std::string text_of(const gdcm::DataSet &set, const gdcm::Tag &tag)
+std::string raw_of(const gdcm::DataSet &set, const gdcm::Tag &tag)
 {
     const gdcm::ByteValue *value = value_of(set, tag);
-    std::string text = value ? std::string(value->GetPointer(), value->GetLength()) : "";
+    return value ? std::string(value->GetPointer(), value->GetLength()) : "";
+}
+
+std::string text_of(const gdcm::DataSet &set, const gdcm::Tag &tag)
+{
+    std::string text = raw_of(set, tag);
     while (!text.empty() && (text.back() == ' ' || text.back() == '\0'))
         text.pop_back();
     return text;
 }
 
-/* Takes up to `most` decimal numbers; how many there were, of those that are finite. */
-size_t decimals_of(const gdcm::DataSet &set, const gdcm::Tag &tag, double *out, size_t most)
+size_t decimals_of(std::string &fault, const gdcm::DataSet &set, const gdcm::Tag &tag, double *out,
+                   size_t most)
 {
     const std::string text = text_of(set, tag);
     const char *at = text.c_str();
     size_t count = 0;
-    for (char *end; count < most && *at; at = *end == '\\' ? end + 1 : "") {
+    while (count < most && *at) {
+        char *end;
         const double number = std::strtod(at, &end);
-        if (end == at || !std::isfinite(number))
-            break;
-        out[count++] = number;
         while (*end == ' ')
             end++;
+        const bool is_number = end > at && text.find_first_of("xXnNiI") == std::string::npos;
+        if ((*end && *end != '\\') || (is_number && !std::isfinite(number))) {
+            const gdcm::DictEntry &entry =
+                gdcm::Global::GetInstance().GetDicts().GetDictEntry(tag, nullptr);
+            fault =
+                words_of("a file whose %s (%04x,%04x) is no decimal number with a point, such as "
+                         "1.5; `dcmodify -m %04x,%04x=NUMBER FILE` corrects it",
+                         entry.GetName(), tag.GetGroup(), tag.GetElement(), tag.GetGroup(),
+                         tag.GetElement());
+            return 0;
+        }
+        if (!is_number) /* empty */
+            break;
+        out[count++] = number;
+        at = *end ? end + 1 : end;
     }
     return count;
 }
 
-void take_decimal(double &out, const gdcm::DataSet &set, const gdcm::Tag &tag)
+void take_decimal(Slice &slice, double &out, const gdcm::DataSet &set, const gdcm::Tag &tag)
 {
     double number;
-    if (decimals_of(set, tag, &number, 1) == 1)
+    if (decimals_of(slice.fault, set, tag, &number, 1) == 1)
         out = number;
 }
 
+/* What is none is not said. */
 void take_integer(int &out, const gdcm::DataSet &set, const gdcm::Tag &tag)
 {
     double number;
-    if (decimals_of(set, tag, &number, 1) == 1 && std::fabs(number) < 1e9)
+    std::string fault;
+    if (decimals_of(fault, set, tag, &number, 1) == 1 && std::fabs(number) < 1e9)
         out = static_cast<int>(number);
 }
 
@@ -176,7 +196,6 @@ void take_binary(unsigned &out, const gdcm::DataSet &set, const gdcm::Tag &tag)
         out = whole;
 }
 
-/* Where the owner has that private element, in one of the blocks; of group 0 where it has none. */
 gdcm::Tag find_private(const gdcm::DataSet &set, uint16_t group, uint16_t element,
                        const char *owner)
 {
@@ -209,14 +228,13 @@ std::string description_of(const std::string &said)
     return text;
 }
 
-/* "phase" and the like, by the words that DICOM has for it. */
-std::string kind_of(const gdcm::DataSet &set)
+std::string kind_of(const std::string &image_type)
 {
     static const std::pair<const char *, const char *> kinds[] = {
         {"\\P\\", "phase"},     {"\\PHASE\\", "phase"},         {"\\R\\", "real"},
         {"\\REAL\\", "real"},   {"\\I\\", "imaginary"},         {"\\IMAGINARY\\", "imaginary"},
         {"\\M\\", "magnitude"}, {"\\MAGNITUDE\\", "magnitude"}, {"\\LOCALIZER\\", "localizer"}};
-    const std::string type = "\\" + text_of(set, type_tag) + "\\";
+    const std::string type = "\\" + image_type + "\\";
     for (const auto &kind : kinds)
         if (type.find(kind.first) != std::string::npos)
             return kind.second;
@@ -230,10 +248,6 @@ void take_words(Slice &slice, const gdcm::DataSet &set)
     slice.names_patient = has_part(small, in_small_letters(text_of(set, name_tag)), "^=\\ ,.-") ||
                           has_part(small, in_small_letters(text_of(set, id_tag)), "\\") ||
                           has_part(small, text_of(set, birth_tag), "\\");
-    slice.kind = kind_of(set);
-    take_decimal(slice.echo_ms, set, echo_tag);
-    take_decimal(slice.weighting, set, find_private(set, 0x0019, 0x0c, "SIEMENS MR HEADER"));
-    take_bytes(&slice.weighting, sizeof slice.weighting, set, weighting_tag);
 }
 
 /* ---- slices ---- */
@@ -254,27 +268,23 @@ bool are_axes(const double axis[6])
 void take_place(Slice &slice, const gdcm::DataSet &set)
 {
     double number[6];
-    if (decimals_of(set, gdcm::Tag(0x0020, 0x0032), number, 3) == 3) {
+    if (decimals_of(slice.fault, set, gdcm::Tag(0x0020, 0x0032), number, 3) == 3) {
         std::copy(number, number + 3, slice.position);
         slice.has_position = true;
     }
-    if (decimals_of(set, gdcm::Tag(0x0020, 0x0037), number, 6) == 6 && are_axes(number)) {
+    if (decimals_of(slice.fault, set, gdcm::Tag(0x0020, 0x0037), number, 6) == 6 && are_axes(number)) {
         std::copy(number, number + 6, slice.axis);
         slice.has_axes = true;
     }
-    if (decimals_of(set, gdcm::Tag(0x0028, 0x0030), number, 2) == 2 && number[0] > 0 &&
+    if (decimals_of(slice.fault, set, gdcm::Tag(0x0028, 0x0030), number, 2) == 2 && number[0] > 0 &&
         number[1] > 0)
         std::copy(number, number + 2, slice.spacing);
-    take_decimal(slice.between, set, gdcm::Tag(0x0018, 0x0088));
-    take_decimal(slice.thickness, set, gdcm::Tag(0x0018, 0x0050));
-    take_decimal(slice.slope, set, gdcm::Tag(0x0028, 0x1053));
-    take_decimal(slice.intercept, set, gdcm::Tag(0x0028, 0x1052));
-    take_decimal(slice.slope, set, gdcm::Tag(0x3004, 0x000e)); /* of a dose */
-    take_integer(slice.time, set, gdcm::Tag(0x0020, 0x0100));
-    unsigned time = 0;
-    take_binary(time, set, gdcm::Tag(0x0020, 0x9128));
-    if (time)
-        slice.time = static_cast<int>(time);
+    take_decimal(slice, slice.between, set, gdcm::Tag(0x0018, 0x0088));
+    take_decimal(slice, slice.thickness, set, gdcm::Tag(0x0018, 0x0050));
+    take_decimal(slice, slice.slope, set, gdcm::Tag(0x0028, 0x1053));
+    take_decimal(slice, slice.intercept, set, gdcm::Tag(0x0028, 0x1052));
+    take_decimal(slice, slice.slope, set, gdcm::Tag(0x3004, 0x000e)); /* of a dose */
+    take_decimal(slice, slice.location, set, gdcm::Tag(0x0020, 0x1041));
 }
 
 /* The first item of a sequence, or item `number`; empty where there is none. */
@@ -294,6 +304,13 @@ void take_functions(Slice &slice, const gdcm::DataSet &group)
          {gdcm::Tag(0x0020, 0x9113), gdcm::Tag(0x0020, 0x9116), gdcm::Tag(0x0028, 0x9110),
           gdcm::Tag(0x0028, 0x9145), gdcm::Tag(0x0020, 0x9111)})
         take_place(slice, item_of(group, tag, 0));
+    for (const gdcm::DataElement &element : group.GetDES()) {
+        if (!element.GetTag().IsPublic())
+            continue;
+        const gdcm::DataSet function = item_of(group, element.GetTag(), 0);
+        take_tags(slice, function);
+        take_tags(slice, item_of(function, gdcm::Tag(0x0018, 0x9076), 0)); /* of a gradient */
+    }
 }
 
 void take_pixels(Slice &slice, const gdcm::DataSet &set)
@@ -316,6 +333,34 @@ void take_pixels(Slice &slice, const gdcm::DataSet &set)
         slice.samples = 3; /* a palette */
 }
 
+/* The Modality LUT, in place of a slope. */
+void take_lookup(Slice &slice, const gdcm::DataSet &set)
+{
+    static const gdcm::Tag tag(0x0028, 0x3000), slope_tag(0x0028, 0x1053);
+    uint16_t descriptor[3] = {0, 0, 0}; /* how many values, of which number the first, their bits */
+    const gdcm::DataSet item = item_of(set, tag, 0);
+    const std::string data = raw_of(item, {0x0028, 0x3006});
+    if (!set.FindDataElement(tag))
+        return;
+    const bool has_all = take_bytes(descriptor, sizeof descriptor, item, {0x0028, 0x3002});
+    const size_t count = descriptor[0] ? descriptor[0] : 65536, width = data.size() / count;
+    if (!has_all || (width != 1 && width != 2) || data.size() > count * width + 1 ||
+        descriptor[2] < 8 || descriptor[2] > 8 * width || set.FindDataElement(slope_tag)) {
+        slice.fault = "an image whose Modality LUT is damaged, or contradicts its RescaleSlope; "
+                      "export it again";
+        return;
+    }
+    const auto lookup = std::make_shared<Lookup>();
+    lookup->first = slice.is_signed ? static_cast<int16_t>(descriptor[1]) : descriptor[1];
+    for (size_t i = 0; i < count; i++) {
+        uint16_t value = static_cast<uint8_t>(data[i]);
+        if (width == 2)
+            std::memcpy(&value, &data[2 * i], sizeof value);
+        lookup->value.push_back(value);
+    }
+    slice.lookup = lookup;
+}
+
 void normal_of(double normal[3], const double axis[6])
 {
     for (int w = 0; w < 3; w++) {
@@ -332,7 +377,7 @@ void add_frames(std::vector<Slice> &slices, const Slice &first, const gdcm::Data
     std::vector<double> offsets(common.frames + size_t{1}); /* one more, which would be too many */
     const bool has_offsets =
         common.has_position && common.has_axes &&
-        decimals_of(set, offsets_tag, offsets.data(), offsets.size()) == common.frames;
+        decimals_of(common.fault, set, offsets_tag, offsets.data(), offsets.size()) == common.frames;
     double normal[3];
     normal_of(normal, common.axis);
     common.has_position = false;
@@ -571,6 +616,60 @@ void find_pixels(Slice &slice, std::istream &in, const gdcm::TransferSyntax &syn
                               wide(needed));
 }
 
+/* ---- objects that are no images ---- */
+
+/* By SOP class, or by the beginning of several, which ends in a point. */
+static const std::pair<const char *, const char *> objects[] = {
+    {"1.2.840.10008.1.3.10", "a DICOMDIR, the index of a folder; open the folder with the slices"},
+    {"1.2.840.10008.5.1.4.1.1.4.2", "MR spectroscopy, which is not read"},
+    {"1.2.840.10008.5.1.4.1.1.9.", "a waveform, which has no voxels"},
+    {"1.2.840.10008.5.1.4.1.1.11.",
+     "a presentation state, which has no voxels; open the images that it is for"},
+    {"1.2.840.10008.5.1.4.1.1.30",
+     "a parametric map, which is not read; `paramap2itkimage --inputDICOM FILE --outputDirectory "
+     "FOLDER` of dcmqi makes a volume of it"},
+    {"1.2.840.10008.5.1.4.1.1.66.4",
+     "a segmentation (DICOM SEG), which is not read; `segimage2itkimage --inputDICOM FILE "
+     "--outputDirectory FOLDER` of dcmqi makes volumes of its segments"},
+    {"1.2.840.10008.5.1.4.1.1.66.5",
+     "a surface segmentation, meshes without voxels; 3D Slicer reads it and makes a label map"},
+    {"1.2.840.10008.5.1.4.1.1.66.7",
+     "a label map segmentation (DICOM SEG), which is not read; highdicom or 3D Slicer makes a "
+     "volume of its segments"},
+    {"1.2.840.10008.5.1.4.1.1.66.8",
+     "a height map segmentation (DICOM SEG), which is not read; 3D Slicer or highdicom reads it"},
+    {"1.2.840.10008.5.1.4.1.1.66.6", "a result of tractography, which has no voxels"},
+    {"1.2.840.10008.5.1.4.1.1.66", "raw data, which is not read"},
+    {"1.2.840.10008.5.1.4.1.1.66.", "a registration or a list of points, which has no voxels"},
+    {"1.2.840.10008.5.1.4.1.1.67", "a mapping to real-world values, which has no voxels"},
+    {"1.2.840.10008.5.1.4.1.1.68.", "a surface scan, which has no voxels"},
+    {"1.2.840.10008.5.1.4.1.1.88.", "a structured report (SR), which has no voxels"},
+    {"1.2.840.10008.5.1.4.1.1.104.", "an encapsulated document (PDF, CDA, STL), without voxels"},
+    {"1.2.840.10008.5.1.4.1.1.481.3",
+     "contours of radiotherapy (RTSTRUCT), which are not read; `plastimatch convert --input FILE "
+     "--referenced-ct FOLDER --output-labelmap labels.nii.gz` makes a label map of them"},
+    {"1.2.840.10008.5.1.4.1.1.481.1", ""},
+    {"1.2.840.10008.5.1.4.1.1.481.2", ""},
+    {"1.2.840.10008.5.1.4.1.1.481.", "a plan or record of radiotherapy (RTPLAN), without voxels"},
+};
+
+/* "" for an image, and for a class that is not known. */
+static std::string other_than_image(const gdcm::File &file)
+{
+    for (const std::string &name : {text_of(file.GetDataSet(), gdcm::Tag(0x0008, 0x0016)),
+                                    text_of(file.GetHeader(), gdcm::Tag(0x0002, 0x0002))})
+        for (const auto &object : objects) {
+            const size_t length = std::strlen(object.first);
+            const bool is_several = object.first[length - 1] == '.';
+            if (name.compare(0, is_several ? length : std::string::npos, object.first) == 0) {
+                if (*object.second)
+                    return object.second;
+                break;
+            }
+        }
+    return "";
+}
+
 /* ---- files ---- */
 
 bool scan(std::vector<Slice> &slices, const std::string &path)
@@ -593,12 +692,21 @@ bool scan(std::vector<Slice> &slices, const std::string &path)
     slice.object = text_of(set, gdcm::Tag(0x0008, 0x0018));
     slice.modality = text_of(set, gdcm::Tag(0x0008, 0x0060));
     take_integer(slice.series_number, set, gdcm::Tag(0x0020, 0x0011));
-    take_integer(slice.acquisition, set, gdcm::Tag(0x0020, 0x0012));
-    take_integer(slice.instance, set, gdcm::Tag(0x0020, 0x0013));
-    take_integer(slice.echo, set, gdcm::Tag(0x0018, 0x0086));
     take_words(slice, set);
+    take_tags(slice, set);
+    take_lookup(slice, set);
     take_place(slice, set);
     take_place(slice, item_of(set, detector_tag, 0));
+    const std::string other = other_than_image(reader.GetFile());
+    if (!other.empty()) { /* the only slice that stands for all its frames */
+        slice.fault = other;
+        slices.push_back(slice);
+        return true;
+    }
+    if (slice.lookup && !slices.empty() && slices.back().lookup &&
+        slices.back().lookup->first == slice.lookup->first &&
+        slices.back().lookup->value == slice.lookup->value)
+        slice.lookup = slices.back().lookup; /* in memory once */
     find_pixels(slice, *in, reader.GetFile().GetHeader().GetDataSetTransferSyntax());
     if (slice.frames == 1 && add_mosaic(slices, slice, set))
         return true;
@@ -609,16 +717,19 @@ bool scan(std::vector<Slice> &slices, const std::string &path)
     return true;
 }
 
-bool is_of_images(const std::string &path)
+bool is_of_images(std::string &words, const std::string &path)
 {
-    static const gdcm::Tag class_tag(0x0002, 0x0002), end_tag(0x0008, 0x0000);
+    static const gdcm::Tag class_tag(0x0002, 0x0002), end_tag(0x0008, 0x0018);
     const auto in = open_bytes(path);
     gdcm::Reader reader;
     gdcm::UIDs uid;
     if (!in)
         return false;
     reader.SetStream(*in);
-    return reader.ReadUpToTag(end_tag, {}) &&
+    if (!reader.ReadUpToTag(end_tag, {}))
+        return false;
+    words = other_than_image(reader.GetFile());
+    return words.empty() &&
            uid.SetFromUID(text_of(reader.GetFile().GetHeader(), class_tag).c_str()) &&
            std::strstr(uid.GetName(), "Image Storage");
 }

@@ -114,8 +114,10 @@ bool has_dicom_mark(const std::string &path)
     return std::memcmp(mark, "DICM", sizeof mark) == 0;
 }
 
-/* The slices of a file of the folder, if it is DICOM. One that is damaged is named. */
-bool scan_named(std::vector<Slice> &slices, const Request &request, const std::string &path)
+/* The slices of a file of the folder, if it is DICOM. One that is damaged is named; one that has no
+ * pixels is described in `other`, if it is the first. */
+bool scan_named(std::vector<Slice> &slices, std::string &other, const Request &request,
+                const std::string &path)
 {
     const std::string name = path.substr(request.path.size() + 1);
     const std::string words = about_file(name, "is damaged: fetch it again");
@@ -129,8 +131,11 @@ bool scan_named(std::vector<Slice> &slices, const Request &request, const std::s
     }
     if (!is_dicom && has_dicom_mark(path))
         throw Refusal{words};
-    if (is_dicom && slices.size() == before && is_of_images(path))
+    std::string object;
+    if (is_dicom && slices.size() == before && is_of_images(object, path))
         throw Refusal{about_file(name, "is an image without pixels: fetch it again")};
+    if (other.empty() && !object.empty())
+        other = "; " + shown(name) + " is " + object;
     for (size_t i = before; i < slices.size(); i++)
         slices[i].name = name;
     return is_dicom;
@@ -151,6 +156,7 @@ void open_folder(Volume &volume, const Request &request, const Files &all)
     Files files = all;
     std::vector<Slice> slices;
     std::map<std::string, std::vector<std::string>> pictures; /* by their kind */
+    std::string object;
     const size_t skipped = skip_files(files, request);
     size_t others = 0, without = 0;
     for (size_t i = 0; i < files.path.size(); i++) {
@@ -158,7 +164,7 @@ void open_folder(Volume &volume, const Request &request, const Files &all)
         const size_t before = slices.size();
         if (i % 64 == 0)
             progress(i, files.path.size());
-        if (scan_named(slices, request, path)) {
+        if (scan_named(slices, object, request, path)) {
             without += slices.size() == before;
             continue;
         }
@@ -172,14 +178,15 @@ void open_folder(Volume &volume, const Request &request, const Files &all)
     if (slices.empty() && pictures.empty())
         refuse(
             "the folder holds no slices of DICOM, TIFF, PNG or BMP (%s of other kinds, %s of DICOM "
-            "without pixels, %s not followed)%s",
+            "without pixels, %s not followed)%s%s",
             plural_of(others, "file").c_str(), plural_of(without, "file").c_str(),
             plural_of(files.links, "link").c_str(),
             !files.links            ? ""
             : request.follows_links ? "; a link to a file that is not there, as of git-annex, is "
                                       "not followed: `git annex get` brings it"
                                     : "; in a replay no link of a folder is followed: `cp -rL` "
-                                      "makes a folder without links, for --scene");
+                                      "makes a folder without links, for --scene",
+            object.c_str());
     const std::string kind = slices.empty() ? most_of(pictures) : "";
     if (!slices.empty())
         stack_slices(volume, slices, request);

@@ -29,6 +29,7 @@ enum {
     FILL_GAPS = 2,
     SHOW_LIST = 4,
     ALONE = 8,
+    CHOSEN = 16,
     LIST_MOST = 200100,
     SERIES_MOST = 100000,
     BYTES_PER_MS = 20000,
@@ -212,6 +213,7 @@ static bool ask(struct volume_helper *helper, const char *kind, const char *path
     const unsigned flags = (volume_helper_is_wary ? 0u : (unsigned)FOLLOW_LINKS) |
                            (choice->fills_gaps ? (unsigned)FILL_GAPS : 0u) |
                            (choice->list ? (unsigned)SHOW_LIST : 0u) |
+                           (choice->has_volume ? (unsigned)CHOSEN : 0u) |
                            (choice->proof ? (unsigned)ALONE : 0u);
     int length = snprintf(line, sizeof line, "open %s %u %" PRIu32 " %" PRIu32, kind, flags,
                           choice->series, choice->volume);
@@ -253,6 +255,20 @@ static enum err receive_list(struct buf *list, struct coprocess *process, const 
     return comes ? OK : coprocess_fault(process, NULL, NULL, fault);
 }
 
+/* What the volumes are, in one line. */
+static bool receive_contents(char out[VOLUME_CONTENTS_BYTES], struct coprocess *process,
+                             const char *length)
+{
+    static const int64_t most = VOLUME_CONTENTS_BYTES - 1;
+    int64_t n;
+    if (*out || !coprocess_numbers(length, 1, &most, &n))
+        return coprocess_odd(process);
+    if (!coprocess_receive(process, out, (size_t)n))
+        return false;
+    out[n] = '\0';
+    return (are_lines(out, (size_t)n) && !strchr(out, '\n')) || coprocess_odd(process);
+}
+
 /* The line that answers, after those that say how far it is, each further than the one before, and
  * those that are about series. */
 static enum err receive_answer(struct volume_header *out, struct coprocess *process,
@@ -273,6 +289,11 @@ static enum err receive_answer(struct volume_header *out, struct coprocess *proc
         if (!err && out->series == 0 && scan_text(&at, "series ") &&
             coprocess_numbers(at, 1, &most_series, &number[0])) {
             out->series = (uint32_t)number[0];
+            continue;
+        }
+        if (!err && scan_text(&at, "contents ")) {
+            if (!receive_contents(out->contents, process, at))
+                return coprocess_fault(process, NULL, NULL, fault);
             continue;
         }
         if (err || !scan_text(&at, "progress "))

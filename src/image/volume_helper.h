@@ -18,9 +18,10 @@
  *                 word  skip  data  room  path
  *     answer    any number of
  *                 progress DONE TOTAL\n
- *               and then one of these or none
+ *               and then any of these, once
  *                 series NUMBER\n
  *                 list LENGTH\n  lines
+ *                 contents LENGTH\n  words
  *               and then
  *                 volume NX NY NZ VOLUMES KNOWN FORMAT_LENGTH TYPE_LENGTH NOTES_LENGTH\n
  *                   format  type  notes  14 numbers
@@ -32,7 +33,7 @@
  *               up to the last voxel, or an error
  *
  * KIND is a word of the table in volume_helper.c. FLAGS: 1 links in a folder are followed, 2 blank
- * slices take the place of those that are missing, 4 before an error there may be a list of series,
+ * slices take the place of those that are missing, 4 there may be a list of series or of volumes,
  * in which their files have words, 8 mosaics are one slice, and damaged files of a folder are left
  * out, 16 a file whose voxels lie in others, or may, is refused, and so is one of many data sets,
  * 32 of NRRD in left-anterior-superior x is turned, and y is not.

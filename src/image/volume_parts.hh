@@ -12,13 +12,21 @@
 #ifndef IMAGE_VOLUME_PARTS_HH
 #define IMAGE_VOLUME_PARTS_HH
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
+
+namespace gdcm
+{
+class DataSet;
+class Tag;
+} // namespace gdcm
 
 namespace volume
 {
@@ -33,6 +41,7 @@ struct Request {
     bool follows_links = false, fills_gaps = false;
     bool is_alone = false;          /* voxels in other files, and data sets, are not read */
     bool lists = false;             /* what files say of their series may be said, to choose by */
+    bool chooses = false;           /* `volume` is what the user chose */
     uint64_t series = 0;            /* counted from 1; 0: not said */
     std::string wanted;             /* or a piece of its description; "": not said */
     std::string skip;               /* files of a folder that are left out: NAME,NAME; "": none */
@@ -46,6 +55,7 @@ enum Known : unsigned { NOTHING = 0, SPACING = 1, ORIENTATION = 2, CLOSELY_PACKE
 struct Volume {
     uint64_t size[3] = {1, 1, 1};
     std::string format, type;
+    std::string contents; /* of the volume that was chosen, else of all; "": not said */
     uint64_t volumes = 1;
     uint64_t series = 0; /* which one it is, counted from 1; 0: there are none */
     unsigned known = NOTHING;
@@ -109,13 +119,43 @@ void catch_signals();
 /* The number that so many bytes are, 8 at most. */
 uint64_t number_in(const char *bytes, unsigned width, bool is_big);
 
+/* The value of a tag: its numbers; or its text, with the numbers that it is sorted by before. */
+using Value = std::pair<std::vector<double>, std::string>;
+
+/* The tags that tell images of one place apart: the rows of the table in volume_tags.cc. */
+enum Tagged : unsigned {
+    TEMPORAL_POSITION,
+    ECHO_TIME,
+    ECHO_NUMBER,
+    INVERSION_TIME,
+    FLIP_ANGLE,
+    TUBE_VOLTAGE,
+    B_VALUE,
+    GRADIENT,
+    IMAGE_TYPE,
+    COMPLEX_COMPONENT,
+    TRIGGER_TIME,
+    TIME_OFFSET,
+    DIMENSION_INDEX,
+    ACQUISITION_NUMBER,
+    ACQUISITION_TIME,
+    CONTENT_TIME,
+    INSTANCE_NUMBER,
+};
+
+/* Numbers for those that a file stores, of a Modality LUT. */
+struct Lookup {
+    int64_t first = 0; /* the stored number of the first value; lower ones have it too */
+    std::vector<uint16_t> value;
+};
+
 struct Slice {
     std::string path, series, object;    /* never said */
     std::string name;                    /* of its file below the folder; "" where it is one file */
-    std::string modality, kind;          /* "phase" */
+    std::string modality;
     std::string description;             /* printable; said to who chooses: */
     bool names_patient = false;          /* not even to those */
-    double echo_ms = -1, weighting = -1; /* the b-value; -1: not said */
+    std::map<unsigned, Value> tags;      /* those that it has, by row (volume_tags.cc) */
     std::string fault;                   /* why it cannot be read; "" where it can */
     unsigned frame = 0, frames = 1;
     unsigned tiles = 1, images = 0; /* of a mosaic: along a side of the square, and in all */
@@ -125,8 +165,10 @@ struct Slice {
     double spacing[2] = {0, 0}; /* of rows, of columns; 0: not said */
     double between = 0, thickness = 0;
     double slope = 1, intercept = 0;
-    int series_number = 0, instance = 0, acquisition = 0, time = 0, echo = 0;
-    double along = 0; /* its place on the normal of its plane */
+    std::shared_ptr<const Lookup> lookup; /* in place of these; null for none */
+    double location = NAN;                /* SliceLocation; NaN: not said */
+    int series_number = 0;
+    double along = 0; /* its place on the normal of its plane, or its SliceLocation */
     /* of the pixels of its file */
     uint64_t pixels_at = 0, rest = 0; /* the first byte; how many come after the last frame */
     bool is_packed = false, is_big = false, is_of_bytes = false;
@@ -138,8 +180,9 @@ struct Slice {
  * several. */
 bool scan(std::vector<Slice> &slices, const std::string &path);
 
-/* Whether a file of DICOM says that it is an image, as one does that was cut before its pixels. */
-bool is_of_images(const std::string &path);
+/* Whether a file of DICOM says that it is an image, as one does that was cut before its pixels; if
+ * not, `words` has what it is instead, and what converts it. */
+bool is_of_images(std::string &words, const std::string &path);
 
 /* Refuses slices of which pixels are missing, by the name of the first such file. */
 void check_pixels(Volume &volume, const std::vector<Slice> &slices);
@@ -149,6 +192,38 @@ void check_pixels(Volume &volume, const std::vector<Slice> &slices);
 bool read_pixels(std::vector<char> &bytes, const Slice &slice);
 
 void normal_of(double normal[3], const double axis[6]);
+
+/* ---- elements of DICOM ---- */
+
+/* The text of an element without the blanks at its end; "" where there is none. Its bytes. */
+std::string text_of(const gdcm::DataSet &set, const gdcm::Tag &tag);
+std::string raw_of(const gdcm::DataSet &set, const gdcm::Tag &tag);
+
+/* Takes up to `most` decimal numbers; how many there were. Where one is no number, as with a decimal
+ * comma, none: `fault` says so. */
+size_t decimals_of(std::string &fault, const gdcm::DataSet &set, const gdcm::Tag &tag, double *out,
+                   size_t most);
+
+/* The tag of a private element of that owner; of group 0 where there is none. */
+gdcm::Tag find_private(const gdcm::DataSet &set, uint16_t group, uint16_t element,
+                       const char *owner);
+
+/* "phase" and the like, by the words that DICOM has for it in an image type; "" for none. */
+std::string kind_of(const std::string &image_type);
+
+/* ---- images of one place (volume_tags.cc) ---- */
+
+/* Adds the tags of a data set, or of one that is nested in it. */
+void take_tags(Slice &slice, const gdcm::DataSet &set);
+
+/* Of a row that has one value; empty where the slice has none. */
+const Value &value_of(const Slice &slice, Tagged row);
+
+/* Divides a series, sorted by place, of so many images at each place, into volumes: puts the images
+ * of each place in the order of their volumes and returns a label for each volume. Refuses those
+ * that no tag divides. `by_instance`: by InstanceNumber alone. */
+std::vector<std::string> divide_volumes(std::vector<Slice> &series,
+                                        const std::vector<size_t> &count, bool &by_instance);
 
 /* What is wrong with a file, by its name where it is one of a folder, and how to go on without. */
 std::string about_file(const std::string &name, const std::string &what);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -19,6 +20,8 @@ using Series = std::vector<Slice>;
 
 bool are_alike(const Slice &a, const Slice &b)
 {
+    if (!a.fault.empty() || !b.fault.empty()) /* of which little is known */
+        return a.series == b.series;
     return a.series == b.series && a.columns == b.columns && a.rows == b.rows &&
            a.samples == b.samples && a.has_axes == b.has_axes && a.has_position == b.has_position &&
            std::equal(a.axis, a.axis + 6, b.axis,
@@ -53,20 +56,63 @@ bool have_places(const Series &series)
     return series[0].has_position && series[0].has_axes;
 }
 
-/* By their places along the normal of the first; those of one place, and all where they have none,
- * by time, echo and number. */
+/* The order of slices without a place. */
+std::vector<Value> order_of(const Slice &slice)
+{
+    return {value_of(slice, TEMPORAL_POSITION), value_of(slice, ECHO_NUMBER),
+            value_of(slice, ACQUISITION_NUMBER), value_of(slice, INSTANCE_NUMBER)};
+}
+
+/* Whether each file has a number of its own. */
+bool have_numbers(const Series &series)
+{
+    std::set<std::vector<Value>> numbers;
+    std::set<std::string> files;
+    for (const Slice &slice : series) {
+        numbers.insert(order_of(slice));
+        files.insert(slice.path);
+    }
+    return numbers.size() == files.size();
+}
+
+/* Whether they say SliceLocation, and not all the same. */
+bool have_locations(const Series &series)
+{
+    bool differ = false;
+    for (const Slice &slice : series) {
+        if (!std::isfinite(slice.location))
+            return false;
+        differ |= slice.location != series[0].location;
+    }
+    return differ;
+}
+
+bool are_along(const Series &series)
+{
+    return have_places(series) || have_locations(series);
+}
+
+/* By their places along the normal of the first; where they have none, by SliceLocation, in the
+ * direction of their numbers; without that too, by numbers and frames alone. */
 void sort_slices(Series &series)
 {
     double normal[3];
     normal_of(normal, series[0].axis);
-    for (Slice &slice : series)
+    std::stable_sort(series.begin(), series.end(), [](const Slice &a, const Slice &b) {
+        return std::make_pair(order_of(a), a.frame) < std::make_pair(order_of(b), b.frame);
+    });
+    const bool is_located = !have_places(series) && have_locations(series);
+    const auto is_above = [](const Slice &a, const Slice &b) { return a.location > b.location; };
+    const bool is_turned = is_located && have_numbers(series) &&
+                           std::is_sorted(series.begin(), series.end(), is_above);
+    for (Slice &slice : series) {
+        slice.along = is_turned ? -slice.location : is_located ? slice.location : 0;
         for (int w = 0; w < 3 && have_places(series); w++)
             slice.along += normal[w] * slice.position[w];
+    }
     std::stable_sort(series.begin(), series.end(), [](const Slice &a, const Slice &b) {
         /* what is nearer than this lies in one place */
-        const double p = std::floor(a.along * 200 + 0.5), q = std::floor(b.along * 200 + 0.5);
-        return std::tie(p, a.time, a.echo, a.acquisition, a.instance, a.frame) <
-               std::tie(q, b.time, b.echo, b.acquisition, b.instance, b.frame);
+        return std::floor(a.along * 200 + 0.5) < std::floor(b.along * 200 + 0.5);
     });
 }
 
@@ -85,15 +131,17 @@ bool is_same_place(const Slice &a, const Slice &b)
 constexpr size_t more_most = 18; /* of "; and 100000 more" */
 
 /* "TE 4.9 ms", "b 0 to 1000"; nothing where it is not said. */
-std::string range_of(const Series &series, double Slice::*number, const char *name,
-                     const char *unit)
+std::string range_of(const Series &series, Tagged row, const char *name, const char *unit)
 {
-    const auto is_less = [number](const Slice &a, const Slice &b) { return a.*number < b.*number; };
-    const double least = *std::min_element(series.begin(), series.end(), is_less).*number;
-    const double most = *std::max_element(series.begin(), series.end(), is_less).*number;
-    if (!std::isfinite(most) || most < 0)
+    double least = INFINITY, most = -1;
+    for (const Slice &slice : series) {
+        const std::vector<double> &numbers = value_of(slice, row).first;
+        least = std::min(least, numbers.empty() ? 0 : numbers[0]);
+        most = std::max(most, numbers.empty() ? -1 : numbers[0]);
+    }
+    if (most < 0)
         return "";
-    return least < most ? words_of("%s %.4g to %.4g%s", name, std::max(least, 0.0), most, unit)
+    return least < most ? words_of("%s %.4g to %.4g%s", name, least, most, unit)
                         : words_of("%s %.4g%s", name, most, unit);
 }
 
@@ -140,9 +188,9 @@ Entry entry_of(const Series &series, bool lists)
         entry.rest += words_of(", %.4gx%.4gx%.4g mm", slice.spacing[1], slice.spacing[0], step);
     if (!slice.fault.empty())
         entry.rest += ", cannot be read";
-    entry.apart[0] = range_of(series, &Slice::echo_ms, "TE", " ms");
-    entry.apart[1] = range_of(series, &Slice::weighting, "b", "");
-    entry.apart[2] = slice.kind;
+    entry.apart[0] = range_of(series, ECHO_TIME, "TE", " ms");
+    entry.apart[1] = range_of(series, B_VALUE, "b", "");
+    entry.apart[2] = kind_of(value_of(slice, IMAGE_TYPE).second);
     return entry;
 }
 
@@ -240,26 +288,58 @@ size_t choose_series(const std::vector<Series> &all, const Request &request)
 }
 /* ---- in their places ---- */
 
-/* How many slices lie in each place, which must be as many everywhere. */
-size_t count_volumes(const Series &series)
+/* Arranges a sorted series by place and volume. A label for each volume; none where there is one. */
+std::vector<std::string> find_volumes(Volume &volume, Series &series)
 {
     std::vector<size_t> count;
-    if (!have_places(series))
-        return 1;
+    bool by_instance;
+    if (!are_along(series))
+        return {};
     for (size_t i = 0; i < series.size(); i++)
         if (i > 0 && is_same_place(series[i - 1], series[i]))
             count.back()++;
         else
             count.push_back(1);
-    const size_t most = *std::max_element(count.begin(), count.end());
-    const size_t least = *std::min_element(count.begin(), count.end());
-    const auto first = std::max_element(count.begin(), count.end()) - count.begin();
-    const auto fewer = std::min_element(count.begin(), count.end()) - count.begin();
-    if (most != least)
-        refuse("slices are doubled or missing: place %td of %zu along the series holds %zu slices "
-               "and place %td holds %zu; put those of one volume into a folder of their own",
-               first + 1, count.size(), most, fewer + 1, least);
-    return most;
+    if (count.size() == series.size())
+        return {};
+    const std::vector<std::string> labels = divide_volumes(series, count, by_instance);
+    if (by_instance)
+        note(volume, "its images of one place differ in nothing but InstanceNumber, which divides "
+                     "them into volumes");
+    return labels;
+}
+
+/* What the volumes are: of the one that is chosen, else of all. */
+void tell_volumes(Volume &volume, const std::vector<std::string> &labels, const Request &request)
+{
+    constexpr size_t contents_most = 255; /* the client's */
+    std::vector<std::string> entries;
+    for (size_t v = 0; v < labels.size(); v++)
+        entries.push_back(words_of("volume %zu: ", v) + labels[v]);
+    if (request.chooses) {
+        volume.contents = labels[request.volume];
+        note(volume, entries[request.volume]);
+        return;
+    }
+    std::string lines;
+    for (const std::string &entry : entries) {
+        note(volume, entry);
+        lines += entry + "\n";
+    }
+    if (lines.size() + labels.size() > contents_most && request.lists) {
+        answer_list(lines);
+        volume.notes.clear();
+        volume.contents = "they are listed";
+        return;
+    }
+    const bool fits = lines.size() + labels.size() <= contents_most;
+    const size_t room = contents_most - (fits ? 0 : more_most);
+    size_t said = 0;
+    for (; said < entries.size() && volume.contents.size() + entries[said].size() + 2 <= room;
+         said++)
+        volume.contents += (said ? "; " : "") + entries[said];
+    if (said < entries.size())
+        volume.contents += words_of("; and %zu more", entries.size() - said);
 }
 
 /* Where gaps are, in steps: 0 between slices that follow each other. */
@@ -379,8 +459,10 @@ void place(Volume &volume, const std::vector<Slice> &slice)
     const size_t steps = slice.size() - 1;
     double column[3][3], normal[3];
     normal_of(normal, first.axis);
-    const double depth = first.between > 0 ? first.between : first.thickness;
-    const bool is_placed = first.has_position && first.has_axes;
+    const bool is_placed = have_places(slice), is_located = !is_placed && have_locations(slice);
+    const double depth = is_located          ? (last.along - first.along) / static_cast<double>(steps)
+                         : first.between > 0 ? first.between
+                                             : first.thickness;
     for (int w = 0; w < 3; w++) {
         column[0][w] = first.axis[w] * (first.spacing[1] > 0 ? first.spacing[1] : 1);
         column[1][w] = first.axis[3 + w] * (first.spacing[0] > 0 ? first.spacing[0] : 1);
@@ -396,9 +478,30 @@ void place(Volume &volume, const std::vector<Slice> &slice)
         volume.known |= SPACING;
     if (is_placed)
         volume.known |= ORIENTATION;
+    else if (steps == 0)
+        note(volume, "it holds no place in the patient");
     else
-        note(volume, "its slices hold no place in the patient: they are in the order of their "
-                     "numbers");
+        note(volume, words_of("its slices hold no place in the patient: they are in the order of "
+                              "their %s",
+                              is_located                        ? "SliceLocation"
+                              : first.path == last.path         ? "frames"
+                                                                : "numbers"));
+}
+
+/* A slope of 0 is none, as in a NIfTI. */
+void settle_slope(Volume &volume, std::vector<Slice> &slice)
+{
+    const Slice first = slice[0];
+    for (Slice &each : slice) {
+        if ((each.slope == 0) != (first.slope == 0))
+            throw Refusal{about_file((each.slope == 0 ? each : first).name,
+                                     "is scaled by a slope of 0, and other slices are not")};
+        if (each.slope == 0)
+            each.slope = 1, each.intercept = 0;
+    }
+    if (first.slope == 0)
+        note(volume, words_of("its slope is 0 and its intercept %g: values are not scaled",
+                              first.intercept));
 }
 
 /* What number a slice holds, and what a blank one. */
@@ -409,19 +512,20 @@ void settle_type(Volume &volume, Stack &stack)
     stack.intercept = first.intercept;
     for (const Slice &slice : stack.slice)
         stack.is_real |= slice.slope != first.slope || slice.intercept != first.intercept ||
-                         slice.bits != first.bits || slice.is_signed != first.is_signed;
+                         slice.bits != first.bits || slice.is_signed != first.is_signed ||
+                         slice.lookup;
     if (first.samples != 1)
         refuse("its pixels have colours; expected one value each");
     if (first.bits != 8 && first.bits != 16 && first.bits != 32)
-        refuse("its pixels have %u bits; expected 8, 16 or 32 (a segmentation of 1 bit: convert it "
-               "with segimage2itkimage of dcmqi)",
-               first.bits);
+        refuse("its pixels have %u bits; expected 8, 16 or 32", first.bits);
     volume.type =
         stack.is_real ? "float32" : (first.is_signed ? "int" : "uint") + std::to_string(first.bits);
     if (!stack.is_real) {
         volume.slope = stack.slope;
         volume.intercept = stack.intercept;
     }
+    if (first.lookup)
+        note(volume, "its values are those of its Modality LUT");
     if (first.is_inverse)
         note(volume, "its values are for display with bright and dark exchanged (MONOCHROME1)");
 }
@@ -470,6 +574,44 @@ class Decoder
     std::vector<char> bytes_;
 };
 
+/* Leaves out files that are there twice; how many. Those of one SOPInstanceUID are copies if their
+ * place, their tags and their pixels are the same: programs that anonymise may give one to all. */
+size_t leave_out_copies(Volume &volume, Series &series)
+{
+    using Identity = std::tuple<std::string, unsigned, std::vector<double>, double,
+                                std::map<unsigned, Value>>;
+    std::set<std::pair<std::string, unsigned>> objects;
+    std::map<Identity, Series> seen;
+    Decoder one, other;
+    Series kept;
+    size_t named = 0;
+    for (const Slice &slice : series) {
+        const size_t bytes = size_t{slice.columns} * slice.rows * (slice.bits / 8);
+        const auto is_copy = [&](const Slice &before) {
+            const char *a = one.decode(before), *b = other.decode(slice);
+            return before.bits == slice.bits && (!a || !b ? a == b : !std::memcmp(a, b, bytes));
+        };
+        if (slice.object.empty()) {
+            kept.push_back(slice);
+            continue;
+        }
+        Series &same = seen[{slice.object, slice.frame,
+                             std::vector<double>(slice.position, slice.position + 3),
+                             std::isfinite(slice.location) ? slice.location : 0, slice.tags}];
+        if (std::any_of(same.begin(), same.end(), is_copy))
+            continue;
+        named += !objects.insert({slice.object, slice.frame}).second;
+        same.push_back(slice);
+        kept.push_back(slice);
+    }
+    const size_t copies = series.size() - kept.size();
+    series.swap(kept);
+    if (named)
+        note(volume, plural_of(named, "image") + (named == 1 ? " has" : " have") +
+                         " the SOPInstanceUID of another, but not its place or pixels: kept");
+    return copies;
+}
+
 /* A blank slice holds what is air in a CT, and else 0. */
 void send_blank(const Volume &volume, const Stack &stack, const Slice &slice)
 {
@@ -486,6 +628,13 @@ void send_blank(const Volume &volume, const Stack &stack, const Slice &slice)
             std::memcpy(&bytes[2 * i], &value, sizeof value);
         }
     send_piece(bytes.data(), bytes.size());
+}
+
+float look_up(const Lookup &lookup, int64_t number)
+{
+    const auto last = static_cast<int64_t>(lookup.value.size()) - 1;
+    return lookup.value[static_cast<size_t>(
+        std::clamp<int64_t>(number - lookup.first, 0, last))];
 }
 
 void send_stack(const Volume &volume, const Stack &stack)
@@ -513,8 +662,9 @@ void send_stack(const Volume &volume, const Stack &stack)
         std::vector<float> real(pixels);
         for (size_t i = 0; i < pixels; i++) {
             const int64_t number = number_at(bytes + i * width, slice.bits, slice.is_signed);
-            real[i] =
-                static_cast<float>(static_cast<double>(number) * slice.slope + slice.intercept);
+            real[i] = slice.lookup ? look_up(*slice.lookup, number)
+                                   : static_cast<float>(static_cast<double>(number) * slice.slope +
+                                                        slice.intercept);
         }
         send_piece(real.data(), pixels * sizeof(float));
     }
@@ -529,26 +679,27 @@ void stack_slices(Volume &volume, const std::vector<Slice> &slices, const Reques
     for (const Slice &slice : series)
         if (!slice.fault.empty())
             throw Refusal{about_file(slice.name, "is " + slice.fault)};
-    std::set<std::pair<std::string, unsigned>> seen; /* files that are there twice count once */
-    const auto is_copy = [&](const Slice &slice) {
-        return !slice.object.empty() && !seen.insert({slice.object, slice.frame}).second;
-    };
-    const auto end = std::remove_if(series.begin(), series.end(), is_copy);
-    const auto copies = static_cast<size_t>(series.end() - end);
-    series.erase(end, series.end());
+    const size_t copies = leave_out_copies(volume, series);
     sort_slices(series);
-    volume.volumes = count_volumes(series);
+    if (!are_along(series) && !have_numbers(series))
+        refuse("its slices hold no place in the patient, no SliceLocation, and no InstanceNumber "
+               "that differs from file to file: nothing says their order");
+    const std::vector<std::string> labels = find_volumes(volume, series);
+    volume.volumes = std::max<size_t>(labels.size(), 1);
     if (request.volume >= volume.volumes)
         refuse("there is no volume %llu; it holds %s, counted from 0", wide(request.volume),
                plural_of(volume.volumes, "volume").c_str());
+    if (!labels.empty())
+        tell_volumes(volume, labels, request);
     const std::shared_ptr<Stack> stack = std::make_shared<Stack>();
     std::vector<double> along;
     for (size_t i = request.volume; i < series.size(); i += volume.volumes) {
         stack->slice.push_back(series[i]);
         along.push_back(series[i].along);
     }
+    settle_slope(volume, stack->slice);
     place(volume, stack->slice);
-    if (have_places(series)) {
+    if (are_along(series)) {
         const Gaps gaps = gaps_of(along);
         note_unevenness(volume, gaps, stack->slice);
         const size_t found = stack->slice.size();
@@ -581,9 +732,13 @@ void open_dicom(Volume &volume, const Request &request)
         refuse("skip=NAME leaves out files of a folder, and this is one file");
     if (!scan(slices, request.path))
         refuse("its first bytes are of a DICOM file, and the rest of its header is damaged");
-    if (slices.empty())
-        refuse("a DICOM file without pixels (a DICOMDIR, a report or a plan); open the folder with "
-               "the slices");
+    if (slices.empty()) {
+        std::string words;
+        is_of_images(words, request.path);
+        throw Refusal{words.empty() ? "a DICOM file without pixels (a report or a plan); open the "
+                                      "folder with the slices"
+                                    : words};
+    }
     stack_slices(volume, slices, request);
     if (volume.size[2] == 1)
         note(volume, "it is one slice: `open FOLDER` reads a whole series");

@@ -409,8 +409,11 @@ def make_dicom_files(folder):
         path = os.path.join(folder, name + ".dcm")
         shutil.copy(pydicom.data.get_testdata_file(name + ".dcm"), path)
         save_dicom_twin(path, dicom("MR_small.dcm"))
-    for name in "MR_truncated SC_rgb_rle liver_1frame badVR".split():
+    for name in "MR_truncated SC_rgb_rle badVR".split():
         shutil.copy(pydicom.data.get_testdata_file(name + ".dcm"), folder)
+    one = dicom("liver_1frame.dcm")  # a segmentation, as an image
+    one.SOPClassUID = one.file_meta.MediaStorageSOPClassUID = "1.2.840.10008.5.1.4.1.1.4.1"
+    one.save_as(os.path.join(folder, "bits.dcm"))
     one = dicom("MR_small.dcm")
     one.add_new(0x7fe00008, "OF", bytes(4 * one.Rows * one.Columns))
     del one.PixelData

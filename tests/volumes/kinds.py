@@ -1,0 +1,392 @@
+# SPDX-License-Identifier: MIT
+"""DICOM with several images at each place, and with tags that are easily misread, by pydicom, for
+tests/test_dicom.sh.
+
+    kinds.py FOLDER     makes the files there; of a series NAME, volume N has the twin NAME-N
+"""
+import copy
+import os
+import random
+import sys
+
+import numpy
+import pydicom
+import pydicom.data
+import pydicom.datadict
+from pydicom.dataset import Dataset
+from pydicom.sequence import Sequence
+
+sys.dont_write_bytecode = True
+from make import LPS, PLACE, SECRETS, run, save_plain_twin, save_twin, slices_of, voxels  # noqa
+
+SLICES = 5
+MR, ENHANCED = "1.2.840.10008.5.1.4.1.1.4", "1.2.840.10008.5.1.4.1.1.4.1"
+LENGTH = numpy.linalg.norm(PLACE[:3, :3], axis=0)
+
+
+def data_of(volume):
+    return (voxels()[:, :, :SLICES] + 1000 * volume).astype(numpy.int16)
+
+
+# ---- one file a slice ----
+
+
+def images_of(volumes):
+    """images[v][z], of tags by volume; a tag that is a function is asked for each slice, and one
+    that is None is not there. Numbers are used once for each volume."""
+    images = []
+    for v, tags in enumerate(volumes):
+        images.append(slices_of(data_of(v), PLACE))
+        for z, one in enumerate(images[v]):
+            one.SOPClassUID = one.file_meta.MediaStorageSOPClassUID = MR
+            one.Modality = "MR"
+            one.InstanceNumber = z + 1
+            one.SOPInstanceUID = SECRETS[3] + ".6.%d.%d" % (v, z)
+            one.file_meta.MediaStorageSOPInstanceUID = one.SOPInstanceUID
+            for name in ("AcquisitionNumber", "AcquisitionTime", "AcquisitionDate", "ContentTime",
+                         "ContentDate", "ImageType", "SliceLocation", "KVP"):
+                if name in one:
+                    delattr(one, name)
+            for name, value in tags.items():
+                value = value(z) if callable(value) else value
+                if value is not None:
+                    setattr(one, name, value)
+    return images
+
+
+def save(folder, name, images, order=None):
+    """Under names in no order, or as given."""
+    path = os.path.join(folder, name)
+    os.mkdir(path)
+    images = [one for volume in images for one in volume]
+    names = list(range(len(images)))
+    random.Random(len(name)).shuffle(names)
+    for i, one in zip(order or names, images):
+        one.save_as(os.path.join(path, "IM%03d" % i))
+    return path
+
+
+def save_twins(path, volumes):
+    """In the order that the volumes are to have."""
+    for n, v in enumerate(volumes):
+        save_twin("%s-%d" % (path, n), data_of(v), PLACE, 2, -1000)
+
+
+# ---- one file of all slices ----
+
+
+def enhanced_of(volumes, pointers=(), order=None):
+    """Frames in no order. Of each volume: group sequence -> its tags, to be nested so."""
+    one = copy.deepcopy(slices_of(data_of(0), PLACE)[0])
+    place = [str(number) for number in one.ImageOrientationPatient]
+    one.SOPClassUID = one.file_meta.MediaStorageSOPClassUID = ENHANCED
+    for name in ("ImagePositionPatient", "ImageOrientationPatient", "PixelSpacing",
+                 "SliceThickness", "RescaleSlope", "RescaleIntercept", "SliceLocation",
+                 "AcquisitionNumber", "AcquisitionTime", "ContentTime", "ImageType", "KVP"):
+        if name in one:
+            delattr(one, name)
+    axes, measures, values, shared = Dataset(), Dataset(), Dataset(), Dataset()
+    axes.ImageOrientationPatient = place
+    measures.PixelSpacing, measures.SliceThickness = [str(LENGTH[1]), str(LENGTH[0])], "2.5"
+    values.RescaleSlope, values.RescaleIntercept, values.RescaleType = 2, -1000, "US"
+    shared.PlaneOrientationSequence = Sequence([axes])
+    shared.PixelMeasuresSequence = Sequence([measures])
+    shared.PixelValueTransformationSequence = Sequence([values])
+    one.SharedFunctionalGroupsSequence = Sequence([shared])
+    one.DimensionIndexSequence = Sequence([])
+    for tag in pointers:
+        item = Dataset()
+        item.DimensionIndexPointer = tag
+        one.DimensionIndexSequence.append(item)
+    frames = [(v, z) for v in range(len(volumes)) for z in range(SLICES)]
+    random.Random(7).shuffle(frames)
+    groups, pixels = [], []
+    for v, z in order or frames:
+        group, position = Dataset(), Dataset()
+        at = LPS @ PLACE @ [0, 0, z, 1]
+        position.ImagePositionPatient = ["%.10g" % n for n in at[:3]]
+        group.PlanePositionSequence = Sequence([position])
+        for sequence, tags in volumes[v].items():
+            item = Dataset()
+            for name, value in tags.items():
+                setattr(item, name, value(z) if callable(value) else value)
+            setattr(group, sequence, Sequence([item]))
+        groups.append(group)
+        pixels.append(data_of(v)[:, :, z].T.astype("<i2").tobytes())
+    one.PerFrameFunctionalGroupsSequence = Sequence(groups)
+    one.NumberOfFrames = len(groups)
+    one.PixelData = b"".join(pixels)
+    return one
+
+
+def gradient(*numbers):
+    item = Dataset()
+    item.DiffusionGradientOrientation = list(numbers)
+    return Sequence([item])
+
+
+# ---- what tells volumes apart ----
+
+PHASE, MAGNITUDE = ["ORIGINAL", "PRIMARY", "P", "ND"], ["ORIGINAL", "PRIMARY", "M", "ND"]
+
+
+def clock(volume, step=1):
+    """Times of slices that are acquired one by one, odd ones first, volume after volume."""
+    return lambda z: "1015%02d.%02d" % (volume, step * (z // 2 + z % 2 * 3))
+
+
+def make_keys(folder):
+    """Each by one tag alone, with the volumes in another order than they are to have."""
+    b = "DiffusionBValue"
+    keys = {
+        "echo": [{"EchoTime": 9.84}, {"EchoTime": 4.92}],
+        "echo-number": [{"EchoNumbers": 10}, {"EchoNumbers": 9}],
+        "b": [{b: 1000.0}, {b: 0.0}, {b: 500.0}],
+        "b-missing": [{b: 1000.0}, {b: None}],
+        "gradient": [{b: 700.0, "DiffusionGradientOrientation": [0.0, 1.0, 0.0]},
+                     {b: 700.0, "DiffusionGradientOrientation": [0.0, 0.0, 1.0]}, {b: 0.0}],
+        "phase": [{"ImageType": PHASE}, {"ImageType": MAGNITUDE}],
+        "derived": [{"ImageType": ["DERIVED", "PRIMARY", "ADC"]},
+                    {"ImageType": ["ORIGINAL", "PRIMARY", "DIFFUSION"]}],
+        "inversion": [{"InversionTime": 2500}, {"InversionTime": 900}],
+        "flip": [{"FlipAngle": 20}, {"FlipAngle": 4}],
+        "trigger": [{"TriggerTime": lambda z: "%.1f" % (500 + 3 * z)},
+                    {"TriggerTime": lambda z: "%.1f" % (20 - 2 * z)}],
+        "temporal": [{"TemporalPositionIdentifier": 11}, {"TemporalPositionIdentifier": 2}],
+        "acquisition": [{"AcquisitionNumber": 10}, {"AcquisitionNumber": 9}],
+        "time": [{"AcquisitionTime": clock(30)}, {"AcquisitionTime": clock(8)}],
+        "midnight": [{"AcquisitionTime": lambda z: "000%d10" % z, "AcquisitionDate": "20200301"},
+                     {"AcquisitionTime": lambda z: "235%d10" % z, "AcquisitionDate": "20200229"}],
+        "content": [{"ContentTime": clock(3)}, {"ContentTime": clock(2)}],
+    }
+    orders = {"b": [1, 2, 0], "gradient": [2, 1, 0]}
+    for name, volumes in keys.items():
+        path = save(folder, name, images_of(volumes))
+        save_twins(path, orders.get(name, [1, 0]))
+    both = [{"EchoTime": te, "ImageType": kind} for kind in (PHASE, MAGNITUDE) for te in (9, 5)]
+    save_twins(save(folder, "echo-phase", images_of(both)), [3, 1, 2, 0])
+    # Images of b 0 that are there twice, told apart by the number of their acquisition alone.
+    twice = [{b: 0.0, "AcquisitionNumber": 3}, {b: 800.0, "AcquisitionNumber": 2},
+             {b: 0.0, "AcquisitionNumber": 1}]
+    save_twins(save(folder, "b-twice", images_of(twice)), [2, 0, 1])
+
+
+def make_enhanced(folder):
+    content, echo, diffusion = "FrameContentSequence", "MREchoSequence", "MRDiffusionSequence"
+    keys = {
+        "echo": [{echo: {"EffectiveEchoTime": 9.84}}, {echo: {"EffectiveEchoTime": 4.92}}],
+        "b": [{diffusion: {"DiffusionBValue": n}} for n in (1000.0, 0.0, 500.0)],
+        "gradient": [{diffusion: {"DiffusionBValue": 700.0,
+                                  "DiffusionGradientDirectionSequence": gradient(0.0, 1.0, 0.0)}},
+                     {diffusion: {"DiffusionBValue": 700.0,
+                                  "DiffusionGradientDirectionSequence": gradient(0.0, 0.0, 1.0)}},
+                     {diffusion: {"DiffusionBValue": 0.0}}],
+        "phase": [{"MRImageFrameTypeSequence": {"FrameType": kind}}
+                  for kind in (PHASE, MAGNITUDE)],
+        "component": [{"MRImageFrameTypeSequence": {"ComplexImageComponent": kind}}
+                      for kind in ("PHASE", "MAGNITUDE")],
+        "inversion": [{"MRModifierSequence": {"InversionTimes": n}} for n in (2500.0, 900.0)],
+        "trigger": [{"CardiacSynchronizationSequence": {
+            "NominalCardiacTriggerDelayTime": lambda z, n=n: n + 3.0 * z}} for n in (500, 20)],
+        "temporal": [{content: {"TemporalPositionIndex": n}} for n in (11, 2)],
+        "acquisition": [{content: {"FrameAcquisitionNumber": n}} for n in (10, 9)],
+        "time": [{content: {"FrameAcquisitionDateTime": lambda z, n=n: "20200229" + clock(n)(z)}}
+                 for n in (30, 8)],
+        "index": [{content: {"DimensionIndexValues": lambda z, n=n: [1, z + 1, n]}}
+                  for n in (2, 1)],
+    }
+    orders = {"b": [1, 2, 0], "gradient": [2, 1, 0]}
+    for name, volumes in keys.items():
+        path = os.path.join(folder, "enhanced-" + name)
+        enhanced_of(volumes, (0x00209056, 0x00209057, 0x00209128)).save_as(path)
+        save_twins(path, orders.get(name, [1, 0]))
+
+
+def make_numbers(folder):
+    """Volumes that nothing but InstanceNumber divides, or not even that."""
+    for name, number in (("numbers", lambda v, z: 40 - 20 * v + z),
+                         ("numbers-by-place", lambda v, z: 90 - 2 * z - v),
+                         ("jumbled", lambda v, z: (7 * (SLICES * v + z)) % 11),
+                         ("used-twice", lambda v, z: z + 1)):
+        path = save(folder, name, images_of(
+            [{"InstanceNumber": lambda z, v=v: number(v, z)} for v in range(2)]))
+        save_twins(path, [1, 0])
+    # InstanceNumber does not decide where another tag differs, and that tag does not either.
+    save(folder, "both-differ", images_of(
+        [{"InstanceNumber": lambda z, v=v: 20 * v + z,
+          "ContentTime": lambda z, v=v: "1010%02d" % (7 * (SLICES * v + z) % 11)}
+         for v in range(2)]))
+    enhanced_of([{}, {}]).save_as(os.path.join(folder, "frames"))
+    # An echo whose volumes are whole, in which kinds of images are mixed.
+    save(folder, "mixed-kinds", images_of(
+        [{"EchoTime": 5 + v, "ImageType": lambda z, v=v: (PHASE, MAGNITUDE)[(z > 2) ^ v]}
+         for v in range(2)]))
+    save(folder, "one-wrong", images_of(
+        [{"DiffusionBValue": lambda z, v=v: 1000.0 * v * (z != 3),
+          "InstanceNumber": lambda z, v=v: 20 * v + z} for v in range(2)]))
+    images = images_of([{"EchoTime": 5}, {"EchoTime": 9}])
+    del images[1][2]
+    save(folder, "incomplete", images)
+    # A type that differs from slice to slice, and from no other image of its place.
+    path = save(folder, "by-slice", images_of(
+        [{"ImageType": lambda z: (PHASE, MAGNITUDE)[z % 2]}]))
+    save_twin(path, data_of(0), PLACE, 2, -1000)
+
+
+# ---- numbers that are easily misread ----
+
+
+def make_values(folder):
+    def series(name, change, data=None, scale=(2, -1000), keeps=()):
+        images = images_of([{}])
+        for z, one in enumerate(images[0]):
+            change(one, z)
+        path = save(folder, name, images)
+        if data is not None:
+            save_twin(path, data, PLACE, *scale)
+
+    def lookup(one, first=-90, bits=16, count=1000):
+        item = Dataset()
+        table = numpy.arange(count) * 2 + 5
+        item.add_new(0x00283002, "SS", [count, first, bits])
+        item.LUTExplanation = "numbers"
+        item.add_new(0x00283006, "OW", (table.astype("<u2") if bits > 8 else
+                                        (table % 256).astype("u1")).tobytes())
+        one.ModalityLUTSequence = Sequence([item])
+        del one.RescaleSlope, one.RescaleIntercept
+
+    plain = data_of(0)
+    looked = numpy.clip(plain.astype(int) + 90, 0, 999) * 2 + 5
+    series("lookup", lambda one, z: lookup(one), looked.astype(numpy.float32), (1, 0))
+    series("lookup-short", lambda one, z: lookup(one, -40, 16, 300),
+           (numpy.clip(plain.astype(int) + 40, 0, 299) * 2 + 5).astype(numpy.float32), (1, 0))
+    series("lookup-bytes", lambda one, z: lookup(one, -90, 8),
+           (looked % 256).astype(numpy.float32), (1, 0))
+
+    def cut_lookup(one, z):
+        lookup(one)
+        one.ModalityLUTSequence[0].add_new(0x00283006, "OW", bytes(200))
+    series("lookup-cut", cut_lookup)
+
+    def lookup_and_slope(one, z):
+        lookup(one)
+        one.RescaleSlope = 2
+    series("lookup-slope", lookup_and_slope)
+
+    def slope_0(one, z):
+        one.RescaleSlope = 0
+    series("slope-0", slope_0, plain, (1, 0))
+    series("slope-0-once", lambda one, z: setattr(one, "RescaleSlope", min(z, 1)))
+
+    def same_object(one, z):
+        one.SOPInstanceUID = one.file_meta.MediaStorageSOPInstanceUID = SECRETS[3] + ".7"
+    series("one-object", same_object, plain)
+    images = images_of([{"EchoTime": 5}, {"EchoTime": 9}])
+    for one in images[0] + images[1]:
+        same_object(one, 0)
+    save_twins(save(folder, "one-object-echoes", images), [0, 1])
+    images = images_of([{}, {}])  # of the same places and tags, and other pixels
+    for z in range(SLICES):
+        images[1][z].SOPInstanceUID = images[0][z].SOPInstanceUID
+    save(folder, "one-object-pixels", images)
+    # A copy that is packed in another way.
+    images = images_of([{}])
+    path = save(folder, "packed-copy", images)
+    save_twin(path, plain, PLACE, 2, -1000)
+    run("dcmcrle", os.path.join(path, "IM002"), os.path.join(path, "copy"))
+    # Decimal commas, in each number that is read.
+    commas = {"RescaleSlope": b"1,5 ", "RescaleIntercept": b"-0,5", "PixelSpacing": b"0,9\\0,9 ",
+              "ImagePositionPatient": b"1,5\\2,5\\3,5 ",
+              "ImageOrientationPatient": b"1\\0\\0\\0\\1\\0,0 ", "SliceThickness": b"2,5 ",
+              "SpacingBetweenSlices": b"2,5 ", "EchoTime": b"4,92", "SliceLocation": b"3,5 "}
+    for name, text in commas.items():
+        images = images_of([{}])
+        one = images[0][2]
+        setattr(one, name, [1, 2] if name == "PixelSpacing" else
+                [1, 2, 3] if name == "ImagePositionPatient" else
+                [1, 0, 0, 0, 1, 0] if name == "ImageOrientationPatient" else 7)
+        path = save(folder, "comma-" + name, images)
+        saved = [os.path.join(path, file) for file in os.listdir(path)
+                 if pydicom.dcmread(os.path.join(path, file)).InstanceNumber == 3][0]
+        write_text(saved, pydicom.datadict.tag_for_keyword(name), text)
+    one = enhanced_of([{}])
+    one.save_as(os.path.join(folder, "comma-enhanced"))
+    write_text(os.path.join(folder, "comma-enhanced"), 0x00281053, b"1,5 ")
+
+
+def write_text(path, tag, text):
+    """In place of the value that an element of explicit VR has."""
+    with open(path, "rb") as file:
+        data = file.read()
+    at = data.index((tag >> 16).to_bytes(2, "little") + (tag & 0xffff).to_bytes(2, "little") +
+                    b"DS")
+    length = int.from_bytes(data[at + 6:at + 8], "little")
+    if b"\x2a\x00\x00\x52" in data or b"\x00\x52\x30\x92" in data:  # a sequence has its length
+        text = text.ljust(length)[:length]
+    with open(path, "wb") as file:
+        file.write(data[:at + 6] + len(text).to_bytes(2, "little") + text +
+                   data[at + 8 + length:])
+
+
+# ---- slices without a place ----
+
+
+def make_unplaced(folder):
+    data, spacing = data_of(0), LENGTH
+
+    def series(name, twin=None, **tags):
+        images = images_of([tags])
+        for one in images[0]:
+            del one.ImagePositionPatient, one.ImageOrientationPatient
+            one.SpacingBetweenSlices = "%.10g" % LENGTH[2]
+            one.RescaleSlope, one.RescaleIntercept = 1, 0
+            if "InstanceNumber" not in tags:
+                del one.InstanceNumber
+        path = save(folder, name, images)
+        if twin is not None:
+            save_plain_twin(path, twin, spacing)
+    up, down = (lambda z: 30 + LENGTH[2] * z), (lambda z: 30 - LENGTH[2] * z)
+    turned = numpy.ascontiguousarray(data[:, :, ::-1])
+    series("location", data, SliceLocation=up)
+    series("location-down", turned, SliceLocation=down)
+    series("location-numbers", data, SliceLocation=down, InstanceNumber=lambda z: z + 4)
+    series("location-jumbled", data, SliceLocation=up, InstanceNumber=lambda z: (3 * z) % 5)
+    series("numbers-alone", data, InstanceNumber=lambda z: z + 1)
+    series("location-once", data, SliceLocation=7, InstanceNumber=lambda z: z + 1)
+    series("location-gap", SliceLocation=lambda z: up(z + (z > 2)))
+    series("nothing")
+
+
+# ---- objects that are no images ----
+
+
+def make_objects(folder):
+    os.mkdir(os.path.join(folder, "objects"))
+    rows = {"seg-fractional": "66.4", "seg-labelmap": "66.7", "parametric": "30",
+            "rtstruct": "481.3", "rtplan": "481.5", "report": "88.33", "pdf": "104.1",
+            "state": "11.1", "surface": "66.5", "registration": "66.1", "spectrum": "4.2"}
+    for name, number in rows.items():
+        has_pixels = name in ("seg-fractional", "seg-labelmap", "parametric")
+        one = enhanced_of([{}]) if has_pixels else images_of([{}])[0][0]
+        one.SOPClassUID = "1.2.840.10008.5.1.4.1.1." + number
+        one.file_meta.MediaStorageSOPClassUID = one.SOPClassUID
+        one.SeriesInstanceUID = SECRETS[3] + ".9"
+        if not has_pixels:
+            del one.PixelData, one.Rows, one.Columns
+        if has_pixels and name != "parametric":
+            one.BitsAllocated = one.BitsStored = 8
+            one.HighBit, one.PixelRepresentation = 7, 0
+            one.PixelData = one.PixelData[::2]
+            one.SegmentationType = name[4:].upper()
+        one.save_as(os.path.join(folder, "objects", name + ".dcm"))
+    binary = pydicom.dcmread(pydicom.data.get_testdata_file("liver_1frame.dcm"))
+    binary.save_as(os.path.join(folder, "objects", "seg-binary.dcm"))
+
+
+def main():
+    for make in (make_keys, make_enhanced, make_numbers, make_values, make_unplaced, make_objects):
+        make(sys.argv[1])
+
+
+if __name__ == "__main__":
+    main()
