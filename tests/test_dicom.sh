@@ -23,7 +23,8 @@ volumes_of() {
         out_has "volume $volume: $label, 5 slices"
         volume=$((volume + 1))
     done
-    refused "a series of $# volumes; choose one, as in \`open FILE volume=0\`, of 0 to $(($# - 1)); \
+    last=$(($# - 1))
+    refused "a series of $# volumes; choose one, as in \`open FILE volume=0\`, of 0 to $last; \
 volume 0: $1, 5 slices; volume 1: $2, 5 slices" "open $series"
     refused "there is no volume $#; it holds $#" "open $series volume=$#"
 }
@@ -58,7 +59,8 @@ volumes_of enhanced-echo "echo 4.92 ms" "echo 9.84 ms"
 volumes_of enhanced-b "b 0" "b 500" "b 1000"
 volumes_of enhanced-gradient "b 0" "b 700, gradient 0,0,1" "b 700, gradient 0,1,0"
 volumes_of enhanced-phase "image type 1 of 2 (magnitude)" "image type 2 of 2 (phase)"
-volumes_of enhanced-component "complex component 1 of 2 (magnitude)" "complex component 2 of 2 (phase)"
+volumes_of enhanced-component "complex component 1 of 2 (magnitude)" \
+    "complex component 2 of 2 (phase)"
 volumes_of enhanced-inversion "inversion time 900 ms" "inversion time 2500 ms"
 volumes_of enhanced-trigger "trigger time 20 to 32 ms" "trigger time 500 to 512 ms"
 volumes_of enhanced-temporal "temporal position 2" "temporal position 11"

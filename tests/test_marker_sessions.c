@@ -341,7 +341,7 @@ STORY(seeds_are_what_the_commands_that_stand_give)
 
 /* ---- label maps, regions of interest and corrections, in any order ---- */
 
-/* Draw a planting command that the model above does not have, or a change of weights or adjacency. */
+/* Draw a planting command that the model above lacks, or a change of weights or adjacency. */
 static void draw_more(char line[LINE])
 {
     const uint32_t x = below(size[0]), y = below(size[1]), z = below(size[2]), low = below(160);

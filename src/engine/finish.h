@@ -33,11 +33,11 @@
  *               of whose voxels have its label. The others are given away, component by component
  *               of what is to be given away. For one label: of that one.
  *   relax       Labels settle on the edges of the scene: each has a field that is 1 in it and 0
- *               elsewhere, and every voxel at most `reach` steps from a border moves `sweeps` times towards
- *               the mean of its neighbours, those across an edge counting little; then the greatest field wins
- *               (engine/finish_relax.h). Seeds and voxels outside the region
- *               of interest keep their labels. For one label: where a voxel would lose or get that
- *               label.
+ *               elsewhere, and every voxel at most `reach` steps from a border moves `sweeps`
+ *               times towards the mean of its neighbours, those across an edge counting little;
+ *               then the greatest field wins (engine/finish_relax.h). Seeds and voxels outside the
+ *               region of interest keep their labels. For one label: where a voxel would lose or
+ *               get that label.
  *   close       A voxel of label 0 takes a label but 0 where every ball of `radius` over it has a
  *               voxel of that label; of several labels, the smallest. For one label: of that one.
  *

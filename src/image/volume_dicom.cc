@@ -272,7 +272,8 @@ void take_place(Slice &slice, const gdcm::DataSet &set)
         std::copy(number, number + 3, slice.position);
         slice.has_position = true;
     }
-    if (decimals_of(slice.fault, set, gdcm::Tag(0x0020, 0x0037), number, 6) == 6 && are_axes(number)) {
+    if (decimals_of(slice.fault, set, gdcm::Tag(0x0020, 0x0037), number, 6) == 6 &&
+        are_axes(number)) {
         std::copy(number, number + 6, slice.axis);
         slice.has_axes = true;
     }
@@ -375,9 +376,9 @@ void add_frames(std::vector<Slice> &slices, const Slice &first, const gdcm::Data
     Slice common = first;
     take_functions(common, item_of(set, shared_tag, 0));
     std::vector<double> offsets(common.frames + size_t{1}); /* one more, which would be too many */
-    const bool has_offsets =
-        common.has_position && common.has_axes &&
-        decimals_of(common.fault, set, offsets_tag, offsets.data(), offsets.size()) == common.frames;
+    const bool has_offsets = common.has_position && common.has_axes &&
+                             decimals_of(common.fault, set, offsets_tag, offsets.data(),
+                                         offsets.size()) == common.frames;
     double normal[3];
     normal_of(normal, common.axis);
     common.has_position = false;

@@ -150,13 +150,13 @@ struct Lookup {
 };
 
 struct Slice {
-    std::string path, series, object;    /* never said */
-    std::string name;                    /* of its file below the folder; "" where it is one file */
+    std::string path, series, object; /* never said */
+    std::string name;                 /* of its file below the folder; "" where it is one file */
     std::string modality;
-    std::string description;             /* printable; said to who chooses: */
-    bool names_patient = false;          /* not even to those */
-    std::map<unsigned, Value> tags;      /* those that it has, by row (volume_tags.cc) */
-    std::string fault;                   /* why it cannot be read; "" where it can */
+    std::string description;        /* printable; said to who chooses: */
+    bool names_patient = false;     /* not even to those */
+    std::map<unsigned, Value> tags; /* those that it has, by row (volume_tags.cc) */
+    std::string fault;              /* why it cannot be read; "" where it can */
     unsigned frame = 0, frames = 1;
     unsigned tiles = 1, images = 0; /* of a mosaic: along a side of the square, and in all */
     unsigned columns = 0, rows = 0, samples = 1, bits = 16;

@@ -288,7 +288,7 @@ size_t choose_series(const std::vector<Series> &all, const Request &request)
 }
 /* ---- in their places ---- */
 
-/* Arranges a sorted series by place and volume. A label for each volume; none where there is one. */
+/* Arranges a sorted series by place and volume. A label for each volume; none for a single one. */
 std::vector<std::string> find_volumes(Volume &volume, Series &series)
 {
     std::vector<size_t> count;
@@ -460,7 +460,7 @@ void place(Volume &volume, const std::vector<Slice> &slice)
     double column[3][3], normal[3];
     normal_of(normal, first.axis);
     const bool is_placed = have_places(slice), is_located = !is_placed && have_locations(slice);
-    const double depth = is_located          ? (last.along - first.along) / static_cast<double>(steps)
+    const double depth = is_located ? (last.along - first.along) / static_cast<double>(steps)
                          : first.between > 0 ? first.between
                                              : first.thickness;
     for (int w = 0; w < 3; w++) {
@@ -483,9 +483,9 @@ void place(Volume &volume, const std::vector<Slice> &slice)
     else
         note(volume, words_of("its slices hold no place in the patient: they are in the order of "
                               "their %s",
-                              is_located                        ? "SliceLocation"
-                              : first.path == last.path         ? "frames"
-                                                                : "numbers"));
+                              is_located                ? "SliceLocation"
+                              : first.path == last.path ? "frames"
+                                                        : "numbers"));
 }
 
 /* A slope of 0 is none, as in a NIfTI. */
@@ -578,8 +578,8 @@ class Decoder
  * place, their tags and their pixels are the same: programs that anonymise may give one to all. */
 size_t leave_out_copies(Volume &volume, Series &series)
 {
-    using Identity = std::tuple<std::string, unsigned, std::vector<double>, double,
-                                std::map<unsigned, Value>>;
+    using Identity =
+        std::tuple<std::string, unsigned, std::vector<double>, double, std::map<unsigned, Value>>;
     std::set<std::pair<std::string, unsigned>> objects;
     std::map<Identity, Series> seen;
     Decoder one, other;
@@ -633,8 +633,7 @@ void send_blank(const Volume &volume, const Stack &stack, const Slice &slice)
 float look_up(const Lookup &lookup, int64_t number)
 {
     const auto last = static_cast<int64_t>(lookup.value.size()) - 1;
-    return lookup.value[static_cast<size_t>(
-        std::clamp<int64_t>(number - lookup.first, 0, last))];
+    return lookup.value[static_cast<size_t>(std::clamp<int64_t>(number - lookup.first, 0, last))];
 }
 
 void send_stack(const Volume &volume, const Stack &stack)

@@ -312,11 +312,11 @@ static std::string label_of(const Row &row, unsigned id, const Range &range, siz
     if (row.sources[0].form == WORDS)
         return name + words_of(" %zu of %zu", which + 1, parts) +
                (kind.empty() ? "" : " (" + kind + ")");
-    const bool is_clock = row.sources[0].form == CLOCK; /* counted from the first: it tells no day */
+    const bool is_clock =
+        row.sources[0].form == CLOCK; /* counted from the first: it tells no day */
     const double before = is_clock ? whole.first.first[0] : 0;
     const std::string least = listed(range.first, before), most = listed(range.second, before);
-    return name + (is_clock ? " +" : " ") + least + (least == most ? "" : " to " + most) +
-           row.unit;
+    return name + (is_clock ? " +" : " ") + least + (least == most ? "" : " to " + most) + row.unit;
 }
 
 /* LAST: whether nothing else differs, and each file has a number of its own. */
@@ -371,9 +371,9 @@ static bool divide(std::vector<Part> &out, const Part &part, const std::vector<S
     }
     size_t which = 0;
     for (const auto &each : parts)
-        out.push_back({each.second,
-                       part.label + label_of(row, id, range_of(series, each.second, id), which++,
-                                             parts.size(), whole)});
+        out.push_back(
+            {each.second, part.label + label_of(row, id, range_of(series, each.second, id), which++,
+                                                parts.size(), whole)});
     return true;
 }
 
@@ -386,8 +386,8 @@ static std::string list_differing(const std::vector<Slice> &series,
         std::set<Value> values;
         for (const Slice &slice : series)
             values.insert(value_at(slice, id));
-        list += words_of("%s%s (%zu values)", list.empty() ? "" : ", ", row_of(id).name,
-                         values.size());
+        list +=
+            words_of("%s%s (%zu values)", list.empty() ? "" : ", ", row_of(id).name, values.size());
     }
     return list.empty() ? "no tag" : list;
 }
