@@ -158,7 +158,7 @@ def stops():
     with iftty.open("synth:geom", journal="stops.iftty", progress=count_of) as s:
         s.seed((100, 100, 50), 1)
         s.seed((5, 5, 5), 0)
-        chain = s.finish("relax", sweeps=1000).chain
+        chain = s.finish("relax", sweeps=1000, reach=16).chain
         s.progress = progress
         fails("cancelled", s.array, "labels", finished=True)
         s.progress = None

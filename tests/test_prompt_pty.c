@@ -312,16 +312,17 @@ STORY(tab_completes_and_lists_and_tells_how_many_more)
     CHECK(file_write("scans/my masks/one.nii", "", 0, FILE_REPLACE, NULL) == OK);
     start_at_prompt(&t);
     type(&t, "mask sc\t");
-    SEE_LINE(&t, "synth> mask scans/ [regions=A-B] [resample=yes|no]");
+    SEE_LINE(&t, "synth> mask scans/ [regions=A-B] [resample=yes|no] [volume=0..65535] [data=NAME");
     type(&t, "my\t");
     SEE_LINE(&t, "synth> mask \"scans/my masks/");
     type(&t, "\t");
-    SEE_LINE(&t, "synth> mask \"scans/my masks/one.nii\" [regions=A-B] [resample=yes|no]");
+    SEE_LINE(&t,
+             "synth> mask \"scans/my masks/one.nii\" [regions=A-B] [resample=yes|no] [volume=0.");
     CHECK_INT(t.screen.column, 37);
     type(&t, "\027\027"); /* kills back to the name of the command */
-    SEE_LINE(&t, "synth> mask none|FILE [regions=A-B] [resample=yes|no]");
+    SEE_LINE(&t, "synth> mask none|FILE [regions=A-B] [resample=yes|no] [volume=0..65535] [data=N");
     type(&t, "scans/v\t\t");
-    SEE_LINE(&t, "synth> mask scans/volume- [regions=A-B] [resample=yes|no]");
+    SEE_LINE(&t, "synth> mask scans/volume- [regions=A-B] [resample=yes|no] [volume=0..65535] [da");
     SEE_BEGIN(&t, "volume-0.nii    volume-20.nii");
     SEE(&t, "and 50 more");
     type(&t, "\025zzz\t");

@@ -332,6 +332,7 @@ refused 'save labels inside/l.nii'
 ln -s "$folder/images" stays.golden
 refused 'golden a-1'
 refused 'labels outside.nii'
+rm stays.golden
 ask '{"id": 50, "do": "seed 5,10,8 1"}'
 ask "{\"id\": 51, \"do\": \"stats report=$folder/report.json\"}"
 ask '{"id": 52, "do": "journal kept.iftty"}'

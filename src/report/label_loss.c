@@ -20,6 +20,21 @@ static enum err find_extents(struct label_extent extent[256], const struct grid 
     return err;
 }
 
+/* All voxels within LABEL_LOSS_FAR steps of this one have the same label. */
+static bool is_far(const struct grid *grid, const uint8_t *label, uint32_t cell)
+{
+    const struct place p = grid_place(grid, cell);
+    for (int z = -LABEL_LOSS_FAR; z <= LABEL_LOSS_FAR; z++)
+        for (int y = abs(z) - LABEL_LOSS_FAR; y <= LABEL_LOSS_FAR - abs(z); y++)
+            for (int x = abs(z) + abs(y) - LABEL_LOSS_FAR; x <= LABEL_LOSS_FAR - abs(z) - abs(y);
+                 x++)
+                if (grid_contains(grid, (int64_t)p.x + x, (int64_t)p.y + y, (int64_t)p.z + z) &&
+                    label[cell + (uint32_t)(x + y * grid->step[1] + z * grid->step[2])] !=
+                        label[cell])
+                    return false;
+    return true;
+}
+
 enum err label_loss_find(struct label_loss *loss, const struct labels *finished, struct team *team,
                          struct watch *watch, struct fault *fault)
 {
@@ -35,6 +50,8 @@ enum err label_loss_find(struct label_loss *loss, const struct labels *finished,
         err = find_extents(loss->before, grid, label, watch, fault);
     if (!err)
         err = find_extents(loss->after, grid, finished->finished, watch, fault);
+    for (uint32_t c = 0; !err && c < grid->cells; c++)
+        loss->far += label[c] != finished->finished[c] && is_far(grid, label, c);
     for (unsigned l = 1; !err && l < 256; l++) {
         const struct label_extent *before = &loss->before[l], *after = &loss->after[l];
         loss->is_lost[l] = before->voxels &&
@@ -66,7 +83,10 @@ void label_loss_write(struct buf *out, const struct session *session, const stru
         write_extent(out, &loss->after[l]);
         buf_add_text(out, " after\n");
     }
-    if (loss->labels)
+    if (loss->far)
+        buf_printf(out, "the finish changes %llu voxel%s more than %d voxels from any border\n",
+                   (unsigned long long)loss->far, plural(loss->far), LABEL_LOSS_FAR);
+    if (loss->labels || loss->far)
         buf_add_text(out, "`finish` lists the steps; `finish none` removes them, and `finish STEP "
                           "label=LABEL` adds one for a single label\n");
 }

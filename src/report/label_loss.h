@@ -3,7 +3,8 @@
  * Loss: labels that the finish deletes, halves or breaks.
  *
  * A label of the forest is lost from where it has no finished voxel, less than half of its voxels,
- * or more pieces (engine/components.h) than before. The finish decides this by itself for labels
+ * or more pieces (engine/components.h) than before. Apart from these, voxels are counted that have
+ * another label and are more than LABEL_LOSS_FAR steps from every voxel that had one. The finish decides this by itself for labels
  * that nobody looks at, so that each of them is named.
  */
 #ifndef REPORT_LABEL_LOSS_H
@@ -13,6 +14,8 @@
 #include "engine/labels.h"
 #include "session/session.h"
 
+enum { LABEL_LOSS_FAR = 3 };
+
 struct label_extent {
     uint64_t voxels;
     uint32_t pieces;
@@ -21,6 +24,7 @@ struct label_extent {
 struct label_loss {
     unsigned labels; /* 1..255, that are lost from */
     bool is_lost[256];
+    uint64_t far;                                /* voxels */
     struct label_extent before[256], after[256]; /* of all labels */
 };
 
@@ -29,7 +33,8 @@ struct label_loss {
 enum err label_loss_find(struct label_loss *loss, const struct labels *finished, struct team *team,
                          struct watch *watch, struct fault *fault);
 
-/* Adds a line for each label that is lost from, and one with the commands that take it back. */
+/* Adds a line for each label that is lost from, one for voxels that are far from a former border,
+ * and one with the commands that take it back. */
 void label_loss_write(struct buf *out, const struct session *session,
                       const struct label_loss *loss);
 
