@@ -514,9 +514,9 @@ STORY(phantoms_are_what_they_were)
     enum { SIDE = PHANTOM_SIDE, ALL = SIDE * SIDE * SIDE };
     static uint16_t grey[ALL];
     static uint8_t inside[ALL];
-    static const uint64_t voxels[PHANTOMS] = {7050, 30343, 57777, 11513, 23635};
-    static const uint64_t greys[PHANTOMS] = {1798550711, 2607458636, 1958994304, 1649137763,
-                                             1656465631};
+    static const uint64_t voxels[PHANTOMS] = {7050, 30343, 57777, 11513, 23635, 22407};
+    static const uint64_t greys[PHANTOMS] = {1798550711, 2607458636, 1958994304,
+                                             1649137763, 1656465631, 11975125485};
     for (int p = 0; p < PHANTOMS; p++) {
         unsigned count = 0;
         uint64_t sum = 0;

@@ -226,8 +226,8 @@ grep -q '"number": 7, "name": "never", "voxels": 0, .*"mean": null' lost.json ||
     fail "$(cat lost.json)"
 expect 0 "$iftty" run walls
 ! grep -q 'the finish [dr]e' out || fail "said where the outcome is not known yet: $(cat out)"
-printf '%s\n' 'open scene.nii' 'box 0,0,0 29,23,19 0' 'box 1,1,1 12,12,12 1' run 'finish open radius=9' 'stats finished=yes' \
-    >thick
+printf '%s\n' 'open scene.nii' 'box 0,0,0 29,23,19 0' 'box 1,1,1 12,12,12 1' run \
+    'finish open radius=9' 'stats finished=yes' >thick
 expect 0 "$iftty" run thick
 out_has "the finish deletes label 1: 1728 voxels"
 out_has "the finish changes 216 voxels more than 3 voxels from any border"

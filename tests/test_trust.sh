@@ -318,7 +318,8 @@ for way in '' loose; do
             $way timeout 60 "$iftty" $program >"$work/both" 2>&1 && fail "$program: $target"
             grep -q 'token 1f\|1f2e' "$work/both" && fail "$way $program: $(cat "$work/both")"
             [ "$program" = 'verify --lock iftty.lock' ] ||
-                grep -q 't.iftty is a link, and leads to no journal' "$work/both" || fail "$(cat "$work/both")"
+                grep -q 't.iftty is a link, and leads to no journal' "$work/both" ||
+                fail "$(cat "$work/both")"
         done
     done
 done

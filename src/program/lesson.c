@@ -115,7 +115,7 @@ static const struct step step[] = {
      {{"80J", "80 slices down, beside the neck"},
       {"I", "one end of a stroke"},
       {"14L", "140 voxels through what has leaked"},
-      {"i", "a stroke of the background: 1.77 litres of brain"}},
+      {"i", "a stroke of the background: 1.69 litres of brain"}},
      "seed 160,108,10 0 radius=6 to=20,108,10",
      is_whole},
     {"a name", {{NULL, NULL}}, "label 1 brain", is_named},

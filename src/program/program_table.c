@@ -576,7 +576,7 @@ static const struct program program[] = {
     {.form = "--version",
      .words = "",
      .option = {VERSION},
-     .summary = "print the versions: program, semantics, libraries",
+     .summary = "versions of program, semantics, libraries",
      .run = run_version},
 };
 

@@ -3,9 +3,9 @@
  * Loss: labels that the finish deletes, halves or breaks.
  *
  * A label of the forest is lost from where it has no finished voxel, less than half of its voxels,
- * or more pieces (engine/components.h) than before. Apart from these, voxels are counted that have
- * another label and are more than LABEL_LOSS_FAR steps from every voxel that had one. The finish decides this by itself for labels
- * that nobody looks at, so that each of them is named.
+ * or more pieces (engine/components.h) than before. The finish decides this by itself for labels
+ * without a view of them, so each of them is named. Voxels that have another label, and are more
+ * than LABEL_LOSS_FAR steps from every voxel that had one, are counted.
  */
 #ifndef REPORT_LABEL_LOSS_H
 #define REPORT_LABEL_LOSS_H
