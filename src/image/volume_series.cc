@@ -63,16 +63,13 @@ std::vector<Value> order_of(const Slice &slice)
             value_of(slice, ACQUISITION_NUMBER), value_of(slice, INSTANCE_NUMBER)};
 }
 
-/* Whether each file has a number of its own. */
+/* Whether no two files have a number in common. */
 bool have_numbers(const Series &series)
 {
-    std::set<std::vector<Value>> numbers;
-    std::set<std::string> files;
-    for (const Slice &slice : series) {
-        numbers.insert(order_of(slice));
-        files.insert(slice.path);
-    }
-    return numbers.size() == files.size();
+    std::map<std::vector<Value>, std::string> file;
+    return std::all_of(series.begin(), series.end(), [&](const Slice &slice) {
+        return file.emplace(order_of(slice), slice.path).first->second == slice.path;
+    });
 }
 
 /* Whether they say SliceLocation, and not all the same. */
@@ -322,16 +319,15 @@ void tell_volumes(Volume &volume, const std::vector<std::string> &labels, const 
         return;
     }
     std::string lines;
-    for (const std::string &entry : entries) {
-        note(volume, entry);
+    for (const std::string &entry : entries)
         lines += entry + "\n";
-    }
     if (lines.size() + labels.size() > contents_most && request.lists) {
         answer_list(lines);
-        volume.notes.clear();
         volume.contents = "they are listed";
         return;
     }
+    for (const std::string &entry : entries)
+        note(volume, entry);
     const bool fits = lines.size() + labels.size() <= contents_most;
     const size_t room = contents_most - (fits ? 0 : more_most);
     size_t said = 0;

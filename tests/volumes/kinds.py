@@ -355,6 +355,10 @@ def make_unplaced(folder):
     series("location-once", data, SliceLocation=7, InstanceNumber=lambda z: z + 1)
     series("location-gap", SliceLocation=lambda z: up(z + (z > 2)))
     series("nothing")
+    one = enhanced_of([{"FrameContentSequence": {"TemporalPositionIndex": lambda z: z + 1}}])
+    for group in one.PerFrameFunctionalGroupsSequence:
+        del group.PlanePositionSequence
+    one.save_as(os.path.join(folder, "frames-unplaced"))
 
 
 # ---- objects that are no images ----
