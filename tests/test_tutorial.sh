@@ -47,13 +47,13 @@ enter "seed 60,108,90 0 radius=3"
 see '^step 2 of 5, what touches it: 123 of its 123 seeds lie in the brain$'
 enter "undo"
 enter "seed 160,108,90 0 radius=6"
-see '^step 3 of 5, the other side: Dice 0\.8[0-9]* of 0\.940, [0-9]* ml too much, most in z='
+see '^step 3 of 5, the other side: Dice 0\.7[0-9]* of 0\.920, [0-9]* ml too much, most in z='
 enter "seed 20,108,90 0 radius=6"
-see '^step 4 of 5, what has leaked: Dice 0\.95[0-9] of 0\.960, [0-9]* ml too much, most in z='
+see '^step 4 of 5, what has leaked: Dice 0\.93[0-9] of 0\.950, [0-9]* ml too much, most in z='
 enter "seed 90,108,5 0 radius=6 to=60,108,8"
 see '^step 5 of 5, a name: label 1 has no name yet$'
 enter "label 1 brain"
-see '^all steps have come: a brain, whose Dice coefficient with ch2bet.nii.gz is 0\.96[0-9]$'
+see '^all steps have come: a brain, whose Dice coefficient with ch2bet.nii.gz is 0\.95[0-9]$'
 enter "quit"
 see '^journal: tutorial-1\.iftty '
 sane
@@ -70,28 +70,28 @@ see '^axial.* at 90,108,90  brush 1 r6  '
 type_letters "3Li"
 see '^step 2 of 5, what touches it: no seed of the background'
 type_letters "4Ls0"
-see '^step 3 of 5, the other side: Dice 0\.90[0-9] of 0\.940, '
+see '^step 3 of 5, the other side: Dice 0\.89[0-9] of 0\.920, '
 type_letters "u"
 see '^step 2 of 5, what touches it: no seed of the background'
 press C-r
-see '^step 3 of 5, the other side: Dice 0\.90[0-9] of 0\.940, '
+see '^step 3 of 5, the other side: Dice 0\.89[0-9] of 0\.920, '
 type_letters "q"
 see '^ch2>$'
 see '^    14H  140 voxels to the other side$'
 enter "quit"
 see '^journal: tutorial-2\.iftty '
 enter_anew "$iftty tutorial tutorial-2.iftty"
-see '^step 3 of 5, the other side: Dice 0\.90[0-9] of 0\.940, '
+see '^step 3 of 5, the other side: Dice 0\.89[0-9] of 0\.920, '
 press C-o
 see '^axial.* at 20,108,90  brush 1 r6  '
 type_letters "14Hs0"
-see '^step 4 of 5, what has leaked: Dice 0\.95[0-9] of 0\.960, '
+see '^step 4 of 5, what has leaked: Dice 0\.93[0-9] of 0\.950, '
 type_letters "80JI14Li"
 see '^step 5 of 5, a name: label 1 has no name yet$'
 see '^:label 1 brain and Enter$'
 type_letters ":label 1 brain"
 press Enter
-see '^all steps have come: a brain, whose Dice coefficient with ch2bet.nii.gz is 0\.965$'
+see '^all steps have come: a brain, whose Dice coefficient with ch2bet.nii.gz is 0\.952$'
 type_letters "q"
 see '^`iftty verify tutorial-2.iftty` proves it'
 enter "quit"

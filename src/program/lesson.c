@@ -71,12 +71,12 @@ static bool is_held_on_a_side(const struct lesson *lesson, struct buf *missing)
 
 static bool is_held_on_both(const struct lesson *lesson, struct buf *missing)
 {
-    return agree(lesson, 9400, missing);
+    return agree(lesson, 9200, missing);
 }
 
 static bool is_whole(const struct lesson *lesson, struct buf *missing)
 {
-    return agree(lesson, 9600, missing);
+    return agree(lesson, 9500, missing);
 }
 
 static bool is_named(const struct lesson *lesson, struct buf *missing)
