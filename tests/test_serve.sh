@@ -158,7 +158,7 @@ begin "a cancel takes a long command back, as Ctrl-C does: nothing of it is left
 start synth:geom --journal long.iftty
 ask '{"id": 1, "do": "seed 100,100,50 1"}'
 ask '{"id": 2, "do": "seed 5,5,5 0"}'
-ask '{"id": 3, "do": "finish relax sweeps=1000"}'
+ask '{"id": 3, "do": "finish relax sweeps=1000 reach=16"}'
 answered 3
 cp long.iftty before.iftty
 for way in cancel INT; do
@@ -187,7 +187,7 @@ open synth:geom
 auto on
 seed 100,100,50 1
 seed 5,5,5 0
-finish relax sweeps=1000
+finish relax sweeps=1000 reach=16
 finish none
 END
 same_files plain.iftty long.iftty
@@ -197,7 +197,7 @@ begin "SIGTERM takes the command at hand back, and ends the session cleanly"
 start synth:geom --journal term.iftty
 ask '{"id": 0, "do": "seed 100,100,50 1"}'
 ask '{"id": 1, "do": "seed 5,5,5 0"}'
-ask '{"id": 2, "do": "finish relax sweeps=1000"}'
+ask '{"id": 2, "do": "finish relax sweeps=1000 reach=16"}'
 ask '{"id": 3, "do": "save labels long.nii finished=yes"}'
 ask '{"id": 4, "do": "zoom 2"}'
 comes_true has_line out '"id": 3, "progress"'

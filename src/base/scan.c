@@ -91,7 +91,7 @@ int64_t scan_list_number(const char *list, size_t which)
         const uint64_t numbers = (uint64_t)last - (uint64_t)first + 1;
         if (which - before < numbers)
             return first + (int64_t)(which - before);
-        before += numbers;
+        before += (size_t)numbers;
     }
     return last;
 }
