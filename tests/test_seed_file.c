@@ -5,10 +5,13 @@
 #include "session/seed_file.h"
 
 #include <stdlib.h>
+#include <sys/resource.h>
 
+#include "base/buf.h"
 #include "base/mem.h"
 #include "tests/check.h"
 #include "tests/scarce_memory.h"
+#include "tests/stopping.h"
 
 static struct fault fault;
 static struct seeds seeds;
@@ -46,7 +49,7 @@ static enum err list(const char *text, int label)
     const struct grid grid = grid_of(10, 9, 8);
     fault = (struct fault){.text = ""};
     return seeds_from_list(&seeds, text, strlen(text), &grid, (const char(*)[32])label_name, label,
-                           &fault);
+                           NULL, &fault);
 }
 
 STORY(a_list_gives_its_seeds_in_the_order_of_voxels)
@@ -110,7 +113,7 @@ STORY(a_bad_line_is_named_and_nothing_is_taken)
     }
     const struct grid grid = grid_of(10, 9, 8); /* a NUL is no end of a line */
     CHECK(seeds_from_list(&seeds, "1,1,1,1\0\n2,2,2,2\n", 17, &grid, (const char(*)[32])label_name,
-                          LABEL_OWN, &fault) == ERR_INPUT);
+                          LABEL_OWN, NULL, &fault) == ERR_INPUT);
     CHECK_HAS(fault.text, "line 1");
 }
 
@@ -167,7 +170,7 @@ STORY(any_text_gives_seeds_of_the_scene_or_one_line)
         exact[n] = '\0';
         fault = (struct fault){.text = ""};
         enum err err = seeds_from_list(&seeds, exact, n, &grid, (const char(*)[32])label_name,
-                                       LABEL_OWN, &fault);
+                                       LABEL_OWN, NULL, &fault);
         free(exact);
         fine += err == OK;
         CHECK(err == OK ? seeds.count > 0 : seeds.count == 0 && fault.text[0]);
@@ -439,9 +442,67 @@ STORY(out_of_memory_gives_no_seeds)
         allow_allocations(n);
         err = list("1,1,1,1\n", LABEL_OWN);
         mem_allows = NULL;
-        CHECK_INT(err, n < 3 ? ERR_MEMORY : OK);
+        CHECK_INT(err, n < 4 ? ERR_MEMORY : OK);
         seeds_release(&seeds);
     }
+}
+
+/* Physical memory that this process has held at most, in bytes. */
+static size_t most_held(void)
+{
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    return (size_t)usage.ru_maxrss * 1024;
+}
+
+/* A list whose table of seeds is many times as large as the file. */
+STORY(a_table_of_seeds_counts_against_the_limit_of_memory)
+{
+    enum { LINES = 1 << 20, LINE = 8, ROOM = 24 << 20, MORE = 8 << 20 };
+    static const char line[] = "1,1,1,1\n";
+    const struct grid grid = grid_of(10, 9, 8);
+    if (!MEM_MAY_BE_LIMITED) {
+        SKIP("a sanitiser takes more memory than a limit leaves");
+        return;
+    }
+    char *text = malloc(LINES * LINE + 1);
+    for (size_t i = 0; i < LINES; i++)
+        memcpy(text + LINE * i, line, LINE);
+    text[LINES * LINE] = '\0';
+    for (int is_limited = 1; is_limited >= 0; is_limited--) {
+        const size_t held = mem_held();
+        mem_limit(is_limited ? held + ROOM : SIZE_MAX);
+        const enum err err =
+            seeds_from_list(&seeds, text, LINES * LINE, &grid, (const char(*)[32])label_name,
+                            LABEL_OWN, NULL, &fault);
+        mem_limit(SIZE_MAX);
+        CHECK_INT(err, is_limited ? ERR_MEMORY : OK);
+        CHECK((most_held() < held + ROOM + MORE) == is_limited);
+        seeds_release(&seeds);
+    }
+    free(text);
+}
+
+STORY(a_list_can_be_stopped_anywhere)
+{
+    const struct grid grid = grid_of(40, 40, 40);
+    struct buf text = {0};
+    for (int z = 0; z < 40; z++)
+        for (int y = 0; y < 40; y++)
+            buf_printf(&text, "1,%d,%d,1\n2,%d,%d,1\n", y, z, y, z);
+    enum err err = ERR_CANCELLED;
+    int most = 0;
+    for (; err == ERR_CANCELLED; most++) {
+        int looks = most;
+        struct watch watch = {.context = &looks, .poll = stop_after_looks, .step = 1000};
+        err = seeds_from_list(&seeds, buf_text(&text), text.length, &grid,
+                              (const char(*)[32])label_name, LABEL_OWN, &watch, &fault);
+        CHECK(err ? !seeds.edit : seeds.count == 3200);
+        seeds_release(&seeds);
+    }
+    CHECK_INT(err, OK);
+    CHECK(most > 30); /* while lines are read, and while they are put in order */
+    buf_release(&text);
 }
 
 int main(void)
@@ -457,5 +518,7 @@ int main(void)
         TELL(drawing_gives_each_region_what_is_asked_and_always_the_same),
         TELL(equal_regions_give_different_places), TELL(every_voxel_of_a_region_is_drawn_as_often),
         TELL(a_map_of_another_grid_is_refused), TELL(the_digest_sees_every_voxel_and_label),
-        TELL(out_of_memory_gives_no_seeds));
+        TELL(out_of_memory_gives_no_seeds),
+        TELL(a_table_of_seeds_counts_against_the_limit_of_memory),
+        TELL(a_list_can_be_stopped_anywhere));
 }

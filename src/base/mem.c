@@ -13,12 +13,15 @@
 
 enum {
     HUGE_FROM = 8 << 20,    /* below, clearing a huge page costs more than it saves */
-    LARGE_FROM = 256 << 20, /* below, it is not checked whether the machine has the memory */
+    LARGE_FROM = 256 << 20, /* below, it is not checked whether the machine has the memory, */
+    COUNTED_FROM = 1 << 20, /* nor, below this, whether a limit leaves it */
 };
 
 static const uint64_t GIVEN_BACK_NS = UINT64_C(10000000000); /* from one time to the next */
 
 bool (*mem_allows)(size_t bytes);
+
+static size_t limit = SIZE_MAX;
 
 static bool is_allowed(size_t bytes)
 {
@@ -28,7 +31,8 @@ static bool is_allowed(size_t bytes)
 /* The kernel gives out addresses that it has no memory for, and kills processes that use them. */
 static bool is_there(size_t bytes)
 {
-    return bytes < LARGE_FROM || bytes <= mem_available();
+    const size_t from = limit == SIZE_MAX ? LARGE_FROM : COUNTED_FROM;
+    return bytes < from || bytes <= mem_available();
 }
 
 void *mem_new(size_t bytes)
@@ -126,8 +130,6 @@ void mem_give_back(void)
     malloc_trim(0);
 #endif
 }
-
-static size_t limit = SIZE_MAX;
 
 void mem_limit(size_t bytes)
 {

@@ -21,7 +21,7 @@ extern bool (*mem_allows)(size_t bytes);
 void *mem_new(size_t bytes);
 
 /* An uninitialised array of `count` items of `size` bytes, or NULL; a large one also where the
- * machine has not the memory (mem_available). Freed by free(). */
+ * machine has not the memory (mem_available), under a limit one of 1 MB. Freed by free(). */
 void *mem_array(size_t count, size_t size);
 
 /* Grows `array` (NULL at first) to hold at least `needed` items, at least doubling where the

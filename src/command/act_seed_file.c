@@ -37,7 +37,8 @@ static enum err read_list(struct seeds *seeds, const struct act *act, const char
         err = act_naming(act_text(act, "FILE"),
                          seeds_from_list(seeds, buf_text(&text), text.length,
                                          &session_scene(session)->grid,
-                                         session_kept(session)->label_name, label_of(act), fault),
+                                         session_kept(session)->label_name, label_of(act),
+                                         session_watch(session), fault),
                          fault);
     buf_release(&text);
     return err;

@@ -7,6 +7,7 @@
 #include "base/hash.h"
 #include "base/mem.h"
 #include "base/scan.h"
+#include "base/sort.h"
 #include "session/state.h"
 
 void seeds_release(struct seeds *seeds)
@@ -83,6 +84,7 @@ struct list {
     int label;
     struct row *row;
     size_t rows, capacity;
+    struct watch *watch;
 };
 
 static bool scan_comma(const char **at)
@@ -205,6 +207,7 @@ malformed:
 
 static enum err read_rows(struct list *list, const char *text, const char *end, struct fault *fault)
 {
+    struct task task = task_begin(list->watch, "reading seeds", (uint64_t)(end - text));
     bool may_be_header = true;
     enum err err = OK;
     scan_text(&text, "\xef\xbb\xbf"); /* a byte order mark, as spreadsheets write it */
@@ -213,6 +216,8 @@ static enum err read_rows(struct list *list, const char *text, const char *end, 
         stop = stop ? stop : end;
         const char *at = text, *last = stop;
         text = stop + (stop < end);
+        if (!task_advance(&task, (uint64_t)(text - at)))
+            return watch_fault(list->watch, fault);
         last -= last > at && last[-1] == '\r';
         scan_blanks(&at);
         if (at == last || *at == '#')
@@ -228,7 +233,7 @@ static enum err read_rows(struct list *list, const char *text, const char *end, 
 
 static int compare_groups(const void *a, const void *b)
 {
-    const struct row *x = a, *y = b;
+    const struct row *x = *(struct row *const *)a, *y = *(struct row *const *)b;
     const int64_t of_x[] = {x->reach.radius,    x->reach.unit[0],   x->label,
                             x->reach.centre[0], x->reach.centre[1], x->reach.centre[2]},
                   of_y[] = {y->reach.radius,    y->reach.unit[0],   y->label,
@@ -247,68 +252,82 @@ static enum err group_rows(struct seeds *seeds, struct list *list, struct fault 
         limited += list->row[i].reach.radius > 0;
     if (limited == 0)
         return OK;
-    qsort(list->row, list->rows, sizeof *list->row, compare_groups);
-    for (size_t i = list->rows - limited; i < list->rows; i++) {
-        struct row *row = &list->row[i];
-        const bool begins = seeds->groups == 0 || compare_groups(row - 1, row) != 0;
+    struct row **row = mem_array(limited, sizeof(struct row *));
+    enum err err = row ? OK : fault_memory(fault, "a list of seeds");
+    for (size_t i = 0, n = 0; !err && i < list->rows; i++)
+        if (list->row[i].reach.radius > 0)
+            row[n++] = &list->row[i];
+    if (!err)
+        qsort(row, limited, sizeof *row, compare_groups);
+    for (size_t i = 0; !err && i < limited; i++) {
+        const bool begins = i == 0 || compare_groups(&row[i - 1], &row[i]) != 0;
         if (begins && seeds->groups == REGION_MOST + 1 - SEED_GROUPS_FROM)
-            return fault_set(fault, ERR_LIMIT,
-                             "line %u: more than %d markers end within a distance; nothing was "
-                             "planted",
-                             row->line, REGION_MOST + 1 - SEED_GROUPS_FROM);
-        if (begins && !mem_grow(&seeds->group, &capacity, seeds->groups + 1, sizeof *seeds->group))
-            return fault_memory(fault, "a list of seeds");
-        if (begins)
-            seeds->group[seeds->groups++] = (struct seed_group){row->label, row->reach};
-        row->region = (uint16_t)(SEED_GROUPS_FROM + seeds->groups - 1);
+            err = fault_set(fault, ERR_LIMIT,
+                            "line %u: more than %d markers end within a distance; nothing was "
+                            "planted",
+                            row[i]->line, REGION_MOST + 1 - SEED_GROUPS_FROM);
+        else if (begins &&
+                 !mem_grow(&seeds->group, &capacity, seeds->groups + 1, sizeof *seeds->group))
+            err = fault_memory(fault, "a list of seeds");
+        else if (begins)
+            seeds->group[seeds->groups++] = (struct seed_group){row[i]->label, row[i]->reach};
+        row[i]->region = (uint16_t)(SEED_GROUPS_FROM + seeds->groups - 1);
+    }
+    free(row);
+    return err;
+}
+
+/* In order of cells, each once; two lines that give one voxel two labels are a mistake, whose
+ * outcome would depend on their order. `order` is of cells in the upper half, rows in the lower. */
+static enum err add_rows(struct seeds *seeds, const struct list *list, const uint64_t *order,
+                         struct fault *fault)
+{
+    const struct row *before = NULL;
+    for (size_t i = 0; i < list->rows; i++) {
+        const struct row *row = &list->row[(uint32_t)order[i]];
+        if (!before || row->cell != before->cell)
+            add(seeds, row->cell, row->label, row->region);
+        else if (row->label != before->label)
+            return fault_set(fault, ERR_INPUT,
+                             "line %u: the voxel of line %u again, with label %d instead of %d; "
+                             "nothing was planted",
+                             row->line, before->line, row->label, before->label);
+        else if (row->region != before->region)
+            return fault_set(fault, ERR_INPUT,
+                             "line %u: the voxel of line %u again, within another distance; "
+                             "nothing was planted",
+                             row->line, before->line);
+        before = row;
     }
     return OK;
 }
 
-static int compare_rows(const void *a, const void *b)
-{
-    const struct row *x = a, *y = b;
-    if (x->cell != y->cell)
-        return x->cell < y->cell ? -1 : 1;
-    return x->line < y->line ? -1 : x->line > y->line;
-}
-
-/* Sorted, each cell once; two lines that give one voxel two labels are a mistake, whose outcome
- * would depend on their order. */
 static enum err settle_rows(struct seeds *seeds, struct list *list, struct fault *fault)
 {
     if (list->rows == 0)
         return fault_set(fault, ERR_INPUT,
                          "there is no seed in it; expected lines x,y,z,label; nothing was planted");
-    if (!make_room(seeds, list->rows))
-        return fault_memory(fault, "a list of seeds");
-    const enum err err = group_rows(seeds, list, fault);
-    if (err)
-        return err;
-    qsort(list->row, list->rows, sizeof *list->row, compare_rows);
-    for (size_t i = 0; i < list->rows; i++) {
-        const struct row *row = &list->row[i];
-        if (i == 0 || row->cell != row[-1].cell)
-            add(seeds, row->cell, row->label, row->region);
-        else if (row->label != row[-1].label)
-            return fault_set(fault, ERR_INPUT,
-                             "line %u: the voxel of line %u again, with label %d instead of %d; "
-                             "nothing was planted",
-                             row->line, row[-1].line, row->label, row[-1].label);
-        else if (row->region != row[-1].region)
-            return fault_set(fault, ERR_INPUT,
-                             "line %u: the voxel of line %u again, within another distance; "
-                             "nothing was planted",
-                             row->line, row[-1].line);
-    }
-    return OK;
+    enum err err = group_rows(seeds, list, fault);
+    uint64_t *order = err ? NULL : mem_array(list->rows, sizeof *order);
+    if (!err && !order)
+        err = fault_memory(fault, "a list of seeds");
+    for (size_t i = 0; !err && i < list->rows; i++)
+        order[i] = (uint64_t)list->row[i].cell << 32 | i;
+    if (!err)
+        err = sort_by_upper_half(order, list->rows, list->watch, fault);
+    if (!err && !make_room(seeds, list->rows))
+        err = fault_memory(fault, "a list of seeds");
+    if (!err)
+        err = add_rows(seeds, list, order, fault);
+    free(order);
+    return err;
 }
 
 enum err seeds_from_list(struct seeds *seeds, const char *text, size_t length,
                          const struct grid *grid, const char (*label_name)[LABEL_NAME_BYTES],
-                         int label, struct fault *fault)
+                         int label, struct watch *watch, struct fault *fault)
 {
-    struct list list = {.grid = grid, .label_name = label_name, .label = label};
+    struct list list = {.grid = grid, .label_name = label_name, .label = label, .watch = watch};
     *seeds = (struct seeds){0};
     enum err err = read_rows(&list, text, text + length, fault);
     if (!err)

@@ -61,11 +61,11 @@ uint64_t seeds_digest(const struct seeds *seeds);
 
 /* A list: `length` bytes at `text`, and a NUL after them. `label` is given to all seeds, or is
  * LABEL_OWN. On the first line that is wrong, or contradicts another, *seeds stays empty and the
- * words name it: ERR_INPUT. */
+ * words name it: ERR_INPUT. ERR_LIMIT, ERR_MEMORY; ERR_CANCELLED by the watch, or NULL. */
 enum err seeds_from_list(struct seeds *seeds, const char *text, size_t length,
                          const struct grid *grid,
                          const char (*label_name)[LABEL_NAME_BYTES], /* [256] */
-                         int label, struct fault *fault);
+                         int label, struct watch *watch, struct fault *fault);
 
 struct region_choice {
     uint32_t first, last; /* map values, 0..REGION_MOST */

@@ -27,8 +27,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
     for (int label = LABEL_OWN; label <= 3; label += 3 - LABEL_OWN) {
         struct seeds seeds = {0};
         struct fault fault = {.text = ""};
-        const enum err err =
-            seeds_from_list(&seeds, buf_text(&text), length, &grid, label_name, label, &fault);
+        const enum err err = seeds_from_list(&seeds, buf_text(&text), length, &grid, label_name,
+                                             label, NULL, &fault);
         HOLDS(!err || (seeds.count == 0 && fault.text[0] && !strpbrk(fault.text, "\n\r\033")));
         check(&seeds, &grid, label);
         seeds_release(&seeds);
