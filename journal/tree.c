@@ -71,10 +71,8 @@ static bool add_node(struct tree *tree, const struct tree_node *node)
         return false;
     tree->node[tree->nodes] = *node;
     tree->present = node->state;
-    if (!node->is_note && tree->nodes) {
-        tree->node[node->parent].children++;
+    if (!node->is_note && tree->nodes)
         node->branch->tip = tree->nodes;
-    }
     tree->nodes++;
     return true;
 }

@@ -29,10 +29,8 @@ struct tree_branch {
 
 /* A record, or at 0 the beginning. Parents come before. */
 struct tree_node {
-    size_t state;    /* the node whose state is the present one after it: itself, but for at=N */
-    size_t parent;   /* the node it follows */
-    size_t children; /* that follow it; who draws counts down those still to be drawn, */
-    size_t lane;     /* and notes where it waits for them (journal/graph.h) */
+    size_t state;  /* the node whose state is the present one after it: itself, but for at=N */
+    size_t parent; /* the node it follows */
     struct tree_branch *branch; /* it belongs to */
     uint64_t command;           /* place in the journal */
     uint32_t command_bytes;     /* how many */

@@ -151,13 +151,9 @@ alike 0 verify --json small.iftty head.iftty
 alike 1 verify --json small.iftty edited.iftty
 alike 3 diff --json small.iftty head.iftty
 alike 0 diff --json small.iftty former.iftty
-alike 0 diff --gestures --json former.iftty small.iftty
 alike 0 compare --json labels.nii.gz labels.nii.gz
-alike 0 agree --json labels.nii.gz labels.nii.gz labels.nii.gz
 alike 0 run --json "$work/short" --journal new.iftty
 alike 1 diff --json small.iftty new.iftty
-alike 0 log --export - small.iftty
-alike 0 log --graph small.iftty
 alike 1 log --check edited.iftty
 alike 2 verify --strikt small.iftty
 alike 2 -c 'open scene.nii; seed 1,1'

@@ -134,10 +134,6 @@ err_has "both.nii: a series of 2 volumes; choose one, as in --volume 0, of 0 to 
 expect 3 "$iftty" compare only0.nii both.nii --volume 0,2
 err_has "there is no volume 2; it holds 2, counted from 0"
 expect 2 "$iftty" compare only0.nii both.nii --volume x
-expect 0 "$iftty" agree only0.nii both.seg.nrrd both.nii --volume 0,0,0 --csv
-cut -d, -f3- out >got
-expect 0 "$iftty" agree only0.nii only0.nii only0.nii --csv
-cut -d, -f3- out | cmp -s - got || fail "agree: $(cat got)"
 expect 0 "$iftty" info --histogram both.nii --volume 1
 sed -n '/^histogram/,$p' out >got
 expect 0 "$iftty" info --histogram only1.nii

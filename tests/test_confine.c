@@ -18,7 +18,6 @@
 #include "image/volume_helper.h"
 #include "register/register_helper.h"
 #include "register/registration.h"
-#include "register/staple.h"
 #include "register/transform_file.h"
 
 static char folder[FOLDER_LENGTH];
@@ -121,13 +120,9 @@ STORY(the_volume_helper_is_confined_before_it_says_what_is_in_a_file)
 /* It gets voxels or the bytes of a transform, and no file. */
 STORY(the_register_helper_reaches_nothing)
 {
-    static const uint8_t map[8];
-    const uint8_t *const maps[2] = {map, map};
     struct geometry geometry = {.spacing_nm = {1000000, 1000000, 1000000}};
     struct scene *scene = NULL;
     struct registration found;
-    struct staple_rater rater[2];
-    uint8_t consensus[8];
     struct fault fault = {0};
     static const double to_mm[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
     CHECK(geometry_place(&geometry, to_mm, ORIENTATION_FILE));
@@ -141,9 +136,6 @@ STORY(the_register_helper_reaches_nothing)
     register_helper_program = program("tests/probe/iftty-register");
     CHECK_INT(registration_find(&found, &placed, &placed, NULL, &fault), ERR_INPUT);
     CHECK_HAS(fault.text, "registering: ");
-    CHECK_HAS(fault.text, "attempts, all refused");
-    CHECK_INT(staple_find(consensus, rater, 2, maps, (const uint32_t[]){2, 2, 2}, NULL, &fault),
-              ERR_INPUT);
     CHECK_HAS(fault.text, "attempts, all refused");
     const struct placed_grid grid = {{8, 8, 8}, &geometry};
     struct affine way;

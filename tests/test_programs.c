@@ -128,8 +128,6 @@ STORY(a_form_is_found_by_its_option_or_operand)
     CHECK_TEXT(name_of("verify a --bisect b"), "iftty verify --bisect");
     CHECK_TEXT(name_of("verify --bisect a --with p"), "iftty verify --with");
     CHECK_TEXT(o.with, "p");
-    CHECK_TEXT(name_of("log --anonymise a --export -"), "iftty log --export");
-    CHECK(o.anonymise);
     CHECK_TEXT(name_of("log --script --anonymise a"), "iftty log --anonymise");
     CHECK_TEXT(name_of("verify --accept --bisect a"), "iftty verify --accept");
     CHECK_TEXT(o.accept, "--bisect");
@@ -162,9 +160,9 @@ STORY(two_hyphens_end_the_options)
     CHECK_TEXT(o.word[0], "--json");
     CHECK(take("-- run s") == OK);
     CHECK_TEXT(o.program->name, "run");
-    CHECK(take("log -- --graph") == OK);
+    CHECK(take("log -- --script") == OK);
     CHECK(!o.program->form);
-    CHECK_TEXT(o.word[0], "--graph");
+    CHECK_TEXT(o.word[0], "--script");
     CHECK(take("log -- --") == OK);
     CHECK_TEXT(o.word[0], "--");
     CHECK(take("--out -- run s") == OK);
@@ -197,12 +195,11 @@ STORY(what_is_refused_says_what_to_type)
     is_refused("run s --junit x.xml --bisect",
                "`iftty run` has no option --junit; it belongs to `iftty verify`");
     is_refused("run s --rounds 9", "`iftty run` has no option --rounds; see `iftty run --help`");
-    is_refused("log --check j --graph",
-               "`iftty log --check` has no option --graph; it belongs to `iftty log --graph`");
+    is_refused("log --check j --repair",
+               "`iftty log --check` has no option --repair; it belongs to `iftty log --repair`");
     is_refused("info a -c b", "`iftty info` has no option -c; it belongs to `iftty -c`");
     is_refused("verify a --picture p.png", "`iftty verify` has no option --picture; it belongs to "
-                                           "`iftty diff`, `iftty diff --gestures` and "
-                                           "`iftty compare`");
+                                           "`iftty diff` and `iftty compare`");
     is_refused(
         "verify a --juint x",
         "`iftty verify` has no option --juint; see `iftty verify --help`; did you mean --junit?");

@@ -71,10 +71,7 @@ END
     sed 's/radius=2/radius=1/' a.iftty >c.iftty
     prints verify 1 "$iftty" verify a.iftty c.iftty
     prints diff 1 "$iftty" diff a.iftty b.iftty
-    prints gestures 0 "$iftty" diff --gestures a.iftty b.iftty
     prints compare 0 "$iftty" compare a.nii b.nii
-    prints agree 0 "$iftty" agree a.nii b.nii a.nii
-    prints agree 0 "$iftty" agree a.nii b.nii a.nii --by staple
     for where in plain moved far; do
         python3 "$top/tests/apply/phantom.py" make $where.nii $where
     done

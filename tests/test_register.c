@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Registration and STAPLE: what is found in scenes whose map is known, what is refused, the same
+ * Registration: what is found in scenes whose map is known, what is refused, the same
  * bytes again, and helpers that die, lie, or never end.
  */
 #include "tests/check.h"
@@ -13,7 +13,6 @@
 #include "command/interpreter.h"
 #include "image/volume.h"
 #include "register/register_helper.h"
-#include "register/staple.h"
 #include "tests/deformed.h"
 #include "tests/folder.h"
 #include "tests/orphans.h"
@@ -270,164 +269,6 @@ STORY(a_helper_ends_with_its_client)
     }
 }
 
-/* ---- STAPLE ---- */
-
-enum { SIDE = 24, VOXELS = SIDE * SIDE * SIDE, RATERS = 3 };
-static const uint32_t cube[3] = {SIDE, SIDE, SIDE};
-
-/* Two balls, of the labels 3 and 200; each rater is wrong in another part of the voxels. */
-static void rate(uint8_t truth[VOXELS], uint8_t map[RATERS][VOXELS], const double wrong[RATERS])
-{
-    static const uint8_t others[4] = {0, 3, 200, 0};
-    for (int i = 0; i < VOXELS; i++) {
-        const int x = i % SIDE, y = i / SIDE % SIDE, z = i / SIDE / SIDE;
-        const int a = (x - 8) * (x - 8) + (y - 8) * (y - 8) + (z - 12) * (z - 12);
-        const int b = (x - 17) * (x - 17) + (y - 17) * (y - 17) + (z - 12) * (z - 12);
-        truth[i] = a < 36 ? 3 : b < 25 ? 200 : 0;
-        for (unsigned r = 0; r < RATERS; r++) {
-            const uint64_t h = hash_mix_at((uint64_t)i, r);
-            const bool errs = (double)(h >> 11) / 0x1p53 < wrong[r];
-            map[r][i] = errs ? others[h & 3] : truth[i];
-        }
-    }
-}
-
-/* The same from the papers, over voxels of doubles: [rater][said][is], and the labels' shares. */
-enum { LABELS = 3 };
-static const uint8_t said_by_place[LABELS] = {0, 3, 200};
-
-static unsigned place_of(uint8_t label)
-{
-    return label == 0 ? 0 : label == 3 ? 1 : 2;
-}
-
-static void normalise(double rates[LABELS][LABELS], bool by_said)
-{
-    for (int i = 0; i < LABELS; i++) {
-        double sum = 0;
-        for (int j = 0; j < LABELS; j++)
-            sum += by_said ? rates[i][j] : rates[j][i];
-        for (int j = 0; j < LABELS; j++)
-            *(by_said ? &rates[i][j] : &rates[j][i]) /= sum > 0 ? sum : 1;
-    }
-}
-
-static void weigh(double weight[LABELS], double rates[RATERS][LABELS][LABELS],
-                  const double share[LABELS], uint8_t map[RATERS][VOXELS], int voxel)
-{
-    double sum = 0;
-    for (int is = 0; is < LABELS; is++) {
-        weight[is] = share[is];
-        for (int r = 0; r < RATERS; r++)
-            weight[is] *= rates[r][place_of(map[r][voxel])][is];
-        sum += weight[is];
-    }
-    for (int is = 0; is < LABELS; is++)
-        weight[is] /= sum;
-}
-
-static void expect_rates(double rates[RATERS][LABELS][LABELS], uint8_t consensus[VOXELS],
-                         uint8_t map[RATERS][VOXELS])
-{
-    double share[LABELS] = {0}, weight[LABELS];
-    memset(rates, 0, RATERS * sizeof *rates);
-    for (int i = 0; i < VOXELS; i++) {
-        int votes[LABELS] = {0}, most = 0;
-        for (int r = 0; r < RATERS; r++)
-            votes[place_of(map[r][i])]++;
-        for (int l = 0; l < LABELS; l++)
-            most = votes[l] > votes[most] ? l : most;
-        for (int r = 0; r < RATERS; r++) {
-            share[place_of(map[r][i])] += 1.0 / (RATERS * VOXELS);
-            rates[r][place_of(map[r][i])][most] += votes[most] > 1;
-        }
-    }
-    for (int r = 0; r < RATERS; r++)
-        normalise(rates[r], true);
-    for (int iteration = 0; iteration < 100; iteration++) {
-        static double next[RATERS][LABELS][LABELS];
-        double most = 0;
-        memset(next, 0, sizeof next);
-        for (int i = 0; i < VOXELS; i++) {
-            weigh(weight, rates, share, map, i);
-            for (int r = 0; r < RATERS; r++)
-                for (int is = 0; is < LABELS; is++)
-                    next[r][place_of(map[r][i])][is] += weight[is];
-        }
-        for (int r = 0; r < RATERS; r++) {
-            normalise(next[r], false);
-            for (int k = 0; k < LABELS * LABELS; k++)
-                most = fmax(most, fabs(next[r][k / 3][k % 3] - rates[r][k / 3][k % 3]));
-        }
-        memcpy(rates, next, sizeof next);
-        if (most < 1e-5)
-            break;
-    }
-    for (int i = 0; i < VOXELS; i++) {
-        int best = 0;
-        weigh(weight, rates, share, map, i);
-        for (int l = 1; l < LABELS; l++)
-            best = weight[l] > weight[best] ? l : best;
-        consensus[i] = said_by_place[best];
-    }
-}
-
-STORY(raters_and_their_consensus_are_those_of_the_papers)
-{
-    static uint8_t truth[VOXELS], map[RATERS][VOXELS];
-    static uint8_t consensus[VOXELS], again[VOXELS], expected[VOXELS];
-    static double rates[RATERS][LABELS][LABELS];
-    const uint8_t *const maps[RATERS] = {map[0], map[1], map[2]};
-    const double wrong[RATERS] = {0.03, 0.05, 0.1};
-    static struct staple_rater rater[RATERS], twice[RATERS];
-    unsigned off = 0, off_first = 0;
-    struct fault fault = {0};
-    rate(truth, map, wrong);
-    expect_rates(rates, expected, map);
-    CHECK_INT(staple_find(consensus, rater, RATERS, maps, cube, NULL, &fault), OK);
-    CHECK_TEXT(fault.text, "");
-    CHECK(memcmp(consensus, expected, VOXELS) == 0);
-    for (int i = 0; i < VOXELS; i++) {
-        off += consensus[i] != truth[i];
-        off_first += map[0][i] != truth[i];
-    }
-    CHECK(off < off_first);
-    for (unsigned r = 0; r < RATERS; r++)
-        for (unsigned l = 0; l < LABELS; l++) {
-            const uint8_t label = said_by_place[l];
-            double is_not = 0, not_said = 0;
-            for (int i = 0; i < VOXELS; i++) {
-                is_not += consensus[i] != label;
-                not_said += consensus[i] != label && map[r][i] != label;
-            }
-            CHECK(fabs(rater[r].sensitivity[label] - rates[r][l][l]) < 1e-6);
-            CHECK(fabs(rater[r].specificity[label] - not_said / is_not) < 0.03);
-        }
-    CHECK(isnan(rater[0].sensitivity[1]) && isnan(rater[2].specificity[255]));
-    CHECK(rater[0].sensitivity[3] > rater[2].sensitivity[3]);
-    CHECK_INT(staple_find(again, twice, RATERS, maps, cube, NULL, &fault), OK);
-    CHECK(memcmp(consensus, again, VOXELS) == 0 && memcmp(rater, twice, sizeof rater) == 0);
-}
-
-STORY(raters_who_agree_are_right_and_too_few_are_refused)
-{
-    static uint8_t truth[VOXELS], map[RATERS][VOXELS], consensus[VOXELS];
-    const uint8_t *const maps[2] = {map[0], map[0]};
-    struct staple_rater rater[2];
-    struct fault fault = {0};
-    rate(truth, map, (const double[RATERS]){0});
-    CHECK_INT(staple_find(consensus, rater, 2, maps, cube, NULL, &fault), OK);
-    CHECK(memcmp(consensus, truth, VOXELS) == 0);
-    CHECK(rater[0].sensitivity[3] > 0.999 && rater[1].specificity[200] > 0.999);
-    CHECK_INT(staple_find(consensus, rater, 1, maps, cube, NULL, &fault), ERR_INPUT);
-    CHECK_HAS(fault.text, "1 map; STAPLE takes 2 to 64");
-    register_helper_program = make_script(
-        folder, "odd", HEARD "echo consensus; yes | head -c 20000; sleep 9"); /* labels of 'y' */
-    CHECK_INT(staple_find(consensus, rater, 2, maps, cube, NULL, &fault), ERR_IO);
-    CHECK_HAS(fault.text, "makes no sense");
-    register_helper_program = helper;
-}
-
 int main(void)
 {
     static const struct story stories[] = {
@@ -440,8 +281,6 @@ int main(void)
         TELL(a_helper_that_never_ends_is_ended),
         TELL(a_stop_is_heard_and_the_helper_is_gone),
         TELL(a_helper_ends_with_its_client),
-        TELL(raters_and_their_consensus_are_those_of_the_papers),
-        TELL(raters_who_agree_are_right_and_too_few_are_refused),
     };
     const char *build = getenv("IFTTY_BUILD") ? getenv("IFTTY_BUILD") : "build";
     struct interpreter interp;

@@ -102,7 +102,6 @@ expect 0 "$iftty" run script --journal "$work/kept/j.iftty.whole"
 awk '{ print } /^= 2/ { exit }' "$work/kept/j.iftty.whole" >"$work/kept/k.iftty"
 expect 0 "$iftty" run script --journal "$work/kept/k.iftty"
 same_files "$work/kept/k.iftty" "$work/kept/j.iftty.whole"
-expect 0 "$iftty" log --export "$work/kept/prov.json" "$work/kept/j.iftty"
 printf 'open study\nopen study series=9\n' >"$work/v/j"
 expect 3 "$iftty" replay j >"$work/kept/replayed" 2>&1
 cat "$work/out" "$work/err" >"$work/kept/said"

@@ -499,7 +499,6 @@ while read -r escaped; do
     shown "a scene's name" "$iftty" -c "open \"$bad.nii\"; info"
     shown "a scene's name, by --scene" "$iftty" -c "open x; info" --scene "$bad.nii"
     shown "a journal's name" "$iftty" verify "$bad.iftty"
-    shown "a journal's name, exported" "$iftty" log "$bad.iftty" --export -
     shown "a name that is told" "$iftty" info "$bad.nii"
     shown "a name that is told, as JSON" "$iftty" info "$bad.nii" --json
     shown "a folder" "$iftty" replay proof.iftty --out "$bad/x"
@@ -518,7 +517,7 @@ while read -r escaped; do
         printf '# %s\nlabel 2 "%s"\n= 2 a=%s chain=%032d\n# torn %s' "$bad" "$bad" "$bad" 0 "$bad"
     } >lines.iftty
     for program in "replay" "verify" "log" "log --check" "log --script" "log --anonymise" \
-        "log --export -" info "info --json" "run - --journal" "run"; do
+        info "info --json" "run - --journal" "run"; do
         # shellcheck disable=SC2086
         shown "$program" "$iftty" $program lines.iftty
     done
@@ -596,42 +595,6 @@ expect 0 "$iftty" log named --anonymise
 diff "$work/out" unnamed >"$work/both" || fail "$(cat "$work/both")"
 expect 0 "$iftty" log named --anonymise --script
 diff "$work/out" unnamed >"$work/both" || fail "$(cat "$work/both")"
-expect 0 "$iftty" -c "open $work/there/s.nii; seed 2,3,4 1; run; golden brown-1" \
-    --journal brown.iftty
-expect 0 "$iftty" log brown.iftty --anonymise --export -
-! grep -q "$work" "$work/out" && ! grep -q 's.nii\|brown.iftty' "$work/out" ||
-    fail "a name is told: $(cat "$work/out")"
-close_story
-
-begin "log --export is PROV-JSON, in which every relation leads to a thing"
-if needs python3; then
-    expect 0 "$iftty" log brown.iftty --export prov.json
-    expect 3 "$iftty" log brown.iftty --export prov.json
-    err_has "prov.json exists already and was left alone"
-    python3 - >"$work/out" 2>&1 <<'EOP' || fail "$(cat "$work/out")"
-import json
-prov = json.load(open("prov.json"))
-kinds = {"prov:entity": "entity", "prov:activity": "activity", "prov:agent": "agent",
-         "prov:generatedEntity": "entity", "prov:usedEntity": "entity"}
-for relation in "used", "wasGeneratedBy", "wasDerivedFrom", "wasAssociatedWith":
-    assert prov[relation], relation
-    for ends in prov[relation].values():
-        for role, thing in ends.items():
-            assert thing in prov[kinds[role]], (relation, role, thing)
-assert [a["prov:label"] for a in prov["activity"].values()][1:] \
-    == ["seed 2,3,4 1", "run", "golden brown-1"]
-assert len(prov["entity"]["iftty:scene-1"]["iftty:sha256"]) == 64
-assert prov["entity"]["iftty:golden-image-4"]["prov:label"] == "brown-1"
-assert prov["entity"]["iftty:journal-1"]["iftty:condition"] == "intact, 4 records"
-assert prov["used"]["_:u-command-1-scene"]["prov:entity"] == "iftty:scene-1"
-EOP
-    sed 's/^seed 2,3,4 1$/seed 2,3,4 "\\1/' brown.iftty >odd.iftty
-    "$iftty" log odd.iftty --export - >"$work/out"
-    python3 -m json.tool "$work/out" >/dev/null || fail "no JSON: $(cat "$work/out")"
-    grep -q '"iftty:is-sound": false' "$work/out" || fail "the edited record passes for sound"
-    expect 1 "$iftty" log named --export -
-    err_has "is a script"
-fi
 close_story
 
 # ---- what the kernel keeps out ----

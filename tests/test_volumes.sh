@@ -317,7 +317,6 @@ mv clash "$work/v/SECRET" # what the user calls things stays theirs; what is in 
     "$iftty" info plain/IM0
     "$iftty" info --json plain/IM0
     TMPDIR=$work/private "$iftty" replay "$work/private/j.iftty" --scene ct
-    "$iftty" log --export "$work/private/prov.json" "$work/private/j.iftty"
 } >"$work/private/said" 2>&1
 for file in "$work"/private/* "$work"/private/*/*; do
     [ -f "$file" ] || continue

@@ -413,8 +413,7 @@ static const struct command command_table[] = {
     {COMMAND("branch", act_branch, GROUP_SEEDS, R | S),
      {NEED("NAME", VALUE_WORD, .is_kept = true)},
      "begin an alternative here, under a name",
-     "Later commands belong to it; `goto` leads to the other branches. `iftty log --graph` draws "
-     "them.",
+     "Later commands belong to it; `goto` leads to the other branches.",
      "branch with-brainstem"},
     {COMMAND("view", act_view, GROUP_VIEW, R | S),
      {NEED("YAW", VALUE_DECIMAL, .choices = VIEW_NAMES, .least = -TURNS, .most = TURNS),

@@ -71,9 +71,9 @@ struct options {
     char **word; /* operands, without the program's name and form */
     int words;
     const char *commands, *journal, *scene, *out;
-    const char *junit, *html, *accept, *with, *export, *picture, *surface;
+    const char *junit, *html, *accept, *with, *picture, *surface;
     const char *expect, *lock, *sign, *allowed_signers, *revoked, *signed_at, *shard;
-    const char *volume, *regions, *as, *by, *save, *pages, *fit, *landmarks, *orient, *procedure;
+    const char *volume, *regions, *as, *by, *pages, *fit, *landmarks, *orient, *procedure;
     const char *limit_memory, *limit_time, *limit_output;
     size_t processes, from, until; /* 0: not given */
     struct graphics_wish graphics; /* {0}: the terminal decides */

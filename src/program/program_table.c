@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "apply/carry.h"
-#include "report/agreement.h"
 #include "session/map.h"
 #include "verify/signature.h"
 #include "verify/verify.h"
@@ -46,17 +45,12 @@ enum {
     JSON,
     CSV,
     REGIONS,
-    REGIONS_OF_RATERS,
     AS,
     BINARY,
     RESAMPLE,
-    RESAMPLE_RATERS,
-    BY_WHAT,
-    SAVE,
     HISTOGRAM,
     VOLUME,
     PICTURE,
-    CURVES,
     SLICES,
     SURFACE,
     SLICES_SCENE,
@@ -75,19 +69,15 @@ enum {
     LIMIT_TIME,
     LIMIT_OUTPUT,
     UNCONFINED,
-    NO_NAMES,
     /* what says which form is meant */
     COMMANDS,
     VERSION,
     BISECT,
-    GESTURES,
     WITH,
     ACCEPT,
     REVIEW,
     SCRIPT,
     CHECK,
-    GRAPH,
-    EXPORT,
     ANONYMISE,
     REPAIR,
     RESEAL,
@@ -106,28 +96,6 @@ static enum err read_graphics(const struct option *option, const char *text, voi
     fault_set(fault, ERR_USAGE, "%s: expected %s, not %s", option->name, buf_text(&names), text);
     buf_release(&names);
     return ERR_USAGE;
-}
-
-/* How a consensus is found. */
-static const char *const consensus_by[] = {"majority", "staple"};
-
-static void add_consensus_by(struct buf *out, const char *between, const char *before_last)
-{
-    buf_printf(out, "%s%s%s", consensus_by[0], before_last ? before_last : between,
-               consensus_by[1]);
-}
-
-static enum err read_by(const struct option *option, const char *text, void *out,
-                        struct fault *fault)
-{
-    struct options *o = out;
-    o->by = NULL;
-    for (size_t i = 0; i < sizeof consensus_by / sizeof consensus_by[0]; i++)
-        if (strcmp(text, consensus_by[i]) == 0)
-            o->by = consensus_by[i];
-    return o->by ? OK
-                 : fault_set(fault, ERR_USAGE, "%s: expected %s or %s, not %s", option->name,
-                             consensus_by[0], consensus_by[1], text);
 }
 
 #define FLAG(member) option_read_flag, offsetof(struct options, member), 0, 0, NULL
@@ -218,7 +186,6 @@ static const struct option option[] = {
                 LIST(volume, 0, 65535)},
     [PICTURE] = {"--picture", "FILE.png",
                  "draw both renditions, and where they differ, side by side", TEXT(picture)},
-    [CURVES] = {"--picture", "FILE.png", "draw Dice over the gestures of both", TEXT(picture)},
     [CSV] = {"--csv", NULL, "print CSV, a line for each label", FLAG(csv)},
     [SLICES] = {"--picture", "FILE.png",
                 "draw slices through where they are farthest apart, with what differs",
@@ -237,17 +204,6 @@ static const struct option option[] = {
     [BINARY] = {"--binary", NULL, "take all of them for one object, label 1", FLAG(binary)},
     [RESAMPLE] = {"--resample", NULL, "take the nearest voxels of a B that lies elsewhere",
                   FLAG(resample)},
-    [REGIONS_OF_RATERS] = {"--regions", "LIST",
-                           "compare these values of all maps alone, as 1-90,2001 (all above 0)",
-                           LIST(regions, 0, REGION_MOST)},
-    [RESAMPLE_RATERS] = {"--resample", NULL,
-                         "take the nearest voxels of a map that lies elsewhere than the first",
-                         FLAG(resample)},
-    [BY_WHAT] = {"--by", "HOW",
-                 "how the consensus is found: by most raters, or by STAPLE, which weighs them",
-                 read_by, 0, 0, 0, add_consensus_by},
-    [SAVE] = {"--save", "FILE", "write the consensus as a label map; nothing is overwritten",
-              TEXT(save)},
     [QUIZ] = {"--quiz", NULL,
               "before each gesture you plant where you would, and both are compared", FLAG(quiz)},
     [PAGES] = {"--pages", "DIR",
@@ -287,20 +243,14 @@ static const struct option option[] = {
                     "have libraries read the journal's files though this kernel has no Landlock, "
                     "which would keep them to those files",
                     FLAG(unconfined)},
-    [NO_NAMES] = {"--anonymise", NULL, "without comments, names of files and free text",
-                  FLAG(anonymise)},
-
     [COMMANDS] = {"-c", "'COMMAND; COMMAND'", "", TEXT(commands)},
     [VERSION] = {"--version", FORM},
     [BISECT] = {"--bisect", FORM},
-    [GESTURES] = {"--gestures", FORM},
     [WITH] = {"--with", "PROGRAM", "", TEXT(with)},
     [ACCEPT] = {"--accept", "WHY", "", TEXT(accept)},
     [REVIEW] = {"--review", FORM},
     [SCRIPT] = {"--script", FORM},
     [CHECK] = {"--check", FORM},
-    [GRAPH] = {"--graph", FORM},
-    [EXPORT] = {"--export", "FILE", "", TEXT(export)},
     [ANONYMISE] = {"--anonymise", FORM},
     [REPAIR] = {"--repair", FORM},
     [RESEAL] = {"--reseal", FORM},
@@ -428,16 +378,6 @@ static const struct program program[] = {
      .detail = "The first command that differs and, for each label, the voxels in both and "
                "Dice's coefficient. A and B may be scripts as well.",
      .run = run_diff},
-    {.name = "diff",
-     .form = "--gestures",
-     TWO("EXPERT TRAINEE"),
-     .option = {GESTURES, DIFF_UNTIL, JSON, CURVES, SCENE, LIMIT_OPTIONS},
-     .summary = "what a trainee did beside what an expert did",
-     .detail = "How many gestures of each kind; which of both belong together, by place and label, "
-               "and how far apart they are; how far their order agrees; and, after each gesture, "
-               "Dice's coefficient with the labels that the expert ends with. Journals record no "
-               "time.",
-     .run = run_diff_gestures},
     {.name = "apply",
      .words = "PROCEDURE SCENE...",
      .least = 2,
@@ -460,20 +400,6 @@ static const struct program program[] = {
                "between the two objects and their surfaces, as the command `compare` prints them. "
                "Both maps lie on one grid, or B is resampled to that of A.",
      .run = run_compare},
-    {.name = "agree",
-     .words = "A B...",
-     .least = 2,
-     .most = RATERS_MOST,
-     .option = {BY_WHAT, SAVE, VOLUME, REGIONS_OF_RATERS, AS, RESAMPLE_RATERS, JSON, CSV,
-                LIMIT_OPTIONS},
-     .summary = "how far several raters agree",
-     .detail = "The consensus of label maps, or of journals by the labels that they end with; and "
-               "for each label how far each rater is from it: Dice, sensitivity, specificity, "
-               "volume. By majority, a voxel has the label that more raters give it than any "
-               "other; one that is tied has none, and is counted. By STAPLE, sensitivity and "
-               "specificity are its estimates. All lie on one grid, or are resampled to that of "
-               "the first.",
-     .run = run_agree},
     {.name = "log", ONE("JOURNAL"), .summary = "print a journal", .run = run_log},
     {.name = "log",
      .form = "--script",
@@ -494,19 +420,6 @@ static const struct program program[] = {
      .summary = "whether it is intact, torn or edited",
      .detail = "By the chain of its records alone: nothing is carried out.",
      .run = run_log_check},
-    {.name = "log",
-     .form = "--graph",
-     ONE("JOURNAL"),
-     .option = {GRAPH},
-     .summary = "draw its alternatives and the present one",
-     .run = run_log_graph},
-    {.name = "log",
-     .form = "--export",
-     ONE("JOURNAL"),
-     .option = {EXPORT, NO_NAMES},
-     .summary = "its provenance as W3C PROV-JSON, into FILE",
-     .detail = "Where FILE is -, it is printed. Nothing is overwritten.",
-     .run = run_log_export},
     {.name = "log",
      .form = "--procedure",
      ONE("JOURNAL"),

@@ -253,13 +253,6 @@ enum err run_diff(const struct options *o, struct fault *fault)
     return diff_journals(&how, &console_printer, fault);
 }
 
-enum err run_diff_gestures(const struct options *o, struct fault *fault)
-{
-    const struct diff_options how = diff_options_of(o);
-    console_handle_interrupts();
-    return diff_gestures(&how, &console_printer, fault);
-}
-
 /* ---- sealing anew ---- */
 
 static enum err seal_anew(const struct options *o,

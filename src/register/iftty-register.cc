@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * iftty-register: registers two scenes, and finds the consensus of label maps, by ITK for the
- * program that started it.
+ * iftty-register: register two scenes by ITK, for the program that started it.
  *
  * One request comes on standard input, voxels and all; the answer goes to standard output;
  * register_helper.h has the protocol byte for byte. It opens no file: before the first voxel comes,
  * the process takes all files from itself, and all calls but those for its own memory.
  *
  *     register_itk.cc      registration
- *     register_staple.cc   the consensus
  *     register_transform.cc   transform files
  */
 #include <new>
@@ -28,9 +26,7 @@ using namespace registering;
 constexpr rlim_t working_s = 3600;
 constexpr uint64_t voxels_most = 1 << 24; /* of a scene */
 constexpr uint64_t side_most = 65534;
-constexpr uint64_t map_voxels_most = UINT64_C(1) << 32;
 constexpr uint64_t transform_most = 1 << 20;
-constexpr uint64_t raters_most = 64, labels_most = 256;
 
 /* With more threads than one, sums depend on which of them is first. */
 void keep_to_one_thread()
@@ -63,27 +59,6 @@ void answer_registration(const std::string &line, size_t at)
     transmit(&found, sizeof found);
 }
 
-void answer_consensus(const std::string &line, size_t at)
-{
-    const uint64_t raters = take_number(line, at, raters_most);
-    const unsigned labels = static_cast<unsigned>(take_number(line, at, labels_most));
-    const uint64_t voxels = take_number(line, at, map_voxels_most);
-    if (raters < 1 || labels < 1 || voxels < 1)
-        leave(2);
-    std::vector<std::vector<uint8_t>> maps(raters);
-    for (std::vector<uint8_t> &map : maps) {
-        map.resize(voxels);
-        receive(map.data(), map.size());
-        for (const uint8_t label : map)
-            if (label >= labels)
-                leave(2);
-    }
-    const Consensus consensus = agree(maps, labels);
-    transmit("consensus\n");
-    transmit(consensus.map.data(), consensus.map.size());
-    transmit(consensus.rates.data(), consensus.rates.size() * sizeof consensus.rates[0]);
-}
-
 void answer_transform(const std::string &line, size_t at)
 {
     const TransformFile found = read_transform(receive_text(take_number(line, at, transform_most)));
@@ -111,8 +86,6 @@ int main()
         const std::string line = receive_line();
         if (line.compare(0, 9, "register ") == 0)
             answer_registration(line, 9);
-        else if (line.compare(0, 7, "staple ") == 0)
-            answer_consensus(line, 7);
         else if (line.compare(0, 10, "transform ") == 0)
             answer_transform(line, 10);
         else

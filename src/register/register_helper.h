@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The register helper: registration and STAPLE by ITK, and transform files, in a process of its
- * own.
+ * The register helper: registration by ITK, and transform files, in a process of its own.
  *
  * The program iftty-register is started for one request, takes all files and nearly all calls of
  * the kernel from itself before the first voxel comes (Landlock, seccomp, limits), and ends with
  * its answer. It opens no file: it gets voxels, decoded and bounded, or the bytes of a transform.
- * Its answers are checked: lengths, numbers, labels.
+ * Its answers are checked: lengths and numbers.
  *
  * The protocol, as in coprocess.h:
  *
@@ -20,12 +19,6 @@
  *               or
  *                 error LENGTH\n  words
  *
- *     request   staple RATERS LABELS VOXELS\n     labels are 0..LABELS-1
- *                 maps                            a byte a voxel, one map after another
- *     answer    any number of progress, and then
- *                 consensus\n  map  2 RATERS LABELS numbers
- *               or an error
- *
  *     request   transform BYTES\n                of a file of ITK's transforms
  *                 bytes
  *     answer    transform LENGTH\n  kind  12 numbers
@@ -36,7 +29,6 @@
  * fastest. Those found are the three rows of the map from the subject's world to the procedure's;
  * the metric of the map, of the identity, of the mirror image; what part of the subject's content
  * and of the procedure's lies in the other; agreement and length, in millimetres; and seconds.
- * Those of a consensus are sensitivity and specificity by label, rater after rater.
  */
 #ifndef REGISTER_REGISTER_HELPER_H
 #define REGISTER_REGISTER_HELPER_H

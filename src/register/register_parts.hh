@@ -34,13 +34,6 @@ struct Found {
 /* `volume` are the fixed scene and the moving one. */
 Found find(Volume volume[2]);
 
-/* Maps of the labels 0..labels-1 that lie on each other. */
-struct Consensus {
-    std::vector<uint8_t> map;
-    std::vector<double> rates; /* by rater and label: sensitivity, specificity */
-};
-Consensus agree(const std::vector<std::vector<uint8_t>> &maps, unsigned labels);
-
 /* A transform file of ITK: the rows of its map, in LPS+, and the name of its kind. */
 struct TransformFile {
     double map[12];

@@ -11,8 +11,6 @@
 #include "image/image_helper.h"
 #include "verify/difference_picture.h"
 #include "verify/first_difference.h"
-#include "verify/gesture_picture.h"
-#include "verify/gesture_report.h"
 
 /* ---- the picture of both, in A's process ---- */
 
@@ -308,67 +306,5 @@ enum err diff_journals(const struct diff_options *options, const struct printer 
     side_release(&j.side[0]);
     side_release(&j.side[1]);
     first_difference_release(&j.first_difference);
-    return err;
-}
-
-/* ---- gestures ---- */
-
-static enum err draw_gestures(const struct diff_options *options,
-                              const struct gesture_report *report, struct fault *fault)
-{
-    struct picture picture = {0};
-    enum err err = gesture_picture_draw(&picture, report, fault);
-    if (!err)
-        err = image_write_png(options->picture, &picture, fault);
-    picture_release(&picture);
-    return err;
-}
-
-static enum err report_gestures(const struct journals *j, const struct gestures gestures[2],
-                                const struct printer *printer, struct fault *fault)
-{
-    const struct diff_options *o = j->options;
-    struct gesture_match match;
-    struct buf warnings = {0}, text = {0};
-    struct gesture_report report = {.path = {o->path[0], o->path[1]},
-                                    .side = {&j->side[0], &j->side[1]},
-                                    .gestures = {&gestures[0], &gestures[1]},
-                                    .match = &match};
-    enum err err = gesture_match_make(&match, &gestures[0], &gestures[1], j->side[0].facts->size,
-                                      j->side[0].facts->spacing_nm, o->side.watch, fault);
-    if (!err) {
-        write_warnings(&warnings, j);
-        gesture_report_count(&report);
-        (o->json ? gesture_report_write_json : gesture_report_write_text)(&text, &report);
-        err = give(&warnings, printer->warn, printer, fault);
-    }
-    if (!err)
-        err = give(&text, printer->print, printer, fault);
-    if (!err && o->picture)
-        err = draw_gestures(o, &report, fault);
-    buf_release(&warnings);
-    buf_release(&text);
-    free(match.pair);
-    return err;
-}
-
-enum err diff_gestures(const struct diff_options *options, const struct printer *printer,
-                       struct fault *fault)
-{
-    struct journals j = {.options = options};
-    struct side expert = {.facts = NULL};
-    struct gestures gestures[2];
-    enum err err = image_check_png(options->picture, fault);
-    if (err)
-        return fault_prefix(fault, err, "--picture");
-    err = side_carry_out(&expert, options->path[0], &options->side, NULL, fault);
-    for (int i = 0; i < 2 && !err; i++)
-        err = gestures_carry_out(&gestures[i], &j.side[i], options->path[i], &options->side,
-                                 &expert, fault);
-    side_release(&expert);
-    if (!err)
-        err = report_gestures(&j, gestures, printer, fault);
-    side_release(&j.side[0]);
-    side_release(&j.side[1]);
     return err;
 }

@@ -27,11 +27,4 @@ struct diff_options {
 enum err diff_journals(const struct diff_options *options, const struct printer *printer,
                        struct fault *fault);
 
-/* Prints what has been done in the two, an expert's and a trainee's: kinds, places and order of
- * gestures (verify/gesture_match.h), and Dice over the steps (verify/gesture.h). Three processes:
- * the expert's, for the labels that it ends with; again, for its own steps; and the trainee's. OK
- * however far they differ; the errors of gestures_carry_out and gesture_match_make. */
-enum err diff_gestures(const struct diff_options *options, const struct printer *printer,
-                       struct fault *fault);
-
 #endif

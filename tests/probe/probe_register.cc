@@ -11,11 +11,6 @@ Found find(Volume[2])
     throw Refusal{"registering: " + attempts("./probed", false, false)};
 }
 
-Consensus agree(const std::vector<std::vector<uint8_t>> &, unsigned)
-{
-    throw Refusal{"agreeing: " + attempts("./probed", false, false)};
-}
-
 TransformFile read_transform(const std::string &)
 {
     throw Refusal{"reading: " + attempts("./probed", false, false)};
