@@ -114,7 +114,6 @@ enum err replay_begin(struct replay *r, const char *bytes, size_t length,
                       struct replay_report *report, struct fault *fault)
 {
     *r = (struct replay){.host = host, .options = options, .report = report};
-    sha256_bytes_hex(report->sha256, bytes, length);
     report->is_intact = true;
     report->chain = record_chain_zero;
     enum err err = walk_begin(&r->walk, bytes, length, fault);

@@ -16,7 +16,6 @@
 #ifndef JOURNAL_REPLAY_H
 #define JOURNAL_REPLAY_H
 
-#include "base/hash.h"
 #include "journal/record.h"
 
 struct replay_host {
@@ -54,7 +53,6 @@ struct replay_report {
                            gives one: nothing says that it is the same */
     size_t bare_number; /* the first of them, and its line */
     size_t bare_line;
-    char sha256[SHA256_HEX];   /* of all bytes */
     struct record_chain chain; /* of the last record seen, as the journal says it */
 
     bool is_intact;       /* every record seen was sound */

@@ -229,6 +229,39 @@ expect 1 "$iftty" verify --no-strict word.iftty
 out_has "differs  flavour"
 close_story
 
+begin "a signature by ssh-keygen proves the file, --strict its pictures"
+if needs ssh-keygen; then
+    mkdir signing
+    copy signing/ch2
+    cp s.nii signing
+    cd signing || exit 1
+    ssh-keygen -q -t ed25519 -N '' -C anna -f key || fail "no key"
+    ssh-keygen -q -t ed25519 -N '' -C ben -f ben || fail "no key"
+    printf 'anna@example.org namespaces="iftty-journal" %s\n' "$(cat key.pub)" >allowed
+    sed -n 's|~/.ssh/id_ed25519|key|; s/^ *\(ssh-keygen -Y \)/\1/p' "$top/journal/README.md" \
+        >commands
+    grep 'Y sign' commands >sign
+    grep 'Y verify' commands >check
+    same "$(wc -l <sign) $(wc -l <check)" "1 1"
+    expect 0 sh sign
+    expect 0 sh check
+    expect 0 "$iftty" verify --strict ch2.iftty
+    sed 's/^label/# a remark\n&/; s/^run$/# a remark\nrun/' ch2.iftty >before
+    chain_anew before ch2.iftty # an honest forgery
+    expect 0 "$iftty" verify --strict ch2.iftty
+    expect 255 sh check
+    cp ../j.iftty ch2.iftty
+    expect 0 sh check
+    cp ch2.golden/first.png ch2.golden/first.exr # which the signature does not cover
+    expect 0 sh check
+    expect 1 "$iftty" verify --strict ch2.iftty
+    rm ch2.iftty.sig
+    expect 0 sh -c "$(sed 's/ key / ben /' sign)" # a key that nobody allows
+    expect 255 sh check
+    cd "$work" || exit 1
+fi
+close_story
+
 begin "the journals of every semantics are strictly verified"
 cp "$top"/tests/journals/*.nii.gz .
 for journal in "$top"/tests/journals/*.iftty; do

@@ -72,7 +72,7 @@ struct options {
     int words;
     const char *commands, *journal, *scene, *out;
     const char *junit, *html, *accept, *with, *picture, *surface;
-    const char *expect, *lock, *sign, *allowed_signers, *revoked, *signed_at, *shard;
+    const char *expect, *lock, *shard;
     const char *volume, *regions, *as, *by, *pages, *fit, *landmarks, *orient, *procedure;
     const char *limit_memory, *limit_time, *limit_output;
     size_t processes, from, until; /* 0: not given */

@@ -6,7 +6,6 @@
 
 #include "apply/carry.h"
 #include "session/map.h"
-#include "verify/signature.h"
 #include "verify/verify.h"
 
 /* ---- options ---- */
@@ -33,9 +32,6 @@ enum {
     EXPECT,
     LOCK,
     UPDATE_LOCK,
-    ALLOWED_SIGNERS,
-    REVOKED,
-    SIGNED_AT,
     SHARD,
     FAIL_FAST,
     TIMINGS,
@@ -81,7 +77,6 @@ enum {
     ANONYMISE,
     REPAIR,
     RESEAL,
-    SIGN,
     PROCEDURE,
 };
 
@@ -153,19 +148,6 @@ static const struct option option[] = {
     [UPDATE_LOCK] = {"--update-lock", NULL,
                      "write that file anew, where all journals verify; refused where CI is set",
                      FLAG(update_lock)},
-    [ALLOWED_SIGNERS] = {"--allowed-signers", "FILE",
-                         "fail unless JOURNAL.sig is a signature of each by somebody whom this "
-                         "file names, as ssh-keygen has it",
-                         TEXT(allowed_signers)},
-    [REVOKED] =
-        {"--revoked", "FILE",
-         "fail where the key of a signature is in this file: ssh-keygen's KRL, or a list of "
-         "public keys",
-         TEXT(revoked)},
-    [SIGNED_AT] = {"--signed-at", "TIME",
-                   "judge valid-after and valid-before of allowed signers as of YYYYMMDD[HHMM[SS]]"
-                   "[Z], which you know, since no signature says when; now where it is not given",
-                   TEXT(signed_at)},
     [SHARD] = {"--shard", "K/N",
                "verify the Kth of N parts; a journal stays in its part when others are added",
                TEXT(shard)},
@@ -254,7 +236,6 @@ static const struct option option[] = {
     [ANONYMISE] = {"--anonymise", FORM},
     [REPAIR] = {"--repair", FORM},
     [RESEAL] = {"--reseal", FORM},
-    [SIGN] = {"--sign", "KEY", "", TEXT(sign)},
     [PROCEDURE] = {"--procedure", "FILE", "", TEXT(procedure)},
 };
 
@@ -312,10 +293,9 @@ static const struct program program[] = {
      .words = "JOURNAL...",
      .least = 0,
      .most = FILES_MOST,
-     .option = {PROCESSES,    FROM,        UNTIL,           STRICT,  NO_STRICT, EXPECT,
-                LOCK,         UPDATE_LOCK, ALLOWED_SIGNERS, REVOKED, SIGNED_AT, SHARD,
-                FAIL_FAST,    TIMINGS,     REMOVE_ORPHANS,  JSON,    JUNIT,     HTML,
-                EVIDENCE_OUT, SCENE,       LIMIT_OPTIONS},
+     .option = {PROCESSES, FROM, UNTIL, STRICT, NO_STRICT, EXPECT, LOCK, UPDATE_LOCK, SHARD,
+                FAIL_FAST, TIMINGS, REMOVE_ORPHANS, JSON, JUNIT, HTML, EVIDENCE_OUT, SCENE,
+                LIMIT_OPTIONS},
      .summary = "the same quietly, with golden images; TAP",
      .detail = "Each journal is carried out in a process of its own, by the rules of `replay`. "
                "Nothing is written but what these options name.",
@@ -446,16 +426,6 @@ static const struct program program[] = {
                "it they are left alone, and such a journal is refused where they are others. The "
                "former journal is kept beside the new one.",
      .run = run_reseal},
-    {.name = "log",
-     .form = "--sign",
-     ONE("JOURNAL"),
-     .option = {SIGN},
-     .summary = "sign it with an SSH key, as JOURNAL.sig",
-     .detail = "By ssh-keygen, which asks for a passphrase where there is one. Every byte of the "
-               "journal is signed, so a journal that is continued is signed again. `iftty verify "
-               "--allowed-signers FILE` checks it, and so does ssh-keygen -Y verify, in the "
-               "namespace " SIGNATURE_NAMESPACE ".",
-     .run = run_log_sign},
     {.name = "show",
      ONE("PICTURE"),
      .option = {GRAPHICS, SMOOTH},

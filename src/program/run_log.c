@@ -1,22 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* `iftty log`: a journal as text, in several forms, and its repair. */
-#include <ctype.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
-#include "base/choice.h"
 #include "base/file.h"
-#include "command/act.h"
 #include "command/anonymise.h"
-#include "image/volume.h"
 #include "journal/journal.h"
 #include "journal/record.h"
-#include "program/console.h"
 #include "program/programs.h"
-#include "report/label_table.h"
 #include "session/semantics.h"
-#include "verify/signature.h"
 
 /* ---- commands without what names people ---- */
 
@@ -119,34 +111,5 @@ enum err run_log_repair(const struct options *o, struct fault *fault)
     if (!err)
         puts(buf_text(&lines));
     buf_release(&lines);
-    return err;
-}
-
-/* ---- signing ---- */
-
-/* Only what is intact is worth a signature. */
-enum err run_log_sign(const struct options *o, struct fault *fault)
-{
-    struct buf bytes = {0}, line = {0};
-    struct journal_condition condition;
-    enum err err = file_read(&bytes, o->word[0], JOURNAL_BYTES_MAX, fault);
-    console_handle_interrupts();
-    if (!err) {
-        err = journal_check(&condition, buf_text(&bytes), bytes.length, fault);
-        if (err)
-            fault_prefix(fault, err, "only an intact journal is signed");
-        else if (condition.state != JOURNAL_INTACT)
-            err =
-                fault_set(fault, ERR_CHECK, "this is a script, not a journal, and was not signed");
-    }
-    if (!err)
-        err = signature_make(o->word[0], &bytes, o->sign, console_watch(), fault);
-    if (!err) {
-        buf_add_safe_text(&line, o->word[0]);
-        printf("# %s.sig signs %zu record%s, chain %s\n", buf_text(&line), condition.records,
-               plural(condition.records), condition.chain.hex);
-    }
-    buf_release(&line);
-    buf_release(&bytes);
     return err;
 }

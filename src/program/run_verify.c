@@ -15,7 +15,6 @@
 #include "verify/diff.h"
 #include "verify/replay_file.h"
 #include "verify/reseal.h"
-#include "verify/signature.h"
 #include "verify/strict.h"
 #include "verify/verify.h"
 
@@ -116,13 +115,6 @@ static enum err check_options(const struct options *o, struct fault *fault)
     if (o->expect && (o->words != 1 || !scan_is_hex(o->expect, RECORD_CHAIN_DIGITS)))
         return fault_set(fault, ERR_USAGE,
                          "--expect: expected one journal, and the 32 digits of its last chain");
-    if ((o->revoked || o->signed_at) && !o->allowed_signers)
-        return fault_set(fault, ERR_USAGE,
-                         "--revoked and --signed-at: --allowed-signers FILE asks for signatures");
-    if (o->signed_at && !signature_is_time(o->signed_at))
-        return fault_set(fault, ERR_USAGE,
-                         "--signed-at: expected YYYYMMDD, or YYYYMMDDHHMMSS, and Z for UTC, not %s",
-                         o->signed_at);
     if (o->remove_orphans && ci_is_set())
         return fault_set(fault, ERR_USAGE,
                          "--remove-orphans is a person's decision, and refused where CI is set");
@@ -174,9 +166,6 @@ static enum err verify_journals(const struct options *o, struct lock_plan *plan,
                                        .timings = o->timings,
                                        .removes_orphans = o->remove_orphans,
                                        .expect = o->expect,
-                                       .allowed_signers = o->allowed_signers,
-                                       .revoked = o->revoked,
-                                       .signed_at = o->signed_at,
                                        .plan = plan,
                                        .first = o->from,
                                        .last = o->until,

@@ -14,7 +14,6 @@
 #include "verify/iftty_lock.h"
 #include "verify/orphan.h"
 #include "verify/replay_file.h"
-#include "verify/signature.h"
 #include "verify/strict.h"
 #include "verify/verify_report.h"
 
@@ -25,7 +24,7 @@ enum {
 
 /*
  * One journal, in a process of its own: what its replay gives, what leaves it unproven, and whether
- * it is the one that is meant (--expect, --lock, --allowed-signers).
+ * it is the one that is meant (--expect, --lock).
  */
 
 /* ---- the replay of one journal ---- */
@@ -162,28 +161,6 @@ static enum err judge_facts(const struct verify_options *options, size_t number,
     return judge_pinned(options->plan, number, result, fault);
 }
 
-/* Before the walls are there: ssh-keygen, not this program, reads what others wrote. `sha256` is of
- * the bytes that are signed. */
-static enum err judge_signature(const struct verify_options *options, struct verify_result *result,
-                                char sha256[SHA256_HEX], struct fault *fault)
-{
-    const struct signature_rules rules = {options->allowed_signers, options->revoked,
-                                          options->signed_at};
-    struct buf bytes = {0};
-    if (!rules.allowed)
-        return OK;
-    enum err err = file_read(&bytes, result->path, JOURNAL_BYTES_MAX, fault);
-    sha256_bytes_hex(sha256, buf_text(&bytes), bytes.length);
-    if (!err)
-        err = signature_check(&result->signer, result->path, &bytes, &rules, options->watch, fault);
-    if (!err)
-        buf_printf(&result->lines,
-                   "# signed by %s\n# when, no signature says: the key was judged as of %s\n",
-                   buf_text(&result->signer), rules.signed_at ? rules.signed_at : "now");
-    buf_release(&bytes);
-    return err;
-}
-
 /* Beside what the replay found. */
 static void add_failure(struct verify_result *result, enum err err, const struct fault *fault)
 {
@@ -195,8 +172,7 @@ static void add_failure(struct verify_result *result, enum err err, const struct
 
 /* ---- in the process of a journal ---- */
 
-static void replay_one(const struct verify_options *options, struct verify_result *result,
-                       char sha256[SHA256_HEX])
+static void replay_one(const struct verify_options *options, struct verify_result *result)
 {
     const char *path = result->path;
     struct interpreter interp;
@@ -239,7 +215,6 @@ static void replay_one(const struct verify_options *options, struct verify_resul
     result->line = report.line;
     timing_write(&result->slowest, &timing);
     timing_release(&timing);
-    memcpy(sha256, report.sha256, SHA256_HEX);
     replay_report_release(&report);
     interpreter_release(&interp);
     buf_release(&folder);
@@ -248,20 +223,14 @@ static void replay_one(const struct verify_options *options, struct verify_resul
 static void verify_journal(const struct verify_options *options, size_t number,
                            struct verify_result *result)
 {
-    char replayed[SHA256_HEX] = "", signed_bytes[SHA256_HEX] = "";
-    struct fault fault = {0}, unsigned_words = {0};
+    struct fault fault = {0};
     if (options->plan && !options->plan->updates && !file_exists(result->path)) {
         fault_set(&fault, ERR_CHECK, "missing: %s names it, and there is no such file",
                   options->plan->path);
         verify_result_fail(result, ERR_CHECK, false, &fault);
         return;
     }
-    enum err unsigned_err = judge_signature(options, result, signed_bytes, &unsigned_words);
-    replay_one(options, result, replayed);
-    if (!unsigned_err && *signed_bytes && *replayed && strcmp(signed_bytes, replayed) != 0)
-        unsigned_err =
-            fault_set(&unsigned_words, ERR_CHECK, "it was changed while it was verified");
-    add_failure(result, unsigned_err, &unsigned_words);
+    replay_one(options, result);
     add_failure(result, judge_facts(options, number, result, &fault), &fault);
 }
 

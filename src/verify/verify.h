@@ -23,15 +23,13 @@ struct verify_options {
     const char *junit, *html;    /* reports, replacing what is there; or NULL */
     bool json;                   /* one JSON object is printed instead of TAP */
     bool strict;                 /* what leaves anything unproven is a failure (strict.h) */
-    bool fail_fast;       /* the first failure ends it: what is not verified yet is skipped */
-    bool timings;         /* the slowest records of each are printed */
-    bool removes_orphans; /* of journals that verify otherwise */
-    const char *expect;   /* the last chain that the only journal is to have, or NULL */
-    const char *allowed_signers;     /* who may have signed each (signature.h), or NULL */
-    const char *revoked, *signed_at; /* of those keys; or NULL */
-    struct lock_plan *plan;          /* `path` are its journals, which are as it says; or NULL */
-    size_t first, last;              /* records to compare; 0 for all */
-    unsigned processes;              /* at most so many at once, 1..PROCESSES_MOST */
+    bool fail_fast;         /* the first failure ends it: what is not verified yet is skipped */
+    bool timings;           /* the slowest records of each are printed */
+    bool removes_orphans;   /* of journals that verify otherwise */
+    const char *expect;     /* the last chain that the only journal is to have, or NULL */
+    struct lock_plan *plan; /* `path` are its journals, which are as it says; or NULL */
+    size_t first, last;     /* records to compare; 0 for all */
+    unsigned processes;     /* at most so many at once, 1..PROCESSES_MOST */
     /* Called in the process of each journal before it is carried out; or NULL. An error is the
      * result. */
     enum err (*begin)(void *context, const char *journal, struct fault *fault);

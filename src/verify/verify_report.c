@@ -211,8 +211,6 @@ static void add_object(struct json *json, const struct verify_result *r)
     json_count(json, "digests", r->digests);
     json_count(json, "golden_images", r->goldens);
     json_count(json, "pixels", r->pixels);
-    if (r->signer.length)
-        json_bytes(json, "signed_by", buf_text(&r->signer), r->signer.length);
     if (r->chain.length)
         json_bytes(json, "chain", buf_text(&r->chain), r->chain.length);
     json_count(json, "ms", r->took_ms);
