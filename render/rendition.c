@@ -13,6 +13,8 @@ enum err rendition_init(struct rendition *r, uint32_t width, uint32_t height, st
     *r = (struct rendition){.width = width, .height = height};
     r->tiles_x = (width + TILE - 1) / TILE;
     r->tiles_y = (height + TILE - 1) / TILE;
+    if (!mem_is_there(rendition_bytes(r)))
+        return fault_memory(fault, "a rendition");
     r->depth = mem_array(pixels, sizeof *r->depth);
     r->cell = mem_array(pixels, sizeof *r->cell);
     r->label = mem_array(pixels, sizeof *r->label);

@@ -33,6 +33,63 @@ cp j.iftty m.iftty
 ln -s "$work/precious" m.golden
 expect 3 "$iftty" verify m.iftty --accept why
 untouched
+mkdir same # the name and records of the journal that made first.exr, which would be a leftover here
+cp s.nii same
+ln -s "$work/precious" same/j.golden
+for cut in 9 99; do
+    head -n $cut j.iftty >same/j.iftty
+    expect $((cut > 9)) "$iftty" verify same/j.iftty
+    expect 1 "$iftty" verify --strict same/j.iftty
+    expect 1 "$iftty" verify --remove-orphans same/j.iftty
+    "$iftty" log --reseal same/j.iftty >"$work/out" 2>&1
+    "$iftty" verify --accept why same/j.iftty >"$work/out" 2>&1
+    "$iftty" -c 'seed 9,9,9 2; run' --journal same/j.iftty >"$work/out" 2>&1
+    "$iftty" -c 'golden more' --journal same/j.iftty >"$work/out" 2>&1
+    untouched
+done
+same "$(cd same && echo *)" "j.golden j.iftty s.nii"
+close_story
+
+begin "a link further up is the user's own way to the folder"
+mkdir there
+cp s.nii j.iftty there
+cp -r j.golden there
+ln -s there via
+expect 0 "$iftty" verify --strict via/j.iftty
+expect 0 "$iftty" -c 'seed 9,9,9 3; run; golden next' --journal via/j.iftty
+cp there/j.golden/next.exr there/j.golden/more.exr
+expect 1 "$iftty" verify via/j.iftty
+expect 0 "$iftty" verify --remove-orphans via/j.iftty
+expect 0 "$iftty" verify --strict via/j.iftty
+expect 0 "$iftty" log --reseal via/j.iftty
+same "$(cd there/j.golden && echo *)" "first.exr first.png next.exr next.png"
+close_story
+
+begin "another name of the same file keeps what it has"
+mkdir hard
+cp s.nii hard
+"$iftty" -c 'open s.nii; seed 2,3,4 1; run; size 40 30; golden first; golden last' \
+    --journal hard/h.iftty >/dev/null
+cp -r hard/h.golden hard/before
+cp hard/h.iftty hard/whole
+sed '/^golden last/,$d' hard/h.iftty >hard/cut
+mkdir linked
+ln hard/h.golden/* linked
+cp hard/cut hard/h.iftty
+expect 0 "$iftty" -c 'seed 9,9,9 2; run' --journal hard/h.iftty
+[ ! -e hard/h.golden/last.exr ] || fail "the leftover is there"
+"$iftty" -c 'open s.nii; seed 9,9,9 3; run; size 40 30; golden first' \
+    --journal hard/i.iftty >/dev/null
+rm hard/i.golden/*
+ln linked/first.* hard/i.golden
+ln hard/i.iftty linked/i.iftty
+cp hard/i.iftty hard/former
+expect 0 "$iftty" verify hard/i.iftty --accept why
+expect 0 "$iftty" verify hard/i.iftty
+for file in first.exr first.png last.exr last.png; do
+    same_files linked/$file hard/before/$file
+done
+same_files linked/i.iftty hard/former
 close_story
 
 begin "a golden image that is a link is read; accepting replaces the link"
@@ -50,6 +107,19 @@ expect 0 "$iftty" verify o.iftty --accept why
 [ -f o.golden/first.exr ] && [ ! -h o.golden/first.exr ] || fail "the link was not replaced"
 expect 0 "$iftty" verify o.iftty
 untouched
+cp j.iftty gone.iftty # as git-annex leaves a file that is not here
+mkdir gone.golden
+ln -s "$work/nowhere/first.exr" "$work/nowhere/first.png" gone.golden
+mkdir ../nowhere
+expect 1 "$iftty" verify gone.iftty
+"$iftty" -c 'undo 2; golden first' --journal gone.iftty >"$work/out" 2>&1
+same "$(ls ../nowhere)" ""
+ln -s "$work/precious/first.exr" k.golden/more.exr
+expect 1 "$iftty" verify k.iftty
+expect 1 "$iftty" verify --remove-orphans k.iftty
+out_has "more.exr was left alone"
+[ -h k.golden/more.exr ] || fail "the link is gone"
+untouched
 close_story
 
 begin "an orphan that the journal cannot have made is left alone"
@@ -58,7 +128,7 @@ expect 1 "$iftty" verify --remove-orphans j.iftty
 out_has "a.png was left alone: no record of this journal can have made it"
 [ -e j.golden/a.png ] && [ -e j.golden/b.exr ] || fail "it was removed"
 rm j.golden/a.png j.golden/b.exr
-for name in first.PNG first.jpg first.tiff; do
+for name in first.PNG first.jpg first.tiff first.Exr first.webp; do
     printf x >j.golden/$name
     expect 1 "$iftty" verify j.iftty
     rm j.golden/$name
@@ -67,6 +137,12 @@ printf x >j.golden/first.txt
 expect 0 "$iftty" verify j.iftty
 expect 1 "$iftty" verify --strict j.iftty
 rm j.golden/first.txt
+cp j.iftty j # has the same folder
+sed '/^golden first/,$d' j.iftty >j
+expect 1 "$iftty" verify --remove-orphans j
+out_has "first.exr was left alone"
+[ -e j.golden/first.exr ] || fail "another journal's golden image is gone"
+rm j
 close_story
 
 begin "a picture without a record passes only after the last record"
@@ -94,54 +170,252 @@ expect 0 "$iftty" verify --strict j.iftty
 close_story
 
 begin "an OpenEXR file with anything that is not compared fails"
-# forge WAY: another file in the place of first.exr
-forge() {
-    /usr/bin/python3 - "$1" <<'END'
-import struct, sys
-exr = bytearray(open("kept.exr", "rb").read())
-way, at = sys.argv[1], 8
-def put(name, kind, value):
-    add = name + b"\0" + kind + b"\0" + struct.pack("<i", len(value)) + value
-    exr[8:8] = add
-    end = 8
-    while exr[end]:
-        end = exr.index(0, exr.index(0, end) + 1) + 1
-        end += 4 + struct.unpack_from("<i", exr, end)[0]
-    end += 1
-    for k in range((30 + 15) // 16): # the table of blocks
-        place, = struct.unpack_from("<Q", exr, end + 8 * k)
-        struct.pack_into("<Q", exr, end + 8 * k, place + len(add))
-def value_of(name):
-    at = exr.index(name + b"\0") + len(name) + 1
-    return exr.index(0, at) + 5
-if way == "trailing":
-    exr += b"more"
-elif way == "attribute":
-    put(b"owner", b"string", b"somebody")
-elif way == "number":
-    put(b"secret", b"int", struct.pack("<i", 7))
+# forge WAY [FROM TO]: another file in the place of first.exr, whose pixels are the same where they
+# are 8 bits a channel
+cat >forge.py <<'END'
+import struct, sys, zlib
+
+def pack(raw):
+    half = raw[0::2] + raw[1::2]
+    return zlib.compress(bytes([half[0]]) + bytes((half[i] - half[i - 1] + 128) & 255
+                                                  for i in range(1, len(half))), 9)
+
+def unpack(packed, size):
+    if len(packed) == size:
+        return bytearray(packed)
+    half = bytearray(zlib.decompress(packed))
+    for i in range(1, len(half)):
+        half[i] = (half[i - 1] + half[i] - 128) & 255
+    raw = bytearray(size)
+    raw[0::2], raw[1::2] = half[:(size + 1) // 2], half[(size + 1) // 2:]
+    return raw
+
+class Exr:
+    def __init__(self, path):
+        self.bytes = open(path, "rb").read()
+        self.flags, self.note, at = self.bytes[:8], [], 8
+        while self.bytes[at]:
+            name = self.bytes.index(0, at)
+            kind = self.bytes.index(0, name + 1)
+            length, = struct.unpack_from("<i", self.bytes, kind + 1)
+            self.note.append([self.bytes[at:name], self.bytes[name + 1:kind],
+                              self.bytes[kind + 5:kind + 5 + length]])
+            at = kind + 5 + length
+        at += 1
+        self.size = [n + 1 for n in struct.unpack_from("<2i", self.value("dataWindow"), 8)]
+        self.block, lines = [], (self.size[1] + 15) // 16
+        for n in range(lines):
+            place, = struct.unpack_from("<Q", self.bytes, at + 8 * n)
+            y, length = struct.unpack_from("<2i", self.bytes, place)
+            raw = self.line_bytes() * min(16, self.size[1] - y)
+            self.block.append([y, unpack(self.bytes[place + 8:place + 8 + length], raw)])
+
+    def value(self, name):
+        return next(n[2] for n in self.note if n[0] == name.encode())
+
+    def put(self, name, value):
+        next(n for n in self.note if n[0] == name.encode())[2] = value
+
+    def channels(self): # name and bytes of each
+        list_, at, found = self.value("channels"), 0, []
+        while list_[at]:
+            end = list_.index(0, at)
+            found.append((list_[at:end].decode(), 2 if list_[end + 1] == 1 else 4))
+            at = end + 17
+        return found
+
+    def line_bytes(self):
+        return sum(n for _, n in self.channels()) * self.size[0]
+
+    def place(self, channel, x): # of a sample in a line
+        at = 0
+        for name, n in self.channels():
+            if name == channel:
+                return at + n * x
+            at += n * self.size[0]
+
+    def write(self, path, more=b"", between=b"", within=b"", swap=False):
+        head = self.flags + b"".join(n + b"\0" + k + b"\0" + struct.pack("<i", len(v)) + v
+                                     for n, k, v in self.note) + b"\0"
+        body, table, at = [], [], len(head) + 8 * len(self.block)
+        for y, raw in reversed(self.block) if swap else self.block:
+            packed = pack(raw) + within
+            table.append(at)
+            body.append(struct.pack("<2i", y, len(packed)) + packed + between)
+            at += len(body[-1])
+        table = table[::-1] if swap else table
+        open(path, "wb").write(head + b"".join([struct.pack("<Q", t) for t in table] + body) + more)
+
+way, source, target = sys.argv[1:]
+exr, how = Exr(source), {}
+_, line = exr.block[0]
+if way in ("half", "eye"): # the next number, which is the same of 8 bits, or nothing at all
+    at = exr.place("R" if way == "half" else "Z", 20)
+    line[at] ^= 1
+elif way == "colour":
+    at = exr.place("R", 20)
+    line[at + 1] ^= 4
+elif way == "layer":
+    list_ = exr.value("channels")
+    added = b"other.R\0" + struct.pack("<iB3x2i", 1, 0, 1, 1)
+    at = list_.index(b"voxel\0")
+    old, n = exr.line_bytes(), exr.place("voxel", 0)
+    exr.put("channels", list_[:at] + added + list_[at:])
+    for block in exr.block:
+        raw = block[1]
+        block[1] = bytearray().join(raw[k:k + n] + bytes(2 * exr.size[0]) + raw[k + n:k + old]
+                                    for k in range(0, len(raw), old))
+elif way == "part":
+    exr.flags = exr.flags[:5] + bytes([exr.flags[5] | 0x10]) + exr.flags[6:]
 elif way == "preview":
-    put(b"preview", b"preview", struct.pack("<2I", 1, 1) + b"abcd")
-elif way == "window":
-    struct.pack_into("<i", exr, value_of(b"displayWindow"), 3)
-elif way == "size":
-    struct.pack_into("<2i", exr, value_of(b"dataWindow") + 8, 16383, 16383)
+    exr.note.append([b"preview", b"preview", struct.pack("<2I", 1, 1) + b"abcd"])
+elif way == "shown":
+    exr.put("displayWindow", struct.pack("<4i", 3, 0, 39, 29))
+elif way == "place":
+    for name in ("dataWindow", "displayWindow"):
+        exr.put(name, struct.pack("<4i", 1, 1, exr.size[0], exr.size[1]))
+elif way == "screen":
+    exr.put("screenWindowCenter", struct.pack("<2f", 1, 0))
 elif way == "aspect":
-    struct.pack_into("<f", exr, value_of(b"pixelAspectRatio"), 2.0)
-elif way == "camera":
-    struct.pack_into("<f", exr, value_of(b"worldToCamera"), 9.0)
-open("j.golden/first.exr", "wb").write(exr)
+    exr.put("pixelAspectRatio", struct.pack("<f", 2.0))
+elif way == "lines":
+    exr.put("lineOrder", b"\1")
+elif way == "text":
+    exr.note.append([b"owner", b"string", b"somebody"])
+elif way == "number":
+    exr.note.append([b"secret", b"int", struct.pack("<i", 7)])
+elif way == "twice":
+    exr.note.append([b"iftty:look", b"string", exr.value("iftty:look")])
+elif way == "hidden":
+    exr.put("iftty:look", exr.value("iftty:look") + b"\0hidden")
+elif way == "less":
+    exr.note = [n for n in exr.note if n[0] != b"iftty:look"]
+elif way == "long":
+    exr.note.append([b"owner", b"string", bytes(3 << 20)])
+elif way == "after":
+    how = {"more": b"more"}
+elif way == "between":
+    how = {"between": b"more"}
+elif way == "within":
+    how = {"within": b"more"}
+elif way == "order":
+    how = {"swap": True}
+elif way == "giant": # as large as OpenEXR reads, out of few bytes
+    exr.size = [16384, 16384]
+    for name in ("dataWindow", "displayWindow"):
+        exr.put(name, struct.pack("<4i", 0, 0, 16383, 16383))
+    raw = bytes(16 * exr.line_bytes())
+    packed, exr.block = zlib.compress(raw), []
+    pack = lambda _: packed
+    exr.block = [[y, b""] for y in range(0, 16384, 16)]
+else:
+    assert way == "none"
+exr.write(target, **how)
 END
-}
 cp j.golden/first.exr kept.exr
-for way in none trailing attribute number preview window size aspect camera; do
-    forge $way
+for way in none half eye colour layer part preview shown place screen aspect lines text \
+    number twice hidden less long after between within order giant; do
+    /usr/bin/python3 forge.py $way kept.exr j.golden/first.exr || fail "$way"
     wanted=1
     [ $way != none ] || wanted=0
-    expect $wanted timeout 60 "$iftty" verify --limit-memory 300M j.iftty || fail "$way"
+    expect $wanted "$iftty" verify j.iftty || fail "$way"
+    expect $wanted "$iftty" verify --strict j.iftty || fail "$way"
 done
-out_has "it "
+# before it is decoded: a limit of memory has no say
+out_has "the sizes differ: it is 16384x16384 pixels, and 40x30 are drawn"
 cp kept.exr j.golden/first.exr
+close_story
+
+begin "a PNG with bytes or words that nobody compares fails"
+png() { # WAY
+    /usr/bin/python3 - "$1" <<'END'
+import re, struct, sys, zlib
+png, way, at, part = open("kept.png", "rb").read(), sys.argv[1], 8, []
+while at < len(png):
+    length, kind = struct.unpack(">I4s", png[at:at + 8])
+    part.append([kind, png[at + 8:at + 8 + length]])
+    at += length + 12
+def find(kind):
+    return next(i for i in range(len(part)) if part[i][0] == kind)
+if way == "packed":
+    part[find(b"IDAT")][1] += b"more"
+elif way == "scale":
+    part[find(b"pHYs")][1] = struct.pack(">2IB", 77, 77, 1)
+elif way == "journal":
+    for one in part:
+        one[1] = re.sub(rb"^iftty:journal\0.*", b"iftty:journal\0other.iftty", one[1])
+elif way == "packed-text":
+    part.insert(1, [b"zTXt", b"Comment\0\0" + zlib.compress(b"all is well")])
+elif way == "text":
+    part.insert(1, [b"tEXt", b"Comment\0all is well"])
+elif way == "after":
+    part.append([b"IEND", b""])
+out = png[:8]
+for kind, data in part:
+    out += struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+open("j.golden/first.png", "wb").write(out)
+END
+}
+cp j.golden/first.png kept.png
+for way in none packed scale journal packed-text text after; do
+    png $way
+    wanted=1
+    [ $way != none ] || wanted=0
+    expect $wanted "$iftty" verify j.iftty || fail "$way"
+done
+cp kept.png j.golden/first.png
+close_story
+
+begin "a leftover passes only where it and its PNG are what golden draws after the last record"
+"$iftty" -c 'open s.nii; seed 2,3,4 1; run; size 40 30; golden first; golden last;
+    golden side of=axial' --journal f.iftty >/dev/null
+sed '/^golden last/,$d' f.iftty >q.iftty
+cp q.iftty f.iftty
+mkdir kept
+cp f.golden/* kept
+chain=$(tail -n 1 f.iftty | sed 's/.*chain=//')
+/usr/bin/python3 - "$chain" <<'END' # as if it had been killed instead of `golden last`
+import sys, re
+exr = open("kept/side.exr", "rb").read()
+exr = re.sub(rb"(iftty:chain\0string\0....)[0-9a-f]{32}", rb"\g<1>" + sys.argv[1].encode(), exr,
+             flags=re.S)
+open("kept/side.exr", "wb").write(exr)
+END
+rm kept/side.png
+cp kept/side.exr f.golden
+rm f.golden/side.png
+expect 0 "$iftty" verify --strict f.iftty
+out_has "last.exr was passed over"
+out_has "side.exr was passed over"
+for way in none half colour layer within after text giant; do
+    /usr/bin/python3 forge.py $way kept/last.exr f.golden/last.exr || fail "$way"
+    wanted=1
+    [ $way != none ] || wanted=0
+    expect $wanted timeout 60 "$iftty" verify --limit-memory 300M --limit-time 50 f.iftty ||
+        fail "$way"
+done
+cp kept/last.exr f.golden
+printf x >f.golden/last.png
+expect 1 "$iftty" verify f.iftty
+cp kept/last.png f.golden/last.png
+expect 0 "$iftty" verify f.iftty
+cp kept/last.png f.golden/side.png
+expect 1 "$iftty" verify f.iftty
+rm f.golden/side.* f.golden/last.exr
+expect 1 "$iftty" verify f.iftty
+cp kept/last.exr f.golden
+close_story
+
+begin "leftovers are judged within the limits"
+/usr/bin/python3 forge.py colour kept/last.exr colour.exr
+mkdir many
+cp s.nii many
+cp f.iftty many
+cp -r f.golden many
+seq -f many/f.golden/l%g.exr 1000 | xargs -n 1 ln colour.exr
+expect 3 "$iftty" verify --limit-time 0.5 many/f.iftty
+out_has "than the 0.5 s of --limit-time"
+rm -r many
 close_story
 
 begin "a journal that is a link, and other golden images next to the link"
@@ -150,6 +424,13 @@ ln -s ../j.iftty links/j.iftty
 expect 0 "$iftty" verify --scene s.nii links/j.iftty
 cp -r j.golden links
 expect 0 "$iftty" verify --scene s.nii links/j.iftty
+cp j.golden/first.png links/j.golden/more.png
+expect 1 "$iftty" verify --scene s.nii links/j.iftty
+out_has "is a link, and links/j.golden/more.png is another file than"
+mv links/j.golden/more.png links/j.golden/note.txt
+expect 0 "$iftty" verify --scene s.nii links/j.iftty
+expect 1 "$iftty" verify --strict --scene s.nii links/j.iftty
+rm links/j.golden/note.txt
 printf more >>links/j.golden/first.exr
 expect 1 "$iftty" verify --scene s.nii links/j.iftty
 out_has "is a link, and links/j.golden/first.exr is another file than"

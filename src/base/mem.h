@@ -24,6 +24,10 @@ void *mem_new(size_t bytes);
  * machine has not the memory (mem_available), under a limit one of 1 MB. Freed by free(). */
 void *mem_array(size_t count, size_t size);
 
+/* Whether the machine has the memory for arrays of so many bytes together, which are not touched
+ * yet; true for less than is checked, as above. */
+bool mem_is_there(size_t bytes);
+
 /* Grows `array` (NULL at first) to hold at least `needed` items, at least doubling where the
  * machine has the memory. On failure returns false and leaves array and capacity as they were.
  * `array` points at the pointer. */

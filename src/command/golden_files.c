@@ -178,6 +178,17 @@ static void read_png_notes(struct maker *maker, int fd)
     buf_release(&bytes);
 }
 
+/* "a" and "a.iftty" have one folder of golden images. */
+static bool is_of_neighbour(const struct golden_files *files, const char *journal)
+{
+    struct buf path = {0};
+    file_folder(&path, buf_text(&files->path));
+    buf_printf(&path, "/%s", journal);
+    const bool is_there = path.failed || file_exists(buf_text(&path));
+    buf_release(&path);
+    return is_there;
+}
+
 /* By its notes: made after the last record, at another, or by another journal. */
 static enum file_of judge_maker(const struct golden_files *files, const struct maker *maker)
 {
@@ -189,6 +200,8 @@ static enum file_of judge_maker(const struct golden_files *files, const struct m
     if ((is_of_name || !maker->has_journal) && has_chain &&
         strcmp(maker->chain, files->last.hex) == 0)
         return FILE_LEFTOVER;
+    if (maker->has_journal && !is_of_name && is_of_neighbour(files, buf_text(&maker->journal)))
+        return FILE_FOREIGN;
     return is_of_name || has_chain ? FILE_STRAY : FILE_FOREIGN;
 }
 

@@ -47,11 +47,11 @@ bool exr_is_named(const char *path);
  * 16384 pixels a side, of another form or damaged is refused in one line, *out is empty then. */
 enum err exr_read(struct picture *out, const char *path, struct fault *fault);
 
-/* Reads a golden image. With `like`, the picture that is drawn now, the file has to be as exr_write
- * would write that picture, but for its pixels and notes, which the caller compares: another size,
- * another header and any byte that no reader looks at are ERR_CHECK, before a pixel is decoded
- * where the header shows it. Without, it is read as exr_read does. It takes no more memory than is
- * free (mem_available), and ends with ERR_CANCELLED when the watch stops. */
+/* Reads a golden image, which has to be as exr_write would write `like`, the picture that is drawn
+ * now, but for its pixels and notes, which the caller compares: another size, another header and
+ * any byte that no reader looks at are ERR_CHECK, before a pixel is decoded where the header shows
+ * it. It takes no more memory than is free (mem_available), and ends with ERR_CANCELLED when the
+ * watch stops. */
 struct watch;
 enum err exr_read_golden(struct picture *out, const char *path, const struct picture *like,
                          struct watch *watch, struct fault *fault);

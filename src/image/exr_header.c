@@ -81,9 +81,11 @@ static bool find(const struct buf *header, const char *name, struct exr_attribut
     return false;
 }
 
+/* Bytes after a NUL would be no part of the note that is compared. */
 static bool is_note(const struct exr_attribute_bytes *a)
 {
-    return strcmp(a->type, "string") == 0 && !exr_is_reserved(a->name);
+    return strcmp(a->type, "string") == 0 && !exr_is_reserved(a->name) &&
+           !memchr(a->value, 0, a->length);
 }
 
 static enum err compare_sizes(const struct buf *header, const struct picture *like,

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/mem.h"
+
 enum err picture_init_planes(struct picture *picture, uint32_t width, uint32_t height,
                              unsigned planes, struct fault *fault)
 {
@@ -14,6 +16,11 @@ enum err picture_init_planes(struct picture *picture, uint32_t width, uint32_t h
         return fault_set(fault, ERR_LIMIT, "a picture of %ux%u pixels; at most %d a side are held",
                          width, height, PICTURE_SIDE_MOST);
     size_t pixels = (size_t)width * height; /* at most 2^28 */
+    size_t pixel_bytes = 4 * (1 + (size_t)__builtin_popcount(planes & ~(unsigned)PICTURE_NORMAL));
+    if (planes & PICTURE_NORMAL)
+        pixel_bytes += 3 * sizeof *picture->normal;
+    if (pixels > SIZE_MAX / pixel_bytes || !mem_is_there(pixels * pixel_bytes))
+        return fault_memory(fault, "a picture");
     picture->width = width;
     picture->height = height;
     picture->rgba = calloc(pixels, 4);

@@ -172,17 +172,18 @@ static enum err check_png(struct interpreter *interp, const char *path,
         err = compare_pixels(&file, golden, fault);
     if (!err)
         err = compare_texts(&file, notes, interp, fault);
-    if (!err && file.pixel_mm > 0 && golden->pixel_mm > 0 &&
-        pixels_a_metre(&file) != pixels_a_metre(golden))
+    if (!err && file.pixel_mm > 0 && pixels_a_metre(&file) != pixels_a_metre(golden))
         err = fault_set(fault, ERR_CHECK, "it says another size of a pixel than is drawn");
     picture_release(&file);
     buf_release(&bytes);
     return err && err != ERR_MEMORY && leads_out ? golden_refuse_link(path, fault) : err;
 }
 
-enum err evidence_check_png(struct interpreter *interp, const char *image,
-                            const struct picture *golden, const struct picture *notes,
-                            struct fault *fault)
+/* Compares the PNG of the golden image at that path, if there is one: its pixels with those of
+ * `golden` over its background, its texts with the notes of `notes`. ERR_CHECK, ERR_MEMORY. */
+static enum err check_png_of(struct interpreter *interp, const char *image,
+                             const struct picture *golden, const struct picture *notes,
+                             struct fault *fault)
 {
     struct buf path = {0};
     buf_add(&path, image, strlen(image) - strlen("exr"));
@@ -206,7 +207,7 @@ static enum err count(void *context, struct interpreter *interp,
     const struct picture *actual = finding->actual;
     collector->goldens++;
     collector->pixels += (uint64_t)actual->width * actual->height;
-    return evidence_check_png(interp, finding->path, actual, finding->expected, fault);
+    return check_png_of(interp, finding->path, actual, finding->expected, fault);
 }
 
 struct golden_judge evidence_judge(struct evidence_collector *collector)

@@ -31,12 +31,6 @@ void evidence_add(struct evidence *evidence, const char *caption, uint32_t width
                   const uint8_t *rgba);
 void evidence_release(struct evidence *evidence);
 
-/* Compares the PNG of the golden image at that path, if there is one: its pixels with those of
- * `golden` over its background, its texts with the notes of `notes`. ERR_CHECK, ERR_MEMORY. */
-enum err evidence_check_png(struct interpreter *interp, const char *image,
-                            const struct picture *golden, const struct picture *notes,
-                            struct fault *fault);
-
 struct evidence_collector {
     const char *folder;        /* for JOURNAL.NAME.actual.exr and .difference.png; NULL: none */
     struct evidence *evidence; /* for a report; or NULL */

@@ -6,13 +6,15 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/choice.h"
 #include "base/file.h"
+#include "command/execute.h"
 #include "command/golden_files.h"
 #include "image/exr.h"
 #include "journal/golden.h"
 #include "journal/journal.h"
 #include "sandbox/limits.h"
-#include "show/export_picture.h"
+#include "show/slicing.h"
 #include "verify/evidence.h"
 
 /* What may be taken for a picture of the journal by a person who looks into the folder. */
@@ -32,56 +34,85 @@ static enum err open_files(struct golden_files *files, const char *journal, stru
 
 /* ---- what is passed over ---- */
 
-/* The PNG of a leftover shows what the leftover holds. */
-static enum err check_leftover(const struct orphan_search *search, const char *path)
+/* OK where the leftover and its PNG are what `golden` makes by that command after the last record;
+ * the session stays as it is. */
+static enum err redraw(const struct orphan_search *search, const char *command, struct fault *fault)
 {
-    struct session *session = search->interp->session;
-    struct picture picture = {0};
-    enum err err = exr_read_golden(&picture, path, NULL, session_watch(session), NULL);
-    if (!err && session_has_scene(session))
-        err = export_background(&picture, session, NULL);
-    if (!err)
-        err = evidence_check_png(search->interp, path, &picture, &picture, NULL);
-    picture_release(&picture);
+    struct interpreter *interp = search->interp;
+    const struct golden_judge *former = interp->judge;
+    struct evidence_collector collector = {.folder = NULL};
+    const struct golden_judge judge = evidence_judge(&collector);
+    struct reply reply = {0};
+    interp->judge = &judge;
+    const enum err err = interpreter_execute(interp, command, &reply, fault);
+    interp->judge = former;
+    reply_release(&reply);
     return err;
 }
 
-static bool is_passed_over(const struct orphan_search *search, const struct golden_files *files,
-                           const char *name)
+/* Draws what `golden` may have drawn, until that is what is there: the leftover says of which
+ * picture it is, and a forged one says anything. */
+static enum err check_leftover(const struct orphan_search *search, const char *image,
+                               struct fault *fault)
 {
-    struct buf path = {0};
-    buf_printf(&path, "%s/%s", buf_text(&files->path), name);
-    bool is_fine = search->lines && !path.failed;
-    if (is_fine && file_is_named(name, ".png")) { /* with its image */
-        memcpy(path.data + path.length - 3, "exr", 3);
-        is_fine = golden_files_judge(files, file_name(buf_text(&path))) == FILE_LEFTOVER;
-    } else if (is_fine && (is_fine = check_leftover(search, buf_text(&path)) == OK)) {
+    struct buf command = {0};
+    struct choice of, finished;
+    enum err err = ERR_CHECK;
+    for (const char *at = "rendition|" SLICE_KINDS; err == ERR_CHECK && choice_next(&of, &at);)
+        for (const char *in = "no|yes"; err == ERR_CHECK && choice_next(&finished, &in);) {
+            buf_clear(&command);
+            buf_printf(&command, "golden %.*s of=%.*s finished=%.*s", (int)strlen(image) - 4, image,
+                       (int)of.length, of.word, (int)finished.length, finished.word);
+            err = command.failed ? fault_memory(fault, "a command")
+                                 : redraw(search, buf_text(&command), fault);
+            err = err == ERR_USAGE || err == ERR_INPUT ? ERR_CHECK : err;
+        }
+    buf_release(&command);
+    return err;
+}
+
+/* ERR_CHECK for one that is not. */
+static enum err pass_over(const struct orphan_search *search, const struct golden_files *files,
+                          const char *name, struct fault *fault)
+{
+    struct buf image = {0};
+    enum err err = search->lines ? OK : ERR_CHECK;
+    buf_add_text(&image, name);
+    if (image.failed)
+        err = fault_memory(fault, "a path");
+    else if (!err && file_is_named(name, ".png")) { /* with its image */
+        memcpy(image.data + image.length - 3, "exr", 3);
+        err = golden_files_judge(files, buf_text(&image)) == FILE_LEFTOVER ? OK : ERR_CHECK;
+    } else if (!err && !(err = check_leftover(search, name, fault))) {
         buf_add_text(search->lines, "# ");
-        buf_add_safe_text(search->lines, buf_text(&path));
-        buf_add_text(search->lines, " was passed over: its command was ended before it was "
-                                    "recorded; continuing the journal removes it\n");
+        buf_add_safe_text(search->lines, buf_text(&files->path));
+        buf_printf(search->lines,
+                   "/%s was passed over: its command was ended before it was recorded; continuing "
+                   "the journal removes it\n",
+                   name);
     }
-    buf_release(&path);
-    return is_fine;
+    buf_release(&image);
+    return err;
 }
 
 /* ---- all of them ---- */
 
-static bool is_orphan(const struct orphan_search *search, const struct golden_files *files,
-                      const char *name)
+/* ERR_CHECK for an orphan. */
+static enum err judge(const struct orphan_search *search, const struct golden_files *files,
+                      const char *name, struct fault *fault)
 {
     switch (golden_files_judge(files, name)) {
     case FILE_NAMED:
     case FILE_HIDDEN:
-        return false;
+        return OK;
     case FILE_LEFTOVER:
-        return !is_passed_over(search, files, name);
+        return pass_over(search, files, name, fault);
     case FILE_STRAY:
-        return true;
+        return ERR_CHECK;
     case FILE_FOREIGN:
         break;
     }
-    return search->is_strict || file_is_named(name, PICTURE_NAMES);
+    return search->is_strict || file_is_named(name, PICTURE_NAMES) ? ERR_CHECK : OK;
 }
 
 static enum err list(struct name_list *orphans, const struct orphan_search *search,
@@ -93,8 +124,11 @@ static enum err list(struct name_list *orphans, const struct orphan_search *sear
     for (const struct dirent *entry; !err && (entry = readdir(folder));) {
         if (watch_poll(session_watch(search->interp->session), NULL, 0, 0))
             err = fault_set(fault, ERR_CANCELLED, "cancelled");
-        else if (is_orphan(search, files, entry->d_name) && !name_list_add(orphans, entry->d_name))
-            err = fault_memory(fault, "names of files");
+        else
+            err = judge(search, files, entry->d_name, fault);
+        if (err == ERR_CHECK)
+            err =
+                name_list_add(orphans, entry->d_name) ? OK : fault_memory(fault, "names of files");
     }
     if (folder)
         closedir(folder);
@@ -103,32 +137,41 @@ static enum err list(struct name_list *orphans, const struct orphan_search *sear
 
 /* ---- a journal that is a link ---- */
 
-/* The golden images next to the link, where there are others than those that are compared, are the
- * same. */
+/* Files next to the link, where there are others than those that are compared, are the same as
+ * those: all of them where that is strict, else pictures. */
 static enum err check_next_to_link(const struct orphan_search *search,
                                    const struct golden_files *files, struct fault *fault)
 {
     struct buf next = {0}, one = {0}, other = {0};
     enum err err = golden_folder_next_to_link(&next, search->journal, fault);
-    const char *name = buf_text(&files->named), *end = name + files->named.length;
-    for (; !err && next.length && name < end; name += strlen(name) + 1) {
+    DIR *folder = !err && next.length ? opendir(buf_text(&next)) : NULL;
+    if (!err && next.length && !folder)
+        err = fault_errno(fault, "read", buf_text(&next));
+    for (const struct dirent *entry; !err && folder && (entry = readdir(folder));) {
+        const char *name = entry->d_name;
+        if (*name == '.' || (!search->is_strict && !file_is_named(name, PICTURE_NAMES)))
+            continue;
         buf_clear(&one);
         buf_clear(&other);
         buf_printf(&one, "%s/%s", buf_text(&next), name);
         buf_printf(&other, "%s/%s", buf_text(&files->path), name);
         if (one.failed || other.failed)
             err = fault_memory(fault, "a path");
-        else if (file_exists(buf_text(&one)) && !file_is_same(buf_text(&one), buf_text(&other)) &&
+        else if (watch_poll(session_watch(search->interp->session), NULL, 0, 0))
+            err = fault_set(fault, ERR_CANCELLED, "cancelled");
+        else if (!file_is_same(buf_text(&one), buf_text(&other)) &&
                  !file_holds_same(buf_text(&one), buf_text(&other)))
             err = fault_set(fault, ERR_CHECK,
                             "%s is a link, and %s is another file than %s, which is next to the "
                             "journal itself and was compared; delete one of them",
                             search->journal, buf_text(&one), buf_text(&other));
     }
+    if (folder)
+        closedir(folder);
     buf_release(&next);
     buf_release(&one);
     buf_release(&other);
-    return err;
+    return limits_judge(err, &(struct buf){0}, fault);
 }
 
 /* ---- for the callers ---- */

@@ -2,7 +2,8 @@
 /*
  * Orphan golden images: pictures in a journal's folder of golden images that none of its records
  * names (command/golden_files.h). Hidden files, drafts among them, are passed over, and so is the
- * image of a `golden` that was killed after the last record, where its PNG shows the same.
+ * image of a `golden` that was killed after the last record, where it and its PNG are what that
+ * command draws: it is drawn again.
  */
 #ifndef VERIFY_ORPHAN_H
 #define VERIFY_ORPHAN_H
