@@ -113,13 +113,13 @@ REGISTER_LIBS = $(addsuffix $(ITK:ITK%=%),-lITKOptimizersv4 -lITKSmoothing -lITK
                   -lITKCommon -litkvnl_algo -litkvnl)
 
 # All helpers: how they are confined.
-CONFINED      = $(BUILD)/src/base/beneath.o $(BUILD)/src/confine/confine.o
+CONFINED      = $(BUILD)/src/base/beneath.o $(BUILD)/src/base/confine.o
 
-IMAGE_PARTS   = $(patsubst %.cc,$(BUILD)/%.o,src/image/iftty-image.cc \
-                  $(wildcard src/image/image_*.cc))
-VOLUME_PARTS  = $(patsubst %.cc,$(BUILD)/%.o,src/image/iftty-volume.cc \
-                  $(wildcard src/image/volume_*.cc))
-REGISTER_PARTS = $(patsubst %.cc,$(BUILD)/%.o,$(wildcard src/register/*.cc))
+IMAGE_PARTS   = $(patsubst %.cc,$(BUILD)/%.o,src/helper/iftty-image.cc \
+                  $(wildcard src/helper/image_*.cc))
+VOLUME_PARTS  = $(patsubst %.cc,$(BUILD)/%.o,src/helper/iftty-volume.cc \
+                  $(wildcard src/helper/volume_*.cc))
+REGISTER_PARTS = $(patsubst %.cc,$(BUILD)/%.o,$(wildcard src/helper/*register*.cc))
 
 # One line a file, unless V=1; as many files at once as there are cores.
 ifeq ($(V),1)
@@ -131,9 +131,8 @@ Q   = @
 endif
 MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 1)
 
-PARTS   := src/base src/confine src/engine src/image src/register src/session src/show src/report \
-           src/sandbox src/command src/serve src/verify src/steps src/apply src/program journal \
-           render tui tui/picture tui/prompt tui/pilot
+PARTS   := src/base src/engine src/image src/session src/show src/command src/verify src/steps \
+           src/apply src/helper src/program journal render tui tui/picture tui/prompt tui/pilot
 SOURCES := $(sort $(foreach part,$(PARTS),$(wildcard $(part)/*.c)))
 OBJECTS := $(SOURCES:%.c=$(BUILD)/%.o)
 LIBRARY := $(BUILD)/libiftty.a
@@ -141,7 +140,7 @@ BENCHES := $(patsubst %.c,$(BUILD)/%.o,$(filter-out %/bench.c,$(wildcard tests/b
 BENCH   := $(BUILD)/tests/bench/bench
 TESTS   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_*.c))
 RACING  := $(patsubst %.c,$(BUILD)/racing/%.o,\
-             $(wildcard src/base/*.c src/confine/*.c src/engine/*.c src/image/*.c render/*.c))
+             $(wildcard src/base/*.c src/engine/*.c src/image/*.c render/*.c))
 
 # ThreadSanitizer bears no other sanitizer beside it.
 ifeq ($(SANITISE),)
@@ -425,7 +424,7 @@ $(VOLUME_PARTS) $(REGISTER_PARTS): $(BUILD)/%.o: %.cc | build/.packages-volume
 	$(say) "compile   $<"
 	$(Q)$(CXX) $(ALL_CXXFLAGS) $(HELPER_FLAGS) -c -o $@ $<
 
-$(BUILD)/iftty-volume: $(VOLUME_PARTS) $(BUILD)/src/image/csa.o $(BUILD)/src/image/inflated.o \
+$(BUILD)/iftty-volume: $(VOLUME_PARTS) $(BUILD)/src/helper/csa.o $(BUILD)/src/image/inflated.o \
                        $(BUILD)/src/image/units.o $(BUILD)/src/base/choice.o $(CONFINED)
 	$(say) "link      $@"
 	$(Q)$(CXX) -o $@ $^ $(ALL_LDFLAGS) $(VOLUME_LIBS)
@@ -439,9 +438,9 @@ $(BUILD)/tests/probe/%.o: tests/probe/%.cc
 	$(say) "compile   $<"
 	$(Q)$(CXX) $(ALL_CXXFLAGS) -c -o $@ $<
 
-$(BUILD)/tests/probe/iftty-register: $(BUILD)/src/register/iftty-register.o
+$(BUILD)/tests/probe/iftty-register: $(BUILD)/src/helper/iftty-register.o
 $(BUILD)/tests/probe/iftty-image $(BUILD)/tests/probe/iftty-volume: \
-    $(BUILD)/tests/probe/iftty-%: $(BUILD)/src/image/iftty-%.o
+    $(BUILD)/tests/probe/iftty-%: $(BUILD)/src/helper/iftty-%.o
 $(BUILD)/tests/probe/iftty-%: $(BUILD)/tests/probe/probe_%.o $(BUILD)/tests/probe/attempts.o \
                               $(CONFINED)
 	$(say) "link      $@"

@@ -12,7 +12,7 @@
 #include "base/hash.h"
 #include "base/mem.h"
 #include "image/volume_format.h"
-#include "register/registration.h"
+#include "apply/registration.h"
 
 struct deformation {
     double degrees[3], scale[3], shift_mm[3]; /* about the middle of the scene; no scale: 1 */

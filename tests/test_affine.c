@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "register/affine.h"
+#include "apply/affine.h"
 #include "tests/check.h"
 
 static uint64_t state = 1;

@@ -8,7 +8,7 @@
 
 #include "base/mem.h"
 #include "engine/distance.h"
-#include "report/comparison.h"
+#include "show/comparison.h"
 #include "tests/check.h"
 #include "tests/stopping.h"
 

@@ -10,15 +10,15 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "confine/confine.h"
+#include "base/confine.h"
 #include "base/file.h"
 #include "base/mem.h"
 #include "image/image_helper.h"
 #include "image/volume.h"
 #include "image/volume_helper.h"
-#include "register/register_helper.h"
-#include "register/registration.h"
-#include "register/transform_file.h"
+#include "apply/register_helper.h"
+#include "apply/registration.h"
+#include "apply/transform_file.h"
 
 static char folder[FOLDER_LENGTH];
 static const char *build;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Tables of labels, worked by hand: each format, names that have to be made to fit, and what is
  * written. */
-#include "report/label_table.h"
+#include "show/label_table.h"
 #include "session/setting.h"
 
 #include <stdlib.h>

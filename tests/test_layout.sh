@@ -167,8 +167,7 @@ close_story
 begin "C++ in the helpers alone"
 same "$(sources src journal render tui tests | grep -v '\.[ch]$' |
     grep -vE -e '^tests/(peers|probe|transforms)/' \
-        -e '^src/image/(iftty-)?(image|volume|wire)[_a-z0-9]*\.(cc|hh)$' \
-        -e '^src/register/(iftty-)?register[_a-z]*\.(cc|hh)$')" ""
+        -e '^src/helper/[-_a-z0-9]*\.(cc|hh)$')" ""
 close_story
 
 begin "the program loads no large library"
@@ -184,7 +183,7 @@ begin "the name of a command is written in the table alone"
 names=$(sed -n 's/^    {[CS][A-Z]*("\([a-z-]*\)",.*/\1/p' src/command/table.c src/session/setting.c)
 [ "$(printf '%s\n' "$names" | wc -l)" -gt 15 ] || fail "the table was not understood: $names"
 pattern=$(printf '%s\n' "$names" | sed 's/.*/"&"/' | paste -sd '|' -)
-found=$(grep -E '^src/(command|session|show|report)/' "$work/code" |
+found=$(grep -E '^src/(command|session|show)/' "$work/code" |
     grep -vE '^[^:]*/(table|setting)\.c:' | grep -E ":.*($pattern)" |
     grep -vE '(json_[a-z]+\(&?json|(act|call)_[a-z_]+\(&?[a-z>-]+), "|task_begin\([^;]*,')
 [ -z "$found" ] || fail "$found"
@@ -362,7 +361,7 @@ found=$(unproven src/image/README.md "$top")
     sed -n 's/.*ROW(\([a-z]*\)_format.*/\1/p' src/image/volume.h | grep -v 'helped'
     sed -n '/^static const struct kind kinds/,/^};/s/^    {"\([a-z0-9]*\)",.*/\1/p' \
         src/image/volume_helper.c
-    sed -n '/^const Kind kinds/,/^};/s/^    {"\([a-z0-9-]*\)",.*/\1/p' src/image/volume_itk.cc
+    sed -n '/^const Kind kinds/,/^};/s/^    {"\([a-z0-9-]*\)",.*/\1/p' src/helper/volume_itk.cc
 } | sort -u >"$work/kinds"
 [ "$(wc -l <"$work/kinds")" -gt 15 ] || fail "formats: $(cat "$work/kinds")"
 while read -r kind; do

@@ -2,8 +2,8 @@
 /* Questions about distances, angles and intensities: measure, profile, the histogram of info. */
 #include "tests/small_scene.h"
 
-#include "report/chart.h"
-#include "report/histogram.h"
+#include "show/chart.h"
+#include "show/histogram.h"
 #include "session/paint.h"
 
 #define HAS(part) CHECK_HAS(buf_text(&reply.text), part)

@@ -12,7 +12,7 @@ MPLCONFIGDIR=$work/passing
 export PYTHONDONTWRITEBYTECODE IFTTY TMPDIR MPLCONFIGDIR
 mkdir passing
 make_scene s.nii 24 20 16
-protocol=$top/src/serve/protocol.schema.json
+protocol=$top/src/program/protocol.schema.json
 programs=$top/tests/schema/programs.schema.json
 
 has_module() { # NAME: of Debian's Python

@@ -5,7 +5,7 @@
 . "$(dirname "$0")/lib.sh"
 
 begin "two folders give the same bytes"
-parts="src/main src/base/hash journal/journal src/image/iftty-image"
+parts="src/main src/base/hash journal/journal src/helper/iftty-image"
 for folder in one "another folder/with blanks"; do
     mkdir -p "$work/$folder"
     cp -R Makefile .ci src journal render tui "$work/$folder"

@@ -9,8 +9,8 @@
 #include <stdlib.h>
 
 #include "base/file.h"
-#include "register/register_helper.h"
-#include "register/transform_file.h"
+#include "apply/register_helper.h"
+#include "apply/transform_file.h"
 #include "tests/folder.h"
 
 static char folder[FOLDER_LENGTH];

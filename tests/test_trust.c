@@ -12,13 +12,13 @@
 #include <unistd.h>
 
 #include "base/beneath.h"
-#include "confine/confine.h"
+#include "base/confine.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "interpreting.h"
 #include "check.h"
-#include "sandbox/limits.h"
-#include "sandbox/trust.h"
+#include "command/limits.h"
+#include "command/trust.h"
 #include "engine/scene.h"
 #include "image/image_helper.h"
 #include "tests/folder.h"

@@ -8,8 +8,8 @@
 #include "base/file.h"
 #include "base/safe.h"
 #include "base/scan.h"
-#include "register/registration.h"
-#include "register/transform_file.h"
+#include "apply/registration.h"
+#include "apply/transform_file.h"
 
 /* ---- landmarks ---- */
 

@@ -35,7 +35,7 @@
 #include "base/err.h"
 #include "base/hash.h"
 #include "journal/record.h"
-#include "register/affine.h"
+#include "apply/affine.h"
 
 #define PROCEDURE_BEGINS "iftty procedure "
 

@@ -6,7 +6,7 @@
 
 #include "base/safe.h"
 #include "command/files.h"
-#include "report/label_loss.h"
+#include "show/label_loss.h"
 #include "session/map.h"
 #include "show/draw.h"
 

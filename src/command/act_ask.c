@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Questions about places: nothing changes, and nothing is recorded but where `hint` leads. */
-#include "report/chart.h"
-#include "report/label_report.h"
+#include "show/chart.h"
+#include "show/label_report.h"
 #include "command/act.h"
 
 #include <math.h>
@@ -17,7 +17,7 @@
 #include "engine/way.h"
 #include "image/geometry.h"
 #include "image/levels.h"
-#include "report/voxel_facts.h"
+#include "show/voxel_facts.h"
 #include "session/doubtful.h"
 #include "session/paint.h"
 #include "session/session.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The command `labels`: markers out of a segmentation that is there already. */
-#include "report/label_report.h"
+#include "show/label_report.h"
 #include "command/act.h"
 
 #include <stdlib.h>

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "command/files.h"
-#include "report/label_table.h"
+#include "show/label_table.h"
 #include "session/numbering.h"
 
 /* ---- by hand ---- */

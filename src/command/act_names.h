@@ -4,7 +4,7 @@
 #define COMMAND_ACT_NAMES_H
 
 #include "command/act.h"
-#include "report/label_table.h"
+#include "show/label_table.h"
 
 /* regions_new of `regions` and `as`, by the own numbers of labels (session/numbering.h); ERR_USAGE
  * where a label for all is given too, which may be NULL. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Commands that remove seeds, and run. */
-#include "report/label_report.h"
+#include "show/label_report.h"
 #include "command/act.h"
 
 #include <stdlib.h>

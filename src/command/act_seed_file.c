@@ -10,8 +10,8 @@
 #include "command/answers.h"
 #include "command/files.h"
 #include "command/planting.h"
-#include "report/label_report.h"
-#include "report/label_table.h"
+#include "show/label_report.h"
+#include "show/label_table.h"
 #include "session/seed_file.h"
 
 enum { LIST_BYTES_MOST = 64 << 20, LISTED_MOST = 12 };

@@ -9,7 +9,7 @@
 #include "base/scan.h"
 #include "command/command.h"
 #include "image/volume.h"
-#include "report/label_table.h"
+#include "show/label_table.h"
 
 void anonymiser_release(struct anonymiser *anonymiser)
 {

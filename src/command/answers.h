@@ -24,7 +24,7 @@ void act_write_no_seeds(const struct act *act);
 void volumes_write(struct buf *out, const struct session *session, bool is_finished,
                    uint64_t took_ns);
 
-/* After it, for a surprise (report/surprise.h): "this `seed` took 1.2 l of label 1 brain through
+/* After it, for a surprise (show/surprise.h): "this `seed` took 1.2 l of label 1 brain through
  * 93,40,61; undo takes it back". NULL: what waited has. */
 void surprise_write(struct buf *out, struct session *session, const char *command);
 

@@ -9,7 +9,7 @@
 #include "engine/forest.h"
 #include "image/picture_writer.h"
 #include "journal/journal.h"
-#include "sandbox/limits.h"
+#include "command/limits.h"
 #include "session/markers.h"
 #include "show/draw.h"
 

@@ -26,7 +26,7 @@ enum err interpreter_find_scene(const struct interpreter *interp, const char *na
                                 struct buf *path, struct fault *fault);
 
 /* Of a wary interpreter: the path of a regular file elsewhere that the name leads to, which only
- * the proof of its record may have read (T1 of sandbox/trust.h). */
+ * the proof of its record may have read (T1 of command/trust.h). */
 bool interpreter_find_outside(const struct interpreter *interp, const char *name, struct buf *path);
 
 /* Gives a command that is new the name of a file that it reads as the record is to have it: as seen
@@ -40,7 +40,7 @@ enum err interpreter_settle_name(const struct interpreter *interp, struct call *
 enum err interpreter_find_file(const struct interpreter *interp, const char *name, struct buf *path,
                                struct fault *fault);
 
-/* Whether a file in the folder of golden images, by its path, may be read (sandbox/trust.h); with
+/* Whether a file in the folder of golden images, by its path, may be read (command/trust.h); with
  * *leads_out only golden_refuse_link says what is wrong with it. ERR_INPUT. */
 enum err interpreter_may_read(const struct interpreter *interp, const char *path, bool *leads_out,
                               struct fault *fault);

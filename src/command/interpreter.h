@@ -111,7 +111,7 @@ void interpreter_release(struct interpreter *interp);
 enum err interpreter_write_beside(struct interpreter *interp, struct fault *fault);
 
 /* Whether the commands are those of a journal that somebody else may have written: then names are
- * looked up, and files written, by the rules of sandbox/trust.h. */
+ * looked up, and files written, by the rules of command/trust.h. */
 static inline bool interpreter_is_wary(const struct interpreter *interp)
 {
     return interp->mode == MODE_REPLAY;

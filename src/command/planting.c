@@ -15,7 +15,7 @@
 #include "engine/roi.h"
 #include "image/levels.h"
 #include "journal/record.h"
-#include "report/label_report.h"
+#include "show/label_report.h"
 #include "session/markers.h"
 #include "session/paint.h"
 

@@ -10,7 +10,7 @@
 #include "engine/weight.h"
 #include "image/image_helper.h"
 #include "render/view.h"
-#include "report/export_map.h"
+#include "show/export_map.h"
 #include "session/parameter.h"
 #include "session/piece_seeds.h"
 #include "session/seed_file.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Pairs: how many pairs of voxels have the same label, for each way in which one may lie from the
- * other. The area of a surface is estimated from them (report/label_area.h): a pair of which one
+ * other. The area of a surface is estimated from them (show/label_area.h): a pair of which one
  * voxel alone has the label has the surface between its two.
  *
  * Two voxels make a pair where they are at most two steps apart along each axis. A step is one

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "confine/confine.h"
+#include "base/confine.h"
 #include "base/mem.h"
 #include "base/scan.h"
 #include "engine/grid.h"

@@ -18,8 +18,8 @@
 #include "journal/journal.h"
 #include "journal/record.h"
 #include "program/console.h"
-#include "sandbox/limits.h"
-#include "sandbox/trust.h"
+#include "command/limits.h"
+#include "command/trust.h"
 #include "tui/cells.h"
 
 enum err begin_interpreter(struct interpreter *interp, const struct options *o, struct fault *fault)

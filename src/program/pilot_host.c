@@ -6,8 +6,8 @@
 
 #include "program/shown.h"
 #include "render/rendition.h"
-#include "report/label_report.h"
-#include "report/outline_facts.h"
+#include "show/label_report.h"
+#include "show/outline_facts.h"
 #include "session/session.h"
 #include "session/state.h"
 #include "show/draw.h"

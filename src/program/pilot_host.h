@@ -8,7 +8,7 @@
 
 #include "command/interpreter.h"
 #include "program/console.h"
-#include "report/voxel_facts.h"
+#include "show/voxel_facts.h"
 #include "show/panes.h"
 #include "tui/pilot/host.h"
 

@@ -279,8 +279,8 @@ static const struct program program[] = {
                "{\"id\": 1, \"do\": \"seed 90,108,90 1\"} is a command as at the prompt, "
                "{\"id\": 2, \"array\": \"labels\"} gives voxels in a file, {\"cancel\": 1} "
                "stops a command. The first line of the answers says the number of the protocol and "
-               "what is open. A journal is begun as by the prompt. src/serve/README.md has all of "
-               "it, and examples/python a client.",
+               "what is open. A journal is begun as by the prompt. src/program/README.md has all "
+               "of it, and examples/python a client.",
      .run = run_serve},
     {.name = "replay",
      ONE("JOURNAL"),

@@ -17,7 +17,7 @@
 #include "base/json.h"
 #include "base/version.h"
 #include "command/interpreter.h"
-#include "confine/confine.h"
+#include "base/confine.h"
 #include "image/exr.h"
 #include "image/image_helper.h"
 #include "image/volume.h"
@@ -26,7 +26,7 @@
 #include "program/console.h"
 #include "program/programs.h"
 #include "show/export_picture.h"
-#include "report/histogram.h"
+#include "show/histogram.h"
 #include "session/semantics.h"
 #include "tui/cells.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* `iftty serve`: a session that another program drives, by lines of JSON (src/serve/README.md). */
+/* `iftty serve`: a session that another program drives by lines of JSON (README.md). */
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -16,9 +16,9 @@
 #include "program/console.h"
 #include "program/programs.h"
 #include "program/shown.h"
-#include "serve/answer.h"
-#include "serve/exchange.h"
-#include "serve/inbox.h"
+#include "program/answer.h"
+#include "program/exchange.h"
+#include "program/inbox.h"
 #include "session/session.h"
 
 /* A command that takes longer says how far it is, and again after each of these; requests that

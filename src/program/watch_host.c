@@ -7,7 +7,7 @@
 #include "base/scan.h"
 #include "command/execute.h"
 #include "program/console.h"
-#include "report/label_report.h"
+#include "show/label_report.h"
 #include "session/session.h"
 #include "session/state.h"
 #include "steps/step_words.h"

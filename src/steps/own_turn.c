@@ -11,8 +11,8 @@
 #include "engine/forest.h"
 #include "engine/labels.h"
 #include "image/geometry.h"
-#include "report/label_report.h"
-#include "sandbox/limits.h"
+#include "show/label_report.h"
+#include "command/limits.h"
 #include "steps/step_words.h"
 
 bool own_turn_can_be_asked(const struct walkthrough *w, size_t step)

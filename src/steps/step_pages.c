@@ -5,7 +5,7 @@
 
 #include "base/file.h"
 #include "image/png.h"
-#include "sandbox/limits.h"
+#include "command/limits.h"
 #include "show/panes.h"
 #include "steps/step_words.h"
 #include "verify/verify_report.h"

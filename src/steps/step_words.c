@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "command/command.h"
-#include "report/label_report.h"
+#include "show/label_report.h"
 #include "session/tally.h"
 
 void step_words_title(struct buf *out, const struct walkthrough *w, size_t step)

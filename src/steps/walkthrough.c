@@ -9,7 +9,7 @@
 #include "command/execute.h"
 #include "engine/forest.h"
 #include "engine/labels.h"
-#include "sandbox/limits.h"
+#include "command/limits.h"
 #include "session/tally.h"
 
 enum { SEEDS_DRAWN_MOST = 1 << 18 };

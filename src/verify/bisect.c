@@ -12,7 +12,7 @@
 
 #include "base/file.h"
 #include "command/command.h"
-#include "sandbox/limits.h"
+#include "command/limits.h"
 #include "verify/first_difference.h"
 #include "verify/process.h"
 #include "verify/replay_file.h"

@@ -10,7 +10,7 @@
 #include "render/border.h"
 #include "render/canvas.h"
 #include "render/notes.h"
-#include "report/comparison_picture.h"
+#include "show/comparison_picture.h"
 #include "session/session.h"
 #include "session/state.h"
 #include "show/decorating.h"

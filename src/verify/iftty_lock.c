@@ -19,7 +19,7 @@
 #include "journal/golden.h"
 #include "journal/journal.h"
 #include "journal/record.h"
-#include "sandbox/trust.h"
+#include "command/trust.h"
 
 enum {
     LOCK_BYTES_MAX = 64 << 20,

@@ -13,7 +13,7 @@
 #include "image/exr.h"
 #include "journal/golden.h"
 #include "journal/journal.h"
-#include "sandbox/limits.h"
+#include "command/limits.h"
 #include "show/slicing.h"
 #include "verify/evidence.h"
 

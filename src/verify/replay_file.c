@@ -11,7 +11,7 @@
 #include "base/scan.h"
 #include "command/execute.h"
 #include "journal/journal.h"
-#include "sandbox/limits.h"
+#include "command/limits.h"
 
 /* ---- which records take longest ---- */
 

@@ -14,7 +14,7 @@
 
 #include "tests/bench/effort_tool.h"
 
-/* What is said of gestures that took too much (report/surprise.h), and what the truth says of them.
+/* What is said of gestures that took too much (show/surprise.h), and what the truth says of them.
  * A leak makes the labels worse by more than a LEAK_SHARE-th of the object: more than half of the
  * voxels that it gives another label are wrong then, by so many more than those that are right. */
 enum { LEAK_SHARE = 10 };

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What registration finds and what it refuses: subjects made of ch2 whose map is known, and scenes
- * that have none. The bounds of src/register/registration.h lie between the two.
+ * that have none. The bounds of src/apply/registration.h lie between the two.
  */
 #include "tests/bench/bench.h"
 
@@ -15,7 +15,7 @@
 #include "command/files.h"
 #include "image/volume.h"
 #include "program/console.h"
-#include "register/register_helper.h"
+#include "apply/register_helper.h"
 #include "tests/deformed.h"
 
 #define TURNED    .degrees = {5, -4, 6}

@@ -24,7 +24,7 @@
 #include "render/incremental.h"
 #include "render/projection.h"
 #include "render/shade.h"
-#include "report/export_map.h"
+#include "show/export_map.h"
 #include "session/session.h"
 #include "show/draw.h"
 #include "show/slicing.h"

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "image/csa.h"
+#include "helper/csa.h"
 
 enum { MOST = 3 };
 

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/safe.h"
-#include "report/label_table.h"
+#include "show/label_table.h"
 #include "session/setting.h"
 #include "session/map.h"
 

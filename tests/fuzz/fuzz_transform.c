@@ -3,7 +3,7 @@
  * leaves the map alone. */
 #include "tests/fuzz/fuzz.h"
 
-#include "register/itk_transform.h"
+#include "helper/itk_transform.h"
 
 static void check(enum err err, const struct affine *out, const struct buf *kind,
                   const struct fault *fault)

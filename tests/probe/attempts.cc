@@ -25,7 +25,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "image/wire.hh"
+#include "helper/wire.hh"
 
 namespace
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* iftty-image with what a hostile picture would try in place of OpenImageIO. */
-#include "image/image_oiio.hh"
-#include "image/wire.hh"
+#include "helper/image_oiio.hh"
+#include "helper/wire.hh"
 #include "tests/probe/attempts.hh"
 
 namespace image

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* iftty-register with what a library that was taken over would try in place of its work. */
-#include "register/register_parts.hh"
+#include "helper/register_parts.hh"
 #include "tests/probe/attempts.hh"
 
 namespace registering

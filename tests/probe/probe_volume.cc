@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* iftty-volume with what a hostile volume would try in place of its readers. */
-#include "image/volume_parts.hh"
+#include "helper/volume_parts.hh"
 #include "tests/probe/attempts.hh"
 
 namespace volume

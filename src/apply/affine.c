@@ -1,0 +1,346 @@
+/* SPDX-License-Identifier: MIT */
+#include "apply/affine.h"
+
+#include <math.h>
+#include <string.h>
+
+void affine_identity(struct affine *out)
+{
+    *out = (struct affine){{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+}
+
+void affine_apply(const struct affine *a, const double from[3], double to[3])
+{
+    const double x = from[0], y = from[1], z = from[2];
+    for (int i = 0; i < 3; i++)
+        to[i] = a->m[i][0] * x + a->m[i][1] * y + a->m[i][2] * z + a->m[i][3];
+}
+
+void affine_compose(struct affine *out, const struct affine *second, const struct affine *first)
+{
+    struct affine both;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 4; j++) {
+            both.m[i][j] = j == 3 ? second->m[i][3] : 0;
+            for (int k = 0; k < 3; k++)
+                both.m[i][j] += second->m[i][k] * first->m[k][j];
+        }
+    *out = both;
+}
+
+static double cofactor(const struct affine *a, int i, int j)
+{
+    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+    return a->m[i1][j1] * a->m[i2][j2] - a->m[i1][j2] * a->m[i2][j1];
+}
+
+double affine_determinant(const struct affine *a)
+{
+    return a->m[0][0] * cofactor(a, 0, 0) + a->m[0][1] * cofactor(a, 0, 1) +
+           a->m[0][2] * cofactor(a, 0, 2);
+}
+
+bool affine_is_finite(const struct affine *a)
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 4; j++)
+            if (!isfinite(a->m[i][j]))
+                return false;
+    return true;
+}
+
+bool affine_invert(struct affine *out, const struct affine *a)
+{
+    const double determinant = affine_determinant(a);
+    struct affine back;
+    double size = 0;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            size = fmax(size, fabs(a->m[i][j]));
+    /* Relative to its size, so that nanometres are as good as metres. */
+    if (!affine_is_finite(a) || !(fabs(determinant) > 1e-12 * size * size * size))
+        return false;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            back.m[i][j] = cofactor(a, j, i) / determinant;
+    for (int i = 0; i < 3; i++)
+        back.m[i][3] =
+            -(back.m[i][0] * a->m[0][3] + back.m[i][1] * a->m[1][3] + back.m[i][2] * a->m[2][3]);
+    if (!affine_is_finite(&back))
+        return false;
+    *out = back;
+    return true;
+}
+
+/* ---- eigenvalues ---- */
+
+enum { SIDE = 4 };
+
+/* Of a symmetric matrix of n <= 4 rows, by Jacobi's rotations: values, largest first, and vectors
+ * in the columns of `vector`. */
+static void eigen(int n, double matrix[SIDE][SIDE], double value[SIDE], double vector[SIDE][SIDE])
+{
+    enum { SWEEPS = 60 };
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            vector[i][j] = i == j;
+    for (int sweep = 0; sweep < SWEEPS; sweep++)
+        for (int p = 0; p < n; p++)
+            for (int q = p + 1; q < n; q++) {
+                if (matrix[p][q] == 0)
+                    continue;
+                const double theta = (matrix[q][q] - matrix[p][p]) / (2 * matrix[p][q]);
+                const double t = copysign(1, theta) / (fabs(theta) + hypot(theta, 1));
+                const double c = 1 / hypot(t, 1), s = t * c;
+                for (int k = 0; k < n; k++) {
+                    const double kp = matrix[k][p], kq = matrix[k][q];
+                    matrix[k][p] = c * kp - s * kq;
+                    matrix[k][q] = s * kp + c * kq;
+                }
+                for (int k = 0; k < n; k++) {
+                    const double pk = matrix[p][k], qk = matrix[q][k];
+                    const double vp = vector[k][p], vq = vector[k][q];
+                    matrix[p][k] = c * pk - s * qk;
+                    matrix[q][k] = s * pk + c * qk;
+                    vector[k][p] = c * vp - s * vq;
+                    vector[k][q] = s * vp + c * vq;
+                }
+            }
+    for (int i = 0; i < n; i++)
+        value[i] = matrix[i][i];
+    for (int i = 0; i < n; i++)
+        for (int j = i + 1; j < n; j++)
+            if (value[j] > value[i]) {
+                const double held = value[i];
+                value[i] = value[j];
+                value[j] = held;
+                for (int k = 0; k < n; k++) {
+                    const double of_i = vector[k][i];
+                    vector[k][i] = vector[k][j];
+                    vector[k][j] = of_i;
+                }
+            }
+}
+
+/* The square roots of the eigenvalues of m' m, or of a sum of x x' (`squared`), largest first. */
+static void spread(const double squared[3][3], double out[3])
+{
+    double matrix[SIDE][SIDE] = {{0}}, value[SIDE], vector[SIDE][SIDE];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            matrix[i][j] = squared[i][j];
+    eigen(3, matrix, value, vector);
+    for (int i = 0; i < 3; i++)
+        out[i] = sqrt(fmax(value[i], 0));
+}
+
+static void singular_values(const double m[3][3], double out[3])
+{
+    double squared[3][3] = {{0}};
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            for (int k = 0; k < 3; k++)
+                squared[i][j] += m[k][i] * m[k][j];
+    spread((const double(*)[3])squared, out);
+}
+
+void affine_stretches(const struct affine *a, double out[3])
+{
+    double m[3][3];
+    for (int i = 0; i < 3; i++)
+        memcpy(m[i], a->m[i], sizeof m[i]);
+    singular_values((const double(*)[3])m, out);
+}
+
+double affine_apart(const struct affine *a, const struct affine *b, const double low[3],
+                    const double high[3])
+{
+    double most = 0;
+    for (unsigned corner = 0; corner < 8; corner++) {
+        double from[3], by_a[3], by_b[3];
+        for (unsigned i = 0; i < 3; i++)
+            from[i] = corner >> i & 1 ? high[i] : low[i];
+        affine_apply(a, from, by_a);
+        affine_apply(b, from, by_b);
+        most = fmax(most, hypot(hypot(by_a[0] - by_b[0], by_a[1] - by_b[1]), by_a[2] - by_b[2]));
+    }
+    return most;
+}
+
+/* ---- the fit ---- */
+
+/* A spread so much smaller than the largest is none: what a mark may be off by, of a head. */
+static const double FLAT = 0.01;
+
+/* A mirror image that leaves less than this part of what a rotation leaves: they are mirrored. */
+static const double MIRRORED = 0.5;
+
+/* Both sets of places about their middles. */
+struct moments {
+    double from_mean[3], to_mean[3];
+    double from_from[3][3], to_to[3][3], to_from[3][3]; /* sums of products */
+};
+
+static void take_moments(struct moments *out, size_t n, const double (*from)[3],
+                         const double (*to)[3])
+{
+    memset(out, 0, sizeof *out);
+    for (size_t p = 0; p < n; p++)
+        for (int i = 0; i < 3; i++) {
+            out->from_mean[i] += from[p][i] / (double)n;
+            out->to_mean[i] += to[p][i] / (double)n;
+        }
+    for (size_t p = 0; p < n; p++)
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++) {
+                const double fi = from[p][i] - out->from_mean[i];
+                const double fj = from[p][j] - out->from_mean[j];
+                const double ti = to[p][i] - out->to_mean[i], tj = to[p][j] - out->to_mean[j];
+                out->from_from[i][j] += fi * fj;
+                out->to_to[i][j] += ti * tj;
+                out->to_from[i][j] += ti * fj;
+            }
+}
+
+/* Out of `size` dimensions: 2 for what must not lie on a line, 3 for a plane. */
+static bool is_flat(const double squared[3][3], int size)
+{
+    double length[3];
+    spread(squared, length);
+    return !(length[size - 1] > FLAT * length[0]) || !isfinite(length[0]);
+}
+
+/* The rotation that takes `from` nearest to `to`. */
+static void rotation(double out[3][3], const double s[3][3])
+{
+    /* Horn's N, with the sums S_ab of from_a to_b: s is its transpose. */
+    double n[SIDE][SIDE] = {
+        {s[0][0] + s[1][1] + s[2][2], s[2][1] - s[1][2], s[0][2] - s[2][0], s[1][0] - s[0][1]},
+        {0, s[0][0] - s[1][1] - s[2][2], s[1][0] + s[0][1], s[0][2] + s[2][0]},
+        {0, 0, s[1][1] - s[0][0] - s[2][2], s[2][1] + s[1][2]},
+        {0, 0, 0, s[2][2] - s[0][0] - s[1][1]}};
+    double value[SIDE], vector[SIDE][SIDE];
+    for (int i = 0; i < SIDE; i++)
+        for (int j = 0; j < i; j++)
+            n[i][j] = n[j][i];
+    eigen(SIDE, n, value, vector);
+    const double w = vector[0][0], x = vector[1][0], y = vector[2][0], z = vector[3][0];
+    const double r[3][3] = {
+        {w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)},
+        {2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)},
+        {2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z}};
+    memcpy(out, r, sizeof r);
+}
+
+/* Whether a mirror image would fit far better than any rotation: by the singular values s of the
+ * sums, what is left of either is what there is less twice s0 + s1 + s2 or s0 + s1 - s2. */
+static bool is_mirrored(const struct moments *sums)
+{
+    const double(*m)[3] = sums->to_from;
+    double s[3], from = 0, to = 0;
+    struct affine a = {{{0}}};
+    for (int i = 0; i < 3; i++) {
+        memcpy(a.m[i], m[i], sizeof m[i]);
+        from += sums->from_from[i][i];
+        to += sums->to_to[i][i];
+    }
+    if (!(affine_determinant(&a) < 0))
+        return false;
+    singular_values(m, s);
+    const double scale = (s[0] + s[1] + s[2]) / from; /* whatever the kind allows */
+    const double mirrored = to - scale * (s[0] + s[1] + s[2]);
+    const double rotated = to - (s[0] + s[1] - s[2]) * (s[0] + s[1] - s[2]) / from;
+    return fmax(mirrored, 0) < MIRRORED * MIRRORED * rotated;
+}
+
+/* sum of to from' times the inverse of the sum of from from'. */
+static bool full(double out[3][3], const struct moments *sums)
+{
+    struct affine both = {{{0}}}, back;
+    for (int i = 0; i < 3; i++)
+        memcpy(both.m[i], sums->from_from[i], sizeof sums->from_from[i]);
+    if (!affine_invert(&back, &both))
+        return false;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            out[i][j] = 0;
+            for (int k = 0; k < 3; k++)
+                out[i][j] += sums->to_from[i][k] * back.m[k][j];
+        }
+    return true;
+}
+
+size_t affine_pairs_least(enum affine_kind kind)
+{
+    return kind == AFFINE_FULL ? 4 : 3;
+}
+
+static double left_mm(const struct affine *a, size_t n, const double (*from)[3],
+                      const double (*to)[3])
+{
+    double squares = 0;
+    for (size_t p = 0; p < n; p++) {
+        double at[3];
+        affine_apply(a, from[p], at);
+        for (int i = 0; i < 3; i++)
+            squares += (at[i] - to[p][i]) * (at[i] - to[p][i]);
+    }
+    return sqrt(squares / (double)n);
+}
+
+enum err affine_fit(struct affine *out, enum affine_kind kind, size_t n, const double (*from)[3],
+                    const double (*to)[3], double *rms_mm, struct fault *fault)
+{
+    const int size = kind == AFFINE_FULL ? 3 : 2;
+    struct moments sums;
+    double m[3][3];
+    if (n < affine_pairs_least(kind))
+        return fault_set(fault, ERR_INPUT, "%zu pair%s of places; a %s map takes %zu or more", n,
+                         n == 1 ? "" : "s",
+                         kind == AFFINE_RIGID        ? "rigid"
+                         : kind == AFFINE_SIMILARITY ? "similarity"
+                                                     : "affine",
+                         affine_pairs_least(kind));
+    take_moments(&sums, n, from, to);
+    if (is_flat((const double(*)[3])sums.from_from, size) ||
+        is_flat((const double(*)[3])sums.to_to, size))
+        return fault_set(fault, ERR_INPUT,
+                         kind == AFFINE_FULL
+                             ? "all places lie in one plane, or nearly so, which leaves an affine "
+                               "map open; expected one more, well off that plane"
+                             : "all places lie on one line, or nearly so, which leaves the turn "
+                               "about it open; expected one more, well off that line");
+    if (is_mirrored(&sums))
+        return fault_set(fault, ERR_INPUT,
+                         "the places are mirror images of each other, as where left and right are "
+                         "mixed up; expected the same ones on the same sides");
+    if (kind != AFFINE_FULL)
+        rotation(m, (const double(*)[3])sums.to_from);
+    else if (!full(m, &sums))
+        return fault_set(fault, ERR_INPUT, "the places leave an affine map open");
+    double scale = 1;
+    if (kind == AFFINE_SIMILARITY) {
+        double turned = 0, whole = 0;
+        for (int i = 0; i < 3; i++) {
+            whole += sums.from_from[i][i];
+            for (int j = 0; j < 3; j++)
+                turned += m[i][j] * sums.to_from[i][j];
+        }
+        scale = turned / whole;
+    }
+    struct affine found;
+    for (int i = 0; i < 3; i++) {
+        found.m[i][3] = sums.to_mean[i];
+        for (int j = 0; j < 3; j++) {
+            found.m[i][j] = scale * m[i][j];
+            found.m[i][3] -= found.m[i][j] * sums.from_mean[j];
+        }
+    }
+    if (!affine_is_finite(&found) || !(affine_determinant(&found) > 0))
+        return fault_set(fault, ERR_INPUT,
+                         "the places turn the scene inside out; expected the same ones on the "
+                         "same sides");
+    *out = found;
+    *rms_mm = left_mm(&found, n, from, to);
+    return OK;
+}

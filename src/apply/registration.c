@@ -1,0 +1,221 @@
+/* SPDX-License-Identifier: MIT */
+#include "apply/registration.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "apply/register_helper.h"
+
+enum {
+    VOXELS_MOST = 1 << 23, /* that are registered; larger scenes are reduced */
+    MAP = 12,              /* numbers of a map, and of a matrix to the world */
+    NUMBERS = 20
+};
+
+/* Two scenes with their levels, and ITK itself, which took 190 MB for two heads of 7 M voxels. */
+static const uint64_t HELD_MOST = UINT64_C(1) << 30;
+
+/* ---- what is sent ---- */
+
+/* A scene of which boxes of voxels are one. */
+struct reduced {
+    const struct scene *scene;
+    uint32_t size[3], factor[3];
+    double to_mm[3][4];
+};
+
+/* The shortest side of a voxel is made longer until there are few enough. */
+static void reduce(struct reduced *out, const struct placed_scene *placed)
+{
+    const struct grid *grid = &placed->scene->grid;
+    struct geometry geometry = *placed->geometry;
+    *out = (struct reduced){.scene = placed->scene, .factor = {1, 1, 1}};
+    double first[3], step[3];
+    for (;;) {
+        size_t voxels = 1;
+        int shortest = -1;
+        double length = 0;
+        for (int a = 0; a < 3; a++) {
+            out->size[a] = grid->size[a] / out->factor[a];
+            voxels *= out->size[a];
+            step[a] = out->factor[a];
+            first[a] = (step[a] - 1) / 2;
+            const double side = geometry_step_mm(placed->geometry, a) * step[a];
+            if (out->size[a] > 1 && (shortest < 0 || side < length)) {
+                shortest = a;
+                length = side;
+            }
+        }
+        if (voxels <= VOXELS_MOST || shortest < 0)
+            break;
+        out->factor[shortest]++;
+    }
+    geometry_derive(&geometry, first, step);
+    memcpy(out->to_mm, geometry.to_mm, sizeof out->to_mm);
+}
+
+static uint16_t intensity_of(const struct scene *scene, uint32_t x, uint32_t y, uint32_t z)
+{
+    const uint32_t *size = scene->grid.size;
+    return scene->plain ? scene->plain[x + size[0] * (y + (size_t)size[1] * z)]
+                        : scene->cell[grid_cell(&scene->grid, x, y, z)].intensity;
+}
+
+/* The rounded mean of a box. */
+static uint16_t mean_of(const struct reduced *from, const uint32_t place[3])
+{
+    const uint32_t *f = from->factor;
+    const uint64_t voxels = (uint64_t)f[0] * f[1] * f[2];
+    uint64_t sum = 0;
+    for (uint32_t z = 0; z < f[2]; z++)
+        for (uint32_t y = 0; y < f[1]; y++)
+            for (uint32_t x = 0; x < f[0]; x++)
+                sum += intensity_of(from->scene, place[0] * f[0] + x, place[1] * f[1] + y,
+                                    place[2] * f[2] + z);
+    return (uint16_t)((sum + voxels / 2) / voxels);
+}
+
+static enum err send_scene(struct coprocess *process, const struct reduced *from,
+                           struct watch *watch, struct fault *fault)
+{
+    const uint32_t *size = from->size, *factor = from->factor;
+    const size_t plane = (size_t)size[0] * size[1];
+    struct task task = task_begin(watch, "registration", from->scene->grid.voxels);
+    uint16_t *voxel = mem_array(plane, sizeof *voxel);
+    if (!voxel)
+        return fault_memory(fault, "a slice of the scene");
+    bool goes = coprocess_transmit(process, from->to_mm, sizeof from->to_mm);
+    for (uint32_t z = 0; goes && z < size[2]; z++) {
+        uint16_t *to = voxel;
+        for (uint32_t y = 0; y < size[1]; y++)
+            for (uint32_t x = 0; x < size[0]; x++)
+                *to++ = mean_of(from, (const uint32_t[3]){x, y, z});
+        goes = task_advance(&task, (uint64_t)plane * factor[0] * factor[1] * factor[2]) &&
+               coprocess_transmit(process, voxel, plane * sizeof *voxel);
+    }
+    free(voxel);
+    const enum err err = watch_fault(watch, fault);
+    return err || goes ? err : coprocess_fault(process, NULL, NULL, fault);
+}
+
+/* ---- what comes ---- */
+
+static enum err receive_found(struct registration *out, struct coprocess *process,
+                              struct fault *fault)
+{
+    double number[NUMBERS];
+    const enum err err = register_helper_await(process, "found", fault);
+    if (err)
+        return err;
+    bool makes_sense = coprocess_receive(process, number, sizeof number);
+    for (int i = 0; makes_sense && i < NUMBERS; i++)
+        if (!isfinite(number[i]) || (i >= MAP && number[i] < 0))
+            makes_sense = coprocess_odd(process);
+    if (!makes_sense)
+        return coprocess_fault(process, NULL, NULL, fault);
+    memcpy(out->affine.m, number, sizeof out->affine.m);
+    const double *at = number + MAP;
+    out->metric = *at++;
+    out->identity_metric = *at++;
+    out->mirrored_metric = *at++;
+    out->overlap = fmin(fmin(at[0], at[1]), 1);
+    out->tells_sides = out->mirrored_metric * REGISTRATION_MIRRORED_MOST < out->metric;
+    at += 2;
+    out->agreement_mm = *at++;
+    out->length_mm = *at++;
+    out->seconds = *at;
+    affine_stretches(&out->affine, out->stretch);
+    return OK;
+}
+
+/* Whether it is to be used. Most telling first: what follows is often true beside it. */
+static enum err judge(const struct registration *r, struct fault *fault)
+{
+    static const char way_out[] = "marks in both scenes, or a transform of another program, can "
+                                  "say it instead";
+    const double volume = affine_determinant(&r->affine);
+    const double identity_least = r->identity_metric * (1 - REGISTRATION_WORSE_MOST);
+    char words[200] = "";
+    if (r->metric < REGISTRATION_METRIC_LEAST)
+        snprintf(words, sizeof words,
+                 "their intensities say next to nothing about each other (%.3f nats; expected "
+                 "%.2f or more)",
+                 r->metric, REGISTRATION_METRIC_LEAST);
+    else if (r->overlap < REGISTRATION_OVERLAP_LEAST)
+        snprintf(words, sizeof words,
+                 "only %.0f %% of what one scene shows lies in the other; expected %.0f %% or more",
+                 100 * r->overlap, 100 * REGISTRATION_OVERLAP_LEAST);
+    else if (!(volume * REGISTRATION_VOLUME_MOST >= 1 && volume <= REGISTRATION_VOLUME_MOST) ||
+             r->stretch[2] < REGISTRATION_STRETCH_LEAST ||
+             r->stretch[0] > REGISTRATION_STRETCH_MOST)
+        snprintf(words, sizeof words,
+                 "it stretches by %.2f, %.2f and %.2f; expected %.2f to %.2f, no mirror image, and "
+                 "a volume of %.1f to %.1f",
+                 r->stretch[0], r->stretch[1], r->stretch[2], REGISTRATION_STRETCH_LEAST,
+                 REGISTRATION_STRETCH_MOST, 1 / REGISTRATION_VOLUME_MOST, REGISTRATION_VOLUME_MOST);
+    else if (!(r->agreement_mm <= REGISTRATION_AGREEMENT_MOST * r->length_mm))
+        snprintf(words, sizeof words, "there and back leads %.1f mm away; expected %.1f mm or less",
+                 r->agreement_mm, REGISTRATION_AGREEMENT_MOST * r->length_mm);
+    else if (r->mirrored_metric > REGISTRATION_MIRRORED_MOST * r->metric)
+        snprintf(words, sizeof words,
+                 "its mirror image fits better (%.3f nats to %.3f): left and right may be mixed up "
+                 "in one of the files",
+                 r->mirrored_metric, r->metric);
+    else if (r->metric < identity_least)
+        snprintf(words, sizeof words,
+                 "the scenes fit better as they lie in their worlds (%.3f nats to %.3f)",
+                 r->identity_metric, r->metric);
+    else
+        return OK;
+    return fault_set(fault, ERR_CHECK,
+                     "the scenes were registered, and the outcome is not believed: %s; %s", words,
+                     way_out);
+}
+
+/* Where its origin lies may be unknown. */
+static bool says_sides(const struct geometry *geometry)
+{
+    return geometry->orientation != ORIENTATION_UNKNOWN && !geometry->spacing_unknown;
+}
+
+static enum err find(struct registration *out, struct coprocess *process,
+                     const struct reduced scene[2], struct watch *watch, struct fault *fault)
+{
+    const uint32_t *a = scene[0].size, *b = scene[1].size;
+    char line[COPROCESS_LINE];
+    const int length = snprintf(line, sizeof line, "register %u %u %u %u %u %u\n", a[0], a[1], a[2],
+                                b[0], b[1], b[2]);
+    enum err err = register_helper_start(process, "registration", HELD_MOST, 0, watch, fault);
+    if (!err && !coprocess_transmit(process, line, (size_t)length))
+        err = coprocess_fault(process, NULL, NULL, fault);
+    for (int i = 0; i < 2 && !err; i++)
+        err = send_scene(process, &scene[i], watch, fault);
+    return err ? err : receive_found(out, process, fault);
+}
+
+enum err registration_find(struct registration *out, const struct placed_scene *subject,
+                           const struct placed_scene *procedure, struct watch *watch,
+                           struct fault *fault)
+{
+    struct coprocess process;
+    struct reduced scene[2];
+    *out = (struct registration){.metric = 0};
+    if (!says_sides(subject->geometry) || !says_sides(procedure->geometry))
+        return fault_set(fault, ERR_INPUT,
+                         "the %s file does not say how its axes lie in the patient, or how far "
+                         "apart its voxels are, so nothing says what is left and right in it",
+                         says_sides(subject->geometry) ? "procedure's" : "subject's");
+    reduce(&scene[0], subject);
+    reduce(&scene[1], procedure);
+    enum err err = find(out, &process, scene, watch, fault);
+    coprocess_release(&process);
+    if (err)
+        return err;
+    scene_proof(out->subject, subject->scene);
+    scene_proof(out->procedure, procedure->scene);
+    err = watch_fault(watch, fault);
+    return err ? err : judge(out, fault);
+}

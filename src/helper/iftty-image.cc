@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * iftty-image: reads and writes images by OpenImageIO for the program that started it.
+ *
+ * Requests come on standard input, answers go to standard output; image_helper.h has the protocol
+ * byte for byte. The end of input, or a request that breaks the protocol, ends the program.
+ *
+ * This process takes what a request asks and no byte of a picture. Each request is carried out in a
+ * process of its own, which is made of this one with the library loaded, takes from itself all but
+ * the file that is named (wire.hh), answers (image_oiio.cc), and ends. So what a hostile picture
+ * makes of it is gone before the next is read or written; if it dies, this process ends the same
+ * way.
+ */
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <new>
+#include <string>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <OpenImageIO/imageio.h>
+
+#include "helper/image_oiio.hh"
+#include "helper/wire.hh"
+
+namespace
+{
+
+using namespace wire;
+using namespace image;
+
+constexpr uint64_t path_most = 4096;
+constexpr uint64_t delay_most = 60000;
+constexpr rlim_t memory_most = rlim_t{8} << 30;
+constexpr rlim_t reading_s = 300, writing_s = 3600;
+
+/* ---- requests ---- */
+
+Request receive_request()
+{
+    Request request;
+    const std::string line = receive_line();
+    size_t at = line.find(' ') + 1;
+    const std::string kind = line.substr(0, at);
+    if (kind != "write " && kind != "read " && kind != "about ")
+        leave(2);
+    request.kind = kind == "write "  ? Request::WRITE
+                   : kind == "read " ? Request::READ
+                                     : Request::ABOUT;
+    const uint64_t length = take_number(line, at, path_most);
+    if (request.kind == Request::WRITE) {
+        request.width = take_number(line, at, side_most);
+        request.height = take_number(line, at, side_most);
+        request.notes = take_number(line, at, notes_most);
+        request.frames = take_number(line, at, frames_most);
+        request.delay_ms = take_number(line, at, delay_most);
+        request.channels = take_number(line, at, 4);
+        if (request.width == 0 || request.height == 0 || request.frames == 0 ||
+            request.channels < 3)
+            leave(2);
+    }
+    request.path = receive_text(length);
+    return request;
+}
+
+/* ---- in a process of its own ---- */
+
+/* A library may write a file that is there, and make none: so it is made here. */
+void confine_to_file(Request &request)
+{
+    const bool writes = request.kind == Request::WRITE;
+    if (writes) {
+        const int file = open(request.path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+        if (file < 0)
+            request.refusal = std::strerror(errno);
+        else
+            close(file);
+    }
+    Needs needs;
+    needs.places = {{request.path.c_str(), writes ? CONFINE_WRITE : CONFINE_READ}};
+    needs.calls = CONFINE_OPEN | CONFINE_THREADS;
+    needs.writes = writes;
+    needs.seconds = writes ? writing_s : reading_s;
+    confine(needs);
+}
+
+[[noreturn]] void carry_out(Request &request)
+{
+    try {
+        confine_to_file(request);
+        if (request.kind == Request::WRITE)
+            write_image(request);
+        else if (request.kind == Request::READ)
+            read_image(request);
+        else
+            about_image(request);
+    } catch (const std::bad_alloc &) {
+        leave(3); /* perhaps in the middle of a request: the client sees it from the status */
+    } catch (const std::exception &error) {
+        answer_error(error.what());
+    }
+    leave(0);
+}
+
+/* ---- */
+
+void serve()
+{
+    Request request = receive_request();
+    const pid_t parent = getpid();
+    const pid_t process = fork();
+    if (process == 0) {
+        prctl(PR_SET_PDEATHSIG, SIGKILL);
+        if (getppid() != parent)
+            leave(3);
+        carry_out(request);
+    }
+    int status = 0;
+    while (process > 0 && waitpid(process, &status, 0) < 0 && errno == EINTR)
+        ;
+    if (process < 0)
+        leave(3);
+    if (WIFSIGNALED(status)) { /* ends as that did */
+        signal(WTERMSIG(status), SIG_DFL);
+        raise(WTERMSIG(status));
+    }
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+        leave(WIFEXITED(status) ? WEXITSTATUS(status) : 3);
+}
+
+/* Threads of this process; 1 where the kernel does not say. */
+int count_threads()
+{
+    std::ifstream file("/proc/self/status");
+    for (std::string line; std::getline(file, line);)
+        if (line.compare(0, 8, "Threads:") == 0)
+            return std::atoi(line.c_str() + 8);
+    return 1;
+}
+
+/* All that it reads from elsewhere, it reads now. */
+void prepare_library()
+{
+    const int before = count_threads();
+    OIIO::attribute("threads", 1);
+    OIIO::attribute("exr_threads", 1);
+    OIIO::attribute("limits:imagesize_MB", 4096);
+    OIIO::attribute("limits:channels", 64);
+    OIIO::get_string_attribute("format_list");
+    /* The library begins a thread and ends it, and does not wait until it is gone: a process that
+     * is made meanwhile may wait for ever for what that thread held. Threads from before are
+     * asleep. */
+    constexpr int tries_most = 1000;
+    for (int tries = 0; count_threads() > before && tries < tries_most; tries++)
+        usleep(1000);
+}
+
+} // namespace
+
+int main()
+{
+    prepare(memory_most);
+    prepare_library();
+    for (;;)
+        serve();
+}

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * iftty-register: register two scenes by ITK, for the program that started it.
+ *
+ * One request comes on standard input, voxels and all; the answer goes to standard output;
+ * register_helper.h has the protocol byte for byte. It opens no file: before the first voxel comes,
+ * the process takes all files from itself, and all calls but those for its own memory.
+ *
+ *     register_itk.cc      registration
+ *     register_transform.cc   transform files
+ */
+#include <new>
+
+#include <itkMultiThreaderBase.h>
+#include <itkObject.h>
+
+#include "helper/wire.hh"
+#include "helper/register_parts.hh"
+
+namespace
+{
+
+using namespace wire;
+using namespace registering;
+
+constexpr rlim_t working_s = 3600;
+constexpr uint64_t voxels_most = 1 << 24; /* of a scene */
+constexpr uint64_t side_most = 65534;
+constexpr uint64_t transform_most = 1 << 20;
+
+/* With more threads than one, sums depend on which of them is first. */
+void keep_to_one_thread()
+{
+    itk::MultiThreaderBase::SetGlobalDefaultThreader(
+        itk::MultiThreaderBaseEnums::Threader::Platform);
+    itk::MultiThreaderBase::SetGlobalMaximumNumberOfThreads(1);
+    itk::MultiThreaderBase::SetGlobalDefaultNumberOfThreads(1);
+}
+
+void answer_registration(const std::string &line, size_t at)
+{
+    Volume volume[2];
+    for (Volume &one : volume) {
+        uint64_t voxels = 1;
+        for (uint32_t &side : one.size) {
+            side = static_cast<uint32_t>(take_number(line, at, side_most));
+            voxels *= side;
+            if (voxels < 1 || voxels > voxels_most)
+                leave(2);
+        }
+        one.voxels.resize(voxels);
+    }
+    for (Volume &one : volume) {
+        receive(one.to_mm, sizeof one.to_mm);
+        receive(one.voxels.data(), one.voxels.size() * sizeof one.voxels[0]);
+    }
+    const Found found = find(volume);
+    transmit("found\n");
+    transmit(&found, sizeof found);
+}
+
+void answer_transform(const std::string &line, size_t at)
+{
+    const TransformFile found = read_transform(receive_text(take_number(line, at, transform_most)));
+    transmit("transform " + std::to_string(found.kind.size()) + "\n" + found.kind);
+    transmit(found.map, sizeof found.map);
+}
+
+} // namespace
+
+void registering::progress(unsigned done, unsigned total)
+{
+    transmit("progress " + std::to_string(done) + " " + std::to_string(total) + "\n");
+}
+
+int main()
+{
+    std::string words;
+    prepare(RLIM_INFINITY);
+    Needs needs;
+    needs.seconds = working_s;
+    confine(needs);
+    keep_to_one_thread();
+    itk::Object::SetGlobalWarningDisplay(false);
+    try {
+        const std::string line = receive_line();
+        if (line.compare(0, 9, "register ") == 0)
+            answer_registration(line, 9);
+        else if (line.compare(0, 10, "transform ") == 0)
+            answer_transform(line, 10);
+        else
+            leave(2);
+        leave(0);
+    } catch (const Refusal &refusal) {
+        words = refusal.words;
+    } catch (const std::bad_alloc &) {
+        words = "it takes more memory than it may";
+    } catch (const std::exception &) {
+        words = "the library gave up on it";
+    }
+    answer_error(words);
+    leave(0);
+}

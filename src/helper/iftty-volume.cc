@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * iftty-volume: reads volumes by ITK, GDCM, HDF5 and libtiff for the program that started it.
+ *
+ * One request comes on standard input, of one file or folder; what is in it goes to standard
+ * output; volume_helper.h has the protocol byte for byte. Before the first byte of a file is read,
+ * the process takes from itself all but reading that file (or that folder, and the files that a
+ * header names, or that may lie beside it). A decoder that crashes takes only this process along.
+ *
+ *     volume_answer.cc   the answers, and how reading ends
+ *     volume_names.cc    headers of text, and the files that they name
+ *     volume_itk.cc      the formats of ITK, and slices as pictures
+ *     volume_tiff.cc      TIFF, and folders of it; volume_tiff_stack.cc, slices and volumes of it
+ *     volume_units.cc    units and scales in headers of text
+ *     volume_mrc.cc      MRC
+ *     volume_bytes.cc    whether a file has the bytes that its header promises
+ *     volume_hdf5.cc     data sets of HDF5, and the files that they name
+ *     volume_dicom.cc    what a file of DICOM says of slices and mosaics, and its pixels
+ *     volume_series.cc   which series of a folder, and its slices in their places
+ *     volume_tags.cc     which images of one place make a volume
+ *     volume_folder.cc   folders of slices
+ */
+#include <cstdlib>
+#include <new>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gdcmTrace.h>
+#include <itkObject.h>
+
+#include "helper/volume_parts.hh"
+#include "helper/wire.hh"
+
+namespace
+{
+
+using namespace wire;
+using namespace volume;
+
+constexpr uint64_t path_most = 4096;
+constexpr rlim_t memory_most = RLIM_INFINITY; /* the client says how much */
+constexpr rlim_t reading_s = 3600;
+
+/* ---- confinement ---- */
+
+/* From here on this process reads what it was asked for, and nothing else: of a header whose voxels
+ * lie in other files, those that it names, which are looked at with no more than its folder. What
+ * lies beside an HDF5 file, or one that no first bytes tell, only its library can say: then it is
+ * the folder. */
+void confine_to_request(Request &request, const Files &files)
+{
+    const std::string folder = folder_of(request.path);
+    const struct confine_place own = {request.path.c_str(), CONFINE_READ};
+    const bool is_header = request.kind == "nrrd" || request.kind == "meta";
+    Needs needs;
+    needs.places = {own, {folder.c_str(), CONFINE_READ}};
+    if (is_header) {
+        confine_to(needs.places.data(), needs.places.size());
+        request.named = named_files(request);
+    }
+    const bool is_beside = request.kind == "hdf5" || request.kind == "any";
+    if (request.is_alone && (is_beside || !request.named.empty()))
+        throw volume::Refusal{"its voxels may lie in other files, or be a few of many"};
+    if (!is_beside)
+        needs.places = {own};
+    for (const std::string &name : is_header ? request.named : files.targets)
+        needs.places.push_back({name.c_str(), CONFINE_READ});
+    needs.calls = CONFINE_OPEN;
+    needs.seconds = reading_s;
+    needs.writes = !request.room.empty();
+    if (needs.writes) {
+        needs.places.push_back({request.room.c_str(), CONFINE_WRITE});
+        needs.calls |= CONFINE_CHANGE;
+        setenv("TMPDIR", request.room.c_str(), 1);
+    }
+    confine(needs);
+}
+
+Request receive_request()
+{
+    Request request;
+    const std::string line = receive_line();
+    const size_t kind = line.find(' ', 5);
+    if (line.compare(0, 5, "open ") != 0 || kind == std::string::npos)
+        leave(2);
+    request.kind = line.substr(5, kind - 5);
+    size_t at = kind + 1;
+    const uint64_t flags = take_number(line, at, 31);
+    request.follows_links = flags & 1;
+    request.fills_gaps = flags & 2;
+    request.lists = flags & 4;
+    request.is_alone = flags & 8;
+    request.chooses = flags & 16;
+    request.series = take_number(line, at, number_most);
+    request.volume = take_number(line, at, UINT32_MAX);
+    const uint64_t wanted = take_number(line, at, path_most);
+    const uint64_t skip = take_number(line, at, path_most);
+    const uint64_t data = take_number(line, at, path_most);
+    const uint64_t room = take_number(line, at, path_most);
+    const uint64_t path = take_number(line, at, path_most);
+    request.wanted = receive_text(wanted);
+    request.skip = receive_text(skip);
+    request.data = receive_text(data);
+    request.room = receive_text(room);
+    request.path = receive_text(path);
+    return request;
+}
+
+/* Libraries print to standard error, which leads nowhere, and GDCM more than it needs to. */
+void serve()
+{
+    Volume volume;
+    std::string words;
+    expect_end("it is damaged: its reader gave up");
+    catch_signals();
+    gdcm::Trace::SetWarning(false);
+    gdcm::Trace::SetError(false);
+    itk::Object::SetGlobalWarningDisplay(false);
+    try {
+        Files files;
+        Request request = receive_request();
+        if (request.kind == "folder")
+            walk(files, request.path, request.follows_links, 0);
+        confine_to_request(request, files);
+        if (request.kind == "folder")
+            open_folder(volume, request, files);
+        else if (request.kind == "dicom")
+            open_dicom(volume, request);
+        else if (request.kind == "hdf5")
+            open_hdf5(volume, request);
+        else if (request.kind == "mrc")
+            open_mrc(volume, request);
+        else if (request.kind == "tiff")
+            open_tiff(volume, request);
+        else
+            open_by_itk(volume, request, request.kind);
+        answer(volume);
+        return;
+    } catch (const Refusal &refusal) {
+        words = refusal.words;
+    } catch (const std::bad_alloc &) {
+        words = "it takes more memory than it may";
+    } catch (const std::exception &) {
+        words = "it is damaged, or of a kind that is not known here";
+    }
+    answer_error(words);
+}
+
+} // namespace
+
+int main()
+{
+    prepare(memory_most);
+    serve();
+    leave(0);
+}

@@ -1,0 +1,371 @@
+/* SPDX-License-Identifier: MIT */
+#include "helper/itk_transform.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/decimal.h"
+#include "base/scan.h"
+
+enum {
+    NUMBERS_MOST = 16, /* of parameters */
+    NAME_MOST = 80,
+    PARTS_MOST = 64 /* of a composite */
+};
+
+/* ---- what the parameters mean ---- */
+
+struct part {
+    char name[NAME_MOST];
+    double number[NUMBERS_MOST], fixed[NUMBERS_MOST];
+    unsigned numbers, fixeds;
+};
+
+/* M out of the parameters; false where they say none. */
+typedef bool linear_part(double m[3][3], const struct part *part);
+
+static bool linear_matrix(double m[3][3], const struct part *part)
+{
+    memcpy(m, part->number, 9 * sizeof *part->number);
+    return true;
+}
+
+static bool linear_none(double m[3][3], const struct part *part)
+{
+    struct affine identity;
+    (void)part;
+    affine_identity(&identity);
+    for (int i = 0; i < 3; i++)
+        memcpy(m[i], identity.m[i], sizeof m[i]);
+    return true;
+}
+
+static void multiply(double out[3][3], const double a[3][3], const double b[3][3])
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            out[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
+}
+
+static bool linear_euler(double m[3][3], const struct part *part)
+{
+    double c[3], s[3], left[3][3];
+    for (int a = 0; a < 3; a++) {
+        c[a] = cos(part->number[a]);
+        s[a] = sin(part->number[a]);
+    }
+    const double x[3][3] = {{1, 0, 0}, {0, c[0], -s[0]}, {0, s[0], c[0]}};
+    const double y[3][3] = {{c[1], 0, s[1]}, {0, 1, 0}, {-s[1], 0, c[1]}};
+    const double z[3][3] = {{c[2], -s[2], 0}, {s[2], c[2], 0}, {0, 0, 1}};
+    const bool is_zyx = part->fixeds > 3 && part->fixed[3] != 0;
+    multiply(left, z, is_zyx ? y : x);
+    multiply(m, (const double(*)[3])left, is_zyx ? x : y);
+    return true;
+}
+
+static bool linear_versor(double m[3][3], const struct part *part)
+{
+    const double x = part->number[0], y = part->number[1], z = part->number[2];
+    const double squares = x * x + y * y + z * z, w = sqrt(fmax(1 - squares, 0));
+    const double r[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
+                            {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
+                            {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}};
+    memcpy(m, r, sizeof r);
+    return squares <= 1 + 1e-9;
+}
+
+static bool linear_similarity(double m[3][3], const struct part *part)
+{
+    const bool is_versor = linear_versor(m, part);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            m[i][j] *= part->number[6];
+    return is_versor;
+}
+
+/* Where t begins; fixed parameters are `fixeds`, or that and one more. */
+static const struct kind {
+    const char *name;
+    unsigned numbers, t, fixeds, fixeds_most;
+    linear_part *linear;
+} kinds[] = {
+    {"AffineTransform", 12, 9, 3, 3, linear_matrix},
+    {"MatrixOffsetTransformBase", 12, 9, 3, 3, linear_matrix},
+    {"Euler3DTransform", 6, 3, 3, 4, linear_euler},
+    {"VersorRigid3DTransform", 6, 3, 3, 3, linear_versor},
+    {"Similarity3DTransform", 7, 3, 3, 3, linear_similarity},
+    {"TranslationTransform", 3, 0, 0, 0, linear_none},
+};
+static const char COMPOSITE[] = "CompositeTransform";
+
+/* What stands before "_double_3_3" or "_float_3_3"; 0 where that does not end it. */
+static size_t name_length(const char *name)
+{
+    static const char *const endings[] = {"_double_3_3", "_float_3_3"};
+    const size_t length = strlen(name);
+    for (int i = 0; i < 2; i++) {
+        const size_t ending = strlen(endings[i]);
+        if (length > ending && strcmp(name + length - ending, endings[i]) == 0)
+            return length - ending;
+    }
+    return 0;
+}
+
+static bool is_named(const struct part *part, const char *name)
+{
+    const size_t length = name_length(part->name);
+    return length == strlen(name) && memcmp(part->name, name, length) == 0;
+}
+
+static enum err take_part(struct affine *out, const struct part *part, struct fault *fault)
+{
+    const struct kind *kind = NULL;
+    double m[3][3];
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        kind = is_named(part, kinds[i].name) ? &kinds[i] : kind;
+    if (!kind)
+        return fault_set(fault, ERR_INPUT,
+                         "it holds a \"%s\"; what is read are affine transforms of three "
+                         "dimensions (AffineTransform, MatrixOffsetTransformBase, Euler3D, "
+                         "VersorRigid3D, Similarity3D, Translation)",
+                         part->name);
+    if (part->numbers != kind->numbers || part->fixeds < kind->fixeds ||
+        part->fixeds > kind->fixeds_most)
+        return fault_set(fault, ERR_INPUT,
+                         "its %s has %u parameters and %u fixed ones; expected %u and %u",
+                         kind->name, part->numbers, part->fixeds, kind->numbers, kind->fixeds);
+    if (!kind->linear(m, part))
+        return fault_set(fault, ERR_INPUT, "its %s holds no turn: a vector longer than 1",
+                         kind->name);
+    for (int i = 0; i < 3; i++) {
+        const double centre = kind->fixeds ? part->fixed[i] : 0;
+        out->m[i][3] = part->number[kind->t + (unsigned)i] + centre;
+        for (unsigned j = 0; j < 3; j++) {
+            out->m[i][j] = m[i][j];
+            out->m[i][3] -= m[i][j] * (kind->fixeds ? part->fixed[j] : 0);
+        }
+    }
+    return OK;
+}
+
+/* ---- several of them ---- */
+
+struct reading {
+    struct affine *out;
+    struct buf *kind;
+    unsigned parts;
+    bool is_composite;
+};
+
+/* Parts come in their order: each is carried out before those that came. */
+static enum err add_part(struct reading *r, const struct part *part, struct fault *fault)
+{
+    struct affine one;
+    enum err err = OK;
+    if (is_named(part, COMPOSITE) && !r->is_composite && r->parts == 0) {
+        r->is_composite = true;
+        buf_add_text(r->kind, COMPOSITE);
+        return OK;
+    }
+    if (r->parts > 0 && !r->is_composite)
+        return fault_set(fault, ERR_INPUT,
+                         "it holds more than one transform, and nothing says which comes first; "
+                         "expected one, or a CompositeTransform");
+    if (r->parts >= PARTS_MOST)
+        return fault_set(fault, ERR_LIMIT, "its composite has more than %d transforms", PARTS_MOST);
+    err = take_part(&one, part, fault);
+    if (err)
+        return err;
+    if (!r->is_composite)
+        buf_printf(r->kind, "%.*s", (int)name_length(part->name), part->name);
+    affine_compose(r->out, r->out, &one);
+    r->parts++;
+    return OK;
+}
+
+static enum err end_reading(const struct reading *r, struct fault *fault)
+{
+    if (r->parts == 0)
+        return fault_set(fault, ERR_INPUT, "it holds no transform");
+    return r->kind->failed ? fault_memory(fault, "the name of a transform") : OK;
+}
+
+/* ---- text ---- */
+
+static const char BEGINNING[] = "#Insight Transform File V1.0";
+
+bool itk_transform_is_text(const char *bytes, size_t length)
+{
+    return length >= sizeof BEGINNING - 1 && memcmp(bytes, BEGINNING, sizeof BEGINNING - 1) == 0;
+}
+
+static bool is_line_end(char c)
+{
+    return c == '\n' || c == '\r' || c == '\0';
+}
+
+static bool scan_numbers(const char **at, double number[NUMBERS_MOST], unsigned *count)
+{
+    for (*count = 0;;) {
+        struct decimal decimal;
+        scan_blanks(at);
+        if (is_line_end(**at))
+            return true;
+        if (*count == NUMBERS_MOST || !decimal_scan(at, &decimal) ||
+            !(is_line_end(**at) || **at == ' ' || **at == '\t'))
+            return false;
+        number[(*count)++] = decimal_value(&decimal);
+    }
+}
+
+static void scan_name(const char **at, char name[NAME_MOST])
+{
+    size_t n = 0;
+    scan_blanks(at);
+    for (; !is_line_end(**at) && **at != ' '; ++*at)
+        if (n + 1 < NAME_MOST)
+            name[n++] = **at;
+    name[n] = '\0';
+    scan_blanks(at);
+}
+
+enum err itk_transform_scan(struct affine *out, struct buf *kind, const char *text,
+                            struct fault *fault)
+{
+    struct affine found;
+    struct reading reading = {.out = &found, .kind = kind};
+    struct part part = {.name = ""};
+    enum err err = OK;
+    unsigned line = 1;
+    affine_identity(&found);
+    for (const char *at = text; !err; line++) {
+        bool is_fine = true;
+        if (!*at || scan_text(&at, "Transform:")) {
+            if (*part.name)
+                err = add_part(&reading, &part, fault);
+            if (err || !*at)
+                break;
+            part = (struct part){.name = ""};
+            scan_name(&at, part.name);
+        } else if (scan_text(&at, "Parameters:")) {
+            is_fine = scan_numbers(&at, part.number, &part.numbers);
+        } else if (scan_text(&at, "FixedParameters:")) {
+            is_fine = scan_numbers(&at, part.fixed, &part.fixeds);
+        } else if (*at == '#') {
+            at += strcspn(at, "\r\n");
+        }
+        scan_blanks(&at);
+        if (!is_fine || !is_line_end(*at))
+            return fault_set(fault, ERR_INPUT,
+                             "line %u of it is none of an affine transform of ITK", line);
+        at += *at == '\r';
+        at += *at == '\n';
+    }
+    err = err ? err : end_reading(&reading, fault);
+    if (!err)
+        *out = found;
+    return err;
+}
+
+/* ---- MATLAB ---- */
+
+struct matrix {
+    char name[NAME_MOST];
+    double number[NUMBERS_MOST];
+    unsigned numbers;
+};
+
+enum { HEADER = 20, BIG_ENDIAN_TYPE = 1000, SINGLE_TYPE = 10, ROWS_TYPE = 100 };
+
+static uint32_t word_at(const char *bytes, bool is_big)
+{
+    uint32_t value = 0;
+    for (int i = 0; i < 4; i++)
+        value |= (uint32_t)(uint8_t)bytes[is_big ? 3 - i : i] << 8 * i;
+    return value;
+}
+
+static double number_at(const char *bytes, bool is_big, bool is_single)
+{
+    const uint64_t first = word_at(bytes, is_big);
+    if (is_single) {
+        const uint32_t bits = (uint32_t)first;
+        float value;
+        memcpy(&value, &bits, sizeof value);
+        return value;
+    }
+    const uint64_t second = word_at(bytes + 4, is_big);
+    const uint64_t bits = is_big ? first << 32 | second : second << 32 | first;
+    double value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+/* The next matrix: a row or a column of numbers, and how long it is; 0 where there is none. */
+static size_t take_matrix(struct matrix *out, const char *bytes, size_t length)
+{
+    if (length < HEADER)
+        return 0;
+    const bool is_big = word_at(bytes, false) > UINT16_MAX;
+    const uint32_t type = word_at(bytes, is_big), little = type % BIG_ENDIAN_TYPE;
+    const uint32_t rows = word_at(bytes + 4, is_big), columns = word_at(bytes + 8, is_big);
+    const uint32_t name = word_at(bytes + 16, is_big);
+    const bool is_single = little % ROWS_TYPE == SINGLE_TYPE;
+    const size_t width = is_single ? 4 : 8;
+    if (type != little + (is_big ? BIG_ENDIAN_TYPE : 0) ||
+        (little != 0 && little != SINGLE_TYPE && little != ROWS_TYPE &&
+         little != ROWS_TYPE + SINGLE_TYPE) ||
+        word_at(bytes + 12, is_big) != 0 || name < 2 || name > NAME_MOST)
+        return 0;
+    if (rows > NUMBERS_MOST || columns > NUMBERS_MOST || (rows > 1 && columns > 1))
+        return 0;
+    out->numbers = rows * columns;
+    if (length < HEADER + name + width * out->numbers ||
+        memchr(bytes + HEADER, '\0', name) != bytes + HEADER + name - 1)
+        return 0;
+    memcpy(out->name, bytes + HEADER, name);
+    for (unsigned i = 0; i < out->numbers; i++) {
+        out->number[i] = number_at(bytes + HEADER + name + width * i, is_big, is_single);
+        if (!isfinite(out->number[i]))
+            return 0;
+    }
+    return HEADER + name + width * out->numbers;
+}
+
+bool itk_transform_is_matlab(const char *bytes, size_t length)
+{
+    struct matrix matrix;
+    return take_matrix(&matrix, bytes, length) > 0 && name_length(matrix.name) > 0;
+}
+
+enum err itk_transform_decode(struct affine *out, struct buf *kind, const char *bytes,
+                              size_t length, struct fault *fault)
+{
+    struct affine found;
+    struct reading reading = {.out = &found, .kind = kind};
+    enum err err = OK;
+    affine_identity(&found);
+    for (size_t at = 0, n; !err && at < length; at += n) {
+        struct matrix parameters, fixed;
+        struct part part;
+        const size_t first = take_matrix(&parameters, bytes + at, length - at);
+        const size_t second =
+            first ? take_matrix(&fixed, bytes + at + first, length - at - first) : 0;
+        n = first + second;
+        if (!second || strcmp(fixed.name, "fixed") != 0)
+            return fault_set(fault, ERR_INPUT,
+                             "it is damaged, or no affine transform, from byte %zu on", at);
+        memcpy(part.name, parameters.name, sizeof part.name);
+        memcpy(part.number, parameters.number, sizeof part.number);
+        memcpy(part.fixed, fixed.number, sizeof part.fixed);
+        part.numbers = parameters.numbers;
+        part.fixeds = fixed.numbers;
+        err = add_part(&reading, &part, fault);
+    }
+    err = err ? err : end_reading(&reading, fault);
+    if (!err)
+        *out = found;
+    return err;
+}

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Affine transforms as ITK writes them, in two forms.
+ *
+ * Text (.txt, .tfm):
+ *
+ *     #Insight Transform File V1.0
+ *     #Transform 0
+ *     Transform: AffineTransform_double_3_3
+ *     Parameters: 1 0 0 0 1 0 0 0 1 10 20 30
+ *     FixedParameters: 0 0 0
+ *
+ * and MATLAB's version 4 (.mat), of which each transform has two matrices of one column: its
+ * parameters, named as the transform is, and "fixed". A matrix is five 32-bit numbers (1000 for
+ * big-endian, and 10 for single precision; rows; columns; 0; bytes of the name with its NUL), its
+ * name, and its numbers.
+ *
+ * All of them are y = M (x - c) + c + t, with c in the fixed parameters and M and t in others:
+ *
+ *     AffineTransform, MatrixOffsetTransformBase   M by rows, t
+ *     Euler3DTransform            angles about x, y and z, t; M = Z X Y, or Z Y X where a fourth
+ *                                 fixed parameter is not 0
+ *     VersorRigid3DTransform      the vector part of a unit quaternion, t
+ *     Similarity3DTransform       the same, and a scale
+ *     TranslationTransform        t; no c
+ *     CompositeTransform          of the others, in text: the last is carried out first
+ */
+#ifndef REGISTER_ITK_TRANSFORM_H
+#define REGISTER_ITK_TRANSFORM_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/buf.h"
+#include "base/err.h"
+#include "apply/affine.h"
+
+/* Whether the bytes begin as one of the two. */
+bool itk_transform_is_text(const char *bytes, size_t length);
+bool itk_transform_is_matlab(const char *bytes, size_t length);
+
+/* The map as it stands there: from the fixed scene's world to the moving one's, both LPS+. `kind`
+ * gets the name of what was read ("AffineTransform"). `text` ends with a NUL. ERR_INPUT. */
+enum err itk_transform_scan(struct affine *out, struct buf *kind, const char *text,
+                            struct fault *fault);
+enum err itk_transform_decode(struct affine *out, struct buf *kind, const char *bytes,
+                              size_t length, struct fault *fault);
+
+#endif

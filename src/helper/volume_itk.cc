@@ -1,0 +1,553 @@
+/* SPDX-License-Identifier: MIT */
+/* The formats that ITK reads, and slices as PNG in the order of their names, by its readers
+ * directly, without its templates of images: this compiles in seconds. */
+#include "helper/volume_parts.hh"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <set>
+#include <vector>
+
+#include <itkBruker2dseqImageIO.h>
+#include <itkGE4ImageIO.h>
+#include <itkGE5ImageIO.h>
+#include <itkGEAdwImageIO.h>
+#include <itkGiplImageIO.h>
+#include <itkHDF5ImageIO.h>
+#include <itkImageIOBase.h>
+#include <itkMINCImageIO.h>
+#include <itkMetaImageIO.h>
+#include <itkNrrdImageIO.h>
+#include <itkPNGImageIO.h>
+#include <itkSiemensVisionImageIO.h>
+#include <itkStimulateImageIO.h>
+#include <itkVTKImageIO.h>
+#include <metaImage.h>
+
+extern "C" {
+#include "image/units.h"
+}
+
+namespace volume
+{
+
+/* ---- what ITK reads ---- */
+
+/* How a format says where its voxels lie. */
+enum class World { LPS, RAS, NONE };
+
+struct Kind {
+    const char *name, *format;
+    itk::ImageIOBase::Pointer (*make)();
+    World world;
+    unsigned known; /* of a format that always says it */
+};
+
+const char *type_of(itk::ImageIOBase &io)
+{
+    switch (io.GetComponentType()) {
+    case itk::IOComponentEnum::UCHAR:
+        return "uint8";
+    case itk::IOComponentEnum::CHAR:
+        return "int8";
+    case itk::IOComponentEnum::USHORT:
+        return "uint16";
+    case itk::IOComponentEnum::SHORT:
+        return "int16";
+    case itk::IOComponentEnum::UINT:
+        return "uint32";
+    case itk::IOComponentEnum::INT:
+        return "int32";
+    case itk::IOComponentEnum::ULONG:
+    case itk::IOComponentEnum::ULONGLONG:
+        return "uint64";
+    case itk::IOComponentEnum::LONG:
+    case itk::IOComponentEnum::LONGLONG:
+        return "int64";
+    case itk::IOComponentEnum::FLOAT:
+        return "float32";
+    case itk::IOComponentEnum::DOUBLE:
+        return "float64";
+    default:
+        refuse("its voxels are of a type that is not read; expected integers or floats");
+    }
+}
+
+/* The matrix of ITK's spacing, directions and origin. Its world runs to the left and to the back
+ * where ours runs to the right and to the front: signs change, and nothing else. */
+void place(Volume &volume, itk::ImageIOBase &io, World world)
+{
+    const unsigned dimensions = std::min(io.GetNumberOfDimensions(), 3U);
+    for (unsigned a = 0; a < dimensions; a++) {
+        const std::vector<double> direction = io.GetDirection(a);
+        for (unsigned w = 0; w < 3; w++) {
+            const double sign = world == World::LPS && w < 2 ? -1 : 1;
+            const double along = world == World::NONE   ? a == w
+                                 : w < direction.size() ? direction[w]
+                                                        : 0;
+            volume.to_mm[w][a] = sign * along * io.GetSpacing(a);
+        }
+        const double sign = world == World::LPS && a < 2 ? -1 : 1;
+        volume.to_mm[a][3] = world == World::NONE ? 0 : sign * io.GetOrigin(a);
+    }
+    if (dimensions < 3) { /* of a plane, which lies in no patient */
+        volume.known &= ~ORIENTATION;
+        if (volume.known & SPACING)
+            note(volume, "it is one slice, and says no thickness: 1 mm is taken for it");
+    }
+}
+
+/* Voxels of several values: colours are refused, others are a series of volumes. */
+uint64_t volumes_in(itk::ImageIOBase &io)
+{
+    const unsigned components = io.GetNumberOfComponents();
+    uint64_t volumes = components;
+    if (components > 1 && io.GetPixelType() != itk::IOPixelEnum::VECTOR &&
+        io.GetPixelType() != itk::IOPixelEnum::VARIABLELENGTHVECTOR)
+        refuse("its voxels have %u values (colour, or a complex number); expected one: convert it "
+               "to grey, or save one channel",
+               components);
+    for (unsigned a = 3; a < io.GetNumberOfDimensions(); a++)
+        if (__builtin_mul_overflow(volumes, static_cast<uint64_t>(io.GetDimensions(a)), &volumes) ||
+            volumes > number_most)
+            refuse("it holds more than a million volumes; expected one");
+    return volumes;
+}
+
+/* All of it at once, and of that the volume that is wanted. */
+void send_whole(const Volume &volume, itk::ImageIOBase &io, uint64_t number)
+{
+    const size_t one = bytes_in(volume, 1), width = bytes_of(volume.type);
+    std::vector<char> bytes(bytes_in(volume, volume.volumes));
+    io.Read(bytes.data());
+    const unsigned components = io.GetNumberOfComponents();
+    if (components > 1) { /* next to each other: bring those of one together */
+        const size_t component = number % components, first = number / components * one;
+        for (size_t i = 0; i < one; i += width)
+            std::memcpy(&bytes[i], &bytes[first * components + i * components + component * width],
+                        width);
+        send_piece(bytes.data(), one);
+        return;
+    }
+    send_piece(&bytes[number * one], one);
+}
+
+/* A few slices at a time, where the reader can. */
+void send_in_parts(const Volume &volume, itk::ImageIOBase &io, uint64_t number)
+{
+    const size_t slice = bytes_in(volume, 1) / volume.size[2];
+    const uint64_t most = std::max<uint64_t>(1, (size_t{64} << 20) / slice);
+    const unsigned dimensions = io.GetNumberOfDimensions();
+    std::vector<char> bytes(slice * std::min(most, volume.size[2]));
+    for (uint64_t z = 0, n; z < volume.size[2]; z += n) {
+        n = std::min(most, volume.size[2] - z);
+        itk::ImageIORegion region(dimensions);
+        uint64_t rest = number;
+        for (unsigned a = 0; a < dimensions; a++) {
+            const uint64_t side = io.GetDimensions(a);
+            region.SetIndex(a, static_cast<long>(a < 2 ? 0 : a == 2 ? z : rest % side));
+            region.SetSize(a, a < 2 ? side : a == 2 ? n : 1);
+            if (a > 2)
+                rest /= side;
+        }
+        io.SetIORegion(region);
+        io.Read(bytes.data());
+        send_piece(bytes.data(), n * slice);
+    }
+}
+
+itk::ImageIORegion whole_region(itk::ImageIOBase &io)
+{
+    itk::ImageIORegion region(io.GetNumberOfDimensions());
+    for (unsigned a = 0; a < io.GetNumberOfDimensions(); a++)
+        region.SetSize(a, io.GetDimensions(a));
+    return region;
+}
+
+/* What is left to do once the reader has read its header. */
+void describe(Volume &volume, const itk::ImageIOBase::Pointer &io, const Request &request,
+              World world)
+{
+    volume.type = type_of(*io);
+    if (io->GetNumberOfDimensions() < 2)
+        refuse("it has 1 dimension; expected 2 or more");
+    for (unsigned a = 0; a < std::min(io->GetNumberOfDimensions(), 3U); a++)
+        volume.size[a] = io->GetDimensions(a);
+    volume.volumes = volumes_in(*io);
+    if (world == World::NONE)
+        volume.known &= ~ORIENTATION;
+    place(volume, *io, world);
+    const uint64_t number = request.volume;
+    volume.send = [&volume, io, number]() {
+        if (number >= volume.volumes)
+            refuse("there is no such volume in it");
+        io->SetIORegion(whole_region(*io));
+        if (io->GetNumberOfComponents() == 1 && io->CanStreamRead())
+            send_in_parts(volume, *io, number);
+        else
+            send_whole(volume, *io, number);
+    };
+}
+
+/* What the resolution of a picture says of its pixels: many programs write one without knowing, and
+ * none says how far apart slices are. So it is noted, and not taken. ITK has 1 where there is none.
+ */
+void note_pixels(Volume &volume, double x, double y)
+{
+    if (std::isfinite(x) && std::isfinite(y) && x > 0 && y > 0 && !(x == 1 && y == 1))
+        note(volume, words_of("its resolution says pixels of %.6gx%.6g mm, and nothing how far "
+                              "apart slices are: where you know that, open it with "
+                              "spacing=%.6g,%.6g,Z",
+                              x, y, x, y));
+}
+
+void note_png(Volume &volume, const std::string &path)
+{
+    double mm[2];
+    if (png_resolution(path, mm)) /* which ITK 5.2 does not read */
+        note_pixels(volume, mm[0], mm[1]);
+}
+
+/* ---- what headers of text leave open ---- */
+
+/* NRRD: a place only where it names the space, and distances where it gives them all. */
+unsigned known_by_nrrd(const std::string &path)
+{
+    static const std::set<std::string> anatomical = {"right-anterior-superior",
+                                                     "left-anterior-superior",
+                                                     "left-posterior-superior",
+                                                     "ras",
+                                                     "las",
+                                                     "lps"};
+    const Header header = header_of("nrrd", path);
+    const bool has_directions = header.field.count("space directions");
+    unsigned known = has_directions || nrrd_has_spacings(header) ? SPACING : NOTHING;
+    if (has_directions && anatomical.count(in_small_letters(header.value("space"))))
+        known |= ORIENTATION;
+    return known;
+}
+
+/* The numbers of "(1,0,0) none (0,1,0)", without what is none; {} where there are other words. */
+std::vector<double> numbers_of(const std::string &text)
+{
+    std::vector<double> numbers;
+    for (const char *at = text.c_str(); *at;) {
+        char *end;
+        const double number = std::strtod(at, &end);
+        if (std::strchr("(), \t", *at))
+            end = const_cast<char *>(at) + 1;
+        else if (std::strncmp(at, "none", 4) == 0)
+            end = const_cast<char *>(at) + 4;
+        else if (end == at)
+            return {};
+        else
+            numbers.push_back(number);
+        at = end;
+    }
+    return numbers;
+}
+
+/* A column of left-anterior-superior as it is in our world, from where ITK has it: ITK 5.2 turns x
+ * to the right where y is to be turned to the back, and who has put that right turns y. Both are
+ * taken, and the signs are those of the header. False where ITK says anything else, which stays. */
+bool turn_column(Volume &volume, int column, const double *is)
+{
+    const double said[3] = {-is[0], is[1], is[2]};
+    bool is_right = true, is_turned = true;
+    for (int w = 0; w < 3; w++) {
+        const double has = volume.to_mm[w][column], near = 1e-9 * std::fabs(said[w]);
+        is_right = is_right && std::fabs(has - said[w]) <= near;
+        is_turned = is_turned && std::fabs(has - (w < 2 ? -said[w] : said[w])) <= near;
+    }
+    if (!is_right && !is_turned)
+        return false;
+    for (int w = 0; w < 2; w++)
+        volume.to_mm[w][column] = std::copysign(volume.to_mm[w][column], said[w]);
+    return true;
+}
+
+/* Of a NRRD in left-anterior-superior that is placed as ITK has it: where it lies. Where ITK has
+ * read other numbers than stand in the header that is not known, and said. */
+void place_las(Volume &volume, itk::ImageIOBase &io, const Request &request)
+{
+    const Header header = header_of("nrrd", request.path);
+    const std::string space = in_small_letters(header.value("space"));
+    if (!(volume.known & ORIENTATION) || (space != "las" && space != "left-anterior-superior"))
+        return;
+    const bool has_origin = header.field.count("space origin");
+    const std::vector<double> axes = numbers_of(header.value("space directions"));
+    std::vector<double> origin = numbers_of(header.value("space origin"));
+    bool is_sure = axes.size() == 9 && (!has_origin || origin.size() == 3);
+    if (!has_origin) /* as of every space: 0, of which ITK turns none and iftty two */
+        origin = {0.0, -0.0, 0};
+    for (int a = 0; a < 3 && is_sure; a++)
+        is_sure = turn_column(volume, a, &axes[3 * static_cast<size_t>(a)]);
+    is_sure = is_sure && turn_column(volume, 3, origin.data());
+    if (!is_sure) {
+        volume.known &= ~ORIENTATION;
+        place(volume, io, World::NONE);
+        note(volume, "its space is left-anterior-superior, and where its voxels lie in it is not "
+                     "certain: sides of the patient are unknown");
+    }
+}
+
+/* The lengths of a header to millimetres. Where one is in a unit that is not known, no place is
+ * known either: axes may be stretched. */
+void measure(Volume &volume, itk::ImageIOBase &io, const Units &units, const char *field)
+{
+    const bool has_place = volume.known & ORIENTATION;
+    const unsigned dimensions = std::min(io.GetNumberOfDimensions(), 3U);
+    for (unsigned a = 0; a < dimensions; a++) {
+        double square = 0; /* of the length along axis a, in a space that is not the patient's */
+        for (unsigned w = 0; w < std::min<size_t>(3, io.GetDirection(a).size()); w++)
+            square += std::pow(io.GetDirection(a)[w] * io.GetSpacing(a) * units.mm[w], 2);
+        if (units.are_of_space && !has_place && !units.are_alike())
+            volume.to_mm[a][a] = std::sqrt(square);
+        else
+            for (unsigned w = 0; w < 3; w++)
+                volume.to_mm[w][a] *= units.mm[units.are_of_space ? w : a];
+        volume.to_mm[a][3] *= units.mm[a];
+    }
+    if (units.are_known || !(volume.known & SPACING))
+        return;
+    volume.known = NOTHING;
+    place(volume, io, World::NONE);
+    note(volume, words_of("its field \"%s\" has a unit that is not known (" LENGTH_UNITS "): "
+                          "distances of voxels are unknown; spacing=X,Y,Z says them in mm",
+                          field));
+}
+
+unsigned known_by_meta(const std::string &path)
+{
+    const Header header = header_of("meta", path);
+    unsigned known = header.field.count("elementspacing") ? SPACING : NOTHING;
+    for (const char *name : {"transformmatrix", "orientation", "rotation"})
+        if (header.field.count(name))
+            known |= ORIENTATION;
+    return known;
+}
+
+/* ---- the formats of ITK ---- */
+
+template <typename Reader> itk::ImageIOBase::Pointer make()
+{
+    return Reader::New().GetPointer();
+}
+
+/* Formats of scanners of which no file is to be had: what their readers say of distances and sides
+ * is not taken. */
+constexpr unsigned UNPROVEN = 8;
+
+/* ITK 5.2 gives the world of a MINC as it is, to the right and to the front. A format that does not
+ * know the patient has no world. */
+const Kind kinds[] = {
+    {"nrrd", "NRRD", make<itk::NrrdImageIO>, World::LPS, NOTHING},
+    {"meta", "MetaImage", make<itk::MetaImageIO>, World::LPS, NOTHING},
+    {"minc", "MINC", make<itk::MINCImageIO>, World::RAS, SPACING | ORIENTATION},
+    {"png", "PNG", make<itk::PNGImageIO>, World::NONE, NOTHING},
+    {"vtk", "VTK", make<itk::VTKImageIO>, World::NONE, SPACING},
+    {"gipl", "GIPL", make<itk::GiplImageIO>, World::NONE, SPACING},
+    {"ge5", "GE 5", make<itk::GE5ImageIO>, World::NONE, UNPROVEN},
+    {"ge4", "GE 4", make<itk::GE4ImageIO>, World::NONE, UNPROVEN},
+    {"geadw", "GE ADW", make<itk::GEAdwImageIO>, World::NONE, UNPROVEN},
+    {"siemens", "Siemens Vision", make<itk::SiemensVisionImageIO>, World::NONE, UNPROVEN},
+    {"bruker", "Bruker", make<itk::Bruker2dseqImageIO>, World::NONE, UNPROVEN},
+    {"stimulate", "Stimulate", make<itk::StimulateImageIO>, World::NONE, SPACING},
+    {"itk-hdf5", "HDF5 of ITK", make<itk::HDF5ImageIO>, World::LPS, SPACING | ORIENTATION},
+};
+
+/* NULL for none; of "any", the first that takes the file, of those that no first bytes tell. */
+const Kind *find_kind(const std::string &name, const std::string &path)
+{
+    static const std::set<std::string> tried = {"ge4",    "ge5",  "geadw",    "siemens",
+                                                "bruker", "gipl", "stimulate"};
+    for (const Kind &kind : kinds)
+        if (name == kind.name ||
+            (name == "any" && tried.count(kind.name) > 0 && kind.make()->CanReadFile(path.c_str())))
+            return &kind;
+    return nullptr;
+}
+
+void open_by_itk(Volume &volume, const Request &request, const std::string &name)
+{
+    const Kind *kind = find_kind(name, request.path);
+    if (!kind)
+        refuse("it is of no format that is known here");
+    itk::ImageIOBase::Pointer io = kind->make();
+    io->SetFileName(request.path);
+    count_parts(kind->name, request.path, "");
+    const bool is_nrrd = name == "nrrd", is_meta = name == "meta";
+    const Header header = is_nrrd || is_meta ? header_of(name, request.path) : Header();
+    if (is_nrrd)
+        check_nrrd(header);
+    if (is_meta)
+        check_meta_numbers(header);
+    if (name == "vtk")
+        check_vtk(request.path);
+    const Units units = is_nrrd ? units_of_nrrd(header) : is_meta ? units_of_meta(header) : Units();
+    if (!io->CanReadFile(request.path.c_str()))
+        refuse("its first bytes are of a %s file, and the rest of its header is not", kind->format);
+    if (name == "any")
+        check_stimulate(request);
+    io->ReadImageInformation();
+    if (is_meta) {
+        std::vector<long> sides;
+        for (unsigned a = 0; a < io->GetNumberOfDimensions(); a++)
+            sides.push_back(static_cast<long>(io->GetDimensions(a)));
+        check_meta(
+            request,
+            static_cast<itk::MetaImageIO &>(*io).GetMetaImagePointer()->ElementDataFileName(),
+            sides);
+    }
+    volume.format = kind->format;
+    volume.known = is_nrrd   ? known_by_nrrd(request.path)
+                   : is_meta ? known_by_meta(request.path)
+                             : kind->known;
+    describe(volume, io, request, volume.known & ORIENTATION ? kind->world : World::NONE);
+    if (is_nrrd)
+        place_las(volume, *io, request);
+    if (kind->known == UNPROVEN) {
+        volume.known = NOTHING;
+        note(volume, words_of("no file of %s was to be had to prove its reader: compare its voxels "
+                              "with another program; distances and sides are taken as unknown",
+                              kind->format));
+    }
+    if (is_nrrd || is_meta)
+        measure(volume, *io, units,
+                is_meta              ? "DistanceUnits"
+                : units.are_of_space ? "space units"
+                                     : "units");
+    if (is_meta)
+        scale_meta(volume, header);
+    count_voxels(volume, kind->name, request);
+    if (name == "png")
+        note_png(volume, request.path);
+}
+
+/* ---- slices as pictures ---- */
+
+/* Names as people count: slice9 before slice10. */
+bool is_before(const std::string &a, const std::string &b)
+{
+    size_t i = 0, j = 0;
+    while (i < a.size() && j < b.size()) {
+        if (std::isdigit(static_cast<unsigned char>(a[i])) &&
+            std::isdigit(static_cast<unsigned char>(b[j]))) {
+            const auto end = [](const std::string &s, size_t at) {
+                while (at < s.size() && std::isdigit(static_cast<unsigned char>(s[at])))
+                    at++;
+                return at;
+            };
+            const auto digits = [](const std::string &s, size_t from, size_t to) {
+                while (from + 1 < to && s[from] == '0')
+                    from++;
+                return s.substr(from, to - from);
+            };
+            const size_t m = end(a, i), n = end(b, j);
+            const std::string p = digits(a, i, m), q = digits(b, j, n);
+            if (p != q)
+                return p.size() != q.size() ? p.size() < q.size() : p < q;
+            i = m;
+            j = n;
+        } else if (a[i] != b[j]) {
+            return a[i] < b[j];
+        } else {
+            i++;
+            j++;
+        }
+    }
+    return a.size() - i < b.size() - j;
+}
+
+itk::ImageIOBase::Pointer open_picture(const std::string &kind, const std::string &path,
+                                       size_t number, size_t all)
+{
+    const itk::ImageIOBase::Pointer io = find_kind(kind, path)->make();
+    io->SetFileName(path);
+    try {
+        io->ReadImageInformation();
+    } catch (const std::exception &) {
+        refuse("slice %zu of %zu cannot be decoded", number, all);
+    }
+    return io;
+}
+
+void send_pictures(const Volume &volume, const std::vector<std::string> &path,
+                   const std::string &kind)
+{
+    std::vector<char> bytes(bytes_in(volume, 1) / volume.size[2]);
+    for (size_t z = 0; z < path.size(); z++) {
+        const itk::ImageIOBase::Pointer io = open_picture(kind, path[z], z + 1, path.size());
+        const bool is_flat = io->GetNumberOfDimensions() < 3 || io->GetDimensions(2) == 1;
+        if (!is_flat || io->GetDimensions(0) != volume.size[0] ||
+            io->GetDimensions(1) != volume.size[1] || io->GetNumberOfComponents() != 1 ||
+            volume.type != type_of(*io))
+            refuse("slice %zu of %zu is %zux%zu with %u values of %s a pixel, and the first "
+                   "%llux%llu with 1 of %s; expected slices of one kind",
+                   z + 1, path.size(), static_cast<size_t>(io->GetDimensions(0)),
+                   static_cast<size_t>(io->GetDimensions(1)), io->GetNumberOfComponents(),
+                   type_of(*io), wide(volume.size[0]), wide(volume.size[1]), volume.type.c_str());
+        io->SetIORegion(whole_region(*io));
+        io->Read(bytes.data());
+        send_piece(bytes.data(), bytes.size());
+    }
+}
+
+/* Says where numbers in names leave some out: the last number of each name. */
+void note_gaps(Volume &volume, const std::vector<std::string> &path)
+{
+    long former = -1;
+    size_t gaps = 0;
+    std::string first;
+    for (size_t i = 0; i < path.size(); i++) {
+        size_t end = path[i].find_last_of("0123456789");
+        size_t begin = end;
+        while (begin != std::string::npos && begin > 0 &&
+               std::isdigit(static_cast<unsigned char>(path[i][begin - 1])))
+            begin--;
+        if (end == std::string::npos || end - begin > 9)
+            return;
+        const long number = std::atol(path[i].c_str() + begin);
+        if (former >= 0 && number != former + 1 && gaps++ == 0)
+            first = words_of("after slice %zu", i);
+        former = number;
+    }
+    if (gaps)
+        note(volume, words_of("the numbers in the names of the slices leave some out (the first "
+                              "time %s)",
+                              first.c_str()));
+}
+
+void stack_pictures(Volume &volume, std::vector<std::string> path, const std::string &kind)
+{
+    std::sort(path.begin(), path.end(), is_before);
+    for (size_t z = 0; z < path.size(); z++)
+        count_parts(
+            kind, path[z],
+            words_of("slice %zu of %zu, %s, is ", z + 1, path.size(), last_name(path[z]).c_str()));
+    if (kind == "tiff") {
+        stack_tiffs(volume, path);
+        note_gaps(volume, path);
+        return;
+    }
+    const itk::ImageIOBase::Pointer io = open_picture(kind, path[0], 1, path.size());
+    if (io->GetNumberOfComponents() != 1)
+        refuse("slice 1 of %zu has %u values a pixel (%s); expected grey: `mogrify -format png "
+               "-type Grayscale -alpha off *.png` (imagemagick) makes grey of all",
+               path.size(), io->GetNumberOfComponents(),
+               io->GetNumberOfComponents() == 2 ? "grey with alpha"
+                                                : "colours, perhaps of a palette");
+    volume.format = "PNG slices";
+    volume.type = type_of(*io);
+    volume.size[0] = io->GetDimensions(0);
+    volume.size[1] = io->GetDimensions(1);
+    volume.size[2] = path.size();
+    note_gaps(volume, path);
+    note_png(volume, path[0]);
+    volume.send = [&volume, path, kind]() { send_pictures(volume, path, kind); };
+}
+
+} // namespace volume

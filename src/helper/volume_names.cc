@@ -1,0 +1,371 @@
+/* SPDX-License-Identifier: MIT */
+/* Headers of text, NRRD and MetaImage: their fields, and which files they name for the voxels. */
+#include "helper/volume_parts.hh"
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+extern "C" {
+#include "base/beneath.h"
+}
+
+namespace volume
+{
+
+constexpr size_t header_most = 1 << 20; /* bytes; lists of names with it */
+constexpr uint64_t files_most = 100000;
+constexpr size_t fields_most = 1000;
+
+/* ---- fields ---- */
+
+std::string Header::value(const char *name) const
+{
+    const auto found = field.find(name);
+    return found == field.end() ? "" : found->second;
+}
+
+std::string trimmed(const std::string &text)
+{
+    const size_t first = text.find_first_not_of(" \t\r"), last = text.find_last_not_of(" \t\r");
+    return first == std::string::npos ? "" : text.substr(first, last - first + 1);
+}
+
+/* That of a MetaImage, of "NAME = VALUE", ends with the field that says where its voxels are; a
+ * NRRD's, of "NAME: VALUE", with an empty line. */
+Header header_of(const std::string &kind, const std::string &path)
+{
+    const bool is_meta = kind == "meta";
+    Header header;
+    std::ifstream file(path, std::ios::binary);
+    std::string line;
+    for (uint64_t at = 0; header.end == 0 && std::getline(file, line);) {
+        at += line.size() + (file.eof() ? 0 : 1);
+        const size_t between = line.find(is_meta ? '=' : ':');
+        const std::string name = in_small_letters(trimmed(line.substr(0, between)));
+        const bool is_key = !is_meta && between + 1 < line.size() && line[between + 1] == '=';
+        if (between != std::string::npos && line[0] != '#' && !is_key &&
+            header.field.size() < fields_most)
+            header.field[name] = trimmed(line.substr(between + 1));
+        if (is_meta ? name == "elementdatafile" : trimmed(line).empty())
+            header.end = at;
+    }
+    return header;
+}
+
+/* ---- one name ---- */
+
+std::string folder_of(const std::string &path)
+{
+    const size_t slash = path.find_last_of('/');
+    return slash == std::string::npos ? "./" : path.substr(0, slash + 1);
+}
+
+std::string last_name(const std::string &path)
+{
+    return shown(path.substr(path.find_last_of('/') + 1));
+}
+
+std::string wrong_with(const std::string &header, const std::string &name)
+{
+    const char *is = "";
+    switch (beneath_look(folder_of(header).c_str(), name.c_str())) {
+    case BENEATH_FINE:
+        return "";
+    case BENEATH_MISSING:
+        is = "which is not there";
+        break;
+    case BENEATH_OUTSIDE:
+        is = "which is not below the folder of the header";
+        break;
+    case BENEATH_FOLDER:
+    case BENEATH_NO_FILE:
+        is = "which is not a regular file";
+        break;
+    }
+    return words_of("voxels of it are in %s, %s; nothing else is read in its place",
+                    shown(name).c_str(), is);
+}
+
+/* The path of a file that a header names, which is sound. */
+std::string take_name(const std::string &header, const std::string &name)
+{
+    refuse_for(wrong_with(header, name));
+    return folder_of(header) + name;
+}
+
+/* ---- lines ---- */
+
+struct Text {
+    std::string bytes;
+    bool is_whole;
+};
+
+Text begin_of(const std::string &path)
+{
+    Text text = {std::string(header_most, '\0'), false};
+    std::ifstream file(path, std::ios::binary);
+    file.read(&text.bytes[0], header_most);
+    text.bytes.resize(static_cast<size_t>(file.gcount()));
+    text.is_whole = text.bytes.size() < header_most;
+    return text;
+}
+
+[[noreturn]] void refuse_header()
+{
+    refuse("its header says in no way that is read here which files its voxels are in");
+}
+
+std::vector<std::string> words_in(const std::string &text)
+{
+    std::istringstream stream(text);
+    std::vector<std::string> words;
+    for (std::string word; stream >> word;)
+        words.push_back(word);
+    return words;
+}
+
+/* The number that a word is, of at most nine digits. */
+long number_of(const std::string &word)
+{
+    const size_t sign = word[0] == '-';
+    if (word.size() == sign || word.size() > 9 ||
+        word.find_first_not_of("0123456789", sign) != std::string::npos)
+        refuse_header();
+    return std::stol(word);
+}
+
+/* Names that are counted: "slice%03d.raw" with the first number, the last and the step. */
+std::vector<std::string> count_names(const std::string &pattern, long first, long last, long step)
+{
+    std::vector<std::string> names;
+    /* Its only conversion; a header may hold any other for its reader to stumble over. */
+    const size_t begin = pattern.find('%');
+    const size_t letter = pattern.find_first_not_of("0123456789", begin + 1), end = letter + 1;
+    if (letter == std::string::npos || pattern[letter] != 'd' || letter - begin > 4 ||
+        pattern.find('%', letter) != std::string::npos)
+        refuse_header();
+    const std::string digits = pattern.substr(begin + 1, letter - begin - 1);
+    const size_t width = digits.empty() ? 0 : static_cast<size_t>(number_of(digits));
+    const char fill = digits[0] == '0' ? '0' : ' ';
+    if (step == 0 || first < 0 || (last - first) / step < 0)
+        refuse_header();
+    for (long i = first; step > 0 ? i <= last : i >= last; i += step) {
+        std::string number = std::to_string(i);
+        if (names.size() >= files_most || i < 0)
+            refuse_header();
+        if (number.size() < width)
+            number.insert(0, width - number.size(), fill);
+        names.push_back(pattern.substr(0, begin) + number + pattern.substr(end));
+    }
+    return names;
+}
+
+/* A line from `at` on, without its end, and `at` after it. */
+std::string next_line(const std::string &text, size_t &at)
+{
+    const size_t end = std::min(text.find('\n', at), text.size());
+    std::string line = text.substr(at, end - at);
+    at = std::min(end + 1, text.size());
+    if (!line.empty() && line.back() == '\r')
+        line.pop_back();
+    if (line.find('\r') != std::string::npos || line.find('\0') != std::string::npos)
+        refuse_header();
+    return line;
+}
+
+bool is_list(const std::string &value)
+{
+    return value.compare(0, 4, "LIST") == 0;
+}
+
+/* ---- NRRD ---- */
+
+/* Whether its reader takes the value for a pattern: the first % of which there are not two. */
+bool is_pattern(const std::string &value)
+{
+    size_t at = value.find('%');
+    while (at != std::string::npos && at + 1 < value.size() && value[at + 1] == '%')
+        at = value.find('%', at + 2);
+    if (at == std::string::npos)
+        return false;
+    at = value.find_first_not_of("0123456789", at + 1);
+    return at != std::string::npos && (value[at] == 'd' || value[at] == 'u');
+}
+
+std::vector<std::string> names_in_nrrd(const Text &text)
+{
+    std::vector<std::string> names;
+    bool named = false;
+    for (size_t at = 0; at < text.bytes.size();) {
+        const std::string line = next_line(text.bytes, at);
+        const size_t colon = line.find(": ");
+        if (line.empty())
+            return names;
+        const std::string field = in_small_letters(line.substr(0, colon));
+        if (colon == std::string::npos || line[0] == '#' ||
+            (field != "data file" && field != "datafile"))
+            continue;
+        const size_t begin = line.find_first_not_of(" \t", colon + 2);
+        const std::string value = begin == std::string::npos ? "" : line.substr(begin);
+        if (named)
+            refuse_header();
+        named = true;
+        if (is_list(value)) { /* up to the end of the header */
+            for (std::string name; at < text.bytes.size();) {
+                name = next_line(text.bytes, at);
+                if (name.empty())
+                    return names;
+                names.push_back(name);
+            }
+        } else if (is_pattern(value)) {
+            const std::vector<std::string> word = words_in(value);
+            if (word.size() < 4)
+                refuse_header();
+            names =
+                count_names(word[0], number_of(word[1]), number_of(word[2]), number_of(word[3]));
+        } else {
+            names.push_back(value);
+        }
+    }
+    if (!text.is_whole) /* it would go on where nobody has looked */
+        refuse_header();
+    return names;
+}
+
+/* ---- MetaImage ---- */
+
+const char meta_field[] = "ElementDataFile";
+
+/* The value of the field that begins at `at`, and the line after it. */
+std::string meta_value(const std::string &text, size_t &at)
+{
+    const std::string line = next_line(text, at);
+    const size_t begin = line.find_first_not_of(" \t=:", line.find_first_of("=:"));
+    const size_t end = line.find_last_not_of(" \t");
+    return begin == std::string::npos ? "" : line.substr(begin, end + 1 - begin);
+}
+
+/* The sides that the header gives, the fastest first. */
+std::vector<long> meta_sides(const std::string &text)
+{
+    std::vector<long> sides;
+    for (size_t at = 0; at < text.size();) {
+        if (text.compare(at, 7, "DimSize") == 0) {
+            for (const std::string &word : words_in(meta_value(text, at)))
+                sides.push_back(number_of(word));
+            break;
+        }
+        at = std::min(text.find('\n', at), text.size() - 1) + 1;
+    }
+    return sides;
+}
+
+/* One file for each piece of so many dimensions: a list that is too short would leave zeros. */
+void check_number(size_t files, const std::vector<long> &sides, size_t dimensions)
+{
+    uint64_t pieces = 1;
+    for (size_t a = dimensions; a < sides.size(); a++)
+        if (sides[a] < 1 || (pieces *= static_cast<uint64_t>(sides[a])) > files_most)
+            refuse_header();
+    if (files != pieces)
+        refuse("its header names %s, and says that it has %s", plural_of(files, "file").c_str(),
+               plural_of(pieces, "piece").c_str());
+}
+
+/* Its reader takes the last word of the header's fields to be this one, and stops there. */
+std::string meta_says(const Text &text, size_t &at)
+{
+    at = text.bytes.find(meta_field);
+    if (at == std::string::npos) {
+        if (!text.is_whole)
+            refuse_header();
+        return "";
+    }
+    const size_t begin = text.bytes.find_last_not_of(" \t", at ? at - 1 : 0);
+    if (at > 0 && begin != std::string::npos && text.bytes[begin] != '\n')
+        refuse_header();
+    return meta_value(text.bytes, at);
+}
+
+std::vector<std::string> names_in_meta(const Text &text, const std::string &path)
+{
+    size_t at;
+    const std::string value = meta_says(text, at);
+    if (at == std::string::npos || value == "LOCAL" || value == "Local" || value == "local")
+        return {};
+    if (!text.is_whole || value.empty() || text.bytes.find(meta_field, at) != std::string::npos)
+        refuse_header();
+    const std::vector<long> sides = meta_sides(text.bytes);
+    const std::vector<std::string> word = words_in(value);
+    if (is_list(value)) {
+        const size_t given = word.size() > 1 ? static_cast<size_t>(number_of(word[1])) : 0;
+        std::vector<std::string> names;
+        while (at < text.bytes.size()) {
+            names.push_back(next_line(text.bytes, at));
+            names.back().erase(names.back().find_last_not_of(" \t") + 1);
+        }
+        while (!names.empty() && names.back().empty())
+            names.pop_back();
+        check_number(names.size(), sides,
+                     given < 1 || given > sides.size() ? sides.size() - 1 : given);
+        return names;
+    }
+    if (value.find('%') != std::string::npos) {
+        if (word.size() != 4 || sides.empty())
+            refuse_header();
+        const std::vector<std::string> names =
+            count_names(word[0], number_of(word[1]), number_of(word[2]), number_of(word[3]));
+        check_number(names.size(), sides, sides.size() - 1);
+        return names;
+    }
+    for (const char *ending : {"", ".gz"}) /* which its reader tries in turn */
+        if (beneath_look(folder_of(path).c_str(), (value + ending).c_str()) != BENEATH_MISSING)
+            return {value + ending};
+    return {value};
+}
+
+/* ---- the whole ---- */
+
+std::vector<std::string> named_files(const Request &request)
+{
+    std::vector<std::string> names, paths;
+    if (request.kind == "nrrd")
+        names = names_in_nrrd(begin_of(request.path));
+    else if (request.kind == "meta")
+        names = names_in_meta(begin_of(request.path), request.path);
+    for (const std::string &name : names)
+        paths.push_back(take_name(request.path, name));
+    return paths;
+}
+
+void check_meta(const Request &request, const std::string &name, const std::vector<long> &sides)
+{
+    size_t at;
+    const Text text = begin_of(request.path);
+    if (meta_says(text, at) != name ||
+        ((is_list(name) || name.find('%') != std::string::npos) && meta_sides(text.bytes) != sides))
+        refuse_header();
+}
+
+void check_stimulate(const Request &request)
+{
+    const size_t dot = request.path.find_last_of('.'), slash = request.path.find_last_of('/');
+    if (dot == std::string::npos || request.path.substr(dot) != ".spr")
+        return;
+    const size_t begin_of_name = slash == std::string::npos ? 0 : slash + 1;
+    const std::string beside = request.path.substr(begin_of_name, dot - begin_of_name) + ".sdt";
+    if (beneath_look(folder_of(request.path).c_str(), beside.c_str()) != BENEATH_MISSING)
+        take_name(request.path, beside);
+    static const char field[] = "stimFileName:";
+    const std::string text = begin_of(request.path).bytes;
+    for (size_t at = text.find(field); at != std::string::npos; at = text.find(field, at)) {
+        const std::string line = next_line(text, at += sizeof field - 1);
+        const size_t begin = line.find_first_not_of(' ');
+        if (begin != std::string::npos)
+            take_name(request.path, line.substr(begin, line.find_last_not_of(' ') + 1 - begin));
+    }
+}
+
+} // namespace volume

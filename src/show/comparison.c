@@ -1,0 +1,468 @@
+/* SPDX-License-Identifier: MIT */
+#include "show/comparison.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "engine/distance.h"
+#include "show/figures.h"
+#include "session/tally.h"
+
+bool comparison_has(const struct comparison *comparison, unsigned label)
+{
+    return !label || comparison->overlap.a[label] || comparison->overlap.b[label];
+}
+
+const uint32_t *comparison_farthest(const struct comparison *comparison,
+                                    const uint32_t else_place[3])
+{
+    const struct label_distances *d = &comparison->distance[0];
+    return d->has_hausdorff && d->hausdorff_mm > 0 ? d->farthest : else_place;
+}
+
+/* ---- where labels lie ---- */
+
+struct box {
+    uint32_t first[3], last[3];
+};
+
+static void widen(struct box *box, const uint32_t place[3])
+{
+    for (int a = 0; a < 3; a++) {
+        box->first[a] = place[a] < box->first[a] ? place[a] : box->first[a];
+        box->last[a] = place[a] > box->last[a] ? place[a] : box->last[a];
+    }
+}
+
+/* Counts labels, and finds the boxes around each in both; box[0] is around all objects. */
+static enum err look_through(struct overlap *overlap, struct box box[256], const struct compared *c,
+                             struct watch *watch, struct fault *fault)
+{
+    const uint8_t *a = c->label[0], *b = c->label[1];
+    const size_t voxels = (size_t)c->size[0] * c->size[1] * c->size[2];
+    struct task task = task_begin(watch, "comparing labels", voxels);
+    for (unsigned l = 0; l < 256; l++)
+        box[l] = (struct box){{UINT32_MAX, UINT32_MAX, UINT32_MAX}, {0, 0, 0}};
+    for (uint32_t z = 0; z < c->size[2]; z++)
+        for (uint32_t y = 0; y < c->size[1] && task_advance(&task, c->size[0]); y++) {
+            overlap_add(overlap, a, b, c->size[0]);
+            for (uint32_t x = 0; x < c->size[0]; x++, a++, b++) {
+                const uint32_t place[3] = {x, y, z};
+                if (!(*a | *b))
+                    continue;
+                widen(&box[0], place);
+                if (*a)
+                    widen(&box[*a], place);
+                if (*b && *b != *a)
+                    widen(&box[*b], place);
+            }
+        }
+    return watch_fault(watch, fault);
+}
+
+/* ---- one label ---- */
+
+/* Bits of a voxel. */
+enum { IN_A = 1, IN_B = 2 };
+static const uint8_t in_set[2] = {IN_A, IN_B};
+
+/* What one label takes: arrays of its box. */
+struct work {
+    const struct compared *compared;
+    const struct distance_scale *scale;
+    uint32_t first[3];
+    struct contour_box box;
+    size_t voxels;
+    uint8_t *set, *contour;
+    uint64_t *squared; /* to the nearest voxel of the other contour; */
+    uint64_t *found;   /* [voxels of a contour], of that contour alone */
+    size_t count[2];   /* voxels of the contours of A and B, and the sum of their distances */
+    double sum_mm[2];
+    struct team *team;
+    struct watch *watch;
+};
+
+/* `label` 0 stands for all objects. */
+static void mark_sets(struct work *w, unsigned label)
+{
+    const struct compared *c = w->compared;
+    uint8_t *set = w->set;
+    struct task task = task_begin(w->watch, "voxels of a label", w->voxels);
+    for (uint32_t z = 0; z < w->box.size[2]; z++)
+        for (uint32_t y = 0; y < w->box.size[1] && task_advance(&task, w->box.size[0]); y++) {
+            const size_t row =
+                w->first[0] +
+                (size_t)c->size[0] * (w->first[1] + y + (size_t)c->size[1] * (w->first[2] + z));
+            const uint8_t *a = c->label[0] + row, *b = c->label[1] + row;
+            for (uint32_t x = 0; x < w->box.size[0]; x++)
+                *set++ = (uint8_t)((label ? a[x] == label : a[x] > 0) * IN_A |
+                                   (label ? b[x] == label : b[x] > 0) * IN_B);
+        }
+}
+
+static enum err work_init(struct work *w, const struct box *box, unsigned label,
+                          struct fault *fault)
+{
+    w->voxels = 1;
+    for (int a = 0; a < 3; a++) {
+        w->first[a] = box->first[a];
+        w->box.size[a] = box->last[a] - box->first[a] + 1;
+        w->box.ends[a][0] = box->first[a] == 0;
+        w->box.ends[a][1] = box->last[a] + 1 == w->compared->size[a];
+        w->voxels *= w->box.size[a];
+    }
+    w->set = mem_array(w->voxels, 1);
+    w->contour = mem_array(w->voxels, 1);
+    w->squared = mem_array(w->voxels, sizeof *w->squared);
+    if (!w->set || !w->contour || !w->squared)
+        return fault_memory(fault, "a comparison");
+    mark_sets(w, label);
+    contour_find(w->contour, w->set, (uint8_t *)w->squared, &w->box, w->watch);
+    return watch_fault(w->watch, fault);
+}
+
+static void work_release(struct work *w)
+{
+    free(w->set);
+    free(w->contour);
+    free(w->squared);
+    free(w->found);
+}
+
+static double in_mm(const struct work *w, uint64_t squared)
+{
+    return sqrt((double)squared) * ((double)w->scale->unit_nm / 1e6);
+}
+
+/* The voxel of `from` farthest from the set that `squared` leads to the contour of; those that the
+ * set has too are 0 away. */
+static void take_farthest(struct label_distances *d, const struct work *w, uint8_t from)
+{
+    uint64_t most = 0;
+    size_t where = 0;
+    struct task task = task_begin(w->watch, "distances", w->voxels);
+    for (size_t i = 0; i < w->voxels && task_advance(&task, 1); i++)
+        if (w->set[i] == from && w->squared[i] > most) {
+            most = w->squared[i];
+            where = i;
+        }
+    const double mm = in_mm(w, most);
+    if (d->has_hausdorff && mm <= d->hausdorff_mm)
+        return;
+    d->has_hausdorff = true;
+    d->hausdorff_mm = mm;
+    d->farthest[0] = w->first[0] + (uint32_t)(where % w->box.size[0]);
+    d->farthest[1] = w->first[1] + (uint32_t)(where / w->box.size[0] % w->box.size[1]);
+    d->farthest[2] = w->first[2] + (uint32_t)(where / w->box.size[0] / w->box.size[1]);
+}
+
+static int compare_numbers(const void *a, const void *b)
+{
+    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* From one contour to the other; direction 0 is A to B. */
+static enum err take_surface(struct label_distances *d, struct work *w, int direction,
+                             struct fault *fault)
+{
+    const uint8_t from = in_set[direction];
+    size_t count = 0, n = 0;
+    struct task task = task_begin(w->watch, "distances of surfaces", 2 * (uint64_t)w->voxels);
+    for (size_t i = 0; i < w->voxels && task_advance(&task, 1); i++)
+        count += (w->contour[i] & from) != 0;
+    w->count[direction] = count;
+    if (!count)
+        return OK;
+    free(w->found);
+    w->found = mem_array(count, sizeof *w->found);
+    if (!w->found)
+        return fault_memory(fault, "a comparison");
+    for (size_t i = 0; i < w->voxels && task_advance(&task, 1); i++)
+        if (w->contour[i] & from)
+            w->found[n++] = w->squared[i];
+    if (watch_stops(w->watch))
+        return watch_fault(w->watch, fault);
+    qsort(w->found, n, sizeof *w->found, compare_numbers);
+    for (size_t i = 0; i < n; i++)
+        w->sum_mm[direction] += in_mm(w, w->found[i]);
+    d->directed_mean_mm[direction] = w->sum_mm[direction] / (double)n;
+    /* Of sorted distances: between two, a part of the way that the rank falls in. */
+    const size_t hundredths = 95 * (n - 1), rank = hundredths / 100;
+    const double low = in_mm(w, w->found[rank]);
+    const double high = in_mm(w, w->found[rank + (rank + 1 < n)]);
+    d->directed_percentile_95_mm[direction] = low + (high - low) * (double)(hundredths % 100) / 100;
+    d->most_mm = fmax(d->most_mm, in_mm(w, w->found[n - 1]));
+    return OK;
+}
+
+/* From each voxel to the nearest of that contour. */
+static enum err spread_from(struct work *w, uint8_t contour, struct fault *fault)
+{
+    for (size_t i = 0; i < w->voxels; i++)
+        w->squared[i] = w->contour[i] & contour ? 0 : DISTANCE_NONE;
+    return distance_spread(w->squared, w->box.size, w->scale, w->team, w->watch, fault);
+}
+
+static enum err measure_towards(struct label_distances *d, struct work *w, int direction,
+                                struct fault *fault)
+{
+    const enum err err = spread_from(w, in_set[!direction], fault);
+    if (err)
+        return err;
+    take_farthest(d, w, in_set[direction]);
+    return take_surface(d, w, direction, fault);
+}
+
+static enum err measure(struct label_distances *d, struct work *w, struct fault *fault)
+{
+    enum err err = measure_towards(d, w, 0, fault);
+    if (!err)
+        err = measure_towards(d, w, 1, fault);
+    d->has_surfaces = !err && w->count[0] && w->count[1];
+    if (!d->has_surfaces)
+        return err;
+    d->mean_mm = (w->sum_mm[0] + w->sum_mm[1]) / (double)(w->count[0] + w->count[1]);
+    d->percentile_95_mm = fmax(d->directed_percentile_95_mm[0], d->directed_percentile_95_mm[1]);
+    return OK;
+}
+
+static enum err measure_label(struct comparison *comparison, struct work work,
+                              const struct box *box, unsigned label, struct fault *fault)
+{
+    const struct overlap_counts counts = overlap_counts_of(&comparison->overlap, label);
+    if (!counts.a || !counts.b)
+        return OK;
+    enum err err = work_init(&work, box, label, fault);
+    if (!err)
+        err = measure(&comparison->distance[label], &work, fault);
+    work_release(&work);
+    return err;
+}
+
+/* ---- all ---- */
+
+enum err comparison_make(struct comparison *comparison, const struct compared *compared,
+                         struct team *team, struct watch *watch, struct fault *fault)
+{
+    const struct distance_scale scale = distance_scale_of(compared->spacing_nm, compared->size);
+    const struct work work = {.compared = compared, .scale = &scale, .team = team, .watch = watch};
+    struct box box[256];
+    unsigned only = 0;
+    memset(comparison, 0, sizeof *comparison);
+    enum err err = look_through(&comparison->overlap, box, compared, watch, fault);
+    for (unsigned label = 1; label < 256 && !err; label++)
+        if (comparison_has(comparison, label)) {
+            comparison->labels++;
+            only = label;
+            err = measure_label(comparison, work, &box[label], label, fault);
+        }
+    if (comparison->labels > 1 && !err)
+        return measure_label(comparison, work, &box[0], 0, fault);
+    comparison->distance[0] = comparison->distance[only];
+    return err;
+}
+
+/* ---- classes ---- */
+
+static uint8_t class_of(const struct work *w, size_t voxel, double most_mm)
+{
+    if (!(w->set[voxel] & IN_A))
+        return 0;
+    const double part = fmin(in_mm(w, w->squared[voxel]) / most_mm, 1);
+    const int steps = (int)lround(part * COMPARISON_CLASS_STEPS);
+    return (uint8_t)(COMPARISON_CLASS_ON + (w->set[voxel] & IN_B ? -steps : steps));
+}
+
+enum err comparison_classify(uint8_t *class, const struct grid *grid,
+                             const struct compared *compared, double most_mm, struct team *team,
+                             struct watch *watch, struct fault *fault)
+{
+    const struct distance_scale scale = distance_scale_of(compared->spacing_nm, compared->size);
+    struct work w = {.compared = compared, .scale = &scale, .team = team, .watch = watch};
+    struct overlap overlap = {0};
+    struct box box[256];
+    size_t voxel = 0;
+    enum err err = look_through(&overlap, box, compared, watch, fault);
+    if (!err)
+        err = work_init(&w, &box[0], 0, fault);
+    if (!err)
+        err = spread_from(&w, IN_B, fault);
+    for (uint32_t z = 0; z < w.box.size[2] && !err; z++)
+        for (uint32_t y = 0; y < w.box.size[1]; y++) {
+            uint8_t *row = class + grid_cell(grid, w.first[0], w.first[1] + y, w.first[2] + z);
+            for (uint32_t x = 0; x < w.box.size[0]; x++)
+                row[x] = class_of(&w, voxel++, most_mm);
+        }
+    work_release(&w);
+    return err;
+}
+
+/* ---- the measures of a label, for programs ---- */
+
+static bool has_row(const struct comparison_report *report, unsigned label)
+{
+    return comparison_has(report->comparison, label) || (report->listed && report->listed[label]);
+}
+
+static double jaccard(const struct overlap_counts *n)
+{
+    return figures_ratio((double)n->both, (double)n->a + (double)n->b - (double)n->both);
+}
+
+static struct figures figures_of(const struct comparison_report *report, unsigned label)
+{
+    const struct overlap_counts n = overlap_counts_of(&report->comparison->overlap, label);
+    const struct label_distances *d = &report->comparison->distance[label];
+    const double mm3 = tally_voxel_mm3(report->geometry);
+    const double difference = (double)n.a - (double)n.b;
+    struct figures f = {.count = 0};
+    figures_add(&f, "voxels_a", (double)n.a);
+    figures_add(&f, "voxels_b", (double)n.b);
+    figures_add(&f, "voxels_both", (double)n.both);
+    figures_add(&f, "volume_a_mm3", (double)n.a * mm3);
+    figures_add(&f, "volume_b_mm3", (double)n.b * mm3);
+    figures_add(&f, "volume_difference_mm3", difference * mm3);
+    figures_add(&f, "volume_similarity", figures_ratio(2 * difference, (double)n.a + (double)n.b));
+    figures_add(&f, "dice", figures_dice(&report->comparison->overlap, label));
+    figures_add(&f, "jaccard", jaccard(&n));
+    figures_add(&f, "hausdorff_mm", d->has_hausdorff ? d->hausdorff_mm : NAN);
+    figures_add(&f, "surface_95_mm", d->has_surfaces ? d->percentile_95_mm : NAN);
+    figures_add(&f, "surface_mean_mm", d->has_surfaces ? d->mean_mm : NAN);
+    figures_add(&f, "surface_most_mm", d->has_surfaces ? d->most_mm : NAN);
+    figures_add(&f, "surface_95_a_to_b_mm",
+                d->has_surfaces ? d->directed_percentile_95_mm[0] : NAN);
+    figures_add(&f, "surface_95_b_to_a_mm",
+                d->has_surfaces ? d->directed_percentile_95_mm[1] : NAN);
+    figures_add(&f, "surface_mean_a_to_b_mm", d->has_surfaces ? d->directed_mean_mm[0] : NAN);
+    figures_add(&f, "surface_mean_b_to_a_mm", d->has_surfaces ? d->directed_mean_mm[1] : NAN);
+    return f;
+}
+
+/* ---- JSON ---- */
+
+static void add_figures(struct json *json, const struct comparison_report *report, unsigned label)
+{
+    const struct label_distances *d = &report->comparison->distance[label];
+    const struct figures f = figures_of(report, label);
+    figures_write_json(json, &f);
+    if (!d->has_hausdorff || d->hausdorff_mm == 0)
+        return;
+    json_array(json, "farthest");
+    for (int a = 0; a < 3; a++)
+        json_count(json, NULL, d->farthest[a]);
+    json_end(json);
+}
+
+void comparison_write_json(struct buf *out, const struct comparison_report *report)
+{
+    const struct comparison *c = report->comparison;
+    struct json json = {.out = out};
+    json_object(&json, NULL);
+    json_text(&json, "a", report->name[0]);
+    json_text(&json, "b", report->name[1]);
+    json_count(&json, "voxels", c->overlap.voxels);
+    json_count(&json, "differing", c->overlap.differing);
+    if (geometry_fill(report->geometry) < 1) /* for which distances do not allow */
+        json_real(&json, "shear_degrees", geometry_shear(report->geometry), 4);
+    json_object(&json, "all");
+    add_figures(&json, report, 0);
+    json_end(&json);
+    json_array(&json, "labels");
+    for (unsigned label = 1; label < 256; label++) {
+        if (!has_row(report, label))
+            continue;
+        json_object(&json, NULL);
+        json_count(&json, "label", label);
+        json_text(&json, "name", report->label_name[label]);
+        add_figures(&json, report, label);
+        json_end(&json);
+    }
+    json_end(&json);
+    json_end(&json);
+}
+
+/* ---- CSV ---- */
+
+static void write_csv_row(struct buf *out, const struct comparison_report *report, unsigned label)
+{
+    const struct figures f = figures_of(report, label);
+    if (label)
+        buf_printf(out, "%u", label);
+    else
+        buf_add_text(out, "all");
+    figures_write_csv(out, label ? report->label_name[label] : "", &f);
+}
+
+void comparison_write_csv(struct buf *out, const struct comparison_report *report)
+{
+    const struct figures f = figures_of(report, 0);
+    figures_write_csv_names(out, &f);
+    for (unsigned label = 1; label < 256; label++)
+        if (has_row(report, label))
+            write_csv_row(out, report, label);
+    write_csv_row(out, report, 0);
+}
+
+/* ---- a table ---- */
+
+static void write_row(struct buf *out, const struct comparison_report *report, unsigned label)
+{
+    const struct overlap_counts n = overlap_counts_of(&report->comparison->overlap, label);
+    const struct label_distances *d = &report->comparison->distance[label];
+    struct buf name = {0};
+    if (label)
+        buf_printf(&name, "%u ", label);
+    buf_add_safe_text(&name, label ? report->label_name[label] : "all");
+    buf_printf(out, "%-16s", buf_text(&name));
+    buf_release(&name);
+    figures_add_cell(out, 6, 4, figures_dice(&report->comparison->overlap, label));
+    figures_add_cell(out, 7, 4, jaccard(&n));
+    figures_add_volume(out, 9, "", report->geometry, n.a);
+    figures_add_volume(out, 9, n.a > n.b ? "+" : "-", report->geometry,
+                       n.a > n.b ? n.a - n.b : n.b - n.a);
+    figures_add_cell(out, 9, 2, d->has_hausdorff ? d->hausdorff_mm : NAN);
+    figures_add_cell(out, 6, 2, d->has_surfaces ? d->percentile_95_mm : NAN);
+    figures_add_cell(out, 6, 2, d->has_surfaces ? d->mean_mm : NAN);
+    buf_add_char(out, '\n');
+}
+
+void comparison_write_text(struct buf *out, const struct comparison_report *report)
+{
+    const struct comparison *c = report->comparison;
+    for (int i = 0; i < 2; i++) {
+        buf_printf(out, "%-9s ", i ? "B" : "A");
+        buf_add_safe_text(out, report->name[i]);
+        buf_add_char(out, '\n');
+    }
+    buf_add_text(out,
+                 "label              Dice Jaccard  volume A     A - B Hausdorff   95 %   mean\n");
+    for (unsigned label = 1; label < 256; label++)
+        if (has_row(report, label))
+            write_row(out, report, label);
+    if (c->labels != 1)
+        write_row(out, report, 0);
+    /* Surfaces around cavities belong to an object whose voxels are all near the other's. */
+    bool is_odd = false;
+    for (unsigned label = 0; label < 256; label++)
+        is_odd |= c->distance[label].has_surfaces &&
+                  c->distance[label].percentile_95_mm > c->distance[label].hausdorff_mm;
+    buf_printf(out,
+               "%" PRIu64 " of %" PRIu64 " voxels differ; distances in mm: Hausdorff between "
+               "voxels, others between surfaces\n",
+               c->overlap.differing, c->overlap.voxels);
+    if (is_odd)
+        buf_add_text(out, "surfaces inside of an object, around cavities, lie further apart than "
+                          "its voxels\n");
+    figures_add_spacing(out, report->geometry->spacing_unknown);
+    if (geometry_fill(report->geometry) < 1)
+        buf_printf(out, "axes are sheared by %.2g degrees: distances are as if they were not\n",
+                   geometry_shear(report->geometry));
+    const struct label_distances *d = &c->distance[0];
+    if (d->has_hausdorff && d->hausdorff_mm > 0)
+        buf_printf(out, "farthest  voxel %u,%u,%u, %.2f mm from the other\n", d->farthest[0],
+                   d->farthest[1], d->farthest[2], d->hausdorff_mm);
+}

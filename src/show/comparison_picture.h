@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The picture of a comparison: three slices of the scene through one voxel, in which the voxels
+ * that differ are outlined, and beside them what the colours mean and how far each label agrees.
+ *
+ *     coronal | sagittal
+ *     --------+---------
+ *     axial   | words
+ *
+ * A line as thick as a thin one of the picture outlines each region: white what both have under one
+ * label, orange what A alone has for an object, blue what B alone has, purple what is another
+ * object in each. A difference of one voxel is all line, so it is seen. People who cannot
+ * distinguish red from green can distinguish these colours.
+ */
+#ifndef REPORT_COMPARISON_PICTURE_H
+#define REPORT_COMPARISON_PICTURE_H
+
+#include "image/picture.h"
+#include "show/comparison.h"
+#include "session/session.h"
+
+/* How the labels of a voxel differ; 0 where neither is an object. */
+enum difference { AGREES = 1, A_ALONE, B_ALONE, ANOTHER_LABEL, DIFFERENCES };
+extern const uint8_t difference_rgb[DIFFERENCES][3];
+extern const char *const difference_words[DIFFERENCES];
+enum difference difference_of(uint8_t label_a, uint8_t label_b);
+
+/* At the size of the session's view, through `place`, with notes; the caller releases the picture.
+ * ERR_LIMIT for a view too small for a mosaic, ERR_MEMORY. */
+enum err comparison_picture_draw(struct picture *picture, struct session *session,
+                                 const struct compared *compared,
+                                 const struct comparison_report *report, const uint32_t place[3],
+                                 struct fault *fault);
+
+#endif

@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: MIT */
+#include "show/export_map.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "engine/finish.h"
+#include "engine/forest.h"
+#include "engine/labels.h"
+#include "engine/margin.h"
+#include "engine/scene.h"
+#include "render/border.h"
+#include "session/numbering.h"
+#include "session/state.h"
+
+struct map_source {
+    const struct session *session;
+    const struct labels *labels;
+    enum map map;
+    uint16_t *margin;     /* by cell, where that is asked for */
+    uint16_t number[256]; /* of labels, in the file, */
+    bool is_wide;         /* which takes two bytes for some */
+};
+
+static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
+{
+    const struct map_source *source = context;
+    const struct session *session = source->session;
+    struct span row = grid_row(&session_scene(session)->grid, y, z);
+    uint8_t *byte = values;
+    uint16_t *pair = values;
+    uint32_t *root = values;
+    float *real = values;
+    for (uint32_t c = row.first; c < row.end; c++) {
+        const struct cell *cell = session_scene(session)->cell + c;
+        bool reached = cell_is_reached(cell);
+        switch (source->map) {
+        case MAP_LABELS:
+            if (source->is_wide)
+                *pair++ = source->number[labels_at(source->labels, c)];
+            else
+                *byte++ = (uint8_t)source->number[labels_at(source->labels, c)];
+            break;
+        case MAP_BORDER:
+            *byte++ = border_holds(session_border(session), c);
+            break;
+        case MAP_COST:
+            *pair++ = reached ? (uint16_t)key_cost(cell->key) : UINT16_MAX;
+            break;
+        case MAP_DISTANCE:
+            *pair++ = reached ? (uint16_t)key_hops(cell->key) : UINT16_MAX;
+            break;
+        case MAP_MARGIN:
+            *pair++ = source->margin[c];
+            break;
+        case MAP_ROOT:
+            *root++ = reached ? grid_voxel(&session_scene(session)->grid, key_root(cell->key))
+                              : CELL_NONE;
+            break;
+        case MAP_INTENSITY:
+            *real++ = (float)levels_value(session_geometry(session), session_levels(session),
+                                          cell->intensity);
+            break;
+        }
+    }
+}
+
+void export_labels(struct volume_label label[256], const struct kept *kept)
+{
+    for (int l = 0; l < 256; l++) {
+        label[l].name = kept->label_name[l];
+        label[l].number = numbering_of(kept, (unsigned)l);
+        memcpy(label[l].rgb, kept->palette.rgb[l], sizeof label[l].rgb);
+    }
+}
+
+/* What labels are in the file: none of those that the map has is another. */
+static enum err number_labels(struct map_source *source, struct fault *fault)
+{
+    const struct kept *kept = session_kept(source->session);
+    const struct grid *grid = &session_scene(source->session)->grid;
+    bool used[256] = {false};
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            const struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++)
+                used[labels_at(source->labels, c)] = true;
+        }
+    for (unsigned l = 0; l < 256; l++) {
+        source->number[l] = numbering_of(kept, l);
+        source->is_wide |= used[l] && source->number[l] > 255;
+    }
+    return numbering_check(kept, used, fault);
+}
+
+enum err export_map(const struct session *session, enum map map, const struct labels *labels,
+                    const char *path, enum file_mode mode, struct fault *fault)
+{
+    static const struct {
+        enum voxel_type type;
+        const char *description;
+    } form[] = {[MAP_LABELS] = {VOXEL_UINT8, "iftty labels"},
+                [MAP_COST] = {VOXEL_UINT16, "iftty path cost"},
+                [MAP_ROOT] = {VOXEL_UINT32, "iftty root: voxel index of the seed"},
+                [MAP_BORDER] = {VOXEL_UINT8, "iftty border"},
+                [MAP_DISTANCE] = {VOXEL_UINT16, "iftty plateau distance: steps since a rise"},
+                [MAP_MARGIN] = {VOXEL_UINT16, "iftty margin: cost of the next best label, less"},
+                [MAP_INTENSITY] = {VOXEL_FLOAT32, "iftty intensity"}};
+    struct map_source source = {.session = session, .labels = labels, .map = map};
+    struct volume_label label[256];
+    struct buf description = {0};
+    enum err err = map == MAP_MARGIN   ? margin_new(&source.margin, session_forest(session), fault)
+                   : map == MAP_LABELS ? number_labels(&source, fault)
+                                       : OK;
+    if (err)
+        return err;
+    export_labels(label, session_kept(session));
+    buf_add_text(&description, form[map].description);
+    if (map == MAP_LABELS && labels->finished) {
+        buf_add_text(&description, ", finished: ");
+        finish_write(&description, &session_kept(session)->finish);
+    }
+    const struct volume_map written = {session_scene(session)->grid.size,
+                                       session_geometry(session),
+                                       source.is_wide ? VOXEL_UINT16 : form[map].type,
+                                       buf_text(&description),
+                                       fill_row,
+                                       &source,
+                                       map == MAP_LABELS ? label : NULL};
+    err = description.failed ? fault_memory(fault, "a map")
+                             : volume_write(path, mode, &written, session_watch(session), fault);
+    buf_release(&description);
+    free(source.margin);
+    return err;
+}
+
+/* ",12,70,110,95" for a seed that has a reach. */
+static void write_reach(struct buf *out, const struct reach *reach)
+{
+    if (!reach)
+        return;
+    if (reach->unit[0] == 1)
+        buf_printf(out, ",%lld", (long long)reach->radius);
+    else
+        buf_printf(out, ",%lld.%06lldmm", (long long)(reach->radius / 1000000),
+                   (long long)(reach->radius % 1000000));
+    buf_printf(out, ",%u,%u,%u", reach->centre[0], reach->centre[1], reach->centre[2]);
+}
+
+enum err export_seeds(struct buf *out, const struct session *session, struct fault *fault)
+{
+    const struct grid *grid = &session_scene(session)->grid;
+    struct task task = task_begin(session_watch(session), "seeds", grid->voxels);
+    buf_add_text(out, forest_limited_seeds(session_forest(session))
+                          ? "x,y,z,label,within,of x,of y,of z\n"
+                          : "x,y,z,label\n");
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
+            const struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++)
+                if (session_scene(session)->cell[c].flags & CELL_SEED) {
+                    buf_printf(out, "%u,%u,%u,%u", c - row.first, y, z,
+                               session_scene(session)->cell[c].label);
+                    write_reach(out, forest_reach(session_forest(session), c));
+                    buf_add_char(out, '\n');
+                }
+        }
+    return out->failed ? fault_memory(fault, "a list of seeds")
+                       : watch_fault(session_watch(session), fault);
+}

@@ -1,0 +1,434 @@
+/* SPDX-License-Identifier: MIT */
+#include "show/label_table.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/mem.h"
+#include "base/safe.h"
+#include "base/scan.h"
+#include "session/numbering.h"
+#include "session/map.h"
+
+enum { LUT_BYTES = 768, NAME_MOST = LABEL_NAME_BYTES - 1, LABELS = 256 };
+
+void label_table_release(struct label_table *table)
+{
+    free(table->entry);
+    *table = (struct label_table){0};
+}
+
+/* ---- names ---- */
+
+/* A part of the text of a file. */
+struct part {
+    const char *at, *end;
+};
+
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t';
+}
+
+static struct part trimmed(struct part part)
+{
+    while (part.at < part.end && is_blank(*part.at))
+        part.at++;
+    while (part.at < part.end && is_blank(part.end[-1]))
+        part.end--;
+    return part;
+}
+
+/* "17", and what a line of a table has where it lacks a name, as "1 2". */
+static bool is_number(const char *name)
+{
+    return name[strspn(name, "0123456789+-. ")] == '\0';
+}
+
+bool label_name_fits(const char *name)
+{
+    const size_t length = strlen(name);
+    return length > 0 && length <= NAME_MOST && !is_number(name) && !strchr(" #", *name) &&
+           name[length - 1] != ' ' && *safe_end(name) == '\0' && !strpbrk(name, "=\\");
+}
+
+/* With the signs that no name holds as _. */
+static void write_fit(struct buf *out, const char *name, size_t length)
+{
+    if (*name == '#' || is_number(name))
+        buf_add_text(out, "label-");
+    for (const char *end = name + length; name < end;) {
+        const size_t n = safe_character(name, (size_t)(end - name));
+        if (n == 0 || strchr("=\\\t", *name))
+            buf_add_char(out, '_');
+        else
+            buf_add(out, name, n);
+        name += n ? n : 1;
+    }
+}
+
+/* Without the backslash before a quote. */
+static void write_unquoted(struct buf *out, struct part name)
+{
+    for (; name.at < name.end; name.at++) {
+        name.at += name.at[0] == '\\' && name.at + 1 < name.end && name.at[1] == '"';
+        buf_add_char(out, *name.at);
+    }
+}
+
+/* The first byte from `at` on, or before it, that begins a character. */
+static size_t character_at(const char *text, size_t at, int step)
+{
+    while (at > 0 && ((unsigned char)text[at] & 0xC0) == 0x80)
+        at = step > 0 ? at + 1 : at - 1;
+    return at;
+}
+
+static enum err take_name(struct label_entry *entry, struct part name, struct fault *fault)
+{
+    struct buf plain = {0}, fit = {0};
+    name = trimmed(name);
+    if (name.end - name.at > 1 && name.at[0] == '"' && name.end[-1] == '"')
+        write_unquoted(&plain, trimmed((struct part){name.at + 1, name.end - 1}));
+    else
+        buf_add(&plain, name.at, (size_t)(name.end - name.at));
+    if (plain.length && !plain.failed)
+        write_fit(&fit, buf_text(&plain), plain.length);
+    const bool failed = plain.failed || fit.failed;
+    if (fit.length > NAME_MOST && !failed) {
+        /* Both ends of a name that is too long. */
+        enum { TAIL = 13 };
+        const size_t head = character_at(fit.data, NAME_MOST - 1 - TAIL, -1);
+        const size_t tail = character_at(fit.data, fit.length - TAIL, 1);
+        memcpy(entry->name, fit.data, head);
+        entry->name[head] = '~';
+        memcpy(entry->name + head + 1, fit.data + tail, fit.length - tail);
+    } else if (!failed) {
+        memcpy(entry->name, buf_text(&fit), fit.length);
+    }
+    const size_t length = strlen(entry->name);
+    entry->changed = length != plain.length || memcmp(entry->name, buf_text(&plain), length) != 0;
+    buf_release(&plain);
+    buf_release(&fit);
+    return failed ? fault_memory(fault, "the names of labels") : OK;
+}
+
+/* ---- reading ---- */
+
+static bool add(struct label_table *table, const struct label_entry *entry)
+{
+    if (!mem_grow(&table->entry, &table->capacity, table->count + 1, sizeof *table->entry))
+        return false;
+    table->entry[table->count++] = *entry;
+    return true;
+}
+
+/* Numbers 0..255 with blanks between them, and after the last one. */
+static bool scan_colour(const char **at, uint8_t rgb[3])
+{
+    const char *from = *at;
+    int64_t value;
+    for (int k = 0; k < 3; k++) {
+        if (!scan_integer(&from, 0, 255, &value) || (*from && !isspace((unsigned char)*from)))
+            return false;
+        rgb[k] = (uint8_t)value;
+        scan_blanks(&from);
+    }
+    *at = from;
+    return true;
+}
+
+/* "255 0 0  1  1 1  "left hippocampus""; after a colour alone come the blanks beyond the line. */
+static bool scan_itksnap(struct part line, struct label_entry *entry, struct part *name)
+{
+    const char *at = line.at;
+    if (!scan_colour(&at, entry->rgb) || at >= line.end)
+        return false;
+    const char *open = memchr(at, '"', (size_t)(line.end - at));
+    if (!open || line.end - open < 2 || line.end[-1] != '"')
+        return false;
+    *name = (struct part){open, line.end};
+    entry->has_colour = true;
+    return true;
+}
+
+/* Takes a number from the end of a line that begins with something else. */
+static bool take_last_number(struct part *line, int64_t *number)
+{
+    const char *from = line->end;
+    while (from > line->at && !is_blank(from[-1]))
+        from--;
+    const char *at = from;
+    if (from == line->at || !scan_integer(&at, INT32_MIN, INT32_MAX, number) || at != line->end)
+        return false;
+    *line = trimmed((struct part){line->at, from});
+    return true;
+}
+
+/* "Left-Hippocampus  220 216 20 0", "Hippocampus_L 4101", or a name alone; more numbers than four
+ * belong to the name. False for a colour that is none. */
+static bool scan_named(struct part line, struct label_entry *entry, struct part *name)
+{
+    const char *at = line.at;
+    int64_t number[4];
+    int count = 0;
+    if (scan_colour(&at, entry->rgb) && at < line.end && memchr(at, '"', (size_t)(line.end - at)))
+        return false; /* as ITK-SNAP, with something after the name */
+    while (count < 4 && take_last_number(&line, &number[count]))
+        count++;
+    *name = line;
+    entry->has_colour = count >= 3;
+    for (int k = 0; k < 3 && entry->has_colour; k++) {
+        const int64_t value = number[count - 1 - k];
+        if (value < 0 || value > 255)
+            return false;
+        entry->rgb[k] = (uint8_t)value;
+    }
+    return line.at < line.end;
+}
+
+static enum err read_line(struct label_table *table, struct part line, uint32_t number,
+                          struct fault *fault)
+{
+    struct label_entry entry = {0};
+    struct part name;
+    const char *at = line.at;
+    int64_t value;
+    if (scan_integer(&at, 0, INT32_MAX, &value) && is_blank(*at)) {
+        const struct part rest = trimmed((struct part){at, line.end});
+        entry.number = (uint32_t)value;
+        if (table->count > REGION_MOST)
+            return fault_set(fault, ERR_LIMIT, "line %u: more than %d labels; nothing has changed",
+                             number, REGION_MOST + 1);
+        if (scan_itksnap(rest, &entry, &name) || scan_named(rest, &entry, &name)) {
+            const enum err err = take_name(&entry, name, fault);
+            return err || add(table, &entry) ? err : fault_memory(fault, "a table of labels");
+        }
+    }
+    const ptrdiff_t length = line.end - line.at;
+    return fault_set(fault, ERR_INPUT,
+                     "line %u: expected NUMBER NAME [R G B A], or NUMBER R G B A VISIBLE MESH "
+                     "\"NAME\", not %.*s; nothing has changed",
+                     number, (int)(length < 60 ? length : 60), line.at);
+}
+
+enum err label_table_read(struct label_table *table, const char *text, size_t length,
+                          struct fault *fault)
+{
+    const char *end = text + length;
+    enum err err = OK;
+    *table = (struct label_table){0};
+    scan_text(&text, "\xef\xbb\xbf"); /* a byte order mark */
+    for (uint32_t number = 1; !err && text < end; number++) {
+        const char *stop = memchr(text, '\n', (size_t)(end - text));
+        stop = stop ? stop : end;
+        struct part line = {text, stop - (stop > text && stop[-1] == '\r')};
+        line = trimmed(line);
+        text = stop + (stop < end);
+        if (line.at < line.end && *line.at != '#')
+            err = read_line(table, line, number, fault);
+    }
+    if (!err && table->count == 0)
+        err = fault_set(fault, ERR_INPUT,
+                        "there is no label in it; expected lines NUMBER NAME [R G B A]; nothing "
+                        "has changed");
+    if (err)
+        label_table_release(table);
+    return err;
+}
+
+enum err label_table_read_lut(struct label_table *table, const uint8_t *bytes, size_t length,
+                              struct fault *fault)
+{
+    *table = (struct label_table){0};
+    if (length != LUT_BYTES)
+        return fault_set(fault, ERR_INPUT,
+                         "%zu bytes; expected the %d of a .lut: 256 each of red, green and blue; "
+                         "nothing has changed",
+                         length, LUT_BYTES);
+    for (uint32_t l = 1; l < LABELS; l++) {
+        const struct label_entry entry = {
+            l, true, false, {bytes[l], bytes[LABELS + l], bytes[2 * LABELS + l]}, ""};
+        if (!add(table, &entry)) {
+            label_table_release(table);
+            return fault_memory(fault, "a table of labels");
+        }
+    }
+    return OK;
+}
+
+/* ---- what becomes of labels ---- */
+
+static bool is_taken(const struct kept *kept, const char *name, unsigned by_other_than)
+{
+    for (unsigned l = 0; l < LABELS; l++)
+        if (l != by_other_than && strcmp(kept->label_name[l], name) == 0)
+            return true;
+    return false;
+}
+
+static void take_entry(struct kept *kept, struct label_tally *tally,
+                       const struct label_entry *entry, unsigned label)
+{
+    bool changed = entry->changed;
+    if (entry->has_colour) {
+        memcpy(kept->palette.rgb[label], entry->rgb, sizeof entry->rgb);
+        tally->colours++;
+    }
+    if (!*entry->name)
+        return;
+    memcpy(kept->label_name[label], entry->name, LABEL_NAME_BYTES);
+    tally->names++;
+    if (is_taken(kept, entry->name, label)) {
+        char *name = kept->label_name[label], number[8]; /* "Unknown (12)", or less before it */
+        const int length = snprintf(number, sizeof number, " (%u)", label);
+        size_t fits = strlen(name);
+        if (fits > (size_t)(NAME_MOST - length))
+            fits = character_at(name, (size_t)(NAME_MOST - length), -1);
+        memset(name + fits, 0, LABEL_NAME_BYTES - fits);
+        memcpy(name + fits, number, (size_t)length);
+        changed = true;
+    }
+    if (changed && tally->changed++ == 0)
+        tally->first_changed = (uint8_t)label;
+}
+
+enum err label_table_apply(struct kept *kept, struct label_tally *tally,
+                           const struct label_table *table, const uint16_t *as, struct fault *fault)
+{
+    uint32_t from[LABELS] = {0}; /* the entry of each label, from 1 */
+    *tally = (struct label_tally){0};
+    for (size_t i = 0; i < table->count; i++) {
+        const uint32_t number = table->entry[i].number;
+        const unsigned label = number <= REGION_MOST ? as[number] : REGION_NONE;
+        tally->beyond += number > 0 && label >= LABELS;
+        if (label == 0 || label >= LABELS)
+            continue;
+        if (from[label])
+            return fault_set(fault, ERR_INPUT,
+                             "two of its entries, %u and %u, are for label %u; nothing has changed",
+                             table->entry[from[label] - 1].number, number, label);
+        from[label] = (uint32_t)i + 1;
+        if (*table->entry[i].name) /* names to come are not in the way */
+            memset(kept->label_name[label], 0, LABEL_NAME_BYTES);
+    }
+    for (unsigned label = 1; label < LABELS; label++)
+        if (from[label])
+            take_entry(kept, tally, &table->entry[from[label] - 1], label);
+    return tally->names + tally->colours > 0
+               ? OK
+               : fault_set(fault, ERR_INPUT,
+                           "none of its entries is for a label 1..255; choose with "
+                           "regions=2001,2002 as=1,2; nothing has changed");
+}
+
+uint64_t label_table_digest(const struct kept *kept)
+{
+    uint64_t sum = 0;
+    for (unsigned l = 1; l < LABELS; l++) {
+        const uint8_t *rgb = kept->palette.rgb[l];
+        uint64_t mix = hash_mix_at(l, (uint64_t)rgb[0] << 16 | (uint64_t)rgb[1] << 8 | rgb[2]);
+        for (const char *c = kept->label_name[l]; *c; c++)
+            mix = hash_mix_at(mix, (unsigned char)*c);
+        sum += mix;
+    }
+    return sum;
+}
+
+/* ---- writing ---- */
+
+const char *label_table_ending(const char *path, enum label_table_format *format)
+{
+    static const struct {
+        enum label_table_format format;
+        const char *endings;
+    } row[] = {{TABLE_MRICRON, ".nii.txt"},
+               {TABLE_ITKSNAP, ".txt|.label"},
+               {TABLE_SLICER, ".ctbl"},
+               {TABLE_FREESURFER, ".ctab"},
+               {TABLE_LUT, ".lut"}};
+    const char *ending = NULL;
+    for (size_t i = 0; i < sizeof row / sizeof row[0] && !ending; i++) {
+        ending = file_ending(path, row[i].endings);
+        *format = row[i].format;
+    }
+    return ending;
+}
+
+/* A name as a format can hold it. */
+static void write_name(struct buf *out, struct label_writing *writing,
+                       enum label_table_format format, const struct kept *kept, unsigned label)
+{
+    const bool has_blanks = format == TABLE_ITKSNAP;
+    const char *name = kept->label_name[label];
+    const size_t begin = out->length;
+    if (!*name)
+        buf_printf(out, "Label%c%u", has_blanks ? ' ' : '_', numbering_of(kept, label));
+    for (; *name; name++)
+        buf_add_char(out, *name == ' ' && !has_blanks  ? '_'
+                          : *name == '"' && has_blanks ? '\''
+                                                       : *name);
+    name = kept->label_name[label];
+    if (out->failed)
+        return;
+    const char *written = buf_text(out) + begin;
+    if (*name && strcmp(written, name) != 0 && writing->changed++ == 0) {
+        writing->first_changed = label;
+        snprintf(writing->first_written, sizeof writing->first_written, "%s", written);
+    }
+}
+
+static void write_line(struct buf *out, struct label_writing *writing,
+                       enum label_table_format format, const struct kept *kept, unsigned label)
+{
+    const uint8_t *rgb = kept->palette.rgb[label];
+    const unsigned number = numbering_of(kept, label);
+    if (format == TABLE_ITKSNAP) {
+        buf_printf(out, "%5u  %5u %4u %4u        1  1  1    \"", number, rgb[0], rgb[1], rgb[2]);
+        write_name(out, writing, format, kept, label);
+        buf_add_text(out, "\"\n");
+        return;
+    }
+    buf_printf(out, "%u ", number);
+    write_name(out, writing, format, kept, label);
+    if (format == TABLE_SLICER || format == TABLE_FREESURFER) /* opacity; transparency */
+        buf_printf(out, " %u %u %u %d", rgb[0], rgb[1], rgb[2], format == TABLE_SLICER ? 255 : 0);
+    buf_add_char(out, '\n');
+}
+
+/* 256 of red, of green and of blue; what names there are is not in it. */
+static void write_lut(struct buf *out, struct label_writing *writing, const struct kept *kept)
+{
+    for (int k = 0; k < 3; k++)
+        for (unsigned l = 0; l < LABELS; l++)
+            buf_add_char(out, l ? (char)kept->palette.rgb[l][k] : '\0');
+    for (unsigned l = 1; l < LABELS; l++)
+        if (*kept->label_name[l] && writing->changed++ == 0)
+            writing->first_changed = l;
+}
+
+void label_table_write(struct buf *out, struct label_writing *writing,
+                       enum label_table_format format, const struct kept *kept,
+                       const bool used[256])
+{
+    static const char *const head[] = {
+        [TABLE_ITKSNAP] = "# ITK-SnAP Label Description File\n"
+                          "# IDX   -R-  -G-  -B-  -A--  VIS MSH  LABEL\n"
+                          "    0      0    0    0        0  0  0    \"Clear Label\"\n",
+        [TABLE_SLICER] = "# Color table file\n0 Background 0 0 0 0\n",
+        [TABLE_FREESURFER] = "# No. Label_Name R G B A\n0 Unknown 0 0 0 0\n",
+        [TABLE_MRICRON] = ""};
+    *writing = (struct label_writing){0};
+    if (format == TABLE_LUT) {
+        write_lut(out, writing, kept);
+        return;
+    }
+    buf_add_text(out, head[format]);
+    for (unsigned l = 1; l < LABELS; l++)
+        if (numbering_of(kept, l) && (used[l] || *kept->label_name[l]))
+            write_line(out, writing, format, kept, l);
+}
