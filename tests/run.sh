@@ -67,6 +67,7 @@ run_one() { # NAME
         printf '%-28s %4d passed %4d failed %4d skipped  %4d.%d s  %6.1f s busy\n' "$name" \
             "$passed" "$failed" "$skipped" $((seconds / 10)) $((seconds % 10)) "$busy"
         [ "$failed" = 0 ] || grep -v '^ok ' "$result.out"
+        [ "$failed" != 0 ] || grep '^# count: ' "$result.out"
         sed -n "s/^ok [0-9]* - \(.*\) # SKIP \(.*\)/skipped: $name: \1: \2/p" "$result.out"
         left=$(ls -A "$TMPDIR")
         [ -z "$left" ] || echo "# $name leaves in its folder: $left"
