@@ -23,9 +23,9 @@ for number in $(seq $first "$current"); do
 done
 close_story
 
-begin "none of them has changed since it was recorded"
-expect 0 "$iftty" verify --lock "$journals/iftty.lock"
-out_has "# $(grep -c '^journal ' "$journals/iftty.lock") verified, 0 failed"
+begin "all of them verify"
+expect 0 "$iftty" verify "$journals"
+out_has "# $(find "$journals" -name '*.iftty' | wc -l) verified, 0 failed"
 close_story
 
 begin "each is verified under its own meaning"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# iftty verify as a test tool: parts of many journals, an early end, timings, orphans removed, and
-# what GitHub Actions is told.
+# iftty verify as a test tool: folders, parts of many journals, an early end, timings, orphans
+# removed, and which journal is meant.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 make_scene s.nii 24 20 16
@@ -38,10 +38,131 @@ done
 for wrong in 0/3 4/3 1 1/0 a/b 1/3x -1/3; do
     expect 2 "$iftty" verify --shard $wrong j1.iftty
 done
-expect 0 "$iftty" verify --lock iftty.lock --update-lock
-expect 0 "$iftty" verify --lock iftty.lock --shard 1/3
-expect 2 "$iftty" verify --lock iftty.lock --update-lock --shard 1/3
-rm -r far iftty.lock
+rm -r far
+close_story
+
+begin "a folder stands for all journals in it and below, whatever their names are"
+deep=study/.hidden/deep/..more
+line=$(printf 'two\nlines')
+mkdir -p $deep "study/folder.iftty" "study/$line"
+for folder in study study/.hidden $deep study/folder.iftty "study/$line"; do
+    cp s.nii "$folder"
+done
+n=1
+for journal in study/a.iftty study/.hidden/B.IFTTY $deep/c.Iftty study/folder.iftty/.d.iftty \
+    "study/$line/e.iftty"; do
+    cp j$n.iftty "$journal"
+    cp -r j$n.golden "${journal%.iftty}.golden"
+    : $((n += 1))
+done
+cp j1.iftty study/a.iftty.before-1 # by its name it is none
+cp j1.iftty study/aiftty
+mkfifo study/pipe
+ln -s ../j6.iftty study/z.iftty
+ln -s nowhere study/dangling
+cp -r j6.golden study/z.golden
+expect 0 "$iftty" verify study
+same "$(sed 's/ (.*//' out)" 'ok 1 - study/.hidden/B.IFTTY
+ok 2 - study/.hidden/deep/..more/c.Iftty
+ok 3 - study/a.iftty
+ok 4 - study/folder.iftty/.d.iftty
+ok 5 - study/two\x0alines/e.iftty
+ok 6 - study/z.iftty
+1..6
+# 6 verified, 0 failed'
+[ ! -s err ] || fail "$(cat err)"
+expect_in study 0 "$iftty" verify .
+out_has "ok 3 - ./a.iftty ("
+expect 0 "$iftty" verify j1.iftty study/ j2.iftty --json
+same "$(sed -n 's/.*"journal": "\([^"]*\)".*/\1/p' out | sed '1p;6p;$!d' | tr '\n' ' ')" \
+    'j1.iftty study/two\u000alines/e.iftty j2.iftty '
+for part in 1 2 3; do
+    expect 0 "$iftty" verify --shard $part/3 study
+    grep '^ok' out
+done >parts
+same "$(wc -l <parts)" 6
+ln -s ../far "study/way"
+mkdir far
+cp j6.iftty s.nii far
+expect 0 "$iftty" verify study
+err_has "# not entered: study/way is a link to a folder; name that folder as well to verify it"
+same "$(tail -n 1 out)" "# 6 verified, 0 failed"
+ln -s far road # but where it is named, it is meant
+cp -r j6.golden far
+expect 0 "$iftty" verify road
+out_has "ok 1 - road/j6.iftty"
+cp j1.golden/first.exr $deep/c.Iftty.golden # and one that differs is a failure as any other
+expect 1 "$iftty" verify study --html page.html --junit report.xml
+out_has "not ok 2 - study/.hidden/deep/..more/c.Iftty"
+same "$(grep -c '<testcase' report.xml) $(grep -c '<failure' report.xml)" "6 1"
+cp j3.golden/first.exr $deep/c.Iftty.golden
+close_story
+
+begin "a folder that cannot be entered, or has no journal, fails"
+mkdir study/closed study/empty
+chmod 0 study/closed
+expect 3 with_permissions "$iftty" verify study
+err_has "cannot enter study/closed: Permission denied"
+chmod 400 study/closed
+cp j1.iftty study/closed
+expect 3 with_permissions "$iftty" verify study
+err_has "cannot enter study/closed/j1.iftty: Permission denied"
+chmod 700 study/closed
+rm -r study/closed
+for folder in study/empty study/empty/ far/empty; do
+    mkdir -p far/empty
+    expect 1 "$iftty" verify j1.iftty "$folder"
+    err_has "there is no journal *.iftty in $folder or below"
+    [ ! -s out ] || fail "$(cat out)"
+done
+long=$(printf '%0250d' 0)
+(
+    cd far && for n in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17; do
+        mkdir "$long" && cd -P "$long" || exit 1
+    done
+)
+expect 3 "$iftty" verify far # not looked at, so not passed over
+err_has "cannot enter far/0"
+(cd far && rm -r 0*)
+expect 2 "$iftty" verify
+rm -r study far road
+close_story
+
+begin "a journal has the chain that is expected, or fails"
+chain=$(last_word chain j1.iftty)
+expect 0 "$iftty" verify j1.iftty --expect "$chain"
+mkdir one
+cp j1.iftty s.nii one
+cp -r j1.golden one
+expect 0 "$iftty" verify one --expect "$chain"
+head -n "$(($(wc -l <j1.iftty) - 2))" j1.iftty >one/j2.iftty
+expect 0 "$iftty" verify one/j2.iftty # its end is gone, and nothing in it says so
+expect 1 "$iftty" verify one/j2.iftty --expect "$chain"
+out_has "# its last chain is $(last_word chain one/j2.iftty), and $chain was expected"
+for wrong in "--expect $chain j2.iftty" "--expect 12 --expect" "--expect ${chain}0" \
+    "--expect $(echo "$chain" | tr a-f A-F)x"; do
+    # shellcheck disable=SC2086
+    expect 2 "$iftty" verify j1.iftty $wrong
+done
+expect 2 "$iftty" verify one --expect "$chain"
+err_has "--expect: expected one journal, not 2"
+rm -r one
+close_story
+
+begin "bytes after the last record, which no chain covers, are none of the expected journal"
+cp j1.iftty sound
+for tail in '# reviewed by Dr X, all well\n' '\n' 'seed 1,1,1 1' '\0\0\0'; do
+    cp sound j1.iftty
+    # shellcheck disable=SC2059
+    printf "$tail" >>j1.iftty
+    expect 0 "$iftty" verify j1.iftty
+    for part in "" "--until 3"; do
+        # shellcheck disable=SC2086
+        expect 1 "$iftty" verify j1.iftty --expect "$(last_word chain sound)" $part
+        out_has "# --expect: it ends with an unfinished record, at byte $(file_bytes sound)"
+    done
+done
+cp sound j1.iftty
 close_story
 
 begin "the first failure is the end, and what is left is named"

@@ -72,14 +72,14 @@ struct options {
     int words;
     const char *commands, *journal, *scene, *out;
     const char *junit, *html, *accept, *with, *picture, *surface;
-    const char *expect, *lock, *shard;
+    const char *expect, *shard;
     const char *volume, *regions, *as, *by, *pages, *fit, *landmarks, *orient, *procedure;
     const char *limit_memory, *limit_time, *limit_output;
     size_t processes, from, until; /* 0: not given */
     struct graphics_wish graphics; /* {0}: the terminal decides */
     bool help, read_only, whole, keep_going, smooth, json, histogram, csv, binary, resample,
         anonymise;
-    bool quiz, strict, no_strict, update_lock, fail_fast, timings, remove_orphans;
+    bool quiz, strict, no_strict, fail_fast, timings, remove_orphans;
     bool unconfined;
     bool is_form; /* one that only says which form is meant */
 };

@@ -2,6 +2,7 @@
 /* `iftty replay`; `iftty verify` and its forms; `iftty log --reseal`, which is like accepting;
  * `iftty diff`. */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -13,6 +14,7 @@
 #include "program/programs.h"
 #include "verify/bisect.h"
 #include "verify/diff.h"
+#include "verify/journals_below.h"
 #include "verify/replay_file.h"
 #include "verify/reseal.h"
 #include "verify/strict.h"
@@ -80,24 +82,23 @@ static bool is_in_shard(const struct shard *shard, const char *path)
     return has;
 }
 
-/* Moves the journals of the shard to the front, in their order, with what stands beside them in
- * `other` (or NULL); how many they are. */
-static size_t shard_choose(const struct shard *shard, char **path, char **other, size_t count)
+/* Keeps the journals of the shard "K/N" alone, in their order. */
+static enum err shard_keep(struct name_list *journals, const char *text, struct fault *fault)
 {
-    size_t chosen = 0;
-    for (size_t i = 0; i < count; i++) {
-        if (!is_in_shard(shard, path[i]))
-            continue;
-        char *const first = path[chosen], *const beside = other ? other[chosen] : NULL;
-        path[chosen] = path[i];
-        path[i] = first;
-        if (other) {
-            other[chosen] = other[i];
-            other[i] = beside;
-        }
-        chosen++;
-    }
-    return chosen;
+    int64_t number, of;
+    size_t kept = 0;
+    const char *at = text;
+    if (!scan_integer(&at, 1, SHARDS_MOST, &number) || !scan_text(&at, "/") ||
+        !scan_integer(&at, number, SHARDS_MOST, &of) || *at)
+        return fault_set(fault, ERR_USAGE, "--shard: expected K/N, as 1/4 to 4/4, not %s", text);
+    const struct shard shard = {(unsigned)number, (unsigned)of};
+    for (size_t i = 0; i < journals->count; i++)
+        if (is_in_shard(&shard, journals->name[i]))
+            journals->name[kept++] = journals->name[i];
+        else
+            free(journals->name[i]);
+    journals->count = kept;
+    return OK;
 }
 
 /* ---- verify ---- */
@@ -105,8 +106,6 @@ static size_t shard_choose(const struct shard *shard, char **path, char **other,
 /* What options say together. */
 static enum err check_options(const struct options *o, struct fault *fault)
 {
-    if (!o->words && !o->lock)
-        return fault_set(fault, ERR_USAGE, "name a journal, or a lock by --lock FILE");
     if (o->until && o->from > o->until)
         return fault_set(fault, ERR_USAGE, "--from %zu --until %zu: nothing lies between", o->from,
                          o->until);
@@ -118,44 +117,14 @@ static enum err check_options(const struct options *o, struct fault *fault)
     if (o->remove_orphans && ci_is_set())
         return fault_set(fault, ERR_USAGE,
                          "--remove-orphans is a person's decision, and refused where CI is set");
-    if (o->update_lock && !o->lock)
-        return fault_set(fault, ERR_USAGE, "--update-lock: --lock FILE says which file");
-    if (o->update_lock && ci_is_set())
-        return fault_set(fault, ERR_USAGE,
-                         "--update-lock is a person's decision, and refused where CI is set");
-    if (o->update_lock && (o->from || o->until || o->shard || o->fail_fast))
-        return fault_set(fault, ERR_USAGE,
-                         "--update-lock: all journals are verified, without --from, --until, "
-                         "--shard and --fail-fast");
     return OK;
 }
 
-/* Those that are this machine's. */
-static enum err choose(const struct options *o, struct lock_plan *plan, size_t *count,
-                       struct fault *fault)
-{
-    int64_t number, of;
-    const char *at = o->shard;
-    *count = plan ? plan->name.count : (size_t)o->words;
-    if (!o->shard)
-        return OK;
-    if (!scan_integer(&at, 1, SHARDS_MOST, &number) || !scan_text(&at, "/") ||
-        !scan_integer(&at, number, SHARDS_MOST, &of) || *at)
-        return fault_set(fault, ERR_USAGE, "--shard: expected K/N, as 1/4 to 4/4, not %s",
-                         o->shard);
-    const struct shard shard = {(unsigned)number, (unsigned)of};
-    *count =
-        shard_choose(&shard, plan ? plan->journal : o->word, plan ? plan->name.name : NULL, *count);
-    return OK;
-}
-
-static enum err verify_journals(const struct options *o, struct lock_plan *plan,
+static enum err verify_journals(const struct options *o, const struct name_list *journals,
                                 struct fault *fault)
 {
-    size_t count;
-    enum err err = choose(o, plan, &count, fault);
-    const struct verify_options how = {.path = plan ? plan->journal : o->word,
-                                       .count = count,
+    const struct verify_options how = {.path = journals->name,
+                                       .count = journals->count,
                                        .scene_path = o->scene,
                                        .evidence_folder = o->out,
                                        .junit = o->junit,
@@ -166,15 +135,16 @@ static enum err verify_journals(const struct options *o, struct lock_plan *plan,
                                        .timings = o->timings,
                                        .removes_orphans = o->remove_orphans,
                                        .expect = o->expect,
-                                       .plan = plan,
                                        .first = o->from,
                                        .last = o->until,
                                        .processes = o->processes ? (unsigned)o->processes : 1,
                                        .begin = begin_one,
                                        .context = (void *)(uintptr_t)o,
                                        .watch = console_watch()};
-    if (!err && o->out)
-        err = file_make_folder(o->out, fault);
+    if (o->expect && journals->count != 1)
+        return fault_set(fault, ERR_USAGE, "--expect: expected one journal, not %zu",
+                         journals->count);
+    const enum err err = o->out ? file_make_folder(o->out, fault) : OK;
     if (err)
         return err;
     console_handle_interrupts();
@@ -183,14 +153,15 @@ static enum err verify_journals(const struct options *o, struct lock_plan *plan,
 
 enum err run_verify(const struct options *o, struct fault *fault)
 {
-    struct lock_plan plan;
+    struct name_list journals = {0};
     enum err err = check_options(o, fault);
-    if (err || !o->lock)
-        return err ? err : verify_journals(o, NULL, fault);
-    err = lock_plan_make(&plan, o->lock, o->update_lock, o->word, (size_t)o->words, fault);
     if (!err)
-        err = verify_journals(o, &plan, fault);
-    lock_plan_release(&plan);
+        err = journals_find(&journals, o->word, (size_t)o->words, &console_printer, fault);
+    if (!err && o->shard)
+        err = shard_keep(&journals, o->shard, fault);
+    if (!err)
+        err = verify_journals(o, &journals, fault);
+    name_list_release(&journals);
     return err;
 }
 

@@ -8,8 +8,7 @@
  * is shown has to be what was compared. Each pixel is that of the golden image, its colours over
  * their background; each text is a note of the golden image, or says when the PNG was drawn; and
  * nothing else is in it (image/png.h). Every verification asks for that, so what proves the
- * golden image, a lock or a signature of the journal, proves the PNG. One that is not there shows
- * nothing: only a lock, which pins its bytes, asks for it.
+ * golden image proves the PNG. One that is not there shows nothing, and nothing asks for it.
  */
 #ifndef VERIFY_EVIDENCE_H
 #define VERIFY_EVIDENCE_H

@@ -36,11 +36,6 @@ void name_list_sort(struct name_list *list)
     list->count = kept;
 }
 
-bool name_list_has(const struct name_list *list, const char *name)
-{
-    return list->count && bsearch(&name, list->name, list->count, sizeof *list->name, compare);
-}
-
 void name_list_release(struct name_list *list)
 {
     for (size_t i = 0; i < list->count; i++)

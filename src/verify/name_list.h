@@ -23,9 +23,6 @@ bool name_list_add(struct name_list *list, const char *name);
 /* Puts them in order, and leaves each once. */
 void name_list_sort(struct name_list *list);
 
-/* Whether a list that is in order has it. */
-bool name_list_has(const struct name_list *list, const char *name);
-
 void name_list_release(struct name_list *list);
 
 #endif

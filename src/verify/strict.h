@@ -12,7 +12,7 @@
  *     no golden image    no pixel was compared; asked of whole journals alone
  *
  * What cannot be seen in a journal itself is that its last records are gone, with the digests of
- * all others in place: for that there are --expect and --lock. A recorded word that this build does
+ * all others in place: for that there is --expect. A recorded word that this build does
  * not give is a failure of any replay (journal/replay.h), and so is a number of semantics that it
  * does not know (session/semantics.h).
  */
@@ -35,8 +35,8 @@ struct strictness {
 /* OK, or ERR_CHECK with the first of the above. */
 enum err strict_judge(const struct strictness *strictness, struct fault *fault);
 
-/* ERR_CHECK in words for an unfinished record at that byte. --expect and a lock ask for it as well:
- * they say that it is that journal, whole, and no chain covers such bytes. `who` asks. */
+/* ERR_CHECK in words for an unfinished record at that byte. --expect asks for it as well:
+ * it says that it is that journal, whole, and no chain covers such bytes. `who` asks. */
 enum err strict_refuse_torn(uint64_t offset, const char *who, struct fault *fault);
 
 #endif

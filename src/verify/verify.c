@@ -11,7 +11,6 @@
 #include "journal/journal.h"
 #include "show/draw.h"
 #include "show/export_picture.h"
-#include "verify/iftty_lock.h"
 #include "verify/orphan.h"
 #include "verify/replay_file.h"
 #include "verify/strict.h"
@@ -24,7 +23,7 @@ enum {
 
 /*
  * One journal, in a process of its own: what its replay gives, what leaves it unproven, and whether
- * it is the one that is meant (--expect, --lock).
+ * it is the one that is meant (--expect).
  */
 
 /* ---- the replay of one journal ---- */
@@ -65,8 +64,7 @@ static enum err judge_orphans(const struct verify_options *options, struct inter
     struct name_list orphans;
     const struct orphan_search search = {.interp = interp,
                                          .journal = result->path,
-                                         .is_strict =
-                                             options->strict || options->expect || options->plan,
+                                         .is_strict = options->strict || options->expect,
                                          .lines = options->removes_orphans ? NULL : &result->lines};
     enum err err = orphan_find(&orphans, &search, fault);
     for (size_t i = 0; !err && i < orphans.count; i++) {
@@ -116,49 +114,39 @@ static void place_evidence(struct buf *folder, const struct verify_options *opti
 
 /* ---- what else is known of a journal ---- */
 
-static enum err judge_pinned(const struct lock_plan *plan, size_t number,
-                             struct verify_result *result, struct fault *fault)
+/* Compares the last chain with the expected one, whatever the replay gave. */
+static enum err judge_expected(const struct verify_options *options,
+                               const struct verify_result *result, struct fault *fault)
 {
-    if (!plan || plan->updates)
+    struct buf bytes = {0};
+    struct walk walk;
+    struct record record;
+    if (!options->expect)
         return OK;
-    const char *pinned = lock_facts_of(&plan->lock, plan->name.name[number]);
-    if (!pinned)
-        return fault_set(fault, ERR_CHECK, "added: %s does not name it; --update-lock takes it in",
-                         plan->path);
-    if (plan->lock.version < LOCK_WITH_PNG && strstr(buf_text(&result->facts), "\npng "))
-        buf_printf(&result->lines,
-                   "# %s is of the form before, and does not pin its PNGs; --update-lock does\n",
-                   plan->path);
-    return lock_differs(&result->lines, plan->lock.version, pinned, buf_text(&result->facts))
-               ? fault_set(fault, ERR_CHECK, "changed: it is not the journal that %s names",
-                           plan->path)
-               : OK;
-}
-
-/* Asked of a journal whatever its replay gave, unless its bytes cannot be read. */
-static enum err judge_facts(const struct verify_options *options, size_t number,
-                            struct verify_result *result, struct fault *fault)
-{
-    const char *path = options->path[number];
-    if (!options->expect && !options->plan)
-        return OK;
-    uint64_t torn = 0;
-    const bool is_proven = !result->err && !options->first && !options->last;
-    enum err err = lock_facts(&result->facts, &torn, path, is_proven, fault);
-    const char *chain = lock_facts_chain(buf_text(&result->facts));
-    if (err || !chain)
+    enum err err = file_read(&bytes, result->path, JOURNAL_BYTES_MAX, fault);
+    if (!err)
+        err = walk_begin(&walk, buf_text(&bytes), bytes.length, fault);
+    if (err) {
+        buf_release(&bytes);
         return err;
-    if (!options->last && !result->err &&
+    }
+    while (walk_next(&walk, &record) == WALK_RECORD)
+        continue;
+    const char *chain = walk.chain.hex;
+    err = walk_judge(&walk, fault);
+    if (!err && !options->last && !result->err &&
         strncmp(chain, buf_text(&result->chain), result->chain.length) != 0)
-        return fault_set(fault, ERR_CHECK, "it was changed while it was verified");
-    if (torn)
-        return strict_refuse_torn(torn, options->expect ? "--expect" : "--lock", fault);
-    if (options->expect && strncmp(chain, options->expect, RECORD_CHAIN_DIGITS) != 0)
-        return fault_set(fault, ERR_CHECK,
-                         "its last chain is %.*s, and %s was expected: it is another journal, or "
-                         "has more records or fewer",
-                         (int)RECORD_CHAIN_DIGITS, chain, options->expect);
-    return judge_pinned(options->plan, number, result, fault);
+        err = fault_set(fault, ERR_CHECK, "it was changed while it was verified");
+    else if (!err && walk.over == WALK_TORN)
+        err = strict_refuse_torn(walk.offset, "--expect", fault);
+    else if (!err && strncmp(chain, options->expect, RECORD_CHAIN_DIGITS) != 0)
+        err = fault_set(fault, ERR_CHECK,
+                        "its last chain is %.*s, and %s was expected: it is another journal, or "
+                        "has more records or fewer",
+                        (int)RECORD_CHAIN_DIGITS, chain, options->expect);
+    walk_release(&walk);
+    buf_release(&bytes);
+    return err;
 }
 
 /* Beside what the replay found. */
@@ -220,18 +208,11 @@ static void replay_one(const struct verify_options *options, struct verify_resul
     buf_release(&folder);
 }
 
-static void verify_journal(const struct verify_options *options, size_t number,
-                           struct verify_result *result)
+static void verify_journal(const struct verify_options *options, struct verify_result *result)
 {
     struct fault fault = {0};
-    if (options->plan && !options->plan->updates && !file_exists(result->path)) {
-        fault_set(&fault, ERR_CHECK, "missing: %s names it, and there is no such file",
-                  options->plan->path);
-        verify_result_fail(result, ERR_CHECK, false, &fault);
-        return;
-    }
     replay_one(options, result);
-    add_failure(result, judge_facts(options, number, result, &fault), &fault);
+    add_failure(result, judge_expected(options, result, &fault), &fault);
 }
 
 /* ---- all of them ---- */
@@ -250,7 +231,7 @@ static void work(void *context, size_t number, struct buf *out)
 {
     const struct verification *v = context;
     struct verify_result result = {.path = v->options->path[number]};
-    verify_journal(v->options, number, &result);
+    verify_journal(v->options, &result);
     verify_result_write(out, &result);
 }
 
@@ -394,33 +375,11 @@ static enum err check_report(const char *path, struct fault *fault)
     return file_may_write(path, FILE_REPLACE, fault);
 }
 
-/* Once all of them are verified; else it stays as it is. */
-static enum err update_lock(const struct verification *v, enum err failed, struct fault *fault)
-{
-    const struct verify_options *o = v->options;
-    struct buf lines = {0};
-    if (!o->plan || !o->plan->updates)
-        return failed;
-    if (failed)
-        return fault_prefix(fault, failed, "%s is left alone", o->plan->path);
-    const char **facts = calloc(o->count, sizeof *facts);
-    enum err err = facts ? OK : fault_memory(fault, "a lock");
-    for (size_t i = 0; !err && i < o->count; i++)
-        facts[i] = buf_text(&v->result[i].facts);
-    if (!err)
-        err = lock_plan_write(o->plan, facts, &lines, fault);
-    if (!err && !o->json)
-        v->printer->print(v->printer->context, buf_text(&lines));
-    free(facts);
-    buf_release(&lines);
-    return err;
-}
-
 /* A report that cannot be written is worse than a journal that failed. */
 static enum err report(const struct verification *v, struct fault *fault)
 {
     const struct verify_options *o = v->options;
-    const enum err err = update_lock(v, sum_up(v, fault), fault);
+    const enum err err = sum_up(v, fault);
     enum err unwritten = OK;
     github_report(v->result, o->count, v->printer);
     if (o->junit)

@@ -11,7 +11,6 @@
 #define VERIFY_VERIFY_H
 
 #include "command/script.h"
-#include "verify/iftty_lock.h"
 #include "verify/process.h"
 
 struct verify_options {
@@ -23,13 +22,12 @@ struct verify_options {
     const char *junit, *html;    /* reports, replacing what is there; or NULL */
     bool json;                   /* one JSON object is printed instead of TAP */
     bool strict;                 /* what leaves anything unproven is a failure (strict.h) */
-    bool fail_fast;         /* the first failure ends it: what is not verified yet is skipped */
-    bool timings;           /* the slowest records of each are printed */
-    bool removes_orphans;   /* of journals that verify otherwise */
-    const char *expect;     /* the last chain that the only journal is to have, or NULL */
-    struct lock_plan *plan; /* `path` are its journals, which are as it says; or NULL */
-    size_t first, last;     /* records to compare; 0 for all */
-    unsigned processes;     /* at most so many at once, 1..PROCESSES_MOST */
+    bool fail_fast;       /* the first failure ends it: what is not verified yet is skipped */
+    bool timings;         /* the slowest records of each are printed */
+    bool removes_orphans; /* of journals that verify otherwise */
+    const char *expect;   /* the last chain that the only journal is to have, or NULL */
+    size_t first, last;   /* records to compare; 0 for all */
+    unsigned processes;   /* at most so many at once, 1..PROCESSES_MOST */
     /* Called in the process of each journal before it is carried out; or NULL. An error is the
      * result. */
     enum err (*begin)(void *context, const char *journal, struct fault *fault);
@@ -39,7 +37,7 @@ struct verify_options {
 
 /* ERR_CHECK when anything differs, a golden image is missing, or one is there that no command of
  * the journal names (which is only known when it was replayed to its end, without `last`); else the
- * worst error. A lock that is written anew is left alone then. */
+ * worst error. */
 enum err verify_files(const struct verify_options *options, const struct printer *printer,
                       struct fault *fault);
 

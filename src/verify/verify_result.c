@@ -10,7 +10,6 @@ void verify_result_release(struct verify_result *result)
     buf_release(&result->why);
     buf_release(&result->lines);
     buf_release(&result->chain);
-    buf_release(&result->facts);
     buf_release(&result->orphans);
     buf_release(&result->slowest);
     evidence_release(&result->evidence);
@@ -44,7 +43,7 @@ enum { NUMBERS = 9 };
 static struct buf *part_of(const struct verify_result *result, size_t number)
 {
     struct verify_result *r = (struct verify_result *)(uintptr_t)result;
-    struct buf *const part[] = {&r->why, &r->lines, &r->chain, &r->facts, &r->orphans, &r->slowest};
+    struct buf *const part[] = {&r->why, &r->lines, &r->chain, &r->orphans, &r->slowest};
     enum { PARTS = sizeof part / sizeof *part };
     if (number < PARTS)
         return part[number];

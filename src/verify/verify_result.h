@@ -5,7 +5,7 @@
  *
  *     result ERR EXECUTED COMPARED DIGESTS GOLDENS PIXELS FORMER FORMER_GOLDENS TOOK_MS LINE
  *         PICTURES\n
- *     part BYTES\n...     why, lines, chain, facts, orphans, slowest, and for each
+ *     part BYTES\n...     why, lines, chain, orphans, slowest, and for each
  *                         picture its caption and its PNG
  *
  * with ERR the number of an enum err. A process that dies leaves less than that, which is refused.
@@ -28,7 +28,6 @@ struct verify_result {
     struct buf why;     /* of a failure: one line, without line feed, safe to print */
     struct buf lines;   /* more about it: lines that begin with "# " */
     struct buf chain;   /* 32 digits: of the last record that was carried out; "" for none */
-    struct buf facts;   /* what a lock says of it (iftty_lock.h), where that was asked for; or "" */
     struct buf orphans; /* golden images that it does not name: their files, each ended by NUL */
     struct buf slowest; /* of its records, where that was asked for: lines, as of timing_write */
     struct evidence evidence;
