@@ -5,6 +5,8 @@
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 make_scene s.nii 24 20 16
+put s.nii 254 '\001' # it has a place in the world, and pictures a camera
+for at in 280 300 320; do put s.nii $at '\000\000\200\077'; done
 mkdir j
 cp s.nii j
 cd j || exit 1
@@ -137,6 +139,16 @@ printf x >j.golden/first.txt
 expect 0 "$iftty" verify j.iftty
 expect 1 "$iftty" verify --strict j.iftty
 rm j.golden/first.txt
+ln -s ../../precious/first.exr j.golden/more.exr
+expect 1 "$iftty" verify --remove-orphans j.iftty
+out_has "more.exr was left alone"
+rm j.golden/more.exr
+cp j.golden/first.exr j.golden/more.exr # with a PNG that is the user's
+printf x >j.golden/more.png
+expect 1 "$iftty" verify --remove-orphans j.iftty
+out_has "more.exr was left alone: no record of this journal can have made its PNG"
+[ -e j.golden/more.exr ] && [ -e j.golden/more.png ] || fail "they were removed"
+rm j.golden/more.*
 cp j.iftty j # has the same folder
 sed '/^golden first/,$d' j.iftty >j
 expect 1 "$iftty" verify --remove-orphans j
@@ -241,7 +253,7 @@ class Exr:
         for y, raw in reversed(self.block) if swap else self.block:
             packed = pack(raw) + within
             table.append(at)
-            body.append(struct.pack("<2i", y, len(packed)) + packed + between)
+            body.append(struct.pack("<2i", y, len(packed)) + packed + (b"" if body else between))
             at += len(body[-1])
         table = table[::-1] if swap else table
         open(path, "wb").write(head + b"".join([struct.pack("<Q", t) for t in table] + body) + more)
@@ -278,6 +290,10 @@ elif way == "screen":
     exr.put("screenWindowCenter", struct.pack("<2f", 1, 0))
 elif way == "aspect":
     exr.put("pixelAspectRatio", struct.pack("<f", 2.0))
+elif way == "camera":
+    exr.put("worldToCamera", exr.value("worldToNDC"))
+elif way == "none-of-it":
+    exr.note = [n for n in exr.note if n[0] != b"worldToCamera"]
 elif way == "lines":
     exr.put("lineOrder", b"\1")
 elif way == "text":
@@ -286,6 +302,10 @@ elif way == "number":
     exr.note.append([b"secret", b"int", struct.pack("<i", 7)])
 elif way == "twice":
     exr.note.append([b"iftty:look", b"string", exr.value("iftty:look")])
+elif way == "again":
+    exr.note.insert(0, [b"iftty:look", b"string", b"all is well"])
+elif way == "wide":
+    exr.note.append([b"owner", b"string", bytes(900000)])
 elif way == "hidden":
     exr.put("iftty:look", exr.value("iftty:look") + b"\0hidden")
 elif way == "less":
@@ -313,8 +333,8 @@ else:
 exr.write(target, **how)
 END
 cp j.golden/first.exr kept.exr
-for way in none half eye colour layer part preview shown place screen aspect lines text \
-    number twice hidden less long after between within order giant; do
+for way in none half eye colour layer part preview shown place screen aspect camera none-of-it lines text \
+    number twice again hidden less long after between within order giant; do
     /usr/bin/python3 forge.py $way kept.exr j.golden/first.exr || fail "$way"
     wanted=1
     [ $way != none ] || wanted=0
@@ -338,7 +358,7 @@ while at < len(png):
 def find(kind):
     return next(i for i in range(len(part)) if part[i][0] == kind)
 if way == "packed":
-    part[find(b"IDAT")][1] += b"more"
+    [one for one in part if one[0] == b"IDAT"][-1][1] += b"more"
 elif way == "scale":
     part[find(b"pHYs")][1] = struct.pack(">2IB", 77, 77, 1)
 elif way == "journal":
@@ -415,6 +435,12 @@ cp -r f.golden many
 seq -f many/f.golden/l%g.exr 1000 | xargs -n 1 ln colour.exr
 expect 3 "$iftty" verify --limit-time 0.5 many/f.iftty
 out_has "than the 0.5 s of --limit-time"
+rm many/f.golden/l*.exr
+cp f.golden/* many/f.golden
+/usr/bin/python3 forge.py wide j.golden/first.exr wide.exr # not drawn again: of another journal
+seq -f many/f.golden/l%g.exr 3000 | xargs -n 1 ln wide.exr
+expect 3 "$iftty" verify --limit-time 0.2 many/f.iftty
+out_has "than the 0.2 s of --limit-time"
 rm -r many
 close_story
 
@@ -422,6 +448,11 @@ begin "a journal that is a link, and other golden images next to the link"
 mkdir links
 ln -s ../j.iftty links/j.iftty
 expect 0 "$iftty" verify --scene s.nii links/j.iftty
+cp j.golden/first.exr j.golden/more.exr
+expect 1 "$iftty" verify --remove-orphans --scene s.nii links/j.iftty
+out_has "is a link to"
+[ -e j.golden/more.exr ] || fail "it was removed by way of a link"
+rm j.golden/more.exr
 cp -r j.golden links
 expect 0 "$iftty" verify --scene s.nii links/j.iftty
 cp j.golden/first.png links/j.golden/more.png
