@@ -12,11 +12,14 @@
 #include <stdlib.h>
 
 #include "base/file.h"
+#include "command/golden_files.h"
+#include "command/resume.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/interpreting.h"
 #include "verify/evidence.h"
 #include "verify/orphan.h"
+#include "verify/reseal.h"
 
 static char folder[FOLDER_LENGTH];
 
@@ -157,6 +160,143 @@ STORY(a_command_whose_file_cannot_be_written_leaves_nothing_and_works_again)
     CHECK(failures > 200);
 }
 
+/* ---- the folder of golden images becomes a link ---- */
+
+static void swap_folder(void)
+{
+    CHECK(rename("s.golden", "away") == 0 && symlink("precious", "s.golden") == 0);
+}
+
+/* At one step of the file layer, which succeeds. */
+static int swap_at_step(enum file_step step, const char *path)
+{
+    (void)step, (void)path;
+    if (!may_fail || steps_left-- > 0)
+        return 0;
+    may_fail = false;
+    has_failed = true;
+    swap_folder();
+    return 0;
+}
+
+static void say_nothing(void *context, const char *text)
+{
+    (void)context, (void)text;
+}
+
+static const struct printer silent = {.print = say_nothing, .warn = say_nothing};
+
+static void give(struct interpreter *interp)
+{
+    if (CHECK(interpreter_resume_journal(interp, "s.iftty", NULL, &fault) == OK))
+        execute(interp, "golden more");
+}
+
+static void resume_it(struct interpreter *interp)
+{
+    interpreter_resume_journal(interp, "s.iftty", NULL, &fault);
+}
+
+static void accept_it(struct interpreter *interp)
+{
+    reseal_accept(interp, "s.iftty", "why", &silent, &fault);
+}
+
+static void reseal_it(struct interpreter *interp)
+{
+    reseal_edited(interp, "s.iftty", "why", &silent, &fault);
+}
+
+/* Between the look at the folder and the removal. */
+static void remove_it(struct interpreter *interp)
+{
+    struct golden_files files;
+    struct buf bytes = {0};
+    (void)interp;
+    CHECK(golden_files_open(&files, "s.iftty", &fault) == OK);
+    CHECK(file_read(&bytes, "s.iftty", 1 << 20, &fault) == OK);
+    CHECK(golden_files_read(&files, buf_text(&bytes), bytes.length, &fault) == OK);
+    if (may_fail && steps_left == 0) {
+        swap_folder();
+        has_failed = true;
+    }
+    may_fail = false;
+    CHECK(golden_files_remove(&files, "last.exr", &fault) == OK);
+    buf_release(&bytes);
+    golden_files_close(&files);
+}
+
+static void copy_file(const char *from, const char *to)
+{
+    struct buf bytes = {0};
+    CHECK(file_read(&bytes, from, 1 << 24, &fault) == OK);
+    CHECK(file_write(to, buf_text(&bytes), bytes.length, FILE_REPLACE, &fault) == OK);
+    buf_release(&bytes);
+}
+
+static const char *const golden_files[] = {"first.exr", "first.png", "last.exr", "last.png"};
+
+/* What the user had there is as it was. */
+static bool is_whole(const char *path)
+{
+    bool is_same = true;
+    for (size_t i = 0; i < sizeof golden_files / sizeof *golden_files; i++) {
+        char name[2][64];
+        snprintf(name[0], sizeof name[0], "%s/%s", path, golden_files[i]);
+        snprintf(name[1], sizeof name[1], "former/%s", golden_files[i]);
+        is_same = is_same && file_holds_same(name[0], name[1]);
+    }
+    return is_same;
+}
+
+STORY(a_folder_that_becomes_a_link_at_any_step_leads_nothing_out)
+{
+    static void (*const works[])(struct interpreter *) = {give, resume_it, accept_it, reseal_it,
+                                                          remove_it};
+    struct interpreter interp;
+    unsetenv("CI");
+    begin_interpreter(&interp);
+    CHECK(interpreter_create_journal(&interp, "s.iftty", &fault) == OK);
+    must(&interp, "open synth:geom:16x16x16");
+    must(&interp, "size 16 16");
+    must(&interp, "seed 8,8,8 1 radius=2");
+    must(&interp, "golden first");
+    CHECK(file_write("whole", "", 0, FILE_REPLACE, &fault) == OK);
+    copy_file("s.iftty", "whole");
+    must(&interp, "golden last of=axial");
+    interpreter_release(&interp);
+    copy_file("s.golden/last.exr", "s.golden/first.exr"); /* to be accepted */
+    copy_file("s.golden/last.png", "s.golden/first.png");
+    CHECK(folder_copy("s.golden", "former", &fault) == OK);
+    CHECK(folder_copy("s.golden", "precious", &fault) == OK);
+    unsigned swaps = 0;
+    for (size_t i = 0; i < sizeof works / sizeof *works; i++) {
+        has_failed = true;
+        for (unsigned step = 0; has_failed && !check_failures; step++) {
+            if (unlink("s.golden") != 0)
+                folder_remove("s.golden");
+            CHECK(folder_copy("former", "s.golden", &fault) == OK);
+            copy_file("whole", "s.iftty");
+            begin_interpreter(&interp);
+            steps_left = step;
+            has_failed = false;
+            may_fail = true;
+            file_step_hook = swap_at_step;
+            works[i](&interp);
+            file_step_hook = NULL;
+            may_fail = false;
+            interpreter_release(&interp);
+            if (!CHECK(is_whole("precious")))
+                printf("#   work %zu, step %u: %s\n", i, step, fault.text);
+            if (has_failed)
+                folder_remove("away");
+            swaps += has_failed;
+        }
+    }
+    printf("# %u swaps\n", swaps);
+    CHECK(swaps > 20);
+}
+
 static int has_no_locks(enum file_step step, const char *path)
 {
     (void)path;
@@ -188,6 +328,7 @@ int main(void)
         return 1;
     const int status = RUN_STORIES(
         TELL(a_command_whose_file_cannot_be_written_leaves_nothing_and_works_again),
+        TELL(a_folder_that_becomes_a_link_at_any_step_leads_nothing_out),
         TELL(a_journal_that_is_begun_where_there_are_no_locks_says_what_stands_for_one));
     reply_release(&reply);
     return status | remove_folder(folder);
