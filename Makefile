@@ -131,7 +131,7 @@ Q   = @
 endif
 MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 1)
 
-PARTS   := src/base src/engine src/image src/session src/show src/command src/verify src/steps \
+PARTS   := src/base src/engine src/image src/session src/show src/command src/verify \
            src/apply src/helper src/program journal render tui tui/picture tui/prompt tui/pilot
 SOURCES := $(sort $(foreach part,$(PARTS),$(wildcard $(part)/*.c)))
 OBJECTS := $(SOURCES:%.c=$(BUILD)/%.o)

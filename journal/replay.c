@@ -151,21 +151,12 @@ static void judge_record(struct replay *r)
 
 enum err replay_next(struct replay *r, struct fault *fault)
 {
-    struct replay_report *report = r->report;
-    if (r->is_again) { /* it has stopped nowhere */
-        report->outcome = REPLAY_SAME;
-        report->number = report->line = 0;
-        buf_clear(&report->command);
-        buf_clear(&report->actual);
-    } else {
-        r->is_over = r->is_over || walk_next(&r->walk, &r->record) != WALK_RECORD;
-        if (r->is_over)
-            return OK;
-        judge_record(r);
-    }
-    const enum err err = replay_record(&r->record, r->host, report, fault);
-    r->is_again = err == ERR_CANCELLED;
-    r->is_over = !r->is_again && (err || r->record.number == r->options->last);
+    r->is_over = r->is_over || walk_next(&r->walk, &r->record) != WALK_RECORD;
+    if (r->is_over)
+        return OK;
+    judge_record(r);
+    const enum err err = replay_record(&r->record, r->host, r->report, fault);
+    r->is_over = err || r->record.number == r->options->last;
     return err;
 }
 

@@ -84,7 +84,6 @@ enum err replay_record(const struct record *record, const struct replay_host *ho
 struct replay {
     struct walk walk;
     struct record record;           /* that was carried out last */
-    bool is_again;                  /* it was cancelled, and is the next one once more */
     bool is_over;                   /* there is no more */
     const struct replay_host *host; /* borrowed, and these: */
     const struct replay_options *options;
@@ -98,8 +97,7 @@ enum err replay_begin(struct replay *replay, const char *bytes, size_t length,
                       struct replay_report *report, struct fault *fault);
 
 /* Carries the next record out and compares, as replay_record; at the end of them `is_over` is set,
- * and nothing done. After ERR_CANCELLED the same record is the next; after another error there is
- * none. */
+ * and nothing done. After an error there is none. */
 enum err replay_next(struct replay *replay, struct fault *fault);
 
 /* What the whole comes to, where `err` is what the last record gave; and releases the walk. */

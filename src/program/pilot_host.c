@@ -167,7 +167,6 @@ static enum err draw(struct pilot_interpreter *pilot, const struct pilot_wish *w
                                .held = wish->marks_held ? &pilot->held : NULL,
                                .way = wish->marks_way ? &pilot->why.way : NULL,
                                .former = pilot->former,
-                               .own = pilot->own,
                                .pixel = wish->marks_pixel ? wish->pixel : NULL,
                                .corner = wish->corner,
                                .corners = wish->marks_corners ? wish->corners : 0,

@@ -20,7 +20,6 @@ struct pilot_interpreter {
     struct raster_box slice[PANES_SLICES], beyond; /* and where slices are in it, and beyond */
     struct held held;      /* what was asked for last, until the next command, */
     struct voxel_why why;  /* and the path that was */
-    const uint32_t *own;   /* [3] the place of a learner's own marker, or NULL */
     const uint8_t *former; /* labels [cells] before what is shown has changed them, or NULL */
     uint32_t hue[256];
 

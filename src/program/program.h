@@ -73,13 +73,13 @@ struct options {
     const char *commands, *journal, *scene, *out;
     const char *junit, *html, *accept, *with, *picture, *surface;
     const char *expect, *shard;
-    const char *volume, *regions, *as, *by, *pages, *fit, *landmarks, *orient, *procedure;
+    const char *volume, *regions, *as, *by, *fit, *landmarks, *orient, *procedure;
     const char *limit_memory, *limit_time, *limit_output;
     size_t processes, from, until; /* 0: not given */
     struct graphics_wish graphics; /* {0}: the terminal decides */
     bool help, read_only, whole, keep_going, smooth, json, histogram, csv, binary, resample,
         anonymise;
-    bool quiz, strict, no_strict, fail_fast, timings, remove_orphans;
+    bool strict, no_strict, fail_fast, timings, remove_orphans;
     bool unconfined;
     bool is_form; /* one that only says which form is meant */
 };

@@ -48,8 +48,6 @@ enum {
     SLICES,
     SURFACE,
     SLICES_SCENE,
-    QUIZ,
-    PAGES,
     FROM_STEP,
     UNTIL_STEP,
     BY,
@@ -177,14 +175,8 @@ static const struct option option[] = {
     [BINARY] = {"--binary", NULL, "take all of them for one object, label 1", FLAG(binary)},
     [RESAMPLE] = {"--resample", NULL, "take the nearest voxels of a B that lies elsewhere",
                   FLAG(resample)},
-    [QUIZ] = {"--quiz", NULL,
-              "before each gesture you plant where you would, and both are compared", FLAG(quiz)},
-    [PAGES] = {"--pages", "DIR",
-               "make pictures of each step, and a page of HTML, in this folder, which is new or "
-               "empty",
-               TEXT(pages)},
-    [FROM_STEP] = {"--from", "N", "the first step", NUMBER(from, 1, RECORDS_MOST)},
-    [UNTIL_STEP] = {"--until", "N", "the last step", NUMBER(until, 1, RECORDS_MOST)},
+    [FROM_STEP] = {"--from", "N", "begin at this step", NUMBER(from, 1, RECORDS_MOST)},
+    [UNTIL_STEP] = {"--until", "N", "end after this step", NUMBER(until, 1, RECORDS_MOST)},
     [BY] =
         {"--by", "WAY",
          "world (same millimetres), landmarks, affine (by the intensities of both; the default), "
@@ -335,12 +327,12 @@ static const struct program program[] = {
      .run = run_tutorial},
     {.name = "watch",
      ONE("JOURNAL"),
-     .option = {QUIZ, PAGES, FROM_STEP, UNTIL_STEP, SCENE, GRAPHICS, SMOOTH, LIMIT_OPTIONS},
+     .option = {FROM_STEP, UNTIL_STEP, SCENE, GRAPHICS, SMOOTH, LIMIT_OPTIONS},
      .summary = "watch how a journal was made, step by step",
-     .detail = "Space goes on, Backspace back, 20G to step 20, p plays, ? shows all keys. Each "
-               "gesture is drawn before it is carried out, and what it changed is hatched. By the "
-               "rules of `replay`; nothing is written, and the time that you take counts for "
-               "nothing. At the end it says whether the journal is verified.",
+     .detail = "Replays the journal by the rules of `replay`, and shows its steps in the pilot: "
+               "Space goes on, Backspace back, 20G to step 20, c shows the comments of a step, ? "
+               "all keys. A gesture is drawn before it is carried out, and what it changed is "
+               "hatched. Nothing is written. At the end it says whether the journal is verified.",
      .run = run_watch},
     {.name = "diff",
      TWO("A B"),

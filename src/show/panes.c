@@ -261,11 +261,6 @@ static void draw_marks(struct panes *p, const struct session *session,
         for (size_t i = 0; i < wish->corners && box->width > 0; i++)
             if (slice_pixel_of(scene, &slice, box->width, box->height, wish->corner[i], pixel))
                 mark_point(canvas, (int64_t)box->left + pixel[0], (int64_t)box->top + pixel[1], 1);
-        const uint32_t *own = wish->own;
-        int64_t at[2];
-        if (own && box->width > 0 &&
-            find_pixel(scene, &slice, box, grid_cell(&scene->grid, own[0], own[1], own[2]), at))
-            mark_point(canvas, at[0], at[1], 1);
     }
     for (enum slice_plane plane = SLICE_AXIAL; wish->way && plane <= SLICE_SAGITTAL; plane++) {
         const struct slice_choice slice = slice_of(p, session, plane);

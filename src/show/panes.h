@@ -40,7 +40,6 @@ struct panes_wish {
     const struct held *held; /* that is hatched, or NULL */
     const struct way *way;   /* that is marked, or NULL */
     const uint8_t *former;   /* [cells] labels: where they are others now it is hatched; or NULL */
-    const uint32_t *own;     /* [3] a voxel that is marked in all slices, or NULL */
     const uint32_t *pixel;   /* [2] of the rendition, by its own column and row, or NULL */
     const uint32_t (*corner)[3]; /* voxels that are marked in the slices */
     size_t corners;

@@ -115,11 +115,9 @@ struct pilot_host {
     bool (*finished)(void *context);
 
     /* Of a host that shows something step by step, else NULL: lines that stand below the picture,
-     * PILOT_CAPTIONS of them, in place of what is known of the voxel; and when, by clock_ns, the
-     * line "step due" is to be carried out, 0 for never. */
+     * PILOT_CAPTIONS of them, in place of what is known of the voxel. */
     void (*caption)(void *context, struct buf *lines);
     bool keeps_status; /* they stand above that */
-    uint64_t (*due_ns)(void *context);
 
     /* False where there is no scene. */
     bool (*facts)(void *context, struct pilot_facts *facts);

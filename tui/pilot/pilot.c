@@ -839,23 +839,11 @@ static bool next_key(struct pilot *p, struct key_event *event)
     return (typed_ahead_take(&p->ahead, event) || read_key(p, event)) && part_alt(p, event);
 }
 
-/* Nanoseconds until the host is to go on by itself; none before what is there has been drawn. */
-static uint64_t goes_on_in_ns(const struct pilot *p)
-{
-    const uint64_t due_ns = p->host->due_ns ? p->host->due_ns(p->host->context) : 0;
-    const uint64_t now_ns = clock_ns();
-    if (!due_ns || p->is_stale || p->is_pasting)
-        return UINT64_MAX;
-    return due_ns > now_ns ? due_ns - now_ns : 0;
-}
-
-/* The same, or until keys rest and the picture is to be drawn as it is. */
+/* Nanoseconds until keys rest and the picture is to be drawn as it is; UINT64_MAX for never. */
 static uint64_t wakes_in_ns(const struct pilot *p)
 {
-    const uint64_t goes_on_ns = goes_on_in_ns(p), now_ns = clock_ns();
-    const uint64_t rests_ns = pace_rests_ns(&p->pace);
-    const uint64_t rests_in_ns = rests_ns > now_ns ? rests_ns - now_ns : 0;
-    return p->is_hasty && rests_in_ns > 0 && rests_in_ns < goes_on_ns ? rests_in_ns : goes_on_ns;
+    const uint64_t now_ns = clock_ns(), rests_ns = pace_rests_ns(&p->pace);
+    return p->is_hasty && rests_ns > now_ns ? rests_ns - now_ns : UINT64_MAX;
 }
 
 static bool has_more(const struct pilot *p)
@@ -978,9 +966,7 @@ static enum err run(struct pilot *p, struct fault *fault)
         if (!err && !p->is_over && (has_more(p) || is_ahead(p)) &&
             flow_may_send(&p->flow, clock_ns()))
             err = has_more(p) || p->flow.failed ? draw(p, fault) : send_ahead(p, fault);
-        if (!err && !p->is_over && goes_on_in_ns(p) == 0)
-            err = carry_out_all(p, "step due\n", fault);
-        else if (!err && !p->is_over && is_rough(p))
+        if (!err && !p->is_over && is_rough(p))
             finish_labels(p);
         else if (!err && !p->is_over && wait_once(p, &event))
             err = take_key(p, &event, fault);

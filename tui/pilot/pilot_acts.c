@@ -547,11 +547,3 @@ void pilot_to_step(struct press *p)
     else
         buf_add_text(p->line, p->by < 0 ? "step to 0\n" : "step to last\n");
 }
-
-void pilot_step_of_label(struct press *p)
-{
-    buf_printf(p->line, "step %s", p->by < 0 ? "previous" : "next");
-    if (p->state->count)
-        buf_printf(p->line, " %u", p->state->count);
-    buf_add_char(p->line, '\n');
-}

@@ -440,9 +440,8 @@ void pilot_recentre(struct press *p);
 void pilot_show_alone(struct press *p);
 void pilot_preset(struct press *p); /* the window of that number */
 /* Where one watches, lines for the host that shows steps: "step on 3". */
-void pilot_step(struct press *p);          /* on, back; by the count */
-void pilot_to_step(struct press *p);       /* the first, the last, that of the count */
-void pilot_step_of_label(struct press *p); /* next, previous; of the label that the count is */
+void pilot_step(struct press *p);    /* on, back; by the count */
+void pilot_to_step(struct press *p); /* the first, the last, that of the count */
 void pilot_begin_picking(struct press *p);
 void pilot_end_picking(struct press *p); /* 1: at the voxel; 0: where the cross-hair is */
 
