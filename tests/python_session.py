@@ -156,9 +156,9 @@ def stops():
         assert what and 0 <= done and 0 <= total
 
     with iftty.open("synth:geom", journal="stops.iftty", progress=count_of) as s:
+        s.finish("relax", sweeps=1000, reach=16)
         s.seed((100, 100, 50), 1)
-        s.seed((5, 5, 5), 0)
-        chain = s.finish("relax", sweeps=1000, reach=16).chain
+        chain = s.seed((5, 5, 5), 0).chain
         s.progress = progress
         fails("cancelled", s.array, "labels", finished=True)
         s.progress = None

@@ -164,14 +164,14 @@ alike 3 run "$work/small" --journal head.iftty
 close_story
 
 begin "Ctrl-C ends each with status 130, and its journal goes on in the others"
-slow='interpolate 2 2 2; seed 90,108,90 3 radius=9; seed 4,4,4 0; run; finish relax sweeps=1000;'\
-' stats finished=yes'
+slow='interpolate 2 2 2; finish relax sweeps=1000 reach=16; seed 90,108,90 3 radius=9;'\
+' seed 4,4,4 0; run; stats finished=yes'
 for way in $ways; do
     cd "$work/$way" || exit 1
     env --default-signal=INT "$(program "$way")" -c "open ch2.nii.gz reduce=2; $slow" \
         --journal stopped.iftty >"$work/out" 2>"$work/err" </dev/null &
     comes_true test -f stopped.iftty
-    comes_true has_line stopped.iftty '^finish'
+    comes_true has_line stopped.iftty '^run'
     kill -INT $!
     wait $!
     same $? 130

@@ -212,7 +212,7 @@ END
 expect 0 "$iftty" run script2 --journal lost.iftty
 out_has "the finish reduces label 2: 60 voxels in 1 piece before, 14 voxels in 2 pieces after"
 out_has "the finish deletes label 3 wall: 280 voxels in 1 piece before, 0 voxels after"
-same "$(grep -c 'the finish [dr]e' out)" 2
+same "$(grep -c 'the finish [dr]e' out)" 4 # two each from `finish` and `save`
 out_has "\`finish none\` removes them"
 { cat walls; echo "stats finished=yes"; echo "stats finished=yes report=lost.csv"
     echo "stats report=lost.json"; } >script3
@@ -225,7 +225,7 @@ same "$(sed -n 's/^\([37],"[a-z]*"\),\([0-9]*\),[0-9]*,0,0,0,,.*/\1 \2/p' lost.c
 grep -q '"number": 7, "name": "never", "voxels": 0, .*"mean": null' lost.json ||
     fail "$(cat lost.json)"
 expect 0 "$iftty" run walls
-! grep -q 'the finish [dr]e' out || fail "said where the outcome is not known yet: $(cat out)"
+out_has "the finish deletes label 3 wall" # as soon as the finish is chosen
 printf '%s\n' 'open scene.nii' 'box 0,0,0 29,23,19 0' 'box 1,1,1 12,12,12 1' run \
     'finish open radius=9' 'stats finished=yes' >thick
 expect 0 "$iftty" run thick
@@ -234,7 +234,24 @@ out_has "the finish changes 216 voxels more than 3 voxels from any border"
 sed 's/^finish majority/finish holes/' script2 >kept
 sed -i 's/lost.nii/kept.nii/' kept
 expect 0 "$iftty" run kept
-! grep -q 'the finish [dr]e' out || fail "nothing is lost: $(cat out)"
+! grep -q 'the finish [drb]' out || fail "nothing is lost: $(cat out)"
+close_story
+
+begin "at the prompt a loss is named once, as soon as a picture is made of finished labels"
+expect 0 "$iftty" <<END
+open scene.nii
+auto on
+finish majority
+finished on
+box 0,0,0 29,23,19 0
+box 15,3,3 20,3,3 2
+render
+box 5,5,14 24,18,14 3
+render
+render
+END
+same "$(grep '^the finish' out)" "the finish deletes label 2; \`stats\` counts the voxels
+the finish deletes label 3; \`stats\` counts the voxels"
 close_story
 
 begin "what a step does not take is refused, and so is what reaches too far"

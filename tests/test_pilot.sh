@@ -155,6 +155,9 @@ see '`:finish relax` has them settle on the edges'
 type_letters ":finish relax sweeps=9"
 press Enter
 recorded "finish relax sweeps=9"
+see '^the finish (breaks|reduces|deletes) label' # a page, since labels are lost from
+see '^[(]any key[)]$'
+type_letters " "
 type_letters "y"
 recorded "finished on"
 tmux_here resize-window -t prompt -x 100 -y 24 # the place in mm comes before that word
@@ -591,7 +594,7 @@ if "$iftty" run reference >/dev/null 2>&1; then
     same "$(printf '%s\n' "$keys" | wc -l)" 10
     for key in $keys; do type_letters "$key"; done
     see '^axial at 20,108,10  brush 0 r6  here 0'
-    see 'voxels changed before finishing, label 1: 1.63 l '
+    see '^the finish breaks label 1 to 1690916 voxels in 4 pieces; `stats` counts'
     type_letters "1bgc" # the volume is that of what is shown, which has settled
     tmux_here resize-window -t prompt -x 110 -y 24
     see 'finished  here 1 1\.69 l'

@@ -156,9 +156,9 @@ close_story
 # The labels of so large a scene take seconds to relax; each way to stop comes once that has begun.
 begin "a cancel takes a long command back, as Ctrl-C does: nothing of it is left"
 start synth:geom --journal long.iftty
-ask '{"id": 1, "do": "seed 100,100,50 1"}'
-ask '{"id": 2, "do": "seed 5,5,5 0"}'
-ask '{"id": 3, "do": "finish relax sweeps=1000 reach=16"}'
+ask '{"id": 1, "do": "finish relax sweeps=1000 reach=16"}'
+ask '{"id": 2, "do": "seed 100,100,50 1"}'
+ask '{"id": 3, "do": "seed 5,5,5 0"}'
 answered 3
 cp long.iftty before.iftty
 for way in cancel INT; do
@@ -185,9 +185,9 @@ stop 0
 "$iftty" run - --journal plain.iftty >/dev/null <<'END'
 open synth:geom
 auto on
+finish relax sweeps=1000 reach=16
 seed 100,100,50 1
 seed 5,5,5 0
-finish relax sweeps=1000 reach=16
 finish none
 END
 same_files plain.iftty long.iftty
@@ -195,9 +195,9 @@ close_story
 
 begin "SIGTERM takes the command at hand back, and ends the session cleanly"
 start synth:geom --journal term.iftty
-ask '{"id": 0, "do": "seed 100,100,50 1"}'
-ask '{"id": 1, "do": "seed 5,5,5 0"}'
-ask '{"id": 2, "do": "finish relax sweeps=1000 reach=16"}'
+ask '{"id": 0, "do": "finish relax sweeps=1000 reach=16"}'
+ask '{"id": 1, "do": "seed 100,100,50 1"}'
+ask '{"id": 2, "do": "seed 5,5,5 0"}'
 ask '{"id": 3, "do": "save labels long.nii finished=yes"}'
 ask '{"id": 4, "do": "zoom 2"}'
 comes_true has_line out '"id": 3, "progress"'

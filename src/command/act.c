@@ -124,15 +124,23 @@ static void say_finished(const struct act *act, bool finished)
     command_write(&act->reply->canonical, &said);
 }
 
-/* Names the labels that the finish deletes, halves or breaks. */
-static enum err say_loss(const struct act *act, const struct labels *labels)
+enum err act_write_losses(struct interpreter *interp, const struct labels *labels, bool only_new,
+                          struct watch *watch, struct buf *out, struct fault *fault)
 {
     struct label_loss loss;
-    const enum err err = label_loss_find(&loss, labels, session_team(act->session),
-                                         session_watch(act->session), act->fault);
-    if (!err)
-        label_loss_write(&act->reply->text, act->session, &loss);
-    return err;
+    struct session *session = interp->session;
+    const enum err err = label_loss_find(&loss, labels, session_team(session), watch, fault);
+    if (err)
+        return err;
+    interp->losses_of = session_finish_source(session);
+    for (unsigned l = 1; l < 256; l++) {
+        const bool was_named = interp->names_loss[l];
+        interp->names_loss[l] = loss.is_lost[l];
+        loss.is_lost[l] = loss.is_lost[l] && !(only_new && was_named);
+        loss.labels -= interp->names_loss[l] && !loss.is_lost[l];
+    }
+    (only_new ? label_loss_write_line : label_loss_write)(out, session, &loss);
+    return OK;
 }
 
 enum err act_take_labels(const struct act *act, struct labels *labels)
@@ -144,7 +152,10 @@ enum err act_take_labels(const struct act *act, struct labels *labels)
     if (as_shown)
         say_finished(act, finished);
     const enum err err = take(act, finished, labels);
-    return !err && labels->finished && act->interp->mode == MODE_LIVE ? say_loss(act, labels) : err;
+    if (err || !labels->finished || act->interp->mode != MODE_LIVE)
+        return err;
+    return act_write_losses(act->interp, labels, false, session_watch(act->session),
+                            &act->reply->text, act->fault);
 }
 
 enum err act_take_shown(const struct act *act, struct labels *labels)

@@ -94,6 +94,12 @@ enum err act_write_report(const struct act *act, const struct buf *text);
  * record says which. In a session that skims they are of no meaning. */
 enum err act_take_labels(const struct act *act, struct labels *labels);
 
+/* Adds a line for each label that the finished labels delete, halve or break
+ * (report/label_loss.h). `only_new`: one short line, of the labels that the call before has not
+ * named. ERR_MEMORY, ERR_CANCELLED. */
+enum err act_write_losses(struct interpreter *interp, const struct labels *labels, bool only_new,
+                          struct watch *watch, struct buf *out, struct fault *fault);
+
 /* The same for a picture: where `finished=` is not given, as `finished on|off` has it. */
 enum err act_take_shown(const struct act *act, struct labels *labels);
 

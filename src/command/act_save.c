@@ -83,7 +83,14 @@ enum err act_finish(const struct act *act)
     if (!list->count)
         buf_add_text(&act->reply->text, "finish    none\n");
     act_write_finish(&act->reply->text, act->session);
-    return OK;
+    struct labels labels;
+    if (!list->count || act->interp->mode != MODE_LIVE || session_skims(act->session) ||
+        !forest_seeds(session_forest(act->session)))
+        return OK;
+    err = session_labels(act->session, true, &labels, act->fault);
+    return err ? err
+               : act_write_losses(act->interp, &labels, false, session_watch(act->session),
+                                  &act->reply->text, act->fault);
 }
 
 /* ---- surfaces: what encloses the labels, as triangles ---- */

@@ -12,6 +12,7 @@
 #include "command/limits.h"
 #include "session/markers.h"
 #include "show/draw.h"
+#include "engine/labels.h"
 
 /* ---- carried out ---- */
 
@@ -352,4 +353,15 @@ enum err interpreter_drop_sketch(struct interpreter *interp, struct fault *fault
     watch_begin(session_watch(session));
     interp->sketch.is_begun = false;
     return OK;
+}
+
+enum err interpreter_write_losses(struct interpreter *interp, struct watch *watch, struct buf *out,
+                                  struct fault *fault)
+{
+    struct session *session = interp->session;
+    const struct labels labels = {session_scene(session), session_finished(session)};
+    if (!labels.finished || !session_shows_finished(session) ||
+        interp->losses_of == session_finish_source(session))
+        return OK;
+    return act_write_losses(interp, &labels, true, watch, out, fault);
 }

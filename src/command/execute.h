@@ -30,6 +30,12 @@ enum err interpreter_sketch(struct interpreter *interp, const char *line, struct
 /* Fine where there is none. ERR_MEMORY leaves it in place. */
 enum err interpreter_drop_sketch(struct interpreter *interp, struct fault *fault);
 
+/* Adds one line that names the labels that the finish deletes, halves or breaks, where pictures
+ * show finished labels, those are made, and no answer has named the label since it was last whole.
+ * ERR_MEMORY, ERR_CANCELLED: then the next call looks again. */
+enum err interpreter_write_losses(struct interpreter *interp, struct watch *watch, struct buf *out,
+                                  struct fault *fault);
+
 /* ---- looked at ---- */
 
 /* Carries out a command that changes how one looks, or asks, and nothing else: it is in no journal

@@ -91,9 +91,11 @@ struct interpreter {
     struct picture_job *job;       /* of the command at hand, for the writer once it is recorded */
 
     struct sketch sketch;
-    size_t applied;      /* edits that the command at hand has applied before it answered */
-    size_t acknowledged; /* the record of the command that stood last; 0 where it has none */
-    bool has_options;    /* what `open` takes is given by options of a program */
+    size_t applied;       /* edits that the command at hand has applied before it answered */
+    size_t acknowledged;  /* the record of the command that stood last; 0 where it has none */
+    uint64_t losses_of;   /* the finish (session_finish_source) whose losses were found last, */
+    bool names_loss[256]; /* and the labels that it loses from, which the user has been told */
+    bool has_options;     /* what `open` takes is given by options of a program */
     bool has_pilot;  /* somebody sits here: `pilot` can be had, and what is shown is what counts */
     bool has_blocks; /* charts are drawn with the blocks of UTF-8 */
     void (*add_keys)(struct buf *out); /* what `help keys` says here, or NULL */

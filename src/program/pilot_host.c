@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "command/execute.h"
 #include "program/shown.h"
 #include "render/rendition.h"
 #include "show/label_report.h"
@@ -329,12 +330,15 @@ static void show_finishing(void *context)
     session_show_refining(f->session, f->onlooker->draw, f->onlooker->context);
 }
 
-static enum err finish(void *context, const struct pilot_onlooker *onlooker, struct fault *fault)
+static enum err finish(void *context, const struct pilot_onlooker *onlooker, struct buf *news,
+                       struct fault *fault)
 {
+    struct pilot_interpreter *pilot = context;
     struct finishing f = {session_of(context),
                           onlooker,
                           {.context = &f, .poll = poll_finishing, .show = show_finishing}};
-    return session_refine(f.session, &f.watch, fault);
+    const enum err err = session_refine(f.session, &f.watch, fault);
+    return err ? err : interpreter_write_losses(pilot->interp, NULL, news, fault);
 }
 
 static void peek(void *context, const uint32_t place[3])

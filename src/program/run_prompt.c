@@ -126,8 +126,12 @@ static void add_lesson(struct prompt *prompt, struct buf *output)
 static enum err repl_execute(void *context, const char *line, struct buf *output,
                              struct fault *fault)
 {
-    const struct prompt *prompt = context;
+    struct prompt *prompt = context;
     const enum err err = prompt_execute(context, line, output, fault);
+    if (!err) { /* a command that is recorded does not fail by it */
+        interpreter_write_losses(&prompt->interp, console_watch(), output, NULL);
+        console_erase_progress();
+    }
     if (!err && prompt->interp.wish == WISH_NONE)
         add_lesson(context, output);
     return err;

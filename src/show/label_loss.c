@@ -69,14 +69,43 @@ static void write_extent(struct buf *out, const struct label_extent *extent)
         buf_printf(out, " in %u piece%s", extent->pieces, plural(extent->pieces));
 }
 
+/* "deletes label 3 wall", up to the name. */
+static void write_verb(struct buf *out, const struct session *session,
+                       const struct label_loss *loss, unsigned label)
+{
+    const struct label_extent *before = &loss->before[label], *after = &loss->after[label];
+    buf_add_text(out, !after->voxels                       ? "deletes label "
+                      : 2 * after->voxels < before->voxels ? "reduces label "
+                                                           : "breaks label ");
+    label_report_write_name(out, session, label);
+}
+
+void label_loss_write_line(struct buf *out, const struct session *session,
+                           const struct label_loss *loss)
+{
+    const char *between = "the finish ";
+    for (unsigned l = 1; l < 256; l++) {
+        if (!loss->is_lost[l])
+            continue;
+        buf_add_text(out, between);
+        write_verb(out, session, loss, l);
+        between = ", ";
+        if (loss->after[l].voxels)
+            buf_printf(out, " to %llu voxels in %u piece%s",
+                       (unsigned long long)loss->after[l].voxels, loss->after[l].pieces,
+                       plural(loss->after[l].pieces));
+    }
+    if (loss->labels)
+        buf_add_text(out, "; `stats` counts the voxels\n");
+}
+
 void label_loss_write(struct buf *out, const struct session *session, const struct label_loss *loss)
 {
     for (unsigned l = 1; l < 256; l++) {
         if (!loss->is_lost[l])
             continue;
-        buf_add_text(out, loss->after[l].voxels ? "the finish reduces label "
-                                                : "the finish deletes label ");
-        label_report_write_name(out, session, l);
+        buf_add_text(out, "the finish ");
+        write_verb(out, session, loss, l);
         buf_add_text(out, ": ");
         write_extent(out, &loss->before[l]);
         buf_add_text(out, " before, ");

@@ -33,6 +33,10 @@ struct label_loss {
 enum err label_loss_find(struct label_loss *loss, const struct labels *finished, struct team *team,
                          struct watch *watch, struct fault *fault);
 
+/* Adds one short line that names the labels that are lost from; nothing where there are none. */
+void label_loss_write_line(struct buf *out, const struct session *session,
+                           const struct label_loss *loss);
+
 /* Adds a line for each label that is lost from, one for voxels that are far from a former border,
  * and one with the commands that take it back. */
 void label_loss_write(struct buf *out, const struct session *session,

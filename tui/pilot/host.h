@@ -176,8 +176,10 @@ struct pilot_host {
     /* From now on, or with NULL no more, somebody looks on. */
     void (*look_on)(void *context, const struct pilot_onlooker *onlooker);
     /* Makes exact what the picture shows, while nobody waits for anything else: where facts say
-     * PILOT_ROUGH. ERR_CANCELLED where the onlooker stops it: nothing has changed then. */
-    enum err (*finish)(void *context, const struct pilot_onlooker *onlooker, struct fault *fault);
+     * PILOT_ROUGH. Adds to `news` what the user should know of the result. ERR_CANCELLED where the
+     * onlooker stops it: nothing has changed then. */
+    enum err (*finish)(void *context, const struct pilot_onlooker *onlooker, struct buf *news,
+                       struct fault *fault);
     /* Within `draw`: the cross-hair is shown at a place, or with NULL where it is. */
     void (*peek)(void *context, const uint32_t place[3]);
 };

@@ -935,7 +935,11 @@ static void finish_labels(struct pilot *p)
     struct fault why = {0};
     p->reads_ns = 0;
     p->ahead_shown = 0;
-    const enum err err = p->host->finish(p->host->context, &onlooker, &why);
+    struct buf news = {0};
+    const enum err err = p->host->finish(p->host->context, &onlooker, &news, &why);
+    if (!err && news.length)
+        keep_last_line(&p->message, buf_text(&news));
+    buf_release(&news);
     p->is_stale = err != ERR_CANCELLED || p->ahead_shown > 0;
     p->gives_up = err != OK && err != ERR_CANCELLED;
     if (p->gives_up)
