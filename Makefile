@@ -113,7 +113,7 @@ REGISTER_LIBS = $(addsuffix $(ITK:ITK%=%),-lITKOptimizersv4 -lITKSmoothing -lITK
                   -lITKCommon -litkvnl_algo -litkvnl)
 
 # All helpers: how they are confined.
-CONFINED      = $(BUILD)/src/base/beneath.o $(BUILD)/src/base/confine.o
+CONFINED      = $(BUILD)/src/base/confine.o
 
 IMAGE_PARTS   = $(patsubst %.cc,$(BUILD)/%.o,src/helper/iftty-image.cc \
                   $(wildcard src/helper/image_*.cc))

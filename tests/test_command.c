@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "session/parameter.h"
+#include "session/setting.h"
 #include "journal/journal.h"
 #include "command/command.h"
 #include "command/complete.h"

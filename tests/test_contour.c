@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "session/contour.h"
+#include "session/doubtful.h"
 #include "session/paint.h"
 #include "tests/check.h"
 #include "tests/paint_model.h"

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
-#include "session/contour.h"
 #include "session/doubtful.h"
 #include "tests/small_scene.h"
 

@@ -10,7 +10,7 @@
 #include "base/mem.h"
 #include "journal/journal.h"
 #include "journal/record.h"
-#include "session/packed.h"
+#include "session/state.h"
 #include "show/slicing.h"
 #include "tests/small_scene.h"
 

@@ -9,7 +9,7 @@
 
 #include "base/file.h"
 #include "base/file_lines.h"
-#include "base/file_lock.h"
+#include "base/file_log.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 #include "tui/prompt/line_history.h"

@@ -12,7 +12,6 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "base/owner.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 

@@ -11,7 +11,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "base/beneath.h"
 #include "base/confine.h"
 #include "base/file.h"
 #include "base/hash.h"

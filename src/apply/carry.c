@@ -4,10 +4,9 @@
 #include <string.h>
 
 #include "base/choice.h"
-#include "base/decimal.h"
+#include "base/scan.h"
 #include "base/file.h"
 #include "base/safe.h"
-#include "base/scan.h"
 #include "apply/registration.h"
 #include "apply/transform_file.h"
 

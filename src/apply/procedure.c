@@ -5,10 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/decimal.h"
+#include "base/scan.h"
 #include "base/mem.h"
 #include "base/safe.h"
-#include "base/scan.h"
 #include "engine/grid.h"
 #include "session/map.h"
 

@@ -9,7 +9,7 @@
 
 #include "apply/warp.h"
 #include "base/choice.h"
-#include "base/decimal.h"
+#include "base/scan.h"
 #include "base/file.h"
 #include "command/command.h"
 #include "command/execute.h"

@@ -5,9 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/decimal.h"
-#include "base/file.h"
 #include "base/scan.h"
+#include "base/file.h"
 #include "apply/register_helper.h"
 
 enum { BYTES_MOST = 1 << 20, SIXTEEN = 16, KIND_MOST = 96, HELD_MOST = 256 << 20 };

@@ -12,7 +12,7 @@
 
 #include "base/clock.h"
 #include "base/file.h"
-#include "base/file_lock.h"
+#include "base/file_log.h"
 
 unsigned file_lines_patience_ms = 3000;
 

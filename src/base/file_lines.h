@@ -16,7 +16,7 @@
  *      between its renaming and its copying.)
  *   I4 a file that is made is for its owner alone; what is no regular file is refused (ERR_INPUT).
  *   I5 where the file system has no locks, appending is as in I3, and one process at a time trims:
- *      the one that has made FILE.lock (base/file_lock.h).
+ *      the one that has made FILE.lock (base/file_log.h).
  */
 #ifndef BASE_FILE_LINES_H
 #define BASE_FILE_LINES_H

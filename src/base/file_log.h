@@ -19,7 +19,7 @@
  *   G3 a sync that has failed is never repeated and believed: systems forget what they could
  *      not write. What stands after `synced` is written anew (file_log_rewrite) before anything
  *      else is appended;
- *   G4 one writer at a time (base/file_lock.h).
+ *   G4 one writer at a time.
  *
  * Apart from the thread inside, a log belongs to one thread.
  */
@@ -78,7 +78,7 @@ enum err file_log_set_sync(struct file_log *log, enum file_sync sync, struct fau
 bool file_log_was_touched(const struct file_log *log);
 void file_log_note_times(struct file_log *log);
 
-/* The file that stands for a lock, where the file system has none (base/file_lock.h); or NULL. */
+/* The file that stands for a lock, where the file system has none; or NULL. */
 const char *file_log_lock_file(const struct file_log *log);
 
 uint64_t file_log_length(const struct file_log *log);
@@ -86,5 +86,30 @@ uint64_t file_log_length(const struct file_log *log);
 /* Syncs what waits, as far as that is possible; call file_log_sync first to know whether it was.
  * NULL is fine. */
 void file_log_close(struct file_log *log);
+
+/*
+ * The lock of a file that one process writes.
+ *
+ * It is the system's (flock), which ends with the process, so that a crash leaves nothing stale. A
+ * child that is just being started holds it along until it runs its own program: so it is waited
+ * for, FILE_LOCK_PATIENCE_MS and no longer.
+ *
+ * Some file systems have no locks (NFS without its lock daemon, some of FUSE). There a file
+ * FILE.lock is made, which must not exist, and names its process (base/file.h) and machine. One
+ * whose process has ended, as far as that can be seen from here, is taken away; another is left,
+ * with words that name it.
+ */
+
+enum { FILE_LOCK_PATIENCE_MS = 250 };
+
+struct file_lock {
+    char *path; /* of FILE.lock, where that is the lock, or NULL */
+};
+
+/* Locks the open file, which lies at `path`. ERR_IO, with words that say who holds it. */
+enum err file_lock_take(struct file_lock *lock, int fd, const char *path, struct fault *fault);
+
+/* Fine where it was not taken. The system's lock goes with the descriptor. */
+void file_lock_release(struct file_lock *lock);
 
 #endif

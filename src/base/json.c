@@ -8,6 +8,207 @@
 
 #include "base/safe.h"
 
+#define NUMBER_MOST ((INT64_C(1) << 53) - 1)
+
+static const char *left(const struct json_reader *r)
+{
+    return r->bytes + r->at;
+}
+
+/* The byte at hand; a zero at the end, which no JSON holds. */
+static char here(const struct json_reader *r)
+{
+    return r->at < r->length ? *left(r) : '\0';
+}
+
+static void skip_blanks(struct json_reader *r)
+{
+    while (here(r) && strchr(" \t\r\n", here(r)))
+        r->at++;
+}
+
+static bool take(struct json_reader *r, const char *word)
+{
+    const size_t n = strlen(word);
+    if (n > r->length - r->at || memcmp(left(r), word, n) != 0)
+        return false;
+    r->at += n;
+    return true;
+}
+
+static enum err expect(const struct json_reader *r, const char *expected, struct fault *fault)
+{
+    return fault_set(fault, ERR_USAGE, "byte %zu: expected %s", r->at + 1, expected);
+}
+
+/* ---- texts ---- */
+
+/* Four digits of either case. */
+static bool take_hex(struct json_reader *r, uint32_t *out)
+{
+    static const char digits[] = "0123456789abcdef0123456789ABCDEF";
+    uint32_t value = 0;
+    for (size_t i = 0; i < 4; i++) {
+        const char c = r->at + i < r->length ? left(r)[i] : '\0';
+        const char *digit = c ? strchr(digits, c) : NULL;
+        if (!digit)
+            return false;
+        value = value << 4 | (uint32_t)((digit - digits) & 15);
+    }
+    r->at += 4;
+    *out = value;
+    return true;
+}
+
+static void add_utf8(struct buf *out, uint32_t point)
+{
+    if (point < 0x80) {
+        buf_add_char(out, (char)point);
+        return;
+    }
+    const unsigned more = point < 0x800 ? 1 : point < 0x10000 ? 2 : 3;
+    static const unsigned lead[] = {0, 0xC0, 0xE0, 0xF0};
+    buf_add_char(out, (char)(lead[more] | point >> (6 * more)));
+    for (unsigned i = more; i-- > 0;)
+        buf_add_char(out, (char)(0x80 | (point >> (6 * i) & 0x3F)));
+}
+
+/* What follows a backslash. */
+static enum err take_escape(struct json_reader *r, struct buf *out, struct fault *fault)
+{
+    static const char escape[] = "\"\\/bfnrt", means[] = "\"\\/\b\f\n\r\t";
+    const char *found = here(r) ? strchr(escape, here(r)) : NULL;
+    uint32_t point, low;
+    if (found) {
+        buf_add_char(out, means[found - escape]);
+        r->at++;
+        return OK;
+    }
+    if (!take(r, "u"))
+        return expect(r, "one of \"\\/bfnrtu after a backslash", fault);
+    if (!take_hex(r, &point))
+        return expect(r, "four hexadecimal digits", fault);
+    if (point == 0)
+        return expect(r, "no zero byte in a text", fault);
+    const bool is_low = point >= 0xDC00 && point <= 0xDFFF,
+               is_high = point >= 0xD800 && point <= 0xDBFF;
+    if (is_low ||
+        (is_high && !(take(r, "\\u") && take_hex(r, &low) && low >= 0xDC00 && low <= 0xDFFF)))
+        return expect(r, "surrogates in a pair, the high one first", fault);
+    add_utf8(out, is_high ? 0x10000 + ((point - 0xD800) << 10) + (low - 0xDC00) : point);
+    return OK;
+}
+
+static enum err take_text(struct json_reader *r, struct buf *out, struct fault *fault)
+{
+    buf_clear(out);
+    r->at++; /* the quote */
+    while (here(r) != '"') {
+        uint32_t point;
+        if (r->at >= r->length)
+            return expect(r, "the quote that ends a text", fault);
+        const size_t n = utf8_read(left(r), r->length - r->at, &point);
+        if (n == 0)
+            return expect(r, "UTF-8", fault);
+        if (point < ' ')
+            return expect(r, "control characters as \\n, \\t or \\u00NN", fault);
+        if (point == '\\') {
+            r->at++;
+            const enum err err = take_escape(r, out, fault);
+            if (err)
+                return err;
+            continue;
+        }
+        buf_add(out, left(r), n);
+        r->at += n;
+    }
+    r->at++;
+    return out->failed ? fault_memory(fault, "a text") : OK;
+}
+
+/* ---- other values ---- */
+
+static enum err take_number(struct json_reader *r, int64_t *out, struct fault *fault)
+{
+    static const char expected[] = "a whole number of at most 9007199254740991";
+    const bool is_negative = take(r, "-"), is_zero = here(r) == '0';
+    const size_t begin = r->at;
+    int64_t value = 0;
+    for (; here(r) >= '0' && here(r) <= '9' && value <= NUMBER_MOST; r->at++)
+        value = value * 10 + (here(r) - '0');
+    if (r->at == begin || (is_zero && r->at > begin + 1) || value > NUMBER_MOST ||
+        (here(r) && strchr(".eE", here(r))))
+        return expect(r, expected, fault);
+    *out = is_negative ? -value : value;
+    return OK;
+}
+
+static enum err take_value(struct json_reader *r, struct json_member *m, struct fault *fault)
+{
+    static const struct {
+        const char *word;
+        enum json_kind kind;
+    } words[] = {{"true", JSON_TRUE}, {"false", JSON_FALSE}, {"null", JSON_NULL}};
+    if (here(r) == '"') {
+        m->kind = JSON_TEXT;
+        return take_text(r, &m->text, fault);
+    }
+    if (here(r) == '-' || (here(r) >= '0' && here(r) <= '9')) {
+        m->kind = JSON_NUMBER;
+        return take_number(r, &m->number, fault);
+    }
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        if (take(r, words[i].word)) {
+            m->kind = words[i].kind;
+            return OK;
+        }
+    return expect(r,
+                  here(r) == '{' || here(r) == '['
+                      ? "a text, a number, true, false or null: no object or array is known here"
+                      : "a text, a number, true, false or null",
+                  fault);
+}
+
+/* ---- members ---- */
+
+static enum err take_end(struct json_reader *r, struct json_member *m, struct fault *fault)
+{
+    m->kind = JSON_END;
+    skip_blanks(r);
+    return r->at < r->length ? expect(r, "nothing after the object", fault) : OK;
+}
+
+enum err json_read(struct json_reader *r, struct json_member *m, struct fault *fault)
+{
+    const bool is_first = r->at == 0;
+    skip_blanks(r);
+    if (is_first && !take(r, "{"))
+        return expect(r, "an object, as in {\"id\": 1}", fault);
+    skip_blanks(r);
+    if (take(r, "}"))
+        return take_end(r, m, fault);
+    if (!is_first && !take(r, ","))
+        return expect(r, "a comma, or } at the end of the object", fault);
+    skip_blanks(r);
+    if (here(r) != '"')
+        return expect(r, "a key between double quotes", fault);
+    enum err err = take_text(r, &m->key, fault);
+    if (err)
+        return err;
+    skip_blanks(r);
+    if (!take(r, ":"))
+        return expect(r, "a colon after the key", fault);
+    skip_blanks(r);
+    return take_value(r, m, fault);
+}
+
+void json_member_release(struct json_member *m)
+{
+    buf_release(&m->key);
+    buf_release(&m->text);
+    *m = (struct json_member){0};
+}
+
 /* A code point beyond 16 bits is a pair of surrogates. */
 static void add_escape(struct buf *out, uint32_t point)
 {

@@ -1,7 +1,111 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/scan.h"
 
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+
+enum { EXPONENT_MOST = 400, PLACES_MOST = 12, WHOLE_MOST = 20 /* digits that are written out */ };
+
+/* Takes zeros from the end of the digits. */
+static struct decimal normal(struct decimal d)
+{
+    if (!d.digits)
+        return (struct decimal){0, 0, 0};
+    for (; d.digits % 10 == 0; d.digits /= 10)
+        d.exponent++;
+    return d;
+}
+
+struct decimal decimal_of(int64_t units, unsigned places)
+{
+    const uint64_t digits = units < 0 ? -(uint64_t)units : (uint64_t)units;
+    return normal((struct decimal){digits, -(int32_t)places, units < 0 ? -1 : 1});
+}
+
+struct decimal decimal_near(double value, unsigned digits)
+{
+    char text[40];
+    const char *at = text;
+    struct decimal out = {0, 0, 0};
+    snprintf(text, sizeof text, "%.*e", (int)digits - 1, value);
+    for (char *plus = strchr(text, '+'); plus; plus = strchr(text, '+'))
+        memmove(plus, plus + 1, strlen(plus)); /* e+20 */
+    decimal_scan(&at, &out);
+    return out;
+}
+
+/* One more digit; those that are 0 wait until another follows. */
+static bool add_digit(struct decimal *d, int32_t *zeros, char c)
+{
+    ++*zeros;
+    if (c == '0')
+        return *zeros < EXPONENT_MOST;
+    for (; *zeros > 0; --*zeros)
+        if (__builtin_mul_overflow(d->digits, 10, &d->digits))
+            return false;
+    return !__builtin_add_overflow(d->digits, (uint64_t)(c - '0'), &d->digits);
+}
+
+bool decimal_scan(const char **cursor, struct decimal *out)
+{
+    const char *at = *cursor;
+    struct decimal d = {0, 0, *at == '-' ? -1 : 1};
+    int32_t zeros = 0;
+    int64_t exponent = 0;
+    at += *at == '-';
+    if (!scan_is_digit(*at))
+        return false;
+    for (; scan_is_digit(*at); at++)
+        if (!add_digit(&d, &zeros, *at))
+            return false;
+    if (at[0] == '.' && scan_is_digit(at[1]))
+        for (at++; scan_is_digit(*at); at++, d.exponent--)
+            if (!add_digit(&d, &zeros, *at))
+                return false;
+    if (*at == 'e' || *at == 'E') {
+        const char *after = at + 1;
+        after += *after == '+' && scan_is_digit(after[1]);
+        if (!scan_integer(&after, -EXPONENT_MOST, EXPONENT_MOST, &exponent))
+            return false;
+        at = after;
+    }
+    d.exponent += zeros + (int32_t)exponent;
+    d = normal(d);
+    if (d.digits && !(isfinite(decimal_value(&d)) && decimal_value(&d) != 0))
+        return false;
+    *out = d;
+    *cursor = at;
+    return true;
+}
+
+double decimal_value(const struct decimal *decimal)
+{
+    char text[48]; /* without a point, which not every locale has */
+    snprintf(text, sizeof text, "%" PRIu64 "e%" PRId32, decimal->digits, decimal->exponent);
+    return decimal->sign < 0 ? -strtod(text, NULL) : strtod(text, NULL);
+}
+
+void decimal_write(struct buf *out, const struct decimal *decimal)
+{
+    static const char zeros[] = "00000000000000000000";
+    char text[24];
+    const int n = snprintf(text, sizeof text, "%" PRIu64, decimal->digits);
+    const int exponent = decimal->exponent, whole = n + exponent; /* digits before the point */
+    buf_add_text(out, decimal->sign < 0 ? "-" : "");
+    if (exponent >= 0 && whole <= WHOLE_MOST) {
+        buf_printf(out, "%s%.*s", text, exponent, zeros);
+    } else if (exponent < 0 && exponent >= -PLACES_MOST) {
+        if (whole > 0)
+            buf_printf(out, "%.*s.%s", whole, text, text + whole);
+        else
+            buf_printf(out, "0.%.*s%s", -whole, zeros, text);
+    } else {
+        buf_printf(out, "%.1s%s%se%d", text, n > 1 ? "." : "", text + 1, whole - 1);
+    }
+}
 
 bool scan_decimal(const char **cursor, unsigned places, int64_t least, int64_t most, int64_t *out)
 {

@@ -16,7 +16,6 @@
 #include "show/distance_picture.h"
 #include "show/label_report.h"
 #include "session/map.h"
-#include "session/numbering.h"
 #include "session/session.h"
 #include "session/tally.h"
 

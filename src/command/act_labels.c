@@ -18,7 +18,6 @@
 #include "journal/golden.h"
 #include "journal/journal.h"
 #include "session/map.h"
-#include "session/numbering.h"
 #include "session/paint.h"
 #include "session/piece_seeds.h"
 

@@ -3,9 +3,8 @@
 
 #include <string.h>
 
-#include "base/decimal.h"
-#include "base/hash.h"
 #include "base/scan.h"
+#include "base/hash.h"
 #include "command/act.h"
 
 /* ---- landmarks ---- */

@@ -9,7 +9,7 @@
 
 #include "command/files.h"
 #include "show/label_table.h"
-#include "session/numbering.h"
+#include "session/map.h"
 
 /* ---- by hand ---- */
 

@@ -6,7 +6,7 @@
 #include "command/act.h"
 #include "show/label_table.h"
 
-/* regions_new of `regions` and `as`, by the own numbers of labels (session/numbering.h); ERR_USAGE
+/* regions_new of `regions` and `as`, by the own numbers of labels (session/map.h); ERR_USAGE
  * where a label for all is given too, which may be NULL. */
 enum err act_choose_regions(uint16_t **as, const struct act *act, const struct value *label);
 

@@ -9,7 +9,7 @@
 #include "show/export_map.h"
 #include "show/label_report.h"
 #include "show/label_table.h"
-#include "session/numbering.h"
+#include "session/map.h"
 #include "session/session.h"
 #include "session/tally.h"
 #include "show/draw.h"

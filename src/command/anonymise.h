@@ -8,7 +8,7 @@
  * digests and the names of labels, landmarks, branches and golden images stay, since other commands
  * use them.
  *
- * The table of commands decides (is_kept of session/parameter.h): a word stays only where its row
+ * The table of commands decides (is_kept of session/setting.h): a word stays only where its row
  * says so. A word that no parameter takes is left as a number or becomes a file.
  */
 #ifndef COMMAND_ANONYMISE_H

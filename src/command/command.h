@@ -17,7 +17,7 @@
 #include <stdint.h>
 
 #include "base/buf.h"
-#include "base/decimal.h"
+#include "base/scan.h"
 #include "base/err.h"
 #include "base/polyline.h"
 #include "command/near.h"

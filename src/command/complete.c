@@ -26,7 +26,7 @@
 #include "command/golden_files.h"
 #include "command/interpreter.h"
 #include "journal/golden.h"
-#include "session/parameter.h"
+#include "session/setting.h"
 
 /* ---- the line, as far as the cursor ---- */
 

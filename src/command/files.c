@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/beneath.h"
+#include "base/confine.h"
 #include "base/safe.h"
 #include "base/scan.h"
 #include "command/command.h"

@@ -5,7 +5,7 @@
 
 #include "base/choice.h"
 #include "command/command.h"
-#include "session/parameter.h"
+#include "session/setting.h"
 
 /* What the piece is of, the best first. */
 enum { OF_NAME, OF_CHOICE, OF_KEY, OF_SUMMARY, WITHIN_NAME, RANKS };

@@ -11,10 +11,9 @@
 #include "image/image_helper.h"
 #include "render/view.h"
 #include "show/export_map.h"
-#include "session/parameter.h"
+#include "session/setting.h"
 #include "session/piece_seeds.h"
 #include "session/seed_file.h"
-#include "session/setting.h"
 #include "show/slicing.h"
 
 /* What rows of other tables say of themselves. */

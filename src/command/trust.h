@@ -27,7 +27,7 @@
  *     (T2) for writing, the folder of --out, or a fresh temporary one, by the last part of a name;
  *          nothing there is overwritten but what the same replay has written;
  *     (T3) so much memory, time and output (limits.h).
- * Names are resolved by base/beneath.h; what is checked is the folder and file themselves, not
+ * Names are resolved by base/confine.h; what is checked is the folder and file themselves, not
  * their names. Where the kernel has Landlock, T1 and T2 hold for the process itself as well
  * (confine.h), even if a hostile file takes a decoder over: of what lies elsewhere, it reaches the
  * one file that the first `open` with a proof led to when the process was confined. The helpers are
@@ -41,7 +41,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "base/beneath.h"
+#include "base/confine.h"
 #include "base/buf.h"
 #include "base/err.h"
 

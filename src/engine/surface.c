@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/lookup.h"
+#include "base/sort.h"
 #include "base/mem.h"
 #include "engine/net_parts.h"
 

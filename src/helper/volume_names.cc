@@ -8,7 +8,7 @@
 #include <sstream>
 
 extern "C" {
-#include "base/beneath.h"
+#include "base/confine.h"
 }
 
 namespace volume

@@ -10,7 +10,7 @@
 #ifndef IMAGE_LEVELS_H
 #define IMAGE_LEVELS_H
 
-#include "base/decimal.h"
+#include "base/scan.h"
 #include "image/geometry.h"
 
 enum { LEVELS = 65536 };

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "base/choice.h"
-#include "base/decimal.h"
 #include "base/scan.h"
 #include "engine/grid.h"
 #include "image/units.h"

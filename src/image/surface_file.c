@@ -11,7 +11,7 @@
 
 #include "base/file.h"
 #include "base/hash.h"
-#include "base/lookup.h"
+#include "base/sort.h"
 #include "base/mem.h"
 #include "engine/weight_gradient.h"
 

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "base/json.h"
-#include "base/json_read.h"
 #include "command/near.h"
 
 enum { ID_BYTES_MOST = 64 };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Requests: what a program that drives a session writes, a line of JSON each (base/json_read.h).
+ * Requests: what a program that drives a session writes, a line of JSON each (base/json.h).
  *
  *     {"id": 1, "do": "seed 90,108,90 1 radius=6"}         a command, as at the prompt
  *     {"id": 2, "array": "labels", "finished": true}       the voxels of a map, in a file

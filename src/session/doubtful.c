@@ -1,13 +1,255 @@
 /* SPDX-License-Identifier: MIT */
 #include "session/doubtful.h"
-#include "session/session_inside.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/hash.h"
 #include "base/mem.h"
-#include "session/contour.h"
+#include "session/session_inside.h"
+
+/* The voxels of a slice, column by column and row by row. */
+struct area {
+    unsigned axis, across[2]; /* the axes of the scene that columns and rows run along */
+    uint32_t at, width, height;
+    uint8_t *piece;  /* [height][width]: ABSENT, ASKED for, SEEN, or of the piece MEANT */
+    uint32_t *queue; /* of places row * width + column */
+};
+
+enum { ABSENT, ASKED, SEEN, MEANT };
+enum { NOWHERE = -1 };
+
+static enum err area_init(struct area *area, const struct grid *grid, unsigned axis, uint32_t at,
+                          struct fault *fault)
+{
+    *area = (struct area){.axis = axis, .at = at, .across = {axis == 0, axis == 2 ? 1 : 2}};
+    area->width = grid->size[area->across[0]];
+    area->height = grid->size[area->across[1]];
+    const size_t voxels = (size_t)area->width * area->height;
+    area->piece = mem_new(voxels);
+    area->queue = mem_array(voxels, sizeof *area->queue);
+    return area->piece && area->queue ? OK : fault_memory(fault, "a contour");
+}
+
+static void area_release(struct area *area)
+{
+    free(area->piece);
+    free(area->queue);
+}
+
+static void find_place(const struct area *area, uint32_t column, uint32_t row, uint32_t place[3])
+{
+    place[area->axis] = area->at;
+    place[area->across[0]] = column;
+    place[area->across[1]] = row;
+}
+
+static uint32_t place_of(const struct area *area, const uint32_t place[3])
+{
+    return place[area->across[1]] * area->width + place[area->across[0]];
+}
+
+static bool has(const struct area *area, int64_t column, int64_t row, uint8_t what)
+{
+    return column >= 0 && row >= 0 && column < area->width && row < area->height &&
+           area->piece[row * area->width + column] == what;
+}
+
+/* ---- the piece ---- */
+
+/* All that hangs together with a voxel by faces becomes another kind; how many they are. */
+static uint32_t flood(struct area *area, uint32_t from, uint8_t kind)
+{
+    const uint8_t former = area->piece[from];
+    uint32_t done = 0, count = 1;
+    area->queue[0] = from;
+    for (area->piece[from] = kind; done < count; done++) {
+        const int64_t column = area->queue[done] % area->width,
+                      row = area->queue[done] / area->width;
+        const int64_t beside[4][2] = {
+            {column - 1, row}, {column + 1, row}, {column, row - 1}, {column, row + 1}};
+        for (int k = 0; k < 4; k++)
+            if (has(area, beside[k][0], beside[k][1], former)) {
+                area->queue[count] = (uint32_t)(beside[k][1] * area->width + beside[k][0]);
+                area->piece[area->queue[count++]] = kind;
+            }
+    }
+    return count;
+}
+
+/* Makes the largest piece MEANT and gives its first place; false where nothing is asked for. */
+static bool find_largest(struct area *area, uint32_t *first)
+{
+    const uint32_t voxels = area->width * area->height;
+    uint32_t most = 0;
+    for (uint32_t i = 0; i < voxels; i++) {
+        const uint32_t count = area->piece[i] == ASKED ? flood(area, i, SEEN) : 0;
+        if (count > most) {
+            most = count;
+            *first = i;
+        }
+    }
+    if (most)
+        flood(area, *first, MEANT);
+    return most > 0;
+}
+
+/* ---- around it ---- */
+
+/* Clockwise, from east on; rows run down. */
+static const int8_t step[8][2] = {{1, 0},  {1, 1},   {0, 1},  {-1, 1},
+                                  {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
+
+/* The first direction to a voxel of the piece, from one on clockwise; 8 for a voxel alone. */
+static unsigned look_around(const struct area *area, const int64_t at[2], unsigned from)
+{
+    for (unsigned k = 0; k < 8; k++) {
+        const unsigned d = (from + k) % 8;
+        if (has(area, at[0] + step[d][0], at[1] + step[d][1], MEANT))
+            return d;
+    }
+    return 8;
+}
+
+static bool add_place(struct polyline *line, const struct area *area, const int64_t at[2])
+{
+    uint32_t place[3];
+    find_place(area, (uint32_t)at[0], (uint32_t)at[1], place);
+    return polyline_add(line, place);
+}
+
+/* Moore's: what is outside stays on the left, until one leaves the first voxel as one did at first.
+ * Nothing lies before the first place, so that one comes to it from the west. */
+static bool go_around(struct polyline *line, const struct area *area, uint32_t first)
+{
+    const int64_t begin[2] = {first % area->width, first / area->width};
+    const unsigned leaves = look_around(area, begin, 0);
+    int64_t at[2] = {begin[0], begin[1]};
+    bool fits = add_place(line, area, at), goes_on = leaves < 8;
+    for (unsigned d = leaves; fits && goes_on;) {
+        at[0] += step[d][0];
+        at[1] += step[d][1];
+        fits = add_place(line, area, at);
+        d = look_around(area, at, d + 5); /* after the one that one came from */
+        goes_on = at[0] != begin[0] || at[1] != begin[1] || d != leaves;
+    }
+    return fits;
+}
+
+static void thin_out(struct polyline *line)
+{
+    while (line->count > CONTOUR_CORNERS_MOST) {
+        for (size_t i = 0; 2 * i < line->count; i++)
+            memmove(line->corner[i], line->corner[2 * i], sizeof line->corner[0]);
+        line->count = (line->count + 1) / 2;
+    }
+}
+
+/* Makes the piece that has `from` MEANT and gives its first place; false where none has it. */
+static bool find_piece(struct area *area, int64_t from, uint32_t *first)
+{
+    if (from == NOWHERE || area->piece[from] != ASKED)
+        return false;
+    flood(area, (uint32_t)from, MEANT);
+    for (*first = 0; area->piece[*first] != MEANT;)
+        ++*first;
+    return true;
+}
+
+/* Around the piece that has `from`, if any has, else the largest. The area is let go of. */
+static enum err trace(struct polyline *contour, struct area *area, int64_t from,
+                      struct fault *fault)
+{
+    uint32_t first;
+    const bool fits = (!find_piece(area, from, &first) && !find_largest(area, &first)) ||
+                      go_around(contour, area, first);
+    area_release(area);
+    if (!fits) {
+        polyline_release(contour);
+        return fault_memory(fault, "a contour");
+    }
+    polyline_simplify(contour);
+    if (contour->count > 1) /* where it ends, it began */
+        contour->count--;
+    thin_out(contour);
+    return OK;
+}
+
+/* ---- of what ---- */
+
+enum err contour_of_label(struct polyline *contour, const struct labels *labels, unsigned label,
+                          unsigned axis, const uint32_t place[3], struct fault *fault)
+{
+    const struct grid *grid = &labels->scene->grid;
+    struct area area;
+    const enum err err = area_init(&area, grid, axis, place[axis], fault);
+    for (uint32_t row = 0, p[3]; !err && row < area.height; row++)
+        for (uint32_t column = 0; column < area.width; column++) {
+            find_place(&area, column, row, p);
+            const uint32_t cell = grid_cell(grid, p[0], p[1], p[2]);
+            area.piece[row * area.width + column] = labels_at(labels, cell) == label;
+        }
+    if (err) {
+        area_release(&area);
+        return err;
+    }
+    return trace(contour, &area, place_of(&area, place), fault);
+}
+
+/* The box around the voxels of a marker; and the last axis along which they lie at one place, 3 for
+ * none. */
+static unsigned find_box(uint32_t first[3], uint32_t last[3], const struct grid *grid,
+                         const struct markers *markers, uint32_t number)
+{
+    const struct marker *marker = &markers->marker[number - 1];
+    const struct cover *cover = &markers->cover[marker->first];
+    unsigned axis = 3;
+    grid_find(grid, cover[0].cell, first);
+    memcpy(last, first, 3 * sizeof *last);
+    for (uint32_t i = 1, place[3]; i < marker->voxels; i++) {
+        grid_find(grid, cover[i].cell, place);
+        for (int a = 0; a < 3; a++) {
+            first[a] = place[a] < first[a] ? place[a] : first[a];
+            last[a] = place[a] > last[a] ? place[a] : last[a];
+        }
+    }
+    for (unsigned a = 0; a < 3; a++)
+        axis = first[a] == last[a] ? a : axis;
+    return axis;
+}
+
+bool contour_is_area(unsigned *axis, uint32_t *at, const struct grid *grid,
+                     const struct markers *markers, uint32_t number)
+{
+    uint32_t first[3], last[3];
+    uint64_t around = 0;
+    *axis = find_box(first, last, grid, markers, number);
+    for (unsigned a = 0; a < 3; a++)
+        around += a == *axis ? 0 : last[a] - first[a] + 1;
+    *at = *axis < 3 ? first[*axis] : 0;
+    return *axis < 3 && markers->marker[number - 1].voxels > around;
+}
+
+enum err contour_of_marker(struct polyline *contour, const struct grid *grid,
+                           const struct markers *markers, uint32_t number, struct fault *fault)
+{
+    const struct marker *marker = &markers->marker[number - 1];
+    uint32_t first[3], place[3];
+    const unsigned axis = find_box(first, place, grid, markers, number);
+    struct area area;
+    if (axis == 3)
+        return OK;
+    const enum err err = area_init(&area, grid, axis, first[axis], fault);
+    for (size_t i = 0; !err && i < marker->voxels; i++) {
+        grid_find(grid, markers->cover[marker->first + i].cell, place);
+        area.piece[place_of(&area, place)] = ASKED;
+    }
+    if (err) {
+        area_release(&area);
+        return err;
+    }
+    return trace(contour, &area, NOWHERE, fault);
+}
 
 void doubting_release(struct doubting *doubting)
 {

@@ -24,9 +24,8 @@
 #ifndef SESSION_HISTORY_H
 #define SESSION_HISTORY_H
 
-#include "session/packed.h"
-#include "session/session.h"
 #include "session/state.h"
+#include "session/session.h"
 
 #define POINT_NONE UINT32_MAX
 

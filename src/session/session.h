@@ -35,8 +35,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "base/decimal.h"
 #include "base/err.h"
+#include "base/scan.h"
 
 struct border;
 struct camera;

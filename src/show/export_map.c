@@ -11,7 +11,7 @@
 #include "engine/margin.h"
 #include "engine/scene.h"
 #include "render/border.h"
-#include "session/numbering.h"
+#include "session/map.h"
 #include "session/state.h"
 
 struct map_source {

@@ -11,7 +11,6 @@
 #include "base/mem.h"
 #include "base/safe.h"
 #include "base/scan.h"
-#include "session/numbering.h"
 #include "session/map.h"
 
 enum { LUT_BYTES = 768, NAME_MOST = LABEL_NAME_BYTES - 1, LABELS = 256 };

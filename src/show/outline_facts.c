@@ -3,7 +3,6 @@
 
 #include "show/label_report.h"
 #include "show/voxel_facts.h"
-#include "session/contour.h"
 #include "session/doubtful.h"
 #include "show/draw.h"
 

@@ -16,7 +16,7 @@ enum { OUTLINE_FACTS_NEAR = 8 };
 
 /* Finds it, in the slice across an axis through a place, and adds in words what it is of. The line
  * is empty before; `marker` is 0 where it is of the label's border, of the largest piece
- * (session/contour.h). False, with words, where there is none. */
+ * (session/doubtful.h). False, with words, where there is none. */
 bool outline_facts_find(struct polyline *line, uint32_t *marker, struct session *session,
                         unsigned label, unsigned axis, const uint32_t place[3], struct buf *out);
 

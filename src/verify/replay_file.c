@@ -5,7 +5,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "base/beneath.h"
+#include "base/confine.h"
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/scan.h"

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/json.h"
-#include "base/json_read.h"
 #include "program/inbox.h"
 
 static void check_request(const struct request *request)

@@ -17,7 +17,7 @@
 #ifndef TUI_PILOT_PILOT_KEYS_H
 #define TUI_PILOT_PILOT_KEYS_H
 
-#include "base/decimal.h"
+#include "base/scan.h"
 #include "base/polyline.h"
 #include "tui/keys.h"
 #include "tui/pilot/host.h"
