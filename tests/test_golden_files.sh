@@ -333,8 +333,8 @@ else:
 exr.write(target, **how)
 END
 cp j.golden/first.exr kept.exr
-for way in none half eye colour layer part preview shown place screen aspect camera none-of-it lines text \
-    number twice again hidden less long after between within order giant; do
+for way in none half eye colour layer part preview shown place screen aspect camera none-of-it \
+    lines text number twice again hidden less long after between within order giant; do
     /usr/bin/python3 forge.py $way kept.exr j.golden/first.exr || fail "$way"
     wanted=1
     [ $way != none ] || wanted=0

@@ -130,8 +130,9 @@ static const struct option option[] = {
     [DIFF_UNTIL] = {"--until", "N", "carry out no record after this one",
                     NUMBER(until, 1, RECORDS_MOST)},
     [STRICT] = {"--strict", NULL,
-                "what leaves anything unproven fails: a torn tail, a record without its digest, "
-                "no golden image; the default where CI is set",
+                "fail on incomplete evidence: a torn tail, a record without its digest, no golden "
+                "image, a file next to golden images that no record names; the default where CI "
+                "is set",
                 FLAG(strict)},
     [NO_STRICT] = {"--no-strict", NULL, "such journals pass, also where CI is set",
                    FLAG(no_strict)},
@@ -143,8 +144,8 @@ static const struct option option[] = {
     [FAIL_FAST] = {"--fail-fast", NULL, "stop at the first journal that fails", FLAG(fail_fast)},
     [TIMINGS] = {"--timings", NULL, "print the ten slowest records of each journal", FLAG(timings)},
     [REMOVE_ORPHANS] = {"--remove-orphans", NULL,
-                        "delete golden images that their journal does not name; refused where CI "
-                        "is set",
+                        "delete golden images that their journal does not name, where its records "
+                        "can have made them; refused where CI is set",
                         FLAG(remove_orphans)},
     [JUNIT] = {"--junit", "FILE", "a report for other programs, written anew", TEXT(junit)},
     [HTML] = {"--html", "FILE",
