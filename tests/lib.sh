@@ -17,7 +17,7 @@
 LC_ALL=C
 IFTTY_HISTORY= # what is typed here is none of the user's, and nothing of theirs counts
 export LC_ALL IFTTY_HISTORY IFTTY_CONFIG
-unset CI GITHUB_ACTIONS # under which verification is strict: what a story wants of it, it says
+unset CI # under which verification is strict: what a story wants of it, it says
 cd "$(dirname "$0")/.." || exit 1
 top=$(pwd)
 IFTTY_CONFIG=$top/tests/bare.config # with IFTTY_CONFIG= a session begins as for a new user

@@ -9,7 +9,7 @@
 #                                 is printed
 set -u
 cd "$(dirname "$0")/.." || exit 1
-unset CI GITHUB_ACTIONS # a person decides here
+unset CI # a person decides here
 iftty=$(cd "$1" && pwd)/iftty made=$1/remake
 shift
 may_differ=" $* "

@@ -104,15 +104,6 @@ alone 3 -c 'open tmp/labels.mha'
 err_has "; the package iftty-volume has it"
 close_story
 
-begin "it finds itself, as one of two builds that are compared"
-if [ -n "$runner" ]; then
-    skip "qemu starts no program of the other machine"
-else
-    mkdir "$root/dev" && : >"$root/dev/null" # for what it prints besides
-    alone 0 verify --with /iftty examples/geom.iftty
-fi
-close_story
-
 # The oldest Debian that still is served; as root alone, since it is made by debootstrap.
 begin "in a bare Debian 11"
 bullseye=$build/debian-11 # which stays for the next time

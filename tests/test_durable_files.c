@@ -199,7 +199,7 @@ static void resume_it(struct interpreter *interp)
 
 static void accept_it(struct interpreter *interp)
 {
-    reseal_accept(interp, "s.iftty", "why", &silent, &fault);
+    reseal_accept(interp, "s.iftty", "why", NULL, &silent, &fault);
 }
 
 static void reseal_it(struct interpreter *interp)

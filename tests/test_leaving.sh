@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # How the program leaves a real terminal that it has not the time to say farewell to: killed
-# outright, the line gone. And what it draws inside of multiplexers: blocks, and no garbage.
+# outright, the line gone. And what it draws inside of multiplexers: blocks, and no garbage; and how
+# far long work is.
 . "$(dirname "$0")/lib.sh"
 . "$top/tests/tmux.sh"
 cd "$work" || exit 1
@@ -111,6 +112,24 @@ if needs screen; then
     see 'screen is terminating'
     sane
 fi
+close_story
+
+begin "what takes long says so at a terminal"
+"$iftty" -c 'open s.nii; seed 2,3,4 1; run; save labels s.mha' >/dev/null
+"$iftty" -c 'open s.mha; seed 2,3,4 1; run' --journal slow.iftty >/dev/null
+mkdir slow
+cp "$iftty" slow
+cp /usr/bin/sort slow/iftty-volume # takes a request, and answers nothing
+for words in "verifying: verify slow.iftty" "replaying: diff slow.iftty slow.iftty" \
+    "replaying: log --procedure - slow.iftty" \
+    "replaying: apply slow.iftty s.nii --by world --out none"; do
+    enter_anew "slow/iftty ${words#*: }; echo sta\"\"tus \$?"
+    see "^${words%%:*} +[0-9]+ s"
+    press C-c
+    see "^status 130"
+done
+[ ! -e none ] || fail "apply has left a folder"
+sane
 close_story
 
 begin "the line is gone: the process too, and the journal is whole"

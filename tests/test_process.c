@@ -72,15 +72,6 @@ static void say_number(void *context, size_t number, struct buf *out)
         abort();
 }
 
-static void complain(void *context, size_t number, struct buf *out)
-{
-    (void)context;
-    (void)number;
-    (void)out;
-    execl("/bin/sh", "sh", "-c", "echo no >&2; head -c 100000 /dev/zero >&2; exit 7", (char *)NULL);
-    _exit(127);
-}
-
 static bool poll_and_stop(void *context, const char *what, uint64_t done, uint64_t total)
 {
     (void)what;
@@ -150,7 +141,6 @@ struct log {
     struct buf text;
     int status[16];
     size_t count;
-    unsigned ticks;
 };
 
 static void note(void *context, size_t number, const struct process_end *end)
@@ -162,13 +152,6 @@ static void note(void *context, size_t number, const struct process_end *end)
     log->count++;
 }
 
-static void count_tick(void *context, uint64_t held_bytes)
-{
-    struct log *log = context;
-    (void)held_bytes;
-    log->ticks++;
-}
-
 STORY(each_piece_of_work_is_done_once)
 {
     for (unsigned at_once = 1; at_once <= PROCESSES_MOST; at_once *= 4) {
@@ -178,11 +161,9 @@ STORY(each_piece_of_work_is_done_once)
                                       .most = 100,
                                       .context = &log,
                                       .work = say_number,
-                                      .done = note,
-                                      .tick = count_tick};
+                                      .done = note};
         CHECK(processes_run(&how, NULL) == OK);
         CHECK_INT(log.count, 16);
-        CHECK(log.ticks > 0);
         for (int i = 0; i < 16; i++) {
             char piece[16];
             snprintf(piece, sizeof piece, "piece %d\n", i);
@@ -195,23 +176,6 @@ STORY(each_piece_of_work_is_done_once)
             CHECK_HAS(buf_text(&log.text), "piece 0\npiece 1\n\npiece 3\npiece 4\n");
         buf_release(&log.text);
     }
-}
-
-STORY(errors_of_another_program_are_taken_up_to_a_length)
-{
-    struct log log = {.count = 0};
-    const struct processes how = {.count = 1,
-                                  .at_once = 1,
-                                  .most = 1000,
-                                  .takes_errors = true,
-                                  .context = &log,
-                                  .work = complain,
-                                  .done = note};
-    CHECK(processes_run(&how, NULL) == OK);
-    CHECK(WIFEXITED(log.status[0]));
-    CHECK_INT(WEXITSTATUS(log.status[0]), 7);
-    CHECK(strncmp(buf_text(&log.text), "no\n", 3) == 0);
-    buf_release(&log.text);
 }
 
 static bool note_progress(void *context, const char *what, uint64_t done, uint64_t total)
@@ -259,6 +223,5 @@ int main(void)
                        TELL(a_process_that_does_not_end_is_ended_by_the_watch),
                        TELL(the_end_of_a_process_counts_though_another_holds_its_pipe),
                        TELL(each_piece_of_work_is_done_once),
-                       TELL(errors_of_another_program_are_taken_up_to_a_length),
                        TELL(a_watch_is_shown_what_is_done_and_how_far_it_is));
 }

@@ -126,8 +126,6 @@ STORY(a_form_is_found_by_its_option_or_operand)
     CHECK_TEXT(name_of("verify a b"), "iftty verify");
     CHECK_INT(o.words, 2);
     CHECK_TEXT(name_of("verify a --bisect b"), "iftty verify --bisect");
-    CHECK_TEXT(name_of("verify --bisect a --with p"), "iftty verify --with");
-    CHECK_TEXT(o.with, "p");
     CHECK_TEXT(name_of("log --script --anonymise a"), "iftty log --anonymise");
     CHECK_TEXT(name_of("verify --accept --bisect a"), "iftty verify --accept");
     CHECK_TEXT(o.accept, "--bisect");

@@ -339,6 +339,58 @@ expect 0 "$iftty" log --reseal twins.iftty
 refused twins.iftty "golden image one is given twice, and the pictures are not the same" 1 env
 close_story
 
+begin "--only accepts the golden images that it names; all others stay as they were"
+record o.iftty
+cp -r o.golden o.right
+spoil_both() {
+    cp o.right/second.exr o.golden/first.exr
+    cp o.right/first.exr o.golden/second.exr
+}
+only() { # STATUS NAMES: what is accepted
+    expect "$1" "$iftty" verify o.iftty --accept 'softer light' --only "$2"
+}
+spoil_both
+cp o.iftty o.kept
+only 1 first
+out_has "# 1 golden image accepted, 1 of 10 records of o.iftty marked"
+err_has "1 picture of o.iftty still differs, not named by --only"
+same "$(grep -c '^# accepted: softer light (golden image first: ' o.iftty)" 1
+! grep -q 'golden image second' o.iftty || fail "$(cat o.iftty)"
+same_files o.golden/second.exr o.right/first.exr
+same "$(words_of o.iftty 10)" "$(words_of o.kept 10)"
+expect 0 "$iftty" log --check o.iftty
+expect 1 "$iftty" verify o.iftty
+out_has "# record 10, line "
+! grep -q 'record 7' out || fail "$(cat out)"
+cp o.iftty o.kept
+cp -r o.golden o.left
+only 1 first # which is right by now
+out_has "# 0 golden images accepted, 0 of 10 records of o.iftty marked; nothing has changed"
+for names in third first,third first, ,first '' 'fir' 'first second' 'firsts' '*'; do
+    only 2 "$names"
+    err_has '--only: no `golden` of this journal has the name "'
+    err_has "nothing has changed"
+done
+expect 2 env CI=true "$iftty" verify o.iftty --accept 'softer light' --only second
+expect 2 "$iftty" verify o.iftty --only second
+same_files o.iftty o.kept
+diff -r o.golden o.left || fail "a golden image has changed"
+spoil_both
+rm o.golden/second.*
+only 0 second,first
+out_has "2 golden images accepted, 2 of 10"
+expect 0 "$iftty" verify --strict o.iftty
+# A picture that is no golden image has no name.
+expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; render; golden one' --journal p.iftty
+rewrite p.iftty 4 "$(words_of p.iftty 4 | sed 's/picture=.*/picture=00000000000000aa/')"
+cp p.golden/one.png p.golden/one.exr
+expect 1 "$iftty" verify p.iftty --accept 'softer light' --only one
+out_has "1 golden image accepted, 1 of 5"
+err_has "1 picture of p.iftty still differs"
+same "$(words_of p.iftty 4)" "picture=00000000000000aa"
+rm -r o.* p.*
+close_story
+
 begin "accepting is refused while somebody writes the journal"
 mkfifo held
 "$iftty" run - --journal k.iftty <held >held.out 2>&1 &
@@ -424,102 +476,6 @@ expect 0 "$iftty" run many2 --journal m2.iftty
 expect 1 "$iftty" verify --bisect m1.iftty m2.iftty
 out_has "# record 700 is the first that differs: another command stands there"
 out_has "not ok 1 - m1.iftty and m2.iftty (699 records the same)"
-close_story
-
-begin "bisecting two builds"
-cat >same-build <<EOS
-#!/bin/sh
-exec "$iftty" "\$@"
-EOS
-# Another build, whose eighth command gives another digest.
-cat >other-build <<EOS
-#!/bin/sh
-"$iftty" "\$@" || exit
-journal=\$4
-sed 's/^= 9 forest=[0-9a-f]*/= 9 forest=0000000000000002/' "\$journal" >"\$journal.new"
-cp "\$journal.new" "\$journal"
-EOS
-# Another, that cannot carry out the seventh.
-cat >broken-build <<EOS
-#!/bin/sh
-sed '/^golden/,\$d' "\$2" >"\$4.commands"
-echo nonsense >>"\$4.commands"
-exec "$iftty" run "\$4.commands" --journal "\$4"
-EOS
-cat >crashing-build <<EOS
-#!/bin/sh
-sed '/^golden/,\$d' "\$2" >"\$4.commands"
-"$iftty" run "\$4.commands" --journal "\$4"
-kill -SEGV \$\$
-EOS
-chmod +x same-build other-build broken-build crashing-build
-mkdir tmp
-TMPDIR=$work/tmp
-export TMPDIR
-listing . | grep -vE ' ./(out|err|before|d)$' >before
-expect 0 "$iftty" verify --bisect b1.iftty --with ./same-build
-out_has "ok 1 - this build and ./same-build (10 records the same)"
-expect_in / 0 "$iftty" verify --bisect "$work/b1.iftty" --with "$work/same-build"
-expect 1 "$iftty" verify --bisect b1.iftty --with ./broken-build
-out_has "# record 7 is the first that differs: only one of the two goes on"
-out_has "./broken-build with status 2: "
-out_has "unknown command nonsense"
-expect 1 "$iftty" verify --bisect b1.iftty --with ./crashing-build
-out_has "./crashing-build by signal 11 (Segmentation fault)"
-expect 3 "$iftty" verify --bisect b1.iftty --with ./other-build # its chain does not fit
-expect 3 "$iftty" verify --bisect b1.iftty --with ./missing
-expect 3 "$iftty" verify --bisect b1.iftty --with /bin/true
-err_has "wrote no journal"
-listing . | grep -vE ' ./(out|err|before|d)$' | diff before - >"$work/err" || fail "$(cat err)"
-close_story
-
-begin "builds are limited together, and neither stands for the other"
-big='open synth:geom; seed 100,100,50 1; run
-    adjacency 26; run; adjacency 6; run; adjacency 26; run'
-"$iftty" -c "$big" --journal big.iftty >/dev/null || fail "cannot record"
-for limit in "time 0.2" "memory 60M"; do
-    # shellcheck disable=SC2086
-    expect 3 "$iftty" verify --bisect big.iftty --with ./same-build --limit-$limit
-    err_has "of --limit-${limit% *}; it was stopped"
-done
-"$iftty" -c "open synth:geom; $(seq -f 'save root r%g.nii;' 9)" --journal wide.iftty >/dev/null
-rm -f r?.nii
-expect 3 "$iftty" verify --bisect wide.iftty --with ./same-build --limit-output 50M
-err_has "more than the 50 MB of --limit-output; it was stopped"
-expect 3 "$iftty" verify --bisect b1.iftty --with ./same-build --limit-output 100 # a file too large
-expect 2 "$iftty" verify --bisect b1.iftty --with ./same-build --limit-time never
-printf 'open s.nii\nseed 2,3,4 1\nopen missing.nii\n' >half
-"$iftty" run half --keep-going --journal half.iftty >/dev/null 2>&1
-sed 's/^seed 2,3,4/seed 2,3,99/' half.iftty >none.iftty
-expect 3 "$iftty" verify --bisect none.iftty --with ./same-build
-err_has "neither build carries out what follows record 1"
-out_has "this build with status"
-same "$(ls tmp)" ""
-close_story
-
-begin "confined, builds read and write what a replay may, and no more"
-if needs_landlock; then
-    mkdir walled
-    echo precious >secret
-    cp s.nii walled
-    (cd walled && record w.iftty) || fail "cannot record"
-    cat >walled/curious-build <<EOS
-#!/bin/sh
-cat "$work/secret" >"\$6/found" && cp "\$6/found" "$work/stolen"
-echo mine >"$work/walled/written"
-exec "$iftty" "\$@"
-EOS
-    chmod +x walled/curious-build
-    expect 0 "$iftty" verify --bisect walled/w.iftty --with walled/curious-build
-    for gone in stolen walled/written; do [ ! -e "$gone" ] || fail "$gone was written"; done
-    printf 'open s.nii\nmask %s/secret.nii regions=1-99\nseed 2,3,4 1\n' "$work" >walled/prying
-    make_scene secret.nii 24 20 16
-    "$iftty" run walled/prying --scene s.nii --journal walled/prying.iftty >/dev/null ||
-        fail "cannot record"
-    cp same-build walled
-    expect 3 "$iftty" verify --bisect walled/prying.iftty --with walled/same-build
-    out_has "secret.nii"
-fi
 close_story
 
 finish

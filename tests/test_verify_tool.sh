@@ -223,27 +223,4 @@ expect 1 "$iftty" verify --remove-orphans j1.iftty
 [ -e j1.golden/third.exr ] || fail "it was removed"
 close_story
 
-begin "GitHub Actions is told, where it is there, and nothing from outside is a command to it"
-cp j5.iftty 'a|b,c:d%.iftty'
-cp -r j5.golden 'a|b,c:d%.golden'
-cp j4.golden/first.exr 'a|b,c:d%.golden'
-echo 'of another step' >summary
-expect 1 env GITHUB_STEP_SUMMARY=summary "$iftty" verify j4.iftty 'a|b,c:d%.iftty'
-same "$(cat summary)" 'of another step'
-! grep -q '::error' out err || fail "$(cat out err)"
-expect 1 env GITHUB_ACTIONS=true GITHUB_STEP_SUMMARY=summary "$iftty" verify j4.iftty \
-    'a|b,c:d%.iftty'
-same "$(grep -c '^::' err)" 1
-grep -q '^::error file=a|b%2Cc%3Ad%25.iftty,line=12,title=iftty verify::record 6 (line 12) ' err ||
-    fail "$(cat err)"
-same "$(head -n 2 summary)" "of another step
-### iftty verify: 1 verified, 1 failed"
-grep -qE '^\| verified \| j4&#46;iftty \| 6 \| [0-9]+ \| 1 \| 1200 \| [0-9]+ \|$' summary ||
-    fail "$(cat summary)"
-grep -q '^| \*\*failed\*\* | a&#124;b&#44;c&#58;d&#37;&#46;iftty |' summary || fail "$(cat summary)"
-grep -q '^- a&#124;b' summary || fail "$(cat summary)"
-expect 0 env GITHUB_ACTIONS=true GITHUB_STEP_SUMMARY=nowhere/summary "$iftty" verify j4.iftty
-err_has "# there is no summary: "
-close_story
-
 finish

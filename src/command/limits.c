@@ -24,7 +24,6 @@ static struct {
     struct limits limits;
     uint64_t begun_ns, polled_ns, output_bytes;
     uint64_t rests_since_ns; /* 0: it works */
-    uint64_t others_held_bytes, others_written_bytes;
     enum state state;
     struct rlimit file_size; /* as it was */
     bool is_file_size_set;
@@ -79,7 +78,7 @@ void limits_begin(const struct limits *limits)
     now.limits = *limits;
     now.begun_ns = clock_ns();
     now.polled_ns = 0;
-    now.output_bytes = now.others_held_bytes = now.others_written_bytes = 0;
+    now.output_bytes = 0;
     now.state = WITHIN;
     const size_t free_bytes = mem_available();
     if (!now.limits.memory_bytes)
@@ -116,10 +115,8 @@ bool limits_stop(void)
     const uint64_t works_until_ns = now.rests_since_ns ? now.rests_since_ns : ns;
     if (works_until_ns - now.begun_ns > now.limits.time_ms * 1000000)
         now.state = TOO_LONG;
-    else if (mem_held() + now.others_held_bytes > now.limits.memory_bytes)
+    else if (mem_held() > now.limits.memory_bytes)
         now.state = TOO_MUCH_MEMORY;
-    else if (now.others_written_bytes > now.limits.output_bytes)
-        now.state = TOO_MUCH_OUTPUT;
     return now.state != WITHIN;
 }
 
@@ -133,12 +130,6 @@ struct watch *limits_watch(void)
 {
     static struct watch watch = {.poll = poll_limits};
     return now.hold ? &watch : NULL;
-}
-
-void limits_count(uint64_t held_bytes, uint64_t written_bytes)
-{
-    now.others_held_bytes = held_bytes;
-    now.others_written_bytes = written_bytes;
 }
 
 void limits_will_write(void)

@@ -11,8 +11,8 @@
  *     (L3) output is checked before a file grows too large, by the kernel (RLIMIT_FSIZE), and after
  *          each command, whose files are removed again;
  *     (L4) what is beyond a limit ends the replay with ERR_LIMIT, and words that name the option.
- * Where other processes do the work, what they hold and write is counted (limits_count). The image
- * helper is a process of its own, and may hold as much memory again, or 512 MB where that is more.
+ * The image helper is a process of its own, and may hold as much memory again, or 512 MB where that
+ * is more.
  */
 #ifndef SANDBOX_LIMITS_H
 #define SANDBOX_LIMITS_H
@@ -44,10 +44,6 @@ void limits_rest(bool rests);
  * else, or NULL where no limits hold. */
 bool limits_stop(void);
 struct watch *limits_watch(void);
-
-/* Processes that work for this one hold so much memory, and have written so much: from now on that
- * counts as its own. */
-void limits_count(uint64_t held_bytes, uint64_t written_bytes);
 
 /* A file is about to be written: it cannot grow beyond what is left. */
 void limits_will_write(void);

@@ -263,12 +263,6 @@ bool trust_confine(const struct trust_places *places)
         gather(&g, *at, CONFINE_WRITE);
         gather_folder_of(&g, *at, CONFINE_EMPTY);
     }
-    if (places->run && *places->run) {
-        gather(&g, "/bin", CONFINE_READ | CONFINE_RUN);
-        gather(&g, "/usr/bin", CONFINE_READ | CONFINE_RUN);
-    }
-    for (const char *const *program = places->run; program && *program; program++)
-        gather_folder_of(&g, *program, CONFINE_READ | CONFINE_RUN);
     /* A journal may be a link to one, whose folder is not the one that names are looked up in. */
     for (int i = 0; i < places->journals; i++) {
         struct stat status;

@@ -81,8 +81,6 @@ struct trust_places {
     const char *const *linked;  /* files, ended by NULL, that links among golden images lead to */
     const char *helper[2];      /* the programs of the helpers for images and for volumes */
     const char *const *written; /* folders, ended by NULL, that the user wants written */
-    const char *const *run;     /* programs, ended by NULL, that the user wants run: they may read
-                                   their folders, and run the system's programs, being scripts */
 };
 
 /* Confines the process to these places until it ends. False, and nothing is confined, where the

@@ -190,7 +190,7 @@ static void release_linked(struct linked *linked)
 }
 
 enum err begin_confined(const struct options *o, const char *journal, const char *written,
-                        const char *const *run, struct fault *fault)
+                        struct fault *fault)
 {
     struct buf images = {0}, volumes = {0}, goldens = {0}, outside = {0};
     struct linked linked = {.count = 0};
@@ -216,8 +216,7 @@ enum err begin_confined(const struct options *o, const char *journal, const char
                                         .scenes = interpreter_scenes(),
                                         .outside = outside.length ? buf_text(&outside) : NULL,
                                         .helper = {buf_text(&images), buf_text(&volumes)},
-                                        .written = folders,
-                                        .run = run};
+                                        .written = folders};
     if (!err) {
         trust_confine(&places);
         limits_begin(&limits);
@@ -234,5 +233,5 @@ enum err begin_confined(const struct options *o, const char *journal, const char
 enum err begin_one(void *context, const char *journal, struct fault *fault)
 {
     const struct options *o = context;
-    return begin_confined(o, journal, o->out, NULL, fault);
+    return begin_confined(o, journal, o->out, fault);
 }

@@ -33,10 +33,9 @@ void begin_journal_name(struct buf *journal, const char *first);
 enum err end_journal(struct interpreter *interp, enum err err, struct fault *fault);
 
 /* Before anything is carried out that a journal says: the limits of the options, and the kernel's
- * walls. `written` is a folder that may be written, `run` are programs that may be run, ended by
- * NULL; either may be NULL. */
+ * walls. `written` is a folder that may be written, or NULL. */
 enum err begin_confined(const struct options *o, const char *journal, const char *written,
-                        const char *const *run, struct fault *fault);
+                        struct fault *fault);
 
 /* The same in the process that verifies one journal, where `context` is the options. */
 enum err begin_one(void *context, const char *journal, struct fault *fault);

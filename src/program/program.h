@@ -71,7 +71,7 @@ struct options {
     char **word; /* operands, without the program's name and form */
     int words;
     const char *commands, *journal, *scene, *out;
-    const char *junit, *html, *accept, *with, *picture, *surface;
+    const char *junit, *html, *accept, *only, *picture, *surface;
     const char *expect, *shard;
     const char *volume, *regions, *as, *by, *fit, *landmarks, *orient, *procedure;
     const char *limit_memory, *limit_time, *limit_output;

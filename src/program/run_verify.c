@@ -32,7 +32,7 @@ enum err run_replay(const struct options *o, struct fault *fault)
         return err;
     here.out = o->out ? o->out : buf_text(&fresh);
     console_handle_interrupts();
-    err = begin_confined(o, o->word[0], here.out, NULL, fault);
+    err = begin_confined(o, o->word[0], here.out, fault);
     if (!err) {
         err = begin_interpreter(&interp, &here, fault);
         if (!err)
@@ -173,27 +173,6 @@ enum err run_verify_bisect(const struct options *o, struct fault *fault)
     return bisect_journals(o->word[0], o->word[1], &console_printer, fault);
 }
 
-/* Both builds are confined as a replay is. */
-static enum err begin_builds(void *context, const char *folder, const char *const *program,
-                             struct fault *fault)
-{
-    const struct options *o = context;
-    return begin_confined(o, o->word[0], folder, program, fault);
-}
-
-enum err run_verify_builds(const struct options *o, struct fault *fault)
-{
-    const struct bisect_builds how = {.journal = o->word[0],
-                                      .other = o->with,
-                                      .scene_path = o->scene,
-                                      .word = "run",
-                                      .watch = console_watch(),
-                                      .begin = begin_builds,
-                                      .context = (void *)(uintptr_t)o};
-    console_handle_interrupts();
-    return bisect_builds(&how, &console_printer, fault);
-}
-
 static struct diff_options diff_options_of(const struct options *o)
 {
     return (struct diff_options){.path = {o->word[0], o->word[1]},
@@ -215,27 +194,25 @@ enum err run_diff(const struct options *o, struct fault *fault)
 
 /* ---- sealing anew ---- */
 
-static enum err seal_anew(const struct options *o,
-                          enum err (*seal)(struct interpreter *interp, const char *path,
-                                           const char *why, const struct printer *printer,
-                                           struct fault *fault),
-                          struct fault *fault)
+static enum err reseal(const struct options *o, bool is_edited, struct fault *fault)
 {
     struct interpreter interp;
     console_handle_interrupts();
     enum err err = begin_interpreter(&interp, o, fault);
-    if (!err)
-        err = seal(&interp, o->word[0], o->accept, &console_printer, fault);
+    if (!err && is_edited)
+        err = reseal_edited(&interp, o->word[0], o->accept, &console_printer, fault);
+    else if (!err)
+        err = reseal_accept(&interp, o->word[0], o->accept, o->only, &console_printer, fault);
     interpreter_release(&interp);
     return err;
 }
 
 enum err run_accept(const struct options *o, struct fault *fault)
 {
-    return seal_anew(o, reseal_accept, fault);
+    return reseal(o, false, fault);
 }
 
 enum err run_reseal(const struct options *o, struct fault *fault)
 {
-    return seal_anew(o, reseal_edited, fault);
+    return reseal(o, true, fault);
 }

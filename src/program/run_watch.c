@@ -230,7 +230,7 @@ enum err run_watch(const struct options *o, struct fault *fault)
     if (!config.setup.theme->has_colours)
         setenv("NO_COLOR", "1", 1);
     console_handle_interrupts();
-    enum err err = begin_confined(o, o->word[0], NULL, NULL, fault);
+    enum err err = begin_confined(o, o->word[0], NULL, fault);
     if (!err) {
         err = begin_interpreter(&interp, o, fault);
         if (!err)

@@ -10,8 +10,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "base/mem.h"
-
 enum {
     TICK_MS = 20,
     END_MS = 1, /* from the end of a pipe to that of its process */
@@ -43,7 +41,7 @@ static _Noreturn void be_process(const struct processes *how, size_t number, int
     if (signal(SIGINT, SIG_DFL) == SIG_IGN)
         signal(SIGINT, SIG_IGN);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent || (how->takes_errors && dup2(descriptor, STDERR_FILENO) < 0))
+    if (getppid() != parent)
         _exit(1);
     how->work(how->context, number, &bytes);
     for (size_t sent = 0; !bytes.failed && sent < bytes.length;) {
@@ -82,7 +80,7 @@ static void close_pipe(struct process *process)
     process->descriptor = -1;
 }
 
-/* Takes what has come. Who hands too much back is killed; of errors the rest is dropped. */
+/* Reads what has arrived. A process that hands too much back is killed. */
 static void take(const struct pool *pool, struct process *process)
 {
     struct buf *bytes = &process->end.bytes;
@@ -94,11 +92,7 @@ static void take(const struct pool *pool, struct process *process)
     }
     if (n < 0 && (errno == EINTR || errno == EAGAIN))
         return;
-    const bool is_full = bytes->length > pool->how->most;
-    if (is_full && pool->how->takes_errors)
-        bytes->data[bytes->length = (size_t)pool->how->most] = '\0';
-    else
-        process->end.is_too_much = is_full;
+    process->end.is_too_much = bytes->length > pool->how->most;
     if ((process->end.is_too_much || bytes->failed) && !process->is_over)
         kill(process->id, SIGKILL);
     if (n <= 0 || process->end.is_too_much)
@@ -160,11 +154,6 @@ enum err processes_run(const struct processes *how, struct fault *fault)
                 err = begin(&pool, pool.process + i, fault);
         if (!err)
             listen_to_all(&pool);
-        uint64_t held = 0;
-        for (unsigned i = 0; how->tick && i < PROCESSES_MOST; i++)
-            held += pool.process[i].id ? mem_held_by(pool.process[i].id) : 0;
-        if (how->tick)
-            how->tick(how->context, held);
         if (!err && watch_poll(how->watch, how->what, how->count > 1 ? pool.ended : 0,
                                how->count > 1 ? how->count : 0))
             err = fault_set(fault, ERR_CANCELLED, "cancelled");

@@ -32,18 +32,13 @@ struct processes {
     size_t count;     /* pieces of work, which are begun in their order */
     unsigned at_once; /* 1..PROCESSES_MOST */
     uint64_t most;    /* bytes that each may hand back */
-    /* Also a program that `work` becomes: what it prints to standard error is what it hands back,
-     * and what is beyond `most` is dropped. */
-    bool takes_errors;
     void *context;
-    /* In the new process: adds to `out` what is to be handed back, or becomes another program. */
+    /* In the new process: adds to `out` the bytes to hand back. */
     void (*work)(void *context, size_t number, struct buf *out);
     /* Where the ends of all pieces of work go, for the caller to release what they handed back; or
      * NULL, and `done` is called with each. */
     struct process_end *end;
     void (*done)(void *context, size_t number, const struct process_end *end);
-    /* Some fifty times a second, with the memory that the processes hold; or NULL. */
-    void (*tick)(void *context, uint64_t held_bytes);
     struct watch
         *watch;       /* shows `what` and the work that has ended; when it stops, all are killed; */
     const char *what; /* or NULL, both */

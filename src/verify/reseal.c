@@ -28,23 +28,22 @@ static const char unchanged[] = "nothing has changed";
 /* ---- golden images that are being accepted ---- */
 
 /*
- * Each that differs, or is missing, and that a reviewer, if there is one, finds right, is drawn
- * again into a draft beside its place, and takes that place only when all of them can, and the
- * journal with them. Drafts that were not published are removed at the end, with their folder where
- * it was made for them.
+ * Each that differs, or is missing, and is to be accepted is drawn again into a draft next to its
+ * place, and takes that place only when all of them can, and the journal with them. Drafts that
+ * were not published are removed at the end, with their folder where it was made for them.
  */
 struct golden_accept {
     struct buf drafts;         /* pairs of a draft and its place, each ended by NUL */
     struct buf same;           /* places of golden images that are the same, each ended by NUL */
+    struct buf met;            /* names of all golden images, each ended by NUL */
     struct buf folder;         /* of the golden images, where it was made for them; or "" */
     struct buf note;           /* what was wrong with that of the command at hand, "" for nothing */
     struct record_chain chain; /* of the record before it, for the notes in the picture */
-    struct buf why;            /* the reason, one line */
-    const struct reviewer *reviewer; /* who is asked about each picture; NULL: all are accepted */
-    const struct record *record;     /* the one at hand */
-    bool is_left;                    /* its picture is not accepted: it stays as it was */
-    size_t images;                   /* golden images accepted */
-    size_t answers[REVIEW_ANSWERS];  /* pictures that were asked about */
+    const char *why;           /* the reason, one line */
+    const char *only;          /* names of golden images to accept, "first,second"; NULL: all */
+    bool is_left;              /* the picture of the command at hand is not accepted */
+    size_t images;             /* golden images accepted */
+    size_t left;               /* pictures that differ and are not accepted */
 };
 
 /* The next pair of a draft and its place; false at the end. */
@@ -116,20 +115,47 @@ static enum err write_drafts(struct golden_accept *accept, struct interpreter *i
     return err;
 }
 
-static enum err golden_accept_ask(struct golden_accept *accept,
-                                  const struct golden_finding *finding, const char *wrong,
-                                  struct fault *fault)
+static bool has_text(const struct buf *texts, const char *text, size_t length)
 {
-    const struct review_question question = {accept->record->number, accept->record->command, wrong,
-                                             finding};
-    const struct reviewer *reviewer = accept->reviewer;
-    enum review_answer answer = REVIEW_ACCEPT;
-    const enum err err =
-        reviewer ? reviewer->ask(reviewer->context, &question, &accept->why, &answer, fault) : OK;
-    if (!err)
-        accept->answers[answer]++;
-    accept->is_left = answer != REVIEW_ACCEPT;
-    return err;
+    const char *at = buf_text(texts), *end = at + texts->length;
+    while (at < end && (strlen(at) != length || memcmp(at, text, length) != 0))
+        at += strlen(at) + 1;
+    return at < end;
+}
+
+/* The next of names separated by commas; false after the last. */
+static bool next_name(const char **names, const char **name, size_t *length)
+{
+    if (!*names)
+        return false;
+    *name = *names;
+    *length = strcspn(*names, ",");
+    *names = (*names)[*length] ? *names + *length + 1 : NULL;
+    return true;
+}
+
+static bool is_accepted(const struct golden_accept *accept, const char *golden)
+{
+    const char *names = accept->only, *name;
+    size_t length;
+    while (next_name(&names, &name, &length))
+        if (strlen(golden) == length && memcmp(name, golden, length) == 0)
+            return true;
+    return !accept->only;
+}
+
+/* Refuses a name in `only` that no `golden` of the journal has given. */
+static enum err check_names(const struct golden_accept *accept, struct fault *fault)
+{
+    const char *names = accept->only, *name;
+    size_t length;
+    while (next_name(&names, &name, &length))
+        if (!has_text(&accept->met, name, length))
+            return fault_set(fault, ERR_USAGE,
+                             "--only: no `golden` of this journal has the name \"%.*s\"; iftty "
+                             "log --script prints its commands; %s",
+                             (int)length, name, unchanged);
+    return OK;
 }
 
 static enum err is_same(void *context, struct interpreter *interp,
@@ -138,37 +164,31 @@ static enum err is_same(void *context, struct interpreter *interp,
     struct golden_accept *accept = context;
     (void)interp;
     buf_add(&accept->same, finding->path, strlen(finding->path) + 1);
-    return accept->same.failed ? fault_memory(fault, "the names of files") : OK;
-}
-
-static bool was_same(const struct golden_accept *accept, const char *path)
-{
-    const char *at = buf_text(&accept->same), *end = at + accept->same.length;
-    while (at < end && strcmp(at, path) != 0)
-        at += strlen(at) + 1;
-    return at < end;
+    buf_add(&accept->met, finding->name, strlen(finding->name) + 1);
+    return accept->same.failed || accept->met.failed ? fault_memory(fault, "the names of files")
+                                                     : OK;
 }
 
 static enum err differs(void *context, struct interpreter *interp,
                         const struct golden_finding *finding, struct fault *fault)
 {
     struct golden_accept *accept = context;
-    if (source(accept, finding->path) != finding->path || was_same(accept, finding->path))
+    if (source(accept, finding->path) != finding->path ||
+        has_text(&accept->same, finding->path, strlen(finding->path)))
         return fault_set(fault, ERR_CHECK,
                          "golden image %s is given twice, and the pictures are not the same",
                          finding->name);
-    buf_clear(&accept->note);
-    buf_add_text(&accept->note, fault->text);
-    enum err err = golden_accept_ask(accept, finding, buf_text(&accept->note), fault);
-    if (!err && !accept->is_left)
-        err = write_drafts(accept, interp, finding, fault);
-    if (err)
-        return err;
-    if (accept->is_left)
-        buf_clear(&accept->note);
-    accept->images += !accept->is_left;
-    fault->text[0] = '\0';
-    return OK;
+    buf_add(&accept->met, finding->name, strlen(finding->name) + 1);
+    accept->is_left = !is_accepted(accept, finding->name);
+    accept->left += accept->is_left;
+    if (!accept->is_left) {
+        accept->images++;
+        buf_add_text(&accept->note, fault->text);
+    }
+    const enum err err = accept->is_left ? OK : write_drafts(accept, interp, finding, fault);
+    if (!err)
+        fault->text[0] = '\0';
+    return err;
 }
 
 static void golden_accept_release(struct golden_accept *accept)
@@ -182,7 +202,7 @@ static void golden_accept_release(struct golden_accept *accept)
     buf_release(&accept->same);
     buf_release(&accept->drafts);
     buf_release(&accept->note);
-    buf_release(&accept->why);
+    buf_release(&accept->met);
 }
 
 /* ---- one record ---- */
@@ -255,7 +275,7 @@ static void add_mark(const struct resealing *r, struct buf *out, const struct re
     struct record_word word;
     const bool has_other = !record->has_result || has_other_result(record, words, &word);
     if (r->accept && (!has_other || r->accept->note.length)) {
-        buf_printf(out, "# accepted: %s", buf_text(&r->accept->why));
+        buf_printf(out, "# accepted: %s", r->accept->why);
         if (r->accept->note.length)
             buf_printf(out, " (%s)", buf_text(&r->accept->note));
         buf_add_char(out, '\n');
@@ -310,7 +330,6 @@ static enum err reseal_record(struct resealing *r, const char *bytes, const stru
                              record->number, record->line, unchanged);
         buf_clear(&r->accept->note);
         r->accept->chain = r->chain;
-        r->accept->record = record;
         r->accept->is_left = false;
     }
     r->interp->replayed_words = record->result;
@@ -324,8 +343,7 @@ static enum err reseal_record(struct resealing *r, const char *bytes, const stru
     /* A picture that is no golden image: only its digest is known, nobody can see what it was. */
     if (!err && r->accept && !r->accept->is_left && !r->accept->note.length &&
         !all_are_given(record->result, buf_text(&reply.words)))
-        err = golden_accept_ask(r->accept, NULL, "its picture has another digest than is recorded",
-                                fault);
+        r->accept->left += r->accept->is_left = r->accept->only != NULL;
     if (!err)
         err = write_record(r, bytes, record, &reply, fault);
     reply_release(&reply);
@@ -359,6 +377,8 @@ static enum err reseal_bytes(struct resealing *r, const struct buf *bytes, struc
         err = fault_set(fault, ERR_CHECK,
                         "%s; iftty log --reseal --accept WHY FILE draws it again; %s",
                         r->missing_words.text, unchanged);
+    if (!err && r->accept)
+        err = check_names(r->accept, fault);
     if (!err && (r->out.failed || r->header.failed))
         err = fault_memory(fault, "a journal");
     walk_release(&walk);
@@ -469,7 +489,7 @@ static enum err reseal(struct resealing *r, const char *path, const struct print
     }
     if (!err) { /* chains will be others, by which nobody can say then what is nothing */
         golden_files_clear(path, buf_text(&bytes), bytes.length, &lines);
-        if (r->accept && !r->accept->reviewer)
+        if (r->accept)
             err = orphan_check(&(struct orphan_search){interp, path, false, &lines}, fault);
         if (lines.length)
             printer->warn(printer->context, buf_text(&lines));
@@ -490,65 +510,38 @@ static enum err reseal(struct resealing *r, const char *path, const struct print
 
 /* ---- accepting and resealing ---- */
 
-enum err reseal_check_reason(const char *why, struct fault *fault)
+/* The reason has to be one comment of a record, and given by a person. */
+static enum err check_reason(const char *why, struct fault *fault)
 {
     struct fault words;
     struct buf comment = {0};
+    if (ci_is_set())
+        return fault_set(fault, ERR_USAGE,
+                         "--accept is a person's decision, and refused where CI is set; %s",
+                         unchanged);
     buf_printf(&comment, "# %s", why);
     const bool is_fine = why[strspn(why, " ")] && strlen(why) <= WHY_MOST && !comment.failed &&
                          !record_comment_check(buf_text(&comment), &words);
     buf_release(&comment);
-    return is_fine
-               ? OK
-               : fault_set(fault, ERR_USAGE, "expected a reason, one line of at most %d bytes; %s",
-                           WHY_MOST, unchanged);
-}
-
-static enum err check_person(const char *option, struct fault *fault)
-{
-    return ci_is_set() ? fault_set(fault, ERR_USAGE,
-                                   "%s is a person's decision, and refused where CI is set; %s",
-                                   option, unchanged)
-                       : OK;
-}
-
-/* The reason, by a person. */
-static enum err take_reason(struct golden_accept *accept, const char *why, struct fault *fault)
-{
-    const enum err refused = check_person("--accept", fault);
-    const enum err err = refused ? refused : reseal_check_reason(why, fault);
-    buf_add_text(&accept->why, why);
-    return err && !refused ? fault_prefix(fault, err, "--accept") : err;
+    return is_fine ? OK
+                   : fault_set(fault, ERR_USAGE,
+                               "--accept: expected a reason, one line of at most %d bytes; %s",
+                               WHY_MOST, unchanged);
 }
 
 enum err reseal_accept(struct interpreter *interp, const char *path, const char *why,
-                       const struct printer *printer, struct fault *fault)
+                       const char *only, const struct printer *printer, struct fault *fault)
 {
-    struct golden_accept accept = {0};
+    struct golden_accept accept = {.why = why, .only = only};
     struct resealing r = {.interp = interp, .accept = &accept};
-    enum err err = take_reason(&accept, why, fault);
+    enum err err = check_reason(why, fault);
     if (!err)
         err = reseal(&r, path, printer, fault);
-    golden_accept_release(&accept);
-    return err;
-}
-
-enum err reseal_review(struct interpreter *interp, const char *path,
-                       const struct reviewer *reviewer, const struct printer *printer,
-                       struct fault *fault)
-{
-    struct golden_accept accept = {.reviewer = reviewer};
-    struct resealing r = {.interp = interp, .accept = &accept};
-    enum err err = check_person("--review", fault);
-    if (err)
-        return err;
-    err = reseal(&r, path, printer, fault);
-    const size_t left = accept.answers[REVIEW_REJECT] + accept.answers[REVIEW_SKIP];
-    if (!err && left)
+    if (!err && accept.left)
         err = fault_set(fault, ERR_CHECK,
-                        "%zu picture%s of %s rejected, %zu skipped: it goes on failing",
-                        accept.answers[REVIEW_REJECT], plural(accept.answers[REVIEW_REJECT]), path,
-                        accept.answers[REVIEW_SKIP]);
+                        "%zu picture%s of %s still differ%s, not named by --only: iftty verify "
+                        "--out DIR stores what differs",
+                        accept.left, plural(accept.left), path, accept.left == 1 ? "s" : "");
     golden_accept_release(&accept);
     return err;
 }
@@ -556,9 +549,9 @@ enum err reseal_review(struct interpreter *interp, const char *path,
 enum err reseal_edited(struct interpreter *interp, const char *path, const char *why,
                        const struct printer *printer, struct fault *fault)
 {
-    struct golden_accept accept = {0};
+    struct golden_accept accept = {.why = why};
     struct resealing r = {.interp = interp, .accept = why ? &accept : NULL, .takes_results = true};
-    enum err err = why ? take_reason(&accept, why, fault) : OK;
+    enum err err = why ? check_reason(why, fault) : OK;
     if (!err)
         err = reseal(&r, path, printer, fault);
     golden_accept_release(&accept);

@@ -200,7 +200,6 @@ static void replay_one(const struct verify_options *options, struct verify_resul
     if (report.executed)
         buf_add_text(&result->chain, report.chain.hex);
     result->took_ms = (clock_ns() - begin) / 1000000;
-    result->line = report.line;
     timing_write(&result->slowest, &timing);
     timing_release(&timing);
     replay_report_release(&report);
@@ -381,7 +380,6 @@ static enum err report(const struct verification *v, struct fault *fault)
     const struct verify_options *o = v->options;
     const enum err err = sum_up(v, fault);
     enum err unwritten = OK;
-    github_report(v->result, o->count, v->printer);
     if (o->junit)
         unwritten = verify_report(o->junit, VERIFY_JUNIT, v->result, o->count, fault);
     if (!unwritten && o->html)

@@ -26,17 +26,4 @@ void verify_report_text(struct buf *out, enum verify_form form, const struct ver
 enum err verify_report(const char *file, enum verify_form form, const struct verify_result *result,
                        size_t count, struct fault *fault);
 
-/*
- * What GitHub Actions shows of a verification: a line "::error file=...::..." for each failure,
- * which becomes a note at the journal, and a table in the summary of the step, added to the file
- * that GITHUB_STEP_SUMMARY names. Only where GITHUB_ACTIONS is set.
- *
- * Nothing that a journal holds can be a command or markup there: in commands % , : and line feeds
- * are written as %25 %2C %3A %0A, and in the table everything but letters, digits and blanks as
- * numbered entities.
- *
- * Errors go to standard error. A summary that cannot be written is a line there, and no failure.
- */
-void github_report(const struct verify_result *result, size_t count, const struct printer *printer);
-
 #endif

@@ -37,7 +37,7 @@ void verify_result_describe(struct buf *out, const struct verify_result *r)
 
 /* ---- through a pipe ---- */
 
-enum { NUMBERS = 9 };
+enum { NUMBERS = 8 };
 
 /* The parts that differ in length, in the order in which they are sent; NULL after the last. */
 static struct buf *part_of(const struct verify_result *result, size_t number)
@@ -56,9 +56,9 @@ static struct buf *part_of(const struct verify_result *result, size_t number)
 void verify_result_write(struct buf *out, const struct verify_result *r)
 {
     const struct buf *part;
-    const uint64_t number[NUMBERS] = {(uint64_t)r->err, r->executed, r->compared,
-                                      r->digests,       r->goldens,  r->pixels,
-                                      r->took_ms,       r->line,     r->evidence.pictures};
+    const uint64_t number[NUMBERS] = {(uint64_t)r->err, r->executed,         r->compared,
+                                      r->digests,       r->goldens,          r->pixels,
+                                      r->took_ms,       r->evidence.pictures};
     buf_add_text(out, "result");
     for (size_t i = 0; i < NUMBERS; i++)
         buf_printf(out, " %" PRIu64, number[i]);
@@ -89,8 +89,8 @@ static bool read_all(struct verify_result *r, const char *at, const char *end)
         return false;
     r->err = (enum err)number[0];
     r->evidence.pictures = (size_t)number[NUMBERS - 1];
-    uint64_t *const count[] = {&r->executed, &r->compared, &r->digests, &r->goldens,
-                               &r->pixels,   &r->took_ms,  &r->line};
+    uint64_t *const count[] = {&r->executed, &r->compared, &r->digests,
+                               &r->goldens,  &r->pixels,   &r->took_ms};
     for (size_t i = 0; i < sizeof count / sizeof *count; i++)
         *count[i] = (uint64_t)number[i + 1];
     for (size_t i = 0; (part = part_of(r, i)); i++, at += length) {

@@ -3,8 +3,7 @@
  * What the verification of one journal found. It is made in a process of its own and comes back
  * through a pipe, in a form where everything is counted:
  *
- *     result ERR EXECUTED COMPARED DIGESTS GOLDENS PIXELS FORMER FORMER_GOLDENS TOOK_MS LINE
- *         PICTURES\n
+ *     result ERR EXECUTED COMPARED DIGESTS GOLDENS PIXELS TOOK_MS PICTURES\n
  *     part BYTES\n...     why, lines, chain, orphans, slowest, and for each
  *                         picture its caption and its PNG
  *
@@ -24,7 +23,6 @@ struct verify_result {
     uint64_t digests;            /* of those results, the words that are digests */
     uint64_t goldens, pixels;    /* golden images that are the same, and their pixels */
     uint64_t took_ms;
-    uint64_t line;      /* of the record that differs; 0: it is about none */
     struct buf why;     /* of a failure: one line, without line feed, safe to print */
     struct buf lines;   /* more about it: lines that begin with "# " */
     struct buf chain;   /* 32 digits: of the last record that was carried out; "" for none */
