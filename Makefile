@@ -188,7 +188,7 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
         check-format format analyse \
         variants test-matrix test-matrix-short test-terminals test-cohort fuzz fuzzers demo \
         bench-peers bench-chafa bench-paper bench-growth bench-render bench-frames bench-journal \
-        bench-keys bench-looks bench-effort bench-mend bench-noise bench-register bench-series \
+        bench-keys bench-looks bench-effort bench-register bench-series \
         bench-files bench-beside bench-apply bench-surface remake-examples help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -343,15 +343,11 @@ bench-peers: $(PEERS)
 	@$(PYTHON) tests/peers/run.py --rounds $(ROUNDS) $(if $(JSON),--json $(JSON)) $(BUILD)
 
 ## bench-paper, bench-growth, bench-render, bench-frames, bench-journal, bench-keys, bench-looks,
-##     bench-mend, bench-noise, bench-register, bench-surface: ARGS=--help says which options
+##     bench-effort, bench-register, bench-surface: ARGS=--help says which options
 bench-keys bench-register: all
 bench-paper bench-growth bench-render bench-frames bench-journal bench-keys bench-looks \
-  bench-mend bench-noise bench-register bench-surface: $(BENCH)
+  bench-effort bench-register bench-surface: $(BENCH)
 	@$(BENCH) $(@:bench-%=%) $(ARGS)
-
-## bench-effort: how many gestures a segmentation takes, by robots; ARGS="--quick other"
-bench-effort: $(BENCH) $(BUILD)/tests/peers/itk_worker
-	@$(BENCH) effort $(ARGS)
 
 ## bench-apply: a procedure carried to other heads; ARGS="--seeds 5 elastic5"
 bench-apply: all build/.packages-heads

@@ -131,7 +131,7 @@ expect 2 "$iftty" bench brain --quick
 err_has '`iftty bench` has no option --quick; see `iftty bench --help`'
 expect 2 "$bench" journal --quick
 err_has '`bench journal` has no option --quick; it belongs to '
-err_has 'it belongs to `bench paper`, `bench growth`, `bench keys` and `bench effort`'
+err_has 'it belongs to `bench paper`, `bench growth` and `bench keys`'
 expect 2 "$bench" liver
 err_has "bench: there is no program liver; see"
 expect 2 "$bench"

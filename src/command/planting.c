@@ -148,7 +148,7 @@ static enum err plant(const struct act *act, struct voxels *voxels)
  * how far it is to be heeded, or three times its radius around its middle; that of a box is half
  * its thinnest side, and that of a polygon 0. No less than FREES_LEAST voxels, no more than
  * FREES_MORE voxels around what is planted, and FREES_MOST in all; voxels of a radius in
- * millimetres are as long as their shortest side. bench mend (tests/bench) has measured it.
+ * millimetres are as long as their shortest side. tests/bench/README.md has the figures.
  */
 enum { FREES_TIMES = 3, FREES_LEAST = 2, FREES_MORE = 10, FREES_MOST = 160 };
 

@@ -8,10 +8,8 @@ enum {
     QUICK_PAPER,
     QUICK_GROWTH,
     QUICK_KEYS,
-    QUICK_EFFORT,
     ROUNDS,
     PLOTS,
-    ROBOT,
     METHOD,
     PROGRAM,
     BRUSH
@@ -29,12 +27,10 @@ static const struct option option[] = {
     [QUICK_KEYS] = {"--quick", NULL, "one start, few keys, and no line", FLAG(quick)},
     [ROUNDS] = {"--rounds", "N", "time each experiment N times (3), take the median",
                 option_read_number, offsetof(struct bench_options, rounds), 1, 99, NULL},
-    [QUICK_EFFORT] = {"--quick", NULL, "iftty alone", FLAG(quick)},
-    [ROBOT] = {"--robot", "NAME", "careful, sloppy or stroke alone", TEXT(robot)},
     [METHOD] = {"--method", "TEXT", "that method alone, or all with this in their names",
                 TEXT(method)},
     [PROGRAM] = {"--program", "FILE", "time that iftty instead of this tree's", TEXT(program)},
-    [BRUSH] = {"--brush", "N", "radius of balls and strokes at most N (3)", option_read_number,
+    [BRUSH] = {"--brush", "N", "radius of balls at most N (3)", option_read_number,
                offsetof(struct bench_options, brush), 1, 128, NULL},
     [PLOTS] = {"--plots", "DIR", "charts as SVG, into this folder", TEXT(plots)},
 };
@@ -108,31 +104,11 @@ static const struct program program[] = {
     {.name = "effort",
      .words = "[OBJECT...]",
      .most = 40,
-     .option = {ROBOT, METHOD, BRUSH, QUICK_EFFORT, JSON, PLOTS},
-     .summary = "how many gestures a segmentation takes, by robots",
-     .detail =
-         "Three robots correct what is most wrong, on the objects of tuned, other, whole and "
-         "pairs, or on those named: weights, shells and relaxed labels, alone and together, "
-         "and outlines. Beside them the random walker, GrowCut and watersheds, by the careful "
-         "robot. What is warned of is counted too.",
+     .option = {METHOD, BRUSH},
+     .summary = "how many gestures a segmentation takes, by a robot",
+     .detail = "A robot corrects the largest error, on the objects of tuned, other and ct, or on "
+               "those named: weights, shells and relaxed labels, alone and together.",
      .run = run_effort},
-    {.name = "mend",
-     .words = "[OBJECT...]",
-     .most = 40,
-     .summary = "how many gestures mend a segmentation that is opened again",
-     .detail = "In the truth of each object of tuned and other, or of those named, ten defects in "
-               "turn: balls that are taken out or added at the border. A robot corrects what "
-               "`labels` makes of them.",
-     .run = run_mend},
-    {.name = "noise",
-     .words = "[SIDE]",
-     .most = 1,
-     .summary = "what a label map takes that is nothing but noise",
-     .detail =
-         "SIDE^3 voxels (200) with labels 0 to 7 by chance, each of which becomes a seed; and "
-         "the same without pieces of fewer than 5 voxels. The last line is what is said "
-         "before they are planted.",
-     .run = run_noise},
     {.name = "register",
      .words = "",
      .summary = "what registration finds, what it refuses, and by how much",

@@ -14,7 +14,7 @@ struct bench_options {
     struct options common; /* first: a benchmark is run with a pointer to this, */
     size_t rounds, brush;
     const char *plots;
-    const char *robot, *method;
+    const char *method;
     const char *program; /* another iftty than that of this tree, or NULL */
     bool csv, quick;
 };
@@ -32,8 +32,6 @@ enum err run_frames(const struct options *options, struct fault *fault);
 enum err run_journal(const struct options *options, struct fault *fault);
 enum err run_keys(const struct options *options, struct fault *fault);
 enum err run_effort(const struct options *options, struct fault *fault);
-enum err run_mend(const struct options *options, struct fault *fault);
-enum err run_noise(const struct options *options, struct fault *fault);
 enum err run_register(const struct options *options, struct fault *fault);
 enum err run_surface(const struct options *options, struct fault *fault);
 enum err run_looks(const struct options *options, struct fault *fault);

@@ -1,80 +1,57 @@
 /* SPDX-License-Identifier: MIT */
-/* How many gestures a segmentation takes: robots, objects and methods, all with all. */
+/* Count the gestures of a segmentation: a robot segments each object by each method. */
 #include "tests/bench/bench.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
 #include "base/mem.h"
 #include "program/console.h"
-#include "tests/bench/effort_report.h"
+#include "program/times.h"
+#include "tests/bench/effort_run.h"
 
-#define OWN(title, by_weight, by_shape, ...)                                                       \
-    {                                                                                              \
-        .name = (title), .by = BY_IFTTY, .weight = (by_weight), .background = (by_shape),          \
-        __VA_ARGS__                                                                                \
-    }
-#define OWN_FIVE(title, weight)                                                                    \
-    OWN(title, weight, SHAPE_BALL, .charted = true),                                               \
-        OWN(title ", sphere", weight, SHAPE_SPHERE, .reach = 0),                                   \
-        OWN(title ", box", weight, SHAPE_BOX, .reach = 0),                                         \
-        OWN(title ", relax", weight, SHAPE_BALL, .reach = FINISH_BAND),                            \
-        OWN(title ", sphere, relax", weight, SHAPE_SPHERE, .reach = FINISH_BAND, .charted = true)
-#define OUTLINES(title, off, by_next, does_relax)                                                  \
-    OWN(title, "morph", SHAPE_SPHERE, .reach = (does_relax) ? FINISH_BAND : 0, .next = (by_next),  \
-        .hand = (off), .charted = (off) == 7)
-#define WORKER(title, program, by_shape, is_charted)                                               \
-    {                                                                                              \
-        .name = (title), .by = BY_WORKER, .background = (by_shape), .weight = (program),           \
-        .charted = (is_charted), .once = true                                                      \
-    }
-
-/* The first is what others are compared with. */
+/* The first is the one that the others are compared with. */
 static const struct effort_method method[] = {
-    OWN_FIVE("morph", "morph"),
-    OWN_FIVE("gauss 1", "gauss 1"),
-    OWN("morph, within", "morph", SHAPE_BALL, .limits = true),
-    OWN("sphere, relax, within", "morph", SHAPE_SPHERE, .reach = FINISH_BAND, .limits = true),
-    OWN("sphere, relax, reach 16", "morph", SHAPE_SPHERE, .reach = FINISH_BAND_MOST),
-    OWN("sphere, relax, brush 6", "morph", SHAPE_SPHERE, .reach = FINISH_BAND, .brush = 6),
-    OUTLINES("outline, hand 0, relax", 0, NEXT_WRONG, true),
-    OUTLINES("outline, hand .7, relax", 7, NEXT_WRONG, true),
-    OUTLINES("outline, hand 1, relax", 10, NEXT_WRONG, true),
-    OUTLINES("outline, hand .7", 7, NEXT_WRONG, false),
-    OUTLINES("outline by doubt, relax", 7, NEXT_DOUBT, true),
-    OUTLINES("outline by chance, relax", 7, NEXT_CHANCE, true),
-    WORKER("random walker", "walker", SHAPE_BALL, true),
-    WORKER("random walker, sphere", "walker", SHAPE_SPHERE, false),
-    {.name = "GrowCut", .by = BY_GROWCUT, .background = SHAPE_BALL, .once = true},
-    WORKER("watershed, scikit-image", "skimage", SHAPE_BALL, false),
-    WORKER("watershed, ITK", "itk", SHAPE_BALL, false),
+    {"morph", "morph", SHAPE_BALL, .reach = 0},
+    {"morph, within", "morph", SHAPE_BALL, .limits = true},
+    {"morph, sphere", "morph", SHAPE_SPHERE, .reach = 0},
+    {"morph, relax", "morph", SHAPE_BALL, .reach = FINISH_BAND},
+    {"morph, sphere, relax", "morph", SHAPE_SPHERE, .reach = FINISH_BAND},
+    {"sphere, relax, within", "morph", SHAPE_SPHERE, .reach = FINISH_BAND, .limits = true},
+    {"sphere, relax, reach 16", "morph", SHAPE_SPHERE, .reach = FINISH_BAND_MOST},
+    {"sphere, relax, brush 6", "morph", SHAPE_SPHERE, .reach = FINISH_BAND, .brush = 6},
+    {"gauss 1", "gauss 1", SHAPE_BALL, .reach = 0},
+    {"gauss 1, sphere", "gauss 1", SHAPE_SPHERE, .reach = 0},
+    {"gauss 1, relax", "gauss 1", SHAPE_BALL, .reach = FINISH_BAND},
+    {"gauss 1, sphere, relax", "gauss 1", SHAPE_SPHERE, .reach = FINISH_BAND},
 };
-enum { METHODS = sizeof method / sizeof *method, HAND = 7 };
+enum { METHODS = sizeof method / sizeof *method, OBJECTS_MOST = 64 };
 
 struct efforts {
     const struct bench_options *options;
     struct interpreter interp; /* finds files */
-    struct effort_report report;
-    struct effort_object object;
-    unsigned most; /* of it: effort_outline_most of HAND */
-    bool is_missing[METHODS];
     struct buf folder;
-    size_t done, total;
+    struct effort_run run[METHODS * OBJECTS_MOST];
+    size_t runs, done, total;
 };
 
-/* ---- what is wanted ---- */
+static bool is_object(const char *word, size_t object)
+{
+    return strcmp(word, effort_object_name(object)) == 0 ||
+           strcmp(word, effort_group_name[effort_object_group(object)]) == 0;
+}
 
 static bool wants_object(const struct options *o, size_t object)
 {
     bool wanted = o->words == 0;
     for (int i = 0; i < o->words; i++)
-        wanted |= strcmp(o->word[i], effort_object_name(object)) == 0 ||
-                  strcmp(o->word[i], effort_group_name[effort_object_group(object)]) == 0;
+        wanted |= is_object(o->word[i], object);
     return wanted;
 }
 
-/* By its whole name, or by a part of it where none has that name. */
+/* By its whole name, or by a part of it if no method has that name. */
 static bool wants_method(const struct bench_options *o, size_t m)
 {
     bool is_name = false;
@@ -84,114 +61,88 @@ static bool wants_method(const struct bench_options *o, size_t m)
                                   : strstr(method[m].name, o->method) != NULL);
 }
 
-static bool wants_run(const struct bench_options *o, size_t object, enum effort_robot_kind robot,
-                      size_t m)
+static enum err check_words(struct efforts *e, struct fault *fault)
 {
-    const bool is_short = robot == ROBOT_CAREFUL && effort_object_group(object) != GROUP_WHOLE;
-    return wants_object(&o->common, object) && (is_short || !method[m].once) &&
-           (robot == ROBOT_CAREFUL || method[m].next == NEXT_NONE) &&
-           (robot == ROBOT_CAREFUL || effort_object_group(object) != GROUP_WHOLE) &&
-           (!o->robot || strcmp(o->robot, effort_robot_name[robot]) == 0) &&
-           (!o->quick || method[m].by == BY_IFTTY) && wants_method(o, m);
-}
-
-static size_t count_runs(const struct bench_options *o)
-{
-    size_t count = 0;
+    const struct options *o = &e->options->common;
     for (size_t object = 0; effort_object_name(object); object++)
-        for (int robot = 0; robot < ROBOT_KINDS; robot++)
-            for (size_t m = 0; m < METHODS; m++)
-                count += wants_run(o, object, (enum effort_robot_kind)robot, m);
-    return count;
-}
-
-/* ---- runs ---- */
-
-static enum err run_one(struct efforts *e, size_t object, enum effort_robot_kind robot, size_t m,
-                        struct fault *fault)
-{
-    struct effort_report *report = &e->report;
-    if (watch_poll(console_watch(), e->object.name, e->done++, e->total))
-        return fault_set(fault, ERR_CANCELLED, "cancelled");
-    if (e->is_missing[m])
-        return OK;
-    if (!mem_grow(&report->run, &report->capacity, report->runs + 1, sizeof *report->run))
-        return fault_memory(fault, "a run");
-    struct effort_run *run = &report->run[report->runs];
-    *run = (struct effort_run){
-        .object = object,
-        .method = m,
-        .robot = robot,
-        .radius_most = (uint32_t)e->options->brush,
-        .most = e->most,
-    };
-    const enum err err = effort_run(run, &method[m], &e->object, buf_text(&e->folder), fault);
-    if (!err) {
-        report->runs++;
-        return OK;
+        for (size_t m = 0; m < METHODS; m++)
+            e->total += wants_object(o, object) && wants_method(e->options, m);
+    for (int i = 0; i < o->words; i++) {
+        bool known = false;
+        for (size_t object = 0; effort_object_name(object); object++)
+            known |= is_object(o->word[i], object);
+        if (!known)
+            return fault_set(fault, ERR_USAGE,
+                             "expected tuned, other, ct, or an object of those, such as putamen; "
+                             "not %s",
+                             o->word[i]);
     }
-    if (err != ERR_IO || method[m].by != BY_WORKER)
-        return fault_prefix(fault, err, "%s, %s", e->object.name, method[m].name);
-    e->is_missing[m] = true;
-    buf_printf(&report->missing, "%s is left out from %s on: %s\n", method[m].name, e->object.name,
-               fault->text);
-    return OK;
+    return e->total
+               ? OK
+               : fault_set(fault, ERR_USAGE, "no method has %s in its name", e->options->method);
 }
 
 static enum err run_object(struct efforts *e, size_t object, struct fault *fault)
 {
-    enum err err = effort_object_load(&e->object, object, &e->interp, fault);
-    err = err ? err : effort_tool_prepare(&e->object, buf_text(&e->folder), fault);
-    err = err ? err : effort_outline_most(&e->most, &e->object, HAND, fault);
-    for (int robot = 0; robot < ROBOT_KINDS; robot++)
-        for (size_t m = 0; m < METHODS && !err; m++)
-            if (wants_run(e->options, object, (enum effort_robot_kind)robot, m))
-                err = run_one(e, object, (enum effort_robot_kind)robot, m, fault);
-    effort_object_release(&e->object);
-    return err;
-}
-
-static enum err run_all(struct efforts *e, struct fault *fault)
-{
-    enum err err = OK;
-    for (size_t object = 0; effort_object_name(object) && !err; object++)
-        if (wants_object(&e->options->common, object))
-            err = run_object(e, object, fault);
-    return err;
-}
-
-/* ---- the program ---- */
-
-static enum err check_words(const struct bench_options *o, struct fault *fault)
-{
-    for (int i = 0; i < o->common.words; i++) {
-        bool known = false;
-        for (size_t object = 0; effort_object_name(object); object++)
-            known |= strcmp(o->common.word[i], effort_object_name(object)) == 0 ||
-                     strcmp(o->common.word[i], effort_group_name[effort_object_group(object)]) == 0;
-        if (!known)
-            return fault_set(fault, ERR_USAGE,
-                             "expected tuned, other, whole, pairs, ct, or an object of those, as "
-                             "putamen; not %s",
-                             o->common.word[i]);
+    struct effort_object loaded;
+    enum err err = effort_object_load(&loaded, object, &e->interp, fault);
+    if (err)
+        return err;
+    err = effort_prepare(&loaded, buf_text(&e->folder), fault);
+    for (size_t m = 0; m < METHODS && !err; m++) {
+        if (!wants_method(e->options, m))
+            continue;
+        if (watch_poll(console_watch(), loaded.name, e->done++, e->total)) {
+            err = fault_set(fault, ERR_CANCELLED, "cancelled");
+            break;
+        }
+        struct effort_run *run = &e->run[e->runs];
+        *run = (struct effort_run){
+            .object = object, .method = m, .radius_most = (uint32_t)e->options->brush};
+        err = effort_run(run, &method[m], &loaded, buf_text(&e->folder), fault);
+        if (err)
+            fault_prefix(fault, err, "%s, %s", loaded.name, method[m].name);
+        else
+            e->runs++;
     }
-    return count_runs(o) ? OK
-                         : fault_set(fault, ERR_USAGE,
-                                     "no run is asked for; robots are careful, sloppy and stroke, "
-                                     "and a method is a part of its name in the table");
+    effort_object_release(&loaded);
+    return err;
 }
 
-static enum err report(const struct efforts *e, struct fault *fault)
+static void print_table(const struct efforts *e, enum effort_group group)
 {
-    struct buf text = {0};
-    (e->options->common.json ? effort_report_json : effort_report_tables)(&text, &e->report);
-    const bool failed = text.failed;
-    if (!failed)
-        console_print(NULL, buf_text(&text));
-    buf_release(&text);
-    if (failed)
-        return fault_memory(fault, "a report");
-    return e->options->plots ? effort_report_plots(&e->report, e->options->plots, fault) : OK;
+    double first = 0;
+    bool has_title = false;
+    for (size_t m = 0; m < METHODS; m++) {
+        struct effort_count count = {0};
+        double ms[OBJECTS_MOST];
+        for (size_t i = 0; i < e->runs; i++)
+            if (e->run[i].method == m && effort_object_group(e->run[i].object) == group) {
+                ms[count.runs] = e->run[i].ms;
+                effort_count(&count, &e->run[i]);
+            }
+        if (!count.runs)
+            continue;
+        if (!has_title)
+            printf("%u object%s: %s\n%-27s  gestures  of      gestures  Dice after      "
+                   "collapses     ms a\n%-27s    to 0.8  1st       to 0.9  5    10   20    "
+                   "(largest)  gesture\n",
+                   count.runs, plural(count.runs), effort_group_name[group], "", "");
+        has_title = true;
+        const double runs = count.runs, to = count.gestures[0] / runs;
+        first = m == 0 ? to : first;
+        printf("%-27s %5.1f (%2u) ", method[m].name, to, count.reached[0]);
+        if (first > 0)
+            printf("%5.2f", to / first);
+        else
+            printf("%5s", "-");
+        printf("  %5.1f (%2u)  %4.2f %4.2f %4.2f  %3u (%4.2f) %7.1f\n", count.gestures[1] / runs,
+               count.reached[1], count.after[0] / runs / 1e4, count.after[1] / runs / 1e4,
+               count.after[2] / runs / 1e4, count.collapses, count.largest / 1e4,
+               times_median(ms, count.runs));
+    }
+    if (has_title)
+        printf("\n");
 }
 
 enum err run_effort(const struct options *common, struct fault *fault)
@@ -200,28 +151,29 @@ enum err run_effort(const struct options *common, struct fault *fault)
     if (!e)
         return fault_memory(fault, "a benchmark");
     e->options = bench_options(common);
-    e->report.method = method;
-    e->report.methods = METHODS;
-    e->total = count_runs(e->options);
     console_handle_interrupts();
-    enum err err = check_words(e->options, fault);
+    enum err err = check_words(e, fault);
     err = err ? err : interpreter_init(&e->interp, fault);
     if (err) {
         free(e);
         return err;
     }
     err = folder_fresh(&e->folder, NULL, fault);
-    err = err ? err : run_all(e, fault);
-    if (!err || (err == ERR_CANCELLED && e->report.runs > 0)) { /* Ctrl-C: what there is so far */
-        const enum err told = report(e, err ? NULL : fault);
-        err = err ? err : told;
+    for (size_t object = 0; effort_object_name(object) && !err; object++)
+        if (wants_object(common, object))
+            err = run_object(e, object, fault);
+    if (!err || err == ERR_CANCELLED) { /* Ctrl-C: print the runs so far */
+        for (int group = 0; group < EFFORT_GROUPS; group++)
+            print_table(e, (enum effort_group)group);
+        printf("Gestures count the first two, and 23 where 22 do not reach the goal; in brackets, "
+               "how many\nobjects reach it. Of 1st: by the gestures to 0.8 of the first method. A "
+               "collapse is a drop of\nmore than 0.05 from one gesture to the next. Times are "
+               "medians, of the processor.\n");
     }
     if (e->folder.length)
         folder_remove(buf_text(&e->folder));
     interpreter_release(&e->interp);
     buf_release(&e->folder);
-    buf_release(&e->report.missing);
-    free(e->report.run);
     free(e);
     return err;
 }

@@ -12,7 +12,7 @@
 
 enum { CROP_MOST = 80, REGIONS_MOST = 4000, MARGIN = 16 };
 
-const char *const effort_group_name[EFFORT_GROUPS] = {"tuned", "other", "whole", "pairs", "ct"};
+const char *const effort_group_name[EFFORT_GROUPS] = {"tuned", "other", "ct"};
 
 struct row {
     const char *name;
@@ -21,7 +21,7 @@ struct row {
     const char *regions;     /* of the map, modulo `modulo` where that is not 0 */
     uint16_t modulo;
     uint8_t closed, reduced; /* how often */
-    uint8_t margin;          /* 0: all of the scene */
+    uint8_t margin;          /* of a crop */
 };
 
 #define AAL      "aal.nii.gz"
@@ -30,11 +30,8 @@ struct row {
 #define CH2      "ch2.nii.gz"
 #define MACAQUE  "inia19-t1-brain.nii.gz"
 #define NEURO    "inia19-NeuroMaps.nii.gz"
-#define JHU_ALL  "jhu189.nii.gz"
 #define TUNED(n) n, GROUP_TUNED
 #define OTHER(n) n, GROUP_OTHER
-#define WHOLE(n) n, GROUP_WHOLE
-#define PAIR(n)  n, GROUP_PAIRS
 #define CT(n)    n, GROUP_CT
 
 static const struct row row[] = {
@@ -74,18 +71,6 @@ static const struct row row[] = {
     {OTHER("m-124"), MACAQUE, NEURO, "124", 0, 0, 0, MARGIN},
     {OTHER("neck"), NULL, NULL, "3", 0, 0, 0, 0},
     {OTHER("fading"), NULL, NULL, "4", 0, 0, 0, 0},
-
-    {WHOLE("head-brain"), CH2, "ch2bet.nii.gz", "1-255", 0, 0, 0, 0},
-    {WHOLE("head-cerebellum"), CH2, AAL, "91-116", 0, 0, 0, 0},
-    {WHOLE("m-head-white-matter"), MACAQUE, NEURO, "2,55,97,193", 1000, 0, 0, 0},
-
-    {PAIR("ventricles"), CH2, JHU_ALL, "171-178", 0, 0, 0, MARGIN},
-    {PAIR("caudates"), CH2, AAL, "71,72", 0, 0, 0, MARGIN},
-    {PAIR("putamina"), CH2, AAL, "73,74", 0, 0, 0, MARGIN},
-    {PAIR("hippocampi"), CH2, AAL, "37,38", 0, 0, 0, MARGIN},
-    {PAIR("m-caudates"), MACAQUE, NEURO, "82", 1000, 0, 0, MARGIN},
-    {PAIR("m-putamina"), MACAQUE, NEURO, "98", 1000, 0, 0, MARGIN},
-    {PAIR("m-7s"), MACAQUE, NEURO, "7", 1000, 0, 0, MARGIN},
 
     {CT("ct-liver"), NULL, NULL, "51", 0, 0, 0, 0},
     {CT("ct-kidney"), NULL, NULL, "52", 0, 0, 0, 0},
@@ -266,8 +251,8 @@ static void grow_bounds(uint32_t first[3], uint32_t last[3], const struct place 
     }
 }
 
-/* What stays of the truth, so many components, and the box around them. */
-static enum err keep_largest(struct matter *m, int count, uint32_t first[3], uint32_t last[3],
+/* Keep the largest component of the truth, and find the box around it. */
+static enum err keep_largest(struct matter *m, uint32_t first[3], uint32_t last[3],
                              struct fault *fault)
 {
     struct components pieces = {0};
@@ -286,21 +271,17 @@ static enum err keep_largest(struct matter *m, int count, uint32_t first[3], uin
         memset(m->truth, 0, grid.voxels);
     for (int a = 0; a < 3; a++)
         first[a] = UINT32_MAX, last[a] = 0;
-    for (int kept = 0; kept < count && !err; kept++) {
-        struct component *best = NULL;
-        for (size_t i = 0; i < pieces.count; i++)
-            if (pieces.item[i].label && (!best || pieces.item[i].voxels > best->voxels))
-                best = &pieces.item[i];
-        if (!best)
-            err = fault_set(fault, ERR_INPUT, "too few voxels of the scene lie in these regions");
-        for (uint32_t r = best ? best->run : RUN_NONE; r != RUN_NONE; r = pieces.run[r].next) {
-            const struct place p = grid_place(&grid, pieces.run[r].first);
-            const uint32_t length = pieces.run[r].end - pieces.run[r].first;
-            memset(m->truth + grid_voxel(&grid, pieces.run[r].first), 1, length);
-            grow_bounds(first, last, &p, length);
-        }
-        if (best)
-            best->label = 0; /* taken */
+    const struct component *best = NULL;
+    for (size_t i = 0; !err && i < pieces.count; i++)
+        if (pieces.item[i].label && (!best || pieces.item[i].voxels > best->voxels))
+            best = &pieces.item[i];
+    if (!err && !best)
+        err = fault_set(fault, ERR_INPUT, "no voxel of the scene is in these regions");
+    for (uint32_t r = best ? best->run : RUN_NONE; r != RUN_NONE; r = pieces.run[r].next) {
+        const struct place p = grid_place(&grid, pieces.run[r].first);
+        const uint32_t length = pieces.run[r].end - pieces.run[r].first;
+        memset(m->truth + grid_voxel(&grid, pieces.run[r].first), 1, length);
+        grow_bounds(first, last, &p, length);
     }
     free(label);
     components_release(&pieces);
@@ -337,22 +318,19 @@ static bool add_margin(uint32_t first[3], uint32_t last[3], const struct row *r,
         last[a] = last[a] + r->margin < size[a] ? last[a] + r->margin : size[a] - 1;
         fits = fits && last[a] - first[a] < CROP_MOST;
     }
-    return fits || r->group == GROUP_TUNED || r->group == GROUP_PAIRS;
+    return fits || r->group == GROUP_TUNED;
 }
 
 static enum err cut_out(struct matter *m, const struct row *r, struct fault *fault)
 {
     uint32_t first[3], last[3];
-    const int kept = r->group == GROUP_PAIRS ? 2 : 1;
     enum err err = OK;
     for (int i = 0; i < r->reduced && !err; i++)
         err = reduce(m, fault);
-    err = err ? err : keep_largest(m, kept, first, last, fault);
-    if (r->margin == 0)
-        return err;
+    err = err ? err : keep_largest(m, first, last, fault);
     while (!err && !add_margin(first, last, r, m->size)) {
         err = reduce(m, fault);
-        err = err ? err : keep_largest(m, kept, first, last, fault);
+        err = err ? err : keep_largest(m, first, last, fault);
     }
     return err ? err : crop(m, first, last, fault);
 }

@@ -1,27 +1,25 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The objects that a robot segments (tests/bench/effort_robot.h): a crop of a scene, and its truth,
- * one component of an atlas's regions, or the two largest of a pair.
+ * the largest component of an atlas's regions.
  *
- * In four groups. What the protocol tunes on: regions of AAL in ch2, of NeuroMaps in the macaque's
- * head, and three phantoms (effort_phantom.c). What nobody has tuned on: other regions, other
- * atlases, other scans, two phantoms more. Whole scenes. And pairs, as of ventricles: the second is
- * no leak of the first. An atlas is taken at the voxel of it that is nearest to the scene's in the
- * world.
+ * Groups: tuned, the objects that weights and steps were tuned on (regions of AAL in ch2, of
+ * NeuroMaps in the macaque's head, and three phantoms of effort_phantom.c); other, objects of other
+ * regions, atlases and scans, and two more phantoms; ct, a phantom in Hounsfield units. The label
+ * of a scene's voxel is that of the atlas's voxel nearest to it in the world.
  *
  * Steps from file to object, in this order: regions, closed by the six faces as often as the row
  * says; scene and truth are reduced, where the row says so, by means and by majorities of blocks of
- * 2x2x2; the largest component stays, or two; the box around it and a margin are cut out; where
- * that is longer than 80 voxels along an axis and not to be a whole scene, once more from a reduced
- * scene, but for pairs, and objects of the protocol, whose size it gives; intensities are stretched
- * to 8 bits between their 0.1 and 99.9 percentiles.
+ * 2x2x2; the largest component stays; the box around it and a margin are cut out; where that is
+ * longer than 80 voxels along an axis, once more from a reduced scene, except for tuned objects;
+ * intensities are stretched to 8 bits between their 0.1 and 99.9 percentiles.
  */
 #ifndef TESTS_BENCH_EFFORT_OBJECT_H
 #define TESTS_BENCH_EFFORT_OBJECT_H
 
 #include "command/interpreter.h"
 
-enum effort_group { GROUP_TUNED, GROUP_OTHER, GROUP_WHOLE, GROUP_PAIRS, GROUP_CT, EFFORT_GROUPS };
+enum effort_group { GROUP_TUNED, GROUP_OTHER, GROUP_CT, EFFORT_GROUPS };
 extern const char *const effort_group_name[EFFORT_GROUPS];
 
 struct effort_object {
@@ -42,7 +40,7 @@ enum err effort_object_load(struct effort_object *object, size_t number,
                             const struct interpreter *interp, struct fault *fault);
 void effort_object_release(struct effort_object *object);
 
-/* A map of the object as a worker and `open` read it: bytes alone, or a NIfTI. */
+/* Write the object as a NIfTI file for `open`. */
 enum err effort_object_save(const struct effort_object *object, const char *path,
                             struct fault *fault);
 

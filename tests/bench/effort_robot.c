@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "tests/bench/effort_robot.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,14 +10,10 @@
 
 enum {
     RADIUS_USUAL = 3,
-    RADIUS_SLOPPY = 2,
-    STROKE_MOST = 12,
     NEAR = 2, /* of the background's first ball */
     FAR = 10,
     WITHIN_DEPTHS = 3,
 };
-
-const char *const effort_robot_name[ROBOT_KINDS] = {"careful", "sloppy", "stroke"};
 
 /* ---- chance ---- */
 
@@ -28,10 +23,10 @@ static uint32_t below(struct effort_robot *robot, uint64_t bound)
     return (uint32_t)((hash_mix(robot->random) >> 32) * bound >> 32);
 }
 
-enum err effort_robot_init(struct effort_robot *robot, enum effort_robot_kind kind,
-                           const struct effort_object *object, struct fault *fault)
+enum err effort_robot_init(struct effort_robot *robot, const struct effort_object *object,
+                           struct fault *fault)
 {
-    *robot = (struct effort_robot){.kind = kind, .object = object, .radius_most = RADIUS_USUAL};
+    *robot = (struct effort_robot){.object = object, .radius_most = RADIUS_USUAL};
     for (const char *at = object->name; *at; at++)
         robot->random = hash_mix_at(robot->random, (uint8_t)*at);
     enum err err = grid_init(&robot->grid, object->size, fault);
@@ -217,27 +212,12 @@ static void sphere(struct effort_robot *robot, struct effort_gesture *gesture)
         gesture->at[a] = (uint32_t)at[a];
 }
 
-static void box_around(struct effort_robot *robot, struct effort_gesture *gesture)
-{
-    uint32_t first[3], last[3];
-    bounds(robot, first, last);
-    *gesture = (struct effort_gesture){.shape = SHAPE_BOX};
-    for (int a = 0; a < 3; a++) {
-        const uint32_t before = 3 + below(robot, 10), after = last[a] + 3 + below(robot, 10);
-        gesture->at[a] = first[a] > before ? first[a] - before : 0;
-        gesture->to[a] = after < robot->grid.size[a] ? after : robot->grid.size[a] - 1;
-    }
-}
-
 enum err effort_robot_background(struct effort_robot *robot, enum effort_shape shape,
                                  struct effort_gesture *gesture, struct fault *fault)
 {
     if (shape == SHAPE_BALL)
         return outside_ball(robot, gesture, fault);
-    if (shape == SHAPE_SPHERE)
-        sphere(robot, gesture);
-    else
-        box_around(robot, gesture);
+    sphere(robot, gesture);
     return OK;
 }
 
@@ -255,19 +235,14 @@ static void mark_wrong(struct effort_robot *robot, const uint8_t *label)
         }
 }
 
-/* The largest component of what is wrong, or the second largest where there is one; NULL for none.
- */
-static const struct component *choose(const struct components *pieces, bool second)
+/* Find the largest component of the wrong voxels; NULL if every label is right. */
+static const struct component *choose(const struct components *pieces)
 {
-    const struct component *best = NULL, *next = NULL;
-    for (size_t i = 0; i < pieces->count; i++) {
-        const struct component *item = &pieces->item[i];
-        if (item->label && (!best || item->voxels > best->voxels))
-            next = best, best = item;
-        else if (item->label && (!next || item->voxels > next->voxels))
-            next = item;
-    }
-    return second && next ? next : best;
+    const struct component *best = NULL;
+    for (size_t i = 0; i < pieces->count; i++)
+        if (pieces->item[i].label && (!best || pieces->item[i].voxels > best->voxels))
+            best = &pieces->item[i];
+    return best;
 }
 
 /* The box around a component, and a voxel more where the scene has one; the set is it. */
@@ -302,148 +277,22 @@ static struct box lay_out(struct effort_robot *robot, const struct components *p
     return box;
 }
 
-/* One of those that are at least half as deep as the deepest. */
-static size_t roughly_deepest(struct effort_robot *robot, const struct box *box, size_t best)
-{
-    const uint64_t least = (robot->squared[best] + 3) / 4;
-    size_t count = 0, i = 0;
-    for (size_t j = 0; j < box_voxels(box); j++)
-        count += robot->squared[j] >= least;
-    for (size_t left = below(robot, count);; i++)
-        if (robot->squared[i] >= least && left-- == 0)
-            return i;
-}
-
-/* ---- strokes ---- */
-
-/* The direction of the main axis: of a symmetric matrix the vector of the largest value, by
- * squaring. Plain IEEE arithmetic and no library but sqrt, so the same on every machine. */
-static void main_axis(const struct effort_robot *robot, const struct box *box, double axis[3])
-{
-    int64_t count = 0, sum[3] = {0}, product[3][3] = {{0}};
-    for (size_t i = 0; i < box_voxels(box); i++) {
-        uint32_t at[3];
-        if (!robot->squared[i])
-            continue;
-        place_in(at, box, i);
-        count++;
-        for (int a = 0; a < 3; a++) {
-            sum[a] += at[a];
-            for (int b = 0; b < 3; b++)
-                product[a][b] += (int64_t)at[a] * at[b];
-        }
-    }
-    double matrix[3][3];
-    int widest = 0;
-    for (int a = 0; a < 3; a++)
-        for (int b = 0; b < 3; b++)
-            matrix[a][b] = (double)product[a][b] / (double)count -
-                           (double)sum[a] / (double)count * ((double)sum[b] / (double)count);
-    for (int a = 1; a < 3; a++)
-        widest = matrix[a][a] > matrix[widest][widest] ? a : widest;
-    for (int a = 0; a < 3; a++)
-        axis[a] = a == widest;
-    for (int round = 0; round < 64; round++) {
-        double next[3] = {0}, length = 0;
-        for (int a = 0; a < 3; a++) {
-            for (int b = 0; b < 3; b++)
-                next[a] += matrix[a][b] * axis[b];
-            length += next[a] * next[a];
-        }
-        for (int a = 0; a < 3 && length > 0; a++)
-            axis[a] = next[a] / sqrt(length);
-    }
-}
-
-/* Along the axis, or against it, while the ball stays in the set. */
-static void walk(const struct effort_robot *robot, const struct box *box, const double axis[3],
-                 uint32_t radius, uint32_t end[3])
-{
-    const uint32_t from[3] = {end[0], end[1], end[2]};
-    const uint64_t least = (uint64_t)(radius + 1) * (radius + 1);
-    for (int step = 1; step <= STROKE_MOST; step++) {
-        size_t place = 0;
-        uint32_t at[3];
-        for (int a = 2; a >= 0; a--) {
-            const double to = floor((double)from[a] + step * axis[a] + 0.5) - box->first[a];
-            if (to < 0 || to >= box->size[a])
-                return;
-            place = place * box->size[a] + (uint32_t)to;
-            at[a] = box->first[a] + (uint32_t)to;
-        }
-        if (robot->squared[place] < least)
-            return;
-        memcpy(end, at, sizeof at);
-    }
-}
-
-static void draw_stroke(const struct effort_robot *robot, const struct box *box,
-                        struct effort_gesture *gesture)
-{
-    double axis[3];
-    main_axis(robot, box, axis);
-    gesture->shape = SHAPE_STROKE;
-    memcpy(gesture->to, gesture->at, sizeof gesture->to);
-    walk(robot, box, axis, gesture->radius, gesture->to);
-    for (int a = 0; a < 3; a++)
-        axis[a] = -axis[a];
-    walk(robot, box, axis, gesture->radius, gesture->at);
-}
-
 enum err effort_robot_next(struct effort_robot *robot, const uint8_t *label,
                            struct effort_gesture *gesture, bool *found, struct fault *fault)
 {
-    const bool is_sloppy = robot->kind == ROBOT_SLOPPY;
     struct components pieces = {0};
     mark_wrong(robot, label);
     enum err err = components_find(&pieces, &robot->grid, robot->wrong, NULL, fault);
-    const struct component *piece = err ? NULL : choose(&pieces, is_sloppy && below(robot, 4) == 0);
+    const struct component *piece = err ? NULL : choose(&pieces);
     *found = piece != NULL;
     if (piece) {
         const struct box box = lay_out(robot, &pieces, piece);
         err = measure(robot, &box, fault);
-        size_t i = deepest(robot, &box);
-        i = is_sloppy ? roughly_deepest(robot, &box, i) : i;
-        *gesture = (struct effort_gesture){
-            .shape = SHAPE_BALL,
-            .radius = radius_of(robot->squared[i], is_sloppy ? RADIUS_SLOPPY : robot->radius_most),
-            .within = WITHIN_DEPTHS * root_of(robot->squared[i])};
-        place_in(gesture->at, &box, i);
+        ball_at_deepest(robot, &box, 0, gesture);
+        gesture->within = WITHIN_DEPTHS * root_of(robot->squared[deepest(robot, &box)]);
         const uint32_t *n = robot->grid.size, *at = gesture->at;
         gesture->label = robot->object->truth[((size_t)at[2] * n[1] + at[1]) * n[0] + at[0]];
-        if (!err && robot->kind == ROBOT_STROKE)
-            draw_stroke(robot, &box, gesture);
     }
     components_release(&pieces);
-    return err;
-}
-
-/* ---- what a gesture covers ---- */
-
-enum err effort_gesture_voxels(struct voxels *out, const struct effort_gesture *gesture,
-                               const struct grid *grid, struct fault *fault)
-{
-    static const uint32_t unit[3] = {1, 1, 1};
-    const bool is_sphere = gesture->shape == SHAPE_SPHERE;
-    struct brush brush;
-    if (gesture->shape == SHAPE_BOX)
-        return paint_faces(out, grid, gesture->at, gesture->to, NULL, fault);
-    if (gesture->shape == SHAPE_OUTLINE)
-        return paint_polygon(out, grid, gesture->corner, gesture->corners, NULL, fault);
-    uint32_t way[2][3];
-    memcpy(way[0], gesture->at, sizeof way[0]);
-    memcpy(way[1], gesture->to, sizeof way[1]);
-    enum err err = brush_init(&brush, unit, gesture->radius,
-                              is_sphere ? BRUSH_HOLLOW_REACH_MOST : BRUSH_REACH_MOST, fault);
-    if (err)
-        return err;
-    if (is_sphere)
-        err = brush_hollow(&brush, 6, fault);
-    if (!err && is_sphere)
-        err = paint_shell(out, grid, &brush, gesture->at, NULL, fault);
-    else if (!err)
-        err = paint_stroke(out, grid, &brush, (const uint32_t(*)[3])way,
-                           gesture->shape == SHAPE_STROKE ? 2 : 1, NULL, fault);
-    brush_release(&brush);
     return err;
 }

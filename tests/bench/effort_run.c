@@ -1,115 +1,143 @@
 /* SPDX-License-Identifier: MIT */
 #include "tests/bench/effort_run.h"
 
-#include <math.h>
+#include <limits.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "base/mem.h"
+#include "command/execute.h"
+#include "engine/labels.h"
 #include "engine/overlap.h"
 #include "program/times.h"
 #include "session/session.h"
 
-static unsigned dice_of(const struct effort_tool *tool)
+struct work {
+    const struct effort_method *method;
+    const struct effort_object *object;
+    struct grid grid;
+    uint8_t *label; /* [voxels]: after the last gesture */
+    double ms;      /* of the last gesture */
+    struct interpreter *interp;
+    struct reply reply;
+};
+
+enum err effort_prepare(const struct effort_object *object, const char *folder, struct fault *fault)
 {
-    struct overlap overlap;
-    overlap_count(&overlap, tool->label, tool->object->truth, tool->object->voxels);
-    return overlap_dice(&overlap, 1);
+    char path[PATH_MAX];
+    snprintf(path, sizeof path, "%s/scene.nii", folder);
+    return effort_object_save(object, path, fault);
 }
 
-/* A gesture is made; what it takes of the hand counts from here on. */
-static enum err make(struct effort_run *run, struct effort_tool *tool, unsigned at,
-                     const struct effort_gesture *g, struct fault *fault)
+void effort_write_command(struct buf *line, const struct effort_gesture *gesture, bool limits)
 {
-    const bool has_way = g->shape == SHAPE_STROKE || g->shape == SHAPE_BOX;
-    double squared = 0;
-    for (int a = 0; a < 3; a++)
-        squared += has_way ? ((double)g->to[a] - g->at[a]) * ((double)g->to[a] - g->at[a]) : 0;
-    for (unsigned k = at; k < CURVE; k++) {
-        run->path[k] += g->shape == SHAPE_OUTLINE ? g->path : sqrt(squared);
-        run->clicks[k] += g->shape == SHAPE_OUTLINE ? g->clicks : has_way ? 2 : 1;
-    }
-    return effort_tool_apply(tool, g, fault);
+    const uint32_t *at = gesture->at;
+    buf_clear(line);
+    buf_printf(line, "seed %u,%u,%u %u", at[0], at[1], at[2], gesture->label);
+    if (gesture->radius)
+        buf_printf(line, " radius=%u", gesture->radius);
+    if (limits && gesture->shape == SHAPE_BALL && gesture->within)
+        buf_printf(line, " within=%u", gesture->within);
+    if (gesture->shape == SHAPE_SPHERE)
+        buf_add_text(line, " shell=yes around=1");
 }
 
-void effort_judge(struct effort_warnings *w, const struct effort_object *object,
-                  const uint8_t *former, const uint8_t *label, bool is_called)
+static enum err command(struct work *work, const char *line, struct fault *fault)
 {
-    size_t taken = 0, wrong = 0, voxels = 0;
-    for (size_t i = 0; i < object->voxels; i++) {
-        voxels += object->truth[i];
-        taken += label[i] != former[i];
-        wrong += label[i] != former[i] && label[i] != object->truth[i];
-    }
-    const bool is_right = 2 * wrong <= taken;
-    const bool is_leak = !is_right && (2 * wrong - taken) * LEAK_SHARE > voxels;
-    w->leaks += is_leak, w->found += is_leak && is_called;
-    w->right += is_right, w->called += is_right && is_called;
+    const enum err err = interpreter_execute(work->interp, line, &work->reply, fault);
+    return err ? fault_prefix(fault, err, "%s", line) : OK;
 }
 
-/* The first two gestures; the place in the curve that they have come to. */
-static enum err begin(struct effort_run *run, struct effort_robot *robot, struct effort_tool *tool,
-                      unsigned *at, struct fault *fault)
+static enum err work_begin(struct work *work, const char *folder, struct fault *fault)
 {
-    const enum effort_shape background = tool->method->background;
-    struct effort_gesture gesture;
-    enum err err = effort_robot_object(robot, &gesture, fault);
-    err = err ? err : make(run, tool, 0, &gesture, fault);
-    *at = background == SHAPE_BOX;
-    run->dice[0] = err ? 0 : dice_of(tool);
-    err = err ? err : effort_robot_background(robot, background, &gesture, fault);
-    return err ? err : make(run, tool, *at, &gesture, fault);
+    char line[PATH_MAX + 16];
+    enum err err = grid_init(&work->grid, work->object->size, fault);
+    work->label = mem_new(work->object->voxels);
+    work->interp = mem_new(sizeof *work->interp);
+    if (!err && (!work->label || !work->interp))
+        err = fault_memory(fault, "a session");
+    err = err ? err : interpreter_init(work->interp, fault);
+    snprintf(line, sizeof line, "open %s/scene.nii", folder);
+    err = err ? err : command(work, line, fault);
+    err = err ? err : command(work, "auto on", fault);
+    snprintf(line, sizeof line, "weight %s", work->method->weight);
+    err = err ? err : command(work, line, fault);
+    snprintf(line, sizeof line, "finish relax reach=%u", work->method->reach);
+    return err || !work->method->reach ? err : command(work, line, fault);
 }
 
-static enum err next(struct effort_robot *robot, struct effort_outliner *outliner,
-                     const struct effort_tool *tool, struct effort_gesture *gesture, bool *wrong,
-                     struct fault *fault)
+static void work_end(struct work *work)
 {
-    const struct session *session = tool->interp ? tool->interp->session : NULL;
-    struct doubt doubt = {0};
-    enum err err = OK;
-    if (outliner->next == NEXT_NONE)
-        return effort_robot_next(robot, tool->label, gesture, wrong, fault);
-    if (outliner->next == NEXT_DOUBT)
-        err = doubt_find(&doubt, &session_kept(session)->finish, session_scene(session),
-                         session_team(session), 1, fault);
-    err = err ? err : effort_outline_next(outliner, tool->label, &doubt, gesture, wrong, fault);
-    doubt_release(&doubt);
+    if (work->interp)
+        interpreter_release(work->interp);
+    free(work->interp);
+    reply_release(&work->reply);
+    free(work->label);
+}
+
+static double clock_ms(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec * 1e3 + (double)now.tv_nsec / 1e6;
+}
+
+/* Carry out a gesture, and read the labels. */
+static enum err apply(struct work *work, const struct effort_gesture *gesture, struct fault *fault)
+{
+    struct labels labels;
+    struct buf line = {0};
+    effort_write_command(&line, gesture, work->method->limits);
+    const double begin = clock_ms();
+    enum err err = command(work, buf_text(&line), fault);
+    err =
+        err ? err : session_labels(work->interp->session, work->method->reach > 0, &labels, fault);
+    work->ms = clock_ms() - begin;
+    uint8_t *out = work->label;
+    for (uint32_t z = 0; !err && z < work->grid.size[2]; z++)
+        for (uint32_t y = 0; y < work->grid.size[1]; y++, out += work->grid.size[0])
+            labels_copy_row(&labels, grid_row(&work->grid, y, z), out);
+    buf_release(&line);
     return err;
 }
 
-static enum err go_on(struct effort_run *run, struct effort_robot *robot,
-                      struct effort_outliner *outliner, struct effort_tool *tool, unsigned at,
-                      struct fault *fault)
+static unsigned dice_of(const struct work *work)
 {
-    const bool is_judged = tool->method->by == BY_IFTTY && !tool->method->reach;
-    uint8_t *former = mem_new(tool->object->voxels);
+    struct overlap overlap;
+    overlap_count(&overlap, work->label, work->object->truth, work->object->voxels);
+    return overlap_dice(&overlap, 1);
+}
+
+static enum err segment(struct effort_run *run, struct effort_robot *robot, struct work *work,
+                        struct fault *fault)
+{
     struct effort_gesture gesture;
     double ms[CURVE];
     size_t times = 0;
     bool wrong = true;
-    enum err err = former ? OK : fault_memory(fault, "labels");
-    run->dice[at] = dice_of(tool);
-    while (!err && ++at < CURVE) {
+    enum err err = effort_robot_object(robot, &gesture, fault);
+    err = err ? err : apply(work, &gesture, fault);
+    err = err ? err : effort_robot_background(robot, work->method->background, &gesture, fault);
+    err = err ? err : apply(work, &gesture, fault);
+    if (!err)
+        run->dice[0] = dice_of(work);
+    for (size_t at = 1; !err && at < CURVE; at++) {
         run->dice[at] = DICE_ONE;
         if (wrong)
-            err = next(robot, outliner, tool, &gesture, &wrong, fault);
+            err = effort_robot_next(robot, work->label, &gesture, &wrong, fault);
         if (err || !wrong)
             continue;
-        memcpy(former, tool->label, tool->object->voxels);
-        err = make(run, tool, at, &gesture, fault);
-        if (!err && is_judged)
-            effort_judge(&run->warnings, tool->object, former, tool->label,
-                         strstr(buf_text(&tool->reply.text), "; undo takes it back") != NULL);
-        run->dice[at] = err ? 0 : dice_of(tool);
-        ms[times++] = tool->ms;
+        err = apply(work, &gesture, fault);
+        run->dice[at] = err ? 0 : dice_of(work);
+        ms[times++] = work->ms;
     }
-    free(former);
     run->ms = times_median(ms, times);
     return err;
 }
 
-/* At most a tenth of the scene, and a voxel. */
+/* At most a tenth of the scene, and at least 1 voxel. */
 static uint32_t brush_in(const struct effort_object *object, uint32_t brush)
 {
     for (int a = 0; a < 3; a++)
@@ -121,26 +149,14 @@ enum err effort_run(struct effort_run *run, const struct effort_method *method,
                     const struct effort_object *object, const char *folder, struct fault *fault)
 {
     struct effort_robot robot;
-    struct effort_outliner outliner;
-    struct effort_tool tool;
-    unsigned at = 0;
-    for (int a = 0; a < 3; a++)
-        run->size[a] = object->size[a];
-    for (size_t i = 0; i < object->voxels; i++)
-        run->voxels += object->truth[i];
-    enum err err = effort_robot_init(&robot, run->robot, object, fault);
+    struct work work = {.method = method, .object = object};
+    enum err err = effort_robot_init(&robot, object, fault);
     robot.radius_most = run->radius_most ? run->radius_most
                         : method->brush  ? brush_in(object, method->brush)
                                          : robot.radius_most;
-    const enum err ready =
-        effort_outliner_init(&outliner, object, method->next, method->hand, err ? NULL : fault);
-    err = err ? err : ready;
-    enum err begun = effort_tool_begin(&tool, method, object, folder, err ? NULL : fault);
-    err = err ? err : begun;
-    err = err ? err : begin(run, &robot, &tool, &at, fault);
-    err = err ? err : go_on(run, &robot, &outliner, &tool, at, fault);
-    effort_tool_end(&tool);
-    effort_outliner_release(&outliner);
+    err = err ? err : work_begin(&work, folder, fault);
+    err = err ? err : segment(run, &robot, &work, fault);
+    work_end(&work);
     effort_robot_release(&robot);
     return err;
 }
@@ -155,15 +171,7 @@ void effort_count(struct effort_count *count, const struct effort_run *run)
             k++;
         count->gestures[g] += 2 + k;
         count->reached[g] += k < CURVE;
-        if (g == 0) {
-            count->path += run->path[k < CURVE ? k : CURVE - 1];
-            count->clicks += run->clicks[k < CURVE ? k : CURVE - 1];
-        }
     }
-    count->warnings.leaks += run->warnings.leaks;
-    count->warnings.found += run->warnings.found;
-    count->warnings.right += run->warnings.right;
-    count->warnings.called += run->warnings.called;
     for (int l = 0; l < EFFORT_LOOKS; l++)
         count->after[l] += run->dice[look[l]];
     for (unsigned k = 1; k < CURVE; k++) {

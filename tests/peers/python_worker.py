@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""scipy.ndimage.watershed_ift, skimage.segmentation.watershed or its random_walker as a worker
-(tests/peers/worker.h tells the requests): python_worker.py scipy|skimage|walker FOLDER. Each gets
-its maps in the types that it works with, so that no conversion is timed that it does not insist on.
+"""scipy.ndimage.watershed_ift or skimage.segmentation.watershed as a worker (tests/peers/worker.h
+describes the requests): python_worker.py scipy|skimage FOLDER. Each gets its maps in the types that
+it works with, so that no conversion is timed that it does not require.
 """
 
 import sys
@@ -23,21 +23,13 @@ def skimage_watershed():
     return numpy.int32, lambda gradient, markers: watershed(gradient, markers, connectivity=1)
 
 
-def walker():
-    from skimage.segmentation import random_walker
-
-    # Its defaults, by conjugate gradients with Jacobi's preconditioner; of the image itself.
-    return numpy.int32, lambda image, markers: random_walker(image, markers, mode="cg_j")
-
-
 def main():
-    kinds = {"scipy": scipy_watershed, "skimage": skimage_watershed, "walker": walker}
+    kinds = {"scipy": scipy_watershed, "skimage": skimage_watershed}
     marker_type, segment = kinds[sys.argv[1]]()
-    reads = "/image.u8" if sys.argv[1] == "walker" else "/gradient.u8"
     folder = sys.argv[2]
     with open(folder + "/size", encoding="ascii") as file:
         shape = tuple(int(side) for side in reversed(file.read().split()))
-    image = numpy.fromfile(folder + reads, numpy.uint8).reshape(shape)
+    image = numpy.fromfile(folder + "/gradient.u8", numpy.uint8).reshape(shape)
     markers = labels = None
     for line in sys.stdin:
         request, _, path = line.strip().partition(" ")

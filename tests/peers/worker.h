@@ -2,9 +2,9 @@
 /*
  * A worker: a program that segments one scene again and again, on request.
  *
- * It is started with the folder that workload.c, or tests/bench/effort_tool.c, has filled. It reads
- * requests from standard input, one a line, and answers each by one line on standard output; an
- * answer that is neither "ok" nor begins with a number is an error in words.
+ * It is started with the folder that workload.c has filled. It reads requests from standard input,
+ * one a line, and answers each by one line on standard output; an answer that is neither "ok" nor
+ * begins with a number is an error in words.
  *
  *     > reset                           the next run knows nothing of those before
  *     < ok
