@@ -7,7 +7,7 @@
 
 #include "render/notes.h"
 #include "show/decorating.h"
-#include "verify/difference_picture.h"
+#include "verify/diff.h"
 #include "verify/first_difference.h"
 #include "tests/interpreting.h"
 

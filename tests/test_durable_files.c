@@ -91,19 +91,20 @@ static void verifies(void)
 {
     struct interpreter interp;
     struct replay_report report = {0};
-    struct evidence_collector collector = {0};
-    struct buf told = {0};
-    const struct golden_judge judge = evidence_judge(&collector);
+    struct evidence evidence = {0};
+    struct buf told = {0}, orphans = {0};
+    const struct golden_judge judge = evidence_judge(&evidence);
     begin_interpreter(&interp);
     interp.judge = &judge;
     fault.text[0] = '\0';
     if (!CHECK(replay_file(&interp, "j.iftty", 0, 0, NULL, NULL, &report, &fault) == OK) ||
-        !CHECK(orphan_check(&(struct orphan_search){&interp, "j.iftty", false, &told}, &fault) ==
-               OK))
+        !CHECK(orphan_find(&orphans, &(struct orphan_search){&interp, "j.iftty", false, &told},
+                           &fault) == OK))
         printf("#   %s\n", fault.text);
     CHECK_TEXT(buf_text(&told), "");
     replay_report_release(&report);
     interpreter_release(&interp);
+    buf_release(&orphans);
     buf_release(&told);
 }
 

@@ -200,15 +200,19 @@ static void verifies(struct buf *told)
 {
     struct interpreter interp;
     struct replay_report report = {0};
-    struct evidence_collector collector = {0};
-    const struct golden_judge judge = evidence_judge(&collector);
+    struct evidence evidence = {0};
+    struct buf orphans = {0};
+    const struct golden_judge judge = evidence_judge(&evidence);
     begin_interpreter(&interp);
     interp.judge = &judge;
     const char *path = HERE "j.iftty";
     fault.text[0] = '\0';
     if (!CHECK(replay_file(&interp, path, 0, 0, NULL, NULL, &report, &fault) == OK) ||
-        !CHECK(orphan_check(&(struct orphan_search){&interp, path, false, told}, &fault) == OK))
+        !CHECK(orphan_find(&orphans, &(struct orphan_search){&interp, path, false, told}, &fault) ==
+               OK) ||
+        !CHECK(!orphans.length))
         printf("#   %s\n", fault.text);
+    buf_release(&orphans);
     replay_report_release(&report);
     interpreter_release(&interp);
 }

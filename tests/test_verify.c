@@ -9,7 +9,6 @@
 #include "verify/replay_file.h"
 #include "verify/first_difference.h"
 #include "verify/verify_result.h"
-#include "verify/verify_report.h"
 #include "image/png.h"
 #include "journal/record.h"
 #include "tests/check.h"
@@ -134,8 +133,7 @@ static void make_result(struct verify_result *r)
                                 .executed = 12,
                                 .compared = 7,
                                 .digests = 9,
-                                .goldens = 1,
-                                .pixels = 4,
+                                .evidence = {.goldens = 1, .pixels = 4},
                                 .took_ms = 1234};
     buf_add_text(&r->why, "it differs");
     buf_add_text(&r->lines, "# one\n# two\n");
@@ -156,8 +154,8 @@ STORY(a_result_comes_back_as_it_was_sent)
     CHECK_INT(got.executed, 12);
     CHECK_INT(got.compared, 7);
     CHECK_INT(got.digests, 9);
-    CHECK_INT(got.goldens, 1);
-    CHECK_INT(got.pixels, 4);
+    CHECK_INT(got.evidence.goldens, 1);
+    CHECK_INT(got.evidence.pixels, 4);
     CHECK_TEXT(buf_text(&got.chain), "0123456789abcdef0123456789abcdef");
     CHECK_INT(got.took_ms, 1234);
     CHECK_TEXT(buf_text(&got.why), "it differs");
@@ -184,18 +182,18 @@ static void check_refused(const char *bytes, size_t length)
 }
 
 /* What differs in length, all of it empty. */
-#define PARTS "part 0\npart 0\npart 0\npart 0\npart 0\npart 0\npart 0\n"
+#define PARTS "part 0\npart 0\npart 0\npart 0\npart 0\n"
 
 STORY(half_a_result_is_none)
 {
     static const char *const wrong[] = {
-        "result 99 0 0 0 0 0 0 0 0\n" PARTS,
-        "result 1 0 0 0 0 0 0 0 0\npart 9999999999999\n" PARTS,
-        "result 1 0 0 0 0 0 0 0 4\n" PARTS,
-        "result -1 0 0 0 0 0 0 0 0\n" PARTS,
-        "result 0 0 0 0 0 0 0 0 0\n" PARTS "\n",
-        "result 0 0 0 0 0 0 0 0 1\n" PARTS "part 1\n",
-        "result 0 0 0 0 0 0 0 0 1\n" PARTS "part -1\n",
+        "result 99 0 0 0 0 0 0 0\n" PARTS,
+        "result 1 0 0 0 0 0 0 0\npart 9999999999999\n" PARTS,
+        "result 1 0 0 0 0 0 0 4\n" PARTS,
+        "result -1 0 0 0 0 0 0 0\n" PARTS,
+        "result 0 0 0 0 0 0 0 0\n" PARTS "\n",
+        "result 0 0 0 0 0 0 0 1\n" PARTS "part 1\n",
+        "result 0 0 0 0 0 0 0 1\n" PARTS "part -1\n",
     };
     struct verify_result sent;
     struct buf bytes = {0};
@@ -203,6 +201,11 @@ STORY(half_a_result_is_none)
     verify_result_write(&bytes, &sent);
     for (size_t length = 0; length < bytes.length; length++)
         check_refused(bytes.data, length);
+    buf_clear(&bytes);
+    buf_add_text(&bytes, "result 0 0 0 0 0 0 0 0\n" PARTS); /* the least that is whole */
+    verify_result_release(&sent);
+    sent = (struct verify_result){.path = NULL};
+    CHECK(verify_result_read(&sent, &bytes, NULL) == OK);
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
         check_refused(wrong[i], strlen(wrong[i]));
     verify_result_release(&sent);

@@ -12,12 +12,11 @@
 #include "program/begin.h"
 #include "program/console.h"
 #include "program/programs.h"
-#include "verify/bisect.h"
 #include "verify/diff.h"
+#include "verify/first_difference.h"
 #include "verify/journals_below.h"
 #include "verify/replay_file.h"
 #include "verify/reseal.h"
-#include "verify/strict.h"
 #include "verify/verify.h"
 
 /* ---- replay ---- */
@@ -83,7 +82,7 @@ static bool is_in_shard(const struct shard *shard, const char *path)
 }
 
 /* Keeps the journals of the shard "K/N" alone, in their order. */
-static enum err shard_keep(struct name_list *journals, const char *text, struct fault *fault)
+static enum err shard_keep(struct journal_list *journals, const char *text, struct fault *fault)
 {
     int64_t number, of;
     size_t kept = 0;
@@ -93,10 +92,10 @@ static enum err shard_keep(struct name_list *journals, const char *text, struct 
         return fault_set(fault, ERR_USAGE, "--shard: expected K/N, as 1/4 to 4/4, not %s", text);
     const struct shard shard = {(unsigned)number, (unsigned)of};
     for (size_t i = 0; i < journals->count; i++)
-        if (is_in_shard(&shard, journals->name[i]))
-            journals->name[kept++] = journals->name[i];
+        if (is_in_shard(&shard, journals->path[i]))
+            journals->path[kept++] = journals->path[i];
         else
-            free(journals->name[i]);
+            free(journals->path[i]);
     journals->count = kept;
     return OK;
 }
@@ -120,10 +119,10 @@ static enum err check_options(const struct options *o, struct fault *fault)
     return OK;
 }
 
-static enum err verify_journals(const struct options *o, const struct name_list *journals,
+static enum err verify_journals(const struct options *o, const struct journal_list *journals,
                                 struct fault *fault)
 {
-    const struct verify_options how = {.path = journals->name,
+    const struct verify_options how = {.path = journals->path,
                                        .count = journals->count,
                                        .scene_path = o->scene,
                                        .evidence_folder = o->out,
@@ -153,7 +152,7 @@ static enum err verify_journals(const struct options *o, const struct name_list 
 
 enum err run_verify(const struct options *o, struct fault *fault)
 {
-    struct name_list journals = {0};
+    struct journal_list journals = {0};
     enum err err = check_options(o, fault);
     if (!err)
         err = journals_find(&journals, o->word, (size_t)o->words, &console_printer, fault);
@@ -161,7 +160,7 @@ enum err run_verify(const struct options *o, struct fault *fault)
         err = shard_keep(&journals, o->shard, fault);
     if (!err)
         err = verify_journals(o, &journals, fault);
-    name_list_release(&journals);
+    journals_release(&journals);
     return err;
 }
 

@@ -12,6 +12,9 @@
 #define VERIFY_DIFF_H
 
 #include "command/script.h"
+#include "engine/overlap.h"
+#include "image/picture.h"
+#include "session/session.h"
 #include "verify/side.h"
 
 struct diff_options {
@@ -26,5 +29,33 @@ struct diff_options {
  * another size than the other's. */
 enum err diff_journals(const struct diff_options *options, const struct printer *printer,
                        struct fault *fault);
+
+/*
+ * The picture of two sets of labels of one scene: both as the first session shows its own, side by
+ * side, and where they differ.
+ *
+ *     +----------+----------+----------+
+ *     | A        | B        | A, B     |   strips of words above and below; below stand the labels
+ *     |  (A's    |  (B's    |  (where  |   with their Dice, and what the colours on the right
+ *     |  labels) |  labels) |  not)    |   mean
+ *     +----------+----------+----------+
+ *
+ * View, look, cuts, colours and what is hidden are those of A's session for all three. On the right
+ * all objects of either are a grey shade, and the voxels whose labels differ shine through it:
+ * orange what A alone has for an object, blue what B alone has, purple what is another object in
+ * each. People who cannot distinguish red from green can distinguish these. A voxel that lies
+ * behind something is paler than one that is visible.
+ */
+struct difference_picture {
+    const char *name[2];     /* of the two: shown as they are, as far as they are ASCII */
+    const uint8_t *label[2]; /* [z][y][x] */
+    const struct overlap *overlap;
+};
+
+/* Draws it into `picture`, which the caller releases; colours alone. The session is of no other use
+ * afterwards: its scene has had its labels replaced, and its forest no longer fits them. ERR_LIMIT
+ * where three views are wider than a picture may be, ERR_MEMORY, ERR_CANCELLED. */
+enum err difference_picture_draw(struct picture *picture, struct session *session,
+                                 const struct difference_picture *of, struct fault *fault);
 
 #endif

@@ -39,11 +39,11 @@ void evidence_release(struct evidence *evidence)
 /* ---- of a golden image that differs ---- */
 
 /* FOLDER/JOURNAL.NAME.ENDING */
-static void write_file(const struct evidence_collector *collector, struct interpreter *interp,
+static void write_file(const struct evidence *evidence, struct interpreter *interp,
                        const char *name, const char *ending, const struct picture *picture)
 {
     struct buf path = {0};
-    buf_printf(&path, "%s/%s.%s.%s", collector->folder, file_name(buf_text(&interp->home)), name,
+    buf_printf(&path, "%s/%s.%s.%s", evidence->folder, file_name(buf_text(&interp->home)), name,
                ending);
     if (!path.failed)
         image_write(interp->helper, buf_text(&path), FILE_REPLACE, picture, NULL);
@@ -70,18 +70,18 @@ static void add_pictures(struct evidence *evidence, const struct golden_finding 
 static enum err collect(void *context, struct interpreter *interp,
                         const struct golden_finding *finding, struct fault *fault)
 {
-    const struct evidence_collector *collector = context;
+    struct evidence *evidence = context;
     const struct golden_difference *difference = finding->difference;
     (void)fault; /* says what is wrong already */
-    if (collector->folder && difference && !file_make_folder(collector->folder, NULL)) {
+    if (evidence->folder && difference && !file_make_folder(evidence->folder, NULL)) {
         const struct picture image = {
             .width = difference->width, .height = difference->height, .rgba = difference->image};
-        write_file(collector, interp, finding->name, "actual.exr", finding->actual);
+        write_file(evidence, interp, finding->name, "actual.exr", finding->actual);
         if (difference->image)
-            write_file(collector, interp, finding->name, "difference.png", &image);
+            write_file(evidence, interp, finding->name, "difference.png", &image);
     }
-    if (collector->evidence)
-        add_pictures(collector->evidence, finding);
+    if (evidence->has_pictures)
+        add_pictures(evidence, finding);
     return ERR_CHECK;
 }
 
@@ -203,14 +203,14 @@ static enum err check_png_of(struct interpreter *interp, const char *image,
 static enum err count(void *context, struct interpreter *interp,
                       const struct golden_finding *finding, struct fault *fault)
 {
-    struct evidence_collector *collector = context;
+    struct evidence *evidence = context;
     const struct picture *actual = finding->actual;
-    collector->goldens++;
-    collector->pixels += (uint64_t)actual->width * actual->height;
+    evidence->goldens++;
+    evidence->pixels += (uint64_t)actual->width * actual->height;
     return check_png_of(interp, finding->path, actual, finding->expected, fault);
 }
 
-struct golden_judge evidence_judge(struct evidence_collector *collector)
+struct golden_judge evidence_judge(struct evidence *evidence)
 {
-    return (struct golden_judge){.context = collector, .is_same = count, .differs = collect};
+    return (struct golden_judge){.context = evidence, .is_same = count, .differs = collect};
 }

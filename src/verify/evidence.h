@@ -18,26 +18,23 @@
 
 enum { EVIDENCE_MOST = 3 };
 
-/* Pictures of one failure as PNG, over black, as they are seen. */
+/* Begins as {0}. */
 struct evidence {
+    const char *folder; /* for JOURNAL.NAME.actual.exr and .difference.png; NULL: none */
+    bool has_pictures;  /* pictures of a failure are collected as PNG, over black, as seen */
     struct {
         struct buf caption, png;
     } picture[EVIDENCE_MOST];
     size_t pictures;
+    uint64_t goldens, pixels; /* golden images that are the same, and their pixels */
 };
 
 void evidence_add(struct evidence *evidence, const char *caption, uint32_t width, uint32_t height,
                   const uint8_t *rgba);
 void evidence_release(struct evidence *evidence);
 
-struct evidence_collector {
-    const char *folder;        /* for JOURNAL.NAME.actual.exr and .difference.png; NULL: none */
-    struct evidence *evidence; /* for a report; or NULL */
-    uint64_t goldens, pixels;  /* golden images that are the same, and their pixels */
-};
-
 /* The judge that refuses every golden image that differs, collects evidence of it, and counts those
- * that do not, whose PNGs it judges. It borrows the collector. */
-struct golden_judge evidence_judge(struct evidence_collector *collector);
+ * that do not, whose PNGs it judges. It borrows the evidence. */
+struct golden_judge evidence_judge(struct evidence *evidence);
 
 #endif

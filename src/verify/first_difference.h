@@ -18,6 +18,7 @@
 
 #include "base/buf.h"
 #include "base/err.h"
+#include "command/script.h"
 
 enum first_of { FIRST_COMMAND, FIRST_RECORD };
 
@@ -43,5 +44,10 @@ enum err first_difference_of_files(struct first_difference *first, enum first_of
                                    const char *const name[2], const char *const path[2],
                                    size_t last, struct fault *fault);
 void first_difference_release(struct first_difference *first);
+
+/* Prints the first record that differs as TAP of one test. OK when both journals give the same,
+ * ERR_CHECK with the first that differs when not, ERR_INPUT for a journal that is not sound. */
+enum err bisect_journals(const char *a, const char *b, const struct printer *printer,
+                         struct fault *fault);
 
 #endif

@@ -4,19 +4,28 @@
 #include <errno.h>
 #include <fts.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/buf.h"
 #include "base/file.h"
+#include "base/mem.h"
 
 enum { JOURNALS_MOST = 100000 };
 
-static enum err add(struct name_list *journals, const char *path, struct fault *fault)
+static enum err add(struct journal_list *journals, const char *path, struct fault *fault)
 {
     if (journals->count == JOURNALS_MOST)
         return fault_set(fault, ERR_LIMIT, "there are more than %d journals; name fewer folders",
                          JOURNALS_MOST);
-    return name_list_add(journals, path) ? OK : fault_memory(fault, "names of journals");
+    char *copy = strdup(path);
+    if (!copy || !mem_grow(&journals->path, &journals->capacity, journals->count + 1,
+                           sizeof *journals->path)) {
+        free(copy);
+        return fault_memory(fault, "names of journals");
+    }
+    journals->path[journals->count++] = copy;
+    return OK;
 }
 
 static void tell_link(const char *path, const struct printer *printer)
@@ -34,7 +43,7 @@ static int compare_names(const FTSENT **a, const FTSENT **b)
     return strcmp((*a)->fts_name, (*b)->fts_name);
 }
 
-static enum err add_below(struct name_list *journals, const char *folder,
+static enum err add_below(struct journal_list *journals, const char *folder,
                           const struct printer *printer, struct fault *fault)
 {
     char *const top[] = {(char *)(uintptr_t)folder, NULL};
@@ -64,7 +73,7 @@ static enum err add_below(struct name_list *journals, const char *folder,
     return err;
 }
 
-enum err journals_find(struct name_list *journals, char *const *path, size_t count,
+enum err journals_find(struct journal_list *journals, char *const *path, size_t count,
                        const struct printer *printer, struct fault *fault)
 {
     enum err err = OK;
@@ -72,4 +81,11 @@ enum err journals_find(struct name_list *journals, char *const *path, size_t cou
         err = file_is_folder(path[i]) ? add_below(journals, path[i], printer, fault)
                                       : add(journals, path[i], fault);
     return err;
+}
+
+void journals_release(struct journal_list *journals)
+{
+    for (size_t i = 0; i < journals->count; i++)
+        free(journals->path[i]);
+    free(journals->path);
 }

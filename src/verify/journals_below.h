@@ -11,11 +11,17 @@
 
 #include "base/err.h"
 #include "command/script.h"
-#include "verify/name_list.h"
+
+/* Begins as {0}. */
+struct journal_list {
+    char **path;
+    size_t count, capacity;
+};
 
 /* Adds the paths in their order, those below a folder in the order of their names. ERR_CHECK for a
  * folder without journals, ERR_IO for one that cannot be read, ERR_LIMIT, ERR_MEMORY. */
-enum err journals_find(struct name_list *journals, char *const *path, size_t count,
+enum err journals_find(struct journal_list *journals, char *const *path, size_t count,
                        const struct printer *printer, struct fault *fault);
+void journals_release(struct journal_list *journals);
 
 #endif

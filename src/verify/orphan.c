@@ -2,9 +2,8 @@
 #include "verify/orphan.h"
 
 #include <dirent.h>
-#include <fcntl.h>
+#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "base/choice.h"
 #include "base/file.h"
@@ -40,8 +39,8 @@ static enum err redraw(const struct orphan_search *search, const char *command, 
 {
     struct interpreter *interp = search->interp;
     const struct golden_judge *former = interp->judge;
-    struct evidence_collector collector = {.folder = NULL};
-    const struct golden_judge judge = evidence_judge(&collector);
+    struct evidence unseen = {.folder = NULL};
+    const struct golden_judge judge = evidence_judge(&unseen);
     struct reply reply = {0};
     interp->judge = &judge;
     const enum err err = interpreter_execute(interp, command, &reply, fault);
@@ -115,23 +114,28 @@ static enum err judge(const struct orphan_search *search, const struct golden_fi
     return search->is_strict || file_is_named(name, PICTURE_NAMES) ? ERR_CHECK : OK;
 }
 
-static enum err list(struct name_list *orphans, const struct orphan_search *search,
+static int compare_names(const struct dirent **a, const struct dirent **b)
+{
+    return strcmp((*a)->d_name, (*b)->d_name);
+}
+
+static enum err list(struct buf *orphans, const struct orphan_search *search,
                      const struct golden_files *files, struct fault *fault)
 {
-    const int again = openat(files->folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    DIR *folder = again >= 0 ? fdopendir(again) : NULL;
-    enum err err = folder ? OK : fault_errno(fault, "read", buf_text(&files->path));
-    for (const struct dirent *entry; !err && (entry = readdir(folder));) {
-        if (watch_poll(session_watch(search->interp->session), NULL, 0, 0))
+    struct dirent **entry = NULL;
+    const int entries = scandirat(files->folder, ".", &entry, NULL, compare_names);
+    enum err err = entries < 0 ? fault_errno(fault, "read", buf_text(&files->path)) : OK;
+    for (int i = 0; i < entries; i++) {
+        const char *name = entry[i]->d_name;
+        if (!err && watch_poll(session_watch(search->interp->session), NULL, 0, 0))
             err = fault_set(fault, ERR_CANCELLED, "cancelled");
-        else
-            err = judge(search, files, entry->d_name, fault);
-        if (err == ERR_CHECK)
-            err =
-                name_list_add(orphans, entry->d_name) ? OK : fault_memory(fault, "names of files");
+        if (!err && (err = judge(search, files, name, fault)) == ERR_CHECK) {
+            buf_add(orphans, name, strlen(name) + 1);
+            err = orphans->failed ? fault_memory(fault, "names of files") : OK;
+        }
+        free(entry[i]);
     }
-    if (folder)
-        closedir(folder);
+    free(entry);
     return limits_judge(err, &(struct buf){0}, fault);
 }
 
@@ -176,11 +180,9 @@ static enum err check_next_to_link(const struct orphan_search *search,
 
 /* ---- for the callers ---- */
 
-enum err orphan_find(struct name_list *orphans, const struct orphan_search *search,
-                     struct fault *fault)
+enum err orphan_find(struct buf *orphans, const struct orphan_search *search, struct fault *fault)
 {
     struct golden_files files;
-    *orphans = (struct name_list){0};
     enum err err = open_files(&files, search->journal, fault);
     if (err == ERR_INPUT && search->lines && !search->is_strict) {
         buf_add_text(search->lines, "# ");
@@ -195,34 +197,18 @@ enum err orphan_find(struct name_list *orphans, const struct orphan_search *sear
         if (!err)
             err = check_next_to_link(search, &files, fault);
     }
-    name_list_sort(orphans);
-    golden_files_close(&files);
-    return err;
-}
-
-enum err orphan_judge(const struct name_list *orphans, const char *journal, struct fault *fault)
-{
-    struct buf path = {0};
-    if (!orphans->count)
-        return OK;
-    enum err err = golden_folder(&path, journal, fault);
-    if (!err)
+    if (err) {
+        buf_clear(orphans);
+    } else if (search->lines && orphans->length) {
+        const char *first = buf_text(orphans);
         err = fault_set(
             fault, ERR_CHECK,
             "orphan golden image: the journal names no %s, which is in %s%s; iftty verify "
             "--remove-orphans deletes it, or make it again by `golden`",
-            orphans->name[0], buf_text(&path), orphans->count > 1 ? ", and others" : "");
-    buf_release(&path);
-    return err;
-}
-
-enum err orphan_check(const struct orphan_search *search, struct fault *fault)
-{
-    struct name_list orphans;
-    enum err err = orphan_find(&orphans, search, fault);
-    if (!err)
-        err = orphan_judge(&orphans, search->journal, fault);
-    name_list_release(&orphans);
+            first, buf_text(&files.path),
+            orphans->length > strlen(first) + 1 ? ", and others" : "");
+    }
+    golden_files_close(&files);
     return err;
 }
 

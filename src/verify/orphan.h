@@ -9,27 +9,21 @@
 #define VERIFY_ORPHAN_H
 
 #include "command/interpreter.h"
-#include "verify/name_list.h"
 
 struct orphan_search {
     struct interpreter *interp; /* after a replay of the journal */
     const char *journal;
     bool is_strict;    /* every file that no record names is one, not pictures alone */
-    struct buf *lines; /* comments on what is passed over, or NULL: then nothing is */
+    struct buf *lines; /* comments on what is passed over; NULL where orphans are to be removed:
+                          then nothing is passed over, and an orphan is no failure */
 };
 
-/* The names of all, as "third.exr"; none where there is no folder. A journal whose folder is a link
+/* Adds the names of all, as "third.exr", each ended by NUL, in their order; none where there is no
+ * folder. ERR_CHECK, with the first in words, where there are any. A journal whose folder is a link
  * has none, and a comment says so: ERR_CHECK where that is strict. A journal that is a link fails
  * with ERR_CHECK where golden images are next to the link as well and are not the same. ERR_LIMIT,
- * ERR_IO, ERR_MEMORY. To be released, whatever is returned. */
-enum err orphan_find(struct name_list *orphans, const struct orphan_search *search,
-                     struct fault *fault);
-
-/* ERR_CHECK with the first of them, where there are any. */
-enum err orphan_judge(const struct name_list *orphans, const char *journal, struct fault *fault);
-
-/* Both. */
-enum err orphan_check(const struct orphan_search *search, struct fault *fault);
+ * ERR_IO, ERR_MEMORY: then no names are added. */
+enum err orphan_find(struct buf *orphans, const struct orphan_search *search, struct fault *fault);
 
 /* Removes one that orphan_find has named, and of an image its PNG. ERR_CHECK for one that this
  * journal cannot have made, and for a journal that is a link: it is left alone. */

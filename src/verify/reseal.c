@@ -16,7 +16,7 @@
 #include "journal/record.h"
 #include "show/export_picture.h"
 #include "verify/orphan.h"
-#include "verify/strict.h"
+#include "verify/verify.h"
 
 enum {
     WHY_MOST = 1000,         /* bytes of a reason */
@@ -464,7 +464,7 @@ static enum err reseal(struct resealing *r, const char *path, const struct print
                        struct fault *fault)
 {
     struct file_log *lock = NULL;
-    struct buf bytes = {0}, former = {0}, lines = {0};
+    struct buf bytes = {0}, former = {0}, lines = {0}, orphans = {0};
     struct interpreter *interp = r->interp;
     const struct golden_judge judge =
         r->accept ? (struct golden_judge){.context = r->accept,
@@ -490,7 +490,8 @@ static enum err reseal(struct resealing *r, const char *path, const struct print
     if (!err) { /* chains will be others, by which nobody can say then what is nothing */
         golden_files_clear(path, buf_text(&bytes), bytes.length, &lines);
         if (r->accept)
-            err = orphan_check(&(struct orphan_search){interp, path, false, &lines}, fault);
+            err =
+                orphan_find(&orphans, &(struct orphan_search){interp, path, false, &lines}, fault);
         if (lines.length)
             printer->warn(printer->context, buf_text(&lines));
     }
@@ -499,6 +500,7 @@ static enum err reseal(struct resealing *r, const char *path, const struct print
     if (!err)
         report(r, path, &former, printer);
     file_log_close(lock);
+    buf_release(&orphans);
     buf_release(&lines);
     buf_release(&former);
     buf_release(&bytes);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "verify/verify.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,8 +14,7 @@
 #include "show/export_picture.h"
 #include "verify/orphan.h"
 #include "verify/replay_file.h"
-#include "verify/strict.h"
-#include "verify/verify_report.h"
+#include "verify/verify_result.h"
 
 enum {
     PICTURES_MOST = 64 << 20,               /* bytes of pictures that a report holds */
@@ -57,35 +57,72 @@ static void write_voxels(struct interpreter *interp, struct buf *lines)
     reply_release(&reply);
 }
 
-/* Those that are to be removed are no failure. */
 static enum err judge_orphans(const struct verify_options *options, struct interpreter *interp,
                               struct verify_result *result, struct fault *fault)
 {
-    struct name_list orphans;
     const struct orphan_search search = {.interp = interp,
                                          .journal = result->path,
                                          .is_strict = options->strict || options->expect,
                                          .lines = options->removes_orphans ? NULL : &result->lines};
-    enum err err = orphan_find(&orphans, &search, fault);
-    for (size_t i = 0; !err && i < orphans.count; i++) {
-        buf_add(&result->orphans, orphans.name[i], strlen(orphans.name[i]) + 1);
-        replay_add_detail(&result->lines, "orphan", orphans.name[i], strlen(orphans.name[i]));
-    }
-    if (!err && !options->removes_orphans)
-        err = orphan_judge(&orphans, result->path, fault);
-    name_list_release(&orphans);
+    const enum err err = orphan_find(&result->orphans, &search, fault);
+    const char *at = buf_text(&result->orphans), *end = at + result->orphans.length;
+    for (; at < end; at += strlen(at) + 1)
+        replay_add_detail(&result->lines, "orphan", at, strlen(at));
     return err;
 }
 
-/* What a replay that went well leaves to be asked. */
-static enum err judge_whole(const struct verify_options *options, struct interpreter *interp,
-                            const struct replay_report *report,
-                            const struct evidence_collector *collector,
-                            struct verify_result *result, struct fault *fault)
+static enum err refuse_torn(uint64_t offset, const char *who, struct fault *fault)
 {
-    const struct strictness strictness = {.report = report,
-                                          .goldens = collector->goldens,
-                                          .is_part = options->first || options->last};
+    return fault_set(fault, ERR_CHECK,
+                     "%s: it ends with an unfinished record, at byte %" PRIu64
+                     ", which no chain covers: going on with the journal, or iftty log --repair, "
+                     "cuts that off",
+                     who, offset);
+}
+
+/*
+ * Strict verification: nothing that a journal leaves unproven passes.
+ *
+ * A replay fails where something differs. That nothing differs may also mean that nothing was
+ * compared: digests can be taken out of a journal, or the end of it cut off, and the chain computed
+ * again, since the chain holds no secret. So these are failures here, each with what to do:
+ *
+ *     torn tail          an unfinished record at the end was left alone
+ *     no records         a header and no more
+ *     bare record        one without a digest, of a command that gives one
+ *     no golden image    no pixel was compared; asked of whole journals alone
+ *
+ * What cannot be seen in a journal itself is that its last records are gone, with the digests of
+ * all others in place: for that there is --expect. A recorded word that this build does not give is
+ * a failure of any replay (journal/replay.h), and so is a number of semantics that it does not know
+ * (session/semantics.h).
+ */
+static enum err judge_strictly(const struct replay_report *report, bool lacks_goldens,
+                               struct fault *fault)
+{
+    if (report->is_torn)
+        return refuse_torn(report->torn_offset, "strict", fault);
+    if (!report->executed)
+        return fault_set(fault, ERR_CHECK, "strict: it has a header and no records");
+    if (report->bare)
+        return fault_set(fault, ERR_CHECK,
+                         "strict: %zu record%s without a digest of what the command gives, the "
+                         "first is record %zu (line %zu): iftty log --reseal records them",
+                         report->bare, plural(report->bare), report->bare_number,
+                         report->bare_line);
+    if (lacks_goldens)
+        return fault_set(fault, ERR_CHECK,
+                         "strict: no golden image was compared: `golden NAME` in a session makes "
+                         "one, --no-strict asks for none");
+    return OK;
+}
+
+/* Judge what a replay that went well does not compare. */
+static enum err judge_whole(const struct verify_options *options, struct interpreter *interp,
+                            const struct replay_report *report, struct verify_result *result,
+                            struct fault *fault)
+{
+    const bool is_part = options->first || options->last;
     if (!report->is_journal)
         return fault_set(fault, ERR_CHECK, "this is a script, not a journal: nothing to compare");
     if (options->first > report->executed)
@@ -93,7 +130,9 @@ static enum err judge_whole(const struct verify_options *options, struct interpr
                          "it ends with record %zu: nothing to compare from %zu on",
                          report->executed, options->first);
     const enum err err = options->last ? OK : judge_orphans(options, interp, result, fault);
-    return err || !options->strict ? err : strict_judge(&strictness, fault);
+    return err || !options->strict
+               ? err
+               : judge_strictly(report, !is_part && !result->evidence.goldens, fault);
 }
 
 /* The folder for a journal's evidence, which is made when there is some. Journals of one name have
@@ -138,7 +177,7 @@ static enum err judge_expected(const struct verify_options *options,
         strncmp(chain, buf_text(&result->chain), result->chain.length) != 0)
         err = fault_set(fault, ERR_CHECK, "it was changed while it was verified");
     else if (!err && walk.over == WALK_TORN)
-        err = strict_refuse_torn(walk.offset, "--expect", fault);
+        err = refuse_torn(walk.offset, "--expect", fault);
     else if (!err && strncmp(chain, options->expect, RECORD_CHAIN_DIGITS) != 0)
         err = fault_set(fault, ERR_CHECK,
                         "its last chain is %.*s, and %s was expected: it is another journal, or "
@@ -147,15 +186,6 @@ static enum err judge_expected(const struct verify_options *options,
     walk_release(&walk);
     buf_release(&bytes);
     return err;
-}
-
-/* Beside what the replay found. */
-static void add_failure(struct verify_result *result, enum err err, const struct fault *fault)
-{
-    if (err && !result->err)
-        verify_result_fail(result, err, false, fault);
-    else if (err == ERR_CHECK)
-        buf_printf(&result->lines, "# %s\n", fault->text);
 }
 
 /* ---- in the process of a journal ---- */
@@ -168,8 +198,7 @@ static void replay_one(const struct verify_options *options, struct verify_resul
     struct timing timing = {.rows = 0};
     struct buf folder = {0};
     struct fault fault = {0};
-    struct evidence_collector collector = {.evidence = options->html ? &result->evidence : NULL};
-    const struct golden_judge judge = evidence_judge(&collector);
+    const struct golden_judge judge = evidence_judge(&result->evidence);
     const uint64_t begin = clock_ns();
     enum err err = interpreter_init(&interp, &fault);
     if (!err && options->begin)
@@ -177,7 +206,8 @@ static void replay_one(const struct verify_options *options, struct verify_resul
     interp.scene_path = options->scene_path;
     if (options->evidence_folder)
         place_evidence(&folder, options, path);
-    collector.folder = folder.length ? buf_text(&folder) : NULL;
+    result->evidence.folder = folder.length ? buf_text(&folder) : NULL;
+    result->evidence.has_pictures = options->html != NULL;
     interp.judge = &judge;
     if (!err)
         err = replay_file(&interp, path, options->first, options->last, NULL,
@@ -185,18 +215,16 @@ static void replay_one(const struct verify_options *options, struct verify_resul
     replay_describe(&result->lines, &report, &fault);
     const bool is_told = err && result->lines.length;
     if (!err)
-        err = judge_whole(options, &interp, &report, &collector, result, &fault);
+        err = judge_whole(options, &interp, &report, result, &fault);
     if (report.outcome == REPLAY_DIVERGED) {
         write_voxels(&interp, &result->lines);
-        if (collector.evidence)
-            show_present(&interp, collector.evidence);
+        if (options->html)
+            show_present(&interp, &result->evidence);
     }
     verify_result_fail(result, err, is_told, &fault);
     result->executed = report.executed;
     result->compared = report.compared;
     result->digests = report.digests;
-    result->goldens = collector.goldens;
-    result->pixels = collector.pixels;
     if (report.executed)
         buf_add_text(&result->chain, report.chain.hex);
     result->took_ms = (clock_ns() - begin) / 1000000;
@@ -204,14 +232,8 @@ static void replay_one(const struct verify_options *options, struct verify_resul
     timing_release(&timing);
     replay_report_release(&report);
     interpreter_release(&interp);
+    result->evidence.folder = NULL;
     buf_release(&folder);
-}
-
-static void verify_journal(const struct verify_options *options, struct verify_result *result)
-{
-    struct fault fault = {0};
-    replay_one(options, result);
-    add_failure(result, judge_expected(options, result, &fault), &fault);
 }
 
 /* ---- all of them ---- */
@@ -230,7 +252,13 @@ static void work(void *context, size_t number, struct buf *out)
 {
     const struct verification *v = context;
     struct verify_result result = {.path = v->options->path[number]};
-    verify_journal(v->options, &result);
+    struct fault fault = {0};
+    replay_one(v->options, &result);
+    const enum err err = judge_expected(v->options, &result, &fault);
+    if (err && !result.err) /* next to what the replay found */
+        verify_result_fail(&result, err, false, &fault);
+    else if (err == ERR_CHECK)
+        buf_printf(&result.lines, "# %s\n", fault.text);
     verify_result_write(out, &result);
 }
 
@@ -385,6 +413,12 @@ static enum err report(const struct verification *v, struct fault *fault)
     if (!unwritten && o->html)
         unwritten = verify_report(o->html, VERIFY_HTML, v->result, o->count, fault);
     return unwritten ? unwritten : err;
+}
+
+bool ci_is_set(void)
+{
+    const char *ci = getenv("CI");
+    return ci && *ci;
 }
 
 enum err verify_files(const struct verify_options *options, const struct printer *printer,

@@ -21,7 +21,7 @@ struct verify_options {
                                     one name goes below, into N/ for the Nth of `path` */
     const char *junit, *html;    /* reports, replacing what is there; or NULL */
     bool json;                   /* one JSON object is printed instead of TAP */
-    bool strict;                 /* what leaves anything unproven is a failure (strict.h) */
+    bool strict;                 /* what leaves anything unproven is a failure */
     bool fail_fast;       /* the first failure ends it: what is not verified yet is skipped */
     bool timings;         /* the slowest records of each are printed */
     bool removes_orphans; /* of journals that verify otherwise */
@@ -34,6 +34,10 @@ struct verify_options {
     void *context;
     struct watch *watch; /* when it stops, all processes are ended: ERR_CANCELLED */
 };
+
+/* True in a run without a person: the environment variable CI is set to anything but "", as by the
+ * services that run tests. Then verification is strict, and decisions of a person are refused. */
+bool ci_is_set(void);
 
 /* ERR_CHECK when anything differs, a golden image is missing, or one is there that no command of
  * the journal names (which is only known when it was replayed to its end, without `last`); else the

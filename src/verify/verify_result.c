@@ -2,7 +2,10 @@
 #include "verify/verify_result.h"
 
 #include <inttypes.h>
+#include <string.h>
 
+#include "base/file.h"
+#include "base/json.h"
 #include "base/scan.h"
 
 void verify_result_release(struct verify_result *result)
@@ -32,7 +35,8 @@ void verify_result_describe(struct buf *out, const struct verify_result *r)
                "%" PRIu64 " command%s, %" PRIu64 " result%s with %" PRIu64 " digest%s, %" PRIu64
                " golden image%s of %" PRIu64 " pixel%s",
                r->executed, plural(r->executed), r->compared, plural(r->compared), r->digests,
-               plural(r->digests), r->goldens, plural(r->goldens), r->pixels, plural(r->pixels));
+               plural(r->digests), r->evidence.goldens, plural(r->evidence.goldens),
+               r->evidence.pixels, plural(r->evidence.pixels));
 }
 
 /* ---- through a pipe ---- */
@@ -57,7 +61,7 @@ void verify_result_write(struct buf *out, const struct verify_result *r)
 {
     const struct buf *part;
     const uint64_t number[NUMBERS] = {(uint64_t)r->err, r->executed,         r->compared,
-                                      r->digests,       r->goldens,          r->pixels,
+                                      r->digests,       r->evidence.goldens, r->evidence.pixels,
                                       r->took_ms,       r->evidence.pictures};
     buf_add_text(out, "result");
     for (size_t i = 0; i < NUMBERS; i++)
@@ -89,8 +93,8 @@ static bool read_all(struct verify_result *r, const char *at, const char *end)
         return false;
     r->err = (enum err)number[0];
     r->evidence.pictures = (size_t)number[NUMBERS - 1];
-    uint64_t *const count[] = {&r->executed, &r->compared, &r->digests,
-                               &r->goldens,  &r->pixels,   &r->took_ms};
+    uint64_t *const count[] = {&r->executed,         &r->compared,        &r->digests,
+                               &r->evidence.goldens, &r->evidence.pixels, &r->took_ms};
     for (size_t i = 0; i < sizeof count / sizeof *count; i++)
         *count[i] = (uint64_t)number[i + 1];
     for (size_t i = 0; (part = part_of(r, i)); i++, at += length) {
@@ -125,4 +129,255 @@ struct verify_sum verify_sum(const struct verify_result *result, size_t count)
     }
     sum.failed = count - sum.verified - sum.skipped;
     return sum;
+}
+
+/* ---- text in markup ---- */
+
+void markup_add(struct buf *out, const char *text)
+{
+    static const char special[] = "&<>\"'";
+    static const char *const entity[] = {"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
+    struct buf safe = {0};
+    for (const char *at = text; *at;) {
+        const size_t line = strcspn(at, "\n");
+        buf_add_safe(&safe, at, line);
+        at += line;
+        if (*at)
+            buf_add_char(&safe, *at++);
+    }
+    for (const char *at = buf_text(&safe); *at; at++) {
+        const char *found = strchr(special, *at);
+        if (found)
+            buf_add_text(out, entity[found - special]);
+        else
+            buf_add_char(out, *at);
+    }
+    out->failed = out->failed || safe.failed;
+    buf_release(&safe);
+}
+
+/* ---- JUnit ---- */
+
+static void add_seconds(struct buf *out, uint64_t ms)
+{
+    buf_printf(out, " time=\"%" PRIu64 ".%03u\"", ms / 1000, (unsigned)(ms % 1000));
+}
+
+static void add_case(struct buf *out, const struct verify_result *r)
+{
+    const char *element = r->err == ERR_CHECK ? "failure" : "error";
+    buf_add_text(out, "    <testcase classname=\"iftty\" name=\"");
+    markup_add(out, r->path);
+    buf_add_char(out, '"');
+    add_seconds(out, r->took_ms);
+    if (!r->err) {
+        buf_add_text(out, r->is_skipped ? "><skipped/></testcase>\n" : "/>\n");
+        return;
+    }
+    buf_add_text(out, ">\n");
+    buf_printf(out, "      <%s type=\"%s\" message=\"", element, err_name(r->err));
+    markup_add(out, buf_text(&r->why));
+    buf_add_text(out, "\">");
+    markup_add(out, buf_text(&r->lines));
+    buf_printf(out, "</%s>\n", element);
+    buf_add_text(out, "    </testcase>\n");
+}
+
+static void add_suite(struct buf *out, const struct verify_sum *sum)
+{
+    buf_printf(out, " tests=\"%zu\" failures=\"%zu\" errors=\"%zu\" skipped=\"%zu\"", sum->count,
+               sum->failed - sum->unreadable, sum->unreadable, sum->skipped);
+    add_seconds(out, sum->took_ms);
+    buf_add_text(out, ">\n");
+}
+
+static void add_junit(struct buf *out, const struct verify_result *result, size_t count)
+{
+    const struct verify_sum sum = verify_sum(result, count);
+    buf_add_text(out, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites");
+    add_suite(out, &sum);
+    buf_add_text(out, "  <testsuite name=\"iftty verify\"");
+    add_suite(out, &sum);
+    for (size_t i = 0; i < count; i++)
+        add_case(out, result + i);
+    buf_add_text(out, "  </testsuite>\n</testsuites>\n");
+}
+
+/* ---- HTML ---- */
+
+static const char page_head[] =
+    "<!doctype html>\n"
+    "<html lang=\"en\">\n"
+    "<head>\n"
+    "<meta charset=\"utf-8\">\n"
+    "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
+    "img-src data:; style-src 'unsafe-inline'\">\n"
+    "<meta name=\"viewport\" content=\"width=device-width\">\n"
+    "<title>iftty verify</title>\n"
+    "<style>\n"
+    "body { font: 15px/1.5 sans-serif; margin: 2em auto; max-width: 90em; padding: 0 1em;\n"
+    "       color: #222; background: #fff; overflow-wrap: anywhere }\n"
+    ".table { overflow-x: auto } table { border-collapse: collapse; overflow-wrap: normal }\n"
+    "th, td { border-bottom: 1px solid #ccc; padding: .2em .8em; text-align: left;\n"
+    "         vertical-align: baseline }\n"
+    ".n { text-align: right; font-variant-numeric: tabular-nums }\n"
+    ".fine, .verified { color: #00613c } .failed { color: #a30000 } .skipped { color: #666 }\n"
+    "pre { background: #f4f4f4; padding: .8em; white-space: pre-wrap }\n"
+    ".pictures { display: flex; flex-wrap: wrap; gap: 1em }\n"
+    "figure { margin: 0 } img { background: #000; max-width: 100%; image-rendering: pixelated }\n"
+    "</style>\n"
+    "</head>\n"
+    "<body>\n";
+
+static void add_row(struct buf *out, size_t number, const struct verify_result *r)
+{
+    const char *outcome = r->is_skipped ? "skipped" : r->err ? "failed" : "verified";
+    buf_printf(out, "<tr><td class=\"n\">%zu</td><td class=\"%s\">%s</td><td>", number, outcome,
+               outcome);
+    if (r->err)
+        buf_printf(out, "<a href=\"#j%zu\">", number);
+    markup_add(out, r->path);
+    buf_add_text(out, r->err ? "</a>" : "");
+    buf_add_text(out, "</td>");
+    const uint64_t count[] = {r->executed,         r->compared,        r->digests,
+                              r->evidence.goldens, r->evidence.pixels, r->took_ms};
+    for (size_t i = 0; i < sizeof count / sizeof *count; i++)
+        buf_printf(out, "<td class=\"n\">%" PRIu64 "</td>", count[i]);
+    buf_add_text(out, "</tr>\n");
+}
+
+static void add_pictures(struct buf *out, const struct evidence *evidence)
+{
+    if (evidence->pictures)
+        buf_add_text(out, "<div class=\"pictures\">\n");
+    for (size_t i = 0; i < evidence->pictures; i++) {
+        const struct buf *caption = &evidence->picture[i].caption, *png = &evidence->picture[i].png;
+        buf_add_text(out, "<figure><img alt=\"");
+        markup_add(out, buf_text(caption));
+        buf_add_text(out, "\" src=\"data:image/png;base64,");
+        buf_add_base64(out, buf_text(png), png->length);
+        buf_add_text(out, "\"><figcaption>");
+        markup_add(out, buf_text(caption));
+        buf_add_text(out, "</figcaption></figure>\n");
+    }
+    if (evidence->pictures)
+        buf_add_text(out, "</div>\n");
+}
+
+static void add_failure(struct buf *out, size_t number, const struct verify_result *r)
+{
+    buf_printf(out, "<section id=\"j%zu\">\n<h2>", number);
+    markup_add(out, r->path);
+    buf_add_text(out, "</h2>\n<p class=\"failed\">");
+    markup_add(out, buf_text(&r->why));
+    buf_add_text(out, "</p>\n<pre>");
+    markup_add(out, buf_text(&r->lines));
+    buf_add_text(out, "</pre>\n");
+    add_pictures(out, &r->evidence);
+    buf_add_text(out, "</section>\n");
+}
+
+static void add_page(struct buf *out, const struct verify_result *result, size_t count)
+{
+    const struct verify_sum sum = verify_sum(result, count);
+    buf_add_text(out, page_head);
+    buf_printf(out, "<h1>%zu verified, <span class=\"%s\">%zu failed</span>", sum.verified,
+               sum.failed ? "failed" : "fine", sum.failed);
+    if (sum.skipped)
+        buf_printf(out, ", <span class=\"skipped\">%zu skipped</span>", sum.skipped);
+    buf_add_text(out, "</h1>\n");
+    buf_add_text(out, "<div class=\"table\"><table>\n"
+                      "<tr><th></th><th></th><th>journal</th><th class=\"n\">commands</th>"
+                      "<th class=\"n\">results the same</th><th class=\"n\">digests</th>"
+                      "<th class=\"n\">golden images</th><th class=\"n\">pixels</th>"
+                      "<th class=\"n\">ms</th></tr>\n");
+    for (size_t i = 0; i < count; i++)
+        add_row(out, i + 1, result + i);
+    buf_add_text(out, "</table></div>\n");
+    for (size_t i = 0; i < count; i++)
+        if (result[i].err)
+            add_failure(out, i + 1, result + i);
+    for (size_t i = 0; i < count; i++) {
+        if (!result[i].slowest.length)
+            continue;
+        buf_add_text(out, "<h2>The slowest records of ");
+        markup_add(out, result[i].path);
+        buf_add_text(out, "</h2>\n<pre>");
+        markup_add(out, buf_text(&result[i].slowest));
+        buf_add_text(out, "</pre>\n");
+    }
+    buf_add_text(out, "</body>\n</html>\n");
+}
+
+/* ---- JSON ---- */
+
+static void add_lines(struct json *json, const char *key, const struct buf *lines)
+{
+    json_array(json, key);
+    for (const char *at = buf_text(lines); *at; at += strcspn(at, "\n"), at += *at == '\n')
+        json_bytes(json, NULL, at, strcspn(at, "\n"));
+    json_end(json);
+}
+
+static void add_object(struct json *json, const struct verify_result *r)
+{
+    json_object(json, NULL);
+    json_text(json, "journal", r->path);
+    json_boolean(json, "verified", !r->err && !r->is_skipped);
+    if (r->is_skipped)
+        json_boolean(json, "skipped", true);
+    json_count(json, "commands", r->executed);
+    json_count(json, "results_the_same", r->compared);
+    json_count(json, "digests", r->digests);
+    json_count(json, "golden_images", r->evidence.goldens);
+    json_count(json, "pixels", r->evidence.pixels);
+    if (r->chain.length)
+        json_bytes(json, "chain", buf_text(&r->chain), r->chain.length);
+    json_count(json, "ms", r->took_ms);
+    if (r->slowest.length)
+        add_lines(json, "slowest", &r->slowest);
+    if (r->err) {
+        json_text(json, "kind", err_name(r->err));
+        json_bytes(json, "why", buf_text(&r->why), r->why.length);
+        add_lines(json, "lines", &r->lines);
+    }
+    json_end(json);
+}
+
+static void add_json(struct buf *out, const struct verify_result *result, size_t count)
+{
+    const struct verify_sum sum = verify_sum(result, count);
+    struct json json = {.out = out, .lines = 2};
+    json_object(&json, NULL);
+    json_count(&json, "verified", sum.verified);
+    json_count(&json, "failed", sum.failed);
+    json_count(&json, "ms", sum.took_ms);
+    json_array(&json, "journals");
+    for (size_t i = 0; i < count; i++)
+        add_object(&json, result + i);
+    json_end(&json);
+    json_end(&json);
+}
+
+/* ---- all forms ---- */
+
+void verify_report_text(struct buf *out, enum verify_form form, const struct verify_result *result,
+                        size_t count)
+{
+    static void (*const add_form[])(struct buf * out, const struct verify_result *result,
+                                    size_t count) = {
+        [VERIFY_JUNIT] = add_junit, [VERIFY_HTML] = add_page, [VERIFY_JSON] = add_json};
+    add_form[form](out, result, count);
+}
+
+enum err verify_report(const char *file, enum verify_form form, const struct verify_result *result,
+                       size_t count, struct fault *fault)
+{
+    struct buf text = {0};
+    verify_report_text(&text, form, result, count);
+    const enum err err = text.failed
+                             ? fault_memory(fault, "a report")
+                             : file_write(file, buf_text(&text), text.length, FILE_REPLACE, fault);
+    buf_release(&text);
+    return err;
 }

@@ -21,7 +21,6 @@ struct verify_result {
     enum err err;     /* OK, ERR_CHECK where something differs, else why it could not be verified */
     uint64_t executed, compared; /* commands; those of them whose recorded result is the same */
     uint64_t digests;            /* of those results, the words that are digests */
-    uint64_t goldens, pixels;    /* golden images that are the same, and their pixels */
     uint64_t took_ms;
     struct buf why;     /* of a failure: one line, without line feed, safe to print */
     struct buf lines;   /* more about it: lines that begin with "# " */
@@ -56,5 +55,29 @@ struct verify_sum {
     enum err worst; /* any other error is worse than ERR_CHECK */
 };
 struct verify_sum verify_sum(const struct verify_result *result, size_t count);
+
+/* ---- reports ---- */
+
+/*
+ * For programs that read JUnit's XML or JSON, and as one HTML page, with the pictures of each
+ * failure side by side, without a script, and with nothing to be fetched from anywhere, which the
+ * page itself forbids.
+ */
+
+/* Adds text that stands between tags or in an attribute between quotes: the one way by which bytes
+ * from outside reach a report. What is not printable UTF-8 becomes \xNN, as on a terminal
+ * (base/safe.h), so that XML allows what is left; then & < > " ' become entities. A line feed stays
+ * one. */
+void markup_add(struct buf *out, const char *text);
+
+enum verify_form { VERIFY_JUNIT, VERIFY_HTML, VERIFY_JSON };
+
+/* The report on `count` journals as text. */
+void verify_report_text(struct buf *out, enum verify_form form, const struct verify_result *result,
+                        size_t count);
+
+/* Writes it as `file`, whole or not at all, over what is there. */
+enum err verify_report(const char *file, enum verify_form form, const struct verify_result *result,
+                       size_t count, struct fault *fault);
 
 #endif
