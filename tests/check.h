@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A small test driver: each test program is a list of named stories, run in order.
+ * A small test driver: each test program is one file of named stories, run in the order of the
+ * file.
  *
  *     STORY(planting_a_seed_claims_the_scene) { CHECK(a == b); CHECK_INT(n, 3); }
- *     int main(void) { return RUN_STORIES(planting_a_seed_claims_the_scene, ...); }
+ *     int main(void) { return check_run(); }
  *
  * A story goes on after a failed check; it counts once, as passed or failed. Output is TAP:
  * "ok 1 - name" or "not ok 1 - name" with the failed checks before it as comments. What this
@@ -57,23 +58,40 @@ static inline bool check_report(bool fine, const char *file, int line, const cha
 struct story {
     const char *name;
     void (*run)(void);
+    int line;
+    struct story *next;
 };
+static struct story *check_stories; /* ordered by line */
 
-#define STORY(name) static void story_##name(void)
-#define TELL(name)                                                                                 \
-    {                                                                                              \
-#name, story_##name                                                                        \
-    }
-
-static inline int check_run(const struct story *story, unsigned count)
+static inline void check_register(struct story *story)
 {
-    unsigned failed = 0;
-    for (unsigned i = 0; i < count; i++) {
+    struct story **at = &check_stories;
+    while (*at && (*at)->line < story->line)
+        at = &(*at)->next;
+    story->next = *at;
+    *at = story;
+}
+
+/* Define a story, which registers itself before main begins. */
+#define STORY(told)                                                                                \
+    static void story_##told(void);                                                                \
+    __attribute__((constructor)) static void check_add_##told(void)                                \
+    {                                                                                              \
+        static struct story entry = {.name = #told, .run = story_##told, .line = __LINE__};        \
+        check_register(&entry);                                                                    \
+    }                                                                                              \
+    static void story_##told(void)
+
+/* Run all stories in the order of the file; return the status of the program. */
+static inline int check_run(void)
+{
+    unsigned count = 0, failed = 0;
+    for (const struct story *story = check_stories; story; story = story->next) {
         check_failures = 0;
         check_missing = NULL;
-        story[i].run();
+        story->run();
         failed += check_failures > 0;
-        printf("%s %u - %s", check_failures ? "not ok" : "ok", i + 1, story[i].name);
+        printf("%s %u - %s", check_failures ? "not ok" : "ok", ++count, story->name);
         if (check_missing && !check_failures)
             printf(" # SKIP %s", check_missing);
         putchar('\n');
@@ -82,10 +100,6 @@ static inline int check_run(const struct story *story, unsigned count)
     printf("1..%u\n", count);
     return failed ? 1 : 0;
 }
-
-#define RUN_STORIES(...)                                                                           \
-    check_run((const struct story[]){__VA_ARGS__},                                                 \
-              sizeof((const struct story[]){__VA_ARGS__}) / sizeof(struct story))
 
 /* A small deterministic generator for property tests (splitmix64). */
 static inline uint64_t check_random(uint64_t *state)

@@ -117,7 +117,5 @@ STORY(what_no_parameter_takes_is_a_number_or_a_file)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(no_file_and_no_free_text_of_any_command_is_told),
-                       TELL(words_that_stay_are_those_of_this_test),
-                       TELL(what_no_parameter_takes_is_a_number_or_a_file));
+    return check_run();
 }

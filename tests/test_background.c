@@ -227,13 +227,7 @@ int main(void)
 {
     if (!make_folder(folder, "background") || chdir(folder) != 0)
         return 1;
-    int status = RUN_STORIES(
-        TELL(what_is_covered_whole_or_not_at_all_is_exact), TELL(light_adds_up_and_not_its_code),
-        TELL(a_gradient_runs_from_the_top_to_a_darker_bottom), TELL(what_is_clear_stays_as_it_is),
-        TELL(each_word_is_a_background_and_info_prints_it),
-        TELL(files_and_the_screen_show_the_same), TELL(a_clear_picture_has_its_alpha),
-        TELL(an_exr_holds_the_objects_alone_whatever_is_behind),
-        TELL(the_pane_of_a_mosaic_has_it_too));
+    int status = check_run();
     reply_release(&reply);
     return status | remove_folder(folder);
 }

@@ -294,12 +294,7 @@ STORY(a_large_picture_goes_right_into_its_file)
 
 int main(void)
 {
-    const int status = RUN_STORIES(
-        TELL(bands_of_any_height_are_the_whole_and_so_is_what_follows_edits),
-        TELL(a_picture_may_be_of_more_samples_than_pixels_are_allowed_and_follows_edits),
-        TELL(a_turntable_is_drawn_in_bands_and_shows_what_renditions_show),
-        TELL(a_turntable_stores_no_map_of_its_pictures),
-        TELL(a_large_picture_goes_right_into_its_file));
+    const int status = check_run();
     reply_release(&reply);
     return status;
 }

@@ -480,15 +480,6 @@ int main(void)
 {
     if (!make_folder(folder, "bench"))
         return 1;
-    int status = RUN_STORIES(
-        TELL(seeds_lie_in_what_they_are_labelled), TELL(an_interpolated_scene_has_the_same_seeds),
-        TELL(an_atlas_says_which_seeds_are_brain),
-        TELL(a_map_on_another_grid_or_without_regions_is_refused),
-        TELL(all_experiments_give_the_same_in_every_step),
-        TELL(a_difference_ends_the_trial_and_is_named), TELL(whoever_watches_can_end_the_trial),
-        TELL(the_first_pixel_that_differs_is_named), TELL(means_leave_the_first_step_out),
-        TELL(every_row_of_csv_has_every_column), TELL(ticks_are_round),
-        TELL(a_chart_holds_every_value), TELL(a_chart_of_zeros_is_a_chart),
-        TELL(charts_overwrite_nothing), TELL(medians_and_quantiles_of_times_in_any_order));
+    int status = check_run();
     return status | remove_folder(folder);
 }

@@ -87,8 +87,7 @@ STORY(the_search_for_it_can_be_stopped)
 
 int main(void)
 {
-    const int status = RUN_STORIES(TELL(a_centre_is_that_of_a_slow_search),
-                                   TELL(the_search_for_it_can_be_stopped));
+    const int status = check_run();
     reply_release(&reply);
     return status;
 }

@@ -2437,43 +2437,6 @@ int main(void)
         return 1;
     make_scene();
     make_seed_files();
-    int status = RUN_STORIES(
-        TELL(the_table_is_in_order), TELL(a_choice_is_a_whole_word_told_by_its_number),
-        TELL(every_example_parses_and_its_canonical_form_is_its_own),
-        TELL(help_names_every_command_and_parameter), TELL(help_fits_80_columns),
-        TELL(a_random_line_and_its_canonical_form_mean_the_same),
-        TELL(a_radius_is_written_with_all_its_digits), TELL(millimetres_lead_to_the_nearest_voxel),
-        TELL(what_others_call_a_command_leads_to_it_alone),
-        TELL(a_wrong_line_is_told_what_was_expected), TELL(an_error_tells_where_in_the_line_it_is),
-        TELL(without_a_scene_only_what_needs_none_works), TELL(comments_and_empty_lines_do_nothing),
-        TELL(garbage_is_parsed_or_refused_in_one_plain_line),
-        TELL(completion_offers_what_may_stand_there), TELL(completion_says_what_words_mean),
-        TELL(a_stroke_is_balls_along_a_line),
-        TELL(a_seed_that_is_erased_before_a_run_waits_no_more),
-        TELL(commands_are_the_same_wherever_their_file_is_seen_from),
-        TELL(files_are_offered_where_a_file_may_stand),
-        TELL(a_key_that_is_given_is_not_offered_again),
-        TELL(goldens_branches_and_records_are_offered), TELL(a_hint_is_the_rest_of_the_usage),
-        TELL(seeds_come_out_of_files), TELL(a_seed_file_that_is_wrong_plants_nothing),
-        TELL(a_journal_knows_its_seed_files_again),
-        TELL(a_command_that_cannot_be_recorded_is_undone), TELL(weights_come_out_of_a_file),
-        TELL(weights_of_steps_go_by_both_ends), TELL(a_roi_keeps_the_forest_in),
-        TELL(a_roi_is_refused_that_leaves_seeds_outside),
-        TELL(a_roi_or_weights_that_are_wrong_change_nothing),
-        TELL(a_journal_knows_its_weights_and_masks_again),
-        TELL(what_fits_can_be_shown_whatever_the_samples),
-        TELL(voxels_too_long_for_any_picture_are_refused_in_so_many_words),
-        TELL(a_file_that_was_replaced_comes_back),
-        TELL(what_the_door_recorded_is_the_same_when_replayed),
-        TELL(an_interpolated_scene_is_the_same_when_replayed), TELL(random_edits_fail_at_random),
-        TELL(a_command_that_is_cancelled_is_undone),
-        TELL(interpolation_that_is_cancelled_is_undone),
-        TELL(opening_that_is_cancelled_opens_nothing),
-        TELL(weights_are_named_and_stay_without_memory),
-        TELL(edits_without_memory_leave_everything_as_it_was),
-        TELL(pictures_without_memory_leave_everything_as_it_was),
-        TELL(opacity_is_a_setting_of_the_segmentation_and_one_picture_in_every_mode),
-        TELL(the_context_lies_behind_objects_and_goes_by_the_window),
-        TELL(a_journal_that_cannot_begin_undoes_the_command));
+    int status = check_run();
     return status | end_folder();
 }

@@ -400,13 +400,5 @@ STORY(classes_are_signed_distances_to_the_contour_of_b)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(distances_are_those_to_the_nearest_voxel),
-                       TELL(units_divide_the_spacing_as_long_as_squares_fit),
-                       TELL(a_contour_is_what_touches_other_voxels_of_the_scene),
-                       TELL(rows_of_voxels_are_measured_as_worked_out_by_hand),
-                       TELL(sets_may_agree_more_than_their_surfaces),
-                       TELL(what_is_not_there_has_no_distance),
-                       TELL(random_labels_are_as_far_apart_as_a_slow_computation_finds),
-                       TELL(a_stop_is_heard_wherever_it_comes),
-                       TELL(classes_are_signed_distances_to_the_contour_of_b));
+    return check_run();
 }

@@ -350,12 +350,5 @@ STORY(any_text_leaves_a_setup_that_can_be_used)
 
 int main(void)
 {
-    return RUN_STORIES(
-        TELL(every_kind_of_line), TELL(nothing_is_fine_too),
-        TELL(slices_are_sent_ahead_unless_it_says_otherwise), TELL(a_brush_is_what_the_pilot_has),
-        TELL(a_brush_that_nobody_chose_fits_the_scene),
-        TELL(a_bad_line_is_named_with_its_number_and_left_out),
-        TELL(there_is_an_end_to_what_is_read), TELL(the_file_is_where_the_environment_says),
-        TELL(keys_of_ones_own_stand_before_those_of_the_table), TELL(every_action_is_in_the_readme),
-        TELL(any_text_leaves_a_setup_that_can_be_used));
+    return check_run();
 }

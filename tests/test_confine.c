@@ -248,19 +248,9 @@ STORY(an_answer_that_drips_is_none)
 
 int main(void)
 {
-    const struct story story[] = {
-        TELL(the_image_helper_is_confined_before_the_first_pixel_comes),
-        TELL(the_volume_helper_is_confined_before_it_says_what_is_in_a_file),
-        TELL(the_register_helper_reaches_nothing),
-        TELL(a_decoder_that_never_ends_is_ended_with_its_helper),
-        TELL(a_decoder_that_gets_nowhere_is_ended_and_one_that_gets_on_is_waited_for),
-        TELL(a_decoder_ends_with_its_client_whatever_it_is_doing),
-        TELL(a_decoder_that_holds_more_and_more_is_refused_it),
-        TELL(an_answer_that_drips_is_none),
-    };
     build = getenv("IFTTY_BUILD") ? getenv("IFTTY_BUILD") : "build";
     if (!make_folder(folder, "confine"))
         return 1;
-    const int status = check_run(story, sizeof story / sizeof *story);
+    const int status = check_run();
     return remove_folder(folder) == 0 ? status : 1;
 }

@@ -345,10 +345,5 @@ STORY(without_memory_there_is_no_contour)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(the_polygon_of_a_contour_is_the_piece_at_a_place_or_the_largest),
-                       TELL(of_a_rectangle_it_has_four_corners),
-                       TELL(a_voxel_or_a_row_has_fewer_corners_and_nothing_has_none),
-                       TELL(there_are_no_more_corners_than_a_hand_would_drag),
-                       TELL(an_outline_that_was_drawn_is_found_again),
-                       TELL(without_memory_there_is_no_contour));
+    return check_run();
 }

@@ -179,9 +179,7 @@ STORY(creases_follow_each_edit_of_a_session)
 
 int main(void)
 {
-    const int status = RUN_STORIES(TELL(an_object_among_others_has_the_normals_that_it_has_alone),
-                                   TELL(there_is_a_crease_where_two_objects_touch_and_nowhere_else),
-                                   TELL(creases_follow_each_edit_of_a_session));
+    const int status = check_run();
     reply_release(&reply);
     return status;
 }

@@ -715,18 +715,7 @@ int main(void)
 {
     if (!make_folder(folder, "cut"))
         return 1;
-    int status =
-        RUN_STORIES(TELL(slabs_boxes_and_planes_take_what_they_say),
-                    TELL(planes_of_any_spacing_keep_their_voxel_and_fit_64_bits),
-                    TELL(faces_that_are_cut_open_show_the_scene),
-                    TELL(borders_and_pictures_follow_cuts_edits_and_hidden_labels),
-                    TELL(slabs_are_counted_as_slices_are),
-                    TELL(a_plane_cuts_what_lies_before_a_voxel_and_stays_with_the_patient),
-                    TELL(a_plane_with_a_normal_is_the_same_from_everywhere),
-                    TELL(in_oblique_scenes_a_plane_cuts_what_lies_that_way_in_the_world),
-                    TELL(boxes_are_taken_out_and_put_back), TELL(a_cut_scene_is_not_interpolated),
-                    TELL(a_picture_notes_what_is_cut_away_and_in_focus),
-                    TELL(cuts_are_taken_back_and_replayed_exactly));
+    int status = check_run();
     reply_release(&reply);
     return status | remove_folder(folder);
 }

@@ -337,14 +337,7 @@ int main(void)
 {
     if (!make_folder(folder, "decoration"))
         return 1;
-    const int status =
-        RUN_STORIES(TELL(letters_name_the_sides_that_lie_there),
-                    TELL(of_unknown_orientation_the_axes_are_named),
-                    TELL(the_bar_is_as_long_as_it_says), TELL(every_size_has_what_fits),
-                    TELL(every_way_of_drawing_has_the_same_and_none_takes_all_away),
-                    TELL(what_is_below_stays_what_it_is), TELL(what_no_pixel_shows_has_no_mark),
-                    TELL(seeds_of_a_files_pieces_have_no_marks_and_those_that_are_placed_do),
-                    TELL(mosaics_are_not_decorated), TELL(what_is_no_part_is_refused));
+    const int status = check_run();
     reply_release(&reply);
     return status | remove_folder(folder);
 }

@@ -300,12 +300,7 @@ STORY(what_is_hidden_does_not_differ_and_sizes_are_judged)
 
 int main(void)
 {
-    const int status = RUN_STORIES(
-        TELL(the_same_commands_do_not_part), TELL(results_and_comments_are_no_commands),
-        TELL(the_first_other_command_is_named_in_both), TELL(what_cannot_be_read_is_named),
-        TELL(voxels_are_counted_and_dice_is_exact), TELL(dice_is_rounded_to_the_nearest_halves_up),
-        TELL(the_picture_shows_both_and_where_they_differ), TELL(where_nothing_differs_all_is_grey),
-        TELL(what_is_hidden_does_not_differ_and_sizes_are_judged));
+    const int status = check_run();
     reply_release(&reply);
     return status;
 }

@@ -225,10 +225,7 @@ int main(void)
     if (!begin_folder())
         return 1;
     make_scene();
-    const int status = RUN_STORIES(
-        TELL(slices_are_chosen_by_their_doubt_and_not_where_an_outline_lies),
-        TELL(a_stroke_is_no_outline), TELL(slices_are_told_with_the_volume_that_is_in_doubt),
-        TELL(without_memory_it_says_so_and_with_it_goes_on));
+    const int status = check_run();
     reply_release(&reply);
     return end_folder() | status;
 }

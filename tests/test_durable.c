@@ -570,19 +570,6 @@ int main(void)
 {
     if (!make_folder(folder, "durable"))
         return 1;
-    int status = RUN_STORIES(TELL(nothing_is_written_to_a_file_that_is_not_ours_any_more),
-                             TELL(a_file_whose_times_alone_have_changed_is_written_to),
-                             TELL(line_ends_of_windows_are_named),
-                             TELL(going_on_elsewhere_is_all_or_nothing),
-                             TELL(records_are_synced_when_that_was_asked_for),
-                             TELL(what_a_failed_sync_may_have_lost_is_written_again),
-                             TELL(what_may_wait_is_synced_soon_or_with_the_next_record),
-                             TELL(where_nothing_is_to_be_synced_nothing_waits_for_it),
-                             TELL(a_second_writer_is_told_who_has_it_and_may_look),
-                             TELL(a_lock_that_a_child_holds_for_a_moment_is_waited_for),
-                             TELL(where_there_are_no_locks_a_file_stands_for_one),
-                             TELL(no_empty_journal_stays_where_no_lock_can_be_had),
-                             TELL(looking_leaves_a_torn_tail_alone),
-                             TELL(a_flip_of_any_bit_is_refused_or_repaired_and_never_taken));
+    int status = check_run();
     return status | remove_folder(folder);
 }

@@ -327,10 +327,7 @@ int main(void)
 {
     if (!make_folder(folder, "faults") || chdir(folder) != 0)
         return 1;
-    const int status = RUN_STORIES(
-        TELL(a_command_whose_file_cannot_be_written_leaves_nothing_and_works_again),
-        TELL(a_folder_that_becomes_a_link_at_any_step_leads_nothing_out),
-        TELL(a_journal_that_is_begun_where_there_are_no_locks_says_what_stands_for_one));
+    const int status = check_run();
     reply_release(&reply);
     return status | remove_folder(folder);
 }

@@ -235,9 +235,5 @@ STORY(what_is_round_or_steep_has_no_line_but_its_outline)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(a_line_is_as_strong_at_every_number_of_samples),
-                       TELL(an_outline_shows_against_black_and_against_white),
-                       TELL(what_hides_a_part_of_itself_has_a_line_and_so_has_a_fold),
-                       TELL(objects_that_touch_have_one_line_between_them),
-                       TELL(what_is_round_or_steep_has_no_line_but_its_outline));
+    return check_run();
 }

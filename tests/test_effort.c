@@ -224,11 +224,6 @@ int main(void)
 {
     if (!make_folder(folder, "effort"))
         return 1;
-    const int status = RUN_STORIES(
-        TELL(the_first_ball_is_at_the_deepest_voxel), TELL(the_background_begins_outside_and_near),
-        TELL(a_sphere_encloses_the_object),
-        TELL(the_largest_error_is_corrected_at_its_deepest_voxel), TELL(what_is_counted_of_a_curve),
-        TELL(a_gesture_is_a_command), TELL(a_plain_object_is_found_at_once_and_runs_agree),
-        TELL(phantoms_are_what_they_were));
+    const int status = check_run();
     return status | remove_folder(folder);
 }

@@ -394,10 +394,7 @@ int main(void)
     for (unsigned workers = 1; workers < 4; workers++)
         if (team_new(&team_of[workers], workers, NULL) != OK)
             abort();
-    const int status = RUN_STORIES(
-        TELL(every_step_of_the_table_has_a_plain_model),
-        TELL(each_step_is_what_a_plain_model_makes), TELL(steps_follow_each_other_in_their_order),
-        TELL(a_stop_is_heard_wherever_it_comes), TELL(memory_that_runs_out_is_an_error));
+    const int status = check_run();
     for (unsigned workers = 1; workers < 4; workers++)
         team_free(team_of[workers]);
     return status;

@@ -293,11 +293,7 @@ int main(void)
 {
     if (!make_folder(folder, "fit") || chdir(folder) != 0)
         return 1;
-    int status = RUN_STORIES(
-        TELL(what_is_shown_fills_the_picture_from_everywhere),
-        TELL(where_nothing_is_shown_the_scene_fits), TELL(fit_is_recorded_as_what_it_comes_to),
-        TELL(a_turntable_turns_about_one_axis_after_the_other), TELL(axes_are_each_named_once),
-        TELL(a_turntable_that_fits_fits_all_its_pictures));
+    int status = check_run();
     reply_release(&reply);
     return status | remove_folder(folder);
 }

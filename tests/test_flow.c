@@ -371,17 +371,5 @@ STORY(clocks_and_sizes_at_their_limits_do_no_harm)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(frames_follow_each_other_as_fast_as_the_line_carries_them),
-                       TELL(on_any_line_the_newest_state_arrives_in_time),
-                       TELL(quality_drops_before_latency_and_comes_back),
-                       TELL(small_changes_do_not_make_a_fast_line_look_slow),
-                       TELL(a_terminal_that_pauses_is_not_taken_for_a_slow_line),
-                       TELL(when_the_key_is_released_nothing_comes_after_it),
-                       TELL(an_answer_that_is_lost_costs_two_seconds_once),
-                       TELL(answers_that_come_late_are_not_taken_for_those_of_newer_frames),
-                       TELL(a_failed_barrier_asks_for_recovery_once),
-                       TELL(what_was_cut_is_ended_and_what_was_not_is_left_whole),
-                       TELL(a_terminal_that_never_answers_gets_a_frame_now_and_then),
-                       TELL(a_long_way_begins_with_few_bytes),
-                       TELL(clocks_and_sizes_at_their_limits_do_no_harm));
+    return check_run();
 }

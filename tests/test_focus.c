@@ -312,10 +312,5 @@ STORY(a_ball_is_round_from_everywhere)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(the_voxel_in_focus_is_in_the_middle_of_the_picture),
-                       TELL(all_ways_agree_wherever_the_focus_is),
-                       TELL(a_pan_moves_what_is_seen_by_so_many_pixels_and_back),
-                       TELL(angles_turn_the_way_they_say), TELL(the_focus_changes_no_depth),
-                       TELL(a_focus_beyond_all_proportion_is_refused),
-                       TELL(a_ball_is_round_from_everywhere));
+    return check_run();
 }

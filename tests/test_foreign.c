@@ -49,7 +49,7 @@ int main(void)
 {
     if (!make_folder(folder, "foreign"))
         return 1;
-    const int status = RUN_STORIES(TELL(each_row_is_still_refused_with_its_advice));
+    const int status = check_run();
     rmdir(folder);
     return status;
 }

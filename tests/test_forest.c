@@ -904,22 +904,5 @@ STORY(the_synthetic_scene_is_the_same_everywhere)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(a_lone_seed_claims_the_scene), TELL(two_seeds_meet_at_the_ridge),
-                       TELL(on_a_plateau_hops_decide_and_then_the_smaller_root),
-                       TELL(the_order_of_planting_does_not_matter),
-                       TELL(erasing_a_seed_gives_its_tree_to_the_neighbours),
-                       TELL(the_last_edit_of_a_voxel_in_a_batch_wins),
-                       TELL(a_difference_is_the_same_both_ways),
-                       TELL(polarity_makes_one_way_over_an_edge_dearer),
-                       TELL(polarity_goes_by_the_label_of_the_root), TELL(no_tree_passes_a_roi),
-                       TELL(changes_name_each_voxel_that_got_another_label_once),
-                       TELL(a_plateau_longer_than_hops_can_count_is_refused_and_undone),
-                       TELL(both_adjacencies_hold_each_direction_and_its_opposite),
-                       TELL(a_hundred_thousand_random_edits_each_equal_a_run_from_scratch),
-                       TELL(under_every_kind_of_arc_and_roi_edits_equal_the_fixed_point),
-                       TELL(a_large_tree_that_falls_is_as_if_it_had_never_been),
-                       TELL(an_edit_cancelled_anywhere_leaves_the_forest_as_it_was),
-                       TELL(what_is_shown_as_final_has_its_label_for_good),
-                       TELL(an_allocation_that_fails_leaves_the_forest_as_it_was),
-                       TELL(the_synthetic_scene_is_the_same_everywhere));
+    return check_run();
 }

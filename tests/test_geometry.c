@@ -450,19 +450,5 @@ STORY(a_map_out_of_all_proportion_is_refused)
 
 int main(void)
 {
-    return RUN_STORIES(
-        TELL(nothing_is_known_without_codes), TELL(either_form_alone_says_all_48_ways),
-        TELL(both_agree_or_contradict_each_other_in_all_48_by_48_ways),
-        TELL(the_sform_holds_where_the_qform_lies_elsewhere),
-        TELL(what_is_rounded_does_not_contradict),
-        TELL(a_form_that_cannot_be_used_is_said_and_the_other_holds),
-        TELL(a_distance_that_is_none_is_unknown_or_the_sforms),
-        TELL(lengths_are_by_pixdim_where_the_sform_is_a_templates), TELL(shear_is_measured),
-        TELL(a_tilt_is_the_angle_of_an_axis_and_the_side_that_names_it),
-        TELL(letters_tell_axes_and_no_place), TELL(a_derived_grid_lies_where_its_voxels_did),
-        TELL(a_derived_grid_has_spacing_that_can_be_told),
-        TELL(a_map_may_be_off_by_half_a_voxel_and_no_more),
-        TELL(what_does_not_know_its_place_is_taken_voxel_by_voxel_or_not_at_all),
-        TELL(resampled_voxels_are_the_nearest_for_all_48_ways_and_any_place),
-        TELL(a_map_out_of_all_proportion_is_refused));
+    return check_run();
 }

@@ -178,9 +178,6 @@ int main(void)
     if (!begin_folder())
         return 1;
     make_scene();
-    const int status = RUN_STORIES(
-        TELL(a_tree_has_the_voxels_that_name_its_root), TELL(what_is_held_is_what_is_removed_then),
-        TELL(a_single_tree_is_held_by_itself),
-        TELL(an_outline_holds_what_its_label_has_and_goes_by_its_ring_too));
+    const int status = check_run();
     return status | end_folder();
 }

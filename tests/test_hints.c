@@ -332,10 +332,6 @@ int main(void)
     if (!begin_folder())
         return 1;
     make_scene();
-    const int status = RUN_STORIES(
-        TELL(a_border_without_an_edge_is_less_certain_than_one_on_an_edge),
-        TELL(where_no_labels_meet_there_are_none), TELL(a_way_leads_back_to_the_seed),
-        TELL(hints_are_those_of_a_plain_search), TELL(memory_that_runs_out_is_an_error),
-        TELL(a_hint_is_recorded_as_the_cross_that_it_comes_to), TELL(a_report_has_all_of_them));
+    const int status = check_run();
     return status + end_folder();
 }

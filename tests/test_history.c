@@ -906,19 +906,6 @@ int main(void)
         return 1;
     make_scene();
     make_maps();
-    int status = RUN_STORIES(
-        TELL(every_kind_of_command_is_undone_and_done_again),
-        TELL(where_one_looks_from_is_not_undone), TELL(an_edit_after_undo_begins_an_alternative),
-        TELL(an_edit_after_undo_costs_what_it_changes), TELL(looking_back_moves_no_branch),
-        TELL(branches_have_names_and_are_left_and_found_again),
-        TELL(random_walks_come_back_to_the_very_same_states),
-        TELL(without_memory_one_stays_where_one_is), TELL(without_memory_a_marker_stands_as_it_did),
-        TELL(who_is_stopped_on_the_way_is_where_he_was),
-        TELL(whatever_looks_at_the_scene_is_stopped_there_and_leaves_all_as_it_was),
-        TELL(what_is_shown_on_the_way_changes_nothing),
-        TELL(a_scene_is_opened_and_interpolated_or_is_not),
-        TELL(what_is_skimmed_is_what_was_carried_out), TELL(a_journal_that_lies_is_not_resumed),
-        TELL(what_is_put_away_comes_back),
-        TELL(only_what_changes_how_one_looks_waits_to_be_synced));
+    int status = check_run();
     return status | end_folder();
 }

@@ -333,15 +333,6 @@ int main(void)
     if (!make_folder(folder, "history"))
         return 1;
     snprintf(path, sizeof path, "%s/state/iftty/history", folder);
-    const int status = RUN_STORIES(
-        TELL(lines_are_appended_as_they_are_entered),
-        TELL(a_line_that_somebody_left_half_written_is_ended),
-        TELL(what_the_file_holds_is_not_trusted), TELL(the_file_and_the_memory_are_bounded),
-        TELL(many_sessions_at_once_lose_no_line),
-        TELL(a_lock_that_is_never_given_back_delays_a_line_and_no_more),
-        TELL(a_line_is_not_lost_while_another_process_is_stopped_in_its_trimming),
-        TELL(a_line_is_written_to_the_file_that_has_the_name_at_last),
-        TELL(what_is_no_regular_file_is_left_alone), TELL(a_disk_that_fails_is_told_of),
-        TELL(without_locks_one_process_at_a_time_trims), TELL(the_environment_says_where_it_lies));
+    const int status = check_run();
     return remove_folder(folder) | status;
 }

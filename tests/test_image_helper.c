@@ -434,21 +434,7 @@ int main(void)
     buf_printf(&program, "%s/iftty-image", build ? build : "build");
     if (!make_folder(folder, "helper") || image_helper_new(&helper, buf_text(&program), NULL) != OK)
         return 1;
-    int status = RUN_STORIES(
-        TELL(lossless_formats_bring_every_pixel_back), TELL(a_jpeg_comes_back_about_the_same),
-        TELL(what_is_transparent_comes_out_black), TELL(a_png_keeps_each_note),
-        TELL(other_formats_keep_the_notes_as_a_description),
-        TELL(the_same_picture_gives_the_same_bytes), TELL(exr_goes_without_the_helper),
-        TELL(a_name_without_a_known_format_is_told_off), TELL(an_existing_file_is_kept_unless_told),
-        TELL(what_is_no_image_is_told_in_a_line), TELL(damaged_images_never_end_the_session),
-        TELL(a_file_of_several_frames_says_so), TELL(a_format_of_one_picture_refuses_several),
-        TELL(frames_that_never_come_cost_one_helper), TELL(linear_formats_get_linear_light),
-        TELL(about_what_is_no_image_is_told_in_a_line), TELL(facts_that_make_no_sense_are_told),
-        TELL(a_missing_helper_is_named), TELL(a_helper_that_ends_or_dies_is_told),
-        TELL(answers_that_make_no_sense_are_told), TELL(an_answer_cut_short_is_told),
-        TELL(a_helper_that_stays_silent_is_ended),
-        TELL(a_helper_is_held_to_the_memory_that_it_is_given_or_that_is_free),
-        TELL(after_a_death_the_next_request_starts_anew));
+    int status = check_run();
     image_helper_free(helper);
     buf_release(&program);
     for (size_t i = 0; i < sizeof leftover / sizeof leftover[0]; i++)

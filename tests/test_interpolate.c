@@ -341,11 +341,5 @@ STORY(an_axis_of_one_voxel_stays)
 
 int main(void)
 {
-    return RUN_STORIES(
-        TELL(between_two_voxels_comes_their_mean), TELL(every_voxel_is_the_mean_of_those_around_it),
-        TELL(geom_interpolated_is_what_opening_it_so_gives),
-        TELL(voxels_stay_where_they_are_in_the_world), TELL(a_rollback_gives_the_former_scene_back),
-        TELL(once_seeds_are_there_it_is_refused),
-        TELL(a_range_holds_on_and_files_of_the_grid_refuse),
-        TELL(without_memory_nothing_has_changed), TELL(an_axis_of_one_voxel_stays));
+    return check_run();
 }

@@ -653,14 +653,5 @@ STORY(random_bytes_end_in_order)
 
 int main(void)
 {
-    return RUN_STORIES(
-        TELL(what_is_encoded_is_walked), TELL(the_example_in_FORMAT_is_decoded),
-        TELL(the_chain_in_FORMAT_is_what_its_words_say), TELL(headers_have_one_spelling),
-        TELL(a_script_is_walked_too), TELL(the_log_prints_the_commands_alone),
-        TELL(the_log_says_whether_a_journal_is_intact), TELL(what_would_break_a_record_is_refused),
-        TELL(a_seal_does_not_make_a_line_valid), TELL(lines_have_a_limit_on_both_sides),
-        TELL(only_the_record_that_was_edited_is_unsound), TELL(records_moved_about_are_noticed),
-        TELL(every_prefix_is_sound_records_and_a_torn_tail), TELL(zeros_at_the_end_are_torn),
-        TELL(every_flip_of_a_byte_is_noticed_in_its_record),
-        TELL(every_byte_left_out_or_doubled_is_noticed), TELL(random_bytes_end_in_order));
+    return check_run();
 }

@@ -665,18 +665,6 @@ int main(void)
 {
     if (!make_folder(folder, "journal"))
         return 1;
-    int status = RUN_STORIES(
-        TELL(a_journal_is_created_continued_and_kept),
-        TELL(comments_become_part_of_the_next_record), TELL(a_refused_command_changes_nothing),
-        TELL(the_audit_sees_a_file_that_somebody_else_changed),
-        TELL(torn_bytes_never_replace_earlier_ones),
-        TELL(damage_is_refused_and_cut_only_on_request),
-        TELL(what_is_no_journal_of_ours_is_refused_untouched), TELL(a_second_writer_is_told_so),
-        TELL(a_short_write_is_taken_back),
-        TELL(nothing_follows_an_append_that_could_not_be_taken_back),
-        TELL(every_step_of_writing_may_fail), TELL(every_step_of_reopening_may_fail),
-        TELL(a_process_that_dies_at_any_step_leaves_at_most_a_torn_record),
-        TELL(kill_9_loses_nothing_that_was_acknowledged),
-        TELL(a_torn_tail_is_kept_aside_and_cut_for_every_cut));
+    int status = check_run();
     return status | remove_folder(folder);
 }

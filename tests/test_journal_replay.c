@@ -491,16 +491,5 @@ STORY(golden_names_lead_nowhere_else)
 
 int main(void)
 {
-    return RUN_STORIES(
-        TELL(a_replay_reproduces_every_word), TELL(it_stops_at_the_first_word_that_differs),
-        TELL(a_command_that_fails_now_is_named),
-        TELL(an_edited_journal_fails_and_names_the_first_command_that_differs),
-        TELL(a_command_added_by_hand_is_an_edit),
-        TELL(torn_and_unreadable_journals_are_replayed_as_far_as_they_go),
-        TELL(a_script_is_carried_out_and_compared_with_nothing),
-        TELL(a_replay_may_stop_early_and_a_host_may_refuse_semantics),
-        TELL(hostile_commands_are_harmless_in_messages), TELL(equal_pictures_are_the_same),
-        TELL(every_plane_of_every_pixel_is_compared), TELL(the_first_difference_is_told_in_words),
-        TELL(depths_are_compared_as_bits), TELL(another_size_or_a_missing_plane_is_told),
-        TELL(golden_names_lead_nowhere_else));
+    return check_run();
 }

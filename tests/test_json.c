@@ -138,13 +138,7 @@ STORY(a_failed_buffer_stays_failed)
 
 int main(void)
 {
-    const int status = RUN_STORIES(
-        TELL(members_are_parted_by_commas), TELL(what_is_empty_is_closed_at_once),
-        TELL(outer_levels_have_a_line_for_each_member),
-
-        TELL(each_outermost_value_is_a_line), TELL(texts_are_escaped_wherever_they_stand),
-        TELL(numbers_are_whole_at_the_ends_of_their_range), TELL(reals_have_a_point_and_are_finite),
-        TELL(a_failed_buffer_stays_failed));
+    const int status = check_run();
     buf_release(&text);
     return status;
 }

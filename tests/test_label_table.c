@@ -294,14 +294,5 @@ STORY(memory_that_runs_out_is_an_error)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(each_format_gives_its_names_and_colours),
-                       TELL(a_lut_gives_every_label_a_colour), TELL(names_are_made_to_fit),
-                       TELL(names_are_kept_as_they_are_written),
-                       TELL(names_that_a_format_cannot_hold_are_counted),
-                       TELL(regions_choose_entries_and_their_labels),
-                       TELL(lists_of_regions_and_labels_are_of_one_length),
-                       TELL(a_line_of_numbers_alone_ends_where_it_ends),
-                       TELL(a_bad_line_is_named_and_nothing_is_taken),
-                       TELL(a_table_has_no_more_labels_than_a_map_has_regions),
-                       TELL(what_is_written_is_read_again), TELL(memory_that_runs_out_is_an_error));
+    return check_run();
 }

@@ -571,18 +571,6 @@ int main(void)
     if (!begin_folder())
         return 1;
     make_scene();
-    const int status =
-        RUN_STORIES(TELL(each_piece_is_a_marker_of_the_contour_of_what_erosion_leaves),
-                    TELL(a_row_is_eroded_from_both_ends_and_not_at_the_edge_of_the_scene),
-                    TELL(all_labels_beside_regions_that_are_not_chosen_are_refused),
-                    TELL(without_erosion_the_segmentation_comes_out_again),
-                    TELL(a_piece_is_removed_and_grown_into_as_one),
-                    TELL(a_correction_moves_the_border_of_a_file),
-                    TELL(what_belongs_to_third_labels_does_not_give_way),
-                    TELL(a_file_decides_in_all_of_its_pieces_and_regions_left_out_take_nothing),
-                    TELL(what_gives_way_is_a_function_of_the_commands_that_stand),
-                    TELL(an_object_is_what_hangs_together_with_a_seed_within_the_range),
-                    TELL(seeds_of_another_label_stay_and_let_nothing_through),
-                    TELL(edits_that_wait_count_as_seeds));
+    const int status = check_run();
     return status | end_folder();
 }

@@ -297,14 +297,5 @@ STORY(where_text_is_utf_8_the_bar_has_eighths)
 
 int main(void)
 {
-    return RUN_STORIES(
-        TELL(cells_beyond_32_bits_are_refused_and_never_wrap),
-        TELL(a_scene_takes_less_than_twenty_bytes_a_voxel),
-        TELL(arrays_beyond_the_memory_of_the_machine_are_refused),
-        TELL(what_lies_free_between_what_is_used_is_given_back), TELL(geom_of_its_own_size_is_geom),
-        TELL(geom_of_another_size_shows_the_same_solids),
-        TELL(a_task_is_looked_at_now_and_then_and_stays_stopped),
-        TELL(the_line_comes_late_is_drawn_over_itself_and_goes),
-        TELL(time_left_is_that_of_the_step_at_hand), TELL(the_line_fits_the_terminal),
-        TELL(where_text_is_utf_8_the_bar_has_eighths));
+    return check_run();
 }

@@ -356,12 +356,5 @@ STORY(each_front_of_an_object_is_a_layer)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(each_pixel_has_the_layers_that_its_ray_passes),
-                       TELL(in_whatever_order_layers_are_put_they_are_the_same),
-                       TELL(shares_of_squares_add_up_from_the_front),
-                       TELL(what_has_the_largest_share_is_what_a_pixel_shows),
-                       TELL(an_opaque_object_is_seen_however_many_are_before_it),
-                       TELL(each_of_three_balls_within_each_other_is_seen),
-                       TELL(a_translucent_ball_is_as_wide_as_its_surface),
-                       TELL(each_front_of_an_object_is_a_layer));
+    return check_run();
 }

@@ -516,14 +516,5 @@ STORY(a_value_is_written_with_the_digits_that_tell_it_from_others)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(a_number_is_taken_as_it_is_written_and_written_one_way),
-                       TELL(decimals_of_whole_units_and_of_doubles),
-                       TELL(the_scale_is_the_one_that_sorted_numbers_have),
-                       TELL(the_order_of_voxels_does_not_matter),
-                       TELL(the_scale_of_a_map_is_from_the_least_to_the_greatest),
-                       TELL(one_voxel_far_off_takes_no_levels_from_the_others),
-                       TELL(numbers_beyond_what_doubles_tell_apart_are_noted),
-                       TELL(a_range_takes_the_voxels_whose_numbers_are_in_it),
-                       TELL(numbers_of_single_precision_are_compared_as_such),
-                       TELL(a_value_is_written_with_the_digits_that_tell_it_from_others));
+    return check_run();
 }

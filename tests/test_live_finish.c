@@ -341,11 +341,6 @@ int main(void)
     if (!begin_folder())
         return 1;
     make_scene();
-    const int status =
-        RUN_STORIES(TELL(pictures_are_finished_where_finished_is_on),
-                    TELL(every_way_to_draw_finished_labels_gives_the_same),
-                    TELL(finished_says_what_pictures_show), TELL(what_is_picked_is_what_is_shown),
-                    TELL(what_is_shown_follows_each_edit_and_is_exact_in_the_end),
-                    TELL(memory_that_runs_out_leaves_what_is_shown));
+    const int status = check_run();
     return status | end_folder();
 }

@@ -200,9 +200,5 @@ STORY(margins_are_those_of_a_search_for_each_label)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(a_margin_is_what_the_other_label_would_have_to_pay_more),
-                       TELL(where_one_label_is_alone_there_is_no_margin),
-                       TELL(arcs_that_depend_on_the_label_are_refused),
-                       TELL(memory_that_runs_out_is_an_error),
-                       TELL(margins_are_those_of_a_search_for_each_label));
+    return check_run();
 }

@@ -555,11 +555,7 @@ int main(void)
     if (!make_folder(folder, "markers"))
         return 1;
     make_scene();
-    const int status =
-        RUN_STORIES(TELL(seeds_are_what_the_commands_that_stand_give),
-                    TELL(maps_regions_and_corrections_come_in_any_order),
-                    TELL(no_removal_brings_a_seed_back_outside_the_region),
-                    TELL(no_seed_frees_pieces_of_the_scene_before_it_was_interpolated));
+    const int status = check_run();
     reply_release(&reply);
     return remove_folder(folder) | status;
 }

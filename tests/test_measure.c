@@ -130,9 +130,6 @@ int main(void)
     if (!begin_folder())
         return 1;
     make_scene();
-    int status = RUN_STORIES(TELL(a_chart_is_drawn_in_eighths_or_in_ascii),
-                             TELL(distances_and_angles_are_those_of_the_world),
-                             TELL(a_profile_has_the_voxels_of_a_stroke),
-                             TELL(a_histogram_counts_each_voxel_once));
+    int status = check_run();
     return status | end_folder();
 }

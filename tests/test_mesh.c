@@ -470,12 +470,5 @@ STORY(who_listens_hears_of_every_brick_that_becomes_another)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(a_mesh_that_follows_is_the_one_from_nothing),
-                       TELL(a_voxel_that_is_repainted_changes_what_is_around_it),
-                       TELL(what_was_cut_away_and_is_hidden_now_leaves_an_open_face),
-                       TELL(any_number_of_threads_makes_the_same_mesh),
-                       TELL(a_mesh_keeps_little_of_what_making_it_takes),
-                       TELL(an_update_without_memory_changes_nothing_and_the_next_is_right),
-                       TELL(an_update_that_is_stopped_changes_nothing_and_the_next_is_right),
-                       TELL(who_listens_hears_of_every_brick_that_becomes_another));
+    return check_run();
 }

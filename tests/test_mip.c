@@ -113,6 +113,5 @@ STORY(it_lies_behind_objects_and_over_black_it_is_its_brightness)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(a_pixel_is_as_bright_as_the_brightest_voxel_on_its_ray),
-                       TELL(it_lies_behind_objects_and_over_black_it_is_its_brightness));
+    return check_run();
 }

@@ -300,10 +300,5 @@ STORY(without_memory_there_is_no_mosaic)
 
 int main(void)
 {
-    return RUN_STORIES(
-        TELL(panes_share_the_picture_out), TELL(panes_are_slices_at_one_scale),
-        TELL(the_lines_of_the_cross_hair_run_on), TELL(a_pixel_of_the_pane_is_what_samples_come_to),
-        TELL(the_rendition_lies_in_the_middle_of_its_pane),
-        TELL(a_pixel_of_a_mosaic_knows_its_voxel), TELL(a_rendition_of_another_size_is_fitted_in),
-        TELL(without_memory_there_is_no_mosaic));
+    return check_run();
 }

@@ -236,9 +236,5 @@ STORY(panes_show_what_slices_alone_would_however_magnified)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(panes_lie_beside_each_other_on_any_screen_and_scene),
-                       TELL(panes_lie_beside_each_other_in_the_least_of_screens),
-                       TELL(most_of_the_screen_is_in_use), TELL(slices_line_up),
-                       TELL(a_pane_alone_has_the_whole_screen),
-                       TELL(panes_show_what_slices_alone_would_however_magnified));
+    return check_run();
 }

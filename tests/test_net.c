@@ -566,13 +566,5 @@ STORY(memory_that_runs_out_leaves_things_as_they_were)
 
 int main(void)
 {
-    return RUN_STORIES(
-        TELL(a_box_has_the_same_net_as_a_part_of_a_larger_one), TELL(every_edge_has_its_partner),
-        TELL(turned_and_mirrored_labels_have_the_turned_and_mirrored_net),
-        TELL(small_and_thin_things_keep_their_volume),
-        TELL(a_border_between_labels_is_smooth_along_the_surface),
-        TELL(lines_between_objects_are_no_stairs), TELL(small_patches_keep_their_area),
-        TELL(normals_of_gentle_slopes_hardly_ripple_and_those_of_a_box_stay),
-        TELL(cuts_and_cubes_lie_on_faces_of_voxels),
-        TELL(memory_that_runs_out_leaves_things_as_they_were));
+    return check_run();
 }

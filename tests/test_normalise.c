@@ -141,7 +141,5 @@ STORY(many_surfaces_at_once_are_lit_as_each_of_them_is)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(many_gradients_at_once_become_what_each_of_them_does),
-                       TELL(the_longest_and_the_shortest_gradients_are_no_exception),
-                       TELL(many_surfaces_at_once_are_lit_as_each_of_them_is));
+    return check_run();
 }

@@ -482,11 +482,5 @@ STORY(memory_that_runs_out_is_an_error_and_the_next_picture_is_right)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(bricks_are_what_is_counted_and_follow_edits_cuts_and_what_is_hidden),
-                       TELL(nothing_counts_that_is_beyond_the_reach),
-                       TELL(what_is_flat_or_convex_stays_as_it_is),
-                       TELL(a_groove_is_darker_than_its_rim_and_no_darker_than_the_look_says),
-                       TELL(four_ways_agree_and_the_incremental_image_follows_edits),
-                       TELL(translucent_objects_let_the_light_in),
-                       TELL(memory_that_runs_out_is_an_error_and_the_next_picture_is_right));
+    return check_run();
 }

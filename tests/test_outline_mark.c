@@ -181,10 +181,7 @@ STORY(the_slice_to_outline_next_has_a_place_in_it_and_is_none_that_has_one)
 
 int main(void)
 {
-    const int status =
-        RUN_STORIES(TELL(what_an_outline_encloses_is_dotted_in_its_slice_alone),
-                    TELL(the_outline_of_a_marker_comes_before_the_border_of_its_label),
-                    TELL(the_slice_to_outline_next_has_a_place_in_it_and_is_none_that_has_one));
+    const int status = check_run();
     reply_release(&reply);
     return status;
 }

@@ -258,11 +258,7 @@ STORY(random_keys_texts_and_sizes_leave_a_screen_as_drawn_afresh)
 
 int main(void)
 {
-    const int status = RUN_STORIES(
-        TELL(keys_go_through_a_text), TELL(what_is_wanted_may_be_another_text),
-        TELL(words_are_searched_on_and_back), TELL(another_size_keeps_the_line_at_the_top),
-        TELL(colours_stay_with_their_rows), TELL(what_was_looked_at_is_left_as_lines),
-        TELL(random_keys_texts_and_sizes_leave_a_screen_as_drawn_afresh));
+    const int status = check_run();
     pager_release(&pager);
     buf_release(&text);
     return status;

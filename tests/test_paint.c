@@ -428,18 +428,5 @@ STORY(a_million_corners_take_no_more_memory_than_the_scene)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(a_stroke_is_balls_at_the_voxels_nearest_to_each_step),
-                       TELL(places_on_a_straight_way_are_left_out_and_the_voxels_stay),
-                       TELL(only_what_lies_straight_ahead_is_no_corner),
-                       TELL(a_simplified_line_is_within_half_a_voxel_and_keeps_its_ends),
-                       TELL(a_way_of_small_steps_is_one_and_a_way_back_is_another),
-                       TELL(a_ball_in_the_world_is_no_ellipsoid),
-                       TELL(a_shell_is_what_of_a_ball_has_a_neighbour_outside),
-                       TELL(the_faces_of_a_box_are_what_a_smaller_box_leaves_of_it),
-                       TELL(a_box_is_all_between_two_corners),
-                       TELL(a_polygon_is_what_its_outline_winds_around_or_goes_through),
-                       TELL(a_ring_is_what_of_the_slice_lies_around_a_polygon),
-                       TELL(corners_in_several_slices_are_refused),
-                       TELL(without_memory_or_time_nothing_is_painted),
-                       TELL(a_million_corners_take_no_more_memory_than_the_scene));
+    return check_run();
 }

@@ -1213,28 +1213,5 @@ STORY(shades_of_an_atlas_have_no_bands)
 
 int main(void)
 {
-    return RUN_STORIES(
-        TELL(every_protocol_of_the_table_is_decoded),
-        TELL(after_thousands_of_edits_the_screen_shows_the_picture),
-        TELL(pictures_of_every_size_and_kind_follow_each_other),
-        TELL(few_colours_come_exactly_and_more_may_join_them),
-        TELL(a_cursor_move_costs_next_to_nothing), TELL(a_large_patch_for_kitty_goes_in_chunks),
-        TELL(a_whole_picture_of_blocks_takes_fewer_bytes_where_they_count),
-        TELL(what_moves_or_was_overwritten_goes_whole_and_what_is_removed_is_gone),
-        TELL(one_means_after_another_leaves_nothing),
-        TELL(sixels_beyond_the_limit_of_the_terminal_come_in_pieces),
-        TELL(without_frame_edits_tiles_are_laid_over_tiles),
-        TELL(slices_go_once_and_are_placed_again), TELL(whatever_the_terminal_drops_is_sent_again),
-        TELL(a_picture_larger_than_its_place_is_cut),
-        TELL(cells_show_what_they_should_after_every_edit), TELL(notes_stand_in_cells_of_text),
-        TELL(half_blocks_in_all_colours_show_every_pixel),
-        TELL(a_cell_is_parted_where_the_error_is_least),
-        TELL(a_picture_of_512x512_and_a_change_in_it_cost_what_was_promised),
-        TELL(without_memory_nothing_is_shown_and_the_next_picture_goes_whole),
-        TELL(a_stream_cut_short_is_not_taken_for_a_picture),
-        TELL(shades_of_told_hues_are_near_what_was_asked_for),
-        TELL(shades_of_an_atlas_have_no_bands), TELL(what_is_drawn_over_slices_keeps_its_colour),
-        TELL(a_cross_hair_over_a_slice_is_no_tint),
-        TELL(tints_that_come_with_an_edit_get_their_colours),
-        TELL(hundreds_of_hues_share_the_palette));
+    return check_run();
 }

@@ -268,6 +268,5 @@ STORY(labels_stand_off_each_other_off_grey_and_off_marks_for_every_eye)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(the_table_is_what_its_rule_makes),
-                       TELL(labels_stand_off_each_other_off_grey_and_off_marks_for_every_eye));
+    return check_run();
 }

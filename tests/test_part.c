@@ -255,10 +255,7 @@ int main(void)
         return 1;
     snprintf(path, sizeof path, "%s", file_in(folder, "v.nii"));
     snprintf(packed, sizeof packed, "%s", file_in(folder, "v.nii.gz"));
-    const int status = RUN_STORIES(TELL(a_part_is_what_the_whole_has_there),
-                                   TELL(halves_are_rounded_up_and_what_is_not_finite_is_left_out),
-                                   TELL(a_box_outside_is_refused_and_what_is_left_out_is_noted),
-                                   TELL(a_large_file_takes_the_memory_of_the_part_alone));
+    const int status = check_run();
     unlink(path);
     unlink(packed);
     return rmdir(folder) == 0 ? status : 1;

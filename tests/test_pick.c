@@ -221,11 +221,7 @@ STORY(info_tells_how_the_patient_lies_in_the_picture)
 
 int main(void)
 {
-    int status = RUN_STORIES(TELL(distances_to_the_border_are_those_of_a_slow_search),
-                             TELL(a_border_beyond_reach_is_not_searched_for),
-                             TELL(every_pixel_tells_the_voxel_it_shows),
-                             TELL(a_cut_shows_how_deep_a_voxel_lies),
-                             TELL(info_tells_how_the_patient_lies_in_the_picture));
+    int status = check_run();
     reply_release(&reply);
     return status;
 }

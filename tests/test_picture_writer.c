@@ -242,12 +242,7 @@ int main(void)
     snprintf(program, sizeof program, "%s/iftty-image", build ? build : "build");
     if (!make_folder(folder, "writer"))
         return 1;
-    int status =
-        RUN_STORIES(TELL(a_picture_is_there_when_the_news_say_so),
-                    TELL(jobs_are_done_in_their_order), TELL(what_cannot_be_is_refused_at_once),
-                    TELL(what_fails_later_is_reported), TELL(a_helper_that_dies_costs_one_picture),
-                    TELL(a_known_number_of_pictures_waits), TELL(waiting_can_be_given_up),
-                    TELL(leaving_waits_for_everything), TELL(only_well_known_formats_are_taken));
+    int status = check_run();
     char command[2 * FILE_LENGTH];
     snprintf(command, sizeof command, "ls -A %s | grep -q '^\\.tmp' && exit 1; rm -rf %s", folder,
              folder);

@@ -666,24 +666,7 @@ int main(void)
 {
     if (!make_folder(folder, "pictures") || chdir(folder) != 0)
         return 1;
-    int status = RUN_STORIES(
-        TELL(an_exr_in_tiles_holds_what_one_in_lines_holds),
-        TELL(normals_are_unit_vectors_that_face_the_viewer), TELL(a_picture_says_what_it_is_of),
-        TELL(a_picture_says_which_labels_it_shows), TELL(matrices_lead_from_the_world_to_the_pixel),
-        TELL(an_exr_has_a_camera_that_is_a_rotation),
-        TELL(a_png_says_how_large_it_is_and_what_its_colours_are),
-        TELL(normals_of_an_oblique_scene_are_turned_with_it),
-        TELL(normals_of_a_sheared_scene_stay_at_right_angles),
-        TELL(a_turntable_shows_what_turning_shows),
-        TELL(files_of_a_turntable_are_those_that_turning_writes),
-        TELL(parts_of_a_turn_are_whole_thousandths), TELL(an_animated_picture_has_every_frame),
-        TELL(a_pattern_is_one_number_in_the_name), TELL(a_turntable_is_all_or_nothing),
-        TELL(a_turntable_that_is_cancelled_leaves_nothing),
-        TELL(a_turntable_is_the_same_when_replayed),
-        TELL(at_a_prompt_a_picture_is_written_beside_the_session),
-        TELL(what_is_there_is_left_alone_at_once), TELL(what_is_not_recorded_is_not_written),
-        TELL(a_picture_that_fails_later_changes_nothing_else),
-        TELL(releasing_an_interpreter_waits_for_its_pictures));
+    int status = check_run();
     reply_release(&reply);
     return status | remove_folder(folder);
 }

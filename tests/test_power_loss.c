@@ -731,14 +731,7 @@ int main(void)
     snprintf(after, sizeof after, "%s.after", folder);
     if (mkdir(after, 0700) != 0)
         return 1;
-    int status =
-        RUN_STORIES(TELL(a_loss_of_power_takes_nothing_that_was_acknowledged),
-                    TELL(a_journal_that_was_only_begun_gets_its_name_synced),
-                    TELL(a_loss_of_power_while_a_torn_tail_is_mended),
-                    TELL(a_loss_of_power_while_the_journal_goes_on_elsewhere),
-                    TELL(without_syncs_what_was_synced_last_is_there),
-                    TELL(a_loss_of_power_takes_views_of_the_last_second_and_no_edit),
-                    TELL(a_record_of_a_golden_image_has_its_image_through_any_loss_of_power));
+    int status = check_run();
     forget_everything();
     clear(folder);
     clear(after);

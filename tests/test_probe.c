@@ -703,13 +703,5 @@ STORY(colours_are_those_of_the_name)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(each_terminal_gets_what_it_has_and_prints_nothing),
-                       TELL(the_mouse_counts_pixels_where_the_terminal_says_so),
-                       TELL(it_does_not_matter_where_the_answers_are_cut),
-                       TELL(an_answer_that_is_missing_leaves_the_fallback),
-                       TELL(answers_that_come_late_are_never_text),
-                       TELL(what_is_typed_between_the_answers_is_kept),
-                       TELL(what_was_cut_short_goes_with_the_answer_behind_it),
-                       TELL(a_wish_is_kept_and_asks_no_more_than_it_needs),
-                       TELL(modes_are_answered_with_a_number), TELL(colours_are_those_of_the_name));
+    return check_run();
 }

@@ -218,10 +218,5 @@ STORY(a_watch_is_shown_what_is_done_and_how_far_it_is)
 int main(void)
 {
     alarm(60); /* a pool that waits without end fails */
-    return RUN_STORIES(TELL(a_process_hands_back_what_was_made_elsewhere),
-                       TELL(a_process_that_dies_or_says_too_much_is_an_error),
-                       TELL(a_process_that_does_not_end_is_ended_by_the_watch),
-                       TELL(the_end_of_a_process_counts_though_another_holds_its_pipe),
-                       TELL(each_piece_of_work_is_done_once),
-                       TELL(a_watch_is_shown_what_is_done_and_how_far_it_is));
+    return check_run();
 }

@@ -259,12 +259,5 @@ STORY(the_keys_of_the_lesson_are_those_of_the_readme)
 
 int main(void)
 {
-    return RUN_STORIES(
-        TELL(every_program_has_what_its_help_needs),
-        TELL(every_option_that_a_program_takes_is_there), TELL(every_option_is_taken_and_explained),
-        TELL(the_program_is_found_wherever_its_name_stands),
-        TELL(a_form_is_found_by_its_option_or_operand), TELL(two_hyphens_end_the_options),
-        TELL(a_value_may_follow_an_equals_sign), TELL(help_may_be_asked_for_anywhere),
-        TELL(what_is_refused_says_what_to_type), TELL(help_is_narrow_and_has_every_option),
-        TELL(the_keys_of_the_lesson_are_those_of_the_readme));
+    return check_run();
 }

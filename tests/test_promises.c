@@ -166,10 +166,7 @@ int main(void)
         puts(fault.text);
         return 1;
     }
-    const int status = RUN_STORIES(TELL(commands_and_their_parameters_have_the_names_that_they_had),
-                                   TELL(lines_of_journals_are_the_canonical_ones_still),
-                                   TELL(programs_and_their_options_have_the_names_that_they_had),
-                                   TELL(an_error_ends_a_program_with_the_status_that_it_had));
+    const int status = check_run();
     buf_release(&frozen);
     reply_release(&reply);
     return status;

@@ -1291,31 +1291,6 @@ int main(void)
         return 1;
     if (!make_folder(folder, "pty") || chdir(folder) != 0)
         return 1;
-    const int status = RUN_STORIES(
-        TELL(a_line_is_typed_mended_and_carried_out),
-        TELL(a_hint_is_grey_moves_on_and_never_gets_into_the_line),
-        TELL(tab_completes_and_lists_and_tells_how_many_more),
-        TELL(a_caret_stands_under_what_is_wrong),
-        TELL(a_hundred_pasted_lines_are_a_hundred_commands),
-        TELL(history_outlives_a_session_that_is_killed),
-        TELL(hostile_lines_of_a_history_are_not_obeyed),
-        TELL(what_was_entered_before_is_suggested_and_taken),
-        TELL(a_line_is_edited_in_another_editor_and_waits_for_enter),
-        TELL(without_an_editor_it_is_said_in_words),
-        TELL(a_long_answer_is_paged_and_what_was_looked_at_stays),
-        TELL(what_is_typed_or_pasted_on_is_for_the_prompt),
-        TELL(whatever_is_pressed_the_prompt_is_sane_again), TELL(a_pager_can_be_done_without),
-        TELL(a_long_line_is_drawn_anew_at_every_width),
-        TELL(whatever_a_terminal_says_the_line_stays_what_was_typed),
-        TELL(a_reply_may_take_two_seconds), TELL(ctrl_c_takes_back_a_line_or_a_command),
-        TELL(without_colours_there_is_none_and_no_hint),
-        TELL(a_dumb_terminal_gets_no_escape_at_all),
-        TELL(an_answer_that_is_cut_after_its_escape_is_no_key_of_the_pilot),
-        TELL(no_frame_of_the_pilot_begins_with_a_sequence),
-        TELL(a_pen_that_the_mouse_moves_by_pixels_draws_finer_than_cells),
-        TELL(pixels_lead_to_the_voxels_that_the_middles_of_their_cells_do),
-        TELL(a_paste_is_no_key_of_the_pilot_however_it_is_cut),
-        TELL(the_picture_stays_where_the_line_below_it_is_drawn_anew),
-        TELL(any_bytes_leave_the_pilot_a_sane_screen_and_an_exact_journal));
+    const int status = check_run();
     return remove_folder(folder) | status;
 }

@@ -300,13 +300,5 @@ int main(void)
 {
     if (!make_folder(folder, "publish"))
         return 1;
-    return RUN_STORIES(
-               TELL(files_are_published_by_what_a_file_system_has),
-               TELL(drafts_of_processes_that_have_ended_go_and_others_stay),
-               TELL(folders_of_processes_that_have_ended_go_with_what_is_in_them),
-               TELL(a_folder_that_is_held_goes_with_a_process_that_was_killed_and_stays_else),
-               TELL(drafts_of_a_former_start_go_and_those_of_another_machine_after_a_day),
-               TELL(a_name_of_any_length_can_be_written),
-               TELL(the_word_of_a_process_says_whether_it_lives)) |
-           remove_folder(folder);
+    return check_run() | remove_folder(folder);
 }

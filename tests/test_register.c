@@ -271,17 +271,6 @@ STORY(a_helper_ends_with_its_client)
 
 int main(void)
 {
-    static const struct story stories[] = {
-        TELL(a_known_map_is_found_within_a_millimetre_and_again_in_the_same_bytes),
-        TELL(how_voxels_are_stored_does_not_matter),
-        TELL(a_mirror_image_and_a_slab_are_refused_in_words),
-        TELL(scenes_that_say_too_little_are_refused_before_anything_is_done),
-        TELL(a_helper_that_is_missing_dies_or_lies_costs_one_line),
-        TELL(each_figure_of_an_answer_is_judged),
-        TELL(a_helper_that_never_ends_is_ended),
-        TELL(a_stop_is_heard_and_the_helper_is_gone),
-        TELL(a_helper_ends_with_its_client),
-    };
     const char *build = getenv("IFTTY_BUILD") ? getenv("IFTTY_BUILD") : "build";
     struct interpreter interp;
     struct buf scene = {0};
@@ -295,7 +284,7 @@ int main(void)
         printf("# %s\nnot ok 1 - there is a scene\n1..1\n", fault.text);
         return 1;
     }
-    const int failed = check_run(stories, sizeof stories / sizeof stories[0]);
+    const int failed = check_run();
     scene_free(procedure.scene);
     volume_release(&ch2);
     buf_release(&scene);

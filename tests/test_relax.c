@@ -558,13 +558,7 @@ int main(void)
     for (unsigned workers = 1; workers < TEAMS; workers++)
         if (team_new(&team_of[workers], workers < 4 ? workers : 8, NULL) != OK)
             abort();
-    const int status = RUN_STORIES(TELL(relaxed_labels_are_what_a_plain_model_makes),
-                                   TELL(fields_that_are_kept_are_those_that_would_be_made),
-                                   TELL(the_fields_of_an_object_and_of_all_else_are_complements),
-                                   TELL(the_doubt_of_slices_is_that_of_a_plain_model),
-                                   TELL(doubt_that_cannot_be_found_is_an_error),
-                                   TELL(a_stop_is_heard_wherever_it_comes),
-                                   TELL(memory_that_runs_out_is_an_error));
+    const int status = check_run();
     for (unsigned workers = 1; workers < TEAMS; workers++)
         team_free(team_of[workers]);
     return status;

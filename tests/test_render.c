@@ -400,11 +400,5 @@ STORY(absurd_views_are_refused_in_words)
 
 int main(void)
 {
-    return RUN_STORIES(
-        TELL(sines_are_right_and_symmetric), TELL(a_scene_of_very_thick_slices_has_a_view),
-        TELL(named_views_show_the_patient_from_the_side_they_name),
-        TELL(the_four_modes_agree_in_every_pixel), TELL(a_long_row_of_voxels_is_seen_whole),
-        TELL(lines_around_what_changes_are_drawn_anew),
-        TELL(the_four_modes_agree_however_large_or_long_voxels_are),
-        TELL(absurd_views_are_refused_in_words));
+    return check_run();
 }

@@ -147,6 +147,5 @@ STORY(a_picture_may_be_stopped_at_any_time)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(one_to_three_threads_draw_the_same_picture),
-                       TELL(a_picture_may_be_stopped_at_any_time));
+    return check_run();
 }

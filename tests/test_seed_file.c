@@ -507,18 +507,5 @@ STORY(a_list_can_be_stopped_anywhere)
 
 int main(void)
 {
-    return RUN_STORIES(
-        TELL(a_list_gives_its_seeds_in_the_order_of_voxels),
-        TELL(a_bad_line_is_named_and_nothing_is_taken),
-        TELL(a_seed_of_a_list_may_end_within_a_distance),
-        TELL(any_text_gives_seeds_of_the_scene_or_one_line),
-        TELL(every_voxel_of_a_region_is_a_seed_of_its_number),
-        TELL(values_are_what_the_header_makes_of_them),
-        TELL(erosion_takes_what_touches_another_region_or_the_outside),
-        TELL(drawing_gives_each_region_what_is_asked_and_always_the_same),
-        TELL(equal_regions_give_different_places), TELL(every_voxel_of_a_region_is_drawn_as_often),
-        TELL(a_map_of_another_grid_is_refused), TELL(the_digest_sees_every_voxel_and_label),
-        TELL(out_of_memory_gives_no_seeds),
-        TELL(a_table_of_seeds_counts_against_the_limit_of_memory),
-        TELL(a_list_can_be_stopped_anywhere));
+    return check_run();
 }

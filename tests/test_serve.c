@@ -247,15 +247,7 @@ STORY(words_of_a_record_are_numbers_where_they_are_counts)
 
 int main(void)
 {
-    const int status = RUN_STORIES(
-        TELL(an_object_is_read_member_by_member), TELL(texts_and_escapes_are_utf_8),
-        TELL(what_is_no_json_is_refused_where_it_stands),
-        TELL(requests_come_in_order_in_any_pieces), TELL(keys_are_known_given_once_and_go_together),
-        TELL(a_cancel_stops_what_is_at_hand_or_waits_and_nothing_else),
-        TELL(a_line_that_is_too_long_is_passed_over_and_the_next_is_read),
-        TELL(no_more_is_read_than_there_is_room_for),
-        TELL(an_error_has_its_column_in_characters_and_the_words_that_were_meant),
-        TELL(words_of_a_record_are_numbers_where_they_are_counts));
+    const int status = check_run();
     buf_release(&text);
     return status;
 }

@@ -168,11 +168,7 @@ int main(void)
 {
     if (!make_folder(folder, "settings"))
         return 1;
-    const int status = RUN_STORIES(TELL(each_member_of_a_state_is_a_setting_or_has_a_row),
-                                   TELL(a_setting_is_told_as_it_is_typed),
-                                   TELL(every_setting_is_undone_done_again_and_replayed),
-                                   TELL(a_session_begins_with_what_is_usual),
-                                   TELL(parts_are_named_one_by_one_or_all_or_none));
+    const int status = check_run();
     reply_release(&reply);
     return status | remove_folder(folder);
 }

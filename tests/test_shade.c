@@ -368,13 +368,5 @@ STORY(samples_become_their_mean_and_the_nearest_of_them)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(a_ball_is_round_from_every_side),
-                       TELL(normals_of_thin_shells_are_as_true_as_those_of_solid_balls),
-                       TELL(a_ball_has_no_hole_no_speckle_and_no_staircase),
-                       TELL(an_edit_makes_no_more_than_its_surroundings_stale),
-                       TELL(the_light_comes_from_where_it_is_said_to),
-                       TELL(what_lies_far_is_darker_as_the_cue_says),
-                       TELL(edges_are_drawn_on_the_nearer_object),
-                       TELL(the_inverse_root_is_right_to_18_bits),
-                       TELL(samples_become_their_mean_and_the_nearest_of_them));
+    return check_run();
 }

@@ -200,12 +200,6 @@ int main(void)
     if (!begin_folder())
         return 1;
     make_scene();
-    const int status = RUN_STORIES(
-        TELL(an_object_does_not_leave_its_shell), TELL(a_shell_is_one_marker),
-        TELL(a_shell_cuts_no_other_object),
-        TELL(a_shell_may_be_given_by_a_voxel_that_it_goes_through),
-        TELL(why_names_the_strongest_edge_and_the_label_that_would_come_next),
-        TELL(the_first_gesture_may_be_a_shell),
-        TELL(the_middle_of_a_shell_may_lie_outside_the_region), TELL(what_is_no_shell_is_refused));
+    const int status = check_run();
     return end_folder() | status;
 }

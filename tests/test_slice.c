@@ -1073,21 +1073,5 @@ STORY(without_memory_there_is_no_slice)
 
 int main(void)
 {
-    return RUN_STORIES(
-        TELL(slices_lie_as_radiologists_look_at_them),
-        TELL(a_slice_lies_in_the_middle_or_around_its_place), TELL(what_fits_is_as_large_as_can_be),
-        TELL(slices_of_any_size_and_spacing_fit), TELL(a_pixel_knows_its_voxel),
-        TELL(each_pixel_of_a_magnified_slice_shows_the_voxel_that_lies_there),
-        TELL(the_pixel_of_a_voxel_is_where_its_centre_lies),
-        TELL(a_magnified_slice_goes_on_and_takes_its_place_along),
-        TELL(what_is_magnified_enough_shows_voxels_as_they_are),
-        TELL(a_window_ramps_from_black_to_white),
-        TELL(smooth_grey_lies_between_the_four_voxels_around), TELL(labels_tint_or_are_outlined),
-        TELL(contours_are_thicker_in_larger_pictures),
-        TELL(contours_and_hairlines_are_those_of_a_plain_search),
-        TELL(a_cross_leaves_its_voxel_free), TELL(seeds_are_dots_and_eliminators_crosses),
-        TELL(of_a_run_of_seeds_the_rim_is_marked), TELL(thin_marks_leave_what_they_mark_to_be_seen),
-        TELL(letters_say_where_the_patients_sides_are), TELL(letters_are_told_as_they_are_drawn),
-        TELL(lengths_of_bars_are_round), TELL(bars_tell_lengths_and_greys),
-        TELL(all_48_orientations_give_the_same_pictures), TELL(without_memory_there_is_no_slice));
+    return check_run();
 }

@@ -1068,27 +1068,7 @@ int main(void)
 {
     if (!make_folder(folder, "slicing") || chdir(folder) != 0)
         return 1;
-    int status = RUN_STORIES(
-        TELL(letters_are_right_in_all_48_orientations_of_a_file),
-        TELL(slices_have_the_numbers_of_their_voxels),
-        TELL(letters_are_right_where_the_sform_is_rotated),
-        TELL(letters_are_right_under_qforms_and_negative_pixdim), TELL(windows_are_in_real_values),
-        TELL(an_automatic_window_leaves_the_extremes_out),
-        TELL(titles_say_where_a_scene_is_however_far_that_is), TELL(slices_move_the_cross_hair),
-        TELL(a_zoom_stays_until_it_fits_again),
-        TELL(what_is_magnified_stays_so_and_keeps_the_cross_hair_in_sight),
-        TELL(what_waits_and_what_was_eliminated_is_marked), TELL(hidden_labels_are_not_overlaid),
-        TELL(mosaics_have_the_size_of_the_view),
-        TELL(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom),
-        TELL(a_large_pane_has_a_rendition_of_as_many_pixels),
-        TELL(a_panel_has_nothing_of_the_one_before), TELL(a_panel_follows_what_is_shown),
-        TELL(in_a_hurry_slices_come_first_and_then_a_coarse_rendition),
-        TELL(a_name_of_a_slice_stands_for_its_pixels),
-        TELL(slices_of_a_small_scene_fill_their_panes), TELL(without_memory_nothing_is_shown),
-        TELL(a_pixel_of_a_slice_tells_its_voxel),
-        TELL(each_pixel_tells_the_voxel_that_it_was_drawn_of),
-        TELL(an_exr_of_a_slice_holds_labels_and_voxels),
-        TELL(golden_slices_are_compared_when_replayed));
+    int status = check_run();
     reply_release(&reply);
     return status | remove_folder(folder);
 }

@@ -421,12 +421,7 @@ int main(void)
     for (unsigned workers = 1; workers < 4; workers++)
         if (team_new(&team_of[workers], workers, NULL) != OK)
             abort();
-    const int status = RUN_STORIES(
-        TELL(all_that_is_counted_is_what_a_plain_recount_gives),
-        TELL(the_surface_of_balls_is_right_to_two_percent),
-        TELL(the_surface_of_boxes_that_are_turned_anyhow_is_right_to_two_percent),
-        TELL(the_surface_of_boxes_along_the_axes_is_right_to_two_percent),
-        TELL(surfaces_on_sheared_grids_are_right_too), TELL(the_edge_of_the_scene_is_a_surface));
+    const int status = check_run();
     for (unsigned workers = 1; workers < 4; workers++)
         team_free(team_of[workers]);
     return status;

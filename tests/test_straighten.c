@@ -234,8 +234,5 @@ STORY(what_leans_too_far_is_refused_and_what_is_stopped_stays)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(a_gantry_that_leans_either_way), TELL(axes_that_lean_anyhow),
-                       TELL(slices_of_whole_steps_are_as_they_were),
-                       TELL(axes_at_right_angles_stay_as_they_are),
-                       TELL(what_leans_too_far_is_refused_and_what_is_stopped_stays));
+    return check_run();
 }

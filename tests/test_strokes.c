@@ -507,19 +507,6 @@ int main(void)
     if (!begin_folder())
         return 1;
     make_scene();
-    const int status = RUN_STORIES(
-        TELL(a_stroke_is_one_record_one_marker_and_one_undo),
-        TELL(parts_of_a_stroke_are_undone_done_again_and_removed_as_one),
-        TELL(a_stroke_that_is_cut_short_keeps_its_whole_parts_as_one),
-        TELL(only_what_was_just_planted_is_gone_on_with),
-        TELL(a_line_of_the_journal_holds_thousands_of_corners),
-        TELL(millimetres_are_refused_where_nobody_knows_them),
-        TELL(only_intensities_of_the_range_are_planted), TELL(a_polygon_is_of_one_slice),
-        TELL(an_outline_says_what_lies_on_both_sides_of_a_border),
-        TELL(the_ring_of_an_outline_cuts_no_other_object),
-        TELL(an_outline_takes_the_place_of_a_marker), TELL(a_label_may_be_called_by_several_words),
-        TELL(a_sketch_is_as_if_it_had_never_been),
-        TELL(a_sketch_without_memory_is_taken_back_in_the_end),
-        TELL(what_waits_runs_with_the_next_edit_and_not_by_going_there));
+    const int status = check_run();
     return end_folder() | status;
 }

@@ -609,18 +609,7 @@ int main(void)
 {
     if (!make_folder(folder, "surface"))
         return 1;
-    int status = RUN_STORIES(
-        TELL(each_set_of_eight_voxels_has_a_closed_surface),
-        TELL(labels_of_any_kind_have_closed_surfaces), TELL(a_surface_has_the_triangles_of_the_net),
-        TELL(a_surface_has_the_volume_of_its_voxels), TELL(a_net_leaves_a_ball_round),
-        TELL(a_ring_and_a_hollow_ball_have_their_euler_numbers),
-        TELL(surfaces_of_labels_fit_one_another_and_the_whole),
-        TELL(a_label_alone_has_a_net_of_its_own),
-        TELL(files_without_numbers_of_points_are_closed_too), TELL(fewer_triangles_are_closed_too),
-        TELL(it_is_stopped_anywhere), TELL(without_memory_it_says_so),
-        TELL(a_disk_that_is_full_leaves_the_former_file),
-        TELL(a_scene_too_far_from_the_origin_is_refused),
-        TELL(commands_say_what_they_wrote_and_what_is_wrong));
+    int status = check_run();
     reply_release(&reply);
     return status | remove_folder(folder);
 }

@@ -659,13 +659,5 @@ STORY(the_edge_of_the_scene_is_flat)
 
 int main(void)
 {
-    return RUN_STORIES(
-        TELL(the_silhouette_of_a_ball_is_as_large_as_the_ball),
-        TELL(small_balls_and_rods_keep_their_sizes_and_their_order), TELL(a_silhouette_is_curved),
-        TELL(what_is_thin_has_no_holes_and_does_not_vanish),
-        TELL(a_sheet_of_one_voxel_has_no_hole_from_any_side), TELL(a_single_voxel_does_not_vanish),
-        TELL(depths_are_those_of_planes_and_balls),
-        TELL(what_is_seen_is_the_side_towards_us_in_scenes_of_any_orientation),
-        TELL(a_face_that_is_cut_open_is_flat_and_ends_where_the_surface_does),
-        TELL(the_rim_of_a_cut_is_a_line), TELL(the_edge_of_the_scene_is_flat));
+    return check_run();
 }

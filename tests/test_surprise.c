@@ -143,10 +143,7 @@ int main(void)
 {
     if (!make_folder(folder, "surprise") || chdir(folder) != 0)
         return 1;
-    const int status = RUN_STORIES(TELL(a_passage_is_the_strongest_edge_that_most_paths_share),
-                                   TELL(a_seed_that_floods_an_object_says_so),
-                                   TELL(so_do_boxes_eliminators_and_runs),
-                                   TELL(the_second_of_a_pair_is_none), TELL(a_replay_says_nothing));
+    const int status = check_run();
     reply_release(&reply);
     return status + remove_folder(folder);
 }

@@ -318,13 +318,7 @@ int main(void)
     if (!make_folder(folder, "tally"))
         return 1;
     make_scene();
-    const int status = RUN_STORIES(
-        TELL(volumes_are_told_to_three_digits_in_a_unit_that_fits),
-        TELL(each_axis_has_a_spacing_of_its_own), TELL(voxels_of_sheared_axes_take_less_than_boxes),
-        TELL(counts_follow_whatever_is_done), TELL(measures_follow_whatever_is_done),
-        TELL(counts_are_right_after_a_command_was_cancelled),
-        TELL(a_journal_that_is_resumed_is_counted_when_somebody_asks),
-        TELL(an_edit_is_answered_with_what_it_changed), TELL(of_many_labels_the_largest_are_told));
+    const int status = check_run();
     reply_release(&reply);
     return remove_folder(folder) | status;
 }

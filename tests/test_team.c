@@ -207,9 +207,5 @@ STORY(workers_out_of_memory_leave_an_empty_forest)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(workers_that_meet_see_what_the_others_wrote),
-                       TELL(shares_cover_everything_once),
-                       TELL(one_to_eight_workers_grow_the_same_forest),
-                       TELL(a_shared_pass_cancelled_at_any_level_leaves_an_empty_forest),
-                       TELL(workers_out_of_memory_leave_an_empty_forest));
+    return check_run();
 }

@@ -600,15 +600,5 @@ int main(void)
 {
     alarm(900);
     prctl(PR_SET_CHILD_SUBREAPER, 1); /* guardians outlive their parents: see them go */
-    return RUN_STORIES(
-        TELL(killed_in_full_screen_the_guardian_restores_the_terminal),
-        TELL(the_guardian_holds_nothing_and_takes_no_signal),
-        TELL(after_an_end_of_its_own_nothing_is_left), TELL(an_end_without_a_word_is_noticed_too),
-        TELL(a_shell_that_came_first_keeps_its_modes_and_gets_the_screen),
-        TELL(another_job_is_not_disturbed),
-        TELL(killed_while_stopped_there_is_nothing_to_give_back),
-        TELL(stopped_and_continued_it_is_guarded_again), TELL(ctrl_c_cuts_no_frame_in_two),
-        TELL(stopping_waits_for_the_end_of_a_frame),
-        TELL(an_answer_that_is_due_at_sigterm_is_not_left_to_the_shell),
-        TELL(sequences_change_in_order_and_the_end_is_written_once));
+    return check_run();
 }

@@ -416,15 +416,5 @@ STORY(a_digest_knows_every_pixel)
 
 int main(void)
 {
-    return RUN_STORIES(
-        TELL(small_letters_are_crisp), TELL(small_letters_are_as_wide_as_they_are),
-        TELL(ink_is_what_the_outline_covers), TELL(no_two_letters_are_the_same),
-        TELL(the_face_has_what_european_names_need), TELL(outlines_begin_end_and_stay_in_reach),
-        TELL(what_the_face_lacks_is_a_box), TELL(any_bytes_are_drawn_within_their_width),
-        TELL(long_names_end_in_dots_at_a_whole_letter), TELL(capitals_are_as_tall_as_asked_for),
-        TELL(sizes_follow_the_picture), TELL(a_halo_tells_ink_from_any_ground),
-        TELL(a_halo_does_not_cover_the_letter_before), TELL(a_line_feed_begins_a_line),
-        TELL(what_falls_beyond_the_edges_is_not_drawn),
-        TELL(a_canvas_remembers_where_its_words_are), TELL(light_adds_up),
-        TELL(every_machine_draws_the_same), TELL(a_digest_knows_every_pixel));
+    return check_run();
 }

@@ -389,15 +389,5 @@ STORY(limits_stop_commands_of_an_interpreter_that_was_there_before_them)
 
 int main(void)
 {
-    const struct story story[] = {
-        TELL(the_digests_of_the_standard),
-        TELL(a_digest_is_the_same_however_the_bytes_are_cut),
-        TELL(the_proof_is_what_its_header_says),
-        TELL(whatever_changes_in_a_scene_changes_its_proof),
-        TELL(a_name_is_found_below_its_folder_and_nowhere_else),
-        TELL(elsewhere_a_name_leads_to_a_regular_file_or_to_nothing),
-        TELL(confined_only_the_places_given_can_be_reached),
-        TELL(limits_stop_commands_of_an_interpreter_that_was_there_before_them),
-    };
-    return check_run(story, sizeof story / sizeof *story);
+    return check_run();
 }

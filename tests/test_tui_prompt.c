@@ -166,14 +166,5 @@ STORY(a_hint_stands_behind_the_cursor_and_is_cut_before_the_last_column)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(the_caret_stands_under_the_first_column_of_the_word),
-                       TELL(a_line_that_did_not_fit_is_shown_around_the_word),
-                       TELL(below_other_output_the_line_is_shown_again),
-                       TELL(in_hardly_any_columns_there_is_no_caret),
-                       TELL(what_all_candidates_begin_with_is_whole_characters),
-                       TELL(candidates_stand_in_columns_read_downwards),
-                       TELL(what_leads_to_a_file_is_not_repeated),
-                       TELL(candidates_that_do_not_fit_are_told_in_one_line),
-                       TELL(words_that_mean_something_have_a_row_each_where_there_are_rows),
-                       TELL(a_hint_stands_behind_the_cursor_and_is_cut_before_the_last_column));
+    return check_run();
 }

@@ -873,28 +873,5 @@ int main(void)
     alarm(900);
     if (pipe2(news_pipe, O_NONBLOCK | O_CLOEXEC) != 0)
         return 1;
-    return RUN_STORIES(
-        TELL(a_line_is_edited_and_run_and_ctrl_d_restores_everything),
-        TELL(replies_that_come_late_never_reach_the_line),
-        TELL(a_sixel_terminal_gets_sixels_and_each_is_waited_for),
-        TELL(kitty_is_asked_and_gets_its_own_graphics),
-        TELL(a_picture_that_nobody_confirms_is_recovered_from_before_the_next),
-        TELL(a_terminal_without_graphics_gets_blocks),
-        TELL(without_colours_one_question_is_asked_and_nothing_coloured),
-        TELL(a_silent_terminal_costs_two_seconds_and_no_key),
-        TELL(answers_that_take_their_time_are_not_left_to_the_shell),
-        TELL(ctrl_z_waits_for_the_answer_that_is_due),
-        TELL(an_answer_that_comes_after_two_seconds_is_neither_text_nor_harm),
-        TELL(ctrl_c_empties_the_line_and_keeps_the_session), TELL(tab_completes_and_lists),
-        TELL(a_large_paste_is_one_redraw_and_its_lines_are_run),
-        TELL(history_is_searched_and_kept_in_a_file), TELL(escape_alone_is_not_the_alt_key),
-        TELL(a_new_width_is_used_at_once), TELL(news_stand_above_the_line_that_is_typed),
-        TELL(news_clear_every_row_of_a_long_line),
-        TELL(ctrl_z_gives_the_terminal_back_and_fg_draws_again),
-        TELL(sigterm_and_sighup_at_the_prompt_restore_the_terminal),
-        TELL(signals_while_a_command_runs_restore_the_terminal), TELL(crashes_restore_the_terminal),
-        TELL(exit_inside_a_command_restores_the_terminal),
-        TELL(one_picture_is_shown_without_a_prompt),
-        TELL(a_dumb_terminal_gets_a_prompt_and_no_escapes),
-        TELL(plain_input_is_read_line_by_line_without_escapes));
+    return check_run();
 }

@@ -321,10 +321,5 @@ STORY(a_picture_as_png_holds_its_pixels)
 
 int main(void)
 {
-    return RUN_STORIES(
-        TELL(a_difference_is_told_by_what_it_means), TELL(counts_tell_how_many_more_or_less),
-        TELL(the_first_record_that_differs_is_found), TELL(a_result_comes_back_as_it_was_sent),
-        TELL(half_a_result_is_none), TELL(text_from_outside_cannot_be_markup),
-        TELL(bytes_as_base64), TELL(a_report_names_what_failed_and_how),
-        TELL(a_picture_as_png_holds_its_pixels));
+    return check_run();
 }

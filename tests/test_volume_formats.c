@@ -135,8 +135,6 @@ int main(void)
     snprintf(program, sizeof program, "%s", helper_program());
     memcpy(strrchr(program, '/'), "/iftty-volume", sizeof "/iftty-volume");
     volume_helper_program = program;
-    const int status =
-        RUN_STORIES(TELL(every_format_that_is_read_has_a_fuzz_target_and_bytes_for_it),
-                    TELL(every_format_that_is_written_comes_back_as_it_was));
+    const int status = check_run();
     return status | remove_folder(folder);
 }

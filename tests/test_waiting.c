@@ -144,8 +144,6 @@ int main(void)
     if (!begin_folder())
         return 1;
     make_scene();
-    int status =
-        RUN_STORIES(TELL(a_scene_that_waits_answers_as_any_other), TELL(a_stop_leaves_it_waiting),
-                    TELL(a_stop_while_it_is_opened_leaves_nothing));
+    int status = check_run();
     return status | end_folder();
 }

@@ -403,19 +403,7 @@ int main(void)
 {
     if (!make_folder(folder, "watched"))
         return 1;
-    const int status =
-        RUN_STORIES(TELL(steps_are_states_and_say_whether_the_last_one_comes_from_them),
-                    TELL(what_was_undone_on_ones_own_branch_is_on_no_other),
-                    TELL(the_steps_begin_after_an_interpolation),
-                    TELL(a_step_is_drawn_before_it_is_carried_out),
-                    TELL(what_a_viewer_looks_at_changes_no_step),
-                    TELL(what_is_cancelled_is_shown_as_it_was_and_can_be_gone_on_with),
-                    TELL(so_is_one_with_undo_alternatives_weights_and_masks),
-                    TELL(examples_are_walked_to_their_ends_and_back),
-                    TELL(a_step_that_gives_something_else_is_not_shown_and_that_is_said),
-                    TELL(an_interpolation_that_differs_leaves_no_step),
-                    TELL(an_edited_comment_is_shown_and_the_journal_is_not_verified),
-                    TELL(what_is_no_journal_of_steps_is_refused_in_words));
+    const int status = check_run();
     buf_release(&words);
     reply_release(&reply);
     return status + remove_folder(folder);

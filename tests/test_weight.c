@@ -709,17 +709,5 @@ STORY(without_memory_the_room_is_what_it_was)
 
 int main(void)
 {
-    return RUN_STORIES(
-        TELL(what_is_flat_weighs_nothing), TELL(a_step_weighs_its_height_on_both_sides),
-        TELL(a_step_weighs_its_height_under_every_sigma), TELL(a_ramp_weighs_twice_its_rise),
-        TELL(a_corner_counts_for_sobel_by_its_square_root), TELL(a_single_voxel_weighs_nothing),
-        TELL(the_largest_intensities_do_not_overflow), TELL(the_gaussian_is_a_gaussian_and_sums_up),
-        TELL(square_roots_are_rounded_down),
-        TELL(every_weight_of_the_table_is_what_its_oracle_says),
-        TELL(morph_is_what_rounds_over_the_adjacency_give),
-        TELL(scenes_wider_and_higher_than_tiles_have_the_same_morph),
-        TELL(sobel_is_what_twenty_seven_products_give), TELL(gauss_is_what_whole_volumes_give),
-        TELL(a_mirrored_scene_has_mirrored_weights), TELL(every_team_gives_the_same_weights),
-        TELL(a_plain_scene_tells_what_its_cells_will_hold),
-        TELL(without_memory_the_room_is_what_it_was));
+    return check_run();
 }

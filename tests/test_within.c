@@ -565,11 +565,5 @@ STORY(there_are_no_more_than_65535_reaches)
 
 int main(void)
 {
-    return RUN_STORIES(
-        TELL(a_tree_ends_where_its_seed_reaches),
-        TELL(a_reach_is_around_its_centre_and_not_around_the_seed),
-        TELL(the_same_label_with_another_reach_is_another_seed), TELL(a_refused_child_hears_of_it),
-        TELL(distances_are_in_whole_units_and_the_ball_is_closed),
-        TELL(random_edits_equal_the_oracle_and_a_run_from_scratch), TELL(threads_change_nothing),
-        TELL(without_memory_nothing_has_changed), TELL(there_are_no_more_than_65535_reaches));
+    return check_run();
 }
