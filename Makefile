@@ -187,8 +187,8 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
         test-static test-alike test-release lint-deb test-deb test-oci test-reproducible \
         check-format format analyse \
         variants test-matrix test-matrix-short test-terminals test-cohort fuzz fuzzers demo \
-        bench-peers bench-chafa bench-paper bench-growth bench-render bench-frames bench-journal \
-        bench-keys bench-looks bench-effort bench-register bench-series \
+        bench-peers bench-chafa bench-brain bench-terminal bench-paper bench-growth \
+        bench-render bench-frames bench-journal bench-keys bench-looks bench-effort bench-register bench-series \
         bench-files bench-beside bench-apply bench-surface remake-examples help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -342,18 +342,19 @@ remake-examples: all
 bench-peers: $(PEERS)
 	@$(PYTHON) tests/peers/run.py --rounds $(ROUNDS) $(if $(JSON),--json $(JSON)) $(BUILD)
 
-## bench-paper, bench-growth, bench-render, bench-frames, bench-journal, bench-keys, bench-looks,
-##     bench-effort, bench-register, bench-surface: ARGS=--help says which options
+## bench-brain, bench-terminal, bench-paper, bench-growth, bench-render, bench-frames,
+##     bench-journal, bench-keys, bench-looks, bench-effort, bench-register, bench-surface:
+##     ARGS=--help says which options
 bench-keys bench-register: all
-bench-paper bench-growth bench-render bench-frames bench-journal bench-keys bench-looks \
-  bench-effort bench-register bench-surface: $(BENCH)
+bench-brain bench-terminal bench-paper bench-growth bench-render bench-frames bench-journal \
+  bench-keys bench-looks bench-effort bench-register bench-surface: $(BENCH)
 	@$(BENCH) $(@:bench-%=%) $(ARGS)
 
 ## bench-apply: a procedure carried to other heads; ARGS="--seeds 5 elastic5"
 bench-apply: all build/.packages-heads
 	@$(PYTHON) -B tests/bench/apply.py $(ARGS) $(BUILD)
 
-## bench-chafa: the pictures of `iftty bench terminal` by chafa; ARGS=--json
+## bench-chafa: the pictures of `make bench-terminal` by chafa; ARGS=--json
 bench-chafa: all build/.packages-chafa
 	@$(PYTHON) -B tests/bench/chafa.py $(ARGS) $(BUILD)
 

@@ -9,7 +9,7 @@
 
 #include "show/pictures.h"
 #include "tests/bench/report.h"
-#include "program/times.h"
+#include "tests/bench/times.h"
 #include "session/session.h"
 #include "session/session_inside.h"
 #include "show/draw.h"

@@ -62,7 +62,7 @@ close_story
 
 # Without ch2 on the small scene.
 begin "what goes to a terminal"
-expect 0 "$iftty" bench terminal --json </dev/null
+expect 0 "$bench" terminal --json </dev/null
 for words in '"rendition": {"kitty": {"bytes": ' '"mosaic": {"kitty": ' '"patch": {"kitty": '; do
     out_has "$words"
 done
@@ -123,12 +123,8 @@ err_has "--side is 32 to 200"
 close_story
 
 begin "what is wrong is told at once"
-expect 2 "$iftty" bench liver
-err_has "bench: expected brain or terminal, not liver"
-expect 2 "$iftty" bench terminal --scene ch2.nii.gz
-err_has '`iftty bench terminal` has no option --scene; it belongs to '
-expect 2 "$iftty" bench brain --quick
-err_has '`iftty bench` has no option --quick; see `iftty bench --help`'
+expect 2 "$bench" terminal --scene ch2.nii.gz
+err_has '`bench terminal` has no option --scene; it belongs to '
 expect 2 "$bench" journal --quick
 err_has '`bench journal` has no option --quick; it belongs to '
 err_has 'it belongs to `bench paper`, `bench growth` and `bench keys`'

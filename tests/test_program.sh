@@ -102,7 +102,7 @@ done
 expect 0 "$iftty" help
 expect 0 "$iftty" help seed
 for wrong in "help nothing" "--nothing" "run" "run a b" "run --journal" "replay" "verify" "log" \
-    "a b" "--graphics loud run script" "-c" "bench liver"; do
+    "a b" "--graphics loud run script" "-c"; do
     # shellcheck disable=SC2086
     expect 2 "$iftty" $wrong </dev/null
     same "$(wc -l <err | tr -d ' ')" 1

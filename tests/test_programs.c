@@ -129,10 +129,6 @@ STORY(a_form_is_found_by_its_option_or_operand)
     CHECK_TEXT(name_of("log --script --anonymise a"), "iftty log --anonymise");
     CHECK_TEXT(name_of("verify --accept --bisect a"), "iftty verify --accept");
     CHECK_TEXT(o.accept, "--bisect");
-    CHECK_TEXT(name_of("bench terminal --json"), "iftty bench terminal");
-    CHECK_INT(o.words, 0);
-    CHECK_TEXT(name_of("bench brain"), "iftty bench");
-    CHECK_INT(o.words, 1);
 }
 
 STORY(a_value_may_follow_an_equals_sign)

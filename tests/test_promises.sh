@@ -83,8 +83,6 @@ END
     prints "info scene" 0 "$iftty" info s.nii --histogram
     prints "info journal" 0 "$iftty" info a.iftty
     prints "info" 0 "$iftty" info
-    prints "bench" 0 "$iftty" bench --scene s.nii
-    prints "bench terminal" 0 "$iftty" bench terminal
     cat >lines <<'END'
 {"id": 1, "do": "seed 5,10,8 1 radius=2"}
 {"id": 2, "do": "seed 20,3,3 0"}

@@ -111,17 +111,15 @@ static bool is_named(const struct program *program, const char *name)
     return name && program->name ? strcmp(program->name, name) == 0 : name == program->name;
 }
 
-/* What of a command line says which program is meant: its first two operands, and its options. */
+/* The parts of a command line that choose a program: its first operand, and its options. */
 struct hints {
-    const char *operand[2];
+    const char *operand;
     struct option_words words; /* at its beginning */
 };
 
-/* Whether the command line holds the option, or the second operand, that a form is called by. */
+/* True where the command line holds the option that a form is called by. */
 static bool gives_form(const struct hints *hints, const char *form)
 {
-    if (*form != '-')
-        return hints->operand[1] && strcmp(hints->operand[1], form) == 0;
     for (struct option_words w = hints->words; option_next(&w);)
         if (w.is_option && strcmp(w.name, form) == 0)
             return true;
@@ -174,7 +172,7 @@ void program_add_usage(struct buf *out, const struct program_table *table,
 {
     program_add_name(out, table, program);
     const char *value = NULL;
-    if (program->form && *program->form == '-')
+    if (program->form)
         value =
             table->option.row[option_find(&table->option, program->option, program->form)].value;
     if (value)
@@ -381,26 +379,24 @@ enum err program_read(const struct program_table *table, int count, char **word,
 {
     struct hints hints = {.words = {.table = &table->option, .word = word, .count = count}};
     const char *name = NULL;
-    int operands = 0;
-    for (struct option_words w = hints.words; operands < 2 && option_next(&w);)
+    for (struct option_words w = hints.words; !hints.operand && option_next(&w);)
         if (!w.is_option)
-            hints.operand[operands++] = w.text;
+            hints.operand = w.text;
     options->help = false;
     for (int i = 0; i < count && strcmp(word[i], "--") != 0; i++)
         options->help |= strcmp(word[i], "--help") == 0 || strcmp(word[i], "-h") == 0;
     for (unsigned i = 0; i < table->rows && !name; i++)
-        name = is_named(table->row + i, hints.operand[0]) ? hints.operand[0] : NULL;
+        name = is_named(table->row + i, hints.operand) ? hints.operand : NULL;
     const struct program *program = choose(table, name, &hints);
     options->program = program;
     if (options->help)
         return OK;
-    if (!program && hints.operand[0])
-        return fault_set(fault, ERR_USAGE, "there is no program %s; see `%s --help`",
-                         hints.operand[0], table->called);
+    if (!program && hints.operand)
+        return fault_set(fault, ERR_USAGE, "there is no program %s; see `%s --help`", hints.operand,
+                         table->called);
     if (!program)
         return fault_set(fault, ERR_USAGE, "name a program; see `%s --help`", table->called);
-    const bool is_operand = program->form && *program->form != '-';
-    enum err err = read_words(table, hints.words, (name != NULL) + is_operand, options, fault);
+    enum err err = read_words(table, hints.words, name != NULL, options, fault);
     return err ? err : check_operands(table, options, fault);
 }
 

@@ -7,7 +7,7 @@
  * A row says what the program is called, which operands and options it takes, what it does, and
  * which function that is. Usage, help, what is refused as bad usage, and the README's list come
  * from it. A program that does several things has a row for each, its forms: they share the name,
- * and an option or the first operand says which is meant. What a form ignored would be an option
+ * and an option says which is meant. What a form ignored would be an option
  * that it does not take, and that is refused.
  *
  * A new program is a row in program_table.c and its function in a file run_NAME.c.
@@ -88,7 +88,7 @@ enum { PROGRAM_OPTIONS_MOST = 26 };
 
 struct program {
     const char *name;  /* NULL: of a command line that names none */
-    const char *form;  /* "--bisect" or "terminal", which its command line holds; NULL: none */
+    const char *form;  /* "--bisect", which its command line holds; NULL: none */
     const char *words; /* operands, as in "JOURNAL...", and how many they are */
     int least, most;
     uint8_t option[PROGRAM_OPTIONS_MOST]; /* rows of the options' table, ended by 0 */

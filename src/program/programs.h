@@ -28,8 +28,6 @@ enum err run_log_anonymise(const struct options *options, struct fault *fault);
 enum err run_log_repair(const struct options *options, struct fault *fault);
 enum err run_show(const struct options *options, struct fault *fault);
 enum err run_info(const struct options *options, struct fault *fault);
-enum err run_bench_brain(const struct options *options, struct fault *fault);
-enum err run_bench_terminal(const struct options *options, struct fault *fault);
 enum err run_help(const struct options *options, struct fault *fault);
 
 #endif

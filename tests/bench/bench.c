@@ -12,7 +12,8 @@ enum {
     PLOTS,
     METHOD,
     PROGRAM,
-    BRUSH
+    BRUSH,
+    SCENE
 };
 
 #define FLAG(member) option_read_flag, offsetof(struct bench_options, member), 0, 0, NULL
@@ -32,10 +33,24 @@ static const struct option option[] = {
     [PROGRAM] = {"--program", "FILE", "time that iftty instead of this tree's", TEXT(program)},
     [BRUSH] = {"--brush", "N", "radius of balls at most N (3)", option_read_number,
                offsetof(struct bench_options, brush), 1, 128, NULL},
+    [SCENE] = {"--scene", "FILE", "measure on this scene", TEXT(common.scene)},
     [PLOTS] = {"--plots", "DIR", "charts as SVG, into this folder", TEXT(plots)},
 };
 
 static const struct program program[] = {
+    {.name = "brain",
+     .words = "",
+     .option = {SCENE, JSON},
+     .summary = "runs, edits, pictures and memory",
+     .detail = "On ch2, or on synth:geom where that is not there; or on the scene that is given.",
+     .run = run_brain},
+    {.name = "terminal",
+     .words = "",
+     .option = {JSON},
+     .summary = "pictures for terminals",
+     .detail = "Bytes and time of a picture, and of a part of it that changes, by every graphics "
+               "protocol.",
+     .run = run_terminal},
     {.name = "paper",
      .words = "[SCENE...]",
      .most = 24,

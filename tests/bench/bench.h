@@ -25,6 +25,8 @@ static inline const struct bench_options *bench_options(const struct options *co
     return (const struct bench_options *)(const void *)common;
 }
 
+enum err run_brain(const struct options *options, struct fault *fault);
+enum err run_terminal(const struct options *options, struct fault *fault);
 enum err run_paper(const struct options *options, struct fault *fault);
 enum err run_growth(const struct options *options, struct fault *fault);
 enum err run_render(const struct options *options, struct fault *fault);

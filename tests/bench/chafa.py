@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""chafa, another program that shows pictures in terminals, on those of `iftty bench terminal`:
+"""chafa, another program that shows pictures in terminals, on those of `bench terminal`:
 chafa.py [--json] BUILD; `make bench-chafa` runs it.
 
 iftty draws the pictures at the end of examples/brain.iftty (of geom.iftty where the scene ch2 is

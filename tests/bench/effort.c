@@ -9,7 +9,7 @@
 #include "base/file.h"
 #include "base/mem.h"
 #include "program/console.h"
-#include "program/times.h"
+#include "tests/bench/times.h"
 #include "tests/bench/effort_run.h"
 
 /* The first is the one that the others are compared with. */

@@ -11,7 +11,7 @@
 #include "command/execute.h"
 #include "engine/labels.h"
 #include "engine/overlap.h"
-#include "program/times.h"
+#include "tests/bench/times.h"
 #include "session/session.h"
 
 struct work {

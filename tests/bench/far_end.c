@@ -13,7 +13,7 @@
 
 #include "base/clock.h"
 #include "base/mem.h"
-#include "program/times.h"
+#include "tests/bench/times.h"
 
 enum {
     PACKET = 1400,

@@ -14,7 +14,7 @@
 #include "base/clock.h"
 #include "base/json.h"
 #include "base/mem.h"
-#include "program/times.h"
+#include "tests/bench/times.h"
 #include "program/console.h"
 #include "render/border.h"
 #include "session/session.h"

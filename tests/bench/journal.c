@@ -11,7 +11,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "command/golden_judge.h"
-#include "program/times.h"
+#include "tests/bench/times.h"
 #include "command/interpreter.h"
 #include "journal/journal.h"
 #include "journal/record.h"

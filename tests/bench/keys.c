@@ -32,7 +32,7 @@
 #include "base/json.h"
 #include "command/files.h"
 #include "command/interpreter.h"
-#include "program/times.h"
+#include "tests/bench/times.h"
 #include "tests/bench/far_end.h"
 
 enum { KEYS_MOST = 24, STARTS = 9, JOURNAL_MOST = 64 << 20, STORED_MOST = 1 << 20 };

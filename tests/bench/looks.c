@@ -11,7 +11,7 @@
 #include "base/json.h"
 #include "command/execute.h"
 #include "command/interpreter.h"
-#include "program/times.h"
+#include "tests/bench/times.h"
 #include "session/session_inside.h"
 
 /* "@x,y,z" stands for a place in percent of the scene's sides, so that it lies in the same solid at

@@ -15,7 +15,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/mem.h"
-#include "program/times.h"
+#include "tests/bench/times.h"
 #include "program/console.h"
 #include "command/execute.h"
 #include "command/interpreter.h"

@@ -7,7 +7,7 @@
 
 #include "base/clock.h"
 #include "base/mem.h"
-#include "program/times.h"
+#include "tests/bench/times.h"
 #include "render/incremental.h"
 #include "render/projection.h"
 #include "render/shade.h"

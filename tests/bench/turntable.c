@@ -11,7 +11,7 @@
 
 #include "base/clock.h"
 #include "base/file.h"
-#include "program/times.h"
+#include "tests/bench/times.h"
 
 /* The commands of a journal, and what comes after them. */
 static bool write_script(const char *path, const char *journal, const char *more)

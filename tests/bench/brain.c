@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * `iftty bench`: the whole way on the scene ch2 of Debian's mricron-data, or on synth:geom where
+ * `bench brain`: the whole way on the scene ch2 of Debian's mricron-data, or on synth:geom where
  * that is not there: run from scratch, single edits with their picture, full pictures, and memory.
  *
- * `iftty bench terminal`: what pictures cost on their way to a terminal, bytes and time. The
+ * `bench terminal`: what pictures cost on their way to a terminal, bytes and time. The
  * pictures are those at the end of examples/brain.iftty (of geom.iftty where the scene ch2 is not
  * here): its rendition of 512x512 pixels, a mosaic of 640x640, and patches of 40x40 that change in
  * the rendition, as an edit changes them: into what is seen a few pixels beside. The painter sends
@@ -26,15 +26,15 @@
 #include "command/resume.h"
 #include "engine/forest.h"
 #include "image/volume.h"
-#include "program/programs.h"
 #include "program/shown.h"
-#include "program/times.h"
 #include "render/border.h"
 #include "render/rendition.h"
 #include "session/session.h"
 #include "session/tally.h"
 #include "show/draw.h"
 #include "show/slicing.h"
+#include "tests/bench/bench.h"
+#include "tests/bench/times.h"
 #include "tui/picture/painter.h"
 
 /* ---- the whole way ---- */
@@ -481,12 +481,10 @@ static void print_json(struct way *way, const struct costs *costs)
     buf_release(&text);
 }
 
-enum err run_bench_brain(const struct options *o, struct fault *fault)
+enum err run_brain(const struct options *o, struct fault *fault)
 {
     struct interpreter interp;
     struct buf path = {0};
-    if (o->words && strcmp(o->word[0], "brain") != 0)
-        return fault_set(fault, ERR_USAGE, "bench: expected brain or terminal, not %s", o->word[0]);
     struct way *way = mem_new(sizeof *way);
     enum err err = interpreter_init(&interp, fault);
     if (!err && !way)
@@ -511,7 +509,7 @@ enum err run_bench_brain(const struct options *o, struct fault *fault)
     return err;
 }
 
-enum err run_bench_terminal(const struct options *o, struct fault *fault)
+enum err run_terminal(const struct options *o, struct fault *fault)
 {
     struct interpreter interp;
     struct buf journal = {0}, lines_of_it = {0};

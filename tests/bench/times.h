@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Times and what they come to, and the files that benchmarks measure on. */
-#ifndef PROGRAM_TIMES_H
-#define PROGRAM_TIMES_H
+#ifndef TESTS_BENCH_TIMES_H
+#define TESTS_BENCH_TIMES_H
 
 #include <stddef.h>
 #include <stdint.h>

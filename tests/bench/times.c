@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "program/times.h"
+#include "tests/bench/times.h"
 
 #include <stdlib.h>
 
