@@ -42,6 +42,24 @@ static void mend(uint8_t *bytes, size_t length)
     }
 }
 
+/* The notes alone are those that the whole has. */
+static void read_notes(const struct picture *whole, const uint8_t *bytes, size_t length)
+{
+    struct picture notes;
+    struct fault fault = {.text = ""};
+    const enum err err = png_read_notes(&notes, bytes, length, &fault);
+    HOLDS(!err || (fault.text[0] && !notes.attribute));
+    HOLDS(!strpbrk(fault.text, "\n\r\033"));
+    if (whole) {
+        HOLDS(!err && notes.attributes == whole->attributes);
+        for (size_t i = 0; i < whole->attributes; i++)
+            HOLDS(strcmp(notes.attribute[i].name, whole->attribute[i].name) == 0 &&
+                  strcmp(notes.attribute[i].value, whole->attribute[i].value) == 0);
+    }
+    if (!err)
+        picture_release(&notes);
+}
+
 static void read_one(const uint8_t *bytes, size_t length)
 {
     struct picture picture;
@@ -51,6 +69,7 @@ static void read_one(const uint8_t *bytes, size_t length)
     HOLDS(!strpbrk(fault.text, "\n\r\033"));
     for (size_t i = 0; !err && i < picture.attributes; i++)
         HOLDS(picture_find(&picture, picture.attribute[i].name) == picture.attribute[i].value);
+    read_notes(err ? NULL : &picture, bytes, length);
     if (!err) {
         read_again(&picture);
         picture_release(&picture);
