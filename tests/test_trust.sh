@@ -570,6 +570,8 @@ spin 36 turn%03d.png
 save labels axial.png replace=yes
 render miller.brown mode=sp
 render 19500401
+open DOE.JANE
+render jane.DOE
 later /home/brown/x
 EOS
 cat >unnamed <<'EOS'
@@ -585,7 +587,9 @@ spin 36 file-5-%03d.png
 save labels file-4.png replace=yes
 render file-6 mode=sp
 render file-7
-later file-8
+open scene
+render file-8
+later file-9
 EOS
 expect 0 "$iftty" log named --anonymise
 diff "$work/out" unnamed >"$work/both" || fail "$(cat "$work/both")"

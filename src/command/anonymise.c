@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "command/anonymise.h"
 
-#include <ctype.h>
 #include <string.h>
 
 #include "base/choice.h"
 #include "base/file.h"
 #include "base/scan.h"
 #include "command/command.h"
+#include "image/exr.h"
 #include "image/volume.h"
 #include "show/label_table.h"
 
@@ -30,24 +30,27 @@ static unsigned number_of(struct anonymiser *anonymiser, const char *name)
     return number;
 }
 
-/* ".nii.gz", ".png", "%03d.png"; "" where the ending might be a word. */
+/* Of files that are no volumes and no tables of labels. */
+#define OTHER_ENDINGS                                                                              \
+    ".png|.jpg|.jpeg|.tif|.tiff|.gif|.bmp|.webp|.csv|.tsv|.txt|.json|.html|.xml|.stl|.ply|.obj|"   \
+    ".vtp|.vtk|.img|.raw|.dcm|.mha|.mhd|.mnc|.h5|.hdf5|.ims|.mrc|.tfm|.mat|.iftty|" EXR_NAMES
+
+/* ".nii.gz", ".png", "%03d.png"; "" where the ending is of no format: it may be a person's name. */
 static const char *ending_of(const char *name)
 {
-    const char *dot = strrchr(name, '.'), *percent = strchr(name, '%');
+    const char *percent = strchr(name, '%');
     enum label_table_format format;
-    size_t n = 0;
-    if (label_table_ending(name, &format))
-        return label_table_ending(name, &format);
-    while (dot && isalnum((unsigned char)dot[1 + n]))
-        n++;
-    if (!dot || n > 4 || dot[1 + n] != '\0')
+    const char *ending = label_table_ending(name, &format);
+    if (!ending)
+        ending = volume_ending(name);
+    if (!ending)
+        ending = file_ending(name, OTHER_ENDINGS);
+    if (!ending)
         return "";
-    if (volume_ending(name))
-        return volume_ending(name);
-    if (percent && strspn(percent + 1, "0123456789") + 2 == (size_t)(dot - percent) &&
-        dot[-1] == 'd')
-        return percent;
-    return dot;
+    return percent && strspn(percent + 1, "0123456789") + 2 == (size_t)(ending - percent) &&
+                   ending[-1] == 'd'
+               ? percent
+               : ending;
 }
 
 static void add_name(struct anonymiser *anonymiser, struct buf *out, const char *name,
