@@ -47,31 +47,6 @@ static void print_sample(char out[64], const struct golden_planes *planes, enum 
         snprintf(out, 64, "%" PRIu32, bits);
 }
 
-/* Whether a pixel differs in any plane; counts it, and notes the first. */
-static bool compare_pixel(struct golden_difference *out, const struct golden_planes *expected,
-                          const struct golden_planes *actual, size_t pixel)
-{
-    bool differs = false;
-    for (enum golden_plane plane = 0; plane < GOLDEN_PLANES; plane++) {
-        const uint8_t *a = sample(expected, plane, pixel), *b = sample(actual, plane, pixel);
-        if (!a || memcmp(a, b, 4) == 0)
-            continue;
-        if (out->pixels == 0 && !differs) {
-            out->column = (uint32_t)(pixel % expected->width);
-            out->row = (uint32_t)(pixel / expected->width);
-            out->plane = plane;
-            print_sample(out->expected, expected, plane, pixel);
-            print_sample(out->actual, actual, plane, pixel);
-            out->expected_voxel = voxel_at(expected, pixel);
-            out->actual_voxel = voxel_at(actual, pixel);
-        }
-        out->pixels_of[plane]++;
-        differs = true;
-    }
-    out->pixels += differs;
-    return differs;
-}
-
 enum err golden_compare(const struct golden_planes *expected, const struct golden_planes *actual,
                         struct golden_difference *out, struct fault *fault)
 {
@@ -100,7 +75,26 @@ enum err golden_compare(const struct golden_planes *expected, const struct golde
         const unsigned grey = rgba ? (77u * rgba[0] + 150u * rgba[1] + 29u * rgba[2]) / 256 / 3 : 0;
         uint8_t *pixel = out->image + 4 * i;
         memset(pixel, (int)grey, 3);
-        if (compare_pixel(out, expected, actual, i))
+        /* Compare the pixel in all planes; describe the first that differs. */
+        bool differs = false;
+        for (enum golden_plane plane = 0; plane < GOLDEN_PLANES; plane++) {
+            const uint8_t *a = sample(expected, plane, i), *b = sample(actual, plane, i);
+            if (!a || memcmp(a, b, 4) == 0)
+                continue;
+            if (out->pixels == 0 && !differs) {
+                out->column = (uint32_t)(i % expected->width);
+                out->row = (uint32_t)(i / expected->width);
+                out->plane = plane;
+                print_sample(out->expected, expected, plane, i);
+                print_sample(out->actual, actual, plane, i);
+                out->expected_voxel = voxel_at(expected, i);
+                out->actual_voxel = voxel_at(actual, i);
+            }
+            out->pixels_of[plane]++;
+            differs = true;
+        }
+        out->pixels += differs;
+        if (differs)
             memcpy(pixel, (uint8_t[]){255, 32, 32}, 3);
         pixel[3] = 255;
     }

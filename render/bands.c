@@ -30,21 +30,6 @@ static uint32_t round_up(uint32_t rows, uint32_t unit)
     return (rows + unit - 1) / unit * unit;
 }
 
-static struct drawing drawing_of(struct rendition *out, const struct bands *bands)
-{
-    const uint32_t samples = bands->look->samples;
-    struct drawing d = {.bands = bands, .out = out, .is_reduced = out || samples > 1};
-    d.team = bands->project == project_border ? bands->shader->team : NULL;
-    d.reach = round_up((uint32_t)shade_reach(bands->look, bands->camera).pixels, TILE);
-    uint32_t high = SAMPLES_HIGH;
-    if (SAMPLES_A_BAND / bands->camera->view.width < high)
-        high = SAMPLES_LEAST_HIGH;
-    if (bands->rows)
-        high = bands->rows * samples;
-    d.most = round_up(high, TILE) / samples * samples;
-    return d;
-}
-
 /* Rows of samples, but for their edges; the thread's until it draws others. */
 static struct rendition draw_rows(const struct drawing *d, uint32_t top, uint32_t height,
                                   struct room *room)
@@ -88,23 +73,6 @@ static struct rendition draw_with_edges(const struct drawing *d, uint32_t top, u
     return band;
 }
 
-/* The band of `height` rows of samples from row `top` on. */
-static void draw_band(struct drawing *d, uint32_t top, uint32_t height, struct room *room)
-{
-    const struct bands *bands = d->bands;
-    const uint32_t samples = bands->look->samples;
-    struct rendition fine =
-        d->reach ? draw_with_edges(d, top, height, room) : draw_rows(d, top, height, room);
-    struct rendition pixels = fine;
-    if (d->is_reduced) {
-        pixels = d->out ? rendition_rows(d->out, top / samples, height / samples)
-                        : rendition_rows(&room->pixels, 0, height / samples);
-        rendition_reduce(&pixels, &fine, samples, NULL);
-    }
-    if (bands->take)
-        bands->take(bands->context, &pixels, top / samples);
-}
-
 /* Bands in turn, or where rows around are kept, those of a part of the picture. */
 static void draw_share(void *context, unsigned thread)
 {
@@ -118,7 +86,19 @@ static void draw_share(void *context, unsigned thread)
     for (size_t i = part.first; i < part.end; i += d->reach ? 1 : team_size(d->team)) {
         const uint32_t top = (uint32_t)i * d->most, rest = view->height - top;
         const uint32_t height = rest < d->most ? rest : d->most;
-        draw_band(d, top, height, &d->room[thread]);
+        /* Draw the band of `height` rows of samples from row `top` on. */
+        const struct bands *bands = d->bands;
+        const uint32_t samples = bands->look->samples;
+        struct rendition fine = d->reach ? draw_with_edges(d, top, height, &d->room[thread])
+                                         : draw_rows(d, top, height, &d->room[thread]);
+        struct rendition pixels = fine;
+        if (d->is_reduced) {
+            pixels = d->out ? rendition_rows(d->out, top / samples, height / samples)
+                            : rendition_rows(&d->room[thread].pixels, 0, height / samples);
+            rendition_reduce(&pixels, &fine, samples, NULL);
+        }
+        if (bands->take)
+            bands->take(bands->context, &pixels, top / samples);
         if (!task_advance(&task, (uint64_t)height * view->width))
             return;
     }
@@ -146,7 +126,16 @@ static enum err make_room(struct drawing *d, struct fault *fault)
 
 enum err bands_draw(struct rendition *out, const struct bands *bands, struct fault *fault)
 {
-    struct drawing d = drawing_of(out, bands);
+    const uint32_t samples = bands->look->samples;
+    struct drawing d = {.bands = bands, .out = out, .is_reduced = out || samples > 1};
+    d.team = bands->project == project_border ? bands->shader->team : NULL;
+    d.reach = round_up((uint32_t)shade_reach(bands->look, bands->camera).pixels, TILE);
+    uint32_t high = SAMPLES_HIGH;
+    if (SAMPLES_A_BAND / bands->camera->view.width < high)
+        high = SAMPLES_LEAST_HIGH;
+    if (bands->rows)
+        high = bands->rows * samples;
+    d.most = round_up(high, TILE) / samples * samples;
     const enum err err = make_room(&d, fault);
     if (!err)
         team_run(d.team, draw_share, &d);

@@ -95,9 +95,32 @@ static inline uint8_t *block_of(const struct border *border, struct place p)
     return border->occupied + (z * blocks_along(border, 1) + y) * blocks_along(border, 0) + x;
 }
 
-/* Of shown voxels as they are. */
-static void find_blocks(struct border *border)
+/* ---- recounts ---- */
+
+void border_recount(struct border *border)
 {
+    const uint64_t cells = border->scene->grid.cells;
+    struct task task = task_begin(border->scene->watch, "border", 2 * cells);
+    /* border->border is recomputed below. Until then it holds the voxels to be shown before the
+     * cut, so that only words that differ after the cut count as changed. */
+    uint64_t *next = border->border;
+    if (!find_visible(border, next, &task))
+        return;
+    border->version++;
+    if (!cut_clear(&border->cut, border->scene, next))
+        return;
+    /* Note the version of each word that differs. */
+    for (size_t w = 0; w + 1 < border->words && task_advance(&task, 8); w++) {
+        if (next[w] != border->shown[w])
+            border->changed[w] = border->version;
+        border->shown[w] = next[w];
+    }
+
+    if (!task_advance(&task, 0))
+        return;
+    for (size_t w = 0; w + 1 < border->words && task_advance(&task, 64); w++)
+        border->border[w] = edge_word(border, border->shown, w);
+    /* Recompute which blocks have a shown voxel. */
     const struct grid *grid = &border->scene->grid;
     memset(border->occupied, 0, blocks_in(border));
     for (uint32_t z = 0; z < grid->size[2]; z++)
@@ -108,50 +131,6 @@ static void find_blocks(struct border *border)
                 *block++ |=
                     (border_shown_from(border, (ptrdiff_t)(first + x)) & ((1 << BLOCK) - 1)) != 0;
         }
-}
-
-/* A voxel is shown from now on. */
-static void add_block(struct border *border, uint32_t cell)
-{
-    *block_of(border, grid_place(&border->scene->grid, cell)) = true;
-}
-
-/* ---- recounts ---- */
-
-/* Words that end up different count as changed. */
-static void take_words(struct border *border, uint64_t *set, const uint64_t *next,
-                       struct task *task)
-{
-    for (size_t w = 0; w + 1 < border->words && task_advance(task, 8); w++) {
-        if (next[w] != set[w])
-            border->changed[w] = border->version;
-        set[w] = next[w];
-    }
-}
-
-/* False where the watch has stopped it. `border`, which is made anew afterwards, holds what is to
- * be shown until the cut is made, so that only words that end up different count as changed. */
-static bool count_shown(struct border *border, struct task *task)
-{
-    uint64_t *next = border->border;
-    if (!find_visible(border, next, task))
-        return false;
-    border->version++;
-    if (!cut_clear(&border->cut, border->scene, next))
-        return false;
-    take_words(border, border->shown, next, task);
-    return task_advance(task, 0);
-}
-
-void border_recount(struct border *border)
-{
-    const uint64_t cells = border->scene->grid.cells;
-    struct task task = task_begin(border->scene->watch, "border", 2 * cells);
-    if (!count_shown(border, &task))
-        return;
-    for (size_t w = 0; w + 1 < border->words && task_advance(&task, 64); w++)
-        border->border[w] = edge_word(border, border->shown, w);
-    find_blocks(border);
 }
 
 /* ---- updates ---- */
@@ -165,17 +144,6 @@ static inline void mark(struct border *border, uint32_t cell)
         return;
     border->marked[w >> 6] |= bit;
     border->stale[border->stales++] = w;
-}
-
-/* Makes the words anew that are noted. */
-static void follow_marks(struct border *border, struct task *task)
-{
-    while (border->stales > 0) {
-        const uint32_t w = border->stale[--border->stales];
-        border->marked[w >> 6] &= ~(UINT64_C(1) << (w & 63));
-        border->border[w] = edge_word(border, border->shown, w);
-        task_advance(task, 1);
-    }
 }
 
 /* Voxels that change sides lie close together, and many of them share a word. */
@@ -198,15 +166,21 @@ void border_update(struct border *border, const struct changes *changes)
             continue;
         border->shown[at >> 6] ^= UINT64_C(1) << (at & 63);
         border->changed[at >> 6] = border->version;
-        if (border_shows(border, at))
-            add_block(border, at);
+        if (border_shows(border, at)) /* the voxel has become visible */
+            *block_of(border, grid_place(&border->scene->grid, at)) = true;
         for (int a = 0; a < 3; a++) {
             mark(border, at - (uint32_t)step[a]);
             mark(border, at + (uint32_t)step[a]);
         }
         mark(border, at);
     }
-    follow_marks(border, &task);
+    /* Recompute the words that are marked. */
+    while (border->stales > 0) {
+        const uint32_t w = border->stale[--border->stales];
+        border->marked[w >> 6] &= ~(UINT64_C(1) << (w & 63));
+        border->border[w] = edge_word(border, border->shown, w);
+        task_advance(&task, 1);
+    }
 }
 
 bool border_is_translucent(const struct border *border)

@@ -112,21 +112,6 @@ static void clear_bits(uint64_t *bits, uint64_t first, uint64_t end)
     }
 }
 
-static void clear_row(const struct cut *cut, const struct grid *grid, uint64_t *bits, uint32_t y,
-                      uint32_t z)
-{
-    const struct span row = grid_row(grid, y, z);
-    const struct stretch left = left_of_row(cut, grid, y, z);
-    clear_bits(bits, row.first, row.first + (uint64_t)left.first);
-    clear_bits(bits, row.first + (uint64_t)left.end, row.end);
-    for (uint32_t i = 0; i < cut->boxes; i++) {
-        const struct cut_box *box = &cut->box[i];
-        if (y >= box->first[1] && y <= box->last[1] && z >= box->first[2] && z <= box->last[2])
-            clear_bits(bits, row.first + (uint64_t)box->first[0],
-                       row.first + (uint64_t)box->last[0] + 1);
-    }
-}
-
 bool cut_clear(const struct cut *cut, const struct scene *scene, uint64_t *bits)
 {
     const struct grid *grid = &scene->grid;
@@ -137,7 +122,17 @@ bool cut_clear(const struct cut *cut, const struct scene *scene, uint64_t *bits)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             if (!task_advance(&task, grid->size[0]))
                 return false;
-            clear_row(cut, grid, bits, y, z);
+            const struct span row = grid_row(grid, y, z);
+            const struct stretch left = left_of_row(cut, grid, y, z);
+            clear_bits(bits, row.first, row.first + (uint64_t)left.first);
+            clear_bits(bits, row.first + (uint64_t)left.end, row.end);
+            for (uint32_t i = 0; i < cut->boxes; i++) {
+                const struct cut_box *box = &cut->box[i];
+                if (y >= box->first[1] && y <= box->last[1] && z >= box->first[2] &&
+                    z <= box->last[2])
+                    clear_bits(bits, row.first + (uint64_t)box->first[0],
+                               row.first + (uint64_t)box->last[0] + 1);
+            }
         }
     return true;
 }

@@ -104,20 +104,6 @@ static void place_stems(struct stems *s)
     s->count = kept;
 }
 
-static void find_stems(struct stems *s, const struct face_point *point, size_t count, uint32_t tall,
-                       int32_t part)
-{
-    s->count = 0;
-    for (size_t i = 0, begin = 0; i < count && tall <= STEMS_TALL_MOST; i++) {
-        begin = point[i].begins ? i : begin;
-        const struct face_point *next =
-            &point[i + 1 < count && !point[i + 1].begins ? i + 1 : begin];
-        if (next->x == point[i].x && abs(next->y - point[i].y) >= STEM_LEAST)
-            add_edge(s, (int32_t)glyph_scaled(next->x, tall) + part, next->y > point[i].y);
-    }
-    place_stems(s);
-}
-
 /* Moved with the stem that it belongs to, and in between as it lies between them. */
 static int32_t place_by_stems(const struct stems *s, int32_t x)
 {
@@ -186,7 +172,15 @@ void glyph_make(struct glyph *g, unsigned outline, uint32_t tall, int64_t left, 
     g->least = (struct spot){INT32_MAX, INT32_MAX};
     g->most = (struct spot){INT32_MIN, INT32_MIN};
     const int32_t part = (int32_t)(left - g->column * ONE);
-    find_stems(&stems, point, count, tall, part);
+    stems.count = 0;
+    for (size_t i = 0, begin = 0; i < count && tall <= STEMS_TALL_MOST; i++) {
+        begin = point[i].begins ? i : begin;
+        const struct face_point *next =
+            &point[i + 1 < count && !point[i + 1].begins ? i + 1 : begin];
+        if (next->x == point[i].x && abs(next->y - point[i].y) >= STEM_LEAST)
+            add_edge(&stems, (int32_t)glyph_scaled(next->x, tall) + part, next->y > point[i].y);
+    }
+    place_stems(&stems);
     for (const struct face_point *p = point; p < point + count; p++) {
         const int32_t x = (int32_t)glyph_scaled(p->x, tall) + part;
         const struct spot next = {place_by_stems(&stems, x), -(int32_t)height_of(p->y, tall)};

@@ -159,18 +159,6 @@ static inline size_t pixel_at(const struct blend *blend, const struct rendition 
     return y * r->width + x;
 }
 
-/* Rows of a tile lie far from each other, in as many planes as there are layers: they are asked for
- * all at once, which takes 8 % off shading. */
-static void fetch(const struct layers *l, struct tile_bounds tile)
-{
-    for (uint32_t y = tile.top; y < tile.bottom; y++)
-        for (uint32_t x = tile.left; x < tile.right; x++) {
-            const size_t pixel = (size_t)y * l->width + x;
-            for (unsigned k = 0; k < l->count[pixel]; k++)
-                __builtin_prefetch(&l->layer[k * l->plane + pixel]);
-        }
-}
-
 static void next_pixel(struct blend *blend)
 {
     const uint32_t width = blend->tile.right - blend->tile.left;
@@ -190,7 +178,14 @@ void blend_begin(struct blend *blend, const struct rendition *r, const struct bo
     blend->at = UINT_MAX;
     next_pixel(blend);
     memset(blend->sum, 0, sizeof blend->sum);
-    fetch(r->layers, tile);
+    /* Prefetch all rows of the tile at once: they are far apart in memory, in one plane per layer.
+     * This saves 8 % of shading. */
+    for (uint32_t y = tile.top; y < tile.bottom; y++)
+        for (uint32_t x = tile.left; x < tile.right; x++) {
+            const size_t pixel = (size_t)y * r->layers->width + x;
+            for (unsigned k = 0; k < r->layers->count[pixel]; k++)
+                __builtin_prefetch(&r->layers->layer[k * r->layers->plane + pixel]);
+        }
 }
 
 bool blend_take(struct blend *blend, struct rendition *r, struct tile_pixels *p)

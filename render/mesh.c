@@ -235,40 +235,11 @@ struct assembly {
     uint32_t sources;
 };
 
-static void release_assembly(struct assembly *a)
-{
-    for (size_t i = 0; i < a->parts; i++) {
-        net_release(&a->part[i].net);
-        free(a->part[i].order);
-    }
-    free(a->part);
-    free(a->quad);
-    free(a->vertex);
-    free(a->local);
-    free(a->of);
-}
-
 static uint32_t brick_of(const struct net_quad *q)
 {
     const uint32_t brick[3] = {(uint32_t)q->voxel[0] / MESH_SIDE, (uint32_t)q->voxel[1] / MESH_SIDE,
                                (uint32_t)q->voxel[2] / MESH_SIDE};
     return brick_in(brick);
-}
-
-/* Shares out a net's quads to the bricks of a region. */
-static bool share_out(struct part *p)
-{
-    p->order = mem_array(p->net.quads, sizeof *p->order);
-    if (!p->order)
-        return false;
-    memset(p->first, 0, sizeof p->first);
-    for (uint32_t q = 0; q < p->net.quads; q++)
-        p->first[brick_of(&p->net.quad[q]) + 2]++;
-    for (uint32_t b = 2; b < BRICKS + 2; b++)
-        p->first[b] += p->first[b - 1];
-    for (uint32_t q = 0; q < p->net.quads; q++)
-        p->order[p->first[brick_of(&p->net.quad[q]) + 1]++] = q;
-    return true;
 }
 
 /* The number in the new brick of a vertex, which may be seen for the first time. */
@@ -308,32 +279,6 @@ static void take_quad(struct assembly *a, const struct net *net, const struct ne
                             (uint16_t)mesh_key(voxel, from->face),
                             from->label,
                             from->is_closed};
-}
-
-static bool lies_in(const struct mesh_box *box, const uint32_t first[3], unsigned key)
-{
-    const struct place v = mesh_voxel(first, key);
-    return v.x >= box->first[0] && v.x < box->end[0] && v.y >= box->first[1] && v.y < box->end[1] &&
-           v.z >= box->first[2] && v.z < box->end[2];
-}
-
-/* Those of the quads that were there of which the voxels lie outside the box. */
-static void take_former(struct assembly *a, const struct mesh_brick *former,
-                        const struct mesh_box *box, const uint32_t first[3])
-{
-    for (uint32_t i = 0; i < former->quads; i++) {
-        if (lies_in(box, first, former->quad[i].key))
-            continue;
-        struct mesh_quad *q = &a->quad[a->quads++];
-        *q = former->quad[i];
-        for (int k = 0; k < 4; k++) {
-            bool is_new;
-            const uint16_t was = q->corner[k];
-            q->corner[k] = take_vertex(a, was, &is_new);
-            if (is_new)
-                a->vertex[q->corner[k]] = former->vertex[was];
-        }
-    }
 }
 
 /* What was taken, in the order of keys. */
@@ -383,7 +328,23 @@ static bool make_brick(struct assembly *a, const struct mesh *mesh, struct regio
     a->quads = a->vertices = 0;
     if (former) {
         a->sources++;
-        take_former(a, former, &r->box, first);
+        /* Keep the former quads whose voxels are outside the box. */
+        for (uint32_t i = 0; i < former->quads; i++) {
+            const unsigned key = former->quad[i].key;
+            const struct place v = mesh_voxel(first, key);
+            if (v.x >= r->box.first[0] && v.x < r->box.end[0] && v.y >= r->box.first[1] &&
+                v.y < r->box.end[1] && v.z >= r->box.first[2] && v.z < r->box.end[2])
+                continue;
+            struct mesh_quad *q = &a->quad[a->quads++];
+            *q = former->quad[i];
+            for (int k = 0; k < 4; k++) {
+                bool is_new;
+                const uint16_t was = q->corner[k];
+                q->corner[k] = take_vertex(a, was, &is_new);
+                if (is_new)
+                    a->vertex[q->corner[k]] = former->vertex[was];
+            }
+        }
     }
     for (const struct part *p = a->part; p < a->part + a->parts; p++) {
         a->sources++;
@@ -448,8 +409,17 @@ static bool make_nets(struct assembly *a, const struct mesh *mesh, const struct 
         if (net_make(&p->net, &source, e->first, size, NULL))
             return false;
         a->parts++;
-        if (!share_out(p))
+        /* Sort the net's quads by brick of the region. */
+        p->order = mem_array(p->net.quads, sizeof *p->order);
+        if (!p->order)
             return false;
+        memset(p->first, 0, sizeof p->first);
+        for (uint32_t q = 0; q < p->net.quads; q++)
+            p->first[brick_of(&p->net.quad[q]) + 2]++;
+        for (uint32_t b = 2; b < BRICKS + 2; b++)
+            p->first[b] += p->first[b - 1];
+        for (uint32_t q = 0; q < p->net.quads; q++)
+            p->order[p->first[brick_of(&p->net.quad[q]) + 1]++] = q;
     }
     return true;
 }
@@ -458,7 +428,15 @@ static void make_region(const struct mesh *mesh, struct region *r, struct net_sc
 {
     struct assembly a = {.parts = 0};
     r->is_short = !make_nets(&a, mesh, r, scratch) || !make_bricks(&a, mesh, r);
-    release_assembly(&a);
+    for (size_t i = 0; i < a.parts; i++) {
+        net_release(&a.part[i].net);
+        free(a.part[i].order);
+    }
+    free(a.part);
+    free(a.quad);
+    free(a.vertex);
+    free(a.local);
+    free(a.of);
 }
 
 /* ---- what is stale ---- */
@@ -466,11 +444,6 @@ static void make_region(const struct mesh *mesh, struct region *r, struct net_sc
 static uint32_t regions_along(const struct mesh *mesh, int a)
 {
     return (mesh->size[a] - 1) / REGION_BRICKS + 1;
-}
-
-static struct mesh_box *box_of(struct mesh *mesh, uint32_t x, uint32_t y, uint32_t z)
-{
-    return &mesh->stale[((size_t)z * regions_along(mesh, 1) + y) * regions_along(mesh, 0) + x];
 }
 
 static bool is_none(const struct mesh_box *box)
@@ -492,7 +465,9 @@ static void mark(struct mesh *mesh, const uint32_t first[3], const uint32_t last
             for (uint32_t x = all.first[0] >> REGION_BITS; x <= (all.end[0] - 1) >> REGION_BITS;
                  x++) {
                 const uint32_t at[3] = {x, y, z};
-                struct mesh_box *box = box_of(mesh, x, y, z);
+                struct mesh_box *box =
+                    &mesh->stale[((size_t)z * regions_along(mesh, 1) + y) * regions_along(mesh, 0) +
+                                 x];
                 const bool is_new = is_none(box);
                 for (int a = 0; a < 3; a++) {
                     const uint32_t from = at[a] << REGION_BITS, to = (at[a] + 1) << REGION_BITS;
@@ -595,15 +570,6 @@ static bool is_other(const struct mesh *mesh, const struct border *border, enum 
            (mesh->is_lost && (is_cut || has_walls(mesh)));
 }
 
-static void take_after(struct mesh *mesh, const struct border *border, enum mesh_kind kind)
-{
-    mesh->kind = kind;
-    memcpy(mesh->opacity, border->opacity, sizeof mesh->opacity);
-    memcpy(mesh->visible, border->visible, sizeof mesh->visible);
-    mesh->is_cut = !cut_is_none(&border->cut);
-    mesh->version = border->version;
-}
-
 static enum err begin(struct mesh *mesh, const struct border *border, struct fault *fault)
 {
     const struct grid *grid = &border->scene->grid;
@@ -637,9 +603,14 @@ struct updating {
     struct team *team;
 };
 
-/* Whether there is something to be made of a region, or to be taken away: the bricks of its box. */
-static bool find_region(struct mesh *mesh, struct region *r)
+static bool add_region(struct updating *u, size_t *capacity, const struct mesh_box *box)
 {
+    if (!mem_grow(&u->region, capacity, u->regions + 1, sizeof *u->region))
+        return false;
+    memset(&u->region[u->regions], 0, sizeof *u->region);
+    u->region[u->regions].box = *box;
+    /* Count the region only if a brick of its box is to be built or removed. */
+    struct region *r = &u->region[u->regions];
     bool is_any = false;
     for (int a = 0; a < 3; a++) {
         r->first[a] = r->box.first[a] / MESH_SIDE;
@@ -648,19 +619,10 @@ static bool find_region(struct mesh *mesh, struct region *r)
     for (uint32_t z = r->first[2]; z < r->end[2]; z++)
         for (uint32_t y = r->first[1]; y < r->end[1]; y++)
             for (uint32_t x = r->first[0]; x < r->end[0]; x++) {
-                const uint32_t number = number_of(mesh, (const uint32_t[]){x, y, z});
-                is_any = is_any || mesh->border->occupied[number] || mesh->brick[number];
+                const uint32_t number = number_of(u->mesh, (const uint32_t[]){x, y, z});
+                is_any = is_any || u->mesh->border->occupied[number] || u->mesh->brick[number];
             }
-    return is_any;
-}
-
-static bool add_region(struct updating *u, size_t *capacity, const struct mesh_box *box)
-{
-    if (!mem_grow(&u->region, capacity, u->regions + 1, sizeof *u->region))
-        return false;
-    memset(&u->region[u->regions], 0, sizeof *u->region);
-    u->region[u->regions].box = *box;
-    u->regions += find_region(u->mesh, &u->region[u->regions]);
+    u->regions += is_any;
     return true;
 }
 
@@ -702,16 +664,6 @@ static void make_share(void *context, unsigned thread)
     }
 }
 
-/* What a scene of noise has taken would be several times all else that is known of it. */
-static void give_back(struct mesh *mesh)
-{
-    for (int i = 0; i < TEAM_MOST; i++)
-        if (net_scratch_bytes(mesh->scratch[i]) > MESH_SCRATCH_MOST) {
-            net_scratch_free(mesh->scratch[i]);
-            mesh->scratch[i] = NULL;
-        }
-}
-
 static void take_region(struct mesh *mesh, struct region *r, const struct mesh_listener *listener)
 {
     for (uint32_t z = r->first[2]; z < r->end[2]; z++)
@@ -748,7 +700,11 @@ enum err mesh_update(struct mesh *mesh, const struct border *border, enum mesh_k
     if (err || (!mesh->is_stale && mesh->version == border->version))
         return err;
     struct mesh former = *mesh;
-    take_after(mesh, border, kind);
+    mesh->kind = kind;
+    memcpy(mesh->opacity, border->opacity, sizeof mesh->opacity);
+    memcpy(mesh->visible, border->visible, sizeof mesh->visible);
+    mesh->is_cut = !cut_is_none(&border->cut);
+    mesh->version = border->version;
     if (!find_regions(&u))
         err = fault_memory(fault, "a surface");
     u.team = u.regions > 1 ? team : NULL;
@@ -765,7 +721,13 @@ enum err mesh_update(struct mesh *mesh, const struct border *border, enum mesh_k
         for (size_t b = 0; b < sizeof u.region[i].brick / sizeof *u.region[i].brick; b++)
             free_brick(u.region[i].brick[b]);
     }
-    give_back(mesh);
+    /* Free large scratch memory: for a scene of noise it would be several times all other memory.
+     * */
+    for (int i = 0; i < TEAM_MOST; i++)
+        if (net_scratch_bytes(mesh->scratch[i]) > MESH_SCRATCH_MOST) {
+            net_scratch_free(mesh->scratch[i]);
+            mesh->scratch[i] = NULL;
+        }
     memcpy(former.scratch, mesh->scratch, sizeof former.scratch);
     if (err)
         *mesh = former;

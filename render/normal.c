@@ -64,9 +64,16 @@ static inline void shift_left(struct parts *parts, int bits)
     }
 }
 
-/* The longest of the three parts comes to take 31 bits, of which the first VECTOR_BITS are left. */
-static inline void take_bits(struct directions *v, const struct gradients *gradients)
+static inline uint32_t times(uint32_t a, uint32_t b, int shift)
 {
+    return (uint32_t)((uint64_t)a * b >> shift);
+}
+
+WIDE void normalise_all(struct directions *directions, const struct gradients *gradients)
+{
+    struct directions v;
+    uint32_t squares[NORMALISED], root[NORMALISED];
+    /* Scale each vector so that its longest component has 31 bits; keep the first VECTOR_BITS. */
     struct parts parts;
     for (int i = 0; i < NORMALISED; i++) {
         parts.all[i] = 0;
@@ -82,17 +89,12 @@ static inline void take_bits(struct directions *v, const struct gradients *gradi
     shift_left(&parts, 1);
     for (int a = 0; a < 3; a++)
         for (int i = 0; i < NORMALISED; i++)
-            v->along[a][i] = (int16_t)(parts.along[a][i] >> (31 - VECTOR_BITS));
-}
-
-static inline uint32_t times(uint32_t a, uint32_t b, int shift)
-{
-    return (uint32_t)((uint64_t)a * b >> shift);
-}
-
-/* As inverse_root. */
-static inline void find_roots(uint32_t root[NORMALISED], const uint32_t squares[NORMALISED])
-{
+            v.along[a][i] = (int16_t)(parts.along[a][i] >> (31 - VECTOR_BITS));
+    for (int i = 0; i < NORMALISED; i++)
+        squares[i] = (uint32_t)(v.along[0][i] * v.along[0][i]) +
+                     (uint32_t)(v.along[1][i] * v.along[1][i]) +
+                     (uint32_t)(v.along[2][i] * v.along[2][i]);
+    /* Compute the roots as inverse_root does. */
     const uint32_t one = UINT32_C(1) << 30;
     for (int i = 0; i < NORMALISED; i++) {
         const uint32_t doubled = squares[i] >> 30 ? 0 : UINT32_MAX;
@@ -104,18 +106,6 @@ static inline void find_roots(uint32_t root[NORMALISED], const uint32_t squares[
         r = times(r, 3 * one - times(x, times(r, r, 30), 30), 31);
         root[i] = chosen(doubled, r << 1, r);
     }
-}
-
-WIDE void normalise_all(struct directions *directions, const struct gradients *gradients)
-{
-    struct directions v;
-    uint32_t squares[NORMALISED], root[NORMALISED];
-    take_bits(&v, gradients);
-    for (int i = 0; i < NORMALISED; i++)
-        squares[i] = (uint32_t)(v.along[0][i] * v.along[0][i]) +
-                     (uint32_t)(v.along[1][i] * v.along[1][i]) +
-                     (uint32_t)(v.along[2][i] * v.along[2][i]);
-    find_roots(root, squares);
     /* A product of 47 bits, by halves of the root. */
     for (int a = 0; a < 3; a++)
         for (int i = 0; i < NORMALISED; i++) {

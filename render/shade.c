@@ -90,20 +90,6 @@ static void shading_init(struct shading *s, const struct camera *camera, const s
     s->has_pixels = look->samples > 1 && normal_stride(camera) >= look->samples;
 }
 
-/* The scene where it was cut open: as bright from every side, so that it reads like a slice. */
-static void shade_cut_face(uint8_t rgba[4], const struct shading *s, uint32_t cell,
-                           const uint8_t colour[3], int64_t cue)
-{
-    const int64_t width = (int64_t)s->window[1] - s->window[0];
-    const int64_t above = (int64_t)s->camera->scene->cell[cell].intensity - s->window[0];
-    const int64_t share = width ? above * 255 / width : 0;
-    const int64_t grey = share < 0 ? 0 : share > 255 ? 255 : share;
-    uint8_t tinted[3];
-    for (int k = 0; k < 3; k++)
-        tinted[k] = (uint8_t)((3 * grey + colour[k] + 2) / 4);
-    light_flat(rgba, tinted, cue);
-}
-
 /* Whether the neighbour beyond a closed face, counted from 1, was cut away; else the scene ends. */
 static bool is_cut_open(const struct shading *s, uint32_t cell, unsigned open)
 {
@@ -119,13 +105,6 @@ struct tile_shading {
     struct directions normals; /* of these pixels, */
     struct lit lit;            /* and their colours */
 };
-
-static void shade_begin(struct tile_shading *t, const struct shading *s)
-{
-    t->s = s;
-    triangles_init(&t->triangles);
-    memset(&t->lit, 0, sizeof t->lit);
-}
 
 static void shade_pixels(struct tile_shading *t)
 {
@@ -150,7 +129,18 @@ static void shade_pixels(struct tile_shading *t)
         uint8_t rgba[4];
         if (!open[i] || !is_cut_open(s, p->cell[i], open[i]))
             continue;
-        shade_cut_face(rgba, s, p->cell[i], s->palette->rgb[p->label[i]], lit->cue[i]);
+        /* Shade the cut face of the scene equally from every side, so that it reads like a slice.
+         * */
+        const uint32_t cell = p->cell[i];
+        const int64_t cue = lit->cue[i];
+        const int64_t width = (int64_t)s->window[1] - s->window[0];
+        const int64_t above = (int64_t)s->camera->scene->cell[cell].intensity - s->window[0];
+        const int64_t share = width ? above * 255 / width : 0;
+        const int64_t grey = share < 0 ? 0 : share > 255 ? 255 : share;
+        uint8_t tinted[3];
+        for (int k = 0; k < 3; k++)
+            tinted[k] = (uint8_t)((3 * grey + s->palette->rgb[p->label[i]][k] + 2) / 4);
+        light_flat(rgba, tinted, cue);
         for (int k = 0; k < 3; k++)
             lit->colour[k][i] = rgba[k];
     }
@@ -213,32 +203,26 @@ static void label_tiles(struct rendition *r, size_t first, size_t end, const str
     }
 }
 
-/* Some pixels of a tile, those that show something. */
-static void take_pixels(struct tile_pixels *pixels, const struct rendition *r,
-                        struct tile_bounds tile, tile_mask mask)
+static void shade_mask(struct rendition *r, struct tile_shading *t, struct tile_bounds tile,
+                       tile_mask mask)
 {
+    const struct tile_pixels *p = &t->pixels;
+    const struct lit *lit = &t->lit;
+    /* Collect the pixels of the mask that show something. */
     const tile_mask wide = (1u << (tile.right - tile.left)) - 1;
-    pixels->count = 0;
+    t->pixels.count = 0;
     for (uint32_t y = tile.top; y < tile.bottom; y++, mask >>= TILE)
         for (tile_mask row = mask & wide; row; row &= row - 1) {
             const uint32_t x = tile.left + (uint32_t)__builtin_ctzll(row);
             const size_t pixel = (size_t)y * r->width + x;
             if (r->cell[pixel] == CELL_NONE)
                 continue;
-            pixels->x[pixels->count] = x;
-            pixels->y[pixels->count] = y;
-            pixels->depth[pixels->count] = r->depth[pixel];
-            pixels->cell[pixels->count] = r->cell[pixel];
-            pixels->label[pixels->count++] = r->label[pixel];
+            t->pixels.x[t->pixels.count] = x;
+            t->pixels.y[t->pixels.count] = y;
+            t->pixels.depth[t->pixels.count] = r->depth[pixel];
+            t->pixels.cell[t->pixels.count] = r->cell[pixel];
+            t->pixels.label[t->pixels.count++] = r->label[pixel];
         }
-}
-
-static void shade_mask(struct rendition *r, struct tile_shading *t, struct tile_bounds tile,
-                       tile_mask mask)
-{
-    const struct tile_pixels *p = &t->pixels;
-    const struct lit *lit = &t->lit;
-    take_pixels(&t->pixels, r, tile, mask);
     if (p->count == 0)
         return;
     shade_pixels(t);
@@ -333,7 +317,9 @@ static void shade_tiles(struct rendition *r, size_t first, size_t end, const str
                         struct task *task)
 {
     struct tile_shading t;
-    shade_begin(&t, s);
+    t.s = s;
+    triangles_init(&t.triangles);
+    memset(&t.lit, 0, sizeof t.lit);
     for (size_t i = rendition_tile(r, first, end, TILE_STALE);
          i < end && task_advance(task, TILE * TILE);
          i = rendition_tile(r, i + 1, end, TILE_STALE)) {

@@ -57,20 +57,6 @@ struct work {
     } row[2];           /* even and odd ones: neighbours are there at the same time */
 };
 
-static void work_release(struct work *work)
-{
-    free(work->sample);
-    free(work->voxel);
-    free(work->reads);
-    free(work->label);
-    free(work->intensity);
-    free(work->of_voxel);
-    for (int i = 0; i < 2; i++) {
-        free(work->row[i].grey);
-        free(work->row[i].label);
-    }
-}
-
 /* Between which voxels of a side a pixel lies; `part` is 0 where only the first one counts. */
 static int64_t between(const struct slice_side *side, int64_t pixel, bool smooth, uint32_t *part)
 {
@@ -103,35 +89,6 @@ static void list_columns(struct work *work, bool smooth)
     }
 }
 
-/* Room for what is passed, and the columns; false when out of memory. */
-static bool work_init(struct work *work)
-{
-    const struct slice_side *side = work->plan.side;
-    const size_t columns = (size_t)(side[0].end - side[0].first);
-    const size_t rows = (size_t)(side[1].end - side[1].first);
-    work->labels = (struct labels){work->scene, work->style->finished};
-    work->columns = columns;
-    for (unsigned label = 1; label < 256; label++)
-        work->shown[label] = work->style->visible[label] ? (uint8_t)label : 0;
-    work->sample = mem_array(columns, sizeof *work->sample);
-    work->voxel = mem_array(columns, sizeof *work->voxel);
-    work->reads = mem_array(2 * columns, sizeof *work->reads);
-    work->label = mem_array(columns * rows, 1);
-    work->intensity = mem_array(2 * columns, sizeof *work->intensity);
-    work->of_voxel = mem_array(2 * columns, 1);
-    bool fine = work->sample && work->voxel && work->reads && work->label && work->intensity &&
-                work->of_voxel;
-    for (int i = 0; i < 2; i++) {
-        work->row[i].voxel = -1;
-        work->row[i].grey = mem_array(columns, sizeof *work->row[i].grey);
-        work->row[i].label = mem_array(columns, 1);
-        fine = fine && work->row[i].grey && work->row[i].label;
-    }
-    if (fine)
-        list_columns(work, work->choice->smooth);
-    return fine;
-}
-
 /* ---- rows ---- */
 
 /* A row of voxels, interpolated along the columns. Read once: cells of a sagittal slice lie further
@@ -159,16 +116,6 @@ static const struct row *row_of(struct work *work, int64_t voxel)
     return row;
 }
 
-static void paint_row(uint8_t *pixel, const uint32_t *low, const uint32_t *high, uint32_t part,
-                      const uint8_t *grey, size_t columns)
-{
-    for (size_t x = 0; x < columns; x++, pixel += 4) {
-        const uint32_t mixed = low[x] * (PART - part) + high[x] * part;
-        const uint8_t shade = grey[(mixed + HALF) / (PART * PART)];
-        memcpy(pixel, (const uint8_t[4]){shade, shade, shade, 255}, 4);
-    }
-}
-
 static void paint_grey(struct work *work)
 {
     const struct slice_side *side = &work->plan.side[1];
@@ -179,8 +126,13 @@ static void paint_grey(struct work *work)
         const int64_t near = slice_side_voxel(side, y);
         const struct row *low = row_of(work, voxel);
         const struct row *high = part ? row_of(work, voxel + 1) : low;
-        paint_row(canvas_pixel(work->canvas, left, (size_t)y), low->grey, high->grey, part,
-                  work->style->grey, work->columns);
+        uint8_t *pixel = canvas_pixel(work->canvas, left, (size_t)y);
+        const size_t columns = work->columns;
+        for (size_t x = 0; x < columns; x++, pixel += 4) {
+            const uint32_t mixed = low->grey[x] * (PART - part) + high->grey[x] * part;
+            const uint8_t shade = work->style->grey[(mixed + HALF) / (PART * PART)];
+            memcpy(pixel, (const uint8_t[4]){shade, shade, shade, 255}, 4);
+        }
         memcpy(work->label + (size_t)(y - side->first) * work->columns,
                near == voxel ? low->label : high->label, work->columns);
     }
@@ -510,7 +462,30 @@ enum err slice_draw(const struct canvas *canvas, const struct scene *scene,
 {
     struct work work = {.canvas = canvas, .scene = scene, .choice = choice, .style = style};
     slice_plan_init(&work.plan, scene, choice, canvas->width, canvas->height);
-    bool fine = work_init(&work);
+    /* Allocate the rows of samples, and list the columns. */
+    const struct slice_side *side = work.plan.side;
+    const size_t columns = (size_t)(side[0].end - side[0].first);
+    const size_t rows = (size_t)(side[1].end - side[1].first);
+    work.labels = (struct labels){work.scene, work.style->finished};
+    work.columns = columns;
+    for (unsigned label = 1; label < 256; label++)
+        work.shown[label] = work.style->visible[label] ? (uint8_t)label : 0;
+    work.sample = mem_array(columns, sizeof *work.sample);
+    work.voxel = mem_array(columns, sizeof *work.voxel);
+    work.reads = mem_array(2 * columns, sizeof *work.reads);
+    work.label = mem_array(columns * rows, 1);
+    work.intensity = mem_array(2 * columns, sizeof *work.intensity);
+    work.of_voxel = mem_array(2 * columns, 1);
+    bool fine =
+        work.sample && work.voxel && work.reads && work.label && work.intensity && work.of_voxel;
+    for (int i = 0; i < 2; i++) {
+        work.row[i].voxel = -1;
+        work.row[i].grey = mem_array(columns, sizeof *work.row[i].grey);
+        work.row[i].label = mem_array(columns, 1);
+        fine = fine && work.row[i].grey && work.row[i].label;
+    }
+    if (fine)
+        list_columns(&work, work.choice->smooth);
     if (fine) {
         /* Black beyond the scene. */
         static const uint8_t black[3];
@@ -546,6 +521,15 @@ enum err slice_draw(const struct canvas *canvas, const struct scene *scene,
         fine = draw_marks(&work);
         draw_notes(&work);
     }
-    work_release(&work);
+    free(work.sample);
+    free(work.voxel);
+    free(work.reads);
+    free(work.label);
+    free(work.intensity);
+    free(work.of_voxel);
+    for (int i = 0; i < 2; i++) {
+        free(work.row[i].grey);
+        free(work.row[i].label);
+    }
     return fine ? OK : fault_memory(fault, "a slice");
 }

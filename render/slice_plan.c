@@ -200,22 +200,19 @@ void slice_plan_init(struct slice_plan *plan, const struct scene *scene,
 
 /* ---- letters and lengths ---- */
 
-/* By what lies there, and not by how a slice is meant to lie. */
-static char letter_of(const struct scene *scene, const struct slice_side *side, bool begins)
-{
-    const bool towards_high_indices = side->backwards == begins;
-    const bool axis_is_worlds = scene->world_sign[side->axis] > 0;
-    const bool is_high = towards_high_indices == axis_is_worlds;
-    return (is_high ? "RAS" : "LPI")[scene->world_axis[side->axis]];
-}
-
 void slice_letters(const struct scene *scene, enum slice_plane plane, char letter[4])
 {
     const struct slice_choice choice = {.plane = plane};
     struct slice_plan plan;
     slice_plan_init(&plan, scene, &choice, 1, 1);
-    for (int i = 0; i < 4; i++)
-        letter[i] = letter_of(scene, &plan.side[i / 2], i % 2 == 0);
+    for (int i = 0; i < 4; i++) {
+        /* Derive the letter from the orientation of the scene's axis, not from the usual layout. */
+        const struct slice_side *side = &plan.side[i / 2];
+        const bool towards_high_indices = side->backwards == (i % 2 == 0);
+        const bool axis_is_worlds = scene->world_sign[side->axis] > 0;
+        const bool is_high = towards_high_indices == axis_is_worlds;
+        letter[i] = (is_high ? "RAS" : "LPI")[scene->world_axis[side->axis]];
+    }
 }
 
 uint64_t slice_round_length(uint64_t most)

@@ -258,36 +258,6 @@ struct basis {
     int64_t focus[3]; /* as view.focus */
 };
 
-/* Where the centre of a cube falls: the dual of (right, down, ahead), so that it agrees with the
- * rays even where `ahead` was made a little oblique. */
-static void set_projection(struct camera *camera, const struct basis *b)
-{
-    int64_t dual[3][3];
-    cross(dual[0], b->down, b->ahead);
-    cross(dual[1], b->ahead, b->right);
-    cross(dual[2], b->right, b->down);
-    int64_t volume = 0;
-    for (int a = 0; a < 3; a++)
-        volume += times30(dual[0][a], b->right[a]);
-    const uint32_t extent[3] = {camera->view.width, camera->view.height, 1};
-    for (int k = 0; k < 3; k++) {
-        camera->centre[k] = ((int64_t)extent[k] - 1) * (ONE30 / 2);
-        for (int a = 0; a < 3; a++) {
-            int64_t along = volume < 0 ? -dual[k][a] : dual[k][a];
-            int64_t column = (along * b->side[a]) >> RELATIVE_BITS;
-            camera->column[k][a] = column;
-            camera->centre[k] -= (int64_t)(camera->scene->grid.size[a] - 1) * column / 2;
-            if (k < 2)
-                camera->centre[k] -= focus_times(b->focus[a], column);
-        }
-    }
-    for (int k = 0; k < 2; k++) {
-        camera->reach[k] = MARGIN;
-        for (int a = 0; a < 3; a++)
-            camera->reach[k] += (llabs(camera->column[k][a]) + 1) / 2;
-    }
-}
-
 static enum err set_crossings(struct camera *camera, const struct basis *b, struct fault *fault)
 {
     const struct view *view = &camera->view;
@@ -345,7 +315,32 @@ enum err camera_init(struct camera *camera, const struct scene *scene, const str
         return fault_set(fault, ERR_LIMIT,
                          "the picture would show a place too far from the scene; the view is "
                          "unchanged");
-    set_projection(camera, &b);
+    /* Where the centre of a cube falls: the dual of (right, down, ahead), so that it agrees with
+     * the rays even where `ahead` was made a little oblique. */
+    int64_t dual[3][3];
+    cross(dual[0], b.down, b.ahead);
+    cross(dual[1], b.ahead, b.right);
+    cross(dual[2], b.right, b.down);
+    int64_t volume = 0;
+    for (int a = 0; a < 3; a++)
+        volume += times30(dual[0][a], b.right[a]);
+    const uint32_t extent[3] = {camera->view.width, camera->view.height, 1};
+    for (int k = 0; k < 3; k++) {
+        camera->centre[k] = ((int64_t)extent[k] - 1) * (ONE30 / 2);
+        for (int a = 0; a < 3; a++) {
+            int64_t along = volume < 0 ? -dual[k][a] : dual[k][a];
+            int64_t column = (along * b.side[a]) >> RELATIVE_BITS;
+            camera->column[k][a] = column;
+            camera->centre[k] -= (int64_t)(camera->scene->grid.size[a] - 1) * column / 2;
+            if (k < 2)
+                camera->centre[k] -= focus_times(b.focus[a], column);
+        }
+    }
+    for (int k = 0; k < 2; k++) {
+        camera->reach[k] = MARGIN;
+        for (int a = 0; a < 3; a++)
+            camera->reach[k] += (llabs(camera->column[k][a]) + 1) / 2;
+    }
     return set_crossings(camera, &b, fault);
 }
 

@@ -246,23 +246,6 @@ static bool feed_ss3(struct keys *k, uint8_t byte, struct key_event *event)
     return emit(k, letter_key(byte), 0, event);
 }
 
-static bool feed_string(struct keys *k, uint8_t byte, struct key_event *event)
-{
-    if (byte == BEL)
-        return emit(k, KEY_REPLY, 0, event);
-    if (k->state == KEYS_STRING_ESC) {
-        if (byte == '\\')
-            return emit(k, KEY_REPLY, 0, event);
-        k->state = KEYS_ESC; /* another sequence begins where this one should have ended */
-        return feed_escape(k, byte, event);
-    }
-    if (byte == ESC)
-        k->state = KEYS_STRING_ESC;
-    else
-        store(k, byte);
-    return false;
-}
-
 static bool feed(struct keys *k, uint8_t byte, struct key_event *event)
 {
     bool control = byte < 0x20 || byte == DELETE;
@@ -289,7 +272,19 @@ static bool feed(struct keys *k, uint8_t byte, struct key_event *event)
         return feed_ss3(k, byte, event);
     case KEYS_STRING:
     case KEYS_STRING_ESC:
-        return feed_string(k, byte, event);
+        if (byte == BEL)
+            return emit(k, KEY_REPLY, 0, event);
+        if (k->state == KEYS_STRING_ESC) {
+            if (byte == '\\')
+                return emit(k, KEY_REPLY, 0, event);
+            k->state = KEYS_ESC; /* another sequence begins where this one should have ended */
+            return feed_escape(k, byte, event);
+        }
+        if (byte == ESC)
+            k->state = KEYS_STRING_ESC;
+        else
+            store(k, byte);
+        return false;
     case KEYS_GROUND:
         break;
     }

@@ -261,16 +261,6 @@ static enum block_shape decide_shape(const struct probe_replies *replies,
                                                                              : BLOCK_HALF;
 }
 
-/* Pixels are of use where it is known how many a cell has. kitty and ghostty count them from 0. */
-static enum mouse_unit decide_unit(const struct probe_replies *replies,
-                                   const struct probe_environment *e, bool has_cell)
-{
-    static const char *const from_0[] = {"kitty", "ghostty", NULL};
-    if (!replies->points || !has_cell)
-        return MOUSE_CELLS;
-    return probe_is_named(replies, e, from_0) ? MOUSE_PIXELS_FROM_0 : MOUSE_PIXELS;
-}
-
 static bool use_cell(struct terminal_facts *facts, uint32_t width, uint32_t height)
 {
     if (width < CELL_LEAST || width > CELL_MOST || height < CELL_LEAST || height > CELL_MOST)
@@ -300,7 +290,11 @@ void probe_decide(const struct probe_replies *replies, const struct probe_enviro
         use_cell(facts, replies->cell_width, replies->cell_height) ||
         use_cell(facts, replies->text_width / size->columns, replies->text_height / size->rows);
     has_cell |= probe_resize(facts, size);
-    facts->mouse_unit = decide_unit(replies, e, has_cell);
+    /* Use pixels only if the size of a cell is known. kitty and ghostty count pixels from 0. */
+    static const char *const from_0[] = {"kitty", "ghostty", NULL};
+    facts->mouse_unit = !replies->points || !has_cell        ? MOUSE_CELLS
+                        : probe_is_named(replies, e, from_0) ? MOUSE_PIXELS_FROM_0
+                                                             : MOUSE_PIXELS;
     if (replies->image_width > 0 && replies->image_height > 0)
         facts->image_side_most = replies->image_width < replies->image_height
                                      ? replies->image_width

@@ -148,31 +148,6 @@ static void vote(const struct filter *f, const struct rows *rows, struct votes *
     }
 }
 
-/* How many voxels of the row had their labels counted. A voxel at x may see other labels where
- * varied[] says so from x - reach to x + reach. */
-static uint64_t filter_row(const struct filter *f, const struct rows *rows, uint8_t *varied,
-                           struct votes *votes)
-{
-    const uint32_t length = f->work->scene->grid.size[0], reach = f->reach[0];
-    uint64_t voted = 0;
-    uint32_t done = 0;
-    find_varied(f, rows, varied);
-    for (uint32_t x = 0; x < length; x++) {
-        if (x % 8 == 0 && x + 8 <= length && !eight(varied + x)) {
-            x += 7;
-            continue;
-        }
-        if (!varied[x])
-            continue;
-        const uint32_t first = below(x, reach) > done ? below(x, reach) : done;
-        const uint32_t end = above(x, reach, length) + 1;
-        vote(f, rows, votes, first, end);
-        voted += end - first;
-        done = end;
-    }
-    return voted;
-}
-
 static void filter_part(void *context, unsigned worker)
 {
     const struct filter *f = context;
@@ -190,7 +165,24 @@ static void filter_part(void *context, unsigned worker)
             const struct span row = grid_row(grid, y, z);
             memcpy(f->work->next + row.first, f->work->label + row.first, grid->size[0]);
             votes_clear(&votes);
-            const uint64_t voted = filter_row(f, &rows, varied, &votes);
+            /* Vote only where labels vary: varied[] has the columns from x - reach to x + reach. */
+            const uint32_t length = f->work->scene->grid.size[0], reach = f->reach[0];
+            uint64_t voted = 0;
+            uint32_t done = 0;
+            find_varied(f, &rows, varied);
+            for (uint32_t x = 0; x < length; x++) {
+                if (x % 8 == 0 && x + 8 <= length && !eight(varied + x)) {
+                    x += 7;
+                    continue;
+                }
+                if (!varied[x])
+                    continue;
+                const uint32_t first = below(x, reach) > done ? below(x, reach) : done;
+                const uint32_t end = above(x, reach, length) + 1;
+                vote(f, &rows, &votes, first, end);
+                voted += end - first;
+                done = end;
+            }
             if (!task_advance(&task, grid->size[0] + (grid->size[0] + voted * 8) * side / 64))
                 return;
         }

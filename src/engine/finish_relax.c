@@ -54,24 +54,19 @@ static void make_one(void *context, unsigned worker)
         relax_field_make(&r->field[worker], r->sweeps, worker);
 }
 
-/* How many of the labels from `first` on are done at a time, each by a thread, which need not wait
- * for one another then: those that are small, and much alike. Otherwise one by all threads. */
-static unsigned side_by_side(const struct relaxing *r, size_t first)
-{
-    enum { SMALL = 1 << 20 };
-    const unsigned workers = team_size(r->work->team);
-    const struct item *item = r->item + first;
-    return first + workers <= r->count && item->voxels <= SMALL &&
-                   item[workers - 1].voxels >= item->voxels / 2
-               ? workers
-               : 1;
-}
-
 static enum err make_fields(struct relaxing *r, size_t first, struct fault *fault)
 {
     struct finish_work work = *r->work;
     enum err err = OK;
-    r->fields = side_by_side(r, first);
+    /* Relax as many labels as there are threads, one per thread without waiting, if the labels are
+     * small and of similar size. Otherwise relax one label with all threads. */
+    enum { SMALL = 1 << 20 };
+    const unsigned workers = team_size(r->work->team);
+    const struct item *item = r->item + first;
+    r->fields = first + workers <= r->count && item->voxels <= SMALL &&
+                        item[workers - 1].voxels >= item->voxels / 2
+                    ? workers
+                    : 1;
     work.team = r->fields == 1 ? r->work->team : NULL;
     for (unsigned i = 0; i < r->fields && !err; i++) {
         const uint8_t label = r->item[first + i].label;

@@ -137,12 +137,6 @@ static bool in_same_block(const struct grid *grid, uint32_t a, uint32_t b)
            p.z / HINT_BLOCK == q.z / HINT_BLOCK;
 }
 
-static bool is_between_same(const struct edge_voxel *a, const struct edge_voxel *b)
-{
-    return (a->label == b->label && a->other == b->other) ||
-           (a->label == b->other && a->other == b->label);
-}
-
 /* Puts a weak voxel among those of the place at hand. */
 static bool take(struct finding *f, size_t number)
 {
@@ -166,7 +160,9 @@ static bool grow_place(struct finding *f, size_t first)
             const struct edge_voxel sought = {.cell = here->cell + (uint32_t)f->corner[i]};
             const struct edge_voxel *beside =
                 bsearch(&sought, f->voxel, f->count, sizeof sought, compare_cells);
-            if (beside && !f->taken[beside - f->voxel] && is_between_same(beside, begin) &&
+            if (beside && !f->taken[beside - f->voxel] &&
+                ((beside->label == begin->label && beside->other == begin->other) ||
+                 (beside->label == begin->other && beside->other == begin->label)) &&
                 in_same_block(grid, beside->cell, begin->cell) &&
                 !take(f, (size_t)(beside - f->voxel)))
                 return false;

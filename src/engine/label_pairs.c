@@ -117,31 +117,6 @@ static uint64_t equal_bytes(const uint8_t *byte, uint8_t label)
     return ~(((word & low) + low) | word | low) >> 7;
 }
 
-/* Where all neighbours of a voxel are in the scene. A step along x is one voxel: the five of a row
- * that count are among eight. */
-static void add_rows(const struct label_pairs *pairs, uint32_t cell, uint8_t label,
-                     uint32_t found[PAIR_KINDS])
-{
-    const uint8_t *const middle = pairs->label + cell - REACH;
-    for (int z = 0; z <= REACH; z++)
-        for (int y = 0; y <= REACH; y++) {
-            const ptrdiff_t up = z * pairs->cells[2], along = y * pairs->cells[1];
-            uint64_t rows = equal_bytes(middle + up + along, label);
-            if (y > 0)
-                rows += equal_bytes(middle + up - along, label);
-            if (z > 0)
-                rows += equal_bytes(middle - up + along, label);
-            if (y > 0 && z > 0)
-                rows += equal_bytes(middle - up - along, label);
-            uint8_t equal[8];
-            memcpy(equal, &rows, sizeof equal);
-            uint32_t *of = &found[kind_of(0, y, z)];
-            of[0] = equal[2];
-            of[1] = (uint32_t)equal[1] + equal[3];
-            of[2] = (uint32_t)equal[0] + equal[4];
-        }
-}
-
 /* The pairs that a voxel makes with its label come, or go. */
 static void add_voxel(struct label_pairs *pairs, uint32_t cell, const struct place *at, bool comes)
 {
@@ -160,7 +135,26 @@ static void add_voxel(struct label_pairs *pairs, uint32_t cell, const struct pla
                     found[kind] += (pairs->label + cell)[n->offset] == label;
             }
     } else if (pairs->step[0] == 1) {
-        add_rows(pairs, cell, label, found);
+        /* All neighbours are in the scene. A step along x is one voxel, so the five that count in a
+         * row are among eight consecutive bytes. */
+        const uint8_t *const middle = pairs->label + cell - REACH;
+        for (int z = 0; z <= REACH; z++)
+            for (int y = 0; y <= REACH; y++) {
+                const ptrdiff_t up = z * pairs->cells[2], along = y * pairs->cells[1];
+                uint64_t rows = equal_bytes(middle + up + along, label);
+                if (y > 0)
+                    rows += equal_bytes(middle + up - along, label);
+                if (z > 0)
+                    rows += equal_bytes(middle - up + along, label);
+                if (y > 0 && z > 0)
+                    rows += equal_bytes(middle - up - along, label);
+                uint8_t equal[8];
+                memcpy(equal, &rows, sizeof equal);
+                uint32_t *of = &found[kind_of(0, y, z)];
+                of[0] = equal[2];
+                of[1] = (uint32_t)equal[1] + equal[3];
+                of[2] = (uint32_t)equal[0] + equal[4];
+            }
     } else {
         /* The same, where a step along x is several voxels. */
         const ptrdiff_t *step = pairs->cells;

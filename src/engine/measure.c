@@ -111,8 +111,9 @@ static bool is_reached(const struct scene *scene, uint32_t cell)
     return cell_is_reached(scene->cell + cell);
 }
 
-static bool find_mean(const struct scene *scene, unsigned label, int64_t mean[3])
+bool centre_of_label(const struct scene *scene, unsigned label, uint32_t place[3])
 {
+    struct search s = {.scene = scene, .unit = {1, 1, 1}, .label = label, .counts = is_reached};
     const struct grid *grid = &scene->grid;
     struct task task = task_begin(scene->watch, "the centre of a label", grid->voxels);
     uint64_t voxels = 0, sum[3] = {0};
@@ -132,14 +133,9 @@ static bool find_mean(const struct scene *scene, unsigned label, int64_t mean[3]
                 return false;
         }
     for (int a = 0; a < 3 && voxels > 0; a++)
-        mean[a] = (int64_t)(sum[a] / voxels);
-    return voxels > 0;
-}
+        s.at[a] = (int64_t)(sum[a] / voxels);
 
-bool centre_of_label(const struct scene *scene, unsigned label, uint32_t place[3])
-{
-    struct search s = {.scene = scene, .unit = {1, 1, 1}, .label = label, .counts = is_reached};
-    if (!find_mean(scene, label, s.at))
+    if (voxels == 0)
         return false;
     for (int a = 0; a < 3; a++) {
         s.least[a] = -s.at[a];

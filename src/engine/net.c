@@ -15,19 +15,6 @@ struct corners {
     int corner[6][4];
 };
 
-static void find_corners(const struct net_graph *g, struct corners *out)
-{
-    const ptrdiff_t step[3] = {1, g->stride, (ptrdiff_t)g->stride * g->size[1]};
-    for (int face = 0; face < 6; face++) {
-        const int a = face / 2, side = face & 1, u = (a + 1) % 3, v = (a + 2) % 3;
-        for (int k = 0; k < 4; k++) {
-            const int turn = side ? k : 3 - k, cu = turn == 0 || turn == 3, cv = turn < 2;
-            out->cube[face][k] = (side ? 0 : -step[a]) - cu * step[u] - cv * step[v];
-            out->corner[face][k] = side << a | cu << u | cv << v;
-        }
-    }
-}
-
 /* Bits of voxels whose neighbour through each face is not of the object. */
 static void faces_of(const struct net_graph *g, int32_t word, int32_t y, int32_t z,
                      uint64_t face[6])
@@ -82,7 +69,15 @@ static void add_quad(const struct net_graph *g, struct quads *q, const struct co
 static void walk(const struct net_graph *g, struct quads *q, int32_t reach)
 {
     struct corners corners;
-    find_corners(g, &corners);
+    const ptrdiff_t step[3] = {1, g->stride, (ptrdiff_t)g->stride * g->size[1]};
+    for (int face = 0; face < 6; face++) {
+        const int a = face / 2, side = face & 1, u = (a + 1) % 3, v = (a + 2) % 3;
+        for (int k = 0; k < 4; k++) {
+            const int turn = side ? k : 3 - k, cu = turn == 0 || turn == 3, cv = turn < 2;
+            corners.cube[face][k] = (side ? 0 : -step[a]) - cu * step[u] - cv * step[v];
+            corners.corner[face][k] = side << a | cu << u | cv << v;
+        }
+    }
     for (int32_t z = 1; z + 1 < g->size[2]; z++)
         for (int32_t y = 1; y + 1 < g->size[1]; y++) {
             const int32_t dy = net_outside(g, 1, y, 0), dz = net_outside(g, 2, z, 0);
@@ -110,30 +105,6 @@ static void walk(const struct net_graph *g, struct quads *q, int32_t reach)
                 }
             }
         }
-}
-
-/* Numbers what quads use, and writes it. */
-static void take_vertices(struct net *net, struct net_graph *g, const struct quads *q,
-                          const net_lanes *normal)
-{
-    int32_t *number = g->first; /* not needed any more */
-    for (int32_t v = 0; v < g->upto[0]; v++) {
-        const struct net_place *p = &g->place[v];
-        const int32_t cube[3] = {p->x, p->y, p->z};
-        if (!q->is_used[v])
-            continue;
-        struct net_vertex *vertex = &net->vertex[net->vertices];
-        number[v] = (int32_t)net->vertices++;
-        for (int a = 0; a < 3; a++) {
-            vertex->cube[a] = cube[a] - NET_MARGIN + q->origin[a];
-            vertex->at[a] = (int16_t)(g->at[v][a] - cube[a] * NET_ONE);
-            vertex->normal[a] = (int16_t)normal[v][a];
-        }
-        vertex->air = p->air;
-    }
-    for (uint32_t k = 0; k < net->quads; k++)
-        for (int i = 0; i < 4; i++)
-            net->quad[k].corner[i] = (uint32_t)number[net->quad[k].corner[i]];
 }
 
 static bool make(struct net *out, const struct net_source *source, const int32_t first[3],
@@ -167,7 +138,25 @@ static bool make(struct net *out, const struct net_source *source, const int32_t
         net_release(&net);
         return false;
     }
-    take_vertices(&net, &g, &q, normal);
+    /* Number the vertices that quads use, and write them. */
+    int32_t *number = g.first; /* not needed any more */
+    for (int32_t v = 0; v < g.upto[0]; v++) {
+        const struct net_place *p = &g.place[v];
+        const int32_t cube[3] = {p->x, p->y, p->z};
+        if (!q.is_used[v])
+            continue;
+        struct net_vertex *vertex = &net.vertex[net.vertices];
+        number[v] = (int32_t)net.vertices++;
+        for (int a = 0; a < 3; a++) {
+            vertex->cube[a] = cube[a] - NET_MARGIN + q.origin[a];
+            vertex->at[a] = (int16_t)(g.at[v][a] - cube[a] * NET_ONE);
+            vertex->normal[a] = (int16_t)normal[v][a];
+        }
+        vertex->air = p->air;
+    }
+    for (uint32_t k = 0; k < net.quads; k++)
+        for (int i = 0; i < 4; i++)
+            net.quad[k].corner[i] = (uint32_t)number[net.quad[k].corner[i]];
     *out = net;
     return true;
 }

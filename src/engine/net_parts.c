@@ -25,28 +25,6 @@ static int16_t mean_of(int32_t sum, int32_t count)
     return (int16_t)((2 * sum + (sum < 0 ? -count : count)) / (2 * count));
 }
 
-static void find_crossings(struct net_part *part, uint8_t air, uint8_t closed)
-{
-    int32_t sum[3] = {0}, crossings = 0;
-    for (int c = 0; c < NET_CORNERS; c++)
-        for (int a = 0; a < 3 && part->air >> c & 1; a++) {
-            const int other = c ^ 1 << a;
-            if (air >> other & 1)
-                continue;
-            if (closed >> c & 1) {
-                part->lock |= (uint8_t)(1 << a);
-                continue;
-            }
-            part->lock |= NET_NATURAL;
-            part->normal[a] = (int8_t)(part->normal[a] + (c >> a & 1 ? 1 : -1));
-            for (int k = 0; k < 3; k++)
-                sum[k] += ((c >> k & 1) + (other >> k & 1) - 1) * (NET_ONE / 2);
-            crossings++;
-        }
-    for (int k = 0; k < 3 && crossings > 0; k++)
-        part->start[k] = part->lock >> k & 1 ? 0 : mean_of(sum[k], crossings);
-}
-
 /* Through air on the side that has a crossing there, and is not closed. Two parts of such a side
  * lie across its middle from each other: where the other two corners are of the object. */
 static void find_links(struct net_part *part, int axis, uint8_t air, uint8_t closed)
@@ -73,7 +51,24 @@ void net_cube_init(struct net_cube *cube, uint8_t air, uint8_t closed)
         struct net_part *part = &cube->part[cube->count++];
         part->air = grown_from(left);
         left = (uint8_t)(left & ~part->air);
-        find_crossings(part, air, closed);
+        int32_t sum[3] = {0}, crossings = 0;
+        for (int c = 0; c < NET_CORNERS; c++)
+            for (int a = 0; a < 3 && part->air >> c & 1; a++) {
+                const int other = c ^ 1 << a;
+                if (air >> other & 1)
+                    continue;
+                if (closed >> c & 1) {
+                    part->lock |= (uint8_t)(1 << a);
+                    continue;
+                }
+                part->lock |= NET_NATURAL;
+                part->normal[a] = (int8_t)(part->normal[a] + (c >> a & 1 ? 1 : -1));
+                for (int k = 0; k < 3; k++)
+                    sum[k] += ((c >> k & 1) + (other >> k & 1) - 1) * (NET_ONE / 2);
+                crossings++;
+            }
+        for (int k = 0; k < 3 && crossings > 0; k++)
+            part->start[k] = part->lock >> k & 1 ? 0 : mean_of(sum[k], crossings);
         for (int a = 0; a < 3; a++)
             find_links(part, a, air, closed);
     }

@@ -281,26 +281,6 @@ static inline struct both apart_of(const struct net_graph *g, const struct both 
     return apart;
 }
 
-/* Terms by links, so that the sum of all stays what it is: a vertex with more links has a larger
- * part of the surface, and is heard by more. */
-static void take_sums(const struct net_graph *g, const struct net_sum *sum, struct both *out)
-{
-    static const int64_t times[NET_KINDS] = {48, 8, 16, 24};
-    int64_t share[NET_KINDS][LINKS] = {{0}};
-    for (int i = 0; i < NET_KINDS; i++)
-        for (int n = 1; n < LINKS; n++)
-            share[i][n] = (INT64_C(1) << 26) / (times[i] * n);
-    for (int32_t v = 0; v < g->upto[4]; v++) {
-        const struct net_sum *s = &sum[v];
-        for (int i = 0; i < NET_KINDS; i++)
-            out[v].term[i] = (int32_t)rounded(rounded(s->term[i], 16) * share[i][g->degree[v]],
-                                              26 + TERM_BITS - 16);
-        for (int k = 0; k < 3; k++)
-            out[v].normal[k] = (int32_t)rounded(s->area[k], AREA_BITS);
-        out[v].normal[3] = length_of(out[v].normal);
-    }
-}
-
 /* Lengths from voxels to the world, and then 1. */
 static net_lanes in_world(net_lanes normal, const uint32_t scale[3])
 {
@@ -381,7 +361,22 @@ bool net_restore(struct net_graph *g, const struct net_sum *sum, const uint32_t 
     *normal = net_store(g->scratch, NET_LANES_0, (size_t)g->upto[0], sizeof **normal);
     if (!x || !off || !y || !t || !*normal)
         return false;
-    take_sums(g, sum, x);
+    /* Divide terms by the number of links, so that their sum stays the same: a vertex with more
+     * links has a larger part of the surface, and more neighbours read it. */
+    static const int64_t times[NET_KINDS] = {48, 8, 16, 24};
+    int64_t share[NET_KINDS][LINKS] = {{0}};
+    for (int i = 0; i < NET_KINDS; i++)
+        for (int n = 1; n < LINKS; n++)
+            share[i][n] = (INT64_C(1) << 26) / (times[i] * n);
+    for (int32_t v = 0; v < g->upto[4]; v++) {
+        const struct net_sum *s = &sum[v];
+        for (int i = 0; i < NET_KINDS; i++)
+            x[v].term[i] = (int32_t)rounded(rounded(s->term[i], 16) * share[i][g->degree[v]],
+                                            26 + TERM_BITS - 16);
+        for (int k = 0; k < 3; k++)
+            x[v].normal[k] = (int32_t)rounded(s->area[k], AREA_BITS);
+        x[v].normal[3] = length_of(x[v].normal);
+    }
     restore(g, x, off, y, t, scale, *normal);
     return true;
 }

@@ -118,14 +118,6 @@ static void find_beside(pair beside[6], const struct relax_field *f, const uint6
     beside[5] = pair_at(at + along);
 }
 
-/* Clears what has spread beyond the voxels of a row. */
-static void trim(const struct relax_field *f, uint64_t *row)
-{
-    const size_t end = (size_t)f->size[0] + 2;
-    row[0] &= ~UINT64_C(3);
-    row[end / 64] &= ~(UINT64_C(1) << end % 64);
-}
-
 /* Voxels of a plane with one beside them on the other side of the label's border. */
 static void find_edge(const struct relax_field *f, uint64_t *edge, uint32_t z)
 {
@@ -169,16 +161,6 @@ static void find_chunks(const struct relax_field *f, uint64_t *chunks, const uin
             of_row[c / 64] |= (uint64_t)((bits_of(f, set, row, c) & mask) != 0) << c % 64;
 }
 
-/* Values of a chunk. */
-static void fill_chunk(const struct relax_field *f, unsigned parity, bool odd, size_t row,
-                       size_t chunk)
-{
-    static const lanes bit = {1, 4, 16, 64, 256, 1024, 4096, 16384};
-    const int32_t inside = (int32_t)(bits_of(f, f->inside, row, chunk) >> odd);
-    const lanes value = ((inside & bit) != 0) & RELAX_ONE;
-    memcpy(f->u[parity] + (row * f->words * WORD_CHUNKS + chunk) * LANES, &value, sizeof value);
-}
-
 static void fill_row(const struct relax_field *f, uint32_t y, uint32_t z)
 {
     const size_t row = row_of(f, y, z);
@@ -186,8 +168,14 @@ static void fill_row(const struct relax_field *f, uint32_t y, uint32_t z)
         const bool odd = is_odd(f, parity, y, z);
         find_chunks(f, f->may[parity], f->band, odd ? ODD : EVEN, row);
         for (size_t c = 0; c < f->words * WORD_CHUNKS; c++)
-            if (bits_of(f, f->near, row, c))
-                fill_chunk(f, parity, odd, row, c);
+            if (bits_of(f, f->near, row, c)) {
+                /* Fill the values of the chunk. */
+                static const lanes bit = {1, 4, 16, 64, 256, 1024, 4096, 16384};
+                const int32_t inside = (int32_t)(bits_of(f, f->inside, row, c) >> odd);
+                const lanes value = ((inside & bit) != 0) & RELAX_ONE;
+                memcpy(f->u[parity] + (row * f->words * WORD_CHUNKS + c) * LANES, &value,
+                       sizeof value);
+            }
     }
 }
 
@@ -204,14 +192,6 @@ static void clear_rim(const struct relax_field *f, size_t row)
         memset(f->spills[parity] + row * f->chunk_words, 0, f->chunk_words * sizeof(uint64_t));
         f->stirs[parity][row] = 0;
     }
-}
-
-static void clear_rims(const struct relax_field *f, size_t stored_z)
-{
-    const size_t rows = (size_t)f->size[1] + 2, first = stored_z * rows;
-    const bool is_rim = stored_z == 0 || stored_z == (size_t)f->size[2] + 1;
-    for (size_t y = 0; y < rows; y += is_rim ? 1 : rows - 1)
-        clear_rim(f, first + y);
 }
 
 /* ---- made ---- */
@@ -258,7 +238,10 @@ static void make_part(void *context, unsigned worker)
     for (size_t z = stored.first; z < stored.end && goes_on; z++) {
         for (size_t y = 0; y < (size_t)f->size[1] + 2; y++)
             find_inside(f, y, z);
-        clear_rims(f, z);
+        const size_t rows = (size_t)f->size[1] + 2, first = z * rows;
+        const bool is_rim = z == 0 || z == (size_t)f->size[2] + 1;
+        for (size_t y = 0; y < rows; y += is_rim ? 1 : rows - 1)
+            clear_rim(f, first + y);
         goes_on = task_advance(&task, 8 * cost);
     }
     team_wait(f->team);
@@ -272,8 +255,13 @@ static void make_part(void *context, unsigned worker)
         team_wait(f->team);
         for (size_t z = planes.first; z < planes.end && goes_on; z++) {
             spread(f, to, from, (uint32_t)z);
-            for (uint32_t y = 0; y < f->size[1] && step < f->reach; y++)
-                trim(f, to + row_of(f, y, (uint32_t)z) * f->words);
+            for (uint32_t y = 0; y < f->size[1] && step < f->reach; y++) {
+                /* Clear the bits that have spread beyond the voxels of the row. */
+                uint64_t *row = to + row_of(f, y, (uint32_t)z) * f->words;
+                const size_t end = (size_t)f->size[0] + 2;
+                row[0] &= ~UINT64_C(3);
+                row[end / 64] &= ~(UINT64_C(1) << end % 64);
+            }
             goes_on = task_advance(&task, cost);
         }
     }
@@ -294,23 +282,6 @@ static const uint32_t conductances[] = {
     81,    53,    35,    23,    14,    9,     6,     3,     2,
 };
 enum { CONDUCTANCES = sizeof conductances / sizeof conductances[0] };
-
-/* 255 greys are the intensities of the band, without the 2 % at both ends. */
-static void find_scale(struct relax_field *f)
-{
-    int32_t range[2];
-    memset(f->count, 0, (UINT16_MAX + 1) * sizeof *f->count);
-    for (uint32_t z = 0; z < f->size[2]; z++)
-        for (uint32_t y = 0; y < f->size[1]; y++) {
-            const uint64_t *band = f->band + row_of(f, y, z) * f->words;
-            const struct cell *row = f->scene->cell + first_cell(f, y, z) - 2;
-            for (size_t w = 0; w < f->words; w++)
-                for (uint64_t bits = band[w]; bits; bits &= bits - 1)
-                    f->count[row[64 * w + (unsigned)__builtin_ctzll(bits)].intensity]++;
-        }
-    intensities_range(range, f->count, 20, 980);
-    f->scale = (255U << 16) / (range[1] > range[0] ? (uint32_t)(range[1] - range[0]) : 1);
-}
 
 static uint32_t conductance(const struct relax_field *f, const struct cell *a, const struct cell *b)
 {
@@ -593,7 +564,19 @@ void relax_field_make(struct relax_field *f, uint32_t sweeps, unsigned worker)
     team_run(f->team, make_part, &making);
     if (watch && watch->stopped) /* there may be no field */
         return;
-    find_scale(f);
+    /* Scale the intensities of the band, without 2 % at each end, to 255 greys. */
+    int32_t range[2];
+    memset(f->count, 0, (UINT16_MAX + 1) * sizeof *f->count);
+    for (uint32_t z = 0; z < f->size[2]; z++)
+        for (uint32_t y = 0; y < f->size[1]; y++) {
+            const uint64_t *band = f->band + row_of(f, y, z) * f->words;
+            const struct cell *row = f->scene->cell + first_cell(f, y, z) - 2;
+            for (size_t w = 0; w < f->words; w++)
+                for (uint64_t bits = band[w]; bits; bits &= bits - 1)
+                    f->count[row[64 * w + (unsigned)__builtin_ctzll(bits)].intensity]++;
+        }
+    intensities_range(range, f->count, 20, 980);
+    f->scale = (255U << 16) / (range[1] > range[0] ? (uint32_t)(range[1] - range[0]) : 1);
     for (; sweeping.first < sweeping.halves; sweeping.first = sweeping.end) {
         const uint32_t left = sweeping.halves - sweeping.first;
         sweeping.end = sweeping.first + (left < halves ? left : halves);
@@ -605,19 +588,6 @@ void relax_field_make(struct relax_field *f, uint32_t sweeps, unsigned worker)
 }
 
 /* ---- begun and released ---- */
-
-/* The box of a label's field: `reach` voxels larger on each side, within the scene. */
-static struct finish_box box_around(const struct grid *grid, const struct finish_box *label,
-                                    uint32_t reach)
-{
-    struct finish_box box;
-    for (int a = 0; a < 3; a++) {
-        const uint32_t first = label->first[a], last = label->last[a], end = grid->size[a] - 1;
-        box.first[a] = first > reach ? first - reach : 0;
-        box.last[a] = end - last > reach ? last + reach : end;
-    }
-    return box;
-}
 
 /* So many bytes of the memory, from `*at` on, which is where the next ones are then. */
 static void *take(const struct relax_field *f, size_t *at, size_t bytes)
@@ -681,7 +651,15 @@ void relax_field_read(struct relax_field *f, const struct finish_work *work, uin
 enum err relax_field_begin(struct relax_field *f, const struct finish_work *work, uint8_t which,
                            const struct finish_box *around, uint32_t reach, struct fault *fault)
 {
-    shape(f, work, which, box_around(&work->scene->grid, around, reach));
+    /* The field's box is `reach` voxels larger than the label's on each side, within the scene. */
+    struct finish_box box;
+    for (int a = 0; a < 3; a++) {
+        const uint32_t first = around->first[a], last = around->last[a],
+                       end = work->scene->grid.size[a] - 1;
+        box.first[a] = first > reach ? first - reach : 0;
+        box.last[a] = end - last > reach ? last + reach : end;
+    }
+    shape(f, work, which, box);
     f->reach = reach;
     const size_t bytes = lay_out(f);
     if (bytes > f->bytes) {

@@ -209,14 +209,6 @@ static void add_to_spot(struct spot *spot, const struct net_vertex *vertex, bool
 
 /* ---- points and quads ---- */
 
-static bool is_at_side(const struct net_vertex *vertex, const struct extent *box)
-{
-    bool is = false;
-    for (int a = 0; a < 3; a++)
-        is |= vertex->cube[a] < box->first[a] || vertex->cube[a] + 1 >= box->end[a];
-    return is;
-}
-
 /* The point of a vertex; UINT32_MAX where memory runs out. */
 static uint32_t add_point(struct making *m, const struct net_vertex *vertex,
                           const struct extent *box)
@@ -224,7 +216,10 @@ static uint32_t add_point(struct making *m, const struct net_vertex *vertex,
     struct surface *s = m->surface;
     const size_t points = s->points;
     uint32_t *sewn = NULL;
-    if (is_at_side(vertex, box)) {
+    bool is_at_side = false;
+    for (int i = 0; i < 3; i++)
+        is_at_side |= vertex->cube[i] < box->first[i] || vertex->cube[i] + 1 >= box->end[i];
+    if (is_at_side) {
         sewn = lookup_at(&m->sewn, cube_number(m, vertex->cube) << 8 | vertex->air);
         if (!sewn || *sewn != LOOKUP_NEW)
             return sewn ? *sewn : UINT32_MAX;
@@ -510,24 +505,6 @@ static void place_points(struct making *m)
     }
 }
 
-static bool make_triangles(struct making *m)
-{
-    struct surface *s = m->surface;
-    s->triangles = 2 * m->quads;
-    s->triangle = mem_array(s->triangles + 1, sizeof *s->triangle);
-    for (size_t q = 0; s->triangle && q < m->quads; q++) {
-        const struct quad *quad = &m->quad[q];
-        int32_t at[4][3];
-        for (int k = 0; k < 4; k++)
-            for (int a = 0; a < 3; a++)
-                at[k][a] = (int32_t)s->point[quad->corner[k]].at[a];
-        const unsigned d = net_diagonal(at, quad->face);
-        for (unsigned k = 0; k < 6; k++)
-            s->triangle[2 * q + k / 3].point[k % 3] = quad->corner[(d + k - (k > 2 ? 1 : 0)) % 4];
-    }
-    return s->triangle;
-}
-
 /* All but points and quads. */
 static void release(struct making *m)
 {
@@ -561,7 +538,21 @@ enum err surface_new(struct surface **surface, const struct surface_source *sour
     if (!err) {
         place_points(m);
         release(m);
-        err = make_triangles(m) ? OK : fault_memory(fault, "a surface");
+        struct surface *s = m->surface;
+        s->triangles = 2 * m->quads;
+        s->triangle = mem_array(s->triangles + 1, sizeof *s->triangle);
+        for (size_t q = 0; s->triangle && q < m->quads; q++) {
+            const struct quad *quad = &m->quad[q];
+            int32_t at[4][3];
+            for (int k = 0; k < 4; k++)
+                for (int a = 0; a < 3; a++)
+                    at[k][a] = (int32_t)s->point[quad->corner[k]].at[a];
+            const unsigned d = net_diagonal(at, quad->face);
+            for (unsigned k = 0; k < 6; k++)
+                s->triangle[2 * q + k / 3].point[k % 3] =
+                    quad->corner[(d + k - (k > 2 ? 1 : 0)) % 4];
+        }
+        err = s->triangle ? OK : fault_memory(fault, "a surface");
     }
     if (m) {
         release(m);

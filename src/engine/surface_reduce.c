@@ -189,27 +189,6 @@ static bool find_neighbours(struct reduction *r, uint32_t point)
     return c == first;
 }
 
-/* No edge is too long now, and none may become so: rules out neighbours that are too far from
- * others. False where there is no need to look further. */
-static bool are_short(struct reduction *r)
-{
-    int64_t low[3] = {0}, high[3] = {0};
-    for (unsigned i = 0; i < r->spokes; i++)
-        for (int a = 0; a < 3; a++) {
-            const int64_t way = r->spoke[i].way[a];
-            low[a] = way < low[a] ? way : low[a];
-            high[a] = way > high[a] ? way : high[a];
-        }
-    bool fits = true;
-    for (int a = 0; a < 3; a++)
-        fits &= high[a] < LENGTH_MOST && low[a] > -LENGTH_MOST;
-    for (unsigned i = 0; fits && i < r->spokes; i++)
-        for (int a = 0; a < 3; a++)
-            r->spoke[i].is_out |= high[a] - r->spoke[i].way[a] >= LENGTH_MOST ||
-                                  r->spoke[i].way[a] - low[a] >= LENGTH_MOST;
-    return fits;
-}
-
 /* Of moving to a neighbour; NEVER where that is no less than `most`, or a triangle would turn over:
  * its normal would be normal - step x edge. Two of the triangles are those that vanish. */
 static uint64_t cost_of_move(const struct reduction *r, unsigned to, uint64_t most)
@@ -254,7 +233,23 @@ static bool look_around(struct reduction *r, uint32_t point)
         for (int a = 0; a < 3; a++)
             r->spoke[i].way[a] = (int64_t)to[a] - (int64_t)from[a];
     }
-    if (!are_short(r))
+    /* No edge is too long now, and none may become too long: rule out neighbours that are too far
+     * from others. */
+    int64_t low[3] = {0}, high[3] = {0};
+    for (unsigned i = 0; i < r->spokes; i++)
+        for (int j = 0; j < 3; j++) {
+            const int64_t way = r->spoke[i].way[j];
+            low[j] = way < low[j] ? way : low[j];
+            high[j] = way > high[j] ? way : high[j];
+        }
+    bool fits = true;
+    for (int j = 0; j < 3; j++)
+        fits &= high[j] < LENGTH_MOST && low[j] > -LENGTH_MOST;
+    for (unsigned i = 0; fits && i < r->spokes; i++)
+        for (int j = 0; j < 3; j++)
+            r->spoke[i].is_out |= high[j] - r->spoke[i].way[j] >= LENGTH_MOST ||
+                                  r->spoke[i].way[j] - low[j] >= LENGTH_MOST;
+    if (!fits)
         return false;
     for (unsigned i = 0; i < r->spokes; i++) {
         struct spoke *spoke = r->spoke + i;

@@ -128,21 +128,6 @@ static void weigh_row(struct scene *scene, const struct tile *tile,
         cell[i].weight = weight[i];
 }
 
-static bool weigh_tile(struct scene *scene, struct tile *tile, const struct adjacency *adjacency,
-                       struct slab slab, struct task *task)
-{
-    take_plane(tile, slab.first);
-    take_plane(tile, slab.first + 1);
-    for (uint32_t z = slab.first; z < slab.end; z++) {
-        take_plane(tile, z + 2);
-        for (uint32_t j = 0; j < tile->rows; j++)
-            weigh_row(scene, tile, adjacency, j, z);
-        if (!task_advance(task, (uint64_t)tile->width * tile->rows))
-            return false;
-    }
-    return true;
-}
-
 /* Of radius 1. */
 static void weigh_near(struct scene *scene, const struct adjacency *adjacency, struct slab slab)
 {
@@ -154,8 +139,15 @@ static void weigh_near(struct scene *scene, const struct adjacency *adjacency, s
         for (tile.x = 0; tile.x < size[0]; tile.x += WIDTH) {
             tile.width = size[0] - tile.x < WIDTH ? size[0] - tile.x : WIDTH;
             tile.rows = size[1] - tile.y < ROWS ? size[1] - tile.y : ROWS;
-            if (!weigh_tile(scene, &tile, adjacency, slab, &task))
-                return;
+            take_plane(&tile, slab.first);
+            take_plane(&tile, slab.first + 1);
+            for (uint32_t z = slab.first; z < slab.end; z++) {
+                take_plane(&tile, z + 2);
+                for (uint32_t j = 0; j < tile.rows; j++)
+                    weigh_row(scene, &tile, adjacency, j, z);
+                if (!task_advance(&task, (uint64_t)tile.width * tile.rows))
+                    return;
+            }
         }
 }
 

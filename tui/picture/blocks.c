@@ -79,11 +79,6 @@ void blocks_pixels(enum block_shape shape, uint32_t *width, uint32_t *height)
     *height = 2 * *width;
 }
 
-static bool is_same(const struct block *a, const struct block *b)
-{
-    return a->parts == b->parts && a->ink == b->ink && a->paper == b->paper && a->note == b->note;
-}
-
 /* The mean of a part's pixels; beyond the view they are black. */
 static uint32_t part_colour(const struct image_view *view, uint32_t left, uint32_t top,
                             uint32_t width, uint32_t height)
@@ -363,7 +358,8 @@ static bool show(struct painter *p, const struct image_view *view, struct buf *o
         unsigned at = UINT_MAX; /* where the cursor is in this row */
         for (unsigned column = 0; column < p->columns; column++) {
             const size_t i = (size_t)row * p->columns + column;
-            if (p->is_shown && is_same(&then[i], &now[i]))
+            if (p->is_shown && (then[i].parts == now[i].parts && then[i].ink == now[i].ink &&
+                                then[i].paper == now[i].paper && then[i].note == now[i].note))
                 continue;
             if (out->length == before && pen.colours != COLOURS_NONE)
                 buf_add_text(out, "\033[m");

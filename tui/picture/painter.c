@@ -95,23 +95,18 @@ static void make_room(struct painter *p, uint32_t pixels, struct buf *out)
     }
 }
 
-/* How many pixels a strip has: more where slices are so large that strips would be too many. */
-static uint32_t strip_pixels(const struct image_view *view)
-{
-    uint64_t all = 0;
-    for (unsigned i = 0; i < view->slices; i++)
-        all += (uint64_t)view->slice[i].width * view->slice[i].height;
-    const uint64_t each = all / (STRIPS_MOST / 2);
-    return each < STRIPS_EACH_PIXELS ? STRIPS_EACH_PIXELS
-           : each < UINT32_MAX       ? (uint32_t)each
-                                     : UINT32_MAX;
-}
-
 /* Cuts the boxes of slices into strips of whole rows of cells. */
 static void cut_strips(struct painter *p, const struct image_view *view)
 {
     struct strips *k = &p->kept;
-    const uint32_t pixels = strip_pixels(view);
+    /* Make strips larger where slices are so large that there would be too many strips. */
+    uint64_t all = 0;
+    for (unsigned i = 0; i < view->slices; i++)
+        all += (uint64_t)view->slice[i].width * view->slice[i].height;
+    const uint64_t each = all / (STRIPS_MOST / 2);
+    const uint32_t pixels = each < STRIPS_EACH_PIXELS ? STRIPS_EACH_PIXELS
+                            : each < UINT32_MAX       ? (uint32_t)each
+                                                      : UINT32_MAX;
     k->strips = 0;
     for (unsigned i = 0; i < view->slices; i++) {
         const struct raster_box box = view->slice[i];
@@ -257,26 +252,6 @@ static void hide_slot(struct painter *p, unsigned i, struct buf *out)
     slot->number = 0;
 }
 
-/* Shows the strips of the view at hand that are there, and no others. A strip comes before the one
- * in its place goes, so that nothing is black in between; but those of another layout, which may
- * lie over it, go first. */
-static void show_strips(struct painter *p, struct buf *out)
-{
-    struct strips *k = &p->kept;
-    for (unsigned i = 0; i < STRIPS_MOST; i++)
-        if (i >= k->strips || !same_box(&k->slot[i].box, &k->strip[i].box))
-            hide_slot(p, i, out);
-    for (unsigned i = 0; i < k->strips; i++) {
-        const struct strips_slot former = k->slot[i];
-        const struct raster_box *box = &k->strip[i].box;
-        if (!k->strip[i].is_there || (former.number == k->number[i] && same_box(&former.box, box)))
-            continue;
-        p->facts.graphics->keeping->place(p, k->number[i], i, box, out);
-        hide_slot(p, i, out);
-        k->slot[i] = (struct strips_slot){k->number[i], *box};
-    }
-}
-
 /* ---- coming and going ---- */
 
 static void erase(const struct painter *p, struct buf *out)
@@ -405,47 +380,6 @@ static bool tighten(struct raster_box *tile, const struct raster *now, const str
     return true;
 }
 
-/* The first and last column of bytes in which some of these rows differ. */
-static bool row_span(const struct raster *now, const struct raster *then, uint32_t top,
-                     uint32_t height, size_t *from, size_t *to)
-{
-    *from = SIZE_MAX;
-    *to = 0;
-    for (uint32_t y = top; y < top + height; y++) {
-        size_t first, last;
-        if (!differing(now->bytes + y * now->stride, then->bytes + y * then->stride,
-                       now->width * raster_pixel_bytes(now), &first, &last))
-            continue;
-        *from = first < *from ? first : *from;
-        *to = last > *to ? last : *to;
-    }
-    return *from != SIZE_MAX;
-}
-
-static void find_stale(struct stale *stale, const struct raster *now, const struct raster *then,
-                       const struct stale_rule *rule)
-{
-    const size_t each = raster_pixel_bytes(now);
-    stale->count = 0;
-    stale->cost = 0;
-    for (uint32_t top = 0; top < now->height; top += rule->tile_height) {
-        const uint32_t height = least(rule->tile_height, now->height - top);
-        size_t from, to;
-        if (!row_span(now, then, top, height, &from, &to))
-            continue;
-        uint32_t left = (uint32_t)(from / each / rule->tile_width) * rule->tile_width;
-        for (; left < now->width && left <= to / each; left += rule->tile_width) {
-            const struct raster_box tile = {left, top, least(rule->tile_width, now->width - left),
-                                            height};
-            struct raster_box tight = tile;
-            if (tighten(&tight, now, then))
-                add_box(stale, rule->whole_tiles ? tile : tight, rule->box_cost);
-        }
-    }
-    for (unsigned i = 0; i < stale->count; i++)
-        stale->cost += cost_of(stale->box[i], rule->box_cost);
-}
-
 /* ---- pixels ---- */
 
 static uint32_t whole_units(uint32_t length, uint32_t unit)
@@ -474,15 +408,6 @@ static bool fill(struct painter *p, const struct image_view *view)
     if (p->has_palette)
         clear_strips(&p->kept, view, p->of[1].bytes, p->width);
     return true;
-}
-
-static struct stale_rule rule_of(const struct painter *p)
-{
-    const struct graphics *g = p->facts.graphics;
-    if (!g->over_cells)
-        return (struct stale_rule){PIXEL_TILE, PIXEL_TILE, false,
-                                   p->kept.strips ? CLEAR_FACTOR * g->patch_cost : g->patch_cost};
-    return (struct stale_rule){p->facts.cell_width, p->facts.cell_height, true, g->patch_cost};
 }
 
 static void show_whole(struct painter *p, const struct image_view *view, struct buf *out)
@@ -527,8 +452,40 @@ static bool can_patch(struct painter *p, const struct image_view *view, struct s
     if (!can_compare(p, view) || !fill(p, view))
         return false;
     const struct raster now = raster_of(p, 1), then = raster_of(p, 0);
-    const struct stale_rule rule = rule_of(p);
-    find_stale(stale, &now, &then, &rule);
+    const struct graphics *g = p->facts.graphics;
+    const struct stale_rule rule =
+        !g->over_cells
+            ? (struct stale_rule){PIXEL_TILE, PIXEL_TILE, false,
+                                  p->kept.strips ? CLEAR_FACTOR * g->patch_cost : g->patch_cost}
+            : (struct stale_rule){p->facts.cell_width, p->facts.cell_height, true, g->patch_cost};
+    const size_t each = raster_pixel_bytes(&now);
+    stale->count = 0;
+    stale->cost = 0;
+    for (uint32_t top = 0; top < now.height; top += rule.tile_height) {
+        const uint32_t height = least(rule.tile_height, now.height - top);
+        /* Find the first and last column of bytes in which any of these rows differ. */
+        size_t from = SIZE_MAX, to = 0;
+        for (uint32_t y = top; y < top + height; y++) {
+            size_t first, last;
+            if (!differing(now.bytes + y * now.stride, then.bytes + y * then.stride,
+                           now.width * raster_pixel_bytes(&now), &first, &last))
+                continue;
+            from = first < from ? first : from;
+            to = last > to ? last : to;
+        }
+        if (from == SIZE_MAX)
+            continue;
+        uint32_t left = (uint32_t)(from / each / rule.tile_width) * rule.tile_width;
+        for (; left < now.width && left <= to / each; left += rule.tile_width) {
+            const struct raster_box tile = {left, top, least(rule.tile_width, now.width - left),
+                                            height};
+            struct raster_box tight = tile;
+            if (tighten(&tight, &now, &then))
+                add_box(stale, rule.whole_tiles ? tile : tight, rule.box_cost);
+        }
+    }
+    for (unsigned i = 0; i < stale->count; i++)
+        stale->cost += cost_of(stale->box[i], rule.box_cost);
     if (stale->count == 0)
         return true;
     const uint64_t all = (uint64_t)p->width * p->height;
@@ -568,7 +525,23 @@ static bool show_pixels(struct painter *p, const struct image_view *view, struct
     p->height = height;
     if (p->facts.graphics->keeping) {
         p->kept.strips = view->strips;
-        show_strips(p, out);
+        /* Show exactly the strips of the present view that the terminal has. Place a strip before
+         * removing the one it replaces, so that nothing is black in between; but first remove
+         * strips of another layout, which may overlap it. */
+        struct strips *k = &p->kept;
+        for (unsigned i = 0; i < STRIPS_MOST; i++)
+            if (i >= k->strips || !same_box(&k->slot[i].box, &k->strip[i].box))
+                hide_slot(p, i, out);
+        for (unsigned i = 0; i < k->strips; i++) {
+            const struct strips_slot former = k->slot[i];
+            const struct raster_box *box = &k->strip[i].box;
+            if (!k->strip[i].is_there ||
+                (former.number == k->number[i] && same_box(&former.box, box)))
+                continue;
+            p->facts.graphics->keeping->place(p, k->number[i], i, box, out);
+            hide_slot(p, i, out);
+            k->slot[i] = (struct strips_slot){k->number[i], *box};
+        }
     }
     if (can_patch(p, view, &stale)) {
         const struct raster raster = raster_of(p, 1);

@@ -192,26 +192,20 @@ static uint32_t distance(uint32_t a, uint32_t b)
     return (uint32_t)(2 * red * red + 4 * green * green + 3 * blue * blue);
 }
 
-static unsigned nearest(const struct shades *s, uint32_t colour)
-{
-    unsigned best = 0;
-    uint32_t least = UINT32_MAX;
-    for (unsigned i = 0; i < s->count; i++) {
-        const uint32_t d = distance(s->colour[i], colour);
-        if (d < least) {
-            least = d;
-            best = i;
-        }
-    }
-    return best;
-}
-
 /* The middle of a cell stands for all of it, so that no order of asking matters. */
 static uint8_t seek(struct shades *s, uint32_t cell)
 {
     const uint32_t middle =
         (cell >> 12) << 18 | (cell >> 6 & 63) << 10 | (cell & 63) << 2 | UINT32_C(0x020202);
-    const unsigned best = nearest(s, middle);
+    unsigned best = 0;
+    uint32_t least = UINT32_MAX;
+    for (unsigned i = 0; i < s->count; i++) {
+        const uint32_t d = distance(s->colour[i], middle);
+        if (d < least) {
+            least = d;
+            best = i;
+        }
+    }
     s->place[cell] = (uint8_t)(best + 1);
     return s->place[cell];
 }
@@ -408,30 +402,6 @@ static bool are_crowded(const struct shades *s)
     return s->hues * RUNGS_FEW > SHADES_MOST - 1 - ACCENTS - GREYS_LEAST;
 }
 
-static void fill_palette(struct shades *s)
-{
-    const unsigned share = 256 / (s->hues + 1);
-    const unsigned greys = !s->has_greys ? GREYS_LEAST : share > 64 ? 64 : share < 16 ? 16 : share;
-    const unsigned each = s->hues ? (SHADES_MOST - 1 - ACCENTS - greys) / s->hues : 0;
-    const unsigned most = each < 2 ? 2 : each > RUNGS_MOST ? RUNGS_MOST : each;
-    const unsigned tints = s->has_tints ? most * 3 / 8 : 0;
-    const unsigned gloss = (most - tints) / 4;
-    s->count = 0;
-    s->is_laddered = true;
-    s->is_suited = false;
-    add_colour(s, 0);
-    for (unsigned i = 0; i < ACCENTS; i++)
-        add_colour(s, accent[i]);
-    add_ladder(s, 0, 0xFFFFFF, greys);
-    for (unsigned i = 0; i < s->hues; i++) {
-        const uint32_t hue = s->hue[i];
-        add_ladder(s, 0, hue, most - tints - gloss);
-        add_ladder(s, hue, brightened(hue, GLOSS), gloss);
-        add_ladder(s, third(hue), brightened(third(hue), 170), tints);
-    }
-    forget_places(s);
-}
-
 /* ---- no hues are known, or too many ---- */
 
 /* By how much the colours of about 32 x 32 pixels are off: the mean of the worst channels, times
@@ -495,7 +465,26 @@ static bool choose_colours(struct shades *s, const struct image_view *view)
         return true;
     s->has_greys = has_greys;
     s->has_tints = has_tints;
-    fill_palette(s);
+    const unsigned share = 256 / (s->hues + 1);
+    const unsigned greys = !s->has_greys ? GREYS_LEAST : share > 64 ? 64 : share < 16 ? 16 : share;
+    const unsigned each = s->hues ? (SHADES_MOST - 1 - ACCENTS - greys) / s->hues : 0;
+    const unsigned most = each < 2 ? 2 : each > RUNGS_MOST ? RUNGS_MOST : each;
+    const unsigned tints = s->has_tints ? most * 3 / 8 : 0;
+    const unsigned gloss = (most - tints) / 4;
+    s->count = 0;
+    s->is_laddered = true;
+    s->is_suited = false;
+    add_colour(s, 0);
+    for (unsigned i = 0; i < ACCENTS; i++)
+        add_colour(s, accent[i]);
+    add_ladder(s, 0, 0xFFFFFF, greys);
+    for (unsigned i = 0; i < s->hues; i++) {
+        const uint32_t hue = s->hue[i];
+        add_ladder(s, 0, hue, most - tints - gloss);
+        add_ladder(s, hue, brightened(hue, GLOSS), gloss);
+        add_ladder(s, third(hue), brightened(third(hue), 170), tints);
+    }
+    forget_places(s);
     return true;
 }
 

@@ -98,23 +98,6 @@ static bool is_flat(const uint8_t *top, size_t stride, uint32_t rows)
     return differs == 0;
 }
 
-static void gather(struct band *band, const uint8_t *top, size_t stride, uint32_t width,
-                   uint32_t rows)
-{
-    uint32_t x = 0;
-    band->runs = 0;
-    band->used_count = 0;
-    memset(band->is_used, 0, sizeof band->is_used);
-    while (x < width) {
-        if (x + 8 <= width && is_flat(top + x, stride, rows)) {
-            add_run(band, top[x], (uint8_t)((1u << rows) - 1), x, x + 8);
-            x += 8;
-        } else {
-            gather_column(band, top, stride, rows, x++);
-        }
-    }
-}
-
 /* ---- bytes ---- */
 
 static char *put_number(char *place, uint32_t n)
@@ -142,18 +125,6 @@ static char *put_run(char *place, uint8_t bits, uint32_t run)
     return place;
 }
 
-static char *put_colour(char *place, const struct band *band, uint8_t colour)
-{
-    uint32_t x = 0;
-    for (uint32_t i = band->first[colour]; i != NONE; i = band->run[i].next) {
-        const struct sixel_run *run = &band->run[i];
-        place = put_run(place, 0, run->from - x);
-        place = put_run(place, run->bits, run->to - run->from);
-        x = run->to;
-    }
-    return place;
-}
-
 static void write_band(const struct band *band, const uint8_t *number, struct buf *out)
 {
     enum { RUN_MOST = 2 * 12, COLOUR_MOST = 5 }; /* bytes: with what is left out before it */
@@ -167,7 +138,16 @@ static void write_band(const struct band *band, const uint8_t *number, struct bu
             *end++ = '$';
         *end++ = '#';
         end = put_number(end, number[band->used[i]]);
-        end = put_colour(end, band, band->used[i]);
+        char *place = end;
+        const uint8_t colour = band->used[i];
+        uint32_t x = 0;
+        for (uint32_t j = band->first[colour]; j != NONE; j = band->run[j].next) {
+            const struct sixel_run *run = &band->run[j];
+            place = put_run(place, 0, run->from - x);
+            place = put_run(place, run->bits, run->to - run->from);
+            x = run->to;
+        }
+        end = place;
     }
     *end = '\0';
     out->length += (size_t)(end - begin);
@@ -197,7 +177,21 @@ static void once(struct painter *p, const struct raster *raster, struct buf *out
                    percent(used[i] & 255));
     for (uint32_t y = 0; y < raster->height; y += BAND) {
         const uint32_t rows = raster->height - y < BAND ? raster->height - y : BAND;
-        gather(&band, raster->bytes + y * raster->stride, raster->stride, raster->width, rows);
+        const uint8_t *top = raster->bytes + y * raster->stride;
+        const size_t stride = raster->stride;
+        const uint32_t width = raster->width;
+        uint32_t x = 0;
+        band.runs = 0;
+        band.used_count = 0;
+        memset(band.is_used, 0, sizeof band.is_used);
+        while (x < width) {
+            if (x + 8 <= width && is_flat(top + x, stride, rows)) {
+                add_run(&band, top[x], (uint8_t)((1u << rows) - 1), x, x + 8);
+                x += 8;
+            } else {
+                gather_column(&band, top, stride, rows, x++);
+            }
+        }
         write_band(&band, number, out);
         if (y + rows < raster->height)
             buf_add_char(out, '-');
