@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/json.h"
 #include "base/least.h"
 #include "base/mem.h"
@@ -261,6 +262,12 @@ enum err difference_picture_draw(struct picture *picture, struct session *sessio
 
 /* ---- drawn in A's process ---- */
 
+/* Name a journal as a picture may: by the last part of its path; "" where its scene is private. */
+static const char *shown_name(const struct side_facts *facts, const char *path)
+{
+    return facts->is_private ? "" : file_name(path);
+}
+
 struct drawing {
     const char *const *path;
     const struct side *other; /* B */
@@ -279,8 +286,8 @@ static enum err draw(struct picture *picture, struct session *session,
     struct overlap overlap;
     overlap_count(&overlap, label, drawing->other->labels, session_scene(session)->grid.voxels);
     const struct difference_picture difference_picture = {
-        .name = {side_shown_name(facts, drawing->path[0]),
-                 side_shown_name(drawing->other->facts, drawing->path[1])},
+        .name = {shown_name(facts, drawing->path[0]),
+                 shown_name(drawing->other->facts, drawing->path[1])},
         .label = {label, drawing->other->labels},
         .overlap = &overlap};
     const struct side_facts *other = drawing->other->facts;
@@ -415,11 +422,38 @@ static void write_labels(struct buf *out, const struct journals *j)
     buf_printf(out, "voxels    %" PRIu64 " of %" PRIu64 " differ\n", o->differing, o->voxels);
 }
 
+/* The very same scene. */
+static bool scene_is_same(const struct side *a, const struct side *b)
+{
+    return strcmp(a->facts->proof, b->facts->proof) == 0 &&
+           a->facts->scene_digest == b->facts->scene_digest;
+}
+
+/* Add a line for each thing that a reader should know of how a journal was carried out. */
+static void add_warnings(struct buf *out, const struct side *side, const char *path)
+{
+    const struct side_facts *f = side->facts;
+    const struct {
+        bool holds;
+        const char *words;
+    } warning[] = {
+        {f->is_edited, "was edited by hand; it gives the results that it records"},
+        {f->is_torn, "ends with an unfinished record, which was left alone"},
+        {f->pending > 0, "ends with edits that wait for a run; they are not compared"},
+    };
+    for (size_t k = 0; k < sizeof warning / sizeof warning[0]; k++)
+        if (warning[k].holds) {
+            buf_add_text(out, "# ");
+            buf_add_safe_text(out, path);
+            buf_printf(out, " %s\n", warning[k].words);
+        }
+}
+
 static void write_warnings(struct buf *out, const struct journals *j)
 {
     for (int i = 0; i < 2; i++)
-        side_write_warnings(out, &j->side[i], j->options->path[i]);
-    if (!side_scene_is_same(&j->side[0], &j->side[1]))
+        add_warnings(out, &j->side[i], j->options->path[i]);
+    if (!scene_is_same(&j->side[0], &j->side[1]))
         buf_add_text(out, "# the scenes are not the same: voxels were compared place by place\n");
 }
 
@@ -447,7 +481,7 @@ static void write_json(struct buf *out, const struct journals *j)
     json_boolean(&json, "parts", j->first_difference.is_there);
     add_json_side(&json, j, 0);
     add_json_side(&json, j, 1);
-    json_boolean(&json, "same_scene", side_scene_is_same(&j->side[0], &j->side[1]));
+    json_boolean(&json, "same_scene", scene_is_same(&j->side[0], &j->side[1]));
     json_array(&json, "size");
     for (int a = 0; a < 3; a++)
         json_count(&json, NULL, j->side[0].facts->size[a]);
@@ -491,7 +525,7 @@ static enum err report(const struct journals *j, const struct printer *printer, 
         write_json(&text, j);
     } else {
         const struct side_facts *f = j->side[0].facts;
-        if (side_scene_is_same(&j->side[0], &j->side[1]))
+        if (scene_is_same(&j->side[0], &j->side[1]))
             buf_printf(&text, "scenes    the same: %ux%ux%u voxels, SHA-256 %s\n", f->size[0],
                        f->size[1], f->size[2], f->proof);
         else

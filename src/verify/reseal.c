@@ -32,26 +32,32 @@ static const char unchanged[] = "nothing has changed";
  * place, and takes that place only when all of them can, and the journal with them. Drafts that
  * were not published are removed at the end, with their folder where it was made for them.
  */
-struct golden_accept {
+struct resealing {
+    struct interpreter *interp;
+    const char *why;           /* the reason, one line; NULL where golden images are left alone */
+    const char *only;          /* names of golden images to accept, "first,second"; NULL: all */
+    bool takes_results;        /* what is no picture may have changed, and was edited */
+    struct buf header, out;    /* the new journal */
+    struct record_chain chain; /* of its last record */
+    size_t count, marked;      /* records; those that have changed */
     struct buf drafts;         /* pairs of a draft and its place, each ended by NUL */
     struct buf same;           /* places of golden images that are the same, each ended by NUL */
     struct buf met;            /* names of all golden images, each ended by NUL */
     struct buf folder;         /* of the golden images, where it was made for them; or "" */
     struct buf note;           /* what was wrong with that of the command at hand, "" for nothing */
-    struct record_chain chain; /* of the record before it, for the notes in the picture */
-    const char *why;           /* the reason, one line */
-    const char *only;          /* names of golden images to accept, "first,second"; NULL: all */
     bool is_left;              /* the picture of the command at hand is not accepted */
     size_t images;             /* golden images accepted */
     size_t left;               /* pictures that differ and are not accepted */
+    size_t missing;            /* golden images that are not there, and in which words */
+    struct fault missing_words;
 };
 
 /* The next pair of a draft and its place; false at the end. */
-static bool next_draft(const struct golden_accept *accept, const char **at, const char **draft,
+static bool next_draft(const struct resealing *r, const char **at, const char **draft,
                        const char **place)
 {
-    *at = *at ? *place + strlen(*place) + 1 : buf_text(&accept->drafts);
-    if (*at >= buf_text(&accept->drafts) + accept->drafts.length)
+    *at = *at ? *place + strlen(*place) + 1 : buf_text(&r->drafts);
+    if (*at >= buf_text(&r->drafts) + r->drafts.length)
         return false;
     *draft = *at;
     *place = *draft + strlen(*draft) + 1;
@@ -69,16 +75,16 @@ static const char *source(void *context, const char *path)
 }
 
 /* One file, whole, under a name of its own. */
-static enum err write_draft(struct golden_accept *accept, struct interpreter *interp,
-                            const char *path, const struct picture *picture, struct fault *fault)
+static enum err write_draft(struct resealing *r, struct interpreter *interp, const char *path,
+                            const struct picture *picture, struct fault *fault)
 {
     struct buf draft = {0};
     enum err err = file_draft(&draft, path, FILE_REPLACE, fault);
     if (!err) {
         err = image_write(interp->helper, buf_text(&draft), FILE_KEEP, picture, fault);
-        buf_add(&accept->drafts, buf_text(&draft), draft.length + 1);
-        buf_add(&accept->drafts, path, strlen(path) + 1);
-        if (!err && accept->drafts.failed) {
+        buf_add(&r->drafts, buf_text(&draft), draft.length + 1);
+        buf_add(&r->drafts, path, strlen(path) + 1);
+        if (!err && r->drafts.failed) {
             file_discard(buf_text(&draft));
             err = fault_memory(fault, "the names of files");
         }
@@ -88,14 +94,14 @@ static enum err write_draft(struct golden_accept *accept, struct interpreter *in
 }
 
 /* The image, and the PNG beside it. Their folder goes again where it was made in vain. */
-static enum err write_drafts(struct golden_accept *accept, struct interpreter *interp,
+static enum err write_drafts(struct resealing *r, struct interpreter *interp,
                              const struct golden_finding *finding, struct fault *fault)
 {
     struct golden_files files;
     enum err err = golden_files_open(&files, buf_text(&interp->home), fault);
     if (!err && files.folder < 0) {
-        buf_clear(&accept->folder);
-        buf_add_text(&accept->folder, buf_text(&files.path));
+        buf_clear(&r->folder);
+        buf_add_text(&r->folder, buf_text(&files.path));
         golden_files_close(&files);
         err = golden_files_make(&files, buf_text(&interp->home), fault);
     }
@@ -103,14 +109,14 @@ static enum err write_drafts(struct golden_accept *accept, struct interpreter *i
         err = picture_note(finding->actual, "iftty:journal", file_name(buf_text(&interp->home)),
                            fault);
     if (!err)
-        err = picture_note(finding->actual, "iftty:chain", accept->chain.hex, fault);
+        err = picture_note(finding->actual, "iftty:chain", r->chain.hex, fault);
     if (!err)
-        err = write_draft(accept, interp, finding->path, finding->actual, fault);
+        err = write_draft(r, interp, finding->path, finding->actual, fault);
     buf_printf(&files.path, "/%s.png", finding->name);
     if (!err)
         err = files.path.failed
                   ? fault_memory(fault, "a path")
-                  : write_draft(accept, interp, buf_text(&files.path), finding->actual, fault);
+                  : write_draft(r, interp, buf_text(&files.path), finding->actual, fault);
     golden_files_close(&files);
     return err;
 }
@@ -134,23 +140,25 @@ static bool next_name(const char **names, const char **name, size_t *length)
     return true;
 }
 
-static bool is_accepted(const struct golden_accept *accept, const char *golden)
+static bool is_accepted(const struct resealing *r, const char *golden)
 {
-    const char *names = accept->only, *name;
+    const char *names = r->only, *name;
     size_t length;
     while (next_name(&names, &name, &length))
         if (strlen(golden) == length && memcmp(name, golden, length) == 0)
             return true;
-    return !accept->only;
+    return !r->only;
 }
 
 /* Refuses a name in `only` that no `golden` of the journal has given. */
-static enum err check_names(const struct golden_accept *accept, struct fault *fault)
+static enum err check_names(const struct resealing *r, struct fault *fault)
 {
-    const char *names = accept->only, *name;
+    const char *names = r->only, *name;
     size_t length;
+    if (r->met.failed)
+        return fault_memory(fault, "the names of golden images");
     while (next_name(&names, &name, &length))
-        if (!has_text(&accept->met, name, length))
+        if (!has_text(&r->met, name, length))
             return fault_set(fault, ERR_USAGE,
                              "--only: no `golden` of this journal has the name \"%.*s\"; iftty "
                              "log --script prints its commands; %s",
@@ -161,63 +169,52 @@ static enum err check_names(const struct golden_accept *accept, struct fault *fa
 static enum err is_same(void *context, struct interpreter *interp,
                         const struct golden_finding *finding, struct fault *fault)
 {
-    struct golden_accept *accept = context;
+    struct resealing *r = context;
     (void)interp;
-    buf_add(&accept->same, finding->path, strlen(finding->path) + 1);
-    buf_add(&accept->met, finding->name, strlen(finding->name) + 1);
-    return accept->same.failed || accept->met.failed ? fault_memory(fault, "the names of files")
-                                                     : OK;
+    buf_add(&r->same, finding->path, strlen(finding->path) + 1);
+    buf_add(&r->met, finding->name, strlen(finding->name) + 1);
+    return r->same.failed ? fault_memory(fault, "the names of files") : OK;
 }
 
 static enum err differs(void *context, struct interpreter *interp,
                         const struct golden_finding *finding, struct fault *fault)
 {
-    struct golden_accept *accept = context;
-    if (source(accept, finding->path) != finding->path ||
-        has_text(&accept->same, finding->path, strlen(finding->path)))
+    struct resealing *r = context;
+    if (source(r, finding->path) != finding->path ||
+        has_text(&r->same, finding->path, strlen(finding->path)))
         return fault_set(fault, ERR_CHECK,
                          "golden image %s is given twice, and the pictures are not the same",
                          finding->name);
-    buf_add(&accept->met, finding->name, strlen(finding->name) + 1);
-    accept->is_left = !is_accepted(accept, finding->name);
-    accept->left += accept->is_left;
-    if (!accept->is_left) {
-        accept->images++;
-        buf_add_text(&accept->note, fault->text);
+    buf_add(&r->met, finding->name, strlen(finding->name) + 1);
+    r->is_left = !is_accepted(r, finding->name);
+    r->left += r->is_left;
+    if (!r->is_left) {
+        r->images++;
+        buf_add_text(&r->note, fault->text);
     }
-    const enum err err = accept->is_left ? OK : write_drafts(accept, interp, finding, fault);
+    const enum err err = r->is_left ? OK : write_drafts(r, interp, finding, fault);
     if (!err)
         fault->text[0] = '\0';
     return err;
 }
 
-static void golden_accept_release(struct golden_accept *accept)
+static void resealing_release(struct resealing *r)
 {
     const char *at = NULL, *draft, *place;
-    while (next_draft(accept, &at, &draft, &place))
+    while (next_draft(r, &at, &draft, &place))
         file_discard(draft); /* it is gone already where it was published */
-    if (accept->folder.length)
-        rmdir(buf_text(&accept->folder)); /* stays where it holds anything */
-    buf_release(&accept->folder);
-    buf_release(&accept->same);
-    buf_release(&accept->drafts);
-    buf_release(&accept->note);
-    buf_release(&accept->met);
+    if (r->folder.length)
+        rmdir(buf_text(&r->folder)); /* stays where it holds anything */
+    buf_release(&r->header);
+    buf_release(&r->out);
+    buf_release(&r->folder);
+    buf_release(&r->same);
+    buf_release(&r->drafts);
+    buf_release(&r->note);
+    buf_release(&r->met);
 }
 
 /* ---- one record ---- */
-
-struct resealing {
-    struct interpreter *interp;
-    struct golden_accept *accept; /* NULL where golden images are left alone */
-    bool takes_results;           /* what is no picture may have changed, and was edited */
-    struct buf header, out;       /* the new journal */
-    struct record_chain chain;
-    size_t count, marked; /* records; those that have changed */
-    size_t stale;         /* golden images that are left alone, and are others now */
-    size_t missing;       /* golden images that are not there, and in which words */
-    struct fault missing_words;
-};
 
 static enum err count_stale(void *context, struct interpreter *interp,
                             const struct golden_finding *finding, struct fault *fault)
@@ -225,7 +222,7 @@ static enum err count_stale(void *context, struct interpreter *interp,
     struct resealing *r = context;
     (void)interp;
     if (file_exists(finding->path))
-        r->stale++;
+        r->left++;
     else if (!r->missing++)
         r->missing_words = *fault;
     fault->text[0] = '\0';
@@ -274,13 +271,13 @@ static void add_mark(const struct resealing *r, struct buf *out, const struct re
 {
     struct record_word word;
     const bool has_other = !record->has_result || has_other_result(record, words, &word);
-    if (r->accept && (!has_other || r->accept->note.length)) {
-        buf_printf(out, "# accepted: %s", r->accept->why);
-        if (r->accept->note.length)
-            buf_printf(out, " (%s)", buf_text(&r->accept->note));
+    if (r->why && (!has_other || r->note.length)) {
+        buf_printf(out, "# accepted: %s", r->why);
+        if (r->note.length)
+            buf_printf(out, " (%s)", buf_text(&r->note));
         buf_add_char(out, '\n');
     }
-    if (!r->accept || has_other)
+    if (!r->why || has_other)
         buf_add_text(out, "# resealed: its results are those of iftty " PROGRAM_VERSION "\n");
     if (record->has_result)
         buf_printf(out, "# it was: chain=%s%s%.*s\n", record->chain.hex, *record->result ? " " : "",
@@ -294,12 +291,12 @@ static enum err write_record(struct resealing *r, const char *bytes, const struc
 {
     struct buf comments = {0};
     const bool is_sound = !record_judge(record, NULL);
-    const bool is_left = r->accept && r->accept->is_left;
+    const bool is_left = r->why && r->is_left;
     const bool is_same =
         is_left ||
         (record->has_result && all_are_given(record->result, buf_text(&reply->words)) &&
          (!r->takes_results || !record_lacks_digest(record->result, buf_text(&reply->words))));
-    const bool has_note = r->accept && r->accept->note.length;
+    const bool has_note = r->why && r->note.length;
     buf_add(&comments, bytes + record->offset, (size_t)(record->command_offset - record->offset));
     if (!is_sound || !is_same || has_note) {
         add_mark(r, &comments, record, buf_text(&reply->words));
@@ -322,15 +319,14 @@ static enum err reseal_record(struct resealing *r, const char *bytes, const stru
 {
     struct reply reply = {0};
     enum err err = OK;
-    if (r->accept) {
+    if (r->why) {
         err = r->takes_results ? OK : record_judge(record, fault);
         if (err)
             return fault_set(fault, ERR_CHECK,
                              "record %zu (line %zu) was edited: iftty log --reseal comes first; %s",
                              record->number, record->line, unchanged);
-        buf_clear(&r->accept->note);
-        r->accept->chain = r->chain;
-        r->accept->is_left = false;
+        buf_clear(&r->note);
+        r->is_left = false;
     }
     r->interp->replayed_words = record->result;
     err = interpreter_execute(r->interp, record->command, &reply, fault);
@@ -341,9 +337,9 @@ static enum err reseal_record(struct resealing *r, const char *bytes, const stru
     if (!err && !r->takes_results)
         err = refuse_results(record, buf_text(&reply.words), fault);
     /* A picture that is no golden image: only its digest is known, nobody can see what it was. */
-    if (!err && r->accept && !r->accept->is_left && !r->accept->note.length &&
+    if (!err && r->why && !r->is_left && !r->note.length &&
         !all_are_given(record->result, buf_text(&reply.words)))
-        r->accept->left += r->accept->is_left = r->accept->only != NULL;
+        r->left += r->is_left = r->only != NULL;
     if (!err)
         err = write_record(r, bytes, record, &reply, fault);
     reply_release(&reply);
@@ -377,8 +373,8 @@ static enum err reseal_bytes(struct resealing *r, const struct buf *bytes, struc
         err = fault_set(fault, ERR_CHECK,
                         "%s; iftty log --reseal --accept WHY FILE draws it again; %s",
                         r->missing_words.text, unchanged);
-    if (!err && r->accept)
-        err = check_names(r->accept, fault);
+    if (!err && r->why)
+        err = check_names(r, fault);
     if (!err && (r->out.failed || r->header.failed))
         err = fault_memory(fault, "a journal");
     walk_release(&walk);
@@ -402,9 +398,9 @@ static enum err publish(struct resealing *r, const char *path, const struct buf 
         return err;
     r->interp->mode = MODE_LIVE; /* it is over: the user asked for what is replaced now */
     struct golden_files files = {.folder = -1};
-    if (r->accept && r->accept->drafts.length)
+    if (r->why && r->drafts.length)
         err = golden_files_open(&files, path, fault);
-    while (!err && r->accept && next_draft(r->accept, &at, &draft, &place)) {
+    while (!err && r->why && next_draft(r, &at, &draft, &place)) {
         err = interpreter_will_write(r->interp, place, FILE_REPLACE, fault);
         if (!err)
             err = file_publish_in(files.folder, draft, place, fault);
@@ -423,9 +419,8 @@ static void report(const struct resealing *r, const char *path, const struct buf
 {
     struct buf text = {0};
     buf_add_text(&text, "# ");
-    if (r->accept)
-        buf_printf(&text, "%zu golden image%s accepted, ", r->accept->images,
-                   plural(r->accept->images));
+    if (r->why)
+        buf_printf(&text, "%zu golden image%s accepted, ", r->images, plural(r->images));
     buf_printf(&text, "%zu of %zu record%s of ", r->marked, r->count, plural(r->count));
     buf_add_safe_text(&text, path);
     buf_add_text(&text, " marked");
@@ -436,11 +431,11 @@ static void report(const struct resealing *r, const char *path, const struct buf
         buf_add_text(&text, "; nothing has changed");
     }
     buf_add_char(&text, '\n');
-    if (r->stale)
+    if (!r->why && r->left)
         buf_printf(&text,
                    "# %zu golden image%s not what the journal draws, and left alone: iftty verify "
                    "--accept WHY FILE draws %s anew\n",
-                   r->stale, r->stale > 1 ? "s are" : " is", r->stale > 1 ? "them" : "it");
+                   r->left, r->left > 1 ? "s are" : " is", r->left > 1 ? "them" : "it");
     printer->print(printer->context, buf_text(&text));
     buf_release(&text);
 }
@@ -459,58 +454,6 @@ static enum err refuse_link(const char *path, struct fault *fault)
     buf_release(&real);
     return err;
 }
-
-static enum err reseal(struct resealing *r, const char *path, const struct printer *printer,
-                       struct fault *fault)
-{
-    struct file_log *lock = NULL;
-    struct buf bytes = {0}, former = {0}, lines = {0}, orphans = {0};
-    struct interpreter *interp = r->interp;
-    const struct golden_judge judge =
-        r->accept ? (struct golden_judge){.context = r->accept,
-                                          .source = source,
-                                          .is_same = is_same,
-                                          .differs = differs}
-                  : (struct golden_judge){.context = r, .differs = count_stale};
-    r->chain = record_chain_zero;
-    interp->mode = MODE_REPLAY;
-    interp->judge = &judge;
-    enum err err = refuse_link(path, fault);
-    if (!err)
-        err = file_log_open(&lock, path, false, fault); /* R4 */
-    if (!err)
-        err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
-    if (!err)
-        err = interpreter_set_home(interp, path, fault);
-    if (!err) {
-        err = reseal_bytes(r, &bytes, fault);
-        if (err && err != ERR_CANCELLED)
-            fault_prefix(fault, err, "%s", path);
-    }
-    if (!err) { /* chains will be others, by which nobody can say then what is nothing */
-        golden_files_clear(path, buf_text(&bytes), bytes.length, &lines);
-        if (r->accept)
-            err =
-                orphan_find(&orphans, &(struct orphan_search){interp, path, false, &lines}, fault);
-        if (lines.length)
-            printer->warn(printer->context, buf_text(&lines));
-    }
-    if (!err && r->marked)
-        err = publish(r, path, &bytes, &former, fault);
-    if (!err)
-        report(r, path, &former, printer);
-    file_log_close(lock);
-    buf_release(&orphans);
-    buf_release(&lines);
-    buf_release(&former);
-    buf_release(&bytes);
-    buf_release(&r->header);
-    buf_release(&r->out);
-    interp->judge = NULL;
-    return err;
-}
-
-/* ---- accepting and resealing ---- */
 
 /* The reason has to be one comment of a record, and given by a person. */
 static enum err check_reason(const char *why, struct fault *fault)
@@ -531,31 +474,73 @@ static enum err check_reason(const char *why, struct fault *fault)
                                WHY_MOST, unchanged);
 }
 
+static enum err reseal(struct resealing *r, const char *path, const struct printer *printer,
+                       struct fault *fault)
+{
+    struct file_log *lock = NULL;
+    struct buf bytes = {0}, former = {0}, lines = {0}, orphans = {0};
+    struct interpreter *interp = r->interp;
+    const struct golden_judge judge =
+        r->why ? (struct golden_judge){.context = r,
+                                       .source = source,
+                                       .is_same = is_same,
+                                       .differs = differs}
+               : (struct golden_judge){.context = r, .differs = count_stale};
+    r->chain = record_chain_zero;
+    interp->mode = MODE_REPLAY;
+    interp->judge = &judge;
+    enum err err = r->why ? check_reason(r->why, fault) : OK;
+    if (!err)
+        err = refuse_link(path, fault);
+    if (!err)
+        err = file_log_open(&lock, path, false, fault); /* R4 */
+    if (!err)
+        err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
+    if (!err)
+        err = interpreter_set_home(interp, path, fault);
+    if (!err) {
+        err = reseal_bytes(r, &bytes, fault);
+        if (err && err != ERR_CANCELLED)
+            fault_prefix(fault, err, "%s", path);
+    }
+    if (!err) { /* chains will be others, by which nobody can say then what is nothing */
+        golden_files_clear(path, buf_text(&bytes), bytes.length, &lines);
+        if (r->why)
+            err =
+                orphan_find(&orphans, &(struct orphan_search){interp, path, false, &lines}, fault);
+        if (lines.length)
+            printer->warn(printer->context, buf_text(&lines));
+    }
+    if (!err && r->marked)
+        err = publish(r, path, &bytes, &former, fault);
+    if (!err)
+        report(r, path, &former, printer);
+    file_log_close(lock);
+    buf_release(&orphans);
+    buf_release(&lines);
+    buf_release(&former);
+    buf_release(&bytes);
+    resealing_release(r);
+    interp->judge = NULL;
+    return err;
+}
+
 enum err reseal_accept(struct interpreter *interp, const char *path, const char *why,
                        const char *only, const struct printer *printer, struct fault *fault)
 {
-    struct golden_accept accept = {.why = why, .only = only};
-    struct resealing r = {.interp = interp, .accept = &accept};
-    enum err err = check_reason(why, fault);
-    if (!err)
-        err = reseal(&r, path, printer, fault);
-    if (!err && accept.left)
-        err = fault_set(fault, ERR_CHECK,
-                        "%zu picture%s of %s still differ%s, not named by --only: iftty verify "
-                        "--out DIR stores what differs",
-                        accept.left, plural(accept.left), path, accept.left == 1 ? "s" : "");
-    golden_accept_release(&accept);
-    return err;
+    struct resealing r = {.interp = interp, .why = why, .only = only};
+    const enum err err = reseal(&r, path, printer, fault);
+    return err || !r.left
+               ? err
+               : fault_set(fault, ERR_CHECK,
+                           "%zu picture%s of %s still differ%s, not named by --only: iftty verify "
+                           "--out DIR stores what differs",
+                           r.left, plural(r.left), path, r.left == 1 ? "s" : "");
 }
 
 enum err reseal_edited(struct interpreter *interp, const char *path, const char *why,
                        const struct printer *printer, struct fault *fault)
 {
-    struct golden_accept accept = {.why = why};
-    struct resealing r = {.interp = interp, .accept = why ? &accept : NULL, .takes_results = true};
-    enum err err = why ? check_reason(why, fault) : OK;
-    if (!err)
-        err = reseal(&r, path, printer, fault);
-    golden_accept_release(&accept);
-    return err;
+    struct resealing r = {.interp = interp, .why = why, .takes_results = true};
+    return reseal(&r, path, printer, fault);
 }

@@ -8,7 +8,6 @@
 #include "base/mem.h"
 #include "command/interpreter.h"
 #include "engine/scene.h"
-#include "image/geometry.h"
 #include "session/session.h"
 #include "verify/process.h"
 #include "verify/replay_file.h"
@@ -64,7 +63,6 @@ static enum err hand_back(struct buf *out, const struct interpreter *interp,
 {
     const struct session *session = interp->session;
     const struct kept *kept = session_kept(session);
-    const struct geometry *geometry = session_geometry(session);
     const struct labels labels = labels_of_forest(session_scene(session));
     const struct grid *grid = &labels.scene->grid;
     const size_t voxels = grid->voxels, end = labels_end(voxels);
@@ -78,11 +76,7 @@ static enum err hand_back(struct buf *out, const struct interpreter *interp,
     memset(to, 0, end - voxels);
     out->length += end;
     memcpy(facts->size, grid->size, sizeof facts->size);
-    memcpy(facts->spacing_nm, geometry->spacing_nm, sizeof facts->spacing_nm);
-    memcpy(facts->to_mm, geometry->to_mm, sizeof facts->to_mm);
-    facts->spacing_unknown = geometry->spacing_unknown;
     facts->is_private = session_is_private(session);
-    facts->orientation = (uint8_t)geometry->orientation;
     memcpy(facts->proof, session_proof(session), sizeof facts->proof);
     memcpy(facts->label_name, kept->label_name, sizeof facts->label_name);
     facts->palette = kept->palette;
@@ -129,8 +123,7 @@ static bool is_whole(const struct side_facts *f, size_t length)
 {
     const uint64_t voxels = (uint64_t)f->size[0] * f->size[1] * f->size[2];
     return f->size[0] <= UINT16_MAX && f->size[1] <= UINT16_MAX && f->size[2] <= UINT16_MAX &&
-           voxels && voxels == f->voxels && voxels <= UINT32_MAX && f->spacing_nm[0] &&
-           f->spacing_nm[1] && f->spacing_nm[2] && f->more <= length - sizeof *f &&
+           voxels && voxels == f->voxels && voxels <= UINT32_MAX && f->more <= length - sizeof *f &&
            length - sizeof *f - f->more == labels_end(f->voxels);
 }
 
@@ -175,49 +168,4 @@ enum err side_carry_out(struct side *side, const char *path, const struct side_o
 void side_release(struct side *side)
 {
     buf_release(&side->bytes);
-}
-
-enum err side_geometry(struct geometry *geometry, const struct side *side, struct fault *fault)
-{
-    const struct side_facts *f = side->facts;
-    *geometry = (struct geometry){.slope = 1, .spacing_unknown = f->spacing_unknown};
-    memcpy(geometry->spacing_nm, f->spacing_nm, sizeof geometry->spacing_nm);
-    geometry_place_spaced(geometry);
-    return f->orientation == ORIENTATION_UNKNOWN ||
-                   (f->orientation <= ORIENTATION_TOLD &&
-                    geometry_place(geometry, f->to_mm, (enum orientation)f->orientation))
-               ? OK
-               : fault_set(fault, ERR_INPUT, "its scene lies nowhere");
-}
-
-/* ---- of both ---- */
-
-bool side_scene_is_same(const struct side *a, const struct side *b)
-{
-    return strcmp(a->facts->proof, b->facts->proof) == 0 &&
-           a->facts->scene_digest == b->facts->scene_digest;
-}
-
-const char *side_shown_name(const struct side_facts *facts, const char *path)
-{
-    return facts->is_private ? "" : file_name(path);
-}
-
-void side_write_warnings(struct buf *out, const struct side *side, const char *path)
-{
-    const struct side_facts *f = side->facts;
-    const struct {
-        bool holds;
-        const char *words;
-    } warning[] = {
-        {f->is_edited, "was edited by hand; it gives the results that it records"},
-        {f->is_torn, "ends with an unfinished record, which was left alone"},
-        {f->pending > 0, "ends with edits that wait for a run; they are not compared"},
-    };
-    for (size_t k = 0; k < sizeof warning / sizeof warning[0]; k++)
-        if (warning[k].holds) {
-            buf_add_text(out, "# ");
-            buf_add_safe_text(out, path);
-            buf_printf(out, " %s\n", warning[k].words);
-        }
 }

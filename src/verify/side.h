@@ -16,21 +16,18 @@
 #include "journal/record.h"
 #include "session/state.h"
 
-struct geometry;
 struct interpreter;
 struct reply;
 
 struct side_facts { /* from one process of this program to another, so they are sent as they are */
     enum err err;
     char why[sizeof((struct fault *)0)->text];
-    uint32_t size[3], spacing_nm[3];
+    uint32_t size[3];
     uint64_t scene_digest;
     char proof[SHA256_HEX];
     struct record_chain chain; /* of the last record */
     size_t voxels, pending, more;
-    uint8_t is_edited, is_torn, is_private, spacing_unknown; /* booleans */
-    uint8_t orientation;
-    double to_mm[3][4];
+    uint8_t is_edited, is_torn, is_private; /* booleans */
     char label_name[256][LABEL_NAME_BYTES];
     struct palette palette;
 };
@@ -73,18 +70,5 @@ struct side_work {
 enum err side_carry_out(struct side *side, const char *path, const struct side_options *options,
                         const struct side_work *work, struct fault *fault);
 void side_release(struct side *side);
-
-/* Where its scene lies: all that a map on it needs. ERR_INPUT where the process says nothing that
- * can be. */
-enum err side_geometry(struct geometry *geometry, const struct side *side, struct fault *fault);
-
-/* Both have the very same scene. */
-bool side_scene_is_same(const struct side *a, const struct side *b);
-
-/* What a picture may call it: the last part of its path; "" where its scene is private. */
-const char *side_shown_name(const struct side_facts *facts, const char *path);
-
-/* Adds a line for each thing that a reader should know of how it was carried out. */
-void side_write_warnings(struct buf *out, const struct side *side, const char *path);
 
 #endif
