@@ -1,265 +1,113 @@
 /* SPDX-License-Identifier: MIT */
-/* The pager of the prompt, without a terminal: keys go in, and what it draws comes to stand on a
- * screen of our own. */
+/* Pages of a text: where they end, and which keys leave. The terminal is in test_prompt_pty. */
 #include "tests/check.h"
 #include "tests/screen.h"
+#include "tui/cells.h"
 #include "tui/prompt/pager.h"
 
-static struct screen screen;
-static struct pager pager;
-static struct buf text;
+static struct buf wrapped;
 
-static void begin(unsigned columns, unsigned rows)
+static void wrap(const char *words, unsigned columns)
 {
-    pager_release(&pager);
-    memset(&screen, 0, sizeof screen);
-    screen_resize(&screen, columns, rows);
-    pager_init(&pager, buf_text(&text), text.length);
+    struct buf text = {0};
+    buf_add_text(&text, words);
+    buf_clear(&wrapped);
+    cells_wrap(&wrapped, &text, columns);
+    buf_release(&text);
 }
 
-static void begin_numbers(unsigned count, unsigned columns, unsigned rows)
+/* The bytes of each page, to the end. */
+static void check_pages(unsigned columns, unsigned rows, const char *const *page)
 {
-    buf_clear(&text);
-    for (unsigned i = 1; i <= count; i++)
-        buf_printf(&text, "row %u\n", i);
-    begin(columns, rows);
+    const struct term_size size = {.columns = columns, .rows = rows};
+    size_t at = 0;
+    for (; *page; page++) {
+        const size_t end = pager_page_end(&wrapped, at, &size);
+        char shown[200];
+        snprintf(shown, sizeof shown, "%.*s", (int)(end - at), buf_text(&wrapped) + at);
+        CHECK_TEXT(shown, *page);
+        at = end;
+    }
+    CHECK_INT(at, wrapped.length);
 }
 
-static void draw(void)
+STORY(a_page_leaves_a_row_for_more)
 {
-    struct buf out = {0};
-    CHECK(pager_fit(&pager, screen.columns, screen.rows));
-    pager_draw(&pager, &out);
-    screen_write(&screen, buf_text(&out), out.length);
-    buf_release(&out);
+    wrap("1\n2\n3\n4\n5\n", 20);
+    check_pages(20, 4, (const char *const[]){"1\r\n2\r\n3\r\n", "4\r\n5\r\n", NULL});
+    check_pages(20, 6, (const char *const[]){"1\r\n2\r\n3\r\n4\r\n5\r\n", NULL});
+    check_pages(20, 1, (const char *const[]){"1\r\n", "2\r\n", "3\r\n", "4\r\n", "5\r\n", NULL});
 }
 
-/* False when a key of these has left. */
-static bool press(const char *bytes)
+STORY(wide_characters_colours_and_long_words_count_as_a_terminal_has_them)
+{
+    wrap("\033[31mred\033[m\nabcdefghijklm\nend\n", 5); /* the word takes three rows */
+    check_pages(5, 5,
+                (const char *const[]){"\033[31mred\033[m\r\nabcdefghijklm\r\n", "end\r\n", NULL});
+    check_pages(
+        5, 4, (const char *const[]){"\033[31mred\033[m\r\n", "abcdefghijklm\r\n", "end\r\n", NULL});
+    check_pages(
+        5, 2, (const char *const[]){"\033[31mred\033[m\r\n", "abcdefghijklm\r\n", "end\r\n", NULL});
+    wrap("\xe6\x9c\xac\xe6\x9c\xac\xe6\x9c\xac\nend\n", 5); /* six cells */
+    check_pages(5, 3,
+                (const char *const[]){"\xe6\x9c\xac\xe6\x9c\xac\xe6\x9c\xac\r\n", "end\r\n", NULL});
+}
+
+static bool leaves(const char *bytes)
 {
     struct keys keys = {0};
-    struct key_event event;
-    bool stays = true;
-    for (; *bytes && stays; bytes++)
-        if (keys_feed(&keys, (uint8_t)*bytes, &event))
-            stays = pager_key(&pager, &event);
-    if (stays && keys_waiting(&keys) && keys_time_out(&keys, &event))
-        stays = pager_key(&pager, &event);
-    draw();
-    return stays;
+    struct key_event event = {0};
+    bool has_key = false;
+    for (; *bytes; bytes++)
+        has_key = keys_feed(&keys, (uint8_t)*bytes, &event);
+    has_key = has_key || keys_time_out(&keys, &event);
+    return CHECK(has_key) && pager_is_left_by(&event);
 }
 
-#define SEE(row, text) CHECK_TEXT(screen_row(&screen, row), text)
-
-STORY(keys_go_through_a_text)
+STORY(some_keys_leave_and_others_show_the_next_page)
 {
-    begin_numbers(100, 40, 10);
-    draw();
-    CHECK(pager_is_needed(&pager));
-    SEE(0, "row 1");
-    SEE(8, "row 9");
-    SEE(9, "1-9 of 100  q: leave, Space, b, / n N,");
-    static const struct {
-        const char *keys, *first;
-    } cases[] = {
-        {" ", "row 10"},       {"b", "row 1"},          {"b", "row 1"},
-        {"\033[6~", "row 10"}, {"\033[5~", "row 1"},    {"j\r\033[B", "row 4"},
-        {"k\033[A", "row 2"},  {"G", "row 92"},         {"  j\006", "row 92"},
-        {"\002", "row 83"},    {"g", "row 1"},          {"\033[F", "row 92"},
-        {"<", "row 1"},        {"\033[H>", "row 92"},   {"zZ1\t\033[2~", "row 92"},
-        {"\033[Hj", "row 2"},  {"\033x\033q", "row 2"}, {"\302\240\303\244", "row 2"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        CHECK(press(cases[i].keys));
-        SEE(0, cases[i].first);
-    }
-    CHECK(!press("q") && !press("\003") && !press("\004") && !press("\033"));
+    static const char *const leaving[] = {"q", "Q", "\033", "\003", "\004"};
+    static const char *const others[] = {" ", "\r", "j", "c", "\033[B", "\033[6~", "\177"};
+    for (size_t i = 0; i < sizeof leaving / sizeof *leaving; i++)
+        CHECK(leaves(leaving[i]));
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        CHECK(!leaves(others[i]));
 }
 
-/* The caller gives a text of what is wanted, as it is typed. */
-STORY(what_is_wanted_may_be_another_text)
+/* Any text at any size: each page fits the screen above its last row, but for one long word. */
+STORY(a_page_fits_the_screen_whatever_the_text)
 {
-    begin_numbers(9, 60, 10);
-    pager.filters = true;
-    draw();
-    SEE(9, "/ shows what has a word in it; any other key leaves");
-    CHECK(press("/ki"));
-    SEE(9, "/ki");
-    CHECK_TEXT(buf_text(&pager.wanted), "ki");
-    pager_turn_to(&pager, "Kidney\n", 7);
-    CHECK(press("d"));
-    SEE(0, "Kidney");
-    SEE(1, "");
-    CHECK(press("\r") && !pager.asks && !pager.failed);
-    CHECK_TEXT(buf_text(&pager.wanted), "kid");
-    CHECK(press("/x\033"));
-    CHECK_TEXT(buf_text(&pager.wanted), "");
-    CHECK(press("j") && !press("i"));
-}
-
-STORY(words_are_searched_on_and_back)
-{
-    buf_clear(&text);
-    for (unsigned i = 1; i <= 60; i++)
-        buf_printf(&text, "%s %u\n", i % 20 ? "line" : "Kidney \346\234\254", i);
-    begin(30, 8);
-    draw();
-    press("/kid");
-    SEE(7, "/kid");
-    CHECK_INT(screen.column, 4);
-    press("n\177\177nq"); /* a letter is a letter */
-    SEE(7, "/kinq");
-    press("\177\177dNEY\r");
-    SEE(0, "Kidney \346\234\254 20");
-    press("n");
-    SEE(0, "Kidney \346\234\254 40");
-    press("N");
-    SEE(0, "Kidney \346\234\254 20");
-    press("N");
-    SEE(7, "not found: kidNEY");
-    SEE(0, "Kidney \346\234\254 20");
-    press("n");
-    press("n");
-    SEE(6, "Kidney \346\234\254 60"); /* on the last page */
-    press("g/\346\234\254\r");
-    SEE(0, "Kidney \346\234\254 20");
-    press("/zzz\033"); /* given up */
-    SEE(7, "20-26 of 60  q: leave, Space,");
-    press("n");
-    SEE(0, "Kidney \346\234\254 20");
-    press("/\r"); /* nothing wanted, nothing found */
-    SEE(0, "Kidney \346\234\254 20");
-    CHECK(press("/a\177\177"));
-    CHECK(press("/a\003"));
-    CHECK(!press("\003"));
-}
-
-STORY(another_size_keeps_the_line_at_the_top)
-{
-    buf_clear(&text);
-    for (unsigned i = 1; i <= 40; i++)
-        buf_printf(&text, "%02u  some words that fit or not, %02u\n", i, i);
-    begin(60, 10);
-    draw();
-    press("  ");
-    SEE(0, "19  some words that fit or not, 19");
-    screen_resize(&screen, 20, 5);
-    draw();
-    SEE(0, "19  some words that");
-    SEE(1, "    fit or not, 19");
-    SEE(4, "37-40 of 80  q: lea");
-    press("j");
-    SEE(0, "    fit or not, 19");
-    screen_resize(&screen, 60, 60);
-    draw();
-    SEE(0, "01  some words that fit or not, 01"); /* all of it fits */
-    CHECK(!pager_is_needed(&pager));
-}
-
-STORY(colours_stay_with_their_rows)
-{
-    buf_clear(&text);
-    buf_add_text(&text, "plain\n\033[38;5;244mgrey words that go on, and on\nand on\033[m plain\n"
-                        "plain\n");
-    begin(20, 3);
-    draw();
-    CHECK(!screen.cell[0][0].grey && screen.cell[1][0].grey && screen.cell[1][15].grey);
-    press("j");
-    press("j"); /* rows that begin in grey */
-    SEE(0, "on, and on");
-    SEE(1, "and on plain");
-    CHECK(screen.cell[0][0].grey && screen.cell[1][0].grey && !screen.cell[1][8].grey);
-    CHECK(!screen.grey);
-    press("j");
-    SEE(1, "plain");
-    CHECK(screen.cell[0][0].grey && !screen.cell[1][0].grey);
-}
-
-STORY(what_was_looked_at_is_left_as_lines)
-{
-    struct buf out = {0};
-    begin_numbers(9, 20, 4);
-    draw();
-    press("/row\r");
-    pager_print(&pager, &out);
-    CHECK_TEXT(buf_text(&out), "row 2\r\nrow 3\r\nrow 4\r\n");
-    buf_release(&out);
-}
-
-/* The cells of a row of the screen, wide ones counted twice. */
-static size_t cells_of(unsigned row)
-{
-    const char *shown = screen_row(&screen, row);
-    return cells_width(shown, strlen(shown));
-}
-
-static void add_random_line(uint64_t *random)
-{
-    static const char *const piece[] = {"word ",
-                                        "a",
-                                        "\346\234\254",
-                                        "e\314\201",
-                                        "  ",
-                                        "\033[31m",
-                                        "\033[m",
-                                        "a-word-that-is-wider-than-most",
-                                        "\360\237\247\240",
-                                        "\033[38;5;244m"};
-    for (uint32_t n = check_below(random, 20); n; n--)
-        buf_add_text(&text, piece[check_below(random, 10)]);
-    buf_add_char(&text, '\n');
-}
-
-STORY(random_keys_texts_and_sizes_leave_a_screen_as_drawn_afresh)
-{
-    static const char *const keys[] = {" ",
-                                       "b",
-                                       "j",
-                                       "k",
-                                       "G",
-                                       "g",
-                                       "/",
-                                       "n",
-                                       "N",
-                                       "a",
-                                       "wo",
-                                       "\r",
-                                       "\177",
-                                       "\033",
-                                       "\346\234\254",
-                                       "\033[B",
-                                       "\033[5~",
-                                       "\001",
-                                       "\033[<0;1;1M",
-                                       "\t"};
-    uint64_t random = 3;
-    for (int round = 0; round < 200; round++) {
-        buf_clear(&text);
-        for (uint32_t n = 1 + check_below(&random, 60); n; n--)
-            add_random_line(&random);
-        begin(12 + check_below(&random, 60), 4 + check_below(&random, 30));
-        draw();
-        for (int i = 0; i < 40; i++) {
-            if (check_below(&random, 8) == 0)
-                screen_resize(&screen, 1 + check_below(&random, 70), 1 + check_below(&random, 30));
-            press(keys[check_below(&random, 20)]);
-            CHECK(pager.top < pager.rows && !screen.grey && screen.row + 1 == screen.rows);
-            static struct screen before;
-            before = screen;
-            memset(screen.cell, 0, sizeof screen.cell);
-            draw();
-            for (unsigned y = 0; y < screen.rows && screen.columns > 1; y++) {
-                CHECK_TEXT(screen_row(&before, y), screen_row(&screen, y));
-                CHECK(cells_of(y) <= screen.columns);
-            }
+    static const char *const piece[] = {
+        "a", "\xe6\x9c\xac", "\n",    "\033[31m", "\033[m",
+        " ", "  ",           "word ", "\n",       "a-long-word-that-is-wide"};
+    static struct screen screen;
+    uint64_t seed = 5;
+    for (int round = 0; round < 300; round++) {
+        struct buf text = {0};
+        const struct term_size size = {.columns = 4 + check_below(&seed, 40),
+                                       .rows = 2 + check_below(&seed, 20)};
+        for (uint64_t n = check_below(&seed, 300); n > 0; n--)
+            buf_add_text(&text, piece[check_below(&seed, sizeof piece / sizeof *piece)]);
+        buf_clear(&wrapped);
+        cells_wrap(&wrapped, &text, size.columns);
+        for (size_t at = 0, end; at < wrapped.length; at = end) {
+            end = pager_page_end(&wrapped, at, &size);
+            if (!CHECK(end > at))
+                break;
+            memset(&screen, 0, sizeof screen);
+            screen_resize(&screen, size.columns, 60);
+            screen_write(&screen, buf_text(&wrapped) + at, end - at);
+            const char *feed = memchr(buf_text(&wrapped) + at, '\n', end - at);
+            const bool is_one = !feed || feed + 1 == buf_text(&wrapped) + end;
+            CHECK(is_one || screen.row < size.rows);
         }
+        buf_release(&text);
     }
 }
 
 int main(void)
 {
     const int status = check_run();
-    pager_release(&pager);
-    buf_release(&text);
+    buf_release(&wrapped);
     return status;
 }

@@ -68,16 +68,16 @@ grep -q ' -icanon' theirs && fail "$(cat theirs)"
 press C-c
 close_story
 
-begin "a long answer is paged; what was looked at stays"
+begin "a long answer comes by pages; what was looked at stays"
 press C-l
 enter "help"
-see '^1-23 of [0-9]+  q: leave'
-type_letters "/render ["
-press Enter
-see '^render \[FILE\]'
+see '^The scene$'
+see '^-- more --$'
+press Space
+see '^outline X,Y,Z '
 type_letters "q"
 see '^s>$'
-see '^render \[FILE\]'
+see '^outline X,Y,Z '
 press C-l
 close_story
 

@@ -531,43 +531,43 @@ STORY(without_an_editor_it_is_said_in_words)
     forget_journals();
 }
 
-/* The last row of the screen begins so. */
-static bool is_status(const struct terminal *t, const char *text)
+/* The cursor is after this, at the beginning of its row. */
+static bool is_foot(const struct terminal *t, const char *text)
 {
-    return t->screen.is_other &&
-           strncmp(screen_row(&t->screen, t->screen.rows - 1), text, strlen(text)) == 0;
+    return strcmp(screen_row(&t->screen, t->screen.row), text) == 0 &&
+           t->screen.column == strlen(text);
 }
-#define SEE_STATUS(t, text) check_awaited(t, is_status, text, __LINE__)
+#define SEE_FOOT(t, text) check_awaited(t, is_foot, text, __LINE__)
+#define MORE              "-- more --"
 
-STORY(a_long_answer_is_paged_and_what_was_looked_at_stays)
+STORY(a_long_answer_is_printed_by_pages)
 {
     struct terminal t;
+    unsigned pages = 1;
     start_at_prompt(&t);
     type(&t, "help\r");
-    SEE_STATUS(&t, "1-23 of ");
-    SEE(&t, "The scene");
+    SEE_FOOT(&t, MORE);
+    CHECK_TEXT(screen_row(&t.screen, 0), "The scene");
+    type(&t, "q");
+    SEE_LINE(&t, "synth>"); /* in its place */
+    CHECK(!begins(&t, MORE));
+    type(&t, "help\r");
+    SEE_FOOT(&t, MORE);
+    set_size(&t, 80, 12);
     type(&t, " ");
-    SEE_STATUS(&t, "24-46 of ");
-    type(&t, "g/Example\r");
-    SEE_STATUS(&t, "not found: Example");
-    type(&t, "/^");
-    SEE_STATUS(&t, "/^");
-    type(&t, "\177\177/render\r");
-    SEE_BEGIN(&t, "render [FILE]");
-    set_size(&t, 20, 5);
-    SEE_STATUS(&t, "");
-    SEE_BEGIN(&t, "render [FILE]");
+    SEE_FOOT(&t, MORE);
     set_size(&t, 80, 24);
-    SEE_BEGIN(&t, "render [FILE]");
-    type(&t, "\033");
+    for (; pages < 40 && !begins(&t, "quit "); pages++) {
+        type(&t, "\r");
+        settle(&t, 20);
+    }
+    CHECK(pages > 5 && pages < 40);
     SEE_LINE(&t, "synth>");
-    CHECK(!t.screen.is_other);
-    SEE_BEGIN(&t, "render [FILE]");
-    CHECK_INT(t.screen.row, 23); /* a page of 23, and the prompt below it */
-    type(&t, "info\r");          /* this fits */
+    type(&t, "info\r"); /* this fits */
     SEE_BEGIN(&t, "memory ");
     SEE_LINE(&t, "synth>");
     quit(&t);
+    CHECK(strstr(buf_text(&t.written), "1049h") == NULL);
     unlink("history");
     forget_journals();
 }
@@ -576,18 +576,17 @@ STORY(what_is_typed_or_pasted_on_is_for_the_prompt)
 {
     struct terminal t;
     start_at_prompt(&t);
-    type(&t, "help\rlabel 3 one\r"); /* somebody who does not look: nothing is paged */
+    type(&t, "help\rlabel 3 one\r"); /* somebody who does not look: there are no pages */
     SEE(&t, "synth> label 3 one");
     SEE_LINE(&t, "synth>");
     type(&t, "help\r");
-    SEE_STATUS(&t, "1-23 of ");
+    SEE_FOOT(&t, MORE);
     type(&t, "\033[200~label 4 two\rquit it"); /* a paste leaves, and is the prompt's */
     SEE(&t, "synth> label 4 two");
     type(&t, "\033[201~");
     SEE_LINE(&t, "synth> quit it");
-    CHECK(!t.screen.is_other);
     type(&t, "\025help\r");
-    SEE_STATUS(&t, "1-23 of ");
+    SEE_FOOT(&t, MORE);
     type(&t, "\033[?64;1;2;6;9c\003"); /* what a terminal says is no key */
     SEE_LINE(&t, "synth>");
     quit(&t);
@@ -595,6 +594,70 @@ STORY(what_is_typed_or_pasted_on_is_for_the_prompt)
     CHECK_HAS(journal(1), "\nlabel 4 two\n");
     unlink("history");
     forget_journals();
+}
+
+/* A session with this in $PAGER. */
+static void start_with_pager(struct terminal *t, const char *pager)
+{
+    setenv("PAGER", pager, 1);
+    start_at_prompt(t);
+    unsetenv("PAGER");
+    unlink("paged");
+    type(t, "help");
+    SEE_BEGIN(t, "synth> help");
+    type(t, "\r");
+}
+
+static void end_with_pager(struct terminal *t)
+{
+    SEE_LINE(t, "synth>");
+    CHECK(reads_keys(t, ""));
+    type(t, "label 5 more\r");
+    SEE_LINE(t, "synth>");
+    quit(t);
+    CHECK_HAS(journal(1), "\nlabel 5 more\n");
+    unlink("history");
+    forget_journals();
+}
+
+STORY(the_pager_of_the_user_has_the_answer_and_the_terminal)
+{
+    struct terminal t;
+    struct buf seen = {0};
+    start_with_pager(&t, "stty -a <&2 >modes; echo \"$LESSSECURE\" >secure; cat >paged; read x <&2;"
+                         " true");
+    for (int i = 0; i < 600 && (file_read(&seen, "paged", 1 << 20, NULL) || !seen.length); i++)
+        settle(&t, 20);
+    settle(&t, 50);
+    CHECK(file_read(&seen, "paged", 1 << 20, NULL) == OK);
+    CHECK(strncmp(buf_text(&seen), "The scene\n", 10) == 0);
+    CHECK_HAS(buf_text(&seen), "\nquit "); /* to its end */
+    CHECK(file_read(&seen, "modes", 1 << 14, NULL) == OK);
+    CHECK(strstr(buf_text(&seen), " icanon") && !strstr(buf_text(&seen), "-icanon"));
+    CHECK(file_read(&seen, "secure", 100, NULL) == OK);
+    CHECK_TEXT(buf_text(&seen), "1\n");
+    type(&t, "\r"); /* it waits for that */
+    end_with_pager(&t);
+    unlink("secure");
+    unlink("modes");
+    buf_release(&seen);
+}
+
+STORY(a_pager_that_reads_little_or_is_none_does_no_harm)
+{
+    struct terminal t;
+    start_with_pager(&t, "head -n 2 >paged; kill -INT $$");
+    end_with_pager(&t);
+    CHECK(file_exists("paged"));
+    start_with_pager(&t, "no-such-pager --here");
+    SEE_FOOT(&t, MORE);
+    type(&t, "q");
+    end_with_pager(&t);
+    start_with_pager(&t, "");
+    SEE_FOOT(&t, MORE);
+    type(&t, "q");
+    end_with_pager(&t);
+    unlink("paged");
 }
 
 /* Neither Ctrl-D, Ctrl-O nor Ctrl-Z, after which another program has the keys. */
@@ -652,18 +715,18 @@ STORY(whatever_is_pressed_the_prompt_is_sane_again)
     forget_journals();
 }
 
-STORY(a_pager_can_be_done_without)
+STORY(pages_can_be_done_without)
 {
     static const char off[] = "pager off\n";
     struct terminal t;
     CHECK(file_write("config", off, sizeof off - 1, FILE_REPLACE, NULL) == OK);
     config = "config";
-    start_at_prompt(&t);
+    start_with_pager(&t, "cat >paged");
     config = bare;
-    type(&t, "help\r");
     SEE_LINE(&t, "synth>");
     SEE_BEGIN(&t, "quit ");
-    CHECK(strstr(buf_text(&t.written), "1049h") == NULL);
+    CHECK(strstr(buf_text(&t.written), MORE) == NULL);
+    CHECK(!file_exists("paged"));
     quit(&t);
     unlink("history");
     unlink("config");
@@ -1281,6 +1344,7 @@ STORY(any_bytes_leave_the_pilot_a_sane_screen_and_an_exact_journal)
 
 int main(void)
 {
+    unsetenv("PAGER");
     alarm(900 + 60 * (unsigned)pilot_rounds());
     ssize_t n = readlink("/proc/self/exe", program, sizeof program - 32);
     program[n > 0 ? n : 0] = '\0';

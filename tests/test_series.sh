@@ -184,11 +184,9 @@ enter_anew "cd v; $iftty"
 see '^session>$'
 enter "open many"
 see '1: "protocol with a long name, and number 1"'
-see '^1-23 of [0-9]+  q: leave'
-type_letters "G"
+see '^-- more --$'
+press Space Space Space
 see 'number 30"'
-see 'it holds 30 series'
-type_letters "q"
 see '^error: .*it holds 30 series'
 enter "open study"
 see '^6: 5 slices of 26x22, MR, 1.8x2.2x2.5 mm'

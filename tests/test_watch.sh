@@ -15,6 +15,7 @@ begin_terminal
 
 begin "space leads through a journal: a gesture is drawn, then carried out, and its change is told"
 before=$(listing . | grep -v tmux)
+enter "PAGER='cat >$work/paged'; export PAGER"
 enter_anew "$iftty watch e.iftty --graphics blocks"
 see '^the beginning, before step 1 of 6$'
 see '^Space on  Backspace back  G end  c comments  : command  \? keys  q back$'
@@ -70,6 +71,16 @@ see '^drawn, and not carried out yet'
 comes_true is_plain || fail "$(white) white characters"
 press BSpace
 see '^step 3 of 6, '
+close_story
+
+begin "no pager is started beside a stranger's journal: pages are printed"
+type_letters ":help"
+press Enter
+see '^The scene$'
+see '^-- more --$'
+type_letters "q"
+see '^step 3 of 6, '
+[ -e "$work/paged" ] && fail "the pager of the user has run"
 close_story
 
 begin "one looks as one likes, and changes nothing"

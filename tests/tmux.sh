@@ -5,7 +5,7 @@ begin "at a terminal"
 needs tmux || { close_story; finish; }
 
 # A server of our own, whatever the user has; -u since LC_ALL=C says nothing of UTF-8.
-unset TMUX NO_COLOR
+unset TMUX NO_COLOR PAGER
 tmux_here() {
     (cd "$work" && exec tmux -u -S ./tmux "$@") # the whole path may be too long for a socket
 }

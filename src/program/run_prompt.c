@@ -313,6 +313,7 @@ static enum err run_repl(struct prompt *prompt, const struct options *o, struct 
     const struct repl_options how = {.graphics = o->graphics,
                                      .history_path = has_history ? buf_text(&history) : NULL,
                                      .pages = !prompt->config.plain_answers,
+                                     .pager = getenv("PAGER"),
                                      .theme = prompt->config.setup.theme};
     const enum err err = repl_run(&host, &how, fault);
     buf_release(&history);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Keys at the prompt and in its pager, any bytes at all: the line keeps its promises (line.h), all
- * that was done is undone, and the screen shows what one drawn afresh would. The first two bytes
- * are the size of the screen. */
+/* Keys at the prompt, any bytes at all: the line keeps its promises (line.h), all that was done is
+ * undone, and the screen shows what one drawn afresh would. The first two bytes are the size of the
+ * screen. */
 #include "tests/fuzz/fuzz.h"
 
 #include <string.h>
@@ -9,7 +9,6 @@
 #include "tests/screen.h"
 #include "tui/prompt/line_draw.h"
 #include "tui/prompt/line_keys.h"
-#include "tui/prompt/pager.h"
 
 static struct screen screen, fresh;
 static struct line_history history;
@@ -129,32 +128,6 @@ static void edit(const uint8_t *bytes, size_t length)
     line_release(&l);
 }
 
-/* ---- the pager ---- */
-
-static void page(const uint8_t *bytes, size_t length)
-{
-    static const char text[] =
-        "one two three\n\033[31mred \xe6\x9c\xac\xe6\x9c\xac\xe6\x9c\xac words that go on\nand on"
-        "\033[m\n\n  name  its value, of several words\na-word-that-is-wider-than-the-screen\n";
-    struct pager p;
-    struct keys keys = {0};
-    struct key_event event;
-    struct buf out = {0};
-    bool stays = true;
-    pager_init(&p, text, sizeof text - 1);
-    HOLDS(pager_fit(&p, screen.columns, screen.rows));
-    for (size_t i = 0; i < length && stays; i++)
-        if (keys_feed(&keys, bytes[i], &event)) {
-            stays = pager_key(&p, &event);
-            HOLDS(p.top < p.rows);
-        }
-    pager_draw(&p, &out);
-    screen_write(&screen, buf_text(&out), out.length);
-    HOLDS(screen.row + 1 == screen.rows && !screen.grey);
-    pager_release(&p);
-    buf_release(&out);
-}
-
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
 {
     if (length < 2)
@@ -163,6 +136,5 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
     memset(&screen, 0, sizeof screen);
     screen_resize(&screen, 8 + bytes[0] % 60, 2 + bytes[1] % 24);
     edit(bytes + 2, length - 2);
-    page(bytes + 2, length - 2);
     return 0;
 }

@@ -530,78 +530,95 @@ static enum err carry_out_all(struct pilot *p, const char *lines, struct fault *
 
 static void await_key(struct pilot *p, struct key_event *event);
 
-/* Until a key leaves; another size of the screen too is left by. */
-static enum err page_through(struct pilot *p, const struct buf *text, bool *left,
-                             struct fault *fault)
+/* What is typed after `/`. False at its end: at Enter, or another key, which drops it. */
+static bool type_wanted(struct buf *wanted, const struct key_event *event)
 {
-    struct key_event event = {0};
-    struct pager pager;
-    enum err err = OK;
-    pager_init(&pager, buf_text(text), text->length);
-    p->is_resized = *left = false;
-    while (!err && !p->is_over && !p->is_resized && !*left) {
-        /* What fits the screen is left by any key. */
-        const struct term_size size = term_size();
-        struct buf page = {.failed = !pager_fit(&pager, size.columns, size.rows)};
-        buf_add_text(&page, blank_of(p));
-        pager_draw(&pager, &page);
-        if (!pager_is_needed(&pager))
-            buf_printf(&page, "\033[%u;1H(any key)\033[K", size.rows);
-        err = term_write_text(&page, "a page", fault);
-        if (!err)
-            await_key(p, &event);
-        *left = !p->is_resized && (!pager_is_needed(&pager) || !pager_key(&pager, &event));
-    }
-    pager_release(&pager);
-    return err;
+    const bool is_text = event->key == KEY_CHARACTER && event->modifiers == 0;
+    const bool erases = event->key == KEY_BACKSPACE && wanted->length > 0;
+    if (is_text)
+        buf_add(wanted, event->text, event->length);
+    else if (erases)
+        char_erase(wanted);
+    else if (event->key != KEY_ENTER)
+        buf_clear(wanted);
+    return is_text || erases;
 }
 
-/* What has more than a line has the screen for itself, page by page. */
-static enum err show_pages(struct pilot *p, const struct buf *text, struct fault *fault)
+/* Shows a text by pages on the whole screen; NULL for the keys, or those of them that have what is
+ * typed after `/`. */
+static enum err show_by_pages(struct pilot *p, const struct buf *text, struct fault *fault)
 {
-    bool left = false;
-    enum err err = clear_picture(p, false, fault);
-    while (!err && !p->is_over && !left)
-        err = page_through(p, text, &left, fault);
-    return err;
-}
-
-/* The page of keys, or those of them that have what is typed after `/`. */
-static enum err show_keys(struct pilot *p, struct fault *fault)
-{
-    struct pager pager;
+    struct buf keys = {0}, wanted = {0};
     struct key_event event = {0};
-    struct buf keys = {0};
-    bool stays = true, is_other = true; /* than what the pager has */
+    bool stays = true, asks = false;
+    size_t at = 0;
     enum err err = clear_picture(p, false, fault);
-    pager_init(&pager, "", 0);
-    pager.filters = true;
     while (!err && !p->is_over && stays) {
         const struct term_size size = term_size();
         const struct pilot_keys_wish wish = {p->state->setup, p->state->watches, size.columns,
-                                             p->facts->colours != COLOURS_NONE,
-                                             buf_text(&pager.wanted)};
-        struct buf page = {0};
-        if (is_other) {
-            buf_clear(&keys);
+                                             p->facts->colours != COLOURS_NONE, buf_text(&wanted)};
+        struct buf wrapped = {0}, page = {0};
+        buf_clear(&keys);
+        if (!text)
             pilot_keys_page(&keys, &wish);
-            pager_turn_to(&pager, buf_text(&keys), keys.length);
-        }
-        page.failed = keys.failed || !pager_fit(&pager, size.columns, size.rows);
+        cells_wrap(&wrapped, text ? text : &keys, size.columns);
+        const size_t end = pager_page_end(&wrapped, at, &size);
         buf_add_text(&page, blank_of(p));
-        pager_draw(&pager, &page);
+        buf_add(&page, buf_text(&wrapped) + at, end - at);
+        buf_printf(&page, "\033[%u;1H%s%s", size.rows,
+                   asks                   ? "/"
+                   : end < wrapped.length ? PAGER_MORE
+                   : text                 ? "(any key)"
+                                          : "/ shows what has a word in it; any other key leaves",
+                   asks ? buf_text(&wanted) : "");
+        page.failed |= wrapped.failed || keys.failed;
+        const bool is_last = end >= wrapped.length;
+        buf_release(&wrapped);
         err = term_write_text(&page, "a page", fault);
         p->is_resized = false;
         if (!err)
             await_key(p, &event);
-        const bool asked = pager.asks;
-        stays = p->is_resized ||
-                (pager_key(&pager, &event) && (pager_is_needed(&pager) || asked || pager.asks));
-        is_other = p->is_resized || asked || pager.asks;
+        if (p->is_resized || asks) {
+            asks = asks && (p->is_resized || type_wanted(&wanted, &event));
+            at = 0;
+        } else if (!text && event.key == KEY_CHARACTER && event.point == '/') {
+            buf_clear(&wanted);
+            asks = true;
+            at = 0;
+        } else {
+            stays = !is_last && !pager_is_left_by(&event);
+            at = end;
+        }
     }
-    pager_release(&pager);
     buf_release(&keys);
+    buf_release(&wanted);
     return err;
+}
+
+/* The terminal is for others: the picture has gone, and no answer is due. */
+static enum err leave_screen(struct pilot *p, struct fault *fault)
+{
+    const enum err err = clear_picture(p, true, fault);
+    if (p->flow.due) /* or others get the answers as input */
+        probe_await(p->flow.due, 2000, &p->editor->input);
+    p->flow.due = 0;
+    return err;
+}
+
+/* What has more than a line has the screen for itself: in the user's pager, else by pages. */
+static enum err show_pages(struct pilot *p, const struct buf *text, struct fault *fault)
+{
+    const struct term_size size = term_size();
+    struct buf wrapped = {0};
+    cells_wrap(&wrapped, text, size.columns);
+    const bool fits = pager_page_end(&wrapped, 0, &size) == wrapped.length;
+    buf_release(&wrapped);
+    if (fits || !p->editor->pager)
+        return show_by_pages(p, text, fault);
+    const enum err err = leave_screen(p, fault);
+    const bool is_shown = !err && pager_run(p->editor->pager, text);
+    lay_out(p);
+    return err || is_shown ? err : show_by_pages(p, text, fault);
 }
 
 /* A frame has been drawn, while a line is edited below. */
@@ -671,14 +688,11 @@ static enum err do_deed(struct pilot *p, enum pilot_deed deed, struct fault *fau
     case PILOT_PROMPT:
         return ask_for_command(p, fault);
     case PILOT_SHOW_KEYS:
-        return show_keys(p, fault);
+        return show_by_pages(p, NULL, fault);
     case PILOT_REDRAW:
         return clear_picture(p, true, fault);
     case PILOT_SUSPEND:
-        err = clear_picture(p, true, fault);
-        if (p->flow.due) /* or the shell gets the answers as input */
-            probe_await(p->flow.due, 2000, &p->editor->input);
-        p->flow.due = 0;
+        err = leave_screen(p, fault);
         term_suspend();
         lay_out(p);
         break;

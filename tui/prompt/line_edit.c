@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "tui/prompt/line_edit.h"
 
-#include <errno.h>
-#include <signal.h>
-#include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -12,6 +9,7 @@
 #include "base/safe.h"
 #include "tui/cells.h"
 #include "tui/probe.h"
+#include "tui/prompt/shell.h"
 #include "tui/term.h"
 
 enum { PASTE_PATIENCE_MS = 200 };
@@ -446,61 +444,25 @@ void line_editor_suspend(struct line_editor *e)
  * Line feeds come back as blanks, other control characters not at all, so that nothing is
  * submitted.
  */
-enum { OTHER_EDITOR_BYTES_MOST = 1 << 20 };   /* that are taken back */
-enum { NOT_FOUND = 127, NOT_RUNNABLE = 126 }; /* the shell's exit status */
-
-/* Signals are as a program expects to find them. */
-static int spawn(pid_t *process, char *const *word)
-{
-    posix_spawnattr_t attributes;
-    sigset_t none, all;
-    sigemptyset(&none);
-    sigfillset(&all);
-    posix_spawnattr_init(&attributes);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setsigdefault(&attributes, &all);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-    const int number = posix_spawn(process, "/bin/sh", NULL, &attributes, word, environ);
-    posix_spawnattr_destroy(&attributes);
-    return number;
-}
-
-static enum err judge(const char *editor, int status, struct fault *fault)
-{
-    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
-    if (status == 0)
-        return OK;
-    if (code == NOT_FOUND || code == NOT_RUNNABLE)
-        return fault_set(fault, ERR_INPUT,
-                         "there is no editor %s; set VISUAL or EDITOR to one before iftty", editor);
-    return fault_set(fault, ERR_INPUT, "%s ended with %s %d; the line is as it was", editor,
-                     WIFEXITED(status) ? "status" : "signal",
-                     WIFEXITED(status) ? code : WTERMSIG(status));
-}
+enum { OTHER_EDITOR_BYTES_MOST = 1 << 20 }; /* that are taken back */
 
 /* Runs the editor, which has the terminal, and waits for its end. */
 static enum err run(const char *editor, const char *path, struct fault *fault)
 {
     struct buf command = {0};
-    struct sigaction ignore = {.sa_handler = SIG_IGN}, interrupt, quit;
-    pid_t process;
     int status = 0;
     buf_printf(&command, "%s \"$@\"", editor);
-    if (command.failed)
-        return fault_memory(fault, "the editor's name");
-    char *const word[] = {(char[]){"sh"}, (char[]){"-c"},          command.data,
-                          (char[]){"sh"}, (char *)(uintptr_t)path, NULL};
-    sigaction(SIGINT, &ignore, &interrupt);
-    sigaction(SIGQUIT, &ignore, &quit);
-    errno = spawn(&process, word);
-    enum err err = errno ? fault_errno(fault, "start", editor) : OK;
-    while (!err && waitpid(process, &status, 0) < 0)
-        if (errno != EINTR)
-            err = fault_errno(fault, "wait for", editor);
-    sigaction(SIGINT, &interrupt, NULL);
-    sigaction(SIGQUIT, &quit, NULL);
+    const enum err err = command.failed ? fault_memory(fault, "the editor's name")
+                                        : shell_run(buf_text(&command), path, NULL, &status, fault);
     buf_release(&command);
-    return err ? err : judge(editor, status, fault);
+    if (err || status == 0)
+        return err;
+    if (shell_has_none(status))
+        return fault_set(fault, ERR_INPUT,
+                         "there is no editor %s; set VISUAL or EDITOR to one before iftty", editor);
+    return fault_set(fault, ERR_INPUT, "%s ended with %s %d; the line is as it was", editor,
+                     WIFEXITED(status) ? "status" : "signal",
+                     WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status));
 }
 
 /* One line: what ends lines is a blank, but for the last; the rest has no control characters. */

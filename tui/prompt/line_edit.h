@@ -65,6 +65,7 @@ struct line_editor {
     bool submits;                     /* the line is drawn for the last time: without a hint */
     line_news_function *news;         /* may be NULL; else asked when news_descriptor is readable */
     int news_descriptor;
+    const char *pager;          /* words of $PAGER, or NULL (pager.h) */
     const char *line_of_ctrl_o; /* submitted in place of what was typed, or NULL */
     void *context;
 };

@@ -145,7 +145,7 @@ static void add_picture(struct prompt *p, struct buf *out)
     }
 }
 
-/* What a command had to say, in one write, or in a pager where it `may_page`; no picture is paged.
+/* What a command had to say, in one write, or by pages where it `may_page`; no picture is paged.
  */
 static enum err show(struct prompt *p, struct buf *text, bool may_page, struct fault *fault)
 {
@@ -302,6 +302,7 @@ static enum err run_interactive(const struct repl_host *host, const struct repl_
     p.editor.news = host->news;
     p.editor.news_descriptor = host->news_descriptor;
     p.editor.line_of_ctrl_o = host->screen_line;
+    p.editor.pager = options->pages ? options->pager : NULL;
     if (options->history_path)
         loaded = line_history_load(&p.editor.history, options->history_path, &of_history);
     enum err err =

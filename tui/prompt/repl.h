@@ -61,7 +61,8 @@ struct repl_host {
 struct repl_options {
     struct graphics_wish graphics; /* one, whatever the terminal says; {0}: it decides */
     const char *history_path;      /* NULL: no history file */
-    bool pages; /* at a terminal, what is longer than the screen has a pager (pager.h) */
+    bool pages; /* at a terminal, what is longer than the screen is shown by pages (pager.h), */
+    const char *pager;         /* or by the user's pager, the words of $PAGER; NULL for none */
     const struct theme *theme; /* NULL: the one of dark terminals */
 };
 
