@@ -8,9 +8,9 @@
 #     TMPDIR=...  where all of them work. Where it is not set, they work in memory if there is such
 #                 a place with room enough, and those that test what a disk keeps, in /tmp.
 #
-# Each has a fresh folder as its TMPDIR, which is gone afterwards. Closes with the line
-# "N passed, N failed, N skipped"; status 1 when anything failed or nothing was run. A story that
-# ends in "# SKIP why" is named and counted as skipped, never as passed.
+# Each has a fresh folder as its TMPDIR, which is gone afterwards. Closes with the programs that were
+# busy longest and the line "N passed, N failed, N skipped"; status 1 when anything failed or nothing
+# was run. A story that ends in "# SKIP why" is named and counted as skipped, never as passed.
 cd "$(dirname "$0")/.." || exit 1
 
 # Those that take longest begin first, so that the last one to end is a short one.
@@ -62,7 +62,7 @@ run_one() { # NAME
         ran=$((passed + skipped))
         echo "# $name ended with status $status after $ran of ${planned:-?} stories" >>"$result.out"
     fi
-    echo "$passed $failed $skipped" >"$result.counts"
+    echo "$passed $failed $skipped $busy $name" >"$result.counts"
     {
         printf '%-28s %4d passed %4d failed %4d skipped  %4d.%d s  %6.1f s busy\n' "$name" \
             "$passed" "$failed" "$skipped" $((seconds / 10)) $((seconds % 10)) "$busy"
@@ -126,6 +126,12 @@ trap 'kill $! 2>/dev/null; exit 1' HUP INT TERM
 
 ordered "$@" | xargs -n 1 -P "${JOBS:-$(($(nproc) + 1))}" tests/run.sh one &
 wait $!
+if [ $# -gt 10 ]; then
+    echo "# busy longest, in seconds of the processor:"
+    cat "$results"/*.counts | sort -k 4 -nr | awk '
+        { sum += $4 } NR <= 10 { printf "#   %6.1f  %s\n", $4, $5 }
+        END { printf "#   %6.1f  all %d programs\n", sum, NR }'
+fi
 cat "$results"/*.counts 2>/dev/null | awk -v programs=$# '
     { passed += $1; failed += $2; skipped += $3 }
     END { left = programs - NR

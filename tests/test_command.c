@@ -2025,9 +2025,9 @@ static bool after_some_polls(void *context, const char *what, uint64_t done, uin
 static void begin_interesting_work(struct interpreter *interp)
 {
     begin_interpreter(interp);
-    must(interp, "open synth:geom:80x64x64");
+    must(interp, "open synth:geom:40x32x32");
     must(interp, "size 64 64");
-    must(interp, "seed 40,32,32 1 radius=2");
+    must(interp, "seed 20,16,16 1 radius=2");
     must(interp, "seed 1,1,1 2");
     must(interp, "render");
     must(interp, "remove 1,1,1");
@@ -2086,16 +2086,16 @@ STORY(a_command_that_is_cancelled_is_undone)
                                        "weight sobel",
                                        "weight gauss 2",
                                        "hide 1",
-                                       "plane 40,32,32",
-                                       "cut 9,9,9 60,60,60",
+                                       "plane 20,16,16",
+                                       "cut 4,4,4 30,30,30",
                                        "weight polarity",
                                        "save cost x.nii replace=yes",
                                        "range 0 300",
                                        "undo 3",
-                                       "seed 9,9,9 1 radius=9 to=60,60,60 to=9,60,9",
-                                       "box 1,1,1 60,60,60 2",
-                                       "fill 1,1,5 1 to=60,1,5 to=30,60,5",
-                                       "outline 9,1,9 1 to=9,60,5 to=9,30,60",
+                                       "seed 4,4,4 1 radius=4 to=30,30,30 to=4,30,4",
+                                       "box 1,1,1 30,30,30 2",
+                                       "fill 1,1,5 1 to=30,1,5 to=15,30,5",
+                                       "outline 4,1,4 1 to=4,30,2 to=4,15,30",
                                        "mosaic"};
     static const char *const picture[] = {"render mode=sp", "render mode=bp", "render mode=ray"};
     struct interpreter interp;

@@ -181,7 +181,7 @@ STORY(damaged_images_never_end_the_session)
     uint64_t chance = 7;
     CHECK_INT(image_write(helper, file_in(folder, "a.png"), FILE_REPLACE, &p, NULL), OK);
     CHECK_INT(file_read(&file, file_in(folder, "a.png"), 1 << 20, NULL), OK);
-    for (int round = 0; round < 200; round++) {
+    for (unsigned round = 0; round < check_scaled(100); round++) {
         struct fault fault = {0};
         size_t at = check_below(&chance, (uint32_t)file.length);
         char kept = file.data[at];

@@ -420,7 +420,7 @@ STORY(four_ways_agree_and_the_incremental_image_follows_edits)
 {
     struct team *team = NULL;
     CHECK(team_new(&team, 3, NULL) == OK);
-    for (unsigned number = 0; number < check_scaled(30) && check_failures == 0; number++)
+    for (unsigned number = 0; number < check_scaled(12) && check_failures == 0; number++)
         sitting(number, number % 2 ? team : NULL);
     team_free(team);
 }

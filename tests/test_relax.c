@@ -267,7 +267,7 @@ STORY(relaxed_labels_are_what_a_plain_model_makes)
     static struct relaxed expected;
     const struct volume *v = &expected.v;
     int moved = 0;
-    for (int round = 0; round < 1500; round++) {
+    for (int round = 0; round < (int)check_scaled(600); round++) {
         struct finish_list list = {.count = 1};
         uint8_t *label;
         state = (uint64_t)round;
@@ -289,7 +289,7 @@ STORY(relaxed_labels_are_what_a_plain_model_makes)
         mem_pages_free(label, scene->grid.cells);
         scene_free(scene);
     }
-    CHECK(moved > 1500);
+    CHECK(moved > 600);
 }
 
 /* Makes the labels with what is kept, and without. */
@@ -338,7 +338,7 @@ STORY(fields_that_are_kept_are_those_that_would_be_made)
 {
     static struct volume v;
     size_t kept_fields = 0;
-    for (int round = 0; round < 40 && check_failures == 0; round++) {
+    for (int round = 0; round < (int)check_scaled(20) && check_failures == 0; round++) {
         struct finish_list list = {.count = 1 + (uint32_t)below(2)};
         struct relax_kept kept = {0};
         state = (uint64_t)round + 9000;
@@ -370,14 +370,14 @@ STORY(fields_that_are_kept_are_those_that_would_be_made)
         CHECK_INT(relax_kept_memory(&kept), 0);
         scene_free(scene);
     }
-    CHECK(kept_fields > 200);
+    CHECK(kept_fields > 100);
 }
 
 /* Halves are rounded to the even one: so what is not the label has exactly the rest. */
 STORY(the_fields_of_an_object_and_of_all_else_are_complements)
 {
     static struct volume v;
-    for (int round = 0; round < 300; round++) {
+    for (int round = 0; round < (int)check_scaled(120); round++) {
         state = (uint64_t)round + 5000;
         fill(&v);
         for (int i = 0; i < v.count; i++)
@@ -451,7 +451,7 @@ STORY(the_doubt_of_slices_is_that_of_a_plain_model)
     static struct volume v;
     static int64_t sum[3][LONG];
     int doubted = 0;
-    for (int round = 0; round < 400; round++) {
+    for (int round = 0; round < (int)check_scaled(160); round++) {
         struct finish_list list = {0};
         struct doubt doubt;
         uint8_t *label;
@@ -491,7 +491,7 @@ STORY(the_doubt_of_slices_is_that_of_a_plain_model)
         mem_pages_free(label, scene->grid.cells);
         scene_free(scene);
     }
-    CHECK(doubted > 100);
+    CHECK(doubted > 40);
 }
 
 STORY(doubt_that_cannot_be_found_is_an_error)

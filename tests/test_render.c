@@ -180,7 +180,7 @@ static void random_sitting(uint64_t seed)
 
 STORY(the_four_modes_agree_in_every_pixel)
 {
-    const unsigned sittings = check_scaled(160);
+    const unsigned sittings = check_scaled(80);
     for (unsigned i = 0; i < sittings && check_failures == 0; i++)
         random_sitting(i);
 }

@@ -233,7 +233,7 @@ static struct geometry geometry_of(const struct solid *solid)
 static struct scene *scene_of(const struct solid *solid)
 {
     const struct geometry geometry = geometry_of(solid);
-    const double *mm = solid->mm;
+    const double *mm = solid->mm, (*to_mm)[4] = geometry.to_mm;
     const double reach =
         solid->is_ball ? mm[0] : sqrt(mm[0] * mm[0] + mm[1] * mm[1] + mm[2] * mm[2]) / 2;
     struct scene *scene;
@@ -247,12 +247,12 @@ static struct scene *scene_of(const struct solid *solid)
     for (uint32_t z = 0; z < size[2]; z++)
         for (uint32_t y = 0; y < size[1]; y++)
             for (uint32_t x = 0; x < size[0]; x++) {
-                const uint32_t at[3] = {x, y, z};
-                double p[3] = {0};
-                for (int a = 0; a < 3; a++)
-                    for (int w = 0; w < 3; w++)
-                        p[w] +=
-                            ((double)at[a] - size[a] / 2 + solid->shift[a]) * geometry.to_mm[w][a];
+                const double from[3] = {(double)x - size[0] / 2 + solid->shift[0],
+                                        (double)y - size[1] / 2 + solid->shift[1],
+                                        (double)z - size[2] / 2 + solid->shift[2]};
+                double p[3];
+                for (int w = 0; w < 3; w++)
+                    p[w] = from[0] * to_mm[w][0] + from[1] * to_mm[w][1] + from[2] * to_mm[w][2];
                 scene->cell[grid_cell(&scene->grid, x, y, z)].label = holds(solid, p) ? 7 : 0;
             }
     return scene;
@@ -346,7 +346,7 @@ STORY(the_surface_of_boxes_that_are_turned_anyhow_is_right_to_two_percent)
     for (size_t s = 0; s < SPACINGS; s++)
         for (size_t i = 0; i < sizeof side / sizeof *side; i++) {
             struct errors errors = {0};
-            for (int n = 0; n < 10; n++) {
+            for (int n = 0; n < 5; n++) {
                 struct solid solid = solid_of(s);
                 for (int a = 0; a < 3; a++)
                     solid.mm[a] = side[i][0] * longest(s) * (1 + 0.1 * a);

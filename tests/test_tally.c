@@ -206,7 +206,7 @@ STORY(measures_follow_whatever_is_done)
         measures_stand(interp.session);
         if (round & 2)
             must(&interp, round & 4 ? "interpolate 2 1 1" : "interpolate 1 2 1");
-        for (int i = 0; i < 150 && check_failures < 5; i++) {
+        for (int i = 0; i < (int)check_scaled(60) && check_failures < 5; i++) {
             do_anything(&interp, check_below(&seed, 3) == 0);
             if (check_below(&seed, round & 4 ? 8 : 1) == 0)
                 measures_stand(interp.session);
