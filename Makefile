@@ -133,7 +133,8 @@ MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 1)
 
 PARTS   := src/base src/engine src/image src/session src/show src/command src/verify \
            src/apply src/helper src/program journal render tui tui/picture tui/prompt tui/pilot
-SOURCES := $(sort $(foreach part,$(PARTS),$(wildcard $(part)/*.c)))
+SOURCES := $(filter-out src/program/manual.c,\
+             $(sort $(foreach part,$(PARTS),$(wildcard $(part)/*.c))))
 OBJECTS := $(SOURCES:%.c=$(BUILD)/%.o)
 LIBRARY := $(BUILD)/libiftty.a
 BENCHES := $(patsubst %.c,$(BUILD)/%.o,$(filter-out %/bench.c,$(wildcard tests/bench/*.c)))
@@ -188,8 +189,9 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
         check-format format analyse \
         variants test-matrix test-matrix-short test-terminals test-cohort fuzz fuzzers demo \
         bench-peers bench-chafa bench-brain bench-terminal bench-paper bench-growth \
-        bench-render bench-frames bench-journal bench-keys bench-looks bench-effort bench-register bench-series \
-        bench-files bench-beside bench-apply bench-surface remake-examples help clean packages
+        bench-render bench-frames bench-journal bench-keys bench-looks bench-effort bench-register \
+        bench-series bench-files bench-beside bench-apply bench-surface remake-examples help \
+        clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -446,14 +448,15 @@ $(BUILD)/tests/probe/iftty-image: PROBE_LIBS = $(OIIO_LIBS)
 $(BUILD)/tests/probe/iftty-volume: PROBE_LIBS = $(VOLUME_LIBS)
 $(BUILD)/tests/probe/iftty-register: PROBE_LIBS = $(REGISTER_LIBS)
 
-# Pages of the manual and completions, out of the tables, as they lie below PREFIX/share.
-MANUAL_PARTS  = $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/manual/*.c))
-$(BUILD)/iftty-manual: $(MANUAL_PARTS) $(LIBRARY)
+# Pages of the manual and completions, generated from the tables, as they are below PREFIX/share.
+$(BUILD)/iftty-manual: $(BUILD)/src/program/manual.o $(LIBRARY)
 	$(say) "link      $@"
-	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $(MANUAL_PARTS) $(LIBRARY) $(LIBS)
-$(BUILD)/share: $(BUILD)/iftty-manual journal/FORMAT.md
+	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $< $(LIBRARY) $(LIBS)
+$(BUILD)/share: $(BUILD)/iftty-manual
 	@rm -rf $@
-	@$< $@ journal/FORMAT.md
+	@mkdir -p $(addprefix $@/,man/man1 man/man5 bash-completion/completions zsh/site-functions \
+	    fish/vendor_completions.d)
+	@$< $@
 
 $(LIBRARY): $(OBJECTS)
 	@rm -f $@
@@ -561,4 +564,4 @@ $(BUILD)/racing/%.o: %.c | $(PACKAGES_STAMP)
 -include $(RACING:.o=.d) $(wildcard $(BUILD)/racing/tests/*.d)
 -include $(OBJECTS:.o=.d) $(BUILD)/src/main.d $(TESTS:=.d) $(PEERS:=.d) $(IMAGE_PARTS:.o=.d) \
          $(VOLUME_PARTS:.o=.d) $(REGISTER_PARTS:.o=.d) $(STAGED:=.d) $(BENCH).d $(BENCHES:.o=.d) \
-         $(MANUAL_PARTS:.o=.d) $(wildcard $(BUILD)/tests/*/*.d)
+         $(BUILD)/src/program/manual.d $(wildcard $(BUILD)/tests/*/*.d)

@@ -104,29 +104,6 @@ done >"$work/missing"
 [ ! -s "$work/missing" ] || fail "$(cat "$work/missing")"
 close_story
 
-# Its words are all there, and its lines that are shown as they are, as they are.
-begin "the page of journals has all of FORMAT.md"
-if needs mandoc; then
-    mandoc -T utf8 "$tree/share/man/man5/iftty-journal.5" | sed "s/.$(printf '\b')//g" >"$work/page"
-    awk '/^```/ { fenced = !fenced; next } fenced || /^    / { sub(/^ +/, ""); print }' \
-        journal/FORMAT.md | grep . >"$work/shown"
-    [ "$(wc -l <"$work/shown")" -gt 10 ] || fail "lines: $(cat "$work/shown")"
-    sed 's/^ *//' "$work/page" >"$work/page-lines"
-    grep -vxFf "$work/page-lines" "$work/shown" && fail "that is shown otherwise, or not at all"
-    for file in journal/FORMAT.md "$work/page"; do
-        tr -cs 'A-Za-z0-9' '\n' <"$file" | tr '[:upper:]' '[:lower:]' | grep . |
-            LC_ALL=C sort >"$work/words"
-        [ "$file" = "$work/page" ] || mv "$work/words" "$work/format-words"
-    done
-    LC_ALL=C comm -23 "$work/format-words" "$work/words" >"$work/missing"
-    [ ! -s "$work/missing" ] || fail "words that are not there:" "$(cat "$work/missing")"
-    ! grep -q '[*`]\{2\}' "$work/page" || fail "marks are left: $(grep '[*`]\{2\}' "$work/page")"
-fi
-printf '# A\n\nA [link](b) is there.\n' >"$work/other.md"
-expect 3 "$build/iftty-manual" "$work/share" "$work/other.md"
-err_has "other.md:3"
-close_story
-
 # complete WORD...: what bash offers for the last one
 complete_bash() {
     bash --norc -c '
@@ -134,7 +111,7 @@ complete_bash() {
         complete -p iftty >/dev/null || exit
         shift
         COMP_WORDS=(iftty "$@") COMP_CWORD=$#
-        _iftty && printf "%s\n" "${COMPREPLY[@]}"' bash \
+        __iftty; printf "%s\n" "${COMPREPLY[@]}"' bash \
         "$tree/share/bash-completion/completions/iftty" "$@" 2>"$work/err"
 }
 offers() { # SHELL WANTED, what it says on standard input
@@ -148,7 +125,7 @@ complete_bash ver | offers bash verify
 complete_bash verify --str | offers bash --strict
 complete_bash --out files verify --str | offers bash --strict
 complete_bash show --graphics si | offers bash sixel
-complete_bash bench te | offers bash terminal
+complete_bash help ver | offers bash verify
 complete_bash help interp | offers bash interpolate
 complete_bash run a | offers bash 'a scene.nii'
 same "$(complete_bash run --str)" ""
