@@ -298,6 +298,8 @@ elif way == "lines":
     exr.put("lineOrder", b"\1")
 elif way == "text":
     exr.note.append([b"owner", b"string", b"somebody"])
+elif way == "context": # of renditions
+    exr.note.append([b"iftty:context", b"string", b"all is well"])
 elif way == "number":
     exr.note.append([b"secret", b"int", struct.pack("<i", 7)])
 elif way == "twice":
@@ -344,6 +346,11 @@ done
 # before it is decoded: a limit of memory has no say
 out_has "the sizes differ: it is 16384x16384 pixels, and 40x30 are drawn"
 cp kept.exr j.golden/first.exr
+"$iftty" -c 'open s.nii; size 40 30; golden slice of=axial' --journal slice.iftty >/dev/null
+cp slice.golden/slice.exr side.exr
+/usr/bin/python3 forge.py context side.exr slice.golden/slice.exr
+expect 1 "$iftty" verify slice.iftty
+out_has "its note iftty:context is all is well, which is no note of what is drawn"
 close_story
 
 begin "a PNG with bytes or words that nobody compares fails"

@@ -41,26 +41,23 @@ static enum err refuse_note(const struct attribute *note, const char *drawn, str
     return err;
 }
 
-/* Slices, which have no depth, once said what renditions drawn before had behind their objects. */
-static bool counts(const struct attribute *note, bool names_scene, bool is_slice)
+static bool counts(const struct attribute *note, bool names_scene)
 {
     return !golden_note_is_of_its_time(note) &&
-           (names_scene || strcmp(note->name, "iftty:scene-name") != 0) &&
-           (!is_slice || strcmp(note->name, "iftty:context") != 0);
+           (names_scene || strcmp(note->name, "iftty:scene-name") != 0);
 }
 
 enum err golden_compare_notes(const struct picture *kept, const struct picture *drawn,
                               bool names_scene, struct fault *fault)
 {
-    const bool is_slice = !drawn->depth_mm;
     for (size_t i = 0; i < kept->attributes; i++) {
         const struct attribute *note = &kept->attribute[i];
         const char *now = picture_find(drawn, note->name);
-        if (counts(note, names_scene, is_slice) && (!now || strcmp(now, note->value) != 0))
+        if (counts(note, names_scene) && (!now || strcmp(now, note->value) != 0))
             return refuse_note(note, now, fault);
     }
     for (size_t i = 0; i < drawn->attributes; i++)
-        if (counts(&drawn->attribute[i], names_scene, is_slice) &&
+        if (counts(&drawn->attribute[i], names_scene) &&
             !picture_find(kept, drawn->attribute[i].name))
             return fault_set(fault, ERR_CHECK, "it has no note %s, which what is drawn has",
                              drawn->attribute[i].name);
