@@ -13,7 +13,7 @@
 #include "journal/journal.h"
 #include "command/command.h"
 #include "command/complete.h"
-#include "command/resume.h"
+#include "command/execute.h"
 #include "base/choice.h"
 #include "base/file.h"
 #include "tests/small_scene.h"

@@ -16,9 +16,7 @@
 #include "image/image_helper.h"
 #include "image/volume.h"
 #include "image/volume_helper.h"
-#include "apply/register_helper.h"
 #include "apply/registration.h"
-#include "apply/transform_file.h"
 
 static char folder[FOLDER_LENGTH];
 static const char *build;

@@ -3,7 +3,7 @@
  * What is cut away: borders against a slow recount, four ways to one picture through cuts, edits
  * and hidden labels, and commands whose every step can be taken back.
  */
-#include "command/resume.h"
+#include "command/execute.h"
 #include "interpreting.h"
 
 #include <errno.h>

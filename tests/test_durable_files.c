@@ -13,7 +13,7 @@
 
 #include "base/file.h"
 #include "command/golden_files.h"
-#include "command/resume.h"
+#include "command/execute.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/interpreting.h"

@@ -5,7 +5,7 @@
  */
 #include <pthread.h>
 
-#include "command/resume.h"
+#include "command/execute.h"
 #include "base/file.h"
 #include "base/mem.h"
 #include "journal/journal.h"

@@ -19,7 +19,7 @@
 
 #include "base/file.h"
 #include "command/golden_files.h"
-#include "command/resume.h"
+#include "command/execute.h"
 #include "image/exr.h"
 #include "tests/check.h"
 #include "tests/folder.h"

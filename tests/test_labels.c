@@ -6,7 +6,7 @@
  */
 #include <stdlib.h>
 
-#include "command/resume.h"
+#include "command/execute.h"
 #include "base/mem.h"
 #include "session/piece_seeds.h"
 #include "session/map.h"

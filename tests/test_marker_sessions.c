@@ -8,7 +8,7 @@
  * The seeds of a state are what carrying those out, in order, gives. From the program it takes the
  * record that it went to (at=), and which seed's tree holds a voxel.
  */
-#include "command/resume.h"
+#include "command/execute.h"
 #include "tests/paint_model.h"
 #include "tests/small_scene.h"
 #include "tests/stopping.h"

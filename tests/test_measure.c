@@ -2,7 +2,6 @@
 /* Questions about distances, angles and intensities: measure, profile, the histogram of info. */
 #include "tests/small_scene.h"
 
-#include "show/chart.h"
 #include "show/histogram.h"
 #include "session/paint.h"
 

@@ -3,9 +3,8 @@
  * Outlines that are shown and that are there: pixels of panes against the voxels of a plain list,
  * and what of a session is taken up to be corrected.
  */
-#include "show/outline_facts.h"
+#include "show/voxel_facts.h"
 #include "session/paint.h"
-#include "show/outline_mark.h"
 #include "show/panes.h"
 #include "tests/interpreting.h"
 

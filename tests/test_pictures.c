@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "journal/journal.h"
-#include "command/resume.h"
+#include "command/execute.h"
 #include "base/file.h"
 #include "base/version.h"
 #include "image/exr.h"

@@ -12,7 +12,7 @@
 #include "command/files.h"
 #include "command/interpreter.h"
 #include "image/volume.h"
-#include "apply/register_helper.h"
+#include "apply/registration.h"
 #include "tests/deformed.h"
 #include "tests/folder.h"
 #include "tests/orphans.h"

@@ -4,7 +4,7 @@
  * marker and one undo, and what makes no sense is refused. Which voxels they are, test_paint
  * proves.
  */
-#include "command/resume.h"
+#include "command/execute.h"
 #include "tests/small_scene.h"
 
 static struct interpreter interp;

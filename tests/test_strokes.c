@@ -7,7 +7,6 @@
 
 #include "command/complete.h"
 #include "command/execute.h"
-#include "command/resume.h"
 #include "base/mem.h"
 #include "session/session.h"
 #include "tests/small_scene.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* How many voxels each label has: kept up to date through edits that change little and much,
  * undone, cancelled and failed, and told in a line after each edit. */
-#include "command/resume.h"
+#include "command/execute.h"
 #include "tests/small_scene.h"
 #include "tests/stopping.h"
 

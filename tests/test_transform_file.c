@@ -9,8 +9,7 @@
 #include <stdlib.h>
 
 #include "base/file.h"
-#include "apply/register_helper.h"
-#include "apply/transform_file.h"
+#include "apply/registration.h"
 #include "tests/folder.h"
 
 static char folder[FOLDER_LENGTH];

@@ -3,7 +3,7 @@
  * Affine maps between worlds, in millimetres, and the one that fits pairs of places best.
  *
  * The world is NIfTI's (image/geometry.h): RAS+. Other programs have it otherwise; what reads
- * their files turns it (transform_file.h), so that nothing here has a second meaning. Floating
+ * their files turns it (registration.h), so that nothing here has a second meaning. Floating
  * point: what is found here is written into a journal as digits, and no replay computes it anew.
  *
  * Rotations by unit quaternions: B. K. P. Horn, "Closed-form solution of absolute orientation using

@@ -5,7 +5,7 @@
 #ifndef APPLY_APPLY_H
 #define APPLY_APPLY_H
 
-#include "apply/procedure_source.h"
+#include "apply/procedure.h"
 #include "command/script.h"
 
 struct apply_options {

@@ -8,7 +8,6 @@
 #include "base/file.h"
 #include "base/safe.h"
 #include "apply/registration.h"
-#include "apply/transform_file.h"
 
 /* ---- landmarks ---- */
 

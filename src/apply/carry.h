@@ -5,7 +5,7 @@
  *     world      both have the same millimetres
  *     landmarks  those of the same names, by least squares
  *     affine     by the intensities of both (apply/registration.h)
- *     file       a transform that another program has found (apply/transform_file.h)
+ *     file       a transform that another program has found (apply/registration.h)
  *
  * Nothing is guessed: a scene of which nobody says where it lies is refused; landmarks need no
  * place, but sides and millimetres.

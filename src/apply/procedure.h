@@ -31,11 +31,13 @@
 #ifndef APPLY_PROCEDURE_H
 #define APPLY_PROCEDURE_H
 
+#include "apply/affine.h"
 #include "base/buf.h"
 #include "base/err.h"
 #include "base/hash.h"
 #include "journal/record.h"
-#include "apply/affine.h"
+#include "session/session.h"
+#include "verify/side.h"
 
 #define PROCEDURE_BEGINS "iftty procedure "
 
@@ -113,5 +115,46 @@ enum err procedure_read(struct procedure *procedure, const char *bytes, size_t l
 enum err procedure_add_corner(struct procedure *procedure, const double mm[3], struct fault *fault);
 enum err procedure_add_gesture(struct procedure *procedure, const struct procedure_gesture *gesture,
                                struct fault *fault);
+
+/*
+ * Where a procedure comes from: the text of one, or a journal, which is carried out.
+ *
+ * A journal may be a stranger's. It is carried out in a process of its own (verify/side.h), which
+ * hands back the procedure as text; so both are read by the same reader, and lead to the same
+ * bytes.
+ */
+
+struct procedure_source {
+    const char *path;
+    struct side_options journal; /* how one is carried out; strictly, whatever this says */
+};
+
+/* The text of it. `image` (NULL: not wanted) gets the intensities of the scene, two bytes each,
+ * [z][y][x]; it stays empty where the procedure is a file, which has none. Words name the file.
+ * ERR_CHECK where a journal gives other results than it records. */
+enum err procedure_text(struct buf *text, struct buf *image, const struct procedure_source *source,
+                        struct fault *fault);
+
+/* The same, read. `procedure` begins as {0}, and is to be released whatever is returned. */
+enum err procedure_load(struct procedure *procedure, struct buf *image,
+                        const struct procedure_source *source, struct fault *fault);
+
+/*
+ * Between which intensities most voxels of each label lie: percentiles 10 and 90, as real values.
+ * By those the grey of an object in one scene is matched with that in another.
+ */
+
+struct percentiles {
+    uint64_t voxels[256];
+    double low[256], high[256]; /* 0 for a label without voxels */
+};
+
+/* Of label[z][y][x], 0..255; other numbers count for nothing. ERR_MEMORY: it takes 256 kB for each
+ * label. */
+enum err percentiles_find(struct percentiles *out, const struct session *session,
+                          const uint16_t *label, struct fault *fault);
+
+/* The real value of the intensity at a voxel. */
+double percentiles_value(const struct session *session, uint32_t cell);
 
 #endif

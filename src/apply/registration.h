@@ -11,12 +11,16 @@
 #ifndef REGISTER_REGISTRATION_H
 #define REGISTER_REGISTRATION_H
 
+#include <stdint.h>
+
+#include "apply/affine.h"
+#include "base/buf.h"
 #include "base/err.h"
 #include "base/hash.h"
 #include "base/watch.h"
 #include "engine/scene.h"
+#include "image/coprocess.h"
 #include "image/geometry.h"
-#include "apply/affine.h"
 
 /* A scene and where it lies. */
 struct placed_scene {
@@ -63,5 +67,90 @@ struct registration {
 enum err registration_find(struct registration *out, const struct placed_scene *subject,
                            const struct placed_scene *procedure, struct watch *watch,
                            struct fault *fault);
+
+/*
+ * The register helper: registration by ITK, and transform files, in a process of its own.
+ *
+ * The program iftty-register is started for one request, takes all files and nearly all calls of
+ * the kernel from itself before the first voxel comes (Landlock, seccomp, limits), and ends with
+ * its answer. It opens no file: it gets voxels, decoded and bounded, or the bytes of a transform.
+ * Its answers are checked: lengths and numbers.
+ *
+ * The protocol, as in coprocess.h:
+ *
+ *     request   register NX NY NZ NX NY NZ\n      the subject's scene, and the procedure's
+ *                 12 numbers  voxels              of the one, and
+ *                 12 numbers  voxels              of the other
+ *     answer    any number of
+ *                 progress DONE TOTAL\n
+ *               and then
+ *                 found\n  20 numbers
+ *               or
+ *                 error LENGTH\n  words
+ *
+ *     request   transform BYTES\n                of a file of ITK's transforms
+ *                 bytes
+ *     answer    transform LENGTH\n  kind  12 numbers
+ *               or an error
+ *
+ * Numbers are doubles of this machine. Those of a request are the three rows of the matrix from
+ * voxels to the world (right, anterior, superior; millimetres), its voxels are of 16 bits, x
+ * fastest. Those found are the three rows of the map from the subject's world to the procedure's;
+ * the metric of the map, of the identity, of the mirror image; what part of the subject's content
+ * and of the procedure's lies in the other; agreement and length, in millimetres; and seconds.
+ */
+
+#define REGISTER_HELPER "iftty-register" /* the program (coprocess_find) */
+
+/* For tests: another program, NULL for iftty-register beside the running one; and how long it may
+ * stay silent. */
+extern const char *register_helper_program;
+extern int register_helper_patience_ms;
+
+/* Starts one for `task` ("registration"), which may hold so many bytes, and may work for so many
+ * milliseconds of the processor between two answers (0: as any coprocess). coprocess_release ends
+ * it, after an error too. */
+enum err register_helper_start(struct coprocess *out, const char *task, uint64_t bytes, int work_ms,
+                               struct watch *watch, struct fault *fault);
+
+/*
+ * Transform files: what other programs found to be the way from one scene to another.
+ *
+ * Read are affine transforms of ITK (ANTs, 3D Slicer, elastix by way of ITK), as text (.txt, .tfm)
+ * and as MATLAB's version 4 (.mat, ANTs' 0GenericAffine.mat), and matrices of FSL's FLIRT, which
+ * is 4 x 4 numbers. What was taken is said in words, since nothing in such a file names a scene.
+ *
+ *     ITK   maps the places of the fixed scene to those of the moving one, both in LPS+
+ *           millimetres; y = M (x - c) + t + c. A composite's last transform is carried out first.
+ *     FSL   maps places of -in (moving) to those of -ref (fixed), each in millimetres along the
+ *           voxel axes of its own scene from the middle of the first voxel, x counted from the
+ *           other end where the voxel axes are right-handed; so both scenes' geometries are needed.
+ *
+ * FLIRT's numbers are not those of a 4 x 4 matrix between worlds, and nothing in a file of sixteen
+ * numbers says which it is: so it is taken as FLIRT's only where the caller says so by "fsl:PATH".
+ */
+
+/* A scene's grid and where it lies. */
+struct placed_grid {
+    uint32_t size[3]; /* voxels along i, j, k */
+    const struct geometry *geometry;
+};
+
+/* Which scene was the fixed one (FSL: -ref) when the other program was run. What its tools do to
+ * bring a procedure's labels onto a subject is TRANSFORM_SUBJECT_FIXED. */
+enum transform_fixed { TRANSFORM_SUBJECT_FIXED, TRANSFORM_PROCEDURE_FIXED };
+
+/*
+ * Reads the file at `path` ("fsl:PATH": FLIRT's) as the way from the subject's world to the
+ * procedure's, both RAS+, whichever way the file has it. `words` (may be NULL) gets what was taken,
+ * in one line: the format, and which scene was taken for fixed.
+ *
+ * ERR_INPUT, and `out` is left alone, for what is not affine (a warp field), has no inverse, makes
+ * mirror images, is neither format, or could be either; and where a scene has no place in the
+ * world, as nothing says then what the numbers mean.
+ */
+enum err transform_read(struct affine *out, struct buf *words, const char *path,
+                        enum transform_fixed fixed, const struct placed_grid *procedure,
+                        const struct placed_grid *subject, struct fault *fault);
 
 #endif

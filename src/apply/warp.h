@@ -20,7 +20,6 @@
 #ifndef APPLY_WARP_H
 #define APPLY_WARP_H
 
-#include "apply/percentiles.h"
 #include "apply/procedure.h"
 
 /* Values of a map of seeds: 0 for none, 1..255 for seeds of those labels, and: */

@@ -2,13 +2,170 @@
 #include "command/act.h"
 
 #include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/safe.h"
 #include "command/files.h"
-#include "show/label_loss.h"
 #include "session/map.h"
-#include "show/draw.h"
+#include "show/label_loss.h"
+
+/* Names, colours and own numbers of labels, by hand and out of tables; and what regions of atlases
+ * become. */
+
+/* ---- by hand ---- */
+
+/* What `number` says, where it is given. */
+static enum err take_number(const struct act *act, size_t label)
+{
+    struct kept *kept = &act->next->kept;
+    const struct value *number = act_value(act, "number");
+    if (!number->given)
+        return OK;
+    if (label == 0)
+        return fault_set(act->fault, ERR_USAGE, "number: label 0 is 0 in every file");
+    for (unsigned other = 1; other < 256; other++)
+        if (other != label && kept->label_number[other] == number->number)
+            return fault_set(act->fault, ERR_USAGE, "number: %lld is that of label %u already",
+                             (long long)number->number, other);
+    kept->label_number[label] = (uint16_t)number->number;
+    return OK;
+}
+
+enum err act_label(const struct act *act)
+{
+    struct kept *kept = &act->next->kept;
+    const size_t label = (size_t)act_number(act, "LABEL");
+    const char *name = act_text(act, "NAME");
+    if (!label_name_fits(name))
+        return fault_set(act->fault, ERR_USAGE,
+                         "NAME: expected a name of at most %d bytes, with no = or \\ in it, no # "
+                         "at its beginning and no blank at its ends, and no number, not %s",
+                         LABEL_NAME_BYTES - 1, *name ? name : "nothing");
+    for (size_t other = 0; other < 256; other++)
+        if (other != label && strcmp(kept->label_name[other], name) == 0)
+            return fault_set(act->fault, ERR_USAGE, "label %zu is already called %s", other, name);
+    const enum err numbered = take_number(act, label);
+    if (numbered)
+        return numbered;
+    memset(kept->label_name[label], 0, LABEL_NAME_BYTES);
+    memcpy(kept->label_name[label], name, strlen(name));
+    for (int k = 0; act_has(act, "COLOUR") && k < 3; k++)
+        kept->palette.rgb[label][k] = (uint8_t)(act_number(act, "COLOUR") >> (16 - 8 * k));
+    return act_go(act);
+}
+
+/* ---- regions of an atlas, and what they are called ---- */
+
+enum err act_choose_regions(uint16_t **as, const struct act *act, const struct value *label)
+{
+    if (label && label->given && act_has(act, "as"))
+        return fault_set(act->fault, ERR_USAGE,
+                         "as and label are two answers to one question; expected one of them");
+    const enum err err = regions_new(as, act_text(act, "regions"), act_text(act, "as"), act->fault);
+    if (!err && !act_has(act, "as"))
+        numbering_translate(*as, session_kept(act->session));
+    return err;
+}
+
+enum { BESIDE_BYTES_MOST = 1 << 20 };
+
+static void name_table(struct buf *out, const char *atlas)
+{
+    buf_add(out, atlas, strlen(atlas) - (file_is_named(atlas, ".gz") ? 3 : 0));
+    buf_add_text(out, ".txt");
+}
+
+struct label_table atlas_table(const struct act *act, const char *path)
+{
+    struct label_table table = {0};
+    struct buf name = {0}, text = {0};
+    name_table(&name, path);
+    if (!interpreter_is_wary(act->interp) && file_exists(buf_text(&name)) &&
+        file_read(&text, buf_text(&name), BESIDE_BYTES_MOST, NULL) == OK)
+        label_table_read(&table, buf_text(&text), text.length, NULL);
+    buf_release(&text);
+    buf_release(&name);
+    return table;
+}
+
+void atlas_advise_names(const struct act *act, const bool has[256])
+{
+    struct buf *out = &act->reply->text, path = {0}, name = {0};
+    struct label_table table = {0};
+    bool is_nameless = false;
+    for (unsigned label = 1; label < 256; label++)
+        is_nameless |= has[label] && !*session_kept(act->session)->label_name[label];
+    if (is_nameless && interpreter_find_file(act->interp, act_text(act, "FILE"), &path, NULL) == OK)
+        table = atlas_table(act, buf_text(&path));
+    if (table.count) {
+        name_table(&name, act_text(act, "FILE"));
+        buf_add_text(out, "their names: `label-file ");
+        buf_add_safe_text(out, buf_text(&name));
+        if (act_has(act, "regions"))
+            buf_printf(out, " regions=%s", act_text(act, "regions"));
+        if (act_has(act, "as"))
+            buf_printf(out, " as=%s", act_text(act, "as"));
+        buf_add_text(out, "`\n");
+    }
+    label_table_release(&table);
+    buf_release(&name);
+    buf_release(&path);
+}
+
+/* ---- out of a table ---- */
+
+enum { TABLE_BYTES_MOST = 16 << 20 };
+
+static enum err read_table(struct label_table *table, const struct act *act)
+{
+    const char *name = act_text(act, "FILE");
+    struct buf path = {0}, text = {0};
+    enum err err = interpreter_find_file(act->interp, name, &path, act->fault);
+    if (!err)
+        err = file_read(&text, buf_text(&path), TABLE_BYTES_MOST, act->fault);
+    if (!err)
+        err = file_is_named(name, ".lut")
+                  ? label_table_read_lut(table, (const uint8_t *)text.data, text.length, act->fault)
+                  : label_table_read(table, buf_text(&text), text.length, act->fault);
+    buf_release(&text);
+    buf_release(&path);
+    return act_naming(name, err, act->fault);
+}
+
+enum err act_label_file(const struct act *act)
+{
+    struct label_table table = {0};
+    struct label_tally tally;
+    uint16_t *as = NULL;
+    enum err err = act_choose_regions(&as, act, NULL);
+    if (!err)
+        err = read_table(&table, act);
+    if (!err)
+        err = act_naming(act_text(act, "FILE"),
+                         label_table_apply(&act->next->kept, &tally, &table, as, act->fault),
+                         act->fault);
+    free(as);
+    label_table_release(&table);
+    if (err)
+        return err;
+    struct buf *out = &act->reply->text;
+    buf_printf(out, "%u name%s and %u colour%s of labels\n", tally.names, plural(tally.names),
+               tally.colours, plural(tally.colours));
+    if (tally.beyond && !act_has(act, "regions"))
+        buf_printf(out, "%u more entr%s for no label 1..255; choose with regions=A,B as=1,2\n",
+                   tally.beyond, tally.beyond == 1 ? "y is" : "ies are");
+    if (tally.changed) {
+        buf_printf(out, "%u name%s had to be changed to fit; the first is of label ", tally.changed,
+                   plural(tally.changed));
+        buf_printf(out, "%u, now ", tally.first_changed);
+        buf_add_safe_text(out, act->next->kept.label_name[tally.first_changed]);
+        buf_add_char(out, '\n');
+    }
+    act_add_digest(act, "names", label_table_digest(&act->next->kept));
+    return act_go(act);
+}
 
 enum err act_naming(const char *file, enum err err, struct fault *fault)
 {

@@ -3,10 +3,17 @@
 #ifndef COMMAND_ACT_H
 #define COMMAND_ACT_H
 
+#include "base/buf.h"
 #include "base/file.h"
 #include "command/command.h"
 #include "command/interpreter.h"
 #include "command/table.h"
+#include "image/levels.h"
+#include "image/picture.h"
+#include "session/paint.h"
+#include "show/draw.h"
+#include "show/label_table.h"
+#include "show/slicing.h"
 
 struct labels;
 struct volume;
@@ -113,5 +120,126 @@ struct map_place act_map_place(const struct act *act);
 /* Reads the map FILE, in the place of the scene or, with `resample=yes`, wherever it lies. The
  * caller releases it, also on error. */
 enum err act_read_map(const struct act *act, struct volume *map);
+
+/* Where a journal comes from: landmarks, by which scenes are matched, and the procedure that it was
+ * made by (act_ask.c). */
+
+struct session;
+
+/* Adds the lines of `info` about both; none where there is nothing. */
+void act_write_origin(struct buf *out, const struct session *session);
+
+/* What regions of an atlas become, and what they are called (act.c). */
+
+/* regions_new of `regions` and `as`, by the own numbers of labels (session/map.h); ERR_USAGE
+ * where a label for all is given too, which may be NULL. */
+enum err act_choose_regions(uint16_t **as, const struct act *act, const struct value *label);
+
+/*
+ * The table that lies beside an atlas, "aal.nii.txt" beside "aal.nii.gz": what its regions are
+ * called. It is looked at for advice alone, and not where a journal of somebody else is replayed.
+ */
+
+/* Empty where there is none that can be read; the caller releases it. */
+struct label_table atlas_table(const struct act *act, const char *path);
+
+/* After labels were planted out of FILE, of `regions` and `as`: a line with the command that names
+ * them, where one of them (`has`, but for the background) has no name, and the table is there. */
+void atlas_advise_names(const struct act *act, const bool has[256]);
+
+/* Pictures of the session, as commands show and store them (act_picture.c). */
+
+/* Adds to the notes of a picture the journal, where its chain stands, and how the labels that it
+ * shows were finished. */
+enum err act_note_picture(const struct act *act, const struct labels *labels,
+                          struct picture *picture);
+
+/* The rendition, which shows these labels, as a picture with all notes, for a file of that name,
+ * which says what of it the file holds; or NULL, for a golden image. */
+enum err act_take_picture(const struct act *act, const struct labels *labels, const char *name,
+                          struct picture *picture);
+
+/* The same of one that is yet to be drawn (show/export_picture.h), as colours, and its digest. */
+enum err act_draw_picture(const struct act *act, const struct labels *labels, enum render_mode mode,
+                          struct picture *picture, uint64_t *digest);
+
+/* Draws one right into a file, which is there when this returns: of image_strips, at a path that
+ * interpreter_output_path gave; where that is empty, for its digest alone. */
+struct drawn_file {
+    const char *path;
+    enum file_mode mode;
+    enum render_mode render;
+    bool tiled;
+};
+enum err act_draw_file(const struct act *act, const struct drawn_file *file,
+                       const struct labels *labels, uint64_t *digest);
+
+/* Runs the edits that wait, and makes the rendition, finished where that is asked for, of whose
+ * labels *labels is. */
+enum err act_render_labels(const struct act *act, enum render_mode mode, struct labels *labels);
+
+/* Adds the digest of the rendition to the words of the record. */
+void act_add_picture_digest(const struct act *act);
+
+/* A picture as a file that is there when this returns. */
+enum err act_write_now(struct interpreter *interp, const char *path, enum file_mode mode,
+                       const struct picture *picture, struct fault *fault);
+
+/* Writes a picture to `path`, which interpreter_output_path gave, or has the picture writer do it,
+ * and says so. The picture is released, also on error. */
+enum err act_write_picture(const struct act *act, const char *path, enum file_mode mode,
+                           struct picture *picture);
+
+/* A slice or mosaic as a picture with notes, and its digest among the words. The caller releases
+ * the picture. */
+enum err act_take_slices(const struct act *act, enum slice_kind kind, const struct labels *labels,
+                         struct picture *picture);
+
+/* Planting, as all commands that plant do it (planting.c). */
+
+/* What a command plants: how many voxels it was, and how many not, for being outside the region of
+ * interest, or beyond the intensities `within`, or, for a shell, of an object that is neither the
+ * one inside nor the shell's own label. */
+struct planting {
+    struct interval within;
+    uint16_t reach; /* of the seeds (forest_add_reach), or 0 */
+    bool is_shell;
+    uint8_t inside; /* the label of the object inside a shell */
+    bool yields;    /* it is the piece of a segmentation (session_plant_piece), of these runs: */
+    const struct marker_run *run;
+    size_t runs;
+    size_t planted, outside, beyond, others;
+    size_t unsure; /* taken or not, of levels that the range splits */
+};
+
+/* `range` is the parameter of that name, given or not, or NULL. */
+struct planting act_begin_planting(const struct session *session, const struct value *range);
+
+/* Plants one more marker, of those of the cells that may be planted, which come to the front. */
+enum err act_plant(const struct act *act, struct planting *planting, uint32_t *cell, size_t count,
+                   int16_t label);
+
+/* Says what was left out; ERR_INPUT where that was all. */
+enum err act_write_planting(const struct act *act, const struct planting *planting);
+
+/* Of so many voxels, the level stands for values on both sides of an end of a range: says so, and
+ * how large a level is; nothing of none. */
+void act_write_unsure(const struct act *act, size_t voxels);
+
+/* The voxels of a ball of `radius` at PLACE, or, where `to` is not NULL and given, of a stroke. */
+enum err act_find_voxels(const struct act *act, const struct value *to, struct voxels *voxels);
+
+/* The word of a record that says what a command found in the forest, so that a session which
+ * continues the journal needs none to know it. */
+struct record_word;
+bool act_find_recorded(const struct act *act, const char *key, struct record_word *word);
+
+/* Adds to the words of the record the numbers of the markers that the command has put up. */
+void act_add_markers(const struct act *act);
+
+/* Counts of labels (act_figures.c). */
+
+/* A line for each label that has voxels: its seeds, voxels and volume. */
+enum err act_write_counts(const struct act *act);
 
 #endif

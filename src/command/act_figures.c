@@ -1,19 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* What is known of each label, and how far labels agree with those of a file. */
-#include "command/act_figures.h"
+#include "command/act.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
 #include "base/mem.h"
-#include "command/act_names.h"
-#include "command/act_picture.h"
 #include "command/answers.h"
 #include "command/files.h"
 #include "engine/forest.h"
 #include "show/comparison_picture.h"
-#include "show/distance_picture.h"
 #include "show/label_report.h"
 #include "session/map.h"
 #include "session/session.h"

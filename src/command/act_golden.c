@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "command/act_picture.h"
 #include "command/files.h"
 #include "command/golden_files.h"
 #include "command/golden_judge.h"

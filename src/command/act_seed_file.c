@@ -6,10 +6,8 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "command/act_names.h"
 #include "command/answers.h"
 #include "command/files.h"
-#include "command/planting.h"
 #include "show/label_report.h"
 #include "show/label_table.h"
 #include "session/seed_file.h"

@@ -9,7 +9,6 @@
 #include "base/choice.h"
 #include "command/files.h"
 #include "command/near.h"
-#include "command/planting.h"
 #include "engine/roi.h"
 #include "session/map.h"
 

@@ -4,7 +4,7 @@
 #include <stdio.h>
 
 #include "base/choice.h"
-#include "command/act_landmark.h"
+#include "command/act.h"
 #include "engine/roi.h"
 #include "image/geometry.h"
 #include "journal/journal.h"

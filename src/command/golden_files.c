@@ -11,7 +11,7 @@
 
 #include "base/file.h"
 #include "base/scan.h"
-#include "image/exr_header.h"
+#include "image/exr.h"
 #include "image/png.h"
 #include "journal/golden.h"
 #include "session/map.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Commands that plant seeds by hand: balls and strokes, shells, boxes, polygons, and objects by
  * their intensities. */
-#include "command/planting.h"
+#include "command/act.h"
 
 #include <stdio.h>
 #include <stdlib.h>

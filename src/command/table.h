@@ -23,7 +23,7 @@ enum err act_weight(const struct act *act);
 enum err act_polarity(const struct act *act);
 enum err act_mask(const struct act *act);
 enum err act_range(const struct act *act);
-/* act_names.c */
+/* act.c */
 enum err act_label(const struct act *act);
 enum err act_label_file(const struct act *act);
 /* planting.c */
@@ -32,14 +32,14 @@ enum err act_box(const struct act *act);
 enum err act_fill(const struct act *act);
 enum err act_outline(const struct act *act);
 enum err act_object(const struct act *act);
-/* act_remove.c */
+/* act_labels.c */
 enum err act_remove(const struct act *act);
 enum err act_run(const struct act *act);
 /* act_seed_file.c */
 enum err act_seed_file(const struct act *act);
 /* act_labels.c */
 enum err act_labels(const struct act *act);
-/* act_landmark.c */
+/* act_ask.c */
 enum err act_landmark(const struct act *act);
 enum err act_origin(const struct act *act);
 /* act_history.c */
@@ -71,7 +71,7 @@ enum err act_window(const struct act *act);
 enum err act_magnify(const struct act *act);
 enum err act_slice(const struct act *act);
 enum err act_mosaic(const struct act *act);
-/* act_spin.c */
+/* act_picture.c */
 enum err act_spin(const struct act *act);
 /* act_golden.c */
 enum err act_golden(const struct act *act);

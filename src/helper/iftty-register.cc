@@ -3,7 +3,7 @@
  * iftty-register: register two scenes by ITK, for the program that started it.
  *
  * One request comes on standard input, voxels and all; the answer goes to standard output;
- * register_helper.h has the protocol byte for byte. It opens no file: before the first voxel comes,
+ * registration.h has the protocol byte for byte. It opens no file: before the first voxel comes,
  * the process takes all files from itself, and all calls but those for its own memory.
  *
  *     register_itk.cc      registration

@@ -19,7 +19,7 @@
 extern "C" {
 #include "image/linear.h"
 }
-#include "image/swelling.h"
+#include "image/inflated.h"
 #include "helper/wire.hh"
 
 namespace image

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the parts of iftty-register share; the protocol is in register_helper.h. */
+/* What the parts of iftty-register share; the protocol is in registration.h. */
 #ifndef REGISTER_REGISTER_PARTS_HH
 #define REGISTER_REGISTER_PARTS_HH
 

@@ -35,7 +35,10 @@
 #define IMAGE_EXR_H
 
 #include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
+#include "base/buf.h"
 #include "base/err.h"
 #include "image/picture.h"
 
@@ -55,5 +58,33 @@ enum err exr_read(struct picture *out, const char *path, struct fault *fault);
 struct watch;
 enum err exr_read_golden(struct picture *out, const char *path, const struct picture *like,
                          struct watch *watch, struct fault *fault);
+
+/*
+ * The header of an OpenEXR file, as bytes, read without OpenEXR: the maker of a picture is known
+ * without decoding it, and a golden image is compared with the header that exr_write gives.
+ *
+ *     76 2f 31 01        magic number
+ *     02 00 00 00        version 2; flags above: 0x200 tiles, 0x400 long names
+ *     "name\0" "type\0" length (4 bytes, little-endian) value        any number of attributes
+ *     00                 the end
+ *
+ * Only the header of the first part is read, and at most EXR_HEADER_MOST bytes of it.
+ */
+
+enum { EXR_HEADER_MOST = 1 << 20 };
+
+struct exr_attribute_bytes {
+    const char *name, *type; /* each ended by NUL */
+    const char *value;       /* `length` bytes */
+    size_t length;
+};
+
+/* bytes = the header and no more. ERR_INPUT for another file, or a longer header; ERR_IO,
+ * ERR_MEMORY. */
+enum err exr_header_read(struct buf *bytes, int fd, struct fault *fault);
+
+/* The next attribute of a header that exr_header_read has read; *at begins as 0. False at the end.
+ */
+bool exr_header_next(const struct buf *header, size_t *at, struct exr_attribute_bytes *attribute);
 
 #endif

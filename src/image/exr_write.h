@@ -6,6 +6,11 @@
 #ifndef IMAGE_EXR_WRITE_H
 #define IMAGE_EXR_WRITE_H
 
+#include <openexr.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/buf.h"
 #include "base/err.h"
 #include "base/file.h"
 #include "image/picture.h"
@@ -20,5 +25,89 @@ enum err exr_write(const char *path, enum file_mode mode, const struct picture *
 
 /* out = the header of `like`, without its notes; other bytes may follow it. */
 enum err exr_write_header_of(struct buf *out, const struct picture *like, struct fault *fault);
+
+/*
+ * What reading (image/exr.h) and writing (image/exr_write.h) OpenEXR have in common: the channels
+ * of our files, blocks of their pixels, and bytes in and out for OpenEXR's C library.
+ */
+
+/* ---- the channels, one table for both ways ---- */
+
+/* Of PLANE_EYE the file alone has pixels: the depth, from the camera on. */
+enum exr_plane { PLANE_RGBA, PLANE_DEPTH, PLANE_EYE, PLANE_LABEL, PLANE_VOXEL, PLANE_NORMAL };
+
+/* Files whose colours are as they are, and those in which they are multiplied by alpha. */
+enum { EXR_STRAIGHT = 1, EXR_ASSOCIATED = 2, EXR_BOTH = EXR_STRAIGHT | EXR_ASSOCIATED };
+
+#define EXR_ALPHA       "iftty:alpha" /* the attribute that says so */
+#define EXR_ALPHA_VALUE "associated"
+
+#define EXR_CAMERA      "iftty:cameraToWorld" /* of Blender and Nuke (image/exr.h) */
+
+enum { EXR_CHANNELS = 12 };
+extern const struct exr_channel {
+    const char *name;
+    unsigned kinds; /* of files that have it, */
+    unsigned needs; /* with this plane (image/picture.h); 0: always */
+    enum exr_plane plane;
+    unsigned index; /* within the plane's pixel */
+    exr_pixel_type_t type;
+    int bytes;
+} exr_channels[EXR_CHANNELS];
+
+/* The channel of a file of that kind, or NULL. */
+const struct exr_channel *exr_channel_named(const char *name, bool is_associated);
+
+/* The plane of a picture that a channel is made of, or NULL. */
+void *exr_plane_of(const struct picture *picture, enum exr_plane plane);
+
+/* ---- blocks ---- */
+
+/* The pixels that one block of the file packs: some lines, or a tile. */
+struct exr_block {
+    uint32_t x, y, width, height;
+};
+
+/* What goes by way of memory for a block: RGBA, 4 halves a pixel, and the depth from the camera. */
+struct exr_room {
+    uint16_t *halves;
+    float *eye;
+};
+
+/* Points the library at a channel's pixels of a block. */
+void exr_point_at(exr_coding_channel_info_t *info, const struct exr_channel *channel,
+                  const struct picture *picture, const struct exr_block *block,
+                  const struct exr_room *room);
+
+/* Calls `each` for the blocks of `step` pixels (lines are as wide as the picture), in the order of
+ * the file, until one fails. */
+exr_result_t exr_each_block(const struct picture *picture, const uint32_t step[2],
+                            exr_result_t (*each)(void *context, const struct exr_block *block),
+                            void *context);
+
+/* Fills the room with the pixels of a block of the picture, as a file has them. */
+void exr_fill_room(const struct exr_room *room, const struct picture *picture,
+                   const struct exr_block *block);
+
+/* Names that an OpenEXR header uses itself, where a string would be refused or misread. */
+bool exr_is_reserved(const char *name);
+
+/* ---- bytes in and out ---- */
+
+/* The library's own file layer neither returns errno nor checks what it opens. */
+struct exr_stream {
+    int fd;           /* -1: what is written goes to `sink`, or, without one, nowhere */
+    struct buf *sink; /* or NULL */
+    uint64_t bytes;
+    int number; /* errno of the first failure, or 0 */
+    const char *path;
+};
+
+/* Settings of a context on `stream`, for reading or writing. */
+exr_context_initializer_t exr_stream_setup(struct exr_stream *stream);
+
+/* What failed, in words. `what` is "read" or "write". */
+enum err exr_fault(const char *what, const struct exr_stream *stream, exr_result_t result,
+                   struct fault *fault);
 
 #endif

@@ -11,7 +11,7 @@
 #include "image/coprocess.h"
 #include "image/exr.h"
 #include "image/exr_write.h"
-#include "image/png_file.h"
+#include "image/png.h"
 
 enum {
     PATH_MOST = 4096,

@@ -43,12 +43,229 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/buf.h"
 #include "base/mem.h"
+#include "base/safe.h"
+#include "base/scan.h"
 #include "engine/grid.h"
-#include "image/nrrd_segments.h"
-#include "image/nrrd_voxels.h"
+#include "image/inflated.h"
+#include "image/nrrd_header.h"
+#include "image/part.h"
 #include "image/volume_format.h"
 #include "image/volume_helper.h"
+
+/*
+ * The voxels of a NRRD in the same file, as the bytes that its source has from then on, in the
+ * order of this machine: what iftty-volume gives of the same file, and where it refuses one that
+ * was cut or is damaged, the same words, with the same count of what can be had.
+ */
+
+struct voxels {
+    struct source_decoder decoder; /* first: what the source knows of it */
+    struct volume_source file;     /* of gzip from where that begins */
+    enum voxel_type type;
+    bool big_endian, is_packed;
+    uint64_t offset, at, needed; /* bytes: before the voxels; of them, that were taken, and all */
+};
+
+static uint64_t nrrd_voxels_bytes(const struct nrrd_header *header)
+{
+    return (uint64_t)header->size[0] * header->size[1] * header->size[2] *
+           voxel_bytes(header->type);
+}
+
+/* ---- what is wrong ---- */
+
+/* Why packed voxels could not be had: in place of `err`, if that is about what is in the file. OK
+ * where they are whole, and what follows them is not. */
+static enum err judge(const struct voxels *voxels, enum err err, struct fault *fault)
+{
+    bool ends;
+    if (err != ERR_INPUT || !voxels->is_packed)
+        return err;
+    const uint64_t needed = voxels->needed, bytes = inflated_bytes(voxels->file.fd, voxels->offset,
+                                                                   UINT64_MAX, needed, &ends);
+    if (ends && bytes >= needed)
+        return OK;
+    return fault_set(fault, ERR_INPUT, INFLATED_LACKS, "", (unsigned long long)bytes,
+                     bytes < needed ? "" : INFLATED_CHECKSUM, (unsigned long long)needed);
+}
+
+/* ---- as a source ---- */
+
+static enum err take_voxels(struct source_decoder *decoder, void *to, size_t length,
+                            struct fault *fault)
+{
+    struct voxels *voxels = (struct voxels *)decoder;
+    enum err err = source_read(&voxels->file, to, length, "the voxels", NULL, fault);
+    if (err) {
+        const enum err why = judge(voxels, err, fault);
+        return why ? why : err;
+    }
+    voxels->at += length;
+    voxels_reorder(to, length / voxel_bytes(voxels->type), voxels->type, voxels->big_endian);
+    if (voxels->at == voxels->needed)
+        err = source_finish(&voxels->file, fault);
+    return judge(voxels, err, fault);
+}
+
+static void free_voxels(struct source_decoder *decoder)
+{
+    struct voxels *voxels = (struct voxels *)decoder;
+    source_close(&voxels->file);
+    free(voxels);
+}
+
+/* Has the source decode them, which owns what it takes; or leaves it as it was, and is OK, where
+ * what should be gzip is none, which zlib may take all the same. */
+static enum err nrrd_voxels_enter(struct volume_source *source, const struct nrrd_header *header,
+                                  struct fault *fault)
+{
+    struct voxels *voxels = mem_new(sizeof *voxels);
+    if (!voxels)
+        return fault_memory(fault, "the voxels");
+    *voxels = (struct voxels){.decoder = {take_voxels, free_voxels},
+                              .type = header->type,
+                              .big_endian = header->big_endian,
+                              .is_packed = header->is_packed,
+                              .offset = header->offset,
+                              .needed = nrrd_voxels_bytes(header)};
+    const enum err err =
+        source_enter(&voxels->file, source, header->is_packed ? header->offset : 0, fault);
+    if (err || voxels->file.packed != header->is_packed)
+        free_voxels(&voxels->decoder);
+    else
+        source->decoder = &voxels->decoder;
+    return err;
+}
+
+static bool nrrd_voxels_are_of(const struct volume_source *source)
+{
+    return source->decoder->take == take_voxels;
+}
+
+/* Goes through all of them, so that those that are taken in part are sound as a whole. */
+static enum err pass(struct voxels *voxels, struct fault *fault)
+{
+    uint8_t last;
+    enum err err = source_go_to(&voxels->file, voxels->needed - 1, "the voxels", fault);
+    if (!err)
+        err = source_read(&voxels->file, &last, 1, "the voxels", NULL, fault);
+    if (!err)
+        err = source_finish(&voxels->file, fault);
+    return judge(voxels, err, fault);
+}
+
+/* For volume_format.begin_voxels of such a source. */
+static enum err nrrd_voxels_begin(struct volume_source *source, const struct volume_header *header,
+                                  struct fault *fault)
+{
+    struct voxels *voxels = (struct voxels *)source->decoder;
+    enum err err = OK;
+    if (voxels->is_packed && voxels->file.most < voxels->needed)
+        err = judge(voxels, ERR_INPUT, fault); /* before anything of their size is allocated */
+    else if (voxels->is_packed && part_is_less(header))
+        err = pass(voxels, fault);
+    return err ? err
+               : source_go_to(&voxels->file, voxels->is_packed ? 0 : voxels->offset, "the voxels",
+                              fault);
+}
+
+/*
+ * Segments of a .seg.nrrd that has several layers, since some of them overlap: each has a layer,
+ * which is a volume of the file, and the value of its voxels there.
+ *
+ *     Segment2_Name:=vessel
+ *     Segment2_LabelValue:=1
+ *     Segment2_Layer:=1
+ *
+ * A file without layers, as 3D Slicer wrote it before 4.11, has one segment in each volume, of
+ * value 1.
+ */
+
+enum { SEGMENTS_MOST = 64, VALUE_MOST = 65535 };
+
+struct segment {
+    const char *name;
+    int name_length;
+    int64_t layer, value;
+};
+
+/* The value of "SegmentN_KEY:=VALUE", to the end of its line; NULL where there is none. */
+static const char *find(const char *bytes, size_t length, unsigned number, const char *key)
+{
+    char field[48];
+    const int n = snprintf(field, sizeof field, "Segment%u_%s:=", number, key);
+    for (const char *at = bytes, *end = bytes + length; at && end - at > n;) {
+        if (memcmp(at, field, (size_t)n) == 0)
+            return at + n;
+        at = memchr(at, '\n', (size_t)(end - at));
+        at += at != NULL;
+    }
+    return NULL;
+}
+
+static int64_t find_number(const char *bytes, size_t length, unsigned number, const char *key,
+                           int64_t usual)
+{
+    const char *at = find(bytes, length, number, key);
+    int64_t value;
+    return at && scan_integer(&at, 0, VALUE_MOST, &value) ? value : usual;
+}
+
+static bool read_segment(struct segment *segment, const char *bytes, size_t length, unsigned number)
+{
+    segment->name = find(bytes, length, number, "Name");
+    if (!segment->name)
+        segment->name = find(bytes, length, number, "ID");
+    if (!segment->name)
+        return false;
+    const size_t left = (size_t)(bytes + length - segment->name);
+    const char *end = memchr(segment->name, '\n', left);
+    segment->name_length = end ? (int)(end - segment->name) : (int)left;
+    segment->name_length -= end && end > segment->name && end[-1] == '\r';
+    segment->layer = find_number(bytes, length, number, "Layer", number);
+    segment->value = find_number(bytes, length, number, "LabelValue", 1);
+    return true;
+}
+
+/* "vessel (1), stone (2)" */
+static void write_layer(struct buf *out, const struct segment *segment, unsigned count,
+                        uint32_t layer)
+{
+    const char *between = "";
+    for (unsigned i = 0; i < count; i++) {
+        if (segment[i].layer != layer)
+            continue;
+        buf_add_text(out, between);
+        buf_add_safe(out, segment[i].name, (size_t)segment[i].name_length);
+        buf_printf(out, " (%" PRId64 ")", segment[i].value);
+        between = ", ";
+    }
+    if (!*between)
+        buf_add_text(out, "none");
+}
+
+/* Sets out->contents by the lines of a header: of the volume that out->choice has, or of all. */
+static void nrrd_segments_tell(struct volume_header *out, const char *bytes, size_t length)
+{
+    struct segment segment[SEGMENTS_MOST];
+    struct buf text = {0};
+    unsigned count = 0;
+    while (count < SEGMENTS_MOST && read_segment(&segment[count], bytes, length, count))
+        count++;
+    if (count == 0)
+        return;
+    buf_add_text(&text, out->choice.has_volume ? "the segments " : "layers of segments:");
+    if (out->choice.has_volume)
+        write_layer(&text, segment, count, out->choice.volume);
+    for (uint32_t v = 0; v < out->volumes && v < SEGMENTS_MOST && !out->choice.has_volume; v++) {
+        buf_printf(&text, "%s volume=%" PRIu32 " ", v ? ";" : "", v);
+        write_layer(&text, segment, count, v);
+    }
+    safe_copy(out->contents, sizeof out->contents, buf_text(&text), text.length);
+    buf_release(&text);
+}
 
 /* ---- header in ---- */
 

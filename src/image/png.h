@@ -14,7 +14,10 @@
 
 #include "base/buf.h"
 #include "base/err.h"
+#include "base/file.h"
+#include "image/picture.h"
 #include "image/raster.h"
+#include "image/strips.h"
 
 /* Whether time counts, or bytes do. On pictures rounded to a palette deflate's level 1 makes 45 kB
  * of a 512x512 rendition in 0.9 ms, 6 makes 42 kB in 1.7 ms; of 40x40 pixels 1 makes 821 bytes, 6
@@ -44,7 +47,7 @@ void png_add_pixels(struct png_writer *writer, const struct raster *raster, enum
 enum err png_encode(struct buf *out, uint32_t width, uint32_t height, const uint8_t *rgba,
                     struct fault *fault);
 
-/* ---- what files have before their pixels (image/png_file.h) ---- */
+/* ---- what files have before their pixels (image/png.h) ---- */
 
 /* Kinds of pixels, as the header names them. */
 enum png_kind { PNG_COLOURED = 2, PNG_INDEXED = 3, PNG_WITH_ALPHA = 6 };
@@ -80,5 +83,28 @@ enum err png_read(struct picture *out, const void *bytes, size_t length, uint32_
 /* Reads the notes alone of such a file of any size, of which the beginning is enough. `out` has no
  * pixels; it is to be released after OK. */
 enum err png_read_notes(struct picture *out, const void *bytes, size_t length, struct fault *fault);
+
+/*
+ * PNG files of pictures: 8 bits a channel, RGB, or RGBA where the picture is clear, with notes.
+ *
+ * What stands before the pixels, in this order:
+ *
+ *     gAMA cHRM sRGB   the colours are sRGB, to be shown by perceptual intent
+ *     pHYs             pixels per metre of what is shown, where that is known: printed without
+ *                      scaling, a picture of a hand is as large as the hand
+ *     tEXt, iTXt       the notes, plain ASCII or UTF-8; the program's name says which has made it
+ *
+ * Rows are packed strip by strip (image/strips.h), each strip without regard to the others: an IDAT
+ * chunk each, which ends on a whole byte (Z_SYNC_FLUSH of zlib), and one with the checksum of all.
+ * That costs 1 % of the bytes. Each row is less the one above it (filter 2), the first of a strip
+ * less its own pixel on the left (filter 1). The same picture gives the same bytes.
+ */
+
+extern const struct strips_format png_strips;
+
+/* Writes what is shown of `picture`, and its notes, as `path`, whole or not at all. ERR_INPUT for a
+ * note whose name PNG does not hold: 1..79 printable ASCII characters. */
+enum err png_write(const char *path, enum file_mode mode, const struct picture *picture,
+                   struct fault *fault);
 
 #endif

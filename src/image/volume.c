@@ -15,7 +15,7 @@
 #include "image/part.h"
 #include "image/quantise.h"
 #include "image/straighten.h"
-#include "image/swelling.h"
+#include "image/inflated.h"
 
 #define DECLARE(format, note) extern const struct volume_format format;
 VOLUME_FORMATS(DECLARE)

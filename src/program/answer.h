@@ -15,8 +15,63 @@
 #ifndef SERVE_ANSWER_H
 #define SERVE_ANSWER_H
 
-#include "program/exchange.h"
-#include "program/request.h"
+#include <sys/types.h>
+
+#include "command/interpreter.h"
+#include "image/volume_format.h"
+#include "program/inbox.h"
+
+/*
+ * The folder by which voxels and pictures go to the program that drives a session, and come from
+ * it: arrays are files, since they are large.
+ *
+ * Invariants
+ *   E1 it is below $TMPDIR (or /tmp), under a name that nobody can foresee, made anew, and for its
+ *      owner alone; before each file is written it is looked at again: what has become a link,
+ *      another folder, or open to others is refused;
+ *   E2 a file in it is written as a draft that was not there before (O_EXCL), and renamed: what
+ *      stands under its name, a link too, is replaced and never followed;
+ *   E3 it goes when the session ends, and where that is killed, when the next one begins
+ *      (folder_held of base/file.h);
+ *   E4 no record depends on it: a command that is recorded and whose file, golden image or copy of
+ *      labels would be in it, once all links are resolved, is refused, and so is `journal FILE`.
+ *      Only a file of which the journal keeps a copy may be read from it (`labels FILE`), and a
+ *      question may write its report there.
+ */
+
+struct exchange {
+    struct buf path; /* of the folder, without links */
+    dev_t device;
+    ino_t number;
+};
+
+/* ERR_IO, ERR_MEMORY: then there is none. */
+enum err exchange_begin(struct exchange *exchange, struct fault *fault);
+void exchange_end(struct exchange *exchange);
+
+/* E4, before a line is carried out. ERR_INPUT, ERR_MEMORY; what does not parse is fine here. */
+enum err exchange_allows(const struct exchange *exchange, const struct interpreter *interp,
+                         const char *line, struct fault *fault);
+
+/* An uncompressed NIfTI, whose voxels can be read as they stand: x fastest, little-endian. */
+struct array_file {
+    struct buf path;
+    const char *name; /* which: "labels" */
+    enum voxel_type type;
+    uint64_t offset; /* of the first voxel, in bytes */
+};
+
+/* Writes the map of that name, which replaces the one before it: labels|cost|root|border|distance|
+ * margin as `save` has them (show/export_map.h), or intensity. Edits that wait are applied first,
+ * as by `run`, which is recorded. ERR_USAGE for a name that is none, and what commands return. */
+enum err array_write(struct array_file *out, const struct exchange *exchange,
+                     struct interpreter *interp, const char *name, bool finished,
+                     struct fault *fault);
+void array_release(struct array_file *array);
+
+/* Writes a picture as PNG, which replaces the one before it; *path is the file. */
+enum err picture_write(struct buf *path, const struct exchange *exchange, uint32_t width,
+                       uint32_t height, const uint8_t *rgba, struct fault *fault);
 
 enum { SERVE_PROTOCOL = 1 };
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "program/begin.h"
+#include "program/programs.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,7 +10,7 @@
 #include "command/command.h"
 #include "command/files.h"
 #include "command/golden_files.h"
-#include "command/resume.h"
+#include "command/execute.h"
 #include "image/coprocess.h"
 #include "image/image_helper.h"
 #include "image/volume_helper.h"

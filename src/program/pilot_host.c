@@ -5,14 +5,14 @@
 #include <string.h>
 
 #include "command/execute.h"
-#include "program/shown.h"
+#include "program/programs.h"
 #include "render/rendition.h"
 #include "show/label_report.h"
-#include "show/outline_facts.h"
+#include "show/voxel_facts.h"
 #include "session/session.h"
 #include "session/state.h"
 #include "show/draw.h"
-#include "show/outline_mark.h"
+#include "show/panes.h"
 #include "show/window.h"
 #include "tui/pilot/pilot_keys.h"
 

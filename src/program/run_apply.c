@@ -5,9 +5,8 @@
 
 #include "apply/apply.h"
 #include "base/file.h"
-#include "program/begin.h"
-#include "program/console.h"
 #include "program/programs.h"
+#include "program/console.h"
 
 static struct procedure_source source_of(const struct options *o)
 {

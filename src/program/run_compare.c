@@ -9,12 +9,10 @@
 
 #include "base/mem.h"
 #include "image/image_helper.h"
-#include "program/begin.h"
-#include "program/console.h"
 #include "program/programs.h"
+#include "program/console.h"
 #include "render/decoration.h"
 #include "show/comparison_picture.h"
-#include "show/distance_picture.h"
 #include "session/map.h"
 #include "session/session.h"
 #include "session/state.h"

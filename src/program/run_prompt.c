@@ -1,29 +1,197 @@
 /* SPDX-License-Identifier: MIT */
 /* `iftty` at a terminal, or in a pipe: the prompt and, from there, the pilot. */
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "journal/journal.h"
-#include "image/picture_writer.h"
+#include "base/buf.h"
+#include "base/choice.h"
 #include "command/command.h"
 #include "command/complete.h"
 #include "command/execute.h"
-#include "command/resume.h"
-#include "program/begin.h"
+#include "image/picture_writer.h"
+#include "journal/journal.h"
+#include "program/programs.h"
 #include "program/config.h"
 #include "program/console.h"
-#include "program/finding.h"
 #include "program/lesson.h"
 #include "program/pilot_host.h"
-#include "program/programs.h"
-#include "program/prompt.h"
-#include "program/shown.h"
+#include "session/setting.h"
 #include "tui/pilot/pilot.h"
+#include "tui/pilot/pilot_keys.h"
 #include "tui/prompt/line_history.h"
 #include "tui/prompt/line_keys.h"
 #include "tui/prompt/repl.h"
+
+/*
+ * What `Tab` finds by a piece of a word: commands and choices, each with the key
+ * of the pilot that does it, and keys that are no command's.
+ */
+
+/*
+ * Commands by a piece of what one remembers of them: of a name, as `file` is of seed-file, of a
+ * choice, as `cont` of `overlay contour`, of a key, or of the words that say what they do.
+ */
+
+enum { COMMANDS_FOUND_MOST = 8 };
+
+/* What the piece is of, the best first. */
+enum { OF_NAME, OF_CHOICE, OF_KEY, OF_SUMMARY, WITHIN_NAME, RANKS };
+
+/* Whether a word of the text begins so, from the byte `from` on. */
+static bool has_word(const char *text, const char *piece, size_t from)
+{
+    for (const char *at = text; (at = strcasestr(at, piece)); at++)
+        if (at >= text + from && (at == text || strchr(" -(`/", at[-1])))
+            return true;
+    return false;
+}
+
+static void add(struct buf *out, const char *name, const struct choice *choice, const char *key,
+                const char *note, size_t length)
+{
+    buf_add_text(out, name);
+    if (choice) {
+        buf_add_char(out, ' ');
+        buf_add(out, choice->word, choice->length);
+    }
+    buf_add_char(out, '\t');
+    buf_printf(out, "%s%s", key, *key ? "=: " : "");
+    buf_add(out, note, length);
+    buf_add_char(out, '\n');
+}
+
+/* Its first parameter's; words such as on and none say nothing of what they are about. */
+static void find_choices(struct buf *out, const struct command *command, const char *piece,
+                         unsigned *count)
+{
+    const struct parameter *p = command->parameter;
+    const char *choices = p->type && !p->keyed && p->choices ? p->choices : "";
+    struct choice choice;
+    while (choice_next(&choice, &choices)) {
+        size_t length;
+        const char *note = command_note(command, choice.word, choice.length, &length);
+        if (choice.length < strlen(piece) || choice.length < 4 ||
+            strncasecmp(choice.word, piece, strlen(piece)) != 0 || *count == COMMANDS_FOUND_MOST)
+            continue;
+        if (!length)
+            note = command->summary, length = strlen(note);
+        add(out, command->name, &choice, "", note, length);
+        ++*count;
+    }
+}
+
+static bool is_of_key(const struct command *command, const char *piece, const char **key)
+{
+    for (const struct parameter *p = command->parameter; p->type; p++)
+        if (p->keyed && strncasecmp(p->name, piece, strlen(piece)) == 0) {
+            *key = p->name;
+            return true;
+        }
+    return false;
+}
+
+static unsigned rank_of(const struct command *command, const char *piece, const char **key)
+{
+    *key = "";
+    return has_word(command->name, piece, 1)      ? OF_NAME
+           : is_of_key(command, piece, key)       ? OF_KEY
+           : has_word(command->summary, piece, 0) ? OF_SUMMARY
+           : strcasestr(command->name, piece)     ? WITHIN_NAME
+                                                  : RANKS;
+}
+
+/* Adds them, the best first, as command_complete does: what is to be typed, a tab, what it means,
+ * and a line feed. Not those whose names begin with the piece; where there `are_some`, only what is
+ * a piece of a name or of a choice. */
+static void command_find_by_piece(struct buf *out, const char *piece, bool are_some)
+{
+    unsigned count = 0;
+    for (unsigned rank = OF_NAME; rank < (are_some ? OF_KEY : RANKS); rank++)
+        for (unsigned i = 0; i < command_count() && count < COMMANDS_FOUND_MOST; i++) {
+            const struct command *command = command_at(i);
+            const char *key, *note = command->summary;
+            size_t length = strlen(note);
+            if (rank == OF_CHOICE)
+                find_choices(out, command, piece, &count);
+            else if (strncasecmp(command->name, piece, strlen(piece)) != 0 &&
+                     rank_of(command, piece, &key) == rank) {
+                size_t of_key = 0;
+                const char *words = *key ? command_note(command, key, strlen(key), &of_key) : note;
+                add(out, command->name, NULL, key, of_key ? words : note, of_key ? of_key : length);
+                count++;
+            }
+        }
+}
+
+enum { KEYS_MOST = 6 };
+
+/* The row that does the same as words of a command: by its line, or as it is called. NULL for none.
+ */
+static const struct pilot_row *row_of(const char *words, size_t length)
+{
+    const size_t name = strcspn(words, " \t\n");
+    for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++)
+        if (row->command && strncmp(row->command, words, length) == 0 &&
+            row->command[length] == '\n')
+            return row;
+    for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++)
+        if (row->name && strncmp(row->name, words, name) == 0 && row->name[name] == '\0')
+            return row;
+    return NULL;
+}
+
+static bool has_piece(const char *text, const char *piece)
+{
+    return text && strcasestr(text, piece);
+}
+
+/* As notes of the list, which are no words to be taken; but for those that stand there. */
+static void add_keys(struct buf *out, const char *piece, const struct pilot_setup *setup,
+                     const bool *is_there)
+{
+    unsigned count = 0;
+    for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
+        const char *help = row->help && *row->help ? row->help : row->hint ? row->hint : "";
+        if (!row->name || is_there[row - pilot_table] ||
+            !(has_piece(row->name, piece) || has_piece(help, piece)) || count++ == KEYS_MOST)
+            continue;
+        buf_add_char(out, '\t');
+        setup_add_keys(out, setup, row, 1);
+        buf_printf(out, "\tin the pilot, %s%s%s\n", row->name, *help ? ": " : "", help);
+    }
+}
+
+/* Adds to the words that begin with the piece, as candidates of the line editor, and adds keys to
+ * what all of them mean. */
+static void finding_add(struct buf *words, const char *piece, const struct pilot_setup *setup)
+{
+    const bool are_some = words->length > 0;
+    bool is_there[SETUP_ROWS_MOST] = {false};
+    struct buf all = {0};
+    command_find_by_piece(words, piece, are_some);
+    for (const char *at = buf_text(words); *at;) {
+        const size_t line = strcspn(at, "\n"), word = strcspn(at, "\t\n");
+        const struct pilot_row *row = row_of(at, word);
+        buf_add(&all, at, word);
+        buf_add_char(&all, '\t');
+        if (row) {
+            is_there[row - pilot_table] = true;
+            setup_add_keys(&all, setup, row, 1);
+            buf_add_text(&all, word < line ? " in the pilot: " : "");
+        }
+        buf_add(&all, at + word + (word < line), line - word - (word < line));
+        buf_add_char(&all, '\n');
+        at += line + (at[line] == '\n');
+    }
+    if (!are_some)
+        add_keys(&all, piece, setup, is_there);
+    all.failed |= words->failed;
+    buf_release(words);
+    *words = all;
+}
 
 struct prompt {
     struct pilot_interpreter pilot; /* first: the pilot's host has this whole as its context */

@@ -8,10 +8,8 @@
 #include "base/json.h"
 #include "command/script.h"
 #include "journal/journal.h"
-#include "program/begin.h"
-#include "program/console.h"
 #include "program/programs.h"
-#include "program/shown.h"
+#include "program/console.h"
 #include "tui/prompt/repl.h"
 
 static void show_picture(void *context, struct interpreter *interp)

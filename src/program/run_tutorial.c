@@ -2,10 +2,8 @@
 /* `iftty tutorial`: a session at prompt and pilot, with a lesson beside it. */
 #include <unistd.h>
 
-#include "program/begin.h"
-#include "program/lesson.h"
 #include "program/programs.h"
-#include "program/prompt.h"
+#include "program/lesson.h"
 
 enum err run_tutorial(const struct options *o, struct fault *fault)
 {

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-#include "program/shown.h"
+#include "program/programs.h"
 
 #include "image/image_helper.h"
-#include "program/programs.h"
 #include "session/session.h"
 #include "session/tally.h"
 #include "show/decorating.h"

@@ -8,12 +8,239 @@
 
 #include "base/least.h"
 #include "base/mem.h"
+#include "render/decoration.h"
+#include "render/fit.h"
 #include "render/mosaic.h"
 #include "render/notes.h"
-#include "show/figures.h"
+#include "render/slice_plan.h"
+#include "session/state.h"
+#include "show/decorating.h"
+#include "show/draw.h"
 #include "show/export_picture.h"
+#include "show/figures.h"
 #include "show/slicing.h"
 #include "show/window.h"
+
+/* ---- colours ---- */
+
+enum { NEAREST = COMPARISON_CLASS_ON, STEPS = COMPARISON_CLASS_STEPS };
+
+/* Of the ends and of the middle, between which colours change evenly. */
+static const uint8_t inside_rgb[3] = {20, 80, 220}, on_rgb[3] = {206, 206, 206},
+                     outside_rgb[3] = {214, 30, 24};
+
+static void take_colours(struct palette *palette)
+{
+    for (int class = 1; class < 256; class ++) {
+        const int off = abs(class - NEAREST);
+        const uint8_t *end = class < NEAREST ? inside_rgb : outside_rgb;
+        for (int k = 0; k < 3; k++)
+            palette->rgb[class][k] =
+                (uint8_t)((end[k] * off + on_rgb[k] * (STEPS - off) + STEPS / 2) / STEPS);
+    }
+}
+
+/* ---- the rendition ---- */
+
+/* How the session is to be for it. */
+static struct state state_of(const struct session *session)
+{
+    struct state state = *session_state(session);
+    struct kept *kept = &state.kept;
+    memset(kept->visible + 1, true, 255 * sizeof *kept->visible);
+    memset(kept->opacity + 1, BORDER_OPAQUE, 255);
+    take_colours(&kept->palette);
+    state.outlook.shows_finished = 0;
+    state.outlook.look.creases = false; /* colours lie on one surface */
+    state.outlook.decorations &= DECORATE_LETTERS | DECORATE_SCALE;
+    return state;
+}
+
+/* All of A in the middle. */
+static enum err fit(struct state *state, struct session *session, uint8_t *class,
+                    const struct compared *compared, struct fault *fault)
+{
+    const struct labels classes = {session_scene(session), class};
+    struct view *view = &state->outlook.view;
+    struct border border;
+    struct fit fit;
+    uint32_t place[3];
+    enum err err = comparison_classify(class, &classes.scene->grid, compared, 1,
+                                       session_team(session), session_watch(session), fault);
+    if (!err)
+        err = border_init(&border, session_scene(session), fault);
+    if (err)
+        return err;
+    border.labels = classes;
+    border_recount(&border);
+    err = fit_init(&fit, &border, fault);
+    border_release(&border);
+    if (err)
+        return err;
+    fit_place(&fit, view, place);
+    view->zoom = fit_zoom(&fit, view, place, state->outlook.look.samples);
+    view_focus_on(view, session_scene(session), place);
+    fit_release(&fit);
+    return OK;
+}
+
+/* The least of 1, 2, 5, 10, ... that is as long as a voxel, and as `mm`. */
+static double round_up(const struct compared *compared, double mm)
+{
+    double most = 1e-6;
+    for (int a = 0; a < 3; a++)
+        mm = mm < compared->spacing_nm[a] / 1e6 ? compared->spacing_nm[a] / 1e6 : mm;
+    for (int i = 0; most < mm; i++)
+        most *= i % 3 == 1 ? 2.5 : 2;
+    return most;
+}
+
+/* Of the pixels that are off B's contour, how many steps off 95 of 100 are at most. */
+static int steps_seen(const struct rendition *frame)
+{
+    uint64_t count[STEPS + 1] = {0}, all = 0, within = 0;
+    int steps = 0;
+    for (size_t i = 0; i < (size_t)frame->width * frame->height; i++)
+        if (frame->label[i] && frame->label[i] != NEAREST) {
+            count[abs(frame->label[i] - NEAREST)]++;
+            all++;
+        }
+    while (within * 100 < all * 95)
+        within += count[++steps];
+    return steps;
+}
+
+/* Renders all classes, up to the largest distance, and then those that the colours are to reach. */
+static enum err render(uint8_t *class, double *most_mm, struct session *session,
+                       const struct compared *compared, double farthest_mm, struct fault *fault)
+{
+    const struct labels classes = {session_scene(session), class};
+    *most_mm = round_up(compared, farthest_mm);
+    for (int pass = 0; pass < 2; pass++) {
+        enum err err = comparison_classify(class, &classes.scene->grid, compared, *most_mm,
+                                           session_team(session), session_watch(session), fault);
+        if (!err)
+            err = session_draw_labels(session, &classes, RENDER_ONCE, fault);
+        if (err)
+            return err;
+        if (pass == 0)
+            *most_mm = round_up(compared, *most_mm * steps_seen(session_frame(session)) / STEPS);
+    }
+    return session_decorate(session, &classes, fault);
+}
+
+static enum err take_picture(struct picture *picture, struct session *session, struct fault *fault)
+{
+    struct canvas frame;
+    enum err err = session_show_frame(&frame, session, fault);
+    if (err)
+        return err;
+    err = picture_init(picture, frame.width, frame.height, false, fault);
+    if (!err)
+        memcpy(picture->rgba, frame.rgba, (size_t)4 * frame.width * frame.height);
+    canvas_release(&frame);
+    return err;
+}
+
+/* ---- the bar ---- */
+
+static void write_beside(const struct canvas *canvas, int64_t right, int64_t top, uint32_t unit,
+                         const char *words)
+{
+    text_draw(canvas, right - text_width(words, unit), top, unit, words, &notes_light);
+}
+
+/* Bottom right, a third of the picture tall, with what its ends and its middle mean. */
+static void draw_bar(const struct canvas *canvas, const struct palette *palette, double most_mm,
+                     const char *unit_name, bool has_more)
+{
+    const uint32_t unit = notes_tall(notes_side(canvas));
+    const int64_t u = (unit + 7) / 8, wide = 6 * u, tall = canvas->height / 3;
+    const int64_t left = canvas->width - wide - 4 * u, top = canvas->height - tall - 4 * u;
+    const int64_t right = left - 4 * u, letter = unit;
+    const char *more = has_more ? " or more" : "";
+    char words[64];
+    if (notes_side(canvas) < NOTES_BARS_FROM)
+        return;
+    canvas_box(canvas, left - u, top - u, wide + 2 * u, tall + 2 * u, notes_light.outline);
+    for (int64_t i = 0; i < tall; i++)
+        canvas_box(canvas, left, top + i, wide, 1,
+                   palette->rgb[NEAREST + STEPS - 2 * STEPS * i / (tall - 1)]);
+    snprintf(words, sizeof words, "%g %s%s outside B", most_mm, unit_name, more);
+    write_beside(canvas, right, top, unit, words);
+    write_beside(canvas, right, top + (tall - letter) / 2, unit, "0");
+    snprintf(words, sizeof words, "%g %s%s inside B", most_mm, unit_name, more);
+    write_beside(canvas, right, top + tall - letter, unit, words);
+}
+
+static void write_names(const struct canvas *canvas, const struct comparison_report *report)
+{
+    const uint32_t unit = notes_tall(notes_side(canvas));
+    int64_t top = notes_margin(unit);
+    const int64_t room = canvas->width / 2 - 2 * (int64_t)unit; /* clear of the upper letter */
+    for (int i = 0; i < 2 && notes_side(canvas) >= NOTES_BARS_FROM; i++) {
+        struct buf words = {0}, safe = {0};
+        buf_printf(&words, "%c  %s", 'A' + i, report->name[i]);
+        buf_add_safe_text(&safe, buf_text(&words));
+        while (safe.length && text_width(safe.data, unit) > room)
+            safe.data[--safe.length] = '\0';
+        text_draw(canvas, notes_margin(unit), top, unit, buf_text(&safe), &notes_light);
+        top += text_line(unit);
+        buf_release(&words);
+        buf_release(&safe);
+    }
+}
+
+/* ---- the whole ---- */
+
+static enum err draw(struct picture *picture, struct session *session,
+                     const struct comparison_report *report, double most_mm, struct fault *fault)
+{
+    const bool has_more = report->comparison->distance[0].most_mm > most_mm;
+    const struct canvas canvas = {.width = picture->width,
+                                  .height = picture->height,
+                                  .stride = picture->width,
+                                  .rgba = picture->rgba};
+    const char *unit = report->geometry->spacing_unknown ? "voxels" : "mm";
+    char words[96];
+    draw_bar(&canvas, &session_kept(session)->palette, most_mm, unit, has_more);
+    write_names(&canvas, report);
+    snprintf(words, sizeof words, "of A's surface from B's, -%g %s inside to %g %s outside",
+             most_mm, unit, most_mm, unit);
+    const enum err err = export_notes(picture, session, NULL, fault);
+    return err ? err : picture_note(picture, "iftty:distance", words, fault);
+}
+
+enum err distance_picture_draw(struct picture *picture, struct session *session,
+                               const struct compared *compared,
+                               const struct comparison_report *report, bool fits,
+                               struct fault *fault)
+{
+    const struct label_distances *distance = &report->comparison->distance[0];
+    const struct state before = *session_state(session);
+    struct state state = state_of(session);
+    double most_mm = 0;
+    if (!distance->has_surfaces)
+        return fault_set(fault, ERR_INPUT,
+                         "there is no picture of the surface: expected an object in A and in B, "
+                         "which the edge of the scene does not cut off all around");
+    uint8_t *class = mem_new(session_scene(session)->grid.cells);
+    enum err err = class ? OK : fault_memory(fault, "a picture");
+    if (!err && fits)
+        err = fit(&state, session, class, compared, fault);
+    if (!err)
+        err = session_go(session, &state, NULL, 0, fault);
+    if (!err)
+        err = render(class, &most_mm, session, compared, distance->most_mm, fault);
+    if (!err)
+        err = take_picture(picture, session, fault);
+    if (!err)
+        err = draw(picture, session, report, most_mm, fault);
+    free(class);
+    if (err)
+        picture_release(picture);
+    return err ? err : session_go(session, &before, NULL, 0, fault);
+}
 
 const uint8_t difference_rgb[DIFFERENCES][3] = {[AGREES] = {225, 225, 225},
                                                 [A_ALONE] = {230, 159, 0},

@@ -5,6 +5,9 @@
 #ifndef REPORT_HISTOGRAM_H
 #define REPORT_HISTOGRAM_H
 
+#include <stdbool.h>
+#include <stdint.h>
+
 #include "base/buf.h"
 #include "show/window.h"
 
@@ -27,5 +30,26 @@ void histogram_of_counts(struct histogram *histogram, const uint32_t count[UINT1
 
 /* Adds a chart, and what it shows, in lines. */
 void histogram_write(struct buf *out, const struct histogram *histogram, bool has_blocks);
+
+/*
+ * Charts of text: columns that stand side by side, of blocks or in ASCII.
+ *
+ *        142 |  ▁▇▂
+ *            | ▃███▁
+ *         12 |▄█████▅
+ */
+
+enum { CHART_COLUMNS = 64 }; /* as many as fit a line of 80 with what stands before them */
+
+struct chart {
+    const uint16_t *eighths; /* how tall each column is, in eighths of a row: 0..8 * rows */
+    unsigned columns, rows;
+    const char *top, *bottom; /* what stands before the highest and the lowest row, */
+    int margin;               /* in so many columns */
+    bool has_blocks;          /* text is UTF-8: a cell has eighths; else thirds, of . : # */
+};
+
+/* Adds `rows` lines, without blanks at their ends. */
+void chart_write(struct buf *out, const struct chart *chart);
 
 #endif

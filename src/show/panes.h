@@ -4,7 +4,7 @@
  * lies under its pixels, and what lies beyond it.
  *
  *     marks    hatching for what an eliminator would take, crosses for corners and a pixel, an
- *              outline (outline_mark.h), a path back to a seed: white where it lies in a slice,
+ *              outline (panes.h), a path back to a seed: white where it lies in a slice,
  *              yellow in front of it or behind, with a cross around its strongest edge
  *     heat     colours slices where labels are uncertain: greys get it, and tints where they are
  *              drawn over; no words, contours or marks
@@ -18,6 +18,7 @@
 #define SHOW_PANES_H
 
 #include "image/raster.h"
+#include "render/mosaic.h"
 #include "show/slicing.h"
 
 enum pane { PANE_AXIAL, PANE_CORONAL, PANE_SAGITTAL, PANE_RENDITION };
@@ -116,5 +117,21 @@ bool panes_have_one_label(const struct session *session);
 
 /* A colour of its own in the picture: that of heat. */
 #define PANES_HEAT_HUE 0xff4010u
+
+/*
+ * An outline over a slice, as it is drawn or corrected: the line through its corners, dotted where
+ * it is still to be closed, and what it would plant, faintly: of the pixels of those voxels that
+ * paint_polygon covers, one of four has the colour of the label, whole, so that it is among the
+ * colours of any screen.
+ *
+ * Only the slice that all corners lie in shows it. The line is white, with black beside it, so that
+ * it is seen on any grey; what lies beside the pane is left out.
+ */
+
+struct outline_mark {
+    const uint32_t (*corner)[3];
+    size_t corners;
+    uint8_t rgb[3]; /* of the label */
+};
 
 #endif

@@ -8,7 +8,6 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "command/act.h"
-#include "command/act_figures.h"
 #include "journal/journal.h"
 #include "show/draw.h"
 #include "show/export_picture.h"

@@ -15,7 +15,7 @@
 #include "command/files.h"
 #include "image/volume.h"
 #include "program/console.h"
-#include "apply/register_helper.h"
+#include "apply/registration.h"
 #include "tests/deformed.h"
 
 #define TURNED    .degrees = {5, -4, 6}

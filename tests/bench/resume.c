@@ -9,7 +9,6 @@
 #include "base/file.h"
 #include "command/execute.h"
 #include "command/interpreter.h"
-#include "command/resume.h"
 #include "session/session_inside.h"
 
 enum { COMMANDS = 2000, ROUNDS = 3 };

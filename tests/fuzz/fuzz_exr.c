@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include "image/exr.h"
-#include "image/exr_header.h"
 #include "image/picture.h"
 
 static void check_words(enum err err, const struct fault *fault)

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "apply/procedure.h"
-#include "tests/fuzz/fuzz.h"
 
 enum { VOXELS_MOST = 1 << 22 };
 

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "command/resume.h"
+#include "command/execute.h"
 #include "program/pilot_host.h"
 
 static bool write_picture(const struct image_view *view, const char *path)
