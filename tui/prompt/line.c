@@ -365,6 +365,13 @@ static bool is_entry(const struct line *l, size_t place)
     return strcmp(l->history->line[place], buf_text(&l->text)) == 0;
 }
 
+/* An entry that was shown and then edited is the line of today. */
+static void leave_edited_entry(struct line *l)
+{
+    if (l->place < l->history->count && !is_entry(l, l->place))
+        l->place = l->history->count;
+}
+
 static bool is_wanted(const struct line *l, size_t place)
 {
     return strncmp(l->history->line[place], buf_text(&l->prefix), l->prefix.length) == 0 &&
@@ -428,8 +435,7 @@ static void recall(struct line *l, enum line_action action, enum line_last befor
     const enum line_step step = step_after(l, before);
     l->last = action == LINE_CITE ? LAST_CITED : LAST_RECALLED;
     if (action != LINE_CITE && !again) { /* what the lines to be looked through begin with */
-        if (l->place < l->history->count && !is_entry(l, l->place))
-            l->place = l->history->count;
+        leave_edited_entry(l);
         buf_clear(&l->prefix);
         buf_add(&l->prefix, buf_text(&l->text), l->cursor);
     }
@@ -531,6 +537,7 @@ void line_search_begin(struct line *l)
     l->searching = true;
     l->search_failed = false;
     buf_clear(&l->wanted);
+    leave_edited_entry(l);
     find_all(l);
 }
 
