@@ -18,7 +18,7 @@
 #include "render/projection.h"
 #include "render/rendition.h"
 #include "render/shade.h"
-#include "tests/check.h"
+#include "tests/random.h"
 
 struct stage {
     struct scene *scene;
@@ -52,6 +52,36 @@ static inline enum err stage_init(struct stage *s, const uint32_t size[3], unsig
     *s = (struct stage){0};
     const enum err err = scene_new(&scene, size, why);
     return err ? err : stage_take(s, scene, adjacency, why);
+}
+
+/* Edits the forest; the border follows. */
+static inline struct changes stage_edit(struct stage *s, const struct edit *batch, size_t count)
+{
+    CHECK(forest_edit(s->forest, batch, count, NULL) == OK);
+    const struct changes changes = forest_changes(s->forest);
+    border_update(&s->border, &changes);
+    return changes;
+}
+
+/* Plants one seed of background or of three labels. */
+static inline struct changes stage_seed_at_random(struct stage *s, uint64_t *random)
+{
+    const struct edit seed = {random_voxel(&s->scene->grid, random),
+                              (int16_t)check_below(random, 4), 0};
+    return stage_edit(s, &seed, 1);
+}
+
+/* Plants seeds, and erases those whose trees hold a voxel: three edits at once. */
+static inline struct changes stage_edit_at_random(struct stage *s, uint64_t *random)
+{
+    struct edit batch[3];
+    for (int i = 0; i < 3; i++) {
+        const uint32_t at = random_voxel(&s->scene->grid, random);
+        batch[i] = (struct edit){at, (int16_t)((int)check_below(random, 5) - 1), 0};
+        if (batch[i].label == EDIT_ERASE && cell_is_reached(&s->scene->cell[at]))
+            batch[i].cell = key_root(s->scene->cell[at].key);
+    }
+    return stage_edit(s, batch, 3);
 }
 
 /* Half of the time, some of the labels are translucent. */
@@ -123,6 +153,22 @@ static inline void stage_render(struct stage *s, struct rendition *rendition, pr
     stage_fit(s, rendition);
     project(rendition, &s->camera, &s->mesh);
     stage_shade(s, rendition);
+}
+
+/* Renditions of samples and of the picture that they are reduced to, by the stage's view. */
+static inline void stage_samples_init(struct stage *s, struct rendition *fine,
+                                      struct rendition *out)
+{
+    CHECK(rendition_init(fine, s->view.width, s->view.height, NULL) == OK);
+    CHECK(rendition_init(out, s->view.width / s->look.samples, s->view.height / s->look.samples,
+                         NULL) == OK);
+    stage_fit(s, fine);
+}
+
+static inline void stage_reduce(struct stage *s, struct rendition *fine, struct rendition *out)
+{
+    CHECK(shade(fine, &s->camera, &s->mesh, &s->palette, &s->look, &s->shader, NULL) == OK);
+    rendition_reduce(out, fine, s->look.samples, s->shader.team);
 }
 
 /* After an edit, which the border has followed: the mesh and the pixels do. */

@@ -16,24 +16,6 @@
 
 /* ---- by hand and at random ---- */
 
-static struct edit random_edit(const struct stage *s, uint64_t *random)
-{
-    const struct grid *g = &s->scene->grid;
-    const uint32_t cell =
-        grid_cell(g, check_below(random, g->size[0]), check_below(random, g->size[1]),
-                  check_below(random, g->size[2]));
-    return (struct edit){cell, (int16_t)check_below(random, 4), 0};
-}
-
-static struct changes edit(struct stage *s, uint64_t *random)
-{
-    const struct edit seed = random_edit(s, random);
-    CHECK(forest_edit(s->forest, &seed, 1, NULL) == OK);
-    const struct changes changes = forest_changes(s->forest);
-    border_update(&s->border, &changes);
-    return changes;
-}
-
 /* A scene of several objects, some of them cut open. */
 static void stage_at_random(struct stage *s, uint64_t *random)
 {
@@ -41,18 +23,14 @@ static void stage_at_random(struct stage *s, uint64_t *random)
     for (int a = 0; a < 3; a++)
         size[a] = 2 + check_below(random, 24);
     CHECK(stage_init(s, size, 6, NULL) == OK);
-    for (size_t i = 0; i < s->scene->grid.cells; i++)
-        if (!(s->scene->cell[i].flags & CELL_RIM)) {
-            s->scene->cell[i].weight = (uint16_t)check_below(random, 6);
-            s->scene->cell[i].intensity = (uint16_t)check_below(random, 4000);
-        }
+    random_values(s->scene, 4000, random);
     s->scene->spacing_nm[check_below(random, 3)] = 500000 + check_below(random, 2000000);
     s->shader.window[1] = 4000;
     if (check_below(random, 2))
         s->border.cut.last[0] = size[0] / 2;
     border_recount(&s->border);
     for (int i = 0; i < 5; i++)
-        edit(s, random);
+        stage_seed_at_random(s, random);
 }
 
 /* `samples` samples a pixel, both ways; the camera and the view are those of the samples. */
@@ -63,20 +41,6 @@ static void look_at_random(struct stage *s, uint64_t *random)
     s->view.height = s->look.samples * (1 + check_below(random, 90));
     s->view.zoom = s->look.samples * (300 + check_below(random, 10000));
     CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
-}
-
-static void begin(struct stage *s, struct rendition *fine, struct rendition *out)
-{
-    CHECK(rendition_init(fine, s->view.width, s->view.height, NULL) == OK);
-    CHECK(rendition_init(out, s->view.width / s->look.samples, s->view.height / s->look.samples,
-                         NULL) == OK);
-    stage_fit(s, fine);
-}
-
-static void colour(struct stage *s, struct rendition *fine, struct rendition *out)
-{
-    CHECK(shade(fine, &s->camera, &s->mesh, &s->palette, &s->look, &s->shader, NULL) == OK);
-    rendition_reduce(out, fine, s->look.samples, NULL);
 }
 
 static bool same(const struct rendition *a, const struct rendition *b)
@@ -151,15 +115,15 @@ STORY(bands_of_any_height_are_the_whole_and_so_is_what_follows_edits)
         struct rendition fine, out;
         stage_at_random(&s, &random);
         look_at_random(&s, &random);
-        begin(&s, &fine, &out);
+        stage_samples_init(&s, &fine, &out);
         s.shader.team = team[number % 4];
         project_border(&fine, &s.camera, &s.mesh);
-        colour(&s, &fine, &out);
+        stage_reduce(&s, &fine, &out);
         bool agree = bands_agree(&s, &out);
         for (int i = 0; agree && i < 4; i++) {
-            const struct changes changes = edit(&s, &random);
+            const struct changes changes = stage_seed_at_random(&s, &random);
             stage_follow(&s, &fine, &changes);
-            colour(&s, &fine, &out);
+            stage_reduce(&s, &fine, &out);
             agree = bands_agree(&s, &out);
         }
         if (!agree)

@@ -154,11 +154,7 @@ static void stage_at_random(struct stage *s, uint64_t *random)
     s->look.edges = check_below(random, 2);
     s->look.ao_percent = stage_occlusion(random);
     s->look.creases = check_below(random, 2);
-    for (size_t i = 0; i < s->scene->grid.cells; i++)
-        if (!(s->scene->cell[i].flags & CELL_RIM)) {
-            s->scene->cell[i].weight = (uint16_t)check_below(random, 6);
-            s->scene->cell[i].intensity = (uint16_t)check_below(random, 1000);
-        }
+    random_values(s->scene, 1000, random);
     s->shader.window[0] = (int32_t)check_below(random, 500);
     s->shader.window[1] = 501 + (int32_t)check_below(random, 500);
     for (int a = 0; a < 3; a++) {
@@ -166,12 +162,6 @@ static void stage_at_random(struct stage *s, uint64_t *random)
         s->scene->spacing_nm[a] =
             check_below(random, 2) ? 1000000 : 300000 + check_below(random, 2000000);
     }
-}
-
-static void random_place(const struct stage *s, uint64_t *random, uint32_t place[3])
-{
-    for (int a = 0; a < 3; a++)
-        place[a] = check_below(random, s->scene->grid.size[a]);
 }
 
 static void random_view(struct stage *s, uint64_t *random)
@@ -191,20 +181,20 @@ static void random_cut(struct stage *s, uint64_t *random)
     struct cut cut = cut_none();
     uint32_t a[3], b[3];
     for (uint32_t i = check_below(random, 3); i > 0; i--) {
-        random_place(s, random, a);
-        random_place(s, random, b);
+        random_place(&s->scene->grid, random, a);
+        random_place(&s->scene->grid, random, b);
         const uint32_t axis = check_below(random, 3);
         cut.first[axis] = a[axis] < b[axis] ? a[axis] : b[axis];
         cut.last[axis] = a[axis] < b[axis] ? b[axis] : a[axis];
     }
     for (uint32_t i = check_below(random, 3); i > 0; i--) {
-        random_place(s, random, a);
+        random_place(&s->scene->grid, random, a);
         cut.plane[cut.planes++] = stage_plane_through(s->scene, a, s->camera.ahead);
         random_view(s, random);
     }
     for (uint32_t i = check_below(random, 3); i > 0; i--, cut.boxes++) {
-        random_place(s, random, a);
-        random_place(s, random, b);
+        random_place(&s->scene->grid, random, a);
+        random_place(&s->scene->grid, random, b);
         for (int k = 0; k < 3; k++) {
             cut.box[cut.boxes].first[k] = a[k] < b[k] ? a[k] : b[k];
             cut.box[cut.boxes].last[k] = a[k] < b[k] ? b[k] : a[k];
@@ -213,23 +203,6 @@ static void random_cut(struct stage *s, uint64_t *random)
     s->border.cut = cut;
     s->border.visible[1 + check_below(random, 3)] = check_below(random, 3) > 0;
     border_recount(&s->border);
-}
-
-static struct changes random_edit(struct stage *s, uint64_t *random)
-{
-    struct edit batch[3];
-    for (int i = 0; i < 3; i++) {
-        uint32_t place[3];
-        random_place(s, random, place);
-        const uint32_t cell = grid_cell(&s->scene->grid, place[0], place[1], place[2]);
-        batch[i] = (struct edit){cell, (int16_t)((int)check_below(random, 5) - 1), 0};
-        if (batch[i].label == EDIT_ERASE && cell_is_reached(&s->scene->cell[cell]))
-            batch[i].cell = key_root(s->scene->cell[cell].key);
-    }
-    CHECK(forest_edit(s->forest, batch, 3, NULL) == OK);
-    const struct changes changes = forest_changes(s->forest);
-    border_update(&s->border, &changes);
-    return changes;
 }
 
 static bool same(const struct rendition *a, const struct rendition *b, const char *what)
@@ -324,13 +297,13 @@ STORY(borders_and_pictures_follow_cuts_edits_and_hidden_labels)
         stage_at_random(&s, &random);
         random_view(&s, &random);
         for (int i = 0; i < 4; i++)
-            random_edit(&s, &random);
+            stage_edit_at_random(&s, &random);
         random_cut(&s, &random);
         CHECK(border_check(&s.border, NULL));
         CHECK(rendition_init(&kept, s.view.width, s.view.height, NULL) == OK);
         stage_render(&s, &kept, project_border);
         for (int step = 0; step < 4 && check_failures == 0; step++) {
-            const struct changes changes = random_edit(&s, &random);
+            const struct changes changes = stage_edit_at_random(&s, &random);
             CHECK(border_check(&s.border, NULL));
             stage_follow(&s, &kept, &changes);
             stage_shade(&s, &kept);

@@ -1,33 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The focus of a view: what falls in the middle of the picture, and that nothing else changes. */
-#include "check.h"
+#include "stage.h"
 
 #include <stdlib.h>
-
-#include "render/projection.h"
-
-struct stage {
-    struct scene *scene;
-    struct border border;
-    struct mesh mesh;
-    struct view view;
-    struct camera camera;
-};
-
-static void stage_init(struct stage *s, const uint32_t size[3])
-{
-    *s = (struct stage){0};
-    CHECK(scene_new(&s->scene, size, NULL) == OK);
-    CHECK(border_init(&s->border, s->scene, NULL) == OK);
-    s->view = view_default(s->scene);
-}
-
-static void stage_release(struct stage *s)
-{
-    mesh_release(&s->mesh);
-    border_release(&s->border);
-    scene_free(s->scene);
-}
 
 /* Axes, spacings and labels of any kind. */
 static void random_stage(struct stage *s, uint64_t *random)
@@ -37,7 +12,7 @@ static void random_stage(struct stage *s, uint64_t *random)
     uint32_t size[3];
     for (int a = 0; a < 3; a++)
         size[a] = 1 + check_below(random, check_below(random, 3) ? 30 : 4);
-    stage_init(s, size);
+    CHECK(stage_init(s, size, 6, NULL) == OK);
     const int8_t *axis = order[check_below(random, 6)];
     for (int a = 0; a < 3; a++) {
         s->scene->spacing_nm[a] =
@@ -55,12 +30,6 @@ static void random_stage(struct stage *s, uint64_t *random)
     for (int i = 0; i < 3; i++)
         s->view.angle[i] = (int32_t)(check_below(random, 2) ? check_below(random, 8) * 45000
                                                             : check_below(random, 360000));
-}
-
-static void random_place(const struct scene *scene, uint64_t *random, uint32_t place[3])
-{
-    for (int a = 0; a < 3; a++)
-        place[a] = check_below(random, scene->grid.size[a]);
 }
 
 static void draw(struct rendition *r, struct stage *s, projection *project)
@@ -86,7 +55,7 @@ STORY(the_voxel_in_focus_is_in_the_middle_of_the_picture)
         uint32_t place[3];
         random_stage(&s, &random);
         s.view.width |= 1, s.view.height |= 1; /* an odd number of pixels has one in the middle */
-        random_place(s.scene, &random, place);
+        random_place(&s.scene->grid, &random, place);
         memset(s.border.visible, 0, sizeof s.border.visible);
         s.border.visible[9] = true;
         const uint32_t cell = grid_cell(&s.scene->grid, place[0], place[1], place[2]);
@@ -109,7 +78,7 @@ STORY(all_ways_agree_wherever_the_focus_is)
         struct rendition border, scene, walk;
         uint32_t place[3];
         random_stage(&s, &random);
-        random_place(s.scene, &random, place);
+        random_place(&s.scene->grid, &random, place);
         view_focus_on(&s.view, s.scene, place);
         CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
         view_pan(&s.view, &s.camera, check_below(&random, 20001) - (int64_t)10000,
@@ -148,7 +117,7 @@ STORY(a_pan_moves_what_is_seen_by_so_many_pixels_and_back)
         uint32_t place[3];
         int64_t before[2], after[2];
         random_stage(&s, &random);
-        random_place(s.scene, &random, place);
+        random_place(&s.scene->grid, &random, place);
         CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
         const int64_t right = check_below(&random, 4001) - (int64_t)2000,
                       down = check_below(&random, 4001) - (int64_t)2000;
@@ -181,7 +150,7 @@ STORY(angles_turn_the_way_they_say)
     };
     struct stage s;
     struct rendition r;
-    stage_init(&s, (uint32_t[]){21, 21, 21});
+    CHECK(stage_init(&s, (uint32_t[]){21, 21, 21}, 6, NULL) == OK);
     for (int i = 0; i < 3; i++)
         s.scene->cell[grid_cell(&s.scene->grid, end[i][0], end[i][1], end[i][2])].label = 1;
     border_recount(&s.border);
@@ -203,7 +172,7 @@ STORY(the_focus_changes_no_depth)
 {
     struct stage s;
     struct rendition centred, panned;
-    stage_init(&s, (uint32_t[]){40, 30, 20});
+    CHECK(stage_init(&s, (uint32_t[]){40, 30, 20}, 6, NULL) == OK);
     for (uint32_t x = 12; x < 28; x++)
         s.scene->cell[grid_cell(&s.scene->grid, x, 7 + x / 3, 10)].label = 1;
     border_recount(&s.border);
@@ -234,7 +203,7 @@ STORY(a_focus_beyond_all_proportion_is_refused)
 {
     struct stage s;
     struct fault fault;
-    stage_init(&s, (uint32_t[]){100, 50, 1});
+    CHECK(stage_init(&s, (uint32_t[]){100, 50, 1}, 6, NULL) == OK);
     for (int a = 0; a < 3; a++) {
         s.view.focus[a] = INT64_C(100) << VIEW_FOCUS_BITS;
         CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
@@ -268,7 +237,7 @@ STORY(a_ball_is_round_from_everywhere)
             least = nm[a] < least ? nm[a] : least;
             most = nm[a] > most ? nm[a] : most;
         }
-        stage_init(&s, size);
+        CHECK(stage_init(&s, size, 6, NULL) == OK);
         memcpy(s.scene->spacing_nm, nm, sizeof size);
         for (uint32_t z = 0; z < size[2]; z++)
             for (uint32_t y = 0; y < size[1]; y++)

@@ -478,12 +478,6 @@ static bool keys_equal_fixed_point(struct world *w)
     return same;
 }
 
-static uint32_t random_voxel(const struct grid *g, uint64_t *random)
-{
-    return grid_cell(g, check_below(random, g->size[0]), check_below(random, g->size[1]),
-                     check_below(random, g->size[2]));
-}
-
 /* One to four edits: plantings of three labels, erasures of seeds and of nothing, and now and then
  * every seed at once. */
 static size_t random_batch(struct world *w, struct edit *batch, uint64_t *random)

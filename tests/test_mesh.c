@@ -110,12 +110,6 @@ static void stage_at_random(struct stage *s, uint64_t *random)
     border_recount(&s->border);
 }
 
-static void random_place(const struct stage *s, uint64_t *random, uint32_t place[3])
-{
-    for (int a = 0; a < 3; a++)
-        place[a] = check_below(random, s->scene->grid.size[a]);
-}
-
 /* A label goes where it likes, without the forest: one voxel, or a box of them. Some of these lists
  * of changes come as "everything". */
 static struct changes change_labels(struct stage *s, struct change *item, uint64_t *random)
@@ -125,7 +119,7 @@ static struct changes change_labels(struct stage *s, struct change *item, uint64
     uint32_t from[3], end[3], count = 0;
     const bool is_box = check_below(random, 2), is_large = check_below(random, 4) == 0;
     const uint8_t label = (uint8_t)check_below(random, 4);
-    random_place(s, random, from);
+    random_place(&s->scene->grid, random, from);
     for (int a = 0; a < 3; a++) {
         end[a] = from[a] + 1 + (is_box ? check_below(random, is_large ? 30 : 7) : 0);
         end[a] = end[a] < grid->size[a] ? end[a] : grid->size[a];
@@ -150,8 +144,8 @@ static void change_cut_or_labels(struct stage *s, uint64_t *random)
 {
     uint32_t a[3], b[3];
     struct cut *cut = &s->border.cut;
-    random_place(s, random, a);
-    random_place(s, random, b);
+    random_place(&s->scene->grid, random, a);
+    random_place(&s->scene->grid, random, b);
     switch (check_below(random, 4)) {
     case 0:
         *cut = cut_none();
@@ -259,7 +253,7 @@ STORY(a_voxel_that_is_repainted_changes_what_is_around_it)
     CHECK(mesh_update(&mesh, &s.border, MESH_SMOOTH, NULL, NULL, NULL) == OK);
     for (int round = 0; round < 150;) {
         uint32_t p[3];
-        random_place(&s, &random, p);
+        random_place(&s.scene->grid, &random, p);
         const uint32_t cell = grid_cell(grid, p[0], p[1], p[2]);
         const uint8_t label = s.scene->cell[cell].label, next = (uint8_t)(3 - label);
         if (!label || (!border_holds(&s.border, cell) && check_below(&random, 8)))

@@ -88,26 +88,9 @@ static void stage_at_random(struct stage *s, uint32_t least, uint32_t most, uint
     for (int a = 0; a < 3; a++)
         size[a] = least + check_below(random, most - least + 1);
     CHECK(stage_init(s, size, 6, NULL) == OK);
-    for (size_t i = 0; i < s->scene->grid.cells; i++)
-        if (!(s->scene->cell[i].flags & CELL_RIM)) {
-            s->scene->cell[i].weight = (uint16_t)check_below(random, 6);
-            s->scene->cell[i].intensity = (uint16_t)check_below(random, 4000);
-        }
+    random_values(s->scene, 4000, random);
     s->scene->spacing_nm[check_below(random, 3)] = 100000 + check_below(random, 9000000);
     s->shader.window[1] = 4000;
-}
-
-static struct changes edit(struct stage *s, uint64_t *random)
-{
-    const struct grid *g = &s->scene->grid;
-    const struct edit seed = {grid_cell(g, check_below(random, g->size[0]),
-                                        check_below(random, g->size[1]),
-                                        check_below(random, g->size[2])),
-                              (int16_t)check_below(random, 4), 0};
-    CHECK(forest_edit(s->forest, &seed, 1, NULL) == OK);
-    const struct changes changes = forest_changes(s->forest);
-    border_update(&s->border, &changes);
-    return changes;
 }
 
 /* What is hidden, or cut away. */
@@ -133,7 +116,7 @@ STORY(bricks_are_what_is_counted_and_follow_edits_cuts_and_what_is_hidden)
             if (i % 4 == 3)
                 show_at_random(&s, &random);
             else
-                edit(&s, &random);
+                stage_seed_at_random(&s, &random);
             CHECK(bricks_take(&bricks, &s.border, NULL) == OK);
             compare_bricks(&s, &bricks, &random);
         }
@@ -390,7 +373,7 @@ static void sitting(unsigned number, struct team *team)
     stage_at_random(&s, 30, 80, &random);
     begin_halves(&s);
     for (int i = 0; i < 12; i++)
-        edit(&s, &random);
+        stage_seed_at_random(&s, &random);
     for (int look = 0; look < 3 && check_failures == 0; look++) {
         rendition_release(&s.rendition);
         show_at_random(&s, &random);
@@ -403,7 +386,7 @@ static void sitting(unsigned number, struct team *team)
         s.shader.team = team;
         stage_draw(&s);
         for (int i = 0; i < 5 && agrees(&s, &s.rendition); i++) {
-            const struct changes changes = edit(&s, &random);
+            const struct changes changes = stage_seed_at_random(&s, &random);
             stage_follow(&s, &s.rendition, &changes);
             repaired += rendition_count(&s.rendition, TILE_STALE);
             tiles += (size_t)s.rendition.tiles_x * s.rendition.tiles_y;

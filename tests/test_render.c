@@ -116,23 +116,6 @@ static void random_look(struct stage *s, uint64_t *random)
     stage_opacities(s, random);
 }
 
-static void random_edit(struct stage *s, uint64_t *random)
-{
-    struct edit batch[3];
-    const struct grid *g = &s->scene->grid;
-    for (int i = 0; i < 3; i++)
-        batch[i] = (struct edit){grid_cell(g, check_below(random, g->size[0]),
-                                           check_below(random, g->size[1]),
-                                           check_below(random, g->size[2])),
-                                 (int16_t)((int)check_below(random, 5) - 1), 0};
-    for (int i = 0; i < 3; i++)
-        if (batch[i].label == EDIT_ERASE && s->scene->cell[batch[i].cell].key != KEY_NONE)
-            batch[i].cell = key_root(s->scene->cell[batch[i].cell].key);
-    CHECK(forest_edit(s->forest, batch, 3, NULL) == OK);
-    struct changes changes = forest_changes(s->forest);
-    border_update(&s->border, &changes);
-}
-
 static void random_sitting(uint64_t seed)
 {
     uint64_t random = seed;
@@ -143,11 +126,7 @@ static void random_sitting(uint64_t seed)
         size[a] = 1 + check_below(&random, check_below(&random, 3) ? 30 : 4);
     CHECK(stage_init(&s, size, check_below(&random, 2) ? 26 : 6, NULL) == OK);
     const uint32_t brightest = 1 + check_below(&random, UINT16_MAX);
-    for (size_t i = 0; i < s.scene->grid.cells; i++)
-        if (!(s.scene->cell[i].flags & CELL_RIM)) {
-            s.scene->cell[i].weight = (uint16_t)check_below(&random, 6);
-            s.scene->cell[i].intensity = (uint16_t)check_below(&random, brightest);
-        }
+    random_values(s.scene, brightest, &random);
     for (int a = 0; a < 3; a++) {
         static const int8_t order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
                                            {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
@@ -157,15 +136,14 @@ static void random_sitting(uint64_t seed)
         s.scene->world_axis[a] = order[seed % 6][a];
     }
     for (int i = 0; i < 4; i++)
-        random_edit(&s, &random);
+        stage_edit_at_random(&s, &random);
     for (int look = 0; look < 3 && check_failures == 0; look++) {
         random_view(&s, &random);
         random_look(&s, &random);
         CHECK(rendition_init(&kept, s.view.width, s.view.height, NULL) == OK);
         stage_render(&s, &kept, project_border);
         for (int step = 0; step < 4 && check_failures == 0; step++) {
-            random_edit(&s, &random);
-            struct changes changes = forest_changes(s.forest);
+            const struct changes changes = stage_edit_at_random(&s, &random);
             stage_follow(&s, &kept, &changes);
             stage_shade(&s, &kept);
             if (!modes_agree(&s, &kept))
@@ -349,7 +327,7 @@ STORY(the_four_modes_agree_however_large_or_long_voxels_are)
             s.scene->world_sign[a] = check_below(&random, 2) ? 1 : -1;
         }
         for (int edit = 0; edit < 3; edit++)
-            random_edit(&s, &random);
+            stage_edit_at_random(&s, &random);
         random_look(&s, &random);
         for (int k = 0; k < 3; k++)
             s.view.angle[k] = random_angle(&random);
@@ -359,16 +337,14 @@ STORY(the_four_modes_agree_however_large_or_long_voxels_are)
         s.view.zoom = s.view.zoom < VIEW_ZOOM_MOST ? s.view.zoom : VIEW_ZOOM_MOST;
         if (check_below(&random, 2)) {
             uint32_t place[3];
-            for (int a = 0; a < 3; a++)
-                place[a] = check_below(&random, size[a]);
+            random_place(&s.scene->grid, &random, place);
             view_focus_on(&s.view, s.scene, place);
         }
         if (camera_init(&s.camera, s.scene, &s.view, NULL) == OK) {
             drawn++;
             CHECK(rendition_init(&kept, s.view.width, s.view.height, NULL) == OK);
             stage_render(&s, &kept, project_border);
-            random_edit(&s, &random);
-            const struct changes changes = forest_changes(s.forest);
+            const struct changes changes = stage_edit_at_random(&s, &random);
             stage_follow(&s, &kept, &changes);
             stage_shade(&s, &kept);
             if (!modes_agree(&s, &kept))

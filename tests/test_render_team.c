@@ -22,16 +22,9 @@ static void stage_at_random(struct stage *s, uint64_t *random)
     const uint32_t size[3] = {20 + check_below(random, 30), 20 + check_below(random, 30),
                               20 + check_below(random, 30)};
     CHECK(stage_init(s, size, 6, NULL) == OK);
-    for (size_t i = 0; i < s->scene->grid.cells; i++)
-        if (!(s->scene->cell[i].flags & CELL_RIM)) {
-            s->scene->cell[i].weight = (uint16_t)check_below(random, 6);
-            s->scene->cell[i].intensity = (uint16_t)check_below(random, 4000);
-        }
+    random_values(s->scene, 4000, random);
     for (int i = 0; i < 8; i++) {
-        const struct edit seed = {grid_cell(&s->scene->grid, check_below(random, size[0]),
-                                            check_below(random, size[1]),
-                                            check_below(random, size[2])),
-                                  (int16_t)(i % 4), 0};
+        const struct edit seed = {random_voxel(&s->scene->grid, random), (int16_t)(i % 4), 0};
         CHECK(forest_edit(s->forest, &seed, 1, NULL) == OK);
     }
     s->shader.window[1] = 4000;
@@ -42,20 +35,6 @@ static void stage_at_random(struct stage *s, uint64_t *random)
     s->view.height = s->look.samples * (60 + check_below(random, 60));
     s->view.zoom = s->look.samples * (1000 + check_below(random, 2000));
     CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
-}
-
-static void begin(struct stage *s, struct rendition *fine, struct rendition *out)
-{
-    const uint32_t samples = s->look.samples;
-    CHECK(rendition_init(fine, s->view.width, s->view.height, NULL) == OK);
-    CHECK(rendition_init(out, s->view.width / samples, s->view.height / samples, NULL) == OK);
-    stage_fit(s, fine);
-}
-
-static void colour(struct stage *s, struct rendition *fine, struct rendition *out)
-{
-    CHECK(shade(fine, &s->camera, &s->mesh, &s->palette, &s->look, &s->shader, NULL) == OK);
-    rendition_reduce(out, fine, s->look.samples, s->shader.team);
 }
 
 /* The digest of the picture, and of the one after an edit that takes a ball out. */
@@ -69,10 +48,10 @@ static void draw(struct stage *s, struct team *team, uint64_t digest[3])
                                 .look = &s->look,
                                 .shader = &s->shader,
                                 .rows = TILE};
-    begin(s, &fine, &out);
+    stage_samples_init(s, &fine, &out);
     s->shader.team = team;
     project_border_shared(&fine, &s->camera, &s->mesh, team);
-    colour(s, &fine, &out);
+    stage_reduce(s, &fine, &out);
     digest[0] = rendition_digest(&out);
     for (int y = 0; y < (int)out.height; y++)
         for (int x = 0; x < (int)out.width; x++)
@@ -83,11 +62,9 @@ static void draw(struct stage *s, struct team *team, uint64_t digest[3])
     const uint32_t *size = s->scene->grid.size;
     const struct edit seed = {grid_cell(&s->scene->grid, size[0] / 2, size[1] / 2, size[2] / 2), 0,
                               0};
-    CHECK(forest_edit(s->forest, &seed, 1, NULL) == OK);
-    const struct changes changes = forest_changes(s->forest);
-    border_update(&s->border, &changes);
+    const struct changes changes = stage_edit(s, &seed, 1);
     stage_follow(s, &fine, &changes);
-    colour(s, &fine, &out);
+    stage_reduce(s, &fine, &out);
     digest[2] = rendition_digest(&out);
     rendition_release(&fine);
     rendition_release(&out);

@@ -102,13 +102,10 @@ enum { BATCH = 40 };
 
 static size_t random_batch(const struct world *w, struct edit *batch, uint64_t *random)
 {
-    const uint32_t *size = w->scene->grid.size;
     const size_t count = 1 + check_below(random, BATCH);
     for (size_t i = 0; i < count; i++)
-        batch[i] =
-            (struct edit){grid_cell(&w->scene->grid, check_below(random, size[0]),
-                                    check_below(random, size[1]), check_below(random, size[2])),
-                          (int16_t)((int)check_below(random, 4) - 1), 0};
+        batch[i] = (struct edit){random_voxel(&w->scene->grid, random),
+                                 (int16_t)((int)check_below(random, 4) - 1), 0};
     return count;
 }
 

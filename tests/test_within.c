@@ -333,12 +333,6 @@ static bool equals_scratch(const struct world *w, const struct planted *planted,
 
 /* ---- random edits ---- */
 
-static uint32_t random_voxel(const struct grid *g, uint64_t *random)
-{
-    return grid_cell(g, check_below(random, g->size[0]), check_below(random, g->size[1]),
-                     check_below(random, g->size[2]));
-}
-
 enum texture { FLAT, NOISY, STEEP, TEXTURES };
 
 static struct world random_world(uint64_t *random)

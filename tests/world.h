@@ -5,6 +5,7 @@
 
 #include "engine/forest.h"
 #include "tests/check.h"
+#include "tests/random.h"
 
 struct world {
     struct scene *scene;
