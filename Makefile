@@ -96,8 +96,7 @@ HDF5          = $(shell pkg-config --exists hdf5-serial 2>/dev/null && echo hdf5
                     echo hdf5)
 # ITK's names hold its version.
 ITK           = $(shell cd /usr/include 2>/dev/null && ls -d ITK-* | tail -n 1)
-ITK_IO        = NRRD Meta MINC PNG VTK GIPL GE IPL Siemens Bruker Stimulate HDF5 \
-                ImageBase
+ITK_IO        = NRRD Meta MINC PNG VTK GIPL HDF5 ImageBase
 # A sanitiser looks whether an object can be read by a pipe, which the helper may not make, and then
 # calls its type wrong.
 VOLUME_FLAGS  = -isystem /usr/include/$(ITK) -isystem $(wildcard /usr/include/gdcm-*) \

@@ -106,23 +106,16 @@ begin "NRRD in both byte orders, plain, as gzip, as hex and as text"
 same_voxels big-*.nrrd little-*.nrrd text.nrrd
 close_story
 
-begin "Stimulate: words beside a header of text, big-endian, at unknown sides, and a series"
-same_voxels a.spr times.spr
-refused "a series of 2 volumes; choose one" times.spr
-expect 0 "$iftty" info a.spr
-out_has "type      int16"
-out_has "1x1x1 mm"
-out_has "axes      unknown"
-close_story
-
-begin "a scanner's format of which no file is to be had: no distance and no side is taken"
-expect 0 "$iftty" -c "open vision/a.ima; why 1,2,0"
-out_has "no file of Siemens Vision was to be had to prove its reader"
-out_has "orientation unknown"
-out_has "distances of voxels unknown"
-out_has "intensity 17,"
-expect 0 "$iftty" info vision/a.ima
-out_has "axes      unknown"
+begin "formats of scanners of which no file is available to test a reader are refused by name"
+mkdir bruker
+for name in zeros.4x bruker/2dseq a.spr a.sdt a.ima; do head -c 9000 /dev/zero >$name; done
+{ printf IMGF; cat zeros.4x; } >genesis.mr
+refused "an image of a GE scanner (GE 4, ADW), which is not read" zeros.4x
+refused "an image of a GE scanner (GE 5), which is not read" genesis.mr
+refused "an image of a Bruker scanner, which is not read" bruker/2dseq
+refused "a Stimulate volume, which is not read" a.spr
+refused "a Stimulate volume, which is not read" a.sdt
+refused "an image of Siemens Vision (.ima) is not read" a.ima
 close_story
 
 begin "ANALYZE: a series, and units of length"

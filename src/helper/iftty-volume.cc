@@ -45,9 +45,8 @@ constexpr rlim_t reading_s = 3600;
 /* ---- confinement ---- */
 
 /* From here on this process reads what it was asked for, and nothing else: of a header whose voxels
- * lie in other files, those that it names, which are looked at with no more than its folder. What
- * lies beside an HDF5 file, or one that no first bytes tell, only its library can say: then it is
- * the folder. */
+ * lie in other files, those that it names, which are looked at with no more than its folder. Files
+ * that an HDF5 file names only its library can say: then it is the folder. */
 void confine_to_request(Request &request, const Files &files)
 {
     const std::string folder = folder_of(request.path);
@@ -59,7 +58,7 @@ void confine_to_request(Request &request, const Files &files)
         confine_to(needs.places.data(), needs.places.size());
         request.named = named_files(request);
     }
-    const bool is_beside = request.kind == "hdf5" || request.kind == "any";
+    const bool is_beside = request.kind == "hdf5";
     if (request.is_alone && (is_beside || !request.named.empty()))
         throw volume::Refusal{"its voxels may lie in other files, or be a few of many"};
     if (!is_beside)

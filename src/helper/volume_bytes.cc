@@ -627,20 +627,8 @@ void check_vtk(const std::string &path)
     }
 }
 
-/* Of scanners each file is a slice; the voxels of Stimulate are beside the header. */
-Run run_of_scanner(Run run, const std::string &kind, const Volume &volume)
-{
-    const size_t stem = run.path.size() - std::min<size_t>(run.path.size(), 4);
-    if (kind != "stimulate")
-        run.bytes /= volume.size[2] * volume.volumes;
-    else if (run.path.compare(stem, 4, ".spr") == 0)
-        return run_in(run, run.path.substr(0, stem) + ".sdt");
-    return run;
-}
-
 std::vector<Run> runs_of(const Volume &volume, const std::string &kind, const Request &request)
 {
-    static const std::set<std::string> scanners = {"ge4", "ge5", "geadw", "siemens", "stimulate"};
     Run run;
     run.path = request.path;
     run.bytes = bytes_in(volume, volume.volumes);
@@ -652,8 +640,6 @@ std::vector<Run> runs_of(const Volume &volume, const std::string &kind, const Re
         return runs_of_nrrd(run, request.named);
     if (kind == "vtk")
         return {run_of_vtk(run)};
-    if (scanners.count(kind))
-        return {run_of_scanner(run, kind, volume)};
     if (kind != "gipl")
         return {};
     run.at = 256;

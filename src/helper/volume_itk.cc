@@ -11,10 +11,6 @@
 #include <set>
 #include <vector>
 
-#include <itkBruker2dseqImageIO.h>
-#include <itkGE4ImageIO.h>
-#include <itkGE5ImageIO.h>
-#include <itkGEAdwImageIO.h>
 #include <itkGiplImageIO.h>
 #include <itkHDF5ImageIO.h>
 #include <itkImageIOBase.h>
@@ -22,8 +18,6 @@
 #include <itkMetaImageIO.h>
 #include <itkNrrdImageIO.h>
 #include <itkPNGImageIO.h>
-#include <itkSiemensVisionImageIO.h>
-#include <itkStimulateImageIO.h>
 #include <itkVTKImageIO.h>
 #include <metaImage.h>
 
@@ -337,10 +331,6 @@ template <typename Reader> itk::ImageIOBase::Pointer make()
     return Reader::New().GetPointer();
 }
 
-/* Formats of scanners of which no file is to be had: what their readers say of distances and sides
- * is not taken. */
-constexpr unsigned UNPROVEN = 8;
-
 /* ITK 5.2 gives the world of a MINC as it is, to the right and to the front. A format that does not
  * know the patient has no world. */
 const Kind kinds[] = {
@@ -350,30 +340,21 @@ const Kind kinds[] = {
     {"png", "PNG", make<itk::PNGImageIO>, World::NONE, NOTHING},
     {"vtk", "VTK", make<itk::VTKImageIO>, World::NONE, SPACING},
     {"gipl", "GIPL", make<itk::GiplImageIO>, World::NONE, SPACING},
-    {"ge5", "GE 5", make<itk::GE5ImageIO>, World::NONE, UNPROVEN},
-    {"ge4", "GE 4", make<itk::GE4ImageIO>, World::NONE, UNPROVEN},
-    {"geadw", "GE ADW", make<itk::GEAdwImageIO>, World::NONE, UNPROVEN},
-    {"siemens", "Siemens Vision", make<itk::SiemensVisionImageIO>, World::NONE, UNPROVEN},
-    {"bruker", "Bruker", make<itk::Bruker2dseqImageIO>, World::NONE, UNPROVEN},
-    {"stimulate", "Stimulate", make<itk::StimulateImageIO>, World::NONE, SPACING},
     {"itk-hdf5", "HDF5 of ITK", make<itk::HDF5ImageIO>, World::LPS, SPACING | ORIENTATION},
 };
 
-/* NULL for none; of "any", the first that takes the file, of those that no first bytes tell. */
-const Kind *find_kind(const std::string &name, const std::string &path)
+/* NULL for none. */
+const Kind *find_kind(const std::string &name)
 {
-    static const std::set<std::string> tried = {"ge4",    "ge5",  "geadw",    "siemens",
-                                                "bruker", "gipl", "stimulate"};
     for (const Kind &kind : kinds)
-        if (name == kind.name ||
-            (name == "any" && tried.count(kind.name) > 0 && kind.make()->CanReadFile(path.c_str())))
+        if (name == kind.name)
             return &kind;
     return nullptr;
 }
 
 void open_by_itk(Volume &volume, const Request &request, const std::string &name)
 {
-    const Kind *kind = find_kind(name, request.path);
+    const Kind *kind = find_kind(name);
     if (!kind)
         refuse("it is of no format that is known here");
     itk::ImageIOBase::Pointer io = kind->make();
@@ -390,8 +371,6 @@ void open_by_itk(Volume &volume, const Request &request, const std::string &name
     const Units units = is_nrrd ? units_of_nrrd(header) : is_meta ? units_of_meta(header) : Units();
     if (!io->CanReadFile(request.path.c_str()))
         refuse("its first bytes are of a %s file, and the rest of its header is not", kind->format);
-    if (name == "any")
-        check_stimulate(request);
     io->ReadImageInformation();
     if (is_meta) {
         std::vector<long> sides;
@@ -409,12 +388,6 @@ void open_by_itk(Volume &volume, const Request &request, const std::string &name
     describe(volume, io, request, volume.known & ORIENTATION ? kind->world : World::NONE);
     if (is_nrrd)
         place_las(volume, *io, request);
-    if (kind->known == UNPROVEN) {
-        volume.known = NOTHING;
-        note(volume, words_of("no file of %s was to be had to prove its reader: compare its voxels "
-                              "with another program; distances and sides are taken as unknown",
-                              kind->format));
-    }
     if (is_nrrd || is_meta)
         measure(volume, *io, units,
                 is_meta              ? "DistanceUnits"
@@ -465,7 +438,7 @@ bool is_before(const std::string &a, const std::string &b)
 itk::ImageIOBase::Pointer open_picture(const std::string &kind, const std::string &path,
                                        size_t number, size_t all)
 {
-    const itk::ImageIOBase::Pointer io = find_kind(kind, path)->make();
+    const itk::ImageIOBase::Pointer io = find_kind(kind)->make();
     io->SetFileName(path);
     try {
         io->ReadImageInformation();

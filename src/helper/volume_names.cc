@@ -349,23 +349,4 @@ void check_meta(const Request &request, const std::string &name, const std::vect
         refuse_header();
 }
 
-void check_stimulate(const Request &request)
-{
-    const size_t dot = request.path.find_last_of('.'), slash = request.path.find_last_of('/');
-    if (dot == std::string::npos || request.path.substr(dot) != ".spr")
-        return;
-    const size_t begin_of_name = slash == std::string::npos ? 0 : slash + 1;
-    const std::string beside = request.path.substr(begin_of_name, dot - begin_of_name) + ".sdt";
-    if (beneath_look(folder_of(request.path).c_str(), beside.c_str()) != BENEATH_MISSING)
-        take_name(request.path, beside);
-    static const char field[] = "stimFileName:";
-    const std::string text = begin_of(request.path).bytes;
-    for (size_t at = text.find(field); at != std::string::npos; at = text.find(field, at)) {
-        const std::string line = next_line(text, at += sizeof field - 1);
-        const size_t begin = line.find_first_not_of(' ');
-        if (begin != std::string::npos)
-            take_name(request.path, line.substr(begin, line.find_last_not_of(' ') + 1 - begin));
-    }
-}
-
 } // namespace volume

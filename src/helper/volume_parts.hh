@@ -315,9 +315,8 @@ std::string wrong_with(const std::string &header, const std::string &name);
  * it. Refuses those that are not sound, and lists of too few. */
 std::vector<std::string> named_files(const Request &request);
 
-/* That the library has read the same in a MetaImage; and the name in a Stimulate. */
+/* That the library has read the same in a MetaImage. */
 void check_meta(const Request &request, const std::string &name, const std::vector<long> &sides);
-void check_stimulate(const Request &request);
 
 /* Slices as pictures, "png" or "tiff", in the order of their names. */
 void stack_pictures(Volume &volume, std::vector<std::string> path, const std::string &kind);

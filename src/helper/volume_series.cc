@@ -726,7 +726,9 @@ void open_dicom(Volume &volume, const Request &request)
     if (!request.skip.empty())
         refuse("skip=NAME leaves out files of a folder, and this is one file");
     if (!scan(slices, request.path))
-        refuse("its first bytes are of a DICOM file, and the rest of its header is damaged");
+        refuse(
+            "it is no DICOM file, or its header is damaged; an image of Siemens Vision (.ima) is "
+            "not read: convert it by a program that reads it, such as `c3d FILE -o A.nii`");
     if (slices.empty()) {
         std::string words;
         is_of_images(words, request.path);

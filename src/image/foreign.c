@@ -8,6 +8,9 @@
 #define UNPACK "; unpack it, and open what is in it"
 #define BY_BIO_FORMATS                                                                             \
     ", which is not read: `bfconvert FILE A.ome.tif` (Bio-Formats) makes a TIFF of it"
+#define BY_ITK                                                                                     \
+    ", which is not read: ask for it as DICOM, or convert it by a program that reads it, such as " \
+    "SimpleITK or `c3d FILE -o A.nii`"
 #define WEB_PAGE "a web page, as a download that was refused leaves it; fetch the file again"
 #define PICTURE  "; a scene is a volume, or a folder of slices as TIFF, PNG or DICOM"
 
@@ -51,6 +54,10 @@ const struct foreign foreign_formats[] = {
     {"", 0, 9, "<!doctype", WEB_PAGE},
     {"", 0, 5, "<html", WEB_PAGE},
     {"", 0, 5, "<?xml", "an XML file; a scene is a volume, or a folder of slices"},
+    {"", 0, 4, "IMGF", "an image of a GE scanner (GE 5)" BY_ITK},
+    {".4x|.adw", 0, 0, NULL, "an image of a GE scanner (GE 4, ADW)" BY_ITK},
+    {"2dseq", 0, 0, NULL, "an image of a Bruker scanner" BY_ITK},
+    {".spr|.sdt", 0, 0, NULL, "a Stimulate volume" BY_ITK},
     {".rda", 0, 0, NULL,
      "a file of a Siemens scanner that is not read: `dcm2niix FOLDER` may make a NIfTI of it"},
     {0},
@@ -64,7 +71,8 @@ bool foreign_is_picture(const char *advice)
 const char *foreign_advice(const char *path, const uint8_t *begin, size_t length, bool by_name)
 {
     for (const struct foreign *f = foreign_formats; f->advice; f++) {
-        const bool is_named = !*f->endings || file_is_named(path, f->endings);
+        const bool is_named = !*f->endings || file_is_named(path, f->endings) ||
+                              strcmp(file_name(path), f->endings) == 0;
         const bool has_bytes = f->bytes ? f->at + f->length <= length &&
                                               memcmp(begin + f->at, f->bytes, f->length) == 0
                                         : by_name;

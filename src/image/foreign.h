@@ -10,7 +10,7 @@
 
 /* By its bytes; a name alone where there are none. */
 struct foreign {
-    const char *endings;
+    const char *endings; /* or the whole name */
     unsigned at, length;
     const char *bytes, *advice;
 };

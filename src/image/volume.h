@@ -22,8 +22,7 @@
 #define HELPED_NOTE                                                                                \
     "DICOM (a folder, with its subfolders; mosaics of Siemens), other NRRD, MetaImage, MINC, "     \
     "HDF5, MRC, TIFF stacks, folders of TIFF, PNG or BMP slices, VTK and GIPL are read by "        \
-    "iftty-volume, a program beside iftty; so are Stimulate, and GE, Siemens Vision and Bruker, "  \
-    "whose distances and sides stay unknown, since no files prove their readers. "                 \
+    "iftty-volume, a program beside iftty. "                                                       \
     "What a file does not say of orientation and spacing stays unknown. "
 
 /* The formats, and a sentence about each for the help. */

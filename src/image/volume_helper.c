@@ -104,11 +104,11 @@ struct kind {
     const char *name, *endings; /* "" for those that a folder or first bytes tell */
     unsigned at;                /* where the first bytes are */
     unsigned length;
-    const char *bytes; /* NULL: its name alone tells */
+    const char *bytes;
 };
 
 static const struct kind kinds[] = {
-    {"dicom", ".dcm|.dicom", 128, 4, "DICM"}, /* first: what stands before it is anything */
+    {"dicom", ".dcm|.dicom|.ima", 128, 4, "DICM"}, /* first: what stands before it is anything */
     {"nrrd", ".nrrd|.nhdr", 0, 7, "NRRD000"},
     {"meta", ".mha|.mhd", 0, 10, "ObjectType"},
     {"meta", ".mha|.mhd", 0, 5, "NDims"},
@@ -123,14 +123,12 @@ static const struct kind kinds[] = {
     {"vtk", ".vtk", 0, 14, "# vtk DataFile"},
     {"gipl", ".gipl", 252, 4, "\x2a\xe3\x89\xb8"},
     {"gipl", ".gipl", 252, 4, "\xef\xff\xe9\xb0"},
-    {"ge5", ".mr|.ct", 0, 4, "IMGF"},
-    {"any", ".sdt|.spr|.ima|.adw|.4x", 0, 0, NULL},
 };
 enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
 static bool has_bytes(const struct kind *kind, const uint8_t *begin, size_t length)
 {
-    return kind->bytes && kind->at + kind->length <= length &&
+    return kind->at + kind->length <= length &&
            memcmp(begin + kind->at, kind->bytes, kind->length) == 0;
 }
 
@@ -417,9 +415,9 @@ enum err volume_helper_begin_voxels(const struct volume_header *header,
 
 extern const struct volume_format helped_format;
 const struct volume_format helped_format = {
-    .name = "DICOM, MetaImage, MINC, HDF5, MRC, TIFF, VTK, GIPL, GE, Siemens and Bruker",
+    .name = "DICOM, MetaImage, MINC, HDF5, MRC, TIFF, VTK and GIPL",
     .endings = ".nrrd|.nhdr|.mha|.mhd|.mnc|.mnc2|.h5|.hdf5|.hdf|.ims|.mrc|.map|.rec|.st|.dcm|.ima|"
-               ".dicom|.lsm|.vtk|.gipl|.sdt|.spr",
+               ".dicom|.lsm|.vtk|.gipl",
     .takes = TAKES_FOLDERS,
     .recognises = recognises,
     .read_header = volume_helper_read_header,

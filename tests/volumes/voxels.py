@@ -152,16 +152,6 @@ def make_others():
             write("%s-%s.nrrd" % (name, encoding), "\n".join(lines),
                   "\nendian: %s\nencoding: %s\n\n" % (name, encoding), body)
     write("text.nrrd", "\n".join(lines), "\nencoding: text\n\n", " ".join(map(str, DATA.ravel())))
-    write("a.spr", "numDim: 3\ndim: 5 4 3\norigin: 0 0 0\ninterval: 1 1 1\ndataType: WORD\n"
-          "sdtOrient: ax\n")
-    write("a.sdt", DATA.astype(">i2").tobytes())
-    write("times.spr", "numDim: 4\ndim: 5 4 3 2\norigin: 0 0 0 0\ninterval: 1 1 1 1\n"
-          "dataType: WORD\nsdtOrient: ax\n")
-    write("times.sdt", TIMES.astype(">i2").tobytes())
-    os.mkdir("vision")  # Siemens Vision, as far as ITK looks at it: a square, and numbers as text
-    write("vision/a.ima", bytes(2864), struct.pack(">i", 8), bytes(5000 - 2868),
-          struct.pack(">2d", 1, 1), bytes(5504 - 5016), b"1" * 640,
-          numpy.arange(64).astype(">i2").tobytes())
     for name in ("SHORT-big.mha", "short.vtk", "i2-little.h5", "i2-little.mrc", "i2.gipl",
                  "big-raw.nrrd"):
         with open(name, "rb") as file:
