@@ -140,6 +140,21 @@ found=$(sed -nE 's/^([a-z]+(\/[a-z]+)?): (base.*)/\1 \3/p' "$law" |
 [ -z "$found" ] || fail "rooms:" "$found"
 close_story
 
+# Pairs of files of a folder, of which the first calls a function, or reads a table, of the second.
+calls_of() {
+    for source in "$1"/*.c; do
+        nm -g --defined-only "$build/${source%.c}.o" | sed -n "s|.* [TRDB] \(.*\)|\1 $source|p"
+    done >"$work/defined"
+    for source in "$1"/*.c; do
+        nm -u "$build/${source%.c}.o" | awk -v source="$source" 'NR == FNR { of[$1] = $2; next }
+            $2 in of { print source, of[$2] }' "$work/defined" -
+    done | sort -u
+}
+begin "files of tui/pilot call downward alone"
+[ "$(calls_of tui/pilot | wc -l)" -gt 15 ] || fail "no calls are found"
+calls_of tui/pilot | tsort >/dev/null 2>"$work/circle" || fail "a circle of" "$(cat "$work/circle")"
+close_story
+
 begin "no two files have one name"
 found=$(sources src journal render tui | sed 's|.*/||; s/\.[a-z]*$//' | sort | uniq -d |
     while read -r name; do

@@ -15,22 +15,6 @@ enum {
     ZOOM_MOST = 64000
 };
 
-int64_t pilot_times(const struct press *p)
-{
-    return p->state->count ? p->state->count : 1;
-}
-
-uint32_t pilot_shifted(uint32_t at, int64_t by, uint32_t end)
-{
-    const int64_t to = (int64_t)at + by;
-    return to < 0 ? 0 : to >= (int64_t)end ? end - 1 : (uint32_t)to;
-}
-
-void pilot_say_key(struct press *p, const char *name, const char *words)
-{
-    setup_say_key(p->message, p->state->setup, name, words);
-}
-
 static int right_of(int way)
 {
     return (way % PILOT_WAYS == PILOT_RIGHT) - (way % PILOT_WAYS == PILOT_LEFT);
@@ -41,38 +25,7 @@ static int up_of(int way)
     return (way % PILOT_WAYS == PILOT_UP) - (way % PILOT_WAYS == PILOT_DOWN);
 }
 
-/* ---- decimals ---- */
-
-double pilot_magnitude(double value)
-{
-    return value < 0 ? -value : value;
-}
-
-struct decimal pilot_decimal(double value)
-{
-    const bool is_huge = pilot_magnitude(value) >= 1e12;
-    if (pilot_magnitude(value) < 1 || is_huge)
-        return decimal_near(value, is_huge ? 17 : 6);
-    return decimal_of((int64_t)(value * 1000 + (value < 0 ? -0.5 : 0.5)), 3);
-}
-
-void pilot_add_decimal(struct buf *line, double value)
-{
-    const struct decimal decimal = pilot_decimal(value);
-    decimal_write(line, &decimal);
-}
-
 /* ---- moving ---- */
-
-bool pilot_cross(struct press *p, const uint32_t place[3])
-{
-    if (memcmp(place, p->facts->place, sizeof p->facts->place) == 0)
-        return false;
-    pilot_add_place(p->line, "cross ", place);
-    buf_add_char(p->line, '\n');
-    p->state->is_silent = true;
-    return true;
-}
 
 /* Which plane's slices are counted along the screen in a pane, and which way: to the right, and
  * up. The patient's left is on the right, his front in sagittal slices on the left; slices are
@@ -167,25 +120,13 @@ void pilot_change_slice(struct press *p)
         move_through(p, p->by * pilot_times(p), false);
 }
 
-/* ---- jumps: they draw nothing, and can be taken back ---- */
-
-static void remember_place(struct press *p)
-{
-    p->state->former.is_set = true;
-    memcpy(p->state->former.place, p->facts->place, sizeof p->facts->place);
-}
-
-void pilot_jump(struct press *p, const uint32_t place[3])
-{
-    if (pilot_cross(p, place))
-        remember_place(p);
-}
+/* ---- jumps ---- */
 
 void pilot_to_slice(struct press *p)
 {
     const int64_t here = p->facts->index[p->state->pane], count = p->state->count;
     const int64_t by = count ? count - here : p->by < 0 ? -here : INT32_MAX;
-    remember_place(p);
+    pilot_remember_place(p);
     move_through(p, p->facts->counts_down[p->state->pane] ? -by : by, true);
 }
 
@@ -278,13 +219,6 @@ void pilot_explain(struct press *p)
     p->state->mode = PILOT_EXPLAINING;
 }
 
-bool pilot_has_edge(struct press *p)
-{
-    if (!p->state->way.has_edge)
-        buf_add_text(p->message, "the cost does not rise on this path: there is no edge to go to");
-    return p->state->way.has_edge;
-}
-
 void pilot_go_to_edge(struct press *p)
 {
     if (pilot_has_edge(p))
@@ -303,7 +237,7 @@ void pilot_go_to_hint(struct press *p)
     else
         state->hint = state->hint > 1 && state->hint <= hints + 1 ? state->hint - 1 : hints;
     state->hint = state->hint ? state->hint : 1;
-    remember_place(p);
+    pilot_remember_place(p);
     buf_printf(p->line, "hint %u\n", state->hint);
 }
 
@@ -509,20 +443,6 @@ void pilot_begin_picking(struct press *p)
             state->pixel[i] = size[i] / 2;
     state->has_pixel = true;
     state->mode = state->base = PILOT_PICKING;
-}
-
-bool pilot_take_voxel(struct press *p, uint32_t place[3])
-{
-    const uint32_t *pixel = p->state->pixel;
-    memcpy(place, p->facts->place, sizeof p->facts->place);
-    if (p->state->mode != PILOT_PICKING)
-        return true;
-    if (!p->host->voxel_of_frame(p->host->context, pixel[0], pixel[1], place)) {
-        buf_add_text(p->message, "no object is seen at that pixel");
-        return false;
-    }
-    pilot_cross(p, place);
-    return true;
 }
 
 void pilot_end_picking(struct press *p)

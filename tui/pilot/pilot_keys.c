@@ -67,7 +67,8 @@ static bool has_key(const struct pilot_state *state, const struct pilot_row *row
 static const struct pilot_row *find_among(const struct pilot_state *state,
                                           const struct key_event *event, bool own)
 {
-    for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++)
+    const struct pilot_setup *setup = state->setup;
+    for (const struct pilot_row *row = setup->table; row < setup->table + setup->rows; row++)
         if (row->name && row->in & PILOT_IN(state->mode) && has_key(state, row, event, own))
             return row;
     return NULL;
@@ -110,10 +111,11 @@ static bool add_led(const struct pilot_state *state, uint32_t leader, struct buf
 {
     const char *gap = "";
     struct buf keys = {0};
-    for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
+    const struct pilot_setup *setup = state->setup;
+    for (const struct pilot_row *row = setup->table; row < setup->table + setup->rows; row++) {
         buf_clear(&keys);
         if (row->name && row->in & PILOT_IN(state->mode))
-            setup_add_keys(&keys, state->setup, row, SIZE_MAX);
+            setup_add_keys(&keys, setup, row, SIZE_MAX);
         if (!has_led(buf_text(&keys), leader))
             continue;
         buf_printf(message, "%s%s %s", gap, buf_text(&keys), row->name);

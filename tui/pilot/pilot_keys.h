@@ -10,9 +10,14 @@
  * wait for a second one, and Escape takes back what was begun. No digit alone plants anything but
  * in PILOT_PICKING, where one corrects what the rendition shows.
  *
- * What finds the row for a key is in pilot_keys.c, what rows do in pilot_acts.c and, where it
- * plants or removes, in pilot_plant.c and pilot_outline.c; the table, and what users made of it, in
- * pilot_key_table.c.
+ * Files call downward alone:
+ *
+ *     pilot_key_table.c    the table, the page of keys and the hints
+ *     pilot_keys.c         finds the row for a key, by the table of the setup
+ *     pilot_acts.c         what rows do that look, go somewhere or ask
+ *     pilot_plant.c        what rows do that plant or remove
+ *     pilot_outline.c      outlines: drawn, taken up, dragged and closed
+ *     pilot_press.c        keys and windows of a user, and words and moves that all of them need
  */
 #ifndef TUI_PILOT_PILOT_KEYS_H
 #define TUI_PILOT_PILOT_KEYS_H
@@ -48,7 +53,11 @@ struct pilot_brush {
     struct decimal range[2];
 };
 
+struct pilot_row;
+
 struct pilot_setup {
+    const struct pilot_row *table; /* [rows], of what keys do */
+    size_t rows;
     const struct theme *theme;
     struct pilot_brush brush; /* to begin with */
     struct setup_window window[SETUP_WINDOWS_MOST];
@@ -317,10 +326,11 @@ extern const size_t pilot_rows;
 
 /* Gives an action of the table the keys, words of tui/pilot/chord.h. ERR_USAGE for what is no key,
  * or a key that another action was given. */
-enum err setup_keys(struct pilot_setup *setup, size_t row, const char *words, struct fault *fault);
+enum err setup_keys(struct pilot_setup *setup, const struct pilot_row *row, const char *words,
+                    struct fault *fault);
 
-/* The row of that name; SIZE_MAX for none. */
-size_t setup_row(const char *name);
+/* The row of that name; NULL for none. */
+const struct pilot_row *setup_row(const struct pilot_setup *setup, const char *name);
 
 /* The keys that the user has given a row, or NULL. */
 const char *setup_own(const struct pilot_setup *setup, const struct pilot_row *row);
@@ -362,7 +372,8 @@ bool pilot_outline_to(struct press *p, const uint32_t place[3]);
 void pilot_outline_click(struct press *p, const uint32_t place[3], enum pilot_pane pane);
 /* Takes LOW..HIGH; false where `at` begins with something else. */
 bool pilot_scan_range(const char **at, struct decimal range[2]);
-/* Goes there, draws nothing, and can be taken back. */
+/* Goes there, draws nothing, and can be taken back: the place before is remembered. */
+void pilot_remember_place(struct press *p);
 void pilot_jump(struct press *p, const uint32_t place[3]);
 /* The voxel that is meant: under the cross-hair, or the one that the pixel of the rendition shows,
  * and then the cross-hair goes there. False, with a message, where that shows none. */
@@ -379,6 +390,9 @@ double pilot_magnitude(double value);
 bool pilot_has_edge(struct press *p);
 /* " 2 range=80..120": the label of the brush, and where it plants. */
 void pilot_add_label(struct buf *line, const struct pilot_brush *brush);
+/* "2.5mm", and "80..120" */
+void pilot_add_radius(struct buf *out, const struct pilot_brush *brush);
+void pilot_add_range(struct buf *out, const struct pilot_brush *brush);
 /* " 90,108,90" after some words. */
 void pilot_add_place(struct buf *line, const char *before, const uint32_t place[3]);
 /* The stroke that the pen has drawn, as the lines of its command. */

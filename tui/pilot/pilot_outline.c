@@ -96,6 +96,16 @@ void pilot_drop_outline(struct press *p)
 
 /* ---- closing ---- */
 
+void pilot_keep_shape(struct press *p)
+{
+    struct pilot_shape *shape = &p->state->shape;
+    const struct polyline former = shape->outline;
+    shape->outline = p->state->outline;
+    memcpy(shape->place, p->facts->place, sizeof shape->place);
+    p->state->outline = former;
+    p->state->outline.count = 0;
+}
+
 void pilot_close_outline(struct press *p)
 {
     struct pilot_state *state = p->state;
@@ -126,7 +136,7 @@ void pilot_close_outline(struct press *p)
         buf_printf(p->line, " instead=%u", state->instead);
     buf_add_char(p->line, '\n');
     pilot_keep_shape(p);
-    state->change = (struct pilot_change){pilot_table + setup_row("polygon"), *p->event, 0};
+    state->change = (struct pilot_change){setup_row(state->setup, "polygon"), *p->event, 0};
     end_outline(state);
     state->doubt = 0; /* the first is another one now */
 }
@@ -358,7 +368,8 @@ void pilot_outline_click(struct press *p, const uint32_t place[3], enum pilot_pa
             state->base == PILOT_OUTLINING ? pilot_add_corner(p, place) : take_hold_at(p, place);
         pilot_cross(p, place);
     } else if (action == MOUSE_MOVED && state->drags && pane == state->pane) {
-        pilot_go_to(p, place);
+        if (pilot_cross(p, place))
+            pilot_outline_to(p, place);
         state->dragged += p->line->length > 0;
     } else if (action == MOUSE_RELEASED && state->drags) {
         state->drags = state->hold.is_set = false;
@@ -366,7 +377,7 @@ void pilot_outline_click(struct press *p, const uint32_t place[3], enum pilot_pa
             pilot_close_outline(p);
             state->mode = state->base = PILOT_OUTLINING; /* the pen is still there for the next */
             state->change =
-                (struct pilot_change){pilot_table + setup_row("close-outline"), *p->event, 0};
+                (struct pilot_change){setup_row(state->setup, "close-outline"), *p->event, 0};
         }
     }
 }

@@ -14,36 +14,6 @@ enum {
 
 /* ---- lines ---- */
 
-void pilot_add_place(struct buf *line, const char *before, const uint32_t place[3])
-{
-    buf_printf(line, "%s%u,%u,%u", before, place[0], place[1], place[2]);
-}
-
-/* "2.5mm" */
-static void add_radius(struct buf *out, const struct pilot_brush *brush)
-{
-    pilot_add_decimal(out, brush->in_mm ? brush->radius / 2.0 : brush->radius);
-    buf_add_text(out, brush->in_mm ? "mm" : "");
-}
-
-/* "80..120" */
-static void add_range(struct buf *out, const struct pilot_brush *brush)
-{
-    decimal_write(out, &brush->range[0]);
-    buf_add_text(out, "..");
-    decimal_write(out, &brush->range[1]);
-}
-
-/* " 2 range=80..120" */
-void pilot_add_label(struct buf *line, const struct pilot_brush *brush)
-{
-    buf_printf(line, " %u", brush->label);
-    if (!brush->has_range)
-        return;
-    buf_add_text(line, " range=");
-    add_range(line, brush);
-}
-
 /* The command of a seed, without its line feed. */
 static void begin_seed(struct buf *line, const uint32_t place[3], const struct pilot_brush *brush)
 {
@@ -52,7 +22,7 @@ static void begin_seed(struct buf *line, const uint32_t place[3], const struct p
     if (!brush->radius)
         return;
     buf_add_text(line, " radius=");
-    add_radius(line, brush);
+    pilot_add_radius(line, brush);
 }
 
 /* A seed of the brush; with another end, a stroke to there. */
@@ -67,29 +37,17 @@ static void add_seed(struct press *p, const uint32_t place[3], const uint32_t *o
 
 /* ---- the brush ---- */
 
-void pilot_add_brush(struct buf *out, const struct pilot_brush *brush)
-{
-    if (brush->radius) {
-        buf_add_text(out, " r");
-        add_radius(out, brush);
-    }
-    if (brush->has_range) {
-        buf_add_char(out, ' ');
-        add_range(out, brush);
-    }
-}
-
 static void say_brush(struct press *p)
 {
     const struct pilot_brush *brush = &p->state->brush;
     buf_add_text(p->message, "the brush: label ");
     p->host->label(p->host->context, brush->label, p->message);
     buf_add_text(p->message, ", radius ");
-    add_radius(p->message, brush);
+    pilot_add_radius(p->message, brush);
     if (!brush->has_range)
         return;
     buf_add_text(p->message, ", intensities ");
-    add_range(p->message, brush);
+    pilot_add_range(p->message, brush);
 }
 
 void pilot_choose_label(struct press *p)
@@ -340,16 +298,6 @@ void pilot_set_corner(struct press *p)
     pilot_say_key(p, "box", " plants the box to the cross-hair, ");
     pilot_say_key(p, "enclose-in-box", " its faces, ");
     pilot_say_key(p, "enclose", " a ball's shell");
-}
-
-void pilot_keep_shape(struct press *p)
-{
-    struct pilot_shape *shape = &p->state->shape;
-    const struct polyline former = shape->outline;
-    shape->outline = p->state->outline;
-    memcpy(shape->place, p->facts->place, sizeof shape->place);
-    p->state->outline = former;
-    p->state->outline.count = 0;
 }
 
 /* Whether one corner is set; says what to do where not. */

@@ -1,0 +1,248 @@
+/* SPDX-License-Identifier: MIT */
+/* Keys and windows of a user, and the words and moves that acts of keys have in common. */
+#include <stdio.h>
+#include <string.h>
+
+#include "tui/pilot/chord.h"
+#include "tui/pilot/pilot_keys.h"
+
+/* ---- windows ---- */
+
+enum err setup_window(struct pilot_setup *setup, const char *name, int64_t centre, int64_t width,
+                      struct fault *fault)
+{
+    struct setup_window *window = setup->window;
+    if (strlen(name) >= SETUP_NAME_BYTES)
+        return fault_set(fault, ERR_USAGE, "expected a name of at most %d bytes, not %s",
+                         SETUP_NAME_BYTES - 1, name);
+    while (window < setup->window + setup->windows && strcmp(window->name, name) != 0)
+        window++;
+    if (window == setup->window + SETUP_WINDOWS_MOST)
+        return fault_set(fault, ERR_LIMIT, "there are %d windows already, the most",
+                         SETUP_WINDOWS_MOST);
+    if (window == setup->window + setup->windows)
+        setup->windows++;
+    *window = (struct setup_window){.centre = centre, .width = width};
+    snprintf(window->name, sizeof window->name, "%s", name);
+    return OK;
+}
+
+/* ---- keys ---- */
+
+const struct pilot_row *setup_row(const struct pilot_setup *setup, const char *name)
+{
+    for (const struct pilot_row *row = setup->table; row < setup->table + setup->rows; row++)
+        if (row->name && strcmp(row->name, name) == 0)
+            return row;
+    return NULL;
+}
+
+const char *setup_own(const struct pilot_setup *setup, const struct pilot_row *row)
+{
+    const char *own = setup->keys[row - setup->table];
+    return *own ? own : NULL;
+}
+
+/* The row, other than this one, that the user has given the key, or one that clashes with it. */
+static const struct pilot_row *taken_by(const struct pilot_setup *setup,
+                                        const struct pilot_row *row, const struct chord *chord)
+{
+    struct chord other;
+    const char *word;
+    size_t length;
+    for (const struct pilot_row *r = setup->table; r < setup->table + setup->rows; r++) {
+        const char *words = setup_own(setup, r);
+        if (r == row || !(r->in & row->in))
+            continue;
+        while (words && chord_next(&words, &word, &length))
+            if (chord_read(word, length, &other) && chord_clashes(&other, chord))
+                return r;
+    }
+    return NULL;
+}
+
+enum err setup_keys(struct pilot_setup *setup, const struct pilot_row *row, const char *words,
+                    struct fault *fault)
+{
+    const char *at = words, *word;
+    struct chord chord;
+    size_t length;
+    if (strlen(words) >= SETUP_KEYS_BYTES)
+        return fault_set(fault, ERR_LIMIT, "expected keys of at most %d bytes in all",
+                         SETUP_KEYS_BYTES - 1);
+    while (chord_next(&at, &word, &length)) {
+        if (!chord_read(word, length, &chord) || chord.key == KEY_PENDING)
+            return fault_set(fault, ERR_USAGE, "there is no key %.*s", (int)length, word);
+        if (chord.first != chord.last && !chord.leader)
+            return fault_set(fault, ERR_USAGE, "%.*s: expected one key", (int)length, word);
+        const struct pilot_row *by = taken_by(setup, row, &chord);
+        if (by)
+            return fault_set(fault, ERR_USAGE, "%.*s was given to %s", (int)length, word, by->name);
+    }
+    snprintf(setup->keys[row - setup->table], SETUP_KEYS_BYTES, "%s", words);
+    return OK;
+}
+
+void setup_add_keys(struct buf *out, const struct pilot_setup *setup, const struct pilot_row *row,
+                    size_t most)
+{
+    const char *own = row->name ? setup_own(setup, row) : NULL, *words = own ? own : row->keys;
+    const char *word, *gap = "";
+    struct chord chord;
+    size_t length;
+    while (most > 0 && chord_next(&words, &word, &length)) {
+        if (row->name && !own && chord_read(word, length, &chord) && taken_by(setup, row, &chord))
+            continue;
+        buf_printf(out, "%s%.*s", gap, (int)length, word);
+        gap = " ";
+        most--;
+    }
+}
+
+void setup_say_key(struct buf *out, const struct pilot_setup *setup, const char *name,
+                   const char *words)
+{
+    setup_add_keys(out, setup, setup_row(setup, name), 1);
+    buf_add_text(out, words);
+}
+
+void setup_say_key_to(struct buf *out, const struct pilot_setup *setup, const char *name, char c,
+                      const char *words)
+{
+    struct buf key = {0};
+    setup_say_key(&key, setup, name, "");
+    const char *range = key.length > 3 ? buf_text(&key) + key.length - 3 : "";
+    if (strcmp(range, "a-z") == 0 || strcmp(range, "0-9") == 0)
+        buf_printf(out, "%.*s%c", (int)key.length - 3, buf_text(&key), c);
+    else
+        buf_add_text(out, buf_text(&key));
+    buf_add_text(out, words);
+    out->failed |= key.failed;
+    buf_release(&key);
+}
+
+int64_t pilot_times(const struct press *p)
+{
+    return p->state->count ? p->state->count : 1;
+}
+
+uint32_t pilot_shifted(uint32_t at, int64_t by, uint32_t end)
+{
+    const int64_t to = (int64_t)at + by;
+    return to < 0 ? 0 : to >= (int64_t)end ? end - 1 : (uint32_t)to;
+}
+
+void pilot_say_key(struct press *p, const char *name, const char *words)
+{
+    setup_say_key(p->message, p->state->setup, name, words);
+}
+
+/* ---- decimals ---- */
+
+double pilot_magnitude(double value)
+{
+    return value < 0 ? -value : value;
+}
+
+struct decimal pilot_decimal(double value)
+{
+    const bool is_huge = pilot_magnitude(value) >= 1e12;
+    if (pilot_magnitude(value) < 1 || is_huge)
+        return decimal_near(value, is_huge ? 17 : 6);
+    return decimal_of((int64_t)(value * 1000 + (value < 0 ? -0.5 : 0.5)), 3);
+}
+
+void pilot_add_decimal(struct buf *line, double value)
+{
+    const struct decimal decimal = pilot_decimal(value);
+    decimal_write(line, &decimal);
+}
+
+/* ---- lines ---- */
+
+void pilot_add_place(struct buf *line, const char *before, const uint32_t place[3])
+{
+    buf_printf(line, "%s%u,%u,%u", before, place[0], place[1], place[2]);
+}
+
+/* "2.5mm" */
+void pilot_add_radius(struct buf *out, const struct pilot_brush *brush)
+{
+    pilot_add_decimal(out, brush->in_mm ? brush->radius / 2.0 : brush->radius);
+    buf_add_text(out, brush->in_mm ? "mm" : "");
+}
+
+/* "80..120" */
+void pilot_add_range(struct buf *out, const struct pilot_brush *brush)
+{
+    decimal_write(out, &brush->range[0]);
+    buf_add_text(out, "..");
+    decimal_write(out, &brush->range[1]);
+}
+
+/* " 2 range=80..120" */
+void pilot_add_label(struct buf *line, const struct pilot_brush *brush)
+{
+    buf_printf(line, " %u", brush->label);
+    if (!brush->has_range)
+        return;
+    buf_add_text(line, " range=");
+    pilot_add_range(line, brush);
+}
+
+void pilot_add_brush(struct buf *out, const struct pilot_brush *brush)
+{
+    if (brush->radius) {
+        buf_add_text(out, " r");
+        pilot_add_radius(out, brush);
+    }
+    if (brush->has_range) {
+        buf_add_char(out, ' ');
+        pilot_add_range(out, brush);
+    }
+}
+
+/* ---- the cross-hair ---- */
+
+bool pilot_cross(struct press *p, const uint32_t place[3])
+{
+    if (memcmp(place, p->facts->place, sizeof p->facts->place) == 0)
+        return false;
+    pilot_add_place(p->line, "cross ", place);
+    buf_add_char(p->line, '\n');
+    p->state->is_silent = true;
+    return true;
+}
+
+void pilot_remember_place(struct press *p)
+{
+    p->state->former.is_set = true;
+    memcpy(p->state->former.place, p->facts->place, sizeof p->facts->place);
+}
+
+void pilot_jump(struct press *p, const uint32_t place[3])
+{
+    if (pilot_cross(p, place))
+        pilot_remember_place(p);
+}
+
+bool pilot_take_voxel(struct press *p, uint32_t place[3])
+{
+    const uint32_t *pixel = p->state->pixel;
+    memcpy(place, p->facts->place, sizeof p->facts->place);
+    if (p->state->mode != PILOT_PICKING)
+        return true;
+    if (!p->host->voxel_of_frame(p->host->context, pixel[0], pixel[1], place)) {
+        buf_add_text(p->message, "no object is seen at that pixel");
+        return false;
+    }
+    pilot_cross(p, place);
+    return true;
+}
+
+bool pilot_has_edge(struct press *p)
+{
+    if (!p->state->way.has_edge)
+        buf_add_text(p->message, "the cost does not rise on this path: there is no edge to go to");
+    return p->state->way.has_edge;
+}
