@@ -46,7 +46,8 @@ END
 
 begin "it says what it is, and holds the program and its licences alone"
 contained 0 0 --version
-same "$(cat "$work/out")" "$("$iftty" --version)"
+same "$(sed 3q "$work/out")" "$("$iftty" --version | sed 3q)"
+same "$(grep -c ': missing; ' "$work/out")" 3
 same "$(cd "$work/bundle/rootfs" && find . -type f ! -path './usr/share/doc/iftty/*')" \
     ./usr/bin/iftty
 same "$(cd "$work/bundle/rootfs" && find . -type f -perm /6000)" ""

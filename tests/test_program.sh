@@ -182,6 +182,28 @@ err_has "there is no command or program verfy; did you mean verify?"
 close_story
 
 # Every option that some program has, given to every program that does not.
+begin "--version names libraries, also those of the helpers, and each helper that is missing"
+expect 0 "$iftty" --version </dev/null
+for line in 'iftty [0-9.]*' 'semantics [0-9]* of journals' \
+    'OpenEXR [0-9.]*, zlib [0-9.]*, libdeflate [0-9.]*, nettle [0-9.]*' \
+    'iftty-image: OpenImageIO [0-9.]*, OpenEXR [0-9.]*' \
+    'iftty-volume: ITK [0-9.]*, GDCM [0-9.]*, HDF5 [0-9.]*, libtiff [0-9.]*, expat [0-9.]*, '\
+'zlib [0-9.]*' \
+    'iftty-register: ITK [0-9.]*'; do
+    grep -qx "$line" "$work/out" || fail "no line $line" "$(cat "$work/out")"
+done
+same "$(wc -l <"$work/out" | tr -d ' ')" 6
+mkdir "$work/without"
+cp "$iftty" "$work/without/iftty"
+printf '#!/bin/sh\necho versions 4000\n' >"$work/without/iftty-volume"
+chmod +x "$work/without/iftty-volume"
+expect 0 "$work/without/iftty" --version </dev/null
+out_has "iftty-image: missing; the package iftty-image has it"
+out_has "iftty-volume: no answer: it is of another version, or broken"
+out_has "iftty-register: missing; the package iftty-volume has it"
+same "$(wc -l <"$work/out" | tr -d ' ')" 6
+close_story
+
 begin "an option that a program does not take is bad usage"
 while read -r name; do "$iftty" "$name" --help; done <programs >help
 "$iftty" --help >>help

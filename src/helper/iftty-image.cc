@@ -40,10 +40,24 @@ constexpr rlim_t reading_s = 300, writing_s = 3600;
 
 /* ---- requests ---- */
 
+/* OpenImageIO lists libraries as "openexr:OpenEXR 3.1.5;...", its own version as 20407. */
+std::string versions()
+{
+    const int own = OIIO::openimageio_version();
+    const std::string list = OIIO::get_string_attribute("library_list");
+    const size_t exr = list.find("openexr:");
+    return "OpenImageIO " + std::to_string(own / 10000) + "." + std::to_string(own / 100 % 100) +
+           "." + std::to_string(own % 100) +
+           (exr == std::string::npos ? ""
+                                     : ", " + list.substr(exr + 8, list.find(';', exr) - exr - 8));
+}
+
 Request receive_request()
 {
     Request request;
     const std::string line = receive_line();
+    if (answer_versions(line, versions()))
+        leave(0);
     size_t at = line.find(' ') + 1;
     const std::string kind = line.substr(0, at);
     if (kind != "write " && kind != "read " && kind != "about ")

@@ -13,6 +13,7 @@
 
 #include <itkMultiThreaderBase.h>
 #include <itkObject.h>
+#include <itkVersion.h>
 
 #include "helper/wire.hh"
 #include "helper/register_parts.hh"
@@ -84,6 +85,8 @@ int main()
     itk::Object::SetGlobalWarningDisplay(false);
     try {
         const std::string line = receive_line();
+        if (answer_versions(line, std::string("ITK ") + itk::Version::GetITKVersion()))
+            leave(0);
         if (line.compare(0, 9, "register ") == 0)
             answer_registration(line, 9);
         else if (line.compare(0, 10, "transform ") == 0)

@@ -26,8 +26,14 @@
 #include <string>
 #include <vector>
 
+#include <H5public.h>
+#include <expat.h>
 #include <gdcmTrace.h>
+#include <gdcmVersion.h>
 #include <itkObject.h>
+#include <itkVersion.h>
+#include <tiffio.h>
+#include <zlib.h>
 
 #include "helper/volume_parts.hh"
 #include "helper/wire.hh"
@@ -76,10 +82,26 @@ void confine_to_request(Request &request, const Files &files)
     confine(needs);
 }
 
+/* libtiff says "LIBTIFF, Version 4.5.0" and a copyright, expat "expat_2.5.0". */
+std::string versions()
+{
+    unsigned hdf5[3];
+    H5get_libversion(&hdf5[0], &hdf5[1], &hdf5[2]);
+    const std::string tiff = TIFFGetVersion(), expat = XML_ExpatVersion();
+    const size_t number = tiff.find_first_of("0123456789");
+    return std::string("ITK ") + itk::Version::GetITKVersion() + ", GDCM " +
+           gdcm::Version::GetVersion() + ", HDF5 " + std::to_string(hdf5[0]) + "." +
+           std::to_string(hdf5[1]) + "." + std::to_string(hdf5[2]) + ", libtiff " +
+           tiff.substr(number, tiff.find('\n') - number) + ", expat " +
+           expat.substr(expat.find('_') + 1) + ", zlib " + zlibVersion();
+}
+
 Request receive_request()
 {
     Request request;
     const std::string line = receive_line();
+    if (answer_versions(line, versions()))
+        leave(0);
     const size_t kind = line.find(' ', 5);
     if (line.compare(0, 5, "open ") != 0 || kind == std::string::npos)
         leave(2);

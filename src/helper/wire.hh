@@ -127,6 +127,15 @@ inline void answer_error(std::string words)
     transmit("error " + std::to_string(words.size()) + "\n" + words);
 }
 
+/* The request "versions", which comes alone: the libraries of this helper, in a line. */
+inline bool answer_versions(const std::string &request, const std::string &words)
+{
+    if (request != "versions")
+        return false;
+    transmit("versions " + std::to_string(words.size()) + "\n" + words);
+    return true;
+}
+
 inline void limit(int resource, rlim_t most)
 {
     const struct rlimit both = {most, most};

@@ -406,3 +406,27 @@ enum err coprocess_answer(struct coprocess *c, char line[COPROCESS_LINE], const 
     }
     return coprocess_fault(c, doing, path, fault);
 }
+
+void coprocess_add_versions(struct buf *out, const char *name, const char *package)
+{
+    enum { ANSWER_MS = 10000 };
+    static const int64_t most = 400;
+    struct coprocess c = {.fd = -1};
+    char line[COPROCESS_LINE], words[400];
+    const char *at = line;
+    int64_t length = 0;
+    if (coprocess_init(&c, name, NULL, NULL) != OK || access(c.program, X_OK) != 0) {
+        buf_printf(out, "missing; the package %s has it", package);
+    } else {
+        c.patience_ms = ANSWER_MS;
+        const bool answers = coprocess_start(&c, NULL) == OK &&
+                             coprocess_transmit(&c, "versions\n", 9) &&
+                             coprocess_receive_line(&c, line) && scan_text(&at, "versions ") &&
+                             coprocess_numbers(at, 1, &most, &length) &&
+                             coprocess_receive(&c, words, (size_t)length);
+        buf_add(out, words, answers ? (size_t)length : 0);
+        if (!answers)
+            buf_add_text(out, "no answer: it is of another version, or broken");
+    }
+    coprocess_release(&c);
+}

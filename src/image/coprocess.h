@@ -15,8 +15,9 @@
  * it, however that ends (wire.hh).
  *
  * The requests and answers are the client's (image_helper.h, volume_helper.h): lines of words and
- * decimal numbers, and counted bytes. Each function that talks returns false and sets `trouble`
- * where the program is silent, gone, or makes no sense; coprocess_fault says so, after ending it.
+ * decimal numbers, and counted bytes; each helper answers "versions\n" by "versions LENGTH\n words"
+ * and ends. Each function that talks returns false and sets `trouble` where the program is silent,
+ * gone, or makes no sense; coprocess_fault says so, after ending it.
  */
 #ifndef IMAGE_COPROCESS_H
 #define IMAGE_COPROCESS_H
@@ -90,5 +91,9 @@ enum err coprocess_fault(struct coprocess *c, const char *doing, const char *pat
  * there, in ../libexec/iftty, as `make install` has it. */
 struct buf;
 enum err coprocess_find(struct buf *out, const char *name, struct fault *fault);
+
+/* Append the libraries of the helper `name`, "ITK 5.2.1, ...", as it answers itself; or that it is
+ * missing and which package has it; or that it does not answer. */
+void coprocess_add_versions(struct buf *out, const char *name, const char *package);
 
 #endif

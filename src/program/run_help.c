@@ -9,6 +9,7 @@
 
 #include "command/command.h"
 #include "base/version.h"
+#include "image/coprocess.h"
 #include "program/programs.h"
 #include "session/semantics.h"
 #include "tui/prompt/line_keys.h"
@@ -39,15 +40,26 @@ enum err run_help(const struct options *o, struct fault *fault)
 
 enum err run_version(const struct options *o, struct fault *fault)
 {
+    static const char *const helpers[][2] = {{"iftty-image", "iftty-image"},
+                                             {"iftty-volume", "iftty-volume"},
+                                             {"iftty-register", "iftty-volume"}}; /* packages */
     int exr[3];
     const char *extra;
     (void)o;
-    (void)fault;
     exr_get_library_version(&exr[0], &exr[1], &exr[2], &extra);
     printf("iftty " PROGRAM_VERSION "\n"
            "semantics %d of journals\n"
            "OpenEXR %d.%d.%d, zlib %s, libdeflate " LIBDEFLATE_VERSION_STRING ", nettle %d.%d\n",
            SEMANTICS, exr[0], exr[1], exr[2], zlibVersion(), nettle_version_major(),
            nettle_version_minor());
-    return OK;
+    struct buf text = {0};
+    for (size_t i = 0; i < sizeof helpers / sizeof *helpers; i++) {
+        buf_printf(&text, "%s: ", helpers[i][0]);
+        coprocess_add_versions(&text, helpers[i][0], helpers[i][1]);
+        buf_add_char(&text, '\n');
+    }
+    fputs(buf_text(&text), stdout);
+    const enum err err = text.failed ? fault_memory(fault, "versions") : OK;
+    buf_release(&text);
+    return err;
 }
