@@ -37,7 +37,11 @@ fail() {
     failures=$((failures + 1))
     printf '%s\n' "$*" | sed 's/^/# /'
 }
+before_close() { # replaced where a story has checks that are made once, at its end
+    :
+}
 close_story() {
+    before_close
     stories=$((stories + 1))
     if [ "$failures" = 0 ]; then
         printf 'ok %d - %s%s\n' "$stories" "$story" "${lacks:+ # SKIP $lacks}"

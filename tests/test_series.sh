@@ -22,10 +22,9 @@ opened_as more mosaic.twin.nii # of which the rest is blank, and not 0
 opened_as mosaic/IM0 mosaic.twin.nii
 opened_as times times.twin.nii volume=1
 for options in "dwi0" "dwi1000" "dwi volume=1"; do
-    rm -f "$work/a.nii"
-    expect 0 "$iftty" -c "open $options; seed 64,64,24 1; run; save labels $work/a.nii"
-    "$PYTHON" "$top/tests/volumes/make.py" same "$work/a.nii" dwi0.twin.nii 2>"$work/err" ||
-        fail "$options: $(tail -n 9 "$work/err")"
+    saved=$work/opened-${options##*[ =]}.nii
+    expect 0 "$iftty" -c "open $options; seed 64,64,24 1; run; save labels $saved"
+    printf '%s\t%s\t%s\n' "$options" "$saved" dwi0.twin.nii >>"$work/opened"
 done
 expect 0 "$iftty" -c "open dwi0"
 out_has "128x128x48 voxels of 1.79688x1.79687x3 mm"
@@ -153,18 +152,20 @@ err_has "skip=NAME is for a folder of slices, and this is nifti-1: leave it out"
 close_story
 
 begin "mosaics with wrong bytes are opened, or refused in one line"
-count=0 bad=0
-while [ $((count += 1)) -le $((25 * ${IFTTY_TEST_SCALE:-1})) ]; do
-    rm -rf broken
-    cp -r times broken
-    "$PYTHON" -c "
+count=0 bad=0 rounds=$((25 * ${IFTTY_TEST_SCALE:-1}))
+"$PYTHON" -c "
 import random
-random.seed($count)
-data = bytearray(open('broken/IM2', 'rb').read())
-at = data.index(b'SV10\4\3\2\1') if $count % 3 else 132
-for _ in range(random.choice([1, 3, 20])):
-    data[at + random.randrange(700)] = random.choice([0, 1, 127, 128, 255])
-open('broken/IM2', 'wb').write(data)"
+for count in range(1, $rounds + 1):
+    random.seed(count)
+    data = bytearray(open('times/IM2', 'rb').read())
+    at = data.index(b'SV10\4\3\2\1') if count % 3 else 132
+    for _ in range(random.choice([1, 3, 20])):
+        data[at + random.randrange(700)] = random.choice([0, 1, 127, 128, 255])
+    open('broken-%d' % count, 'wb').write(data)"
+rm -rf broken
+cp -r times broken
+while [ $((count += 1)) -le $rounds ]; do
+    mv "broken-$count" broken/IM2
     timeout 60 "$iftty" -c "open broken volume=0" >"$work/out" 2>"$work/err"
     got=$?
     case $got in

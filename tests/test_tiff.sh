@@ -14,15 +14,15 @@ mv "$work/made" "$work/list"
 facts_of() {
     rm -f "$work/j.iftty"
     expect 0 "$iftty" -c "open $*" --journal "$work/j.iftty" || return 1
-    for key in scene sha256 size spacing-nm orientation; do
-        echo "$key $(last_word $key "$work/j.iftty")"
-    done >"$work/facts"
+    awk -v RS='[ \n]' -F = '{ last[$1] = $2 }
+        END { split("scene sha256 size spacing-nm orientation", keys, " ")
+              for (k = 1; k <= 5; k++) print keys[k], last[keys[k]] }' "$work/j.iftty" >"$work/facts"
 }
 # like_twins STORY: each of its files is what its twin is
 like_twins() {
     count=0
-    while read -r story name twin options; do
-        [ "$story" = "$1" ] || continue
+    while read -r of name twin options; do
+        [ "$of" = "$1" ] || continue
         count=$((count + 1))
         if [ ! -f "$twin.facts" ]; then
             facts_of "$twin" ${options##volume=*} || continue

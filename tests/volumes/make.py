@@ -225,23 +225,26 @@ def make_vtk(folder):
 
 def make_pictures(folder):
     data = voxels(numpy.uint16)
+    slices = range(1, SIZE[2] + 1)
+    page = {z: os.path.join(folder, "slice%d.pgm" % z) for z in slices}
+    for z in slices:
+        with open(page[z], "wb") as file:
+            file.write(b"P5 %d %d 65535\n" % SIZE[:2] + data[:, :, z - 1].T.astype(">u2").tobytes())
+    # oiiotool takes long to start: each time it converts all slices
     for kind in ("png", "tif"):
-        slices = os.path.join(folder, kind + "-slices")
-        os.mkdir(slices)
-        for z in range(SIZE[2]):
-            pgm = os.path.join(folder, "slice.pgm")
-            with open(pgm, "wb") as file:
-                file.write(b"P5 %d %d 65535\n" % SIZE[:2] + data[:, :, z].T.astype(">u2").tobytes())
-            run("oiiotool", pgm, "-d", "uint16", "-o",
-                os.path.join(slices, "s%d.%s" % (z + 1, kind)))
-        save_plain_twin(slices, data)
+        to = os.path.join(folder, kind + "-slices")
+        os.mkdir(to)
+        run("oiiotool", "-d", "uint16", *[word for z in slices for word in
+            (page[z], "-o", os.path.join(to, "s%d.%s" % (z, kind)))])
+        save_plain_twin(to, data)
+    for z in slices:
+        os.remove(page[z])
+    pages = [os.path.join(folder, "tif-slices", "s%d.tif" % z) for z in slices]
     fine = os.path.join(folder, "fine")  # 254 dots an inch
     os.mkdir(fine)
-    for z in range(SIZE[2]):
-        name = "s%d.tif" % (z + 1)
-        run("oiiotool", os.path.join(folder, "tif-slices", name), "--attrib", "XResolution",
-            "254.0", "--attrib", "ResolutionUnit", "in", "-o", os.path.join(fine, name))
-    pages = [os.path.join(folder, "tif-slices", "s%d.tif" % (z + 1)) for z in range(SIZE[2])]
+    run("oiiotool", *[word for name in pages for word in
+        (name, "--attrib", "XResolution", "254.0", "--attrib", "ResolutionUnit", "in", "-o",
+         os.path.join(fine, os.path.basename(name)))])
     path = os.path.join(folder, "stack.tif")
     run("oiiotool", *pages, "--siappendall", "-o", path)
     save_plain_twin(path, data)
@@ -516,15 +519,21 @@ def make_cut(folder):
     save_series(folder, slices)
 
 
-def same(a, b):
-    p, q = nibabel.load(a).affine, nibabel.load(b).affine
-    if numpy.abs(p - q).max() > 1e-3:
-        sys.exit("%s\nis not\n%s" % (p, q))
+def same(pairs):
+    """Each line has a name and two volumes, which must have one place in the world."""
+    wrong = False
+    for line in open(pairs, encoding="utf-8"):
+        name, a, b = line.rstrip("\n").split("\t")
+        p, q = nibabel.load(a).affine, nibabel.load(b).affine
+        if numpy.abs(p - q).max() > 1e-3:
+            print("%s:\n%s\nis not\n%s" % (name, p, q))
+            wrong = True
+    sys.exit(wrong)
 
 
 def main():
     if sys.argv[1] == "same":
-        same(sys.argv[2], sys.argv[3])
+        same(sys.argv[2])
         return
     folder = sys.argv[1]
     for make in (make_pairs, make_mgh, make_by_plastimatch, make_nrrd, make_meta, make_mrc,
