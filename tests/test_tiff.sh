@@ -16,7 +16,8 @@ facts_of() {
     expect 0 "$iftty" -c "open $*" --journal "$work/j.iftty" || return 1
     awk -v RS='[ \n]' -F = '{ last[$1] = $2 }
         END { split("scene sha256 size spacing-nm orientation", keys, " ")
-              for (k = 1; k <= 5; k++) print keys[k], last[keys[k]] }' "$work/j.iftty" >"$work/facts"
+              for (k = 1; k <= 5; k++) print keys[k], last[keys[k]] }' \
+        "$work/j.iftty" >"$work/facts"
 }
 # like_twins STORY: each of its files is what its twin is
 like_twins() {

@@ -15,8 +15,8 @@ made_by() {
     cd "$work/v" || exit 1
 }
 
-# opened_as FILE TWIN [OPTION...]: the same scene, in the same place, as $says says. Where voxels are
-# in the world is compared of all pairs of a story by one process, at its end.
+# opened_as FILE TWIN [OPTION...]: the same scene, in the same place, as $says says. One process
+# compares the places of all pairs of a story in the world, at its end.
 says=file opened=0
 : >"$work/opened"
 opened_as() {
@@ -25,7 +25,8 @@ opened_as() {
     opened=$((opened + 1))
     a=$work/opened-$opened-a b=$work/opened-$opened-b
     expect 0 "$iftty" -c "open $twin; save labels $b.nii empty=yes" --journal "$b.iftty"
-    expect 0 "$iftty" -c "open $name $*; save labels $a.nii empty=yes" --journal "$a.iftty" || return
+    expect 0 "$iftty" -c "open $name $*; save labels $a.nii empty=yes" \
+        --journal "$a.iftty" || return
     awk -v name="$name" -v says="$says" '
         { for (i = 1; i <= NF; i++)
             if (at = index($i, "="))
