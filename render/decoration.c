@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "render/slice_plan.h"
+#include "render/slice.h"
 #include "render/projection.h"
 
 static const uint8_t black[3];

@@ -98,7 +98,7 @@ struct group_source {
     uint8_t group[256]; /* of each visible label */
     uint8_t wanted;
     bool is_all;   /* all that is shown is of the group, and nothing is cut away: then labels are */
-    uint8_t label; /* read where they count (net_source.h); elsewhere it is the one before */
+    uint8_t label; /* read where they count (net.h); elsewhere it is the one before */
 };
 
 /* Up to 64 cells from one on. */

@@ -22,7 +22,7 @@ struct team;
 
 enum { MOSAIC_SIDE_LEAST = 16, MOSAIC_PANES = 4 };
 
-/* The first three are the planes of render/slice_plan.h. */
+/* The first three are the planes of render/slice.h. */
 enum mosaic_pane { MOSAIC_AXIAL, MOSAIC_CORONAL, MOSAIC_SAGITTAL, MOSAIC_RENDITION };
 
 struct mosaic_box {

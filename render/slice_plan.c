@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "render/slice_plan.h"
+#include "render/slice.h"
 
 #include <assert.h>
 #include <stdio.h>

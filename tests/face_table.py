@@ -5,7 +5,7 @@ added. tests/test_face.sh compares what it makes with what is there.
 
     tests/face_table.py >render/face_table.h       Debian's python3-fonttools, fonts-dejavu-extra
 
-What the table is written in is told in its head, and render/face.c reads it."""
+What the table is written in is told in its head, and render/glyph.c reads it."""
 import sys
 from fontTools.pens.recordingPen import DecomposingRecordingPen
 from fontTools.ttLib import TTFont

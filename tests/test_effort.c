@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Stories of the robot that counts gestures (tests/bench): its gestures on tiny objects, and the
  * counts. Their figures are no test. */
-#include "engine/overlap.h"
+#include "engine/labels.h"
 #include "tests/bench/effort_run.h"
 #include "tests/check.h"
 #include "tests/folder.h"

@@ -49,7 +49,7 @@ close_story
 programs='one shade: the highlights |render/light.c     |s/SPECULAR = 70,/SPECULAR = 71,/
 one weight: steps of seven   |src/engine/weight_morph.c |s/= \(weight\[i\]\);/= \1 == 7 ? 8 : \1;/'
 more='one shade: even light        |render/light.c     |s:\(AMBIENT = LIGHT_UNIT / 5\),:\1 + 16,:
-one rule of ties: hops       |src/engine/key.h   |s/key + (UINT64_C(1) <</key + (UINT64_C(2) <</
+one rule of ties: hops       |src/engine/scene.h   |s/key + (UINT64_C(1) <</key + (UINT64_C(2) <</
 one multiplier of all digests|src/base/hash.h    |s/0xc4ceb9fe1a85ec53/0xc4ceb9fe1a85ec55/
 one rounding of sines        |render/view.c      |s/(y + (1 << 15)) >> 16/y >> 16/
 one darkness of edges        |render/shade.c     |s:EDGE = UNIT \* 35 / 100:EDGE = UNIT * 36 / 100:'

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Relaxation against a plain model, which is written from the words of engine/finish_relax.h and
+ * Relaxation against a plain model, which is written from the words of engine/relax.h and
  * shares nothing with it: fields of 64 bits, one array each, all distances by flooding, one voxel
  * after another.
  */
@@ -8,8 +8,7 @@
 
 #include "base/mem.h"
 #include "engine/doubt.h"
-#include "engine/finish_relax.h"
-#include "engine/relax_kept.h"
+#include "engine/relax.h"
 #include "tests/finish_fails.h"
 
 enum { LONG = 60, SHORT = 8, MOST = LONG * SHORT * SHORT, LABELS = 5 };

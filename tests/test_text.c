@@ -8,7 +8,6 @@
 
 #include "base/hash.h"
 #include "base/safe.h"
-#include "render/face.h"
 #include "render/glyph.h"
 #include "render/notes.h"
 

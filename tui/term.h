@@ -11,7 +11,7 @@
  *   T3 they come back while the process is stopped (SIGTSTP), and ours when it goes on (SIGCONT);
  *   T4 a signal that the program handles or ignores itself is left alone, crashes apart;
  *   T5 what a handler writes is one write that begins with what ends a picture cut in two;
- *   T6 a child gives it back after SIGKILL (tui/guardian.h);
+ *   T6 a child gives it back after SIGKILL (tui/term.h);
  *   T7 nothing that we do cuts what term_write writes in two: Ctrl-C does not make the terminal
  *      drop its output, and stopping waits until the write is done;
  *   T8 answers to our questions are not left to the shell: those that are due when a signal ends
@@ -20,8 +20,11 @@
 #ifndef TUI_TERM_H
 #define TUI_TERM_H
 
+#include <signal.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <sys/types.h>
+#include <termios.h>
 
 #include "base/buf.h"
 #include "base/err.h"
@@ -96,5 +99,42 @@ bool term_was_continued(void);
  * process that is stopped keeps no promise that takes time. NULL calls nobody. */
 void term_on_suspend(void (*before)(void *context), void *context);
 void term_suspend(void);
+
+/*
+ * A child that gives the terminal back when its parent cannot: after SIGKILL, or when the machine
+ * ran out of memory and the parent was what it took.
+ *
+ *   G1 it sees the parent's end by a pipe whose other end nobody writes to, and by a pidfd, since a
+ *      child of the parent may hold the pipe open;
+ *   G2 it does nothing unless `on` says that modes are to be given back, and nothing when the
+ *      terminal belongs to another job by then: only to ours, or to the shell that started it,
+ *      whose own modes, if it has set some already, it leaves alone;
+ *   G3 it holds the terminal, the pipe and nothing else: no file, no lock, no folder;
+ *   G4 it is a process group of its own and ignores all signals but SIGKILL, so that neither Ctrl-C
+ *      nor what kills the job ends it;
+ *   G5 it does not outlive guardian_end, and no zombie stays.
+ *
+ * It is a fork, not a program of its own: started before there is a scene, it shares with its
+ * parent what that had then, and touches a few pages. What it needs to know lies in memory that
+ * both see, so nothing has to be sent, and signal handlers may change it.
+ */
+
+enum { GUARDIAN_WORDS = 512 };
+
+struct guarded {
+    volatile sig_atomic_t on;    /* `ours` are the modes now */
+    struct termios found, ours;  /* before `on` is set */
+    volatile sig_atomic_t which; /* of the words: the other ones may be half written */
+    struct {
+        char text[GUARDIAN_WORDS];
+        size_t length;
+    } words[2]; /* written to the terminal; at the end of a line */
+};
+
+struct guardian {
+    struct guarded *guarded; /* never NULL after guardian_start */
+    pid_t process;           /* 0: none, for want of memory or processes */
+    int pipe;
+};
 
 #endif

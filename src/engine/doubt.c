@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
-#include "engine/finish_relax.h"
+#include "engine/relax.h"
 
 /* Sums of each worker, one after another: of slices across x, across y and across z. */
 struct summing {

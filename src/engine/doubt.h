@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Doubt: in which slice it is least certain where a label ends, by the fields of relaxation
- * (engine/finish_relax.h).
+ * (engine/relax.h).
  *
  * A field says 1 in the label and 0 elsewhere, and between where the scene does not tell. The doubt
  * of a voxel is 4u(1 - u): 0 where u is 0 or 1, and DOUBT_VOXEL where it is half; so sums are

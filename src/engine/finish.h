@@ -35,7 +35,7 @@
  *   relax       Labels settle on the edges of the scene: each has a field that is 1 in it and 0
  *               elsewhere, and every voxel at most `reach` steps from a border moves `sweeps`
  *               times towards the mean of its neighbours, those across an edge counting little;
- *               then the greatest field wins (engine/finish_relax.h). Seeds and voxels outside the
+ *               then the greatest field wins (engine/relax.h). Seeds and voxels outside the
  *               region of interest keep their labels. For one label: where a voxel would lose or
  *               get that label.
  *   close       A voxel of label 0 takes a label but 0 where every ball of `radius` over it has a
@@ -127,7 +127,7 @@ struct finish_work {
     struct team *team;
     uint8_t *label; /* read, and in the end what the step has made of it (finish_take_next) */
     uint8_t *next;  /* to write into; of no meaning before and after a step, but for its rim */
-    struct relax_kept *kept; /* fields of the last time (engine/relax_kept.h), or NULL */
+    struct relax_kept *kept; /* fields of the last time (engine/relax.h), or NULL */
 };
 
 /* Their names, in their order. */

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "engine/finish_relax.h"
 
 #include <stdlib.h>
 
 #include "base/mem.h"
-#include "engine/relax_kept.h"
+#include "engine/relax.h"
 
 /* ---- one field after another, or some side by side ---- */
 

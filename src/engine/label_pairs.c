@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "engine/label_pairs.h"
+#include "engine/label_stats.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -6,7 +6,6 @@
 
 #include "base/mem.h"
 #include "engine/net_graph.h"
-#include "engine/net_settle.h"
 
 /* Four corners of each face, counter-clockwise seen from outside: cubes beside a voxel, and the
  * corner of the cube that the air there is. */

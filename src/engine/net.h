@@ -23,7 +23,7 @@
  *    - 80000 u^3) / 45281, of four passes, the least from 1/5 to 2; then h is solved for, and
  *    places are clamped again.
  * 4. Borders between labels: vertices that one runs through slide along the surface to where
- *    net_line.h finds it. Junctions of three labels are held.
+ *    net_settle.c finds it. Junctions of three labels are held.
  * 5. Normals are those of the quads as they lie after step 2, by area, filtered by Chebyshev's
  *    polynomial of four passes, the least from 3/4 to 2. Below 3/4 those of single voxels turn
  *    over. Where the surface is nearly flat, the last pass goes further, down to 1/4: there it is

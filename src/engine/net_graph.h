@@ -22,8 +22,40 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "engine/net_parts.h"
 #include "engine/net_source.h"
+
+/*
+ * Cubes of surface nets: which vertices a cube has, where they begin, and through what they are
+ * linked with those of the cubes beside it (net.h).
+ *
+ * The corner c of a cube is the voxel at x + (c & 1), y + (c >> 1 & 1), z + (c >> 2). A mask of
+ * corners has bit c for it.
+ */
+
+enum {
+    NET_CORNERS = 8,
+    NET_PARTS = 4, /* of air in a cube, at most */
+    NET_NATURAL = 8,
+    NET_UNLINKED = UINT8_MAX,
+};
+
+/* A part of a cube's air: corners outside the object that hang together by faces. */
+struct net_part {
+    uint8_t air;        /* its corners */
+    uint8_t lock;       /* bit a: a closed voxel lies beside the object along axis a, where the
+                           vertex stays; NET_NATURAL: some other air lies beside the object */
+    int8_t normal[3];   /* how many faces look along each axis, less those that look against it */
+    int16_t start[3];   /* the mean of its crossings, from the middle, 2^-NET_BITS voxels */
+    uint8_t link[3][2]; /* corners at the low side of each axis through which it is linked */
+};
+
+struct net_cube {
+    uint32_t count;
+    struct net_part part[NET_PARTS];
+};
+
+/* All 256 without closed corners, by their air; for any thread, made once. */
+const struct net_cube *net_cubes(void);
 
 enum {
     NET_SLOTS = 6,       /* links of a vertex, unless it has more */
@@ -111,7 +143,7 @@ struct net_graph {
     /* Where labels differ: links along the border between two labels, of levels below 4. */
     int32_t (*line)[2];
     uint8_t *lines;    /* of each vertex; 3: three or more */
-    net_lanes *border; /* where it runs, at vertices of level 0 with two lines (net_line.h) */
+    net_lanes *border; /* where it runs, at vertices of level 0 with two lines (net_settle.c) */
 };
 
 /* Reads the box with its margin; false: no memory. */
@@ -157,6 +189,55 @@ static inline net_lanes net_apart(const struct net_graph *g, const net_lanes *x,
     for (int32_t k = g->degree[v] > NET_SLOTS ? g->head[v] : -1; k >= 0; k = g->more[k].next)
         apart += x[v] - x[g->more[k].to];
     return apart;
+}
+
+/*
+ * Where the vertices of a surface net settle, and their normals: the polynomials (net.h).
+ */
+
+enum { NET_LOST, NET_BY_PUSH, NET_BY_SQUARE, NET_BY_CUBE, NET_KINDS };
+
+/* What the quads around a vertex come to. */
+struct net_sum {
+    int64_t area[4];         /* along x, y and z, 2^(-2 NET_BITS) voxels, twice as large */
+    int64_t term[NET_KINDS]; /* 2^(-3 NET_BITS) voxels; 48, 8, 16 and 24 times as large */
+};
+
+/* Smooths the places of levels below NET_PLACES, and finds which way each is pushed. Sums are 0. */
+bool net_smooth(struct net_graph *graph, struct net_sum **sum);
+
+/* Adds a quad of natural air to the sums of its corners; `face` is net_quad.face. */
+void net_add_quad(const struct net_graph *graph, struct net_sum *sum, const int32_t corner[4],
+                  int face);
+
+/* From the sums: normals and final places of level 0. */
+bool net_restore(struct net_graph *graph, const struct net_sum *sum, const uint32_t scale[3],
+                 net_lanes **normal);
+
+/* For cubes: all vertices in the middle, and normals of level 0. */
+bool net_centre(struct net_graph *graph, const uint32_t scale[3], net_lanes **normal);
+
+/*
+ * Where borders between labels run along a surface net (net.h).
+ *
+ * The parabola of least squares through a vertex of a border and those before and after it, as
+ * many on either side, as they lie before anything is smoothed, says where the border is. It
+ * neither moves what is straight nor shrinks what is round, and half of a wave of 12 voxels stays.
+ * (Savitzky & Golay, Smoothing and differentiation of data, 1964.) It takes the most vertices, up
+ * to eight on either side, between which it turns by some 60 degrees at most, so that patches of
+ * few voxels keep their area; what lies between yes and no is weighed, or there are hooks.
+ *
+ * Off the line, root of the mean square, in voxels: on a flat surface .08, in any direction .24, at
+ * slopes of 1 in 8, 12, 20 .05, .12, .21. Patches of one voxel keep their area, those of radius 2,
+ * 3, 5, 8 .99, .97, .98, 1.00 of it, squares of 3 to 21 voxels 1.00 to 1.01. Eight vertices see too
+ * little of a wave of 20: .8 of it stays.
+ */
+
+/* Whether a border of two labels runs through a vertex. Where it ends, or meets others, that is
+ * held. */
+static inline bool net_line_is_at(const struct net_graph *graph, int32_t v)
+{
+    return graph->has_labels && graph->lines[v] == 2;
 }
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "engine/relax_kept.h"
+#include "engine/relax.h"
 
 #include <stdlib.h>
 #include <string.h>

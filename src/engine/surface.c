@@ -6,7 +6,7 @@
 
 #include "base/sort.h"
 #include "base/mem.h"
-#include "engine/net_parts.h"
+#include "engine/net_graph.h"
 
 enum {
     BOX = 64, /* voxels along each axis whose nets are made at once, at most */

@@ -11,7 +11,7 @@
 #define PROGRAM_LESSON_H
 
 #include "command/interpreter.h"
-#include "engine/overlap.h"
+#include "engine/labels.h"
 
 #define LESSON_SCENE "ch2.nii.gz"
 #define LESSON_TRUTH "ch2bet.nii.gz"

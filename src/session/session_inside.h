@@ -8,7 +8,7 @@
 #include "engine/forest.h"
 #include "engine/hints.h"
 #include "engine/label_stats.h"
-#include "engine/relax_kept.h"
+#include "engine/relax.h"
 #include "engine/roi.h"
 #include "engine/scene.h"
 #include "image/volume.h"

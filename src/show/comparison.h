@@ -23,7 +23,7 @@
 #include "base/team.h"
 #include "base/watch.h"
 #include "engine/grid.h"
-#include "engine/overlap.h"
+#include "engine/labels.h"
 #include "image/geometry.h"
 #include "session/state.h"
 

@@ -12,7 +12,7 @@
 #include "render/fit.h"
 #include "render/mosaic.h"
 #include "render/notes.h"
-#include "render/slice_plan.h"
+#include "render/slice.h"
 #include "session/state.h"
 #include "show/decorating.h"
 #include "show/draw.h"

@@ -8,7 +8,7 @@
 
 #include "base/buf.h"
 #include "base/json.h"
-#include "engine/overlap.h"
+#include "engine/labels.h"
 
 struct geometry;
 

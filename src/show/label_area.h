@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The area of the surface of a label, as it would be were it not made of voxels, from the pairs
- * that its voxels make (engine/label_pairs.h).
+ * that its voxels make (engine/label_stats.h).
  *
  * A plane of area A lies between the two voxels of A |n.v| / V pairs that are v apart, n being
  * its normal and V the volume of a voxel. So the area is a sum over all kinds of pairs of how
@@ -39,7 +39,7 @@
 
 #include <stdint.h>
 
-#include "engine/label_pairs.h"
+#include "engine/label_stats.h"
 #include "image/geometry.h"
 
 /* What each pair of a kind that a surface lies between adds to its area, in mm2. */

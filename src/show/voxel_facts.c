@@ -9,7 +9,7 @@
 #include "engine/hints.h"
 #include "engine/margin.h"
 #include "engine/measure.h"
-#include "render/slice_plan.h"
+#include "render/slice.h"
 #include "session/doubtful.h"
 #include "session/markers.h"
 #include "session/tally.h"

@@ -12,7 +12,7 @@
 #define VERIFY_DIFF_H
 
 #include "command/script.h"
-#include "engine/overlap.h"
+#include "engine/labels.h"
 #include "image/picture.h"
 #include "session/session.h"
 #include "verify/side.h"

@@ -10,7 +10,6 @@
 #include "base/mem.h"
 #include "command/execute.h"
 #include "engine/labels.h"
-#include "engine/overlap.h"
 #include "tests/bench/times.h"
 #include "session/session.h"
 

@@ -14,7 +14,7 @@
 #include "render/mip.h"
 #include "render/mosaic.h"
 #include "render/slice.h"
-#include "render/text.h"
+#include "render/notes.h"
 #include "tests/border_check.h"
 #include "tests/stage.h"
 

@@ -3,7 +3,7 @@
  * The ways to show a picture, as one table; which of them a terminal has; and a picture at the
  * prompt.
  *
- * A protocol is a file with its row (struct graphics in tui/picture/protocol.h) and a line in the
+ * A protocol is a file with its row (struct graphics in tui/picture/painter.h) and a line in the
  * table of graphics.c, best first. Nothing else names one.
  *
  *     CR  R x LF  ESC[R A  ESC 7  picture  ESC 8  ESC[R B  CR        R = its height in cells
@@ -16,7 +16,7 @@
 #define TUI_PICTURE_GRAPHICS_H
 
 #include "base/err.h"
-#include "tui/picture/protocol.h"
+#include "tui/picture/painter.h"
 
 extern const struct graphics graphics_kitty, graphics_tiles, graphics_iterm, graphics_sixel,
     graphics_blocks, graphics_none;

@@ -7,7 +7,6 @@
 
 #include "base/least.h"
 #include "base/mem.h"
-#include "tui/picture/protocol.h"
 
 enum {
     PIXEL_TILE = 16,

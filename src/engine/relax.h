@@ -1,6 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The field of a label in relaxation, which engine/finish_relax.h explains.
+ * Fields of relaxation that are kept, so that after an edit those alone are made anew which it may
+ * have changed.
+ *
+ * A field follows from where its label lies, from the seeds and the region of interest in its box
+ * and right beside it, from the intensities there, and from the numbers of sweeps and steps.
+ * All of these are kept as they were, and compared: so nobody has to tell what an edit has changed,
+ * and a field that is kept is the one that would be made.
+ *
+ * Of a field, chunks are kept that may have moved (relax_field_next). All of them together take as
+ * much memory as the scene's cells at most; what is beyond that is made each time.
+ */
+#ifndef ENGINE_RELAX_H
+#define ENGINE_RELAX_H
+
+#include "engine/finish.h"
+
+/*
+ * The field of a label in relaxation, which engine/relax.h explains.
  *
  * Most of a field never moves: voxels far from the border have neighbours of their own value, and
  * where the scene has an edge on the border, what moves rounds to nothing. So rows are divided into
@@ -11,10 +28,6 @@
  *
  * Sets of voxels, and of chunks, are bits of 64-bit words.
  */
-#ifndef ENGINE_RELAX_FIELD_H
-#define ENGINE_RELAX_FIELD_H
-
-#include "engine/finish.h"
 
 enum { RELAX_ONE = 1 << 20, RELAX_CHUNK = 16 };
 
@@ -91,5 +104,64 @@ void relax_field_read(struct relax_field *field, const struct finish_work *work,
 /* Whether a voxel of the scene has never been looked at: it is as it was at first, and would be
  * were it a seed. */
 bool relax_field_rests(const struct relax_field *field, uint32_t x, uint32_t y, uint32_t z);
+
+/* {0} has kept nothing yet. It is of one scene, whose intensities stay. */
+struct relax_kept {
+    size_t cells, bytes, most; /* taken for fields, and how many may be */
+    uint8_t *label, *stays;    /* [cells]: what fields are of; flags of cells that matter */
+    uint32_t sweeps, reach;
+    struct relax_stored *field[256]; /* NULL: not kept */
+};
+
+/* Forgets the fields that others, of these labels and this scene, may differ from. Without memory
+ * it forgets all, and keeps none; stopped by the scene's watch, it goes on the next time. */
+void relax_kept_follow(struct relax_kept *kept, const struct finish_work *work, uint32_t sweeps,
+                       uint32_t reach);
+
+/* Has the field of a label, to be read alone, if it is kept; and keeps it if there is room. */
+bool relax_kept_find(const struct relax_kept *kept, const struct finish_work *work, uint8_t which,
+                     struct relax_field *field);
+void relax_kept_add(struct relax_kept *kept, const struct relax_field *field);
+
+size_t relax_kept_memory(const struct relax_kept *kept);
+void relax_kept_release(struct relax_kept *kept);
+
+/*
+ * Relaxation: the step that lets labels settle on the edges of the scene (engine/finish.h).
+ *
+ * Each label but 0 has a field; that of label 0 is what all others leave of RELAX_ONE, or nothing.
+ * A voxel of some band takes the label of the greatest, of several its own if that is one of them,
+ * or the smallest. So a few fields are made at a time, and of each voxel only the best so far is
+ * kept; and only where some field has moved, since else the label's own is RELAX_ONE, and stays.
+ *
+ * The field of a label lies in a box around it. Each voxel has a value u, RELAX_ONE in the label
+ * and 0 elsewhere at first. Those of the *band* move: voxels from which at most `reach` steps
+ * along the axes lead to one on the other side of the label's border. All others keep their value,
+ * as do seeds and voxels outside the region of interest.
+ *
+ * In a half-sweep all voxels of one parity of x + y + z move, each to
+ *
+ *     u + round((sum over its six neighbours n of w(n) * (u(n) - u)) / 1024),  within 0..RELAX_ONE
+ *
+ *     w(n) = floor(c(n) * floor(1536 * 2^32 / (sum of c)) / 2^32)
+ *
+ * where halves round to the even one, so that the field of what is not the label would be exactly
+ * RELAX_ONE - u; 1536/1024 is over-relaxation by 24/16. c(n) is the conductance of a difference of
+ * intensities, 65536 for none down to 1, by the number of greys in it: 255 greys are the range from
+ * the 2nd to the 98th percentile of the intensities in the band, so an edge is one of this label,
+ * whatever else is in the scene. Beyond the scene and outside the region of interest it is 0.
+ *
+ * Voxels of one parity have neighbours of the other alone: so within a half-sweep nothing depends
+ * on order, and any number of threads, and any width of vectors, gives the same bits. Nor does it
+ * matter how far another plane is, as long as those beside it are as far.
+ */
+
+/* Sees a field that is made, by the thread that began, while the others rest. */
+typedef void relax_see(void *context, const struct relax_field *field);
+
+/* Makes the field of a label, or FINISH_ALL_LABELS, as work->label has them, and has each seen, in
+ * no order. ERR_MEMORY, ERR_CANCELLED by the scene's watch. */
+enum err relax_each(const struct finish_work *work, unsigned label, uint32_t sweeps, uint32_t reach,
+                    relax_see *see, void *context, struct fault *fault);
 
 #endif
