@@ -124,6 +124,21 @@ out_has "more.exr was left alone"
 untouched
 close_story
 
+begin "a journal that continues elsewhere takes along files that its records name, of a link a link"
+mkdir along
+cp s.nii j.iftty along
+cp -r j.golden along
+rm along/j.golden/first.png
+echo secret >secret
+ln -s "$work/j/secret" along/j.golden/more.png
+ln -s "$work/precious/first.png" along/j.golden
+printf x >along/j.golden/note.txt
+expect 0 "$iftty" -c 'journal along/mine.iftty' --journal along/j.iftty
+same "$(cd along/mine.golden && echo *)" "first.exr first.png"
+[ -h along/mine.golden/first.png ] || fail "what the link leads to was copied"
+expect 0 "$iftty" verify along/mine.iftty
+close_story
+
 begin "an orphan that the journal cannot have made is left alone"
 cp ../precious/a.png ../precious/b.exr j.golden
 expect 1 "$iftty" verify --remove-orphans j.iftty

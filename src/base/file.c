@@ -138,7 +138,6 @@ enum {
     TAIL_MOST = 160,
     FORGOTTEN_S = 24 * 60 * 60,
     COPY_PIECE = 65536,
-    COPY_BYTES_MOST = 1 << 30 /* of a file of a folder */
 };
 
 /* ---- steps ---- */
@@ -763,44 +762,6 @@ enum err folder_make_private(const char *path, struct fault *fault)
             err = fault_errno(fault, "make the folder", buf_text(&part));
     }
     buf_release(&part);
-    return err;
-}
-
-/* A regular file, or a link to one; all else is passed over. */
-static enum err copy_one(const char *from, const char *to, const char *name, struct fault *fault)
-{
-    struct buf source = {0}, target = {0}, bytes = {0};
-    struct stat status;
-    enum err err = OK;
-    buf_printf(&source, "%s/%s", from, name);
-    buf_printf(&target, "%s/%s", to, name);
-    if (source.failed || target.failed)
-        err = fault_memory(fault, "a path");
-    else if (stat(buf_text(&source), &status) == 0 && S_ISREG(status.st_mode))
-        err = file_read(&bytes, buf_text(&source), COPY_BYTES_MOST, fault);
-    if (!err && bytes.data)
-        err = file_write(buf_text(&target), bytes.data, bytes.length, FILE_KEEP, fault);
-    buf_release(&source);
-    buf_release(&target);
-    buf_release(&bytes);
-    return err;
-}
-
-enum err folder_copy(const char *from, const char *to, struct fault *fault)
-{
-    if (mkdir(to, 0777) != 0)
-        return fault_errno(fault, "make the folder", to);
-    DIR *folder = opendir(from);
-    enum err err = folder ? OK : fault_errno(fault, "open", from);
-    for (const struct dirent *entry; !err && (entry = readdir(folder));)
-        if (*entry->d_name != '.')
-            err = copy_one(from, to, entry->d_name, fault);
-    if (folder)
-        closedir(folder);
-    if (!err && !file_step_sync_folder(to))
-        err = fault_errno(fault, "sync the folder of", to);
-    if (err)
-        folder_remove(to);
     return err;
 }
 

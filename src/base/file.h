@@ -129,10 +129,6 @@ enum err file_make_folder(const char *path, struct fault *fault);
  * exists. */
 enum err folder_make_private(const char *path, struct fault *fault);
 
-/* Makes the folder `to`, which must not exist, with a copy of every regular file in `from`, or that
- * a link there leads to, each synced; folders within are left out. On failure there is no `to`. */
-enum err folder_copy(const char *from, const char *to, struct fault *fault);
-
 /* Removes a file, or a folder with all that is below it on the same file system; what a link leads
  * to stays. */
 void folder_remove(const char *path);

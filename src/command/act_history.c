@@ -130,15 +130,18 @@ enum err act_history(const struct act *act)
 
 /* Golden images lie in a folder beside their journal, and so go with it. `made` is the path of the
  * folder that they were copied to, or empty where there are none. */
-static enum err take_goldens_along(struct buf *made, const char *from, const char *to,
+static enum err take_goldens_along(struct buf *made, const struct journal *from, const char *to,
                                    struct fault *fault)
 {
+    const struct buf *bytes = journal_bytes(from);
     struct golden_files source;
-    enum err err = golden_files_open(&source, from, fault);
+    enum err err = golden_files_open(&source, journal_path(from), fault);
+    if (!err)
+        err = golden_files_read(&source, buf_text(bytes), bytes->length, fault);
     if (!err)
         err = golden_folder(made, to, fault);
     if (!err && source.folder >= 0)
-        err = folder_copy(buf_text(&source.path), buf_text(made), fault);
+        err = golden_files_copy(&source, buf_text(made), fault);
     else
         buf_clear(made);
     if (err)
@@ -159,7 +162,7 @@ static enum err continue_in(const struct act *act, const char *path)
     else if (file_exists(path)) /* said before anything is copied */
         err = fault_set(fault, ERR_IO, "%s exists already and was left alone", path);
     if (!err)
-        err = take_goldens_along(&goldens, journal_path(interp->journal), path, fault);
+        err = take_goldens_along(&goldens, interp->journal, path, fault);
     if (!err)
         err = interpreter_set_home(interp, path, fault);
     if (!err)

@@ -18,7 +18,11 @@
 
 static const char image_ending[] = ".exr", png_ending[] = ".png";
 
-enum { ENDING = sizeof image_ending - 1, CHAIN_BYTES = RECORD_CHAIN_DIGITS + 1 };
+enum {
+    ENDING = sizeof image_ending - 1,
+    CHAIN_BYTES = RECORD_CHAIN_DIGITS + 1,
+    COPY_BYTES_MOST = 1 << 30
+};
 
 /* ---- the folder ---- */
 
@@ -292,6 +296,58 @@ enum err golden_files_remove(const struct golden_files *files, const char *name,
                ? OK
                : fault_errno(fault, "delete", name);
 }
+
+/* ---- copying ---- */
+
+static enum err copy_link(const char *from, const char *to, struct fault *fault)
+{
+    char *real = realpath(from, NULL);
+    const bool is_made = !real || symlink(real, to) == 0; /* one that leads nowhere is left out */
+    free(real);
+    return is_made ? OK : fault_errno(fault, "make the link", to);
+}
+
+static enum err copy_one(const struct golden_files *files, const char *to, const char *name,
+                         struct fault *fault)
+{
+    struct buf source = {0}, target = {0}, bytes = {0};
+    struct stat status;
+    enum err err = OK;
+    buf_printf(&source, "%s/%s", buf_text(&files->path), name);
+    buf_printf(&target, "%s/%s", to, name);
+    if (source.failed || target.failed)
+        err = fault_memory(fault, "a path");
+    else if (lstat(buf_text(&source), &status) != 0 || file_exists(buf_text(&target)))
+        err = OK; /* missing, or named twice */
+    else if (S_ISLNK(status.st_mode))
+        err = copy_link(buf_text(&source), buf_text(&target), fault);
+    else if (S_ISREG(status.st_mode)) {
+        err = file_read(&bytes, buf_text(&source), COPY_BYTES_MOST, fault);
+        if (!err)
+            err = file_write(buf_text(&target), buf_text(&bytes), bytes.length, FILE_KEEP, fault);
+    }
+    buf_release(&source);
+    buf_release(&target);
+    buf_release(&bytes);
+    return err;
+}
+
+enum err golden_files_copy(const struct golden_files *files, const char *to, struct fault *fault)
+{
+    const char *name = buf_text(&files->named), *end = name + files->named.length;
+    if (mkdir(to, 0777) != 0)
+        return fault_errno(fault, "make the folder", to);
+    enum err err = OK;
+    for (; !err && name < end; name += strlen(name) + 1)
+        err = copy_one(files, to, name, fault);
+    if (!err && !file_step_sync_folder(to))
+        err = fault_errno(fault, "sync the folder of", to);
+    if (err)
+        folder_remove(to);
+    return err;
+}
+
+/* ---- clearing ---- */
 
 void golden_files_clear(const char *journal, const char *bytes, size_t length, struct buf *told)
 {

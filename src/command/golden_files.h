@@ -62,6 +62,11 @@ enum file_of golden_files_judge(const struct golden_files *files, const char *na
 enum err golden_files_remove(const struct golden_files *files, const char *name,
                              struct fault *fault);
 
+/* Makes the folder `to`, which must not exist, with the files that records name, after
+ * golden_files_read; of a link a link, so that nothing is copied that it leads to. On failure there
+ * is no `to`. */
+enum err golden_files_copy(const struct golden_files *files, const char *to, struct fault *fault);
+
 /* Removes the images that are FILE_LEFTOVER beside a journal that is being continued, and says so.
  * `bytes` are those of the journal. */
 void golden_files_clear(const char *journal, const char *bytes, size_t length, struct buf *told);
