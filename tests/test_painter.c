@@ -320,6 +320,14 @@ static size_t show(struct painter *p, const struct image_view *view)
     return bytes;
 }
 
+/* The same, and the screen shows the picture then, to the pixel. */
+static size_t show_right(struct painter *p, const struct image_view *view)
+{
+    const size_t bytes = show(p, view);
+    CHECK_INT(wrong_pixels(p, view), 0);
+    return bytes;
+}
+
 enum { WITH_PIXELS = 4 };
 static const struct graphics *const with_pixels[WITH_PIXELS] = {&graphics_kitty, &graphics_sixel,
                                                                 &graphics_iterm, &graphics_tiles};
@@ -350,8 +358,7 @@ STORY(after_thousands_of_edits_the_screen_shows_the_picture)
         painter_place(&p, &facts, 2, 1, 20, 10);
         struct image_view view = picture(180, 190);
         fill_all(&view, &seed);
-        const size_t whole = show(&p, &view);
-        CHECK_INT(wrong_pixels(&p, &view), 0);
+        const size_t whole = show_right(&p, &view);
         CHECK(p.has_palette && !p.shades.is_exact);
         for (unsigned i = 0; i < 1500; i++) {
             for (uint32_t n = 1 + check_below(&seed, 4); n > 0; n--)
@@ -390,8 +397,7 @@ STORY(pictures_of_every_size_and_kind_follow_each_other)
             else
                 fill_all(&view, &seed);
             for (unsigned edits = check_below(&seed, 4); edits < 4; edits++) {
-                show(&p, &view);
-                CHECK_INT(wrong_pixels(&p, &view), 0);
+                show_right(&p, &view);
                 fill_box(&view, check_below(&seed, width), check_below(&seed, height),
                          1 + check_below(&seed, 20), 1 + check_below(&seed, 20), &seed);
             }
@@ -412,8 +418,7 @@ STORY(few_colours_come_exactly_and_more_may_join_them)
         pixel[0] = (uint8_t)(i % 251);
         pixel[1] = (uint8_t)(i / 251 + 7);
         pixel[3] = 255;
-        show(&p, &view);
-        CHECK_INT(wrong_pixels(&p, &view), 0);
+        show_right(&p, &view);
         CHECK_INT(p.shades.is_exact, i < SHADES_MOST - 1);
     }
     painter_release(&p);
@@ -432,8 +437,7 @@ STORY(a_cursor_move_costs_next_to_nothing)
         fill_all(&view, &seed);
         show(&p, &view);
         memset(pixels + 4 * (100 * 320 + 100), 255, 4);
-        CHECK(show(&p, &view) < most[g]);
-        CHECK_INT(wrong_pixels(&p, &view), 0);
+        CHECK(show_right(&p, &view) < most[g]);
         painter_release(&p);
     }
 }
@@ -453,8 +457,7 @@ STORY(a_whole_picture_of_blocks_takes_fewer_bytes_where_they_count)
         screen_begin(8, 16);
         painter_place(&p, &facts, 0, 0, 40, 20);
         view.is_coarse = is_coarse;
-        bytes[is_coarse] = show(&p, &view);
-        CHECK_INT(wrong_pixels(&p, &view), 0);
+        bytes[is_coarse] = show_right(&p, &view);
         painter_release(&p);
     }
     if (!CHECK(bytes[1] < bytes[0] * 3 / 4))
@@ -497,15 +500,13 @@ STORY(what_moves_or_was_overwritten_goes_whole_and_what_is_removed_is_gone)
         painter_place(&p, &facts, 3, 1, 10, 5);
         CHECK_INT(show(&p, &view), 0);
         painter_forget(&p);
-        CHECK(show(&p, &view) + 4 >= whole);
-        CHECK_INT(wrong_pixels(&p, &view), 0);
+        CHECK(show_right(&p, &view) + 4 >= whole);
         painter_remove(&p, &out);
         CHECK(screen_feed(&out));
         CHECK_INT(blemishes(), 0);
         CHECK_INT(kitty_pictures(&screen.kitty), 0);
         painter_place(&p, &facts, 12, 7, 10, 5);
-        show(&p, &view);
-        CHECK_INT(wrong_pixels(&p, &view), 0);
+        show_right(&p, &view);
         buf_release(&out);
         painter_release(&p);
     }
@@ -524,8 +525,7 @@ STORY(one_means_after_another_leaves_nothing)
     painter_place(&p, &kitty, 0, 0, 10, 5);
     show(&p, &view);
     painter_place(&p, &sixel, 0, 0, 10, 5);
-    show(&p, &view);
-    CHECK_INT(wrong_pixels(&p, &view), 0);
+    show_right(&p, &view);
     painter_remove(&p, &out);
     CHECK(screen_feed(&out));
     CHECK_INT(blemishes(), 0);
@@ -545,8 +545,7 @@ STORY(sixels_beyond_the_limit_of_the_terminal_come_in_pieces)
     struct image_view view = picture(173, 190);
     for (unsigned i = 0; i < 20; i++) {
         fill_all(&view, &seed);
-        show(&p, &view);
-        CHECK_INT(wrong_pixels(&p, &view), 0);
+        show_right(&p, &view);
     }
     painter_release(&p);
 }

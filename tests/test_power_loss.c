@@ -610,7 +610,7 @@ static void write_record(struct journal *journal, size_t n)
 STORY(a_loss_of_power_takes_views_of_the_last_second_and_no_edit)
 {
     teller = pthread_self();
-    for (uint64_t seed = 41; seed <= 44; seed++) {
+    for (uint64_t seed = 41; seed < 41 + check_scaled(2); seed++) {
         struct journal *journal;
         const char *path = begin(seed);
         written = edits_acknowledged = 0;
