@@ -60,6 +60,18 @@ err_has "there are no records to verify"
 expect 3 "$bench" journal "$work/none.iftty" </dev/null
 close_story
 
+begin "runs, edits, pictures and memory of a scene"
+expect 0 "$bench" brain --scene synth:geom:20x20x20 </dev/null
+out_has "synth:geom:20x20x20: 8000 voxels, 660 seeds, "
+out_has "an eliminator: update and incremental image"
+out_has "bytes a voxel"
+expect 0 "$bench" brain --scene synth:geom:20x20x20 --json </dev/null
+for words in '"scratch_ms": {"median": ' '"seed_ms": {"median": ' '"bytes_per_voxel": '; do
+    out_has "$words"
+done
+same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
+close_story
+
 # Without ch2 on the small scene.
 begin "what goes to a terminal"
 expect 0 "$bench" terminal --json </dev/null

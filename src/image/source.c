@@ -199,11 +199,11 @@ void source_close(struct volume_source *source)
 enum err source_switch(struct volume_source *source, const char *path, struct fault *fault)
 {
     struct volume_source other;
-    if (file_is_folder(path))
-        return fault_set(fault, ERR_INPUT, "a folder; expected a file");
     const enum err err = source_open(&other, path, source->watch, fault);
     if (err)
         return err;
+    if (other.is_folder)
+        return fault_set(fault, ERR_INPUT, "a folder; expected a file");
     other.path = source->path;
     source_close(source);
     *source = other;

@@ -137,7 +137,7 @@ bool volume_is_known(const char *path)
 {
     uint8_t begin[FIRST_BYTES];
     struct volume_source source;
-    if (file_is_folder(path) || source_open(&source, path, NULL, NULL))
+    if (source_open(&source, path, NULL, NULL) || source.is_folder)
         return false;
     const size_t length = source_peek(&source, begin, sizeof begin);
     const char *advice = advise(path, begin, length);
