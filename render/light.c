@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/light.h"
 
-#include "base/wide.h"
+#include "base/least.h"
 #include "engine/weight_gradient.h"
 
 enum {

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "base/wide.h"
+#include "base/least.h"
 
 enum {
     BARELY = 64, /* of a normal's length: what it faces the viewer by at least */

@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 
 #include "base/file.h"
-#include "program/config.h"
+#include "program/programs.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 #include "tui/pilot/pilot_keys.h"

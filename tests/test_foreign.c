@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Formats that nobody here reads (image/foreign.h): each row of their table says what it is there
+/* Formats that nobody here reads (image/volume.h): each row of their table says what it is there
  * for, unless a format that is read has taken what the row is known by. */
 #include "check.h"
 #include "folder.h"
@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/choice.h"
-#include "image/foreign.h"
 #include "image/volume.h"
 
 static char folder[FOLDER_LENGTH];

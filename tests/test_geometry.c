@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "image/nifti_header.h"
+#include "image/image_inside.h"
 #include "image/regrid.h"
 #include "tests/check.h"
 

@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "base/file_lines.h"
 #include "base/file_log.h"
 #include "tests/check.h"
 #include "tests/folder.h"

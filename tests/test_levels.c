@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "image/quantise.h"
+#include "image/image_inside.h"
 #include "image/volume.h"
 
 static uint64_t state = 28;

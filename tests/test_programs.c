@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "program/lesson.h"
+#include "program/programs.h"
 #include "program/program.h"
 #include "tests/check.h"
 

@@ -2,8 +2,7 @@
 /* Requests of a program that drives a session: what is read of them, in which order, and what of a
  * line is refused. What a session answers is in test_serve.sh. */
 #include "base/json.h"
-#include "program/answer.h"
-#include "program/inbox.h"
+#include "program/serve.h"
 #include "tests/check.h"
 
 static struct buf text;

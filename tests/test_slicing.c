@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "command/golden_judge.h"
+#include "command/golden_files.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "image/exr.h"

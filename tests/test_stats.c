@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 #include "engine/label_stats.h"
-#include "show/label_area.h"
+#include "show/label_report.h"
 #include "tests/check.h"
 
 enum { SIDE = 10, VOXELS = SIDE * SIDE * SIDE };

@@ -9,7 +9,7 @@
 
 #include "base/file.h"
 #include "engine/grid.h"
-#include "image/straighten.h"
+#include "image/image_inside.h"
 #include "image/volume.h"
 
 static uint64_t state = 1;

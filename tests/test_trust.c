@@ -16,7 +16,6 @@
 #include "base/hash.h"
 #include "interpreting.h"
 #include "check.h"
-#include "command/limits.h"
 #include "command/trust.h"
 #include "engine/scene.h"
 #include "image/image_helper.h"

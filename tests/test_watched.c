@@ -5,7 +5,7 @@
  */
 #include "base/file.h"
 #include "engine/forest.h"
-#include "program/watched.h"
+#include "program/programs.h"
 #include "tests/folder.h"
 #include "tests/interpreting.h"
 #include "tests/stopping.h"

@@ -8,7 +8,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "apply/subject.h"
 #include "base/choice.h"
 #include "base/file.h"
 #include "base/json.h"

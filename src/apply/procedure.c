@@ -9,7 +9,7 @@
 #include "base/mem.h"
 #include "base/safe.h"
 #include "base/scan.h"
-#include "command/answers.h"
+#include "command/act.h"
 #include "command/command.h"
 #include "command/interpreter.h"
 #include "engine/finish.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "apply/subject.h"
+#include "apply/apply.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -7,7 +7,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "apply/warp.h"
 #include "base/choice.h"
 #include "base/scan.h"
 #include "base/file.h"

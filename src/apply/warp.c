@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "apply/warp.h"
+#include "apply/apply.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -11,7 +11,6 @@
 #include "base/json.h"
 #include "base/scan.h"
 #include "command/act.h"
-#include "command/answers.h"
 #include "engine/hints.h"
 #include "engine/margin.h"
 #include "engine/measure.h"

@@ -7,7 +7,6 @@
 
 #include "base/file.h"
 #include "base/mem.h"
-#include "command/answers.h"
 #include "command/files.h"
 #include "engine/forest.h"
 #include "show/comparison_picture.h"

@@ -10,7 +10,6 @@
 #include "base/mem.h"
 #include "base/scan.h"
 #include "command/act.h"
-#include "command/answers.h"
 #include "command/files.h"
 #include "command/golden_files.h"
 #include "journal/golden.h"

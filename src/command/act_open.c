@@ -9,7 +9,6 @@
 
 #include "base/choice.h"
 #include "base/scan.h"
-#include "command/answers.h"
 #include "command/files.h"
 #include "journal/record.h"
 

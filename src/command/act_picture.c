@@ -9,7 +9,6 @@
 #include "base/hash.h"
 #include "base/least.h"
 #include "base/mem.h"
-#include "command/answers.h"
 #include "command/files.h"
 #include "image/exr.h"
 #include "image/image_helper.h"

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "command/answers.h"
 #include "command/files.h"
 #include "show/label_report.h"
 #include "show/label_table.h"

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-#include "command/answers.h"
+#include "command/act.h"
 
 #include <stdio.h>
 
 #include "base/choice.h"
-#include "command/act.h"
 #include "engine/roi.h"
 #include "image/geometry.h"
 #include "journal/journal.h"
 #include "show/histogram.h"
 #include "show/label_report.h"
-#include "show/surprise.h"
+#include "show/label_loss.h"
 #include "session/map.h"
 #include "session/tally.h"
 #include "show/export_picture.h"

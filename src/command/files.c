@@ -11,7 +11,6 @@
 #include "command/interpreter.h"
 #include "image/picture_writer.h"
 #include "journal/journal.h"
-#include "command/limits.h"
 #include "command/trust.h"
 
 static const char default_scenes[] = "/usr/share/mricron/templates";

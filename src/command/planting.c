@@ -9,7 +9,6 @@
 
 #include "base/mem.h"
 #include "base/scan.h"
-#include "command/answers.h"
 #include "engine/components.h"
 #include "engine/weight_gradient.h"
 #include "engine/roi.h"

@@ -18,7 +18,7 @@ struct act;
 enum err act_open(const struct act *act);
 enum err act_interpolate(const struct act *act);
 enum err act_orient(const struct act *act);
-/* act_weight.c */
+/* act_view.c */
 enum err act_weight(const struct act *act);
 enum err act_polarity(const struct act *act);
 enum err act_mask(const struct act *act);
@@ -73,7 +73,7 @@ enum err act_slice(const struct act *act);
 enum err act_mosaic(const struct act *act);
 /* act_picture.c */
 enum err act_spin(const struct act *act);
-/* act_golden.c */
+/* act_save.c */
 enum err act_golden(const struct act *act);
 /* act_save.c */
 enum err act_finish(const struct act *act);

@@ -26,7 +26,7 @@
  *          read and compared, and where it is not what was recorded, that alone is said;
  *     (T2) for writing, the folder of --out, or a fresh temporary one, by the last part of a name;
  *          nothing there is overwritten but what the same replay has written;
- *     (T3) so much memory, time and output (limits.h).
+ *     (T3) so much memory, time and output (trust.h).
  * Names are resolved by base/confine.h; what is checked is the folder and file themselves, not
  * their names. Where the kernel has Landlock, T1 and T2 hold for the process itself as well
  * (confine.h), even if a hostile file takes a decoder over: of what lies elsewhere, it reaches the
@@ -40,10 +40,12 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
-#include "base/confine.h"
 #include "base/buf.h"
+#include "base/confine.h"
 #include "base/err.h"
+#include "base/watch.h"
 
 /* What is looked for, and for the words: "scene", "was opened". */
 struct trust_sought {
@@ -86,5 +88,50 @@ struct trust_places {
 /* Confines the process to these places until it ends. False, and nothing is confined, where the
  * kernel cannot, or where they are more than some 250 folders. */
 bool trust_confine(const struct trust_places *places);
+
+/*
+ * Limits of a replay: how much memory, time and output the journal of somebody else may take.
+ *
+ * Protects against: a journal that fills the memory or the disk, or never ends.
+ *
+ * One set for the process, because memory and time are the process's.
+ *     (L1) memory is checked before a scene is loaded (mem_available), and again while commands
+ *          work;
+ *     (L2) time is checked while commands work and after each;
+ *     (L3) output is checked before a file grows too large, by the kernel (RLIMIT_FSIZE), and after
+ *          each command, whose files are removed again;
+ *     (L4) what is beyond a limit ends the replay with ERR_LIMIT, and words that name the option.
+ * The image helper is a process of its own, and may hold as much memory again, or 512 MB where that
+ * is more.
+ */
+
+struct limits {
+    uint64_t memory_bytes; /* 0: three quarters of what is free at the beginning */
+    uint64_t time_ms;      /* 0: an hour */
+    uint64_t output_bytes; /* 0: 4 GB */
+};
+
+/* Texts as options give them, or NULL: "500M", "2G" (powers of 1000) and "90", "1.5h", "20m",
+ * "90s". ERR_USAGE. */
+enum err limits_read(struct limits *limits, const char *memory, const char *time,
+                     const char *output, struct fault *fault);
+
+/* From now on they hold. */
+void limits_begin(const struct limits *limits);
+
+/* While a person looks at what the journal has come to, or thinks, its time stands still. */
+void limits_rest(bool rests);
+
+/* Whether the work is to stop, for the poll of a watch; limits_watch is a watch that polls nothing
+ * else, or NULL where no limits hold. */
+bool limits_stop(void);
+struct watch *limits_watch(void);
+
+/* A file is about to be written: it cannot grow beyond what is left. */
+void limits_will_write(void);
+
+/* A command has ended with `err`, and has written files: pairs of a path and another text, each
+ * ended by NUL. What it is to end with. */
+enum err limits_judge(enum err err, const struct buf *written, struct fault *fault);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include <string.h>
 
-#include "base/wide.h"
+#include "base/least.h"
 #include "engine/net_graph.h"
 
 enum {

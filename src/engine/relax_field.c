@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "base/wide.h"
+#include "base/least.h"
 
 /* Values side by side, which the compiler takes to pieces where the machine has no such. */
 enum { LANES = RELAX_CHUNK / 2, WORD_CHUNKS = 64 / RELAX_CHUNK };

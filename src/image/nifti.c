@@ -30,7 +30,7 @@
 
 #include "base/safe.h"
 #include "engine/grid.h"
-#include "image/nifti_header.h"
+#include "image/image_inside.h"
 
 #define BOTH     "; expected both files of the pair"
 #define EXCHANGE "; the .hdr and the .img may have each other's names"

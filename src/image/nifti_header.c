@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "image/nifti_header.h"
+#include "image/image_inside.h"
 
 #include <math.h>
 #include <string.h>

@@ -30,7 +30,7 @@
  *     Segment0_Extent:=50 131 22 89 9 60
  *
  * Read are files of three spatial axes with their voxels in them, plain or as gzip, so that the one
- * file that needs no helper has scenes and segmentations of 3D Slicer; nrrd_header.h says which.
+ * file that needs no helper has scenes and segmentations of 3D Slicer; image_inside.h says which.
  * All others go on to iftty-volume (ITK), which reads all kinds. What comes out is the same by
  * either way, to the last bit of the place and the last word of a refusal: so files that one build
  * has opened verify in every other.
@@ -49,8 +49,7 @@
 #include "base/scan.h"
 #include "engine/grid.h"
 #include "image/inflated.h"
-#include "image/nrrd_header.h"
-#include "image/part.h"
+#include "image/image_inside.h"
 #include "image/volume_format.h"
 #include "image/volume_helper.h"
 

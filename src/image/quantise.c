@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "image/quantise.h"
+#include "image/image_inside.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -17,6 +17,10 @@
 #ifndef IMAGE_VOLUME_H
 #define IMAGE_VOLUME_H
 
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
 #include "image/volume_format.h"
 
 #define HELPED_NOTE                                                                                \
@@ -87,5 +91,19 @@ enum err volume_read(struct volume *out, const char *path, const struct volume_c
  * (or NULL) stops it. The same values give the same bytes: a gzip file has no time and no name. */
 enum err volume_write(const char *path, enum file_mode mode, const struct volume_map *map,
                       struct watch *watch, struct fault *fault);
+
+/* Formats that nobody here reads, known by their first bytes or their names, and what converts
+ * them. */
+
+/* By its bytes; a name alone where there are none. */
+struct foreign {
+    const char *endings; /* or the whole name */
+    unsigned at, length;
+    const char *bytes, *advice;
+};
+
+/* Up to one without advice. What a format reads that there is now, has no place here
+ * (tests/test_foreign.c). */
+extern const struct foreign foreign_formats[];
 
 #endif

@@ -65,11 +65,11 @@ struct volume_choice {
     uint32_t volume;
     const char *command; /* the command by which the user chooses it, for the words of a refusal;
                             NULL: a program, by its option --volume. Not owned */
-    bool has_crop;       /* of a volume, this part (image/part.h): */
+    bool has_crop;       /* of a volume, this part (image/image_inside.h): */
     uint32_t first[3], last[3];
     uint32_t reduce;  /* 0 and 1: voxels as they are */
     bool nearest;     /* reduce: take the middle of each block, for labels */
-    bool straightens; /* of sheared axes, the part on a straight grid (image/straighten.h) */
+    bool straightens; /* of sheared axes, the part on a straight grid (image/image_inside.h) */
     uint32_t series;  /* of the series of DICOM in a folder, counted from 1; 0: the only one */
     const char *series_name; /* or a piece of its description; NULL: not said. Not owned */
     const char *skip;        /* files of a folder to leave out, NAME,NAME; NULL: none. Not owned */

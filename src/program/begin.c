@@ -18,11 +18,10 @@
 #include "journal/journal.h"
 #include "journal/record.h"
 #include "program/console.h"
-#include "command/limits.h"
 #include "command/trust.h"
 #include "tui/cells.h"
 
-enum err begin_interpreter(struct interpreter *interp, const struct options *o, struct fault *fault)
+enum err begin_by_options(struct interpreter *interp, const struct options *o, struct fault *fault)
 {
     struct buf lines = {0}, path = {0};
     enum err err = interpreter_init(interp, fault);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "program/config.h"
+#include "program/programs.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +12,7 @@
 
 enum {
     LABEL_MOST = 255,
-    RADIUS_MOST = 32,
+    SEED_RADIUS_MOST = 32,
     NOTED_MOST = 10, /* lines that are wrong */
 };
 #define REAL_MOST INT64_C(1000000000) /* thousandths */
@@ -58,7 +58,7 @@ static enum err take_theme(struct config *config, const char *words, struct faul
 static bool take_radius(const char **at, struct pilot_brush *brush)
 {
     int64_t tenths;
-    if (!scan_decimal(at, 1, 0, 10 * RADIUS_MOST, &tenths))
+    if (!scan_decimal(at, 1, 0, 10 * SEED_RADIUS_MOST, &tenths))
         return false;
     brush->in_mm = scan_text(at, "mm");
     const int64_t unit = brush->in_mm ? 5 : 10;
@@ -84,7 +84,7 @@ static enum err take_brush(struct config *config, const char *words, struct faul
             fault, ERR_USAGE,
             "expected a label 0..%d, then a radius 0..%d or so many mm, in halves, and "
             "range=LOW..HIGH, or less",
-            LABEL_MOST, RADIUS_MOST);
+            LABEL_MOST, SEED_RADIUS_MOST);
     brush.label = (unsigned)label;
     config->setup.brush = brush;
     return OK;

@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "command/limits.h"
+#include "command/trust.h"
 #include "tui/progress.h"
 
 static volatile sig_atomic_t interrupted, idle;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "program/lesson.h"
+#include "program/programs.h"
 
 #include <stdlib.h>
 #include <string.h>

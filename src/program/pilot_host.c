@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-#include "program/pilot_host.h"
+#include "program/programs.h"
 
 #include <stdio.h>
 #include <string.h>
 
 #include "command/execute.h"
-#include "program/programs.h"
 #include "render/rendition.h"
 #include "show/label_report.h"
 #include "show/voxel_facts.h"

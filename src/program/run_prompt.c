@@ -14,10 +14,7 @@
 #include "image/picture_writer.h"
 #include "journal/journal.h"
 #include "program/programs.h"
-#include "program/config.h"
 #include "program/console.h"
-#include "program/lesson.h"
-#include "program/pilot_host.h"
 #include "session/setting.h"
 #include "tui/pilot/pilot.h"
 #include "tui/pilot/pilot_keys.h"
@@ -559,7 +556,7 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
     begin_journal_name(&journal, lesson ? "tutorial" : prompt.first);
     if (isatty(STDIN_FILENO)) /* else nobody is there to go on */
         console_handle_interrupts();
-    err = begin_interpreter(&prompt.interp, o, fault);
+    err = begin_by_options(&prompt.interp, o, fault);
     begin_to_wait(&prompt.interp);
     if (!o->journal && !prompt.resumes)
         prompt.interp.new_journal = buf_text(&journal);

@@ -115,7 +115,7 @@ static enum err run_lines(const struct options *o, FILE *input, const char *name
                                     .show = o->json ? NULL : show_picture,
                                     .waits = console_wait};
     console_handle_interrupts();
-    enum err err = begin_interpreter(&interp, o, fault);
+    enum err err = begin_by_options(&interp, o, fault);
     begin_to_wait(&interp);
     if (!err) {
         const size_t records = interp.journal ? journal_count(interp.journal) : 0;

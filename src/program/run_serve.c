@@ -13,8 +13,7 @@
 #include "journal/journal.h"
 #include "program/programs.h"
 #include "program/console.h"
-#include "program/answer.h"
-#include "program/inbox.h"
+#include "program/serve.h"
 #include "session/session.h"
 
 /* A command that takes longer says how far it is, and again after each of these; requests that
@@ -261,7 +260,7 @@ static enum err begin(struct server *s, const struct options *o, struct buf *nam
     struct options plain = *o;
     plain.journal = goes_on ? NULL : o->journal;
     begin_journal_name(name, first);
-    err = begin_interpreter(&s->interp, &plain, fault);
+    err = begin_by_options(&s->interp, &plain, fault);
     begin_to_wait(&s->interp);
     session_set_watch(s->interp.session, &s->watch);
     if (!o->journal && !resumes)

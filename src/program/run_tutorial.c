@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include "program/programs.h"
-#include "program/lesson.h"
 
 enum err run_tutorial(const struct options *o, struct fault *fault)
 {

@@ -32,7 +32,7 @@ enum err run_replay(const struct options *o, struct fault *fault)
     console_handle_interrupts();
     err = begin_confined(o, o->word[0], here.out, fault);
     if (!err) {
-        err = begin_interpreter(&interp, &here, fault);
+        err = begin_by_options(&interp, &here, fault);
         if (!err)
             err = replay_aloud(&interp, o->word[0], &console_printer, fault);
         interpreter_release(&interp);
@@ -196,7 +196,7 @@ static enum err reseal(const struct options *o, bool is_edited, struct fault *fa
 {
     struct interpreter interp;
     console_handle_interrupts();
-    enum err err = begin_interpreter(&interp, o, fault);
+    enum err err = begin_by_options(&interp, o, fault);
     if (!err && is_edited)
         err = reseal_edited(&interp, o->word[0], o->accept, &console_printer, fault);
     else if (!err)

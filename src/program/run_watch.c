@@ -16,15 +16,12 @@
 #include "command/complete.h"
 #include "command/execute.h"
 #include "program/programs.h"
-#include "program/config.h"
 #include "program/console.h"
-#include "program/pilot_host.h"
-#include "program/watched.h"
 #include "tui/pilot/pilot.h"
 #include "tui/prompt/repl.h"
 
 struct watching {
-    struct pilot_interpreter pilot; /* first, as pilot_host.h wants it */
+    struct pilot_interpreter pilot; /* first, as programs.h wants it */
     struct watched watched;
     struct reply reply;
     size_t last;  /* the last step that is shown */
@@ -231,7 +228,7 @@ enum err run_watch(const struct options *o, struct fault *fault)
     console_handle_interrupts();
     enum err err = begin_confined(o, o->word[0], NULL, fault);
     if (!err) {
-        err = begin_interpreter(&interp, o, fault);
+        err = begin_by_options(&interp, o, fault);
         if (!err)
             err = watch_at_terminal(o, &interp, &config, fault);
         interpreter_release(&interp);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "program/watched.h"
+#include "program/programs.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +9,7 @@
 #include "engine/forest.h"
 #include "engine/labels.h"
 #include "show/label_report.h"
-#include "command/limits.h"
+#include "command/trust.h"
 #include "verify/replay_file.h"
 
 enum { SEEDS_DRAWN_MOST = 1 << 18, LABELS_SAID_MOST = 6 };

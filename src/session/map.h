@@ -44,7 +44,7 @@ enum err map_check_size(const uint32_t is[3], const struct grid *grid, struct fa
 enum err map_check_axes(const struct volume *map, const struct geometry *place,
                         struct fault *fault);
 
-/* Which part of its file a scene is (image/part.h). All zero: it is the whole. */
+/* Which part of its file a scene is (image/image_inside.h). All zero: it is the whole. */
 struct map_part {
     uint32_t whole[3], size[3]; /* voxels of the file, and of the part */
     struct volume_choice choice;

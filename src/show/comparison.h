@@ -20,6 +20,7 @@
 #define REPORT_COMPARISON_H
 
 #include "base/buf.h"
+#include "base/json.h"
 #include "base/team.h"
 #include "base/watch.h"
 #include "engine/grid.h"
@@ -91,5 +92,33 @@ void comparison_write_json(struct buf *out, const struct comparison_report *repo
 
 /* A line of names, then one for each label, and one for all, whose label is "all". */
 void comparison_write_csv(struct buf *out, const struct comparison_report *report);
+
+/*
+ * Figures of a label for programs: members of an object in JSON, and a row of a table in CSV, both
+ * with 12 digits. One that is not known is NAN, which is null in JSON and an empty field in CSV.
+ */
+
+struct geometry;
+
+enum { FIGURES_MOST = 32 };
+
+struct figures {
+    int count;
+    struct {
+        const char *name;
+        double value;
+    } of[FIGURES_MOST];
+};
+
+void figures_add(struct figures *figures, const char *name, double value);
+
+void figures_write_json(struct json *json, const struct figures *figures);
+
+/* The first line of a table; and what comes after the label in one of its own. */
+void figures_write_csv_names(struct buf *out, const struct figures *figures);
+void figures_write_csv(struct buf *out, const char *label_name, const struct figures *figures);
+
+/* Dice's coefficient of a label, or 0 for all: 2 both / (a + b). */
+double figures_dice(const struct overlap *overlap, unsigned label);
 
 #endif

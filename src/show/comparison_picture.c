@@ -17,7 +17,7 @@
 #include "show/decorating.h"
 #include "show/draw.h"
 #include "show/export_picture.h"
-#include "show/figures.h"
+#include "show/comparison.h"
 #include "show/slicing.h"
 #include "show/window.h"
 

@@ -2,7 +2,7 @@
 /*
  * The pictures of a session, for the files of this room: what is stored of them, so that an edit or
  * another look takes no longer than it must. They are there from the first one on that somebody
- * asks for (draw.c), and follow the session until its scene is closed (session/follower.h).
+ * asks for (draw.c), and follow the session until its scene is closed (session/session.h).
  *
  * Invariants
  *   V1 the rendition, where `rendered`, is that of those labels, their border and the camera, pixel

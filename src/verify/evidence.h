@@ -14,7 +14,7 @@
 #define VERIFY_EVIDENCE_H
 
 #include "base/buf.h"
-#include "command/golden_judge.h"
+#include "command/golden_files.h"
 
 enum { EVIDENCE_MOST = 3 };
 

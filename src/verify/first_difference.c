@@ -11,7 +11,7 @@
 #include "verify/replay_file.h"
 
 /* A walk through one of the two, and the command it has come to. */
-struct follower {
+struct two_replays {
     const char *name;
     enum first_of of;
     struct walk walk;
@@ -32,14 +32,14 @@ static void take_words(struct buf *words, const char *command)
         }
 }
 
-static bool is_recorded(const struct follower *f)
+static bool is_recorded(const struct two_replays *f)
 {
     const struct command *command =
         f->walk.is_journal || !f->words.length ? NULL : command_find(buf_text(&f->words));
     return !command || (command->flags & COMMAND_RECORDED);
 }
 
-static enum err step(struct follower *f, size_t last, struct fault *fault)
+static enum err step(struct two_replays *f, size_t last, struct fault *fault)
 {
     if (f->of == FIRST_RECORD)
         f->goes_on = walk_next_sound(&f->walk, &f->record) == WALK_RECORD;
@@ -57,7 +57,7 @@ static enum err step(struct follower *f, size_t last, struct fault *fault)
                : OK;
 }
 
-static enum err begin(struct follower *f, const struct buf *bytes, struct fault *fault)
+static enum err begin(struct two_replays *f, const struct buf *bytes, struct fault *fault)
 {
     const enum err err = walk_begin(&f->walk, buf_text(bytes), bytes->length, fault);
     if (err)
@@ -68,7 +68,7 @@ static enum err begin(struct follower *f, const struct buf *bytes, struct fault 
     return OK;
 }
 
-static bool are_same(const struct follower f[2])
+static bool are_same(const struct two_replays f[2])
 {
     if (!f[0].goes_on || !f[1].goes_on)
         return false;
@@ -79,7 +79,7 @@ static bool are_same(const struct follower f[2])
            memcmp(buf_text(&f[0].words), buf_text(&f[1].words), f[0].words.length) == 0;
 }
 
-static enum err note(struct first_difference *first, const struct follower f[2],
+static enum err note(struct first_difference *first, const struct two_replays f[2],
                      struct fault *fault)
 {
     first->is_there = f[0].goes_on || f[1].goes_on;
@@ -101,7 +101,7 @@ enum err first_difference_find(struct first_difference *first, enum first_of of,
                                const char *const name[2], const struct buf bytes[2], size_t last,
                                struct fault *fault)
 {
-    struct follower f[2] = {{.name = name[0], .of = of}, {.name = name[1], .of = of}};
+    struct two_replays f[2] = {{.name = name[0], .of = of}, {.name = name[1], .of = of}};
     enum err err = begin(f, bytes, fault);
     if (!err)
         err = begin(f + 1, bytes + 1, fault);

@@ -12,7 +12,7 @@
 #include "image/exr.h"
 #include "journal/golden.h"
 #include "journal/journal.h"
-#include "command/limits.h"
+#include "command/trust.h"
 #include "show/slicing.h"
 #include "verify/evidence.h"
 

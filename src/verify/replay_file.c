@@ -11,7 +11,7 @@
 #include "base/scan.h"
 #include "command/execute.h"
 #include "journal/journal.h"
-#include "command/limits.h"
+#include "command/trust.h"
 
 /* ---- which records take longest ---- */
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The replay of a journal by an interpreter, under the limits for journals that somebody else may
- * have written (command/limits.h), what its report says in words, and which records took longest.
+ * have written (command/trust.h), what its report says in words, and which records took longest.
  */
 #ifndef VERIFY_REPLAY_FILE_H
 #define VERIFY_REPLAY_FILE_H

@@ -9,7 +9,6 @@
 #include "command/execute.h"
 #include "command/files.h"
 #include "command/golden_files.h"
-#include "command/golden_judge.h"
 #include "image/image_helper.h"
 #include "journal/golden.h"
 #include "journal/journal.h"

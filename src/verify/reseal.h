@@ -21,7 +21,7 @@
 #ifndef VERIFY_RESEAL_H
 #define VERIFY_RESEAL_H
 
-#include "command/golden_judge.h"
+#include "command/golden_files.h"
 #include "command/script.h"
 
 /* `iftty verify --accept WHY`: golden images that differ or are missing are drawn again, and

@@ -66,7 +66,7 @@ static const struct row {
 };
 enum { ROWS = sizeof table_rows / sizeof table_rows[0] };
 
-struct way {
+struct bench_way {
     const char *scene;
     struct times times[TIMED];
     double bytes_per_voxel;
@@ -188,7 +188,7 @@ static enum err time_frames(struct session *session, struct times *times, struct
     return err;
 }
 
-static enum err time_session(struct interpreter *interp, struct way *way, struct fault *fault)
+static enum err time_session(struct interpreter *interp, struct bench_way *way, struct fault *fault)
 {
     struct session *session = interp->session;
     struct scene *scene = session_scene(session);
@@ -216,7 +216,7 @@ static enum err time_session(struct interpreter *interp, struct way *way, struct
     return err;
 }
 
-static void print_way(struct way *way)
+static void print_way(struct bench_way *way)
 {
     printf("%s: %zu voxels, %d seeds, %zu border voxels; %u threads\n\n", way->scene, way->voxels,
            SEEDS, way->border_voxels, way->threads);
@@ -235,7 +235,7 @@ static void print_way(struct way *way)
            "");
 }
 
-static void write_way_json(struct json *json, struct way *way)
+static void write_way_json(struct json *json, struct bench_way *way)
 {
     json_text(json, "scene", way->scene);
     json_count(json, "voxels", way->voxels);
@@ -467,7 +467,7 @@ static void write_costs_json(struct json *json, const struct costs *costs)
 /* ---- the programs ---- */
 
 /* One of the two, as an object. */
-static void print_json(struct way *way, const struct costs *costs)
+static void print_json(struct bench_way *way, const struct costs *costs)
 {
     struct buf text = {0};
     struct json json = {.out = &text};
@@ -485,7 +485,7 @@ enum err run_brain(const struct options *o, struct fault *fault)
 {
     struct interpreter interp;
     struct buf path = {0};
-    struct way *way = mem_new(sizeof *way);
+    struct bench_way *way = mem_new(sizeof *way);
     enum err err = interpreter_init(&interp, fault);
     if (!err && !way)
         err = fault_memory(fault, "a benchmark");

@@ -10,7 +10,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/json.h"
-#include "command/golden_judge.h"
+#include "command/golden_files.h"
 #include "tests/bench/times.h"
 #include "command/interpreter.h"
 #include "journal/journal.h"

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/safe.h"
-#include "program/config.h"
+#include "program/programs.h"
 #include "tui/pilot/pilot_keys.h"
 
 static void check_lines(const struct buf *text)

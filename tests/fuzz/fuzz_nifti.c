@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-#include "image/nifti_header.h"
+#include "image/image_inside.h"
 
 static void decode(const uint8_t *bytes, size_t length)
 {

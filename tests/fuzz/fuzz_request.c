@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* Lines of a program that drives a session, any bytes at all: each is a request, a cancel or an
- * error in words, in order, and memory is bounded (I1, I2 of program/inbox.h). Bytes come in two
+ * error in words, in order, and memory is bounded (I1, I2 of program/serve.h). Bytes come in two
  * pieces, parted where the first one says. */
 #include "tests/fuzz/fuzz.h"
 
 #include <string.h>
 
 #include "base/json.h"
-#include "program/inbox.h"
+#include "program/serve.h"
 
 static void check_request(const struct request *request)
 {

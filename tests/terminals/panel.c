@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "command/execute.h"
-#include "program/pilot_host.h"
+#include "program/programs.h"
 
 static bool write_picture(const struct image_view *view, const char *path)
 {

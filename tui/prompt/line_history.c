@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "base/file_lines.h"
+#include "base/file_log.h"
 #include "base/mem.h"
 
 enum { TRIM_AFTER = 1000 };

@@ -5,7 +5,7 @@
  * Not stored: empty lines, a line that begins with a blank, a repetition of the line before, and
  * lines longer than LINE_HISTORY_LONGEST. The file is plain text, a line each, mode 0600. Each line
  * is appended to it when it is entered, so that a session that is killed has lost none, and many
- * sessions at once store the lines of all (base/file_lines.h). It is trimmed to the last
+ * sessions at once store the lines of all (base/file_log.h). It is trimmed to the last
  * LINE_HISTORY_MOST lines now and then.
  *
  * Lines of the file that hold control characters are passed over.
