@@ -10,7 +10,8 @@
 #
 # Each has a fresh folder as its TMPDIR, which is gone afterwards. Closes with the programs that
 # were busy longest and the line "N passed, N failed, N skipped"; status 1 when anything failed or
-# nothing was run. A story that ends in "# SKIP why" is named and counted as skipped, never as passed.
+# nothing was run. A story that ends in "# SKIP why" is named and counted as skipped, never as
+# passed.
 cd "$(dirname "$0")/.." || exit 1
 
 # Those that take longest begin first, so that the last one to end is a short one.
