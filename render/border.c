@@ -136,7 +136,7 @@ void border_recount(struct border *border)
 /* ---- updates ---- */
 
 /* Notes that the word of a cell is out of date. */
-static inline void mark(struct border *border, uint32_t cell)
+static inline void mark_word(struct border *border, uint32_t cell)
 {
     const uint32_t w = cell >> 6;
     const uint64_t bit = UINT64_C(1) << (w & 63);
@@ -169,10 +169,10 @@ void border_update(struct border *border, const struct changes *changes)
         if (border_shows(border, at)) /* the voxel has become visible */
             *block_of(border, grid_place(&border->scene->grid, at)) = true;
         for (int a = 0; a < 3; a++) {
-            mark(border, at - (uint32_t)step[a]);
-            mark(border, at + (uint32_t)step[a]);
+            mark_word(border, at - (uint32_t)step[a]);
+            mark_word(border, at + (uint32_t)step[a]);
         }
-        mark(border, at);
+        mark_word(border, at);
     }
     /* Recompute the words that are marked. */
     while (border->stales > 0) {

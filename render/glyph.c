@@ -341,7 +341,7 @@ static void cover_row(int32_t *row, int32_t from, int32_t to, int32_t down)
     }
 }
 
-static void cover(struct band *b, struct spot from, struct spot to)
+static void cover_line(struct band *b, struct spot from, struct spot to)
 {
     const int32_t sign = from.y < to.y ? 1 : -1;
     const struct spot a = from.y < to.y ? from : to, z = from.y < to.y ? to : from;
@@ -361,7 +361,7 @@ static void cover(struct band *b, struct spot from, struct spot to)
 }
 
 /* The square of the distance of pixels from a line, where it is less than what they have. */
-static void approach(struct band *b, struct spot from, struct spot to, int32_t reach)
+static void approach_line(struct band *b, struct spot from, struct spot to, int32_t reach)
 {
     const int64_t vx = to.x - from.x, vy = to.y - from.y, squares = vx * vx + vy * vy;
     const int64_t beyond = reach * (llabs(vx) + llabs(vy));
@@ -450,9 +450,9 @@ void glyph_draw(const struct canvas *canvas, const struct glyph *g, uint32_t hal
             b.pixel[i] = reach * reach;
         for (size_t i = 0; i < g->lines; i++)
             if (reach)
-                approach(&b, g->from[i], g->to[i], reach);
+                approach_line(&b, g->from[i], g->to[i], reach);
             else
-                cover(&b, g->from[i], g->to[i]);
+                cover_line(&b, g->from[i], g->to[i]);
         blend_band(canvas, &b, column, g->row + b.top, rgb, reach);
     }
 }

@@ -24,8 +24,8 @@ static bool is_same(const struct mesh_brick *a, const struct mesh_quad *p,
 }
 
 /* What hides a quad hides it still, or is marked itself. */
-static void mark(const struct following *f, uint32_t number, const struct mesh_brick *brick,
-                 const struct mesh_quad *quad)
+static void mark_quads(const struct following *f, uint32_t number, const struct mesh_brick *brick,
+                       const struct mesh_quad *quad)
 {
     const struct sight sight = project_quad(&f->drawer, number, brick, quad);
     if (!project_is_hidden(f->rendition, &sight))
@@ -49,9 +49,9 @@ static void follow_brick(void *context, const struct mesh *mesh, uint32_t number
             continue;
         }
         if (!comes)
-            mark(f, number, former, p);
+            mark_quads(f, number, former, p);
         if (!goes)
-            mark(f, number, next, q);
+            mark_quads(f, number, next, q);
         i += !comes;
         j += !goes;
     }

@@ -452,7 +452,8 @@ static bool is_none(const struct mesh_box *box)
 }
 
 /* Quads of voxels at most `far` steps from these along each axis. */
-static void mark(struct mesh *mesh, const uint32_t first[3], const uint32_t last[3], uint32_t far)
+static void mark_regions(struct mesh *mesh, const uint32_t first[3], const uint32_t last[3],
+                         uint32_t far)
 {
     const uint32_t *size = mesh->border->scene->grid.size;
     struct mesh_box all;
@@ -487,14 +488,14 @@ static void mark_cell(struct mesh *mesh, uint32_t cell, bool is_shown, bool wall
     const struct place p = grid_place(&mesh->border->scene->grid, cell);
     const uint32_t at[3] = {p.x, p.y, p.z};
     if (!is_shown || walls || border_holds(mesh->border, cell))
-        mark(mesh, at, at, NET_MARGIN);
+        mark_regions(mesh, at, at, NET_MARGIN);
 }
 
 static void mark_all(struct mesh *mesh)
 {
     const uint32_t *size = mesh->border->scene->grid.size;
-    mark(mesh, (const uint32_t[]){0, 0, 0},
-         (const uint32_t[]){size[0] - 1, size[1] - 1, size[2] - 1}, 0);
+    mark_regions(mesh, (const uint32_t[]){0, 0, 0},
+                 (const uint32_t[]){size[0] - 1, size[1] - 1, size[2] - 1}, 0);
 }
 
 void mesh_note(struct mesh *mesh, const struct border *border, const struct changes *changes)
@@ -530,7 +531,7 @@ static size_t mark_run(struct mesh *mesh, size_t cell, size_t end)
     const uint32_t least[3] = {first, row - 1, plane - 1};
     const uint32_t most[3] = {last < grid->size[0] ? last : grid->size[0] - 1, row - 1, plane - 1};
     if (first < grid->size[0])
-        mark(mesh, least, most, NET_MARGIN);
+        mark_regions(mesh, least, most, NET_MARGIN);
     return run;
 }
 
@@ -570,7 +571,7 @@ static bool is_other(const struct mesh *mesh, const struct border *border, enum 
            (mesh->is_lost && (is_cut || has_walls(mesh)));
 }
 
-static enum err begin(struct mesh *mesh, const struct border *border, struct fault *fault)
+static enum err begin_mesh(struct mesh *mesh, const struct border *border, struct fault *fault)
 {
     const struct grid *grid = &border->scene->grid;
     mesh_release(mesh);
@@ -692,7 +693,7 @@ enum err mesh_update(struct mesh *mesh, const struct border *border, enum mesh_k
     struct updating u = {.mesh = mesh, .team = team};
     enum err err = OK;
     if (mesh->border != border)
-        err = begin(mesh, border, fault);
+        err = begin_mesh(mesh, border, fault);
     else if (is_other(mesh, border, kind))
         mark_all(mesh);
     else if (mesh->version != border->version)

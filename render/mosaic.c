@@ -352,8 +352,8 @@ static void place_panes(struct mosaic_layout *layout, const struct arrangement *
 }
 
 /* Lays the panes out; how many pixels show something. */
-static uint64_t arrange(struct mosaic_layout *layout, const struct arrangement *a,
-                        const struct mosaic_screen *screen, const struct lengths *lengths)
+static uint64_t arrange_panes(struct mosaic_layout *layout, const struct arrangement *a,
+                              const struct mosaic_screen *screen, const struct lengths *lengths)
 {
     const uint64_t *of = lengths->of;
     const uint64_t across = ((uint64_t)screen->width << SCALE_BITS) / sum_of(lengths, a->columns);
@@ -401,7 +401,7 @@ void mosaic_lay_out(struct mosaic_layout *layout, const struct scene *scene,
         const bool has_room = /* cells for all tracks */
             strlen(a->columns) * CELLS_LEAST <= screen->width / screen->cell_width &&
             strlen(a->rows) * CELLS_LEAST <= screen->height / screen->cell_height;
-        const uint64_t used = has_room ? arrange(&next, a, screen, &lengths) : 0;
+        const uint64_t used = has_room ? arrange_panes(&next, a, screen, &lengths) : 0;
         if (used > most) {
             most = i == 0 ? used + used / WORTH : used;
             *layout = next;

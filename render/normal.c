@@ -155,8 +155,8 @@ static inline int64_t share_at(const struct edge_function *e, uint32_t x, uint32
 }
 
 /* The mean of the corners' normals, by their shares. */
-static inline void blend(struct gradients *outward, unsigned i, const struct seen *seen, uint32_t x,
-                         uint32_t y)
+static inline void blend_normals(struct gradients *outward, unsigned i, const struct seen *seen,
+                                 uint32_t x, uint32_t y)
 {
     enum { SHARE_BITS = 15 };
     const int bits = 64 - __builtin_clzll((uint64_t)seen->all | 1);
@@ -191,7 +191,7 @@ void normals_of(struct directions *out, uint8_t open[NORMALISED], const struct n
             drawer_see(&normals->drawer, seen, number, cell);
         open[i] = seen->open;
         if (!open[i]) {
-            blend(&outward, i, seen, pixels->x[i], pixels->y[i]);
+            blend_normals(&outward, i, seen, pixels->x[i], pixels->y[i]);
             continue;
         }
         for (unsigned a = 0; a < 3; a++)

@@ -169,7 +169,7 @@ struct setting {
     int64_t at, end; /* where it begins and ends, in parts of a pixel from the line's begin */
 };
 
-static struct setting begin(const char *words, uint32_t tall)
+static struct setting begin_setting(const char *words, uint32_t tall)
 {
     return (struct setting){.next = words, .left = strcspn(words, "\n"), .tall = tall};
 }
@@ -220,7 +220,7 @@ void text_draw(const struct canvas *canvas, int64_t left, int64_t top, uint32_t 
 {
     const uint32_t halo = halo_of(tall);
     for (;; words++, top += text_line(tall)) {
-        draw_line(canvas, left, top + tall, begin(words, tall), halo, ink);
+        draw_line(canvas, left, top + tall, begin_setting(words, tall), halo, ink);
         words += strcspn(words, "\n");
         if (!*words)
             return;
@@ -239,7 +239,7 @@ int64_t text_line(uint32_t tall)
 
 int64_t text_width(const char *words, uint32_t tall)
 {
-    struct setting s = begin(words, tall);
+    struct setting s = begin_setting(words, tall);
     while (next_letter(&s))
         continue;
     return (s.end + ONE - 1) / ONE;
@@ -249,7 +249,7 @@ void text_cut(char *words, size_t capacity, uint32_t tall, int64_t columns)
 {
     static const char dots[] = "\xe2\x80\xa6";
     const int64_t room = columns - text_width(dots, tall);
-    struct setting s = begin(words, tall);
+    struct setting s = begin_setting(words, tall);
     size_t fit = 0;
     if (text_width(words, tall) <= columns)
         return;

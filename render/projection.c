@@ -155,8 +155,8 @@ struct owner {
     bool is_opaque;
 };
 
-static inline void put(struct rendition *r, size_t pixel, size_t tile, int64_t key,
-                       const struct owner *o)
+static inline void put_pixel(struct rendition *r, size_t pixel, size_t tile, int64_t key,
+                             const struct owner *o)
 {
     if (o->is_layer) {
         layers_put(r->layers, pixel, (struct layer){key, o->cell, o->label}, o->is_opaque);
@@ -196,9 +196,9 @@ static void draw_triangle(struct rendition *r, const struct window *w, const str
             if ((e0 | e1 | e2) >= 0) {
                 if (!slope.from)
                     slope = slope_of(a, b, c, area);
-                put(r, (size_t)y * r->width + (size_t)x,
-                    (size_t)(y / TILE) * r->tiles_x + (size_t)(x / TILE),
-                    depth_at(&slope, x, y) * (1 << NUMBER_BITS) + o->number, o);
+                put_pixel(r, (size_t)y * r->width + (size_t)x,
+                          (size_t)(y / TILE) * r->tiles_x + (size_t)(x / TILE),
+                          depth_at(&slope, x, y) * (1 << NUMBER_BITS) + o->number, o);
             }
             e0 += e[0].right, e1 += e[1].right, e2 += e[2].right;
         }

@@ -253,7 +253,7 @@ static bool is_one(const struct rendition *r, size_t first, uint32_t samples)
 }
 
 /* What a sample looks like, for all of its pixel. */
-static void spread(struct rendition *r, size_t first, size_t from, uint32_t samples)
+static void spread_pixel(struct rendition *r, size_t first, size_t from, uint32_t samples)
 {
     uint8_t rgba[4];
     int16_t normal[4];
@@ -290,7 +290,7 @@ static void shade_samples(struct rendition *r, struct tile_shading *t, struct ti
         const unsigned bit = (unsigned)__builtin_ctzll(one);
         const uint32_t x = tile.left + bit % TILE, y = tile.top + bit / TILE;
         const size_t from = (size_t)y * r->width + x;
-        spread(r, from - half * ((size_t)r->width + 1), from, samples);
+        spread_pixel(r, from - half * ((size_t)r->width + 1), from, samples);
     }
 }
 

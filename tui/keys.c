@@ -7,7 +7,7 @@
 
 enum { ESC = 0x1B, BEL = 0x07, BACKSPACE = 0x08, DELETE = 0x7F };
 
-static bool begin(struct keys *k, unsigned state)
+static bool begin_sequence(struct keys *k, unsigned state)
 {
     k->state = state;
     k->length = 0;
@@ -64,7 +64,7 @@ static bool feed_control(struct keys *k, uint8_t byte, struct key_event *event)
 static bool feed_ground(struct keys *k, uint8_t byte, struct key_event *event)
 {
     if (byte == ESC)
-        return begin(k, KEYS_ESC);
+        return begin_sequence(k, KEYS_ESC);
     if (byte < 0x20 || byte == DELETE)
         return feed_control(k, byte, event);
     if (byte < 0x80)
@@ -73,7 +73,7 @@ static bool feed_ground(struct keys *k, uint8_t byte, struct key_event *event)
     k->state = KEYS_GROUND;
     if (byte < 0xC2 || byte > 0xF4)
         return false; /* no character begins like this */
-    begin(k, KEYS_UTF8);
+    begin_sequence(k, KEYS_UTF8);
     store(k, byte);
     k->needed = byte < 0xE0 ? 1 : byte < 0xF0 ? 2 : 3;
     return false;
@@ -111,17 +111,17 @@ static bool feed_escape(struct keys *k, uint8_t byte, struct key_event *event)
         k->alt = true;
         return false;
     case '[':
-        begin(k, KEYS_CSI);
+        begin_sequence(k, KEYS_CSI);
         break;
     case 'O':
-        begin(k, KEYS_SS3);
+        begin_sequence(k, KEYS_SS3);
         break;
     case 'P':
     case ']':
     case '_':
     case '^':
     case 'X':
-        begin(k, KEYS_STRING);
+        begin_sequence(k, KEYS_STRING);
         break;
     case '\\': /* the end of a string whose beginning was cut off, or Alt-\, of no use here */
         return emit(k, KEY_OTHER, KEY_ALT, event);

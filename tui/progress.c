@@ -52,7 +52,7 @@ void progress_line(struct buf *out, const struct progress_step *step, bool has_b
 }
 
 /* Over the line that is there, and blanks where that was longer. */
-static void put(struct progress *progress, const struct buf *line)
+static void put_line(struct progress *progress, const struct buf *line)
 {
     struct buf out = {0};
     const unsigned width = (unsigned)cells_width(buf_text(line), line->length);
@@ -118,7 +118,7 @@ void progress_show(struct progress *progress, const char *what, uint64_t done, u
     step.seconds = (now_ns - progress->begun_ns) / (1000 * ms);
     step.knows_left = estimate_left(progress, now_ns, &step);
     progress_line(&line, &step, progress->has_blocks, progress->columns - 1);
-    put(progress, &line);
+    put_line(progress, &line);
     buf_release(&line);
 }
 
@@ -126,7 +126,7 @@ void progress_erase(struct progress *progress)
 {
     const struct buf nothing = {0};
     if (progress->drawn)
-        put(progress, &nothing);
+        put_line(progress, &nothing);
     progress->begun_ns = 0;
     progress->step[0] = '\0';
 }

@@ -194,7 +194,7 @@ static void set_text(struct text *text, const char *words)
     text->length = (sig_atomic_t)length;
 }
 
-static size_t put(char *place, const struct text *text)
+static size_t put_text(char *place, const struct text *text)
 {
     memcpy(place, text->bytes, (size_t)text->length);
     return (size_t)text->length;
@@ -208,12 +208,12 @@ _Static_assert((int)ENDING <= (int)GUARDIAN_WORDS, "the guardian may have to say
 static size_t put_ending(char words[ENDING], bool for_good, bool ask)
 {
     static const struct text usual = {.bytes = "\033\\", .length = 2};
-    size_t length = put(words, term.recover.length > 0 ? &term.recover : &usual);
+    size_t length = put_text(words, term.recover.length > 0 ? &term.recover : &usual);
     if (ask) {
         memcpy(words + length, "\033[c", 3);
         length += 3;
     }
-    length += put(words + length, &term.end);
+    length += put_text(words + length, &term.end);
     if (for_good) {
         memcpy(words + length, "\033[m\033[?25h\r\n", 11);
         length += 11;

@@ -240,8 +240,8 @@ static uint16_t find_taker(const struct giving *g, const struct component *piece
 }
 
 /* Writes a value at each voxel of a piece. */
-static void mark(const struct components *pieces, const struct component *piece, uint8_t *at,
-                 uint8_t value)
+static void mark_piece(const struct components *pieces, const struct component *piece, uint8_t *at,
+                       uint8_t value)
 {
     for (uint32_t r = piece->run; r != RUN_NONE; r = pieces->run[r].next)
         memset(at + pieces->run[r].first, value, pieces->run[r].end - pieces->run[r].first);
@@ -258,8 +258,8 @@ static bool give_round(const struct giving *g, unsigned taker, struct task *task
         if (g->taker[i] == NOBODY)
             continue;
         if (taker == FINISH_ALL_LABELS || taker == g->taker[i])
-            mark(pieces, &pieces->item[i], g->work->label, (uint8_t)g->taker[i]);
-        mark(pieces, &pieces->item[i], g->work->next, 0);
+            mark_piece(pieces, &pieces->item[i], g->work->label, (uint8_t)g->taker[i]);
+        mark_piece(pieces, &pieces->item[i], g->work->next, 0);
         g->waits[i] = false;
         any = true;
     }
@@ -282,7 +282,7 @@ enum err finish_give_away(struct finish_work *work, const uint8_t *of, finish_ch
         finish_clear(work);
         for (size_t i = 0; i < found.count && task_advance(&task, 16); i++)
             if (giving.waits[i])
-                mark(&found, &found.item[i], work->next, 1);
+                mark_piece(&found, &found.item[i], work->next, 1);
         while (give_round(&giving, taker, &task))
             ;
         err = watch_fault(watch, fault);

@@ -99,8 +99,8 @@ static void votes_clear(struct votes *votes)
 }
 
 /* The columns first..end-1, from those that are counted. */
-static void slide(struct votes *votes, const struct filter *f, const struct rows *rows,
-                  uint32_t first, uint32_t end)
+static void slide_votes(struct votes *votes, const struct filter *f, const struct rows *rows,
+                        uint32_t first, uint32_t end)
 {
     if (votes->end <= first) {
         votes_clear(votes);
@@ -128,14 +128,14 @@ static void slide(struct votes *votes, const struct filter *f, const struct rows
 /* ---- rows ---- */
 
 /* Writes the labels of the voxels x..end-1, around each of which labels may vary. */
-static void vote(const struct filter *f, const struct rows *rows, struct votes *votes, uint32_t x,
-                 uint32_t end)
+static void vote_on_run(const struct filter *f, const struct rows *rows, struct votes *votes,
+                        uint32_t x, uint32_t end)
 {
     const struct grid *grid = &f->work->scene->grid;
     const uint32_t reach = f->reach[0], row = grid_cell(grid, 0, rows->y, rows->z);
     for (; x < end; x++) {
         const uint8_t own = f->work->label[row + x];
-        slide(votes, f, rows, below(x, reach), above(x, reach, grid->size[0]) + 1);
+        slide_votes(votes, f, rows, below(x, reach), above(x, reach, grid->size[0]) + 1);
         uint8_t best = own;
         for (unsigned i = 0; i < votes->seens; i++) {
             const uint8_t label = votes->seen[i];
@@ -179,7 +179,7 @@ static void filter_part(void *context, unsigned worker)
                     continue;
                 const uint32_t first = below(x, reach) > done ? below(x, reach) : done;
                 const uint32_t end = above(x, reach, length) + 1;
-                vote(f, &rows, &votes, first, end);
+                vote_on_run(f, &rows, &votes, first, end);
                 voted += end - first;
                 done = end;
             }

@@ -79,7 +79,7 @@ static void set_reaches(struct forest *forest, const struct edit *edit, size_t c
     }
 }
 
-static void plant(struct forest *forest, uint32_t at, uint8_t label)
+static void plant_seed(struct forest *forest, uint32_t at, uint8_t label)
 {
     forest->cell[at].flags |= CELL_SEED;
     forest->seeds++;
@@ -110,7 +110,7 @@ static void change_seeds(struct forest *forest, const struct edit *edit, size_t 
     reoffer_cleared(forest);
     for (size_t i = 0; !is_stopped(forest) && i < count && goes_on(forest, 1); i++)
         if (edit[i].label != EDIT_ERASE && !(forest->cell[edit[i].cell].flags & CELL_SEED))
-            plant(forest, edit[i].cell, (uint8_t)edit[i].label);
+            plant_seed(forest, edit[i].cell, (uint8_t)edit[i].label);
 }
 
 static bool is_in_order(const struct edit *edit, size_t count)
@@ -173,7 +173,7 @@ static enum err prepare(struct forest *forest, const struct edit *edit, size_t c
 }
 
 /* A pass over nothing but seeds is the whole team's. */
-static void begin(struct forest *forest, bool from_scratch)
+static void begin_pass(struct forest *forest, bool from_scratch)
 {
     forest->task =
         task_begin(forest->scene->watch, "forest", from_scratch ? forest->scene->grid.voxels : 0);
@@ -267,7 +267,7 @@ static void clear_all(struct forest *forest, bool planted)
     struct clearing clearing = {.forest = forest, .planted = planted};
     for (unsigned i = 0; i < forest->workers; i++)
         queue_clear(forest->worker[i].queue);
-    begin(forest, true);
+    begin_pass(forest, true);
     forget_cleared(forest);
     forest->unsettled = 0;
     forest->seeds = 0;
@@ -306,7 +306,7 @@ static void take_back(struct forest *forest, bool from_nothing, enum err reason,
         set_seeds(forest, forest->inverse, forest->edits);
         clear_all(forest, false);
         finish_changes(forest);
-        begin(forest, false);
+        begin_pass(forest, false);
         return;
     }
     if (reason != ERR_MEMORY && !forest->from_scratch && !forest->torn) {
@@ -314,7 +314,7 @@ static void take_back(struct forest *forest, bool from_nothing, enum err reason,
         change_seeds(forest, forest->inverse, forest->edits);
         if (!forest->lost_too_much && forest_pass(forest) == OK) {
             finish_changes(forest);
-            begin(forest, false);
+            begin_pass(forest, false);
             return;
         }
     }
@@ -339,7 +339,7 @@ enum err forest_edit(struct forest *forest, const struct edit *edit, size_t coun
         set_seeds(forest, forest->batch, forest->edits);
         return OK;
     }
-    begin(forest, from_nothing);
+    begin_pass(forest, from_nothing);
     forest->may_stop = true;
     change_seeds(forest, forest->batch, forest->edits);
     if (forest->lost_too_much) {

@@ -113,7 +113,7 @@ struct flood {
     size_t voxels;
 };
 
-static bool see(struct flood *flood, uint32_t at)
+static bool see_voxel(struct flood *flood, uint32_t at)
 {
     uint64_t *word = &flood->seen[at >> 6];
     const uint64_t bit = UINT64_C(1) << (at & 63);
@@ -132,7 +132,7 @@ static bool look_around(struct flood *flood, uint32_t at)
     const struct adjacency *adjacency = &flood->forest->adjacency;
     bool fits = true;
     for (unsigned i = 0; fits && i < adjacency->count; i++)
-        fits = see(flood, at + (uint32_t)adjacency->offset[i]);
+        fits = see_voxel(flood, at + (uint32_t)adjacency->offset[i]);
     return fits;
 }
 

@@ -138,7 +138,7 @@ static bool in_same_block(const struct grid *grid, uint32_t a, uint32_t b)
 }
 
 /* Puts a weak voxel among those of the place at hand. */
-static bool take(struct finding *f, size_t number)
+static bool take_voxel(struct finding *f, size_t number)
 {
     if (!mem_grow(&f->place, &f->place_capacity, f->placed + 1, sizeof *f->place))
         return false;
@@ -152,7 +152,7 @@ static bool grow_place(struct finding *f, size_t first)
     const struct grid *grid = &f->scene->grid;
     const struct edge_voxel *begin = f->voxel + first;
     f->placed = 0;
-    if (!take(f, first))
+    if (!take_voxel(f, first))
         return false;
     for (size_t next = 0; next < f->placed; next++) {
         const struct edge_voxel *here = f->voxel + f->place[next];
@@ -164,7 +164,7 @@ static bool grow_place(struct finding *f, size_t first)
                 ((beside->label == begin->label && beside->other == begin->other) ||
                  (beside->label == begin->other && beside->other == begin->label)) &&
                 in_same_block(grid, beside->cell, begin->cell) &&
-                !take(f, (size_t)(beside - f->voxel)))
+                !take_voxel(f, (size_t)(beside - f->voxel)))
                 return false;
         }
     }

@@ -23,7 +23,7 @@ struct label_counts {
 
 /* ---- counters ---- */
 
-static void release(counters of)
+static void release_counters(counters of)
 {
     for (unsigned label = 0; label < 256; label++) {
         free(of[label]);
@@ -172,10 +172,10 @@ static void count_part(void *context, unsigned worker)
 }
 
 /* What the first worker has counted becomes the counts, and what the others have is added. */
-static bool gather(struct label_counts *counts, struct counting *counting)
+static bool gather_counts(struct label_counts *counts, struct counting *counting)
 {
     bool fits = true;
-    release(counts->of);
+    release_counters(counts->of);
     for (unsigned worker = 0; worker < counting->workers; worker++) {
         fits &= !counting->part[worker].lacks_memory;
         for (unsigned label = 0; label < 256; label++) {
@@ -206,7 +206,7 @@ static enum err count_all(struct label_counts *counts, const struct labels *labe
         const size_t fit = BYTES_OF_WORKERS / (256 * counts->length * sizeof **counts->of);
         counting->workers = fit < 1 ? 1 : fit < team_size(team) ? (unsigned)fit : team_size(team);
         team_run(team, count_part, counting);
-        err = gather(counts, counting) ? OK : fault_memory(fault, "counts of labels");
+        err = gather_counts(counts, counting) ? OK : fault_memory(fault, "counts of labels");
     }
     free(counting);
     return err;
@@ -318,7 +318,7 @@ void label_measures_release(struct label_measures *measures)
 {
     struct label_counts *counts = measures->counts;
     if (counts) {
-        release(counts->of);
+        release_counters(counts->of);
         change_log_release(&counts->log);
         free(counts);
     }

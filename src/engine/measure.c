@@ -30,7 +30,7 @@ static void try_voxel(struct search *s, const int64_t step[3], uint64_t row_squa
 }
 
 /* False where the watch has stopped it. */
-static bool search(struct search *s, const char *what)
+static bool search_nearest(struct search *s, const char *what)
 {
     uint64_t finest = s->unit[0];
     int64_t shells = 0;
@@ -98,7 +98,7 @@ struct border_distance measure_border_distance(const struct scene *scene, uint32
         if (!whole && (uint64_t)(far * nm) < reach_nm)
             reach_nm = (uint64_t)(far * nm);
     }
-    search(&s, "distance to the border");
+    search_nearest(&s, "distance to the border");
     const bool found =
         s.squared != UINT64_MAX && (reach_nm == UINT64_MAX || s.squared <= reach_nm * reach_nm);
     return (struct border_distance){found, s.cell, s.squared, reach_nm};
@@ -141,7 +141,7 @@ bool centre_of_label(const struct scene *scene, unsigned label, uint32_t place[3
         s.least[a] = -s.at[a];
         s.most[a] = (int64_t)scene->grid.size[a] - 1 - s.at[a];
     }
-    if (!search(&s, "the centre of a label"))
+    if (!search_nearest(&s, "the centre of a label"))
         return false;
     grid_find(&scene->grid, s.cell, place);
     return true;

@@ -65,7 +65,7 @@ static void add_quad(const struct net_graph *g, struct quads *q, const struct co
 
 /* Quads of voxels up to so many steps outside the box, of which one that looks inward is not
  * counted along each axis; those of the box itself are kept. Without a place for them: how many. */
-static void walk(const struct net_graph *g, struct quads *q, int32_t reach)
+static void walk_faces(const struct net_graph *g, struct quads *q, int32_t reach)
 {
     struct corners corners;
     const ptrdiff_t step[3] = {1, g->stride, (ptrdiff_t)g->stride * g->size[1]};
@@ -106,8 +106,8 @@ static void walk(const struct net_graph *g, struct quads *q, int32_t reach)
         }
 }
 
-static bool make(struct net *out, const struct net_source *source, const int32_t first[3],
-                 const uint32_t size[3], struct net_scratch *scratch)
+static bool make_net(struct net *out, const struct net_source *source, const int32_t first[3],
+                     const uint32_t size[3], struct net_scratch *scratch)
 {
     struct net net = {.vertices = 0};
     struct net_graph g;
@@ -117,7 +117,7 @@ static bool make(struct net *out, const struct net_source *source, const int32_t
         return false;
     if (!source->is_cubes && !net_smooth(&g, &q.sum))
         return false;
-    walk(&g, &q, 0);
+    walk_faces(&g, &q, 0);
     net.quads = (uint32_t)q.count;
     net.quad = mem_array(q.count, sizeof *net.quad);
     q = (struct quads){q.sum, net.quad, net_store(scratch, NET_USED, (size_t)g.upto[0], 1), first,
@@ -125,7 +125,7 @@ static bool make(struct net *out, const struct net_source *source, const int32_t
     bool made = net.quad && q.is_used;
     if (made) {
         memset(q.is_used, 0, (size_t)g.upto[0]);
-        walk(&g, &q, source->is_cubes ? 0 : NET_TERMS - 1);
+        walk_faces(&g, &q, source->is_cubes ? 0 : NET_TERMS - 1);
         made = source->is_cubes ? net_centre(&g, source->scale, &normal)
                                 : net_restore(&g, q.sum, source->scale, &normal);
     }
@@ -165,7 +165,7 @@ enum err net_make(struct net *net, const struct net_source *source, const int32_
 {
     struct net_scratch *own = source->scratch ? NULL : net_scratch_new();
     struct net_scratch *scratch = own ? own : source->scratch;
-    const bool made = scratch && make(net, source, first, size, scratch);
+    const bool made = scratch && make_net(net, source, first, size, scratch);
     net_scratch_free(own);
     return made ? OK : fault_memory(fault, "a surface");
 }

@@ -488,7 +488,7 @@ struct sweeping {
 };
 
 /* Slabs of about as much that moves, with room for `halves` at both ends of each. */
-static void divide(struct sweeping *s, uint32_t halves)
+static void divide_rows(struct sweeping *s, uint32_t halves)
 {
     const struct relax_field *f = s->field;
     const uint32_t planes = f->size[2], least = 2 * halves, workers = team_size(f->team);
@@ -580,7 +580,7 @@ void relax_field_make(struct relax_field *f, uint32_t sweeps, unsigned worker)
     for (; sweeping.first < sweeping.halves; sweeping.first = sweeping.end) {
         const uint32_t left = sweeping.halves - sweeping.first;
         sweeping.end = sweeping.first + (left < halves ? left : halves);
-        divide(&sweeping, halves);
+        divide_rows(&sweeping, halves);
         team_run(f->team, sweep_part, &sweeping);
         if (f->shows && watch_wants_show(watch) && !watch->ignores_stop)
             watch_show(watch);
@@ -590,7 +590,7 @@ void relax_field_make(struct relax_field *f, uint32_t sweeps, unsigned worker)
 /* ---- begun and released ---- */
 
 /* So many bytes of the memory, from `*at` on, which is where the next ones are then. */
-static void *take(const struct relax_field *f, size_t *at, size_t bytes)
+static void *take_bytes(const struct relax_field *f, size_t *at, size_t bytes)
 {
     enum { APART = 64 };
     const size_t first = *at;
@@ -605,21 +605,21 @@ static size_t lay_out(struct relax_field *f)
     const size_t chunks = f->rows * f->chunk_words * sizeof(uint64_t);
     const size_t all = f->rows * f->words * WORD_CHUNKS;
     size_t at = 0;
-    f->count = take(f, &at, (UINT16_MAX + 1) * sizeof *f->count);
-    f->inside = take(f, &at, voxels);
-    f->band = take(f, &at, voxels);
-    f->near = take(f, &at, voxels);
-    f->busy = take(f, &at, f->size[2] * sizeof *f->busy);
+    f->count = take_bytes(f, &at, (UINT16_MAX + 1) * sizeof *f->count);
+    f->inside = take_bytes(f, &at, voxels);
+    f->band = take_bytes(f, &at, voxels);
+    f->near = take_bytes(f, &at, voxels);
+    f->busy = take_bytes(f, &at, f->size[2] * sizeof *f->busy);
     for (unsigned parity = 0; parity < 2; parity++) {
-        f->moved[parity] = take(f, &at, chunks);
-        f->spills[parity] = take(f, &at, chunks);
-        f->may[parity] = take(f, &at, chunks);
-        f->stirs[parity] = take(f, &at, f->rows);
-        f->known[parity] = take(f, &at, chunks);
-        f->slot[parity] = take(f, &at, all * sizeof *f->slot[parity]);
-        f->u[parity] = take(f, &at, all * LANES * sizeof *f->u[parity]);
+        f->moved[parity] = take_bytes(f, &at, chunks);
+        f->spills[parity] = take_bytes(f, &at, chunks);
+        f->may[parity] = take_bytes(f, &at, chunks);
+        f->stirs[parity] = take_bytes(f, &at, f->rows);
+        f->known[parity] = take_bytes(f, &at, chunks);
+        f->slot[parity] = take_bytes(f, &at, all * sizeof *f->slot[parity]);
+        f->u[parity] = take_bytes(f, &at, all * LANES * sizeof *f->u[parity]);
     }
-    f->weights = take(f, &at, 2 * all * sizeof *f->weights);
+    f->weights = take_bytes(f, &at, 2 * all * sizeof *f->weights);
     return at;
 }
 

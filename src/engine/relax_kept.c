@@ -137,7 +137,7 @@ static bool compare(struct relax_kept *kept, const struct finish_work *work)
 }
 
 /* Of a scene of that many cells, nothing yet. */
-static bool begin(struct relax_kept *kept, size_t cells)
+static bool begin_keeping(struct relax_kept *kept, size_t cells)
 {
     relax_kept_release(kept);
     kept->cells = cells;
@@ -152,7 +152,7 @@ void relax_kept_follow(struct relax_kept *kept, const struct finish_work *work, 
 {
     const size_t cells = work->scene->grid.cells;
     const bool is_new = kept->cells != cells || kept->sweeps != sweeps || kept->reach != reach;
-    if ((is_new && !begin(kept, cells)) || !compare(kept, work)) {
+    if ((is_new && !begin_keeping(kept, cells)) || !compare(kept, work)) {
         relax_kept_release(kept);
         return;
     }

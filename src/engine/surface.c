@@ -506,7 +506,7 @@ static void place_points(struct making *m)
 }
 
 /* All but points and quads. */
-static void release(struct making *m)
+static void release_making(struct making *m)
 {
     net_scratch_free(m->scratch);
     free(m->label);
@@ -537,7 +537,7 @@ enum err surface_new(struct surface **surface, const struct surface_source *sour
         err = add_parts(m, watch);
     if (!err) {
         place_points(m);
-        release(m);
+        release_making(m);
         struct surface *s = m->surface;
         s->triangles = 2 * m->quads;
         s->triangle = mem_array(s->triangles + 1, sizeof *s->triangle);
@@ -555,7 +555,7 @@ enum err surface_new(struct surface **surface, const struct surface_source *sour
         err = s->triangle ? OK : fault_memory(fault, "a surface");
     }
     if (m) {
-        release(m);
+        release_making(m);
         free(m->quad);
     }
     free(m);

@@ -375,7 +375,7 @@ static void find_moves_around(struct reduction *r, uint32_t to)
     } while (c != first);
 }
 
-static void reduce(struct reduction *r, size_t most, struct task *task)
+static void reduce_triangles(struct reduction *r, size_t most, struct task *task)
 {
     while (r->triangles > most && task_advance(task, 16)) {
         const uint32_t point = r->heap[0].point, to = r->node[point].to;
@@ -397,7 +397,7 @@ static void reduce(struct reduction *r, size_t most, struct task *task)
 /* ---- what is left ---- */
 
 /* Puts what is left of each part together; `rank` becomes the new numbers of points. */
-static void gather(struct reduction *r)
+static void gather_parts(struct reduction *r)
 {
     struct surface *s = r->surface;
     size_t points = 0, triangles = 0;
@@ -465,8 +465,8 @@ enum err surface_reduce(struct surface *surface, size_t most, struct watch *watc
             settle(r, r->in_heap++, price);
         }
         if (!watch_stops(watch))
-            reduce(r, most, &task);
-        gather(r);
+            reduce_triangles(r, most, &task);
+        gather_parts(r);
         err = watch_fault(watch, fault);
     }
     free(r->corner);

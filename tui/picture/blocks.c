@@ -255,7 +255,7 @@ static void add_parts(enum block_shape shape, unsigned parts, struct buf *out)
 }
 
 /* Adds a cell, and moves the cursor by one. */
-static void put(struct pen *pen, const struct block *cell, struct buf *out)
+static void put_cell(struct pen *pen, const struct block *cell, struct buf *out)
 {
     const unsigned all = (1u << columns_of(pen->shape) * rows_of(pen->shape)) - 1;
     if (pen->colours == COLOURS_NONE) {
@@ -284,7 +284,7 @@ static void put_line(const struct block *cell, uint32_t columns, struct pen pen,
         while (columns > 0 && cell[columns - 1].parts == ' ')
             columns--;
     for (uint32_t i = 0; i < columns; i++)
-        put(&pen, &cell[i], out);
+        put_cell(&pen, &cell[i], out);
     buf_add_text(out, pen.colours == COLOURS_NONE ? "\r\n" : "\033[m\r\n");
 }
 
@@ -367,7 +367,7 @@ static bool show(struct painter *p, const struct image_view *view, struct buf *o
                 painter_move_to(p, column, row, out);
             else if (at < column)
                 buf_printf(out, "\033[%uC", column - at);
-            put(&pen, &now[i], out);
+            put_cell(&pen, &now[i], out);
             at = column + 1;
         }
     }

@@ -14,8 +14,8 @@
 #include "tui/picture/graphics.h"
 #include "tui/picture/painter.h"
 
-static void add(struct painter *p, const struct raster *raster, enum png_effort effort,
-                const char *size, struct buf *out)
+static void add_png(struct painter *p, const struct raster *raster, enum png_effort effort,
+                    const char *size, struct buf *out)
 {
     struct buf png = {0};
     png_add(&p->png, raster, effort, &png);
@@ -31,7 +31,7 @@ static void once(struct painter *p, const struct raster *raster, struct buf *out
 {
     char size[64];
     snprintf(size, sizeof size, "width=%upx;height=%upx;", raster->width, raster->height);
-    add(p, raster, PNG_FAST, size, out);
+    add_png(p, raster, PNG_FAST, size, out);
 }
 
 static void patch(struct painter *p, const struct raster *raster, const struct raster_box *box,
@@ -42,7 +42,7 @@ static void patch(struct painter *p, const struct raster *raster, const struct r
     char size[64];
     snprintf(size, sizeof size, "width=%u;height=%u;", box->width / width, box->height / height);
     painter_move_to(p, box->left / width, box->top / height, out);
-    add(p, &part, p->effort, size, out);
+    add_png(p, &part, p->effort, size, out);
 }
 
 const struct graphics graphics_iterm = {

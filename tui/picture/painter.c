@@ -400,7 +400,7 @@ static struct raster raster_of(const struct painter *p, unsigned i)
     return raster;
 }
 
-static bool fill(struct painter *p, const struct image_view *view)
+static bool fill_raster(struct painter *p, const struct image_view *view)
 {
     if (!shades_fill(&p->shades, p->has_palette, view, p->of[1].bytes, p->width, p->height))
         return false;
@@ -448,7 +448,7 @@ static bool can_compare(const struct painter *p, const struct image_view *view)
 /* True where patches make it, with stale->count 0 where nothing is to be done. */
 static bool can_patch(struct painter *p, const struct image_view *view, struct stale *stale)
 {
-    if (!can_compare(p, view) || !fill(p, view))
+    if (!can_compare(p, view) || !fill_raster(p, view))
         return false;
     const struct raster now = raster_of(p, 1), then = raster_of(p, 0);
     const struct graphics *g = p->facts.graphics;
@@ -553,7 +553,7 @@ static bool show_pixels(struct painter *p, const struct image_view *view, struct
     }
     if (!begin_whole(p, view))
         return false;
-    fill(p, view);
+    fill_raster(p, view);
     show_whole(p, view, out);
     return !out->failed;
 }
@@ -561,7 +561,7 @@ static bool show_pixels(struct painter *p, const struct image_view *view, struct
 /* ---- pictures ---- */
 
 /* The part of a view that the place has room for; *copy is to be freed. */
-static bool cut(struct image_view *view, uint32_t width, uint32_t height, uint8_t **copy)
+static bool cut_view(struct image_view *view, uint32_t width, uint32_t height, uint8_t **copy)
 {
     const size_t stride = (size_t)view->width * 4, kept = (size_t)width * 4;
     *copy = NULL;
@@ -626,7 +626,7 @@ bool painter_show(struct painter *p, const struct image_view *view, struct buf *
         return true;
     if (p->holder && p->holder != g)
         painter_remove(p, out);
-    const bool fine = cut(&fitting, width, height, &copy) &&
+    const bool fine = cut_view(&fitting, width, height, &copy) &&
                       (g->show ? g->show(p, &fitting, out) : show_pixels(p, &fitting, out));
     free(copy);
     if (fine) {

@@ -107,7 +107,8 @@ static unsigned cut_boxes(struct box *box, unsigned most, struct sample *sample,
 
 /* Counts the pixels of each cell in `weight` and lists the cells that have any, each with the
  * first colour seen in it. Returns how many, or 0 without memory. */
-static size_t gather(const struct image_view *view, uint32_t *weight, struct sample **sample)
+static size_t gather_samples(const struct image_view *view, uint32_t *weight,
+                             struct sample **sample)
 {
     size_t pixels = (size_t)view->width * view->height, count = 0, capacity = 0;
     for (size_t i = 0; i < pixels; i++) {
@@ -130,7 +131,7 @@ bool colour_table_reduce(struct colour_table *table, const struct image_view *vi
     struct box box[COLOUR_TABLE_MOST];
     struct sample *sample = NULL;
     uint32_t *weight = calloc(PLACES, sizeof *weight);
-    const size_t samples = weight ? gather(view, weight, &sample) : 0;
+    const size_t samples = weight ? gather_samples(view, weight, &sample) : 0;
     table->count = samples ? cut_boxes(box, most, sample, samples) : 0;
     for (unsigned b = 0; b < table->count; b++) {
         const uint8_t *mean = box[b].mean;
@@ -193,7 +194,7 @@ static uint32_t distance(uint32_t a, uint32_t b)
 }
 
 /* The middle of a cell stands for all of it, so that no order of asking matters. */
-static uint8_t seek(struct shades *s, uint32_t cell)
+static uint8_t seek_shade(struct shades *s, uint32_t cell)
 {
     const uint32_t middle =
         (cell >> 12) << 18 | (cell >> 6 & 63) << 10 | (cell & 63) << 2 | UINT32_C(0x020202);
@@ -214,7 +215,7 @@ static uint8_t place_of(struct shades *s, uint32_t colour)
 {
     const uint32_t cell = colour_cell(colour);
     const uint8_t place = s->place[cell];
-    return (uint8_t)((place ? place : seek(s, cell)) - 1);
+    return (uint8_t)((place ? place : seek_shade(s, cell)) - 1);
 }
 
 /* The first entry of a cell has that cell: black is black. */
