@@ -838,6 +838,13 @@ static const char *shown(void)
     return text;
 }
 
+/* Acts so many times; the line is then as expected. */
+#define ACT(action, times, expected)                                                               \
+    do {                                                                                           \
+        act(action, times);                                                                        \
+        CHECK_TEXT(shown(), expected);                                                             \
+    } while (0)
+
 STORY(typing_moving_and_deleting)
 {
     begin_line(NULL, 0);
@@ -845,73 +852,57 @@ STORY(typing_moving_and_deleting)
     act(LINE_ERASE, 1);
     act(LINE_DELETE, 1);
     act(LINE_TRANSPOSE, 1);
-    act(LINE_KILL_TO_END, 1);
-    CHECK_TEXT(shown(), "|");
+    ACT(LINE_KILL_TO_END, 1, "|");
     type("seed 1,2,3 brain");
-    act(LINE_WORD_LEFT, 2);
-    CHECK_TEXT(shown(), "seed 1,2,|3 brain");
+    ACT(LINE_WORD_LEFT, 2, "seed 1,2,|3 brain");
     act(LINE_ERASE, 1);
     act(LINE_DELETE, 1);
     type("4");
     CHECK_TEXT(shown(), "seed 1,24| brain");
-    act(LINE_WORD_RIGHT, 1);
-    CHECK_TEXT(shown(), "seed 1,24 brain|");
+    ACT(LINE_WORD_RIGHT, 1, "seed 1,24 brain|");
     act(LINE_RIGHT, 3);
     act(LINE_DELETE, 1);
     act(LINE_HOME, 1);
-    act(LINE_RIGHT, 1);
-    CHECK_TEXT(shown(), "s|eed 1,24 brain");
+    ACT(LINE_RIGHT, 1, "s|eed 1,24 brain");
 }
 
 STORY(one_character_is_what_the_eye_sees_as_one)
 {
     begin_line(NULL, 0);
     type("ae\u0301\u0323\U0001F9E0\u00e4");
-    act(LINE_LEFT, 3);
-    CHECK_TEXT(shown(), "a|e\u0301\u0323\U0001F9E0\u00e4");
-    act(LINE_DELETE, 1);
-    CHECK_TEXT(shown(), "a|\U0001F9E0\u00e4");
+    ACT(LINE_LEFT, 3, "a|e\u0301\u0323\U0001F9E0\u00e4");
+    ACT(LINE_DELETE, 1, "a|\U0001F9E0\u00e4");
     act(LINE_END, 1);
-    act(LINE_TRANSPOSE, 1);
-    CHECK_TEXT(shown(), "a\u00e4\U0001F9E0|");
-    act(LINE_ERASE, 1);
-    CHECK_TEXT(shown(), "a\u00e4|");
+    ACT(LINE_TRANSPOSE, 1, "a\u00e4\U0001F9E0|");
+    ACT(LINE_ERASE, 1, "a\u00e4|");
 }
 
 STORY(kills_gather_and_come_back)
 {
     begin_line(NULL, 0);
     type("view 30 15 0");
-    act(LINE_KILL_BLANK_LEFT, 2);
-    CHECK_TEXT(shown(), "view 30 |");
-    act(LINE_YANK, 2);
-    CHECK_TEXT(shown(), "view 30 15 015 0|");
+    ACT(LINE_KILL_BLANK_LEFT, 2, "view 30 |");
+    ACT(LINE_YANK, 2, "view 30 15 015 0|");
     act(LINE_HOME, 1);
     act(LINE_KILL_WORD_RIGHT, 1);
-    act(LINE_KILL_TO_END, 1);
-    CHECK_TEXT(shown(), "|");
+    ACT(LINE_KILL_TO_END, 1, "|");
     type("x");
-    act(LINE_YANK, 1);
-    CHECK_TEXT(shown(), "xview 30 15 015 0|");
+    ACT(LINE_YANK, 1, "xview 30 15 015 0|");
     act(LINE_KILL_WORD_LEFT, 1);
     act(LINE_LEFT, 1); /* something else between: a new kill begins */
     act(LINE_KILL_TO_START, 1);
-    act(LINE_YANK, 1);
-    CHECK_TEXT(shown(), "xview 30 15 015| ");
+    ACT(LINE_YANK, 1, "xview 30 15 015| ");
 }
 
 STORY(transposing_at_the_ends_and_within)
 {
     begin_line(NULL, 0);
     type("ab");
-    act(LINE_TRANSPOSE, 1);
-    CHECK_TEXT(shown(), "ba|");
+    ACT(LINE_TRANSPOSE, 1, "ba|");
     act(LINE_HOME, 1);
-    act(LINE_TRANSPOSE, 1);
-    CHECK_TEXT(shown(), "|ba");
+    ACT(LINE_TRANSPOSE, 1, "|ba");
     act(LINE_RIGHT, 1);
-    act(LINE_TRANSPOSE, 1);
-    CHECK_TEXT(shown(), "ab|");
+    ACT(LINE_TRANSPOSE, 1, "ab|");
 }
 
 STORY(browsing_older_lines_keeps_the_one_begun)
@@ -921,18 +912,12 @@ STORY(browsing_older_lines_keeps_the_one_begun)
     CHECK_INT(old_lines.count, 3); /* no repetition, nothing after a blank */
     type("see");
     act(LINE_HOME, 1); /* all lines begin with what is before the cursor */
-    act(LINE_OLDER, 1);
-    CHECK_TEXT(shown(), "render|");
-    act(LINE_OLDER, 7);
-    CHECK_TEXT(shown(), "open ch2|");
-    act(LINE_NEWER, 1);
-    CHECK_TEXT(shown(), "run|");
-    act(LINE_NEWEST, 1);
-    CHECK_TEXT(shown(), "see|");
-    act(LINE_NEWER, 1);
-    CHECK_TEXT(shown(), "see|");
-    act(LINE_OLDEST, 1);
-    CHECK_TEXT(shown(), "open ch2|");
+    ACT(LINE_OLDER, 1, "render|");
+    ACT(LINE_OLDER, 7, "open ch2|");
+    ACT(LINE_NEWER, 1, "run|");
+    ACT(LINE_NEWEST, 1, "see|");
+    ACT(LINE_NEWER, 1, "see|");
+    ACT(LINE_OLDEST, 1, "open ch2|");
 }
 
 /* "run|seed 2": the list of a search, the one that is chosen after a mark. */
@@ -1010,55 +995,37 @@ STORY(older_lines_begin_with_what_stands_before_the_cursor)
 {
     begin_line(sessions, 6);
     type("seed");
-    act(LINE_OLDER, 1);
-    CHECK_TEXT(shown(), "seed 3,3,3 a radius=2|");
-    act(LINE_OLDER, 1);
-    CHECK_TEXT(shown(), "seed 2,2,2 b|");
-    act(LINE_OLDER, 5);
-    CHECK_TEXT(shown(), "seed 1,1,1 a|");
-    act(LINE_NEWER, 1);
-    CHECK_TEXT(shown(), "seed 2,2,2 b|");
-    act(LINE_NEWER, 2);
-    CHECK_TEXT(shown(), "seed|");
-    act(LINE_NEWER, 1);
-    CHECK_TEXT(shown(), "seed|");
-    act(LINE_OLDEST, 1);
-    CHECK_TEXT(shown(), "seed 1,1,1 a|");
+    ACT(LINE_OLDER, 1, "seed 3,3,3 a radius=2|");
+    ACT(LINE_OLDER, 1, "seed 2,2,2 b|");
+    ACT(LINE_OLDER, 5, "seed 1,1,1 a|");
+    ACT(LINE_NEWER, 1, "seed 2,2,2 b|");
+    ACT(LINE_NEWER, 2, "seed|");
+    ACT(LINE_NEWER, 1, "seed|");
+    ACT(LINE_OLDEST, 1, "seed 1,1,1 a|");
     act(LINE_NEWEST, 1);
     act(LINE_LEFT, 3); /* only what is before the cursor counts */
-    act(LINE_OLDER, 1);
-    CHECK_TEXT(shown(), "seed 3,3,3 a radius=2|");
+    ACT(LINE_OLDER, 1, "seed 3,3,3 a radius=2|");
     act(LINE_HOME, 1);
-    act(LINE_OLDER, 1); /* on from there, whatever they begin with */
-    CHECK_TEXT(shown(), "run|");
-    type("x"); /* no older line any more: it is today's */
+    ACT(LINE_OLDER, 1, "run|"); /* on from there, whatever they begin with */
+    type("x");                  /* no older line any more: it is today's */
     act(LINE_HOME, 1);
-    act(LINE_OLDER, 1);
-    CHECK_TEXT(shown(), "label 2 \"left hemi\"|");
-    act(LINE_NEWER, 1);
-    CHECK_TEXT(shown(), "runx|");
+    ACT(LINE_OLDER, 1, "label 2 \"left hemi\"|");
+    ACT(LINE_NEWER, 1, "runx|");
     type("zzz");
-    act(LINE_OLDER, 1); /* nothing begins so */
-    CHECK_TEXT(shown(), "runxzzz|");
+    ACT(LINE_OLDER, 1, "runxzzz|"); /* nothing begins so */
 }
 
 STORY(last_words_of_older_lines_are_cited)
 {
     begin_line(sessions, 6);
     type("x ");
-    act(LINE_CITE, 1);
-    CHECK_TEXT(shown(), "x \"left hemi\"|");
-    act(LINE_CITE, 1);
-    CHECK_TEXT(shown(), "x radius=2|");
-    act(LINE_CITE, 2);
-    CHECK_TEXT(shown(), "x b|");
-    act(LINE_CITE, 9);
-    CHECK_TEXT(shown(), "x a|");
-    act(LINE_UNDO, 1); /* all as one */
-    CHECK_TEXT(shown(), "x |");
+    ACT(LINE_CITE, 1, "x \"left hemi\"|");
+    ACT(LINE_CITE, 1, "x radius=2|");
+    ACT(LINE_CITE, 2, "x b|");
+    ACT(LINE_CITE, 9, "x a|");
+    ACT(LINE_UNDO, 1, "x |"); /* all as one */
     act(LINE_LEFT, 1);
-    act(LINE_CITE, 1);
-    CHECK_TEXT(shown(), "x\"left hemi\"| ");
+    ACT(LINE_CITE, 1, "x\"left hemi\"| ");
 }
 
 STORY(what_was_done_to_a_line_is_undone_step_by_step)
@@ -1071,30 +1038,22 @@ STORY(what_was_done_to_a_line_is_undone_step_by_step)
     type("1");
     type(",2");
     act(LINE_LEFT, 2);
-    act(LINE_ERASE, 2);
-    CHECK_TEXT(shown(), "seed|,2");
-    act(LINE_UNDO, 1); /* characters erased one after another are one step, */
-    CHECK_TEXT(shown(), "seed 1|,2");
-    act(LINE_UNDO, 1); /* and so is a word */
-    CHECK_TEXT(shown(), "seed |");
-    act(LINE_UNDO, 1);
-    CHECK_TEXT(shown(), "|");
-    act(LINE_UNDO, 3);
-    CHECK_TEXT(shown(), "|");
+    ACT(LINE_ERASE, 2, "seed|,2");
+    ACT(LINE_UNDO, 1, "seed 1|,2"); /* characters erased one after another are one step, */
+    ACT(LINE_UNDO, 1, "seed |");    /* and so is a word */
+    ACT(LINE_UNDO, 1, "|");
+    ACT(LINE_UNDO, 3, "|");
     type("v");
     act(LINE_OLDER, 2);
     act(LINE_KILL_TO_START, 1);
     act(LINE_YANK, 1);
-    act(LINE_UNDO, 2);
-    CHECK_TEXT(shown(), "view left|");
-    act(LINE_UNDO, 1);
-    CHECK_TEXT(shown(), "v|");
+    ACT(LINE_UNDO, 2, "view left|");
+    ACT(LINE_UNDO, 1, "v|");
     line_paste(&line, "a", 1);
     line_paste(&line, " b", 2);
     line_paste(&line, "c", 1);
     CHECK_TEXT(shown(), "va bc|");
-    act(LINE_UNDO, 1);
-    CHECK_TEXT(shown(), "v|");
+    ACT(LINE_UNDO, 1, "v|");
 }
 
 STORY(letters_of_a_word_change_with_their_bytes)
@@ -1102,18 +1061,14 @@ STORY(letters_of_a_word_change_with_their_bytes)
     begin_line(NULL, 0);
     type("label 2 \u00e9tag\u00e8re \u0131x \xff stra\u00dfe");
     act(LINE_HOME, 1);
-    act(LINE_UPPER, 1);
-    CHECK_TEXT(shown(), "LABEL| 2 \u00e9tag\u00e8re \u0131x \xff stra\u00dfe");
-    act(LINE_CAPITAL, 2);
-    CHECK_TEXT(shown(), "LABEL 2 \u00c9tag\u00e8re| \u0131x \xff stra\u00dfe");
-    act(LINE_UPPER, 3); /* two bytes become one, and what is no character stays */
-    CHECK_TEXT(shown(), "LABEL 2 \u00c9tag\u00e8re IX \xff STRA\u00dfE|");
+    ACT(LINE_UPPER, 1, "LABEL| 2 \u00e9tag\u00e8re \u0131x \xff stra\u00dfe");
+    ACT(LINE_CAPITAL, 2, "LABEL 2 \u00c9tag\u00e8re| \u0131x \xff stra\u00dfe");
+    ACT(LINE_UPPER, 3,
+        "LABEL 2 \u00c9tag\u00e8re IX \xff STRA\u00dfE|"); /* two bytes become one, and what is no character stays */
     act(LINE_UPPER, 1);
     act(LINE_WORD_LEFT, 1);
-    act(LINE_LOWER, 1);
-    CHECK_TEXT(shown(), "LABEL 2 \u00c9tag\u00e8re IX \xff stra\u00dfe|");
-    act(LINE_UNDO, 1);
-    CHECK_TEXT(shown(), "LABEL 2 \u00c9tag\u00e8re IX \xff |STRA\u00dfE");
+    ACT(LINE_LOWER, 1, "LABEL 2 \u00c9tag\u00e8re IX \xff stra\u00dfe|");
+    ACT(LINE_UNDO, 1, "LABEL 2 \u00c9tag\u00e8re IX \xff |STRA\u00dfE");
 }
 
 /* Labels of the name b are no more. */
@@ -1148,8 +1103,7 @@ STORY(the_newest_line_that_begins_so_and_is_known_is_suggested)
     CHECK(line_take_suggestion(&line, suggested(), LINE_END));
     CHECK_TEXT(shown(), "seed 1,1,1 a radius=2|");
     CHECK_TEXT(suggested(), "");
-    act(LINE_UNDO, 1);
-    CHECK_TEXT(shown(), "seed 1|");
+    ACT(LINE_UNDO, 1, "seed 1|");
 }
 
 STORY(a_hundred_lines_that_are_no_more_known_are_not_all_tried)
