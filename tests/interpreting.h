@@ -34,6 +34,18 @@ static inline void must(struct interpreter *interp, const char *line)
         printf("#   %s: %s\n", line, fault.text);
 }
 
+/* Executes the line, whose answer is the text, or has it as a part. */
+#define MUST_ANSWER(interp, line, expected)                                                        \
+    do {                                                                                           \
+        must(interp, line);                                                                        \
+        CHECK_TEXT(buf_text(&reply.text), expected);                                               \
+    } while (0)
+#define MUST_MENTION(interp, line, part)                                                           \
+    do {                                                                                           \
+        must(interp, line);                                                                        \
+        CHECK_HAS(buf_text(&reply.text), part);                                                    \
+    } while (0)
+
 /* The helper lies above the folder of the test programs. Static storage. */
 static inline const char *helper_program(void)
 {

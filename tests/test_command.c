@@ -695,10 +695,8 @@ STORY(without_a_scene_only_what_needs_none_works)
     is_refused(&interp, "open synth:cube", "nothing was opened");
     must(&interp, "label 1 liver");
     must(&interp, "auto on");
-    must(&interp, "info");
-    CHECK_HAS(buf_text(&reply.text), "no scene is open");
-    must(&interp, "help seed");
-    CHECK_HAS(buf_text(&reply.text), "radius=0..512");
+    MUST_MENTION(&interp, "info", "no scene is open");
+    MUST_MENTION(&interp, "help seed", "radius=0..512");
     must(&interp, "quit");
     CHECK(interp.wish == WISH_QUIT);
     interpreter_release(&interp);
@@ -1827,10 +1825,8 @@ STORY(weights_come_out_of_a_file)
     CHECK_HAS(buf_text(&reply.words), "weights=");
     CHECK_INT(cell_at(&interp, 3, 4, 5)->weight, (21 + 20 + 15) % 40);
     CHECK(forest_digest(interp.session->forest) != morph);
-    must(&interp, "info");
-    CHECK_HAS(buf_text(&reply.text), "weight of weights.nii\n");
-    must(&interp, "why 3,4,5");
-    CHECK_HAS(buf_text(&reply.text), "weight 16, ");
+    MUST_MENTION(&interp, "info", "weight of weights.nii\n");
+    MUST_MENTION(&interp, "why 3,4,5", "weight 16, ");
     must(&interp, "adjacency 26"); /* they stay */
     CHECK_INT(cell_at(&interp, 3, 4, 5)->weight, 16);
     must(&interp, "weight difference");
@@ -1850,22 +1846,18 @@ STORY(weights_of_steps_go_by_both_ends)
     must(&interp, "seed 0,0,0 1");
     must(&interp, "auto on");
     must(&interp, "weight difference");
-    must(&interp, "info");
-    CHECK_HAS(buf_text(&reply.text), "weight difference\n");
+    MUST_MENTION(&interp, "info", "weight difference\n");
     CHECK_INT(key_cost(cell_at(&interp, 5, 0, 0)->key), 3); /* 3 a step along x */
     CHECK_INT(key_cost(cell_at(&interp, 6, 0, 0)->key), 63);
-    must(&interp, "why 5,0,0");
-    CHECK_HAS(buf_text(&reply.text), "intensity 15, a step of weight 3, label 1");
-    must(&interp, "polarity 1 50");
-    CHECK_HAS(buf_text(&reply.text), "used only under `weight polarity`");
+    MUST_MENTION(&interp, "why 5,0,0", "intensity 15, a step of weight 3, label 1");
+    MUST_MENTION(&interp, "polarity 1 50", "used only under `weight polarity`");
     CHECK_INT(key_cost(cell_at(&interp, 6, 0, 0)->key), 63);
     must(&interp, "weight polarity");
     CHECK_INT(key_cost(cell_at(&interp, 6, 0, 0)->key), 31); /* up to brighter: half */
     must(&interp, "polarity 1 -50");
     CHECK(strstr(buf_text(&reply.text), "used only") == NULL);
     CHECK_INT(key_cost(cell_at(&interp, 6, 0, 0)->key), 94);
-    must(&interp, "stats");
-    CHECK_HAS(buf_text(&reply.text), "weight polarity 1:-50\n");
+    MUST_MENTION(&interp, "stats", "weight polarity 1:-50\n");
     must(&interp, "seed 0,0,0 cerebellum"); /* another label, whose polarity is 0 */
     CHECK_INT(key_cost(cell_at(&interp, 6, 0, 0)->key), 63);
     CHECK(forest_check(interp.session->forest, NULL));
@@ -1884,17 +1876,13 @@ STORY(a_roi_keeps_the_forest_in)
     CHECK_INT(cell_at(&interp, 3, 5, 5)->label, 1);
     CHECK(!cell_is_reached(cell_at(&interp, 4, 5, 5)) &&
           !cell_is_reached(cell_at(&interp, 8, 5, 5)));
-    must(&interp, "info");
-    CHECK_HAS(buf_text(&reply.text), "region    mask regions.nii regions 1-65533: 880 of 1320");
-    must(&interp, "why 4,5,5");
-    CHECK_HAS(buf_text(&reply.text), "outside the region of interest");
+    MUST_MENTION(&interp, "info", "region    mask regions.nii regions 1-65533: 880 of 1320");
+    MUST_MENTION(&interp, "why 4,5,5", "outside the region of interest");
     must(&interp, "range 0 20");
     CHECK_HAS(buf_text(&reply.words), "fence=");
     CHECK(!cell_is_reached(cell_at(&interp, 3, 10, 5)));
-    must(&interp, "stats");
-    CHECK_HAS(buf_text(&reply.text), "mask regions.nii regions 1-65533, range 0..20: ");
-    must(&interp, "seed 3,1,1 1 radius=2");
-    CHECK_HAS(buf_text(&reply.text), "left out, outside the region of interest: ");
+    MUST_MENTION(&interp, "stats", "mask regions.nii regions 1-65533, range 0..20: ");
+    MUST_MENTION(&interp, "seed 3,1,1 1 radius=2", "left out, outside the region of interest: ");
     is_refused(&interp, "seed 5,5,5 2", "outside the region of interest, where no tree grows");
     is_refused(&interp, "seed-file bright.csv", "nothing was planted");
     must(&interp, "seed-file seeds.csv");
@@ -2175,8 +2163,7 @@ STORY(weights_are_named_and_stay_without_memory)
     must(&interp, "seed 1,1,1 1");
     must(&interp, "weight sobel");
     must(&interp, "run");
-    must(&interp, "info");
-    CHECK_HAS(buf_text(&reply.text), "weight sobel\n");
+    MUST_MENTION(&interp, "info", "weight sobel\n");
     take_snapshot(&before, &interp);
     allow_allocations(0);
     CHECK(execute(&interp, "weight gauss 1.5") == ERR_MEMORY);
@@ -2185,11 +2172,9 @@ STORY(weights_are_named_and_stay_without_memory)
     must(&interp, "weight gauss 1.5");
     CHECK_HAS(buf_text(&reply.words), "weights=");
     CHECK_HAS(buf_text(&reply.words), " forest=");
-    must(&interp, "info");
-    CHECK_HAS(buf_text(&reply.text), "weight gauss 1.5\n");
+    MUST_MENTION(&interp, "info", "weight gauss 1.5\n");
     must(&interp, "weight morph radius=3");
-    must(&interp, "info");
-    CHECK_HAS(buf_text(&reply.text), "weight morph radius=3\n");
+    MUST_MENTION(&interp, "info", "weight morph radius=3\n");
     interpreter_release(&interp);
 }
 
@@ -2311,10 +2296,8 @@ STORY(opacity_is_a_setting_of_the_segmentation_and_one_picture_in_every_mode)
         record_of(other, &interp, mode[i]);
         CHECK_TEXT(other, words);
     }
-    must(&interp, "info");
-    CHECK_HAS(buf_text(&reply.text), "opacity   100 %, 40 % of label 1\n");
-    must(&interp, "stats");
-    CHECK_HAS(buf_text(&reply.text), ", opacity 40 %\n");
+    MUST_MENTION(&interp, "info", "opacity   100 %, 40 % of label 1\n");
+    MUST_MENTION(&interp, "stats", ", opacity 40 %\n");
     must(&interp, "opacity all 100");
     record_of(other, &interp, "render");
     CHECK_TEXT(other, opaque);
@@ -2395,8 +2378,7 @@ STORY(the_context_lies_behind_objects_and_goes_by_the_window)
     must(&interp, "window 0 50");
     record_of(other, &interp, "render");
     CHECK(strcmp(words, other) != 0);
-    must(&interp, "info");
-    CHECK_HAS(buf_text(&reply.text), ", context mip\n");
+    MUST_MENTION(&interp, "info", ", context mip\n");
     must(&interp, "context none");
     record_of(other, &interp, "render");
     CHECK_TEXT(other, alone);

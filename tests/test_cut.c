@@ -360,15 +360,13 @@ STORY(slabs_are_counted_as_slices_are)
               "cut away  all but axial slices 3-7, all but coronal slices 10-10\n");
     must(&interp, "clip axial 0-19");
     CHECK(is_shown(&interp, 5, 10, 19));
-    must(&interp, "info");
-    CHECK_HAS(buf_text(&reply.text), "cut away  all but coronal slices 10-10\n");
+    MUST_MENTION(&interp, "info", "cut away  all but coronal slices 10-10\n");
     /* Where an axis runs the other way, slice 0 is its first voxel, and was the last one. */
     must(&interp, "clip none");
     interp.session->scene->world_sign[0] = -1;
     must(&interp, "clip sagittal 0-1");
     CHECK(is_shown(&interp, 0, 5, 5) && is_shown(&interp, 1, 5, 5) && !is_shown(&interp, 2, 5, 5));
-    must(&interp, "info");
-    CHECK_HAS(buf_text(&reply.text), "all but sagittal slices 0-1");
+    MUST_MENTION(&interp, "info", "all but sagittal slices 0-1");
     CHECK(execute(&interp, "clip sagittal 0-40") == ERR_INPUT);
     CHECK_HAS(fault.text, "there are sagittal slices 0-39, right to left, not 40");
     must(&interp, "clip none");
@@ -394,8 +392,7 @@ STORY(a_plane_cuts_what_lies_before_a_voxel_and_stays_with_the_patient)
         must(&interp, "plane 10,15,10");
     CHECK_INT(execute(&interp, "plane 1,1,1"), ERR_LIMIT);
     CHECK_HAS(fault.text, "there are 8 planes already, the most; `plane none` removes them");
-    must(&interp, "info");
-    CHECK_HAS(buf_text(&reply.text), "cut away  8 planes\n");
+    MUST_MENTION(&interp, "info", "cut away  8 planes\n");
     must(&interp, "plane none");
     must(&interp, "view front");
     CHECK(picture(&interp) == whole);
@@ -552,8 +549,7 @@ STORY(boxes_are_taken_out_and_put_back)
     for (int more = 1; more < CUT_BOXES_MOST; more++)
         must(&interp, "cut 0,0,0 1,1,1");
     CHECK_INT(execute(&interp, "cut 0,0,0 1,1,1"), ERR_LIMIT);
-    must(&interp, "info");
-    CHECK_HAS(buf_text(&reply.text), "cut away  8 boxes\n");
+    MUST_MENTION(&interp, "info", "cut away  8 boxes\n");
     must(&interp, "cut none");
     CHECK(picture(&interp) == whole);
     interpreter_release(&interp);

@@ -198,8 +198,7 @@ STORY(fit_is_recorded_as_what_it_comes_to)
     CHECK_INT(execute(&interp, "zoom fit at=1,1,1"), ERR_USAGE);
     CHECK_HAS(fault.text, "fit finds the place");
     must(&interp, "hide 1");
-    must(&interp, "zoom fit");
-    CHECK_HAS(buf_text(&reply.text), "no object is shown: the scene fits");
+    MUST_MENTION(&interp, "zoom fit", "no object is shown: the scene fits");
     interpreter_release(&interp);
 }
 
@@ -224,8 +223,7 @@ STORY(a_turntable_turns_about_one_axis_after_the_other)
     char line[64];
     begin_with_object(&interp);
     must(&interp, "run");
-    must(&interp, "spin 2 turn%d.exr axis=yaw,roll,pitch");
-    CHECK_TEXT(buf_text(&reply.text), "wrote turn0.exr to turn5.exr\n");
+    MUST_ANSWER(&interp, "spin 2 turn%d.exr axis=yaw,roll,pitch", "wrote turn0.exr to turn5.exr\n");
     CHECK_TEXT(buf_text(&reply.canonical), "spin 2 turn%d.exr axis=yaw,roll,pitch");
     for (unsigned i = 0; i < sizeof turned / sizeof turned[0]; i++) {
         must(&interp, turned[i]);

@@ -114,8 +114,7 @@ static void ask(struct interpreter *interp)
     is_as_counted(session, &held);
     snprintf(line, sizeof line, "remove %u,%u,%u", p.x, p.y, p.z);
     snprintf(answer, sizeof answer, "marker %u removed", marker);
-    must(interp, line);
-    CHECK_HAS(buf_text(&reply.text), answer);
+    MUST_MENTION(interp, line, answer);
 }
 
 STORY(what_is_held_is_what_is_removed_then)

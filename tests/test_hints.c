@@ -281,8 +281,7 @@ STORY(a_hint_is_recorded_as_the_cross_that_it_comes_to)
     struct interpreter interp;
     uint32_t at[3];
     begin(&interp);
-    must(&interp, "hints");
-    CHECK_TEXT(buf_text(&reply.text), "no labels meet: there is no border to be uncertain of\n");
+    MUST_ANSWER(&interp, "hints", "no labels meet: there is no border to be uncertain of\n");
     is_refused(&interp, "hint 1", "no labels meet");
     must(&interp, "seed 1,1,1 1");
     must(&interp, "seed 10,9,8 2");
@@ -297,8 +296,7 @@ STORY(a_hint_is_recorded_as_the_cross_that_it_comes_to)
     snprintf(cross, sizeof cross, "cross %u,%u,%u", at[0], at[1], at[2]);
     CHECK_TEXT(buf_text(&reply.canonical), cross);
     is_refused(&interp, "hint 999", "expected one of the ");
-    must(&interp, "hints label=3");
-    CHECK_TEXT(buf_text(&reply.text), "none at the border of that label\n");
+    MUST_ANSWER(&interp, "hints label=3", "none at the border of that label\n");
     must(&interp, "undo"); /* of the seeds: hints follow */
     is_refused(&interp, "hint 1", "no labels meet");
     must(&interp, "redo");
@@ -317,8 +315,7 @@ STORY(a_report_has_all_of_them)
     must(&interp, "seed 1,1,1 1");
     must(&interp, "seed 10,9,8 2");
     is_refused(&interp, "hints report=h.csv", "expected a name that ends in .json");
-    must(&interp, "hints 1 report=h.json");
-    CHECK_HAS(buf_text(&reply.text), "wrote ");
+    MUST_MENTION(&interp, "hints 1 report=h.json", "wrote ");
     CHECK(file_read(&text, "h.json", 1 << 20, NULL) == OK);
     CHECK_HAS(buf_text(&text), "{\"number\": 1, \"place\": \"");
     CHECK_HAS(buf_text(&text), "\"volume_mm3\": ");

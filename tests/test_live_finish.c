@@ -88,20 +88,15 @@ STORY(finished_says_what_pictures_show)
 {
     struct interpreter interp;
     begin_with_objects(&interp);
-    must(&interp, "finished on");
-    CHECK_HAS(buf_text(&reply.text), "the finish has no step yet; `finish relax` adds one");
+    MUST_MENTION(&interp, "finished on", "the finish has no step yet; `finish relax` adds one");
     const uint64_t plain = picture_of(&interp, "render");
-    must(&interp, "finish relax");
-    CHECK_TEXT(buf_text(&reply.text), "finish    relax sweeps=60 reach=2; pictures show it\n");
+    MUST_ANSWER(&interp, "finish relax", "finish    relax sweeps=60 reach=2; pictures show it\n");
     CHECK(picture_of(&interp, "render") != plain);
-    must(&interp, "info");
-    CHECK_HAS(buf_text(&reply.text), "finish    relax sweeps=60 reach=2; pictures show it\n");
-    must(&interp, "save labels x.nii");
-    CHECK_HAS(buf_text(&reply.text), "`finished=yes` writes those that pictures show\n");
+    MUST_MENTION(&interp, "info", "finish    relax sweeps=60 reach=2; pictures show it\n");
+    MUST_MENTION(&interp, "save labels x.nii", "`finished=yes` writes those that pictures show\n");
     must(&interp, "save labels x.nii finished=yes replace=yes");
     CHECK(!strstr(buf_text(&reply.text), "pictures show"));
-    must(&interp, "finished off");
-    CHECK_TEXT(buf_text(&reply.text), "pictures show the labels of the forest\n");
+    MUST_ANSWER(&interp, "finished off", "pictures show the labels of the forest\n");
     CHECK(picture_of(&interp, "render") == plain);
     interpreter_release(&interp);
 }

@@ -26,8 +26,7 @@ STORY(distances_and_angles_are_those_of_the_world)
 {
     struct interpreter interp;
     begin_with_scene(&interp);
-    must(&interp, "measure 1,2,3 4,2,3");
-    CHECK_TEXT(buf_text(&reply.text), "3.00 mm, 3.00 voxels from 1,2,3 to 4,2,3\n");
+    MUST_ANSWER(&interp, "measure 1,2,3 4,2,3", "3.00 mm, 3.00 voxels from 1,2,3 to 4,2,3\n");
     must(&interp, "measure 1,2,3 1,4,3"); /* 2 steps of 0, 1.5, 0.25 mm */
     HAS("3.04 mm, 2.00 voxels");
     must(&interp, "measure 1,2,3 1,2,3");

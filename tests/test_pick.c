@@ -177,8 +177,7 @@ STORY(a_cut_shows_how_deep_a_voxel_lies)
     must(&interp, "seed 20,20,20 1");
     must(&interp, "plane 20,20,20"); /* from the front; the whole scene is label 1 */
     must(&interp, "render");
-    must(&interp, "pick 20 20");
-    CHECK_HAS(buf_text(&reply.text), "voxel 20,20,20 ");
+    MUST_MENTION(&interp, "pick 20 20", "voxel 20,20,20 ");
     CHECK_HAS(buf_text(&reply.text), "20.00 mm from the border of label 1, at 20,20,0\n");
     must(&interp, "pick 17 20"); /* from the front, his right is on the left */
     CHECK_HAS(buf_text(&reply.text), "voxel 23,20,20 ");
@@ -208,13 +207,11 @@ STORY(info_tells_how_the_patient_lies_in_the_picture)
     must(&interp, "open synth:geom:40x30x20");
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
         must(&interp, row[i].view);
-        must(&interp, "info");
-        CHECK_HAS(buf_text(&reply.text), row[i].words);
+        MUST_MENTION(&interp, "info", row[i].words);
     }
     CHECK_HAS(buf_text(&reply.text), "pixels, 19.5,14.5,9.5 in the middle\n");
     must(&interp, "focus 3,4,5");
-    must(&interp, "info");
-    CHECK_HAS(buf_text(&reply.text), "pixels, 3,4,5 in the middle\n");
+    MUST_MENTION(&interp, "info", "pixels, 3,4,5 in the middle\n");
     CHECK_HAS(command_find("view")->detail, "his left is on your right from the front");
     interpreter_release(&interp);
 }

@@ -347,8 +347,7 @@ STORY(a_turntable_shows_what_turning_shows)
     must(&interp, "view 350 20");
     must(&interp, "render");
     const uint64_t before = rendition_digest(session_frame(interp.session));
-    must(&interp, "spin 4 turn%02d.exr");
-    CHECK_TEXT(buf_text(&reply.text), "wrote turn00.exr to turn03.exr\n");
+    MUST_ANSWER(&interp, "spin 4 turn%02d.exr", "wrote turn00.exr to turn03.exr\n");
     CHECK_HAS(buf_text(&reply.words), "spin=");
     CHECK(session_rendered(interp.session) && interp.session->now.outlook.view.angle[0] == 350000);
     CHECK(rendition_digest(session_frame(interp.session)) == before);
@@ -454,8 +453,7 @@ STORY(an_animated_picture_has_every_frame)
     struct image_facts facts;
     struct picture p, q;
     begin_with_object(&interp);
-    must(&interp, "spin 5 round.gif delay=80");
-    CHECK_TEXT(buf_text(&reply.text), "wrote round.gif, 5 pictures\n");
+    MUST_ANSWER(&interp, "spin 5 round.gif delay=80", "wrote round.gif, 5 pictures\n");
     must(&interp, "spin 5 round.tif");
     CHECK_INT(image_helper_about(interp.helper, "round.gif", &facts, NULL), OK);
     CHECK_INT(facts.frames, 5);
@@ -589,8 +587,7 @@ STORY(at_a_prompt_a_picture_is_written_beside_the_session)
 {
     struct interpreter interp;
     begin_beside(&interp);
-    must(&interp, "render beside.png");
-    CHECK_TEXT(buf_text(&reply.text), "writing beside.png\n");
+    MUST_ANSWER(&interp, "render beside.png", "writing beside.png\n");
     CHECK_TEXT(news_of(&interp), "wrote beside.png\n");
     CHECK(file_exists("beside.png"));
     must(&interp, "render beside.exr");

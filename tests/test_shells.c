@@ -83,8 +83,7 @@ STORY(a_shell_cuts_no_other_object)
     must(&interp, "seed 5,5,5 1");
     must(&interp, "box 5,5,8 5,5,9 2");
     CHECK_INT(label_at(5, 5, 9), 2);
-    must(&interp, "seed 5,5,5 0 radius=4 shell=yes");
-    CHECK_HAS(buf_text(&reply.text), "left out, in another object: ");
+    MUST_MENTION(&interp, "seed 5,5,5 0 radius=4 shell=yes", "left out, in another object: ");
     CHECK_INT(label_at(5, 5, 9), 2);
     must(&interp, "undo");
     must(&interp, "seed 5,5,5 0 radius=4 shell=yes around=2"); /* which cuts that one, and not 1 */
@@ -120,16 +119,13 @@ STORY(why_names_the_strongest_edge_and_the_label_that_would_come_next)
     must(&interp, "label 2 \"left hemi\"");
     must(&interp, "seed 1,1,1 1");
     must(&interp, "run");
-    must(&interp, "why 9,1,1");
-    CHECK_HAS(buf_text(&reply.text), ": its strongest edge\n");
+    MUST_MENTION(&interp, "why 9,1,1", ": its strongest edge\n");
     CHECK(!strstr(buf_text(&reply.text), "next is label"));
     must(&interp, "seed 10,1,1 2");
     must(&interp, "run");
-    must(&interp, "why 9,1,1");
-    CHECK_HAS(buf_text(&reply.text), "label 2 left hemi, of the seed at 10,1,1");
+    MUST_MENTION(&interp, "why 9,1,1", "label 2 left hemi, of the seed at 10,1,1");
     CHECK_HAS(buf_text(&reply.text), "next is label 1, at a cost of ");
-    must(&interp, "why 1,1,1");
-    CHECK_HAS(buf_text(&reply.text), "next is label 2 left hemi, at a cost of ");
+    MUST_MENTION(&interp, "why 1,1,1", "next is label 2 left hemi, at a cost of ");
     must(&interp, "weight polarity");
     must(&interp, "why 9,1,1");
     CHECK(!strstr(buf_text(&reply.text), "next is label"));

@@ -48,8 +48,7 @@ STORY(a_stroke_is_one_record_one_marker_and_one_undo)
     must(&interp, "undo");
     CHECK_INT(seeds(), 1);
     must(&interp, "redo");
-    must(&interp, "remove 3,3,3");
-    CHECK_HAS(buf_text(&reply.text), "marker 2 removed: 9 seeds of label 1");
+    MUST_MENTION(&interp, "remove 3,3,3", "marker 2 removed: 9 seeds of label 1");
     CHECK_INT(seeds(), 1);
     interpreter_release(&interp);
 }
@@ -162,8 +161,7 @@ STORY(a_line_of_the_journal_holds_thousands_of_corners)
         buf_printf(&line, " to=%u,%u,%u", x, y, check_below(&random, size[2]));
     }
     must(&interp, buf_text(&line));
-    must(&interp, "history");
-    CHECK_HAS(buf_text(&reply.text), " bytes more)");
+    MUST_MENTION(&interp, "history", " bytes more)");
     CHECK(reply.text.length < 2000);
     take_snapshot(&end, &interp);
     resume("long.iftty");
@@ -222,8 +220,7 @@ STORY(only_intensities_of_the_range_are_planted)
     CHECK(fits);
     must(&interp, "undo 2");
     write_text("few.csv", "1,1,1,1\n9,9,8,1\n");
-    must(&interp, "seed-file few.csv range=0..20");
-    CHECK_HAS(buf_text(&reply.text), "1 seed\n");
+    MUST_MENTION(&interp, "seed-file few.csv range=0..20", "1 seed\n");
     is_refused(&interp, "seed 1,1,1 1 range=200..300",
                "range: no voxel of it has such an intensity");
     is_refused(&interp, "seed 1,1,1 1 range=20",
@@ -278,8 +275,7 @@ STORY(an_outline_says_what_lies_on_both_sides_of_a_border)
     must(&interp, "undo");
     CHECK_INT(seeds(), 1);
     must(&interp, "redo");
-    must(&interp, "remove 5,5,5");
-    CHECK_HAS(buf_text(&reply.text), "marker 2 removed: 9 seeds of label 1");
+    MUST_MENTION(&interp, "remove 5,5,5", "marker 2 removed: 9 seeds of label 1");
     CHECK_INT(seeds(), 1);
     must(&interp, "undo");
     must(&interp, "remove 2,4,5"); /* by its ring */
@@ -473,8 +469,7 @@ STORY(what_waits_runs_with_the_next_edit_and_not_by_going_there)
     must(&interp, "seed 9,9,9 2");
     must(&interp, "run");
     must(&interp, "undo"); /* record 5: two edits wait */
-    must(&interp, "auto on");
-    CHECK_TEXT(buf_text(&reply.text), "2 edits waiting for `run` or the next edit\n");
+    MUST_ANSWER(&interp, "auto on", "2 edits waiting for `run` or the next edit\n");
     CHECK_INT(session_pendings(interp.session), 2);
     must(&interp, "seed 5,5,5 3"); /* runs all three */
     CHECK_INT(seeds(), 3);

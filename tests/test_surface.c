@@ -582,8 +582,7 @@ STORY(commands_say_what_they_wrote_and_what_is_wrong)
     CHECK_HAS(fault.text, "no voxel has a label above 0: plant a `seed` first");
     must(&interp, "seed 20,15,10 1");
     must(&interp, "seed 2,2,2 2");
-    must(&interp, line);
-    CHECK_HAS(buf_text(&reply.text), "wrote ");
+    MUST_MENTION(&interp, line, "wrote ");
     CHECK_HAS(buf_text(&reply.text), "label 1: ");
     CHECK_HAS(buf_text(&reply.text), " triangles around ");
     CHECK_HAS(buf_text(&reply.text), "label 2: ");
@@ -594,8 +593,7 @@ STORY(commands_say_what_they_wrote_and_what_is_wrong)
     must(&interp, line);
     CHECK(strstr(buf_text(&reply.text), "label 2") == NULL);
     snprintf(line, sizeof line, "save surface %s", file_in(folder, "a.stl"));
-    must(&interp, line);
-    CHECK_HAS(buf_text(&reply.text), "all labels: ");
+    MUST_MENTION(&interp, line, "all labels: ");
     strcat(line, " label=7"); /* said before what keeps the file */
     CHECK_INT(execute(&interp, line), ERR_INPUT);
     CHECK_HAS(fault.text, "no voxel has label 7; nothing was written");

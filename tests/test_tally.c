@@ -294,8 +294,7 @@ STORY(an_edit_is_answered_with_what_it_changed)
     CHECK_HAS(answer(), ", label 2 cerebellum: ");
     must(&interp, "seed 1,1,1 2"); /* is there already */
     CHECK(strstr(answer(), "cerebellum") == NULL);
-    must(&interp, "hide 2");
-    CHECK_TEXT(buf_text(&reply.text), "");
+    MUST_ANSWER(&interp, "hide 2", "");
     interpreter_release(&interp);
 }
 
