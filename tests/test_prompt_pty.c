@@ -553,6 +553,10 @@ STORY(a_long_answer_is_printed_by_pages)
     CHECK(!begins(&t, MORE));
     type(&t, "help\r");
     SEE_FOOT(&t, MORE);
+    type(&t, "  q"); /* keys that arrive together are a page each */
+    SEE_LINE(&t, "synth>");
+    type(&t, "help\r");
+    SEE_FOOT(&t, MORE);
     set_size(&t, 80, 12);
     type(&t, " ");
     SEE_FOOT(&t, MORE);

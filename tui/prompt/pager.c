@@ -74,11 +74,13 @@ static bool await_key(struct line_editor *e)
 {
     struct key_event event;
     bool stays = true, has_key = false;
-    while (stays && !has_key)
+    while (stays && !has_key) {
+        if (line_editor_next(e, &event)) {
+            stays = take_event(e, &event, &has_key);
+            continue;
+        }
         switch (term_read(&e->input, keys_waiting(&e->keys) ? KEYS_TIMEOUT_MS : -1, -1)) {
         case TERM_BYTES:
-            while (stays && !has_key && line_editor_next(e, &event))
-                stays = take_event(e, &event, &has_key);
             break;
         case TERM_TIMEOUT:
             stays = !line_editor_time_out(e, &event) || take_event(e, &event, &has_key);
@@ -90,6 +92,7 @@ static bool await_key(struct line_editor *e)
         default:
             stays = false;
         }
+    }
     return stays;
 }
 
