@@ -1063,8 +1063,8 @@ STORY(letters_of_a_word_change_with_their_bytes)
     act(LINE_HOME, 1);
     ACT(LINE_UPPER, 1, "LABEL| 2 \u00e9tag\u00e8re \u0131x \xff stra\u00dfe");
     ACT(LINE_CAPITAL, 2, "LABEL 2 \u00c9tag\u00e8re| \u0131x \xff stra\u00dfe");
-    ACT(LINE_UPPER, 3,
-        "LABEL 2 \u00c9tag\u00e8re IX \xff STRA\u00dfE|"); /* two bytes become one, and what is no character stays */
+    /* two bytes become one, and what is no character stays */
+    ACT(LINE_UPPER, 3, "LABEL 2 \u00c9tag\u00e8re IX \xff STRA\u00dfE|");
     act(LINE_UPPER, 1);
     act(LINE_WORD_LEFT, 1);
     ACT(LINE_LOWER, 1, "LABEL 2 \u00c9tag\u00e8re IX \xff stra\u00dfe|");
