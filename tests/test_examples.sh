@@ -79,7 +79,7 @@ close_story
 begin "what the READMEs name is there"
 find . -path ./build -prune -o -type f -print | sed 's|.*/||' | sort -u >"$work/files"
 for readme in $(find . -path ./build -prune -o -name README.md -print); do
-    for name in $(grep -oE '\b[a-z_]+\.(c|h|cc|sh|md|txt|py)\b' "$readme" | sort -u); do
+    for name in $(grep -oE '\b[a-z_-]+\.(c|h|cc|sh|md|txt|py)\b' "$readme" | sort -u); do
         grep -qxF -e "$name" "$work/files" || fail "$readme: there is no $name"
     done
     for name in $(grep -oE '\btest_[a-z_]+\b' "$readme" | sort -u); do

@@ -250,8 +250,8 @@ box 5,5,14 24,18,14 3
 render
 render
 END
-same "$(grep '^the finish' out)" "the finish deletes label 2; \`stats\` counts the voxels
-the finish deletes label 3; \`stats\` counts the voxels"
+same "$(grep '^the finish' out)" "the finish deletes label 2; see \`stats\`
+the finish deletes label 3; see \`stats\`"
 close_story
 
 begin "what a step does not take is refused, and so is what reaches too far"

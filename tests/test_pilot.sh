@@ -591,7 +591,7 @@ if "$iftty" run reference >/dev/null 2>&1; then
     same "$(printf '%s\n' "$keys" | wc -l)" 10
     for key in $keys; do type_letters "$key"; done
     see '^axial at 20,108,10  brush 0 r6  here 0'
-    see '^the finish breaks label 1 to 1690916 voxels in 4 pieces; `stats` counts'
+    see '^the finish breaks label 1 to 1690916 voxels in 4 pieces; see `stats`'
     type_letters "1bgc" # the volume is that of what is shown, which has settled
     tmux_here resize-window -t prompt -x 110 -y 24
     see 'finished  here 1 1\.69 l'

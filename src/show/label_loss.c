@@ -196,7 +196,7 @@ void label_loss_write_line(struct buf *out, const struct session *session,
                        plural(loss->after[l].pieces));
     }
     if (loss->labels)
-        buf_add_text(out, "; `stats` counts the voxels\n");
+        buf_add_text(out, "; see `stats`\n");
 }
 
 void label_loss_write(struct buf *out, const struct session *session, const struct label_loss *loss)
