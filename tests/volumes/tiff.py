@@ -17,7 +17,7 @@ import zlib
 import nibabel
 import numpy
 import tifffile
-from PIL import Image, ImageOps, ImageSequence
+from PIL import Image, ImageSequence
 
 SIZE = (26, 22, 5)  # x, y, z
 KINDS = "uint8 int8 uint16 int16 uint32 int32 uint64 int64 float16 float32 float64".split()
@@ -254,12 +254,15 @@ def make_samples():
     write("range.tif", [page(z, _280=(3, 5), _281=(3, 9), _340=(3, 5), _341=(3, 9), _339=(3, 4))
                         for z in bare])
     tell("samples", "range.tif", "uint16.twin.nii")
-    for orientation in range(2, 9):
+    # By numpy: some versions of PIL turn a page when it is read, and others do not.
+    turns = {2: lambda one: one[:, ::-1], 3: lambda one: one[::-1, ::-1], 4: lambda one: one[::-1],
+             5: lambda one: one.T, 6: lambda one: numpy.rot90(one, -1),
+             7: lambda one: one[::-1, ::-1].T, 8: numpy.rot90}
+    for orientation, turn in turns.items():
         name = "turned%d.tif" % orientation
         grey(name, data, extratags=[(274, 3, 1, orientation, False)])
-        shown = [numpy.array(ImageOps.exif_transpose(one.copy()))
-                 for one in ImageSequence.Iterator(Image.open(name))]
-        tell("samples", name, twin("turned%d" % orientation, numpy.stack(shown)))
+        tell("samples", name, twin("turned%d" % orientation,
+                                   numpy.stack([turn(one) for one in data])))
 
 
 # ---- pages that are no slices ----
