@@ -47,11 +47,11 @@ enum err run_version(const struct options *o, struct fault *fault)
     const char *extra;
     (void)o;
     exr_get_library_version(&exr[0], &exr[1], &exr[2], &extra);
+    /* A version next to "deflate" in the binary is a copy of zlib to lintian. */
     printf("iftty " PROGRAM_VERSION "\n"
            "semantics %d of journals\n"
            "OpenEXR %d.%d.%d, zlib %s, libdeflate %s, nettle %d.%d\n",
-           SEMANTICS, exr[0], exr[1], exr[2], zlibVersion(),
-           LIBDEFLATE_VERSION_STRING, /* next to its name, lintian takes it for a copy of zlib */
+           SEMANTICS, exr[0], exr[1], exr[2], zlibVersion(), LIBDEFLATE_VERSION_STRING,
            nettle_version_major(), nettle_version_minor());
     struct buf text = {0};
     for (size_t i = 0; i < sizeof helpers / sizeof *helpers; i++) {
