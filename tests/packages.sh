@@ -54,7 +54,7 @@ begin "the manual, completions and papers are where Debian has them"
 there somebody "man -w iftty iftty-verify iftty-journal"
 same "$(grep -c '^/usr/share/man/man[15]/iftty' "$work/out")" 3
 there somebody "man iftty-journal"
-out_has "BYTE FOR BYTE"
+out_has "THE SCENE"
 there somebody "cd /usr/share && ls bash-completion/completions/iftty zsh/vendor-completions/_iftty
     cd /usr/share/doc/iftty && ls README.md.gz FORMAT.md.gz PROMISES.md SECURITY.md changelog.gz"
 close_story

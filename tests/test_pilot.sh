@@ -41,7 +41,7 @@ no_words() {
 begin_terminal
 
 begin "pilot takes the whole screen: slices, and where the cross-hair is"
-enter_anew "$iftty s.nii"
+enter_anew "$iftty --graphics blocks s.nii"
 see '^24x20x16 voxels'
 see '^Ctrl-O: the pilot, to segment by keys; `help`: the commands$'
 enter "pilot"
@@ -514,7 +514,7 @@ grep -qx 'cross 11,13,8' s-1.iftty || fail "a move is not in the journal"
 close_story
 
 begin "no side is named where nobody knows it"
-enter_anew "$iftty u.nii"
+enter_anew "$iftty --graphics blocks u.nii"
 see '^u>$'
 press C-o
 see '^ *10 mm'
@@ -530,7 +530,7 @@ sane
 close_story
 
 begin "Ctrl-O is the pilot too; killed there, the terminal is sane"
-enter_anew "sh -c 'echo \$\$ >pid; exec $iftty s-1.iftty'"
+enter_anew "sh -c 'echo \$\$ >pid; exec $iftty --graphics blocks s-1.iftty'"
 see '^s-1>$'
 press C-o
 see '^axial'
@@ -541,7 +541,7 @@ expect 0 "$iftty" verify s-1.iftty
 close_story
 
 begin "killed while the pen is down, all but that stroke is in the journal"
-enter_anew "sh -c 'echo \$\$ >pid; exec $iftty s-1.iftty'"
+enter_anew "sh -c 'echo \$\$ >pid; exec $iftty --graphics blocks s-1.iftty'"
 see '^s-1>$'
 press C-o
 see '^axial'
@@ -566,7 +566,7 @@ same "$(last_record)" "$last"
 expect 0 "$iftty" verify s-1.iftty
 expect 0 "$iftty" log --check s-1.iftty
 grep -q '^intact' out || fail "$(cat out)"
-enter_anew "$iftty s-1.iftty"
+enter_anew "$iftty --graphics blocks s-1.iftty"
 see '^s-1>$'
 enter "undo"
 see "^undone: [0-9]* $last"
@@ -583,7 +583,7 @@ seed 60,108,90 1
 run
 END
 if "$iftty" run reference >/dev/null 2>&1; then
-    enter_anew "IFTTY_CONFIG= $iftty ch2.nii.gz"
+    enter_anew "IFTTY_CONFIG= $iftty --graphics blocks ch2.nii.gz"
     see '^ch2>$'
     press C-o
     see '^axial at 90,108,90  brush 1 r6'
@@ -621,7 +621,7 @@ start overlay tint
 start overlay red
 END
 rm -f s-*.iftty
-enter_anew "IFTTY_CONFIG=config $iftty s.nii"
+enter_anew "IFTTY_CONFIG=config $iftty --graphics blocks s.nii"
 see '^config:4: there is no action undu; did you mean undo\?; left out$'
 see '^config:7: LABELS: expected '
 see '^s>$'
@@ -638,7 +638,7 @@ type_letters "q"
 enter "quit"
 see '^journal: '
 grep -qx 'overlay tint' s-1.iftty || fail "the command is not recorded"
-enter_anew "IFTTY_CONFIG=config $iftty s-1.iftty"
+enter_anew "IFTTY_CONFIG=config $iftty --graphics blocks s-1.iftty"
 see 'resumed as they left it'
 enter "quit"
 see '^journal: '
@@ -652,7 +652,7 @@ close_story
 
 begin "a theme without colours has none anywhere"
 echo "theme none" >config
-enter_anew "IFTTY_CONFIG=config $iftty s.nii"
+enter_anew "IFTTY_CONFIG=config $iftty --graphics blocks s.nii"
 see '^s>$'
 type_letters "see"
 press C-u
@@ -671,7 +671,7 @@ close_story
 
 begin "keys typed while a command runs are taken after it, in their order"
 rm -f synth-*.iftty
-enter_anew "$iftty synth:geom:240x240x240"
+enter_anew "$iftty --graphics blocks synth:geom:240x240x240"
 see '^Ctrl-O: the pilot'
 press C-o
 see '^axial at 120,120,120'
