@@ -92,7 +92,8 @@ start_session four.iftty s.nii
 screen_text >before
 ! grep -q 'Gi=31\|AAAA\|2026' before || fail "garbage:" "$(cat before)"
 enter "slice axial"
-see "$half_block"
+# a tmux that shows sixel has pictures, which are no text
+[ "$(tmux_here display-message -p '#{sixel_support}')" = 1 ] || see "$half_block"
 enter "quit"
 see '^journal: four'
 sane

@@ -11,11 +11,10 @@ needs exrheader oiiotool idiff || { close_story; finish; }
 make_scene s.nii 24 20 16
 heic='' fits='' # in Debian 13 OpenImageIO does not write HEIC, and oiiotool aborts on its own FITS
 by_oiiotool() { # FORMAT
-    oiiotool --create 16x16 3 -d uint8 -o tried."$1" >/dev/null 2>&1 &&
-        (oiiotool tried."$1" -o tried.tif) >/dev/null 2>&1
+    { oiiotool --create 16x16 3 -d uint8 -o "$1" && oiiotool "$1" --ch 0,1,2 -o t.tif; } >t 2>&1
 }
-by_oiiotool heic && heic=heic
-by_oiiotool fits && fits=fits
+by_oiiotool t.heic && heic=heic
+by_oiiotool t.fits && fits=fits
 formats="png tif tiff bmp tga ppm sgi iff rla dpx fits ico jp2 gif jpg webp hdr $heic"
 {
     # Pale colours: formats with loss have half as many pixels for hues.

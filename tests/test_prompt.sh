@@ -16,7 +16,7 @@ below() {
 begin_terminal
 
 begin "the prompt appears, and what was typed before it is not lost"
-enter_anew "EDITOR='sh ./edit.sh' $iftty s.nii"
+enter_anew "EDITOR='sh ./edit.sh' $iftty --graphics blocks s.nii"
 enter "label 2 early"
 see '^s> label 2 early$'
 see '^s>$'
