@@ -106,6 +106,8 @@ std::string printable(const std::string &text, size_t most);
 std::string shown(const std::string &name);
 
 std::string in_small_letters(std::string text);
+/* The words between blanks. */
+std::vector<std::string> words_in(const std::string &text);
 
 /* What is answered where a library ends the process by a signal from now on. */
 void expect_end(const std::string &words);

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <sstream>
 
 extern "C" {
 #include "image/units.h"
@@ -16,15 +15,6 @@ namespace volume
 {
 
 /* ---- values of fields ---- */
-
-std::vector<std::string> words_of_field(const std::string &value)
-{
-    std::istringstream stream(value);
-    std::vector<std::string> words;
-    for (std::string word; stream >> word;)
-        words.push_back(word);
-    return words;
-}
 
 /* The texts between quotes. */
 std::vector<std::string> quoted_in(const std::string &value)
@@ -42,7 +32,7 @@ std::vector<std::string> quoted_in(const std::string &value)
 
 void check_numbers(const Header &header, const char *name)
 {
-    for (const std::string &word : words_of_field(header.value(name))) {
+    for (const std::string &word : words_in(header.value(name))) {
         char *end;
         std::strtod(word.c_str(), &end);
         if (*end == '\0')
@@ -78,7 +68,7 @@ void take_unit(Units &units, int axis, const std::string &word)
 std::vector<size_t> axes_of_space(const Header &header)
 {
     const std::string directions = header.value("space directions");
-    const std::vector<std::string> kinds = words_of_field(in_small_letters(header.value("kinds")));
+    const std::vector<std::string> kinds = words_in(in_small_letters(header.value("kinds")));
     const size_t rank = std::strtoul(header.value("dimension").c_str(), nullptr, 10);
     std::vector<bool> has_none;
     for (size_t at = 0; at < directions.size(); at++)
@@ -113,7 +103,7 @@ std::vector<size_t> axes_of_space(const Header &header)
 
 bool nrrd_has_spacings(const Header &header)
 {
-    const std::vector<std::string> words = words_of_field(header.value("spacings"));
+    const std::vector<std::string> words = words_in(header.value("spacings"));
     for (const size_t axis : axes_of_space(header))
         if (axis >= words.size() || std::isnan(std::strtod(words[axis].c_str(), nullptr)))
             return false;

@@ -190,10 +190,10 @@ void label_loss_write_line(struct buf *out, const struct session *session,
         buf_add_text(out, between);
         write_verb(out, session, loss, l);
         between = ", ";
-        if (loss->after[l].voxels)
-            buf_printf(out, " to %llu voxels in %u piece%s",
-                       (unsigned long long)loss->after[l].voxels, loss->after[l].pieces,
-                       plural(loss->after[l].pieces));
+        if (loss->after[l].voxels) {
+            buf_add_text(out, " to ");
+            write_extent(out, &loss->after[l]);
+        }
     }
     if (loss->labels)
         buf_add_text(out, "; see `stats`\n");
