@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: MIT
 # The layout of the source: who may include whom, headers that stand alone, integers only between a
 # seed and a pixel, C++ in the helpers alone, no large libraries, one place for the names of
-# commands. `test_layout.sh count` prints what has a ceiling, and no more.
+# commands, no more of the patterns of tests/words.txt than a room may have. `test_layout.sh count`
+# prints the counts alone, `test_layout.sh words [ROOM]` each place of a pattern.
 . "$(dirname "$0")/lib.sh"
 
 law=$top/tests/layout.txt
@@ -12,21 +13,35 @@ sources() { # every C and C++ file of the folders given
         -name '*.hpp' -o -name '*.cxx' -o -name '*.C' \) 2>/dev/null | sort
 }
 
-# "FILE:LINE:CODE" of files, without comments; string and character literals stay.
-code_of() { # FILE...
-    awk '
+# Print "FILE:LINE:CODE" without comments; string and character literals stay. Write the comments
+# to the file COMMENTS, unless that is empty, as "FILE:LINE:COMMENT", one line each.
+code_of() { # COMMENTS FILE...
+    comments=$1
+    shift
+    awk -v comments="$comments" '
+    function keep(text) {
+        gsub(/^[ \t*]+|[ \t*\/]+$/, "", text)
+        comment = comment (comment == "" || text == "" ? "" : " ") text
+    }
+    function flush() {
+        if (comment != "" && comments != "") print from ":" comment >comments
+        comment = ""
+    }
     FNR == 1 { inside = 0 }
     { line = $0; code = ""
       while (length(line)) {
           if (inside) {
               at = index(line, "*/")
-              if (!at) { line = ""; break }
+              if (!at) { keep(line); line = ""; break }
+              keep(substr(line, 1, at - 1)); flush()
               line = substr(line, at + 2); inside = 0
           } else if (!match(line, /["\047]|\/[*\/]/)) { code = code line; line = ""
           } else {
               code = code substr(line, 1, RSTART - 1); line = substr(line, RSTART)
-              if (substr(line, 1, 2) == "/*") { inside = 1; line = substr(line, 3)
-              } else if (substr(line, 1, 2) == "//") { line = ""
+              if (substr(line, 1, 2) == "/*") {
+                  inside = 1; line = substr(line, 3); from = FILENAME ":" FNR
+              } else if (substr(line, 1, 2) == "//") {
+                  from = FILENAME ":" FNR; keep(substr(line, 3)); flush(); line = ""
               } else if (match(line, /^"([^"\\]|\\.)*"/) ||
                          match(line, /^\047([^\047\\]|\\.)*\047/)) {
                   code = code substr(line, 1, RLENGTH); line = substr(line, RLENGTH + 1)
@@ -36,7 +51,7 @@ code_of() { # FILE...
       print FILENAME ":" FNR ":" code }' "$@" </dev/null
 }
 # shellcheck disable=SC2046
-code_of $(sources src journal render tui) >"$work/code"
+code_of "$work/comments" $(sources src journal render tui) >"$work/code"
 
 # "FILE INCLUDED" for each line of such code that includes a file of ours.
 includes() {
@@ -79,6 +94,67 @@ echo "# count: $(counted code) code lines, $(counted comments) comment lines for
     "$(counted tests) lines of tests"
 [ "$1" != count ] || exit 0
 
+# Each place of a pattern of tests/words.txt: "ROOM KIND FILE:LINE: [PATTERN] TEXT", where KIND is
+# comments, messages (string literals) or readme.
+words_of() { # COMMENTS CODE README...
+    awk '
+    function found(kind, place, text,    i, low, room) {
+        low = " " tolower(text) " "
+        gsub(/`[^`]*`/, " ", low)
+        room = place
+        sub(/:.*/, "", room); sub(/^src\//, "", room)
+        if (!sub(/\/[^\/]*$/, "", room)) room = "top"
+        for (i = 1; i <= patterns; i++)
+            if ((kinds[i] == "all" || kinds[i] == kind) && match(low, pattern[i]))
+                print room, kind, place ": [" name[i] "] " text
+    }
+    FILENAME ~ /words.txt$/ {
+        if (match($0, /^(all|comments) [^:]*: /)) {
+            patterns++
+            kinds[patterns] = $1
+            name[patterns] = substr($0, length($1) + 2, RLENGTH - length($1) - 3)
+            pattern[patterns] = substr($0, RLENGTH + 1)
+        }
+        next
+    }
+    FILENAME ~ /comments$/ {
+        place = $0
+        match(place, /^[^:]*:[0-9]*/)
+        found("comments", substr(place, 1, RLENGTH), substr($0, RLENGTH + 2))
+        next
+    }
+    FILENAME ~ /code$/ {
+        match($0, /^[^:]*:[0-9]*/)
+        place = substr($0, 1, RLENGTH)
+        line = substr($0, RLENGTH + 2)
+        while (match(line, /"([^"\\]|\\.)*"/)) {
+            text = substr(line, RSTART + 1, RLENGTH - 2)
+            line = substr(line, RSTART + RLENGTH)
+            if (text ~ / /) found("messages", place, text)
+        }
+        next
+    }
+    /^    / { next }
+    { found("readme", FILENAME ":" FNR, $0) }' tests/words.txt "$@"
+}
+words_of "$work/comments" "$work/code" $(find README.md src journal render tui tests examples \
+    -name '*.md' | sort) >"$work/words"
+if [ "$1" = words ]; then
+    grep -E "^${2:-.*} " "$work/words"
+    exit 0
+fi
+begin "no room uses more of the patterns of tests/words.txt than it may"
+for kind in comments messages readme; do
+    for room in $(cut -d' ' -f1 "$work/words" | sort -u); do
+        now=$(grep -c "^$room $kind " "$work/words")
+        may=$(sed -n "s|^count $room $kind: ||p" tests/words.txt)
+        [ "$now" -le "${may:-0}" ] ||
+            fail "$room has $now in its $kind, and may have ${may:-0}:" \
+                "see sh tests/test_layout.sh words $room"
+    done
+done
+close_story
+
 # One line for every such pair that the law does not allow.
 violations() {
     awk -v law="$law" '
@@ -104,7 +180,7 @@ mkdir -p "$fake/src/engine" "$fake/src/base" "$fake/journal" "$fake/render" \
     "$fake/tui" "$fake/src/odd"
 broken() { # the files of the fake tree that break the law
     # shellcheck disable=SC2046
-    (cd "$fake" && code_of $(sources src journal render tui)) | includes | violations -
+    (cd "$fake" && code_of "" $(sources src journal render tui)) | includes | violations -
 }
 printf '#include "base/err.h"\n/* #include "tui/term.h" */\n' >"$fake/src/engine/fine.c"
 printf '#include "base/err.h"\n#include "program/program.h"\n' >"$fake/src/main.c"
@@ -208,9 +284,9 @@ floats() { # "CODE FILE:LINE:" of code that has any
 found=$(grep -E '^(src/engine|render)/' "$work/code" | floats)
 [ -z "$found" ] || fail "$found"
 printf 'int a; /* a float\n double */ int doubled = 1;\n' >"$work/a.c"
-same "$(code_of "$work/a.c" | sed 's|.*/||' | floats)" ""
+same "$(code_of "" "$work/a.c" | sed 's|.*/||' | floats)" ""
 printf 'int b;\nstatic float c;\n' >"$work/b.c"
-same "$(code_of "$work/b.c" | sed 's|.*/||' | floats | wc -l | tr -d ' ')" 1
+same "$(code_of "" "$work/b.c" | sed 's|.*/||' | floats | wc -l | tr -d ' ')" 1
 close_story
 
 # The programs that it is measured against (tests/peers), and what writes files for tests, are no
@@ -464,7 +540,7 @@ done
     fail "$(counted comments) comment lines for 1000 code lines, not $(of_room floor comments)"
 printf 'void a(void)\n{\n    b(); /* c */\n    /*\n     * d */\n\n    // e\n    f("/*");\n}\n' \
     >"$work/a.c"
-same "$(code_of "$work/a.c" | grep -vcE ':[[:space:]]*$')" 5
+same "$(code_of "" "$work/a.c" | grep -vcE ':[[:space:]]*$')" 5
 close_story
 
 # What README says of the licence, where machines look for it; first, or after the line of a script
