@@ -241,7 +241,7 @@ STORY(help_is_narrow_and_has_every_option)
 
 STORY(the_keys_of_the_lesson_are_those_of_the_readme)
 {
-    static const char mark[] = "<!-- organ: the keys, and what they do -->\n\n";
+    static const char mark[] = "<!-- organ: the keys of the lesson -->\n\n";
     static const char end[] = "\n<!-- end of organ -->\n";
     struct buf readme = {0}, keys = {0};
     CHECK(file_read(&readme, "README.md", 1 << 20, NULL) == OK);
